@@ -1,0 +1,13 @@
+# Flags for our own targets only: what third-party headers do is not our concern.
+add_library(bodyopt_flags INTERFACE)
+target_compile_features(bodyopt_flags INTERFACE cxx_std_20)
+target_compile_options(bodyopt_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror)
+# GPU results are compared with CPU results: a multiply and an add stay two roundings on both.
+target_compile_options(bodyopt_flags INTERFACE -ffp-contract=off)
+target_include_directories(bodyopt_flags INTERFACE ${PROJECT_SOURCE_DIR})
+
+option(BODYOPT_SANITIZE "Build with AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
+if(BODYOPT_SANITIZE)
+  target_compile_options(bodyopt_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -O1)
+  target_link_options(bodyopt_flags INTERFACE -fsanitize=address,undefined)
+endif()

@@ -1,0 +1,54 @@
+// Draws meshes offscreen with Vulkan: the pictures of reports, and the base of the viewport.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace bodyopt {
+
+struct Image {
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint8_t> rgba;  // height x width x 4, sRGB, top row first
+};
+
+struct Camera {
+  std::array<float, 3> eye{}, target{};  // metres, world
+  float vertical_angle = 0.5f;           // radians
+};
+
+// A camera that sees the box [low, high] whole, from the direction given (world, towards the camera).
+Camera frame_box(const std::array<float, 3>& low, const std::array<float, 3>& high,
+                 const std::array<float, 3>& direction, float aspect);
+
+// A mesh to draw. Positions and normals V x 3, world; colours V x 3, linear RGB (empty: clay).
+struct DrawMesh {
+  std::span<const float> positions, normals;
+  std::span<const std::uint32_t> triangles;
+  std::span<const float> colours;
+};
+
+class Renderer {
+ public:
+  // `device` as in DeviceChoice (never "cpu": rendering needs a Vulkan device). Throws Error(device).
+  explicit Renderer(const std::string& device = "auto");
+  ~Renderer();
+  // Antialiased, clay under soft studio lights, on a dark neutral ground.
+  Image draw(std::span<const DrawMesh> meshes, const Camera& camera, std::uint32_t width, std::uint32_t height);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// Colour of a heat map for t in 0..1 (0: clay-neutral, 1: hot), linear RGB; perceptually ordered.
+std::array<float, 3> heat_colour(float t);
+
+std::vector<std::uint8_t> encode_png(const Image& image);
+void write_png(const Image& image, const std::filesystem::path& path);  // throws Error(file)
+
+}  // namespace bodyopt

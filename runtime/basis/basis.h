@@ -1,0 +1,97 @@
+// The trained character: plain arrays that the CPU reads and the GPU gets as they are. Made by the trainer, constant
+// afterwards. Vertices are in runtime order (Morton order of the welded skin) unless a name says otherwise.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/skeleton.h"
+#include "shaders/include/layout.h"
+
+namespace bodyopt {
+
+// The skin. V welded vertices solve; O output vertices (seams split, as in the character's file) are what users get.
+struct MeshTable {
+  std::vector<float> rest;                               // V x 3, metres, rest space
+  std::vector<std::uint32_t> triangles;                  // T x 3, runtime vertex indices
+  std::vector<std::uint32_t> output_vertex;              // O: runtime vertex of each output vertex
+  std::vector<std::uint32_t> output_triangles;           // T' x 3, output vertex indices (for display and export)
+  std::vector<std::uint32_t> vertex_triangle_begin;      // V + 1, CSR: the triangles around each vertex
+  std::vector<std::uint32_t> vertex_triangles;           // 3T, in ascending order per vertex
+
+  std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(rest.size() / 3); }
+  std::uint32_t output_count() const { return static_cast<std::uint32_t>(output_vertex.size()); }
+};
+
+// Direct Delta Mush, centred moments (Le & Lewis 2019, v0). See shaders/include/layout.h for the packing.
+struct DdmTable {
+  std::vector<std::uint32_t> block_begin;   // blocks + 1, into block_joints
+  std::vector<std::uint32_t> block_joints;  // joint of each (block, joint) entry
+  std::vector<std::uint32_t> moments;       // entries x kMomentWords x kBlockSize words
+  std::vector<DdmVertex> vertices;          // blocks x kBlockSize; the lanes after V hold zeros
+};
+
+// Muscle fibres on the skin. The strain of a fibre is its length on the DDM base (un-posed displacement zero) over its
+// rest length, minus one.
+struct StrainTable {
+  std::vector<std::uint32_t> vertices;     // runtime vertex of each strain vertex
+  std::vector<FibrePoint> points;          // indices into vertices
+  std::vector<std::uint32_t> fibre_begin;  // S + 1, into points
+  std::vector<float> rest_length;          // S, metres, > 0
+  std::vector<std::string> names;          // S: "<muscle>/<fibre number>"
+
+  std::uint32_t fibre_count() const { return static_cast<std::uint32_t>(rest_length.size()); }
+};
+
+// The un-posed displacement learned from shapes:
+//   c_r = W_r [1, f_r, phi(f_r)],  phi_m = exp(-|f_r - centre_m|^2 inverse_width2),
+//   delta d_i = sum over the blend entries of i of (c_k - c_k at rest) b_ik   (un-posed space, metres)
+struct ResidualTable {
+  std::vector<std::string> controls;          // names of the control features, in order
+  std::vector<FeatureRange> features;         // F = joint features, strains, controls
+  std::vector<Region> regions;
+  std::vector<std::uint32_t> region_features;   // feature indices, region by region
+  std::vector<std::uint32_t> centre_region;     // region of each centre
+  std::vector<float> centres;                   // per region centre_count x feature_count, standardised
+  std::vector<std::uint32_t> coefficient_region;  // region of each coefficient
+  std::vector<float> weights;  // per region coefficient_count x (1 + feature_count + centre_count), row-major
+  std::vector<std::uint32_t> blend_begin;  // V + 1, into blend
+  std::vector<BlendEntry> blend;           // at most 65,536 coefficients
+
+  std::uint32_t coefficient_count() const { return static_cast<std::uint32_t>(coefficient_region.size()); }
+  std::uint32_t centre_count() const { return static_cast<std::uint32_t>(centre_region.size()); }
+  std::uint32_t feature_count() const { return static_cast<std::uint32_t>(features.size()); }
+};
+
+// Training writes strings here: schema, units, topology_hash, skeleton_hash, provenance, report (JSON text).
+using Metadata = std::map<std::string, std::string>;
+
+struct Basis {
+  Skeleton skeleton;
+  MeshTable mesh;
+  DdmTable ddm;
+  StrainTable strain;      // empty when trained without muscles
+  ResidualTable residual;  // empty (no regions, blend_begin of V + 1 zeros) for DDM only
+  Metadata metadata;
+};
+
+// Checks every count, offset, index and number of a basis, so that no kernel can read outside a table or make a NaN
+// out of one. Throws Error(file) whose text starts with `origin` (a path, or what made the basis).
+void validate(const Basis& basis, const std::string& origin);
+
+// Safetensors with a schema version, an xxh3 checksum and the metadata. Written to a temporary name, then renamed.
+// Throws Error(file).
+void save_basis(const Basis& basis, const std::filesystem::path& path);
+Basis load_basis(const std::filesystem::path& path);
+
+// Bytes of the tables a frame needs at run time, by stage: "ddm", "strain", "residual".
+std::map<std::string, std::size_t> table_bytes(const Basis& basis);
+
+// xxh3 of the welded triangles and the output map: shapes and bases of one character agree in it.
+std::uint64_t topology_hash(const MeshTable& mesh);
+
+}  // namespace bodyopt

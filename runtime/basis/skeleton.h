@@ -1,0 +1,38 @@
+// The joints of a character. Parents come before children.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/transform.h"
+
+namespace bodyopt {
+
+struct Joint {
+  std::string name;
+  int parent = -1;               // index of the parent joint, -1 for a root
+  JointTransform bind;           // local transform in the bind (rest) pose, relative to the parent joint
+  JointTransform default_local;  // local transform where a clip does not animate the joint (the file's node transform)
+  Affine inverse_bind;           // rest space (mesh space, metres) to joint space
+};
+
+struct Skeleton {
+  std::vector<Joint> joints;
+
+  std::size_t size() const { return joints.size(); }
+  int find(const std::string& name) const;  // index, or -1
+};
+
+// xxh3 of names, parents and bind matrices (rounded to 1e-5 m so that a re-export matches).
+std::uint64_t skeleton_hash(const Skeleton& skeleton);
+
+// One frame of a rig: a local transform per joint, and one value per named control (activation, breath).
+struct Pose {
+  std::vector<JointTransform> joints;
+  std::vector<float> controls;
+};
+
+Pose bind_pose(const Skeleton& skeleton);
+
+}  // namespace bodyopt

@@ -1,0 +1,48 @@
+// The CPU path: one function per kernel, plain loops over the GPU's own tables, one file each. The reference for every
+// Vulkan kernel and the backend of machines without one. All arrays are frame-major over frame_count frames; shapes are
+// those of runtime/basis/basis.h and runtime/deformer.h.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "runtime/basis/basis.h"
+
+namespace bodyopt::cpu {
+
+// Strain stage: DDM base positions (delta d = 0), relative to the frame's origin, of the strain table's vertices.
+// skinning F x J x 12 -> positions F x P x 3, metres.
+void strain_skin(const DdmTable& ddm, const StrainTable& strain, std::uint32_t joint_count,
+                 std::span<const float> skinning, std::span<float> positions);
+
+// Strain stage: length of every fibre over its rest length, minus one. positions F x P x 3 -> strains F x S.
+void strain_measure(const StrainTable& strain, std::span<const float> positions, std::span<float> strains);
+
+// Residual stage: joint features, strains and controls, one after the other, clamped to the trained range and
+// standardised; excess = distance outside that range times inverse_scale. -> features, excess F x feature_count.
+void residual_features(const ResidualTable& residual, std::span<const float> joint_features,
+                       std::span<const float> strains, std::span<const float> controls, std::uint32_t frame_count,
+                       std::span<float> features, std::span<float> excess);
+
+// Residual stage: phi = exp(-|f_r - centre|^2 inverse_width2). features -> kernels F x centre_count.
+void residual_kernels(const ResidualTable& residual, std::span<const float> features, std::uint32_t frame_count,
+                      std::span<float> kernels);
+
+// Residual stage: c_r = W_r [1, f_r, phi_r] - c_r at rest. -> coefficients F x coefficient_count.
+void residual_coefficients(const ResidualTable& residual, std::span<const float> features,
+                           std::span<const float> kernels, std::span<const float> rest_coefficients,
+                           std::uint32_t frame_count, std::span<float> coefficients);
+
+// Residual stage: un-posed displacement of every vertex. coefficients -> displacements F x V x 3, metres.
+void residual_blend(const ResidualTable& residual, std::span<const float> coefficients, std::uint32_t frame_count,
+                    std::span<float> displacements);
+
+// Pose stage: x_i = t_i + R_i (d_i + delta d_i) + origin. -> positions F x V x 3, metres, posed (world).
+void pose_skin(const DdmTable& ddm, std::uint32_t joint_count, std::span<const float> skinning,
+               std::span<const float> origins, std::span<const float> displacements, std::span<float> positions);
+
+// Output stage: normals by the sum of area vectors of the triangles around each vertex, in ascending triangle order.
+// positions F x V x 3 -> normals F x V x 3; zero where the sum's length is not above 1e-20.
+void output_normals(const MeshTable& mesh, std::span<const float> positions, std::span<float> normals);
+
+}  // namespace bodyopt::cpu

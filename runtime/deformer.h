@@ -1,0 +1,84 @@
+// The runtime: runs rig, strain, residual, pose and output for a batch of poses, on the CPU or on a Vulkan device.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/basis.h"
+
+namespace bodyopt {
+
+// Which backend runs. "auto" prefers a discrete GPU, then any Vulkan device, then the CPU; "cpu"; an index or (part of)
+// a name as listed by `bodyopt devices`. With require_device, "auto" throws instead of taking the CPU.
+struct DeviceChoice {
+  std::string name = "auto";
+  bool require_device = false;
+  bool validation = false;  // Vulkan validation and synchronization validation; every message is an error
+};
+
+// The result of a batch of F frames, in output vertex order (as in the character's file).
+struct Evaluation {
+  std::vector<float> positions;  // F x O x 3, metres, posed (world)
+  std::vector<float> normals;    // F x O x 3, unit (zero where all triangles around a vertex are degenerate)
+  std::vector<float> strains;    // F x S
+  std::vector<float> outside;    // F: how far the worst feature lies outside its trained range, in standard
+                                 // deviations of training; 0 when the frame is covered
+  std::map<std::string, double> stage_seconds;  // by stage name, summed over the batch
+};
+
+// One batch as the backends see it: plain arrays, frame-major.
+struct Batch {
+  std::uint32_t frame_count = 0;
+  std::vector<float> skinning;        // F x J x 12, relative to origin
+  std::vector<float> origins;         // F x 4 (the fourth is padding)
+  std::vector<float> joint_features;  // F x joint feature count
+  std::vector<float> controls;        // F x control count
+};
+
+// What a backend gives back, frame-major, vertices in runtime order.
+struct BatchResult {
+  std::vector<float> positions;     // F x V x 3
+  std::vector<float> normals;       // F x V x 3
+  std::vector<float> strains;       // F x S
+  std::vector<float> excess;        // F x feature count: distance outside the trained range, in standard deviations
+  std::vector<float> coefficients;  // F x coefficient count, after subtracting those at rest
+  std::map<std::string, double> stage_seconds;
+};
+
+class Backend {
+ public:
+  virtual ~Backend() = default;
+  virtual std::string name() const = 0;
+  // Most frames of one batch.
+  virtual std::uint32_t batch_limit() const = 0;
+  virtual BatchResult run(const Batch& batch) = 0;
+  // Coefficients at rest, subtracted from then on. Zero until set.
+  virtual void set_rest_coefficients(std::span<const float> coefficients) = 0;
+};
+
+std::unique_ptr<Backend> make_cpu_backend(const Basis& basis);
+// Throws Error(device) when there is no such device, or the tables do not fit it.
+std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, const DeviceChoice& choice);
+
+class Deformer {
+ public:
+  // Validates the basis, takes the device, uploads the tables, records the coefficients at rest.
+  Deformer(Basis basis, const DeviceChoice& choice);
+  ~Deformer();
+
+  // Any number of poses; split into batches as the device allows. Throws Error(mismatch) when a pose does not fit the
+  // skeleton, Error(device) when the device fails.
+  Evaluation evaluate(std::span<const Pose> poses);
+
+  const Basis& basis() const { return basis_; }
+  std::string device_name() const;
+
+ private:
+  Basis basis_;
+  std::unique_ptr<Backend> backend_;
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,38 @@
+// The rig stage: forward kinematics on the host, in double precision, batched by the caller.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "runtime/basis/skeleton.h"
+
+namespace bodyopt {
+
+// What the other stages need of one posed frame.
+struct RigFrame {
+  // J x 12: skinning matrices (posed joint matrix times inverse bind matrix), three rows of four, relative to origin.
+  std::vector<float> skinning;
+  // Posed position of the first root joint, metres, world. Subtracted from the matrices before they are rounded to
+  // single precision and added back by the pose stage, so that the skin is as exact at 100 m as at the origin.
+  float origin[3];
+  // 9 values per non-root joint, in joint order: R_k - I, row-major, where R_k is the joint's rotation relative to its
+  // parent, away from the bind pose, in rest axes. Made of local rotations only: a turn of the root changes no bit.
+  std::vector<float> joint_features;
+};
+
+// Posed joint matrices (joint space to world), J, in double precision.
+std::vector<Affine> posed_joints(const Skeleton& skeleton, std::span<const JointTransform> local);
+
+// Skinning matrices (rest space to world), J, in double precision.
+std::vector<Affine> skinning_matrices(const Skeleton& skeleton, std::span<const JointTransform> local);
+
+// Throws Error(mismatch) when the pose has another number of joints than the skeleton, and when it is not finite.
+RigFrame pose_rig(const Skeleton& skeleton, const Pose& pose);
+
+std::uint32_t joint_feature_count(const Skeleton& skeleton);  // 9 per non-root joint
+
+// Joint index of each group of nine joint features.
+std::vector<std::uint32_t> feature_joints(const Skeleton& skeleton);
+
+}  // namespace bodyopt

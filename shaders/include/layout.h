@@ -1,0 +1,97 @@
+// What GLSL and C++ share: records of the tables, push constants, sizes. Only 4-byte scalars, so that std430 and C++
+// agree; static_assert holds the sizes.
+#ifndef BODYOPT_LAYOUT_H
+#define BODYOPT_LAYOUT_H
+
+#ifdef __cplusplus
+#include <cstdint>
+namespace bodyopt {
+using uint = std::uint32_t;
+#define BODYOPT_CHECK_SIZE(type, bytes) static_assert(sizeof(type) == bytes, #type " differs between C++ and GLSL")
+#else
+#define BODYOPT_CHECK_SIZE(type, bytes)
+#endif
+
+const uint kWorkgroupSize = 64u;
+
+// Vertices stand in blocks of 16 in Morton order; the vertices of a block share one list of joints.
+const uint kBlockSize = 16u;
+
+// One (block, joint) entry of the DDM table is kMomentWords x kBlockSize words, word-major: word w of lane l stands at
+// (entry * kMomentWords + w) * kBlockSize + l.
+//   words 0..2: six halves, S_xx S_xy | S_xz S_yy | S_yz S_zz  (low half first), divided by r^2
+//   words 3..5: floats, s_x s_y s_z, divided by r^2
+//   word  6:    float, omega
+const uint kMomentWords = 7u;
+
+// Per vertex of the DDM table (rest space, metres).
+struct DdmVertex {
+  float centre_x, centre_y, centre_z;  // p_i, the smoothed rest position
+  float radius2;                       // r_i^2 = tr(sum_j S_ij), the moments' scale
+  float offset_x, offset_y, offset_z;  // d_i = u_i - p_i
+  uint base_joint;                     // the joint with the largest omega
+};
+BODYOPT_CHECK_SIZE(DdmVertex, 32);
+
+// A point of a fibre on the skin: barycentric over three entries of the strain table's vertex list.
+struct FibrePoint {
+  uint a, b, c;
+  float wa, wb, wc;
+};
+BODYOPT_CHECK_SIZE(FibrePoint, 24);
+
+// How one feature is clamped to the trained range, then standardised: (clamp(x, low, high) - mean) * inverse_scale.
+struct FeatureRange {
+  float low, high, mean, inverse_scale;
+};
+BODYOPT_CHECK_SIZE(FeatureRange, 16);
+
+// A region of the residual. Offsets are in elements of the table named.
+struct Region {
+  uint feature_begin, feature_count;          // into region_features
+  uint centre_begin, centre_count;            // centre index over all regions; kernel values have the same index
+  uint centre_values;                         // offset of the region's centres in centres
+  uint coefficient_begin, coefficient_count;  // coefficient index over all regions
+  uint weight_values;                         // offset of the region's rows in weights
+  float inverse_width2;                       // 1 / (2 width^2), in standardised feature units
+};
+BODYOPT_CHECK_SIZE(Region, 36);
+
+// One (vertex, coefficient) entry of the residual's blend: three halves and a 16-bit coefficient index.
+struct BlendEntry {
+  uint xy;             // halves b_x (low), b_y
+  uint z_coefficient;  // half b_z (low), coefficient index (high 16 bits)
+};
+BODYOPT_CHECK_SIZE(BlendEntry, 8);
+
+// Push constants, one record per kernel. Every kernel runs over (element, frame) = (x, y).
+struct StrainSkinPush {
+  uint strain_vertex_count, joint_count;  // strain_vertex_count: length of the strain table's vertex list
+};
+struct StrainMeasurePush {
+  uint fibre_count, strain_vertex_count;
+};
+struct ResidualFeaturesPush {
+  uint joint_feature_count, strain_count, control_count;
+};
+struct ResidualKernelsPush {
+  uint centre_count, feature_count;  // over all regions
+};
+struct ResidualCoefficientsPush {
+  uint coefficient_count, feature_count, centre_count;
+};
+struct ResidualBlendPush {
+  uint vertex_count, coefficient_count;
+};
+struct PoseSkinPush {
+  uint vertex_count, joint_count;
+};
+struct OutputNormalsPush {
+  uint vertex_count;
+};
+
+#ifdef __cplusplus
+#undef BODYOPT_CHECK_SIZE
+}  // namespace bodyopt
+#endif
+#endif

@@ -1,0 +1,27 @@
+// The built-in character: a human right arm on a torso stub, made in code, and its motions.
+#pragma once
+
+#include <vector>
+
+#include "trainer/dataset/character.h"
+#include "trainer/dataset/clip.h"
+#include "trainer/dataset/muscles.h"
+
+namespace bodyopt {
+
+struct BuiltinArm {
+  Character character;
+  std::vector<Muscle> muscles;
+};
+
+// Deterministic: the same character every time.
+BuiltinArm build_arm();
+
+// Systematic sweeps of every degree of freedom, then random blends within the joint limits. 24 frames a second.
+Clip arm_range_of_motion(const Skeleton& skeleton, int frame_count, std::uint64_t seed);
+
+// Held-out motion: smooth acting (reach, curl, throw, twist) that shares no seed and no key pose with the range of
+// motion.
+Clip arm_heldout(const Skeleton& skeleton, int frame_count);
+
+}  // namespace bodyopt

@@ -1,0 +1,52 @@
+// A character as it comes from a file: skin, skeleton, weights. Rest space, metres.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/skeleton.h"
+
+namespace bodyopt {
+
+using Positions = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;       // #V x 3
+using Triangles = Eigen::Matrix<std::uint32_t, Eigen::Dynamic, 3, Eigen::RowMajor>;  // #T x 3
+
+struct JointWeight {
+  std::uint32_t joint;
+  double weight;
+};
+
+struct Character {
+  std::string name;
+  Skeleton skeleton;
+
+  // Welded: what is solved on. Seam duplicates (same position, same weights to 1e-4) are one vertex.
+  Positions vertices;                               // V x 3, rest space, metres
+  Triangles triangles;                              // T x 3, welded; degenerate triangles dropped
+  std::vector<std::vector<JointWeight>> weights;    // V; descending, sum 1
+
+  // Output: the vertices of the file, in its order (primitive after primitive), and its triangles.
+  std::vector<std::uint32_t> output_vertex;         // O: welded vertex of each output vertex
+  Triangles output_triangles;                       // T' x 3
+
+  // What was repaired or noticed on reading, one sentence each, for the user.
+  std::vector<std::string> notes;
+
+  std::uint32_t output_count() const { return static_cast<std::uint32_t>(output_vertex.size()); }
+};
+
+// O x 3 to V x 3 (the first output vertex of each welded vertex) and back.
+Positions welded_from_output(const Character& character, const float* output);
+std::vector<float> output_from_welded(const Character& character, const Positions& welded);
+
+// Reads .glb or .gltf. `unit` metres per file unit; 0 means "must be metres": a bounding-box diagonal outside
+// 0.05 .. 50 m is refused with the ratio found. Throws Error(file) or Error(mismatch).
+Character read_character(const std::filesystem::path& path, double unit = 0);
+
+// Writes a .glb with one skinned mesh in output vertex order. Throws Error(file).
+void write_character(const Character& character, const std::filesystem::path& path);
+
+}  // namespace bodyopt

@@ -1,0 +1,35 @@
+// Motion: a pose per integer frame, sampled from glTF animations or BVH.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/skeleton.h"
+
+namespace bodyopt {
+
+struct Clip {
+  std::string name;
+  double fps = 24;
+  int first_frame = 1;
+  std::vector<Pose> poses;         // frame first_frame + k
+  std::vector<std::string> notes;  // unmatched joints, scaled joints, repairs; one sentence each
+
+  int last_frame() const { return first_frame + static_cast<int>(poses.size()) - 1; }
+};
+
+struct ClipOptions {
+  double fps = 24;
+  int first_frame = 1;
+  double unit = 0;  // metres per file unit; 0: as the character was read (glTF: 1), BVH: fitted to the skeleton
+};
+
+// `source` is FILE.glb#name, FILE.glb (its only or first clip), or FILE.bvh. Joints are matched by name; a clip that
+// matches no joint at all throws Error(mismatch) with both lists. Throws Error(file).
+Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOptions& options);
+
+// Writes an animation-only .glb: the skeleton's nodes and one LINEAR animation with a key per frame. Throws Error(file).
+void write_clip(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path);
+
+}  // namespace bodyopt

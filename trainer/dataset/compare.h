@@ -1,0 +1,39 @@
+// Errors between two shape sequences: RMS, 99th percentile, maximum and jitter, in millimetres.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace bodyopt {
+
+struct ErrorStatistics {
+  double rms = 0, p99 = 0, max = 0;  // of the vertex distances, mm
+  double jitter = 0;                 // RMS second difference of the error vectors over consecutive frames, mm
+  std::uint32_t worst_frame = 0;     // sample index
+  std::uint32_t worst_vertex = 0;
+  std::vector<double> frame_rms;     // per sample, mm
+  std::vector<double> frame_max;     // per sample, mm
+};
+
+// Fed sample by sample, in time order. `frame` numbers tell which samples are consecutive (jitter skips gaps).
+class ErrorAccumulator {
+ public:
+  explicit ErrorAccumulator(std::uint32_t vertex_count);
+  // a, b: vertex_count x 3, metres.
+  void add(int frame, std::span<const float> a, std::span<const float> b);
+  ErrorStatistics finish() const;
+
+ private:
+  std::uint32_t vertex_count_;
+  std::vector<float> distances_;                // all vertex distances, mm
+  std::vector<double> frame_rms_, frame_max_;
+  std::vector<std::vector<float>> history_;     // the last two error fields
+  std::vector<int> history_frames_;
+  double jitter_sum_ = 0;
+  std::size_t jitter_count_ = 0;
+  double worst_ = -1;
+  std::uint32_t worst_frame_ = 0, worst_vertex_ = 0;
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,51 @@
+// dataset.json: which character, clips and shapes belong together, and which frames are held out.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "trainer/dataset/character.h"
+#include "trainer/dataset/clip.h"
+#include "trainer/dataset/muscles.h"
+
+namespace bodyopt {
+
+// One clip and its shapes. Sample k of the cache is frame frames[k] of the clip.
+struct DatasetTake {
+  std::string name;
+  std::string clip;          // as given to read_clip; the file part relative to the dataset's folder
+  double fps = 24;
+  int first_frame = 1;
+  std::vector<int> frames;
+  std::string shapes;        // PC2, output vertex order, relative path
+  std::string shapes_status; // side-car JSON of simulate, relative path; empty for shapes from elsewhere
+  std::vector<int> heldout;  // frames never trained on
+};
+
+struct Dataset {
+  std::filesystem::path folder;
+  std::string character;  // relative path
+  double unit = 0;        // as read_character
+  std::string muscles;    // relative path, or empty
+  std::vector<DatasetTake> takes;
+};
+
+// Throws Error(file) on bad bytes, wrong schema version or missing keys.
+Dataset read_dataset(const std::filesystem::path& path);
+// Written to a temporary name, then renamed. `path` is the dataset.json; its folder must exist.
+void write_dataset(const Dataset& dataset, const std::filesystem::path& path);
+
+// The side-car of a simulated cache: what the solver says of each frame.
+struct FrameStatus {
+  int frame = 0;
+  double residual = 0;     // norm of the force left over / norm of the elastic forces
+  bool converged = false;  // residual below 1e-4 and no inverted tet
+  int iterations = 0;
+  double seconds = 0;
+  int inverted_tets = 0;
+};
+std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path);
+void write_frame_status(const std::vector<FrameStatus>& status, const std::filesystem::path& path);
+
+}  // namespace bodyopt

@@ -1,0 +1,16 @@
+// Frame ranges: "1001-1100", "1001-1100x2", "5", and comma lists of them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace bodyopt {
+
+// The frames in the order written, duplicates dropped. Throws Error(usage) on anything else; ':' is refused with a hint
+// (farm systems disagree on what it means).
+std::vector<int> parse_frame_range(const std::string& text);
+
+// The shortest range text for ascending frames, e.g. "1-4x3,10".
+std::string format_frame_range(const std::vector<int>& frames);
+
+}  // namespace bodyopt

@@ -1,0 +1,29 @@
+// muscles.json: named muscles as polylines bound to joints.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/skeleton.h"
+
+namespace bodyopt {
+
+struct MusclePoint {
+  std::uint32_t joint;  // the point moves rigidly with this joint
+  Vec3 position;        // rest space, metres
+};
+
+struct Muscle {
+  std::string name;
+  std::vector<MusclePoint> path;  // origin, via points, insertion; 2 or more
+  double radius = 0.02;           // metres, at the belly
+  int fibre_count = 3;            // fibres projected on the skin
+  double max_activation = 1;      // 0..1
+};
+
+// Points are stored by joint name. Throws Error(file) for bad bytes, Error(mismatch) for joints the skeleton lacks.
+std::vector<Muscle> read_muscles(const std::filesystem::path& path, const Skeleton& skeleton);
+void write_muscles(const std::vector<Muscle>& muscles, const Skeleton& skeleton, const std::filesystem::path& path);
+
+}  // namespace bodyopt

@@ -1,0 +1,26 @@
+// Quasi-static FEM: the shape of the skin for every pose. Design, "simulate".
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "trainer/dataset/character.h"
+#include "trainer/dataset/clip.h"
+#include "trainer/dataset/dataset.h"
+#include "trainer/dataset/muscles.h"
+
+namespace bodyopt {
+
+struct SimulateOptions {
+  double tet_size = 0;  // metres; 0: chosen from the skin's edge lengths
+  int threads = 0;      // 0: all
+};
+
+// Simulates the given frames of a clip and writes `cache` (PC2, output vertex order) and `status` (side-car). A frame
+// finished by an earlier, interrupted run with the same inputs is kept. An unconverged frame is stored and flagged.
+// Throws Error(interrupted) after SIGINT; what was finished by then is not lost.
+std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
+                                  const std::vector<int>& frames, const std::filesystem::path& cache,
+                                  const std::filesystem::path& status, const SimulateOptions& options);
+
+}  // namespace bodyopt

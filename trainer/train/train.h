@@ -1,0 +1,55 @@
+// From a dataset to a basis.
+#pragma once
+
+#include "runtime/basis/basis.h"
+#include "trainer/dataset/character.h"
+#include "trainer/dataset/dataset.h"
+
+namespace bodyopt {
+
+struct TrainOptions {
+  double smoothing_radius = 0;  // DDM sigma, metres; 0: 0.025 x the height of the character (0.045 for 1.8 m)
+  int smoothing_steps = 20;     // DDM p
+  int components = 24;          // coefficients per region at most
+  int centres = 160;            // kernel centres per region at most
+  std::uint64_t seed = 1;
+  bool joint_only_linear = false;  // the table-of-methods entry "linear": joint features only, no kernels, components
+                                   // raised until the residual's bytes reach `match_bytes`
+  std::size_t match_bytes = 0;
+};
+
+// One training or held-out frame: its pose and its shape (welded, V x 3, posed).
+struct Sample {
+  int take = 0;
+  int frame = 0;
+  Pose pose;
+  Positions shape;
+};
+
+// The dataset read into memory, split. Unconverged frames are left out and counted.
+struct SampleSet {
+  Character character;
+  std::vector<Muscle> muscles;
+  std::vector<Sample> train, heldout;
+  int unconverged = 0;
+  std::vector<std::string> notes;
+};
+SampleSet read_samples(const Dataset& dataset);
+
+// DDM, no shapes: mesh and ddm tables, an empty residual.
+Basis build_ddm_basis(const Character& character, const TrainOptions& options);
+
+// The full training. Never looks at set.heldout. Shows progress. Throws Error(mismatch) when there is too little data.
+Basis train(const SampleSet& set, const TrainOptions& options);
+
+// RMS (mm) over vertices and training frames of what is left to learn after un-posing each shape by DDM, and by linear
+// blend skinning, the mean over frames taken out of neither.
+struct UnposingResidual {
+  double lbs = 0, ddm = 0;
+};
+UnposingResidual unposing_residual(const SampleSet& set, const Basis& basis);
+
+// Linear blend skinning, double precision, V x 3 welded; the baseline "lbs".
+Positions skin_linear(const Character& character, const Pose& pose);
+
+}  // namespace bodyopt
