@@ -16,12 +16,12 @@ namespace bodyopt {
 
 // The skin. V welded vertices solve; O output vertices (seams split, as in the character's file) are what users get.
 struct MeshTable {
-  std::vector<float> rest;                               // V x 3, metres, rest space
-  std::vector<std::uint32_t> triangles;                  // T x 3, runtime vertex indices
-  std::vector<std::uint32_t> output_vertex;              // O: runtime vertex of each output vertex
-  std::vector<std::uint32_t> output_triangles;           // T' x 3, output vertex indices (for display and export)
-  std::vector<std::uint32_t> vertex_triangle_begin;      // V + 1, CSR: the triangles around each vertex
-  std::vector<std::uint32_t> vertex_triangles;           // 3T, in ascending order per vertex
+  std::vector<float> rest;                           // V x 3, metres, rest space
+  std::vector<std::uint32_t> triangles;              // T x 3, runtime vertex indices
+  std::vector<std::uint32_t> output_vertex;          // O: runtime vertex of each output vertex
+  std::vector<std::uint32_t> output_triangles;       // T' x 3, output vertex indices (for display and export)
+  std::vector<std::uint32_t> vertex_triangle_begin;  // V + 1, CSR: the triangles around each vertex
+  std::vector<std::uint32_t> vertex_triangles;       // 3T, in ascending order per vertex
 
   std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(rest.size() / 3); }
   std::uint32_t output_count() const { return static_cast<std::uint32_t>(output_vertex.size()); }
@@ -51,12 +51,12 @@ struct StrainTable {
 //   c_r = W_r [1, f_r, phi(f_r)],  phi_m = exp(-|f_r - centre_m|^2 inverse_width2),
 //   delta d_i = sum over the blend entries of i of (c_k - c_k at rest) b_ik   (un-posed space, metres)
 struct ResidualTable {
-  std::vector<std::string> controls;          // names of the control features, in order
-  std::vector<FeatureRange> features;         // F = joint features, strains, controls
+  std::vector<std::string> controls;   // names of the control features, in order
+  std::vector<FeatureRange> features;  // F = joint features, strains, controls
   std::vector<Region> regions;
-  std::vector<std::uint32_t> region_features;   // feature indices, region by region
-  std::vector<std::uint32_t> centre_region;     // region of each centre
-  std::vector<float> centres;                   // per region centre_count x feature_count, standardised
+  std::vector<std::uint32_t> region_features;     // feature indices, region by region
+  std::vector<std::uint32_t> centre_region;       // region of each centre
+  std::vector<float> centres;                     // per region centre_count x feature_count, standardised
   std::vector<std::uint32_t> coefficient_region;  // region of each coefficient
   std::vector<float> weights;  // per region coefficient_count x (1 + feature_count + centre_count), row-major
   std::vector<std::uint32_t> blend_begin;  // V + 1, into blend

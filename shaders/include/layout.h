@@ -7,7 +7,7 @@
 #include <cstdint>
 namespace bodyopt {
 using uint = std::uint32_t;
-#define BODYOPT_CHECK_SIZE(type, bytes) static_assert(sizeof(type) == bytes, #type " differs between C++ and GLSL")
+#define BODYOPT_CHECK_SIZE(type, bytes) static_assert(sizeof(type) == bytes, #type " differs between C++ and GLSL");
 #else
 #define BODYOPT_CHECK_SIZE(type, bytes)
 #endif
@@ -31,20 +31,20 @@ struct DdmVertex {
   float offset_x, offset_y, offset_z;  // d_i = u_i - p_i
   uint base_joint;                     // the joint with the largest omega
 };
-BODYOPT_CHECK_SIZE(DdmVertex, 32);
+BODYOPT_CHECK_SIZE(DdmVertex, 32)
 
 // A point of a fibre on the skin: barycentric over three entries of the strain table's vertex list.
 struct FibrePoint {
   uint a, b, c;
   float wa, wb, wc;
 };
-BODYOPT_CHECK_SIZE(FibrePoint, 24);
+BODYOPT_CHECK_SIZE(FibrePoint, 24)
 
 // How one feature is clamped to the trained range, then standardised: (clamp(x, low, high) - mean) * inverse_scale.
 struct FeatureRange {
   float low, high, mean, inverse_scale;
 };
-BODYOPT_CHECK_SIZE(FeatureRange, 16);
+BODYOPT_CHECK_SIZE(FeatureRange, 16)
 
 // A region of the residual. Offsets are in elements of the table named.
 struct Region {
@@ -55,14 +55,14 @@ struct Region {
   uint weight_values;                         // offset of the region's rows in weights
   float inverse_width2;                       // 1 / (2 width^2), in standardised feature units
 };
-BODYOPT_CHECK_SIZE(Region, 36);
+BODYOPT_CHECK_SIZE(Region, 36)
 
 // One (vertex, coefficient) entry of the residual's blend: three halves and a 16-bit coefficient index.
 struct BlendEntry {
   uint xy;             // halves b_x (low), b_y
   uint z_coefficient;  // half b_z (low), coefficient index (high 16 bits)
 };
-BODYOPT_CHECK_SIZE(BlendEntry, 8);
+BODYOPT_CHECK_SIZE(BlendEntry, 8)
 
 // Push constants, one record per kernel. Every kernel runs over (element, frame) = (x, y).
 struct StrainSkinPush {

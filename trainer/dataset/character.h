@@ -11,7 +11,7 @@
 
 namespace bodyopt {
 
-using Positions = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;       // #V x 3
+using Positions = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;         // #V x 3
 using Triangles = Eigen::Matrix<std::uint32_t, Eigen::Dynamic, 3, Eigen::RowMajor>;  // #T x 3
 
 struct JointWeight {
@@ -24,13 +24,13 @@ struct Character {
   Skeleton skeleton;
 
   // Welded: what is solved on. Seam duplicates (same position, same weights to 1e-4) are one vertex.
-  Positions vertices;                               // V x 3, rest space, metres
-  Triangles triangles;                              // T x 3, welded; degenerate triangles dropped
-  std::vector<std::vector<JointWeight>> weights;    // V; descending, sum 1
+  Positions vertices;                             // V x 3, rest space, metres
+  Triangles triangles;                            // T x 3, welded; degenerate triangles dropped
+  std::vector<std::vector<JointWeight>> weights;  // V; descending, sum 1
 
   // Output: the vertices of the file, in its order (primitive after primitive), and its triangles.
-  std::vector<std::uint32_t> output_vertex;         // O: welded vertex of each output vertex
-  Triangles output_triangles;                       // T' x 3
+  std::vector<std::uint32_t> output_vertex;  // O: welded vertex of each output vertex
+  Triangles output_triangles;                // T' x 3
 
   // What was repaired or noticed on reading, one sentence each, for the user.
   std::vector<std::string> notes;

@@ -29,7 +29,8 @@ struct ClipOptions {
 // matches no joint at all throws Error(mismatch) with both lists. Throws Error(file).
 Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOptions& options);
 
-// Writes an animation-only .glb: the skeleton's nodes and one LINEAR animation with a key per frame. Throws Error(file).
+// Writes an animation-only .glb: the skeleton's nodes and one LINEAR animation with a key per frame. Throws
+// Error(file).
 void write_clip(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path);
 
 }  // namespace bodyopt

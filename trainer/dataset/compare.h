@@ -12,8 +12,8 @@ struct ErrorStatistics {
   double jitter = 0;                 // RMS second difference of the error vectors over consecutive frames, mm
   std::uint32_t worst_frame = 0;     // sample index
   std::uint32_t worst_vertex = 0;
-  std::vector<double> frame_rms;     // per sample, mm
-  std::vector<double> frame_max;     // per sample, mm
+  std::vector<double> frame_rms;  // per sample, mm
+  std::vector<double> frame_max;  // per sample, mm
 };
 
 // Fed sample by sample, in time order. `frame` numbers tell which samples are consecutive (jitter skips gaps).
@@ -26,9 +26,9 @@ class ErrorAccumulator {
 
  private:
   std::uint32_t vertex_count_;
-  std::vector<float> distances_;                // all vertex distances, mm
+  std::vector<float> distances_;  // all vertex distances, mm
   std::vector<double> frame_rms_, frame_max_;
-  std::vector<std::vector<float>> history_;     // the last two error fields
+  std::vector<std::vector<float>> history_;  // the last two error fields
   std::vector<int> history_frames_;
   double jitter_sum_ = 0;
   std::size_t jitter_count_ = 0;

@@ -14,13 +14,13 @@ namespace bodyopt {
 // One clip and its shapes. Sample k of the cache is frame frames[k] of the clip.
 struct DatasetTake {
   std::string name;
-  std::string clip;          // as given to read_clip; the file part relative to the dataset's folder
+  std::string clip;  // as given to read_clip; the file part relative to the dataset's folder
   double fps = 24;
   int first_frame = 1;
   std::vector<int> frames;
-  std::string shapes;        // PC2, output vertex order, relative path
-  std::string shapes_status; // side-car JSON of simulate, relative path; empty for shapes from elsewhere
-  std::vector<int> heldout;  // frames never trained on
+  std::string shapes;         // PC2, output vertex order, relative path
+  std::string shapes_status;  // side-car JSON of simulate, relative path; empty for shapes from elsewhere
+  std::vector<int> heldout;   // frames never trained on
 };
 
 struct Dataset {

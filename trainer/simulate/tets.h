@@ -10,7 +10,7 @@ namespace bodyopt {
 struct TetMesh {
   Positions nodes;  // N x 3, rest space, metres; the first V are the skin's welded vertices, unmoved
   Eigen::Matrix<int, Eigen::Dynamic, 4, Eigen::RowMajor> tets;  // positive volume
-  double worst_quality = 0;  // smallest mean-ratio quality, 0 (flat) .. 1 (regular)
+  double worst_quality = 0;                                     // smallest mean-ratio quality, 0 (flat) .. 1 (regular)
 };
 
 // Netgen's nglib on the welded skin (which must be closed and free of self-intersections). `size` is the largest edge
