@@ -12,7 +12,8 @@
 namespace bodyopt {
 
 // Which backend runs. "auto" prefers a discrete GPU, then any Vulkan device, then the CPU; "cpu"; an index or (part of)
-// a name as listed by `bodyopt devices`. With require_device, "auto" throws instead of taking the CPU.
+// a name as listed by `bodyopt devices`. With require_device, "auto" throws instead of taking the CPU. A device that
+// exists but fails is an error, never a reason to fall back.
 struct DeviceChoice {
   std::string name = "auto";
   bool require_device = false;
@@ -60,6 +61,8 @@ class Backend {
 };
 
 std::unique_ptr<Backend> make_cpu_backend(const Basis& basis);
+// True when "auto" would find a Vulkan device. Does not throw: a machine without a Vulkan driver has none.
+bool has_vulkan_device();
 // Throws Error(device) when there is no such device, or the tables do not fit it.
 std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, const DeviceChoice& choice);
 

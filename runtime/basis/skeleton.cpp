@@ -1,0 +1,33 @@
+#include "runtime/basis/skeleton.h"
+
+#include <xxhash.h>
+
+#include <cmath>
+
+namespace bodyopt {
+
+int Skeleton::find(const std::string& name) const {
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (joints[j].name == name) return static_cast<int>(j);
+  }
+  return -1;
+}
+
+std::uint64_t skeleton_hash(const Skeleton& skeleton) {
+  std::string bytes;
+  for (const Joint& joint : skeleton.joints) {
+    bytes += joint.name + '\n' + std::to_string(joint.parent) + '\n';
+    for (const auto& row : joint.inverse_bind.m) {
+      for (const double x : row) bytes += std::to_string(std::llround(x * 1e5)) + ' ';
+    }
+  }
+  return XXH3_64bits(bytes.data(), bytes.size());
+}
+
+Pose bind_pose(const Skeleton& skeleton) {
+  Pose pose;
+  for (const Joint& joint : skeleton.joints) pose.joints.push_back(joint.bind);
+  return pose;
+}
+
+}  // namespace bodyopt

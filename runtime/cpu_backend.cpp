@@ -1,0 +1,77 @@
+// The CPU as a backend: the kernels of runtime/cpu one after the other, frames in parallel.
+#include <chrono>
+
+#include "runtime/cpu/kernels.h"
+#include "runtime/deformer.h"
+
+namespace bodyopt {
+namespace {
+
+class CpuBackend final : public Backend {
+ public:
+  explicit CpuBackend(const Basis& basis) : basis_(basis), rest_coefficients_(basis.residual.coefficient_count(), 0) {}
+
+  std::string name() const override { return "cpu"; }
+  std::uint32_t batch_limit() const override { return 64; }
+  void set_rest_coefficients(std::span<const float> c) override { rest_coefficients_.assign(c.begin(), c.end()); }
+
+  BatchResult run(const Batch& batch) override {
+    const std::size_t frames = batch.frame_count;
+    const std::size_t vertices = basis_.mesh.vertex_count();
+    BatchResult result;
+    result.positions.resize(frames * vertices * 3);
+    result.normals.resize(frames * vertices * 3);
+    result.strains.resize(frames * basis_.strain.fibre_count());
+    result.excess.resize(frames * basis_.residual.feature_count());
+    result.coefficients.resize(frames * basis_.residual.coefficient_count());
+    double seconds[4] = {};
+#pragma omp parallel for schedule(dynamic) reduction(+ : seconds[:4])
+    for (std::size_t f = 0; f < frames; ++f) run_frame(batch, f, result, seconds);
+    const char* const stages[4] = {"strain", "residual", "pose", "output"};
+    for (int s = 0; s < 4; ++s) result.stage_seconds[stages[s]] = seconds[s];
+    return result;
+  }
+
+ private:
+  void run_frame(const Batch& batch, std::size_t f, BatchResult& result, double* seconds) const {
+    const ResidualTable& residual = basis_.residual;
+    const auto frame = [&](auto& values) {
+      const std::size_t size = values.size() / batch.frame_count;
+      return std::span(values).subspan(f * size, size);
+    };
+    const std::uint32_t joints = static_cast<std::uint32_t>(basis_.skeleton.size());
+    std::vector<float> fibre_positions(3 * basis_.strain.vertices.size());
+    std::vector<float> features(residual.feature_count()), kernels(residual.centre_count());
+    std::vector<float> displacements(3 * std::size_t{basis_.mesh.vertex_count()});
+    auto last = std::chrono::steady_clock::now();
+    const auto lap = [&](int stage) {
+      const auto now = std::chrono::steady_clock::now();
+      seconds[stage] += std::chrono::duration<double>(now - last).count();
+      last = now;
+    };
+
+    cpu::strain_skin(basis_.ddm, basis_.strain, joints, frame(batch.skinning), fibre_positions);
+    cpu::strain_measure(basis_.strain, fibre_positions, frame(result.strains));
+    lap(0);
+    cpu::residual_features(residual, frame(batch.joint_features), frame(result.strains), frame(batch.controls), 1,
+                           features, frame(result.excess));
+    cpu::residual_kernels(residual, features, 1, kernels);
+    cpu::residual_coefficients(residual, features, kernels, rest_coefficients_, 1, frame(result.coefficients));
+    cpu::residual_blend(residual, frame(result.coefficients), 1, displacements);
+    lap(1);
+    cpu::pose_skin(basis_.ddm, joints, frame(batch.skinning), frame(batch.origins), displacements,
+                   frame(result.positions));
+    lap(2);
+    cpu::output_normals(basis_.mesh, frame(result.positions), frame(result.normals));
+    lap(3);
+  }
+
+  const Basis& basis_;
+  std::vector<float> rest_coefficients_;
+};
+
+}  // namespace
+
+std::unique_ptr<Backend> make_cpu_backend(const Basis& basis) { return std::make_unique<CpuBackend>(basis); }
+
+}  // namespace bodyopt
