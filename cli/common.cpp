@@ -1,0 +1,105 @@
+#include "cli/common.h"
+
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+
+#include <cstdarg>
+#include <cstdio>
+
+#include "runtime/basis/atomic_file.h"
+#include "runtime/basis/error.h"
+#include "trainer/dataset/frame_range.h"
+
+namespace bodyopt::cli {
+
+void JsonOption::add(CLI::App& verb) {
+  verb.add_option("--json", path, "Write the result as JSON to FILE ('-': standard output)")->type_name("FILE");
+}
+
+void JsonOption::emit(const Json& result, const std::string& text) const {
+  const std::string json = result.dump(2) + "\n";
+  if (path == "-") {
+    std::fputs(json.c_str(), stdout);
+    return;
+  }
+  if (!path.empty()) write_file_atomically(path, std::as_bytes(std::span(json)));
+  std::fputs(text.c_str(), stdout);
+}
+
+void ClipArguments::add(CLI::App& verb) {
+  verb.add_option("--clip", source, "Motion: FILE.glb#name, FILE.glb (its only or first clip) or FILE.bvh")
+      ->required()
+      ->type_name("CLIP");
+  verb.add_option("--frames", frames, "Frames, as 1-100, 1-100x2 or comma lists of them (default: all)")
+      ->type_name("R");
+  verb.add_option("--fps", options.fps, "Frames a second at which the clip is sampled")->capture_default_str();
+  verb.add_option("--first-frame", options.first_frame, "Number of the clip's first frame")->capture_default_str();
+}
+
+Clip ClipArguments::read(const Skeleton& skeleton, std::vector<int>& frame_numbers) const {
+  Clip clip = read_clip(source, skeleton, options);
+  say(clip.notes);
+  if (frames.empty()) {
+    for (int frame = clip.first_frame; frame <= clip.last_frame(); ++frame) frame_numbers.push_back(frame);
+  } else {
+    frame_numbers = parse_frame_range(frames);
+  }
+  for (const int frame : frame_numbers) {
+    if (frame < clip.first_frame || frame > clip.last_frame()) {
+      throw Error(ErrorKind::usage, format("--frames asks for frame %d; '%s' has frames %d to %d at %g frames a second",
+                                           frame, source.c_str(), clip.first_frame, clip.last_frame(), clip.fps));
+    }
+  }
+  return clip;
+}
+
+void DeviceArguments::add(CLI::App& verb) {
+  verb.add_option("--device", choice.name, "auto, cpu, or a Vulkan device by index or name (see 'bodyopt devices')")
+      ->capture_default_str()
+      ->type_name("D");
+  verb.add_flag("--require-device", choice.require_device, "Fail when there is no Vulkan device, never use the CPU");
+}
+
+void add_unit(CLI::App& verb, double& unit) {
+  verb.add_option("--unit", unit, "Metres per unit of the character's file (default: it must be in metres)")
+      ->check(CLI::PositiveNumber);
+}
+
+std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames) {
+  std::vector<Pose> poses;
+  for (const int frame : frames) poses.push_back(clip.poses[static_cast<std::size_t>(frame - clip.first_frame)]);
+  return poses;
+}
+
+void say(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) spdlog::warn("{}", note);
+}
+
+Json to_json(const ErrorStatistics& errors) {
+  return {{"rms", errors.rms}, {"p99", errors.p99}, {"max", errors.max}, {"jitter", errors.jitter}};
+}
+
+std::string describe(const ErrorStatistics& errors) {
+  return format("RMS %.3f mm, p99 %.3f mm, max %.3f mm, jitter %.3f mm", errors.rms, errors.p99, errors.max,
+                errors.jitter);
+}
+
+double peak_memory_mib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+std::string format(const char* pattern, ...) {
+  va_list arguments, again;
+  va_start(arguments, pattern);
+  va_copy(again, arguments);
+  const int size = std::vsnprintf(nullptr, 0, pattern, arguments);
+  va_end(arguments);
+  std::string text(static_cast<std::size_t>(size), '\0');
+  std::vsnprintf(text.data(), text.size() + 1, pattern, again);
+  va_end(again);
+  return text;
+}
+
+}  // namespace bodyopt::cli

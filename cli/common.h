@@ -1,0 +1,64 @@
+// What the verbs share: their registration, the clip arguments, the result's two forms.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "runtime/deformer.h"
+#include "trainer/dataset/clip.h"
+#include "trainer/dataset/compare.h"
+
+namespace bodyopt::cli {
+
+using Json = nlohmann::ordered_json;
+
+// --json FILE; '-' is standard output, which then holds nothing else.
+struct JsonOption {
+  std::string path;
+  void add(CLI::App& verb);
+  // Prints `text` for people (unless standard output is taken by the JSON) and writes `result` where asked.
+  void emit(const Json& result, const std::string& text) const;
+};
+
+// --clip CLIP [--frames R] [--fps N] [--first-frame N]
+struct ClipArguments {
+  std::string source, frames;
+  ClipOptions options;
+  void add(CLI::App& verb);
+  // Reads the clip, says its notes, and gives the frames asked for (all without --frames). Throws Error(usage) when a
+  // frame lies outside the clip.
+  Clip read(const Skeleton& skeleton, std::vector<int>& frame_numbers) const;
+};
+
+// --device D [--require-device]
+struct DeviceArguments {
+  DeviceChoice choice;
+  void add(CLI::App& verb);
+};
+
+void add_unit(CLI::App& verb, double& unit);
+
+// The poses of some frames of a clip.
+std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames);
+
+// Says each note once, as a warning on standard error.
+void say(const std::vector<std::string>& notes);
+
+Json to_json(const ErrorStatistics& errors);
+std::string describe(const ErrorStatistics& errors);
+double peak_memory_mib();
+std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
+
+// One per verb, in the file of its name: declares its arguments and what it runs.
+void add_demo(CLI::App& app);
+void add_simulate(CLI::App& app);
+void add_check(CLI::App& app);
+void add_train(CLI::App& app);
+void add_eval(CLI::App& app);
+void add_compare(CLI::App& app);
+void add_info(CLI::App& app);
+void add_devices(CLI::App& app);
+
+}  // namespace bodyopt::cli

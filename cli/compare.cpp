@@ -1,0 +1,66 @@
+// bodyopt compare: how far two caches are apart.
+#include "trainer/dataset/compare.h"
+
+#include <cmath>
+#include <limits>
+
+#include "cli/common.h"
+#include "runtime/basis/error.h"
+#include "trainer/dataset/pc2.h"
+#include "trainer/progress.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct CompareArguments {
+  std::string a, b;
+  double fail_above = std::numeric_limits<double>::infinity();
+  JsonOption json;
+};
+
+void run(const CompareArguments& arguments) {
+  const Pc2Reader a(arguments.a), b(arguments.b);
+  if (a.point_count() != b.point_count() || a.sample_count() != b.sample_count()) {
+    throw Error(ErrorKind::mismatch,
+                format("%s has %u points and %u samples, %s has %u points and %u samples: they are caches of different "
+                       "meshes or frame ranges",
+                       arguments.a.c_str(), a.point_count(), a.sample_count(), arguments.b.c_str(), b.point_count(),
+                       b.sample_count()));
+  }
+  ErrorAccumulator accumulator(a.point_count());
+  Progress progress("compare", a.sample_count());
+  for (std::uint32_t k = 0; k < a.sample_count(); ++k) {
+    a.require_finite(k);
+    b.require_finite(k);
+    accumulator.add(static_cast<int>(k), a.sample(k), b.sample(k));
+    progress.advance();
+  }
+  const ErrorStatistics errors = accumulator.finish();
+  Json result = to_json(errors);
+  result["worst_sample"] = errors.worst_frame;
+  result["worst_vertex"] = errors.worst_vertex;
+  result["samples"] = a.sample_count();
+  result["points"] = a.point_count();
+  arguments.json.emit(result, describe(errors) + format("\nworst: sample %u (counted from 0), vertex %u\n",
+                                                        errors.worst_frame, errors.worst_vertex));
+  if (errors.max > arguments.fail_above) {
+    throw Error(ErrorKind::quality, format("the maximum of %.4f mm is above the limit of %g mm (sample %u, vertex %u)",
+                                           errors.max, arguments.fail_above, errors.worst_frame, errors.worst_vertex));
+  }
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app) {
+  auto arguments = std::make_shared<CompareArguments>();
+  CLI::App& verb = *app.add_subcommand("compare", "Distance between two caches: RMS, p99, maximum and jitter in mm");
+  verb.add_option("a", arguments->a, "Point cache (.pc2)")->required()->type_name("A");
+  verb.add_option("b", arguments->b, "Point cache (.pc2) of the same mesh and frames")->required()->type_name("B");
+  verb.add_option("--fail-above", arguments->fail_above, "Exit with 2 when the maximum is above MM millimetres")
+      ->type_name("MM")
+      ->check(CLI::NonNegativeNumber);
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,90 @@
+// bodyopt eval: a basis and a clip to a point cache.
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "cli/common.h"
+#include "runtime/basis/error.h"
+#include "trainer/dataset/frame_range.h"
+#include "trainer/dataset/pc2.h"
+#include "trainer/progress.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct EvalArguments {
+  std::string basis, out;
+  ClipArguments clip;
+  DeviceArguments device;
+  JsonOption json;
+};
+
+void run(const EvalArguments& arguments) {
+  Deformer deformer(load_basis(arguments.basis), arguments.device.choice);
+  std::vector<int> frames;
+  const Clip clip = arguments.clip.read(deformer.basis().skeleton, frames);
+  const std::vector<Pose> poses = poses_of(clip, frames);
+
+  const std::uint32_t points = deformer.basis().mesh.output_count();
+  Pc2Writer writer(arguments.out, points, static_cast<std::uint32_t>(frames.size()),
+                   frames.empty() ? 1.0f : static_cast<float>(frames.front()));
+  Progress progress("eval", frames.size());
+  std::map<std::string, double> stage_seconds;
+  std::vector<int> outside_frames;
+  double worst_outside = 0;
+  const auto start = std::chrono::steady_clock::now();
+  constexpr std::size_t kStep = 64;  // frames held in memory at once
+  for (std::size_t begin = 0; begin < poses.size(); begin += kStep) {
+    const std::size_t count = std::min(kStep, poses.size() - begin);
+    const Evaluation part = deformer.evaluate(std::span(poses).subspan(begin, count));
+    for (std::size_t k = 0; k < count; ++k) {
+      writer.append(std::span(part.positions).subspan(3 * k * points, 3 * std::size_t{points}));
+      if (part.outside[k] > 0) outside_frames.push_back(frames[begin + k]);
+      worst_outside = std::max(worst_outside, static_cast<double>(part.outside[k]));
+    }
+    for (const auto& [stage, seconds] : part.stage_seconds) stage_seconds[stage] += seconds;
+    progress.advance(count);
+  }
+  writer.close();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  const double frame_count = std::max<double>(1, static_cast<double>(frames.size()));
+  Json milliseconds = Json::object();
+  std::string text = format("%zu frames of %u points on %s in %.2f s\n", frames.size(), points,
+                            deformer.device_name().c_str(), seconds);
+  for (const auto& [stage, total] : stage_seconds) {
+    milliseconds[stage] = 1e3 * total / frame_count;
+    text += format("  %-8s %8.3f ms a frame\n", stage.c_str(), 1e3 * total / frame_count);
+  }
+  if (!outside_frames.empty()) {
+    text += format("%zu frames leave the trained range (by %.1f standard deviations at most) and were clamped: ",
+                   outside_frames.size(), worst_outside) +
+            format_frame_range(outside_frames) + "\n";
+  }
+  text += "wrote " + arguments.out + "\n";
+  arguments.json.emit({{"cache", arguments.out},
+                       {"frames", frames.size()},
+                       {"points", points},
+                       {"device", deformer.device_name()},
+                       {"seconds", seconds},
+                       {"milliseconds_per_frame", milliseconds},
+                       {"outside_frames", format_frame_range(outside_frames)},
+                       {"worst_outside", worst_outside}},
+                      text);
+}
+
+}  // namespace
+
+void add_eval(CLI::App& app) {
+  auto arguments = std::make_shared<EvalArguments>();
+  CLI::App& verb = *app.add_subcommand("eval", "Deform a character through a clip");
+  verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
+  arguments->clip.add(verb);
+  arguments->device.add(verb);
+  verb.add_option("--out", arguments->out, "Point cache to write")->required()->type_name("FILE.pc2");
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,122 @@
+// bodyopt info: what a file holds.
+#include <filesystem>
+#include <fstream>
+
+#include "cli/common.h"
+#include "runtime/basis/error.h"
+#include "trainer/dataset/character.h"
+#include "trainer/dataset/dataset.h"
+#include "trainer/dataset/frame_range.h"
+#include "trainer/dataset/pc2.h"
+
+namespace bodyopt::cli {
+namespace {
+
+// Two columns, JSON keys and values, as text.
+std::string lines(const Json& result) {
+  std::string text;
+  for (const auto& [key, value] : result.items()) {
+    text += format("%-18s %s\n", key.c_str(), (value.is_string() ? value.get<std::string>() : value.dump()).c_str());
+  }
+  return text;
+}
+
+Json joint_names(const Skeleton& skeleton) {
+  Json names = Json::array();
+  for (const Joint& joint : skeleton.joints) names.push_back(joint.name);
+  return names;
+}
+
+Json character_info(const std::string& path, double unit) {
+  const Character character = read_character(path, unit);
+  const auto box = (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).eval();
+  return {{"kind", "character"},
+          {"vertices", character.output_count()},
+          {"welded_vertices", character.vertices.rows()},
+          {"triangles", character.triangles.rows()},
+          {"bounding_box_m", {box(0), box(1), box(2)}},
+          {"clips", clip_names(path)},
+          {"notes", character.notes},
+          {"joints", joint_names(character.skeleton)}};
+}
+
+Json basis_info(const std::string& path) {
+  const Basis basis = load_basis(path);
+  Json bytes = Json::object();
+  for (const auto& [stage, size] : table_bytes(basis)) {
+    bytes[stage] = static_cast<double>(size) / std::max(1u, basis.mesh.vertex_count());
+  }
+  return {{"kind", "basis"},
+          {"vertices", basis.mesh.vertex_count()},
+          {"output_vertices", basis.mesh.output_count()},
+          {"fibres", basis.strain.fibre_count()},
+          {"regions", basis.residual.regions.size()},
+          {"coefficients", basis.residual.coefficient_count()},
+          {"kernel_centres", basis.residual.centre_count()},
+          {"controls", basis.residual.controls},
+          {"bytes_per_vertex", bytes},
+          {"joints", joint_names(basis.skeleton)},
+          {"metadata", basis.metadata}};
+}
+
+Json cache_info(const std::string& path) {
+  const Pc2Reader reader(path);
+  return {{"kind", "point cache"},
+          {"points", reader.point_count()},
+          {"samples", reader.sample_count()},
+          {"start_frame", reader.start_frame()},
+          {"sample_rate", reader.sample_rate()}};
+}
+
+Json dataset_info(const std::string& path) {
+  const Dataset dataset = read_dataset(path);
+  Json takes = Json::array();
+  for (const DatasetTake& take : dataset.takes) {
+    takes.push_back({{"name", take.name},
+                     {"clip", take.clip},
+                     {"frames", format_frame_range(take.frames)},
+                     {"heldout", format_frame_range(take.heldout)},
+                     {"shapes", take.shapes}});
+  }
+  return {{"kind", "dataset"}, {"character", dataset.character}, {"muscles", dataset.muscles}, {"takes", takes}};
+}
+
+Json info(const std::string& path, double unit) {
+  if (!std::filesystem::exists(path)) {
+    throw Error(ErrorKind::file, path + ": no such file");
+  }
+  const std::string extension = std::filesystem::path(path).extension();
+  if (extension == ".glb" || extension == ".gltf") {
+    if (!has_skin(path)) return {{"kind", "motion"}, {"clips", clip_names(path)}};
+    return character_info(path, unit);
+  }
+  if (extension == ".safetensors") return basis_info(path);
+  if (extension == ".pc2") return cache_info(path);
+  if (extension == ".bvh") return {{"kind", "motion"}, {"clips", clip_names(path)}};
+  if (extension == ".json") return dataset_info(path);
+  throw Error(ErrorKind::file,
+              path + ": expected .glb, .gltf, .bvh, .safetensors, .pc2 or dataset .json, found '" + extension + "'");
+}
+
+}  // namespace
+
+void add_info(CLI::App& app) {
+  struct InfoArguments {
+    std::string path;
+    double unit = 0;
+    JsonOption json;
+  };
+  auto arguments = std::make_shared<InfoArguments>();
+  CLI::App& verb = *app.add_subcommand("info", "What a file holds");
+  verb.add_option("file", arguments->path, "Character, clip, basis, point cache or dataset.json")
+      ->required()
+      ->type_name("FILE");
+  add_unit(verb, arguments->unit);
+  arguments->json.add(verb);
+  verb.callback([arguments] {
+    const Json result = info(arguments->path, arguments->unit);
+    arguments->json.emit(result, lines(result));
+  });
+}
+
+}  // namespace bodyopt::cli

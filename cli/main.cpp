@@ -1,0 +1,51 @@
+// The `bodyopt` program.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <cstdio>
+#include <new>
+
+#include "cli/common.h"
+#include "runtime/basis/error.h"
+#include "trainer/progress.h"
+
+int main(int argc, char** argv) {
+  using namespace bodyopt;
+  using namespace bodyopt::cli;
+  spdlog::set_default_logger(spdlog::stderr_color_mt("bodyopt"));
+  spdlog::set_pattern("%^%l%$: %v");
+  catch_interrupts();
+
+  CLI::App app{"Bodyopt learns how a character's skin moves and replays it in real time."};
+  app.name("bodyopt");
+  app.set_version_flag("--version", BODYOPT_VERSION);
+  app.require_subcommand(1);
+  app.option_defaults()->always_capture_default(false);
+  add_demo(app);
+  add_simulate(app);
+  add_check(app);
+  add_train(app);
+  add_eval(app);
+  add_compare(app);
+  add_info(app);
+  add_devices(app);
+
+  try {
+    app.parse(argc, argv);
+    return std::fflush(stdout) == 0 ? 0 : static_cast<int>(ErrorKind::file);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    app.exit(error);
+    return static_cast<int>(ErrorKind::usage);
+  } catch (const Error& error) {
+    spdlog::error("{}", error.what());
+    return error.exit_code();
+  } catch (const std::bad_alloc&) {
+    spdlog::error("out of memory");
+    return static_cast<int>(ErrorKind::interrupted);
+  } catch (const std::exception& error) {
+    spdlog::error("a defect of bodyopt: {}", error.what());
+    return 70;
+  }
+}

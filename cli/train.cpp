@@ -1,0 +1,115 @@
+// bodyopt train: a dataset to a basis.
+#include "trainer/train/train.h"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "cli/common.h"
+#include "runtime/basis/error.h"
+#include "trainer/train/heldout.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct TrainArguments {
+  std::string dataset, ddm_only, out;
+  double unit = 0;
+  int heldout_every = 0;
+  TrainOptions options;
+  JsonOption json;
+};
+
+std::size_t total_bytes(const Basis& basis) {
+  std::size_t bytes = 0;
+  for (const auto& [stage, size] : table_bytes(basis)) bytes += size;
+  return bytes;
+}
+
+void run_ddm_only(const TrainArguments& arguments) {
+  const Character character = read_character(arguments.ddm_only, arguments.unit);
+  say(character.notes);
+  const Basis basis = build_ddm_basis(character, arguments.options);
+  save_basis(basis, arguments.out);
+  const double per_vertex = static_cast<double>(total_bytes(basis)) / basis.mesh.vertex_count();
+  arguments.json.emit(
+      {{"basis", arguments.out}, {"vertices", basis.mesh.vertex_count()}, {"bytes_per_vertex", per_vertex}},
+      format("wrote %s: Direct Delta Mush of %u vertices, %.0f bytes per vertex\n", arguments.out.c_str(),
+             basis.mesh.vertex_count(), per_vertex));
+}
+
+void run(const TrainArguments& arguments) {
+  if (arguments.dataset.empty() == arguments.ddm_only.empty()) {
+    throw Error(ErrorKind::usage, "train takes either a DATASET or --ddm-only CHARACTER");
+  }
+  if (!arguments.ddm_only.empty()) return run_ddm_only(arguments);
+
+  const auto start = std::chrono::steady_clock::now();
+  std::filesystem::path path = arguments.dataset;
+  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  Dataset dataset = read_dataset(path);
+  if (arguments.heldout_every > 0) hold_out_blocks(dataset, arguments.heldout_every);
+  const SampleSet set = read_samples(dataset);
+  say(set.notes);
+  if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
+
+  const Basis basis = train(set, arguments.options);
+  save_basis(basis, arguments.out);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  const double per_vertex = static_cast<double>(total_bytes(basis)) / basis.mesh.vertex_count();
+  const UnposingResidual unposing = unposing_residual(set, basis);
+  Json result = {{"basis", arguments.out},
+                 {"train_frames", set.train.size()},
+                 {"heldout_frames", set.heldout.size()},
+                 {"unconverged_frames", set.unconverged},
+                 {"bytes_per_vertex", per_vertex},
+                 {"unposing_residual_mm", {{"lbs", unposing.lbs}, {"ddm", unposing.ddm}}},
+                 {"seconds", seconds}};
+  std::string text = format("trained on %zu frames (%d unconverged left out) in %.1f s: %.0f bytes per vertex\n",
+                            set.train.size(), set.unconverged, seconds, per_vertex);
+  text += format("left to learn after un-posing: LBS %.3f mm, DDM %.3f mm RMS\n", unposing.lbs, unposing.ddm);
+  if (!set.heldout.empty()) {
+    Deformer full(basis, {.name = "cpu"}), ddm(without_residual(basis), {.name = "cpu"});
+    const std::pair<const char*, std::vector<Positions>> methods[] = {
+        {"lbs", heldout_by_lbs(set)}, {"ddm", heldout_by_basis(set, ddm)}, {"full", heldout_by_basis(set, full)}};
+    text += format("held out, %zu frames:\n", set.heldout.size());
+    for (const auto& [name, shapes] : methods) {
+      const ErrorStatistics errors = heldout_errors(set, shapes);
+      result["errors_mm"][name] = to_json(errors);
+      text += format("  %-5s ", name) + describe(errors) + "\n";
+    }
+  }
+  text += "wrote " + arguments.out + "\n";
+  arguments.json.emit(result, text);
+}
+
+}  // namespace
+
+void add_train(CLI::App& app) {
+  auto arguments = std::make_shared<TrainArguments>();
+  CLI::App& verb = *app.add_subcommand("train", "Learn a basis from a dataset");
+  verb.add_option("dataset", arguments->dataset, "dataset.json, or its folder")->type_name("DATASET");
+  verb.add_option("--ddm-only", arguments->ddm_only, "Make a basis of Direct Delta Mush alone, without shapes")
+      ->type_name("CHARACTER");
+  verb.add_option("--out", arguments->out, "Basis to write (.safetensors)")->required()->type_name("BASIS");
+  verb.add_option("--heldout-every", arguments->heldout_every,
+                  "Hold out every Nth block of ten frames instead of the frames dataset.json names")
+      ->check(CLI::Range(2, 1000));
+  verb.add_option("--smoothing-radius", arguments->options.smoothing_radius,
+                  "Radius of Direct Delta Mush, metres (default: 1/40 of the character's size)")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--components", arguments->options.components, "Coefficients per region at most")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 256));
+  verb.add_option("--centres", arguments->options.centres, "Kernel centres per region at most")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 4096));
+  verb.add_option("--seed", arguments->options.seed, "Seed of every random choice")->capture_default_str();
+  add_unit(verb, arguments->unit);
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,104 @@
+#include "runtime/rig.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "runtime/basis/error.h"
+
+namespace bodyopt {
+namespace {
+
+// A chain of joints with arbitrary bind rotations, bent by a seeded random pose.
+Skeleton random_chain(std::mt19937_64& random, int count) {
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Skeleton skeleton;
+  Affine world;
+  for (int j = 0; j < count; ++j) {
+    Joint joint;
+    joint.name = "joint" + std::to_string(j);
+    joint.parent = j - 1;
+    joint.bind.translation = {0.1 * uniform(random), 0.3, 0.1 * uniform(random)};
+    joint.bind.rotation = normalized({uniform(random), uniform(random), uniform(random), uniform(random)});
+    joint.default_local = joint.bind;
+    world = world * affine_from(joint.bind);
+    joint.inverse_bind = inverse(world);
+    skeleton.joints.push_back(joint);
+  }
+  return skeleton;
+}
+
+Pose random_pose(const Skeleton& skeleton, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Pose pose = bind_pose(skeleton);
+  for (JointTransform& t : pose.joints) {
+    t.rotation = normalized({uniform(random), uniform(random), uniform(random), 1 + uniform(random)});
+  }
+  return pose;
+}
+
+TEST(Rig, BindPoseGivesIdentityMatrices) {
+  std::mt19937_64 random(1);
+  const Skeleton skeleton = random_chain(random, 5);
+  for (const Affine& m : skinning_matrices(skeleton, bind_pose(skeleton).joints)) {
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 4; ++j) EXPECT_NEAR(m.m[i][j], i == j ? 1 : 0, 1e-12);
+    }
+  }
+  for (const float f : pose_rig(skeleton, bind_pose(skeleton)).joint_features) EXPECT_NEAR(f, 0, 1e-7);
+}
+
+TEST(Rig, FeaturesAreTheRotationAwayFromBindInRestAxes) {
+  std::mt19937_64 random(2);
+  const Skeleton skeleton = random_chain(random, 4);
+  const Pose pose = random_pose(skeleton, random);
+  const RigFrame frame = pose_rig(skeleton, pose);
+  // Textbook: with world rotations G, the skinning rotation of j away from that of its parent is
+  // (parent's skinning)^-1 (own skinning), both being rotations of rest space.
+  const auto skinning = skinning_matrices(skeleton, pose.joints);
+  for (std::size_t j = 1; j < 4; ++j) {
+    const Affine relative = inverse(skinning[j - 1]) * skinning[j];
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_NEAR(frame.joint_features[9 * (j - 1) + static_cast<std::size_t>(3 * i + k)],
+                    relative.m[i][k] - (i == k ? 1 : 0), 1e-6);
+      }
+    }
+  }
+}
+
+TEST(Rig, TurningTheRootChangesNoFeatureBit) {
+  std::mt19937_64 random(3);
+  const Skeleton skeleton = random_chain(random, 6);
+  Pose pose = random_pose(skeleton, random);
+  const std::vector<float> before = pose_rig(skeleton, pose).joint_features;
+  pose.joints[0].rotation = axis_angle({1, 2, -3}, 2.1) * pose.joints[0].rotation;
+  pose.joints[0].translation = {100, -50, 70};
+  EXPECT_EQ(before, pose_rig(skeleton, pose).joint_features);
+}
+
+TEST(Rig, OriginIsTakenOutOfTheMatrices) {
+  std::mt19937_64 random(4);
+  const Skeleton skeleton = random_chain(random, 3);
+  Pose pose = random_pose(skeleton, random);
+  const RigFrame near = pose_rig(skeleton, pose);
+  for (int i = 0; i < 3; ++i) pose.joints[0].translation[static_cast<std::size_t>(i)] += 1000;
+  const RigFrame far = pose_rig(skeleton, pose);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(far.origin[i] - near.origin[i], 1000, 1e-3);
+  for (std::size_t k = 0; k < near.skinning.size(); ++k) EXPECT_NEAR(near.skinning[k], far.skinning[k], 1e-4);
+}
+
+TEST(Rig, RefusesPosesThatDoNotFit) {
+  std::mt19937_64 random(5);
+  const Skeleton skeleton = random_chain(random, 3);
+  Pose pose = bind_pose(skeleton);
+  pose.joints.pop_back();
+  EXPECT_THROW(pose_rig(skeleton, pose), Error);
+  pose = bind_pose(skeleton);
+  pose.joints[1].rotation[2] = std::nan("");
+  EXPECT_THROW(pose_rig(skeleton, pose), Error);
+}
+
+}  // namespace
+}  // namespace bodyopt
