@@ -125,7 +125,7 @@ TEST_F(OpenDevice, IsListed) {
   EXPECT_EQ(listed.name, device_->info().name);
   EXPECT_EQ(listed.problem, "");
   EXPECT_GT(listed.memory_bytes, 0u);
-  EXPECT_GE(listed.max_storage_range, 128u << 20);
+  EXPECT_GE(listed.max_storage_buffer_range, 128u << 20);
   EXPECT_TRUE(has_vulkan_device());
 }
 
@@ -134,7 +134,7 @@ TEST_F(OpenDevice, RefusesWhatItCannotHold) {
   const vulkan::OutputNormals kernel(*device_);
   const vulkan::Buffer small(*device_, 16, vulkan::Memory::device, "small");
   vulkan::BufferRange huge = small;
-  huge.size = device_->info().max_storage_range + 1;
+  huge.size = device_->info().max_storage_buffer_range + 1;
   vulkan::Commands commands(*device_);
   commands.begin();
   EXPECT_THROW(kernel.record(commands, {small, small, small, huge, small}, {64}, 1), Error);
