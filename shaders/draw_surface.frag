@@ -17,9 +17,9 @@ layout(location = 0) out vec4 out_colour;
 
 const vec3 kClay = vec3(0.545, 0.500, 0.440);  // as the zero of heat_colour()
 const vec3 kKeyDirection = normalize(vec3(-0.72, 0.72, 0.42)), kKey = vec3(1.22, 1.10, 0.96);
-const vec3 kFillDirection = normalize(vec3(0.90, 0.10, 0.45)), kFill = vec3(0.10, 0.13, 0.18);
+const vec3 kFillDirection = normalize(vec3(0.90, 0.10, 0.45)), kFill = vec3(0.13, 0.16, 0.21);
 const vec3 kRimDirection = normalize(vec3(0.55, 0.45, -0.75)), kRim = vec3(0.55, 0.58, 0.65);
-const vec3 kSky = vec3(0.105, 0.115, 0.135), kGround = vec3(0.040, 0.036, 0.034);
+const vec3 kSky = vec3(0.105, 0.115, 0.135), kGround = vec3(0.060, 0.054, 0.050);
 
 // Diffuse light of a large source, which reaches a little around the edge.
 float wrapped(float cosine) {
