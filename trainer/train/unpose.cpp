@@ -6,7 +6,6 @@
 #include <bit>
 
 #include "runtime/cpu/half.h"
-#include "runtime/rig.h"
 #include "trainer/train/blend_matrix.h"
 
 namespace bodyopt {
