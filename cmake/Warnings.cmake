@@ -10,4 +10,5 @@ option(BODYOPT_SANITIZE "Build with AddressSanitizer and UndefinedBehaviorSaniti
 if(BODYOPT_SANITIZE)
   target_compile_options(bodyopt_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -O1)
   target_link_options(bodyopt_flags INTERFACE -fsanitize=address,undefined)
+  target_sources(bodyopt_flags INTERFACE ${PROJECT_SOURCE_DIR}/cmake/sanitizers.cpp)
 endif()

@@ -73,9 +73,9 @@ DeviceInfo describe(VkPhysicalDevice physical, std::uint32_t index) {
   info.index = index;
   info.name = properties.deviceName;
   info.type = type_name(properties.deviceType);
-  info.api = version_text(properties.apiVersion);
+  info.api_version = version_text(properties.apiVersion);
   info.driver = version_text(properties.driverVersion);
-  info.max_storage_range = properties.limits.maxStorageBufferRange;
+  info.max_storage_buffer_range = properties.limits.maxStorageBufferRange;
   info.storage_alignment = properties.limits.minStorageBufferOffsetAlignment;
   info.max_groups_x = properties.limits.maxComputeWorkGroupCount[0];
   info.max_groups_y = properties.limits.maxComputeWorkGroupCount[1];

@@ -4,6 +4,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <bit>
+#include <string>
 
 #include "runtime/basis/error.h"
 #include "runtime/cpu/half.h"
@@ -61,7 +62,10 @@ std::vector<std::vector<RawMoments>> smooth_moments(const Positions& rest, const
   for (std::size_t j = 0; j < columns.size(); ++j) {
     if (columns[j].cwiseAbs().maxCoeff() == 0) continue;
     Moments10 moments = weighted_moments(rest, columns[j]);
-    for (int step = 0; step < options.steps; ++step) moments = solver.solve(areas.asDiagonal() * moments);
+    for (int step = 0; step < options.steps; ++step) {
+      const Moments10 right = areas.asDiagonal() * moments;
+      moments = solver.solve(right);
+    }
     smoothed[j] = std::move(moments);
   }
 
@@ -70,6 +74,12 @@ std::vector<std::vector<RawMoments>> smooth_moments(const Positions& rest, const
     for (Eigen::Index v = 0; v < smoothed[j].rows(); ++v) {
       if (!(smoothed[j](v, 0) > options.prune)) continue;
       raw[static_cast<std::size_t>(v)].push_back({static_cast<std::uint32_t>(j), smoothed[j].row(v).transpose()});
+    }
+  }
+  for (std::size_t v = 0; v < raw.size(); ++v) {
+    if (raw[v].empty()) {
+      throw Error(ErrorKind::mismatch,
+                  "vertex " + std::to_string(v) + " of the skin follows no joint: it has no skin weights");
     }
   }
   return raw;
