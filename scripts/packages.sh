@@ -1,0 +1,40 @@
+# Sourced by the other scripts: the Debian packages Bodyopt needs, and how to get them.
+
+build_packages=(
+  cmake ninja-build g++
+  libvulkan-dev glslang-tools
+  libeigen3-dev libnglib-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev libstb-dev
+  libgtest-dev
+)
+run_packages=(mesa-vulkan-drivers)
+test_packages=(vulkan-validationlayers)
+other_program_packages=(nodejs npm blender xvfb)
+
+# install_packages PACKAGE...: installs those that are missing; says which when it may not.
+install_packages() {
+  local missing=()
+  for package in "$@"; do
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] && return 0
+  if [ "$(id -u)" -ne 0 ]; then
+    echo "These Debian packages are missing, and only root can install them:" >&2
+    echo "  ${missing[*]}" >&2
+    echo "Run this script as root once, or: sudo apt-get install ${missing[*]}" >&2
+    exit 1
+  fi
+  echo "Installing ${missing[*]}"
+  export DEBIAN_FRONTEND=noninteractive
+  apt-get update -qq
+  apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+# build PRESET [TARGET...]
+build() {
+  local preset=$1
+  shift
+  local targets=()
+  [ $# -gt 0 ] && targets=(--target "$@")
+  cmake --preset "$preset"
+  cmake --build --preset "$preset" "${targets[@]}"
+}

@@ -1,0 +1,42 @@
+// Every .glb we write passes Khronos' gltf-validator.
+#include <gtest/gtest.h>
+
+#include "tests/support/run_program.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/temporary_folder.h"
+#include "trainer/builtin/arm.h"
+
+namespace bodyopt {
+namespace {
+
+void expect_valid(const std::filesystem::path& folder) {
+  const std::string modules = BODYOPT_SOURCE_DIR "/build/npm/node_modules";
+  if (run_program("npm --version").exit_code != 0 || !std::filesystem::exists(modules + "/gltf-validator")) {
+    GTEST_SKIP() << "npm or gltf-validator is not installed (scripts/test installs the validator where npm is)";
+  }
+  const ProgramResult result = run_program("node " BODYOPT_SOURCE_DIR "/tests/other_programs/validate_gltf.mjs " +
+                                           modules + " " + folder.string() + "/*.glb");
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+}
+
+TEST(ExportedGltf, BuiltinCharacterAndClipsAreValid) {
+  const TemporaryFolder folder;
+  const BuiltinArm arm = build_arm();
+  write_character(arm.character, folder / "character.glb");
+  write_clip(arm_range_of_motion(arm.character.skeleton, 24, 1), arm.character.skeleton, folder / "rom.glb");
+  write_clip(arm_heldout(arm.character.skeleton, 24), arm.character.skeleton, folder / "heldout.glb");
+  expect_valid(folder.path());
+}
+
+TEST(ExportedGltf, CharactersReadFromElsewhereAreValidWhenWritten) {
+  const TemporaryFolder folder;
+  for (const char* name : {"human_163_joints", "cesium_man", "greenman"}) {
+    const auto path = shared_data(std::string("characters/") + name + ".glb");
+    if (!path) GTEST_SKIP() << "shared data not present";
+    write_character(read_character(*path), folder / (std::string(name) + ".glb"));
+  }
+  expect_valid(folder.path());
+}
+
+}  // namespace
+}  // namespace bodyopt
