@@ -8,6 +8,7 @@
 #include "trainer/dataset/bvh_clip.h"
 #include "trainer/dataset/clip_common.h"
 #include "trainer/dataset/gltf_clip.h"
+#include "trainer/dataset/gltf_file.h"
 #include "trainer/dataset/notes.h"
 
 namespace bodyopt {
@@ -48,9 +49,9 @@ void check_options(const ClipOptions& options) {
 }  // namespace
 
 std::size_t frame_count(const std::string& file, double duration, std::size_t joints, const ClipOptions& options) {
-  // Times are stored in single precision: the last frame may seem to lie a little beyond the end.
+  // Times are rounded (single precision; "Frame Time: .0083333"): the last frame may seem to lie beyond the end.
   const double last = duration * options.fps;
-  const double frames = std::floor(last + 1e-3 + 2e-7 * last) + 1;
+  const double frames = std::floor(last + 1e-3 + std::min(1e-5 * last, 0.5)) + 1;
   if (!(frames <= kMaxFrames) || frames * static_cast<double>(joints) > kMaxTransforms) {
     throw Error(ErrorKind::file, file + ": the motion lasts " + std::to_string(duration) +
                                      " seconds, too many frames at " + std::to_string(options.fps) +
@@ -82,6 +83,17 @@ Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOp
                 source + ": a .bvh file holds a single clip without a name; leave out '#" + parts.name + "'");
   }
   return read_bvh_clip(parts.path, skeleton, options);
+}
+
+std::vector<std::string> clip_names(const std::filesystem::path& path) {
+  if (lower_case_extension(path) == ".bvh") {
+    if (!std::filesystem::exists(path)) throw Error(ErrorKind::file, path.string() + ": no such file");
+    return {path.stem().string()};
+  }
+  const GltfFile file(path);
+  std::vector<std::string> names;
+  for (const tinygltf::Animation& animation : file.model().animations) names.push_back(animation.name);
+  return names;
 }
 
 }  // namespace bodyopt
