@@ -105,7 +105,7 @@ Solid::Solid(std::vector<RoundedPart> parts, const Vector3d& low, const Vector3d
   double widest_blend = 0;
   for (const RoundedPart& part : parts_) widest_blend = std::max(widest_blend, part.blend);
   // Distances change by at most the way walked: from a cell's centre to its corner, for both the part and the solid.
-  const double margin = std::sqrt(3.0) * kCell + widest_blend;
+  const double margin = 1.4 * std::sqrt(3.0) * kCell + widest_blend;
   near_.reserve(static_cast<std::size_t>(cells_.prod()));
   for (int z = 0; z < cells_.z(); ++z) {
     for (int y = 0; y < cells_.y(); ++y) {
