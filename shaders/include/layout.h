@@ -67,6 +67,8 @@ BODYOPT_CHECK_SIZE(BlendEntry, 8)
 // Push constants, one record per kernel. Every kernel runs over (element, frame) = (x, y).
 struct StrainSkinPush {
   uint strain_vertex_count, joint_count;  // strain_vertex_count: length of the strain table's vertex list
+  uint first_vertex, end_vertex;          // the window of the DDM table bound; others are left to other dispatches
+  uint first_entry;                       // entry at which the bound moments begin
 };
 struct StrainMeasurePush {
   uint fibre_count, strain_vertex_count;
@@ -85,6 +87,8 @@ struct ResidualBlendPush {
 };
 struct PoseSkinPush {
   uint vertex_count, joint_count;
+  uint first_vertex, end_vertex;  // the window of the DDM table bound; vertices run from first_vertex
+  uint first_entry;               // entry at which the bound moments begin
 };
 struct OutputNormalsPush {
   uint vertex_count;

@@ -91,7 +91,7 @@ BODYOPT_FUNCTION void rot(BODYOPT_IN_ARRAY(matrix, 9), BODYOPT_OUT_ARRAY(r, 9)) 
                 (k00 * k13 - k03 * k01) * (k12 * k23 - k22 * k13) + (k01 * k12 - k02 * k11) * (k02 * k33 - k23 * k03) -
                 (k01 * k13 - k03 * k11) * (k02 * k23 - k22 * k03) + (k02 * k13 - k03 * k12) * (k02 * k13 - k12 * k03);
   float l = 1.7320508f;
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0; i < 12; ++i) {
     float value = ((l * l - 2.0f) * l - 8.0f * det_a) * l + det_k;
     float slope = (4.0f * l * l - 4.0f) * l - 8.0f * det_a;
     if (slope > 1e-6f) l -= value / slope;

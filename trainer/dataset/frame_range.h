@@ -10,7 +10,7 @@ namespace bodyopt {
 // (farm systems disagree on what it means).
 std::vector<int> parse_frame_range(const std::string& text);
 
-// The shortest range text for ascending frames, e.g. "1-4x3,10".
+// Range text for ascending frames; three or more with equal steps become a range, e.g. "1-7x3,12".
 std::string format_frame_range(const std::vector<int>& frames);
 
 }  // namespace bodyopt

@@ -1,0 +1,31 @@
+// Files that are there whole or not at all: written under a temporary name in the same folder, then renamed.
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <filesystem>
+#include <span>
+
+namespace bodyopt {
+
+// A file being written. commit() flushes it to the disk and renames it; destroyed before that, nothing is left behind.
+// Every failure throws Error(file) naming the path and the system's reason.
+class AtomicFile {
+ public:
+  explicit AtomicFile(const std::filesystem::path& path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  void write(std::span<const std::byte> bytes);
+  void commit();
+
+ private:
+  [[noreturn]] void fail(const char* doing) const;
+  std::filesystem::path path_, temporary_;
+  std::FILE* file_ = nullptr;
+};
+
+void write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+}  // namespace bodyopt

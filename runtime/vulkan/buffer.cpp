@@ -1,0 +1,69 @@
+#include "runtime/vulkan/buffer.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "runtime/basis/error.h"
+#include "runtime/vulkan/commands.h"
+
+namespace bodyopt::vulkan {
+namespace {
+
+constexpr VkDeviceSize kMinBytes = 16;
+
+}  // namespace
+
+Buffer::Buffer(const Device& device, VkDeviceSize bytes, Memory memory, const char* name)
+    : size_(std::max(kMinBytes, (bytes + 3) / 4 * 4)) {
+  if (size_ > device.info().memory_bytes) {
+    throw Error(ErrorKind::device, std::string(name) + ": " + std::to_string(size_) + " bytes do not fit the " +
+                                       std::to_string(device.info().memory_bytes) + " bytes of memory of '" +
+                                       device.info().name + "'");
+  }
+  auto info = structure<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
+  info.size = size_;
+  info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  if (memory == Memory::device) info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+  const VkDevice handle = device.handle();
+  const auto require = [&](VkResult result, const char* call) {
+    if (result == VK_SUCCESS) return;
+    check(result, (std::string(call) + " of " + std::to_string(size_) + " bytes for " + name).c_str());
+  };
+  VkBuffer buffer = VK_NULL_HANDLE;
+  require(vkCreateBuffer(handle, &info, nullptr, &buffer), "vkCreateBuffer");
+  buffer_ = {handle, buffer};
+
+  VkMemoryRequirements needs{};
+  vkGetBufferMemoryRequirements(handle, buffer, &needs);
+  auto allocation = structure<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
+  allocation.allocationSize = needs.size;
+  allocation.memoryTypeIndex =
+      memory == Memory::device
+          ? device.memory_type(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)
+          : device.memory_type(needs.memoryTypeBits,
+                               VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+                               VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
+  VkDeviceMemory allocated = VK_NULL_HANDLE;
+  require(vkAllocateMemory(handle, &allocation, nullptr, &allocated), "vkAllocateMemory");
+  memory_ = {handle, allocated};
+  require(vkBindBufferMemory(handle, buffer, allocated, 0), "vkBindBufferMemory");
+  if (memory == Memory::device) return;
+  void* mapped = nullptr;
+  require(vkMapMemory(handle, allocated, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory");
+  mapped_ = static_cast<std::byte*>(mapped);
+}
+
+Buffer upload_bytes(const Device& device, std::span<const std::byte> bytes, const char* name) {
+  Buffer buffer(device, bytes.size(), Memory::device, name);
+  if (bytes.empty()) return buffer;
+  const Buffer staging(device, bytes.size(), Memory::staging, name);
+  std::memcpy(staging.mapped(), bytes.data(), bytes.size());
+  Commands commands(device);
+  commands.begin();
+  commands.copy(staging, buffer);
+  commands.end();
+  commands.run();
+  return buffer;
+}
+
+}  // namespace bodyopt::vulkan

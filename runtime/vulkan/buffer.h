@@ -1,0 +1,52 @@
+// Device memory. Tables and intermediate results live on the device; the host reaches them by staging buffers only, so
+// that what works where all memory is shared also works on a discrete GPU.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <type_traits>
+
+#include "runtime/vulkan/device.h"
+#include "runtime/vulkan/object.h"
+
+namespace bodyopt::vulkan {
+
+enum class Memory { device, staging };  // staging: mapped for as long as the buffer lives, coherent
+
+class Buffer {
+ public:
+  Buffer() = default;
+  // Of at least 16 bytes, so that an empty table can be bound. `name` is for messages. Throws Error(device).
+  Buffer(const Device& device, VkDeviceSize bytes, Memory memory, const char* name);
+
+  VkBuffer handle() const { return buffer_.get(); }
+  VkDeviceSize size() const { return size_; }
+  std::byte* mapped() const { return mapped_; }  // staging only
+
+ private:
+  VkDeviceSize size_ = 0;
+  Owned<VkDeviceMemory, vkFreeMemory> memory_;
+  Owned<VkBuffer, vkDestroyBuffer> buffer_;
+  std::byte* mapped_ = nullptr;
+};
+
+// What a kernel sees of a buffer, in bytes.
+struct BufferRange {
+  BufferRange(const Buffer& whole) : buffer(whole.handle()), offset(0), size(whole.size()) {}
+  BufferRange(const Buffer& b, VkDeviceSize offset_, VkDeviceSize size_)
+      : buffer(b.handle()), offset(offset_), size(size_) {}
+
+  VkBuffer buffer;
+  VkDeviceSize offset, size;
+};
+
+// A device buffer that holds a copy of `bytes`. Throws Error(device).
+Buffer upload_bytes(const Device& device, std::span<const std::byte> bytes, const char* name);
+
+template <typename T>
+Buffer upload(const Device& device, const std::vector<T>& values, const char* name) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return upload_bytes(device, std::as_bytes(std::span(values)), name);
+}
+
+}  // namespace bodyopt::vulkan

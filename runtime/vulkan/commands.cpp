@@ -1,0 +1,172 @@
+#include "runtime/vulkan/commands.h"
+
+#include <algorithm>
+
+#include "runtime/basis/error.h"
+
+namespace bodyopt::vulkan {
+namespace {
+
+constexpr std::uint32_t kMaxTimestamps = 16;
+constexpr std::uint64_t kTimeout = 300'000'000'000;  // nanoseconds; a software device on a busy machine is slow
+
+}  // namespace
+
+Commands::Commands(const Device& device) : device_(device) {
+  const VkDevice handle = device.handle();
+  auto pool_info = structure<VkCommandPoolCreateInfo>(VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO);
+  pool_info.queueFamilyIndex = device.queue_family();
+  VkCommandPool pool = VK_NULL_HANDLE;
+  check(vkCreateCommandPool(handle, &pool_info, nullptr, &pool), "vkCreateCommandPool");
+  pool_ = {handle, pool};
+
+  auto info = structure<VkCommandBufferAllocateInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO);
+  info.commandPool = pool;
+  info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  info.commandBufferCount = 1;
+  check(vkAllocateCommandBuffers(handle, &info, &commands_), "vkAllocateCommandBuffers");
+
+  const auto fence_info = structure<VkFenceCreateInfo>(VK_STRUCTURE_TYPE_FENCE_CREATE_INFO);
+  VkFence fence = VK_NULL_HANDLE;
+  check(vkCreateFence(handle, &fence_info, nullptr, &fence), "vkCreateFence");
+  fence_ = {handle, fence};
+
+  if (device.timestamp_mask() == 0) return;
+  auto query_info = structure<VkQueryPoolCreateInfo>(VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO);
+  query_info.queryType = VK_QUERY_TYPE_TIMESTAMP;
+  query_info.queryCount = kMaxTimestamps;
+  VkQueryPool queries = VK_NULL_HANDLE;
+  check(vkCreateQueryPool(handle, &query_info, nullptr, &queries), "vkCreateQueryPool");
+  queries_ = {handle, queries};
+}
+
+Commands::~Commands() {
+  if (pending_) vkDeviceWaitIdle(device_.handle());  // returns at once when the device is lost
+}
+
+void Commands::begin() {
+  check(vkResetCommandPool(device_.handle(), pool_.get(), 0), "vkResetCommandPool");
+  sets_.clear();
+  timestamp_count_ = 0;
+  const auto info = structure<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
+  check(vkBeginCommandBuffer(commands_, &info), "vkBeginCommandBuffer");
+  if (queries_.get() != VK_NULL_HANDLE) vkCmdResetQueryPool(commands_, queries_.get(), 0, kMaxTimestamps);
+}
+
+void Commands::copy(const BufferRange& from, const BufferRange& to) {
+  if (from.size == 0) return;
+  const VkBufferCopy region{from.offset, to.offset, from.size};
+  vkCmdCopyBuffer(commands_, from.buffer, to.buffer, 1, &region);
+}
+
+void Commands::fill(const BufferRange& range, std::uint32_t word) {
+  vkCmdFillBuffer(commands_, range.buffer, range.offset, range.size, word);
+}
+
+void Commands::barrier() {
+  auto memory = structure<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
+  memory.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+  memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
+                         VK_ACCESS_TRANSFER_WRITE_BIT;
+  const VkPipelineStageFlags stages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
+  vkCmdPipelineBarrier(commands_, stages, stages, 0, 1, &memory, 0, nullptr, 0, nullptr);
+}
+
+VkDescriptorSet Commands::bind(const Kernel& kernel, std::span<const BufferRange> bindings) {
+  const VkDevice handle = device_.handle();
+  const std::uint32_t count = kernel.binding_count();
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count};
+  auto pool_info = structure<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
+  pool_info.maxSets = 1;
+  pool_info.poolSizeCount = 1;
+  pool_info.pPoolSizes = &size;
+  VkDescriptorPool pool = VK_NULL_HANDLE;
+  check(vkCreateDescriptorPool(handle, &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
+  sets_.emplace_back(handle, pool);
+
+  auto info = structure<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
+  const VkDescriptorSetLayout layout = kernel.set_layout();
+  info.descriptorPool = pool;
+  info.descriptorSetCount = 1;
+  info.pSetLayouts = &layout;
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  check(vkAllocateDescriptorSets(handle, &info, &set), "vkAllocateDescriptorSets");
+
+  std::vector<VkDescriptorBufferInfo> buffers;
+  for (const BufferRange& range : bindings) {
+    if (range.size > device_.info().max_storage_buffer_range) {
+      throw Error(ErrorKind::device, "a table of " + std::to_string(range.size) + " bytes is larger than the " +
+                                         std::to_string(device_.info().max_storage_buffer_range) +
+                                         " bytes that a binding of '" + device_.info().name + "' can see");
+    }
+    buffers.push_back({range.buffer, range.offset, range.size});
+  }
+  auto write = structure<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
+  write.dstSet = set;
+  write.descriptorCount = count;  // runs on over consecutive bindings of one type
+  write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  write.pBufferInfo = buffers.data();
+  vkUpdateDescriptorSets(handle, 1, &write, 0, nullptr);
+  return set;
+}
+
+void Commands::record_dispatch(const Kernel& kernel, std::span<const BufferRange> bindings,
+                               std::span<const std::byte> push, std::uint32_t elements, std::uint32_t frames) {
+  if (elements == 0 || frames == 0) return;
+  const std::uint32_t groups = (elements - 1) / kWorkgroupSize + 1;
+  if (groups > device_.info().max_groups_x || frames > device_.info().max_groups_y) {
+    throw Error(ErrorKind::device, "the Vulkan device '" + device_.info().name + "' runs at most " +
+                                       std::to_string(device_.info().max_groups_x) + " x " +
+                                       std::to_string(device_.info().max_groups_y) + " workgroups at once, " +
+                                       std::to_string(groups) + " x " + std::to_string(frames) + " are needed");
+  }
+  const VkDescriptorSet set = bind(kernel, bindings);
+  vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.pipeline());
+  vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0, 1, &set, 0, nullptr);
+  vkCmdPushConstants(commands_, kernel.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                     static_cast<std::uint32_t>(push.size()), push.data());
+  vkCmdDispatch(commands_, groups, frames, 1);
+}
+
+void Commands::timestamp() {
+  if (queries_.get() == VK_NULL_HANDLE) return;
+  vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_.get(), timestamp_count_++);
+}
+
+void Commands::end() {
+  auto memory = structure<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
+  memory.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+  memory.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
+  vkCmdPipelineBarrier(commands_, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &memory, 0, nullptr,
+                       0, nullptr);
+  check(vkEndCommandBuffer(commands_), "vkEndCommandBuffer");
+}
+
+void Commands::run() {
+  const VkDevice handle = device_.handle();
+  const VkFence fence = fence_.get();
+  check(vkResetFences(handle, 1, &fence), "vkResetFences");
+  auto submit = structure<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);
+  submit.commandBufferCount = 1;
+  submit.pCommandBuffers = &commands_;
+  check(vkQueueSubmit(device_.queue(), 1, &submit, fence), "vkQueueSubmit");
+  pending_ = true;
+  check(vkWaitForFences(handle, 1, &fence, VK_TRUE, kTimeout), "vkWaitForFences");
+  pending_ = false;
+}
+
+std::vector<double> Commands::seconds() const {
+  std::vector<std::uint64_t> ticks(timestamp_count_);
+  std::vector<double> seconds;
+  if (ticks.empty()) return seconds;
+  check(vkGetQueryPoolResults(device_.handle(), queries_.get(), 0, timestamp_count_, ticks.size() * sizeof(ticks[0]),
+                              ticks.data(), sizeof(ticks[0]), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+        "vkGetQueryPoolResults");
+  for (std::size_t i = 1; i < ticks.size(); ++i) {
+    const std::uint64_t difference = (ticks[i] - ticks[i - 1]) & device_.timestamp_mask();
+    seconds.push_back(static_cast<double>(difference) * device_.timestamp_period());
+  }
+  return seconds;
+}
+
+}  // namespace bodyopt::vulkan

@@ -1,0 +1,59 @@
+// Work for the device: recorded once, run any number of times.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "runtime/vulkan/buffer.h"
+#include "runtime/vulkan/kernel.h"
+
+namespace bodyopt::vulkan {
+
+class Commands {
+ public:
+  explicit Commands(const Device& device);
+  ~Commands();
+  Commands(const Commands&) = delete;
+  Commands& operator=(const Commands&) = delete;
+
+  // Recording. begin() forgets what was recorded before. Buffers and kernels must outlive the last run().
+  void begin();
+  void copy(const BufferRange& from, const BufferRange& to);  // the size of `from`
+  void fill(const BufferRange& range, std::uint32_t word);
+  // What stands before is finished and seen by what comes after.
+  void barrier();
+  // Runs a kernel over (elements, frames). Throws Error(device) when the device cannot run as many workgroups at once.
+  template <typename Push>
+  void dispatch(const Kernel& kernel, std::span<const BufferRange> bindings, const Push& push, std::uint32_t elements,
+                std::uint32_t frames) {
+    static_assert(sizeof(Push) <= 128);
+    record_dispatch(kernel, bindings, std::as_bytes(std::span(&push, 1)), elements, frames);
+  }
+  void timestamp();
+  VkCommandBuffer handle() const { return commands_; }  // to record what is not here: drawing
+  void end();
+
+  // Submits and waits; afterwards the host sees what was copied to staging buffers. Throws Error(device) when the
+  // device is lost or does not finish.
+  void run();
+
+  // Seconds between consecutive timestamps of the last run(); empty when the device has none.
+  std::vector<double> seconds() const;
+
+ private:
+  void record_dispatch(const Kernel& kernel, std::span<const BufferRange> bindings, std::span<const std::byte> push,
+                       std::uint32_t elements, std::uint32_t frames);
+  VkDescriptorSet bind(const Kernel& kernel, std::span<const BufferRange> bindings);
+
+  const Device& device_;
+  Owned<VkCommandPool, vkDestroyCommandPool> pool_;
+  Owned<VkQueryPool, vkDestroyQueryPool> queries_;
+  Owned<VkFence, vkDestroyFence> fence_;
+  std::vector<Owned<VkDescriptorPool, vkDestroyDescriptorPool>> sets_;  // one set each
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;
+  std::uint32_t timestamp_count_ = 0;
+  bool pending_ = false;
+};
+
+}  // namespace bodyopt::vulkan

@@ -1,0 +1,223 @@
+#include "runtime/vulkan/device.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <optional>
+
+#include "runtime/basis/error.h"
+#include "runtime/vulkan/object.h"
+
+namespace bodyopt::vulkan {
+namespace {
+
+constexpr std::uint32_t kMinStorageBindings = 8;  // the most of any kernel
+
+std::string version_text(std::uint32_t version) {
+  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." +
+         std::to_string(VK_API_VERSION_PATCH(version));
+}
+
+const char* type_name(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return "virtual";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return "cpu";
+    default:
+      return "other";
+  }
+}
+
+int preference(const std::string& type) {
+  if (type == "discrete") return 0;
+  if (type == "integrated" || type == "virtual") return 1;
+  return type == "cpu" ? 2 : 3;
+}
+
+std::vector<VkQueueFamilyProperties> queue_families(VkPhysicalDevice physical) {
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
+  return families;
+}
+
+// A family that computes, with graphics where there is one.
+std::optional<std::uint32_t> compute_family(VkPhysicalDevice physical) {
+  const std::vector<VkQueueFamilyProperties> families = queue_families(physical);
+  for (const VkQueueFlags wanted : {VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT, +VK_QUEUE_COMPUTE_BIT}) {
+    for (std::uint32_t f = 0; f < families.size(); ++f) {
+      if ((families[f].queueFlags & wanted) == wanted) return f;
+    }
+  }
+  return std::nullopt;
+}
+
+std::string find_problem(VkPhysicalDevice physical, const VkPhysicalDeviceProperties& properties) {
+  if (properties.apiVersion < VK_API_VERSION_1_2) return "needs Vulkan 1.2 or newer";
+  if (!compute_family(physical)) return "has no compute queue";
+  const std::uint32_t bindings = properties.limits.maxPerStageDescriptorStorageBuffers;
+  if (bindings < kMinStorageBindings) return "has only " + std::to_string(bindings) + " storage buffers per shader";
+  return {};
+}
+
+DeviceInfo describe(VkPhysicalDevice physical, std::uint32_t index) {
+  VkPhysicalDeviceProperties properties{};
+  vkGetPhysicalDeviceProperties(physical, &properties);
+  DeviceInfo info;
+  info.index = index;
+  info.name = properties.deviceName;
+  info.type = type_name(properties.deviceType);
+  info.api_version = version_text(properties.apiVersion);
+  info.driver = version_text(properties.driverVersion);
+  info.max_storage_buffer_range = properties.limits.maxStorageBufferRange;
+  info.storage_alignment = properties.limits.minStorageBufferOffsetAlignment;
+  info.max_groups_x = properties.limits.maxComputeWorkGroupCount[0];
+  info.max_groups_y = properties.limits.maxComputeWorkGroupCount[1];
+  info.problem = find_problem(physical, properties);
+  if (const std::optional<std::uint32_t> family = compute_family(physical)) {
+    info.draws = queue_families(physical)[*family].queueFlags & VK_QUEUE_GRAPHICS_BIT;
+  }
+  if (properties.apiVersion >= VK_API_VERSION_1_2) {
+    auto driver = structure<VkPhysicalDeviceDriverProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES);
+    auto properties2 = structure<VkPhysicalDeviceProperties2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2);
+    properties2.pNext = &driver;
+    vkGetPhysicalDeviceProperties2(physical, &properties2);
+    info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
+  }
+  VkPhysicalDeviceMemoryProperties memory{};
+  vkGetPhysicalDeviceMemoryProperties(physical, &memory);
+  for (std::uint32_t h = 0; h < memory.memoryHeapCount; ++h) {
+    if (memory.memoryHeaps[h].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) {
+      info.memory_bytes = std::max<std::uint64_t>(info.memory_bytes, memory.memoryHeaps[h].size);
+    }
+  }
+  return info;
+}
+
+std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& physical) {
+  std::vector<DeviceInfo> devices;
+  for (std::uint32_t i = 0; i < physical.size(); ++i) devices.push_back(describe(physical[i], i));
+  return devices;
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+const DeviceInfo* find_device(const std::vector<DeviceInfo>& devices, const std::string& name) {
+  const DeviceInfo* found = nullptr;
+  const bool is_index =
+      !name.empty() && std::all_of(name.begin(), name.end(), [](char c) { return '0' <= c && c <= '9'; });
+  for (const DeviceInfo& device : devices) {
+    if (name == "auto") {
+      if (device.problem.empty() && (!found || preference(device.type) < preference(found->type))) found = &device;
+    } else if (!found && is_index) {
+      if (std::to_string(device.index) == name) found = &device;
+    } else if (!found && !name.empty()) {
+      if (lower(device.name).find(lower(name)) != std::string::npos) found = &device;
+    }
+  }
+  return found;
+}
+
+std::string listing(const std::vector<DeviceInfo>& devices) {
+  if (devices.empty())
+    return "this machine has no Vulkan device (Debian package with a software one: mesa-vulkan-drivers)";
+  std::string text = "devices here:";
+  for (const DeviceInfo& device : devices) {
+    text += " [" + std::to_string(device.index) + "] " + device.name + " (" + device.type + ")";
+    if (!device.problem.empty()) text += ", unusable: it " + device.problem;
+    text += device.index + 1 < devices.size() ? ";" : "";
+  }
+  return text;
+}
+
+bool device_extension_offered(VkPhysicalDevice physical, const char* name) {
+  std::uint32_t count = 0;
+  check(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr),
+        "vkEnumerateDeviceExtensionProperties");
+  std::vector<VkExtensionProperties> extensions(count);
+  check(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data()),
+        "vkEnumerateDeviceExtensionProperties");
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const VkExtensionProperties& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
+VkDevice open_device(VkPhysicalDevice physical, std::uint32_t family) {
+  const float priority = 1.0f;
+  auto queue = structure<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
+  queue.queueFamilyIndex = family;
+  queue.queueCount = 1;
+  queue.pQueuePriorities = &priority;
+  auto info = structure<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
+  info.queueCreateInfoCount = 1;
+  info.pQueueCreateInfos = &queue;
+  // A device that offers this extension (Vulkan on Metal) insists on it.
+  const char* const portability = "VK_KHR_portability_subset";
+  if (device_extension_offered(physical, portability)) {
+    info.enabledExtensionCount = 1;
+    info.ppEnabledExtensionNames = &portability;
+  }
+  VkDevice device = VK_NULL_HANDLE;
+  check(vkCreateDevice(physical, &info, nullptr, &device), "vkCreateDevice");
+  return device;
+}
+
+}  // namespace
+
+std::vector<DeviceInfo> list_devices() { return describe_all(Instance(false).physical_devices()); }
+
+std::uint32_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& name) {
+  const DeviceInfo* found = find_device(devices, name);
+  if (!found) {
+    const std::string wanted = name == "auto" ? "no usable Vulkan device" : "no Vulkan device '" + name + "'";
+    throw Error(ErrorKind::device, wanted + "; " + listing(devices));
+  }
+  if (!found->problem.empty()) {
+    throw Error(ErrorKind::device,
+                "the Vulkan device '" + found->name + "' " + found->problem + "; " + listing(devices));
+  }
+  return found->index;
+}
+
+Device::Device(const DeviceChoice& choice) : instance_(choice.validation) {
+  const std::vector<VkPhysicalDevice> physical_devices = instance_.physical_devices();
+  const std::vector<DeviceInfo> devices = describe_all(physical_devices);
+  info_ = devices[choose_device(devices, choice.name)];
+  const VkPhysicalDevice physical = physical_devices[info_.index];
+  vkGetPhysicalDeviceMemoryProperties(physical, &memory_);
+  queue_family_ = *compute_family(physical);
+
+  const std::uint32_t bits = queue_families(physical)[queue_family_].timestampValidBits;
+  if (bits > 0) {
+    VkPhysicalDeviceProperties properties{};
+    vkGetPhysicalDeviceProperties(physical, &properties);
+    timestamp_period_ = 1e-9 * static_cast<double>(properties.limits.timestampPeriod);
+    timestamp_mask_ = bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
+  }
+  device_ = open_device(physical, queue_family_);
+  vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+}
+
+Device::~Device() {
+  if (device_ != VK_NULL_HANDLE) vkDestroyDevice(device_, nullptr);
+}
+
+std::uint32_t Device::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags required,
+                                  VkMemoryPropertyFlags preferred) const {
+  for (const VkMemoryPropertyFlags wanted : {required | preferred, required}) {
+    for (std::uint32_t t = 0; t < memory_.memoryTypeCount; ++t) {
+      if ((type_bits >> t & 1u) && (memory_.memoryTypes[t].propertyFlags & wanted) == wanted) return t;
+    }
+  }
+  throw Error(ErrorKind::device, "the Vulkan device '" + info_.name + "' has no memory of the kind needed");
+}
+
+}  // namespace bodyopt::vulkan

@@ -1,0 +1,70 @@
+// A Vulkan device: how it is listed, chosen and opened.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "runtime/deformer.h"
+#include "runtime/vulkan/instance.h"
+
+namespace bodyopt::vulkan {
+
+struct DeviceInfo {
+  std::uint32_t index = 0;                      // as a user names it
+  std::string name, type, api_version, driver;  // type: discrete, integrated, virtual, cpu or other
+  std::uint64_t memory_bytes = 0;               // largest device-local heap
+  std::uint64_t max_storage_buffer_range = 0;   // bytes one binding can see
+  std::uint64_t storage_alignment = 0;          // bytes, of binding offsets
+  std::uint32_t max_groups_x = 0;               // workgroups of one dispatch
+  std::uint32_t max_groups_y = 0;
+  bool draws = false;   // whether its queue can also draw
+  std::string problem;  // why the device cannot be used; empty when it can
+};
+
+// All devices of this machine, in the order of their indices. Throws Error(device) when Vulkan itself fails.
+std::vector<DeviceInfo> list_devices();
+
+// Index of the device that `name` means: "auto" (discrete, then integrated or virtual, then CPU), an index, or part of
+// a name in any case (the first that matches). Throws Error(device) that names what exists.
+std::uint32_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& name);
+
+// An open device with one queue that computes, and draws where the device can.
+class Device {
+ public:
+  explicit Device(const DeviceChoice& choice);
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  VkDevice handle() const { return device_; }
+  VkQueue queue() const { return queue_; }
+  std::uint32_t queue_family() const { return queue_family_; }
+  const DeviceInfo& info() const { return info_; }
+  // Seconds per timestamp tick, 0 when the queue has no timestamps; the bits of a timestamp that count.
+  double timestamp_period() const { return timestamp_period_; }
+  std::uint64_t timestamp_mask() const { return timestamp_mask_; }
+
+  // A memory type out of `type_bits` with the required properties, with the preferred ones where there is one.
+  // Throws Error(device).
+  std::uint32_t memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags required,
+                            VkMemoryPropertyFlags preferred) const;
+
+  std::vector<std::string> validation_messages() const { return instance_.log()->messages(); }
+  std::shared_ptr<const ValidationLog> validation_log() const { return instance_.log(); }
+
+ private:
+  Instance instance_;
+  DeviceInfo info_;
+  VkPhysicalDeviceMemoryProperties memory_{};
+  std::uint32_t queue_family_ = 0;
+  double timestamp_period_ = 0;
+  std::uint64_t timestamp_mask_ = 0;
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkQueue queue_ = VK_NULL_HANDLE;
+};
+
+}  // namespace bodyopt::vulkan

@@ -1,0 +1,45 @@
+// The Vulkan instance, with the validation layers when asked for.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace bodyopt::vulkan {
+
+// Throws Error(device) that names the call and the result, unless the result is a success.
+void check(VkResult result, const char* call);
+
+// What the validation layers said (type VALIDATION, warning or above). Outlives the instance, to hear its teardown.
+class ValidationLog {
+ public:
+  void add(std::string message);
+  std::vector<std::string> messages() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::string> messages_;
+};
+
+class Instance {
+ public:
+  // With validation, turns on the Khronos layer and synchronization validation; throws Error(device) when the layer is
+  // not installed. A machine without any Vulkan driver gives an instance without devices.
+  explicit Instance(bool validation);
+  ~Instance();
+  Instance(const Instance&) = delete;
+  Instance& operator=(const Instance&) = delete;
+
+  std::vector<VkPhysicalDevice> physical_devices() const;
+  std::shared_ptr<const ValidationLog> log() const { return log_; }
+
+ private:
+  std::shared_ptr<ValidationLog> log_;
+  VkInstance handle_ = VK_NULL_HANDLE;
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+};
+
+}  // namespace bodyopt::vulkan

@@ -1,0 +1,50 @@
+#include "runtime/vulkan/kernel.h"
+
+#include <vector>
+
+namespace bodyopt::vulkan {
+
+Kernel::Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t binding_count,
+               std::uint32_t push_bytes)
+    : binding_count_(binding_count) {
+  const VkDevice handle = device.handle();
+  std::vector<VkDescriptorSetLayoutBinding> bindings(binding_count);
+  for (std::uint32_t b = 0; b < binding_count; ++b) {
+    bindings[b] = {b, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+  }
+  auto set = structure<VkDescriptorSetLayoutCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
+  set.bindingCount = binding_count;
+  set.pBindings = bindings.data();
+  VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
+  check(vkCreateDescriptorSetLayout(handle, &set, nullptr, &set_layout), "vkCreateDescriptorSetLayout");
+  set_layout_ = {handle, set_layout};
+
+  const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes};
+  auto layout = structure<VkPipelineLayoutCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO);
+  layout.setLayoutCount = 1;
+  layout.pSetLayouts = &set_layout;
+  layout.pushConstantRangeCount = 1;
+  layout.pPushConstantRanges = &push;
+  VkPipelineLayout pipeline_layout = VK_NULL_HANDLE;
+  check(vkCreatePipelineLayout(handle, &layout, nullptr, &pipeline_layout), "vkCreatePipelineLayout");
+  layout_ = {handle, pipeline_layout};
+
+  auto module = structure<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
+  module.codeSize = spirv.size_bytes();
+  module.pCode = spirv.data();
+  VkShaderModule shader = VK_NULL_HANDLE;
+  check(vkCreateShaderModule(handle, &module, nullptr, &shader), "vkCreateShaderModule");
+  const Owned<VkShaderModule, vkDestroyShaderModule> owned_shader(handle, shader);
+
+  auto info = structure<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
+  info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+  info.stage.module = shader;
+  info.stage.pName = "main";
+  info.layout = pipeline_layout;
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  check(vkCreateComputePipelines(handle, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "vkCreateComputePipelines");
+  pipeline_ = {handle, pipeline};
+}
+
+}  // namespace bodyopt::vulkan

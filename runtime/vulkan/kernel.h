@@ -1,0 +1,30 @@
+// A compute kernel: its pipeline and the layout of its bindings (storage buffers 0, 1, ... of set 0).
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "runtime/vulkan/device.h"
+#include "runtime/vulkan/object.h"
+
+namespace bodyopt::vulkan {
+
+class Kernel {
+ public:
+  // Throws Error(device).
+  Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t binding_count,
+         std::uint32_t push_bytes);
+
+  VkPipeline pipeline() const { return pipeline_.get(); }
+  VkPipelineLayout layout() const { return layout_.get(); }
+  VkDescriptorSetLayout set_layout() const { return set_layout_.get(); }
+  std::uint32_t binding_count() const { return binding_count_; }
+
+ private:
+  std::uint32_t binding_count_;
+  Owned<VkDescriptorSetLayout, vkDestroyDescriptorSetLayout> set_layout_;
+  Owned<VkPipelineLayout, vkDestroyPipelineLayout> layout_;
+  Owned<VkPipeline, vkDestroyPipeline> pipeline_;
+};
+
+}  // namespace bodyopt::vulkan

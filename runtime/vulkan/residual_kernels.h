@@ -1,0 +1,21 @@
+// Vulkan residual_kernels: Gaussian kernels of the features (shaders/residual_kernels.comp).
+#pragma once
+
+#include "runtime/vulkan/commands.h"
+
+namespace bodyopt::vulkan {
+
+class ResidualKernels {
+ public:
+  struct Buffers {
+    BufferRange regions, region_features, centre_region, centres, features, kernels;
+  };
+
+  explicit ResidualKernels(const Device& device);
+  void record(Commands& commands, const Buffers& buffers, const ResidualKernelsPush& push, std::uint32_t frames) const;
+
+ private:
+  Kernel kernel_;
+};
+
+}  // namespace bodyopt::vulkan

@@ -1,0 +1,322 @@
+// A Vulkan device as a backend: tables uploaded once; one command buffer per batch, recorded when the number of frames
+// changes and submitted again otherwise.
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "runtime/basis/error.h"
+#include "runtime/vulkan/output_normals.h"
+#include "runtime/vulkan/pose_skin.h"
+#include "runtime/vulkan/residual_blend.h"
+#include "runtime/vulkan/residual_coefficients.h"
+#include "runtime/vulkan/residual_features.h"
+#include "runtime/vulkan/residual_kernels.h"
+#include "runtime/vulkan/strain_measure.h"
+#include "runtime/vulkan/strain_skin.h"
+
+namespace bodyopt {
+namespace vulkan {
+namespace {
+
+constexpr std::uint64_t kBatchBytes = 64u << 20;  // of per-frame buffers; enough vertices to fill a device
+
+// Counts of a basis, in the units of a frame.
+struct Counts {
+  explicit Counts(const Basis& basis)
+      : vertices(basis.mesh.vertex_count()),
+        joints(static_cast<std::uint32_t>(basis.skeleton.size())),
+        strain_vertices(static_cast<std::uint32_t>(basis.strain.vertices.size())),
+        fibres(basis.strain.fibre_count()),
+        features(basis.residual.feature_count()),
+        controls(features == 0 ? 0 : static_cast<std::uint32_t>(basis.residual.controls.size())),
+        joint_features(features == 0 ? 0 : features - fibres - controls),
+        centres(basis.residual.centre_count()),
+        coefficients(basis.residual.coefficient_count()) {}
+
+  std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features, centres, coefficients;
+};
+
+// Everything about the character that stays the same from frame to frame.
+struct Tables {
+  Tables(const Device& device, const Basis& b)
+      : ddm(device, b.ddm, device.info()),
+        strain_vertices(upload(device, b.strain.vertices, "the strain vertices")),
+        points(upload(device, b.strain.points, "the fibre points")),
+        fibre_begin(upload(device, b.strain.fibre_begin, "the fibres")),
+        rest_length(upload(device, b.strain.rest_length, "the fibres' rest lengths")),
+        ranges(upload(device, b.residual.features, "the feature ranges")),
+        regions(upload(device, b.residual.regions, "the regions")),
+        region_features(upload(device, b.residual.region_features, "the regions' features")),
+        centre_region(upload(device, b.residual.centre_region, "the centres' regions")),
+        centres(upload(device, b.residual.centres, "the centres")),
+        coefficient_region(upload(device, b.residual.coefficient_region, "the coefficients' regions")),
+        weights(upload(device, b.residual.weights, "the weights")),
+        blend_begin(upload(device, b.residual.blend_begin, "the blend's vertices")),
+        blend(upload(device, b.residual.blend, "the blend")),
+        triangles(upload(device, b.mesh.triangles, "the triangles")),
+        vertex_triangle_begin(upload(device, b.mesh.vertex_triangle_begin, "the vertices' triangles")),
+        vertex_triangles(upload(device, b.mesh.vertex_triangles, "the vertices' triangles")) {}
+
+  DdmBuffers ddm;
+  Buffer strain_vertices, points, fibre_begin, rest_length;
+  Buffer ranges, regions, region_features, centre_region, centres, coefficient_region, weights, blend_begin, blend;
+  Buffer triangles, vertex_triangle_begin, vertex_triangles;
+};
+
+// Values of a batch: a buffer of F x count floats, on the device.
+struct Values {
+  Values(const Device& device, std::uint32_t frames, std::uint64_t count, const char* name)
+      : bytes(frames * count * sizeof(float)), buffer(device, bytes, Memory::device, name) {}
+
+  VkDeviceSize bytes;
+  Buffer buffer;
+};
+
+struct BatchBuffers {
+  BatchBuffers(const Device& device, const Counts& n, std::uint32_t frames)
+      : skinning(device, frames, std::uint64_t{12} * n.joints, "the skinning matrices"),
+        origins(device, frames, 4, "the origins"),
+        joint_features(device, frames, n.joint_features, "the joint features"),
+        controls(device, frames, n.controls, "the controls"),
+        strain_positions(device, frames, std::uint64_t{3} * n.strain_vertices, "the strain positions"),
+        strains(device, frames, n.fibres, "the strains"),
+        features(device, frames, n.features, "the features"),
+        excess(device, frames, n.features, "the features' excess"),
+        kernels(device, frames, n.centres, "the kernels"),
+        coefficients(device, frames, n.coefficients, "the coefficients"),
+        displacements(device, frames, std::uint64_t{3} * n.vertices, "the displacements"),
+        positions(device, frames, std::uint64_t{3} * n.vertices, "the positions"),
+        normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
+        staging_in(device, total({&skinning, &origins, &joint_features, &controls}), Memory::staging, "staging"),
+        staging_out(device, total({&positions, &normals, &strains, &excess, &coefficients}), Memory::staging,
+                    "staging") {}
+
+  static VkDeviceSize total(std::initializer_list<const Values*> parts) {
+    VkDeviceSize sum = 0;
+    for (const Values* part : parts) sum += part->bytes;
+    return sum;
+  }
+
+  Values skinning, origins, joint_features, controls;
+  Values strain_positions, strains, features, excess, kernels, coefficients, displacements, positions, normals;
+  Buffer staging_in, staging_out;
+};
+
+class VulkanBackend final : public Backend {
+ public:
+  VulkanBackend(const Basis& basis, const DeviceChoice& choice)
+      : device_(choice),
+        counts_(basis),
+        tables_(device_, basis),
+        has_blend_(!basis.residual.blend.empty()),
+        strain_skin_(device_),
+        strain_measure_(device_),
+        residual_features_(device_),
+        residual_kernels_(device_),
+        residual_coefficients_(device_),
+        residual_blend_(device_),
+        pose_skin_(device_),
+        output_normals_(device_),
+        commands_(device_) {
+    set_rest_coefficients(std::vector<float>(counts_.coefficients, 0.0f));
+  }
+
+  std::string name() const override { return device_.info().name; }
+
+  std::uint32_t batch_limit() const override {
+    const Counts& n = counts_;
+    const std::uint64_t skin = std::uint64_t{3} * n.vertices, skinning = std::uint64_t{12} * n.joints;
+    const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
+    const std::uint64_t largest = std::max<std::uint64_t>({skin, skinning, strain, n.centres, n.features});
+    const std::uint64_t all = 3 * skin + skinning + strain + n.centres + 3 * n.features;
+    const std::uint64_t by_range =
+        device_.info().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
+    const std::uint64_t by_memory =
+        std::min(kBatchBytes, device_.info().memory_bytes / 8) / (sizeof(float) * std::max<std::uint64_t>(1, all));
+    const std::uint64_t by_groups = device_.info().max_groups_y;
+    return static_cast<std::uint32_t>(std::max<std::uint64_t>(1, std::min({by_range, by_memory, by_groups})));
+  }
+
+  void set_rest_coefficients(std::span<const float> coefficients) override {
+    rest_coefficients_ = upload_bytes(device_, std::as_bytes(coefficients), "the coefficients at rest");
+    recorded_frames_ = 0;
+  }
+
+  BatchResult run(const Batch& batch) override {
+    if (failed_) {
+      throw Error(ErrorKind::device, "the Vulkan device '" + name() + "' failed earlier and is not used again");
+    }
+    if (batch.frame_count == 0) return {};
+    failed_ = true;  // until this batch went well
+    if (batch.frame_count != recorded_frames_) record(batch.frame_count);
+    send(batch);
+    commands_.run();
+    BatchResult result = receive();
+    refuse_validation_messages();
+    failed_ = false;
+    return result;
+  }
+
+ private:
+  void record(std::uint32_t frames) {
+    recorded_frames_ = 0;
+    buffers_.reset();  // before the next ones are allocated
+    buffers_ = std::make_unique<BatchBuffers>(device_, counts_, frames);
+    commands_.begin();
+    record_upload();
+    commands_.barrier();
+    commands_.timestamp();
+    record_strain(frames);
+    commands_.barrier();
+    commands_.timestamp();
+    record_residual(frames);
+    commands_.barrier();
+    commands_.timestamp();
+    const BatchBuffers& b = *buffers_;
+    pose_skin_.record(commands_,
+                      {tables_.ddm, b.skinning.buffer, b.origins.buffer, b.displacements.buffer, b.positions.buffer},
+                      counts_.vertices, counts_.joints, frames);
+    commands_.barrier();
+    commands_.timestamp();
+    output_normals_.record(commands_,
+                           {tables_.triangles, tables_.vertex_triangle_begin, tables_.vertex_triangles,
+                            b.positions.buffer, b.normals.buffer},
+                           {counts_.vertices}, frames);
+    commands_.barrier();
+    commands_.timestamp();
+    record_download();
+    commands_.end();
+    recorded_frames_ = frames;
+  }
+
+  void record_upload() {
+    const BatchBuffers& b = *buffers_;
+    VkDeviceSize offset = 0;
+    for (const Values* values : {&b.skinning, &b.origins, &b.joint_features, &b.controls}) {
+      commands_.copy({b.staging_in, offset, values->bytes}, values->buffer);
+      offset += values->bytes;
+    }
+    // No residual: un-posed displacements of zero.
+    if (!has_blend_) commands_.fill(b.displacements.buffer, 0);
+  }
+
+  void record_strain(std::uint32_t frames) {
+    const BatchBuffers& b = *buffers_;
+    const Tables& t = tables_;
+    strain_skin_.record(commands_, {t.ddm, b.skinning.buffer, t.strain_vertices, b.strain_positions.buffer},
+                        counts_.strain_vertices, counts_.joints, frames);
+    commands_.barrier();
+    strain_measure_.record(commands_,
+                           {t.points, t.fibre_begin, t.rest_length, b.strain_positions.buffer, b.strains.buffer},
+                           {counts_.fibres, counts_.strain_vertices}, frames);
+  }
+
+  void record_residual(std::uint32_t frames) {
+    const BatchBuffers& b = *buffers_;
+    const Tables& t = tables_;
+    const Counts& n = counts_;
+    residual_features_.record(
+        commands_,
+        {t.ranges, b.joint_features.buffer, b.strains.buffer, b.controls.buffer, b.features.buffer, b.excess.buffer},
+        {n.joint_features, n.features == 0 ? 0 : n.fibres, n.controls}, frames);
+    commands_.barrier();
+    residual_kernels_.record(
+        commands_, {t.regions, t.region_features, t.centre_region, t.centres, b.features.buffer, b.kernels.buffer},
+        {n.centres, n.features}, frames);
+    commands_.barrier();
+    residual_coefficients_.record(commands_,
+                                  {t.regions, t.region_features, t.coefficient_region, t.weights, rest_coefficients_,
+                                   b.features.buffer, b.kernels.buffer, b.coefficients.buffer},
+                                  {n.coefficients, n.features, n.centres}, frames);
+    commands_.barrier();
+    if (!has_blend_) return;
+    residual_blend_.record(commands_, {t.blend_begin, t.blend, b.coefficients.buffer, b.displacements.buffer},
+                           {n.vertices, n.coefficients}, frames);
+  }
+
+  void record_download() {
+    const BatchBuffers& b = *buffers_;
+    VkDeviceSize offset = 0;
+    for (const Values* values : {&b.positions, &b.normals, &b.strains, &b.excess, &b.coefficients}) {
+      commands_.copy({values->buffer, 0, values->bytes}, {b.staging_out, offset, values->bytes});
+      offset += values->bytes;
+    }
+  }
+
+  void send(const Batch& batch) {
+    const BatchBuffers& b = *buffers_;
+    std::byte* to = b.staging_in.mapped();
+    const std::pair<const Values&, const std::vector<float>&> parts[] = {{b.skinning, batch.skinning},
+                                                                         {b.origins, batch.origins},
+                                                                         {b.joint_features, batch.joint_features},
+                                                                         {b.controls, batch.controls}};
+    for (const auto& [values, from] : parts) {
+      if (values.bytes == 0) continue;
+      std::memcpy(to, from.data(), values.bytes);
+      to += values.bytes;
+    }
+  }
+
+  BatchResult receive() const {
+    const BatchBuffers& b = *buffers_;
+    BatchResult result;
+    const std::byte* from = b.staging_out.mapped();
+    const std::pair<const Values&, std::vector<float>&> parts[] = {{b.positions, result.positions},
+                                                                   {b.normals, result.normals},
+                                                                   {b.strains, result.strains},
+                                                                   {b.excess, result.excess},
+                                                                   {b.coefficients, result.coefficients}};
+    for (const auto& [values, to] : parts) {
+      to.resize(values.bytes / sizeof(float));
+      if (values.bytes > 0) std::memcpy(to.data(), from, values.bytes);
+      from += values.bytes;
+    }
+    const char* const stages[] = {"strain", "residual", "pose", "output"};
+    const std::vector<double> seconds = commands_.seconds();
+    for (std::size_t s = 0; s < seconds.size(); ++s) result.stage_seconds[stages[s]] = seconds[s];
+    return result;
+  }
+
+  void refuse_validation_messages() const {
+    const std::vector<std::string> messages = device_.validation_messages();
+    if (messages.empty()) return;
+    throw Error(ErrorKind::device, "Vulkan validation reported " + std::to_string(messages.size()) + " messages on '" +
+                                       name() + "', first: " + messages.front());
+  }
+
+  Device device_;
+  Counts counts_;
+  Tables tables_;
+  bool has_blend_;
+  StrainSkin strain_skin_;
+  StrainMeasure strain_measure_;
+  ResidualFeatures residual_features_;
+  ResidualKernels residual_kernels_;
+  ResidualCoefficients residual_coefficients_;
+  ResidualBlend residual_blend_;
+  PoseSkin pose_skin_;
+  OutputNormals output_normals_;
+  Buffer rest_coefficients_;
+  std::unique_ptr<BatchBuffers> buffers_;
+  Commands commands_;
+  std::uint32_t recorded_frames_ = 0;
+  bool failed_ = false;
+};
+
+}  // namespace
+}  // namespace vulkan
+
+bool has_vulkan_device() {
+  try {
+    const auto devices = vulkan::list_devices();
+    return std::any_of(devices.begin(), devices.end(), [](const auto& device) { return device.problem.empty(); });
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, const DeviceChoice& choice) {
+  return std::make_unique<vulkan::VulkanBackend>(basis, choice);
+}
+
+}  // namespace bodyopt

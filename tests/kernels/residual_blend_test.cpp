@@ -1,0 +1,72 @@
+#include "runtime/vulkan/residual_blend.h"
+
+#include "runtime/cpu/kernels.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/random_tables.h"
+
+namespace bodyopt::testing {
+namespace {
+
+constexpr std::uint32_t kCoefficients = 300;
+
+struct Case {
+  Case(std::uint32_t vertices, std::uint32_t frame_count)
+      : random(vertices + 31 * frame_count),
+        frames(frame_count),
+        residual(random_residual(random, 10, 100, kCoefficients, vertices)),
+        coefficients(random.floats(std::size_t{kCoefficients} * frames, -2, 2)),
+        displacements(std::size_t{3} * vertices * frames) {
+    cpu::residual_blend(residual, coefficients, frames, displacements);
+  }
+
+  Random random;
+  std::uint32_t frames;
+  ResidualTable residual;
+  std::vector<float> coefficients;
+  std::vector<float> displacements;  // by the reference
+};
+
+// Value of a half, by its definition.
+double half_value(std::uint32_t bits) {
+  const int exponent = static_cast<int>(bits >> 10 & 31), mantissa = static_cast<int>(bits & 1023);
+  const double magnitude = exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(1024 + mantissa, exponent - 25);
+  return bits >> 15 & 1 ? -magnitude : magnitude;
+}
+
+class ResidualBlend : public GpuTest {};
+
+TEST_F(ResidualBlend, EqualsTheReference) {
+  const vulkan::ResidualBlend kernel(*device_);
+  for (const std::uint32_t vertices : kSizes) {
+    for (const std::uint32_t frames : kFrames) {
+      SCOPED_TRACE(std::to_string(vertices) + " vertices, " + std::to_string(frames) + " frames");
+      const Case c(vertices, frames);
+      const auto begin = vulkan::upload(*device_, c.residual.blend_begin, "blend begin"),
+                 blend = vulkan::upload(*device_, c.residual.blend, "blend"),
+                 coefficients = vulkan::upload(*device_, c.coefficients, "coefficients");
+      const auto outputs = run_kernel(*device_, {c.displacements.size()}, [&](auto& commands, const auto& out) {
+        kernel.record(commands, {begin, blend, coefficients, out[0]}, {vertices, kCoefficients}, frames);
+      });
+      expect_close(outputs[0], c.displacements, 0);  // sums and products in one order; halves convert exactly
+    }
+  }
+}
+
+TEST_F(ResidualBlend, ReferenceEqualsTheTextbook) {
+  const Case c(200, 2);
+  for (std::size_t k = 0; k < c.displacements.size() / 3; ++k) {
+    const std::size_t vertex = k % 200, frame = k / 200;
+    double sum[3] = {};
+    for (std::uint32_t e = c.residual.blend_begin[vertex]; e < c.residual.blend_begin[vertex + 1]; ++e) {
+      const BlendEntry& entry = c.residual.blend[e];
+      const double weight = c.coefficients[kCoefficients * frame + entry.z_coefficient / 65536];
+      sum[0] += weight * half_value(entry.xy % 65536);
+      sum[1] += weight * half_value(entry.xy / 65536);
+      sum[2] += weight * half_value(entry.z_coefficient % 65536);
+    }
+    for (std::size_t i = 0; i < 3; ++i) ASSERT_NEAR(c.displacements[3 * k + i], sum[i], 2e-8);
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt::testing

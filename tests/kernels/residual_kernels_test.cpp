@@ -1,0 +1,71 @@
+#include "runtime/vulkan/residual_kernels.h"
+
+#include "runtime/cpu/kernels.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/random_tables.h"
+
+namespace bodyopt::testing {
+namespace {
+
+constexpr std::uint32_t kFeatures = 23;
+
+struct Case {
+  Case(std::uint32_t centres, std::uint32_t frame_count)
+      : random(centres + 31 * frame_count),
+        frames(frame_count),
+        residual(random_residual(random, kFeatures, centres, 0, 0)),
+        features(random.floats(std::size_t{kFeatures} * frames, -2, 2)),
+        kernels(std::size_t{centres} * frames) {
+    cpu::residual_kernels(residual, features, frames, kernels);
+  }
+
+  Random random;
+  std::uint32_t frames;
+  ResidualTable residual;
+  std::vector<float> features;
+  std::vector<float> kernels;  // by the reference
+};
+
+class ResidualKernels : public GpuTest {};
+
+TEST_F(ResidualKernels, EqualsTheReference) {
+  const vulkan::ResidualKernels kernel(*device_);
+  for (const std::uint32_t centres : kSizes) {
+    for (const std::uint32_t frames : kFrames) {
+      SCOPED_TRACE(std::to_string(centres) + " centres, " + std::to_string(frames) + " frames");
+      const Case c(centres, frames);
+      const auto regions = vulkan::upload(*device_, c.residual.regions, "regions"),
+                 region_features = vulkan::upload(*device_, c.residual.region_features, "region features"),
+                 centre_region = vulkan::upload(*device_, c.residual.centre_region, "centre regions"),
+                 values = vulkan::upload(*device_, c.residual.centres, "centres"),
+                 features = vulkan::upload(*device_, c.features, "features");
+      const auto outputs = run_kernel(*device_, {c.kernels.size()}, [&](auto& commands, const auto& out) {
+        kernel.record(commands, {regions, region_features, centre_region, values, features, out[0]},
+                      {centres, kFeatures}, frames);
+      });
+      // Vulkan's exp(-x) is within 3 + 2x ulp of a value that is exp(-x) itself: at most 4 ulp of 1 in all.
+      expect_close(outputs[0], c.kernels, 5e-7);
+    }
+  }
+}
+
+TEST_F(ResidualKernels, ReferenceEqualsTheTextbook) {
+  const Case c(100, 2);
+  for (std::uint32_t f = 0; f < c.frames; ++f) {
+    std::size_t m = 0;
+    for (const Region& region : c.residual.regions) {
+      for (std::size_t k = 0; k < region.centre_count; ++k, ++m) {
+        double distance2 = 0;
+        for (std::size_t i = 0; i < region.feature_count; ++i) {
+          const double feature = c.features[kFeatures * f + c.residual.region_features[region.feature_begin + i]];
+          distance2 += std::pow(feature - c.residual.centres[region.centre_values + k * region.feature_count + i], 2);
+        }
+        ASSERT_NEAR(c.kernels[100 * f + m], std::exp(-distance2 * region.inverse_width2), 1e-6);
+      }
+    }
+    ASSERT_EQ(m, 100u);
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt::testing

@@ -1,0 +1,72 @@
+#include "runtime/vulkan/strain_measure.h"
+
+#include <Eigen/Dense>
+
+#include "runtime/cpu/kernels.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/random_tables.h"
+
+namespace bodyopt::testing {
+namespace {
+
+constexpr std::uint32_t kPoints = 40;
+
+struct Case {
+  Case(std::uint32_t fibres, std::uint32_t frame_count)
+      : random(fibres + 31 * frame_count),
+        frames(frame_count),
+        strain(random_strain(random, fibres, kPoints, 1000)),
+        positions(random.floats(std::size_t{3} * kPoints * frames, -1, 1)),
+        strains(std::size_t{fibres} * frames) {
+    cpu::strain_measure(strain, positions, strains);
+  }
+
+  Random random;
+  std::uint32_t frames;
+  StrainTable strain;
+  std::vector<float> positions;
+  std::vector<float> strains;  // by the reference
+};
+
+class StrainMeasure : public GpuTest {};
+
+TEST_F(StrainMeasure, EqualsTheReference) {
+  const vulkan::StrainMeasure kernel(*device_);
+  for (const std::uint32_t fibres : kSizes) {
+    for (const std::uint32_t frames : kFrames) {
+      SCOPED_TRACE(std::to_string(fibres) + " fibres, " + std::to_string(frames) + " frames");
+      const Case c(fibres, frames);
+      const auto points = vulkan::upload(*device_, c.strain.points, "points"),
+                 begin = vulkan::upload(*device_, c.strain.fibre_begin, "fibres"),
+                 rest = vulkan::upload(*device_, c.strain.rest_length, "rest lengths"),
+                 positions = vulkan::upload(*device_, c.positions, "positions");
+      const auto outputs = run_kernel(*device_, {c.strains.size()}, [&](auto& commands, const auto& out) {
+        kernel.record(commands, {points, begin, rest, positions, out[0]}, {fibres, kPoints}, frames);
+      });
+      expect_close(outputs[0], c.strains, 1e-6, 1e-6);  // square roots and a division of a few ulp
+    }
+  }
+}
+
+TEST_F(StrainMeasure, ReferenceEqualsTheTextbook) {
+  const Case c(200, 2);
+  const std::size_t fibres = c.strain.fibre_count();
+  for (std::size_t k = 0; k < c.strains.size(); ++k) {
+    const auto x =
+        Eigen::Map<const Eigen::Matrix3Xf>(c.positions.data() + 3 * kPoints * (k / fibres), 3, kPoints).cast<double>();
+    const auto at = [&](std::uint32_t p) -> Eigen::Vector3d {
+      const FibrePoint& point = c.strain.points[p];
+      return point.wa * x.col(point.a) + point.wb * x.col(point.b) + point.wc * x.col(point.c);
+    };
+    const std::size_t fibre = k % fibres;
+    double length = 0;
+    for (std::uint32_t p = c.strain.fibre_begin[fibre]; p + 1 < c.strain.fibre_begin[fibre + 1]; ++p) {
+      length += (at(p + 1) - at(p)).norm();
+    }
+    const double rest = c.strain.rest_length[fibre];
+    ASSERT_NEAR(c.strains[k], length / rest - 1, 1e-6 * (1 + length / rest)) << "fibre " << fibre;
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt::testing

@@ -1,0 +1,83 @@
+#include "runtime/vulkan/strain_skin.h"
+
+#include "runtime/cpu/kernels.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/random_tables.h"
+#include "tests/support/textbook_ddm.h"
+
+namespace bodyopt::testing {
+namespace {
+
+constexpr std::uint32_t kJoints = 5, kVertices = 300;
+
+struct Case {
+  Case(std::uint32_t points, std::uint32_t frame_count)
+      : random(points + 31 * frame_count),
+        frames(frame_count),
+        ddm(random_ddm(random, kVertices, kJoints)),
+        strain(random_strain(random, points == 0 ? 0 : 3, points, kVertices)),
+        skinning(random_skinning(random, kJoints, frames, 0.8)) {}
+
+  std::size_t count() const { return 3 * frames * strain.vertices.size(); }
+
+  std::vector<float> on_cpu() const {
+    std::vector<float> positions(count());
+    cpu::strain_skin(ddm, strain, kJoints, skinning, positions);
+    return positions;
+  }
+
+  std::vector<float> on_gpu(const vulkan::Device& device, const vulkan::DeviceInfo& limits) const {
+    const vulkan::StrainSkin kernel(device);
+    const vulkan::DdmBuffers table(device, ddm, limits);
+    const auto s = vulkan::upload(device, skinning, "skinning"),
+               v = vulkan::upload(device, strain.vertices, "vertices");
+    return run_kernel(device, {count()}, [&](auto& commands, const auto& outputs) {
+      kernel.record(commands, {table, s, v, outputs[0]}, static_cast<std::uint32_t>(strain.vertices.size()), kJoints,
+                    frames);
+    })[0];
+  }
+
+  Random random;
+  std::uint32_t frames;
+  DdmTable ddm;
+  StrainTable strain;
+  std::vector<float> skinning;
+};
+
+class StrainSkin : public GpuTest {};
+
+TEST_F(StrainSkin, EqualsTheReference) {
+  for (const std::uint32_t points : kSizes) {
+    for (const std::uint32_t frames : kFrames) {
+      SCOPED_TRACE(std::to_string(points) + " points, " + std::to_string(frames) + " frames");
+      const Case c(points, frames);
+      expect_close(c.on_gpu(*device_, device_->info()), c.on_cpu(), 1e-6);
+    }
+  }
+}
+
+TEST_F(StrainSkin, ReferenceEqualsTheTextbook) {
+  const Case c(200, 2);
+  const std::vector<float> positions = c.on_cpu();
+  const std::size_t points = c.strain.vertices.size();
+  std::size_t compared = 0;
+  for (std::size_t k = 0; k < points * c.frames; ++k) {
+    const float* skinning = c.skinning.data() + 12 * kJoints * (k / points);
+    const auto [expected, gap] = textbook_ddm(c.ddm, c.strain.vertices[k % points], skinning, Eigen::Vector3d::Zero());
+    if (gap < 0.05) continue;
+    ++compared;
+    for (std::size_t i = 0; i < 3; ++i) ASSERT_NEAR(positions[3 * k + i], expected[static_cast<int>(i)], 2e-6);
+  }
+  EXPECT_GT(compared, points * c.frames * 19 / 20);
+}
+
+TEST_F(StrainSkin, WindowsGiveTheSameBits) {
+  const Case c(130, 2);
+  vulkan::DeviceInfo limits = device_->info();
+  limits.max_storage_buffer_range = 10000;
+  ASSERT_GT(vulkan::ddm_windows(c.ddm, limits).size(), 1u);
+  EXPECT_EQ(c.on_gpu(*device_, limits), c.on_gpu(*device_, device_->info()));
+}
+
+}  // namespace
+}  // namespace bodyopt::testing

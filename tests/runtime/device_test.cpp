@@ -1,0 +1,193 @@
+#include "runtime/vulkan/device.h"
+
+#include <optional>
+
+#include "runtime/basis/error.h"
+#include "runtime/vulkan/output_normals.h"
+#include "runtime/vulkan/residual_blend.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/random_tables.h"
+
+namespace bodyopt::testing {
+namespace {
+
+using vulkan::DeviceInfo;
+
+DeviceInfo info(std::uint32_t index, const char* name, const char* type, const char* problem = "") {
+  DeviceInfo device;
+  device.index = index;
+  device.name = name;
+  device.type = type;
+  device.problem = problem;
+  return device;
+}
+
+const std::vector<DeviceInfo> kDevices = {info(0, "llvmpipe (LLVM 15)", "cpu"),
+                                          info(1, "Intel(R) UHD Graphics", "integrated"),
+                                          info(2, "Old Card", "discrete", "needs Vulkan 1.2 or newer"),
+                                          info(3, "NVIDIA RTX A", "discrete"), info(4, "NVIDIA RTX B", "discrete")};
+
+std::string message_of(const std::vector<DeviceInfo>& devices, const std::string& name) {
+  try {
+    vulkan::choose_device(devices, name);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::device);
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ChooseDevice, AutoPrefersDiscreteThenIntegratedThenSoftware) {
+  EXPECT_EQ(vulkan::choose_device(kDevices, "auto"), 3u);
+  EXPECT_EQ(vulkan::choose_device({kDevices[0], kDevices[1]}, "auto"), 1u);
+  EXPECT_EQ(vulkan::choose_device({kDevices[0]}, "auto"), 0u);
+}
+
+TEST(ChooseDevice, TakesAnIndexOrPartOfAName) {
+  EXPECT_EQ(vulkan::choose_device(kDevices, "1"), 1u);
+  EXPECT_EQ(vulkan::choose_device(kDevices, "LLVM"), 0u);
+  EXPECT_EQ(vulkan::choose_device(kDevices, "nvidia"), 3u);
+  EXPECT_EQ(vulkan::choose_device(kDevices, "rtx b"), 4u);
+}
+
+TEST(ChooseDevice, ErrorsNameWhatExists) {
+  for (const char* name : {"5", "Radeon", "", "99999999999999999999", "-1"}) {
+    const std::string message = message_of(kDevices, name);
+    EXPECT_NE(message.find("[3] NVIDIA RTX A (discrete)"), std::string::npos) << message;
+  }
+  EXPECT_NE(message_of(kDevices, "old").find("needs Vulkan 1.2"), std::string::npos);
+  EXPECT_NE(message_of({}, "auto").find("mesa-vulkan-drivers"), std::string::npos);
+  EXPECT_NE(message_of({kDevices[2]}, "auto").find("Old Card"), std::string::npos);
+}
+
+TEST(CheckResult, NamesCallAndResult) {
+  EXPECT_NO_THROW(vulkan::check(VK_SUCCESS, "vkQueueSubmit"));
+  try {
+    vulkan::check(VK_ERROR_DEVICE_LOST, "vkQueueSubmit");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::device);
+    EXPECT_STREQ(error.what(), "Vulkan: vkQueueSubmit failed: the device was lost (VkResult -4)");
+  }
+}
+
+// Sets an environment variable for as long as it lives.
+class Environment {
+ public:
+  Environment(const char* name, const char* value) : name_(name) {
+    const char* before = std::getenv(name);
+    if (before) before_ = before;
+    setenv(name, value, 1);
+  }
+  ~Environment() {
+    if (before_) {
+      setenv(name_, before_->c_str(), 1);
+    } else {
+      unsetenv(name_);
+    }
+  }
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+TEST(NoDriver, IsAnErrorThatSaysSo) {
+  const Environment files("VK_DRIVER_FILES", "/nonexistent.json"), names("VK_ICD_FILENAMES", "/nonexistent.json");
+  EXPECT_TRUE(vulkan::list_devices().empty());
+  EXPECT_FALSE(has_vulkan_device());
+  try {
+    const vulkan::Device device({"auto", true, false});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::device);
+    EXPECT_NE(std::string(error.what()).find("this machine has no Vulkan device"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Validation, MissingLayerIsAnErrorThatNamesThePackage) {
+  const Environment path("VK_LAYER_PATH", "/nonexistent");
+  try {
+    const vulkan::Device device(test_device());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::device);
+    EXPECT_NE(std::string(error.what()).find("vulkan-validationlayers"), std::string::npos) << error.what();
+  }
+}
+
+class OpenDevice : public GpuTest {};
+
+TEST_F(OpenDevice, IsListed) {
+  const auto devices = vulkan::list_devices();
+  ASSERT_GT(devices.size(), device_->info().index);
+  const DeviceInfo& listed = devices[device_->info().index];
+  EXPECT_EQ(listed.name, device_->info().name);
+  EXPECT_EQ(listed.problem, "");
+  EXPECT_GT(listed.memory_bytes, 0u);
+  EXPECT_GE(listed.max_storage_buffer_range, 128u << 20);
+  EXPECT_TRUE(has_vulkan_device());
+}
+
+TEST_F(OpenDevice, RefusesWhatItCannotHold) {
+  EXPECT_THROW(vulkan::Buffer(*device_, std::uint64_t{1} << 50, vulkan::Memory::device, "a huge table"), Error);
+  const vulkan::OutputNormals kernel(*device_);
+  const vulkan::Buffer small(*device_, 16, vulkan::Memory::device, "small");
+  vulkan::BufferRange huge = small;
+  huge.size = device_->info().max_storage_buffer_range + 1;
+  vulkan::Commands commands(*device_);
+  commands.begin();
+  EXPECT_THROW(kernel.record(commands, {small, small, small, huge, small}, {64}, 1), Error);
+  EXPECT_THROW(kernel.record(commands, {small, small, small, small, small}, {64}, device_->info().max_groups_y + 1),
+               Error);
+  commands.end();
+}
+
+// Proof that validation messages reach us: a kernel that reads what the kernel before it writes.
+TEST(Validation, SeesAMissingBarrier) {
+  for (const bool with_barrier : {true, false}) {
+    const vulkan::Device device(test_device());
+    Random random(1);
+    const MeshTable mesh = random_mesh(random, 64);
+    const ResidualTable residual = random_residual(random, 5, 5, 20, 64);
+    const auto begin = vulkan::upload(device, residual.blend_begin, "begin"),
+               blend = vulkan::upload(device, residual.blend, "blend"),
+               coefficients = vulkan::upload(device, random.floats(20, -1, 1), "coefficients"),
+               triangles = vulkan::upload(device, mesh.triangles, "triangles"),
+               around_begin = vulkan::upload(device, mesh.vertex_triangle_begin, "around begin"),
+               around = vulkan::upload(device, mesh.vertex_triangles, "around");
+    const vulkan::Buffer between(device, 64 * 12, vulkan::Memory::device, "between"),
+        normals(device, 64 * 12, vulkan::Memory::device, "normals");
+    const vulkan::ResidualBlend write(device);
+    const vulkan::OutputNormals read(device);
+    vulkan::Commands commands(device);
+    commands.begin();
+    write.record(commands, {begin, blend, coefficients, between}, {64, 20}, 1);
+    if (with_barrier) commands.barrier();
+    read.record(commands, {triangles, around_begin, around, between, normals}, {64}, 1);
+    commands.end();
+    const auto messages = device.validation_messages();
+    if (with_barrier) {
+      EXPECT_EQ(messages, std::vector<std::string>());
+    } else {
+      ASSERT_FALSE(messages.empty());
+      EXPECT_NE(messages[0].find("SYNC-HAZARD-READ-AFTER-WRITE"), std::string::npos) << messages[0];
+    }
+  }
+}
+
+// What the layers say while a device is closed is heard too: here, of a fence that was forgotten.
+TEST(Validation, HearsTeardown) {
+  std::shared_ptr<const vulkan::ValidationLog> log;
+  {
+    const vulkan::Device device(test_device());
+    log = device.validation_log();
+    const VkFenceCreateInfo info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, nullptr, 0};
+    VkFence fence = VK_NULL_HANDLE;
+    ASSERT_EQ(vkCreateFence(device.handle(), &info, nullptr, &fence), VK_SUCCESS);
+  }
+  EXPECT_FALSE(log->messages().empty());
+}
+
+}  // namespace
+}  // namespace bodyopt::testing

@@ -1,0 +1,99 @@
+#include <algorithm>
+
+#include "runtime/basis/error.h"
+#include "runtime/deformer.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/random_tables.h"
+
+namespace bodyopt::testing {
+namespace {
+
+constexpr std::uint32_t kJoints = 6, kVertices = 501;
+
+// A basis of random tables. The backends read tables only, so that its parts need not belong to one shape.
+Basis random_basis(std::uint32_t fibres, std::uint32_t coefficients) {
+  Random random(fibres + 7 * coefficients);
+  Basis basis;
+  basis.skeleton.joints.resize(kJoints);
+  basis.mesh = random_mesh(random, kVertices);
+  basis.ddm = random_ddm(random, kVertices, kJoints);
+  basis.strain = random_strain(random, fibres, fibres == 0 ? 0 : 30, kVertices);
+  const std::uint32_t features = coefficients == 0 ? 0 : 9 * (kJoints - 1) + fibres + 2;
+  basis.residual = random_residual(random, features, 40, coefficients, kVertices);
+  if (coefficients > 0) basis.residual.controls = {"breath", "flex"};
+  return basis;
+}
+
+Batch random_batch(const Basis& basis, std::uint32_t frames) {
+  Random random(frames);
+  Batch batch;
+  batch.frame_count = frames;
+  batch.skinning = random_skinning(random, kJoints, frames, 0.6);
+  batch.origins = random.floats(std::size_t{4} * frames, -3, 3);
+  batch.joint_features = random.floats(std::size_t{9} * (kJoints - 1) * frames, -1, 1);
+  batch.controls = random.floats(basis.residual.controls.size() * frames, 0, 1);
+  return batch;
+}
+
+void expect_equal(const BatchResult& gpu, const BatchResult& cpu) {
+  expect_close(gpu.strains, cpu.strains, 1e-5, 1e-5);  // metres of 1e-6 over rest lengths of decimetres
+  expect_close(gpu.excess, cpu.excess, 1e-4);
+  expect_close(gpu.coefficients, cpu.coefficients, 2e-4);  // strains times inverse scales and weights
+  expect_close(gpu.positions, cpu.positions, 1e-5);
+  // Random triangles: a normal is as exact as its sum of areas is long.
+  expect_close(gpu.normals, cpu.normals, 5e-3);
+}
+
+TEST(VulkanBackend, EqualsTheCpuBackend) {
+  for (const auto& [fibres, coefficients] : {std::pair(20u, 70u), {0u, 70u}, {20u, 0u}, {0u, 0u}}) {
+    SCOPED_TRACE(std::to_string(fibres) + " fibres, " + std::to_string(coefficients) + " coefficients");
+    const Basis basis = random_basis(fibres, coefficients);
+    const auto cpu = make_cpu_backend(basis), gpu = make_vulkan_backend(basis, test_device());
+    EXPECT_GE(gpu->batch_limit(), 64u);
+    // Recorded for one frame, again for three, submitted again, and again for one.
+    for (const std::uint32_t frames : {1u, 3u, 3u, 1u}) {
+      const Batch batch = random_batch(basis, frames);
+      expect_equal(gpu->run(batch), cpu->run(batch));
+    }
+    EXPECT_TRUE(gpu->run(Batch{}).positions.empty());
+    const BatchResult whole = gpu->run(random_batch(basis, 130));
+    EXPECT_EQ(whole.positions.size(), 130u * kVertices * 3);
+    EXPECT_EQ(whole.positions, gpu->run(random_batch(basis, 130)).positions);
+    for (const auto& [stage, seconds] : whole.stage_seconds) EXPECT_GE(seconds, 0) << stage;
+  }
+}
+
+TEST(VulkanBackend, RestCoefficientsAreTakenOutExactly) {
+  const Basis basis = random_basis(20, 70);
+  const auto gpu = make_vulkan_backend(basis, test_device());
+  const Batch batch = random_batch(basis, 1);
+  gpu->set_rest_coefficients(gpu->run(batch).coefficients);
+  const BatchResult rest = gpu->run(batch);
+  EXPECT_EQ(rest.coefficients, std::vector<float>(70, 0.0f));
+  // Without coefficients the residual moves nothing: the same bits as without a residual.
+  Basis without = basis;
+  without.residual = random_basis(20, 0).residual;
+  EXPECT_EQ(make_vulkan_backend(without, test_device())->run(batch).positions, rest.positions);
+}
+
+TEST(VulkanBackend, TimesEveryStage) {
+  const vulkan::Device device(test_device());
+  if (device.timestamp_mask() == 0) GTEST_SKIP() << "the device has no timestamps";
+  const Basis basis = random_basis(20, 70);
+  const BatchResult result = make_vulkan_backend(basis, test_device())->run(random_batch(basis, 2));
+  std::vector<std::string> stages;
+  for (const auto& [stage, seconds] : result.stage_seconds) {
+    stages.push_back(stage);
+    EXPECT_GT(seconds, 0) << stage;
+  }
+  EXPECT_EQ(stages, (std::vector<std::string>{"output", "pose", "residual", "strain"}));
+}
+
+TEST(VulkanBackend, RefusesUnknownDevices) {
+  DeviceChoice choice = test_device();
+  choice.name = "no such device";
+  EXPECT_THROW(make_vulkan_backend(random_basis(0, 0), choice), Error);
+}
+
+}  // namespace
+}  // namespace bodyopt::testing

@@ -1,0 +1,43 @@
+// Reading glTF 2.0 (.glb, .gltf) from bytes that nobody vouches for. tinygltf parses; everything it takes on trust
+// (chunk sizes, nesting, buffers, accessor ranges) is checked here, before and after.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace bodyopt {
+
+class GltfFile {
+ public:
+  // Images, materials, extras and extensions are not loaded. Buffers may be in the file, a data URI, or a file in the
+  // same folder. Throws Error(file).
+  explicit GltfFile(const std::filesystem::path& path);
+
+  const tinygltf::Model& model() const { return model_; }
+  const std::filesystem::path& path() const { return path_; }
+
+  // The numbers of an accessor, count x components, normalised integers as reals. `what` names the accessor in
+  // messages; `type` is TINYGLTF_TYPE_*. Throws Error(file): index, type or range wrong, sparse, a NaN or infinity, or
+  // (against small files that ask for vast memory) far more numbers asked for than the file has bytes.
+  std::vector<double> numbers(int accessor, int type, const std::string& what) const;
+
+  // As numbers, for unsigned integer accessors of joint and vertex indices.
+  std::vector<std::uint32_t> indices(int accessor, int type, const std::string& what) const;
+
+  // Throws Error(file), the message starting with the path.
+  [[noreturn]] void fail(const std::string& problem) const;
+
+ private:
+  struct View;
+  View view(int accessor, int type, const std::string& what) const;
+
+  std::filesystem::path path_;
+  tinygltf::Model model_;
+  mutable std::size_t bytes_left_ = 0;  // how much more may be decoded
+};
+
+}  // namespace bodyopt

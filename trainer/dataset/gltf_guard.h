@@ -1,0 +1,19 @@
+// What is checked and taken out of a glTF file before tinygltf sees it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace bodyopt {
+
+struct GuardedGltf {
+  std::string json;                                 // without buffers, images, materials, extras and extensions
+  std::vector<std::vector<unsigned char>> buffers;  // as long as the file says they are
+};
+
+// Throws Error(file).
+GuardedGltf guard_gltf(const std::filesystem::path& path);
+
+}  // namespace bodyopt

@@ -1,0 +1,43 @@
+// Writing .glb: accessors are appended to one binary chunk, the JSON is filled in by the caller.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/skeleton.h"
+
+namespace bodyopt {
+
+enum class GlbTarget : int { none = 0, vertices = 34962, indices = 34963 };
+
+class GlbWriter {
+ public:
+  GlbWriter();
+
+  nlohmann::ordered_json root;
+
+  // Each returns the new accessor's index. `type`: SCALAR, VEC3, VEC4 or MAT4.
+  std::size_t add(std::span<const float> values, const std::string& type, GlbTarget target);
+  std::size_t add(std::span<const std::uint16_t> values, const std::string& type, GlbTarget target);
+  std::size_t add(std::span<const std::uint32_t> values, const std::string& type, GlbTarget target);
+
+  // Appends the joints as nodes, in their default pose, below one new node called "skeleton". Joint j is node j when
+  // called first. Returns the new node's index.
+  std::size_t add_skeleton(const Skeleton& skeleton);
+
+  // To a temporary name, then renamed. Throws Error(file), also for numbers that are not finite.
+  void write(const std::filesystem::path& path);
+
+ private:
+  template <class T>
+  std::size_t add_values(std::span<const T> values, int component_type, const std::string& type, GlbTarget target);
+
+  std::vector<unsigned char> binary_;
+  bool finite_ = true;
+};
+
+}  // namespace bodyopt

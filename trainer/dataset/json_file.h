@@ -1,0 +1,40 @@
+// JSON files of the dataset: read and checked key by key, written whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace bodyopt {
+
+using Json = nlohmann::ordered_json;
+
+// Parses a file whose top level is an object with "schema": `schema`. Throws Error(file).
+Json read_json(const std::filesystem::path& path, const std::string& schema);
+void write_json(const Json& json, const std::filesystem::path& path);
+
+// One object of a JSON file, read strictly: every access that fails throws Error(file) naming the file and the key.
+class JsonObject {
+ public:
+  // `place` is how messages call the object, e.g. "takes[2]".
+  JsonObject(const Json& object, const std::filesystem::path& path, std::string place);
+
+  // Refuses keys that are not in the list: most likely they are misspelt.
+  void allow(std::initializer_list<const char*> keys) const;
+  std::string text(const char* key) const;
+  double number(const char* key, double low, double high) const;
+  int integer(const char* key, double low = -1e9, double high = 1e9) const;
+  bool boolean(const char* key) const;
+  const Json& array(const char* key) const;
+  bool has(const char* key) const { return object_.contains(key); }
+  [[noreturn]] void refuse(const std::string& what) const;
+
+ private:
+  const Json& at(const char* key) const;
+  const Json& object_;
+  const std::filesystem::path& path_;
+  std::string place_;
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,154 @@
+#include "trainer/dataset/pc2.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "runtime/basis/atomic_file.h"
+#include "runtime/basis/error.h"
+
+namespace bodyopt {
+namespace {
+
+struct Header {
+  char magic[12];
+  std::int32_t version, points;
+  float start_frame, sample_rate;
+  std::int32_t samples;
+};
+static_assert(sizeof(Header) == 32);
+constexpr char kMagic[12] = "POINTCACHE2";
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what) {
+  throw Error(ErrorKind::file, path.string() + ": " + what + " (not a PC2 point cache, or a damaged or cut-off one)");
+}
+
+}  // namespace
+
+struct Pc2Reader::Mapping {
+  std::filesystem::path path;
+  void* address = MAP_FAILED;
+  std::size_t size = 0;
+  Header header{};
+
+  ~Mapping() {
+    if (address != MAP_FAILED) munmap(address, size);
+  }
+
+  void map() {
+    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    struct stat status {};
+    if (file < 0 || fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
+      if (file >= 0) close(file);
+      throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file?");
+    }
+    size = static_cast<std::size_t>(status.st_size);
+    if (size >= sizeof(Header)) address = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
+    close(file);
+    if (size < sizeof(Header)) refuse(path, "it has " + std::to_string(size) + " bytes, less than a header");
+    if (address == MAP_FAILED) throw Error(ErrorKind::file, path.string() + ": cannot be mapped into memory");
+  }
+
+  void check() {
+    std::memcpy(&header, address, sizeof(Header));
+    if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) refuse(path, "it does not start with POINTCACHE2");
+    if (header.version != 1) refuse(path, "its version is " + std::to_string(header.version) + ", expected 1");
+    if (header.points < 0 || header.samples < 0) refuse(path, "it has a negative number of points or samples");
+    if (!std::isfinite(header.start_frame) || !std::isfinite(header.sample_rate)) {
+      refuse(path, "its start frame or sample rate is not a number");
+    }
+    const std::uint64_t expected =
+        sizeof(Header) + 12 * static_cast<std::uint64_t>(header.points) * static_cast<std::uint64_t>(header.samples);
+    if (size != expected) {
+      refuse(path, std::to_string(header.samples) + " samples of " + std::to_string(header.points) + " points take " +
+                       std::to_string(expected) + " bytes, found " + std::to_string(size));
+    }
+  }
+};
+
+Pc2Reader::Pc2Reader(const std::filesystem::path& path) : mapping_(new Mapping) {
+  mapping_->path = path;
+  try {
+    mapping_->map();
+    mapping_->check();
+  } catch (...) {
+    delete mapping_;
+    throw;
+  }
+}
+
+Pc2Reader::~Pc2Reader() { delete mapping_; }
+Pc2Reader::Pc2Reader(Pc2Reader&& other) noexcept : mapping_(std::exchange(other.mapping_, nullptr)) {}
+Pc2Reader& Pc2Reader::operator=(Pc2Reader&& other) noexcept {
+  std::swap(mapping_, other.mapping_);
+  return *this;
+}
+
+std::uint32_t Pc2Reader::point_count() const { return static_cast<std::uint32_t>(mapping_->header.points); }
+std::uint32_t Pc2Reader::sample_count() const { return static_cast<std::uint32_t>(mapping_->header.samples); }
+float Pc2Reader::start_frame() const { return mapping_->header.start_frame; }
+float Pc2Reader::sample_rate() const { return mapping_->header.sample_rate; }
+
+std::span<const float> Pc2Reader::sample(std::uint32_t k) const {
+  const std::size_t stride = 3 * std::size_t{point_count()};
+  const auto* first = static_cast<const char*>(mapping_->address) + sizeof(Header);
+  return {reinterpret_cast<const float*>(first) + k * stride, stride};
+}
+
+void Pc2Reader::require_finite(std::uint32_t k) const {
+  const std::span<const float> values = sample(k);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::isfinite(values[i])) continue;
+    throw Error(ErrorKind::file, mapping_->path.string() + ": sample " + std::to_string(k) + ", point " +
+                                     std::to_string(i / 3) + " is not a finite number: the simulation blew up?");
+  }
+}
+
+struct Pc2Writer::File {
+  File(const std::filesystem::path& where, std::uint32_t points, std::uint32_t samples)
+      : path(where), out(where), stride(3 * std::size_t{points}), expected(samples) {}
+  std::filesystem::path path;
+  AtomicFile out;
+  std::size_t stride;
+  std::uint32_t expected, written = 0;
+};
+
+Pc2Writer::Pc2Writer(const std::filesystem::path& path, std::uint32_t point_count, std::uint32_t sample_count,
+                     float start_frame, float sample_rate)
+    : file_(new File(path, point_count, sample_count)) {
+  Header header{};
+  std::memcpy(header.magic, kMagic, sizeof(kMagic));
+  header.version = 1;
+  header.points = static_cast<std::int32_t>(point_count);
+  header.samples = static_cast<std::int32_t>(sample_count);
+  header.start_frame = start_frame;
+  header.sample_rate = sample_rate;
+  file_->out.write(std::as_bytes(std::span(&header, 1)));
+}
+
+Pc2Writer::~Pc2Writer() { delete file_; }
+
+void Pc2Writer::append(std::span<const float> sample) {
+  if (sample.size() != file_->stride) {
+    throw Error(ErrorKind::mismatch, file_->path.string() + ": a sample of " + std::to_string(sample.size() / 3) +
+                                         " points was given to a cache of " + std::to_string(file_->stride / 3));
+  }
+  file_->out.write(std::as_bytes(sample));
+  ++file_->written;
+}
+
+void Pc2Writer::close() {
+  if (file_->written != file_->expected) {
+    throw Error(ErrorKind::file, file_->path.string() + ": " + std::to_string(file_->written) + " of " +
+                                     std::to_string(file_->expected) + " samples were given; nothing is written");
+  }
+  file_->out.commit();
+}
+
+}  // namespace bodyopt
