@@ -7,17 +7,13 @@
 #include <set>
 
 #include "runtime/rig.h"
+#include "tests/builtin/shared_arm.h"
 #include "trainer/builtin/arm.h"
 
 namespace bodyopt {
 namespace {
 
 using Eigen::Vector3d;
-
-const BuiltinArm& arm() {
-  static const BuiltinArm built = build_arm();
-  return built;
-}
 
 Vector3d corner(Eigen::Index triangle, int k) {
   const Character& c = arm().character;

@@ -67,6 +67,7 @@ std::vector<FleshyBone> fleshy_bones() {
       {"wrist", hand.origin, hand.at(0.09, 0, 0), 0.030},
       {"fingers", hand.at(0.09, 0, 0), hand.at(0.13, 0, -0.010), 0.025},
       {"fingertips", hand.at(0.13, 0, -0.010), hand.at(0.17, 0, -0.030), 0.020},
+      {"thumb", thumb().joints[0], thumb().joints[3], 0.015},
   };
 }
 

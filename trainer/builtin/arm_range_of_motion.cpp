@@ -10,7 +10,7 @@ namespace bodyopt {
 namespace {
 
 constexpr double kSweepShare = 0.3;   // of the frames
-constexpr double kClearance = 0.010;  // metres between flesh and ribs
+constexpr double kClearance = 0.003;  // metres between flesh and ribs
 constexpr int kTriesPerFrame = 200;
 
 // Degrees of freedom that bend the same flesh: their extremes are also taken together.
