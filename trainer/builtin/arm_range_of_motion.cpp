@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
 
 #include "runtime/basis/error.h"
 #include "trainer/builtin/arm.h"
