@@ -29,6 +29,23 @@ Basis ddm_only() {
   return basis;
 }
 
+// One joint, one triangle that it carries rigidly: every prefix of its file can be tried.
+Basis one_triangle() {
+  Basis basis;
+  basis.skeleton.joints.resize(1);
+  basis.skeleton.joints[0].name = "root";
+  basis.mesh.rest = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  basis.mesh.triangles = basis.mesh.output_triangles = basis.mesh.output_vertex = {0, 1, 2};
+  basis.mesh.vertex_triangle_begin = {0, 1, 2, 3};
+  basis.mesh.vertex_triangles = {0, 0, 0};
+  basis.ddm.block_begin = {0, 1};
+  basis.ddm.block_joints = {0};
+  basis.ddm.moments.resize(kMomentWords * kBlockSize);
+  basis.ddm.vertices.resize(kBlockSize);
+  basis.residual.blend_begin = {0, 0, 0, 0};
+  return basis;
+}
+
 // Poses that bend, twist and move the small basis.
 std::vector<Pose> test_poses(const Skeleton& skeleton) {
   std::vector<Pose> poses = {bind_pose(skeleton)};
@@ -58,7 +75,7 @@ TEST(SmallBasis, IsValidAndRestsAtRest) {
 
 TEST(BasisFile, RoundTripIsBitExact) {
   const TemporaryFolder folder;
-  for (const Basis& basis : {small_basis(), ddm_only()}) {
+  for (const Basis& basis : {small_basis(), ddm_only(), one_triangle()}) {
     save_basis(basis, folder / "a.safetensors");
     const Basis loaded = load_basis(folder / "a.safetensors");
     EXPECT_EQ(difference(basis, loaded), "");
@@ -114,7 +131,7 @@ TEST(BasisFile, AnotherReaderOpensIt) {
 
 TEST(BasisFile, EveryTruncationIsRefused) {
   const TemporaryFolder folder;
-  save_basis(ddm_only(), folder / "a.safetensors");
+  save_basis(one_triangle(), folder / "a.safetensors");
   expect_every_truncation_refused(read, folder / "b.safetensors", read_bytes(folder / "a.safetensors"));
 }
 
@@ -123,8 +140,7 @@ TEST(BasisFile, DamagedBytesAreRefusedOrChangeNothing) {
   const Basis basis = small_basis();
   save_basis(basis, folder / "a.safetensors");
   const Reader read_and_compare = [&](const auto& path) { EXPECT_EQ(difference(basis, load_basis(path)), ""); };
-  EXPECT_GT(damage_bytes(read_and_compare, folder / "b.safetensors", read_bytes(folder / "a.safetensors"), 3000),
-            2900u);
+  EXPECT_GT(damage_bytes(read_and_compare, folder / "b.safetensors", read_bytes(folder / "a.safetensors"), 1000), 950u);
 }
 
 // Words of the tables replaced by the worst there are, under a checksum that fits: refused, or harmless to the kernels.
@@ -139,7 +155,7 @@ TEST(BasisFile, ForgedTablesAreRefusedOrEvaluateToNumbers) {
                                  0x00000001u, 0x7c007c00u, 0x7bff7bffu};
   std::mt19937 random(11);
   int accepted = 0;
-  for (int k = 0; k < 3000; ++k) {
+  for (int k = 0; k < 600; ++k) {
     Safetensors forged = file;
     auto tensor = forged.tensors.begin();
     do {
@@ -165,7 +181,7 @@ TEST(BasisFile, ForgedTablesAreRefusedOrEvaluateToNumbers) {
     };
     accepted += refuses(evaluate, folder / "b.safetensors", tensor->first) ? 0 : 1;
   }
-  EXPECT_GT(accepted, 300);  // otherwise the kernels were hardly tried
+  EXPECT_GT(accepted, 100);  // otherwise the kernels were hardly tried
 }
 
 // Changes to the container's parts under a checksum that fits.

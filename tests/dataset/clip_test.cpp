@@ -222,6 +222,32 @@ TEST(Clip, EveryTruncationIsAnError) {
   }
 }
 
+TEST(Clip, DamagedBytesNeverCrash) {
+  const TemporaryFolder folder;
+  GltfBlob blob = two_nodes();
+  animate(blob, 0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0});
+  animate(blob, 1, "rotation", {0, 1}, {0, 0, 0, 1, 1, 0, 0, 0}, "STEP");
+  const std::string good = blob.glb();
+  unsigned state = 3;
+  const auto random = [&](std::size_t below) {
+    state = state * 1664525u + 1013904223u;
+    return (state >> 8) % below;
+  };
+  for (int round = 0; round < 500; ++round) {
+    std::string bytes = good;
+    for (std::size_t k = 0; k <= random(3); ++k) {
+      bytes[20 + random(bytes.size() - 20)] = "0123456789-,:[]{}\"\xff\0eE."[random(22)];
+    }
+    put_bytes(folder / "d.glb", bytes);
+    try {
+      const Clip clip = read_clip((folder / "d.glb").string(), two_joints(), {});
+      EXPECT_GE(clip.poses.size(), 1u);
+    } catch (const Error& error) {
+      EXPECT_TRUE(error.kind() == ErrorKind::file || error.kind() == ErrorKind::mismatch) << error.what();
+    }
+  }
+}
+
 double pose_difference(const Clip& a, const Clip& b, const Skeleton& skeleton) {
   double most = 0;
   for (std::size_t k = 0; k < a.poses.size(); ++k) {

@@ -15,8 +15,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGridStep = 0.006;     // metres
-constexpr double kGridDepth = 0.0025;   // metres: opens the gaps between the fingers for the grid
+constexpr double kGridStep = 0.006;    // metres
+constexpr double kGridDepth = 0.0025;  // metres: opens the gaps between the fingers for the grid
 constexpr int kRemeshRounds = 6;
 
 // Where a joint is, what moves with it, and how soft its border is (see JointRegion).
@@ -60,22 +60,31 @@ std::vector<JointPlan> plan_joints() {
   const SegmentFrame arm = upper_arm_frame(), fore = forearm_frame(), hand = hand_frame();
   const Vector3d up = Vector3d::UnitY(), right = -Vector3d::UnitX();
   const Vector3d twist_start = fore.at(0.25 * kForearmLength, 0, 0), twist_end = fore.at(0.65 * kForearmLength, 0, 0);
+  const auto region = [](std::vector<RoundedPart> solid, double softness) {
+    return JointRegion{Solid(std::move(solid)), softness};
+  };
   return {
-      {"torso", -1, {-0.050, 1.220, -0.010},
-       {{belly({0, 1.240, 0}, up, right, {0.300, 0.150, 0.115}, 0.02), limb({0, 1.43, -0.02}, {0, 1.60, 0}, 0.065, 0.06, 0.02)},
-        0.035}},
-      {"clavicle", 0, {-0.030, 1.445, 0.030},
-       {{limb({-0.060, 1.455, 0.035}, {-0.180, 1.470, -0.010}, 0.020, 0.026, 0.02),
-         limb({-0.160, 1.450, -0.040}, {-0.100, 1.350, -0.080}, 0.030, 0.030, 0.02)},
-        0.035}},
-      {"shoulder", 1, arm.origin, {{limb(arm.at(0.035, 0, 0), arm.at(kUpperArmLength, 0, 0), 0.050, 0.036, 0.02)}, 0.030}},
-      {"elbow", 2, fore.origin, {{limb(fore.origin, twist_start, 0.036, 0.036, 0.02)}, 0.020}},
-      {"forearm", 3, twist_start, {{limb(twist_start, twist_end, 0.036, 0.036, 0.02)}, 0.030}},
-      {"forearm_twist", 4, twist_end, {{limb(twist_end, hand.origin, 0.036, 0.030, 0.02)}, 0.025}},
-      {"wrist", 5, hand.origin, {palm_bones(), 0.014}},
-      {"fingers", 6, mean_finger_joint(0), {finger_bones(0, 1), 0.007}},
-      {"fingertips", 7, mean_finger_joint(1), {finger_bones(1, 3), 0.006}},
-      {"thumb", 6, thumb().joints[0], {thumb_bones(), 0.010}},
+      {"torso",
+       -1,
+       {-0.050, 1.220, -0.010},
+       region({belly({0, 1.240, 0}, up, right, {0.300, 0.150, 0.115}, 0.02),
+               limb({0, 1.43, -0.02}, {0, 1.60, 0}, 0.065, 0.06, 0.02)},
+              0.035)},
+      {"clavicle",
+       0,
+       {-0.030, 1.445, 0.030},
+       region({limb({-0.060, 1.455, 0.035}, {-0.180, 1.470, -0.010}, 0.020, 0.026, 0.02),
+               limb({-0.160, 1.450, -0.040}, {-0.100, 1.350, -0.080}, 0.030, 0.030, 0.02)},
+              0.035)},
+      {"shoulder", 1, arm.origin,
+       region({limb(arm.at(0.035, 0, 0), arm.at(kUpperArmLength, 0, 0), 0.050, 0.036, 0.02)}, 0.030)},
+      {"elbow", 2, fore.origin, region({limb(fore.origin, twist_start, 0.036, 0.036, 0.02)}, 0.020)},
+      {"forearm", 3, twist_start, region({limb(twist_start, twist_end, 0.036, 0.036, 0.02)}, 0.030)},
+      {"forearm_twist", 4, twist_end, region({limb(twist_end, hand.origin, 0.036, 0.030, 0.02)}, 0.025)},
+      {"wrist", 5, hand.origin, region(palm_bones(), 0.014)},
+      {"fingers", 6, mean_finger_joint(0), region(finger_bones(0, 1), 0.007)},
+      {"fingertips", 7, mean_finger_joint(1), region(finger_bones(1, 3), 0.006)},
+      {"thumb", 6, thumb().joints[0], region(thumb_bones(), 0.010)},
   };
 }
 
@@ -96,8 +105,8 @@ Skeleton make_skeleton(const std::vector<JointPlan>& plan) {
 }
 
 Surface make_skin() {
-  const std::vector<RoundedPart> body = body_parts();
   const Vector3d low(-0.80, 0.90, -0.20), high(0.08, 1.66, 0.30);
+  const Solid body(body_parts(), low, high);
   return remesh(march(body, low, high, kGridStep, kGridDepth), body, edge_length, kRemeshRounds);
 }
 

@@ -73,8 +73,8 @@ std::vector<FleshyBone> fleshy_bones() {
 int find_joint(const Skeleton& skeleton, const std::string& name) {
   const int joint = skeleton.find(name);
   if (joint < 0) {
-    throw Error(ErrorKind::mismatch, "the skeleton has no joint '" + name +
-                                         "': the built-in motions are made for the built-in arm only");
+    throw Error(ErrorKind::mismatch,
+                "the skeleton has no joint '" + name + "': the built-in motions are made for the built-in arm only");
   }
   return joint;
 }
@@ -106,14 +106,14 @@ Pose arm_pose(const Skeleton& skeleton, const ArmAngles& angles) {
 
 double torso_clearance(const Skeleton& skeleton, const ArmAngles& angles) {
   constexpr int kSamples = 5;
-  const std::vector<RoundedPart> torso = torso_parts();
+  const Solid torso(torso_parts());
   const std::vector<Affine> skinning = skinning_matrices(skeleton, arm_pose(skeleton, angles).joints);
   double clearance = 1;
   for (const FleshyBone& bone : fleshy_bones()) {
     const Affine& moved = skinning[find_joint(skeleton, bone.joint)];
     for (int k = 0; k <= kSamples; ++k) {
       const Vec3 p = moved * array_from(bone.from + static_cast<double>(k) / kSamples * (bone.to - bone.from));
-      clearance = std::min(clearance, distance(torso, {p[0], p[1], p[2]}) - bone.radius);
+      clearance = std::min(clearance, torso.distance({p[0], p[1], p[2]}) - bone.radius);
     }
   }
   return clearance;

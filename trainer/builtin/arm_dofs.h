@@ -36,10 +36,10 @@ inline constexpr std::array<DofLimits, kArmDofCount> kArmLimits{{
     {"shoulder_flexion", 0, -35, 80},      // forwards
     {"shoulder_rotation", 0, -50, 50},     // of the humerus about itself, positive inwards
     {"elbow_flexion", 20, 0, 130},
-    {"forearm_twist", 0, -75, 75},         // positive: supination
-    {"wrist_flexion", 0, -55, 60},         // towards the palm
-    {"wrist_deviation", 0, -20, 28},       // positive towards the little finger
-    {"finger_curl", 12, 0, 75},            // at the knuckles
+    {"forearm_twist", 0, -75, 75},    // positive: supination
+    {"wrist_flexion", 0, -55, 60},    // towards the palm
+    {"wrist_deviation", 0, -20, 28},  // positive towards the little finger
+    {"finger_curl", 12, 0, 75},       // at the knuckles
 }};
 
 using ArmAngles = std::array<double, kArmDofCount>;  // degrees

@@ -30,10 +30,10 @@ constexpr Key kActing[] = {
     {5.4, {1, 2, 43, 33, 6, 71, 63, 9, 13, 29}},
     {5.8, {2, 1, 42, 30, 8, 66, -48, -5, -6, 33}},
     // Waving.
-    {6.5, {11, 5, 76, 33, -36, 92, -22, -12, -11, 11}},
-    {6.8, {11, 5, 78, 34, -39, 84, -26, 11, 19, 9}},
-    {7.1, {12, 6, 77, 35, -34, 97, -19, -16, -13, 12}},
-    {7.4, {11, 6, 75, 33, -38, 86, -24, 9, 17, 10}},
+    {6.5, {11, 5, 82, 14, -46, 92, -22, -12, -11, 11}},
+    {6.8, {11, 5, 84, 15, -43, 80, -26, 11, 19, 9}},
+    {7.1, {12, 6, 81, 17, -48, 101, -19, -16, -13, 12}},
+    {7.4, {11, 6, 83, 13, -44, 82, -24, 9, 17, 10}},
     {8.2, {2, 1, 29, 9, 11, 33, -5, 7, 4, 28}},
 };
 
@@ -44,7 +44,8 @@ constexpr ArmAngles kLag = {0, 0, 0.02, 0.02, 0.03, 0.06, 0.08, 0.11, 0.11, 0.14
 double ease(double t) { return t * t * t * (10 - 15 * t + 6 * t * t); }
 
 double angle_at(int dof, double seconds) {
-  const Key* after = std::find_if(std::begin(kActing), std::end(kActing), [&](const Key& k) { return k.seconds > seconds; });
+  const Key* after =
+      std::find_if(std::begin(kActing), std::end(kActing), [&](const Key& k) { return k.seconds > seconds; });
   if (after == std::begin(kActing)) return after->angles[dof];
   if (after == std::end(kActing)) return std::prev(after)->angles[dof];
   const Key& before = *std::prev(after);
@@ -55,7 +56,8 @@ double angle_at(int dof, double seconds) {
 }  // namespace
 
 Clip arm_heldout(const Skeleton& skeleton, int frame_count) {
-  if (frame_count < 1) throw Error(ErrorKind::usage, "a clip needs 1 frame or more, not " + std::to_string(frame_count));
+  if (frame_count < 1)
+    throw Error(ErrorKind::usage, "a clip needs 1 frame or more, not " + std::to_string(frame_count));
   const double length = std::prev(std::end(kActing))->seconds + *std::max_element(kLag.begin(), kLag.end());
   Clip clip;
   clip.name = "heldout";

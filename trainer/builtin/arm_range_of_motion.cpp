@@ -105,7 +105,8 @@ void order_by_nearness(std::vector<ArmAngles>& frames, const ArmAngles& start) {
 }  // namespace
 
 Clip arm_range_of_motion(const Skeleton& skeleton, int frame_count, std::uint64_t seed) {
-  if (frame_count < 1) throw Error(ErrorKind::usage, "a clip needs 1 frame or more, not " + std::to_string(frame_count));
+  if (frame_count < 1)
+    throw Error(ErrorKind::usage, "a clip needs 1 frame or more, not " + std::to_string(frame_count));
   const std::size_t count = static_cast<std::size_t>(frame_count);
   std::vector<ArmAngles> frames{arm_rest_angles()};
   add_sweeps(frames, std::max(2, static_cast<int>(kSweepShare * frame_count / kArmDofCount)));

@@ -20,15 +20,15 @@ std::vector<int> nearest_regions(const Positions& vertices, const std::vector<Jo
   for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
     const Vector3d point = vertices.row(v);
     std::vector<double> distances;
-    for (const JointRegion& region : regions) distances.push_back(distance(region.solid, point));
+    for (const JointRegion& region : regions) distances.push_back(region.solid.distance(point));
     nearest.push_back(static_cast<int>(std::min_element(distances.begin(), distances.end()) - distances.begin()));
   }
   return nearest;
 }
 
 struct Heat {
-  VectorXd areas;                       // lumped, m^2
-  Eigen::SparseMatrix<double> matrix;   // areas + time step times Laplacian with the regions' conductivities
+  VectorXd areas;                      // lumped, m^2
+  Eigen::SparseMatrix<double> matrix;  // areas + time step times Laplacian with the regions' conductivities
 };
 
 Heat heat_step(const Positions& vertices, const Triangles& triangles, const VectorXd& softness) {

@@ -10,7 +10,7 @@ namespace bodyopt {
 
 // The space that moves with a joint, and how softly the skin goes over into that of the neighbouring joints.
 struct JointRegion {
-  std::vector<RoundedPart> solid;
+  Solid solid;
   double softness = 0.02;  // metres: standard deviation of the diffusion
 };
 
