@@ -15,6 +15,7 @@ constexpr double kInfluence = 0.02;  // mean skin weight that makes a joint matt
 constexpr std::size_t kMostJoints = 12;
 constexpr std::size_t kNearStrains = 32, kMostStrains = 40;
 constexpr double kRidge = 1e-3;
+constexpr double kExplains = 0.02;  // part of what is left that a distant strain must explain
 
 // Mean skin weight of every joint over a region.
 std::vector<double> joint_influence(const SoftRegion& region, const Character& character) {
@@ -131,7 +132,9 @@ std::vector<std::uint32_t> add_explaining_strains(std::vector<std::uint32_t> cho
     if (std::find(chosen.begin(), chosen.end(), k) != chosen.end()) continue;
     const Eigen::VectorXd column = features.col(k).array() - features.col(k).mean();
     const double length2 = column.squaredNorm();
-    if (length2 > 1e-9) candidates.emplace_back(-(column.transpose() * left).squaredNorm() / length2, k);
+    if (!(length2 > 1e-9)) continue;
+    const double explained = (column.transpose() * left).squaredNorm() / length2;
+    if (explained > kExplains * left.squaredNorm()) candidates.emplace_back(-explained, k);
   }
   std::sort(candidates.begin(), candidates.end());
   candidates.resize(std::min(candidates.size(), kMostStrains - strains));
