@@ -21,6 +21,7 @@ struct DeviceInfo {
   std::uint64_t storage_alignment = 0;          // bytes, of binding offsets
   std::uint32_t max_groups_x = 0;               // workgroups of one dispatch
   std::uint32_t max_groups_y = 0;
+  bool draws = false;   // whether its queue can also draw
   std::string problem;  // why the device cannot be used; empty when it can
 };
 

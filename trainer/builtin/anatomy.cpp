@@ -22,7 +22,8 @@ double smoothstep(double low, double high, double x) {
 // Everything behind a plane, as a ball so large that its surface is flat.
 RoundedPart behind_plane(const Vector3d& point, const Vector3d& normal, double blend) {
   constexpr double kRadius = 20;
-  RoundedPart part = belly(point - kRadius * normal, normal, normal.unitOrthogonal(), Vector3d::Constant(kRadius), blend);
+  RoundedPart part =
+      belly(point - kRadius * normal, normal, normal.unitOrthogonal(), Vector3d::Constant(kRadius), blend);
   part.keep_inside = true;
   return part;
 }
@@ -64,7 +65,7 @@ std::vector<RoundedPart> forearm_parts() {
   const SegmentFrame fore = forearm_frame();
   return {
       limb(fore.at(-0.012, 0.000, -0.021), fore.at(-0.012, 0.000, 0.018), 0.015, 0.015, 0.04),  // epicondyles
-      limb(fore.at(-0.012, -0.018, 0.001), fore.at(0.16, -0.010, 0.002), 0.011, 0.013, 0.02),    // olecranon and ulna
+      limb(fore.at(-0.012, -0.018, 0.001), fore.at(0.16, -0.010, 0.002), 0.011, 0.013, 0.02),   // olecranon and ulna
       limb(fore.at(0.11, 0, 0), fore.at(kForearmLength, 0, 0), 0.024, 0.0265, 0.04, fore.side, 0.70),
       spindle(fore.at(0, 0, 0), fore.at(0.250, 0, 0), 0.027, 0.017, 0.011, 0.02),
       spindle(fore.at(-0.015, 0.000, -0.018), fore.at(0.250, 0.004, -0.006), 0.013, 0.010, 0.016, 0.02),  // flexors
@@ -77,8 +78,8 @@ std::vector<RoundedPart> finger_parts(const Finger& finger, double blend) {
   std::vector<RoundedPart> parts;
   for (int k = 0; k < 3; ++k) {
     // Between phalanges the end spheres coincide already; only the root melts into the hand.
-    parts.push_back(limb(finger.joints[k], finger.joints[k + 1], finger.radii[k], finger.radii[k + 1],
-                         k == 0 ? blend : 0.002));
+    parts.push_back(
+        limb(finger.joints[k], finger.joints[k + 1], finger.radii[k], finger.radii[k + 1], k == 0 ? blend : 0.002));
   }
   return parts;
 }
@@ -90,7 +91,8 @@ std::vector<RoundedPart> hand_parts() {
       belly(hand.at(0.045, 0, -0.002), hand.along, hand.front, {0.05, 0.036, 0.0125}, 0.015),
       belly(hand.at(0.040, 0.024, -0.013), hand.at(0.055, 0.050, -0.022) - hand.at(0.012, 0.018, -0.008), hand.side,
             {0.036, 0.016, 0.018}, 0.015),  // ball of the thumb
-      belly(hand.at(0.045, -0.024, -0.010), hand.along, hand.side, {0.040, 0.014, 0.015}, 0.015),  // little finger's side
+      belly(hand.at(0.045, -0.024, -0.010), hand.along, hand.side, {0.040, 0.014, 0.015},
+            0.015),  // little finger's side
   };
   const double roots[4] = {0.017, 0.006, -0.005, -0.016};
   const std::vector<Finger> all = fingers();
@@ -124,10 +126,10 @@ SegmentFrame hand_frame() {
 
 std::vector<Finger> fingers() {
   struct Shape {
-    double along, front;      // knuckle in the hand's frame, metres
-    double spread;            // degrees towards the thumb
-    double phalanges[3];      // metres
-    double radius;            // at the knuckle, metres
+    double along, front;  // knuckle in the hand's frame, metres
+    double spread;        // degrees towards the thumb
+    double phalanges[3];  // metres
+    double radius;        // at the knuckle, metres
   };
   constexpr Shape kShapes[] = {
       {0.092, 0.0335, 9, {0.043, 0.026, 0.018}, 0.0100},
@@ -165,19 +167,19 @@ Finger thumb() {
 std::vector<RoundedPart> torso_parts() {
   const Vector3d right = -Vector3d::UnitX(), up = Vector3d::UnitY();
   std::vector<RoundedPart> parts{
-      belly({0, 1.260, 0.000}, up, right, {0.300, 0.150, 0.110}, 0.03),                        // ribcage
-      limb({0, 1.390, -0.012}, {-0.095, 1.400, -0.015}, 0.088, 0.062, 0.06),                   // upper chest
-      limb({0, 1.430, -0.020}, {0, 1.620, 0.005}, 0.057, 0.053, 0.03),                         // neck
-      limb({-0.030, 1.525, -0.030}, {-0.165, 1.458, -0.024}, 0.036, 0.026, 0.06),              // trapezius
-      belly({-0.086, 1.368, 0.074}, {-0.90, 0.25, -0.30}, up, {0.104, 0.066, 0.030}, 0.05),    // pectoral
-      belly({-0.085, 1.390, -0.084}, {-0.75, 0.65, 0.15}, up, {0.090, 0.064, 0.028}, 0.05),    // scapula
+      belly({0, 1.260, 0.000}, up, right, {0.300, 0.150, 0.110}, 0.03),                                // ribcage
+      limb({0, 1.390, -0.012}, {-0.095, 1.400, -0.015}, 0.088, 0.062, 0.06),                           // upper chest
+      limb({0, 1.430, -0.020}, {0, 1.620, 0.005}, 0.057, 0.053, 0.03),                                 // neck
+      limb({-0.030, 1.525, -0.030}, {-0.165, 1.458, -0.024}, 0.036, 0.026, 0.06),                      // trapezius
+      belly({-0.086, 1.368, 0.074}, {-0.90, 0.25, -0.30}, up, {0.104, 0.066, 0.030}, 0.05),            // pectoral
+      belly({-0.085, 1.390, -0.084}, {-0.75, 0.65, 0.15}, up, {0.090, 0.064, 0.028}, 0.05),            // scapula
       belly({-0.116, 1.210, -0.045}, {-0.12, 1, -0.05}, {-0.6, 0, -0.6}, {0.210, 0.030, 0.07}, 0.06),  // latissimus
   };
   // What lies just under the skin is laid on what is below.
-  const std::vector<RoundedPart> below = parts;
-  const Vector3d notch = project(below, {-0.020, 1.456, 0.060}, 0.004);
-  const Vector3d bend = project(below, {-0.090, 1.466, 0.050}, 0.003);
-  const Vector3d neck = project(below, {-0.050, 1.600, 0.010}, 0.008);
+  const Solid below(parts);
+  const Vector3d notch = below.project({-0.020, 1.456, 0.060}, 0.004);
+  const Vector3d bend = below.project({-0.090, 1.466, 0.050}, 0.003);
+  const Vector3d neck = below.project({-0.050, 1.600, 0.010}, 0.008);
   parts.push_back(limb(notch, bend, 0.011, 0.0085, 0.015));  // clavicle
   parts.push_back(limb(bend, {-0.165, 1.474, 0.000}, 0.0085, 0.011, 0.004));
   parts.push_back(limb(notch, neck, 0.009, 0.016, 0.02));  // sternomastoid
@@ -199,8 +201,8 @@ std::vector<RoundedPart> body_parts() {
 double edge_length(const Vector3d& point) {
   const double to_shoulder = smoothstep(0.17, 0.03, (point - kShoulder).x());
   const double to_hand = smoothstep(-0.08, 0.04, hand_frame().along.dot(point - hand_frame().origin));
-  const double on_torso = 0.0125 + (0.0092 - 0.0125) * to_shoulder;
-  return on_torso + (0.0055 - on_torso) * to_hand;
+  const double on_torso = 0.0135 + (0.0096 - 0.0135) * to_shoulder;
+  return on_torso + (0.0057 - on_torso) * to_hand;
 }
 
 }  // namespace bodyopt

@@ -17,7 +17,7 @@ DistanceSample sample(const RoundedPart& part, const Vector3d& point) {
   if (part.length > 0) {
     // The sphere of the swept family that touches the distance level of q is shifted towards the wider end.
     const double slope = (part.end_radius - part.start_radius) / part.length;
-    const double across = std::hypot(q.y(), q.z());
+    const double across = std::sqrt(q.y() * q.y() + q.z() * q.z());
     t = std::clamp(q.x() + slope * across / std::sqrt(1 - slope * slope), 0.0, part.length);
     const double part_way = t / part.length;
     radius += slope * t + part.bulge * 6.75 * part_way * (1 - part_way) * (1 - part_way);
@@ -46,6 +46,25 @@ Matrix3d frame(const Vector3d& along, const Vector3d& across) {
   rows.row(1) = (across - across.dot(along) / along.squaredNorm() * along).normalized();
   rows.row(2) = rows.row(0).cross(rows.row(1));
   return rows;
+}
+
+DistanceSample sample(const std::vector<RoundedPart>& parts, const Vector3d& point) {
+  DistanceSample total{1e3, Vector3d::UnitY()};
+  for (const RoundedPart& part : parts) {
+    const DistanceSample own = sample(part, point);
+    total = part.keep_inside ? negated(smooth_min(negated(total), negated(own), part.blend))
+                             : smooth_min(total, own, part.blend);
+  }
+  return total;
+}
+
+std::vector<RoundedPart> parts_near(const std::vector<RoundedPart>& parts, const Vector3d& point, double margin) {
+  const double reach = sample(parts, point).distance + margin;
+  std::vector<RoundedPart> near;
+  for (const RoundedPart& part : parts) {
+    if (part.keep_inside || sample(part, point).distance < reach) near.push_back(part);
+  }
+  return near;
 }
 
 }  // namespace
@@ -80,19 +99,37 @@ RoundedPart belly(const Vector3d& centre, const Vector3d& along, const Vector3d&
   return part;
 }
 
-DistanceSample sample(const std::vector<RoundedPart>& parts, const Vector3d& point) {
-  DistanceSample total{1e3, Vector3d::UnitY()};
-  for (const RoundedPart& part : parts) {
-    const DistanceSample own = sample(part, point);
-    total = part.keep_inside ? negated(smooth_min(negated(total), negated(own), part.blend))
-                             : smooth_min(total, own, part.blend);
+Solid::Solid(std::vector<RoundedPart> parts, const Vector3d& low, const Vector3d& high)
+    : parts_(std::move(parts)), low_(low) {
+  for (int k = 0; k < 3; ++k) cells_[k] = static_cast<int>(std::ceil((high - low)[k] / kCell));
+  double widest_blend = 0;
+  for (const RoundedPart& part : parts_) widest_blend = std::max(widest_blend, part.blend);
+  // Distances change by at most the way walked: from a cell's centre to its corner, for both the part and the solid.
+  const double margin = std::sqrt(3.0) * kCell + widest_blend;
+  near_.reserve(static_cast<std::size_t>(cells_.prod()));
+  for (int z = 0; z < cells_.z(); ++z) {
+    for (int y = 0; y < cells_.y(); ++y) {
+      for (int x = 0; x < cells_.x(); ++x) {
+        near_.push_back(parts_near(parts_, low_ + kCell * Vector3d(x + 0.5, y + 0.5, z + 0.5), margin));
+      }
+    }
   }
-  return total;
 }
 
-Vector3d project(const std::vector<RoundedPart>& parts, Vector3d point, double depth) {
+int Solid::cell_of(const Vector3d& point) const {
+  const Eigen::Vector3i at = ((point - low_) / kCell).array().floor().cast<int>();
+  if ((at.array() < 0).any() || (at.array() >= cells_.array()).any()) return -1;
+  return at.x() + cells_.x() * (at.y() + cells_.y() * at.z());
+}
+
+DistanceSample Solid::sample(const Vector3d& point) const {
+  const int cell = near_.empty() ? -1 : cell_of(point);
+  return bodyopt::sample(cell < 0 ? parts_ : near_[cell], point);
+}
+
+Vector3d Solid::project(Vector3d point, double depth) const {
   for (int step = 0; step < 12; ++step) {
-    const DistanceSample at = sample(parts, point);
+    const DistanceSample at = sample(point);
     const double miss = at.distance + depth;
     if (std::abs(miss) < 1e-7) break;
     point -= miss / std::max(at.gradient.squaredNorm(), 0.25) * at.gradient;

@@ -37,13 +37,29 @@ struct DistanceSample {
   Eigen::Vector3d gradient;  // about unit length
 };
 
-DistanceSample sample(const std::vector<RoundedPart>& parts, const Eigen::Vector3d& point);
-inline double distance(const std::vector<RoundedPart>& parts, const Eigen::Vector3d& point) {
-  return sample(parts, point).distance;
-}
+// Parts joined in order.
+class Solid {
+ public:
+  Solid() = default;
+  explicit Solid(std::vector<RoundedPart> parts) : parts_(std::move(parts)) {}
+  // The same, made fast inside the box from `low` to `high`: each cell of a grid knows the parts that matter there.
+  Solid(std::vector<RoundedPart> parts, const Eigen::Vector3d& low, const Eigen::Vector3d& high);
 
-// The surface point below or above `point`, by Newton steps along the gradient. `depth` > 0 aims at that distance
-// inside instead.
-Eigen::Vector3d project(const std::vector<RoundedPart>& parts, Eigen::Vector3d point, double depth = 0);
+  DistanceSample sample(const Eigen::Vector3d& point) const;
+  double distance(const Eigen::Vector3d& point) const { return sample(point).distance; }
+
+  // The surface point near `point`, or the one `depth` metres inside, by Newton steps along the gradient.
+  Eigen::Vector3d project(Eigen::Vector3d point, double depth = 0) const;
+
+ private:
+  static constexpr double kCell = 0.03;  // metres
+
+  int cell_of(const Eigen::Vector3d& point) const;  // -1 outside the grid
+
+  std::vector<RoundedPart> parts_;
+  Eigen::Vector3d low_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3i cells_ = Eigen::Vector3i::Zero();
+  std::vector<std::vector<RoundedPart>> near_;  // parts that matter in each cell
+};
 
 }  // namespace bodyopt

@@ -19,20 +19,20 @@ constexpr int kTets[6][4] = {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4,
 
 class Marcher {
  public:
-  Marcher(const std::vector<RoundedPart>& parts, const Vector3d& low, const Vector3d& high, double step, double depth)
-      : parts_(parts), low_(low), step_(step), depth_(depth) {
+  Marcher(const Solid& solid, const Vector3d& low, const Vector3d& high, double step, double depth)
+      : solid_(solid), low_(low), step_(step), depth_(depth) {
     for (int k = 0; k < 3; ++k) cubes_[k] = kBlock * static_cast<int>(std::ceil((high - low)[k] / (step * kBlock)));
     values_.assign(static_cast<std::size_t>(cubes_.x() + 1) * (cubes_.y() + 1) * (cubes_.z() + 1),
                    std::numeric_limits<double>::quiet_NaN());
   }
 
   Surface run() {
-    const double reach = 1.5 * std::sqrt(3.0) * 0.5 * kBlock * step_;
+    const double reach = 1.25 * std::sqrt(3.0) * 0.5 * kBlock * step_;
     for (int z = 0; z < cubes_.z(); z += kBlock) {
       for (int y = 0; y < cubes_.y(); y += kBlock) {
         for (int x = 0; x < cubes_.x(); x += kBlock) {
           const Vector3d centre = low_ + step_ * Vector3d(x + 0.5 * kBlock, y + 0.5 * kBlock, z + 0.5 * kBlock);
-          if (std::abs(distance(parts_, centre) + depth_) < reach) march_block({x, y, z});
+          if (std::abs(solid_.distance(centre) + depth_) < reach) march_block({x, y, z});
         }
       }
     }
@@ -48,7 +48,7 @@ class Marcher {
   }
 
   double value(int n) {
-    if (std::isnan(values_[n])) values_[n] = distance(parts_, position(n)) + depth_;
+    if (std::isnan(values_[n])) values_[n] = solid_.distance(position(n)) + depth_;
     return values_[n];
   }
 
@@ -98,8 +98,8 @@ class Marcher {
 
   int crossing(int a, int b) {
     const auto [low, high] = std::minmax(a, b);
-    const auto [found, fresh] = crossings_.try_emplace(static_cast<std::uint64_t>(low) << 32 | static_cast<unsigned>(high),
-                                                       static_cast<int>(surface_.points.size()));
+    const auto [found, fresh] = crossings_.try_emplace(
+        static_cast<std::uint64_t>(low) << 32 | static_cast<unsigned>(high), static_cast<int>(surface_.points.size()));
     if (fresh) {
       // Kept away from the nodes, so that no triangle vanishes.
       const double t = std::clamp(value(low) / (value(low) - value(high)), 0.05, 0.95);
@@ -108,7 +108,7 @@ class Marcher {
     return found->second;
   }
 
-  const std::vector<RoundedPart>& parts_;
+  const Solid& solid_;
   Vector3d low_;
   double step_;
   double depth_;
@@ -120,8 +120,8 @@ class Marcher {
 
 }  // namespace
 
-Surface march(const std::vector<RoundedPart>& parts, const Vector3d& low, const Vector3d& high, double step, double depth) {
-  return Marcher(parts, low, high, step, depth).run();
+Surface march(const Solid& solid, const Vector3d& low, const Vector3d& high, double step, double depth) {
+  return Marcher(solid, low, high, step, depth).run();
 }
 
 }  // namespace bodyopt

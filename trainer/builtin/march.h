@@ -17,7 +17,6 @@ struct Surface {
 // Closed and manifold whatever the solid, for each cube of the grid is cut into six tetrahedra. The grid covers the box
 // from `low` to `high`, which has to contain the solid. `step` metres between nodes. The mesh lies `depth` metres below
 // the surface, where gaps narrower than a step (between fingers) are wider.
-Surface march(const std::vector<RoundedPart>& parts, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-              double step, double depth);
+Surface march(const Solid& solid, const Eigen::Vector3d& low, const Eigen::Vector3d& high, double step, double depth);
 
 }  // namespace bodyopt

@@ -12,17 +12,15 @@ using Eigen::Vector3d;
 struct Edge {
   double ratio;  // length over wanted length
   int a, b;
-  bool operator<(const Edge& other) const {
-    return std::tie(ratio, a, b) < std::tie(other.ratio, other.a, other.b);
-  }
+  bool operator<(const Edge& other) const { return std::tie(ratio, a, b) < std::tie(other.ratio, other.a, other.b); }
 };
 
 class Remesher {
  public:
-  Remesher(Surface surface, const std::vector<RoundedPart>& parts, const EdgeLength& edge_length)
+  Remesher(Surface surface, const Solid& solid, const EdgeLength& edge_length)
       : points_(std::move(surface.points)),
         triangles_(std::move(surface.triangles)),
-        parts_(parts),
+        solid_(solid),
         edge_length_(edge_length),
         around_(points_.size()) {
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
@@ -39,7 +37,7 @@ class Remesher {
   }
 
   void polish() {
-    flip([this](const Flip& f) { return angle_gain(f) > 1e-3; });
+    flip([this](const Flip& f) { return quality_gain(f) > 1e-3; });
     relax();
   }
 
@@ -68,9 +66,7 @@ class Remesher {
     int a, b, c, d;
   };
 
-  double ratio(int a, int b) const {
-    return (points_[a] - points_[b]).norm() / (0.5 * (wanted_[a] + wanted_[b]));
-  }
+  double ratio(int a, int b) const { return (points_[a] - points_[b]).norm() / (0.5 * (wanted_[a] + wanted_[b])); }
 
   std::vector<Edge> edges() const {
     std::vector<Edge> all;
@@ -220,14 +216,14 @@ class Remesher {
            cost(f.d, 1);
   }
 
-  // Smallest angle, as a sine-like quality in 0..1.
+  // Area over the edges' squared lengths: 1 for an equilateral triangle, 0 for a flat one.
   double quality(int u, int v, int w) const {
     const Vector3d &a = points_[u], &b = points_[v], &c = points_[w];
     return 2 * std::sqrt(3.0) * normal(a, b, c).norm() /
            ((a - b).squaredNorm() + (b - c).squaredNorm() + (c - a).squaredNorm());
   }
 
-  double angle_gain(const Flip& f) const {
+  double quality_gain(const Flip& f) const {
     return std::min(quality(f.a, f.d, f.c), quality(f.b, f.c, f.d)) -
            std::min(quality(f.a, f.b, f.c), quality(f.b, f.a, f.d));
   }
@@ -243,14 +239,14 @@ class Remesher {
         const auto& tri = triangles_[t];
         const Vector3d n = normal(points_[tri[0]], points_[tri[1]], points_[tri[2]]);
         const double size = (wanted_[tri[0]] + wanted_[tri[1]] + wanted_[tri[2]]) / 3;
-        const double w = n.norm() / std::pow(size, 4);
+        const double w = n.norm() / (size * size * size * size);
         sum += w / 3 * (points_[tri[0]] + points_[tri[1]] + points_[tri[2]]);
         weight += w;
         up += n;
       }
       up.normalize();
       const Vector3d step = sum / weight - points_[v];
-      moved[v] = project(parts_, points_[v] + step - up.dot(step) * up);
+      moved[v] = solid_.project(points_[v] + step - up.dot(step) * up);
     }
     points_ = std::move(moved);
     for (std::size_t v = 0; v < points_.size(); ++v) wanted_[v] = edge_length_(points_[v]);
@@ -258,7 +254,7 @@ class Remesher {
 
   std::vector<Vector3d> points_;
   std::vector<std::array<int, 3>> triangles_;
-  const std::vector<RoundedPart>& parts_;
+  const Solid& solid_;
   const EdgeLength& edge_length_;
   std::vector<std::vector<int>> around_;  // triangles of each point
   std::vector<double> wanted_;            // edge length at each point
@@ -266,8 +262,8 @@ class Remesher {
 
 }  // namespace
 
-Surface remesh(Surface surface, const std::vector<RoundedPart>& parts, const EdgeLength& edge_length, int rounds) {
-  Remesher remesher(std::move(surface), parts, edge_length);
+Surface remesh(Surface surface, const Solid& solid, const EdgeLength& edge_length, int rounds) {
+  Remesher remesher(std::move(surface), solid, edge_length);
   for (int k = 0; k < rounds; ++k) remesher.round();
   for (int k = 0; k < 4; ++k) remesher.polish();
   return remesher.take();

@@ -13,6 +13,6 @@ using EdgeLength = std::function<double(const Eigen::Vector3d&)>;  // metres, wa
 
 // Splits long edges, collapses short ones, flips, and moves points along the surface and back onto it (Botsch and
 // Kobbelt 2004). Keeps the surface closed, manifold and of the same genus. `surface` has to be closed.
-Surface remesh(Surface surface, const std::vector<RoundedPart>& parts, const EdgeLength& edge_length, int rounds);
+Surface remesh(Surface surface, const Solid& solid, const EdgeLength& edge_length, int rounds);
 
 }  // namespace bodyopt

@@ -48,9 +48,9 @@ void check_options(const ClipOptions& options) {
 }  // namespace
 
 std::size_t frame_count(const std::string& file, double duration, std::size_t joints, const ClipOptions& options) {
-  // Times are stored in single precision: the last frame may seem to lie a little beyond the end.
+  // Times are rounded (single precision; "Frame Time: .0083333"): the last frame may seem to lie beyond the end.
   const double last = duration * options.fps;
-  const double frames = std::floor(last + 1e-3 + 2e-7 * last) + 1;
+  const double frames = std::floor(last + 1e-3 + std::min(1e-5 * last, 0.5)) + 1;
   if (!(frames <= kMaxFrames) || frames * static_cast<double>(joints) > kMaxTransforms) {
     throw Error(ErrorKind::file, file + ": the motion lasts " + std::to_string(duration) +
                                      " seconds, too many frames at " + std::to_string(options.fps) +

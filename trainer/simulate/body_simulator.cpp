@@ -90,12 +90,13 @@ Positions BodySimulator::carry(const Positions& x, const std::vector<Affine>& fr
   for (Eigen::Index n = 0; n < x.rows(); ++n) {
     const Blend before = blend(from, n), after = blend(to, n);
     const Eigen::Vector3d rest = mesh_.nodes.row(n);
-    const Eigen::Vector3d moved = x.row(n).transpose() - before * rest.homogeneous();
+    const Eigen::Vector3d skinned = before * rest.homogeneous();
     const Eigen::Matrix3d linear = before.leftCols<3>();
     // A blend that is nearly flat has no displacement to speak of.
     Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
-    if (linear.determinant() > 0.05) displacement = linear.inverse() * moved;
-    result.row(n) = (after * (rest + displacement).homogeneous()).transpose();
+    if (linear.determinant() > 0.05) displacement = linear.inverse() * (x.row(n).transpose() - skinned);
+    const Eigen::Vector3d carried = after * (rest + displacement).homogeneous();
+    result.row(n) = carried;
   }
   return result;
 }

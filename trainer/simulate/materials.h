@@ -13,7 +13,7 @@ constexpr double kContracted = 0.7;      // stretch at which an active fibre sto
 constexpr double kPassiveFibre = 2e4;    // Pa per unit of stretch above rest length
 constexpr double kBarrierStart = 0.3;    // volume ratio below which the barrier against inversion acts
 constexpr double kBarrier = 2 * kBulk;   // Pa
-constexpr double kBoneSpring = 2e4;      // N/m per attachment point: far above an element's own stiffness (~100 N/m)
+constexpr double kBoneSpring = 4e3;       // N/m per attachment point: several times an element's own stiffness
 constexpr double kFullyActiveAt = 0.15;  // shortening of a muscle's path at which its activation nears its maximum
 
 }  // namespace bodyopt

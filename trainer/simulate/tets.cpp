@@ -19,26 +19,31 @@ namespace nglib {
 namespace bodyopt {
 namespace {
 
-// Netgen reports on standard output; what it says is no result of ours.
+// Netgen reports on standard output and standard error; what it says is no result of ours.
 class SilencedOutput {
  public:
   SilencedOutput() {
-    std::fflush(stdout);
-    saved_ = dup(STDOUT_FILENO);
+    std::fflush(nullptr);
     const int null = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    dup2(null, STDOUT_FILENO);
+    for (int k = 0; k < 2; ++k) {
+      saved_[k] = dup(kStreams[k]);
+      dup2(null, kStreams[k]);
+    }
     close(null);
   }
   ~SilencedOutput() {
-    std::fflush(stdout);
-    dup2(saved_, STDOUT_FILENO);
-    close(saved_);
+    std::fflush(nullptr);
+    for (int k = 0; k < 2; ++k) {
+      dup2(saved_[k], kStreams[k]);
+      close(saved_[k]);
+    }
   }
   SilencedOutput(const SilencedOutput&) = delete;
   SilencedOutput& operator=(const SilencedOutput&) = delete;
 
  private:
-  int saved_;
+  static constexpr int kStreams[2] = {STDOUT_FILENO, STDERR_FILENO};
+  int saved_[2];
 };
 
 [[noreturn]] void refuse(const std::string& what) {

@@ -1,24 +1,27 @@
-// What the residual sees of a frame, computed with the kernels of the run time.
+// Features of the training frames, computed by the kernels that will run.
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "runtime/basis/basis.h"
 
 namespace bodyopt {
 
-using FrameRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;  // one row per frame
+struct FeatureSamples {
+  std::vector<FeatureRange> ranges;  // F: joint features, strains, controls
+  Eigen::MatrixXd values;            // N x F, clamped and standardised
+  Eigen::RowVectorXd rest;           // F: those of the bind pose, controls zero
+};
 
-// Joint features, strains and controls of each pose, as they are. -> frames x F. Throws Error(mismatch) for a pose that
-// does not fit the skeleton or has another number of controls than the basis.
-FrameRows raw_features(const Basis& basis, const std::vector<Pose>& poses);
+// Ranges span the poses and the bind pose, widened by 1 %; a feature that does not vary gets inverse_scale 0. `basis`
+// needs skeleton, ddm and strain. Throws Error(mismatch) when a pose does not fit the skeleton or the poses differ in
+// their number of controls.
+FeatureSamples measure_features(const Basis& basis, std::span<const Pose* const> poses);
 
-// The range of each column, widened by 1 % on both sides, and its mean and standard deviation. A feature that hardly
-// moves is not blown up: the deviation counts as 1e-3 at least.
-std::vector<FeatureRange> feature_ranges(const FrameRows& raw);
-
-// Clamped and standardised with basis.residual.features. -> frames x F
-FrameRows standardised_features(const Basis& basis, const FrameRows& raw);
+// Strains of one pose, S.
+std::vector<float> measure_strains(const Basis& basis, const Pose& pose);
 
 }  // namespace bodyopt

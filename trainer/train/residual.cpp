@@ -3,151 +3,197 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
-#include <string>
 
-#include "trainer/train/components.h"
-#include "trainer/train/features.h"
-#include "trainer/train/fit.h"
-#include "trainer/train/mesh_table.h"
+#include "runtime/cpu/half.h"
+#include "runtime/rig.h"
+#include "trainer/progress.h"
 #include "trainer/train/parallel.h"
-#include "trainer/train/region_features.h"
-#include "trainer/train/residual_table.h"
-#include "trainer/train/unpose.h"
 
 namespace bodyopt {
 namespace {
 
-constexpr double kLeastComponent = 2e-5;  // metres RMS over a region's vertices
-constexpr double kLeastEntry = 2e-5;      // metres, in the frame where it moves its vertex most
+using Eigen::Index;
 
-// What every region learns from.
-struct TrainingData {
-  const Character& character;
-  FrameRows deltas;          // frames x 3V, un-posed, metres
-  Eigen::MatrixXd features;  // frames x F, standardised
-  Eigen::RowVectorXd rest;   // F
-  std::vector<int> folds;
-};
+// Radii within which a region sees features, as parts of the character's longest extent.
+constexpr double kRadii[] = {0.12, 0.2, 0.35};
+// Cross-validation: blocks of consecutive frames, dealt to folds.
+constexpr int kFolds = 5, kLongestRun = 20;
+constexpr std::uint32_t kMostCoefficients = 65536;
 
-FrameRows unpose_samples(const Basis& basis, const std::vector<std::uint32_t>& order,
-                         const std::vector<Sample>& samples) {
-  FrameRows deltas(static_cast<Eigen::Index>(samples.size()), static_cast<Eigen::Index>(basis.mesh.rest.size()));
-  parallel_for("un-pose", samples.size(), [&](std::size_t f) {
-    const Positions delta = unpose_ddm(basis, samples[f].pose, in_order(samples[f].shape, order));
-    deltas.row(static_cast<Eigen::Index>(f)) =
-        Eigen::Map<const Eigen::RowVectorXd>(delta.data(), delta.size()).cast<float>();
-  });
-  return deltas;
-}
+double extent_of(const Positions& rest) { return (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff(); }
 
-// Sets the ranges and controls of basis.residual. The rest pose belongs to the trained range.
-TrainingData gather(Basis& basis, const Character& character, const std::vector<std::uint32_t>& order,
-                    const std::vector<Sample>& samples) {
-  std::vector<Pose> poses = {bind_pose(basis.skeleton)};
-  std::size_t controls = 0;
-  for (const Sample& sample : samples) {
-    poses.push_back(sample.pose);
-    controls = std::max(controls, sample.pose.controls.size());
-  }
-  basis.residual = {};
-  for (std::size_t k = 0; k < controls; ++k) basis.residual.controls.push_back("control" + std::to_string(k + 1));
-  const FrameRows raw = raw_features(basis, poses);
-  basis.residual.features = feature_ranges(raw);
-  const Eigen::MatrixXd standardised = standardised_features(basis, raw).cast<double>();
-  return {character, unpose_samples(basis, order, samples), standardised.bottomRows(raw.rows() - 1),
-          standardised.row(0), time_folds(samples.size())};
-}
-
-// Displacements times the region's weights: summed over the regions they are the displacements again. frames x 3n
-FrameRows region_targets(const SoftRegion& region, const FrameRows& deltas) {
-  const auto count = static_cast<Eigen::Index>(region.vertices.size());
-  FrameRows targets(deltas.rows(), 3 * count);
-  for (Eigen::Index n = 0; n < count; ++n) {
-    const auto k = static_cast<std::size_t>(n);
-    targets.middleCols<3>(3 * n) = region.weights[k] * deltas.middleCols<3>(3 * Eigen::Index{region.vertices[k]});
-  }
-  return targets;
-}
-
-// So that no direction exceeds 1 and halves keep their digits; the coefficients are then in metres.
-void scale_directions(RegionModel& model, const Eigen::MatrixXd& coefficients) {
-  model.largest.resize(coefficients.cols());
-  for (Eigen::Index k = 0; k < coefficients.cols(); ++k) {
-    const double scale = std::max(double{model.directions.col(k).cwiseAbs().maxCoeff()}, 1e-12);
-    model.directions.col(k) /= static_cast<float>(scale);
-    model.weights.row(k) *= scale;
-    model.largest[k] = scale * coefficients.col(k).cwiseAbs().maxCoeff();
+// Basis columns with a largest entry of 1 fill the halves' range evenly; the coefficients keep the metres.
+void normalise(RegionModel& model) {
+  Components& components = model.components;
+  for (Index k = 0; k < components.basis.rows(); ++k) {
+    const double largest = components.basis.row(k).cwiseAbs().maxCoeff();
+    if (!(largest > 0)) continue;
+    components.basis.row(k) /= largest;
+    components.coefficients.col(k) *= largest;
+    model.regression.weights.col(k) *= largest;
   }
 }
 
-struct RegionLimits {
-  int components;
-  int centres;
-  double least_component;  // metres RMS over the region's vertices
-  bool joints_only;
-};
+RegressionData regression_data(const FeatureSamples& samples, const std::vector<std::uint32_t>& features,
+                               const Eigen::MatrixXd& targets, const std::vector<int>& folds) {
+  RegressionData data;
+  const std::vector<Index> columns(features.begin(), features.end());
+  data.features = samples.values(Eigen::all, columns);
+  data.rest = samples.rest(columns);
+  data.targets = targets;
+  data.folds = folds;
+  return data;
+}
 
-RegionModel train_region(const SoftRegion& region, const TrainingData& data, const Basis& basis,
-                         const RegionLimits& limits, std::uint64_t seed) {
-  const float extent = std::accumulate(region.weights.begin(), region.weights.end(), 0.0f);
-  const Components components = principal_components(region_targets(region, data.deltas), limits.components,
-                                                     limits.least_component * std::sqrt(double{extent}), seed);
+std::vector<std::vector<std::uint32_t>> feature_choices(const Character& character, const Basis& basis,
+                                                        const RegionWeights& region,
+                                                        const std::vector<FeatureGroup>& groups,
+                                                        const TrainOptions& options) {
+  std::vector<std::vector<std::uint32_t>> choices;
+  if (options.joint_only_linear) {
+    std::vector<std::uint32_t>& all = choices.emplace_back();
+    const std::size_t joints = feature_joints(basis.skeleton).size();
+    for (std::size_t g = 0; g < joints; ++g) all.insert(all.end(), groups[g].features.begin(), groups[g].features.end());
+    return choices;
+  }
+  for (const double radius : kRadii) {
+    choices.push_back(region_features(character, region, groups, radius * extent_of(character.vertices)));
+  }
+  choices.erase(std::unique(choices.begin(), choices.end()), choices.end());
+  return choices;
+}
+
+// Features and regression are chosen before the columns are scaled: until then the error of a coefficient is the error
+// of positions, weighted by the region.
+RegionModel fit_region(const RegionWeights& region, const std::vector<std::vector<std::uint32_t>>& choices,
+                       const FeatureSamples& features, const Displacements& displacements,
+                       const std::vector<int>& folds, const TrainOptions& options) {
   RegionModel model;
-  model.vertices = region.vertices;
-  model.directions = components.directions;
-  model.features = limits.joints_only ? joint_features_only(basis)
-                                      : add_explaining_strains(nearby_features(region, data.character, basis), basis,
-                                                               data.features, components.coefficients);
-  FitProblem problem;
-  problem.features = data.features(Eigen::all, model.features);
-  problem.rest = data.rest(model.features);
-  problem.coefficients = components.coefficients;
-  problem.folds = data.folds;
-  problem.most_centres = limits.centres;
-  const FitResult fit = fit_coefficients(problem);
-  model.centres = fit.centres;
-  model.inverse_width2 = fit.inverse_width2;
-  model.weights = fit.weights;
-  scale_directions(model, components.coefficients);
-  return model;
-}
-
-std::vector<RegionModel> train_regions(const std::vector<SoftRegion>& regions, const TrainingData& data,
-                                       const Basis& basis, const RegionLimits& limits, std::uint64_t seed) {
-  std::vector<RegionModel> models(regions.size());
-  parallel_for("regions", regions.size(),
-               [&](std::size_t r) { models[r] = train_region(regions[r], data, basis, limits, seed + r); });
-  return models;
-}
-
-// The linear method of the table of methods, given the bytes of the full one.
-void train_joint_linear(Basis& basis, const std::vector<SoftRegion>& regions, const TrainingData& data,
-                        const TrainOptions& options) {
-  RegionLimits limits{options.components, 0, 0, true};
-  for (bool enough = false; !enough;) {
-    const std::vector<RegionModel> models = train_regions(regions, data, basis, limits, options.seed);
-    bool exhausted = true;
-    for (const RegionModel& model : models) exhausted = exhausted && model.weights.rows() < limits.components;
-    for (int k = std::min(options.components, limits.components); k <= limits.components && !enough; ++k) {
-      pack_residual(models, basis.mesh.vertex_count(), k, 0, basis.residual);
-      enough = table_bytes(basis)["residual"] >= options.match_bytes;
-    }
-    enough = enough || exhausted;
-    limits.components *= 2;
+  model.region = region;
+  model.components = principal_components(displacements, region, options.components);
+  model.regression.validation_error = std::numeric_limits<double>::infinity();
+  for (const std::vector<std::uint32_t>& choice : choices) {
+    const RegressionData data = regression_data(features, choice, model.components.coefficients, folds);
+    Regression regression = fit_regression(data, options.joint_only_linear ? 0 : options.centres);
+    if (!(regression.validation_error < model.regression.validation_error)) continue;
+    model.regression = std::move(regression);
+    model.features = choice;
   }
+  normalise(model);
+  return model;
 }
 
 }  // namespace
 
-void train_residual(Basis& basis, const Character& character, const std::vector<std::uint32_t>& order,
-                    const std::vector<Sample>& samples, const TrainOptions& options) {
-  const TrainingData data = gather(basis, character, order, samples);
-  const std::vector<SoftRegion> regions = soft_regions(character);
-  if (options.joint_only_linear) return train_joint_linear(basis, regions, data, options);
-  const RegionLimits limits{options.components, options.centres, kLeastComponent, false};
-  pack_residual(train_regions(regions, data, basis, limits, options.seed), basis.mesh.vertex_count(),
-                options.components, kLeastEntry, basis.residual);
+ResidualModel fit_residual(const Character& character, const Basis& basis, const std::vector<RegionWeights>& regions,
+                           const std::vector<FeatureGroup>& groups, const FeatureSamples& features,
+                           const Displacements& displacements, const std::vector<int>& takes,
+                           const TrainOptions& options) {
+  const int run = std::clamp(static_cast<int>(takes.size()) / (2 * kFolds), 2, kLongestRun);
+  const std::vector<int> folds = blocked_folds(takes, run, kFolds);
+  ResidualModel model;
+  model.ranges = features.ranges;
+  model.vertices = basis.mesh.vertex_count();
+  model.regions.resize(regions.size());
+  Progress progress("train: regions", regions.size());
+  parallel_for(regions.size(), [&](std::size_t r) {
+    const auto choices = feature_choices(character, basis, regions[r], groups, options);
+    model.regions[r] = fit_region(regions[r], choices, features, displacements, folds, options);
+#pragma omp critical(bodyopt_progress)
+    progress.advance();
+  });
+  return model;
+}
+
+namespace {
+
+double root_mean_square(const Eigen::VectorXd& values) {
+  return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
+}
+
+class Packer {
+ public:
+  Packer(const ResidualModel& model, int components, double negligible)
+      : components_(components), negligible_(negligible), blend_(model.vertices) {
+    table_.controls = model.controls;
+    table_.features = model.ranges;
+    for (const RegionModel& region : model.regions) add(region);
+    table_.blend_begin = {0};
+    for (const std::vector<BlendEntry>& entries : blend_) {
+      table_.blend.insert(table_.blend.end(), entries.begin(), entries.end());
+      table_.blend_begin.push_back(static_cast<std::uint32_t>(table_.blend.size()));
+    }
+  }
+
+  ResidualTable take() { return std::move(table_); }
+
+ private:
+  void add(const RegionModel& model) {
+    const std::vector<Index> kept = add_columns(model);
+    if (kept.empty()) return;
+    const Regression& regression = model.regression;
+    const auto count = [](std::size_t size) { return static_cast<std::uint32_t>(size); };
+    Region region;
+    region.feature_begin = count(table_.region_features.size());
+    region.feature_count = count(model.features.size());
+    region.centre_begin = table_.centre_count();
+    region.centre_count = count(static_cast<std::size_t>(regression.centres.rows()));
+    region.centre_values = count(table_.centres.size());
+    region.coefficient_begin = table_.coefficient_count();
+    region.coefficient_count = count(kept.size());
+    region.weight_values = count(table_.weights.size());
+    region.inverse_width2 = static_cast<float>(regression.inverse_width2);
+
+    const std::uint32_t number = count(table_.regions.size());
+    table_.region_features.insert(table_.region_features.end(), model.features.begin(), model.features.end());
+    table_.centre_region.insert(table_.centre_region.end(), region.centre_count, number);
+    table_.coefficient_region.insert(table_.coefficient_region.end(), kept.size(), number);
+    for (Index m = 0; m < regression.centres.rows(); ++m) {
+      for (Index k = 0; k < regression.centres.cols(); ++k) {
+        table_.centres.push_back(static_cast<float>(regression.centres(m, k)));
+      }
+    }
+    for (const Index k : kept) {
+      table_.weights.push_back(0.0f);  // nothing is added at rest
+      for (Index f = 0; f < regression.weights.rows(); ++f) {
+        table_.weights.push_back(static_cast<float>(regression.weights(f, k)));
+      }
+    }
+    table_.regions.push_back(region);
+  }
+
+  // Blend entries of the region's components, and which components have any.
+  std::vector<Index> add_columns(const RegionModel& model) {
+    std::vector<Index> kept;
+    const Components& components = model.components;
+    const Index most = std::min<Index>(components_, components.basis.rows());
+    for (Index k = 0; k < most; ++k) {
+      const std::uint32_t coefficient = table_.coefficient_count() + static_cast<std::uint32_t>(kept.size());
+      if (coefficient >= kMostCoefficients) break;
+      const double size = root_mean_square(components.coefficients.col(k));
+      bool any = false;
+      for (std::size_t v = 0; v < model.region.vertices.size(); ++v) {
+        const Eigen::Vector3d b = components.basis.row(k).segment<3>(3 * static_cast<Index>(v));
+        if (!(size * b.norm() > negligible_)) continue;
+        const auto half = [&](int i) { return half_from_float(static_cast<float>(b[i])); };
+        blend_[model.region.vertices[v]].push_back({half(0) | half(1) << 16, half(2) | coefficient << 16});
+        any = true;
+      }
+      if (any) kept.push_back(k);
+    }
+    return kept;
+  }
+
+  int components_;
+  double negligible_;
+  std::vector<std::vector<BlendEntry>> blend_;
+  ResidualTable table_;
+};
+
+}  // namespace
+
+ResidualTable pack_residual(const ResidualModel& model, int components, double negligible) {
+  return Packer(model, components, negligible).take();
 }
 
 }  // namespace bodyopt

@@ -40,9 +40,12 @@ void check_take(const DatasetTake& take, const Character& character, const Clip&
   }
 }
 
+// "FILE.glb#name" relative to the dataset's folder.
+std::string clip_source(const Dataset& dataset, const std::string& clip) { return (dataset.folder / clip).string(); }
+
 void read_take(const Dataset& dataset, int index, SampleSet& set) {
   const DatasetTake& take = dataset.takes[static_cast<std::size_t>(index)];
-  const Clip clip = read_clip((dataset.folder / take.clip).string(), set.character.skeleton,
+  const Clip clip = read_clip(clip_source(dataset, take.clip), set.character.skeleton,
                               {.fps = take.fps, .first_frame = take.first_frame});
   for (const std::string& note : clip.notes) set.notes.push_back("take '" + take.name + "': " + note);
   const Pc2Reader shapes(dataset.folder / take.shapes);

@@ -1,7 +1,6 @@
-// Muscle fibres on the skin.
+// Fibres: the paths of muscles, projected on the skin.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "runtime/basis/basis.h"
@@ -9,9 +8,12 @@
 
 namespace bodyopt {
 
-// `fibre_count` fibres per muscle: its path, shifted sideways, projected to the skin. Rest lengths are measured by the
-// run-time kernels on the bind pose. Fibres that shrink to a point are left out, with a note.
-StrainTable make_strain_table(const MeshTable& mesh, const DdmTable& ddm, const Skeleton& skeleton,
-                              const std::vector<Muscle>& muscles, std::vector<std::string>& notes);
+// fibre_count fibres per muscle, side by side on the half of its belly that faces the skin; fibres that collapse to a
+// point there are left out. Rest lengths are measured by the runtime's kernels. `basis` needs skeleton, mesh and ddm.
+// Without muscles, or without triangles, an empty table.
+StrainTable make_strain_table(const Basis& basis, const std::vector<Muscle>& muscles);
+
+// Muscle of each fibre of the table, by the fibre's name.
+std::vector<std::size_t> fibre_muscles(const StrainTable& strain, const std::vector<Muscle>& muscles);
 
 }  // namespace bodyopt

@@ -1,13 +1,18 @@
 #include "trainer/train/train.h"
 
+#include <Eigen/Core>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "runtime/basis/error.h"
+#include "trainer/progress.h"
 #include "trainer/train/ddm.h"
+#include "trainer/train/features.h"
 #include "trainer/train/mesh_table.h"
+#include "trainer/train/parallel.h"
+#include "trainer/train/regions.h"
 #include "trainer/train/residual.h"
 #include "trainer/train/strain.h"
 #include "trainer/train/unpose.h"
@@ -15,114 +20,171 @@
 namespace bodyopt {
 namespace {
 
-constexpr std::size_t kFewestFrames = 10;
+// Fewer frames cannot be split for cross-validation.
+constexpr std::size_t kFewestFrames = 12;
+// A basis entry that moves its vertex by less, metres for a character of 1.8 m, root mean square, is left out.
+constexpr double kNegligible = 1e-5;
 
-std::string hex(std::uint64_t value) {
+// Matrix products on one thread: their sums must not depend on how many there are. Loops over frames, joints and
+// regions are what runs in parallel.
+class SingleThreadedProducts {
+ public:
+  SingleThreadedProducts() : threads_(Eigen::nbThreads()) { Eigen::setNbThreads(1); }
+  ~SingleThreadedProducts() { Eigen::setNbThreads(threads_); }
+
+ private:
+  int threads_;
+};
+
+std::string hexadecimal(std::uint64_t value) {
   char text[17];
   std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(value));
   return text;
 }
 
-double smoothing_radius(const Character& character, const TrainOptions& options) {
-  return options.smoothing_radius > 0 ? options.smoothing_radius : default_smoothing_radius(character.vertices);
+DdmOptions ddm_options(const Character& ordered, const TrainOptions& options) {
+  DdmOptions ddm;
+  ddm.radius = options.smoothing_radius > 0 ? options.smoothing_radius : default_smoothing_radius(ordered.vertices);
+  ddm.steps = options.smoothing_steps;
+  return ddm;
 }
 
-// `character` in runtime order.
-Basis ddm_basis(const Character& character, const TrainOptions& options) {
-  if (character.vertices.rows() == 0 || character.skeleton.size() == 0) {
-    throw Error(ErrorKind::mismatch, "character '" + character.name + "' has no skin or no joints: nothing to train");
-  }
-  if (options.smoothing_steps < 1 || options.components < 1 || options.centres < 0) {
-    throw Error(ErrorKind::usage, "training needs at least one smoothing step, one component and no negative count");
-  }
+// `ordered`: the character in runtime order.
+Basis bare_basis(const Character& ordered, const std::vector<VertexMoments>& moments, const TrainOptions& options) {
   Basis basis;
-  basis.skeleton = character.skeleton;
-  basis.mesh = make_mesh_table(character);
-  basis.ddm = pack_ddm(ddm_moments(character.vertices, character.triangles, character.weights,
-                                   {.radius = smoothing_radius(character, options), .steps = options.smoothing_steps}));
+  basis.skeleton = ordered.skeleton;
+  basis.mesh = make_mesh_table(ordered);
+  basis.ddm = pack_ddm(moments);
   basis.strain.fibre_begin = {0};
-  basis.residual.blend_begin.assign(std::size_t{basis.mesh.vertex_count()} + 1, 0u);
-  basis.metadata["units"] = "metres, radians";
-  basis.metadata["topology_hash"] = hex(topology_hash(basis.mesh));
-  basis.metadata["skeleton_hash"] = hex(skeleton_hash(basis.skeleton));
+  basis.residual.blend_begin.assign(basis.mesh.vertex_count() + 1, 0);
+  const DdmOptions ddm = ddm_options(ordered, options);
+  basis.metadata["units"] = "metres";
+  basis.metadata["topology_hash"] = hexadecimal(topology_hash(basis.mesh));
+  basis.metadata["skeleton_hash"] = hexadecimal(skeleton_hash(basis.skeleton));
+  const nlohmann::json provenance = {{"program", "bodyopt"},
+                                     {"character", ordered.name},
+                                     {"smoothing_radius_m", ddm.radius},
+                                     {"smoothing_steps", ddm.steps}};
+  basis.metadata["provenance"] = provenance.dump();
   return basis;
-}
-
-nlohmann::json provenance(const Character& character, const TrainOptions& options) {
-  return {{"character", character.name},
-          {"smoothing_radius", smoothing_radius(character, options)},
-          {"smoothing_steps", options.smoothing_steps}};
 }
 
 void check_samples(const SampleSet& set) {
   if (set.train.size() < kFewestFrames) {
-    throw Error(ErrorKind::mismatch, "training needs at least " + std::to_string(kFewestFrames) +
-                                         " converged frames that are not held out, found " +
-                                         std::to_string(set.train.size()) + ": simulate more frames or hold out fewer");
+    throw Error(ErrorKind::mismatch, "training needs " + std::to_string(kFewestFrames) +
+                                         " frames at least, the dataset leaves " + std::to_string(set.train.size()) +
+                                         " (held out: " + std::to_string(set.heldout.size()) +
+                                         ", unconverged: " + std::to_string(set.unconverged) + ")");
   }
   for (const Sample& sample : set.train) {
-    if (sample.shape.rows() != set.character.vertices.rows()) {
-      throw Error(ErrorKind::mismatch, "the shape of frame " + std::to_string(sample.frame) + " has " +
-                                           std::to_string(sample.shape.rows()) + " vertices, the character has " +
-                                           std::to_string(set.character.vertices.rows()) +
-                                           ": it was made from another mesh");
-    }
+    if (sample.shape.rows() == set.character.vertices.rows() && sample.shape.allFinite()) continue;
+    throw Error(ErrorKind::mismatch, "frame " + std::to_string(sample.frame) + " of take " +
+                                         std::to_string(sample.take) +
+                                         ": its shape does not fit the character, or is not a finite number");
   }
 }
 
-// RMS length of displacements, millimetres.
-class RootMeanSquare {
- public:
-  void add(const Positions& delta) {
-    squares_ += delta.squaredNorm();
-    count_ += static_cast<double>(delta.rows());
-  }
-  double millimetres() const { return count_ > 0 ? 1000 * std::sqrt(squares_ / count_) : 0; }
+std::vector<std::uint32_t> runtime_order(const Character& character) { return morton_order(character.vertices); }
 
- private:
-  double squares_ = 0, count_ = 0;
-};
+Displacements unpose_all(const SampleSet& set, const Basis& basis, const std::vector<std::uint32_t>& order) {
+  Displacements displacements(static_cast<Eigen::Index>(set.train.size()), 3 * basis.mesh.vertex_count());
+  Progress progress("train: un-posing", set.train.size());
+  parallel_for(set.train.size(), [&](std::size_t n) {
+    const Positions delta = unpose_ddm(basis, set.train[n].pose, in_order(set.train[n].shape, order));
+    displacements.row(static_cast<Eigen::Index>(n)) =
+        Eigen::Map<const Eigen::RowVectorXd>(delta.data(), delta.size()).cast<float>();
+#pragma omp critical(bodyopt_progress)
+    progress.advance();
+  });
+  return displacements;
+}
+
+std::size_t residual_bytes(const Basis& basis) { return table_bytes(basis).at("residual"); }
+
+// The residual with the fewest components per region whose table has `bytes` bytes, or with all of them.
+void pack_to_match(Basis& basis, const ResidualModel& model, int components, double negligible, std::size_t bytes) {
+  int low = 1, high = components;
+  while (low < high) {
+    const int middle = (low + high) / 2;
+    basis.residual = pack_residual(model, middle, negligible);
+    if (residual_bytes(basis) >= bytes) {
+      high = middle;
+    } else {
+      low = middle + 1;
+    }
+  }
+  basis.residual = pack_residual(model, low, negligible);
+}
+
+// Weighted mean over the regions of what cross-validation left, metres (root mean square per vertex).
+double validation_error(const ResidualModel& model) {
+  double sum = 0;
+  for (const RegionModel& region : model.regions) sum += std::pow(region.regression.validation_error, 2);
+  return std::sqrt(sum / std::max(1u, model.vertices));
+}
 
 }  // namespace
 
 Basis build_ddm_basis(const Character& character, const TrainOptions& options) {
-  Basis basis = ddm_basis(in_order(character, morton_order(character.vertices)), options);
-  basis.metadata["provenance"] = provenance(character, options).dump();
-  return basis;
+  const Character ordered = in_order(character, runtime_order(character));
+  const auto moments =
+      ddm_moments(ordered.vertices, ordered.triangles, ordered.weights, ddm_options(ordered, options));
+  return bare_basis(ordered, moments, options);
 }
 
 Basis train(const SampleSet& set, const TrainOptions& options) {
   check_samples(set);
-  const std::vector<std::uint32_t> order = morton_order(set.character.vertices);
-  const Character character = in_order(set.character, order);
-  Basis basis = ddm_basis(character, options);
-  std::vector<std::string> notes;
-  if (!options.joint_only_linear) {
-    basis.strain = make_strain_table(basis.mesh, basis.ddm, basis.skeleton, set.muscles, notes);
-  }
-  train_residual(basis, character, order, set.train, options);
+  const SingleThreadedProducts single_threaded;
+  const std::vector<std::uint32_t> order = runtime_order(set.character);
+  const Character ordered = in_order(set.character, order);
+  const auto moments =
+      ddm_moments(ordered.vertices, ordered.triangles, ordered.weights, ddm_options(ordered, options));
+  Basis basis = bare_basis(ordered, moments, options);
+  if (!options.joint_only_linear) basis.strain = make_strain_table(basis, set.muscles);
+  const Displacements displacements = unpose_all(set, basis, order);
 
-  nlohmann::json record = provenance(set.character, options);
-  record["components"] = options.components;
-  record["centres"] = options.centres;
-  record["seed"] = options.seed;
-  record["joint_only_linear"] = options.joint_only_linear;
-  record["train_frames"] = set.train.size();
-  record["heldout_frames"] = set.heldout.size();
-  record["unconverged_frames"] = set.unconverged;
-  record["notes"] = notes;
-  basis.metadata["provenance"] = record.dump();
+  std::vector<const Pose*> poses;
+  std::vector<int> takes;
+  for (const Sample& sample : set.train) {
+    poses.push_back(&sample.pose);
+    takes.push_back(sample.take);
+  }
+  const FeatureSamples features = measure_features(basis, poses);
+  const std::vector<Muscle> no_muscles;
+  const auto groups = make_feature_groups(basis, moments, options.joint_only_linear ? no_muscles : set.muscles,
+                                          features.values, displacements);
+  const std::vector<RegionWeights> regions = make_regions(ordered, groups);
+  ResidualModel model =
+      fit_residual(ordered, basis, regions, groups, features, displacements, takes, options);
+  for (std::size_t k = 0; k < poses[0]->controls.size(); ++k) model.controls.push_back("control" + std::to_string(k + 1));
+
+  const Eigen::RowVector3d extent = ordered.vertices.colwise().maxCoeff() - ordered.vertices.colwise().minCoeff();
+  const double negligible = kNegligible * extent.maxCoeff() / 1.8;
+  if (options.joint_only_linear) {
+    pack_to_match(basis, model, options.components, negligible, options.match_bytes);
+  } else {
+    basis.residual = pack_residual(model, options.components, negligible);
+  }
   return basis;
 }
 
 UnposingResidual unposing_residual(const SampleSet& set, const Basis& basis) {
-  const std::vector<std::uint32_t> order = morton_order(set.character.vertices);
-  RootMeanSquare lbs, ddm;
-  for (const Sample& sample : set.train) {
-    lbs.add(unpose_linear(set.character, sample.pose, sample.shape));
-    ddm.add(unpose_ddm(basis, sample.pose, in_order(sample.shape, order)));
+  const std::vector<std::uint32_t> order = runtime_order(set.character);
+  const Character ordered = in_order(set.character, order);
+  std::vector<double> lbs(set.train.size()), ddm(set.train.size());
+  parallel_for(set.train.size(), [&](std::size_t n) {
+    const Positions shape = in_order(set.train[n].shape, order);
+    lbs[n] = unpose_linear(ordered, set.train[n].pose, shape).squaredNorm();
+    ddm[n] = unpose_ddm(basis, set.train[n].pose, shape).squaredNorm();
+  });
+  UnposingResidual sum;
+  for (std::size_t n = 0; n < set.train.size(); ++n) {
+    sum.lbs += lbs[n];
+    sum.ddm += ddm[n];
   }
-  return {lbs.millimetres(), ddm.millimetres()};
+  const double count = static_cast<double>(set.train.size()) * static_cast<double>(ordered.vertices.rows());
+  if (count > 0) sum = {1e3 * std::sqrt(sum.lbs / count), 1e3 * std::sqrt(sum.ddm / count)};
+  return sum;
 }
 
 }  // namespace bodyopt
