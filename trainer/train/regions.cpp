@@ -79,7 +79,10 @@ MatrixXd smooth(const Character& character, const MatrixXd& values, double radiu
   matrix.diagonal() += areas;
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
   MatrixXd smoothed = values;
-  for (int step = 0; step < kSteps; ++step) smoothed = solver.solve(areas.asDiagonal() * smoothed);
+  for (int step = 0; step < kSteps; ++step) {
+    const MatrixXd right = areas.asDiagonal() * smoothed;  // solve() does not expect its result on both sides
+    smoothed = solver.solve(right);
+  }
   return smoothed;
 }
 
