@@ -79,7 +79,10 @@ MatrixXd smooth(const Character& character, const MatrixXd& values, double radiu
   matrix.diagonal() += areas;
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
   MatrixXd smoothed = values;
-  for (int step = 0; step < kSteps; ++step) smoothed = solver.solve(areas.asDiagonal() * smoothed);
+  for (int step = 0; step < kSteps; ++step) {
+    const MatrixXd right = areas.asDiagonal() * smoothed;  // solve() does not expect its result on both sides
+    smoothed = solver.solve(right);
+  }
   return smoothed;
 }
 
@@ -90,7 +93,9 @@ Eigen::VectorXd explained_energy(const Eigen::MatrixXf& rest_of_motion, const Ma
   const MatrixXd q = qr.householderQ() * MatrixXd::Identity(regressors.rows(), qr.rank());
   const Eigen::MatrixXf projected = q.cast<float>().transpose() * rest_of_motion;
   const Eigen::VectorXd energy = projected.colwise().squaredNorm().transpose().cast<double>();
-  return Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>>(energy.data(), 3, energy.size() / 3).colwise().sum();
+  return Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>>(energy.data(), 3, energy.size() / 3)
+      .colwise()
+      .sum();
 }
 
 // What a ridge-penalised linear fit of the columns of `x` leaves of `y`.
@@ -166,8 +171,10 @@ std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vec
     }
   }
 
-  const Eigen::MatrixXf beyond_joints = without_linear_fit(features.leftCols(joint_features), Eigen::MatrixXf(displacements));
-  const MatrixXd strains = without_linear_fit(features.leftCols(joint_features), MatrixXd(features.rightCols(features.cols() - joint_features)));
+  const Eigen::MatrixXf beyond_joints =
+      without_linear_fit(features.leftCols(joint_features), Eigen::MatrixXf(displacements));
+  const MatrixXd strains = without_linear_fit(features.leftCols(joint_features),
+                                              MatrixXd(features.rightCols(features.cols() - joint_features)));
   const Eigen::VectorXd column_energy = displacements.colwise().squaredNorm().transpose().cast<double>();
   const Eigen::VectorXd energy =
       Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>>(column_energy.data(), 3, vertices).colwise().sum();

@@ -52,7 +52,8 @@ std::vector<std::vector<std::uint32_t>> feature_choices(const Character& charact
   if (options.joint_only_linear) {
     std::vector<std::uint32_t>& all = choices.emplace_back();
     const std::size_t joints = feature_joints(basis.skeleton).size();
-    for (std::size_t g = 0; g < joints; ++g) all.insert(all.end(), groups[g].features.begin(), groups[g].features.end());
+    for (std::size_t g = 0; g < joints; ++g)
+      all.insert(all.end(), groups[g].features.begin(), groups[g].features.end());
     return choices;
   }
   for (const double radius : kRadii) {

@@ -139,8 +139,7 @@ void add_report(Basis& basis, const SampleSet& set, const TrainOptions& options,
 
 Basis build_ddm_basis(const Character& character, const TrainOptions& options) {
   const Character ordered = in_order(character, runtime_order(character));
-  const auto moments =
-      ddm_moments(ordered.vertices, ordered.triangles, ordered.weights, ddm_options(ordered, options));
+  const auto moments = ddm_moments(ordered.vertices, ordered.triangles, ordered.weights, ddm_options(ordered, options));
   return bare_basis(ordered, moments, options);
 }
 
@@ -149,8 +148,7 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
   const SingleThreadedProducts single_threaded;
   const std::vector<std::uint32_t> order = runtime_order(set.character);
   const Character ordered = in_order(set.character, order);
-  const auto moments =
-      ddm_moments(ordered.vertices, ordered.triangles, ordered.weights, ddm_options(ordered, options));
+  const auto moments = ddm_moments(ordered.vertices, ordered.triangles, ordered.weights, ddm_options(ordered, options));
   Basis basis = bare_basis(ordered, moments, options);
   basis.strain = make_strain_table(basis, set.muscles);
   const Displacements displacements = unpose_all(set, basis, order);
@@ -177,6 +175,9 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
   const double negligible = kNegligible * longest_extent(ordered.vertices) / 1.8;
   if (options.match_bytes > 0) {
     pack_to_match(basis, model, fit_options.components, negligible, options.match_bytes);
+    if (residual_bytes(basis) < options.match_bytes) {  // every entry, then
+      pack_to_match(basis, model, fit_options.components, 0, options.match_bytes);
+    }
   } else {
     basis.residual = pack_residual(model, options.components, negligible);
   }
