@@ -22,7 +22,7 @@ std::array<float, 3> to_float(const Vec3& v) {
   return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
 }
 
-bool all_in_range(const std::array<float, 3>& v) {
+bool all_in_range(std::span<const float> v) {
   return std::all_of(v.begin(), v.end(), [](float x) { return std::abs(x) <= kMaxCoordinate; });
 }
 
@@ -55,28 +55,43 @@ std::array<std::array<float, 4>, 3> view_matrix(const Camera& camera) {
   return rows;
 }
 
+Camera frame_points(std::span<const float> points, const std::array<float, 3>& direction, float aspect) {
+  if (points.empty() || points.size() % 3 != 0 || !all_in_range(points) || !(aspect > 0) || !std::isfinite(aspect)) {
+    throw Error(ErrorKind::usage, "points to frame must be three finite numbers each, and the aspect ratio positive");
+  }
+  const ViewAxes axes = view_axes(to_double(direction));
+  const Vec3* const all[3] = {&axes.right, &axes.up, &axes.back};
+  const auto along = [&](std::size_t axis, std::size_t at) {
+    return dot(*all[axis], Vec3{points[at], points[at + 1], points[at + 2]});
+  };
+  Vec3 centre{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double low = along(axis, 0), high = low;
+    for (std::size_t at = 3; at < points.size(); at += 3) {
+      low = std::min(low, along(axis, at));
+      high = std::max(high, along(axis, at));
+    }
+    centre = centre + 0.5 * (low + high) * *all[axis];
+  }
+  const double tan_y = std::tan(kVerticalAngle / 2.0), tan_x = tan_y * static_cast<double>(aspect);
+  // A point at (x, y, z) of the camera's frame about the centre is seen from a distance of z + |x| / tan_x or more.
+  double distance = 1e-3;
+  for (std::size_t at = 0; at < points.size(); at += 3) {
+    const double x = std::abs(along(0, at) - dot(axes.right, centre)),
+                 y = std::abs(along(1, at) - dot(axes.up, centre));
+    const double z = along(2, at) - dot(axes.back, centre);
+    distance = std::max(distance, z + kMargin * std::max(x / tan_x, y / tan_y));
+  }
+  return {to_float(centre + distance * axes.back), to_float(centre), kVerticalAngle};
+}
+
 Camera frame_box(const std::array<float, 3>& low, const std::array<float, 3>& high,
                  const std::array<float, 3>& direction, float aspect) {
-  if (!all_in_range(low) || !all_in_range(high) || !(aspect > 0) || !std::isfinite(aspect)) {
-    throw Error(ErrorKind::usage, "a box to frame must be finite and the aspect ratio positive");
+  std::array<float, 24> corners;
+  for (std::size_t c = 0; c < 8; ++c) {
+    for (std::size_t i = 0; i < 3; ++i) corners[3 * c + i] = c >> i & 1 ? high[i] : low[i];
   }
-  const Vec3 a = to_double(low), b = to_double(high);
-  const Vec3 centre = 0.5 * (a + b);
-  const ViewAxes axes = view_axes(to_double(direction));
-  const double tan_y = std::tan(kVerticalAngle / 2.0), tan_x = tan_y * static_cast<double>(aspect);
-  // A corner at (x, y, z) of the camera's frame about the centre is seen from a distance of z + |x| / tan_x or more.
-  double distance = 1e-3;
-  for (unsigned corner = 0; corner < 8; ++corner) {
-    Vec3 offset;
-    for (unsigned i = 0; i < 3; ++i) offset[i] = (corner >> i & 1 ? b[i] : a[i]) - centre[i];
-    const double x = std::abs(dot(axes.right, offset)), y = std::abs(dot(axes.up, offset));
-    distance = std::max(distance, dot(axes.back, offset) + kMargin * std::max(x / tan_x, y / tan_y));
-  }
-  Camera camera;
-  camera.vertical_angle = kVerticalAngle;
-  camera.target = to_float(centre);
-  camera.eye = to_float(centre + distance * axes.back);
-  return camera;
+  return frame_points(corners, direction, aspect);
 }
 
 }  // namespace bodyopt
