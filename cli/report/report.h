@@ -48,8 +48,8 @@ struct ReportData {
   std::vector<int> heldout_frame_numbers;  // of the per-frame errors, ascending
   struct {
     double lbs = 0, ddm = 0;
-  } unposing_residual_mm;                                      // RMS of what is left to learn after un-posing
-  double bytes_per_vertex = 0;                                 // of `full`
+  } unposing_residual_mm;       // RMS of what is left to learn after un-posing, training frames
+  double bytes_per_vertex = 0;  // of `full`
   std::vector<std::pair<std::string, double>> bytes_by_stage;  // of `full`; may be empty
   double cpu_gpu_max_difference_m = 0;
   std::string device;
