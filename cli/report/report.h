@@ -25,7 +25,7 @@ struct PictureReport {
   int frame = 0;
   double rms_mm = 0, max_mm = 0;
   double heat_scale_mm = 1;  // error of the hottest colour
-  std::string caption;       // a sentence on the pose; may be empty
+  std::string caption;       // a phrase on the pose, without a full stop; may be empty
   Image image;               // a triptych
 };
 

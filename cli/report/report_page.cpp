@@ -76,7 +76,7 @@ void add_pictures(const ReportData& data, Page& page) {
                               : picture.kind == "median" ? "The median held-out frame, "
                                                          : "A chosen pose, frame ";
     const std::string caption = "RMS " + millimetres(picture.rms_mm) + ", largest " + millimetres(picture.max_mm) +
-                                (picture.caption.empty() ? "." : ". ") + picture.caption;
+                                (picture.caption.empty() ? "" : ": " + picture.caption) + ".";
     page.picture(picture.image, labels, title + std::to_string(picture.frame), caption,
                  colour_bar(picture.heat_scale_mm));
   }
