@@ -107,7 +107,9 @@ TEST(Train, RigidMotionInIsRigidMotionOut) {
     }
     // Units in the last place of the position, or of the limb where that is larger.
     const float magnitude = static_cast<float>(std::max(away, kLimbLength));
-    EXPECT_LE(worst, 3 * double{std::nextafter(magnitude, 1e9f) - magnitude}) << away << " m away";
+    const double ulp = double{std::nextafter(magnitude, 1e9f) - magnitude};
+    RecordProperty("ulps_at_" + std::to_string(static_cast<int>(away)) + "_m", std::to_string(worst / ulp));
+    EXPECT_LE(worst, 3 * ulp) << away << " m away";
   }
 }
 
