@@ -36,7 +36,7 @@ struct DrawMesh {
   std::span<const float> colours;
 };
 
-constexpr std::uint32_t kMaxPictureSize = 4096;  // pixels a side: every Vulkan device can do that
+constexpr std::uint32_t kMaxPictureSize = 2048;  // pixels a side; drawn at twice that, which every device can
 
 class Renderer {
  public:

@@ -174,7 +174,10 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
   }
   const double negligible = kNegligible * longest_extent(ordered.vertices) / 1.8;
   if (options.match_bytes > 0) {
-    pack_to_match(basis, model, fit_options.components, 0, options.match_bytes);
+    pack_to_match(basis, model, fit_options.components, negligible, options.match_bytes);
+    if (residual_bytes(basis) < options.match_bytes) {  // every entry, then
+      pack_to_match(basis, model, fit_options.components, 0, options.match_bytes);
+    }
   } else {
     basis.residual = pack_residual(model, options.components, negligible);
   }
