@@ -1,0 +1,160 @@
+#include "trainer/simulate/bones.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace bodyopt {
+namespace {
+
+constexpr double kThickness = 0.35;  // capsule radius over the distance from its axis to the skin
+constexpr double kClearance = 0.8;   // length of the thinning at a hinge over the hinge's distance to the skin
+constexpr double kCapsuleWeight = 0.5;
+constexpr double kCoreWeight = 0.9;
+constexpr double kCoreDepth = 0.65;
+constexpr double kEndShare = 0.85;  // how far a last segment runs into the skin it carries
+constexpr int kAxisSamples = 16;
+constexpr int kLattice = 3;  // sample points per tet: 20
+
+struct Capsule {
+  Eigen::Vector3d head, tail;
+  std::array<double, kAxisSamples + 1> radius;
+};
+
+double skin_distance(const Positions& skin, const Eigen::Vector3d& point) {
+  return std::sqrt((skin.rowwise() - point.transpose()).rowwise().squaredNorm().minCoeff());
+}
+
+double smoothstep(double u) {
+  u = std::clamp(u, 0.0, 1.0);
+  return u * u * (3 - 2 * u);
+}
+
+Capsule make_capsule(const Positions& skin, const Eigen::Vector3d& head, const Eigen::Vector3d& tail, bool head_hinge,
+                     bool tail_hinge) {
+  Capsule capsule{head, tail, {}};
+  const double length = (tail - head).norm();
+  const double head_clear = std::min(kClearance * skin_distance(skin, head), 0.4 * length);
+  const double tail_clear = std::min(kClearance * skin_distance(skin, tail), 0.4 * length);
+  for (int k = 0; k <= kAxisSamples; ++k) {
+    const double u = static_cast<double>(k) / kAxisSamples;
+    double radius = kThickness * skin_distance(skin, head + u * (tail - head));
+    if (head_hinge) radius *= smoothstep(u * length / head_clear);
+    if (tail_hinge) radius *= smoothstep((1 - u) * length / tail_clear);
+    capsule.radius[static_cast<std::size_t>(k)] = radius;
+  }
+  return capsule;
+}
+
+bool inside(const Capsule& capsule, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d axis = capsule.tail - capsule.head;
+  const double u = std::clamp((point - capsule.head).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
+  const double at = u * kAxisSamples;
+  const std::size_t k = std::min(static_cast<std::size_t>(at), static_cast<std::size_t>(kAxisSamples - 1));
+  const double radius = std::lerp(capsule.radius[k], capsule.radius[k + 1], at - static_cast<double>(k));
+  return (capsule.head + u * axis - point).squaredNorm() < radius * radius;
+}
+
+Eigen::Vector3d bind_position(const Joint& joint) {
+  const Affine bind = inverse(joint.inverse_bind);
+  return {bind.m[0][3], bind.m[1][3], bind.m[2][3]};
+}
+
+// The end of a joint without children: along the mean of the skin it carries.
+Eigen::Vector3d end_position(const Character& character, std::uint32_t joint, const Eigen::Vector3d& head) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double total = 0;
+  for (std::size_t v = 0; v < character.weights.size(); ++v) {
+    for (const JointWeight& w : character.weights[v]) {
+      if (w.joint != joint) continue;
+      sum += w.weight * character.vertices.row(static_cast<Eigen::Index>(v)).transpose();
+      total += w.weight;
+    }
+  }
+  if (!(total > 0)) return head;
+  const Eigen::Vector3d axis = (sum / total - head).normalized();
+  double reach = 0;
+  for (std::size_t v = 0; v < character.weights.size(); ++v) {
+    if (character.weights[v].empty() || character.weights[v].front().joint != joint) continue;
+    reach = std::max(reach, (character.vertices.row(static_cast<Eigen::Index>(v)).transpose() - head).dot(axis));
+  }
+  return head + kEndShare * reach * axis;
+}
+
+std::vector<std::vector<Capsule>> make_capsules(const Character& character) {
+  const std::vector<Joint>& joints = character.skeleton.joints;
+  const double shortest = 1e-4;  // metres: joints in one place have no bone between them
+  std::vector<std::vector<Capsule>> capsules(joints.size());
+  std::vector<bool> has_child(joints.size(), false);
+  for (const Joint& joint : joints) {
+    if (joint.parent < 0) continue;
+    const auto parent = static_cast<std::size_t>(joint.parent);
+    has_child[parent] = true;
+    const Eigen::Vector3d head = bind_position(joints[parent]), tail = bind_position(joint);
+    if ((tail - head).norm() < shortest) continue;
+    capsules[parent].push_back(make_capsule(character.vertices, head, tail, joints[parent].parent >= 0, true));
+  }
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (has_child[j]) continue;
+    const Eigen::Vector3d head = bind_position(joints[j]);
+    const Eigen::Vector3d tail = end_position(character, static_cast<std::uint32_t>(j), head);
+    if ((tail - head).norm() < shortest) continue;
+    capsules[j].push_back(make_capsule(character.vertices, head, tail, joints[j].parent >= 0, false));
+  }
+  return capsules;
+}
+
+// Centres of an even subdivision of the tet, barycentric.
+std::vector<Eigen::Vector4d> lattice() {
+  std::vector<Eigen::Vector4d> points;
+  for (int i = 0; i <= kLattice; ++i) {
+    for (int j = 0; i + j <= kLattice; ++j) {
+      for (int k = 0; i + j + k <= kLattice; ++k) {
+        const Eigen::Vector4d corner(i, j, k, kLattice - i - j - k);
+        points.push_back((corner.array() + 0.25) / (kLattice + 1.0));
+      }
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+std::vector<BonePoint> find_bones(const TetMesh& mesh, const Character& character, const NodeWeights& weights) {
+  const std::vector<std::vector<Capsule>> capsules = make_capsules(character);
+  const Eigen::Index skin_count = character.vertices.rows();
+  Eigen::VectorXd depth = Eigen::VectorXd::Zero(mesh.nodes.rows());
+  Eigen::VectorXd core_depth = Eigen::VectorXd::Zero(weights.cols());
+  for (Eigen::Index n = skin_count; n < mesh.nodes.rows(); ++n) {
+    depth[n] = skin_distance(character.vertices, mesh.nodes.row(n));
+    for (Eigen::Index j = 0; j < weights.cols(); ++j) {
+      if (weights(n, j) >= kCoreWeight) core_depth[j] = std::max(core_depth[j], depth[n]);
+    }
+  }
+  const std::vector<Eigen::Vector4d> samples = lattice();
+  std::vector<BonePoint> points;
+  for (int t = 0; t < mesh.tets.rows(); ++t) {
+    Eigen::Matrix<double, 4, 3> corner;
+    Eigen::Vector4d corner_depth;
+    NodeWeights corner_weights(4, weights.cols());
+    for (int a = 0; a < 4; ++a) {
+      corner.row(a) = mesh.nodes.row(mesh.tets(t, a));
+      corner_depth[a] = depth[mesh.tets(t, a)];
+      corner_weights.row(a) = weights.row(mesh.tets(t, a));
+    }
+    const double volume = tet_edges(mesh, t).determinant() / 6 / static_cast<double>(samples.size());
+    for (const Eigen::Vector4d& sample : samples) {
+      Eigen::Index joint = 0;
+      const double weight = (sample.transpose() * corner_weights).maxCoeff(&joint);
+      if (weight < kCapsuleWeight) continue;
+      const Eigen::Vector3d point = corner.transpose() * sample;
+      bool bone = weight >= kCoreWeight && sample.dot(corner_depth) > kCoreDepth * core_depth[joint];
+      for (const Capsule& capsule : capsules[static_cast<std::size_t>(joint)]) bone = bone || inside(capsule, point);
+      if (bone) points.push_back({t, static_cast<int>(joint), sample, volume});
+    }
+  }
+  return points;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,67 @@
+// Elastic energy of the tetrahedra and its gradient.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "trainer/simulate/material.h"
+#include "trainer/simulate/tets.h"
+
+namespace bodyopt {
+
+// A tet of a muscle: where its fibres run, and whose activation drives them.
+struct FibreTet {
+  int tet;
+  int muscle;
+  Eigen::Vector3d direction;  // unit, rest space
+};
+
+// Energy density per tet, F the deformation gradient, J = det F, a the fibre direction, s = |F a|:
+//   mu/2 (|F|^2 - 3) + lambda/2 ((J - 1 - mu/lambda)^2 - (mu/lambda)^2)        stable neo-Hookean (Smith et al. 2018),
+//                                                                               without its singular log term
+//   + 2 lambda (J - 0.3)^2 (-ln(J / 0.3))                where J < 0.3
+//   + activation k_a/2 (s - 0.7)^2                       where s > 0.7, muscles only
+//   + k_p/2 (s - 1)^2                                    where s > 1, muscles only
+// Zero with zero gradient at rest when all activations are zero.
+class Tissue {
+ public:
+  // materials: one per tet. A tet has at most one entry in fibres.
+  Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& materials, std::vector<FibreTet> fibres);
+
+  struct Sum {
+    double energy = 0;        // joules; infinite when a tet is inverted or flat (J <= 0)
+    double force_square = 0;  // N^2: over all tets, the squared forces each puts on its four nodes
+  };
+
+  // Adds the gradient (joules per metre, N x 3) of the energy at `nodes` (N x 3) to `gradient`. activation: per muscle.
+  Sum add_gradient(const Positions& nodes, std::span<const double> activation, Positions& gradient) const;
+
+  int inverted(const Positions& nodes) const;  // tets with J <= 0
+
+ private:
+  static constexpr int kLanes = 8;
+
+  // Eight tets side by side, so that the compiler works on several at once. Empty lanes have no volume.
+  struct Batch {
+    int node[4][kLanes];
+    double slope[3][3][kLanes];  // gradient of the shape functions of corners 1..3, 1/m; corner 0: minus their sum
+    double volume[kLanes], mu[kLanes], lambda[kLanes];
+  };
+  struct FibreBatch {
+    double slope[3][kLanes];  // the same slopes along the fibre
+    double volume[kLanes];    // zero in lanes without fibres
+    int muscle[kLanes];
+  };
+  struct Corners;
+  struct Strain;
+
+  void gather(const Batch& batch, const Positions& nodes, Corners& corners) const;
+  double strain(const Batch& batch, const Corners& corners, Strain& strain) const;
+  double fibre_force(const FibreBatch& batch, const Corners& corners, std::span<const double> activation,
+                     double (&force)[3][3][kLanes]) const;
+
+  std::vector<Batch> batches_;
+  std::vector<FibreBatch> fibres_;  // of the first batches
+};
+
+}  // namespace bodyopt
