@@ -64,7 +64,7 @@ double BoneSprings::add_gradient(const SpringPose& pose, const Positions& nodes,
   const Positions offset = nodes - pose.base;
   const Positions force = stiffness_ * offset;
   gradient += force - pose.pull;
-  return 0.5 * offset.reshaped().dot(force.reshaped()) - offset.reshaped().dot(pose.pull.reshaped());
+  return offset.cwiseProduct(0.5 * force - pose.pull).sum();
 }
 
 }  // namespace bodyopt

@@ -12,7 +12,7 @@ constexpr int kMaxHalvings = 30;
 // Energies are sums of this many significant digits: differences below cannot tell up from down.
 constexpr double kEnergyRounding = 1e-13;
 
-double dot(const Positions& a, const Positions& b) { return a.reshaped().dot(b.reshaped()); }
+double dot(const Positions& a, const Positions& b) { return a.cwiseProduct(b).sum(); }
 
 struct Pair {
   Positions step, change;  // of the nodes, of the gradient

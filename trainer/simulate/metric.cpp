@@ -20,8 +20,7 @@ SparseMatrix tet_laplacian(const TetMesh& mesh, const std::vector<double>& coeff
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(16 * static_cast<std::size_t>(mesh.tets.rows()));
   for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
-    Eigen::Matrix3d edges;
-    for (int a = 0; a < 3; ++a) edges.col(a) = mesh.nodes.row(mesh.tets(t, a + 1)) - mesh.nodes.row(mesh.tets(t, 0));
+    const Eigen::Matrix3d edges = tet_edges(mesh, t);
     Eigen::Matrix<double, 4, 3> slopes;
     slopes.bottomRows<3>() = edges.inverse();
     slopes.row(0) = -slopes.bottomRows<3>().colwise().sum();

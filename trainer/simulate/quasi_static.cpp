@@ -92,6 +92,8 @@ void move_all(const Affine& motion, Positions& nodes) {
 
 }  // namespace
 
+bool is_converged(const FrameStatus& status) { return status.residual < kTolerance && status.inverted_tets == 0; }
+
 QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, double tet_size)
     : skeleton_(character.skeleton), muscles_(muscles) {
   require_fit(character, muscles);
@@ -242,7 +244,7 @@ SolvedPose QuasiStaticBody::solve(const Pose& pose) const {
     step = std::min(2 * step, full_step);
   }
   solved.status.inverted_tets = tissue_->inverted(nodes);
-  solved.status.converged = solved.status.residual < kTolerance && solved.status.inverted_tets == 0;
+  solved.status.converged = is_converged(solved.status);
   if (root >= 0) {
     const auto joint = static_cast<std::size_t>(root);
     const Affine& inverse_bind = skeleton_.joints[joint].inverse_bind;

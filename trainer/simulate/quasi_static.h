@@ -12,6 +12,9 @@ struct SolvedPose {
   FrameStatus status;  // without the frame number
 };
 
+// residual below 1e-4 and no inverted tet.
+bool is_converged(const FrameStatus& status);
+
 // Everything that does not depend on the pose. Constant after construction: many threads may solve with one.
 class QuasiStaticBody {
  public:

@@ -1,0 +1,108 @@
+#include "trainer/simulate/simulate.h"
+
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include "runtime/basis/error.h"
+#include "trainer/dataset/pc2.h"
+#include "trainer/progress.h"
+#include "trainer/simulate/body_hash.h"
+#include "trainer/simulate/partial_shapes.h"
+#include "trainer/simulate/quasi_static.h"
+
+namespace bodyopt {
+namespace {
+
+const Pose& pose_of(const Clip& clip, int frame) {
+  if (frame < clip.first_frame || frame > clip.last_frame()) {
+    throw Error(ErrorKind::usage, "frame " + std::to_string(frame) + " is not in clip '" + clip.name +
+                                      "', whose frames are " + std::to_string(clip.first_frame) + "-" +
+                                      std::to_string(clip.last_frame()));
+  }
+  return clip.poses[static_cast<std::size_t>(frame - clip.first_frame)];
+}
+
+struct Job {
+  std::uint64_t key;
+  const Pose* pose;
+};
+
+// Poses not solved yet, each once.
+std::vector<Job> open_jobs(const QuasiStaticBody& body, const Clip& clip, const std::vector<int>& frames,
+                           const PartialShapes& partial) {
+  std::vector<Job> jobs;
+  std::set<std::uint64_t> seen;
+  for (const int frame : frames) {
+    const Pose& pose = pose_of(clip, frame);
+    const std::uint64_t key = pose_hash(body.hash(), pose);
+    if (!partial.has(key) && seen.insert(key).second) jobs.push_back({key, &pose});
+  }
+  return jobs;
+}
+
+std::vector<float> output_shape(const Character& character, const Positions& nodes) {
+  return output_from_welded(character, nodes.topRows(character.vertices.rows()));
+}
+
+// Solves the jobs on some threads. A pose is solved by one thread alone, so their number changes no bit.
+void solve_all(const QuasiStaticBody& body, const Character& character, const std::vector<Job>& jobs, int threads,
+               PartialShapes& partial) {
+  Progress progress("simulate", jobs.size());
+  std::atomic<std::size_t> next{0};
+  std::mutex mutex;  // over partial, progress and failure
+  std::exception_ptr failure;
+  const auto work = [&] {
+    try {
+      for (std::size_t k = next++; k < jobs.size(); k = next++) {
+        const SolvedPose solved = body.solve(*jobs[k].pose);
+        const std::vector<float> shape = output_shape(character, solved.nodes);
+        const std::lock_guard<std::mutex> lock(mutex);
+        partial.append(jobs[k].key, solved.status, shape);
+        progress.advance();
+      }
+    } catch (...) {
+      next = jobs.size();
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  const auto wanted = threads > 0 ? static_cast<std::size_t>(threads)
+                                  : static_cast<std::size_t>(std::max(std::thread::hardware_concurrency(), 1u));
+  std::vector<std::jthread> pool;
+  while (pool.size() + 1 < std::min(wanted, jobs.size())) pool.emplace_back(work);
+  work();
+  pool.clear();
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace
+
+std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
+                                  const std::vector<int>& frames, const std::filesystem::path& cache,
+                                  const std::filesystem::path& status, const SimulateOptions& options) {
+  if (frames.empty()) throw Error(ErrorKind::usage, "there are no frames to simulate");
+  const QuasiStaticBody body(character, muscles, options.tet_size);
+  std::filesystem::path partial_path = cache;
+  partial_path += ".partial";
+  PartialShapes partial(partial_path, body.hash(), 3 * static_cast<std::size_t>(character.output_count()));
+  solve_all(body, character, open_jobs(body, clip, frames, partial), options.threads, partial);
+
+  std::vector<FrameStatus> result;
+  Pc2Writer writer(cache, character.output_count(), static_cast<std::uint32_t>(frames.size()),
+                   static_cast<float>(frames.front()));
+  for (const int frame : frames) {
+    FrameStatus& of_frame = result.emplace_back();
+    writer.append(partial.read(pose_hash(body.hash(), pose_of(clip, frame)), of_frame));
+    of_frame.frame = frame;
+    of_frame.converged = is_converged(of_frame);
+  }
+  write_frame_status(result, status);
+  writer.close();
+  partial.remove();
+  return result;
+}
+
+}  // namespace bodyopt
