@@ -11,6 +11,10 @@
 
 namespace bodyopt {
 
+namespace vulkan {
+class ValidationLog;
+}
+
 struct Image {
   std::uint32_t width = 0, height = 0;
   std::vector<std::uint8_t> rgba;  // height x width x 4, sRGB, top row first
@@ -32,13 +36,19 @@ struct DrawMesh {
   std::span<const float> colours;
 };
 
+constexpr std::uint32_t kMaxPictureSize = 4096;  // pixels a side: every Vulkan device can do that
+
 class Renderer {
  public:
   // `device` as in DeviceChoice (never "cpu": rendering needs a Vulkan device). Throws Error(device).
-  explicit Renderer(const std::string& device = "auto");
+  explicit Renderer(const std::string& device = "auto", bool validation = false);
   ~Renderer();
-  // Antialiased, clay under soft studio lights, on a dark neutral ground.
+  // Antialiased, clay under soft studio lights, on a dark neutral ground. Throws Error(usage) for a picture larger than
+  // kMaxPictureSize a side, Error(mismatch) for meshes whose arrays do not fit each other or hold numbers that are not
+  // finite, Error(device).
   Image draw(std::span<const DrawMesh> meshes, const Camera& camera, std::uint32_t width, std::uint32_t height);
+  // What the validation layers said; outlives the renderer, to hear its teardown.
+  std::shared_ptr<const vulkan::ValidationLog> validation_log() const;
 
  private:
   struct Impl;

@@ -3,11 +3,13 @@
 
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <type_traits>
 
 #include "runtime/basis/basis.h"
 #include "runtime/basis/error.h"
 #include "runtime/basis/safetensors.h"
+#include "runtime/basis/strict_json.h"
 
 namespace bodyopt {
 namespace {
@@ -24,44 +26,53 @@ constexpr const char* dtype_of() {
 }
 
 template <typename T>
-Tensor tensor_from(const std::vector<T>& values) {
+constexpr std::uint64_t words_of() {
+  return sizeof(T) / (std::is_same_v<T, double> ? 8 : 4);
+}
+
+// The shape of `count` values, `width` of them to a row: count, or rows x words.
+template <typename T>
+std::vector<std::uint64_t> shape_of(std::size_t count, std::uint64_t width) {
+  const std::uint64_t words = width * words_of<T>();
+  if (words == 1) return {count};
+  return {count / width, words};
+}
+
+template <typename T>
+Tensor tensor_from(const std::vector<T>& values, std::uint64_t width) {
   static_assert(std::is_trivially_copyable_v<T>);
-  Tensor tensor;
-  tensor.dtype = dtype_of<T>();
-  tensor.shape = {values.size()};
-  constexpr std::size_t words = sizeof(T) / (std::is_same_v<T, double> ? 8 : 4);
-  if (words > 1) tensor.shape.push_back(words);
+  Tensor tensor{dtype_of<T>(), shape_of<T>(values.size(), width), {}};
   tensor.bytes.resize(values.size() * sizeof(T));
   if (!values.empty()) std::memcpy(tensor.bytes.data(), values.data(), tensor.bytes.size());
   return tensor;
 }
 
-// Applies `visit(name, array)` to every array of the tables.
+// Applies `visit(name, array, values to a row)` to every array of the tables.
 template <typename BasisType, typename Visit>
 void for_each_array(BasisType& basis, Visit visit) {
-  visit("mesh.rest", basis.mesh.rest);
-  visit("mesh.triangles", basis.mesh.triangles);
-  visit("mesh.output_vertex", basis.mesh.output_vertex);
-  visit("mesh.output_triangles", basis.mesh.output_triangles);
-  visit("mesh.vertex_triangle_begin", basis.mesh.vertex_triangle_begin);
-  visit("mesh.vertex_triangles", basis.mesh.vertex_triangles);
-  visit("ddm.block_begin", basis.ddm.block_begin);
-  visit("ddm.block_joints", basis.ddm.block_joints);
-  visit("ddm.moments", basis.ddm.moments);
-  visit("ddm.vertices", basis.ddm.vertices);
-  visit("strain.vertices", basis.strain.vertices);
-  visit("strain.points", basis.strain.points);
-  visit("strain.fibre_begin", basis.strain.fibre_begin);
-  visit("strain.rest_length", basis.strain.rest_length);
-  visit("residual.features", basis.residual.features);
-  visit("residual.regions", basis.residual.regions);
-  visit("residual.region_features", basis.residual.region_features);
-  visit("residual.centre_region", basis.residual.centre_region);
-  visit("residual.centres", basis.residual.centres);
-  visit("residual.coefficient_region", basis.residual.coefficient_region);
-  visit("residual.weights", basis.residual.weights);
-  visit("residual.blend_begin", basis.residual.blend_begin);
-  visit("residual.blend", basis.residual.blend);
+  visit("mesh.rest", basis.mesh.rest, 3);
+  visit("mesh.triangles", basis.mesh.triangles, 3);
+  visit("mesh.output_vertex", basis.mesh.output_vertex, 1);
+  visit("mesh.output_triangles", basis.mesh.output_triangles, 3);
+  visit("mesh.vertex_triangle_begin", basis.mesh.vertex_triangle_begin, 1);
+  visit("mesh.vertex_triangles", basis.mesh.vertex_triangles, 1);
+  visit("ddm.block_begin", basis.ddm.block_begin, 1);
+  visit("ddm.block_joints", basis.ddm.block_joints, 1);
+  visit("ddm.moments", basis.ddm.moments, kMomentWords * kBlockSize);
+  visit("ddm.vertices", basis.ddm.vertices, 1);
+  visit("strain.vertices", basis.strain.vertices, 1);
+  visit("strain.points", basis.strain.points, 1);
+  visit("strain.fibre_begin", basis.strain.fibre_begin, 1);
+  visit("strain.rest_length", basis.strain.rest_length, 1);
+  visit("residual.features", basis.residual.features, 1);
+  visit("residual.regions", basis.residual.regions, 1);
+  visit("residual.region_features", basis.residual.region_features, 1);
+  visit("residual.centre_region", basis.residual.centre_region, 1);
+  visit("residual.centres", basis.residual.centres, 1);
+  visit("residual.coefficient_region", basis.residual.coefficient_region, 1);
+  visit("residual.weights", basis.residual.weights, 1);
+  visit("residual.blend_begin", basis.residual.blend_begin, 1);
+  visit("residual.blend", basis.residual.blend, 1);
 }
 
 void append_transform(std::vector<double>& values, const JointTransform& t) {
@@ -78,16 +89,23 @@ JointTransform transform_at(const double* values) {
   return t;
 }
 
-Tensor joint_tensor(const Skeleton& skeleton) {
+std::vector<double> joint_numbers(const Skeleton& skeleton) {
   std::vector<double> values;
   for (const Joint& joint : skeleton.joints) {
     append_transform(values, joint.bind);
     append_transform(values, joint.default_local);
     for (const auto& row : joint.inverse_bind.m) values.insert(values.end(), row, row + 4);
   }
-  Tensor tensor = tensor_from(values);
-  tensor.shape = {skeleton.size(), kJointNumbers};
-  return tensor;
+  return values;
+}
+
+std::string list_text(const std::vector<std::string>& names, const std::filesystem::path& path) {
+  try {
+    return nlohmann::json(names).dump();
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(ErrorKind::file,
+                path.string() + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
+  }
 }
 
 class BasisReader {
@@ -95,18 +113,20 @@ class BasisReader {
   BasisReader(const Safetensors& file, const std::filesystem::path& path) : file_(file), path_(path) {}
 
   template <typename T>
-  void read(const std::string& name, std::vector<T>& values) const {
+  void read(const std::string& name, std::vector<T>& values, std::uint64_t width) {
     const auto found = file_.tensors.find(name);
     if (found == file_.tensors.end()) refuse("tensor '" + name + "' is missing");
     const Tensor& tensor = found->second;
     if (tensor.dtype != dtype_of<T>()) {
       refuse("tensor '" + name + "' has type " + tensor.dtype + ", expected " + dtype_of<T>());
     }
-    if (tensor.bytes.size() % sizeof(T) != 0) {
-      refuse("tensor '" + name + "' has " + std::to_string(tensor.bytes.size()) + " bytes, expected a multiple of " +
-             std::to_string(sizeof(T)));
+    const std::size_t count = tensor.bytes.size() / sizeof(T);
+    if (tensor.shape != shape_of<T>(count, width)) {
+      refuse("tensor '" + name + "' has a shape of " + std::to_string(tensor.shape.size()) +
+             " dimensions whose rows are not of " + std::to_string(width * words_of<T>()) + " values");
     }
-    values.resize(tensor.bytes.size() / sizeof(T));
+    known_.insert(name);
+    values.resize(count);
     if (!values.empty()) std::memcpy(static_cast<void*>(values.data()), tensor.bytes.data(), tensor.bytes.size());
   }
 
@@ -117,7 +137,7 @@ class BasisReader {
   }
 
   std::vector<std::string> strings(const std::string& key) const {
-    const nlohmann::json list = nlohmann::json::parse(metadata(key), nullptr, false);
+    const auto list = parse_strict_json<nlohmann::json>(metadata(key), path_.string() + ", metadata '" + key + "'");
     std::vector<std::string> values;
     if (!list.is_array()) refuse("its metadata '" + key + "' is not a list of strings");
     for (const auto& value : list) {
@@ -127,6 +147,12 @@ class BasisReader {
     return values;
   }
 
+  void refuse_unknown_tensors() const {
+    for (const auto& [name, tensor] : file_.tensors) {
+      if (!known_.contains(name)) refuse("tensor '" + name + "' is not one of a basis");
+    }
+  }
+
   [[noreturn]] void refuse(const std::string& what) const {
     throw Error(ErrorKind::file, path_.string() + ": " + what + " (not a basis, or one of another version)");
   }
@@ -134,15 +160,16 @@ class BasisReader {
  private:
   const Safetensors& file_;
   const std::filesystem::path& path_;
+  std::set<std::string> known_;  // tensors read so far
 };
 
-Skeleton read_skeleton(const BasisReader& reader) {
+Skeleton read_skeleton(BasisReader& reader) {
   Skeleton skeleton;
   const std::vector<std::string> names = reader.strings("joint_names");
   std::vector<double> numbers;
   std::vector<std::uint32_t> parents;
-  reader.read("skeleton.joints", numbers);
-  reader.read("skeleton.parents", parents);
+  reader.read("skeleton.joints", numbers, kJointNumbers);
+  reader.read("skeleton.parents", parents, 1);
   if (numbers.size() != names.size() * kJointNumbers || parents.size() != names.size()) {
     reader.refuse("it names " + std::to_string(names.size()) + " joints, but has the numbers of " +
                   std::to_string(numbers.size() / kJointNumbers));
@@ -151,6 +178,10 @@ Skeleton read_skeleton(const BasisReader& reader) {
     const double* row = numbers.data() + j * kJointNumbers;
     Joint joint;
     joint.name = names[j];
+    if (parents[j] > j) {
+      reader.refuse("skeleton.parents[" + std::to_string(j) + "] is " + std::to_string(parents[j]) +
+                    ", expected at most " + std::to_string(j) + " (one more than a joint before it, 0 for a root)");
+    }
     joint.parent = static_cast<int>(parents[j]) - 1;
     joint.bind = transform_at(row);
     joint.default_local = transform_at(row + 10);
@@ -172,27 +203,30 @@ void save_basis(const Basis& basis, const std::filesystem::path& path) {
     names.push_back(joint.name);
     parents.push_back(static_cast<std::uint32_t>(joint.parent + 1));
   }
-  file.tensors["skeleton.joints"] = joint_tensor(basis.skeleton);
-  file.tensors["skeleton.parents"] = tensor_from(parents);
-  for_each_array(basis, [&](const char* name, const auto& values) { file.tensors[name] = tensor_from(values); });
+  file.tensors["skeleton.joints"] = tensor_from(joint_numbers(basis.skeleton), kJointNumbers);
+  file.tensors["skeleton.parents"] = tensor_from(parents, 1);
+  for_each_array(basis, [&](const char* name, const auto& values, std::uint64_t width) {
+    file.tensors[name] = tensor_from(values, width);
+  });
   file.metadata["schema"] = kSchema;
-  file.metadata["joint_names"] = nlohmann::json(names).dump();
-  file.metadata["fibre_names"] = nlohmann::json(basis.strain.names).dump();
-  file.metadata["controls"] = nlohmann::json(basis.residual.controls).dump();
-  file.metadata["checksum"] = tensor_checksum(file);
+  file.metadata["joint_names"] = list_text(names, path);
+  file.metadata["fibre_names"] = list_text(basis.strain.names, path);
+  file.metadata["controls"] = list_text(basis.residual.controls, path);
+  file.metadata["checksum"] = content_checksum(file);
   write_safetensors(file, path);
 }
 
 Basis load_basis(const std::filesystem::path& path) {
   const Safetensors file = read_safetensors(path);
-  const BasisReader reader(file, path);
+  BasisReader reader(file, path);
   if (reader.metadata("schema") != kSchema) {
     reader.refuse("its schema is '" + reader.metadata("schema") + "', expected '" + kSchema + "'");
   }
   reader.metadata("checksum");
   Basis basis;
   basis.skeleton = read_skeleton(reader);
-  for_each_array(basis, [&](const char* name, auto& values) { reader.read(name, values); });
+  for_each_array(basis, [&](const char* name, auto& values, std::uint64_t width) { reader.read(name, values, width); });
+  reader.refuse_unknown_tensors();
   basis.strain.names = reader.strings("fibre_names");
   basis.residual.controls = reader.strings("controls");
   basis.metadata = file.metadata;
@@ -203,7 +237,7 @@ Basis load_basis(const std::filesystem::path& path) {
 
 std::map<std::string, std::size_t> table_bytes(const Basis& basis) {
   std::map<std::string, std::size_t> bytes = {{"ddm", 0}, {"strain", 0}, {"residual", 0}};
-  for_each_array(basis, [&](const std::string& name, const auto& values) {
+  for_each_array(basis, [&](const std::string& name, const auto& values, std::uint64_t) {
     const auto stage = bytes.find(name.substr(0, name.find('.')));
     if (stage != bytes.end()) stage->second += values.size() * sizeof(values[0]);
   });

@@ -3,28 +3,23 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
+#include "runtime/basis/strict_json.h"
 
 namespace bodyopt {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::uint64_t kLargestHeader = 100'000'000;  // the format's own limit
+constexpr std::uint64_t kLargestHeader = 16 << 20;  // bytes; parsed JSON takes many times its text in memory
+constexpr const char* kChecksum = "checksum";
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what) {
   throw Error(ErrorKind::file, path.string() + ": " + what + " (not a safetensors file, or a damaged or cut-off one)");
-}
-
-std::string hex(std::uint64_t value) {
-  char text[17];
-  std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(value));
-  return text;
 }
 
 // Elements x size, or refusal when the product does not fit what is there.
@@ -39,14 +34,20 @@ std::uint64_t checked_bytes(const std::filesystem::path& path, const std::string
   return bytes;
 }
 
-Tensor parse_tensor(const std::filesystem::path& path, const std::string& name, const Json& entry, std::uint64_t size,
-                    std::uint64_t& begin) {
-  Tensor tensor;
+// Where a tensor's bytes stand after the header.
+struct Range {
+  std::uint64_t begin, end;
+  std::string name;
+  auto operator<=>(const Range&) const = default;
+};
+
+Range parse_tensor(const std::filesystem::path& path, const std::string& name, const Json& entry, std::uint64_t size,
+                   Tensor& tensor) {
   const auto dtype = entry.find("dtype"), shape = entry.find("shape"), offsets = entry.find("data_offsets");
   if (dtype == entry.end() || !dtype->is_string() || shape == entry.end() || !shape->is_array() ||
       offsets == entry.end() || !offsets->is_array() || offsets->size() != 2 || !(*offsets)[0].is_number_unsigned() ||
-      !(*offsets)[1].is_number_unsigned()) {
-    refuse(path, "tensor '" + name + "' lacks dtype, shape or data_offsets");
+      !(*offsets)[1].is_number_unsigned() || entry.size() != 3) {
+    refuse(path, "tensor '" + name + "' is not described by a dtype, a shape and two data_offsets");
   }
   tensor.dtype = dtype->get<std::string>();
   if (dtype_size(tensor.dtype) == 0) {
@@ -56,17 +57,55 @@ Tensor parse_tensor(const std::filesystem::path& path, const std::string& name, 
     if (!n.is_number_unsigned()) refuse(path, "tensor '" + name + "' has a shape that is not of counts");
     tensor.shape.push_back(n.get<std::uint64_t>());
   }
-  begin = (*offsets)[0].get<std::uint64_t>();
-  const std::uint64_t end = (*offsets)[1].get<std::uint64_t>();
-  if (begin > end || end > size) {
-    refuse(path, "tensor '" + name + "' lies at bytes " + std::to_string(begin) + " to " + std::to_string(end) +
-                     " of " + std::to_string(size));
+  const Range range{(*offsets)[0].get<std::uint64_t>(), (*offsets)[1].get<std::uint64_t>(), name};
+  if (range.begin > range.end || range.end > size) {
+    refuse(path, "tensor '" + name + "' lies at bytes " + std::to_string(range.begin) + " to " +
+                     std::to_string(range.end) + " of " + std::to_string(size));
   }
-  if (checked_bytes(path, name, tensor, size) != end - begin) {
-    refuse(path,
-           "tensor '" + name + "' has " + std::to_string(end - begin) + " bytes, which is not what its shape says");
+  const std::uint64_t expected = checked_bytes(path, name, tensor, size), found = range.end - range.begin;
+  if (found != expected) {
+    refuse(path, "tensor '" + name + "' has " + std::to_string(found) + " bytes, expected " + std::to_string(expected) +
+                     " by its shape");
   }
-  return tensor;
+  return range;
+}
+
+std::map<std::string, std::string> parse_metadata(const std::filesystem::path& path, const Json& entries) {
+  std::map<std::string, std::string> metadata;
+  for (const auto& [key, value] : entries.items()) {
+    if (!value.is_string()) refuse(path, "metadata '" + key + "' is not a string");
+    metadata[key] = value.get<std::string>();
+  }
+  return metadata;
+}
+
+// Tensors lie one after the other, without a gap, to the end of the file.
+void check_order(const std::filesystem::path& path, std::vector<Range> ranges, std::uint64_t size) {
+  std::sort(ranges.begin(), ranges.end());
+  std::uint64_t expected = 0;
+  for (const Range& range : ranges) {
+    if (range.begin != expected) {
+      refuse(path, "tensor '" + range.name + "' starts at byte " + std::to_string(range.begin) + ", expected " +
+                       std::to_string(expected) + ": it leaves a gap or overlaps another");
+    }
+    expected = range.end;
+  }
+  if (expected != size) refuse(path, std::to_string(size - expected) + " bytes follow the last tensor");
+}
+
+std::string header_text(const Safetensors& file, const std::vector<std::string>& order) {
+  nlohmann::ordered_json header;
+  header["__metadata__"] = file.metadata;
+  std::uint64_t offset = 0;
+  for (const std::string& name : order) {
+    const Tensor& tensor = file.tensors.at(name);
+    header[name] = {
+        {"dtype", tensor.dtype}, {"shape", tensor.shape}, {"data_offsets", {offset, offset + tensor.bytes.size()}}};
+    offset += tensor.bytes.size();
+  }
+  std::string text = header.dump();
+  text.resize((text.size() + 7) / 8 * 8, ' ');  // tensors start at a multiple of 8
+  return text;
 }
 
 }  // namespace
@@ -76,44 +115,63 @@ std::size_t dtype_size(const std::string& dtype) {
   return dtype == "F64" ? 8 : 0;
 }
 
-std::string tensor_checksum(const Safetensors& file) {
+std::string content_checksum(const Safetensors& file) {
   XXH3_state_t* state = XXH3_createState();
   XXH3_64bits_reset(state);
+  const auto update = [&](const std::string& text) { XXH3_64bits_update(state, text.c_str(), text.size() + 1); };
+  for (const auto& [key, value] : file.metadata) {
+    if (key == kChecksum) continue;
+    update(key);
+    update(value);
+  }
   for (const auto& [name, tensor] : file.tensors) {
     std::string label = name + ' ' + tensor.dtype;
     for (const std::uint64_t n : tensor.shape) label += ' ' + std::to_string(n);
-    XXH3_64bits_update(state, label.data(), label.size());
+    update(label);
     XXH3_64bits_update(state, tensor.bytes.data(), tensor.bytes.size());
   }
   const std::uint64_t digest = XXH3_64bits_digest(state);
   XXH3_freeState(state);
-  return hex(digest);
+  char hex[17];
+  std::snprintf(hex, sizeof(hex), "%016llx", static_cast<unsigned long long>(digest));
+  return hex;
 }
 
 void write_safetensors(const Safetensors& file, const std::filesystem::path& path) {
-  nlohmann::ordered_json header;
-  header["__metadata__"] = file.metadata;
-  std::uint64_t offset = 0;
-  for (const auto& [name, tensor] : file.tensors) {
-    header[name] = {
-        {"dtype", tensor.dtype}, {"shape", tensor.shape}, {"data_offsets", {offset, offset + tensor.bytes.size()}}};
-    offset += tensor.bytes.size();
+  std::vector<std::string> order;
+  for (const auto& [name, tensor] : file.tensors) order.push_back(name);
+  // The widest types first, so that every tensor stands at a multiple of its type's size.
+  std::stable_sort(order.begin(), order.end(), [&](const std::string& a, const std::string& b) {
+    return dtype_size(file.tensors.at(a).dtype) > dtype_size(file.tensors.at(b).dtype);
+  });
+  std::string text;
+  try {
+    text = header_text(file, order);
+  } catch (const Json::exception& error) {
+    throw Error(ErrorKind::file,
+                path.string() + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
   }
-  std::string text = header.dump();
-  text.resize((text.size() + 7) / 8 * 8, ' ');  // tensors start at a multiple of 8
+  if (text.size() > kLargestHeader) {
+    throw Error(ErrorKind::file, path.string() + ": cannot be written: its names and other strings take " +
+                                     std::to_string(text.size()) + " bytes, expected " +
+                                     std::to_string(kLargestHeader) + " at most");
+  }
   const std::uint64_t length = text.size();
   AtomicFile out(path);
   out.write(std::as_bytes(std::span(&length, 1)));
   out.write(std::as_bytes(std::span(text)));
-  for (const auto& [name, tensor] : file.tensors) out.write(tensor.bytes);
+  for (const std::string& name : order) out.write(file.tensors.at(name).bytes);
   out.commit();
 }
 
 Safetensors read_safetensors(const std::filesystem::path& path) {
   std::error_code failure;
-  const std::uint64_t size = std::filesystem::file_size(path, failure);
-  std::ifstream stream(path, std::ios::binary);
-  if (failure || !stream) throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file?");
+  const std::uint64_t size = std::filesystem::file_size(path, failure);  // fails for folders, pipes and devices
+  std::ifstream stream;
+  if (!failure) stream.open(path, std::ios::binary);
+  if (failure || !stream) {
+    throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file, or no permission?");
+  }
 
   std::uint64_t length = 0;
   if (size < 8 || !stream.read(reinterpret_cast<char*>(&length), 8)) refuse(path, "shorter than a header");
@@ -122,42 +180,32 @@ Safetensors read_safetensors(const std::filesystem::path& path) {
   }
   std::string text(length, '\0');
   if (!stream.read(text.data(), static_cast<std::streamsize>(length))) refuse(path, "the header cannot be read");
-  const Json header = Json::parse(text, nullptr, false);
+  const Json header = parse_strict_json<Json>(text, path.string());
   if (!header.is_object()) refuse(path, "the header is not a JSON object");
 
   Safetensors file;
-  const std::uint64_t data_size = size - 8 - length;
-  std::vector<std::pair<std::uint64_t, std::string>> order;
+  const std::uint64_t data_begin = 8 + length, data_size = size - data_begin;
+  std::vector<Range> ranges;
   for (const auto& [name, entry] : header.items()) {
     if (!entry.is_object()) refuse(path, "entry '" + name + "' is not an object");
     if (name == "__metadata__") {
-      for (const auto& [key, value] : entry.items()) {
-        if (!value.is_string()) refuse(path, "metadata '" + key + "' is not a string");
-        file.metadata[key] = value.get<std::string>();
-      }
-      continue;
+      file.metadata = parse_metadata(path, entry);
+    } else {
+      ranges.push_back(parse_tensor(path, name, entry, data_size, file.tensors[name]));
     }
-    std::uint64_t begin = 0;
-    file.tensors[name] = parse_tensor(path, name, entry, data_size, begin);
-    order.emplace_back(begin, name);
   }
-  std::sort(order.begin(), order.end());
-  std::uint64_t expected = 0;
-  for (const auto& [begin, name] : order) {
-    Tensor& tensor = file.tensors[name];
-    const std::uint64_t bytes = checked_bytes(path, name, tensor, data_size);
-    if (begin != expected) refuse(path, "tensor '" + name + "' leaves a gap or overlaps another");
-    tensor.bytes.resize(bytes);
-    stream.seekg(static_cast<std::streamoff>(8 + length + begin));
-    if (!stream.read(reinterpret_cast<char*>(tensor.bytes.data()), static_cast<std::streamsize>(bytes))) {
-      refuse(path, "tensor '" + name + "' cannot be read");
+  check_order(path, ranges, data_size);
+  for (const Range& range : ranges) {
+    Tensor& tensor = file.tensors[range.name];
+    tensor.bytes.resize(range.end - range.begin);
+    stream.seekg(static_cast<std::streamoff>(data_begin + range.begin));
+    if (!stream.read(reinterpret_cast<char*>(tensor.bytes.data()), static_cast<std::streamsize>(tensor.bytes.size()))) {
+      refuse(path, "tensor '" + range.name + "' cannot be read");
     }
-    expected += bytes;
   }
-  if (expected != data_size) refuse(path, std::to_string(data_size - expected) + " bytes follow the last tensor");
-  const auto checksum = file.metadata.find("checksum");
-  if (checksum != file.metadata.end() && checksum->second != tensor_checksum(file)) {
-    refuse(path, "its checksum is " + tensor_checksum(file) + ", expected " + checksum->second);
+  const auto checksum = file.metadata.find(kChecksum);
+  if (checksum != file.metadata.end() && checksum->second != content_checksum(file)) {
+    refuse(path, "its checksum is " + content_checksum(file) + ", expected " + checksum->second);
   }
   return file;
 }

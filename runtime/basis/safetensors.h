@@ -24,8 +24,9 @@ struct Safetensors {
 
 std::size_t dtype_size(const std::string& dtype);  // 0 for a type that is not ours
 
-// xxh3 of every tensor's name, type, shape and bytes, in name order, as 16 hexadecimal digits.
-std::string tensor_checksum(const Safetensors& file);
+// xxh3 of every string of the metadata but "checksum", and of every tensor's name, type, shape and bytes, in name
+// order, as 16 hexadecimal digits.
+std::string content_checksum(const Safetensors& file);
 
 // Throws Error(file). Reading checks the header's length, every type, shape and range (no gap, no overlap) before it
 // takes memory for them, and the checksum where the metadata names one.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <span>
@@ -7,6 +8,16 @@
 
 namespace bodyopt {
 namespace {
+
+// Products and sums of numbers up to this size stay finite in every kernel's single precision.
+constexpr double kLargest = 1e9;
+constexpr double kLargestFeature = 1e6;    // standardised: standard deviations of training
+constexpr float kShortestFibre = 1e-6f;    // metres
+constexpr double kUnitTolerance = 1e-3;    // of a quaternion's length
+constexpr float kWeightTolerance = 1e-4f;  // of a sum of barycentric weights
+constexpr std::size_t kMostCoefficients = 65536;
+
+std::string element(const char* name, std::size_t k) { return std::string(name) + "[" + std::to_string(k) + "]"; }
 
 // Checks of one basis; every refusal names the array, what was expected and what was found.
 class Validator {
@@ -27,7 +38,7 @@ class Validator {
   using Indices = std::vector<std::uint32_t>;
 
   [[noreturn]] void refuse(const std::string& what) const {
-    throw Error(ErrorKind::file, origin_ + ": " + what + " (damaged, or written by something else)");
+    throw Error(ErrorKind::file, origin_ + ": " + what + " (damaged, or made by a defective program)");
   }
 
   void expect_size(const char* name, std::size_t found, std::size_t expected) const {
@@ -39,55 +50,66 @@ class Validator {
   void expect_below(const char* name, std::span<const std::uint32_t> indices, std::size_t limit) const {
     for (std::size_t k = 0; k < indices.size(); ++k) {
       if (indices[k] < limit) continue;
-      refuse(std::string(name) + "[" + std::to_string(k) + "] is " + std::to_string(indices[k]) +
-             ", expected an index below " + std::to_string(limit));
+      refuse(element(name, k) + " is " + std::to_string(indices[k]) + ", expected an index below " +
+             std::to_string(limit));
     }
   }
 
   void expect_offsets(const char* name, const Indices& begin, std::size_t rows, std::size_t end) const {
     expect_size(name, begin.size(), rows + 1);
-    if (begin[0] != 0) refuse(std::string(name) + " does not start at 0");
+    if (begin[0] != 0) refuse(std::string(name) + " starts at " + std::to_string(begin[0]) + ", expected 0");
     for (std::size_t k = 0; k < rows; ++k) {
-      if (begin[k] > begin[k + 1]) refuse(std::string(name) + " falls at row " + std::to_string(k));
+      if (begin[k] <= begin[k + 1]) continue;
+      refuse(element(name, k + 1) + " is " + std::to_string(begin[k + 1]) + ", expected at least " +
+             std::to_string(begin[k]));
     }
     if (begin[rows] != end) {
       refuse(std::string(name) + " ends at " + std::to_string(begin[rows]) + ", expected " + std::to_string(end));
     }
   }
 
-  void expect_finite(const char* name, std::span<const float> values) const {
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      if (!std::isfinite(values[k])) refuse(std::string(name) + "[" + std::to_string(k) + "] is not a finite number");
-    }
+  void expect_number(const char* name, std::size_t k, double value) const {
+    if (std::abs(value) <= kLargest) return;  // false for NaN
+    refuse(element(name, k) + " is " + std::to_string(value) + ", expected a number of at most 1e9");
+  }
+
+  void expect_numbers(const char* name, std::span<const float> values) const {
+    for (std::size_t k = 0; k < values.size(); ++k) expect_number(name, k, static_cast<double>(values[k]));
   }
 
   static bool finite_halves(std::uint32_t word) {
     return (word & 0x7c00u) != 0x7c00u && ((word >> 16) & 0x7c00u) != 0x7c00u;
   }
 
-  static bool finite(const JointTransform& t) {
-    double sum = 0;
-    for (const double x : t.translation) sum += std::abs(x);
-    for (const double x : t.rotation) sum += std::abs(x);
-    for (const double x : t.scale) sum += std::abs(x);
-    return std::isfinite(sum);
+  // Every number finite and of sane size, the rotation of unit length.
+  static bool usable(const JointTransform& t) {
+    bool good = true;
+    double norm2 = 0;
+    for (int i = 0; i < 3; ++i)
+      good = good && std::abs(t.translation[i]) <= kLargest && std::abs(t.scale[i]) <= kLargest;
+    for (const double x : t.rotation) norm2 += x * x;
+    return good && std::abs(std::sqrt(norm2) - 1) <= kUnitTolerance;
   }
 
   void check_skeleton() const {
     const auto& joints = basis_.skeleton.joints;
-    if (joints.empty()) refuse("it has no joints");
+    if (joints.empty()) refuse("the skeleton has 0 joints, expected 1 or more");
     for (std::size_t j = 0; j < joints.size(); ++j) {
       const Joint& joint = joints[j];
       const std::string name = "joint " + std::to_string(j) + " ('" + joint.name + "')";
       if (joint.parent < -1 || joint.parent >= static_cast<int>(j)) {
-        refuse(name + " has parent " + std::to_string(joint.parent) + ", expected one before it");
+        refuse(name + " has parent " + std::to_string(joint.parent) + ", expected a joint before it, or -1");
       }
-      double sum = 0;
+      if (!usable(joint.bind) || !usable(joint.default_local)) {
+        refuse(name + " has a transform that is not of finite numbers with a rotation of unit length");
+      }
       for (const auto& row : joint.inverse_bind.m) {
-        for (const double x : row) sum += std::abs(x);
-      }
-      if (!finite(joint.bind) || !finite(joint.default_local) || !std::isfinite(sum)) {
-        refuse(name + " has a transform that is not of finite numbers");
+        for (const double x : row) {
+          if (!(std::abs(x) <= kLargest)) {
+            refuse(name + " has " + std::to_string(x) +
+                   " in its inverse bind matrix, expected a number of at most 1e9");
+          }
+        }
       }
     }
   }
@@ -95,23 +117,25 @@ class Validator {
   void check_mesh() const {
     const MeshTable& mesh = basis_.mesh;
     const std::size_t vertices = mesh.rest.size() / 3;
-    if (mesh.rest.empty() || mesh.rest.size() % 3 != 0) refuse("mesh.rest is not V x 3");
-    if (mesh.triangles.size() % 3 != 0 || mesh.output_triangles.size() % 3 != 0) refuse("triangles are not T x 3");
-    expect_finite("mesh.rest", mesh.rest);
+    if (mesh.rest.empty()) refuse("mesh.rest has 0 entries, expected 1 vertex or more");
+    for (const auto& [name, size] :
+         {std::pair("mesh.rest", mesh.rest.size()), std::pair("mesh.triangles", mesh.triangles.size()),
+          std::pair("mesh.output_triangles", mesh.output_triangles.size())}) {
+      if (size % 3 != 0)
+        refuse(std::string(name) + " has " + std::to_string(size) + " entries, expected three to a row");
+    }
+    expect_numbers("mesh.rest", mesh.rest);
     expect_below("mesh.triangles", mesh.triangles, vertices);
     expect_below("mesh.output_vertex", mesh.output_vertex, vertices);
     expect_below("mesh.output_triangles", mesh.output_triangles, mesh.output_vertex.size());
     expect_offsets("mesh.vertex_triangle_begin", mesh.vertex_triangle_begin, vertices, mesh.vertex_triangles.size());
     expect_size("mesh.vertex_triangles", mesh.vertex_triangles.size(), mesh.triangles.size());
-    expect_below("mesh.vertex_triangles", mesh.vertex_triangles, mesh.triangles.size() / 3);
-    for (std::size_t v = 0; v < vertices; ++v) {
-      for (std::uint32_t k = mesh.vertex_triangle_begin[v]; k < mesh.vertex_triangle_begin[v + 1]; ++k) {
-        const std::uint32_t* t = mesh.triangles.data() + 3 * std::size_t{mesh.vertex_triangles[k]};
-        if (t[0] != v && t[1] != v && t[2] != v) {
-          refuse("mesh.vertex_triangles[" + std::to_string(k) + "] names a triangle that does not touch vertex " +
-                 std::to_string(v));
-        }
-      }
+    Indices next = mesh.vertex_triangle_begin;  // where the next triangle of each vertex must stand
+    for (std::size_t c = 0; c < mesh.triangles.size(); ++c) {
+      const std::uint32_t v = mesh.triangles[c], k = next[v]++;
+      if (k < mesh.vertex_triangle_begin[v + 1] && mesh.vertex_triangles[k] == c / 3) continue;
+      refuse("mesh.vertex_triangles does not list triangle " + std::to_string(c / 3) + " at vertex " +
+             std::to_string(v) + " in ascending order, expected at " + std::to_string(k));
     }
   }
 
@@ -126,19 +150,32 @@ class Validator {
     for (std::size_t k = 0; k < ddm.moments.size(); ++k) {
       const std::uint32_t word = ddm.moments[k];
       const bool halves = (k / kBlockSize) % kMomentWords < 3;
-      if (halves ? !finite_halves(word) : !std::isfinite(std::bit_cast<float>(word))) {
-        refuse("ddm.moments[" + std::to_string(k) + "] is not a finite number");
+      if (!halves) {
+        expect_number("ddm.moments", k, static_cast<double>(std::bit_cast<float>(word)));
+      } else if (!finite_halves(word)) {
+        refuse(element("ddm.moments", k) + " holds a half that is infinite or not a number, expected finite ones");
       }
     }
-    for (std::size_t v = 0; v < ddm.vertices.size(); ++v) {
-      const DdmVertex& vertex = ddm.vertices[v];
-      const float numbers[] = {vertex.centre_x, vertex.centre_y, vertex.centre_z, vertex.radius2,
-                               vertex.offset_x, vertex.offset_y, vertex.offset_z};
-      expect_finite("ddm.vertices", numbers);
-      if (vertex.base_joint >= basis_.skeleton.size()) {
-        refuse("ddm.vertices[" + std::to_string(v) + "] has base joint " + std::to_string(vertex.base_joint) +
-               ", expected one of " + std::to_string(basis_.skeleton.size()));
-      }
+    for (std::size_t v = 0; v < ddm.vertices.size(); ++v) check_ddm_vertex(v, v < vertices);
+  }
+
+  void check_ddm_vertex(std::size_t v, bool used) const {
+    const DdmTable& ddm = basis_.ddm;
+    const DdmVertex& vertex = ddm.vertices[v];
+    for (const float x : {vertex.centre_x, vertex.centre_y, vertex.centre_z, vertex.radius2, vertex.offset_x,
+                          vertex.offset_y, vertex.offset_z}) {
+      expect_number("ddm.vertices", v, static_cast<double>(x));
+    }
+    if (vertex.radius2 < 0) {
+      refuse(element("ddm.vertices", v) + " has the squared radius " + std::to_string(vertex.radius2) +
+             ", expected 0 or more");
+    }
+    const std::size_t block = v / kBlockSize;
+    const auto first = ddm.block_joints.begin() + ddm.block_begin[block];
+    const auto last = ddm.block_joints.begin() + ddm.block_begin[block + 1];
+    if (vertex.base_joint >= basis_.skeleton.size() || (used && std::find(first, last, vertex.base_joint) == last)) {
+      refuse(element("ddm.vertices", v) + " has base joint " + std::to_string(vertex.base_joint) +
+             ", expected one of the " + std::to_string(last - first) + " joints of its block");
     }
   }
 
@@ -152,42 +189,65 @@ class Validator {
     expect_below("strain.vertices", strain.vertices, basis_.mesh.vertex_count());
     for (std::size_t k = 0; k < strain.points.size(); ++k) {
       const FibrePoint& p = strain.points[k];
-      const std::uint32_t indices[] = {p.a, p.b, p.c};
-      expect_below("strain.points", indices, strain.vertices.size());
-      if (!(std::abs(p.wa + p.wb + p.wc - 1) < 1e-4f) || !(std::abs(p.wa) + std::abs(p.wb) + std::abs(p.wc) < 10)) {
-        refuse("strain.points[" + std::to_string(k) + "] has weights that do not sum to 1");
+      for (const std::uint32_t index : {p.a, p.b, p.c}) {
+        if (index < strain.vertices.size()) continue;
+        refuse(element("strain.points", k) + " names strain vertex " + std::to_string(index) +
+               ", expected an index below " + std::to_string(strain.vertices.size()));
+      }
+      for (const float w : {p.wa, p.wb, p.wc}) expect_number("strain.points", k, static_cast<double>(w));
+      const float sum = p.wa + p.wb + p.wc;
+      if (std::abs(sum - 1) > kWeightTolerance) {
+        refuse(element("strain.points", k) + " has weights that sum to " + std::to_string(sum) + ", expected 1");
       }
     }
+    expect_numbers("strain.rest_length", strain.rest_length);
     for (std::size_t k = 0; k < fibres; ++k) {
-      if (!(strain.rest_length[k] > 0) || !std::isfinite(strain.rest_length[k])) {
-        refuse("strain.rest_length[" + std::to_string(k) + "] is not above 0");
+      if (strain.fibre_begin[k + 1] - strain.fibre_begin[k] < 2) {
+        refuse("fibre " + std::to_string(k) + " ('" + strain.names[k] + "') has fewer than 2 points");
+      }
+      if (strain.rest_length[k] < kShortestFibre) {
+        refuse(element("strain.rest_length", k) + " is " + std::to_string(strain.rest_length[k]) +
+               " m, expected a length above 0 (1e-6 or more)");
       }
     }
   }
 
   void check_residual() const {
     const ResidualTable& residual = basis_.residual;
-    const std::size_t blend_rows = basis_.mesh.vertex_count();
-    expect_offsets("residual.blend_begin", residual.blend_begin, blend_rows, residual.blend.size());
+    expect_offsets("residual.blend_begin", residual.blend_begin, basis_.mesh.vertex_count(), residual.blend.size());
     std::size_t joint_features = 0;
     for (const Joint& joint : basis_.skeleton.joints) joint_features += joint.parent >= 0 ? 9 : 0;
     const std::size_t features = joint_features + basis_.strain.rest_length.size() + residual.controls.size();
     if (residual.regions.empty() && residual.features.empty()) {
-      if (!residual.controls.empty()) refuse("it has controls but no features");
+      if (!residual.controls.empty())
+        refuse("residual.features has 0 entries, expected one for every control at least");
     } else {
       expect_size("residual.features", residual.features.size(), features);
     }
-    for (std::size_t k = 0; k < residual.features.size(); ++k) {
-      const FeatureRange& range = residual.features[k];
-      const float numbers[] = {range.low, range.high, range.mean, range.inverse_scale};
-      expect_finite("residual.features", numbers);
-      if (range.low > range.high || range.inverse_scale < 0) {
-        refuse("residual.features[" + std::to_string(k) + "] has an empty range or a negative scale");
-      }
-    }
+    for (std::size_t k = 0; k < residual.features.size(); ++k) check_feature(k);
     expect_below("residual.region_features", residual.region_features, residual.features.size());
-    expect_finite("residual.centres", residual.centres);
-    expect_finite("residual.weights", residual.weights);
+    expect_numbers("residual.weights", residual.weights);
+    for (std::size_t k = 0; k < residual.centres.size(); ++k) {
+      if (std::abs(residual.centres[k]) <= kLargestFeature) continue;
+      refuse(element("residual.centres", k) + " is " + std::to_string(residual.centres[k]) +
+             ", expected at most 1e6 standard deviations");
+    }
+  }
+
+  void check_feature(std::size_t k) const {
+    const FeatureRange& range = basis_.residual.features[k];
+    for (const float x : {range.low, range.high, range.mean, range.inverse_scale}) {
+      expect_number("residual.features", k, static_cast<double>(x));
+    }
+    if (range.low > range.high) {
+      refuse(element("residual.features", k) + " has a range from " + std::to_string(range.low) + " to " +
+             std::to_string(range.high) + ", expected low <= high");
+    }
+    const float farthest = std::max(std::abs(range.low - range.mean), std::abs(range.high - range.mean));
+    if (range.inverse_scale < 0 || farthest * range.inverse_scale > kLargestFeature) {
+      refuse(element("residual.features", k) + " has the inverse scale " + std::to_string(range.inverse_scale) +
+             ", expected 0 or more, and a range of at most 1e6 standard deviations");
+    }
   }
 
   // Regions must tile every array they point into, in order.
@@ -198,10 +258,11 @@ class Validator {
       const Region& region = residual.regions[r];
       if (region.feature_begin != features || region.centre_begin != centres || region.centre_values != centre_values ||
           region.coefficient_begin != coefficients || region.weight_values != weights) {
-        refuse("residual.regions[" + std::to_string(r) + "] does not follow the one before it");
+        refuse(element("residual.regions", r) + " has offsets that do not follow the region before it");
       }
-      if (!(region.inverse_width2 >= 0) || !std::isfinite(region.inverse_width2)) {
-        refuse("residual.regions[" + std::to_string(r) + "] has a kernel width that is no number");
+      if (!(region.inverse_width2 >= 0 && region.inverse_width2 <= kLargest)) {
+        refuse(element("residual.regions", r) + " has the inverse width " + std::to_string(region.inverse_width2) +
+               ", expected a number from 0 to 1e9");
       }
       features += region.feature_count;
       centres += region.centre_count;
@@ -209,19 +270,12 @@ class Validator {
       coefficients += region.coefficient_count;
       weights += std::size_t{region.coefficient_count} *
                  (1 + std::size_t{region.feature_count} + std::size_t{region.centre_count});
-      if (coefficients > 65536 || centres > residual.centre_region.size() ||
-          coefficients > residual.coefficient_region.size()) {
-        refuse("residual.regions[" + std::to_string(r) + "] points outside the tables");
+      if (coefficients > kMostCoefficients) {
+        refuse("the regions have " + std::to_string(coefficients) + " coefficients or more, expected at most 65536");
       }
-      for (std::uint32_t m = 0; m < region.centre_count; ++m) {
-        if (residual.centre_region[region.centre_begin + m] != r)
-          refuse("residual.centre_region disagrees with regions");
-      }
-      for (std::uint32_t c = 0; c < region.coefficient_count; ++c) {
-        if (residual.coefficient_region[region.coefficient_begin + c] != r) {
-          refuse("residual.coefficient_region disagrees with regions");
-        }
-      }
+      expect_region("residual.centre_region", residual.centre_region, region.centre_begin, region.centre_count, r);
+      expect_region("residual.coefficient_region", residual.coefficient_region, region.coefficient_begin,
+                    region.coefficient_count, r);
     }
     expect_size("residual.region_features", residual.region_features.size(), features);
     expect_size("residual.centre_region", residual.centre_region.size(), centres);
@@ -230,13 +284,29 @@ class Validator {
     expect_size("residual.weights", residual.weights.size(), weights);
   }
 
+  void expect_region(const char* name, const Indices& regions, std::size_t begin, std::size_t count,
+                     std::size_t region) const {
+    if (begin + count > regions.size()) {
+      refuse(std::string(name) + " has " + std::to_string(regions.size()) + " entries, expected " +
+             std::to_string(begin + count) + " or more by the regions");
+    }
+    for (std::size_t k = begin; k < begin + count; ++k) {
+      if (regions[k] != region) {
+        refuse(element(name, k) + " is " + std::to_string(regions[k]) + ", expected " + std::to_string(region));
+      }
+    }
+  }
+
   void check_blend() const {
     const ResidualTable& residual = basis_.residual;
     for (std::size_t k = 0; k < residual.blend.size(); ++k) {
       const BlendEntry& entry = residual.blend[k];
-      if ((entry.z_coefficient >> 16) >= residual.coefficient_region.size() || !finite_halves(entry.xy) ||
-          !finite_halves(entry.z_coefficient & 0xffffu)) {
-        refuse("residual.blend[" + std::to_string(k) + "] names no coefficient or holds no finite number");
+      if ((entry.z_coefficient >> 16) >= residual.coefficient_region.size()) {
+        refuse(element("residual.blend", k) + " names coefficient " + std::to_string(entry.z_coefficient >> 16) +
+               ", expected an index below " + std::to_string(residual.coefficient_region.size()));
+      }
+      if (!finite_halves(entry.xy) || !finite_halves(entry.z_coefficient & 0xffffu)) {
+        refuse(element("residual.blend", k) + " holds a half that is infinite or not a number, expected finite ones");
       }
     }
   }

@@ -15,6 +15,11 @@ constexpr VkDeviceSize kMinBytes = 16;
 
 Buffer::Buffer(const Device& device, VkDeviceSize bytes, Memory memory, const char* name)
     : size_(std::max(kMinBytes, (bytes + 3) / 4 * 4)) {
+  if (size_ > device.info().memory_bytes) {
+    throw Error(ErrorKind::device, std::string(name) + ": " + std::to_string(size_) + " bytes do not fit the " +
+                                       std::to_string(device.info().memory_bytes) + " bytes of memory of '" +
+                                       device.info().name + "'");
+  }
   auto info = structure<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
   info.size = size_;
   info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;

@@ -94,9 +94,9 @@ VkDescriptorSet Commands::bind(const Kernel& kernel, std::span<const BufferRange
 
   std::vector<VkDescriptorBufferInfo> buffers;
   for (const BufferRange& range : bindings) {
-    if (range.size > device_.info().max_storage_range) {
+    if (range.size > device_.info().max_storage_buffer_range) {
       throw Error(ErrorKind::device, "a table of " + std::to_string(range.size) + " bytes is larger than the " +
-                                         std::to_string(device_.info().max_storage_range) +
+                                         std::to_string(device_.info().max_storage_buffer_range) +
                                          " bytes that a binding of '" + device_.info().name + "' can see");
     }
     buffers.push_back({range.buffer, range.offset, range.size});

@@ -31,6 +31,7 @@ class Commands {
     record_dispatch(kernel, bindings, std::as_bytes(std::span(&push, 1)), elements, frames);
   }
   void timestamp();
+  VkCommandBuffer handle() const { return commands_; }  // to record what is not here: drawing
   void end();
 
   // Submits and waits; afterwards the host sees what was copied to staging buffers. Throws Error(device) when the

@@ -34,7 +34,7 @@ std::vector<DdmWindow> ddm_windows(const DdmTable& ddm, const DeviceInfo& limits
   const std::uint64_t most_vertices = std::uint64_t{limits.max_groups_x} * kWorkgroupSize;
   // Vertices begin at multiples of 512 bytes, which every alignment that Vulkan allows (at most 256) divides.
   const auto fits = [&](const DdmWindow& w) {
-    return std::max(w.moments_size, w.vertices_size) <= limits.max_storage_range &&
+    return std::max(w.moments_size, w.vertices_size) <= limits.max_storage_buffer_range &&
            w.end_vertex - w.first_vertex <= most_vertices;
   };
   std::vector<DdmWindow> windows;
@@ -51,8 +51,8 @@ std::vector<DdmWindow> ddm_windows(const DdmTable& ddm, const DeviceInfo& limits
     }
     if (low == first) {
       throw Error(ErrorKind::device, "one block of the DDM table is larger than the " +
-                                         std::to_string(limits.max_storage_range) + " bytes that a binding of '" +
-                                         limits.name + "' can see");
+                                         std::to_string(limits.max_storage_buffer_range) +
+                                         " bytes that a binding of '" + limits.name + "' can see");
     }
     windows.push_back(make_window(ddm, first, low, alignment));
     first = low;

@@ -73,13 +73,16 @@ DeviceInfo describe(VkPhysicalDevice physical, std::uint32_t index) {
   info.index = index;
   info.name = properties.deviceName;
   info.type = type_name(properties.deviceType);
-  info.api = version_text(properties.apiVersion);
+  info.api_version = version_text(properties.apiVersion);
   info.driver = version_text(properties.driverVersion);
-  info.max_storage_range = properties.limits.maxStorageBufferRange;
+  info.max_storage_buffer_range = properties.limits.maxStorageBufferRange;
   info.storage_alignment = properties.limits.minStorageBufferOffsetAlignment;
   info.max_groups_x = properties.limits.maxComputeWorkGroupCount[0];
   info.max_groups_y = properties.limits.maxComputeWorkGroupCount[1];
   info.problem = find_problem(physical, properties);
+  if (const std::optional<std::uint32_t> family = compute_family(physical)) {
+    info.draws = queue_families(physical)[*family].queueFlags & VK_QUEUE_GRAPHICS_BIT;
+  }
   if (properties.apiVersion >= VK_API_VERSION_1_2) {
     auto driver = structure<VkPhysicalDeviceDriverProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES);
     auto properties2 = structure<VkPhysicalDeviceProperties2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2);

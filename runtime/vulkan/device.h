@@ -14,13 +14,14 @@
 namespace bodyopt::vulkan {
 
 struct DeviceInfo {
-  std::uint32_t index = 0;              // as a user names it
-  std::string name, type, api, driver;  // type: discrete, integrated, virtual, cpu or other
-  std::uint64_t memory_bytes = 0;       // largest device-local heap
-  std::uint64_t max_storage_range = 0;  // bytes one binding can see
-  std::uint64_t storage_alignment = 0;  // bytes, of binding offsets
-  std::uint32_t max_groups_x = 0;       // workgroups of one dispatch
+  std::uint32_t index = 0;                      // as a user names it
+  std::string name, type, api_version, driver;  // type: discrete, integrated, virtual, cpu or other
+  std::uint64_t memory_bytes = 0;               // largest device-local heap
+  std::uint64_t max_storage_buffer_range = 0;   // bytes one binding can see
+  std::uint64_t storage_alignment = 0;          // bytes, of binding offsets
+  std::uint32_t max_groups_x = 0;               // workgroups of one dispatch
   std::uint32_t max_groups_y = 0;
+  bool draws = false;   // whether its queue can also draw
   std::string problem;  // why the device cannot be used; empty when it can
 };
 

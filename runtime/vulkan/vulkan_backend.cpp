@@ -130,7 +130,7 @@ class VulkanBackend final : public Backend {
     const std::uint64_t largest = std::max<std::uint64_t>({skin, skinning, strain, n.centres, n.features});
     const std::uint64_t all = 3 * skin + skinning + strain + n.centres + 3 * n.features;
     const std::uint64_t by_range =
-        device_.info().max_storage_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
+        device_.info().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
     const std::uint64_t by_memory =
         std::min(kBatchBytes, device_.info().memory_bytes / 8) / (sizeof(float) * std::max<std::uint64_t>(1, all));
     const std::uint64_t by_groups = device_.info().max_groups_y;

@@ -107,7 +107,7 @@ TEST_F(PoseSkin, WindowsGiveTheSameBits) {
   const std::vector<float> whole = c.on_gpu(*device_, device_->info());
   for (const std::uint64_t range : {3600u, 10000u, 100000u}) {
     vulkan::DeviceInfo limits = device_->info();
-    limits.max_storage_range = range;
+    limits.max_storage_buffer_range = range;
     limits.storage_alignment = 256;
     const auto windows = vulkan::ddm_windows(c.ddm, limits);
     EXPECT_GT(windows.size(), 1u);
@@ -123,7 +123,7 @@ TEST_F(PoseSkin, WindowsGiveTheSameBits) {
   vulkan::DeviceInfo limits = device_->info();
   limits.max_groups_x = 3;
   EXPECT_EQ(c.on_gpu(*device_, limits), whole);
-  limits.max_storage_range = 400;  // less than one block
+  limits.max_storage_buffer_range = 400;  // less than one block
   EXPECT_THROW(vulkan::ddm_windows(c.ddm, limits), Error);
 }
 

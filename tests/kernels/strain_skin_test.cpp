@@ -74,7 +74,7 @@ TEST_F(StrainSkin, ReferenceEqualsTheTextbook) {
 TEST_F(StrainSkin, WindowsGiveTheSameBits) {
   const Case c(130, 2);
   vulkan::DeviceInfo limits = device_->info();
-  limits.max_storage_range = 10000;
+  limits.max_storage_buffer_range = 10000;
   ASSERT_GT(vulkan::ddm_windows(c.ddm, limits).size(), 1u);
   EXPECT_EQ(c.on_gpu(*device_, limits), c.on_gpu(*device_, device_->info()));
 }

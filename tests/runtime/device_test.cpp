@@ -1,5 +1,7 @@
 #include "runtime/vulkan/device.h"
 
+#include <optional>
+
 #include "runtime/basis/error.h"
 #include "runtime/vulkan/output_normals.h"
 #include "runtime/vulkan/residual_blend.h"
@@ -69,6 +71,51 @@ TEST(CheckResult, NamesCallAndResult) {
   }
 }
 
+// Sets an environment variable for as long as it lives.
+class Environment {
+ public:
+  Environment(const char* name, const char* value) : name_(name) {
+    const char* before = std::getenv(name);
+    if (before) before_ = before;
+    setenv(name, value, 1);
+  }
+  ~Environment() {
+    if (before_) {
+      setenv(name_, before_->c_str(), 1);
+    } else {
+      unsetenv(name_);
+    }
+  }
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+TEST(NoDriver, IsAnErrorThatSaysSo) {
+  const Environment files("VK_DRIVER_FILES", "/nonexistent.json"), names("VK_ICD_FILENAMES", "/nonexistent.json");
+  EXPECT_TRUE(vulkan::list_devices().empty());
+  EXPECT_FALSE(has_vulkan_device());
+  try {
+    const vulkan::Device device({"auto", true, false});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::device);
+    EXPECT_NE(std::string(error.what()).find("this machine has no Vulkan device"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Validation, MissingLayerIsAnErrorThatNamesThePackage) {
+  const Environment path("VK_LAYER_PATH", "/nonexistent");
+  try {
+    const vulkan::Device device(test_device());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::device);
+    EXPECT_NE(std::string(error.what()).find("vulkan-validationlayers"), std::string::npos) << error.what();
+  }
+}
+
 class OpenDevice : public GpuTest {};
 
 TEST_F(OpenDevice, IsListed) {
@@ -78,7 +125,7 @@ TEST_F(OpenDevice, IsListed) {
   EXPECT_EQ(listed.name, device_->info().name);
   EXPECT_EQ(listed.problem, "");
   EXPECT_GT(listed.memory_bytes, 0u);
-  EXPECT_GE(listed.max_storage_range, 128u << 20);
+  EXPECT_GE(listed.max_storage_buffer_range, 128u << 20);
   EXPECT_TRUE(has_vulkan_device());
 }
 
@@ -87,7 +134,7 @@ TEST_F(OpenDevice, RefusesWhatItCannotHold) {
   const vulkan::OutputNormals kernel(*device_);
   const vulkan::Buffer small(*device_, 16, vulkan::Memory::device, "small");
   vulkan::BufferRange huge = small;
-  huge.size = device_->info().max_storage_range + 1;
+  huge.size = device_->info().max_storage_buffer_range + 1;
   vulkan::Commands commands(*device_);
   commands.begin();
   EXPECT_THROW(kernel.record(commands, {small, small, small, huge, small}, {64}, 1), Error);

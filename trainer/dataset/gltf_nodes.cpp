@@ -178,6 +178,7 @@ JointFold::JointFold(const NodeTree& tree, std::span<const int> joint_nodes, con
       joint_of_node_(tree.parent.size(), -1),
       joint_above_(tree.parent.size(), -1),
       above_(tree.parent.size(), -1),
+      folds_(tree.parent.size(), false),
       folded_(joint_nodes.size(), false),
       animated_(joint_nodes.size(), false) {
   for (std::size_t j = 0; j < joint_nodes.size(); ++j) {
@@ -193,7 +194,7 @@ JointFold::JointFold(const NodeTree& tree, std::span<const int> joint_nodes, con
       above_[n] = animated[p] || !is_identity(tree.local[p]) ? static_cast<int>(p) : above_[p];
     }
   }
-  std::vector<bool> needed(tree.parent.size(), false), moves(tree.parent.size(), false);
+  std::vector<bool> moves(tree.parent.size(), false);
   for (const std::size_t n : tree.order) {
     moves[n] = animated[n] || (above_[n] >= 0 && moves[static_cast<std::size_t>(above_[n])]);
   }
@@ -202,13 +203,13 @@ JointFold::JointFold(const NodeTree& tree, std::span<const int> joint_nodes, con
     const auto n = static_cast<std::size_t>(joint_nodes[j]);
     folded_[j] = above_[n] >= 0;
     animated_[j] = moves[n];
-    for (int up = above_[n]; up >= 0 && !needed[static_cast<std::size_t>(up)];
+    for (int up = above_[n]; up >= 0 && !folds_[static_cast<std::size_t>(up)];
          up = above_[static_cast<std::size_t>(up)]) {
-      needed[static_cast<std::size_t>(up)] = true;
+      folds_[static_cast<std::size_t>(up)] = true;
     }
   }
   for (const std::size_t n : tree.order) {
-    if (needed[n]) folded_nodes_.push_back(n);
+    if (folds_[n]) folded_nodes_.push_back(n);
   }
 }
 

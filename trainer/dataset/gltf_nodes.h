@@ -43,6 +43,7 @@ class JointFold {
 
   bool is_folded(std::size_t joint) const { return folded_[joint]; }      // nodes above belong to the joint
   bool is_animated(std::size_t joint) const { return animated_[joint]; }  // the joint's node or one folded into it is
+  bool folds(std::size_t node) const { return folds_[node]; }             // the node is folded into some joint
   const std::vector<int>& joint_of_node() const { return joint_of_node_; }
   int joint_above(std::size_t node) const { return joint_above_[node]; }  // nearest joint above a node, or -1
 
@@ -50,6 +51,7 @@ class JointFold {
   std::vector<int> joint_nodes_, joint_of_node_, joint_above_;
   std::vector<int> above_;                 // per node: the next node to fold, or -1
   std::vector<std::size_t> folded_nodes_;  // nodes that some joint folds in, parents first
+  std::vector<bool> folds_;                // per node
   std::vector<bool> folded_, animated_;    // per joint
 };
 

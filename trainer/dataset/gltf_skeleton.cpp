@@ -81,7 +81,7 @@ std::vector<std::string> set_binds(const GltfFile& file, Skeleton& skeleton) {
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 4; ++c) error += std::abs(rest.m[r][c] - (r == c ? 1 : 0));
     }
-    if (!std::isfinite(error)) file.fail("the inverse bind matrix of joint '" + joint.name + "' is out of range");
+    if (!(error < 10)) file.fail("the inverse bind matrix of joint '" + joint.name + "' is nearly singular");
     if (error > 1e-3) sheared.push_back(joint.name);
   }
   return sheared;

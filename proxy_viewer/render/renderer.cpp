@@ -1,0 +1,151 @@
+#include "proxy_viewer/render/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "proxy_viewer/render/camera.h"
+#include "proxy_viewer/render/surface_pipeline.h"
+#include "proxy_viewer/render/target.h"
+#include "runtime/basis/error.h"
+#include "runtime/vulkan/commands.h"
+
+namespace bodyopt {
+namespace {
+
+[[noreturn]] void refuse_mesh(std::size_t index, const std::string& what) {
+  throw Error(ErrorKind::mismatch, "mesh " + std::to_string(index) + " to draw: " + what);
+}
+
+// Throws unless the shader can read this mesh without leaving a buffer or making a NaN.
+void check_mesh(const DrawMesh& mesh, std::size_t index) {
+  const std::size_t values = mesh.positions.size();
+  if (values % 3 != 0 || mesh.normals.size() != values || (!mesh.colours.empty() && mesh.colours.size() != values)) {
+    refuse_mesh(index, "positions, normals and colours hold " + std::to_string(values) + ", " +
+                           std::to_string(mesh.normals.size()) + " and " + std::to_string(mesh.colours.size()) +
+                           " numbers; expected three per vertex of each (or no colours)");
+  }
+  if (mesh.triangles.size() % 3 != 0) refuse_mesh(index, "the triangles' corners are not a multiple of three");
+  for (const std::uint32_t vertex : mesh.triangles) {
+    if (vertex >= values / 3) {
+      refuse_mesh(index, "a triangle names vertex " + std::to_string(vertex) + " of " + std::to_string(values / 3));
+    }
+  }
+  for (const std::span<const float> numbers : {mesh.positions, mesh.normals, mesh.colours}) {
+    if (!std::all_of(numbers.begin(), numbers.end(), [](float x) { return std::abs(x) <= kMaxCoordinate; })) {
+      refuse_mesh(index, "positions, normals or colours are not finite, or beyond 1e9");
+    }
+  }
+}
+
+// Scales and depth terms for the camera and what it sees. The near and far planes enclose the meshes as tightly as
+// they can, so that depth is exact from a thimble to a house.
+std::array<float, 4> projection(std::span<const DrawMesh> meshes, const std::array<std::array<float, 4>, 3>& view,
+                                float vertical_angle, float aspect) {
+  double nearest = 1e30, farthest = 0;
+  for (const DrawMesh& mesh : meshes) {
+    for (std::size_t i = 0; i < mesh.positions.size(); i += 3) {
+      const double z = view[2][0] * mesh.positions[i] + view[2][1] * mesh.positions[i + 1] +
+                       view[2][2] * mesh.positions[i + 2] + view[2][3];
+      nearest = std::min(nearest, -z);
+      farthest = std::max(farthest, -z);
+    }
+  }
+  const double f = std::max(1.01 * farthest, 1e-3), n = std::clamp(0.99 * nearest, 1e-3 * f, 0.9 * f);
+  const double scale = 1 / std::tan(0.5 * static_cast<double>(vertical_angle));
+  return {static_cast<float>(scale / static_cast<double>(aspect)), static_cast<float>(scale),
+          static_cast<float>(f / (n - f)), static_cast<float>(n * f / (n - f))};
+}
+
+// The device that `name` means, among those that can draw.
+DeviceChoice drawing_device(const std::string& name, bool validation) {
+  std::vector<vulkan::DeviceInfo> devices = vulkan::list_devices();
+  for (vulkan::DeviceInfo& device : devices) {
+    if (device.problem.empty() && !device.draws) device.problem = "cannot draw, only compute";
+  }
+  DeviceChoice choice;
+  choice.name = std::to_string(vulkan::choose_device(devices, name));
+  choice.validation = validation;
+  return choice;
+}
+
+// What the host wrote before is seen by the vertex shader.
+void await_uploads(VkCommandBuffer commands) {
+  auto memory = vulkan::structure<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
+  memory.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+  memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT;
+  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_VERTEX_SHADER_BIT, 0, 1, &memory, 0,
+                       nullptr, 0, nullptr);
+}
+
+struct MeshBuffers {
+  vulkan::Buffer triangles, positions, normals, colours;
+  VkDescriptorSet set = VK_NULL_HANDLE;
+};
+
+}  // namespace
+
+struct Renderer::Impl {
+  explicit Impl(const DeviceChoice& choice)
+      : device(choice), render_pass(make_render_pass(device)), pipeline(device, render_pass.get()) {}
+
+  MeshBuffers upload(const DrawMesh& mesh, SurfaceSets& sets) const {
+    MeshBuffers buffers;
+    buffers.triangles = vulkan::upload_bytes(device, std::as_bytes(mesh.triangles), "triangles");
+    buffers.positions = vulkan::upload_bytes(device, std::as_bytes(mesh.positions), "positions");
+    buffers.normals = vulkan::upload_bytes(device, std::as_bytes(mesh.normals), "normals");
+    buffers.colours = vulkan::upload_bytes(device, std::as_bytes(mesh.colours), "colours");
+    buffers.set = sets.make({&buffers.triangles, &buffers.positions, &buffers.normals, &buffers.colours});
+    return buffers;
+  }
+
+  vulkan::Device device;
+  RenderPass render_pass;
+  SurfacePipeline pipeline;
+};
+
+Renderer::Renderer(const std::string& device, bool validation)
+    : impl_(std::make_unique<Impl>(drawing_device(device, validation))) {}
+
+Renderer::~Renderer() = default;
+
+std::shared_ptr<const vulkan::ValidationLog> Renderer::validation_log() const { return impl_->device.validation_log(); }
+
+Image Renderer::draw(std::span<const DrawMesh> meshes, const Camera& camera, std::uint32_t width,
+                     std::uint32_t height) {
+  if (width == 0 || height == 0 || width > kMaxPictureSize || height > kMaxPictureSize) {
+    throw Error(ErrorKind::usage, "a picture has 1 to " + std::to_string(kMaxPictureSize) + " pixels a side, not " +
+                                      std::to_string(width) + " x " + std::to_string(height));
+  }
+  for (std::size_t m = 0; m < meshes.size(); ++m) check_mesh(meshes[m], m);
+  SurfacePush push;
+  push.view = view_matrix(camera);
+  push.projection =
+      projection(meshes, push.view, camera.vertical_angle, static_cast<float>(width) / static_cast<float>(height));
+
+  const vulkan::Device& device = impl_->device;
+  const SurfacePipeline& pipeline = impl_->pipeline;
+  SurfaceSets sets(device, pipeline, static_cast<std::uint32_t>(meshes.size() + 1));
+  const MeshBuffers nothing = impl_->upload({}, sets);
+  std::vector<MeshBuffers> buffers;
+  for (const DrawMesh& mesh : meshes) buffers.push_back(impl_->upload(mesh, sets));
+  const Target target(device, impl_->render_pass.get(), width, height);
+
+  vulkan::Commands commands(device);
+  commands.begin();
+  const VkCommandBuffer recorder = commands.handle();
+  await_uploads(recorder);
+  target.begin(recorder);
+  pipeline.bind(recorder);
+  push.kind = SurfaceKind::backdrop;
+  pipeline.draw(recorder, nothing.set, push, 3);
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    push.kind = meshes[m].colours.empty() ? SurfaceKind::clay : SurfaceKind::coloured;
+    pipeline.draw(recorder, buffers[m].set, push, static_cast<std::uint32_t>(meshes[m].triangles.size()));
+  }
+  target.end(recorder);
+  commands.end();
+  commands.run();
+  return target.picture();
+}
+
+}  // namespace bodyopt

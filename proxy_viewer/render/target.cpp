@@ -1,0 +1,165 @@
+#include "proxy_viewer/render/target.h"
+
+#include <array>
+#include <cstring>
+
+namespace bodyopt {
+
+using vulkan::check;
+using vulkan::structure;
+
+namespace {
+
+VkAttachmentDescription attachment(VkFormat format, VkSampleCountFlagBits samples, bool clear, VkImageLayout layout) {
+  VkAttachmentDescription a{};
+  a.format = format;
+  a.samples = samples;
+  a.loadOp = clear ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+  a.storeOp = clear ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE;
+  a.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+  a.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+  a.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
+  a.finalLayout = layout;
+  return a;
+}
+
+VkImageAspectFlags aspect_of(VkFormat format) {
+  return format == kDepthFormat ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+}
+
+}  // namespace
+
+RenderPass make_render_pass(const vulkan::Device& device) {
+  const std::array attachments = {
+      attachment(kColourFormat, kSamples, true, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL),
+      attachment(kDepthFormat, kSamples, true, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL),
+      attachment(kColourFormat, VK_SAMPLE_COUNT_1_BIT, false, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL)};
+  const VkAttachmentReference colour{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+  const VkAttachmentReference depth{1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
+  const VkAttachmentReference resolved{2, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+  VkSubpassDescription subpass{};
+  subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
+  subpass.colorAttachmentCount = 1;
+  subpass.pColorAttachments = &colour;
+  subpass.pResolveAttachments = &resolved;
+  subpass.pDepthStencilAttachment = &depth;
+
+  std::array<VkSubpassDependency, 2> dependencies{};
+  const VkPipelineStageFlags drawing = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
+                                       VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
+                                       VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
+  dependencies[0].srcSubpass = VK_SUBPASS_EXTERNAL;
+  dependencies[0].srcStageMask = dependencies[0].dstStageMask = drawing;
+  dependencies[0].dstAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT |
+                                  VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
+  dependencies[1].dstSubpass = VK_SUBPASS_EXTERNAL;
+  dependencies[1].srcStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+  dependencies[1].dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT;
+  dependencies[1].srcAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+  dependencies[1].dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
+
+  auto info = structure<VkRenderPassCreateInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO);
+  info.attachmentCount = attachments.size();
+  info.pAttachments = attachments.data();
+  info.subpassCount = 1;
+  info.pSubpasses = &subpass;
+  info.dependencyCount = dependencies.size();
+  info.pDependencies = dependencies.data();
+  VkRenderPass render_pass = VK_NULL_HANDLE;
+  check(vkCreateRenderPass(device.handle(), &info, nullptr, &render_pass), "vkCreateRenderPass");
+  return {device.handle(), render_pass};
+}
+
+Target::Attachment Target::make_attachment(const vulkan::Device& device, VkFormat format, VkSampleCountFlagBits samples,
+                                           VkImageUsageFlags usage) const {
+  auto info = structure<VkImageCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO);
+  info.imageType = VK_IMAGE_TYPE_2D;
+  info.format = format;
+  info.extent = {width_, height_, 1};
+  info.mipLevels = 1;
+  info.arrayLayers = 1;
+  info.samples = samples;
+  info.tiling = VK_IMAGE_TILING_OPTIMAL;
+  info.usage = usage;
+  Attachment result;
+  VkImage image = VK_NULL_HANDLE;
+  check(vkCreateImage(device.handle(), &info, nullptr, &image), "vkCreateImage");
+  result.image = {device.handle(), image};
+
+  VkMemoryRequirements needs{};
+  vkGetImageMemoryRequirements(device.handle(), image, &needs);
+  auto allocation = structure<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
+  allocation.allocationSize = needs.size;
+  allocation.memoryTypeIndex = device.memory_type(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  check(vkAllocateMemory(device.handle(), &allocation, nullptr, &memory), "vkAllocateMemory for a picture");
+  result.memory = {device.handle(), memory};
+  check(vkBindImageMemory(device.handle(), image, memory, 0), "vkBindImageMemory");
+
+  auto view_info = structure<VkImageViewCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO);
+  view_info.image = image;
+  view_info.viewType = VK_IMAGE_VIEW_TYPE_2D;
+  view_info.format = format;
+  view_info.subresourceRange = {aspect_of(format), 0, 1, 0, 1};
+  VkImageView view = VK_NULL_HANDLE;
+  check(vkCreateImageView(device.handle(), &view_info, nullptr, &view), "vkCreateImageView");
+  result.view = {device.handle(), view};
+  return result;
+}
+
+Target::Target(const vulkan::Device& device, VkRenderPass render_pass, std::uint32_t width, std::uint32_t height)
+    : width_(width),
+      height_(height),
+      render_pass_(render_pass),
+      colour_(make_attachment(device, kColourFormat, kSamples,
+                              VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT)),
+      depth_(make_attachment(device, kDepthFormat, kSamples,
+                             VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT)),
+      resolved_(make_attachment(device, kColourFormat, VK_SAMPLE_COUNT_1_BIT,
+                                VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT)),
+      readback_(device, VkDeviceSize{width} * height * 4, vulkan::Memory::staging, "the picture") {
+  const std::array views = {colour_.view.get(), depth_.view.get(), resolved_.view.get()};
+  auto info = structure<VkFramebufferCreateInfo>(VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO);
+  info.renderPass = render_pass;
+  info.attachmentCount = views.size();
+  info.pAttachments = views.data();
+  info.width = width;
+  info.height = height;
+  info.layers = 1;
+  VkFramebuffer framebuffer = VK_NULL_HANDLE;
+  check(vkCreateFramebuffer(device.handle(), &info, nullptr, &framebuffer), "vkCreateFramebuffer");
+  framebuffer_ = {device.handle(), framebuffer};
+}
+
+void Target::begin(VkCommandBuffer commands) const {
+  std::array<VkClearValue, 2> clear{};
+  clear[1].depthStencil.depth = 1;
+  const VkRect2D area{{0, 0}, {width_, height_}};
+  auto info = structure<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
+  info.renderPass = render_pass_;
+  info.framebuffer = framebuffer_.get();
+  info.renderArea = area;
+  info.clearValueCount = clear.size();
+  info.pClearValues = clear.data();
+  vkCmdBeginRenderPass(commands, &info, VK_SUBPASS_CONTENTS_INLINE);
+  const VkViewport viewport{0, 0, static_cast<float>(width_), static_cast<float>(height_), 0, 1};
+  vkCmdSetViewport(commands, 0, 1, &viewport);
+  vkCmdSetScissor(commands, 0, 1, &area);
+}
+
+void Target::end(VkCommandBuffer commands) const {
+  vkCmdEndRenderPass(commands);
+  VkBufferImageCopy region{};
+  region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  region.imageExtent = {width_, height_, 1};
+  vkCmdCopyImageToBuffer(commands, resolved_.image.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, readback_.handle(), 1,
+                         &region);
+}
+
+Image Target::picture() const {
+  Image image{width_, height_, std::vector<std::uint8_t>(std::size_t{width_} * height_ * 4)};
+  std::memcpy(image.rgba.data(), readback_.mapped(), image.rgba.size());
+  return image;
+}
+
+}  // namespace bodyopt

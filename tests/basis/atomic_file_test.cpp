@@ -1,0 +1,108 @@
+#include "runtime/basis/atomic_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <csignal>
+#include <thread>
+
+#include "tests/support/hostile_bytes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bodyopt {
+namespace {
+
+using namespace testing;
+
+void write(const std::filesystem::path& path, const std::string& text) {
+  write_file_atomically(path, std::as_bytes(std::span(text)));
+}
+
+std::size_t entries(const std::filesystem::path& folder) {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
+
+TEST(AtomicFile, WritesAndReplacesWithUsualPermissions) {
+  const TemporaryFolder folder;
+  write(folder / "a", "first");
+  write(folder / "a", "second");
+  EXPECT_EQ(read_bytes(folder / "a"), "second");
+  write(folder / "empty", "");
+  EXPECT_EQ(std::filesystem::file_size(folder / "empty"), 0u);
+  EXPECT_EQ(entries(folder.path()), 2u);
+  const mode_t mask = umask(0);
+  umask(mask);
+  struct stat status {};
+  ASSERT_EQ(stat((folder / "a").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0666 & ~mask);
+}
+
+TEST(AtomicFile, UncommittedLeavesTheOldFileAndNothingElse) {
+  const TemporaryFolder folder;
+  write(folder / "a", "old");
+  {
+    AtomicFile file(folder / "a");
+    file.write(std::as_bytes(std::span("new")));
+    EXPECT_EQ(entries(folder.path()), 2u);
+  }
+  EXPECT_EQ(read_bytes(folder / "a"), "old");
+  EXPECT_EQ(entries(folder.path()), 1u);
+}
+
+TEST(AtomicFile, FoldersMissingFoldersAndDevicesAreRefused) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  for (const std::filesystem::path& path :
+       {folder.path(), folder / "no/a", folder / "pipe", folder / "pipe/a", std::filesystem::path("/dev/null"),
+        folder / "", std::filesystem::path(""), folder / std::string(300, 'n')}) {
+    EXPECT_TRUE(refuses([](const auto& p) { write(p, "x"); }, path, path.string())) << path;
+  }
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+  EXPECT_EQ(entries(folder.path()), 1u);
+}
+
+TEST(AtomicFile, FollowsASymbolicLink) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "there");
+  write(folder / "there/a", "old");
+  std::filesystem::create_symlink(folder / "there/a", folder / "link");
+  write(folder / "link", "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+  EXPECT_EQ(read_bytes(folder / "there/a"), "new");
+  EXPECT_EQ(entries(folder / "there"), 1u);
+}
+
+// A limit on the size of files does what a full disk does, once its signal is ignored.
+TEST(AtomicFile, AFullDiskLeavesTheOldFile) {
+  const TemporaryFolder folder;
+  write(folder / "a", "old");
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{1000, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const bool refused = refuses([](const auto& p) { write(p, std::string(100'000, 'x')); }, folder / "a", "full");
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_TRUE(refused);
+  EXPECT_EQ(read_bytes(folder / "a"), "old");
+  EXPECT_EQ(entries(folder.path()), 1u);
+}
+
+TEST(AtomicFile, WritersOfOneFileDoNotMix) {
+  const TemporaryFolder folder;
+  const std::string a(100'000, 'a'), b(100'000, 'b');
+  const auto many = [&](const std::string& text) {
+    for (int k = 0; k < 20; ++k) write(folder / "same", text);
+  };
+  std::thread other(many, a);
+  many(b);
+  other.join();
+  const std::string found = read_bytes(folder / "same");
+  EXPECT_TRUE(found == a || found == b);
+  EXPECT_EQ(entries(folder.path()), 1u);
+}
+
+}  // namespace
+}  // namespace bodyopt

@@ -1,0 +1,193 @@
+// The built-in character's motions.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "runtime/basis/error.h"
+#include "runtime/rig.h"
+#include "trainer/builtin/arm.h"
+#include "trainer/builtin/arm_dofs.h"
+
+namespace bodyopt {
+namespace {
+
+const Skeleton& skeleton() {
+  static const Skeleton built = build_arm().character.skeleton;
+  return built;
+}
+
+// Degrees between two poses of one joint.
+double angle_between(const JointTransform& a, const JointTransform& b) {
+  const Quat q = conjugate(a.rotation) * b.rotation;
+  return 2 * std::atan2(std::hypot(q[0], std::hypot(q[1], q[2])), std::abs(q[3])) * 180 / M_PI;
+}
+
+double largest_angle(const Pose& a, const Pose& b) {
+  double most = 0;
+  for (std::size_t j = 0; j < a.joints.size(); ++j) most = std::max(most, angle_between(a.joints[j], b.joints[j]));
+  return most;
+}
+
+bool contains(const Clip& clip, const Pose& pose) {
+  return std::any_of(clip.poses.begin(), clip.poses.end(),
+                     [&](const Pose& p) { return largest_angle(p, pose) < 1e-5; });
+}
+
+// Largest angle that a joint may reach away from rest, by the table of limits.
+double reach(const std::string& joint) {
+  const auto span = [](ArmDof dof) {
+    return std::max(kArmLimits[dof].high - kArmLimits[dof].rest, kArmLimits[dof].rest - kArmLimits[dof].low);
+  };
+  if (joint == "clavicle") return span(kClavicleElevation) + span(kClavicleProtraction);
+  if (joint == "shoulder") {
+    return std::hypot(span(kShoulderAbduction), span(kShoulderFlexion)) + span(kShoulderRotation);
+  }
+  if (joint == "elbow") return span(kElbowFlexion);
+  if (joint == "forearm" || joint == "forearm_twist") return 0.5 * span(kForearmTwist);
+  if (joint == "wrist") return span(kWristFlexion) + span(kWristDeviation);
+  if (joint == "torso") return 0;
+  return 1.1 * span(kFingerCurl);
+}
+
+TEST(ArmAngles, RestAnglesAreTheBindPose) {
+  EXPECT_TRUE(within_limits(arm_rest_angles()));
+  EXPECT_NEAR(largest_angle(arm_pose(skeleton(), arm_rest_angles()), bind_pose(skeleton())), 0, 1e-12);
+}
+
+TEST(ArmAngles, MoveTheRightWay) {
+  const auto joint_at = [](const char* joint, ArmDof dof, double degrees) {
+    ArmAngles angles = arm_rest_angles();
+    angles[dof] = degrees;
+    const Affine at = posed_joints(skeleton(), arm_pose(skeleton(), angles).joints)[skeleton().find(joint)];
+    return Vec3{at.m[0][3], at.m[1][3], at.m[2][3]};
+  };
+  EXPECT_GT(joint_at("shoulder", kClavicleElevation, 20)[1], joint_at("shoulder", kClavicleElevation, 0)[1] + 0.02);
+  EXPECT_GT(joint_at("shoulder", kClavicleProtraction, 18)[2], joint_at("shoulder", kClavicleProtraction, 0)[2] + 0.02);
+  EXPECT_GT(joint_at("elbow", kShoulderAbduction, 90)[1], joint_at("elbow", kShoulderAbduction, 50)[1] + 0.1);
+  EXPECT_NEAR(joint_at("elbow", kShoulderAbduction, 90)[1], joint_at("shoulder", kShoulderAbduction, 90)[1], 1e-9);
+  EXPECT_GT(joint_at("elbow", kShoulderFlexion, 60)[2], joint_at("elbow", kShoulderFlexion, 0)[2] + 0.2);
+  EXPECT_GT(joint_at("wrist", kShoulderRotation, 50)[0], joint_at("wrist", kShoulderRotation, 0)[0] + 0.02);
+  const double bent = length(joint_at("wrist", kElbowFlexion, 130) - joint_at("shoulder", kElbowFlexion, 130));
+  const double straight = length(joint_at("wrist", kElbowFlexion, 0) - joint_at("shoulder", kElbowFlexion, 0));
+  EXPECT_LT(bent, 0.26);
+  EXPECT_NEAR(straight, 0.567, 1e-3);
+}
+
+TEST(RangeOfMotion, HasEveryExtremeAndStaysWithinLimits) {
+  const Clip clip = arm_range_of_motion(skeleton(), 400, 7);
+  ASSERT_EQ(clip.poses.size(), 400u);
+  EXPECT_EQ(clip.fps, 24);
+  for (int dof = 0; dof < kArmDofCount; ++dof) {
+    for (const double degrees : {kArmLimits[dof].low, kArmLimits[dof].high}) {
+      ArmAngles angles = arm_rest_angles();
+      angles[dof] = degrees;
+      EXPECT_TRUE(contains(clip, arm_pose(skeleton(), angles))) << kArmLimits[dof].name << " " << degrees;
+    }
+  }
+  for (const Pose& pose : clip.poses) {
+    ASSERT_EQ(pose.joints.size(), skeleton().size());
+    for (std::size_t j = 0; j < skeleton().size(); ++j) {
+      const Joint& joint = skeleton().joints[j];
+      ASSERT_LE(angle_between(pose.joints[j], joint.bind), reach(joint.name) + 1e-6) << joint.name;
+      ASSERT_EQ(pose.joints[j].translation, joint.bind.translation);
+    }
+  }
+}
+
+TEST(RangeOfMotion, BlendsMoveEverythingAndRepeatNothing) {
+  const Clip clip = arm_range_of_motion(skeleton(), 400, 7);
+  for (std::size_t j = 1; j < skeleton().size(); ++j) {
+    double least = 180, most = 0;
+    for (std::size_t k = 200; k < clip.poses.size(); ++k) {
+      const double angle = angle_between(clip.poses[k].joints[j], skeleton().joints[j].bind);
+      least = std::min(least, angle);
+      most = std::max(most, angle);
+    }
+    EXPECT_GT(most - least, 12) << skeleton().joints[j].name;
+  }
+  for (std::size_t a = 200; a < clip.poses.size(); ++a) {
+    for (std::size_t b = a + 1; b < clip.poses.size(); ++b) {
+      ASSERT_GT(largest_angle(clip.poses[a], clip.poses[b]), 1) << a << " " << b;
+    }
+  }
+}
+
+TEST(RangeOfMotion, DependsOnItsSeedOnly) {
+  const Clip a = arm_range_of_motion(skeleton(), 300, 1), b = arm_range_of_motion(skeleton(), 300, 1);
+  const Clip c = arm_range_of_motion(skeleton(), 300, 2);
+  double other = 0;
+  for (std::size_t k = 0; k < a.poses.size(); ++k) {
+    for (std::size_t j = 0; j < skeleton().size(); ++j)
+      ASSERT_EQ(a.poses[k].joints[j].rotation, b.poses[k].joints[j].rotation);
+    other = std::max(other, largest_angle(a.poses[k], c.poses[k]));
+  }
+  EXPECT_GT(other, 20);
+}
+
+TEST(RangeOfMotion, TakesAnyLength) {
+  for (const int count : {1, 2, 20, 21, 50, 75}) {
+    EXPECT_EQ(arm_range_of_motion(skeleton(), count, 3).poses.size(), static_cast<std::size_t>(count));
+    EXPECT_EQ(arm_heldout(skeleton(), count).poses.size(), static_cast<std::size_t>(count));
+  }
+  EXPECT_THROW(arm_range_of_motion(skeleton(), 0, 3), Error);
+  EXPECT_THROW(arm_heldout(skeleton(), -1), Error);
+  EXPECT_THROW(arm_heldout(Skeleton{}, 10), Error);
+}
+
+TEST(Heldout, SharesNoPoseWithTheRangeOfMotion) {
+  const Clip heldout = arm_heldout(skeleton(), 120);
+  for (const std::uint64_t seed : {0u, 1u, 2u, 42u}) {
+    const Clip training = arm_range_of_motion(skeleton(), 480, seed);
+    double nearest = 180;
+    for (const Pose& held : heldout.poses) {
+      for (const Pose& pose : training.poses) nearest = std::min(nearest, largest_angle(held, pose));
+    }
+    EXPECT_GT(nearest, 3) << "seed " << seed;
+  }
+}
+
+TEST(Heldout, MovesSmoothlyWithinLimits) {
+  const Clip clip = arm_heldout(skeleton(), 200);  // at 24 frames a second
+  EXPECT_EQ(clip.fps, 24);
+  std::vector<double> most(skeleton().size());
+  for (std::size_t k = 0; k < clip.poses.size(); ++k) {
+    for (std::size_t j = 0; j < skeleton().size(); ++j) {
+      const double away = angle_between(clip.poses[k].joints[j], skeleton().joints[j].bind);
+      most[j] = std::max(most[j], away);
+      ASSERT_LE(away, reach(skeleton().joints[j].name) + 1e-6);
+      if (k == 0) continue;
+      ASSERT_LT(angle_between(clip.poses[k].joints[j], clip.poses[k - 1].joints[j]), 30) << "frame " << k;
+    }
+  }
+  EXPECT_GT(most[skeleton().find("shoulder")], 60);
+  EXPECT_GT(most[skeleton().find("elbow")], 95);
+  EXPECT_GT(most[skeleton().find("forearm")], 30);
+  EXPECT_GT(most[skeleton().find("wrist")], 25);
+}
+
+// Read back from the pose itself: bones of the limb as lines, the torso as the ellipse of its ribs.
+double deepest_in_ribs(const Pose& pose) {
+  const std::vector<Affine> joints = posed_joints(skeleton(), pose.joints);
+  double deepest = 0;
+  for (const char* end : {"wrist", "fingers", "fingertips"}) {
+    const Affine& to = joints[skeleton().find(end)];
+    const Affine& from = joints[skeleton().joints[skeleton().find(end)].parent];
+    for (const double t : {0.0, 0.5, 1.0}) {
+      Vec3 p;
+      for (int i = 0; i < 3; ++i) p[i] = (1 - t) * from.m[i][3] + t * to.m[i][3];
+      if (p[1] < 1.10 || p[1] > 1.40) continue;
+      deepest = std::max(deepest, 1 - std::hypot(p[0] / 0.150, p[2] / 0.110));
+    }
+  }
+  return deepest;
+}
+
+TEST(Motions, KeepForearmAndHandOutOfTheRibs) {
+  for (const Pose& pose : arm_heldout(skeleton(), 200).poses) EXPECT_EQ(deepest_in_ribs(pose), 0);
+  for (const Pose& pose : arm_range_of_motion(skeleton(), 480, 5).poses) EXPECT_EQ(deepest_in_ribs(pose), 0);
+}
+
+}  // namespace
+}  // namespace bodyopt

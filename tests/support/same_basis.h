@@ -1,0 +1,59 @@
+// Two bases are the same bit for bit.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "runtime/basis/basis.h"
+
+namespace bodyopt::testing {
+
+template <typename T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+inline bool same_bits(const Skeleton& a, const Skeleton& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t j = 0; j < a.size(); ++j) {
+    const Joint &x = a.joints[j], &y = b.joints[j];
+    if (x.name != y.name || x.parent != y.parent || std::memcmp(&x.bind, &y.bind, sizeof(x.bind)) != 0 ||
+        std::memcmp(&x.default_local, &y.default_local, sizeof(x.bind)) != 0 ||
+        std::memcmp(&x.inverse_bind, &y.inverse_bind, sizeof(x.inverse_bind)) != 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// The name of the first part that differs, or nothing.
+inline std::string difference(const Basis& a, const Basis& b) {
+  const MeshTable &m = a.mesh, &n = b.mesh;
+  const ResidualTable &r = a.residual, &s = b.residual;
+  if (!same_bits(a.skeleton, b.skeleton)) return "skeleton";
+  if (!same_bits(m.rest, n.rest) || !same_bits(m.triangles, n.triangles) ||
+      !same_bits(m.output_vertex, n.output_vertex) || !same_bits(m.output_triangles, n.output_triangles) ||
+      !same_bits(m.vertex_triangle_begin, n.vertex_triangle_begin) ||
+      !same_bits(m.vertex_triangles, n.vertex_triangles)) {
+    return "mesh";
+  }
+  if (!same_bits(a.ddm.block_begin, b.ddm.block_begin) || !same_bits(a.ddm.block_joints, b.ddm.block_joints) ||
+      !same_bits(a.ddm.moments, b.ddm.moments) || !same_bits(a.ddm.vertices, b.ddm.vertices)) {
+    return "ddm";
+  }
+  if (!same_bits(a.strain.vertices, b.strain.vertices) || !same_bits(a.strain.points, b.strain.points) ||
+      !same_bits(a.strain.fibre_begin, b.strain.fibre_begin) ||
+      !same_bits(a.strain.rest_length, b.strain.rest_length) || a.strain.names != b.strain.names) {
+    return "strain";
+  }
+  if (r.controls != s.controls || !same_bits(r.features, s.features) || !same_bits(r.regions, s.regions) ||
+      !same_bits(r.region_features, s.region_features) || !same_bits(r.centre_region, s.centre_region) ||
+      !same_bits(r.centres, s.centres) || !same_bits(r.coefficient_region, s.coefficient_region) ||
+      !same_bits(r.weights, s.weights) || !same_bits(r.blend_begin, s.blend_begin) || !same_bits(r.blend, s.blend)) {
+    return "residual";
+  }
+  return a.metadata == b.metadata ? "" : "metadata";
+}
+
+}  // namespace bodyopt::testing

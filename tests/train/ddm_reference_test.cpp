@@ -1,0 +1,131 @@
+// Direct Delta Mush of a real character against an independent implementation in double precision.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "runtime/cpu/ddm.h"
+#include "tests/support/shared_data.h"
+#include "trainer/train/ddm.h"
+
+namespace bodyopt {
+namespace {
+
+// A safetensors file of our own making: no checks.
+class Tensors {
+ public:
+  explicit Tensors(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::uint64_t size = 0;
+    file.read(reinterpret_cast<char*>(&size), 8);
+    std::string header(size, ' ');
+    file.read(header.data(), static_cast<std::streamsize>(size));
+    header_ = nlohmann::json::parse(header);
+    bytes_.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  template <typename T>
+  std::vector<T> get(const std::string& name) const {
+    const auto& offsets = header_.at(name).at("data_offsets");
+    const std::size_t begin = offsets[0], end = offsets[1];
+    std::vector<T> values((end - begin) / sizeof(T));
+    std::memcpy(values.data(), bytes_.data() + begin, end - begin);
+    return values;
+  }
+
+ private:
+  nlohmann::json header_;
+  std::vector<char> bytes_;
+};
+
+struct Reference {
+  explicit Reference(const Tensors& file)
+      : skinning(file.get<double>("skinning")), ddm(file.get<double>("ddm")), gap(file.get<float>("gap")) {
+    const auto positions = file.get<double>("vertices");
+    const auto faces = file.get<std::int32_t>("faces");
+    const auto dense = file.get<double>("weights");
+    const std::size_t count = positions.size() / 3;
+    rest = Eigen::Map<const Positions>(positions.data(), static_cast<Eigen::Index>(count), 3);
+    triangles.resize(static_cast<Eigen::Index>(faces.size() / 3), 3);
+    for (std::size_t k = 0; k < faces.size(); ++k) {
+      triangles.data()[k] = static_cast<std::uint32_t>(faces[k]);
+    }
+    joints = dense.size() / count;
+    weights.resize(count);
+    for (std::size_t k = 0; k < dense.size(); ++k) {
+      if (dense[k] > 0) weights[k / joints].push_back({static_cast<std::uint32_t>(k % joints), dense[k]});
+    }
+    box = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
+  }
+  Positions rest;
+  Triangles triangles;
+  std::vector<std::vector<JointWeight>> weights;
+  std::vector<double> skinning, ddm;
+  std::vector<float> gap;
+  std::size_t joints = 0;
+  double box = 0;
+};
+
+// From the unpacked moments, in double precision, rotations by SVD.
+Eigen::Vector3d evaluate(const VertexMoments& vertex, const double* skinning) {
+  using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+  const auto matrix = [&](std::uint32_t j) { return Rows(Eigen::Map<const Rows>(skinning + 12 * j)); };
+  Eigen::Matrix3d q = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d t = Eigen::Vector3d::Zero();
+  const Eigen::Vector3d base = matrix(vertex.joints[0].joint) * vertex.centre.homogeneous();
+  for (const JointMoments& m : vertex.joints) {
+    const Rows a = matrix(m.joint);
+    const Eigen::Vector3d arm = a * vertex.centre.homogeneous() - base;
+    q += a.leftCols<3>() * m.second + arm * m.first.transpose();
+    t += m.omega * arm + vertex.radius2 * a.leftCols<3>() * m.first;
+  }
+  Eigen::JacobiSVD<Eigen::Matrix3d> svd(q, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d u = svd.matrixU();
+  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) *= -1;
+  return base + t + u * svd.matrixV().transpose() * vertex.offset;
+}
+
+// Largest distances from the reference over all frames, as parts of the bounding box's diagonal.
+struct Distances {
+  double unpacked = 0, packed = 0;
+};
+
+Distances distances(const Reference& reference, double prune) {
+  const auto moments = ddm_moments(reference.rest, reference.triangles, reference.weights,
+                                   {.radius = 0.045, .steps = 20, .prune = prune});
+  const DdmTable table = pack_ddm(moments);
+  const std::size_t count = reference.weights.size(), frames = reference.gap.size() / count;
+  Distances result;
+  for (std::size_t f = 0; f < frames; ++f) {
+    const double* skinning = reference.skinning.data() + 12 * reference.joints * f;
+    const std::vector<float> matrices(skinning, skinning + 12 * reference.joints);
+    for (std::size_t v = 0; v < count; ++v) {
+      if (!(reference.gap[f * count + v] > 0.05)) continue;
+      const Eigen::Map<const Eigen::Vector3d> expected(&reference.ddm[3 * (f * count + v)]);
+      float position[3];
+      cpu::ddm_position(table, static_cast<std::uint32_t>(v), matrices.data(), {0, 0, 0}, position);
+      const Eigen::Vector3d packed = Eigen::Vector3f(position).cast<double>();
+      result.unpacked = std::max(result.unpacked, (evaluate(moments[v], skinning) - expected).norm() / reference.box);
+      result.packed = std::max(result.packed, (packed - expected).norm() / reference.box);
+    }
+  }
+  return result;
+}
+
+TEST(DdmReference, CesiumMan) {
+  const auto path = shared_data("reference/ddm/cesium_man.safetensors");
+  if (!path) GTEST_SKIP() << "shared data not present";
+  const Reference reference{Tensors(*path)};
+  const Distances exact = distances(reference, 0), pruned = distances(reference, 1e-4);
+  EXPECT_LT(exact.unpacked, 1e-9);
+  EXPECT_LT(exact.packed, 1e-5);
+  EXPECT_LT(pruned.unpacked, 3e-5);
+  EXPECT_LT(pruned.packed, 3e-5);
+  RecordProperty("packed", std::to_string(exact.packed));
+  RecordProperty("pruned_and_packed", std::to_string(pruned.packed));
+}
+
+}  // namespace
+}  // namespace bodyopt

@@ -1,0 +1,87 @@
+#include "trainer/dataset/clip.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "runtime/basis/error.h"
+#include "trainer/dataset/bvh_clip.h"
+#include "trainer/dataset/clip_common.h"
+#include "trainer/dataset/gltf_clip.h"
+#include "trainer/dataset/notes.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kMaxFrames = 1e6, kMaxTransforms = 2e7;  // of a clip: more would not fit in memory
+
+struct Source {
+  std::filesystem::path path;
+  std::string name;
+};
+
+// A '#' may also be part of the file's name.
+Source split_source(const std::string& source) {
+  const std::size_t hash = source.rfind('#');
+  std::error_code ignored;
+  if (hash == std::string::npos || std::filesystem::exists(source, ignored)) return {source, ""};
+  return {source.substr(0, hash), source.substr(hash + 1)};
+}
+
+std::string lower_case_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+void check_options(const ClipOptions& options) {
+  if (!(options.fps > 0) || !(options.fps <= 1e5)) {
+    throw Error(ErrorKind::usage,
+                "frames per second must be above 0 and at most 100,000, not " + std::to_string(options.fps));
+  }
+  if (!(options.unit >= 0) || !std::isfinite(options.unit)) {
+    throw Error(ErrorKind::usage, "a unit is a positive number of metres, not " + std::to_string(options.unit));
+  }
+}
+
+}  // namespace
+
+std::size_t frame_count(const std::string& file, double duration, std::size_t joints, const ClipOptions& options) {
+  // Times are rounded (single precision; "Frame Time: .0083333"): the last frame may seem to lie beyond the end.
+  const double last = duration * options.fps;
+  const double frames = std::floor(last + 1e-3 + std::min(1e-5 * last, 0.5)) + 1;
+  if (!(frames <= kMaxFrames) || frames * static_cast<double>(joints) > kMaxTransforms) {
+    throw Error(ErrorKind::file, file + ": the motion lasts " + std::to_string(duration) +
+                                     " seconds, too many frames at " + std::to_string(options.fps) +
+                                     " per second; the file is damaged, or --fps too high");
+  }
+  if (options.first_frame > std::numeric_limits<int>::max() - static_cast<int>(frames)) {
+    throw Error(ErrorKind::usage, "the first frame " + std::to_string(options.first_frame) + " is too large");
+  }
+  return static_cast<std::size_t>(frames);
+}
+
+void fail_unmatched(const std::string& file, const Skeleton& skeleton, std::span<const std::string> names) {
+  std::vector<std::string> joints;
+  for (const Joint& joint : skeleton.joints) joints.push_back(joint.name);
+  throw Error(ErrorKind::mismatch, file + ": moves no joint of the character; the clip has " + list_names(names) +
+                                       ", the character " + list_names(joints) + ". Was it made for another skeleton?");
+}
+
+Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOptions& options) {
+  check_options(options);
+  const Source parts = split_source(source);
+  const std::string extension = lower_case_extension(parts.path);
+  if (extension == ".glb" || extension == ".gltf") return read_gltf_clip(parts.path, parts.name, skeleton, options);
+  if (extension != ".bvh") {
+    throw Error(ErrorKind::file, source + ": not a clip; expected FILE.glb#name, FILE.glb, FILE.gltf or FILE.bvh");
+  }
+  if (!parts.name.empty()) {
+    throw Error(ErrorKind::file,
+                source + ": a .bvh file holds a single clip without a name; leave out '#" + parts.name + "'");
+  }
+  return read_bvh_clip(parts.path, skeleton, options);
+}
+
+}  // namespace bodyopt

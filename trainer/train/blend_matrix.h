@@ -1,0 +1,19 @@
+// Skinning matrices for Eigen, and their linear blend.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "runtime/basis/skeleton.h"
+#include "trainer/dataset/character.h"
+
+namespace bodyopt {
+
+using BlendMatrix = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;  // rest space to world
+
+// One per joint. Throws Error(mismatch) when the pose has another number of joints than the skeleton.
+std::vector<BlendMatrix> blend_matrices(const Skeleton& skeleton, const Pose& pose);
+
+BlendMatrix blended(const std::vector<BlendMatrix>& skinning, const std::vector<JointWeight>& weights);
+
+}  // namespace bodyopt

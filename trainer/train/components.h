@@ -1,0 +1,29 @@
+// Principal components of un-posed displacements in one region.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace bodyopt {
+
+// Un-posed displacements of the training frames: N x 3V (x, y, z of vertex 0, then of vertex 1), metres.
+using Displacements = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// Where a region acts: its vertices, ascending, and their share of each, in (0, 1].
+struct RegionWeights {
+  std::vector<std::uint32_t> vertices;
+  std::vector<double> weights;
+};
+
+struct Components {
+  Eigen::MatrixXd coefficients;  // N x K, metres
+  Eigen::MatrixXd basis;         // K x 3 region vertices: what one metre of a coefficient adds, region weights included
+};
+
+// The leading components of the displacements, weighted by the region, not centred (no displacement at rest means no
+// coefficient). Fewer than `count` where the data has no more rank. By subspace iteration on the Gram matrix;
+// deterministic.
+Components principal_components(const Displacements& displacements, const RegionWeights& region, int count);
+
+}  // namespace bodyopt

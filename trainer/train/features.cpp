@@ -1,0 +1,84 @@
+#include "trainer/train/features.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/basis/error.h"
+#include "runtime/cpu/kernels.h"
+#include "runtime/rig.h"
+
+namespace bodyopt {
+namespace {
+
+// A feature that varies less (radians, strain) holds noise only.
+constexpr double kConstant = 1e-4;
+
+std::vector<float> strains_of(const Basis& basis, const RigFrame& rig) {
+  std::vector<float> positions(3 * basis.strain.vertices.size()), strains(basis.strain.fibre_count());
+  cpu::strain_skin(basis.ddm, basis.strain, static_cast<std::uint32_t>(basis.skeleton.size()), rig.skinning, positions);
+  cpu::strain_measure(basis.strain, positions, strains);
+  return strains;
+}
+
+// Joint features, strains and controls of one pose, as they come.
+std::vector<float> raw_features(const Basis& basis, const Pose& pose, std::size_t control_count) {
+  const RigFrame rig = pose_rig(basis.skeleton, pose);
+  std::vector<float> raw = rig.joint_features;
+  const std::vector<float> strains = strains_of(basis, rig);
+  raw.insert(raw.end(), strains.begin(), strains.end());
+  raw.insert(raw.end(), pose.controls.begin(), pose.controls.end());
+  raw.resize(rig.joint_features.size() + strains.size() + control_count, 0.0f);
+  return raw;
+}
+
+FeatureRange range_of(const Eigen::VectorXd& values, double rest) {
+  const double low = std::min(rest, values.minCoeff()), high = std::max(rest, values.maxCoeff());
+  const double margin = 0.01 * (high - low), mean = values.mean();
+  const double deviation = std::sqrt((values.array() - mean).square().mean());
+  FeatureRange range;
+  range.low = static_cast<float>(low - margin);
+  range.high = static_cast<float>(high + margin);
+  range.mean = static_cast<float>(mean);
+  range.inverse_scale = deviation > kConstant ? static_cast<float>(1 / deviation) : 0.0f;
+  return range;
+}
+
+}  // namespace
+
+std::vector<float> measure_strains(const Basis& basis, const Pose& pose) {
+  return strains_of(basis, pose_rig(basis.skeleton, pose));
+}
+
+FeatureSamples measure_features(const Basis& basis, std::span<const Pose* const> poses) {
+  const std::size_t controls = poses.empty() ? 0 : poses[0]->controls.size();
+  for (const Pose* pose : poses) {
+    if (pose->controls.size() == controls) continue;
+    throw Error(ErrorKind::mismatch, "some training frames have " + std::to_string(controls) + " controls, others " +
+                                         std::to_string(pose->controls.size()));
+  }
+  const std::vector<float> rest = raw_features(basis, bind_pose(basis.skeleton), controls);
+  const auto count = static_cast<Eigen::Index>(rest.size()), frames = static_cast<Eigen::Index>(poses.size());
+  Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> raw(frames + 1, count);
+  raw.row(0) = Eigen::Map<const Eigen::RowVectorXf>(rest.data(), count);
+  for (Eigen::Index n = 0; n < frames; ++n) {
+    const std::vector<float> row = raw_features(basis, *poses[static_cast<std::size_t>(n)], controls);
+    raw.row(n + 1) = Eigen::Map<const Eigen::RowVectorXf>(row.data(), count);
+  }
+
+  FeatureSamples samples;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    samples.ranges.push_back(range_of(raw.col(k).tail(frames).cast<double>(), double{raw(0, k)}));
+  }
+  // The standardising kernel itself, on joint features only: to it they are all one row of numbers.
+  ResidualTable table;
+  table.features = samples.ranges;
+  decltype(raw) standardised(frames + 1, count);
+  std::vector<float> excess(static_cast<std::size_t>(raw.size()));
+  cpu::residual_features(table, {raw.data(), excess.size()}, {}, {}, static_cast<std::uint32_t>(frames + 1),
+                         {standardised.data(), excess.size()}, excess);
+  samples.rest = standardised.row(0).cast<double>();
+  samples.values = standardised.bottomRows(frames).cast<double>();
+  return samples;
+}
+
+}  // namespace bodyopt

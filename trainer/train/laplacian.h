@@ -1,0 +1,17 @@
+// Discrete operators of a triangle mesh.
+#pragma once
+
+#include <Eigen/SparseCore>
+
+#include "trainer/dataset/character.h"
+
+namespace bodyopt {
+
+// A third of the area of the triangles around each vertex, square metres, not below 1e-3 of the mean. V
+Eigen::VectorXd lumped_areas(const Positions& rest, const Triangles& triangles);
+
+// Cotangent Laplacian, V x V, positive semi-definite: half the sum of the opposite cotangents per edge, that sum
+// clamped at zero from below. Degenerate triangles add nothing.
+Eigen::SparseMatrix<double> cotangent_laplacian(const Positions& rest, const Triangles& triangles);
+
+}  // namespace bodyopt

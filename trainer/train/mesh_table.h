@@ -1,0 +1,24 @@
+// The skin in runtime order.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "runtime/basis/basis.h"
+#include "trainer/dataset/character.h"
+
+namespace bodyopt {
+
+// Welded vertex of each runtime vertex: the Morton order of the rest positions, ties in welded order.
+std::vector<std::uint32_t> morton_order(const Positions& vertices);
+
+// Rows of `welded` (V x 3) in runtime order.
+Positions in_order(const Positions& welded, const std::vector<std::uint32_t>& order);
+
+// The character with its welded vertices renumbered to runtime order; output order stays.
+Character in_order(const Character& character, const std::vector<std::uint32_t>& order);
+
+// `character` in runtime order.
+MeshTable make_mesh_table(const Character& character);
+
+}  // namespace bodyopt

@@ -1,0 +1,72 @@
+#include "trainer/train/nearest_skin.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace bodyopt {
+namespace {
+
+// Barycentric weights of the point of triangle abc nearest to p (Ericson, Real-Time Collision Detection, 5.1.5).
+Eigen::Vector3d nearest_weights(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                const Eigen::Vector3d& c) {
+  const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+    const double t = d1 - d3 > 0 ? d1 / (d1 - d3) : 0;
+    return {1 - t, t, 0};
+  }
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+    const double t = d2 - d6 > 0 ? d2 / (d2 - d6) : 0;
+    return {1 - t, 0, t};
+  }
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    const double edge = (d4 - d3) + (d5 - d6), t = edge > 0 ? (d4 - d3) / edge : 0;
+    return {0, 1 - t, t};
+  }
+  const double sum = va + vb + vc;
+  if (!(sum > 0)) return {1, 0, 0};
+  return {va / sum, vb / sum, vc / sum};
+}
+
+}  // namespace
+
+NearestSkin::NearestSkin(const Positions& vertices, const Triangles& triangles)
+    : vertices_(vertices), triangles_(triangles) {
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    Sphere sphere{Eigen::Vector3d::Zero(), 0};
+    for (int k = 0; k < 3; ++k) sphere.centre += vertices.row(triangles(t, k)).transpose() / 3;
+    for (int k = 0; k < 3; ++k) {
+      const double distance = (vertices.row(triangles(t, k)).transpose() - sphere.centre).norm();
+      sphere.radius = std::max(sphere.radius, distance);
+    }
+    spheres_.push_back(sphere);
+  }
+}
+
+SkinPoint NearestSkin::operator()(const Eigen::Vector3d& point) const {
+  SkinPoint best;
+  double best_distance = std::numeric_limits<double>::infinity();
+  for (std::size_t t = 0; t < spheres_.size(); ++t) {
+    const Sphere& sphere = spheres_[t];
+    if ((sphere.centre - point).norm() - sphere.radius >= best_distance) continue;
+    const auto corners = triangles_.row(static_cast<Eigen::Index>(t));
+    const Eigen::Vector3d a = vertices_.row(corners[0]), b = vertices_.row(corners[1]), c = vertices_.row(corners[2]);
+    const Eigen::Vector3d weights = nearest_weights(point, a, b, c);
+    const Eigen::Vector3d position = weights[0] * a + weights[1] * b + weights[2] * c;
+    const double distance = (position - point).norm();
+    if (!(distance < best_distance)) continue;
+    best_distance = distance;
+    best = {{corners[0], corners[1], corners[2]}, weights, position};
+  }
+  return best;
+}
+
+}  // namespace bodyopt

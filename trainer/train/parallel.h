@@ -1,0 +1,29 @@
+// A parallel loop that lets exceptions out.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <exception>
+
+namespace bodyopt {
+
+// body(k) for k in 0 .. count - 1, on all cores, in no particular order. The first exception is thrown again at the end;
+// iterations not begun by then are left out.
+template <typename Body>
+void parallel_for(std::size_t count, const Body& body) {
+  std::atomic<bool> failed{false};
+  std::exception_ptr failure;
+#pragma omp parallel for schedule(dynamic)
+  for (std::size_t k = 0; k < count; ++k) {
+    if (failed) continue;
+    try {
+      body(k);
+    } catch (...) {
+#pragma omp critical(bodyopt_parallel_for)
+      if (!failed.exchange(true)) failure = std::current_exception();
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,286 @@
+#include "trainer/train/regions.h"
+
+#include <Eigen/QR>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "runtime/rig.h"
+#include "trainer/train/laplacian.h"
+#include "trainer/train/strain.h"
+
+namespace bodyopt {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+constexpr double kNegligible = 0.03;  // region weights below this are dropped
+
+Index seed_furthest_from_middle(const MatrixXd& points) {
+  Index seed = 0;
+  (points.rowwise() - points.colwise().mean()).rowwise().squaredNorm().maxCoeff(&seed);
+  return seed;
+}
+
+// Labels of k-means clusters of the rows, seeded by farthest-point sampling.
+std::vector<Index> cluster(const MatrixXd& points, Index count) {
+  MatrixXd centres(count, points.cols());
+  centres.row(0) = points.row(seed_furthest_from_middle(points));
+  Eigen::VectorXd nearest = (points.rowwise() - centres.row(0)).rowwise().squaredNorm();
+  for (Index c = 1; c < count; ++c) {
+    Index farthest = 0;
+    nearest.maxCoeff(&farthest);
+    centres.row(c) = points.row(farthest);
+    nearest = nearest.cwiseMin((points.rowwise() - centres.row(c)).rowwise().squaredNorm());
+  }
+  std::vector<Index> labels(static_cast<std::size_t>(points.rows()));
+  constexpr int kRounds = 20;
+  for (int round = 0; round < kRounds; ++round) {
+    MatrixXd sums = MatrixXd::Zero(count, points.cols());
+    Eigen::VectorXd sizes = Eigen::VectorXd::Zero(count);
+    for (Index v = 0; v < points.rows(); ++v) {
+      Index label = 0;
+      (centres.rowwise() - points.row(v)).rowwise().squaredNorm().minCoeff(&label);
+      labels[static_cast<std::size_t>(v)] = label;
+      sums.row(label) += points.row(v);
+      sizes[label] += 1;
+    }
+    for (Index c = 0; c < count; ++c) {
+      if (sizes[c] > 0) centres.row(c) = sums.row(c) / sizes[c];
+    }
+  }
+  return labels;
+}
+
+// Place and influences of every vertex, so that one unit is a notable difference in any of them. `patch`: metres.
+MatrixXd descriptors(const Character& character, const std::vector<FeatureGroup>& groups, double patch) {
+  MatrixXd points(character.vertices.rows(), 3 + static_cast<Index>(groups.size()));
+  points.leftCols(3) = character.vertices / patch;
+  for (std::size_t g = 0; g < groups.size(); ++g) points.col(3 + static_cast<Index>(g)) = groups[g].influence;
+  return points;
+}
+
+Index region_count(const std::vector<FeatureGroup>& groups, Index vertices) {
+  double count = 0;
+  for (const FeatureGroup& group : groups) {
+    if (group.points.rows() == 0 || !(group.influence.maxCoeff() > 0.5 || !group.spans.empty())) continue;
+    count += group.spans.empty() ? 1 : 0.5;
+  }
+  return std::clamp<Index>(static_cast<Index>(std::ceil(count)), 1, std::max<Index>(1, vertices / 40));
+}
+
+MatrixXd smooth(const Character& character, const MatrixXd& values, double radius) {
+  constexpr int kSteps = 4;
+  const Eigen::VectorXd areas = lumped_areas(character.vertices, character.triangles);
+  Eigen::SparseMatrix<double> matrix =
+      radius * radius / (2 * kSteps) * cotangent_laplacian(character.vertices, character.triangles);
+  matrix.diagonal() += areas;
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
+  MatrixXd smoothed = values;
+  for (int step = 0; step < kSteps; ++step) smoothed = solver.solve(areas.asDiagonal() * smoothed);
+  return smoothed;
+}
+
+// Per column the energy of E (N x 3V) explained by the columns of `regressors`, summed per vertex.
+Eigen::VectorXd explained_energy(const Eigen::MatrixXf& rest_of_motion, const MatrixXd& regressors) {
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(regressors);
+  qr.setThreshold(1e-3);
+  const MatrixXd q = qr.householderQ() * MatrixXd::Identity(regressors.rows(), qr.rank());
+  const Eigen::MatrixXf projected = q.cast<float>().transpose() * rest_of_motion;
+  const Eigen::VectorXd energy = projected.colwise().squaredNorm().transpose().cast<double>();
+  return Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>>(energy.data(), 3, energy.size() / 3).colwise().sum();
+}
+
+// What a ridge-penalised linear fit of the columns of `x` leaves of `y`.
+template <typename Matrix>
+Matrix without_linear_fit(const MatrixXd& x, const Matrix& y) {
+  MatrixXd normal = x.transpose() * x;
+  normal.diagonal().array() += 1e-3 * static_cast<double>(x.rows());
+  using Scalar = typename Matrix::Scalar;
+  const MatrixXd right = (x.transpose().cast<Scalar>() * y).template cast<double>();
+  return y - x.cast<Scalar>() * normal.llt().solve(right).template cast<Scalar>();
+}
+
+std::vector<std::uint32_t> varying(const MatrixXd& features, std::uint32_t begin, std::uint32_t count) {
+  std::vector<std::uint32_t> indices;
+  for (std::uint32_t k = begin; k < begin + count; ++k) {
+    if (!features.col(k).isZero(0)) indices.push_back(k);
+  }
+  return indices;
+}
+
+// Joints a muscle acts across: those between its points, below their common ancestor.
+std::vector<std::uint32_t> spanned_joints(const Skeleton& skeleton, const Muscle& muscle) {
+  std::vector<int> points_below(skeleton.size(), 0);
+  for (const MusclePoint& point : muscle.path) {
+    for (int j = static_cast<int>(point.joint); j >= 0; j = skeleton.joints[static_cast<std::size_t>(j)].parent) {
+      ++points_below[static_cast<std::size_t>(j)];
+    }
+  }
+  std::vector<std::uint32_t> joints;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const bool between = points_below[j] > 0 && points_below[j] < static_cast<int>(muscle.path.size());
+    if (between) joints.push_back(static_cast<std::uint32_t>(j));
+  }
+  return joints;
+}
+
+Positions fibre_points(const Basis& basis, std::uint32_t fibre) {
+  const StrainTable& strain = basis.strain;
+  const std::uint32_t begin = strain.fibre_begin[fibre], end = strain.fibre_begin[fibre + 1];
+  Positions points(end - begin, 3);
+  for (std::uint32_t p = begin; p < end; ++p) {
+    const float* rest = basis.mesh.rest.data() + 3 * std::size_t{strain.vertices[strain.points[p].a]};
+    points.row(p - begin) << double{rest[0]}, double{rest[1]}, double{rest[2]};
+  }
+  return points;
+}
+
+Eigen::RowVector3d joint_position(const Joint& joint) {
+  const Affine bind = inverse(joint.inverse_bind);
+  return {bind.m[0][3], bind.m[1][3], bind.m[2][3]};
+}
+
+}  // namespace
+
+std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vector<VertexMoments>& moments,
+                                              const std::vector<Muscle>& muscles, const MatrixXd& features,
+                                              const Displacements& displacements) {
+  const auto vertices = static_cast<Index>(moments.size());
+  const std::vector<std::uint32_t> joints = feature_joints(basis.skeleton);
+  const auto joint_features = static_cast<Index>(9 * joints.size());
+  std::vector<FeatureGroup> groups;
+  std::vector<std::size_t> group_of_joint(basis.skeleton.size(), joints.size());
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    group_of_joint[joints[k]] = k;
+    FeatureGroup& group = groups.emplace_back();
+    group.features = varying(features, static_cast<std::uint32_t>(9 * k), 9);
+    group.points = joint_position(basis.skeleton.joints[joints[k]]);
+    group.influence = Eigen::VectorXd::Zero(vertices);
+    for (Index v = 0; v < vertices; ++v) {
+      for (const JointMoments& m : moments[static_cast<std::size_t>(v)].joints) {
+        if (m.joint == joints[k]) group.influence[v] = m.omega;
+      }
+    }
+  }
+
+  const Eigen::MatrixXf beyond_joints = without_linear_fit(features.leftCols(joint_features), Eigen::MatrixXf(displacements));
+  const MatrixXd strains = without_linear_fit(features.leftCols(joint_features), MatrixXd(features.rightCols(features.cols() - joint_features)));
+  const Eigen::VectorXd column_energy = displacements.colwise().squaredNorm().transpose().cast<double>();
+  const Eigen::VectorXd energy =
+      Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>>(column_energy.data(), 3, vertices).colwise().sum();
+  const double floor = 0.1 * energy.mean() + std::numeric_limits<double>::min();
+  const std::vector<std::size_t> muscle_of_fibre = fibre_muscles(basis.strain, muscles);
+  for (std::size_t m = 0; m < muscles.size(); ++m) {
+    FeatureGroup group;
+    std::vector<Index> columns;
+    std::vector<Positions> lines;
+    Index point_count = 0;
+    for (std::uint32_t fibre = 0; fibre < basis.strain.fibre_count(); ++fibre) {
+      if (muscle_of_fibre[fibre] != m) continue;
+      columns.push_back(fibre);
+      lines.push_back(fibre_points(basis, fibre));
+      point_count += lines.back().rows();
+      const auto own = varying(features, static_cast<std::uint32_t>(joint_features) + fibre, 1);
+      group.features.insert(group.features.end(), own.begin(), own.end());
+    }
+    if (group.features.empty()) continue;
+    group.points.resize(point_count, 3);
+    Index row = 0;
+    for (const Positions& line : lines) {
+      group.points.middleRows(row, line.rows()) = line;
+      row += line.rows();
+    }
+    group.influence = explained_energy(beyond_joints, strains(Eigen::all, columns)).array() / (energy.array() + floor);
+    for (const std::uint32_t joint : spanned_joints(basis.skeleton, muscles[m])) {
+      if (group_of_joint[joint] < joints.size()) group.spans.push_back(group_of_joint[joint]);
+    }
+    groups.push_back(std::move(group));
+  }
+  for (Index k = joint_features + basis.strain.fibre_count(); k < features.cols(); ++k) {
+    FeatureGroup& group = groups.emplace_back();
+    group.features = varying(features, static_cast<std::uint32_t>(k), 1);
+    group.points.resize(0, 3);
+    group.influence = Eigen::VectorXd::Ones(vertices);
+  }
+  return groups;
+}
+
+std::vector<RegionWeights> make_regions(const Character& character, const std::vector<FeatureGroup>& groups) {
+  const Index vertices = character.vertices.rows(), count = region_count(groups, vertices);
+  const double area = lumped_areas(character.vertices, character.triangles).sum();
+  const double patch = std::sqrt(area / static_cast<double>(count));
+  const std::vector<Index> labels = cluster(descriptors(character, groups, patch), count);
+  MatrixXd weights = MatrixXd::Zero(vertices, count);
+  for (Index v = 0; v < vertices; ++v) weights(v, labels[static_cast<std::size_t>(v)]) = 1;
+  weights = smooth(character, weights, 0.25 * patch);
+  weights = (weights.array() < kNegligible).select(0, weights);
+  weights.array().colwise() /= weights.rowwise().sum().array().eval();
+
+  std::vector<RegionWeights> regions;
+  for (Index c = 0; c < count; ++c) {
+    RegionWeights region;
+    for (Index v = 0; v < vertices; ++v) {
+      if (!(weights(v, c) > 0)) continue;
+      region.vertices.push_back(static_cast<std::uint32_t>(v));
+      region.weights.push_back(weights(v, c));
+    }
+    if (!region.vertices.empty()) regions.push_back(std::move(region));
+  }
+  return regions;
+}
+
+namespace {
+
+double distance_to(const Character& character, const RegionWeights& region, const FeatureGroup& group) {
+  if (group.points.rows() == 0) return 0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t v = 0; v < region.vertices.size(); ++v) {
+    if (region.weights[v] < 0.5) continue;
+    const Eigen::RowVector3d here = character.vertices.row(region.vertices[v]);
+    nearest = std::min(nearest, (group.points.rowwise() - here).rowwise().squaredNorm().minCoeff());
+  }
+  return std::sqrt(nearest);
+}
+
+double mean_influence(const RegionWeights& region, const FeatureGroup& group) {
+  double sum = 0, weight = 0;
+  for (std::size_t v = 0; v < region.vertices.size(); ++v) {
+    sum += region.weights[v] * group.influence[region.vertices[v]];
+    weight += region.weights[v];
+  }
+  return sum / weight;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> region_features(const Character& character, const RegionWeights& region,
+                                           const std::vector<FeatureGroup>& groups, double radius) {
+  constexpr double kNotable = 0.05;  // mean influence
+  std::vector<bool> chosen(groups.size(), false);
+  std::size_t closest = 0;
+  double closest_distance = std::numeric_limits<double>::infinity();
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (groups[g].features.empty()) continue;
+    const double distance = distance_to(character, region, groups[g]);
+    const bool notable = mean_influence(region, groups[g]) > kNotable;
+    chosen[g] = chosen[g] || distance <= radius || notable;
+    if (distance <= 0.5 * radius || notable) {
+      for (const std::size_t joint : groups[g].spans) chosen[joint] = true;
+    }
+    if (distance < closest_distance) {
+      closest_distance = distance;
+      closest = g;
+    }
+  }
+  if (!groups.empty()) chosen[closest] = true;
+  std::vector<std::uint32_t> features;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (chosen[g]) features.insert(features.end(), groups[g].features.begin(), groups[g].features.end());
+  }
+  return features;
+}
+
+}  // namespace bodyopt

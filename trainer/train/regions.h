@@ -1,0 +1,40 @@
+// Where the skin learns together: soft regions, and what each of them listens to.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "runtime/basis/basis.h"
+#include "trainer/dataset/character.h"
+#include "trainer/dataset/muscles.h"
+#include "trainer/train/components.h"
+#include "trainer/train/ddm.h"
+
+namespace bodyopt {
+
+// Features that belong together: the rotation of a joint, or the fibres of a muscle.
+struct FeatureGroup {
+  std::vector<std::uint32_t> features;  // those that vary
+  Positions points;                     // where it sits, rest space, metres
+  Eigen::VectorXd influence;            // V: its share in how the skin moves, 0..1
+  std::vector<std::size_t> spans;       // of a muscle: the groups of the joints it acts across
+};
+
+// Joints (in the order of the joint features), then muscles, then controls (each control one group that acts
+// everywhere). `features`: N x F, standardised. A joint's influence is its smoothed skin weight (static); a muscle's is
+// the part of the un-posed motion that its strains explain beyond what a linear fit of the joints does (dynamic).
+std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vector<VertexMoments>& moments,
+                                              const std::vector<Muscle>& muscles, const Eigen::MatrixXd& features,
+                                              const Displacements& displacements);
+
+// Regions of the skin whose vertices lie together and have like influences: k-means from farthest-point seeds, then
+// smoothed. Their weights are a partition of unity.
+std::vector<RegionWeights> make_regions(const Character& character, const std::vector<FeatureGroup>& groups);
+
+// Features of the groups that reach a region: within `radius` metres of it or of notable influence there, and the joints
+// spanned by its muscles. Never empty where any feature varies.
+std::vector<std::uint32_t> region_features(const Character& character, const RegionWeights& region,
+                                           const std::vector<FeatureGroup>& groups, double radius);
+
+}  // namespace bodyopt

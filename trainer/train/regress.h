@@ -1,0 +1,32 @@
+// Regression from features to coefficients: a ridge-penalised linear part and Gaussian kernels at chosen centres, fitted
+// together (kernel ridge regression with a linear part, by subset of regressors; Rasmussen & Williams 2006, 8.3).
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace bodyopt {
+
+struct RegressionData {
+  Eigen::MatrixXd features;  // N x F, standardised
+  Eigen::RowVectorXd rest;   // F: the features at rest, where the answer is zero
+  Eigen::MatrixXd targets;   // N x K
+  std::vector<int> folds;    // N: the cross-validation fold that holds each frame out, -1: used by none for fitting
+};
+
+struct Regression {
+  Eigen::MatrixXd centres;  // M x F
+  double inverse_width2 = 0;
+  Eigen::MatrixXd weights;    // (F + M) x K, of [f, phi(f)]; no constant: what holds at rest is subtracted anyway
+  double validation_error = 0;  // root mean square of the held-out folds' error, summed over the targets
+};
+
+// Chooses width and penalties by cross-validation over the folds, then fits all frames. At most `centre_count` centres:
+// the rest pose, then the training frames furthest from those chosen before. Deterministic.
+Regression fit_regression(const RegressionData& data, int centre_count);
+
+// Folds for frames given in time order: runs of `run` consecutive frames of a take go to one fold of `count`, and the
+// last frame of every run goes to none (-1), so that neighbours never stand on both sides.
+std::vector<int> blocked_folds(const std::vector<int>& takes, int run, int count);
+
+}  // namespace bodyopt

@@ -1,0 +1,199 @@
+#include "trainer/train/residual.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "runtime/cpu/half.h"
+#include "runtime/rig.h"
+#include "trainer/progress.h"
+#include "trainer/train/parallel.h"
+
+namespace bodyopt {
+namespace {
+
+using Eigen::Index;
+
+// Radii within which a region sees features, as parts of the character's longest extent.
+constexpr double kRadii[] = {0.12, 0.2, 0.35};
+// Cross-validation: blocks of consecutive frames, dealt to folds.
+constexpr int kFolds = 5, kLongestRun = 20;
+constexpr std::uint32_t kMostCoefficients = 65536;
+
+double extent_of(const Positions& rest) { return (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff(); }
+
+// Basis columns with a largest entry of 1 fill the halves' range evenly; the coefficients keep the metres.
+void normalise(RegionModel& model) {
+  Components& components = model.components;
+  for (Index k = 0; k < components.basis.rows(); ++k) {
+    const double largest = components.basis.row(k).cwiseAbs().maxCoeff();
+    if (!(largest > 0)) continue;
+    components.basis.row(k) /= largest;
+    components.coefficients.col(k) *= largest;
+    model.regression.weights.col(k) *= largest;
+  }
+}
+
+RegressionData regression_data(const FeatureSamples& samples, const std::vector<std::uint32_t>& features,
+                               const Eigen::MatrixXd& targets, const std::vector<int>& folds) {
+  RegressionData data;
+  const std::vector<Index> columns(features.begin(), features.end());
+  data.features = samples.values(Eigen::all, columns);
+  data.rest = samples.rest(columns);
+  data.targets = targets;
+  data.folds = folds;
+  return data;
+}
+
+std::vector<std::vector<std::uint32_t>> feature_choices(const Character& character, const Basis& basis,
+                                                        const RegionWeights& region,
+                                                        const std::vector<FeatureGroup>& groups,
+                                                        const TrainOptions& options) {
+  std::vector<std::vector<std::uint32_t>> choices;
+  if (options.joint_only_linear) {
+    std::vector<std::uint32_t>& all = choices.emplace_back();
+    const std::size_t joints = feature_joints(basis.skeleton).size();
+    for (std::size_t g = 0; g < joints; ++g) all.insert(all.end(), groups[g].features.begin(), groups[g].features.end());
+    return choices;
+  }
+  for (const double radius : kRadii) {
+    choices.push_back(region_features(character, region, groups, radius * extent_of(character.vertices)));
+  }
+  choices.erase(std::unique(choices.begin(), choices.end()), choices.end());
+  return choices;
+}
+
+// Features and regression are chosen before the columns are scaled: until then the error of a coefficient is the error
+// of positions, weighted by the region.
+RegionModel fit_region(const RegionWeights& region, const std::vector<std::vector<std::uint32_t>>& choices,
+                       const FeatureSamples& features, const Displacements& displacements,
+                       const std::vector<int>& folds, const TrainOptions& options) {
+  RegionModel model;
+  model.region = region;
+  model.components = principal_components(displacements, region, options.components);
+  model.regression.validation_error = std::numeric_limits<double>::infinity();
+  for (const std::vector<std::uint32_t>& choice : choices) {
+    const RegressionData data = regression_data(features, choice, model.components.coefficients, folds);
+    Regression regression = fit_regression(data, options.joint_only_linear ? 0 : options.centres);
+    if (!(regression.validation_error < model.regression.validation_error)) continue;
+    model.regression = std::move(regression);
+    model.features = choice;
+  }
+  normalise(model);
+  return model;
+}
+
+}  // namespace
+
+ResidualModel fit_residual(const Character& character, const Basis& basis, const std::vector<RegionWeights>& regions,
+                           const std::vector<FeatureGroup>& groups, const FeatureSamples& features,
+                           const Displacements& displacements, const std::vector<int>& takes,
+                           const TrainOptions& options) {
+  const int run = std::clamp(static_cast<int>(takes.size()) / (2 * kFolds), 2, kLongestRun);
+  const std::vector<int> folds = blocked_folds(takes, run, kFolds);
+  ResidualModel model;
+  model.ranges = features.ranges;
+  model.vertices = basis.mesh.vertex_count();
+  model.regions.resize(regions.size());
+  Progress progress("train: regions", regions.size());
+  parallel_for(regions.size(), [&](std::size_t r) {
+    const auto choices = feature_choices(character, basis, regions[r], groups, options);
+    model.regions[r] = fit_region(regions[r], choices, features, displacements, folds, options);
+#pragma omp critical(bodyopt_progress)
+    progress.advance();
+  });
+  return model;
+}
+
+namespace {
+
+double root_mean_square(const Eigen::VectorXd& values) {
+  return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
+}
+
+class Packer {
+ public:
+  Packer(const ResidualModel& model, int components, double negligible)
+      : components_(components), negligible_(negligible), blend_(model.vertices) {
+    table_.controls = model.controls;
+    table_.features = model.ranges;
+    for (const RegionModel& region : model.regions) add(region);
+    table_.blend_begin = {0};
+    for (const std::vector<BlendEntry>& entries : blend_) {
+      table_.blend.insert(table_.blend.end(), entries.begin(), entries.end());
+      table_.blend_begin.push_back(static_cast<std::uint32_t>(table_.blend.size()));
+    }
+  }
+
+  ResidualTable take() { return std::move(table_); }
+
+ private:
+  void add(const RegionModel& model) {
+    const std::vector<Index> kept = add_columns(model);
+    if (kept.empty()) return;
+    const Regression& regression = model.regression;
+    const auto count = [](std::size_t size) { return static_cast<std::uint32_t>(size); };
+    Region region;
+    region.feature_begin = count(table_.region_features.size());
+    region.feature_count = count(model.features.size());
+    region.centre_begin = table_.centre_count();
+    region.centre_count = count(static_cast<std::size_t>(regression.centres.rows()));
+    region.centre_values = count(table_.centres.size());
+    region.coefficient_begin = table_.coefficient_count();
+    region.coefficient_count = count(kept.size());
+    region.weight_values = count(table_.weights.size());
+    region.inverse_width2 = static_cast<float>(regression.inverse_width2);
+
+    const std::uint32_t number = count(table_.regions.size());
+    table_.region_features.insert(table_.region_features.end(), model.features.begin(), model.features.end());
+    table_.centre_region.insert(table_.centre_region.end(), region.centre_count, number);
+    table_.coefficient_region.insert(table_.coefficient_region.end(), kept.size(), number);
+    for (Index m = 0; m < regression.centres.rows(); ++m) {
+      for (Index k = 0; k < regression.centres.cols(); ++k) {
+        table_.centres.push_back(static_cast<float>(regression.centres(m, k)));
+      }
+    }
+    for (const Index k : kept) {
+      table_.weights.push_back(0.0f);  // nothing is added at rest
+      for (Index f = 0; f < regression.weights.rows(); ++f) {
+        table_.weights.push_back(static_cast<float>(regression.weights(f, k)));
+      }
+    }
+    table_.regions.push_back(region);
+  }
+
+  // Blend entries of the region's components, and which components have any.
+  std::vector<Index> add_columns(const RegionModel& model) {
+    std::vector<Index> kept;
+    const Components& components = model.components;
+    const Index most = std::min<Index>(components_, components.basis.rows());
+    for (Index k = 0; k < most; ++k) {
+      const std::uint32_t coefficient = table_.coefficient_count() + static_cast<std::uint32_t>(kept.size());
+      if (coefficient >= kMostCoefficients) break;
+      const double size = root_mean_square(components.coefficients.col(k));
+      bool any = false;
+      for (std::size_t v = 0; v < model.region.vertices.size(); ++v) {
+        const Eigen::Vector3d b = components.basis.row(k).segment<3>(3 * static_cast<Index>(v));
+        if (!(size * b.norm() > negligible_)) continue;
+        const auto half = [&](int i) { return half_from_float(static_cast<float>(b[i])); };
+        blend_[model.region.vertices[v]].push_back({half(0) | half(1) << 16, half(2) | coefficient << 16});
+        any = true;
+      }
+      if (any) kept.push_back(k);
+    }
+    return kept;
+  }
+
+  int components_;
+  double negligible_;
+  std::vector<std::vector<BlendEntry>> blend_;
+  ResidualTable table_;
+};
+
+}  // namespace
+
+ResidualTable pack_residual(const ResidualModel& model, int components, double negligible) {
+  return Packer(model, components, negligible).take();
+}
+
+}  // namespace bodyopt

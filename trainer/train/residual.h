@@ -1,0 +1,45 @@
+// The residual table: what Direct Delta Mush leaves, learned region by region.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/basis.h"
+#include "trainer/train/components.h"
+#include "trainer/train/features.h"
+#include "trainer/train/regions.h"
+#include "trainer/train/regress.h"
+#include "trainer/train/train.h"
+
+namespace bodyopt {
+
+// One region after its regression: coefficients = weights^T [f, phi(f)] less their value at rest.
+struct RegionModel {
+  RegionWeights region;
+  std::vector<std::uint32_t> features;  // feature indices
+  Components components;                // every basis column scaled so that its largest entry is 1
+  Regression regression;
+};
+
+// All of them, ready to be packed.
+struct ResidualModel {
+  std::vector<std::string> controls;
+  std::vector<FeatureRange> ranges;
+  std::vector<RegionModel> regions;
+  std::uint32_t vertices = 0;
+};
+
+// Components, then features and regression of every region. The radius within which a region sees features is chosen
+// with the other hyper-parameters, by cross-validation. With options.joint_only_linear every region sees all joint
+// features and nothing else, without kernels.
+ResidualModel fit_residual(const Character& character, const Basis& basis, const std::vector<RegionWeights>& regions,
+                           const std::vector<FeatureGroup>& groups, const FeatureSamples& features,
+                           const Displacements& displacements, const std::vector<int>& takes,
+                           const TrainOptions& options);
+
+// The first `components` of every region. Entries that move a vertex by less than `negligible` (metres, root mean square
+// over the training frames) are left out.
+ResidualTable pack_residual(const ResidualModel& model, int components, double negligible);
+
+}  // namespace bodyopt

@@ -1,0 +1,82 @@
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "runtime/basis/error.h"
+#include "trainer/dataset/pc2.h"
+#include "trainer/train/train.h"
+
+namespace bodyopt {
+namespace {
+
+std::set<int> unconverged_frames(const Dataset& dataset, const DatasetTake& take) {
+  std::set<int> frames;
+  if (take.shapes_status.empty()) return frames;
+  for (const FrameStatus& status : read_frame_status(dataset.folder / take.shapes_status)) {
+    if (!status.converged) frames.insert(status.frame);
+  }
+  return frames;
+}
+
+void check_take(const DatasetTake& take, const Character& character, const Clip& clip, const Pc2Reader& shapes) {
+  const std::string where = "take '" + take.name + "', " + take.shapes + ": ";
+  if (shapes.point_count() != character.output_count()) {
+    throw Error(ErrorKind::mismatch, where + "the cache has " + std::to_string(shapes.point_count()) +
+                                         " points, the character has " + std::to_string(character.output_count()) +
+                                         " output vertices: it was made from another mesh");
+  }
+  if (shapes.sample_count() != take.frames.size()) {
+    throw Error(ErrorKind::mismatch, where + "the cache has " + std::to_string(shapes.sample_count()) +
+                                         " samples, the dataset names " + std::to_string(take.frames.size()) +
+                                         " frames: one of the two was made anew without the other");
+  }
+  for (const int frame : take.frames) {
+    if (frame < clip.first_frame || frame > clip.last_frame()) {
+      throw Error(ErrorKind::mismatch, "take '" + take.name + "': frame " + std::to_string(frame) +
+                                           " is not in the clip " + take.clip + ", which has frames " +
+                                           std::to_string(clip.first_frame) + " to " +
+                                           std::to_string(clip.last_frame()) + ": first_frame or fps may be wrong");
+    }
+  }
+}
+
+// "FILE.glb#name" relative to the dataset's folder.
+std::string clip_source(const Dataset& dataset, const std::string& clip) { return (dataset.folder / clip).string(); }
+
+void read_take(const Dataset& dataset, int index, SampleSet& set) {
+  const DatasetTake& take = dataset.takes[static_cast<std::size_t>(index)];
+  const Clip clip = read_clip(clip_source(dataset, take.clip), set.character.skeleton,
+                              {.fps = take.fps, .first_frame = take.first_frame});
+  for (const std::string& note : clip.notes) set.notes.push_back("take '" + take.name + "': " + note);
+  const Pc2Reader shapes(dataset.folder / take.shapes);
+  check_take(take, set.character, clip, shapes);
+  const std::set<int> heldout(take.heldout.begin(), take.heldout.end());
+  const std::set<int> unconverged = unconverged_frames(dataset, take);
+  for (std::uint32_t k = 0; k < shapes.sample_count(); ++k) {
+    const int frame = take.frames[k];
+    if (unconverged.count(frame) > 0) {
+      ++set.unconverged;
+      continue;
+    }
+    shapes.require_finite(k);
+    Sample sample;
+    sample.take = index;
+    sample.frame = frame;
+    sample.pose = clip.poses[static_cast<std::size_t>(frame - clip.first_frame)];
+    sample.shape = welded_from_output(set.character, shapes.sample(k).data());
+    (heldout.count(frame) > 0 ? set.heldout : set.train).push_back(std::move(sample));
+  }
+}
+
+}  // namespace
+
+SampleSet read_samples(const Dataset& dataset) {
+  SampleSet set;
+  set.character = read_character(dataset.folder / dataset.character, dataset.unit);
+  set.notes = set.character.notes;
+  if (!dataset.muscles.empty()) set.muscles = read_muscles(dataset.folder / dataset.muscles, set.character.skeleton);
+  for (std::size_t k = 0; k < dataset.takes.size(); ++k) read_take(dataset, static_cast<int>(k), set);
+  return set;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,19 @@
+// Fibres: the paths of muscles, projected on the skin.
+#pragma once
+
+#include <vector>
+
+#include "runtime/basis/basis.h"
+#include "trainer/dataset/muscles.h"
+
+namespace bodyopt {
+
+// fibre_count fibres per muscle, side by side on the half of its belly that faces the skin; fibres that collapse to a
+// point there are left out. Rest lengths are measured by the runtime's kernels. `basis` needs skeleton, mesh and ddm.
+// Without muscles, or without triangles, an empty table.
+StrainTable make_strain_table(const Basis& basis, const std::vector<Muscle>& muscles);
+
+// Muscle of each fibre of the table, by the fibre's name.
+std::vector<std::size_t> fibre_muscles(const StrainTable& strain, const std::vector<Muscle>& muscles);
+
+}  // namespace bodyopt
