@@ -40,7 +40,7 @@ std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& m
   Bytes bytes;
   bytes.add(kSolverVersion);
   for (const double constant : {kFat.mu, kFat.lambda, kMuscle.mu, kMuscle.lambda, kActiveStiffness, kActiveSlack,
-                                kPassiveFibreStiffness, kBarrierVolume, kBarrierWeight, kBoneStiffness}) {
+                                kPassiveFibreStiffness, kBarrierVolume, kBarrierWeight, kBoneStiffness, kSkinBending}) {
     bytes.add(constant);
   }
   bytes.append(mesh.nodes.data(), static_cast<std::size_t>(mesh.nodes.size()) * sizeof(double));

@@ -9,11 +9,12 @@ namespace bodyopt {
 namespace {
 
 constexpr double kThickness = 0.35;  // capsule radius over the distance from its axis to the skin
-constexpr double kClearance = 0.8;   // length of the thinning at a hinge over the hinge's distance to the skin
+constexpr double kClearance = 0.6;   // length of the thinning at a hinge over the hinge's distance to the skin
 constexpr double kCapsuleWeight = 0.5;
 constexpr double kCoreWeight = 0.9;
 constexpr double kCoreDepth = 0.65;
-constexpr double kEndShare = 0.85;  // how far a last segment runs into the skin it carries
+constexpr double kTrunkDepth = 0.3;  // the same for a root, which is a trunk with ribs or a pelvis close to the skin
+constexpr double kEndShare = 0.85;   // how far a last segment runs into the skin it carries
 constexpr int kAxisSamples = 16;
 constexpr int kLattice = 3;  // sample points per tet: 20
 
@@ -149,7 +150,9 @@ std::vector<BonePoint> find_bones(const TetMesh& mesh, const Character& characte
       const double weight = (sample.transpose() * corner_weights).maxCoeff(&joint);
       if (weight < kCapsuleWeight) continue;
       const Eigen::Vector3d point = corner.transpose() * sample;
-      bool bone = weight >= kCoreWeight && sample.dot(corner_depth) > kCoreDepth * core_depth[joint];
+      const bool root = character.skeleton.joints[static_cast<std::size_t>(joint)].parent < 0;
+      const double deep = (root ? kTrunkDepth : kCoreDepth) * core_depth[joint];
+      bool bone = weight >= kCoreWeight && sample.dot(corner_depth) > deep;
       for (const Capsule& capsule : capsules[static_cast<std::size_t>(joint)]) bone = bone || inside(capsule, point);
       if (bone) points.push_back({t, static_cast<int>(joint), sample, volume});
     }

@@ -22,7 +22,8 @@ struct BonePoint {
 //  - it lies in a capsule along one of j's segments (to each child, or, without children, along the skin the joint
 //    carries), 0.35 of the local distance to the skin thick and thinning to nothing at hinges, where tissue of both
 //    sides must be free to slide and fold; or
-//  - it is j's own core: weight at least 0.9 and deeper than 0.65 of the deepest such point (trunks, heads, palms).
+//  - it is j's own core: weight at least 0.9 and deeper than 0.65 of the deepest such point (heads, palms; a root,
+//    which is a trunk: 0.3).
 std::vector<BonePoint> find_bones(const TetMesh& mesh, const Character& character, const NodeWeights& weights);
 
 }  // namespace bodyopt

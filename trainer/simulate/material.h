@@ -18,8 +18,8 @@ constexpr TetMaterial kFat{4e3, 80e3};
 constexpr TetMaterial kMuscle{8e3, 80e3};
 
 // Active fibres pull with activation x kActiveStiffness x (stretch - kActiveSlack). Full activation at rest length
-// then is 75 kPa, within the 200-300 kPa that maximal isometric muscle reaches (Zajac 1989).
-constexpr double kActiveStiffness = 250e3;  // Pa
+// then is 180 kPa, just below the 200-300 kPa that maximal isometric muscle reaches (Zajac 1989).
+constexpr double kActiveStiffness = 600e3;  // Pa
 constexpr double kActiveSlack = 0.7;        // stretch below which a fibre cannot shorten further by itself
 
 // Relaxed fibres resist stretch beyond rest length (titin and connective tissue).
@@ -33,5 +33,9 @@ constexpr double kBarrierWeight = 2;  // x lambda
 // Bones hold the tissue inside them by springs, newtons per metre per cubic metre of bone: an arm bone of 0.16 litres
 // pulled by 50 N gives way 0.3 mm.
 constexpr double kBoneStiffness = 1e9;  // N/m^4
+
+// Bending stiffness of skin and superficial fascia: E t^3 / (12 (1 - nu^2)) of 5 mm at 300 kPa (skin measures 5 kPa to
+// 1 MPa depending on the method, Pailler-Mattei et al. 2008). It keeps wrinkles from being as short as the mesh allows.
+constexpr double kSkinBending = 4e-3;  // N m
 
 }  // namespace bodyopt

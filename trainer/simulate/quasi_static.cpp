@@ -129,7 +129,8 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
     for (JointWeight& entry : entries) entry.weight /= sum;
   }
 
-  SparseMatrix metric = laplacian + springs_->stiffness();
+  bending_ = std::make_unique<SkinBending>(character.vertices, character.triangles, mesh_.nodes.rows());
+  SparseMatrix metric = laplacian + springs_->stiffness() + bending_->stiffness();
   // A part no bone holds would leave the metric singular; this much holds it without being felt.
   const double diagonal = metric.diagonal().maxCoeff();
   for (Eigen::Index n = 0; n < metric.rows(); ++n) metric.coeffRef(n, n) += 1e-9 * diagonal;
@@ -166,6 +167,7 @@ QuasiStaticBody::Target QuasiStaticBody::target(const std::vector<JointTransform
     result.skinned.row(row) << position[0], position[1], position[2];
     result.rotation.push_back(normalized(rotation));
   }
+  result.curvature = bending_->curvature(result.rotation);
   return result;
 }
 
@@ -196,7 +198,8 @@ int QuasiStaticBody::relax(const Target& at, double tolerance, int max_iteration
     gradient.setZero();
     const Tissue::Sum tissue = tissue_->add_gradient(x, at.activation, gradient);
     const double springs = springs_->add_gradient(at.springs, x, gradient);
-    return ObjectiveValue{tissue.energy + springs, tissue.force_square};
+    const double bending = bending_->add_gradient(at.curvature, x, gradient);
+    return ObjectiveValue{tissue.energy + springs + bending, tissue.force_square};
   };
   const MinimiseResult result = minimise(objective, *metric_, tolerance, force_floor_, max_iterations, nodes);
   residual = result.residual;

@@ -4,6 +4,7 @@
 #include "trainer/dataset/dataset.h"
 #include "trainer/simulate/bone_springs.h"
 #include "trainer/simulate/muscle_fibres.h"
+#include "trainer/simulate/skin_bending.h"
 
 namespace bodyopt {
 
@@ -27,8 +28,9 @@ class QuasiStaticBody {
   //
   // residual = sqrt(sum over all nodes of |f_i|^2) / sqrt(sum over all tets and their four nodes of |f_ta|^2), where
   // f_ta is the elastic force (passive, active and barrier terms together) of tet t on its node a, and f_i is the sum
-  // of those around node i plus its bone springs: no node is held otherwise. converged: residual below 1e-4 and no
-  // inverted tet. A frame that has not come so far after kMaxIterations, or cannot, is left unconverged.
+  // of those around node i plus bone springs and the skin's bending: no node is held otherwise. converged: residual
+  // below 1e-4 and no inverted tet. A frame that has not come so far after kMaxIterations, or cannot, is left
+  // unconverged.
   SolvedPose solve(const Pose& pose) const;
 
   const TetMesh& mesh() const { return mesh_; }
@@ -44,6 +46,7 @@ class QuasiStaticBody {
   struct Target {
     std::vector<double> activation;
     SpringPose springs;
+    Positions curvature;         // V x 3: of the skin, turned with the joints
     Positions skinned;           // N x 3: the rest nodes by linear blend skinning
     std::vector<Quat> rotation;  // N: blended joint rotations
   };
@@ -62,6 +65,7 @@ class QuasiStaticBody {
   std::vector<std::vector<JointWeight>> node_joints_;  // N: the weights again, small ones dropped, sum 1
   std::unique_ptr<Tissue> tissue_;
   std::unique_ptr<BoneSprings> springs_;
+  std::unique_ptr<SkinBending> bending_;
   std::unique_ptr<Metric> metric_;
   double force_floor_ = 0;
   std::uint64_t hash_ = 0;
