@@ -113,6 +113,14 @@ TEST(Train, RigidMotionInIsRigidMotionOut) {
   }
 }
 
+TEST(Train, FlagsWhatTrainingNeverSaw) {
+  Deformer deformer(full_basis(), {.name = "cpu"});
+  Pose strange = samples().train[5].pose;
+  EXPECT_EQ(deformer.evaluate({&strange, 1}).outside[0], 0);
+  strange.joints[2].rotation = axis_angle({1, 0, 0}, 0.1);  // the wrist only ever bent around y
+  EXPECT_GT(deformer.evaluate({&strange, 1}).outside[0], 1);
+}
+
 TEST(Train, SameResultWithAnyNumberOfThreads) {
   SampleSet set = samples();
   set.train.resize(40);

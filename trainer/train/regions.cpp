@@ -16,7 +16,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kNegligible = 0.03;  // region weights below this are dropped
+constexpr double kNegligible = 0.03;     // region weights below this are dropped
+constexpr double kLeastVariance = 0.01;  // of a standardised feature; less is noise
 
 Index seed_furthest_from_middle(const MatrixXd& points) {
   Index seed = 0;
@@ -111,7 +112,8 @@ Matrix without_linear_fit(const MatrixXd& x, const Matrix& y) {
 std::vector<std::uint32_t> varying(const MatrixXd& features, std::uint32_t begin, std::uint32_t count) {
   std::vector<std::uint32_t> indices;
   for (std::uint32_t k = begin; k < begin + count; ++k) {
-    if (!features.col(k).isZero(0)) indices.push_back(k);
+    const double variance = features.col(k).squaredNorm() / static_cast<double>(features.rows());
+    if (variance > kLeastVariance) indices.push_back(k);
   }
   return indices;
 }
