@@ -163,7 +163,7 @@ class PictureMaker {
     picture.frame = set_.heldout[sample].frame;
     picture.rms_mm = errors_.frame_rms[sample];
     picture.max_mm = errors_.frame_max[sample];
-    picture.heat_scale_mm = std::max(1.0, std::ceil(picture.max_mm));
+    picture.heat_scale_mm = heat_scale_mm();
     picture.caption = caption;
     const Camera camera = frame_pose(pose, {-0.75f, 0.2f, 1.0f}, static_cast<float>(kWidth) / kHeight);
     picture.image = triptych(renderer_, pose, picture.heat_scale_mm, camera, kWidth, kHeight);
@@ -171,6 +171,9 @@ class PictureMaker {
   }
 
  private:
+  // One scale for all pictures, so that their colours can be compared; the few larger errors saturate.
+  double heat_scale_mm() const { return std::max(0.5, std::ceil(4 * errors_.p99) / 2); }
+
   const SampleSet& set_;
   const std::vector<Positions>& shapes_;
   const ErrorStatistics& errors_;

@@ -38,7 +38,7 @@ vec3 clay(vec3 n, vec3 eye, vec3 up) {
 
 // Flat enough for a colour to be found on the colour bar, shaded enough for the shape to be seen.
 vec3 coloured(vec3 n, vec3 eye, vec3 up) {
-  const float light = 0.66 + 0.34 * wrapped(dot(n, kKeyDirection)) + 0.06 * dot(n, up);
+  const float light = 0.50 + 0.50 * wrapped(dot(n, kKeyDirection)) + 0.08 * dot(n, up) + 0.08 * max(0, dot(n, kFillDirection));
   return in_colour * light * mix(0.75, 1.0, max(0, dot(n, eye)));
 }
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <vector>
 
 #include "runtime/basis/error.h"
 
@@ -97,16 +97,9 @@ Image triptych(Renderer& renderer, const PosePair& pose, double scale_mm, const 
 
 Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect) {
   check_pair(pose);
-  std::array<float, 3> low, high;
-  low.fill(std::numeric_limits<float>::max());
-  high.fill(std::numeric_limits<float>::lowest());
-  for (const std::span<const float> positions : {pose.truth, pose.result}) {
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-      low[i % 3] = std::min(low[i % 3], positions[i]);
-      high[i % 3] = std::max(high[i % 3], positions[i]);
-    }
-  }
-  return frame_box(low, high, direction, aspect);
+  std::vector<float> points(pose.truth.begin(), pose.truth.end());
+  points.insert(points.end(), pose.result.begin(), pose.result.end());
+  return frame_points(points, direction, aspect);
 }
 
 }  // namespace bodyopt

@@ -173,14 +173,15 @@ std::string bar_chart(std::span<const Bar> bars) {
 }
 
 std::string colour_bar(double scale_mm) {
-  constexpr double kWidth = 360, kHeight = 40, kMargin = 16, kBar = 14;
+  constexpr double kWidth = 360, kHeight = 40, kMargin = 24, kBar = 14;
   constexpr int kSteps = 64, kTicks = 4;
   std::string svg = open_svg(kWidth, kHeight, "colours from 0 to " + number_text(scale_mm) + " mm");
   const double step = (kWidth - 2 * kMargin) / kSteps;
   for (int i = 0; i < kSteps; ++i) {
     const float t = (static_cast<float>(i) + 0.5f) / kSteps;
     svg += "<rect x=\"" + coordinate(kMargin + i * step) + "\" y=\"2\" width=\"" + coordinate(step + 0.6) +
-           "\" height=\"" + coordinate(kBar) + "\" fill=\"" + css_colour(heat_colour(t)) + "\"/>\n";
+           "\" height=\"" + coordinate(kBar) + "\" shape-rendering=\"crispEdges\" fill=\"" +
+           css_colour(heat_colour(t)) + "\"/>\n";
   }
   for (int i = 0; i <= kTicks; ++i) {
     const double x = kMargin + i * (kWidth - 2 * kMargin) / kTicks;

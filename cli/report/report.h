@@ -25,7 +25,7 @@ struct PictureReport {
   int frame = 0;
   double rms_mm = 0, max_mm = 0;
   double heat_scale_mm = 1;  // error of the hottest colour
-  std::string caption;       // a sentence on the pose; may be empty
+  std::string caption;       // a phrase on the pose, without a full stop; may be empty
   Image image;               // a triptych
 };
 
@@ -48,8 +48,8 @@ struct ReportData {
   std::vector<int> heldout_frame_numbers;  // of the per-frame errors, ascending
   struct {
     double lbs = 0, ddm = 0;
-  } unposing_residual_mm;                                      // RMS of what is left to learn after un-posing
-  double bytes_per_vertex = 0;                                 // of `full`
+  } unposing_residual_mm;       // RMS of what is left to learn after un-posing, training frames
+  double bytes_per_vertex = 0;  // of `full`
   std::vector<std::pair<std::string, double>> bytes_by_stage;  // of `full`; may be empty
   double cpu_gpu_max_difference_m = 0;
   std::string device;

@@ -53,8 +53,9 @@ void add_summary(const ReportData& data, Page& page) {
                  " of training motion. Bodyopt learned from those frames what the skin does beyond Direct Delta Mush, "
                  "and was then given " +
                  count_of(data.dataset.heldout_frames, "frame") +
-                 " of a motion it had not seen. Every error on this page is measured on these held-out frames, against "
-                 "the simulation, after the root's translation is taken out.");
+                 " of motion it had not seen. The errors on this page are measured on these held-out frames, against "
+                 "the simulation, after the root's translation is taken out; where a figure is of the training frames, "
+                 "it says so.");
   const Headline headlines[] = {{number_text(data.full.rms), "mm",
                                  "RMS error on the held-out frames; 99 % of the points within " +
                                      millimetres(data.full.p99) + ", the worst " + millimetres(data.full.max)},
@@ -76,7 +77,7 @@ void add_pictures(const ReportData& data, Page& page) {
                               : picture.kind == "median" ? "The median held-out frame, "
                                                          : "A chosen pose, frame ";
     const std::string caption = "RMS " + millimetres(picture.rms_mm) + ", largest " + millimetres(picture.max_mm) +
-                                (picture.caption.empty() ? "." : ". ") + picture.caption;
+                                (picture.caption.empty() ? "" : ": " + picture.caption) + ".";
     page.picture(picture.image, labels, title + std::to_string(picture.frame), caption,
                  colour_bar(picture.heat_scale_mm));
   }
@@ -134,10 +135,10 @@ void add_unposing(const ReportData& data, Page& page) {
   const Bar bars[] = {
       {"after un-posing by LBS", "#8a92a1", data.unposing_residual_mm.lbs, millimetres(data.unposing_residual_mm.lbs)},
       {"after un-posing by DDM", "#62aee8", data.unposing_residual_mm.ddm, millimetres(data.unposing_residual_mm.ddm)}};
-  page.chart(
-      bar_chart(bars),
-      "RMS of the displacement between the simulated shape, taken back to the rest pose, and the rest shape: the "
-      "smaller it is, the less a residual has to carry.");
+  page.chart(bar_chart(bars),
+             "Over the training frames: RMS of the displacement between the simulated shape, taken back to the rest "
+             "pose, and the rest shape: the "
+             "smaller it is, the less a residual has to carry.");
 }
 
 void add_details(const ReportData& data, Page& page) {

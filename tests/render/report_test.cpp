@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <sstream>
 
 #include "cli/report/html.h"
@@ -133,10 +133,8 @@ TEST(Report, PageIsSelfContainedAndEscaped) {
   EXPECT_EQ(count(page, "src=\"data:image/png;base64,"), 4u);
   EXPECT_FALSE(contains(page, "nan"));
   for (const char* tag : {"svg", "figure", "table", "div", "p", "h2", "main", "body", "html"}) {
-    const std::string open = std::string("<") + tag;
-    const std::regex opening(open + "[ >]");
-    const auto opened = std::distance(std::sregex_iterator(page.begin(), page.end(), opening), std::sregex_iterator());
-    EXPECT_EQ(static_cast<std::size_t>(opened), count(page, std::string("</") + tag + ">")) << tag;
+    const std::string name = tag;
+    EXPECT_EQ(count(page, "<" + name + " ") + count(page, "<" + name + ">"), count(page, "</" + name + ">")) << name;
   }
 }
 
@@ -197,7 +195,10 @@ TEST(Plots, LargerErrorsAreDrawnHigher) {
   const LinePlot plot{"frame", "mm", {1, 2, 3}, {{"a", "#fff", {0.1, 1, 10}, true}}};
   const std::string svg = line_plot(plot);
   const std::size_t begin = svg.find("<path d=\"") + 9;
-  std::istringstream path(std::regex_replace(svg.substr(begin, svg.find('"', begin) - begin), std::regex("[ML]"), " "));
+  std::string points = svg.substr(begin, svg.find('"', begin) - begin);
+  std::replace_if(
+      points.begin(), points.end(), [](char c) { return c == 'M' || c == 'L'; }, ' ');
+  std::istringstream path(points);
   double x[3], y[3];
   for (int i = 0; i < 3; ++i) path >> x[i] >> y[i];
   EXPECT_LT(x[0], x[1]);

@@ -1,206 +1,163 @@
-// Where bones hold the flesh: see attach_bones in tissue.h.
-#include <Eigen/Geometry>
+#include "trainer/simulate/bones.h"
+
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <nanoflann.hpp>
-#include <numbers>
-#include <optional>
-
-#include "trainer/simulate/tissue.h"
 
 namespace bodyopt {
 namespace {
 
-// Distance from a point to the nearest skin vertex.
-class SkinDistance {
- public:
-  explicit SkinDistance(const Positions& vertices) : cloud_{vertices}, tree_(3, cloud_) {}
+constexpr double kThickness = 0.35;  // capsule radius over the distance from its axis to the skin
+constexpr double kClearance = 0.6;   // length of the thinning at a hinge over the hinge's distance to the skin
+constexpr double kCapsuleWeight = 0.5;
+constexpr double kCoreWeight = 0.9;
+constexpr double kCoreDepth = 0.65;
+constexpr double kTrunkDepth = 0.3;  // the same for a root, which is a trunk with ribs or a pelvis close to the skin
+constexpr double kEndShare = 0.85;   // how far a last segment runs into the skin it carries
+constexpr int kAxisSamples = 16;
+constexpr int kLattice = 3;  // sample points per tet: 20
 
-  double operator()(const Eigen::Vector3d& x) const {
-    std::size_t index = 0;
-    double distance2 = 0;
-    nanoflann::KNNResultSet<double> result(1);
-    result.init(&index, &distance2);
-    tree_.findNeighbors(result, x.data(), nanoflann::SearchParams());
-    return std::sqrt(distance2);
-  }
-
- private:
-  struct Cloud {
-    const Positions& points;
-    std::size_t kdtree_get_point_count() const { return static_cast<std::size_t>(points.rows()); }
-    double kdtree_get_pt(std::size_t index, std::size_t axis) const {
-      return points(static_cast<Eigen::Index>(index), static_cast<Eigen::Index>(axis));
-    }
-    template <typename Box>
-    bool kdtree_get_bbox(Box&) const {
-      return false;
-    }
-  };
-  Cloud cloud_;
-  nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3> tree_;
+struct Capsule {
+  Eigen::Vector3d head, tail;
+  std::array<double, kAxisSamples + 1> radius;
 };
 
-// Finds the tet that holds a point.
-class TetLocator {
- public:
-  explicit TetLocator(const TetMesh& mesh) : mesh_(mesh) {
-    for (Eigen::Index e = 0; e < mesh.tets.rows(); ++e) {
-      Eigen::AlignedBox3d box;
-      for (int k = 0; k < 4; ++k) box.extend(mesh.nodes.row(mesh.tets(e, k)).transpose());
-      boxes_.push_back(box);
-    }
+double skin_distance(const Positions& skin, const Eigen::Vector3d& point) {
+  return std::sqrt((skin.rowwise() - point.transpose()).rowwise().squaredNorm().minCoeff());
+}
+
+double smoothstep(double u) {
+  u = std::clamp(u, 0.0, 1.0);
+  return u * u * (3 - 2 * u);
+}
+
+Capsule make_capsule(const Positions& skin, const Eigen::Vector3d& head, const Eigen::Vector3d& tail, bool head_hinge,
+                     bool tail_hinge) {
+  Capsule capsule{head, tail, {}};
+  const double length = (tail - head).norm();
+  const double head_clear = std::min(kClearance * skin_distance(skin, head), 0.4 * length);
+  const double tail_clear = std::min(kClearance * skin_distance(skin, tail), 0.4 * length);
+  for (int k = 0; k <= kAxisSamples; ++k) {
+    const double u = static_cast<double>(k) / kAxisSamples;
+    double radius = kThickness * skin_distance(skin, head + u * (tail - head));
+    if (head_hinge) radius *= smoothstep(u * length / head_clear);
+    if (tail_hinge) radius *= smoothstep((1 - u) * length / tail_clear);
+    capsule.radius[static_cast<std::size_t>(k)] = radius;
   }
+  return capsule;
+}
 
-  struct Place {
-    int tet;
-    Eigen::Vector4d weights;
-  };
-  std::optional<Place> find(const Eigen::Vector3d& x) const {
-    for (std::size_t e = 0; e < boxes_.size(); ++e) {
-      if (!boxes_[e].contains(x)) continue;
-      const Eigen::Vector4d weights = barycentric(static_cast<Eigen::Index>(e), x);
-      if (weights.minCoeff() >= -1e-9) return Place{static_cast<int>(e), weights};
-    }
-    return std::nullopt;
-  }
-
- private:
-  Eigen::Vector4d barycentric(Eigen::Index tet, const Eigen::Vector3d& x) const {
-    const Eigen::Vector3d origin = mesh_.nodes.row(mesh_.tets(tet, 0));
-    Eigen::Matrix3d edges;
-    for (int k = 0; k < 3; ++k) edges.col(k) = mesh_.nodes.row(mesh_.tets(tet, k + 1)).transpose() - origin;
-    const Eigen::Vector3d w = edges.inverse() * (x - origin);
-    return {1 - w.sum(), w(0), w(1), w(2)};
-  }
-
-  const TetMesh& mesh_;
-  std::vector<Eigen::AlignedBox3d> boxes_;
-};
-
-struct BoneSegment {
-  std::uint32_t joint;
-  Eigen::Vector3d begin, end;
-  bool open_end;  // no hinge at its end
-};
+bool inside(const Capsule& capsule, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d axis = capsule.tail - capsule.head;
+  const double u = std::clamp((point - capsule.head).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
+  const double at = u * kAxisSamples;
+  const std::size_t k = std::min(static_cast<std::size_t>(at), static_cast<std::size_t>(kAxisSamples - 1));
+  const double radius = std::lerp(capsule.radius[k], capsule.radius[k + 1], at - static_cast<double>(k));
+  return (capsule.head + u * axis - point).squaredNorm() < radius * radius;
+}
 
 Eigen::Vector3d bind_position(const Joint& joint) {
   const Affine bind = inverse(joint.inverse_bind);
   return {bind.m[0][3], bind.m[1][3], bind.m[2][3]};
 }
 
-// The mean of the vertices that a joint carries alone, or nothing.
-std::optional<Eigen::Vector3d> carried_centre(const Character& character, std::uint32_t joint) {
+// The end of a joint without children: along the mean of the skin it carries.
+Eigen::Vector3d end_position(const Character& character, std::uint32_t joint, const Eigen::Vector3d& head) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double total = 0;
-  for (Eigen::Index v = 0; v < character.vertices.rows(); ++v) {
-    const auto& weights = character.weights[static_cast<std::size_t>(v)];
-    if (weights.empty() || weights[0].joint != joint) continue;
-    sum += weights[0].weight * character.vertices.row(v).transpose();
-    total += weights[0].weight;
-  }
-  if (total == 0) return std::nullopt;
-  return sum / total;
-}
-
-std::vector<BoneSegment> bone_segments(const Character& character) {
-  std::vector<BoneSegment> segments;
-  const auto& joints = character.skeleton.joints;
-  for (std::uint32_t j = 0; j < joints.size(); ++j) {
-    const Eigen::Vector3d begin = bind_position(joints[j]);
-    bool has_child = false;
-    for (const Joint& child : joints) {
-      if (child.parent != static_cast<int>(j)) continue;
-      has_child = true;
-      segments.push_back({j, begin, bind_position(child), false});
-    }
-    if (has_child) continue;
-    // An end joint: as far beyond the centre of what it carries as the centre is from the joint.
-    if (const auto centre = carried_centre(character, j)) {
-      segments.push_back({j, begin, begin + 1.6 * (*centre - begin), true});
+  for (std::size_t v = 0; v < character.weights.size(); ++v) {
+    for (const JointWeight& w : character.weights[v]) {
+      if (w.joint != joint) continue;
+      sum += w.weight * character.vertices.row(static_cast<Eigen::Index>(v)).transpose();
+      total += w.weight;
     }
   }
-  return segments;
+  if (!(total > 0)) return head;
+  const Eigen::Vector3d axis = (sum / total - head).normalized();
+  double reach = 0;
+  for (std::size_t v = 0; v < character.weights.size(); ++v) {
+    if (character.weights[v].empty() || character.weights[v].front().joint != joint) continue;
+    reach = std::max(reach, (character.vertices.row(static_cast<Eigen::Index>(v)).transpose() - head).dot(axis));
+  }
+  return head + kEndShare * reach * axis;
 }
 
-class BoneAttacher {
- public:
-  BoneAttacher(const TetMesh& mesh, const Character& character, const Eigen::MatrixXd& node_weights)
-      : mesh_(mesh),
-        character_(character),
-        node_weights_(node_weights),
-        skin_distance_(character.vertices),
-        locator_(mesh),
-        size_((character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).maxCoeff()) {}
-
-  std::vector<Attachment> run() {
-    for (const BoneSegment& segment : bone_segments(character_)) attach_rod(segment);
-    attach_cores();
-    return std::move(attachments_);
+std::vector<std::vector<Capsule>> make_capsules(const Character& character) {
+  const std::vector<Joint>& joints = character.skeleton.joints;
+  const double shortest = 1e-4;  // metres: joints in one place have no bone between them
+  std::vector<std::vector<Capsule>> capsules(joints.size());
+  std::vector<bool> has_child(joints.size(), false);
+  for (const Joint& joint : joints) {
+    if (joint.parent < 0) continue;
+    const auto parent = static_cast<std::size_t>(joint.parent);
+    has_child[parent] = true;
+    const Eigen::Vector3d head = bind_position(joints[parent]), tail = bind_position(joint);
+    if ((tail - head).norm() < shortest) continue;
+    capsules[parent].push_back(make_capsule(character.vertices, head, tail, joints[parent].parent >= 0, true));
   }
-
- private:
-  void attach(const Eigen::Vector3d& x, std::uint32_t joint) {
-    if (const auto place = locator_.find(x)) attachments_.push_back({place->tet, place->weights, joint, x});
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (has_child[j]) continue;
+    const Eigen::Vector3d head = bind_position(joints[j]);
+    const Eigen::Vector3d tail = end_position(character, static_cast<std::uint32_t>(j), head);
+    if ((tail - head).norm() < shortest) continue;
+    capsules[j].push_back(make_capsule(character.vertices, head, tail, joints[j].parent >= 0, false));
   }
+  return capsules;
+}
 
-  // Points on the axis and on a ring around it, every few millimetres, clear of the hinges at both ends.
-  void attach_rod(const BoneSegment& segment) {
-    const Eigen::Vector3d axis = segment.end - segment.begin;
-    const double length = axis.norm();
-    if (length < 1e-3 * size_) return;
-    const double clearance = std::min(kHingeClearance * size_, 0.3 * length);
-    const double last = length - (segment.open_end ? 0 : clearance);
-    const Eigen::Vector3d side = axis.unitOrthogonal();
-    for (double at = clearance; at <= last; at += kSpacing * size_) {
-      const Eigen::Vector3d x = segment.begin + axis * (at / length);
-      if (!locator_.find(x)) continue;
-      attach(x, segment.joint);
-      // Tapered at hinges, so that the rods of a joint bent by 130 degrees do not meet.
-      const double hinge = segment.open_end ? at : std::min(at, length - at);
-      const double radius = std::min(kThickness * skin_distance_(x), 0.4 * hinge);
-      for (int k = 0; k < 6; ++k) {
-        const double angle = k * std::numbers::pi / 3;
-        attach(x + radius * (Eigen::AngleAxisd(angle, axis / length) * side), segment.joint);
+// Centres of an even subdivision of the tet, barycentric.
+std::vector<Eigen::Vector4d> lattice() {
+  std::vector<Eigen::Vector4d> points;
+  for (int i = 0; i <= kLattice; ++i) {
+    for (int j = 0; i + j <= kLattice; ++j) {
+      for (int k = 0; i + j + k <= kLattice; ++k) {
+        const Eigen::Vector4d corner(i, j, k, kLattice - i - j - k);
+        points.push_back((corner.array() + 0.25) / (kLattice + 1.0));
       }
     }
   }
-
-  // Tets far below the skin that follow one joint: ribs, spine, pelvis.
-  void attach_cores() {
-    for (Eigen::Index e = 0; e < mesh_.tets.rows(); ++e) {
-      Eigen::Vector3d x = Eigen::Vector3d::Zero();
-      Eigen::RowVectorXd weights = Eigen::RowVectorXd::Zero(node_weights_.cols());
-      for (int k = 0; k < 4; ++k) {
-        x += 0.25 * mesh_.nodes.row(mesh_.tets(e, k)).transpose();
-        weights += 0.25 * node_weights_.row(mesh_.tets(e, k));
-      }
-      Eigen::Index joint = 0;
-      if (weights.maxCoeff(&joint) < 0.85 || skin_distance_(x) < kCoreDepth * size_) continue;
-      attachments_.push_back(
-          {static_cast<int>(e), Eigen::Vector4d::Constant(0.25), static_cast<std::uint32_t>(joint), x});
-    }
-  }
-
-  // Shares of the character's size.
-  static constexpr double kHingeClearance = 0.02, kSpacing = 0.006, kCoreDepth = 0.035;
-  static constexpr double kThickness = 0.35;  // of the distance to the skin
-
-  const TetMesh& mesh_;
-  const Character& character_;
-  const Eigen::MatrixXd& node_weights_;
-  SkinDistance skin_distance_;
-  TetLocator locator_;
-  double size_;
-  std::vector<Attachment> attachments_;
-};
+  return points;
+}
 
 }  // namespace
 
-std::vector<Attachment> attach_bones(const TetMesh& mesh, const Character& character,
-                                     const Eigen::MatrixXd& node_weights) {
-  return BoneAttacher(mesh, character, node_weights).run();
+std::vector<BonePoint> find_bones(const TetMesh& mesh, const Character& character, const NodeWeights& weights) {
+  const std::vector<std::vector<Capsule>> capsules = make_capsules(character);
+  const Eigen::Index skin_count = character.vertices.rows();
+  Eigen::VectorXd depth = Eigen::VectorXd::Zero(mesh.nodes.rows());
+  Eigen::VectorXd core_depth = Eigen::VectorXd::Zero(weights.cols());
+  for (Eigen::Index n = skin_count; n < mesh.nodes.rows(); ++n) {
+    depth[n] = skin_distance(character.vertices, mesh.nodes.row(n));
+    for (Eigen::Index j = 0; j < weights.cols(); ++j) {
+      if (weights(n, j) >= kCoreWeight) core_depth[j] = std::max(core_depth[j], depth[n]);
+    }
+  }
+  const std::vector<Eigen::Vector4d> samples = lattice();
+  std::vector<BonePoint> points;
+  for (int t = 0; t < mesh.tets.rows(); ++t) {
+    Eigen::Matrix<double, 4, 3> corner;
+    Eigen::Vector4d corner_depth;
+    NodeWeights corner_weights(4, weights.cols());
+    for (int a = 0; a < 4; ++a) {
+      corner.row(a) = mesh.nodes.row(mesh.tets(t, a));
+      corner_depth[a] = depth[mesh.tets(t, a)];
+      corner_weights.row(a) = weights.row(mesh.tets(t, a));
+    }
+    const double volume = tet_edges(mesh, t).determinant() / 6 / static_cast<double>(samples.size());
+    for (const Eigen::Vector4d& sample : samples) {
+      Eigen::Index joint = 0;
+      const double weight = (sample.transpose() * corner_weights).maxCoeff(&joint);
+      if (weight < kCapsuleWeight) continue;
+      const Eigen::Vector3d point = corner.transpose() * sample;
+      const bool root = character.skeleton.joints[static_cast<std::size_t>(joint)].parent < 0;
+      const double deep = (root ? kTrunkDepth : kCoreDepth) * core_depth[joint];
+      bool bone = weight >= kCoreWeight && sample.dot(corner_depth) > deep;
+      for (const Capsule& capsule : capsules[static_cast<std::size_t>(joint)]) bone = bone || inside(capsule, point);
+      if (bone) points.push_back({t, static_cast<int>(joint), sample, volume});
+    }
+  }
+  return points;
 }
 
 }  // namespace bodyopt

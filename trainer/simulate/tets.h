@@ -17,4 +17,7 @@ struct TetMesh {
 // wanted inside, metres. Throws Error(mismatch) naming the cause when the skin cannot be filled.
 TetMesh tetrahedralise(const Positions& vertices, const Triangles& triangles, double size);
 
+// Edges from corner 0 to corners 1..3 as columns, metres; their determinant is six times the tet's volume.
+Eigen::Matrix3d tet_edges(const TetMesh& mesh, Eigen::Index tet);
+
 }  // namespace bodyopt

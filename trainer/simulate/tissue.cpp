@@ -1,110 +1,215 @@
 #include "trainer/simulate/tissue.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SparseCholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-
-#include "trainer/simulate/laplacian.h"
-#include "trainer/simulate/materials.h"
+#include <limits>
 
 namespace bodyopt {
-namespace {
 
-Eigen::Vector3d to_eigen(const Vec3& v) { return {v[0], v[1], v[2]}; }
-
-Eigen::Vector3d centroid(const TetMesh& mesh, Eigen::Index tet) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (int k = 0; k < 4; ++k) sum += mesh.nodes.row(mesh.tets(tet, k)).transpose();
-  return sum / 4;
-}
-
-// The point of a polyline nearest to x: distance, relative arc length, direction.
-struct NearestOnPath {
-  double distance = 1e300, along = 0;
-  Eigen::Vector3d tangent = Eigen::Vector3d::Zero();
+// Edge vectors from corner 0 to corners 1..3: edge[corner][axis][lane], metres.
+struct Tissue::Corners {
+  double edge[3][3][kLanes];
 };
 
-NearestOnPath nearest_on_path(const Muscle& muscle, const Eigen::Vector3d& x) {
-  NearestOnPath best;
-  double total = 0;
-  for (std::size_t k = 1; k < muscle.path.size(); ++k) {
-    const Eigen::Vector3d a = to_eigen(muscle.path[k - 1].position), b = to_eigen(muscle.path[k].position);
-    const double size = (b - a).norm();
-    if (size < 1e-9) continue;
-    const double t = std::clamp((x - a).dot(b - a) / (size * size), 0.0, 1.0);
-    const double distance = (a + t * (b - a) - x).norm();
-    if (distance < best.distance) best = {distance, total + t * size, (b - a) / size};
-    total += size;
+struct Tissue::Strain {
+  double f[3][3][kLanes];         // deformation gradient
+  double cofactor[3][3][kLanes];  // dJ/dF
+  double volume_ratio[kLanes];    // J
+  double square[kLanes];          // |F|^2
+};
+
+Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& materials, std::vector<FibreTet> fibres) {
+  const int count = static_cast<int>(mesh.tets.rows());
+  std::sort(fibres.begin(), fibres.end(), [](const FibreTet& a, const FibreTet& b) { return a.tet < b.tet; });
+  std::vector<int> order;
+  std::vector<bool> is_muscle(static_cast<std::size_t>(count), false);
+  for (const FibreTet& fibre : fibres) {
+    order.push_back(fibre.tet);
+    is_muscle[static_cast<std::size_t>(fibre.tet)] = true;
   }
-  best.along /= total;
-  return best;
+  for (int t = 0; t < count; ++t) {
+    if (!is_muscle[static_cast<std::size_t>(t)]) order.push_back(t);
+  }
+  batches_.resize((order.size() + kLanes - 1) / kLanes);
+  fibres_.resize((fibres.size() + kLanes - 1) / kLanes);
+  for (std::size_t k = 0; k < batches_.size() * kLanes; ++k) {
+    Batch& batch = batches_[k / kLanes];
+    const std::size_t lane = k % kLanes;
+    const bool empty = k >= order.size();
+    const int t = order[std::min(k, order.size() - 1)];
+    const TetMaterial& material = materials[static_cast<std::size_t>(t)];
+    for (int a = 0; a < 4; ++a) batch.node[a][lane] = mesh.tets(t, a);
+    const Eigen::Matrix3d edges = tet_edges(mesh, t);
+    const Eigen::Matrix3d slopes = edges.inverse();
+    for (int a = 0; a < 3; ++a) {
+      for (int i = 0; i < 3; ++i) batch.slope[a][i][lane] = slopes(a, i);
+    }
+    batch.volume[lane] = empty ? 0 : edges.determinant() / 6;
+    batch.mu[lane] = material.mu;
+    batch.lambda[lane] = material.lambda;
+    if (k / kLanes >= fibres_.size()) continue;
+    FibreBatch& fibre = fibres_[k / kLanes];
+    const bool passive = k >= fibres.size();
+    const Eigen::Vector3d along = slopes * fibres[std::min(k, fibres.size() - 1)].direction;
+    for (int a = 0; a < 3; ++a) fibre.slope[a][lane] = along[a];
+    fibre.volume[lane] = passive ? 0 : batch.volume[lane];
+    fibre.muscle[lane] = fibres[std::min(k, fibres.size() - 1)].muscle;
+  }
 }
 
-double belly_radius(const Muscle& muscle, double along) {
-  constexpr double kEnd = 0.35;  // of the belly's radius, where the muscle becomes tendon
-  const double profile = std::sqrt(std::max(0.0, std::sin(std::numbers::pi * along)));
-  return muscle.radius * std::max(kEnd, profile);
-}
-
-}  // namespace
-
-Tissue label_tissue(const TetMesh& mesh, const std::vector<Muscle>& muscles) {
-  Tissue tissue;
-  tissue.muscle.assign(static_cast<std::size_t>(mesh.tets.rows()), -1);
-  tissue.fibre.assign(static_cast<std::size_t>(mesh.tets.rows()), Eigen::Vector3d::Zero());
-  for (Eigen::Index e = 0; e < mesh.tets.rows(); ++e) {
-    const Eigen::Vector3d x = centroid(mesh, e);
-    double best = 1;
-    for (std::size_t m = 0; m < muscles.size(); ++m) {
-      const NearestOnPath near = nearest_on_path(muscles[m], x);
-      const double relative = near.distance / belly_radius(muscles[m], near.along);
-      if (relative >= best) continue;
-      best = relative;
-      tissue.muscle[static_cast<std::size_t>(e)] = static_cast<int>(m);
-      tissue.fibre[static_cast<std::size_t>(e)] = near.tangent;
+void Tissue::gather(const Batch& batch, const Positions& nodes, Corners& corners) const {
+  const double* x = nodes.data();
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const double* origin = x + 3 * static_cast<std::ptrdiff_t>(batch.node[0][lane]);
+    for (int a = 0; a < 3; ++a) {
+      const double* corner = x + 3 * static_cast<std::ptrdiff_t>(batch.node[a + 1][lane]);
+      for (int i = 0; i < 3; ++i) corners.edge[a][i][lane] = corner[i] - origin[i];
     }
   }
-  return tissue;
 }
 
-double path_length(const Muscle& muscle, const std::vector<Affine>& skinning) {
-  double total = 0;
-  for (std::size_t k = 1; k < muscle.path.size(); ++k) {
-    const MusclePoint &a = muscle.path[k - 1], &b = muscle.path[k];
-    total += length(skinning[b.joint] * b.position - skinning[a.joint] * a.position);
+// Returns the smallest J.
+double Tissue::strain(const Batch& batch, const Corners& corners, Strain& strain) const {
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        strain.f[i][k][lane] = corners.edge[0][i][lane] * batch.slope[0][k][lane] +
+                               corners.edge[1][i][lane] * batch.slope[1][k][lane] +
+                               corners.edge[2][i][lane] * batch.slope[2][k][lane];
+      }
+    }
   }
-  return total;
+  for (int i = 0; i < 3; ++i) {
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    for (int k = 0; k < 3; ++k) {
+      const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+      for (int lane = 0; lane < kLanes; ++lane) {
+        strain.cofactor[i][k][lane] =
+            strain.f[i1][k1][lane] * strain.f[i2][k2][lane] - strain.f[i1][k2][lane] * strain.f[i2][k1][lane];
+      }
+    }
+  }
+  double smallest = std::numeric_limits<double>::infinity();
+  for (int lane = 0; lane < kLanes; ++lane) {
+    double j = 0, square = 0;
+    for (int k = 0; k < 3; ++k) j += strain.f[0][k][lane] * strain.cofactor[0][k][lane];
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) square += strain.f[i][k][lane] * strain.f[i][k][lane];
+    }
+    strain.volume_ratio[lane] = j;
+    strain.square[lane] = square;
+    smallest = j < smallest ? j : smallest;
+  }
+  return smallest;
 }
 
-std::vector<double> activations(const std::vector<Muscle>& muscles, const std::vector<Affine>& skinning) {
-  const std::vector<Affine> rest(skinning.size());
-  std::vector<double> result;
-  for (const Muscle& muscle : muscles) {
-    const double shortening = std::max(0.0, 1 - path_length(muscle, skinning) / path_length(muscle, rest));
-    const double x = shortening / kFullyActiveAt;
-    result.push_back(muscle.max_activation * (1 - std::exp(-x * x)));
+// Adds to force[corner][axis][lane]; returns the energy.
+double Tissue::fibre_force(const FibreBatch& batch, const Corners& corners, std::span<const double> activation,
+                           double (&force)[3][3][kLanes]) const {
+  double energy = 0;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    double v[3];
+    for (int i = 0; i < 3; ++i) {
+      v[i] = corners.edge[0][i][lane] * batch.slope[0][lane] + corners.edge[1][i][lane] * batch.slope[1][lane] +
+             corners.edge[2][i][lane] * batch.slope[2][lane];
+    }
+    const double stretch = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    const double active = std::max(stretch - kActiveSlack, 0.0), passive = std::max(stretch - 1, 0.0);
+    const double stiffness = activation[static_cast<std::size_t>(batch.muscle[lane])] * kActiveStiffness;
+    energy += batch.volume[lane] * 0.5 * (stiffness * active * active + kPassiveFibreStiffness * passive * passive);
+    const double pull =
+        batch.volume[lane] * (stiffness * active + kPassiveFibreStiffness * passive) / std::max(stretch, 1e-12);
+    for (int a = 0; a < 3; ++a) {
+      for (int i = 0; i < 3; ++i) force[a][i][lane] += pull * batch.slope[a][lane] * v[i];
+    }
   }
-  return result;
+  return energy;
 }
 
-Eigen::MatrixXd interior_weights(const TetMesh& mesh, const Character& character) {
-  const Eigen::Index nodes = mesh.nodes.rows(), skin = character.vertices.rows(), inside = nodes - skin;
-  Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(nodes, static_cast<Eigen::Index>(character.skeleton.size()));
-  for (Eigen::Index v = 0; v < skin; ++v) {
-    for (const JointWeight& w : character.weights[static_cast<std::size_t>(v)]) weights(v, w.joint) += w.weight;
+Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double> activation,
+                                 Positions& gradient) const {
+  Sum sum;
+  double* out = gradient.data();
+  for (std::size_t b = 0; b < batches_.size(); ++b) {
+    const Batch& batch = batches_[b];
+    Corners corners;
+    Strain s;
+    gather(batch, nodes, corners);
+    const double smallest = strain(batch, corners, s);
+    if (!(smallest > 0)) {
+      sum.energy = std::numeric_limits<double>::infinity();
+      return sum;
+    }
+    double pressure[kLanes], density[kLanes];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const double rest = batch.mu[lane] / batch.lambda[lane], j = s.volume_ratio[lane] - 1 - rest;
+      pressure[lane] = batch.lambda[lane] * j;
+      density[lane] = 0.5 * (batch.mu[lane] * (s.square[lane] - 3) + batch.lambda[lane] * (j * j - rest * rest));
+    }
+    if (smallest < kBarrierVolume) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const double j = s.volume_ratio[lane], below = j - kBarrierVolume, kappa = kBarrierWeight * batch.lambda[lane];
+        if (below >= 0) continue;
+        const double log_ratio = std::log(j / kBarrierVolume);
+        density[lane] -= kappa * below * below * log_ratio;
+        pressure[lane] -= kappa * (2 * below * log_ratio + below * below / j);
+      }
+    }
+    double stress[3][3][kLanes], force[3][3][kLanes];
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        for (int lane = 0; lane < kLanes; ++lane) {
+          stress[i][k][lane] =
+              batch.volume[lane] * (batch.mu[lane] * s.f[i][k][lane] + pressure[lane] * s.cofactor[i][k][lane]);
+        }
+      }
+    }
+    for (int a = 0; a < 3; ++a) {
+      for (int i = 0; i < 3; ++i) {
+        for (int lane = 0; lane < kLanes; ++lane) {
+          force[a][i][lane] = stress[i][0][lane] * batch.slope[a][0][lane] +
+                              stress[i][1][lane] * batch.slope[a][1][lane] +
+                              stress[i][2][lane] * batch.slope[a][2][lane];
+        }
+      }
+    }
+    for (int lane = 0; lane < kLanes; ++lane) sum.energy += batch.volume[lane] * density[lane];
+    if (b < fibres_.size()) sum.energy += fibre_force(fibres_[b], corners, activation, force);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      double* origin = out + 3 * static_cast<std::ptrdiff_t>(batch.node[0][lane]);
+      double total[3] = {0, 0, 0};
+      for (int a = 0; a < 3; ++a) {
+        double* corner = out + 3 * static_cast<std::ptrdiff_t>(batch.node[a + 1][lane]);
+        for (int i = 0; i < 3; ++i) {
+          const double f = force[a][i][lane];
+          corner[i] += f;
+          total[i] += f;
+          sum.force_square += f * f;
+        }
+      }
+      for (int i = 0; i < 3; ++i) {
+        origin[i] -= total[i];
+        sum.force_square += total[i] * total[i];
+      }
+    }
   }
-  if (inside == 0) return weights;
-  const Eigen::SparseMatrix<double> laplacian =
-      tet_laplacian(mesh, std::vector<double>(static_cast<std::size_t>(mesh.tets.rows()), 1.0));
-  const Eigen::SparseMatrix<double> interior = laplacian.bottomRightCorner(inside, inside);
-  const Eigen::SparseMatrix<double> boundary = laplacian.bottomLeftCorner(inside, skin);
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(interior);
-  Eigen::MatrixXd solved = factor.solve(-(boundary * weights.topRows(skin)));
-  solved = solved.cwiseMax(0.0);
-  for (Eigen::Index n = 0; n < inside; ++n) weights.row(skin + n) = solved.row(n) / solved.row(n).sum();
-  return weights;
+  return sum;
+}
+
+int Tissue::inverted(const Positions& nodes) const {
+  int count = 0;
+  for (const Batch& batch : batches_) {
+    Corners corners;
+    Strain s;
+    gather(batch, nodes, corners);
+    strain(batch, corners, s);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      if (batch.volume[lane] > 0 && !(s.volume_ratio[lane] > 0)) ++count;
+    }
+  }
+  return count;
 }
 
 }  // namespace bodyopt

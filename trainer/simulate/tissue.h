@@ -1,46 +1,67 @@
-// What fills the tets: passive tissue and muscles with a fibre direction; and what bones hold.
+// Elastic energy of the tetrahedra and its gradient.
 #pragma once
 
+#include <span>
 #include <vector>
 
-#include "trainer/dataset/character.h"
-#include "trainer/dataset/muscles.h"
+#include "trainer/simulate/material.h"
 #include "trainer/simulate/tets.h"
 
 namespace bodyopt {
 
-// Per tet, rest space.
-struct Tissue {
-  std::vector<int> muscle;             // index, or -1 for passive tissue
-  std::vector<Eigen::Vector3d> fibre;  // unit direction; zero in passive tissue
-};
-
-// A tet belongs to the muscle whose belly its centroid lies in (the relatively nearest one). The belly is thick in the
-// middle of the path and tapers to its ends; fibres run along the path.
-Tissue label_tissue(const TetMesh& mesh, const std::vector<Muscle>& muscles);
-
-// Length of a muscle's path when every joint j carries its points by skinning[j] (rest to posed), metres.
-double path_length(const Muscle& muscle, const std::vector<Affine>& skinning);
-
-// Activation of every muscle in a pose, 0 .. max_activation: a smooth function of how much its path is shorter than at
-// rest. Zero at rest, so that the bind pose is an equilibrium of the rest shape. No hidden state.
-std::vector<double> activations(const std::vector<Muscle>& muscles, const std::vector<Affine>& skinning);
-
-// A point inside a tet that a joint carries: held by a spring of kBoneSpring.
-struct Attachment {
+// A tet of a muscle: where its fibres run, and whose activation drives them.
+struct FibreTet {
   int tet;
-  Eigen::Vector4d weights;  // barycentric
-  std::uint32_t joint;
-  Eigen::Vector3d position;  // rest space, metres
+  int muscle;
+  Eigen::Vector3d direction;  // unit, rest space
 };
 
-// Bones, which characters do not bring as meshes: rods along the segments from joint to child joint (an end joint's
-// reaches into the vertices it carries), as thick as a third of the flesh around them allows and clear of the hinges,
-// and the core of thick parts such as the trunk.
-std::vector<Attachment> attach_bones(const TetMesh& mesh, const Character& character,
-                                     const Eigen::MatrixXd& node_weights);
+// Energy density per tet, F the deformation gradient, J = det F, a the fibre direction, s = |F a|:
+//   mu/2 (|F|^2 - 3) + lambda/2 ((J - 1 - mu/lambda)^2 - (mu/lambda)^2)        stable neo-Hookean (Smith et al. 2018),
+//                                                                               without its singular log term
+//   + 2 lambda (J - 0.3)^2 (-ln(J / 0.3))                where J < 0.3
+//   + activation k_a/2 (s - 0.7)^2                       where s > 0.7, muscles only
+//   + k_p/2 (s - 1)^2                                    where s > 1, muscles only
+// Zero with zero gradient at rest when all activations are zero.
+class Tissue {
+ public:
+  // materials: one per tet. A tet has at most one entry in fibres.
+  Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& materials, std::vector<FibreTet> fibres);
 
-// N x J: skin weights of the character, diffused harmonically into the interior. Rows sum to 1.
-Eigen::MatrixXd interior_weights(const TetMesh& mesh, const Character& character);
+  struct Sum {
+    double energy = 0;        // joules; infinite when a tet is inverted or flat (J <= 0)
+    double force_square = 0;  // N^2: over all tets, the squared forces each puts on its four nodes
+  };
+
+  // Adds the gradient (joules per metre, N x 3) of the energy at `nodes` (N x 3) to `gradient`. activation: per muscle.
+  Sum add_gradient(const Positions& nodes, std::span<const double> activation, Positions& gradient) const;
+
+  int inverted(const Positions& nodes) const;  // tets with J <= 0
+
+ private:
+  static constexpr int kLanes = 8;
+
+  // Eight tets side by side, so that the compiler works on several at once. Empty lanes have no volume.
+  struct Batch {
+    int node[4][kLanes];
+    double slope[3][3][kLanes];  // gradient of the shape functions of corners 1..3, 1/m; corner 0: minus their sum
+    double volume[kLanes], mu[kLanes], lambda[kLanes];
+  };
+  struct FibreBatch {
+    double slope[3][kLanes];  // the same slopes along the fibre
+    double volume[kLanes];    // zero in lanes without fibres
+    int muscle[kLanes];
+  };
+  struct Corners;
+  struct Strain;
+
+  void gather(const Batch& batch, const Positions& nodes, Corners& corners) const;
+  double strain(const Batch& batch, const Corners& corners, Strain& strain) const;
+  double fibre_force(const FibreBatch& batch, const Corners& corners, std::span<const double> activation,
+                     double (&force)[3][3][kLanes]) const;
+
+  std::vector<Batch> batches_;
+  std::vector<FibreBatch> fibres_;  // of the first batches
+};
 
 }  // namespace bodyopt

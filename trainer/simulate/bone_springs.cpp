@@ -1,0 +1,70 @@
+#include "trainer/simulate/bone_springs.h"
+
+#include <map>
+#include <utility>
+
+namespace bodyopt {
+namespace {
+
+Eigen::Vector3d apply(const Affine& transform, const Eigen::Vector3d& point, double share = 1) {
+  Eigen::Vector3d result;
+  for (int i = 0; i < 3; ++i) {
+    const double* row = transform.m[i];
+    result[i] = row[0] * point[0] + row[1] * point[1] + row[2] * point[2] + row[3] * share;
+  }
+  return result;
+}
+
+}  // namespace
+
+BoneSprings::BoneSprings(const TetMesh& mesh, const std::vector<BonePoint>& points, std::size_t joint_count)
+    : rest_(mesh.nodes),
+      stiffness_(mesh.nodes.rows(), mesh.nodes.rows()),
+      by_joint_(NodeWeights::Zero(mesh.nodes.rows(), static_cast<Eigen::Index>(joint_count))),
+      main_joint_(static_cast<std::size_t>(mesh.nodes.rows()), -1) {
+  std::vector<Eigen::Triplet<double>> entries;
+  std::map<std::pair<int, int>, Moment> moments;
+  for (const BonePoint& point : points) {
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    for (int a = 0; a < 4; ++a) position += point.weights[a] * mesh.nodes.row(mesh.tets(point.tet, a)).transpose();
+    for (int a = 0; a < 4; ++a) {
+      const int node = mesh.tets(point.tet, a);
+      const double share = kBoneStiffness * point.volume * point.weights[a];
+      Moment& moment =
+          moments.try_emplace({node, point.joint}, Moment{node, point.joint, 0, Eigen::Vector3d::Zero()}).first->second;
+      moment.sum += share;
+      moment.first += share * position;
+      by_joint_(node, point.joint) += share;
+      for (int b = 0; b < 4; ++b) entries.emplace_back(node, mesh.tets(point.tet, b), share * point.weights[b]);
+    }
+  }
+  stiffness_.setFromTriplets(entries.begin(), entries.end());
+  for (const auto& [key, moment] : moments) {
+    moments_.push_back(moment);
+    int& main = main_joint_[static_cast<std::size_t>(moment.node)];
+    if (main < 0 || moment.sum > by_joint_(moment.node, main)) main = moment.joint;
+  }
+}
+
+SpringPose BoneSprings::pose(std::span<const Affine> skinning) const {
+  SpringPose result{Positions::Zero(rest_.rows(), 3), Positions::Zero(rest_.rows(), 3)};
+  for (std::size_t n = 0; n < main_joint_.size(); ++n) {
+    if (main_joint_[n] < 0) continue;
+    const auto row = static_cast<Eigen::Index>(n);
+    result.base.row(row) = apply(skinning[static_cast<std::size_t>(main_joint_[n])], rest_.row(row));
+  }
+  for (const Moment& moment : moments_) {
+    result.pull.row(moment.node) += apply(skinning[static_cast<std::size_t>(moment.joint)], moment.first, moment.sum);
+  }
+  result.pull -= stiffness_ * result.base;
+  return result;
+}
+
+double BoneSprings::add_gradient(const SpringPose& pose, const Positions& nodes, Positions& gradient) const {
+  const Positions offset = nodes - pose.base;
+  const Positions force = stiffness_ * offset;
+  gradient += force - pose.pull;
+  return offset.cwiseProduct(0.5 * force - pose.pull).sum();
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,42 @@
+// Springs that hold the tissue inside a bone to the bone: energy = sum over bone points k/2 |x(point) - T_joint X|^2.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "trainer/simulate/bones.h"
+
+namespace bodyopt {
+
+// Where the springs pull in one pose: energy, up to a constant of the pose, 1/2 u.S u - u.pull, u = nodes - base.
+struct SpringPose {
+  Positions base, pull;  // N x 3, metres and newtons
+};
+
+class BoneSprings {
+ public:
+  BoneSprings(const TetMesh& mesh, const std::vector<BonePoint>& points, std::size_t joint_count);
+
+  // skinning: J, rest space to posed.
+  SpringPose pose(std::span<const Affine> skinning) const;
+  // Adds the gradient at `nodes` (N x 3); returns the energy, joules, up to a constant of the pose.
+  double add_gradient(const SpringPose& pose, const Positions& nodes, Positions& gradient) const;
+
+  const SparseMatrix& stiffness() const { return stiffness_; }      // S, N x N, N/m
+  const NodeWeights& joint_stiffness() const { return by_joint_; }  // N x J, N/m: row sums of S by joint
+
+ private:
+  // Moments of the bone points of one joint around one node, weighted by stiffness x barycentric weight.
+  struct Moment {
+    int node, joint;
+    double sum;             // N/m
+    Eigen::Vector3d first;  // N: sum of weight x rest position
+  };
+  Positions rest_;
+  SparseMatrix stiffness_;
+  NodeWeights by_joint_;
+  std::vector<Moment> moments_;  // by node
+  std::vector<int> main_joint_;  // N: the joint with the largest share of a node's springs, -1 without springs
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,15 @@
+// Whether a skin encloses a volume.
+#pragma once
+
+#include "trainer/dataset/character.h"
+
+namespace bodyopt {
+
+// Passes when every edge joins exactly two triangles that run through it in opposite directions and every vertex
+// belongs to a triangle. Otherwise throws Error(mismatch) naming and counting the defect.
+void require_closed(const Positions& vertices, const Triangles& triangles);
+
+// Volume enclosed by a closed skin, cubic metres; negative when its triangles wind inwards.
+double enclosed_volume(const Positions& vertices, const Triangles& triangles);
+
+}  // namespace bodyopt

@@ -1,0 +1,40 @@
+// The constant metric the solver measures steps in: a scalar Laplacian weighted by stiffness, factored once.
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <vector>
+
+#include "trainer/simulate/material.h"
+#include "trainer/simulate/tets.h"
+
+namespace bodyopt {
+
+using SparseMatrix = Eigen::SparseMatrix<double>;
+
+// Volume-weighted P1 stiffness matrix: sum over tets of coefficient x volume x (slope_a . slope_b), N x N.
+SparseMatrix tet_laplacian(const TetMesh& mesh, const std::vector<double>& coefficients);
+
+// Stiffness of each tet in the metric, Pa: an estimate of the elastic Hessian's size that holds in every pose, so that
+// L-BFGS takes full steps (Liu, Bouaziz, Kavan 2017).
+std::vector<double> metric_stiffness(const std::vector<TetMaterial>& materials, const std::vector<bool>& is_muscle);
+
+// A sparse Cholesky factor of a positive definite matrix, and its solve with three right sides at once.
+class Metric {
+ public:
+  explicit Metric(const SparseMatrix& matrix);
+  // Replaces `values` (N x 3) by the inverse metric times it. `scratch` is resized as needed.
+  void solve(Positions& values, Positions& scratch) const;
+  std::size_t nonzeros() const { return entries_.size(); }
+
+ private:
+  struct Entry {
+    int row;
+    double value;
+  };
+  std::vector<int> order_;                 // original index of each row of the factor
+  std::vector<double> inverse_diagonal_;   // of L
+  std::vector<std::size_t> column_begin_;  // N + 1, into entries_: L below its diagonal, column by column
+  std::vector<Entry> entries_;
+};
+
+}  // namespace bodyopt

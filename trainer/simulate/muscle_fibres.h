@@ -1,0 +1,24 @@
+// Which tets are muscle, where their fibres run, and how active a muscle is in a pose.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "trainer/dataset/muscles.h"
+#include "trainer/simulate/tissue.h"
+
+namespace bodyopt {
+
+// Tets whose centroid lies in a muscle's belly: within radius sqrt(sin(pi u)) of its path, u from origin (0) to
+// insertion (1). Where muscles overlap, the one whose path is nearest relative to its radius there takes the tet.
+std::vector<FibreTet> label_muscles(const TetMesh& mesh, const std::vector<Muscle>& muscles);
+
+// Length of a muscle's path with its points carried by their joints' skinning matrices, metres.
+double path_length(const Muscle& muscle, std::span<const Affine> skinning);
+
+// Activation per muscle, 0 .. max_activation: what a muscle does beyond its tone at rest, which is part of the rest
+// shape. A smooth function of how much shorter its path is than at rest, and of nothing else: zero at rest and when
+// stretched, full when shortened by a fifth.
+std::vector<double> activations(const std::vector<Muscle>& muscles, std::span<const Affine> skinning);
+
+}  // namespace bodyopt

@@ -1,0 +1,14 @@
+// Joint weights inside the body.
+#pragma once
+
+#include "trainer/simulate/bones.h"
+
+namespace bodyopt {
+
+// Skin weights carried inwards: on the skin they are the character's, inside they are the joint-wise minimum of
+// 1/2 w.laplacian w + bone springs pulling each bone's own weight to one. `springs` (N x N) and `bone_share` (N x J,
+// row sums of springs by joint) may be zero. Rows are clamped to 0 and normalised.
+NodeWeights carry_inwards(const Character& character, const SparseMatrix& laplacian, const SparseMatrix& springs,
+                          const NodeWeights& bone_share);
+
+}  // namespace bodyopt

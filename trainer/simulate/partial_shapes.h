@@ -1,0 +1,46 @@
+// Finished frames of a simulation that is not yet whole: kept in a file that survives being killed at any moment.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "trainer/dataset/dataset.h"
+
+namespace bodyopt {
+
+// Layout, little-endian: "BODYPART", uint64 inputs, uint64 values per frame; then records of uint64 key, double
+// residual, double seconds, int32 iterations, int32 inverted tets, float values, uint64 xxh3 of the record so far.
+// Records are only ever appended, so a kill harms at most the last one, and that is cut off when the file is opened
+// again.
+class PartialShapes {
+ public:
+  // Opens the file or starts a new one. A file made from other inputs is started anew. Throws Error(file).
+  PartialShapes(std::filesystem::path path, std::uint64_t inputs, std::size_t values_per_frame);
+  ~PartialShapes();
+  PartialShapes(const PartialShapes&) = delete;
+  PartialShapes& operator=(const PartialShapes&) = delete;
+
+  bool has(std::uint64_t key) const { return record_begin_.contains(key); }
+  // values: as many as values_per_frame.
+  void append(std::uint64_t key, const FrameStatus& status, std::span<const float> values);
+  // The record of a key that is there. Sets all of `status` but frame and converged.
+  std::vector<float> read(std::uint64_t key, FrameStatus& status) const;
+  // Closes and deletes the file: its frames are elsewhere now.
+  void remove();
+
+ private:
+  std::size_t record_size() const;
+  bool resume(std::uint64_t inputs);
+  [[noreturn]] void fail(const char* doing) const;
+
+  std::filesystem::path path_;
+  std::size_t values_;
+  int file_ = -1;
+  std::uint64_t end_ = 0;
+  std::map<std::uint64_t, std::uint64_t> record_begin_;  // by key, bytes from the start of the file
+};
+
+}  // namespace bodyopt

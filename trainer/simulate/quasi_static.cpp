@@ -1,0 +1,261 @@
+#include "trainer/simulate/quasi_static.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "runtime/basis/error.h"
+#include "runtime/rig.h"
+#include "trainer/simulate/body_hash.h"
+#include "trainer/simulate/lbfgs.h"
+#include "trainer/simulate/node_weights.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kTolerance = 1e-4;
+constexpr int kMaxIterations = 4000;
+// On the way a shape only has to stay near the path.
+constexpr double kPathTolerance = 1e-2;
+constexpr int kPathIterations = 15;
+constexpr double kMaxStep = 20 * std::numbers::pi / 180;  // of the fastest joint
+constexpr double kMinStep = 1.0 / 500;                    // of the path
+constexpr double kDefaultSize = 3;                        // mean edges of the skin
+constexpr double kMinWeight = 1e-3;
+// A strain that counts as none.
+constexpr double kStrainFloor = 1e-6;
+
+double mean_edge(const Character& character) {
+  double sum = 0;
+  for (Eigen::Index t = 0; t < character.triangles.rows(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const auto a = character.triangles(t, k), b = character.triangles(t, (k + 1) % 3);
+      sum += (character.vertices.row(a) - character.vertices.row(b)).norm();
+    }
+  }
+  return sum / (3.0 * static_cast<double>(std::max<Eigen::Index>(character.triangles.rows(), 1)));
+}
+
+void require_fit(const Character& character, const std::vector<Muscle>& muscles) {
+  if (character.skeleton.size() == 0) throw Error(ErrorKind::mismatch, "the character has no joints to drive it");
+  for (const Muscle& muscle : muscles) {
+    if (muscle.path.size() < 2 || !(muscle.radius > 0)) {
+      throw Error(ErrorKind::mismatch, "muscle '" + muscle.name + "' needs two points or more and a radius above 0");
+    }
+    for (const MusclePoint& point : muscle.path) {
+      if (point.joint < character.skeleton.size()) continue;
+      throw Error(ErrorKind::mismatch, "muscle '" + muscle.name + "' is bound to a joint the skeleton lacks");
+    }
+  }
+}
+
+// The only root, or -1: the joint whose motion moves the whole body.
+int single_root(const Skeleton& skeleton) {
+  int roots = 0;
+  for (const Joint& joint : skeleton.joints) roots += joint.parent < 0 ? 1 : 0;
+  return roots == 1 ? 0 : -1;
+}
+
+double rotation_between(const Quat& a, const Quat& b) {
+  double cosine = 0;
+  for (std::size_t i = 0; i < 4; ++i) cosine += a[i] * b[i];
+  return 2 * std::acos(std::min(std::abs(cosine), 1.0));
+}
+
+// The straight path in joint angles, u = 0 at bind, 1 at the pose.
+std::vector<JointTransform> on_path(const Skeleton& skeleton, const std::vector<JointTransform>& pose, double u) {
+  std::vector<JointTransform> local(pose.size());
+  for (std::size_t j = 0; j < pose.size(); ++j) {
+    const JointTransform& bind = skeleton.joints[j].bind;
+    for (std::size_t i = 0; i < 3; ++i) {
+      local[j].translation[i] = std::lerp(bind.translation[i], pose[j].translation[i], u);
+      local[j].scale[i] = std::lerp(bind.scale[i], pose[j].scale[i], u);
+    }
+    local[j].rotation = slerp(normalized(bind.rotation), normalized(pose[j].rotation), u);
+  }
+  return local;
+}
+
+Eigen::Vector3d turned(const Quat& rotation, const Eigen::Vector3d& v) {
+  const Vec3 result = rotate(rotation, {v[0], v[1], v[2]});
+  return {result[0], result[1], result[2]};
+}
+
+void move_all(const Affine& motion, Positions& nodes) {
+  for (Eigen::Index n = 0; n < nodes.rows(); ++n) {
+    const Vec3 moved = motion * Vec3{nodes(n, 0), nodes(n, 1), nodes(n, 2)};
+    nodes.row(n) << moved[0], moved[1], moved[2];
+  }
+}
+
+}  // namespace
+
+bool is_converged(const FrameStatus& status) { return status.residual < kTolerance && status.inverted_tets == 0; }
+
+QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, double tet_size)
+    : skeleton_(character.skeleton), muscles_(muscles) {
+  require_fit(character, muscles);
+  const double size = tet_size > 0 ? tet_size : kDefaultSize * mean_edge(character);
+  mesh_ = tetrahedralise(character.vertices, character.triangles, size);
+  const auto tet_count = static_cast<std::size_t>(mesh_.tets.rows());
+  const auto joint_count = static_cast<Eigen::Index>(skeleton_.size());
+
+  fibres_ = label_muscles(mesh_, muscles);
+  std::vector<TetMaterial> materials(tet_count, kFat);
+  std::vector<bool> is_muscle(tet_count, false);
+  for (const FibreTet& fibre : fibres_) {
+    materials[static_cast<std::size_t>(fibre.tet)] = kMuscle;
+    is_muscle[static_cast<std::size_t>(fibre.tet)] = true;
+  }
+  tissue_ = std::make_unique<Tissue>(mesh_, materials, fibres_);
+
+  const SparseMatrix laplacian = tet_laplacian(mesh_, metric_stiffness(materials, is_muscle));
+  const SparseMatrix no_springs(laplacian.rows(), laplacian.cols());
+  const NodeWeights smooth =
+      carry_inwards(character, laplacian, no_springs, NodeWeights::Zero(laplacian.rows(), joint_count));
+  bones_ = find_bones(mesh_, character, smooth);
+  springs_ = std::make_unique<BoneSprings>(mesh_, bones_, skeleton_.size());
+  weights_ = carry_inwards(character, laplacian, springs_->stiffness(), springs_->joint_stiffness());
+  for (Eigen::Index n = 0; n < weights_.rows(); ++n) {
+    std::vector<JointWeight>& entries = node_joints_.emplace_back();
+    double sum = 0;
+    for (Eigen::Index j = 0; j < joint_count; ++j) {
+      if (weights_(n, j) < kMinWeight) continue;
+      entries.push_back({static_cast<std::uint32_t>(j), weights_(n, j)});
+      sum += weights_(n, j);
+    }
+    for (JointWeight& entry : entries) entry.weight /= sum;
+  }
+
+  bending_ = std::make_unique<SkinBending>(character.vertices, character.triangles, mesh_.nodes.rows());
+  SparseMatrix metric = laplacian + springs_->stiffness() + bending_->stiffness();
+  // A part no bone holds would leave the metric singular; this much holds it without being felt.
+  const double diagonal = metric.diagonal().maxCoeff();
+  for (Eigen::Index n = 0; n < metric.rows(); ++n) metric.coeffRef(n, n) += 1e-9 * diagonal;
+  metric_ = std::make_unique<Metric>(metric);
+  for (std::size_t t = 0; t < tet_count; ++t) {
+    const double area = std::cbrt(std::pow(tet_edges(mesh_, static_cast<Eigen::Index>(t)).determinant() / 6, 2));
+    force_floor_ += std::pow(kStrainFloor * materials[t].mu * area, 2);
+  }
+  force_floor_ = std::sqrt(force_floor_);
+  hash_ = body_hash(character, muscles, mesh_);
+}
+
+QuasiStaticBody::Target QuasiStaticBody::target(const std::vector<JointTransform>& local) const {
+  const std::vector<Affine> skinning = skinning_matrices(skeleton_, local);
+  std::vector<Quat> joint_rotation;
+  for (const Affine& matrix : skinning) joint_rotation.push_back(normalized(decompose(matrix).rotation));
+  Target result;
+  result.activation = activations(muscles_, skinning);
+  result.springs = springs_->pose(skinning);
+  result.skinned.resize(mesh_.nodes.rows(), 3);
+  for (std::size_t n = 0; n < node_joints_.size(); ++n) {
+    const auto row = static_cast<Eigen::Index>(n);
+    const Vec3 rest{mesh_.nodes(row, 0), mesh_.nodes(row, 1), mesh_.nodes(row, 2)};
+    Vec3 position{0, 0, 0};
+    Quat rotation{0, 0, 0, 0};
+    for (const JointWeight& w : node_joints_[n]) {
+      position = position + w.weight * (skinning[w.joint] * rest);
+      const Quat& q = joint_rotation[w.joint];
+      const Quat& first = joint_rotation[node_joints_[n].front().joint];
+      double cosine = 0;
+      for (std::size_t i = 0; i < 4; ++i) cosine += q[i] * first[i];
+      for (std::size_t i = 0; i < 4; ++i) rotation[i] += (cosine < 0 ? -w.weight : w.weight) * q[i];
+    }
+    result.skinned.row(row) << position[0], position[1], position[2];
+    result.rotation.push_back(normalized(rotation));
+  }
+  result.curvature = bending_->curvature(result.rotation);
+  return result;
+}
+
+// Skinning of (rest + the un-posed residual of the shape so far).
+Positions QuasiStaticBody::carried(const Target& from, const Target& to, const Positions& nodes) const {
+  Positions result(nodes.rows(), 3);
+  for (Eigen::Index n = 0; n < nodes.rows(); ++n) {
+    const auto k = static_cast<std::size_t>(n);
+    const Quat change = to.rotation[k] * conjugate(from.rotation[k]);
+    const Eigen::Vector3d offset = (nodes.row(n) - from.skinned.row(n)).transpose();
+    result.row(n) = to.skinned.row(n) + turned(change, offset).transpose();
+  }
+  return result;
+}
+
+Positions QuasiStaticBody::approach(const Target& from, const Target& to, const Positions& nodes) const {
+  const Positions wanted = carried(from, to, nodes);
+  for (double share = 1; share > 1e-3; share /= 2) {
+    const Positions start = nodes + share * (wanted - nodes);
+    if (tissue_->inverted(start) == 0) return start;
+  }
+  return nodes;
+}
+
+int QuasiStaticBody::relax(const Target& at, double tolerance, int max_iterations, Positions& nodes,
+                           double& residual) const {
+  const Objective objective = [&](const Positions& x, Positions& gradient) {
+    gradient.setZero();
+    const Tissue::Sum tissue = tissue_->add_gradient(x, at.activation, gradient);
+    const double springs = springs_->add_gradient(at.springs, x, gradient);
+    const double bending = bending_->add_gradient(at.curvature, x, gradient);
+    return ObjectiveValue{tissue.energy + springs + bending, tissue.force_square};
+  };
+  const MinimiseResult result = minimise(objective, *metric_, tolerance, force_floor_, max_iterations, nodes);
+  residual = result.residual;
+  return result.iterations;
+}
+
+SolvedPose QuasiStaticBody::solve(const Pose& pose) const {
+  const auto start_time = std::chrono::steady_clock::now();
+  if (pose.joints.size() != skeleton_.size()) {
+    throw Error(ErrorKind::mismatch, "a pose of " + std::to_string(pose.joints.size()) +
+                                         " joints was given to a body of " + std::to_string(skeleton_.size()));
+  }
+  std::vector<JointTransform> end = pose.joints;
+  const int root = single_root(skeleton_);
+  if (root >= 0) end[static_cast<std::size_t>(root)] = skeleton_.joints[static_cast<std::size_t>(root)].bind;
+  double widest = 0;
+  for (std::size_t j = 0; j < end.size(); ++j) {
+    widest =
+        std::max(widest, rotation_between(normalized(skeleton_.joints[j].bind.rotation), normalized(end[j].rotation)));
+  }
+  const double full_step = 1 / std::max(std::ceil(widest / kMaxStep), 1.0);
+
+  SolvedPose solved;
+  Positions& nodes = solved.nodes;
+  nodes = mesh_.nodes;
+  Target here = target(on_path(skeleton_, end, 0));
+  double at = 0, step = full_step;
+  while (at < 1) {
+    const double next = at + step > 1 - 1e-9 ? 1 : at + step;
+    Target there = target(on_path(skeleton_, end, next));
+    Positions start = carried(here, there, nodes);
+    if (tissue_->inverted(start) > 0) {
+      if (step > kMinStep) {
+        step /= 2;
+        continue;
+      }
+      start = approach(here, there, nodes);
+    }
+    nodes = std::move(start);
+    const bool last = next >= 1;
+    solved.status.iterations += relax(there, last ? kTolerance : kPathTolerance,
+                                      last ? kMaxIterations : kPathIterations, nodes, solved.status.residual);
+    here = std::move(there);
+    at = next;
+    step = std::min(2 * step, full_step);
+  }
+  solved.status.inverted_tets = tissue_->inverted(nodes);
+  solved.status.converged = is_converged(solved.status);
+  if (root >= 0) {
+    const auto joint = static_cast<std::size_t>(root);
+    const Affine& inverse_bind = skeleton_.joints[joint].inverse_bind;
+    const Affine moved = affine_from(pose.joints[joint]) * inverse_bind;
+    move_all(moved * inverse(affine_from(skeleton_.joints[joint].bind) * inverse_bind), nodes);
+  }
+  solved.status.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_time).count();
+  return solved;
+}
+
+}  // namespace bodyopt

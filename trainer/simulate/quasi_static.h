@@ -1,0 +1,74 @@
+// The shape a body takes in a pose: elastic equilibrium between bones that drive and skin that is free.
+#pragma once
+
+#include "trainer/dataset/dataset.h"
+#include "trainer/simulate/bone_springs.h"
+#include "trainer/simulate/muscle_fibres.h"
+#include "trainer/simulate/skin_bending.h"
+
+namespace bodyopt {
+
+struct SolvedPose {
+  Positions nodes;     // N x 3, posed, metres; the first V are the skin
+  FrameStatus status;  // without the frame number
+};
+
+// residual below 1e-4 and no inverted tet.
+bool is_converged(const FrameStatus& status);
+
+// Everything that does not depend on the pose. Constant after construction: many threads may solve with one.
+class QuasiStaticBody {
+ public:
+  // tet_size: largest edge wanted inside, metres; 0: three times the skin's mean edge. Throws Error(mismatch) when the
+  // skin is not closed or the muscles do not fit the skeleton.
+  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, double tet_size);
+
+  // The equilibrium reached from rest along the straight path in joint angles, a pure function of the pose. A single
+  // root's motion is taken out and put back at the end: there is no gravity, so the body does not feel it.
+  //
+  // residual = sqrt(sum over all nodes of |f_i|^2) / sqrt(sum over all tets and their four nodes of |f_ta|^2), where
+  // f_ta is the elastic force (passive, active and barrier terms together) of tet t on its node a, and f_i is the sum
+  // of those around node i plus bone springs and the skin's bending: no node is held otherwise. converged: residual
+  // below 1e-4 and no inverted tet. A frame that has not come so far after kMaxIterations, or cannot, is left
+  // unconverged.
+  SolvedPose solve(const Pose& pose) const;
+
+  const TetMesh& mesh() const { return mesh_; }
+  const std::vector<FibreTet>& fibres() const { return fibres_; }
+  const std::vector<BonePoint>& bones() const { return bones_; }
+  const NodeWeights& weights() const { return weights_; }
+
+  // xxh3 of everything a solution depends on, the pose apart: two bodies of the same hash give the same shapes.
+  std::uint64_t hash() const { return hash_; }
+
+ private:
+  // A pose without the motion of the root, ready to solve in.
+  struct Target {
+    std::vector<double> activation;
+    SpringPose springs;
+    Positions curvature;         // V x 3: of the skin, turned with the joints
+    Positions skinned;           // N x 3: the rest nodes by linear blend skinning
+    std::vector<Quat> rotation;  // N: blended joint rotations
+  };
+  Target target(const std::vector<JointTransform>& local) const;
+  Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
+  int relax(const Target& at, double tolerance, int max_iterations, Positions& nodes, double& residual) const;
+  // Moves on from `from` at `nodes` to `to` if that inverts no tet, else as far as it does not.
+  Positions approach(const Target& from, const Target& to, const Positions& nodes) const;
+
+  Skeleton skeleton_;
+  std::vector<Muscle> muscles_;
+  TetMesh mesh_;
+  std::vector<FibreTet> fibres_;
+  std::vector<BonePoint> bones_;
+  NodeWeights weights_;
+  std::vector<std::vector<JointWeight>> node_joints_;  // N: the weights again, small ones dropped, sum 1
+  std::unique_ptr<Tissue> tissue_;
+  std::unique_ptr<BoneSprings> springs_;
+  std::unique_ptr<SkinBending> bending_;
+  std::unique_ptr<Metric> metric_;
+  double force_floor_ = 0;
+  std::uint64_t hash_ = 0;
+};
+
+}  // namespace bodyopt
