@@ -16,7 +16,7 @@ namespace {
 using Eigen::Index;
 
 // Radii within which a region sees features, as parts of the character's longest extent.
-constexpr double kRadii[] = {0.12, 0.2, 0.35};
+constexpr double kRadii[] = {0.06, 0.12, 0.2, 0.35};
 // Cross-validation: blocks of consecutive frames, dealt to folds.
 constexpr int kFolds = 5, kLongestRun = 20;
 constexpr std::uint32_t kMostCoefficients = 65536;

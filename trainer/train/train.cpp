@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "runtime/basis/error.h"
 #include "trainer/progress.h"
@@ -24,8 +25,9 @@ namespace {
 constexpr std::size_t kFewestFrames = 12;
 // Components per region that `linear` may have to reach the bytes asked for.
 constexpr int kMostComponents = 128;
-// A basis entry that moves its vertex by less, metres for a character of 1.8 m, root mean square, is left out.
-constexpr double kNegligible = 1e-5;
+// An entry of the basis that moves its vertex by less than this part of the mean displacement is left out (both root
+// mean square over the training frames).
+constexpr double kNegligible = 4e-3;
 
 // Matrix products on one thread: their sums must not depend on how many there are. Loops over frames, joints and
 // regions are what runs in parallel.
@@ -44,32 +46,32 @@ std::string hexadecimal(std::uint64_t value) {
   return text;
 }
 
-DdmOptions ddm_options(const Character& ordered, const TrainOptions& options) {
-  DdmOptions ddm;
-  ddm.radius = options.smoothing_radius > 0 ? options.smoothing_radius : default_smoothing_radius(ordered.vertices);
-  ddm.steps = options.smoothing_steps;
-  return ddm;
-}
-
-// `ordered`: the character in runtime order.
-Basis bare_basis(const Character& ordered, const std::vector<VertexMoments>& moments, const TrainOptions& options) {
+// Direct Delta Mush and nothing else, and the moments it is made of. `ordered`: the character in runtime order.
+struct Base {
   Basis basis;
+  std::vector<VertexMoments> moments;
+};
+
+Base make_base(const Character& ordered, double radius, const TrainOptions& options) {
+  Base base;
+  base.moments = ddm_moments(ordered.vertices, ordered.triangles, ordered.weights,
+                             {.radius = radius, .steps = options.smoothing_steps});
+  Basis& basis = base.basis;
   basis.skeleton = ordered.skeleton;
   basis.mesh = make_mesh_table(ordered);
-  basis.ddm = pack_ddm(moments);
+  basis.ddm = pack_ddm(base.moments);
   basis.strain.fibre_begin = {0};
   basis.residual.blend_begin.assign(basis.mesh.vertex_count() + 1, 0);
-  const DdmOptions ddm = ddm_options(ordered, options);
   basis.metadata["units"] = "metres";
   basis.metadata["topology_hash"] = hexadecimal(topology_hash(basis.mesh));
   basis.metadata["skeleton_hash"] = hexadecimal(skeleton_hash(basis.skeleton));
   const nlohmann::json provenance = {{"program", "bodyopt"},
                                      {"character", ordered.name},
-                                     {"smoothing_radius_m", ddm.radius},
-                                     {"smoothing_steps", ddm.steps},
+                                     {"smoothing_radius_m", radius},
+                                     {"smoothing_steps", options.smoothing_steps},
                                      {"seed", options.seed}};
-  basis.metadata["provenance"] = provenance.dump();
-  return basis;
+  basis.metadata["provenance"] = provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return base;
 }
 
 void check_samples(const SampleSet& set) {
@@ -87,7 +89,27 @@ void check_samples(const SampleSet& set) {
   }
 }
 
-std::vector<std::uint32_t> runtime_order(const Character& character) { return morton_order(character.vertices); }
+// Sum of the squared un-posed displacements of some training frames, spread evenly.
+double left_to_learn(const SampleSet& set, const Basis& basis, const std::vector<std::uint32_t>& order) {
+  constexpr std::size_t kProbes = 24;
+  std::vector<double> sums(std::min(kProbes, set.train.size()));
+  parallel_for(sums.size(), [&](std::size_t k) {
+    const Sample& sample = set.train[k * set.train.size() / sums.size()];
+    sums[k] = unpose_ddm(basis, sample.pose, in_order(sample.shape, order)).squaredNorm();
+  });
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+// The radius given; or the default or twice that, whichever leaves less to learn: a part of a body needs more than its
+// own size tells.
+Base choose_base(const SampleSet& set, const Character& ordered, const std::vector<std::uint32_t>& order,
+                 const TrainOptions& options) {
+  if (options.smoothing_radius > 0) return make_base(ordered, options.smoothing_radius, options);
+  const double radius = default_smoothing_radius(ordered.vertices);
+  Base base = make_base(ordered, radius, options), wider = make_base(ordered, 2 * radius, options);
+  const bool better = left_to_learn(set, wider.basis, order) < left_to_learn(set, base.basis, order);
+  return better ? std::move(wider) : std::move(base);
+}
 
 Displacements unpose_all(const SampleSet& set, const Basis& basis, const std::vector<std::uint32_t>& order) {
   Displacements displacements(static_cast<Eigen::Index>(set.train.size()), 3 * basis.mesh.vertex_count());
@@ -102,15 +124,18 @@ Displacements unpose_all(const SampleSet& set, const Basis& basis, const std::ve
   return displacements;
 }
 
-std::size_t residual_bytes(const Basis& basis) { return table_bytes(basis).at("residual"); }
-
-// The residual with the fewest components per region whose table has `bytes` bytes, or with all of them.
+// The residual of `bytes` bytes: as many components per region as it takes, then smaller entries, then all there is.
 void pack_to_match(Basis& basis, const ResidualModel& model, int components, double negligible, std::size_t bytes) {
+  const auto packed_bytes = [&](int count) {
+    basis.residual = pack_residual(model, count, negligible);
+    return table_bytes(basis).at("residual");
+  };
+  constexpr int kHalvings = 20;
+  for (int k = 0; k < kHalvings && packed_bytes(components) < bytes; ++k) negligible *= 0.5;
   int low = 1, high = components;
   while (low < high) {
     const int middle = (low + high) / 2;
-    basis.residual = pack_residual(model, middle, negligible);
-    if (residual_bytes(basis) >= bytes) {
+    if (packed_bytes(middle) >= bytes) {
       high = middle;
     } else {
       low = middle + 1;
@@ -138,18 +163,19 @@ void add_report(Basis& basis, const SampleSet& set, const TrainOptions& options,
 }  // namespace
 
 Basis build_ddm_basis(const Character& character, const TrainOptions& options) {
-  const Character ordered = in_order(character, runtime_order(character));
-  const auto moments = ddm_moments(ordered.vertices, ordered.triangles, ordered.weights, ddm_options(ordered, options));
-  return bare_basis(ordered, moments, options);
+  const Character ordered = in_order(character, morton_order(character.vertices));
+  const double radius =
+      options.smoothing_radius > 0 ? options.smoothing_radius : default_smoothing_radius(ordered.vertices);
+  return make_base(ordered, radius, options).basis;
 }
 
 Basis train(const SampleSet& set, const TrainOptions& options) {
   check_samples(set);
   const SingleThreadedProducts single_threaded;
-  const std::vector<std::uint32_t> order = runtime_order(set.character);
+  const std::vector<std::uint32_t> order = morton_order(set.character.vertices);
   const Character ordered = in_order(set.character, order);
-  const auto moments = ddm_moments(ordered.vertices, ordered.triangles, ordered.weights, ddm_options(ordered, options));
-  Basis basis = bare_basis(ordered, moments, options);
+  Base base = choose_base(set, ordered, order, options);
+  Basis& basis = base.basis;
   basis.strain = make_strain_table(basis, set.muscles);
   const Displacements displacements = unpose_all(set, basis, order);
 
@@ -160,7 +186,7 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
     takes.push_back(sample.take);
   }
   FeatureSamples features = measure_features(basis, poses);
-  const auto groups = make_feature_groups(basis, moments, set.muscles, features.values, displacements);
+  const auto groups = make_feature_groups(basis, base.moments, set.muscles, features.values, displacements);
   const std::vector<RegionWeights> regions = make_regions(ordered, groups);
   if (options.joint_only_linear) {  // same regions, but nothing measured on the skin
     basis.strain = make_strain_table(basis, {});
@@ -172,21 +198,20 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
   for (std::size_t k = 0; k < poses[0]->controls.size(); ++k) {
     model.controls.push_back("control" + std::to_string(k + 1));
   }
-  const double negligible = kNegligible * longest_extent(ordered.vertices) / 1.8;
+  const double mean_displacement =
+      std::sqrt(3 * double{displacements.squaredNorm()} / static_cast<double>(displacements.size()));
+  const double negligible = kNegligible * mean_displacement;
   if (options.match_bytes > 0) {
     pack_to_match(basis, model, fit_options.components, negligible, options.match_bytes);
-    if (residual_bytes(basis) < options.match_bytes) {  // every entry, then
-      pack_to_match(basis, model, fit_options.components, 0, options.match_bytes);
-    }
   } else {
     basis.residual = pack_residual(model, options.components, negligible);
   }
   add_report(basis, set, options, model);
-  return basis;
+  return std::move(base.basis);
 }
 
 UnposingResidual unposing_residual(const SampleSet& set, const Basis& basis) {
-  const std::vector<std::uint32_t> order = runtime_order(set.character);
+  const std::vector<std::uint32_t> order = morton_order(set.character.vertices);
   const Character ordered = in_order(set.character, order);
   std::vector<double> lbs(set.train.size()), ddm(set.train.size());
   parallel_for(set.train.size(), [&](std::size_t n) {

@@ -1,0 +1,103 @@
+// Training where there is little to train on: no NaN, no crash, a basis that the runtime accepts.
+#include <gtest/gtest.h>
+
+#include "runtime/basis/error.h"
+#include "runtime/deformer.h"
+#include "tests/support/capsule_limb.h"
+
+namespace bodyopt {
+namespace {
+
+// Trains, loads the basis into the runtime (which validates it) and evaluates the training frames.
+double worst_error(const SampleSet& set) {
+  Deformer deformer(train(set, {.components = 6, .centres = 12}), {.name = "cpu"});
+  double worst = 0;
+  for (const Sample& sample : set.train) {
+    const Positions shape = welded_from_output(set.character, deformer.evaluate({&sample.pose, 1}).positions.data());
+    EXPECT_TRUE(shape.allFinite());
+    worst = std::max(worst, (shape - sample.shape).rowwise().norm().maxCoeff());
+  }
+  return worst;
+}
+
+TEST(TrainEdgeCases, OneJointHasNoFeatures) {
+  SampleSet set = limb_samples(20, 0);
+  set.muscles.clear();
+  set.character.skeleton.joints.resize(1);
+  for (auto& weights : set.character.weights) weights = {{0, 1.0}};
+  for (Sample& sample : set.train) {
+    sample.pose.joints.resize(1);
+    sample.pose.joints[0].rotation = axis_angle({0, 1, 0}, 0.1 * sample.frame);
+    sample.shape = skin_linear(set.character, sample.pose);
+  }
+  EXPECT_LT(worst_error(set), 1e-6);
+}
+
+TEST(TrainEdgeCases, FramesThatAreAllTheSame) {
+  SampleSet set = limb_samples(20, 0);
+  for (Sample& sample : set.train) sample = set.train[7];
+  EXPECT_LT(worst_error(set), 0.1);
+}
+
+TEST(TrainEdgeCases, FramesThatAreAllAtRest) {
+  SampleSet set = limb_samples(20, 0);
+  for (Sample& sample : set.train) {
+    sample.pose = bind_pose(set.character.skeleton);
+    sample.shape = set.character.vertices;
+  }
+  EXPECT_LT(worst_error(set), 1e-6);
+}
+
+TEST(TrainEdgeCases, ControlsTeachWhatThePoseDoesNot) {
+  // The same pose throughout; a control inflates the limb.
+  SampleSet set = limb_samples(40, 0);
+  set.muscles.clear();
+  for (Sample& sample : set.train) {
+    const double inflate = 0.5 + 0.5 * std::sin(0.7 * sample.frame);
+    sample.pose = bind_pose(set.character.skeleton);
+    sample.pose.controls = {static_cast<float>(inflate)};
+    sample.shape = set.character.vertices;
+    sample.shape.leftCols(2) *= 1 + 0.1 * inflate;
+  }
+  EXPECT_LT(worst_error(set), 2e-4);
+}
+
+TEST(TrainEdgeCases, LooseVerticesAndDegenerateTriangles) {
+  SampleSet set = limb_samples(20, 0);
+  Character& character = set.character;
+  const auto count = static_cast<std::uint32_t>(character.vertices.rows());
+  character.vertices.conservativeResize(count + 1, 3);
+  character.vertices.row(count) << 0.3, 0.3, 0.3;
+  character.weights.push_back({{1, 1.0}});
+  character.output_vertex.push_back(count);
+  character.triangles.conservativeResize(character.triangles.rows() + 1, 3);
+  character.triangles.bottomRows(1) << 5, 5, 6;
+  for (Sample& sample : set.train) sample.shape = limb_truth(character, set.muscles, sample.pose);
+  EXPECT_LT(worst_error(set), 0.02);
+}
+
+TEST(TrainEdgeCases, RefusesShapesThatDoNotFit) {
+  const auto kind = [](const SampleSet& set) {
+    try {
+      train(set, {});
+    } catch (const Error& error) {
+      return error.kind();
+    }
+    return ErrorKind::interrupted;
+  };
+  SampleSet set = limb_samples(20, 0);
+  set.train[3].shape(5, 1) = std::nan("");
+  EXPECT_EQ(kind(set), ErrorKind::mismatch);
+  set = limb_samples(20, 0);
+  set.train[3].shape.conservativeResize(10, 3);
+  EXPECT_EQ(kind(set), ErrorKind::mismatch);
+  set = limb_samples(20, 0);
+  set.train[3].pose.joints.pop_back();
+  EXPECT_EQ(kind(set), ErrorKind::mismatch);
+  set = limb_samples(20, 0);
+  set.train[3].pose.controls = {1};
+  EXPECT_EQ(kind(set), ErrorKind::mismatch);
+}
+
+}  // namespace
+}  // namespace bodyopt
