@@ -5,12 +5,14 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <numeric>
 
 #include "cli/common.h"
 #include "cli/report/pictures.h"
 #include "cli/report/report.h"
 #include "runtime/basis/error.h"
+#include "runtime/rig.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/dataset/frame_range.h"
 #include "trainer/dataset/pc2.h"
@@ -39,9 +41,7 @@ constexpr std::uint64_t kRangeOfMotionSeed = 2023;
 
 class Stopwatch {
  public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
@@ -118,5 +118,216 @@ std::vector<float> to_float(const Positions& positions) {
   return {positions.data(), positions.data() + positions.size()};
 }
 
+MethodReport method_report(const ErrorStatistics& errors, double bytes_per_vertex) {
+  MethodReport report;
+  report.rms = errors.rms;
+  report.p99 = errors.p99;
+  report.max = errors.max;
+  report.jitter = errors.jitter;
+  report.frame_rms = errors.frame_rms;
+  report.frame_max = errors.frame_max;
+  report.bytes_per_vertex = bytes_per_vertex;
+  return report;
+}
+
+// Positions of joint poses in the held-out frames: the elbow bent most, and the arm raised highest.
+std::size_t frame_of_largest(const SampleSet& set, const char* joint, int axis) {
+  const int index = set.character.skeleton.find(joint);
+  std::size_t best = 0;
+  double largest = -1e300;
+  for (std::size_t k = 0; k < set.heldout.size(); ++k) {
+    const Affine world =
+        posed_joints(set.character.skeleton, set.heldout[k].pose.joints)[static_cast<std::size_t>(index)];
+    if (world.m[axis][3] <= largest) continue;
+    largest = world.m[axis][3];
+    best = k;
+  }
+  return best;
+}
+
+class PictureMaker {
+ public:
+  PictureMaker(const SampleSet& set, const std::vector<Positions>& shapes, const ErrorStatistics& errors,
+               const std::string& device)
+      : set_(set), shapes_(shapes), errors_(errors), renderer_(device) {
+    const auto* data = set.character.triangles.data();
+    triangles_.assign(data, data + set.character.triangles.size());
+  }
+
+  PictureReport make(const std::string& kind, std::size_t sample, const std::string& caption) {
+    constexpr std::uint32_t kWidth = 520, kHeight = 600;
+    const std::vector<float> truth = to_float(set_.heldout[sample].shape), result = to_float(shapes_[sample]);
+    const PosePair pose{triangles_, truth, result};
+    PictureReport picture;
+    picture.kind = kind;
+    picture.frame = set_.heldout[sample].frame;
+    picture.rms_mm = errors_.frame_rms[sample];
+    picture.max_mm = errors_.frame_max[sample];
+    picture.heat_scale_mm = heat_scale_mm();
+    picture.caption = caption;
+    const Camera camera = frame_pose(pose, {-0.75f, 0.2f, 1.0f}, static_cast<float>(kWidth) / kHeight);
+    picture.image = triptych(renderer_, pose, picture.heat_scale_mm, camera, kWidth, kHeight);
+    return picture;
+  }
+
+ private:
+  // One scale for all pictures, so that their colours can be compared; the few larger errors saturate.
+  double heat_scale_mm() const { return std::max(0.5, std::ceil(4 * errors_.p99) / 2); }
+
+  const SampleSet& set_;
+  const std::vector<Positions>& shapes_;
+  const ErrorStatistics& errors_;
+  Renderer renderer_;
+  std::vector<std::uint32_t> triangles_;
+};
+
+std::vector<PictureReport> make_pictures(const SampleSet& set, const std::vector<Positions>& shapes,
+                                         const ErrorStatistics& errors, const std::string& device) {
+  PictureMaker maker(set, shapes, errors, device);
+  std::vector<std::size_t> order(set.heldout.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return errors.frame_rms[a] < errors.frame_rms[b]; });
+  return {maker.make("worst", order.back(), "the held-out frame with the largest RMS error"),
+          maker.make("median", order[order.size() / 2], "half of the held-out frames are better, half are worse"),
+          maker.make("chosen", frame_of_largest(set, "wrist", 1), "the hand at its highest"),
+          maker.make("chosen", frame_of_largest(set, "wrist", 2), "the hand furthest forward")};
+}
+
+SimulationReport simulation_report(const Dataset& dataset) {
+  SimulationReport report;
+  std::vector<double> residuals;
+  double iterations = 0;
+  for (const DatasetTake& take : dataset.takes) {
+    for (const FrameStatus& frame : read_frame_status(dataset.folder / take.shapes_status)) {
+      ++report.frames;
+      iterations += frame.iterations;
+      if (frame.converged) residuals.push_back(frame.residual);
+    }
+  }
+  report.converged = static_cast<std::uint32_t>(residuals.size());
+  if (residuals.empty()) return report;
+  std::sort(residuals.begin(), residuals.end());
+  report.median_residual = residuals[residuals.size() / 2];
+  report.worst_residual = residuals.back();
+  report.mean_iterations = iterations / report.frames;
+  return report;
+}
+
+// Trains `full` and `linear`, measures every method on the held-out frames, evaluates on the device and on the CPU.
+ReportData measure(const DemoArguments& arguments, const fs::path& folder, const Dataset& dataset, ReportData report) {
+  const SampleSet set = read_samples(dataset);
+  say(set.notes);
+  if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
+
+  Stopwatch training;
+  const Basis full = train(set, {});
+  save_basis(full, folder / "basis.safetensors");
+  report.seconds.train = training.seconds();
+  TrainOptions linear_options;
+  linear_options.joint_only_linear = true;
+  linear_options.match_bytes = table_bytes(full).at("strain") + table_bytes(full).at("residual");
+  const Basis linear = train(set, linear_options);
+
+  const std::vector<Pose> poses = heldout_poses(set);
+  Deformer device(load_basis(folder / "basis.safetensors"), arguments.device.choice);
+  Stopwatch evaluating;
+  const Evaluation evaluated = device.evaluate(poses);
+  report.seconds.eval = evaluating.seconds();
+  write_cache(folder / "heldout.pc2", set, evaluated);
+  report.device = device.device_name();
+  const DeviceChoice on_cpu{.name = "cpu"};
+  Deformer full_cpu(full, on_cpu), ddm_cpu(without_residual(full), on_cpu), linear_cpu(linear, on_cpu);
+  report.cpu_gpu_max_difference_m = largest_difference(evaluated.positions, full_cpu.evaluate(poses).positions);
+
+  const double vertices = static_cast<double>(set.character.vertices.rows());
+  const std::vector<Positions> full_shapes = heldout_by_basis(set, full_cpu);
+  const ErrorStatistics full_errors = heldout_errors(set, full_shapes);
+  const double ddm_bytes = static_cast<double>(table_bytes(full).at("ddm")) / vertices;
+  report.full = method_report(full_errors, static_cast<double>(total_bytes(full)) / vertices);
+  report.linear = method_report(heldout_errors(set, heldout_by_basis(set, linear_cpu)),
+                                static_cast<double>(total_bytes(linear)) / vertices);
+  report.ddm = method_report(heldout_errors(set, heldout_by_basis(set, ddm_cpu)), ddm_bytes);
+  double weights = 0;
+  for (const auto& row : set.character.weights) weights += static_cast<double>(row.size());
+  report.lbs = method_report(heldout_errors(set, heldout_by_lbs(set)), 8 * weights / vertices);
+  const UnposingResidual unposing = unposing_residual(set, full);
+  report.unposing_residual_mm.lbs = unposing.lbs;
+  report.unposing_residual_mm.ddm = unposing.ddm;
+  report.bytes_per_vertex = report.full.bytes_per_vertex;
+  for (const auto& [stage, bytes] : table_bytes(full)) {
+    report.bytes_by_stage.emplace_back(stage, static_cast<double>(bytes) / vertices);
+  }
+
+  const auto box = (set.character.vertices.colwise().maxCoeff() - set.character.vertices.colwise().minCoeff()).eval();
+  report.character.name = "built-in arm";
+  report.character.vertices = static_cast<std::uint32_t>(set.character.vertices.rows());
+  report.character.joints = static_cast<std::uint32_t>(set.character.skeleton.size());
+  report.character.muscles = static_cast<std::uint32_t>(set.muscles.size());
+  report.character.bounding_box_m = {box(0), box(1), box(2)};
+  report.dataset.train_frames = static_cast<std::uint32_t>(set.train.size());
+  report.dataset.heldout_frames = static_cast<std::uint32_t>(set.heldout.size());
+  report.dataset.unconverged = static_cast<std::uint32_t>(set.unconverged);
+  for (const Sample& sample : set.heldout) report.heldout_frame_numbers.push_back(sample.frame);
+  report.simulation = simulation_report(dataset);
+  if (report.device != "cpu") {
+    report.pictures = make_pictures(set, full_shapes, full_errors, arguments.device.choice.name);
+  } else {
+    spdlog::warn("no Vulkan device: the report has no pictures");
+  }
+  return report;
+}
+
+std::string summary(const ReportData& report) {
+  std::string text = format("%u training frames, %u held out, %s\n", report.dataset.train_frames,
+                            report.dataset.heldout_frames, report.device.c_str());
+  const std::pair<const char*, const MethodReport*> methods[] = {
+      {"LBS", &report.lbs}, {"DDM", &report.ddm}, {"linear", &report.linear}, {"full", &report.full}};
+  for (const auto& [name, method] : methods) {
+    text += format("  %-7s RMS %6.3f mm  p99 %6.3f  max %7.3f  jitter %6.3f\n", name, method->rms, method->p99,
+                   method->max, method->jitter);
+  }
+  text += format("left to learn after un-posing: LBS %.3f mm, DDM %.3f mm\n", report.unposing_residual_mm.lbs,
+                 report.unposing_residual_mm.ddm);
+  text += format("%.0f bytes per vertex; CPU and device differ by %.2g m at most\n", report.bytes_per_vertex,
+                 report.cpu_gpu_max_difference_m);
+  return text;
+}
+
+void run(const DemoArguments& arguments) {
+  const fs::path folder = arguments.out;
+  std::error_code ignored;
+  fs::create_directories(folder, ignored);
+  if (!fs::is_directory(folder)) {
+    throw Error(ErrorKind::file, "'" + arguments.out +
+                                     "' cannot be made a folder: a file of that name is in the way, "
+                                     "or the folder above is not writable");
+  }
+  ReportData report;
+  Stopwatch building;
+  write_inputs(folder, arguments.quick ? kQuick : kFull);
+  report.seconds.build_character = building.seconds();
+  Stopwatch simulating;
+  const Dataset dataset = simulate_dataset(folder);
+  report.seconds.simulate = simulating.seconds();
+  report = measure(arguments, folder, dataset, report);
+  report.peak_memory_mib = peak_memory_mib();
+  write_report(report, folder);
+
+  std::ifstream json(folder / "report.json");
+  arguments.json.emit(Json::parse(json), summary(report) + "wrote " + (folder / "report.html").string() + "\n");
+}
+
 }  // namespace
+
+void add_demo(CLI::App& app) {
+  auto arguments = std::make_shared<DemoArguments>();
+  CLI::App& verb = *app.add_subcommand("demo", "The whole path on the built-in arm, from character to report");
+  verb.add_option("--out", arguments->out, "Folder for everything that is made")->required()->type_name("DIR");
+  verb.add_flag("--quick", arguments->quick, "A tenth of the frames: to see it work, not to judge the errors");
+  arguments->device.add(verb);
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
 }  // namespace bodyopt::cli

@@ -10,6 +10,7 @@ target_include_directories(bodyopt_flags INTERFACE ${PROJECT_SOURCE_DIR})
 
 option(BODYOPT_SANITIZE "Build with AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
 if(BODYOPT_SANITIZE)
+  target_compile_definitions(bodyopt_flags INTERFACE BODYOPT_SANITIZED)
   target_compile_options(bodyopt_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -O1)
   target_link_options(bodyopt_flags INTERFACE -fsanitize=address,undefined)
   target_sources(bodyopt_flags INTERFACE ${PROJECT_SOURCE_DIR}/cmake/sanitizers.cpp)

@@ -16,14 +16,14 @@ layout(location = 2) in vec3 in_colour;
 layout(location = 0) out vec4 out_colour;
 
 const vec3 kClay = vec3(0.545, 0.500, 0.440);  // as the zero of heat_colour()
-const vec3 kKeyDirection = normalize(vec3(-0.60, 0.75, 0.65)), kKey = vec3(0.98, 0.90, 0.80);
-const vec3 kFillDirection = normalize(vec3(0.90, 0.10, 0.45)), kFill = vec3(0.15, 0.18, 0.23);
+const vec3 kKeyDirection = normalize(vec3(-0.72, 0.72, 0.42)), kKey = vec3(1.22, 1.10, 0.96);
+const vec3 kFillDirection = normalize(vec3(0.90, 0.10, 0.45)), kFill = vec3(0.13, 0.16, 0.21);
 const vec3 kRimDirection = normalize(vec3(0.55, 0.45, -0.75)), kRim = vec3(0.55, 0.58, 0.65);
-const vec3 kSky = vec3(0.16, 0.17, 0.19), kGround = vec3(0.055, 0.05, 0.048);
+const vec3 kSky = vec3(0.105, 0.115, 0.135), kGround = vec3(0.060, 0.054, 0.050);
 
 // Diffuse light of a large source, which reaches a little around the edge.
 float wrapped(float cosine) {
-  const float w = 0.2;
+  const float w = 0.12;
   return max(0, (cosine + w) / (1 + w));
 }
 
@@ -38,7 +38,7 @@ vec3 clay(vec3 n, vec3 eye, vec3 up) {
 
 // Flat enough for a colour to be found on the colour bar, shaded enough for the shape to be seen.
 vec3 coloured(vec3 n, vec3 eye, vec3 up) {
-  const float light = 0.62 + 0.30 * wrapped(dot(n, kKeyDirection)) + 0.08 * dot(n, up);
+  const float light = 0.50 + 0.50 * wrapped(dot(n, kKeyDirection)) + 0.08 * dot(n, up) + 0.08 * max(0, dot(n, kFillDirection));
   return in_colour * light * mix(0.75, 1.0, max(0, dot(n, eye)));
 }
 
@@ -46,7 +46,7 @@ vec3 coloured(vec3 n, vec3 eye, vec3 up) {
 vec3 backdrop(vec2 at) {
   const float height = 0.5 - 0.5 * at.y;
   const float noise = fract(sin(dot(gl_FragCoord.xy, vec2(12.9898, 78.233))) * 43758.5453) - 0.5;
-  const vec3 colour = mix(vec3(0.010, 0.010, 0.011), vec3(0.030, 0.032, 0.036), height);
+  const vec3 colour = mix(vec3(0.008, 0.008, 0.009), vec3(0.026, 0.028, 0.032), height);
   return colour * (1 - 0.18 * dot(at, at)) + noise * 0.0012;
 }
 

@@ -23,7 +23,8 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 void catch_interrupts() {
   struct sigaction action = {};
   action.sa_handler = [](int) { interrupt_received = true; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second signal ends the program at once
+  // A second signal ends the program at once; system calls go on after the first.
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }

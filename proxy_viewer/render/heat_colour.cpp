@@ -12,7 +12,7 @@ namespace {
 struct Stop {
   double t, lightness, chroma, hue;
 };
-constexpr Stop kStops[] = {{0.00, 0.80, 0.020, 95},
+constexpr Stop kStops[] = {{0.00, 0.797, 0.017, 77},
                            {0.18, 0.78, 0.145, 90},
                            {0.42, 0.70, 0.165, 65},
                            {0.70, 0.56, 0.200, 32},

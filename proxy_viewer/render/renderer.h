@@ -25,7 +25,11 @@ struct Camera {
   float vertical_angle = 0.5f;           // radians
 };
 
-// A camera that sees the box [low, high] whole, from the direction given (world, towards the camera).
+// A camera that sees all points (V x 3, world, at least one) as large as it can, from the direction given (world,
+// towards the camera); aspect: width over height. Throws Error(usage).
+Camera frame_points(std::span<const float> points, const std::array<float, 3>& direction, float aspect);
+
+// The same for the corners of the box [low, high].
 Camera frame_box(const std::array<float, 3>& low, const std::array<float, 3>& high,
                  const std::array<float, 3>& direction, float aspect);
 
@@ -36,7 +40,7 @@ struct DrawMesh {
   std::span<const float> colours;
 };
 
-constexpr std::uint32_t kMaxPictureSize = 4096;  // pixels a side: every Vulkan device can do that
+constexpr std::uint32_t kMaxPictureSize = 2048;  // pixels a side; drawn at twice that, which every device can
 
 class Renderer {
  public:

@@ -150,10 +150,10 @@ VkDescriptorSet SurfaceSets::make(const std::array<const vulkan::Buffer*, Surfac
 
   std::array<VkDescriptorBufferInfo, SurfacePipeline::kBindings> ranges;
   for (std::size_t b = 0; b < ranges.size(); ++b) {
-    if (buffers[b]->size() > device_.info().max_storage_range) {
+    if (buffers[b]->size() > device_.info().max_storage_buffer_range) {
       throw Error(ErrorKind::device, "a mesh to draw needs a table of " + std::to_string(buffers[b]->size()) +
                                          " bytes; a shader of '" + device_.info().name + "' sees at most " +
-                                         std::to_string(device_.info().max_storage_range));
+                                         std::to_string(device_.info().max_storage_buffer_range));
     }
     ranges[b] = {buffers[b]->handle(), 0, VK_WHOLE_SIZE};
   }

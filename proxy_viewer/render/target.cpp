@@ -27,6 +27,58 @@ VkImageAspectFlags aspect_of(VkFormat format) {
   return format == kDepthFormat ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 }
 
+Attachment make_attachment(const vulkan::Device& device, VkExtent2D size, VkFormat format,
+                           VkSampleCountFlagBits samples, VkImageUsageFlags usage) {
+  auto info = structure<VkImageCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO);
+  info.imageType = VK_IMAGE_TYPE_2D;
+  info.format = format;
+  info.extent = {size.width, size.height, 1};
+  info.mipLevels = 1;
+  info.arrayLayers = 1;
+  info.samples = samples;
+  info.tiling = VK_IMAGE_TILING_OPTIMAL;
+  info.usage = usage;
+  Attachment result;
+  VkImage image = VK_NULL_HANDLE;
+  check(vkCreateImage(device.handle(), &info, nullptr, &image), "vkCreateImage");
+  result.image = {device.handle(), image};
+
+  VkMemoryRequirements needs{};
+  vkGetImageMemoryRequirements(device.handle(), image, &needs);
+  auto allocation = structure<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
+  allocation.allocationSize = needs.size;
+  allocation.memoryTypeIndex = device.memory_type(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  check(vkAllocateMemory(device.handle(), &allocation, nullptr, &memory), "vkAllocateMemory for a picture");
+  result.memory = {device.handle(), memory};
+  check(vkBindImageMemory(device.handle(), image, memory, 0), "vkBindImageMemory");
+
+  auto view_info = structure<VkImageViewCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO);
+  view_info.image = image;
+  view_info.viewType = VK_IMAGE_VIEW_TYPE_2D;
+  view_info.format = format;
+  view_info.subresourceRange = {aspect_of(format), 0, 1, 0, 1};
+  VkImageView view = VK_NULL_HANDLE;
+  check(vkCreateImageView(device.handle(), &view_info, nullptr, &view), "vkCreateImageView");
+  result.view = {device.handle(), view};
+  return result;
+}
+
+// The picture's layout changes between the copies of its making.
+void pass_on(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to, VkAccessFlags after,
+             VkAccessFlags before) {
+  auto barrier = structure<VkImageMemoryBarrier>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER);
+  barrier.srcAccessMask = after;
+  barrier.dstAccessMask = before;
+  barrier.oldLayout = from;
+  barrier.newLayout = to;
+  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+  barrier.image = image;
+  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0,
+                       nullptr, 1, &barrier);
+}
+
 }  // namespace
 
 RenderPass make_render_pass(const vulkan::Device& device) {
@@ -70,61 +122,27 @@ RenderPass make_render_pass(const vulkan::Device& device) {
   return {device.handle(), render_pass};
 }
 
-Target::Attachment Target::make_attachment(const vulkan::Device& device, VkFormat format, VkSampleCountFlagBits samples,
-                                           VkImageUsageFlags usage) const {
-  auto info = structure<VkImageCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO);
-  info.imageType = VK_IMAGE_TYPE_2D;
-  info.format = format;
-  info.extent = {width_, height_, 1};
-  info.mipLevels = 1;
-  info.arrayLayers = 1;
-  info.samples = samples;
-  info.tiling = VK_IMAGE_TILING_OPTIMAL;
-  info.usage = usage;
-  Attachment result;
-  VkImage image = VK_NULL_HANDLE;
-  check(vkCreateImage(device.handle(), &info, nullptr, &image), "vkCreateImage");
-  result.image = {device.handle(), image};
-
-  VkMemoryRequirements needs{};
-  vkGetImageMemoryRequirements(device.handle(), image, &needs);
-  auto allocation = structure<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
-  allocation.allocationSize = needs.size;
-  allocation.memoryTypeIndex = device.memory_type(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-  VkDeviceMemory memory = VK_NULL_HANDLE;
-  check(vkAllocateMemory(device.handle(), &allocation, nullptr, &memory), "vkAllocateMemory for a picture");
-  result.memory = {device.handle(), memory};
-  check(vkBindImageMemory(device.handle(), image, memory, 0), "vkBindImageMemory");
-
-  auto view_info = structure<VkImageViewCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO);
-  view_info.image = image;
-  view_info.viewType = VK_IMAGE_VIEW_TYPE_2D;
-  view_info.format = format;
-  view_info.subresourceRange = {aspect_of(format), 0, 1, 0, 1};
-  VkImageView view = VK_NULL_HANDLE;
-  check(vkCreateImageView(device.handle(), &view_info, nullptr, &view), "vkCreateImageView");
-  result.view = {device.handle(), view};
-  return result;
-}
-
 Target::Target(const vulkan::Device& device, VkRenderPass render_pass, std::uint32_t width, std::uint32_t height)
-    : width_(width),
-      height_(height),
+    : size_{width, height},
+      drawn_{kOversampling * width, kOversampling * height},
       render_pass_(render_pass),
-      colour_(make_attachment(device, kColourFormat, kSamples,
+      colour_(make_attachment(device, drawn_, kColourFormat, kSamples,
                               VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT)),
-      depth_(make_attachment(device, kDepthFormat, kSamples,
+      depth_(make_attachment(device, drawn_, kDepthFormat, kSamples,
                              VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT)),
-      resolved_(make_attachment(device, kColourFormat, VK_SAMPLE_COUNT_1_BIT,
+      resolved_(make_attachment(device, drawn_, kColourFormat, VK_SAMPLE_COUNT_1_BIT,
                                 VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT)),
+      shrunk_(make_attachment(
+          device, size_, kColourFormat, VK_SAMPLE_COUNT_1_BIT,
+          VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT)),
       readback_(device, VkDeviceSize{width} * height * 4, vulkan::Memory::staging, "the picture") {
   const std::array views = {colour_.view.get(), depth_.view.get(), resolved_.view.get()};
   auto info = structure<VkFramebufferCreateInfo>(VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO);
   info.renderPass = render_pass;
   info.attachmentCount = views.size();
   info.pAttachments = views.data();
-  info.width = width;
-  info.height = height;
+  info.width = drawn_.width;
+  info.height = drawn_.height;
   info.layers = 1;
   VkFramebuffer framebuffer = VK_NULL_HANDLE;
   check(vkCreateFramebuffer(device.handle(), &info, nullptr, &framebuffer), "vkCreateFramebuffer");
@@ -134,7 +152,7 @@ Target::Target(const vulkan::Device& device, VkRenderPass render_pass, std::uint
 void Target::begin(VkCommandBuffer commands) const {
   std::array<VkClearValue, 2> clear{};
   clear[1].depthStencil.depth = 1;
-  const VkRect2D area{{0, 0}, {width_, height_}};
+  const VkRect2D area{{0, 0}, drawn_};
   auto info = structure<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
   info.renderPass = render_pass_;
   info.framebuffer = framebuffer_.get();
@@ -142,22 +160,41 @@ void Target::begin(VkCommandBuffer commands) const {
   info.clearValueCount = clear.size();
   info.pClearValues = clear.data();
   vkCmdBeginRenderPass(commands, &info, VK_SUBPASS_CONTENTS_INLINE);
-  const VkViewport viewport{0, 0, static_cast<float>(width_), static_cast<float>(height_), 0, 1};
+  const VkViewport viewport{0, 0, static_cast<float>(drawn_.width), static_cast<float>(drawn_.height), 0, 1};
   vkCmdSetViewport(commands, 0, 1, &viewport);
   vkCmdSetScissor(commands, 0, 1, &area);
 }
 
 void Target::end(VkCommandBuffer commands) const {
   vkCmdEndRenderPass(commands);
+  shrink(commands);
   VkBufferImageCopy region{};
   region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-  region.imageExtent = {width_, height_, 1};
-  vkCmdCopyImageToBuffer(commands, resolved_.image.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, readback_.handle(), 1,
+  region.imageExtent = {size_.width, size_.height, 1};
+  vkCmdCopyImageToBuffer(commands, shrunk_.image.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, readback_.handle(), 1,
                          &region);
 }
 
+void Target::shrink(VkCommandBuffer commands) const {
+  const VkImage from = resolved_.image.get(), to = shrunk_.image.get();
+  pass_on(commands, to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 0,
+          VK_ACCESS_TRANSFER_WRITE_BIT);
+  const auto corner = [](VkExtent2D size) {
+    return VkOffset3D{static_cast<std::int32_t>(size.width), static_cast<std::int32_t>(size.height), 1};
+  };
+  VkImageBlit blit{};
+  blit.srcSubresource = blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  blit.srcOffsets[1] = corner(drawn_);
+  blit.dstOffsets[1] = corner(size_);
+  // Halved, the linear filter is the mean of four pixels.
+  vkCmdBlitImage(commands, from, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                 &blit, VK_FILTER_LINEAR);
+  pass_on(commands, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+          VK_ACCESS_TRANSFER_WRITE_BIT, VK_ACCESS_TRANSFER_READ_BIT);
+}
+
 Image Target::picture() const {
-  Image image{width_, height_, std::vector<std::uint8_t>(std::size_t{width_} * height_ * 4)};
+  Image image{size_.width, size_.height, std::vector<std::uint8_t>(std::size_t{size_.width} * size_.height * 4)};
   std::memcpy(image.rgba.data(), readback_.mapped(), image.rgba.size());
   return image;
 }

@@ -1,4 +1,5 @@
-// What is drawn into: four samples a pixel, averaged into one picture that can be copied out.
+// What is drawn into: twice the picture's width and height with four samples each, averaged into a picture that can be
+// copied out.
 #pragma once
 
 #include "proxy_viewer/render/renderer.h"
@@ -8,12 +9,19 @@ namespace bodyopt {
 
 constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_SRGB;
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
+constexpr std::uint32_t kOversampling = 2;  // a side, on top of the samples
 constexpr VkSampleCountFlagBits kSamples = VK_SAMPLE_COUNT_4_BIT;
 
 using RenderPass = vulkan::Owned<VkRenderPass, vkDestroyRenderPass>;
 
 // Clears, draws, averages the samples, and leaves the picture ready to be copied.
 RenderPass make_render_pass(const vulkan::Device& device);
+
+struct Attachment {
+  vulkan::Owned<VkDeviceMemory, vkFreeMemory> memory;
+  vulkan::Owned<VkImage, vkDestroyImage> image;
+  vulkan::Owned<VkImageView, vkDestroyImageView> view;
+};
 
 class Target {
  public:
@@ -26,17 +34,11 @@ class Target {
   Image picture() const;
 
  private:
-  struct Attachment {
-    vulkan::Owned<VkDeviceMemory, vkFreeMemory> memory;
-    vulkan::Owned<VkImage, vkDestroyImage> image;
-    vulkan::Owned<VkImageView, vkDestroyImageView> view;
-  };
-  Attachment make_attachment(const vulkan::Device& device, VkFormat format, VkSampleCountFlagBits samples,
-                             VkImageUsageFlags usage) const;
+  void shrink(VkCommandBuffer commands) const;
 
-  std::uint32_t width_, height_;
+  VkExtent2D size_, drawn_;  // pixels of the picture, and of what is drawn
   VkRenderPass render_pass_;
-  Attachment colour_, depth_, resolved_;
+  Attachment colour_, depth_, resolved_, shrunk_;
   vulkan::Owned<VkFramebuffer, vkDestroyFramebuffer> framebuffer_;
   vulkan::Buffer readback_;
 };

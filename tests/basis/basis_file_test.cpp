@@ -155,7 +155,7 @@ TEST(BasisFile, ForgedTablesAreRefusedOrEvaluateToNumbers) {
                                  0x00000001u, 0x7c007c00u, 0x7bff7bffu};
   std::mt19937 random(11);
   int accepted = 0;
-  for (int k = 0; k < 600; ++k) {
+  for (int k = 0; k < 300; ++k) {
     Safetensors forged = file;
     auto tensor = forged.tensors.begin();
     do {
@@ -181,7 +181,7 @@ TEST(BasisFile, ForgedTablesAreRefusedOrEvaluateToNumbers) {
     };
     accepted += refuses(evaluate, folder / "b.safetensors", tensor->first) ? 0 : 1;
   }
-  EXPECT_GT(accepted, 100);  // otherwise the kernels were hardly tried
+  EXPECT_GT(accepted, 50);  // otherwise the kernels were hardly tried
 }
 
 // Changes to the container's parts under a checksum that fits.

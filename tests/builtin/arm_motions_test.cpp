@@ -9,12 +9,13 @@
 #include "runtime/rig.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/builtin/arm_dofs.h"
+#include "trainer/builtin/arm_skeleton.h"
 
 namespace bodyopt {
 namespace {
 
 const Skeleton& skeleton() {
-  static const Skeleton built = build_arm().character.skeleton;
+  static const Skeleton built = arm_skeleton();
   return built;
 }
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "runtime/rig.h"
+#include "tests/builtin/shared_arm.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/builtin/arm_dofs.h"
 
@@ -13,11 +14,6 @@ namespace bodyopt {
 namespace {
 
 using Eigen::Vector3d;
-
-const BuiltinArm& arm() {
-  static const BuiltinArm built = build_arm();
-  return built;
-}
 
 // Generalised winding number of the skin (Van Oosterom and Strackee's solid angles): 1 inside, 0 outside.
 double winding_number(const Vector3d& p) {

@@ -9,13 +9,12 @@
 
 namespace bodyopt {
 
-// Coordinates of one segment of the limb. Axes are unit and perpendicular; `side` points to the little finger's
-// opposite: away from the body for the upper arm, to the back of the hand for the hand.
+// Coordinates of one segment of the limb. Axes are unit and perpendicular.
 struct SegmentFrame {
   Eigen::Vector3d origin;
   Eigen::Vector3d along;  // towards the fingertips
   Eigen::Vector3d front;  // towards the biceps; towards the thumb on the hand
-  Eigen::Vector3d side;
+  Eigen::Vector3d side;   // away from the body; to the back of the hand on the hand
 
   // Metres along the three axes.
   Eigen::Vector3d at(double u, double f, double s) const { return origin + u * along + f * front + s * side; }

@@ -62,11 +62,12 @@ std::vector<FleshyBone> fleshy_bones() {
   const SegmentFrame arm = upper_arm_frame(), fore = forearm_frame(), hand = hand_frame();
   return {
       {"shoulder", arm.at(0.5 * kUpperArmLength, 0, 0), fore.origin, 0.045},
-      {"elbow", fore.origin, fore.at(0.5 * kForearmLength, 0, 0), 0.045},
+      {"elbow", fore.origin, fore.at(0.5 * kForearmLength, 0, 0), 0.050},
       {"forearm_twist", fore.at(0.5 * kForearmLength, 0, 0), hand.origin, 0.032},
       {"wrist", hand.origin, hand.at(0.09, 0, 0), 0.030},
       {"fingers", hand.at(0.09, 0, 0), hand.at(0.13, 0, -0.010), 0.025},
       {"fingertips", hand.at(0.13, 0, -0.010), hand.at(0.17, 0, -0.030), 0.020},
+      {"thumb", thumb().joints[0], thumb().joints[3], 0.015},
   };
 }
 

@@ -32,7 +32,7 @@ struct DofLimits {
 inline constexpr std::array<DofLimits, kArmDofCount> kArmLimits{{
     {"clavicle_elevation", 0, -8, 20},     // up
     {"clavicle_protraction", 0, -15, 18},  // forwards
-    {"shoulder_abduction", 50, 18, 115},   // sideways and up; at the shoulder joint, the clavicle adds to it
+    {"shoulder_abduction", 50, 24, 115},   // sideways and up; at the shoulder joint, the clavicle adds to it
     {"shoulder_flexion", 0, -35, 80},      // forwards
     {"shoulder_rotation", 0, -50, 50},     // of the humerus about itself, positive inwards
     {"elbow_flexion", 20, 0, 130},

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <iterator>
+#include <string>
 
 #include "runtime/basis/error.h"
 #include "trainer/builtin/arm.h"

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
 
 #include "runtime/basis/error.h"
 #include "trainer/builtin/arm.h"
@@ -9,8 +10,8 @@
 namespace bodyopt {
 namespace {
 
-constexpr double kSweepShare = 0.3;    // of the frames
-constexpr double kClearance = -0.004;  // metres: flesh may touch the ribs lightly
+constexpr double kSweepShare = 0.3;   // of the frames
+constexpr double kClearance = 0.003;  // metres between flesh and ribs
 constexpr int kTriesPerFrame = 200;
 
 // Degrees of freedom that bend the same flesh: their extremes are also taken together.

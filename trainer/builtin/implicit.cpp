@@ -104,8 +104,9 @@ Solid::Solid(std::vector<RoundedPart> parts, const Vector3d& low, const Vector3d
   for (int k = 0; k < 3; ++k) cells_[k] = static_cast<int>(std::ceil((high - low)[k] / kCell));
   double widest_blend = 0;
   for (const RoundedPart& part : parts_) widest_blend = std::max(widest_blend, part.blend);
-  // Distances change by at most the way walked: from a cell's centre to its corner, for both the part and the solid.
-  const double margin = std::sqrt(3.0) * kCell + widest_blend;
+  // From a cell's centre to its corner, distances change by the way walked, both the part's and the solid's; stretched
+  // parts, whose distances are exact only near their surface, change a little more.
+  const double margin = 1.4 * std::sqrt(3.0) * kCell + widest_blend;
   near_.reserve(static_cast<std::size_t>(cells_.prod()));
   for (int z = 0; z < cells_.z(); ++z) {
     for (int y = 0; y < cells_.y(); ++y) {

@@ -155,4 +155,6 @@ Character read_character(const std::filesystem::path& path, double unit) {
   return character;
 }
 
+bool has_skin(const std::filesystem::path& path) { return !GltfFile(path).model().skins.empty(); }
+
 }  // namespace bodyopt

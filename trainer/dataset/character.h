@@ -46,6 +46,9 @@ std::vector<float> output_from_welded(const Character& character, const Position
 // 0.05 .. 50 m is refused with the ratio found. Throws Error(file) or Error(mismatch).
 Character read_character(const std::filesystem::path& path, double unit = 0);
 
+// Does a .glb or .gltf hold a skinned mesh (and not motion alone)? Throws Error(file).
+bool has_skin(const std::filesystem::path& path);
+
 // Writes a .glb with one skinned mesh in output vertex order. Throws Error(file).
 void write_character(const Character& character, const std::filesystem::path& path);
 

@@ -8,6 +8,7 @@
 #include "trainer/dataset/bvh_clip.h"
 #include "trainer/dataset/clip_common.h"
 #include "trainer/dataset/gltf_clip.h"
+#include "trainer/dataset/gltf_file.h"
 #include "trainer/dataset/notes.h"
 
 namespace bodyopt {
@@ -82,6 +83,17 @@ Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOp
                 source + ": a .bvh file holds a single clip without a name; leave out '#" + parts.name + "'");
   }
   return read_bvh_clip(parts.path, skeleton, options);
+}
+
+std::vector<std::string> clip_names(const std::filesystem::path& path) {
+  if (lower_case_extension(path) == ".bvh") {
+    if (!std::filesystem::exists(path)) throw Error(ErrorKind::file, path.string() + ": no such file");
+    return {path.stem().string()};
+  }
+  const GltfFile file(path);
+  std::vector<std::string> names;
+  for (const tinygltf::Animation& animation : file.model().animations) names.push_back(animation.name);
+  return names;
 }
 
 }  // namespace bodyopt

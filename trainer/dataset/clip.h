@@ -29,6 +29,9 @@ struct ClipOptions {
 // matches no joint at all throws Error(mismatch) with both lists. Throws Error(file).
 Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOptions& options);
 
+// The names of the clips in a .glb, .gltf or .bvh (a BVH's is its file's). Throws Error(file).
+std::vector<std::string> clip_names(const std::filesystem::path& path);
+
 // Writes an animation-only .glb: the skeleton's nodes and one LINEAR animation with a key per frame. Throws
 // Error(file).
 void write_clip(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path);

@@ -2,13 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+
+#include "runtime/basis/error.h"
 
 namespace bodyopt {
+namespace {
+
+constexpr double kLargestDistance = 1e12;  // mm; squares of it still add up in double precision
+
+}  // namespace
 
 ErrorAccumulator::ErrorAccumulator(std::uint32_t vertex_count) : vertex_count_(vertex_count) {}
 
 void ErrorAccumulator::add(int frame, std::span<const float> a, std::span<const float> b) {
-  std::vector<float> error(3 * std::size_t{vertex_count_});
+  if (a.size() != 3 * std::size_t{vertex_count_} || b.size() != a.size()) {
+    throw Error(ErrorKind::mismatch, "frame " + std::to_string(frame) + ": shapes of " + std::to_string(a.size() / 3) +
+                                         " and " + std::to_string(b.size() / 3) + " vertices are compared, expected " +
+                                         std::to_string(vertex_count_) + " each");
+  }
+  std::vector<float> error(a.size());
   double sum = 0, largest = 0;
   for (std::size_t v = 0; v < vertex_count_; ++v) {
     double distance2 = 0;
@@ -18,6 +31,11 @@ void ErrorAccumulator::add(int frame, std::span<const float> a, std::span<const 
       distance2 += difference * difference;
     }
     const double distance = std::sqrt(distance2);
+    if (!(distance <= kLargestDistance)) {
+      throw Error(ErrorKind::mismatch, "frame " + std::to_string(frame) + ": vertex " + std::to_string(v) + " is " +
+                                           std::to_string(distance) +
+                                           " mm off, expected a finite distance: one of the shapes holds no numbers");
+    }
     distances_.push_back(static_cast<float>(distance));
     sum += distance2;
     largest = std::max(largest, distance);

@@ -1,6 +1,8 @@
 #include "trainer/dataset/dataset.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <set>
 
 #include "runtime/basis/error.h"
@@ -12,6 +14,9 @@ namespace {
 
 constexpr const char* kDatasetSchema = "bodyopt-dataset-1";
 constexpr const char* kStatusSchema = "bodyopt-frame-status-1";
+constexpr double kNoResidual = std::numeric_limits<double>::infinity();  // null: the solver blew up
+constexpr double kConverged = 1e-4;      // residual below which a frame counts as solved
+constexpr std::size_t kMaxReason = 300;  // characters of a message about text that may be long
 
 std::vector<int> frames_of(const JsonObject& take, const char* key) {
   const std::string text = take.text(key);
@@ -19,19 +24,47 @@ std::vector<int> frames_of(const JsonObject& take, const char* key) {
   try {
     return parse_frame_range(text);
   } catch (const Error& error) {
-    take.refuse(std::string("'") + key + "': " + error.what());
+    take.refuse(std::string("'") + key + "': " + std::string(error.what()).substr(0, kMaxReason));
   }
+}
+
+// Range text for frames in any order: ranges rise, so every stretch that rises is formatted by itself.
+std::string range_text(const std::vector<int>& frames, const DatasetTake& take, const std::filesystem::path& path) {
+  std::string text;
+  for (auto begin = frames.begin(); begin != frames.end();) {
+    const auto end = std::is_sorted_until(begin, frames.end());
+    if (!text.empty()) text += ',';
+    text += format_frame_range({begin, end});
+    begin = end;
+  }
+  if (!frames.empty() && parse_frame_range(text) != frames) {
+    throw Error(ErrorKind::file, path.string() + ": cannot be written: take '" + take.name +
+                                     "' names a frame twice, expected every frame once");
+  }
+  return text;
+}
+
+std::string relative_path(const std::string& name, const std::filesystem::path& folder) {
+  if (!std::filesystem::path(name).is_absolute()) return name;
+  return std::filesystem::proximate(name, folder).string();
+}
+
+// FILE or FILE#name.
+std::string relative_clip(const std::string& clip, const std::filesystem::path& folder) {
+  const std::size_t hash = clip.rfind('#');
+  const std::string name = hash == std::string::npos ? "" : clip.substr(hash);
+  return relative_path(clip.substr(0, hash), folder) + name;
 }
 
 DatasetTake read_take(const JsonObject& json) {
   json.allow({"name", "clip", "fps", "first_frame", "frames", "shapes", "shapes_status", "heldout"});
   DatasetTake take;
-  take.name = json.text("name");
-  take.clip = json.text("clip");
+  take.name = json.name("name");
+  take.clip = json.name("clip");
   take.fps = json.number("fps", 1e-3, 1e5);
   take.first_frame = json.integer("first_frame");
   take.frames = frames_of(json, "frames");
-  take.shapes = json.text("shapes");
+  take.shapes = json.name("shapes");
   if (json.has("shapes_status")) take.shapes_status = json.text("shapes_status");
   if (json.has("heldout")) take.heldout = frames_of(json, "heldout");
   if (take.frames.empty()) json.refuse("names no frames");
@@ -50,7 +83,7 @@ Dataset read_dataset(const std::filesystem::path& path) {
   top.allow({"schema", "character", "unit", "muscles", "takes"});
   Dataset dataset;
   dataset.folder = path.parent_path().empty() ? "." : path.parent_path();
-  dataset.character = top.text("character");
+  dataset.character = top.name("character");
   if (top.has("unit")) dataset.unit = top.number("unit", 0, 1e6);
   if (top.has("muscles")) dataset.muscles = top.text("muscles");
   std::set<std::string> names;
@@ -64,19 +97,20 @@ Dataset read_dataset(const std::filesystem::path& path) {
 }
 
 void write_dataset(const Dataset& dataset, const std::filesystem::path& path) {
-  Json json = {{"schema", kDatasetSchema}, {"character", dataset.character}};
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  Json json = {{"schema", kDatasetSchema}, {"character", relative_path(dataset.character, folder)}};
   if (dataset.unit > 0) json["unit"] = dataset.unit;
-  if (!dataset.muscles.empty()) json["muscles"] = dataset.muscles;
+  if (!dataset.muscles.empty()) json["muscles"] = relative_path(dataset.muscles, folder);
   json["takes"] = Json::array();
   for (const DatasetTake& take : dataset.takes) {
     Json entry = {{"name", take.name},
-                  {"clip", take.clip},
+                  {"clip", relative_clip(take.clip, folder)},
                   {"fps", take.fps},
                   {"first_frame", take.first_frame},
-                  {"frames", format_frame_range(take.frames)},
-                  {"shapes", take.shapes}};
-    if (!take.shapes_status.empty()) entry["shapes_status"] = take.shapes_status;
-    if (!take.heldout.empty()) entry["heldout"] = format_frame_range(take.heldout);
+                  {"frames", range_text(take.frames, take, path)},
+                  {"shapes", relative_path(take.shapes, folder)}};
+    if (!take.shapes_status.empty()) entry["shapes_status"] = relative_path(take.shapes_status, folder);
+    if (!take.heldout.empty()) entry["heldout"] = range_text(take.heldout, take, path);
     json["takes"].push_back(entry);
   }
   write_json(json, path);
@@ -87,17 +121,22 @@ std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path) {
   const JsonObject top(json, path, "the side-car");
   top.allow({"schema", "frames"});
   std::vector<FrameStatus> status;
+  std::set<int> known;
   const Json& frames = top.array("frames");
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const JsonObject frame(frames[k], path, "frames[" + std::to_string(k) + "]");
     frame.allow({"frame", "residual", "converged", "iterations", "seconds", "inverted_tets"});
     FrameStatus entry;
     entry.frame = frame.integer("frame");
-    entry.residual = frame.number("residual", 0, 1e300);
+    entry.residual = frame.is_null("residual") ? kNoResidual : frame.number("residual", 0, 1e300);
     entry.converged = frame.boolean("converged");
     entry.iterations = frame.integer("iterations", 0);
     entry.seconds = frame.number("seconds", 0, 1e9);
     entry.inverted_tets = frame.integer("inverted_tets", 0);
+    if (!known.insert(entry.frame).second) frame.refuse("names frame " + std::to_string(entry.frame) + " again");
+    if (entry.converged && !(entry.residual < kConverged && entry.inverted_tets == 0)) {
+      frame.refuse("says 'converged' of a frame with a residual of 1e-4 or more, or inverted tets: edited by hand?");
+    }
     status.push_back(entry);
   }
   return status;
@@ -107,7 +146,7 @@ void write_frame_status(const std::vector<FrameStatus>& status, const std::files
   Json frames = Json::array();
   for (const FrameStatus& entry : status) {
     frames.push_back({{"frame", entry.frame},
-                      {"residual", entry.residual},
+                      {"residual", std::isfinite(entry.residual) ? Json(entry.residual) : Json()},
                       {"converged", entry.converged},
                       {"iterations", entry.iterations},
                       {"seconds", entry.seconds},

@@ -7,19 +7,37 @@
 
 #include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
+#include "runtime/basis/strict_json.h"
 
 namespace bodyopt {
 
+namespace {
+
+constexpr std::uint64_t kLargestFile = 64 << 20;  // bytes; parsed JSON takes many times its text in memory
+
+std::string read_text(const std::filesystem::path& path) {
+  std::error_code failure;
+  const std::uint64_t size = std::filesystem::file_size(path, failure);  // fails for folders, pipes and devices
+  std::ifstream file;
+  if (!failure) file.open(path, std::ios::binary);
+  if (failure || !file) {
+    throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file, or no permission?");
+  }
+  if (size > kLargestFile) {
+    throw Error(ErrorKind::file, path.string() + ": has " + std::to_string(size) + " bytes, expected " +
+                                     std::to_string(kLargestFile) + " at most: not a file of ours");
+  }
+  std::string text(size, '\0');
+  if (!file.read(text.data(), static_cast<std::streamsize>(size))) {
+    throw Error(ErrorKind::file, path.string() + ": cannot be read to its end: was it changed meanwhile?");
+  }
+  return text;
+}
+
+}  // namespace
+
 Json read_json(const std::filesystem::path& path, const std::string& schema) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!std::filesystem::is_regular_file(path) || !file || !(text << file.rdbuf())) {
-    throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file?");
-  }
-  Json json = Json::parse(text.str(), nullptr, false);
-  if (json.is_discarded()) {
-    throw Error(ErrorKind::file, path.string() + ": expected JSON; the text is damaged or cut off");
-  }
+  Json json = parse_strict_json<Json>(read_text(path), path.string());
   if (!json.is_object() || !json.contains("schema") || !json["schema"].is_string()) {
     throw Error(ErrorKind::file, path.string() + ": expected an object with \"schema\": \"" + schema +
                                      "\"; it is JSON of something else");
@@ -32,7 +50,13 @@ Json read_json(const std::filesystem::path& path, const std::string& schema) {
 }
 
 void write_json(const Json& json, const std::filesystem::path& path) {
-  const std::string text = json.dump(2) + "\n";
+  std::string text;
+  try {
+    text = json.dump(2) + "\n";
+  } catch (const Json::exception& error) {
+    throw Error(ErrorKind::file,
+                path.string() + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
+  }
   write_file_atomically(path, std::as_bytes(std::span(text)));
 }
 
@@ -51,8 +75,14 @@ void JsonObject::allow(std::initializer_list<const char*> keys) const {
 
 std::string JsonObject::text(const char* key) const {
   const Json& value = at(key);
-  if (!value.is_string()) refuse(std::string("'") + key + "' is not a string");
+  if (!value.is_string()) refuse(std::string("'") + key + "' is not text");
   return value.get<std::string>();
+}
+
+std::string JsonObject::name(const char* key) const {
+  const std::string value = text(key);
+  if (value.empty()) refuse(std::string("'") + key + "' is empty");
+  return value;
 }
 
 double JsonObject::number(const char* key, double low, double high) const {
@@ -65,6 +95,8 @@ double JsonObject::number(const char* key, double low, double high) const {
   }
   return number;
 }
+
+bool JsonObject::is_null(const char* key) const { return at(key).is_null(); }
 
 int JsonObject::integer(const char* key, double low, double high) const {
   const double value = number(key, low, high);

@@ -23,10 +23,12 @@ class JsonObject {
   // Refuses keys that are not in the list: most likely they are misspelt.
   void allow(std::initializer_list<const char*> keys) const;
   std::string text(const char* key) const;
+  std::string name(const char* key) const;  // text that is not empty
   double number(const char* key, double low, double high) const;
   int integer(const char* key, double low = -1e9, double high = 1e9) const;
   bool boolean(const char* key) const;
   const Json& array(const char* key) const;
+  bool is_null(const char* key) const;
   bool has(const char* key) const { return object_.contains(key); }
   [[noreturn]] void refuse(const std::string& what) const;
 

@@ -33,7 +33,7 @@ Muscle read_muscle(const JsonObject& json, const std::filesystem::path& path, co
                    const Skeleton& skeleton) {
   json.allow({"name", "radius", "fibre_count", "max_activation", "path"});
   Muscle muscle;
-  muscle.name = json.text("name");
+  muscle.name = json.name("name");
   muscle.radius = json.number("radius", 1e-5, 1);
   muscle.fibre_count = json.integer("fibre_count", 0, 64);
   muscle.max_activation = json.number("max_activation", 0, 1);
@@ -74,7 +74,7 @@ void write_muscles(const std::vector<Muscle>& muscles, const Skeleton& skeleton,
   for (const Muscle& muscle : muscles) {
     Json points = Json::array();
     for (const MusclePoint& point : muscle.path) {
-      points.push_back({{"joint", skeleton.joints[point.joint].name}, {"position", point.position}});
+      points.push_back({{"joint", skeleton.joints.at(point.joint).name}, {"position", point.position}});
     }
     list.push_back({{"name", muscle.name},
                     {"radius", muscle.radius},

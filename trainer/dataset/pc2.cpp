@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -42,11 +43,11 @@ struct Pc2Reader::Mapping {
   }
 
   void map() {
-    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe must not block
     struct stat status {};
     if (file < 0 || fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
       if (file >= 0) close(file);
-      throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file?");
+      throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file, or no permission?");
     }
     size = static_cast<std::size_t>(status.st_size);
     if (size >= sizeof(Header)) address = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
@@ -59,15 +60,19 @@ struct Pc2Reader::Mapping {
     std::memcpy(&header, address, sizeof(Header));
     if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) refuse(path, "it does not start with POINTCACHE2");
     if (header.version != 1) refuse(path, "its version is " + std::to_string(header.version) + ", expected 1");
-    if (header.points < 0 || header.samples < 0) refuse(path, "it has a negative number of points or samples");
+    if (header.points < 1 || header.samples < 0) {
+      refuse(path, "it claims " + std::to_string(header.samples) + " samples of " + std::to_string(header.points) +
+                       " points, expected 0 or more samples of 1 or more points");
+    }
     if (!std::isfinite(header.start_frame) || !std::isfinite(header.sample_rate)) {
       refuse(path, "its start frame or sample rate is not a number");
     }
-    const std::uint64_t expected =
-        sizeof(Header) + 12 * static_cast<std::uint64_t>(header.points) * static_cast<std::uint64_t>(header.samples);
-    if (size != expected) {
-      refuse(path, std::to_string(header.samples) + " samples of " + std::to_string(header.points) + " points take " +
-                       std::to_string(expected) + " bytes, found " + std::to_string(size));
+    // Below 2^62 values; the bytes they take may not fit 64 bits, so the file's are divided instead.
+    const std::uint64_t values = static_cast<std::uint64_t>(header.points) * static_cast<std::uint64_t>(header.samples);
+    const std::uint64_t bytes = size - sizeof(Header);
+    if (bytes % 12 != 0 || bytes / 12 != values) {
+      refuse(path, std::to_string(header.samples) + " samples of " + std::to_string(header.points) +
+                       " points take 12 bytes a point, found " + std::to_string(bytes) + " bytes after the header");
     }
   }
 };
@@ -97,6 +102,10 @@ float Pc2Reader::sample_rate() const { return mapping_->header.sample_rate; }
 
 std::span<const float> Pc2Reader::sample(std::uint32_t k) const {
   const std::size_t stride = 3 * std::size_t{point_count()};
+  if (k >= sample_count()) {
+    throw Error(ErrorKind::mismatch, mapping_->path.string() + ": sample " + std::to_string(k) +
+                                         " was asked for, it has " + std::to_string(sample_count()));
+  }
   const auto* first = static_cast<const char*>(mapping_->address) + sizeof(Header);
   return {reinterpret_cast<const float*>(first) + k * stride, stride};
 }
@@ -119,9 +128,24 @@ struct Pc2Writer::File {
   std::uint32_t expected, written = 0;
 };
 
+namespace {
+
+// The header's counts are 32 bits with a sign.
+std::uint32_t checked_count(const std::filesystem::path& path, std::uint32_t count, std::uint32_t least,
+                            const char* what) {
+  constexpr std::uint32_t kMost = std::numeric_limits<std::int32_t>::max();
+  if (count >= least && count <= kMost) return count;
+  throw Error(ErrorKind::file, path.string() + ": cannot be written: it would have " + std::to_string(count) + ' ' +
+                                   what + ", a PC2 cache holds " + std::to_string(least) + " to " +
+                                   std::to_string(kMost));
+}
+
+}  // namespace
+
 Pc2Writer::Pc2Writer(const std::filesystem::path& path, std::uint32_t point_count, std::uint32_t sample_count,
                      float start_frame, float sample_rate)
-    : file_(new File(path, point_count, sample_count)) {
+    : file_(new File(path, checked_count(path, point_count, 1, "points"),
+                     checked_count(path, sample_count, 0, "samples"))) {
   Header header{};
   std::memcpy(header.magic, kMagic, sizeof(kMagic));
   header.version = 1;
@@ -129,7 +153,12 @@ Pc2Writer::Pc2Writer(const std::filesystem::path& path, std::uint32_t point_coun
   header.samples = static_cast<std::int32_t>(sample_count);
   header.start_frame = start_frame;
   header.sample_rate = sample_rate;
-  file_->out.write(std::as_bytes(std::span(&header, 1)));
+  try {
+    file_->out.write(std::as_bytes(std::span(&header, 1)));
+  } catch (...) {
+    delete file_;
+    throw;
+  }
 }
 
 Pc2Writer::~Pc2Writer() { delete file_; }
@@ -138,6 +167,10 @@ void Pc2Writer::append(std::span<const float> sample) {
   if (sample.size() != file_->stride) {
     throw Error(ErrorKind::mismatch, file_->path.string() + ": a sample of " + std::to_string(sample.size() / 3) +
                                          " points was given to a cache of " + std::to_string(file_->stride / 3));
+  }
+  if (file_->written == file_->expected) {
+    throw Error(ErrorKind::mismatch, file_->path.string() + ": more than the " + std::to_string(file_->expected) +
+                                         " samples it was opened for were given");
   }
   file_->out.write(std::as_bytes(sample));
   ++file_->written;

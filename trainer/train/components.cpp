@@ -14,7 +14,8 @@ Eigen::MatrixXf weighted_columns(const Displacements& displacements, const Regio
   Eigen::MatrixXf columns(displacements.rows(), 3 * static_cast<Eigen::Index>(region.vertices.size()));
   for (std::size_t v = 0; v < region.vertices.size(); ++v) {
     columns.middleCols(3 * static_cast<Eigen::Index>(v), 3) =
-        displacements.middleCols(3 * Eigen::Index{region.vertices[v]}, 3) * static_cast<float>(std::sqrt(region.weights[v]));
+        displacements.middleCols(3 * Eigen::Index{region.vertices[v]}, 3) *
+        static_cast<float>(std::sqrt(region.weights[v]));
   }
   return columns;
 }

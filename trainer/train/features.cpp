@@ -10,8 +10,9 @@
 namespace bodyopt {
 namespace {
 
-// A feature that varies less (radians, strain) holds noise only.
-constexpr double kConstant = 1e-4;
+// The deviation of a feature (radians, strain) counts as this at least: one that hardly moves in training says nothing,
+// but its leaving the trained range must show.
+constexpr double kLeastDeviation = 1e-3;
 
 std::vector<float> strains_of(const Basis& basis, const RigFrame& rig) {
   std::vector<float> positions(3 * basis.strain.vertices.size()), strains(basis.strain.fibre_count());
@@ -39,7 +40,7 @@ FeatureRange range_of(const Eigen::VectorXd& values, double rest) {
   range.low = static_cast<float>(low - margin);
   range.high = static_cast<float>(high + margin);
   range.mean = static_cast<float>(mean);
-  range.inverse_scale = deviation > kConstant ? static_cast<float>(1 / deviation) : 0.0f;
+  range.inverse_scale = static_cast<float>(1 / std::max(deviation, kLeastDeviation));
   return range;
 }
 

@@ -16,7 +16,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kNegligible = 0.03;  // region weights below this are dropped
+constexpr double kNegligible = 0.03;     // region weights below this are dropped
+constexpr double kLeastVariance = 0.01;  // of a standardised feature; less is noise
 
 Index seed_furthest_from_middle(const MatrixXd& points) {
   Index seed = 0;
@@ -79,7 +80,10 @@ MatrixXd smooth(const Character& character, const MatrixXd& values, double radiu
   matrix.diagonal() += areas;
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
   MatrixXd smoothed = values;
-  for (int step = 0; step < kSteps; ++step) smoothed = solver.solve(areas.asDiagonal() * smoothed);
+  for (int step = 0; step < kSteps; ++step) {
+    const MatrixXd right = areas.asDiagonal() * smoothed;  // solve() does not expect its result on both sides
+    smoothed = solver.solve(right);
+  }
   return smoothed;
 }
 
@@ -90,7 +94,9 @@ Eigen::VectorXd explained_energy(const Eigen::MatrixXf& rest_of_motion, const Ma
   const MatrixXd q = qr.householderQ() * MatrixXd::Identity(regressors.rows(), qr.rank());
   const Eigen::MatrixXf projected = q.cast<float>().transpose() * rest_of_motion;
   const Eigen::VectorXd energy = projected.colwise().squaredNorm().transpose().cast<double>();
-  return Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>>(energy.data(), 3, energy.size() / 3).colwise().sum();
+  return Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>>(energy.data(), 3, energy.size() / 3)
+      .colwise()
+      .sum();
 }
 
 // What a ridge-penalised linear fit of the columns of `x` leaves of `y`.
@@ -106,7 +112,8 @@ Matrix without_linear_fit(const MatrixXd& x, const Matrix& y) {
 std::vector<std::uint32_t> varying(const MatrixXd& features, std::uint32_t begin, std::uint32_t count) {
   std::vector<std::uint32_t> indices;
   for (std::uint32_t k = begin; k < begin + count; ++k) {
-    if (!features.col(k).isZero(0)) indices.push_back(k);
+    const double variance = features.col(k).squaredNorm() / static_cast<double>(features.rows());
+    if (variance > kLeastVariance) indices.push_back(k);
   }
   return indices;
 }
@@ -166,8 +173,10 @@ std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vec
     }
   }
 
-  const Eigen::MatrixXf beyond_joints = without_linear_fit(features.leftCols(joint_features), Eigen::MatrixXf(displacements));
-  const MatrixXd strains = without_linear_fit(features.leftCols(joint_features), MatrixXd(features.rightCols(features.cols() - joint_features)));
+  const Eigen::MatrixXf beyond_joints =
+      without_linear_fit(features.leftCols(joint_features), Eigen::MatrixXf(displacements));
+  const MatrixXd strains = without_linear_fit(features.leftCols(joint_features),
+                                              MatrixXd(features.rightCols(features.cols() - joint_features)));
   const Eigen::VectorXd column_energy = displacements.colwise().squaredNorm().transpose().cast<double>();
   const Eigen::VectorXd energy =
       Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>>(column_energy.data(), 3, vertices).colwise().sum();

@@ -32,8 +32,8 @@ std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vec
 // smoothed. Their weights are a partition of unity.
 std::vector<RegionWeights> make_regions(const Character& character, const std::vector<FeatureGroup>& groups);
 
-// Features of the groups that reach a region: within `radius` metres of it or of notable influence there, and the joints
-// spanned by its muscles. Never empty where any feature varies.
+// Features of the groups that reach a region: within `radius` metres of it or of notable influence there, and the
+// joints spanned by its muscles. Never empty where any feature varies.
 std::vector<std::uint32_t> region_features(const Character& character, const RegionWeights& region,
                                            const std::vector<FeatureGroup>& groups, double radius);
 

@@ -63,7 +63,8 @@ Design make_design(const RegressionData& data, const MatrixXd& centres, double i
   };
   Design design;
   design.regressors.resize(data.features.rows(), data.features.cols() + centres.rows());
-  design.regressors << data.features.rowwise() - data.rest, kernels(data.features).rowwise() - kernels(data.rest).row(0);
+  design.regressors << data.features.rowwise() - data.rest,
+      kernels(data.features).rowwise() - kernels(data.rest).row(0);
   design.kernel_norm = kernels(centres);
   return design;
 }
@@ -155,8 +156,8 @@ Regression fit_regression(const RegressionData& data, int centre_count) {
   }
   const Design design = make_design(data, best.centres, best.inverse_width2);
   const MatrixXd& x = design.regressors;
-  best.weights = solve(design, x.transpose() * x, x.transpose() * data.targets, best_penalty,
-                       static_cast<double>(x.rows()));
+  best.weights =
+      solve(design, x.transpose() * x, x.transpose() * data.targets, best_penalty, static_cast<double>(x.rows()));
   return best;
 }
 

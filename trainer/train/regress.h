@@ -1,5 +1,6 @@
-// Regression from features to coefficients: a ridge-penalised linear part and Gaussian kernels at chosen centres, fitted
-// together (kernel ridge regression with a linear part, by subset of regressors; Rasmussen & Williams 2006, 8.3).
+// Regression from features to coefficients: a ridge-penalised linear part and Gaussian kernels at chosen centres,
+// fitted together (kernel ridge regression with a linear part, by subset of regressors; Rasmussen & Williams
+// 2006, 8.3).
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +18,7 @@ struct RegressionData {
 struct Regression {
   Eigen::MatrixXd centres;  // M x F
   double inverse_width2 = 0;
-  Eigen::MatrixXd weights;    // (F + M) x K, of [f, phi(f)]; no constant: what holds at rest is subtracted anyway
+  Eigen::MatrixXd weights;      // (F + M) x K, of [f, phi(f)]; no constant: what holds at rest is subtracted anyway
   double validation_error = 0;  // root mean square of the held-out folds' error, summed over the targets
 };
 

@@ -7,6 +7,7 @@
 #include "runtime/cpu/half.h"
 #include "runtime/rig.h"
 #include "trainer/progress.h"
+#include "trainer/train/mesh_table.h"
 #include "trainer/train/parallel.h"
 
 namespace bodyopt {
@@ -19,8 +20,6 @@ constexpr double kRadii[] = {0.12, 0.2, 0.35};
 // Cross-validation: blocks of consecutive frames, dealt to folds.
 constexpr int kFolds = 5, kLongestRun = 20;
 constexpr std::uint32_t kMostCoefficients = 65536;
-
-double extent_of(const Positions& rest) { return (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff(); }
 
 // Basis columns with a largest entry of 1 fill the halves' range evenly; the coefficients keep the metres.
 void normalise(RegionModel& model) {
@@ -53,11 +52,12 @@ std::vector<std::vector<std::uint32_t>> feature_choices(const Character& charact
   if (options.joint_only_linear) {
     std::vector<std::uint32_t>& all = choices.emplace_back();
     const std::size_t joints = feature_joints(basis.skeleton).size();
-    for (std::size_t g = 0; g < joints; ++g) all.insert(all.end(), groups[g].features.begin(), groups[g].features.end());
+    for (std::size_t g = 0; g < joints; ++g)
+      all.insert(all.end(), groups[g].features.begin(), groups[g].features.end());
     return choices;
   }
   for (const double radius : kRadii) {
-    choices.push_back(region_features(character, region, groups, radius * extent_of(character.vertices)));
+    choices.push_back(region_features(character, region, groups, radius * longest_extent(character.vertices)));
   }
   choices.erase(std::unique(choices.begin(), choices.end()), choices.end());
   return choices;

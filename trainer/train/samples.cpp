@@ -9,11 +9,12 @@
 namespace bodyopt {
 namespace {
 
+// Frames that the side-car does not vouch for; none without a side-car.
 std::set<int> unconverged_frames(const Dataset& dataset, const DatasetTake& take) {
-  std::set<int> frames;
-  if (take.shapes_status.empty()) return frames;
+  if (take.shapes_status.empty()) return {};
+  std::set<int> frames(take.frames.begin(), take.frames.end());
   for (const FrameStatus& status : read_frame_status(dataset.folder / take.shapes_status)) {
-    if (!status.converged) frames.insert(status.frame);
+    if (status.converged) frames.erase(status.frame);
   }
   return frames;
 }

@@ -73,8 +73,7 @@ Belly make_belly(const Muscle& muscle, const NearestSkin& nearest) {
   Eigen::Vector3d side = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& point : belly.line) side += nearest(point).position - point;
   for (std::size_t k = 0; k < count; ++k) {
-    const Eigen::Vector3d along =
-        (belly.line[std::min(k + 1, count - 1)] - belly.line[k > 0 ? k - 1 : 0]).normalized();
+    const Eigen::Vector3d along = (belly.line[std::min(k + 1, count - 1)] - belly.line[k > 0 ? k - 1 : 0]).normalized();
     Eigen::Vector3d out = side - side.dot(along) * along;
     if (!(out.norm() > 1e-6)) out = along.unitOrthogonal();
     belly.along.push_back(along);

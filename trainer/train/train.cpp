@@ -1,7 +1,7 @@
 #include "trainer/train/train.h"
 
 #include <Eigen/Core>
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -22,6 +22,8 @@ namespace {
 
 // Fewer frames cannot be split for cross-validation.
 constexpr std::size_t kFewestFrames = 12;
+// Components per region that `linear` may have to reach the bytes asked for.
+constexpr int kMostComponents = 128;
 // A basis entry that moves its vertex by less, metres for a character of 1.8 m, root mean square, is left out.
 constexpr double kNegligible = 1e-5;
 
@@ -64,7 +66,8 @@ Basis bare_basis(const Character& ordered, const std::vector<VertexMoments>& mom
   const nlohmann::json provenance = {{"program", "bodyopt"},
                                      {"character", ordered.name},
                                      {"smoothing_radius_m", ddm.radius},
-                                     {"smoothing_steps", ddm.steps}};
+                                     {"smoothing_steps", ddm.steps},
+                                     {"seed", options.seed}};
   basis.metadata["provenance"] = provenance.dump();
   return basis;
 }
@@ -116,19 +119,27 @@ void pack_to_match(Basis& basis, const ResidualModel& model, int components, dou
   basis.residual = pack_residual(model, low, negligible);
 }
 
-// Weighted mean over the regions of what cross-validation left, metres (root mean square per vertex).
-double validation_error(const ResidualModel& model) {
-  double sum = 0;
-  for (const RegionModel& region : model.regions) sum += std::pow(region.regression.validation_error, 2);
-  return std::sqrt(sum / std::max(1u, model.vertices));
+// What training says of itself: options and counts, and the root mean square per vertex that cross-validation left.
+void add_report(Basis& basis, const SampleSet& set, const TrainOptions& options, const ResidualModel& model) {
+  double error2 = 0;
+  for (const RegionModel& region : model.regions) error2 += std::pow(region.regression.validation_error, 2);
+  const nlohmann::json report = {{"train_frames", set.train.size()},
+                                 {"heldout_frames", set.heldout.size()},
+                                 {"unconverged_frames", set.unconverged},
+                                 {"fibres", basis.strain.fibre_count()},
+                                 {"regions", basis.residual.regions.size()},
+                                 {"coefficients", basis.residual.coefficient_count()},
+                                 {"centres", basis.residual.centre_count()},
+                                 {"joint_only_linear", options.joint_only_linear},
+                                 {"validation_rms_mm", 1e3 * std::sqrt(error2 / basis.mesh.vertex_count())}};
+  basis.metadata["report"] = report.dump();
 }
 
 }  // namespace
 
 Basis build_ddm_basis(const Character& character, const TrainOptions& options) {
   const Character ordered = in_order(character, runtime_order(character));
-  const auto moments =
-      ddm_moments(ordered.vertices, ordered.triangles, ordered.weights, ddm_options(ordered, options));
+  const auto moments = ddm_moments(ordered.vertices, ordered.triangles, ordered.weights, ddm_options(ordered, options));
   return bare_basis(ordered, moments, options);
 }
 
@@ -137,10 +148,9 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
   const SingleThreadedProducts single_threaded;
   const std::vector<std::uint32_t> order = runtime_order(set.character);
   const Character ordered = in_order(set.character, order);
-  const auto moments =
-      ddm_moments(ordered.vertices, ordered.triangles, ordered.weights, ddm_options(ordered, options));
+  const auto moments = ddm_moments(ordered.vertices, ordered.triangles, ordered.weights, ddm_options(ordered, options));
   Basis basis = bare_basis(ordered, moments, options);
-  if (!options.joint_only_linear) basis.strain = make_strain_table(basis, set.muscles);
+  basis.strain = make_strain_table(basis, set.muscles);
   const Displacements displacements = unpose_all(set, basis, order);
 
   std::vector<const Pose*> poses;
@@ -149,22 +159,29 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
     poses.push_back(&sample.pose);
     takes.push_back(sample.take);
   }
-  const FeatureSamples features = measure_features(basis, poses);
-  const std::vector<Muscle> no_muscles;
-  const auto groups = make_feature_groups(basis, moments, options.joint_only_linear ? no_muscles : set.muscles,
-                                          features.values, displacements);
+  FeatureSamples features = measure_features(basis, poses);
+  const auto groups = make_feature_groups(basis, moments, set.muscles, features.values, displacements);
   const std::vector<RegionWeights> regions = make_regions(ordered, groups);
-  ResidualModel model =
-      fit_residual(ordered, basis, regions, groups, features, displacements, takes, options);
-  for (std::size_t k = 0; k < poses[0]->controls.size(); ++k) model.controls.push_back("control" + std::to_string(k + 1));
-
-  const Eigen::RowVector3d extent = ordered.vertices.colwise().maxCoeff() - ordered.vertices.colwise().minCoeff();
-  const double negligible = kNegligible * extent.maxCoeff() / 1.8;
-  if (options.joint_only_linear) {
-    pack_to_match(basis, model, options.components, negligible, options.match_bytes);
+  if (options.joint_only_linear) {  // same regions, but nothing measured on the skin
+    basis.strain = make_strain_table(basis, {});
+    features = measure_features(basis, poses);
+  }
+  TrainOptions fit_options = options;
+  if (options.match_bytes > 0) fit_options.components = std::max(options.components, kMostComponents);
+  ResidualModel model = fit_residual(ordered, basis, regions, groups, features, displacements, takes, fit_options);
+  for (std::size_t k = 0; k < poses[0]->controls.size(); ++k) {
+    model.controls.push_back("control" + std::to_string(k + 1));
+  }
+  const double negligible = kNegligible * longest_extent(ordered.vertices) / 1.8;
+  if (options.match_bytes > 0) {
+    pack_to_match(basis, model, fit_options.components, negligible, options.match_bytes);
+    if (residual_bytes(basis) < options.match_bytes) {  // every entry, then
+      pack_to_match(basis, model, fit_options.components, 0, options.match_bytes);
+    }
   } else {
     basis.residual = pack_residual(model, options.components, negligible);
   }
+  add_report(basis, set, options, model);
   return basis;
 }
 

@@ -1,0 +1,27 @@
+// Pictures of one pose: the truth, the result, and where they differ.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "proxy_viewer/render/renderer.h"
+
+namespace bodyopt {
+
+// One pose, twice. Pass welded vertices: normals are made from the triangles, and a seam would show as an edge.
+struct PosePair {
+  std::span<const std::uint32_t> triangles;  // T x 3
+  std::span<const float> truth, result;      // V x 3, metres, posed
+};
+
+// Three pictures side by side, 3 panel_width x panel_height: truth in clay, result in clay, and the result coloured by
+// its distance from the truth, heat_colour() from 0 to scale_mm (> 0). Throws Error(mismatch) when the arrays do not
+// fit, and what Renderer::draw throws.
+Image triptych(Renderer& renderer, const PosePair& pose, double scale_mm, const Camera& camera,
+               std::uint32_t panel_width, std::uint32_t panel_height);
+
+// A camera that sees both shapes whole, from a direction (world, towards the camera); aspect of one panel.
+Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect);
+
+}  // namespace bodyopt

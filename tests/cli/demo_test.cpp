@@ -1,0 +1,53 @@
+// The whole path by the program itself, small: `bodyopt demo --quick`, and the other verbs on what it leaves.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/run_program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bodyopt {
+namespace {
+
+TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
+#ifdef BODYOPT_SANITIZED
+  GTEST_SKIP() << "the sanitizers make a simulation of 60 frames take most of an hour; its parts are tested alone";
+#endif
+  const TemporaryFolder folder;
+  const std::string out = folder.path().string();
+  const ProgramResult demo = run_bodyopt("demo --quick --out " + out);
+  ASSERT_EQ(demo.exit_code, 0) << demo.output;
+  for (const char* name :
+       {"character.glb", "muscles.json", "rom.glb", "heldout.glb", "dataset/dataset.json", "dataset/rom.pc2",
+        "dataset/rom.status.json", "basis.safetensors", "heldout.pc2", "report.html", "report.json"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+  }
+
+  const nlohmann::json report = nlohmann::json::parse(std::ifstream(folder / "report.json"));
+  const auto& box = report["character"]["bounding_box_m"];
+  const double size = std::hypot(box[0].get<double>(), box[1].get<double>(), box[2].get<double>());
+  EXPECT_GE(report["character"]["vertices"], 6000);
+  EXPECT_GE(report["character"]["joints"], 8);
+  EXPECT_GE(report["character"]["muscles"], 12);
+  EXPECT_LE(report["cpu_gpu_max_difference_m"].get<double>(), 1e-5 * size);
+  const auto rms = [&](const char* method) { return report["errors_mm"][method]["rms"].get<double>(); };
+  EXPECT_LT(rms("full"), 0.5 * rms("ddm"));
+  EXPECT_LT(rms("ddm"), rms("lbs"));
+  EXPECT_LT(report["unposing_residual_mm"]["ddm"], report["unposing_residual_mm"]["lbs"]);
+
+  EXPECT_EQ(run_bodyopt("check " + out + "/dataset").exit_code, 0);
+  for (const char* name : {"character.glb", "rom.glb", "dataset/dataset.json", "basis.safetensors", "heldout.pc2"}) {
+    EXPECT_EQ(run_bodyopt("info " + out + "/" + name).exit_code, 0) << name;
+  }
+  // What `eval` makes of the stored basis on the CPU is what the demo got from its device.
+  const ProgramResult eval = run_bodyopt("eval " + out + "/basis.safetensors --clip " + out +
+                                         "/heldout.glb --frames 1-24x2 --device cpu --out " + out + "/again.pc2");
+  ASSERT_EQ(eval.exit_code, 0) << eval.output;
+  const ProgramResult compare = run_bodyopt("compare " + out + "/again.pc2 " + out + "/heldout.pc2 --fail-above 0.01");
+  EXPECT_EQ(compare.exit_code, 0) << compare.output;
+}
+
+}  // namespace
+}  // namespace bodyopt

@@ -1,0 +1,54 @@
+#include "trainer/progress.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+
+#include "runtime/basis/error.h"
+
+namespace bodyopt {
+namespace {
+
+// Not a terminal here: short work says one plain line at its end, without control characters.
+TEST(Progress, ShortWorkSaysOneLineAtItsEnd) {
+  ::testing::internal::CaptureStderr();
+  {
+    Progress progress("bake", 3);
+    for (int k = 0; k < 3; ++k) progress.advance();
+  }
+  const std::string text = ::testing::internal::GetCapturedStderr();
+  EXPECT_NE(text.find("bake: 100 % (3/3"), std::string::npos) << text;
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
+  EXPECT_EQ(text.find('\r'), std::string::npos);
+}
+
+TEST(Progress, OfNothingSaysNothing) {
+  ::testing::internal::CaptureStderr();
+  { Progress progress("bake", 0); }
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
+// In a process of its own, because the flag stays set.
+TEST(Progress, AnInterruptEndsWorkAtTheNextStepWithExitCode75) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const auto work = [signal] {
+      catch_interrupts();
+      if (interrupted()) std::exit(1);
+      Progress progress("bake", 10);
+      progress.advance(4);
+      std::raise(signal);
+      try {
+        progress.advance();
+      } catch (const Error& error) {
+        std::exit(interrupted() ? error.exit_code() : 2);
+      }
+      std::exit(3);
+    };
+    EXPECT_EXIT(work(), ::testing::ExitedWithCode(75), "");
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt

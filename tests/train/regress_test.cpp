@@ -1,0 +1,151 @@
+// Regression and principal components against their textbook definitions.
+#include "trainer/train/regress.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "trainer/train/components.h"
+
+namespace bodyopt {
+namespace {
+
+RegressionData random_data(int frames, int features, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  RegressionData data;
+  data.features = Eigen::MatrixXd::NullaryExpr(frames, features, [&] { return uniform(random); });
+  data.rest = Eigen::RowVectorXd::Constant(features, 0.25);
+  data.folds = blocked_folds(std::vector<int>(static_cast<std::size_t>(frames), 0), 10, 5);
+  return data;
+}
+
+// The run-time form: [f, phi(f)] times the weights, less the same at rest.
+Eigen::MatrixXd predict(const Regression& fit, const Eigen::MatrixXd& features, const Eigen::RowVectorXd& rest) {
+  const auto row = [&](const Eigen::RowVectorXd& f) -> Eigen::RowVectorXd {
+    Eigen::RowVectorXd regressors(fit.weights.rows());
+    regressors.head(f.size()) = f;
+    for (Eigen::Index m = 0; m < fit.centres.rows(); ++m) {
+      regressors[f.size() + m] = std::exp(-(f - fit.centres.row(m)).squaredNorm() * fit.inverse_width2);
+    }
+    return regressors * fit.weights;
+  };
+  Eigen::MatrixXd result(features.rows(), fit.weights.cols());
+  for (Eigen::Index n = 0; n < features.rows(); ++n) result.row(n) = row(features.row(n)) - row(rest);
+  return result;
+}
+
+Eigen::MatrixXd smooth_truth(const Eigen::MatrixXd& features, const Eigen::RowVectorXd& rest) {
+  const auto value = [](const Eigen::RowVectorXd& f) {
+    return Eigen::RowVector2d(f[0] * f[1] + std::sin(2 * f[2]), f[0] - std::cos(f[1] + f[2]));
+  };
+  Eigen::MatrixXd result(features.rows(), 2);
+  for (Eigen::Index n = 0; n < features.rows(); ++n) result.row(n) = value(features.row(n)) - value(rest);
+  return result;
+}
+
+TEST(Regression, LearnsALinearMapWithoutKernels) {
+  RegressionData data = random_data(200, 4, 1);
+  const Eigen::MatrixXd map = Eigen::MatrixXd::Random(4, 3);
+  data.targets = (data.features.rowwise() - data.rest) * map;
+  const Regression fit = fit_regression(data, 0);
+  EXPECT_EQ(fit.centres.rows(), 0);
+  EXPECT_LT((fit.weights - map).cwiseAbs().maxCoeff(), 2e-3);
+}
+
+TEST(Regression, KernelsLearnWhatIsNotLinear) {
+  RegressionData data = random_data(400, 3, 2);
+  data.targets = smooth_truth(data.features, data.rest);
+  const RegressionData fresh = random_data(100, 3, 3);
+  const Eigen::MatrixXd truth = smooth_truth(fresh.features, fresh.rest);
+  const auto error = [&](int centres) {
+    return (predict(fit_regression(data, centres), fresh.features, data.rest) - truth).norm() / truth.norm();
+  };
+  const double linear = error(0), kernels = error(120);
+  EXPECT_GT(linear, 0.2);
+  EXPECT_LT(kernels, 0.02);
+}
+
+TEST(Regression, IsZeroAtRest) {
+  RegressionData data = random_data(100, 3, 4);
+  data.targets = smooth_truth(data.features, data.rest);
+  EXPECT_LT(predict(fit_regression(data, 40), data.rest, data.rest).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(Regression, FindsNoMeaningInNoise) {
+  RegressionData data = random_data(100, 3, 5);
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> normal;
+  data.targets = Eigen::MatrixXd::NullaryExpr(100, 2, [&] { return normal(random); });
+  const Regression fit = fit_regression(data, 60);
+  const double spread = std::sqrt(data.targets.rowwise().squaredNorm().mean());
+  EXPECT_GT(fit.validation_error, 0.9 * spread);
+  EXPECT_LT(fit.validation_error, 1.5 * spread);
+}
+
+TEST(Regression, BearsConstantFeaturesAndRepeatedFrames) {
+  RegressionData data = random_data(60, 3, 7);
+  data.features.col(1).setZero();
+  data.rest[1] = 0;
+  for (Eigen::Index n = 1; n < 60; n += 2) data.features.row(n) = data.features.row(n - 1);
+  data.targets = smooth_truth(data.features, data.rest);
+  const Regression fit = fit_regression(data, 60);
+  EXPECT_TRUE(fit.weights.allFinite());
+  EXPECT_LE(fit.centres.rows(), 31);
+}
+
+TEST(Regression, NeighbouringFramesNeverStandOnBothSides) {
+  std::vector<int> takes(95, 0);
+  takes.resize(190, 1);
+  const std::vector<int> folds = blocked_folds(takes, 8, 5);
+  for (std::size_t n = 1; n < folds.size(); ++n) {
+    if (takes[n] != takes[n - 1] || folds[n] < 0 || folds[n - 1] < 0) continue;
+    EXPECT_EQ(folds[n], folds[n - 1]) << "frames " << n - 1 << " and " << n;
+  }
+  for (int fold = 0; fold < 5; ++fold) EXPECT_GT(std::count(folds.begin(), folds.end(), fold), 20);
+}
+
+TEST(Components, AreTheWeightedSingularVectors) {
+  std::mt19937_64 random(8);
+  std::normal_distribution<float> normal;
+  constexpr int kFrames = 40, kVertices = 30;
+  Displacements displacements = Displacements::NullaryExpr(kFrames, 3 * kVertices, [&] { return normal(random); });
+  for (int n = 0; n < kFrames; ++n) displacements.row(n) *= std::pow(0.7f, static_cast<float>(n));
+  RegionWeights region;
+  Eigen::MatrixXd weighted(kFrames, 3 * kVertices / 2);
+  for (std::uint32_t v = 0; v < kVertices; v += 2) {
+    region.vertices.push_back(v);
+    region.weights.push_back(0.1 + 0.03 * v);
+    weighted.middleCols(3 * v / 2, 3) =
+        displacements.middleCols(3 * v, 3).cast<double>() * std::sqrt(region.weights.back());
+  }
+  const Components components = principal_components(displacements, region, 6);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(weighted, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  ASSERT_EQ(components.coefficients.cols(), 6);
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    const double norm = components.coefficients.col(k).norm();
+    EXPECT_NEAR(norm, svd.singularValues()[k], 1e-4 * svd.singularValues()[0]);
+    EXPECT_NEAR(std::abs(components.coefficients.col(k).dot(svd.matrixU().col(k))) / norm, 1, 1e-3);
+  }
+  // With all components, coefficients times basis give the displacements back, region weights included.
+  const Components all = principal_components(displacements, region, kFrames);
+  const Eigen::MatrixXd rebuilt = all.coefficients * all.basis;
+  for (std::size_t k = 0; k < region.vertices.size(); ++k) {
+    const Eigen::MatrixXd expected =
+        displacements.middleCols(3 * region.vertices[k], 3).cast<double>() * region.weights[k];
+    EXPECT_LT((rebuilt.middleCols(3 * static_cast<Eigen::Index>(k), 3) - expected).cwiseAbs().maxCoeff(), 1e-3);
+  }
+}
+
+TEST(Components, NoMotionGivesNone) {
+  const Displacements still = Displacements::Zero(20, 30);
+  const Components components = principal_components(still, {{0, 3, 5}, {1, 0.5, 1}}, 6);
+  EXPECT_EQ(components.coefficients.cols(), 0);
+  EXPECT_EQ(components.basis.rows(), 0);
+}
+
+}  // namespace
+}  // namespace bodyopt

@@ -1,0 +1,162 @@
+// Training on a synthetic limb, from shapes to skin.
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include "runtime/basis/error.h"
+#include "runtime/cpu/kernels.h"
+#include "runtime/deformer.h"
+#include "runtime/rig.h"
+#include "tests/support/capsule_limb.h"
+#include "trainer/train/heldout.h"
+
+namespace bodyopt {
+namespace {
+
+// RMS and largest distance of the deformer from samples, millimetres.
+struct Distance {
+  double rms = 0, max = 0;
+};
+
+Distance distance(const Basis& basis, const Character& character, const std::vector<Sample>& samples) {
+  Deformer deformer(basis, {.name = "cpu"});
+  Distance result;
+  double sum = 0, count = 0;
+  for (const Sample& sample : samples) {
+    const Positions shape = welded_from_output(character, deformer.evaluate({&sample.pose, 1}).positions.data());
+    const Eigen::VectorXd error = 1000 * (shape - sample.shape).rowwise().norm();
+    sum += error.squaredNorm();
+    count += static_cast<double>(error.size());
+    result.max = std::max(result.max, error.maxCoeff());
+  }
+  result.rms = std::sqrt(sum / count);
+  return result;
+}
+
+const SampleSet& samples() {
+  static const SampleSet set = limb_samples(160, 60);
+  return set;
+}
+
+const Basis& full_basis() {
+  static const Basis basis = train(samples(), {.centres = 100});
+  return basis;
+}
+
+TEST(Train, BeatsDirectDeltaMushAndJointLinearOnHeldoutFrames) {
+  const SampleSet& set = samples();
+  const Basis& full = full_basis();
+  const Distance learned = distance(full, set.character, set.heldout);
+  const Distance ddm = distance(without_residual(full), set.character, set.heldout);
+  const std::size_t bytes = table_bytes(full)["residual"];
+  const Basis linear = train(set, {.joint_only_linear = true, .match_bytes = bytes});
+  const Distance joint_linear = distance(linear, set.character, set.heldout);
+  RecordProperty("rms_mm", std::to_string(ddm.rms) + " DDM, " + std::to_string(joint_linear.rms) + " linear, " +
+                               std::to_string(learned.rms) + " full");
+  EXPECT_LE(learned.rms, 0.5 * ddm.rms);
+  EXPECT_LT(learned.rms, joint_linear.rms);
+  EXPECT_GE(table_bytes(linear)["residual"], bytes);
+}
+
+TEST(Train, ReproducesTrainingFramesGivenEnoughComponentsAndCentres) {
+  SampleSet set = samples();
+  set.train.resize(60);
+  const Basis basis = train(set, {.components = 60, .centres = 60});
+  const Distance learned = distance(basis, set.character, set.train);
+  RecordProperty("mm", std::to_string(learned.rms) + " rms, " + std::to_string(learned.max) + " max");
+  EXPECT_LT(learned.rms, 0.05);
+}
+
+TEST(Train, RestIsRest) {
+  Deformer deformer(full_basis(), {.name = "cpu"});
+  const Character& character = samples().character;
+  const Pose rest = bind_pose(character.skeleton);
+  const Evaluation evaluation = deformer.evaluate({&rest, 1});
+  const Positions skin = welded_from_output(character, evaluation.positions.data());
+  EXPECT_LT((skin - character.vertices).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_EQ(evaluation.outside[0], 0);
+}
+
+TEST(Train, DisplacementAtRestIsExactlyZero) {
+  const Basis& basis = full_basis();
+  const std::unique_ptr<Backend> backend = make_cpu_backend(basis);
+  const RigFrame rig = pose_rig(basis.skeleton, bind_pose(basis.skeleton));
+  const Batch batch{1, rig.skinning, {rig.origin[0], rig.origin[1], rig.origin[2], 0}, rig.joint_features, {}};
+  backend->set_rest_coefficients(backend->run(batch).coefficients);
+  for (const float c : backend->run(batch).coefficients) EXPECT_EQ(c, 0);
+}
+
+TEST(Train, RigidMotionInIsRigidMotionOut) {
+  const Basis& basis = full_basis();
+  Deformer deformer(basis, {.name = "cpu"});
+  const Sample& sample = samples().heldout[7];
+  const Evaluation still = deformer.evaluate({&sample.pose, 1});
+  for (const double away : {0.0, 1.0, 100.0}) {
+    Pose moved = sample.pose;
+    const Quat turn = axis_angle({0.6, 0.8, 0}, 1.1);
+    const Vec3 shift = {away, -0.7 * away, 0.3 * away};
+    moved.joints[0].rotation = turn * moved.joints[0].rotation;
+    moved.joints[0].translation = rotate(turn, moved.joints[0].translation) + shift;
+    const Evaluation rigid = deformer.evaluate({&moved, 1});
+    EXPECT_EQ(rigid.outside, still.outside);
+    double worst = 0;
+    for (std::size_t k = 0; k < still.positions.size(); k += 3) {
+      const Vec3 expected = rotate(turn, {still.positions[k], still.positions[k + 1], still.positions[k + 2]}) + shift;
+      for (std::size_t i = 0; i < 3; ++i) {
+        worst = std::max(worst, std::abs(double{rigid.positions[k + i]} - expected[i]));
+      }
+    }
+    // Units in the last place of the position, or of the limb where that is larger.
+    const float magnitude = static_cast<float>(std::max(away, kLimbLength));
+    const double ulp = double{std::nextafter(magnitude, 1e9f) - magnitude};
+    RecordProperty("ulps_at_" + std::to_string(static_cast<int>(away)) + "_m", std::to_string(worst / ulp));
+    EXPECT_LE(worst, 3 * ulp) << away << " m away";
+  }
+}
+
+TEST(Train, FlagsWhatTrainingNeverSaw) {
+  Deformer deformer(full_basis(), {.name = "cpu"});
+  Pose strange = samples().train[5].pose;
+  EXPECT_EQ(deformer.evaluate({&strange, 1}).outside[0], 0);
+  strange.joints[2].rotation = axis_angle({1, 0, 0}, 0.1);  // the wrist only ever bent around y
+  EXPECT_GT(deformer.evaluate({&strange, 1}).outside[0], 1);
+}
+
+TEST(Train, SameResultWithAnyNumberOfThreads) {
+  SampleSet set = samples();
+  set.train.resize(40);
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const Basis one = train(set, {.centres = 20});
+  omp_set_num_threads(2);
+  const Basis two = train(set, {.centres = 20});
+  omp_set_num_threads(threads);
+  EXPECT_EQ(one.ddm.moments, two.ddm.moments);
+  EXPECT_EQ(one.residual.weights, two.residual.weights);
+  EXPECT_EQ(one.residual.centres, two.residual.centres);
+  ASSERT_EQ(one.residual.blend.size(), two.residual.blend.size());
+  for (std::size_t k = 0; k < one.residual.blend.size(); ++k) {
+    EXPECT_EQ(one.residual.blend[k].xy, two.residual.blend[k].xy);
+    EXPECT_EQ(one.residual.blend[k].z_coefficient, two.residual.blend[k].z_coefficient);
+  }
+}
+
+TEST(Train, RefusesTooLittleData) {
+  SampleSet set = samples();
+  set.train.resize(3);
+  try {
+    train(set, {});
+    FAIL() << "trained on three frames";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::mismatch);
+  }
+}
+
+TEST(Train, UnposingGivesBackWhatWasPosed) {
+  const SampleSet& set = samples();
+  const UnposingResidual left = unposing_residual(set, full_basis());
+  EXPECT_GT(left.ddm, 0.1);
+  EXPECT_GT(left.lbs, 0.1);
+}
+
+}  // namespace
+}  // namespace bodyopt
