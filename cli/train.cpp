@@ -98,7 +98,8 @@ void add_train(CLI::App& app) {
                   "Hold out every Nth block of ten frames instead of the frames dataset.json names")
       ->check(CLI::Range(2, 1000));
   verb.add_option("--smoothing-radius", arguments->options.smoothing_radius,
-                  "Radius of Direct Delta Mush, metres (default: 1/40 of the character's size)")
+                  "Radius of Direct Delta Mush, metres (default: 1/40 of the size, or twice that where it leaves less "
+                  "to learn)")
       ->check(CLI::PositiveNumber);
   verb.add_option("--components", arguments->options.components, "Coefficients per region at most")
       ->capture_default_str()

@@ -8,10 +8,12 @@
 namespace bodyopt {
 
 struct TrainOptions {
-  double smoothing_radius = 0;  // DDM sigma, metres; 0: 0.025 x the height of the character (0.045 for 1.8 m)
-  int smoothing_steps = 20;     // DDM p
-  int components = 24;          // coefficients per region at most
-  int centres = 160;            // kernel centres per region at most
+  // DDM sigma, metres; 0: 0.025 x the size of the character (0.045 for 1.8 m) or twice that, whichever leaves less to
+  // learn on the training frames.
+  double smoothing_radius = 0;
+  int smoothing_steps = 20;  // DDM p
+  int components = 24;       // coefficients per region at most
+  int centres = 160;         // kernel centres per region at most
   std::uint64_t seed = 1;
   bool joint_only_linear = false;  // the table-of-methods entry "linear": joint features only, no kernels, components
                                    // raised until the residual's bytes reach `match_bytes`
