@@ -96,10 +96,11 @@ std::size_t record_bytes() { return 32 + 12 * static_cast<std::size_t>(make_limb
 TEST(Simulate, WritesEveryFrameInOrder) {
   const TemporaryFolder folder;
   const Character limb = make_limb();
-  const Clip clip = bending_clip(limb, 4);
-  const Outcome whole = run(folder, clip, {12, 11, 14, 12}, 2);
+  Clip clip = bending_clip(limb, 4);
+  clip.poses[2] = clip.poses[1];  // frame 13 repeats frame 12
+  const Outcome whole = run(folder, clip, {12, 11, 14, 13}, 2);
   ASSERT_EQ(whole.status.size(), 4u);
-  const int expected[] = {12, 11, 14, 12};
+  const int expected[] = {12, 11, 14, 13};
   for (std::size_t k = 0; k < 4; ++k) {
     EXPECT_EQ(whole.status[k].frame, expected[k]);
     EXPECT_TRUE(whole.status[k].converged);
@@ -202,6 +203,7 @@ TEST(Simulate, RefusesFramesAndFoldersThatAreNotThere) {
   const Clip clip = bending_clip(limb, 2);
   EXPECT_THROW(run(folder, clip, {13}, 1), Error);
   EXPECT_THROW(run(folder, clip, {}, 1), Error);
+  EXPECT_THROW(run(folder, clip, {11, 11}, 1), Error);
   EXPECT_THROW(simulate(limb, {}, clip, {11}, folder / "no/such.pc2", folder / "s.json", {0.05, 1}), Error);
 }
 

@@ -25,6 +25,16 @@ const Pose& pose_of(const Clip& clip, int frame) {
   return clip.poses[static_cast<std::size_t>(frame - clip.first_frame)];
 }
 
+void require_distinct(const std::vector<int>& frames) {
+  if (frames.empty()) throw Error(ErrorKind::usage, "there are no frames to simulate");
+  std::set<int> seen;
+  for (const int frame : frames) {
+    if (!seen.insert(frame).second) {
+      throw Error(ErrorKind::usage, "frame " + std::to_string(frame) + " is to be simulated twice");
+    }
+  }
+}
+
 struct Job {
   std::uint64_t key;
   const Pose* pose;
@@ -83,7 +93,7 @@ void solve_all(const QuasiStaticBody& body, const Character& character, const st
 std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
                                   const std::vector<int>& frames, const std::filesystem::path& cache,
                                   const std::filesystem::path& status, const SimulateOptions& options) {
-  if (frames.empty()) throw Error(ErrorKind::usage, "there are no frames to simulate");
+  require_distinct(frames);
   const QuasiStaticBody body(character, muscles, options.tet_size);
   std::filesystem::path partial_path = cache;
   partial_path += ".partial";
