@@ -9,8 +9,8 @@ namespace {
 constexpr std::size_t kMemory = 8;
 constexpr double kArmijo = 1e-4;
 constexpr int kMaxHalvings = 30;
-// Energies are sums of this many significant digits: differences below cannot tell up from down.
-constexpr double kEnergyRounding = 1e-13;
+// Relative rounding of an energy: smaller differences cannot tell up from down.
+constexpr double kEnergyRounding = 1e-12;
 
 double dot(const Positions& a, const Positions& b) { return a.cwiseProduct(b).sum(); }
 

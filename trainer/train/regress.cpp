@@ -14,7 +14,7 @@ using Eigen::MatrixXd;
 // Multiples of the median distance between centres, and the penalties tried: on the linear weights (times the number of
 // frames) and on the kernels' norm.
 constexpr double kWidths[] = {1, 2, 4};
-constexpr double kLinearPenalties[] = {1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1};
+constexpr double kLinearPenalties[] = {1e-4, 1e-3, 1e-2, 1e-1};
 constexpr double kKernelPenalties[] = {1e-5, 1e-4, 1e-3, 1e-2};
 
 MatrixXd squared_distances(const MatrixXd& a, const MatrixXd& b) {

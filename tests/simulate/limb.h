@@ -1,0 +1,100 @@
+// A small limb for tests: a closed tube along x with an elbow in the middle.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "trainer/dataset/character.h"
+#include "trainer/dataset/clip.h"
+#include "trainer/dataset/muscles.h"
+
+namespace bodyopt {
+
+constexpr double kLimbLength = 0.5, kLimbRadius = 0.04;  // metres
+constexpr int kLimbSides = 10, kLimbRings = 23;
+
+// Rings of vertices and a tip at each end; triangles wind outwards.
+inline Character make_limb() {
+  Character limb;
+  limb.name = "limb";
+  const int ring_vertices = kLimbSides * kLimbRings;
+  limb.vertices.resize(ring_vertices + 2, 3);
+  for (int r = 0; r < kLimbRings; ++r) {
+    const double x = kLimbLength * (r + 0.5) / kLimbRings;
+    const double inset = std::max(1 - std::min(x, kLimbLength - x) / kLimbRadius, 0.0);
+    const double radius = kLimbRadius * std::sqrt(1 - inset * inset);
+    for (int s = 0; s < kLimbSides; ++s) {
+      const double angle = 2 * std::numbers::pi * (s + 0.5 * (r % 2)) / kLimbSides;
+      limb.vertices.row(r * kLimbSides + s) << x, radius * std::cos(angle), radius * std::sin(angle);
+    }
+  }
+  limb.vertices.row(ring_vertices) << 0, 0, 0;
+  limb.vertices.row(ring_vertices + 1) << kLimbLength, 0, 0;
+
+  std::vector<std::array<int, 3>> triangles;
+  for (int s = 0; s < kLimbSides; ++s) {
+    const int next = (s + 1) % kLimbSides, last = (kLimbRings - 1) * kLimbSides;
+    triangles.push_back({ring_vertices, next, s});
+    triangles.push_back({ring_vertices + 1, last + s, last + next});
+    for (int r = 0; r + 1 < kLimbRings; ++r) {
+      const int a = r * kLimbSides + s, b = r * kLimbSides + next, c = a + kLimbSides, d = b + kLimbSides;
+      if (r % 2 == 0) {
+        triangles.push_back({a, b, c});
+        triangles.push_back({b, d, c});
+      } else {
+        triangles.push_back({a, b, d});
+        triangles.push_back({a, d, c});
+      }
+    }
+  }
+  limb.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      limb.triangles(static_cast<Eigen::Index>(t), k) =
+          static_cast<std::uint32_t>(triangles[t][static_cast<std::size_t>(k)]);
+    }
+  }
+
+  const double heads[2] = {0.02, kLimbLength / 2};
+  for (int j = 0; j < 2; ++j) {
+    Joint joint;
+    joint.name = j == 0 ? "upper" : "lower";
+    joint.parent = j - 1;
+    joint.bind.translation = {j == 0 ? heads[0] : heads[1] - heads[0], 0, 0};
+    joint.inverse_bind.m[0][3] = -heads[j];
+    joint.default_local = joint.bind;
+    limb.skeleton.joints.push_back(joint);
+  }
+  for (Eigen::Index v = 0; v < limb.vertices.rows(); ++v) {
+    const double u = std::clamp((limb.vertices(v, 0) - heads[1]) / 0.08 + 0.5, 0.0, 1.0);
+    const double lower = u * u * (3 - 2 * u);
+    std::vector<JointWeight> weights{{0, 1 - lower}, {1, lower}};
+    if (lower > 0.5) std::swap(weights[0], weights[1]);
+    limb.weights.push_back(weights);
+    limb.output_vertex.push_back(static_cast<std::uint32_t>(v));
+  }
+  limb.output_triangles = limb.triangles;
+  return limb;
+}
+
+// The flexor on the side the elbow bends to (+y).
+inline Muscle make_flexor() {
+  Muscle muscle;
+  muscle.name = "flexor";
+  muscle.radius = 0.018;
+  muscle.path = {{0, {0.03, 0.018, 0}}, {0, {0.2, 0.018, 0}}, {1, {0.29, 0.018, 0}}};
+  return muscle;
+}
+
+// The elbow bent by an angle (radians) towards +y, and the root left at bind.
+inline Pose bent(const Character& limb, double angle) {
+  Pose pose = bind_pose(limb.skeleton);
+  pose.joints[1].rotation = axis_angle({0, 0, 1}, angle);
+  return pose;
+}
+
+inline double degrees(double angle) { return angle * std::numbers::pi / 180; }
+
+}  // namespace bodyopt

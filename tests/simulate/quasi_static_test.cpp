@@ -1,0 +1,161 @@
+#include "trainer/simulate/quasi_static.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include "runtime/basis/error.h"
+#include "runtime/rig.h"
+#include "tests/simulate/limb.h"
+#include "trainer/simulate/closed_skin.h"
+
+namespace bodyopt {
+namespace {
+
+class QuasiStatic : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    limb_ = new Character(make_limb());
+    body_ = new QuasiStaticBody(*limb_, {make_flexor()}, 0.05);
+  }
+  static void TearDownTestSuite() {
+    delete body_;
+    delete limb_;
+  }
+  static Positions skin(const SolvedPose& solved) { return solved.nodes.topRows(limb_->vertices.rows()); }
+
+  static Character* limb_;
+  static QuasiStaticBody* body_;
+};
+Character* QuasiStatic::limb_ = nullptr;
+QuasiStaticBody* QuasiStatic::body_ = nullptr;
+
+// Mean girth of the limb around the lower half of the flexor's belly, metres.
+double girth(const Positions& skin) {
+  double sum = 0;
+  constexpr int kFirst = 5, kLast = 9;  // rings, x = 0.12 .. 0.21
+  for (int ring = kFirst; ring <= kLast; ++ring) {
+    for (int side = 0; side < kLimbSides; ++side) {
+      sum += (skin.row(ring * kLimbSides + side) - skin.row(ring * kLimbSides + (side + 1) % kLimbSides)).norm();
+    }
+  }
+  return sum / (kLast - kFirst + 1);
+}
+
+TEST_F(QuasiStatic, BindPoseIsTheRestSkin) {
+  const SolvedPose solved = body_->solve(bind_pose(limb_->skeleton));
+  EXPECT_TRUE(solved.status.converged);
+  EXPECT_LT((skin(solved) - limb_->vertices).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST_F(QuasiStatic, ARootMotionMovesTheSolutionRigidly) {
+  Pose pose = bent(*limb_, degrees(50));
+  const SolvedPose at_bind = body_->solve(pose);
+  pose.joints[0].rotation = axis_angle({0, 0.6, 0.8}, 2.5);
+  pose.joints[0].translation = {100, -20, 7};
+  const SolvedPose moved = body_->solve(pose);
+  const Affine motion = affine_from(pose.joints[0]) * limb_->skeleton.joints[0].inverse_bind;
+  double worst = 0;
+  for (Eigen::Index n = 0; n < moved.nodes.rows(); ++n) {
+    const Vec3 p = motion * Vec3{at_bind.nodes(n, 0), at_bind.nodes(n, 1), at_bind.nodes(n, 2)};
+    worst = std::max(worst, (moved.nodes.row(n) - Eigen::RowVector3d(p[0], p[1], p[2])).norm());
+  }
+  EXPECT_LT(worst, 1e-12);
+  EXPECT_EQ(moved.status.iterations, at_bind.status.iterations);
+}
+
+TEST_F(QuasiStatic, AnElbowBendIsInEquilibrium) {
+  const double rest_volume = enclosed_volume(limb_->vertices, limb_->triangles);
+  for (const double angle : {60.0, 120.0, -100.0}) {
+    const SolvedPose solved = body_->solve(bent(*limb_, degrees(angle)));
+    EXPECT_TRUE(solved.status.converged) << angle;
+    EXPECT_LT(solved.status.residual, 1e-4);
+    EXPECT_EQ(solved.status.inverted_tets, 0);
+    EXPECT_GT(solved.status.iterations, 0);
+    EXPECT_NEAR(enclosed_volume(skin(solved), limb_->triangles) / rest_volume, 1, 0.03);
+  }
+}
+
+// The residual it reports, put together again from the pieces.
+TEST_F(QuasiStatic, TheReportedResidualIsTheForceLeftOver) {
+  const Pose pose = bent(*limb_, degrees(70));
+  const SolvedPose solved = body_->solve(pose);
+  const std::vector<Affine> skinning = skinning_matrices(limb_->skeleton, pose.joints);
+  std::vector<TetMaterial> materials(static_cast<std::size_t>(body_->mesh().tets.rows()), kFat);
+  for (const FibreTet& fibre : body_->fibres()) materials[static_cast<std::size_t>(fibre.tet)] = kMuscle;
+  const Tissue tissue(body_->mesh(), materials, body_->fibres());
+  const BoneSprings springs(body_->mesh(), body_->bones(), 2);
+  const SkinBending bending(limb_->vertices, limb_->triangles, body_->mesh().nodes.rows());
+  std::vector<Quat> rotation;
+  for (Eigen::Index n = 0; n < body_->mesh().nodes.rows(); ++n) {
+    rotation.push_back(axis_angle({0, 0, 1}, 0));
+    Quat& q = rotation.back();
+    const Quat lower = axis_angle({0, 0, 1}, degrees(70));
+    Quat sum{0, 0, 0, 0};
+    for (std::size_t i = 0; i < 4; ++i) {
+      double w[2] = {body_->weights()(n, 0), body_->weights()(n, 1)};
+      for (double& value : w) value = value < 1e-3 ? 0 : value;
+      sum[i] = (w[0] * q[i] + w[1] * lower[i]) / (w[0] + w[1]);
+    }
+    q = normalized(sum);
+  }
+  Positions gradient = Positions::Zero(solved.nodes.rows(), 3);
+  const Tissue::Sum sum = tissue.add_gradient(solved.nodes, activations({make_flexor()}, skinning), gradient);
+  springs.add_gradient(springs.pose(skinning), solved.nodes, gradient);
+  bending.add_gradient(bending.curvature(rotation), solved.nodes, gradient);
+  EXPECT_NEAR(gradient.norm() / std::sqrt(sum.force_square), solved.status.residual, 0.01 * solved.status.residual);
+}
+
+TEST_F(QuasiStatic, EndsMoveWithTheirBones) {
+  const QuasiStaticBody passive(*limb_, {}, 0.05);
+  const Pose pose = bent(*limb_, degrees(90));
+  const SolvedPose solved = passive.solve(pose);
+  EXPECT_TRUE(solved.status.converged);
+  const std::vector<Affine> skinning = skinning_matrices(limb_->skeleton, pose.joints);
+  for (Eigen::Index v = 0; v < limb_->vertices.rows(); ++v) {
+    const Eigen::RowVector3d rest = limb_->vertices.row(v);
+    if (rest[0] > 0.15 && rest[0] < 0.4) continue;
+    const Vec3 p = skinning[rest[0] < 0.25 ? 0 : 1] * Vec3{rest[0], rest[1], rest[2]};
+    EXPECT_LT((solved.nodes.row(v) - Eigen::RowVector3d(p[0], p[1], p[2])).norm(), 0.002) << rest;
+  }
+}
+
+TEST_F(QuasiStatic, AFlexedMuscleBulges) {
+  const QuasiStaticBody passive(*limb_, {}, 0.05);
+  const Pose pose = bent(*limb_, degrees(60));
+  const double rest = girth(limb_->vertices);
+  EXPECT_GT(girth(skin(body_->solve(pose))), 1.003 * rest);
+  EXPECT_NEAR(girth(skin(passive.solve(pose))), rest, 0.0015 * rest);
+}
+
+TEST_F(QuasiStatic, IsAFunctionOfThePoseAlone) {
+  const Pose a = bent(*limb_, degrees(70)), b = bent(*limb_, degrees(-40));
+  const Positions first = body_->solve(a).nodes;
+  const Positions other = body_->solve(b).nodes;
+  EXPECT_EQ(body_->solve(a).nodes, first);
+  EXPECT_NE(other, first);
+}
+
+TEST_F(QuasiStatic, HashTellsInputsApart) {
+  EXPECT_EQ(QuasiStaticBody(*limb_, {make_flexor()}, 0.05).hash(), body_->hash());
+  Muscle stronger = make_flexor();
+  stronger.radius += 1e-6;
+  EXPECT_NE(QuasiStaticBody(*limb_, {stronger}, 0.05).hash(), body_->hash());
+  EXPECT_NE(QuasiStaticBody(*limb_, {}, 0.05).hash(), body_->hash());
+}
+
+TEST_F(QuasiStatic, RefusesWhatDoesNotBelongTogether) {
+  EXPECT_THROW(body_->solve(Pose{}), Error);
+  Muscle stray = make_flexor();
+  stray.path[1].joint = 9;
+  EXPECT_THROW(QuasiStaticBody(*limb_, {stray}, 0.05), Error);
+  Muscle short_path = make_flexor();
+  short_path.path.resize(1);
+  EXPECT_THROW(QuasiStaticBody(*limb_, {short_path}, 0.05), Error);
+  Character boneless = *limb_;
+  boneless.skeleton.joints.clear();
+  EXPECT_THROW(QuasiStaticBody(boneless, {}, 0.05), Error);
+}
+
+}  // namespace
+}  // namespace bodyopt

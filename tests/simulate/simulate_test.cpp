@@ -1,0 +1,209 @@
+#include "trainer/simulate/simulate.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstring>
+#include <fstream>
+#include <thread>
+
+#include "runtime/basis/error.h"
+#include "tests/simulate/limb.h"
+#include "tests/support/temporary_folder.h"
+#include "trainer/dataset/pc2.h"
+#include "trainer/progress.h"
+#include "trainer/simulate/partial_shapes.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+void write_bytes(const fs::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+Clip bending_clip(const Character& limb, int frames) {
+  Clip clip;
+  clip.name = "bend";
+  clip.first_frame = 11;
+  for (int k = 0; k < frames; ++k) clip.poses.push_back(bent(limb, degrees(12.0 * k)));
+  return clip;
+}
+
+std::vector<int> all_frames(const Clip& clip) {
+  std::vector<int> frames;
+  for (int frame = clip.first_frame; frame <= clip.last_frame(); ++frame) frames.push_back(frame);
+  return frames;
+}
+
+struct Outcome {
+  std::vector<FrameStatus> status;
+  std::string cache;
+};
+
+Outcome run(const TemporaryFolder& folder, const Clip& clip, const std::vector<int>& frames, int threads) {
+  const Character limb = make_limb();
+  Outcome result;
+  result.status = simulate(limb, {make_flexor()}, clip, frames, folder / "take.pc2", folder / "take.json",
+                           SimulateOptions{0.05, threads});
+  result.cache = bytes_of(folder / "take.pc2");
+  return result;
+}
+
+// Runs a simulation in a child process; `ending` is called in the parent with the child's id.
+template <typename Ending>
+int run_in_child(const TemporaryFolder& folder, const Clip& clip, Ending ending) {
+  const pid_t child = fork();
+  if (child == 0) {
+    catch_interrupts();
+    int code = 0;
+    try {
+      run(folder, clip, all_frames(clip), 1);
+    } catch (const Error& error) {
+      code = error.exit_code();
+    } catch (...) {
+      code = 99;
+    }
+    _exit(code);
+  }
+  ending(child);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+// Waits until some frames are done, not all.
+void wait_for_records(const fs::path& partial, std::size_t bytes) {
+  for (int tick = 0; tick < 20000; ++tick) {
+    std::error_code error;
+    const auto size = fs::file_size(partial, error);
+    if (!error && size >= bytes) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+std::size_t record_bytes() { return 32 + 12 * static_cast<std::size_t>(make_limb().vertices.rows()) + 8; }
+
+TEST(Simulate, WritesEveryFrameInOrder) {
+  const TemporaryFolder folder;
+  const Character limb = make_limb();
+  const Clip clip = bending_clip(limb, 4);
+  const Outcome whole = run(folder, clip, {12, 11, 14, 12}, 2);
+  ASSERT_EQ(whole.status.size(), 4u);
+  const int expected[] = {12, 11, 14, 12};
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_EQ(whole.status[k].frame, expected[k]);
+    EXPECT_TRUE(whole.status[k].converged);
+  }
+  const Pc2Reader reader(folder / "take.pc2");
+  EXPECT_EQ(reader.sample_count(), 4u);
+  EXPECT_EQ(reader.point_count(), limb.output_count());
+  EXPECT_EQ(std::memcmp(reader.sample(0).data(), reader.sample(3).data(), reader.sample(0).size_bytes()), 0);
+  for (std::size_t v = 0; v < limb.output_vertex.size(); ++v) {
+    EXPECT_NEAR(reader.sample(1)[3 * v], limb.vertices(static_cast<Eigen::Index>(v), 0), 1e-6);  // frame 11: bind
+  }
+  EXPECT_EQ(read_frame_status(folder / "take.json").size(), 4u);
+  EXPECT_FALSE(fs::exists(folder / "take.pc2.partial"));
+}
+
+TEST(Simulate, ThreadsAndOrderChangeNoBit) {
+  const TemporaryFolder folder;
+  const Clip clip = bending_clip(make_limb(), 6);
+  std::vector<int> frames = all_frames(clip);
+  const Outcome one = run(folder, clip, frames, 1);
+  EXPECT_EQ(run(folder, clip, frames, 3).cache, one.cache);
+  std::reverse(frames.begin(), frames.end());
+  const std::string reversed = run(folder, clip, frames, 1).cache;
+  const std::size_t size = (one.cache.size() - 32) / frames.size();
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    EXPECT_EQ(reversed.substr(32 + k * size, size), one.cache.substr(32 + (frames.size() - 1 - k) * size, size));
+  }
+}
+
+TEST(Simulate, AKilledRunContinuesToTheSameCache) {
+  const TemporaryFolder folder, reference;
+  const Clip clip = bending_clip(make_limb(), 10);
+  const fs::path partial = folder / "take.pc2.partial";
+  const int end = run_in_child(folder, clip, [&](pid_t child) {
+    wait_for_records(partial, 24 + 2 * record_bytes());
+    kill(child, SIGKILL);
+  });
+  if (end == 0) GTEST_SKIP() << "the child was done before it could be killed";
+  EXPECT_EQ(end, -SIGKILL);
+  EXPECT_FALSE(fs::exists(folder / "take.pc2"));
+  const std::string before = bytes_of(partial);
+  ASSERT_GE(before.size(), 24 + 2 * record_bytes());
+  write_bytes(partial, before.substr(0, before.size() - 5));  // as if killed while writing
+  EXPECT_EQ(run(folder, clip, all_frames(clip), 2).cache, run(reference, clip, all_frames(clip), 1).cache);
+  EXPECT_FALSE(fs::exists(partial));
+}
+
+TEST(Simulate, AnInterruptKeepsWhatIsDone) {
+  const TemporaryFolder folder;
+  const Clip clip = bending_clip(make_limb(), 10);
+  const int end = run_in_child(folder, clip, [&](pid_t child) {
+    wait_for_records(folder / "take.pc2.partial", 24 + record_bytes());
+    kill(child, SIGINT);
+  });
+  if (end == 0) GTEST_SKIP() << "the child was done before it could be interrupted";
+  EXPECT_EQ(end, static_cast<int>(ErrorKind::interrupted));
+  EXPECT_FALSE(fs::exists(folder / "take.pc2"));
+  EXPECT_GE(fs::file_size(folder / "take.pc2.partial"), 24 + record_bytes());
+}
+
+TEST(Simulate, KeepsTheFinishedFramesOfTheSameInputsOnly) {
+  const TemporaryFolder folder;
+  const std::vector<float> values{1, 2, 3};
+  const FrameStatus status{0, 5e-5, false, 17, 0.25, 2};
+  const fs::path path = folder / "p";
+  {
+    PartialShapes partial(path, 42, 3);
+    partial.append(7, status, values);
+    partial.append(8, status, values);
+  }
+  const std::string whole = bytes_of(path);
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    write_bytes(path, whole.substr(0, size));
+    const PartialShapes partial(path, 42, 3);
+    const std::size_t records = size < 24 ? 0 : (size - 24) / 52;
+    EXPECT_EQ(partial.has(7), records >= 1) << size;
+    EXPECT_FALSE(partial.has(8)) << size;
+  }
+  write_bytes(path, whole);
+  {
+    const PartialShapes partial(path, 42, 3);
+    FrameStatus read;
+    EXPECT_EQ(partial.read(8, read), values);
+    EXPECT_EQ(read.residual, status.residual);
+    EXPECT_EQ(read.seconds, status.seconds);
+    EXPECT_EQ(read.iterations, 17);
+    EXPECT_EQ(read.inverted_tets, 2);
+  }
+  std::string damaged = whole;
+  damaged[24 + 33] ^= 1;
+  write_bytes(path, damaged);
+  EXPECT_FALSE(PartialShapes(path, 42, 3).has(7));
+  write_bytes(path, whole);
+  EXPECT_FALSE(PartialShapes(path, 43, 3).has(7));
+}
+
+TEST(Simulate, RefusesFramesAndFoldersThatAreNotThere) {
+  const TemporaryFolder folder;
+  const Character limb = make_limb();
+  const Clip clip = bending_clip(limb, 2);
+  EXPECT_THROW(run(folder, clip, {13}, 1), Error);
+  EXPECT_THROW(run(folder, clip, {}, 1), Error);
+  EXPECT_THROW(simulate(limb, {}, clip, {11}, folder / "no/such.pc2", folder / "s.json", {0.05, 1}), Error);
+}
+
+}  // namespace
+}  // namespace bodyopt

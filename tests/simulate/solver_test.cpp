@@ -1,0 +1,101 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "runtime/basis/error.h"
+#include "tests/simulate/limb.h"
+#include "trainer/simulate/lbfgs.h"
+
+namespace bodyopt {
+namespace {
+
+SparseMatrix random_definite(int size, unsigned seed) {
+  std::srand(seed);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < size; ++i) {
+    entries.emplace_back(i, i, 10.0 + i % 7);
+    const int j = std::rand() % size;
+    if (i == j) continue;
+    entries.emplace_back(i, j, -1.5);
+    entries.emplace_back(j, i, -1.5);
+  }
+  SparseMatrix matrix(size, size);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+TEST(Metric, SolvesLikeADenseFactor) {
+  const SparseMatrix matrix = random_definite(60, 5);
+  const Positions right = Positions::Random(60, 3);
+  Positions found = right, scratch;
+  Metric(matrix).solve(found, scratch);
+  const Positions expected = Eigen::MatrixXd(matrix).llt().solve(Eigen::MatrixXd(right));
+  EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), 1e-13);
+}
+
+TEST(Metric, RefusesAnIndefiniteMatrix) {
+  SparseMatrix matrix = random_definite(10, 1);
+  matrix.coeffRef(4, 4) = -20;
+  EXPECT_THROW(Metric{matrix}, Error);
+}
+
+TEST(Metric, LaplacianHasLinearPrecision) {
+  const Character limb = make_limb();
+  const TetMesh mesh = tetrahedralise(limb.vertices, limb.triangles, 0.05);
+  const SparseMatrix laplacian =
+      tet_laplacian(mesh, std::vector<double>(static_cast<std::size_t>(mesh.tets.rows()), 1));
+  const Positions flux = laplacian * mesh.nodes;  // of a linear field: zero inside
+  EXPECT_LT(flux.bottomRows(mesh.nodes.rows() - limb.vertices.rows()).cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_GT(flux.topRows(limb.vertices.rows()).norm(), 1e-3);
+}
+
+TEST(Minimise, FindsTheMinimumOfAQuadratic) {
+  const SparseMatrix hessian = random_definite(40, 3);
+  const Positions pull = Positions::Random(40, 3);
+  SparseMatrix crude(40, 40);  // above the Hessian and without its shape: L-BFGS has to learn the rest
+  crude.setIdentity();
+  crude *= 30;
+  const Objective objective = [&](const Positions& x, Positions& gradient) {
+    gradient = hessian * x - pull;
+    return ObjectiveValue{0.5 * x.cwiseProduct(gradient - pull).sum(), 1.0};
+  };
+  Positions x = Positions::Zero(40, 3);
+  const MinimiseResult result = minimise(objective, Metric(crude), 1e-9, 1e-12, 500, x);
+  EXPECT_LT(result.residual, 1e-9);
+  const Positions expected = Eigen::MatrixXd(hessian).llt().solve(Eigen::MatrixXd(pull));
+  EXPECT_LT((x - expected).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(Minimise, NeverEntersAPlaceOfInfiniteEnergy) {
+  SparseMatrix metric(1, 1);
+  metric.coeffRef(0, 0) = 0.01;  // the first step would go far beyond the wall at 0
+  const Objective objective = [](const Positions& x, Positions& gradient) {
+    gradient = Positions::Zero(1, 3);
+    if (x(0, 0) <= 0) return ObjectiveValue{std::numeric_limits<double>::infinity(), 1};
+    gradient(0, 0) = 1 - 1 / x(0, 0);
+    return ObjectiveValue{x(0, 0) - std::log(x(0, 0)), 1};
+  };
+  Positions x(1, 3);
+  x << 3, 0, 0;
+  EXPECT_LT(minimise(objective, Metric(metric), 1e-8, 1e-12, 200, x).residual, 1e-8);
+  EXPECT_NEAR(x(0, 0), 1, 1e-7);
+}
+
+TEST(Minimise, ReportsWhatItReachedWhenTheIterationsEnd) {
+  const SparseMatrix hessian = random_definite(40, 3);
+  SparseMatrix crude(40, 40);
+  crude.setIdentity();
+  const Positions pull = Positions::Random(40, 3);
+  const Objective objective = [&](const Positions& x, Positions& gradient) {
+    gradient = hessian * x - pull;
+    return ObjectiveValue{0.5 * x.cwiseProduct(gradient - pull).sum(), 4.0};
+  };
+  Positions x = Positions::Zero(40, 3);
+  const MinimiseResult result = minimise(objective, Metric(crude), 1e-9, 1e-12, 3, x);
+  EXPECT_EQ(result.iterations, 3);
+  EXPECT_NEAR(result.residual, (hessian * x - pull).norm() / 2, 1e-12);
+  EXPECT_GT(result.residual, 1e-9);
+}
+
+}  // namespace
+}  // namespace bodyopt

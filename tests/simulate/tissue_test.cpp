@@ -1,0 +1,260 @@
+#include "trainer/simulate/tissue.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <set>
+
+#include "tests/simulate/limb.h"
+#include "tests/support/shared_data.h"
+
+namespace bodyopt {
+namespace {
+
+// A block of cubes, five tets each, mirrored so that faces match.
+TetMesh block(int nx, int ny, int nz, double size) {
+  TetMesh mesh;
+  const auto node = [&](int x, int y, int z) { return (x * (ny + 1) + y) * (nz + 1) + z; };
+  mesh.nodes.resize((nx + 1) * (ny + 1) * (nz + 1), 3);
+  for (int x = 0; x <= nx; ++x) {
+    for (int y = 0; y <= ny; ++y) {
+      for (int z = 0; z <= nz; ++z) mesh.nodes.row(node(x, y, z)) << x * size, y * size, z * size;
+    }
+  }
+  const int corners[5][4] = {{0, 3, 5, 6}, {1, 3, 0, 5}, {2, 0, 3, 6}, {4, 5, 0, 6}, {7, 3, 6, 5}};
+  mesh.tets.resize(5 * nx * ny * nz, 4);
+  int t = 0;
+  for (int x = 0; x < nx; ++x) {
+    for (int y = 0; y < ny; ++y) {
+      for (int z = 0; z < nz; ++z) {
+        const int mirror = (x + y + z) % 2;
+        for (const auto& tet : corners) {
+          for (int k = 0; k < 4; ++k) {
+            const int c = mirror ? tet[k] ^ 1 : tet[k];
+            mesh.tets(t, k) = node(x + (c >> 2 & 1), y + (c >> 1 & 1), z + (c & 1));
+          }
+          if (tet_edges(mesh, t).determinant() < 0) std::swap(mesh.tets(t, 2), mesh.tets(t, 3));
+          ++t;
+        }
+      }
+    }
+  }
+  return mesh;
+}
+
+std::vector<TetMaterial> all(const TetMesh& mesh, const TetMaterial& material) {
+  return std::vector<TetMaterial>(static_cast<std::size_t>(mesh.tets.rows()), material);
+}
+
+std::vector<FibreTet> fibres_everywhere(const TetMesh& mesh, const Eigen::Vector3d& direction) {
+  std::vector<FibreTet> fibres;
+  for (int t = 0; t < mesh.tets.rows(); ++t) fibres.push_back({t, 0, direction.normalized()});
+  return fibres;
+}
+
+Positions shaken(const Positions& nodes, double amplitude, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(-amplitude, amplitude);
+  return nodes.unaryExpr([&](double x) { return x + uniform(random); });
+}
+
+Positions mapped(const Positions& nodes, const Eigen::Matrix3d& linear, const Eigen::RowVector3d& shift) {
+  return (nodes * linear.transpose()).rowwise() + shift;
+}
+
+// Central differences along random directions.
+void expect_gradient(const Tissue& tissue, const Positions& nodes, const std::vector<double>& activation) {
+  Positions gradient = Positions::Zero(nodes.rows(), 3), unused = gradient;
+  ASSERT_TRUE(std::isfinite(tissue.add_gradient(nodes, activation, gradient).energy));
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const Positions direction = shaken(Positions::Zero(nodes.rows(), 3), 1, seed);
+    const double step = 1e-7;
+    const double up = tissue.add_gradient(nodes + step * direction, activation, unused).energy;
+    const double down = tissue.add_gradient(nodes - step * direction, activation, unused).energy;
+    const double expected = (up - down) / (2 * step);
+    EXPECT_NEAR(gradient.cwiseProduct(direction).sum(), expected, 1e-5 * gradient.norm() * direction.norm());
+  }
+}
+
+TEST(Tissue, PassiveGradientIsTheEnergysDerivative) {
+  const TetMesh mesh = block(3, 2, 2, 0.01);
+  expect_gradient(Tissue(mesh, all(mesh, kFat), {}), shaken(mesh.nodes, 0.001, 7), {});
+}
+
+TEST(Tissue, BarrierGradientIsTheEnergysDerivative) {
+  const TetMesh mesh = block(3, 2, 2, 0.01);
+  const Positions squashed = mapped(mesh.nodes, Eigen::Vector3d(0.25, 1, 0.9).asDiagonal(), {0, 0, 0});
+  expect_gradient(Tissue(mesh, all(mesh, kFat), {}), shaken(squashed, 0.0001, 8), {});
+}
+
+TEST(Tissue, FibreGradientsAreTheEnergysDerivative) {
+  const TetMesh mesh = block(3, 2, 2, 0.01);
+  const Tissue tissue(mesh, all(mesh, kMuscle), fibres_everywhere(mesh, {1, 0.3, -0.2}));
+  expect_gradient(tissue, shaken(mesh.nodes, 0.0005, 9), {0.7});       // active alone, near rest
+  expect_gradient(tissue, shaken(1.2 * mesh.nodes, 0.0005, 10), {0});  // passive alone, stretched
+  expect_gradient(tissue, shaken(1.2 * mesh.nodes, 0.0005, 11), {1});  // both
+  const Eigen::Vector3d shorter(0.65, 1.2, 1.2);
+  expect_gradient(tissue, shaken(mapped(mesh.nodes, shorter.asDiagonal(), {0, 0, 0}), 0.0003, 12), {1});
+}
+
+// Against a plain evaluation, tet by tet, of the energy in the header.
+TEST(Tissue, EnergyIsTheDocumentedOne) {
+  const TetMesh mesh = block(2, 2, 2, 0.01);
+  const Eigen::Vector3d fibre = Eigen::Vector3d(0.2, 1, 0.4).normalized();
+  std::vector<FibreTet> fibres = fibres_everywhere(mesh, fibre);
+  fibres.resize(13);  // the rest is passive
+  std::vector<TetMaterial> materials = all(mesh, kFat);
+  for (std::size_t t = 0; t < fibres.size(); ++t) materials[t] = kMuscle;
+  const Positions nodes = shaken(mapped(mesh.nodes, Eigen::Vector3d(0.3, 1.1, 0.9).asDiagonal(), {1, 2, 3}), 0.0002, 3);
+  double expected = 0;
+  TetMesh posed = mesh;
+  posed.nodes = nodes;
+  for (int t = 0; t < mesh.tets.rows(); ++t) {
+    const Eigen::Matrix3d f = tet_edges(posed, t) * tet_edges(mesh, t).inverse();
+    const double j = f.determinant(), volume = tet_edges(mesh, t).determinant() / 6;
+    const auto& [mu, lambda] = materials[static_cast<std::size_t>(t)];
+    double density =
+        mu / 2 * (f.squaredNorm() - 3) + lambda / 2 * (std::pow(j - 1 - mu / lambda, 2) - std::pow(mu / lambda, 2));
+    if (j < 0.3) density -= 2 * lambda * std::pow(j - 0.3, 2) * std::log(j / 0.3);
+    if (t < 13) {
+      const double s = (f * fibre).norm();
+      density += 0.6 * kActiveStiffness / 2 * std::pow(std::max(s - 0.7, 0.0), 2) +
+                 kPassiveFibreStiffness / 2 * std::pow(std::max(s - 1, 0.0), 2);
+    }
+    expected += volume * density;
+  }
+  Positions gradient = Positions::Zero(nodes.rows(), 3);
+  const double found = Tissue(mesh, materials, fibres).add_gradient(nodes, std::vector<double>{0.6}, gradient).energy;
+  EXPECT_NEAR(found, expected, 1e-10 * std::abs(expected));
+}
+
+TEST(Tissue, RigidMotionMakesNoForce) {
+  const TetMesh mesh = block(3, 3, 3, 0.01);
+  const Tissue tissue(mesh, all(mesh, kMuscle), fibres_everywhere(mesh, {0, 1, 1}));
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  Positions gradient = Positions::Zero(mesh.nodes.rows(), 3);
+  const Tissue::Sum sum = tissue.add_gradient(mapped(mesh.nodes, turn, {5, -3, 1}), std::vector<double>{0}, gradient);
+  EXPECT_NEAR(sum.energy, 0, 1e-12);
+  EXPECT_LT(gradient.cwiseAbs().maxCoeff(), 1e-9);  // newtons; a strain of one percent makes 1e-2
+}
+
+// A homogeneous deformation is in balance inside; on the boundary its tractions sum to zero.
+TEST(Tissue, PassesThePatchTest) {
+  const TetMesh mesh = block(4, 4, 4, 0.01);
+  TetMesh skewed = mesh;
+  for (Eigen::Index n = 0; n < mesh.nodes.rows(); ++n) {
+    const Eigen::RowVector3d p = mesh.nodes.row(n);
+    if (p.minCoeff() > 0.001 && p.maxCoeff() < 0.039)
+      skewed.nodes.row(n) += shaken(p, 0.001, static_cast<unsigned>(n)) - p;
+  }
+  Eigen::Matrix3d strain;
+  strain << 1.1, 0.1, 0, -0.05, 0.9, 0.07, 0.02, 0, 1.05;
+  const Tissue tissue(skewed, all(skewed, kFat), {});
+  Positions gradient = Positions::Zero(mesh.nodes.rows(), 3);
+  tissue.add_gradient(mapped(skewed.nodes, strain, {0, 0, 0}), {}, gradient);
+  for (Eigen::Index n = 0; n < mesh.nodes.rows(); ++n) {
+    const Eigen::RowVector3d p = mesh.nodes.row(n);
+    if (p.minCoeff() > 0.001 && p.maxCoeff() < 0.039) {
+      EXPECT_LT(gradient.row(n).norm(), 1e-12);
+    }
+  }
+  EXPECT_LT(gradient.colwise().sum().norm(), 1e-12);
+  EXPECT_GT(gradient.norm(), 1e-3);
+}
+
+TEST(Tissue, ForceScaleIsTheSumOverTetsAlone) {
+  const TetMesh mesh = block(2, 1, 1, 0.01);
+  const Positions nodes = shaken(mesh.nodes, 0.001, 4);
+  double expected = 0;
+  for (int t = 0; t < mesh.tets.rows(); ++t) {
+    TetMesh one;
+    one.nodes = mesh.nodes;
+    one.tets = mesh.tets.row(t);
+    Positions gradient = Positions::Zero(nodes.rows(), 3);
+    Tissue(one, {kFat}, {}).add_gradient(nodes, {}, gradient);
+    expected += gradient.squaredNorm();
+  }
+  Positions gradient = Positions::Zero(nodes.rows(), 3);
+  const double found = Tissue(mesh, all(mesh, kFat), {}).add_gradient(nodes, {}, gradient).force_square;
+  EXPECT_NEAR(found, expected, 1e-12 * expected);
+}
+
+TEST(Tissue, InvertedTetsHaveInfiniteEnergyAndAreCounted) {
+  const TetMesh mesh = block(2, 2, 2, 0.01);
+  const Tissue tissue(mesh, all(mesh, kFat), {});
+  Positions gradient = Positions::Zero(mesh.nodes.rows(), 3);
+  const Positions mirrored = mapped(mesh.nodes, Eigen::Vector3d(-1, 1, 1).asDiagonal(), {0, 0, 0});
+  EXPECT_EQ(tissue.add_gradient(mirrored, {}, gradient).energy, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(tissue.inverted(mirrored), mesh.tets.rows());
+  EXPECT_EQ(tissue.inverted(mesh.nodes), 0);
+  const Positions flat = mapped(mesh.nodes, Eigen::Vector3d(0, 1, 1).asDiagonal(), {0, 0, 0});
+  EXPECT_EQ(tissue.inverted(flat), mesh.tets.rows());
+}
+
+// Linear elasticity is its small-strain limit: an independent solver's displacement balances the loads. The energy's
+// Lamé parameters at rest are mu and lambda - mu.
+TEST(Tissue, AgreesWithAnIndependentLinearSolution) {
+  const auto path = shared_data("reference/fem/bar-651_static.safetensors");
+  if (!path) GTEST_SKIP() << "shared data not present";
+  std::ifstream stream(*path, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  std::uint64_t header_size = 0;
+  std::memcpy(&header_size, bytes.data(), 8);
+  const auto header = nlohmann::json::parse(bytes.substr(8, header_size));
+  const auto data = [&](const std::string& name) {
+    return bytes.data() + 8 + header_size + header[name]["data_offsets"][0].get<std::size_t>();
+  };
+  const auto number = [&](const std::string& key) { return std::stod(header["__metadata__"][key].get<std::string>()); };
+  const auto rows = [&](const std::string& name) { return header[name]["shape"][0].get<Eigen::Index>(); };
+
+  TetMesh mesh;
+  mesh.nodes.resize(rows("vertices"), 3);
+  std::memcpy(mesh.nodes.data(), data("vertices"), sizeof(double) * static_cast<std::size_t>(mesh.nodes.size()));
+  mesh.tets.resize(rows("tets"), 4);
+  std::memcpy(mesh.tets.data(), data("tets"), sizeof(int) * static_cast<std::size_t>(mesh.tets.size()));
+  Positions displacement(mesh.nodes.rows(), 3);
+  std::memcpy(displacement.data(), data("displacement_p1"),
+              sizeof(double) * static_cast<std::size_t>(displacement.size()));
+
+  const double young = number("E_pa"), poisson = number("nu");
+  const double mu = young / (2 * (1 + poisson)), lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  Positions load = Positions::Zero(mesh.nodes.rows(), 3);
+  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
+    if (tet_edges(mesh, t).determinant() < 0) std::swap(mesh.tets(t, 2), mesh.tets(t, 3));
+    const double weight = number("rho") * 9.81 * tet_edges(mesh, t).determinant() / 6;
+    for (int a = 0; a < 4; ++a) load(mesh.tets(t, a), 1) -= weight / 4;
+  }
+  for (Eigen::Index k = 0; k < rows("load_newton"); ++k) {
+    int node_axis[2];
+    double newton = 0;
+    std::memcpy(node_axis, data("load_node_axis") + 8 * k, 8);
+    std::memcpy(&newton, data("load_newton") + 8 * k, 8);
+    load(node_axis[0], node_axis[1]) += newton;
+  }
+  std::set<int> fixed;
+  for (Eigen::Index k = 0; k < rows("fixed"); ++k) {
+    int node = 0;
+    std::memcpy(&node, data("fixed") + 4 * k, 4);
+    fixed.insert(node);
+  }
+
+  const double scale = 1e-7;  // of a displacement of up to 176 m: small enough to be linear
+  const Tissue tissue(mesh, all(mesh, {mu, lambda + mu}), {});
+  Positions up = Positions::Zero(mesh.nodes.rows(), 3), down = up;
+  tissue.add_gradient(mesh.nodes + scale * displacement, {}, up);
+  tissue.add_gradient(mesh.nodes - scale * displacement, {}, down);
+  const Positions force = (up - down) / (2 * scale);
+  double worst = 0;
+  for (Eigen::Index n = 0; n < mesh.nodes.rows(); ++n) {
+    if (!fixed.contains(static_cast<int>(n))) worst = std::max(worst, (force.row(n) - load.row(n)).norm());
+  }
+  EXPECT_LT(worst, 1e-4 * load.rowwise().norm().maxCoeff());
+}
+
+}  // namespace
+}  // namespace bodyopt
