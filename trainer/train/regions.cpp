@@ -87,18 +87,6 @@ MatrixXd smooth(const Character& character, const MatrixXd& values, double radiu
   return smoothed;
 }
 
-// Per column the energy of E (N x 3V) explained by the columns of `regressors`, summed per vertex.
-Eigen::VectorXd explained_energy(const Eigen::MatrixXf& rest_of_motion, const MatrixXd& regressors) {
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(regressors);
-  qr.setThreshold(1e-3);
-  const MatrixXd q = qr.householderQ() * MatrixXd::Identity(regressors.rows(), qr.rank());
-  const Eigen::MatrixXf projected = q.cast<float>().transpose() * rest_of_motion;
-  const Eigen::VectorXd energy = projected.colwise().squaredNorm().transpose().cast<double>();
-  return Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>>(energy.data(), 3, energy.size() / 3)
-      .colwise()
-      .sum();
-}
-
 // What a ridge-penalised linear fit of the columns of `x` leaves of `y`.
 template <typename Matrix>
 Matrix without_linear_fit(const MatrixXd& x, const Matrix& y) {
@@ -150,69 +138,91 @@ Eigen::RowVector3d joint_position(const Joint& joint) {
   return {bind.m[0][3], bind.m[1][3], bind.m[2][3]};
 }
 
+// How the joints move the skin: their smoothed weights.
+std::vector<FeatureGroup> joint_groups(const Skeleton& skeleton, const std::vector<VertexMoments>& moments,
+                                       const MatrixXd& features) {
+  std::vector<FeatureGroup> groups;
+  for (const std::uint32_t joint : feature_joints(skeleton)) {
+    FeatureGroup group;
+    group.features = varying(features, 9 * static_cast<std::uint32_t>(groups.size()), 9);
+    group.points = joint_position(skeleton.joints[joint]);
+    group.influence = Eigen::VectorXd::Zero(static_cast<Index>(moments.size()));
+    for (std::size_t v = 0; v < moments.size(); ++v) {
+      for (const JointMoments& m : moments[v].joints) {
+        if (m.joint == joint) group.influence[static_cast<Index>(v)] = m.omega;
+      }
+    }
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+Eigen::VectorXd energy_per_vertex(const Eigen::RowVectorXf& columns) {
+  return Eigen::Map<const Eigen::Matrix<float, 3, Eigen::Dynamic>>(columns.data(), 3, columns.size() / 3)
+      .cast<double>()
+      .colwise()
+      .sum();
+}
+
+// Energy of the motion (N x 3V) that the columns of `regressors` explain, per vertex.
+Eigen::VectorXd explained_energy(const Eigen::MatrixXf& motion, const MatrixXd& regressors) {
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(regressors);
+  qr.setThreshold(1e-3);
+  const MatrixXd q = qr.householderQ() * MatrixXd::Identity(regressors.rows(), qr.rank());
+  return energy_per_vertex((q.cast<float>().transpose() * motion).colwise().squaredNorm());
+}
+
+// How the muscles move the skin: what their strains explain beyond a linear fit of the joints. `first`: feature index
+// of the first strain.
+std::vector<FeatureGroup> muscle_groups(const Basis& basis, const std::vector<Muscle>& muscles,
+                                        const MatrixXd& features, Index first, const Displacements& displacements) {
+  const MatrixXd joints = features.leftCols(first);
+  const Index fibres = basis.strain.fibre_count();
+  const Eigen::MatrixXf beyond_joints = without_linear_fit(joints, Eigen::MatrixXf(displacements));
+  const MatrixXd strains = without_linear_fit(joints, MatrixXd(features.middleCols(first, fibres)));
+  const Eigen::VectorXd energy = energy_per_vertex(displacements.colwise().squaredNorm());
+  const double floor = 0.1 * energy.mean() + std::numeric_limits<double>::min();
+
+  const std::vector<std::uint32_t> group_joints = feature_joints(basis.skeleton);
+  const std::vector<std::size_t> muscle_of_fibre = fibre_muscles(basis.strain, muscles);
+  std::vector<FeatureGroup> groups;
+  for (std::size_t m = 0; m < muscles.size(); ++m) {
+    FeatureGroup group;
+    std::vector<Index> columns;
+    for (std::uint32_t fibre = 0; fibre < fibres; ++fibre) {
+      if (muscle_of_fibre[fibre] != m) continue;
+      const auto own = varying(features, static_cast<std::uint32_t>(first) + fibre, 1);
+      group.features.insert(group.features.end(), own.begin(), own.end());
+      columns.push_back(fibre);
+      const Positions line = fibre_points(basis, fibre);
+      group.points.conservativeResize(group.points.rows() + line.rows(), 3);
+      group.points.bottomRows(line.rows()) = line;
+    }
+    if (group.features.empty()) continue;
+    group.influence = explained_energy(beyond_joints, strains(Eigen::all, columns)).array() / (energy.array() + floor);
+    for (const std::uint32_t joint : spanned_joints(basis.skeleton, muscles[m])) {
+      const auto place = std::find(group_joints.begin(), group_joints.end(), joint);
+      if (place != group_joints.end()) group.spans.push_back(static_cast<std::size_t>(place - group_joints.begin()));
+    }
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
 }  // namespace
 
 std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vector<VertexMoments>& moments,
                                               const std::vector<Muscle>& muscles, const MatrixXd& features,
                                               const Displacements& displacements) {
-  const auto vertices = static_cast<Index>(moments.size());
-  const std::vector<std::uint32_t> joints = feature_joints(basis.skeleton);
-  const auto joint_features = static_cast<Index>(9 * joints.size());
-  std::vector<FeatureGroup> groups;
-  std::vector<std::size_t> group_of_joint(basis.skeleton.size(), joints.size());
-  for (std::size_t k = 0; k < joints.size(); ++k) {
-    group_of_joint[joints[k]] = k;
-    FeatureGroup& group = groups.emplace_back();
-    group.features = varying(features, static_cast<std::uint32_t>(9 * k), 9);
-    group.points = joint_position(basis.skeleton.joints[joints[k]]);
-    group.influence = Eigen::VectorXd::Zero(vertices);
-    for (Index v = 0; v < vertices; ++v) {
-      for (const JointMoments& m : moments[static_cast<std::size_t>(v)].joints) {
-        if (m.joint == joints[k]) group.influence[v] = m.omega;
-      }
-    }
-  }
-
-  const Eigen::MatrixXf beyond_joints =
-      without_linear_fit(features.leftCols(joint_features), Eigen::MatrixXf(displacements));
-  const MatrixXd strains = without_linear_fit(features.leftCols(joint_features),
-                                              MatrixXd(features.rightCols(features.cols() - joint_features)));
-  const Eigen::VectorXd column_energy = displacements.colwise().squaredNorm().transpose().cast<double>();
-  const Eigen::VectorXd energy =
-      Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>>(column_energy.data(), 3, vertices).colwise().sum();
-  const double floor = 0.1 * energy.mean() + std::numeric_limits<double>::min();
-  const std::vector<std::size_t> muscle_of_fibre = fibre_muscles(basis.strain, muscles);
-  for (std::size_t m = 0; m < muscles.size(); ++m) {
-    FeatureGroup group;
-    std::vector<Index> columns;
-    std::vector<Positions> lines;
-    Index point_count = 0;
-    for (std::uint32_t fibre = 0; fibre < basis.strain.fibre_count(); ++fibre) {
-      if (muscle_of_fibre[fibre] != m) continue;
-      columns.push_back(fibre);
-      lines.push_back(fibre_points(basis, fibre));
-      point_count += lines.back().rows();
-      const auto own = varying(features, static_cast<std::uint32_t>(joint_features) + fibre, 1);
-      group.features.insert(group.features.end(), own.begin(), own.end());
-    }
-    if (group.features.empty()) continue;
-    group.points.resize(point_count, 3);
-    Index row = 0;
-    for (const Positions& line : lines) {
-      group.points.middleRows(row, line.rows()) = line;
-      row += line.rows();
-    }
-    group.influence = explained_energy(beyond_joints, strains(Eigen::all, columns)).array() / (energy.array() + floor);
-    for (const std::uint32_t joint : spanned_joints(basis.skeleton, muscles[m])) {
-      if (group_of_joint[joint] < joints.size()) group.spans.push_back(group_of_joint[joint]);
-    }
+  const Index joint_features = joint_feature_count(basis.skeleton);
+  std::vector<FeatureGroup> groups = joint_groups(basis.skeleton, moments, features);
+  for (FeatureGroup& group : muscle_groups(basis, muscles, features, joint_features, displacements)) {
     groups.push_back(std::move(group));
   }
   for (Index k = joint_features + basis.strain.fibre_count(); k < features.cols(); ++k) {
-    FeatureGroup& group = groups.emplace_back();
-    group.features = varying(features, static_cast<std::uint32_t>(k), 1);
-    group.points.resize(0, 3);
-    group.influence = Eigen::VectorXd::Ones(vertices);
+    FeatureGroup& control = groups.emplace_back();
+    control.features = varying(features, static_cast<std::uint32_t>(k), 1);
+    control.influence = Eigen::VectorXd::Ones(static_cast<Index>(moments.size()));
   }
   return groups;
 }

@@ -16,7 +16,7 @@ namespace bodyopt {
 // Features that belong together: the rotation of a joint, or the fibres of a muscle.
 struct FeatureGroup {
   std::vector<std::uint32_t> features;  // those that vary
-  Positions points;                     // where it sits, rest space, metres
+  Positions points;                     // where it sits, rest space, metres; none: everywhere
   Eigen::VectorXd influence;            // V: its share in how the skin moves, 0..1
   std::vector<std::size_t> spans;       // of a muscle: the groups of the joints it acts across
 };
