@@ -8,7 +8,7 @@ build_packages=(
 )
 run_packages=(mesa-vulkan-drivers)
 test_packages=(vulkan-validationlayers)
-other_program_packages=(nodejs npm blender xvfb)
+other_program_packages=(nodejs npm blender python3-numpy)
 
 # install_packages PACKAGE...: installs those that are missing; says which when it may not.
 install_packages() {

@@ -4,6 +4,10 @@ import struct
 import sys
 
 import bpy
+import numpy
+
+# Blender 3.4's glTF importer uses a name that Debian's NumPy 1.24 has dropped.
+numpy.bool = bool
 
 character, cache, sample = sys.argv[sys.argv.index("--") + 1:]
 sample = int(sample)
