@@ -36,8 +36,10 @@ void ClipArguments::add(CLI::App& verb) {
   verb.add_option("--first-frame", options.first_frame, "Number of the clip's first frame")->capture_default_str();
 }
 
-Clip ClipArguments::read(const Skeleton& skeleton, std::vector<int>& frame_numbers) const {
-  Clip clip = read_clip(source, skeleton, options);
+Clip ClipArguments::read(const Skeleton& skeleton, double unit, std::vector<int>& frame_numbers) const {
+  ClipOptions with_unit = options;
+  with_unit.unit = clip_unit(source, unit);
+  Clip clip = read_clip(source, skeleton, with_unit);
   say(clip.notes);
   if (frames.empty()) {
     for (int frame = clip.first_frame; frame <= clip.last_frame(); ++frame) frame_numbers.push_back(frame);
@@ -73,6 +75,22 @@ std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames) {
 
 void say(const std::vector<std::string>& notes) {
   for (const std::string& note : notes) spdlog::warn("{}", note);
+}
+
+std::size_t total_bytes(const Basis& basis) {
+  std::size_t bytes = 0;
+  for (const auto& [stage, size] : table_bytes(basis)) bytes += size;
+  return bytes;
+}
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::filesystem::create_directories(folder, ignored);
+  if (!std::filesystem::is_directory(folder)) {
+    throw Error(ErrorKind::file, "'" + folder.string() +
+                                     "' cannot be made a folder: a file of that name is in the "
+                                     "way, or the folder above is not writable");
+  }
 }
 
 Json to_json(const ErrorStatistics& errors) {

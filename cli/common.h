@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -29,7 +30,8 @@ struct ClipArguments {
   void add(CLI::App& verb);
   // Reads the clip, says its notes, and gives the frames asked for (all without --frames). Throws Error(usage) when a
   // frame lies outside the clip.
-  Clip read(const Skeleton& skeleton, std::vector<int>& frame_numbers) const;
+  // `unit`: that of the character.
+  Clip read(const Skeleton& skeleton, double unit, std::vector<int>& frame_numbers) const;
 };
 
 // --device D [--require-device]
@@ -45,6 +47,12 @@ std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames);
 
 // Says each note once, as a warning on standard error.
 void say(const std::vector<std::string>& notes);
+
+// Bytes of all tables a frame needs.
+std::size_t total_bytes(const Basis& basis);
+
+// Makes the folder where it is missing. Throws Error(file).
+void make_folder(const std::filesystem::path& folder);
 
 Json to_json(const ErrorStatistics& errors);
 std::string describe(const ErrorStatistics& errors);

@@ -15,6 +15,7 @@ namespace {
 
 struct EvalArguments {
   std::string basis, out;
+  double unit = 0;
   ClipArguments clip;
   DeviceArguments device;
   JsonOption json;
@@ -23,7 +24,7 @@ struct EvalArguments {
 void run(const EvalArguments& arguments) {
   Deformer deformer(load_basis(arguments.basis), arguments.device.choice);
   std::vector<int> frames;
-  const Clip clip = arguments.clip.read(deformer.basis().skeleton, frames);
+  const Clip clip = arguments.clip.read(deformer.basis().skeleton, arguments.unit, frames);
   const std::vector<Pose> poses = poses_of(clip, frames);
 
   const std::uint32_t points = deformer.basis().mesh.output_count();
@@ -82,6 +83,8 @@ void add_eval(CLI::App& app) {
   verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
   arguments->clip.add(verb);
   arguments->device.add(verb);
+  verb.add_option("--unit", arguments->unit, "Metres per unit of the clip's file, as the character was read")
+      ->check(CLI::PositiveNumber);
   verb.add_option("--out", arguments->out, "Point cache to write")->required()->type_name("FILE.pc2");
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

@@ -65,16 +65,10 @@ void run(const SimulateArguments& arguments) {
   std::vector<Muscle> muscles;
   if (!arguments.muscles.empty()) muscles = read_muscles(arguments.muscles, character.skeleton);
   std::vector<int> frames;
-  const Clip clip = arguments.clip.read(character.skeleton, frames);
+  const Clip clip = arguments.clip.read(character.skeleton, arguments.unit, frames);
 
   const fs::path folder = arguments.out;
-  std::error_code ignored;
-  fs::create_directories(folder, ignored);
-  if (!fs::is_directory(folder)) {
-    throw Error(ErrorKind::file, "'" + arguments.out +
-                                     "' cannot be made a folder: a file of that name is in the way, "
-                                     "or the folder above is not writable");
-  }
+  make_folder(folder);
   Dataset dataset = open_dataset(arguments, folder);
   DatasetTake take;
   take.name = arguments.name.empty() ? take_name(arguments.clip.source) : arguments.name;

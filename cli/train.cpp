@@ -21,12 +21,6 @@ struct TrainArguments {
   JsonOption json;
 };
 
-std::size_t total_bytes(const Basis& basis) {
-  std::size_t bytes = 0;
-  for (const auto& [stage, size] : table_bytes(basis)) bytes += size;
-  return bytes;
-}
-
 void run_ddm_only(const TrainArguments& arguments) {
   const Character character = read_character(arguments.ddm_only, arguments.unit);
   say(character.notes);

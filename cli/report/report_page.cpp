@@ -19,7 +19,7 @@ std::array<Method, 4> methods_of(const ReportData& data) {
       {{data.lbs, "LBS", "#8a92a1", "Linear blend skinning: the skin weights alone, where every rig starts."},
        {data.ddm, "DDM", "#62aee8", "Direct Delta Mush: smooth skinning from the same weights; nothing is learned."},
        {data.linear, "Linear", "#b892f2",
-        "DDM plus linear correctives driven by the joints alone, with as many coefficients and bytes as Full."},
+        "DDM plus linear correctives driven by the joints alone, with as many bytes of coefficients and tables as Full."},
        {data.full, "Full", "#f2b866",
         "DDM plus what was learned from the simulation, driven by joints and muscle strains: what Bodyopt runs."}}};
 }

@@ -29,6 +29,7 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   const auto& box = report["character"]["bounding_box_m"];
   const double size = std::hypot(box[0].get<double>(), box[1].get<double>(), box[2].get<double>());
   EXPECT_GE(report["character"]["vertices"], 6000);
+  EXPECT_NE(report["device"], "cpu");
   EXPECT_GE(report["character"]["joints"], 8);
   EXPECT_GE(report["character"]["muscles"], 12);
   EXPECT_LE(report["cpu_gpu_max_difference_m"].get<double>(), 1e-5 * size);

@@ -75,6 +75,7 @@ class TakeChecker {
     ClipOptions options;
     options.fps = take.fps;
     options.first_frame = take.first_frame;
+    options.unit = clip_unit(take.clip, dataset.unit);
     clip_ = read_clip((dataset.folder / take.clip).string(), character.skeleton, options);
     result_.name = take.name;
     result_.points = reader_.point_count();

@@ -70,6 +70,10 @@ void fail_unmatched(const std::string& file, const Skeleton& skeleton, std::span
                                        ", the character " + list_names(joints) + ". Was it made for another skeleton?");
 }
 
+double clip_unit(const std::string& source, double character_unit) {
+  return lower_case_extension(split_source(source).path) == ".bvh" ? 0 : character_unit;
+}
+
 Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOptions& options) {
   check_options(options);
   const Source parts = split_source(source);

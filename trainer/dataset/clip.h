@@ -25,6 +25,9 @@ struct ClipOptions {
   double unit = 0;  // metres per file unit; 0: as the character was read (glTF: 1), BVH: fitted to the skeleton
 };
 
+// The unit of a clip for a character that was read with `character_unit`: glTF clips share it, BVH is fitted (0).
+double clip_unit(const std::string& source, double character_unit);
+
 // `source` is FILE.glb#name, FILE.glb (its only or first clip), or FILE.bvh. Joints are matched by name; a clip that
 // matches no joint at all throws Error(mismatch) with both lists. Throws Error(file).
 Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOptions& options);

@@ -24,7 +24,6 @@ class Metric {
   explicit Metric(const SparseMatrix& matrix);
   // Replaces `values` (N x 3) by the inverse metric times it. `scratch` is resized as needed.
   void solve(Positions& values, Positions& scratch) const;
-  std::size_t nonzeros() const { return entries_.size(); }
 
  private:
   struct Entry {

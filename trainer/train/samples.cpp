@@ -46,8 +46,9 @@ std::string clip_source(const Dataset& dataset, const std::string& clip) { retur
 
 void read_take(const Dataset& dataset, int index, SampleSet& set) {
   const DatasetTake& take = dataset.takes[static_cast<std::size_t>(index)];
-  const Clip clip = read_clip(clip_source(dataset, take.clip), set.character.skeleton,
-                              {.fps = take.fps, .first_frame = take.first_frame});
+  const Clip clip =
+      read_clip(clip_source(dataset, take.clip), set.character.skeleton,
+                {.fps = take.fps, .first_frame = take.first_frame, .unit = clip_unit(take.clip, dataset.unit)});
   for (const std::string& note : clip.notes) set.notes.push_back("take '" + take.name + "': " + note);
   const Pc2Reader shapes(dataset.folder / take.shapes);
   check_take(take, set.character, clip, shapes);
