@@ -97,6 +97,7 @@ TEST(Ddm, MomentsAreThoseOfAPartitionOfUnity) {
         first += m.first;
       }
       EXPECT_NEAR(omega, 1, 1e-12);
+      EXPECT_NEAR(moments[v].kept, 1, prune == 0 ? 1e-10 : prune * static_cast<double>(limb.skeleton.size()));
       EXPECT_LT(first.norm() * std::sqrt(moments[v].radius2), 1e-9);
       EXPECT_GT(trace, 1 - 1e-9);  // a flat neighbourhood adds to it
       EXPECT_LT((moments[v].centre + moments[v].offset - limb.vertices.row(static_cast<int>(v)).transpose()).norm(),

@@ -91,6 +91,7 @@ VertexMoments centre_moments(const std::vector<RawMoments>& raw, const Eigen::Ve
   Eigen::Matrix<double, 10, 1> sum = Eigen::Matrix<double, 10, 1>::Zero();
   for (const RawMoments& m : raw) sum += m.values;
   const Eigen::Vector3d p = sum.segment<3>(1) / sum[0];
+  vertex.kept = sum[0];
   vertex.centre = p;
   vertex.offset = position - p;
   Eigen::Matrix3d total = Eigen::Matrix3d::Zero();

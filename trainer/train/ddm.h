@@ -28,6 +28,8 @@ struct VertexMoments {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // p_i, rest space, metres
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // d_i
   double radius2 = 0;                                // square metres; 0 for a vertex without neighbours
+  double kept = 0;                                   // sum of the omegas kept, before they were normalised: without
+                                                     // pruning the row sum of B, which is 1
   std::vector<JointMoments> joints;                  // ascending; the omegas sum to 1
 };
 
