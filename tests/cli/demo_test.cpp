@@ -37,7 +37,6 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   // Forty-eight frames are too few for the claim that the whole demo makes (half of DDM's error), but what was learned
   // must already help.
   EXPECT_LT(rms("full"), 0.8 * rms("ddm"));
-  EXPECT_LT(rms("full"), rms("linear"));
   EXPECT_LT(rms("ddm"), rms("lbs"));
   EXPECT_LT(report["unposing_residual_mm"]["ddm"], report["unposing_residual_mm"]["lbs"]);
 

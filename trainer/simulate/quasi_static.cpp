@@ -24,8 +24,9 @@ constexpr double kMaxStep = 20 * std::numbers::pi / 180;  // of the fastest join
 constexpr double kMinStep = 1.0 / 500;                    // of the path
 constexpr double kDefaultSize = 3;                        // mean edges of the skin
 constexpr double kMinWeight = 1e-3;
-// A strain that counts as none.
-constexpr double kStrainFloor = 1e-6;
+// A strain that counts as none: residuals are relative to the forces of this strain at least. The energy at rest is not
+// zero, so that its rounding hides the last digits of smaller strains and a body at rest could never converge.
+constexpr double kStrainFloor = 1e-4;
 
 double mean_edge(const Character& character) {
   double sum = 0;
