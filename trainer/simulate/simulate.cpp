@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "runtime/basis/error.h"
+#include "trainer/dataset/nodes_cache.h"
 #include "trainer/dataset/pc2.h"
 #include "trainer/progress.h"
 #include "trainer/simulate/body_hash.h"
@@ -15,6 +16,29 @@
 
 namespace bodyopt {
 namespace {
+
+constexpr Eigen::Index kDraftNodes = 1500;
+// For skins that no conforming tets fill: about the detail that tets of a skin of 10,000 vertices have inside.
+constexpr Eigen::Index kCageNodes = 5000;
+
+QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
+                          const SimulateOptions& options) {
+  if (options.draft) {
+    return {character, muscles, cage_of_nodes(character.vertices, character.triangles, kDraftNodes)};
+  }
+  TetMesh mesh;
+  try {
+    mesh = fill_skin(character, options.tet_size);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::mismatch) throw;
+    const Cage cage = options.tet_size > 0 ? cage_of_size(character.vertices, character.triangles, options.tet_size)
+                                           : cage_of_nodes(character.vertices, character.triangles, kCageNodes);
+    options.warn(std::string(error.what()) + "; it is simulated in a cage of " +
+                 std::to_string(cage.mesh.nodes.rows()) + " nodes around it");
+    return {character, muscles, cage};
+  }
+  return {character, muscles, std::move(mesh)};
+}
 
 const Pose& pose_of(const Clip& clip, int frame) {
   if (frame < clip.first_frame || frame > clip.last_frame()) {
@@ -53,13 +77,10 @@ std::vector<Job> open_jobs(const QuasiStaticBody& body, const Clip& clip, const 
   return jobs;
 }
 
-std::vector<float> output_shape(const Character& character, const Positions& nodes) {
-  return output_from_welded(character, nodes.topRows(character.vertices.rows()));
-}
-
 // Solves the jobs on some threads. A pose is solved by one thread alone, so their number changes no bit.
-void solve_all(const QuasiStaticBody& body, const Character& character, const std::vector<Job>& jobs, int threads,
-               PartialShapes& partial) {
+// stored: what the partial file keeps of the nodes.
+void solve_all(const QuasiStaticBody& body, const std::vector<Job>& jobs, int threads,
+               const std::function<std::vector<float>(const Positions&)>& stored, PartialShapes& partial) {
   Progress progress("simulate", jobs.size());
   std::atomic<std::size_t> next{0};
   std::mutex mutex;  // over partial, progress and failure
@@ -68,9 +89,9 @@ void solve_all(const QuasiStaticBody& body, const Character& character, const st
     try {
       for (std::size_t k = next++; k < jobs.size(); k = next++) {
         const SolvedPose solved = body.solve(*jobs[k].pose);
-        const std::vector<float> shape = output_shape(character, solved.nodes);
+        const std::vector<float> values = stored(solved.nodes);
         const std::lock_guard<std::mutex> lock(mutex);
-        partial.append(jobs[k].key, solved.status, shape);
+        partial.append(jobs[k].key, solved.status, values);
         progress.advance();
       }
     } catch (...) {
@@ -88,29 +109,55 @@ void solve_all(const QuasiStaticBody& body, const Character& character, const st
   if (failure) std::rethrow_exception(failure);
 }
 
+using NodesOfFrame = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+// Where the output vertices lie in a cage.
+std::vector<EmbeddedPoint> output_embedding(const Character& character, const QuasiStaticBody& body) {
+  std::vector<EmbeddedPoint> points;
+  for (const std::uint32_t v : character.output_vertex) points.push_back(body.embedding()[v]);
+  return points;
+}
+
 }  // namespace
 
 std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
                                   const std::vector<int>& frames, const std::filesystem::path& cache,
                                   const std::filesystem::path& status, const SimulateOptions& options) {
   require_distinct(frames);
-  const QuasiStaticBody body(character, muscles, options.tet_size);
+  const QuasiStaticBody body = make_body(character, muscles, options);
   std::filesystem::path partial_path = cache;
   partial_path += ".partial";
-  PartialShapes partial(partial_path, body.hash(), 3 * static_cast<std::size_t>(character.output_count()));
-  solve_all(body, character, open_jobs(body, clip, frames, partial), options.threads, partial);
+  const Eigen::Index values = 3 * (options.draft ? body.mesh().nodes.rows() : Eigen::Index{character.output_count()});
+  PartialShapes partial(partial_path, body.hash(), static_cast<std::size_t>(values));
+  const auto stored = [&](const Positions& nodes) {
+    return options.draft ? std::vector<float>(nodes.data(), nodes.data() + nodes.size())
+                         : output_from_welded(character, body.skin(nodes));
+  };
+  solve_all(body, open_jobs(body, clip, frames, partial), options.threads, stored, partial);
 
   std::vector<FrameStatus> result;
-  Pc2Writer writer(cache, character.output_count(), static_cast<std::uint32_t>(frames.size()),
-                   static_cast<float>(frames.front()));
-  for (const int frame : frames) {
-    FrameStatus& of_frame = result.emplace_back();
-    writer.append(partial.read(pose_hash(body.hash(), pose_of(clip, frame)), of_frame));
-    of_frame.frame = frame;
-    of_frame.converged = is_converged(of_frame);
+  const auto read_frames = [&](const std::function<void(const std::vector<float>&)>& append) {
+    for (const int frame : frames) {
+      FrameStatus& of_frame = result.emplace_back();
+      append(partial.read(pose_hash(body.hash(), pose_of(clip, frame)), of_frame));
+      of_frame.frame = frame;
+      of_frame.converged = is_converged(of_frame);
+    }
+  };
+  if (options.draft) {
+    NodesWriter writer(cache, body.mesh().tets, output_embedding(character, body), body.hash(), frames.front());
+    read_frames([&](const std::vector<float>& nodes) {
+      writer.append(Eigen::Map<const NodesOfFrame>(nodes.data(), body.mesh().nodes.rows(), 3).cast<double>());
+    });
+    write_frame_status(result, status);
+    writer.close();
+  } else {
+    Pc2Writer writer(cache, character.output_count(), static_cast<std::uint32_t>(frames.size()),
+                     static_cast<float>(frames.front()));
+    read_frames([&](const std::vector<float>& shape) { writer.append(shape); });
+    write_frame_status(result, status);
+    writer.close();
   }
-  write_frame_status(result, status);
-  writer.close();
   partial.remove();
   return result;
 }
