@@ -148,6 +148,25 @@ TEST(Simulate, AKilledRunContinuesToTheSameCache) {
   EXPECT_FALSE(fs::exists(partial));
 }
 
+TEST(Simulate, AFinishedTakeIsNotSolvedAgain) {
+  const TemporaryFolder folder;
+  const Clip clip = bending_clip(make_limb(), 4);
+  const Outcome first = run(folder, clip, {11, 12, 13}, 1);
+  const Outcome more = run(folder, clip, {14, 13, 11}, 1);
+  // The seconds of solving are stored: they are the same only if nothing was solved.
+  EXPECT_EQ(more.status[1].seconds, first.status[2].seconds);
+  EXPECT_EQ(more.status[2].seconds, first.status[0].seconds);
+  EXPECT_EQ(more.status[0].frame, 14);
+  EXPECT_TRUE(more.status[0].converged);
+  const std::size_t size = (first.cache.size() - 32) / 3;
+  EXPECT_EQ(more.cache.substr(32 + size, size), first.cache.substr(32 + 2 * size, size));
+  EXPECT_EQ(more.cache.substr(32 + 2 * size, size), first.cache.substr(32, size));
+
+  const auto passive = simulate(make_limb(), {}, clip, {11, 13}, folder / "take.pc2", folder / "take.json", {0.05, 1});
+  EXPECT_NE(bytes_of(folder / "take.pc2").substr(32 + size, size), first.cache.substr(32 + 2 * size, size));
+  EXPECT_NE(passive[1].inputs, more.status[1].inputs);
+}
+
 TEST(Simulate, AnInterruptKeepsWhatIsDone) {
   const TemporaryFolder folder;
   const Clip clip = bending_clip(make_limb(), 10);

@@ -35,22 +35,45 @@ void require_distinct(const std::vector<int>& frames) {
   }
 }
 
+// A frame to solve; frames of the same key have the same shape.
 struct Job {
   std::uint64_t key;
   const Pose* pose;
 };
 
-// Poses not solved yet, each once.
-std::vector<Job> open_jobs(const QuasiStaticBody& body, const Clip& clip, const std::vector<int>& frames,
-                           const PartialShapes& partial) {
+std::vector<Job> jobs_of(const QuasiStaticBody& body, const Clip& clip, const std::vector<int>& frames) {
   std::vector<Job> jobs;
-  std::set<std::uint64_t> seen;
   for (const int frame : frames) {
     const Pose& pose = pose_of(clip, frame);
-    const std::uint64_t key = pose_hash(body.hash(), pose);
-    if (!partial.has(key) && seen.insert(key).second) jobs.push_back({key, &pose});
+    jobs.push_back({pose_hash(body.hash(), pose), &pose});
   }
   return jobs;
+}
+
+// Takes the shapes of the jobs over from a finished cache.
+void adopt_finished(const std::filesystem::path& cache, const std::filesystem::path& status, const Character& character,
+                    const std::vector<Job>& jobs, PartialShapes& partial) {
+  if (!std::filesystem::exists(cache) || !std::filesystem::exists(status)) return;
+  const Pc2Reader shapes(cache);
+  const std::vector<FrameStatus> finished = read_frame_status(status);
+  if (shapes.sample_count() != finished.size() || shapes.point_count() != character.output_count()) return;
+  std::set<std::uint64_t> wanted;
+  for (const Job& job : jobs) wanted.insert(job.key);
+  for (std::size_t k = 0; k < finished.size(); ++k) {
+    const std::uint64_t key = finished[k].inputs;
+    if (!wanted.contains(key) || partial.has(key)) continue;
+    partial.append(key, finished[k], shapes.sample(static_cast<std::uint32_t>(k)));
+  }
+}
+
+// Jobs not solved yet, each once.
+std::vector<Job> open_jobs(const std::vector<Job>& jobs, const PartialShapes& partial) {
+  std::vector<Job> open;
+  std::set<std::uint64_t> seen;
+  for (const Job& job : jobs) {
+    if (!partial.has(job.key) && seen.insert(job.key).second) open.push_back(job);
+  }
+  return open;
 }
 
 std::vector<float> output_shape(const Character& character, const Positions& nodes) {
@@ -98,17 +121,21 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
   std::filesystem::path partial_path = cache;
   partial_path += ".partial";
   PartialShapes partial(partial_path, body.hash(), 3 * static_cast<std::size_t>(character.output_count()));
-  solve_all(body, character, open_jobs(body, clip, frames, partial), options.threads, partial);
+  const std::vector<Job> jobs = jobs_of(body, clip, frames);
+  adopt_finished(cache, status, character, jobs, partial);
+  solve_all(body, character, open_jobs(jobs, partial), options.threads, partial);
 
   std::vector<FrameStatus> result;
   Pc2Writer writer(cache, character.output_count(), static_cast<std::uint32_t>(frames.size()),
                    static_cast<float>(frames.front()));
-  for (const int frame : frames) {
+  for (std::size_t k = 0; k < frames.size(); ++k) {
     FrameStatus& of_frame = result.emplace_back();
-    writer.append(partial.read(pose_hash(body.hash(), pose_of(clip, frame)), of_frame));
-    of_frame.frame = frame;
+    writer.append(partial.read(jobs[k].key, of_frame));
+    of_frame.frame = frames[k];
     of_frame.converged = is_converged(of_frame);
+    of_frame.inputs = jobs[k].key;
   }
+  // Killed in between, the side-car and the cache do not match: but the unfinished file still has every frame.
   write_frame_status(result, status);
   writer.close();
   partial.remove();
