@@ -122,7 +122,7 @@ std::vector<float> to_float(const Positions& positions) {
   return {positions.data(), positions.data() + positions.size()};
 }
 
-MethodReport method_report(const ErrorStatistics& errors, double bytes_per_vertex) {
+MethodReport method_report(const ErrorStatistics& errors, double bytes_per_vertex, std::size_t coefficients) {
   MethodReport report;
   report.rms = errors.rms;
   report.p99 = errors.p99;
@@ -131,6 +131,7 @@ MethodReport method_report(const ErrorStatistics& errors, double bytes_per_verte
   report.frame_rms = errors.frame_rms;
   report.frame_max = errors.frame_max;
   report.bytes_per_vertex = bytes_per_vertex;
+  report.coefficients = static_cast<std::uint32_t>(coefficients);
   return report;
 }
 
@@ -248,13 +249,15 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
   const std::vector<Positions> full_shapes = welded_shapes(set, evaluated);
   const ErrorStatistics full_errors = heldout_errors(set, full_shapes);
   const double ddm_bytes = static_cast<double>(table_bytes(full).at("ddm")) / vertices;
-  report.full = method_report(full_errors, static_cast<double>(total_bytes(full)) / vertices);
-  report.linear = method_report(heldout_errors(set, heldout_by_basis(set, linear_cpu)),
-                                static_cast<double>(total_bytes(linear)) / vertices);
-  report.ddm = method_report(heldout_errors(set, heldout_by_basis(set, ddm_cpu)), ddm_bytes);
+  report.full =
+      method_report(full_errors, static_cast<double>(total_bytes(full)) / vertices, full.residual.coefficient_count());
+  report.linear =
+      method_report(heldout_errors(set, heldout_by_basis(set, linear_cpu)),
+                    static_cast<double>(total_bytes(linear)) / vertices, linear.residual.coefficient_count());
+  report.ddm = method_report(heldout_errors(set, heldout_by_basis(set, ddm_cpu)), ddm_bytes, 0);
   double weights = 0;
   for (const auto& row : set.character.weights) weights += static_cast<double>(row.size());
-  report.lbs = method_report(heldout_errors(set, heldout_by_lbs(set)), 8 * weights / vertices);
+  report.lbs = method_report(heldout_errors(set, heldout_by_lbs(set)), 8 * weights / vertices, 0);
   const UnposingResidual unposing = unposing_residual(set, full);
   report.unposing_residual_mm.lbs = unposing.lbs;
   report.unposing_residual_mm.ddm = unposing.ddm;

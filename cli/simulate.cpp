@@ -106,7 +106,9 @@ void run(const SimulateArguments& arguments) {
                          {"residual", frame.residual},
                          {"converged", frame.converged},
                          {"iterations", frame.iterations},
-                         {"inverted_tets", frame.inverted_tets}});
+                         {"inverted_tets", frame.inverted_tets},
+                         {"contact_depth_mm", 1e3 * frame.contact_depth},
+                         {"volume_change", frame.volume_change}});
   }
   std::string text = "frame  residual   iterations\n";
   for (const FrameStatus& frame : status) {

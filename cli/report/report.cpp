@@ -68,6 +68,10 @@ Json to_json(const ReportData& data) {
                                      {"ddm", data.ddm.bytes_per_vertex},
                                      {"linear", data.linear.bytes_per_vertex},
                                      {"full", data.full.bytes_per_vertex}};
+  json["method_coefficients"] = {{"lbs", data.lbs.coefficients},
+                                 {"ddm", data.ddm.coefficients},
+                                 {"linear", data.linear.coefficients},
+                                 {"full", data.full.coefficients}};
   json["bytes_by_stage"] = bytes_by_stage(data);
   json["cpu_gpu_max_difference_m"] = data.cpu_gpu_max_difference_m;
   json["device"] = data.device;

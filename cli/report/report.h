@@ -18,6 +18,7 @@ struct MethodReport {
   double rms = 0, p99 = 0, max = 0, jitter = 0;
   std::vector<double> frame_rms, frame_max;  // per held-out frame
   double bytes_per_vertex = 0;               // of the tables this method needs at run time
+  std::uint32_t coefficients = 0;            // learned coefficients per frame; 0 for skinning alone
 };
 
 struct PictureReport {

@@ -110,6 +110,7 @@ void add_methods(const ReportData& data, Page& page) {
                    {"largest, mm", true},
                    {"jitter, mm", true},
                    {"bytes per vertex"},
+                   {"coefficients"},
                    {"what it is"}};
   const auto number = [](double value) { return Cell{number_text(value), value}; };
   for (const Method& method : methods_of(data)) {
@@ -121,6 +122,7 @@ void add_methods(const ReportData& data, Page& page) {
                           number(r.max),
                           number(r.jitter),
                           number(r.bytes_per_vertex),
+                          number(r.coefficients),
                           {method.meaning, {}}});
   }
   page.chart(bar_chart(bars), "RMS error over all held-out frames. Shorter is better.");

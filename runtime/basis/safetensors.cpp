@@ -8,6 +8,7 @@
 
 #include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
+#include "runtime/basis/hexadecimal.h"
 #include "runtime/basis/strict_json.h"
 
 namespace bodyopt {
@@ -133,9 +134,7 @@ std::string content_checksum(const Safetensors& file) {
   }
   const std::uint64_t digest = XXH3_64bits_digest(state);
   XXH3_freeState(state);
-  char hex[17];
-  std::snprintf(hex, sizeof(hex), "%016llx", static_cast<unsigned long long>(digest));
-  return hex;
+  return hexadecimal(digest);
 }
 
 void write_safetensors(const Safetensors& file, const std::filesystem::path& path) {

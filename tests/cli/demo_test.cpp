@@ -39,6 +39,10 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   EXPECT_LT(rms("full"), 0.8 * rms("ddm"));
   EXPECT_LT(rms("ddm"), rms("lbs"));
   EXPECT_LT(report["unposing_residual_mm"]["ddm"], report["unposing_residual_mm"]["lbs"]);
+  // `linear` gets no less room than `full`.
+  EXPECT_GT(report["method_coefficients"]["full"], 0);
+  EXPECT_GE(report["method_coefficients"]["linear"], report["method_coefficients"]["full"]);
+  EXPECT_GE(report["method_bytes_per_vertex"]["linear"], report["method_bytes_per_vertex"]["full"]);
 
   EXPECT_EQ(run_bodyopt("check " + out + "/dataset").exit_code, 0);
   for (const char* name : {"character.glb", "rom.glb", "dataset/dataset.json", "basis.safetensors", "heldout.pc2"}) {

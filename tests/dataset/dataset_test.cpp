@@ -175,7 +175,8 @@ TEST(DatasetFile, WhatCannotBeReadBackIsNotWritten) {
   EXPECT_TRUE(refuses(read, folder.path(), "a folder"));
 }
 
-const std::vector<FrameStatus> kStatus = {{1, 9.5e-5, true, 40, 0.25, 0}, {-7, 0.1 + 0.2, false, 500, 1e-9, 12}};
+const std::vector<FrameStatus> kStatus = {{1, 9.5e-5, true, 40, 0.25, 0, 1e-3, -0.01, 0xfedcba9876543210},
+                                          {-7, 0.1 + 0.2, false, 500, 1e-9, 12}};
 
 void read_status(const std::filesystem::path& path) { read_frame_status(path); }
 
@@ -193,6 +194,9 @@ TEST(FrameStatusFile, RoundTripIsBitExact) {
     EXPECT_EQ(loaded[k].iterations, status[k].iterations);
     EXPECT_EQ(loaded[k].seconds, status[k].seconds);
     EXPECT_EQ(loaded[k].inverted_tets, status[k].inverted_tets);
+    EXPECT_EQ(loaded[k].contact_depth, status[k].contact_depth);
+    EXPECT_EQ(loaded[k].volume_change, status[k].volume_change);
+    EXPECT_EQ(loaded[k].inputs, status[k].inputs);
   }
   EXPECT_EQ(loaded[2].residual, std::numeric_limits<double>::infinity());
   EXPECT_FALSE(loaded[2].converged);
@@ -220,6 +224,8 @@ TEST(FrameStatusFile, WrongPartsAreRefusedByName) {
   expect("frames[0] lacks 'residual'", [](Json& j) { j["frames"][0].erase("residual"); });
   expect("'residual' is -0.1", [](Json& j) { j["frames"][0]["residual"] = -0.1; });
   expect("'converged'", [](Json& j) { j["frames"][0]["converged"] = 1; });
+  expect("'inputs' is not 16", [](Json& j) { j["frames"][0]["inputs"] = "fedcba987654321"; });
+  expect("'inputs' is not 16", [](Json& j) { j["frames"][0]["inputs"] = "fedcba987654321g"; });
   expect("'iterations' is -1", [](Json& j) { j["frames"][0]["iterations"] = -1; });
   expect("frames[1] names frame 1 again", [](Json& j) { j["frames"][1]["frame"] = 1; });
   expect("frames[1] says 'converged'", [](Json& j) { j["frames"][1]["converged"] = true; });

@@ -91,7 +91,7 @@ void wait_for_records(const fs::path& partial, std::size_t bytes) {
   }
 }
 
-std::size_t record_bytes() { return 32 + 12 * static_cast<std::size_t>(make_limb().vertices.rows()) + 8; }
+std::size_t record_bytes() { return 48 + 12 * static_cast<std::size_t>(make_limb().vertices.rows()) + 8; }
 
 TEST(Simulate, WritesEveryFrameInOrder) {
   const TemporaryFolder folder;
@@ -148,6 +148,25 @@ TEST(Simulate, AKilledRunContinuesToTheSameCache) {
   EXPECT_FALSE(fs::exists(partial));
 }
 
+TEST(Simulate, AFinishedTakeIsNotSolvedAgain) {
+  const TemporaryFolder folder;
+  const Clip clip = bending_clip(make_limb(), 4);
+  const Outcome first = run(folder, clip, {11, 12, 13}, 1);
+  const Outcome more = run(folder, clip, {14, 13, 11}, 1);
+  // The seconds of solving are stored: they are the same only if nothing was solved.
+  EXPECT_EQ(more.status[1].seconds, first.status[2].seconds);
+  EXPECT_EQ(more.status[2].seconds, first.status[0].seconds);
+  EXPECT_EQ(more.status[0].frame, 14);
+  EXPECT_TRUE(more.status[0].converged);
+  const std::size_t size = (first.cache.size() - 32) / 3;
+  EXPECT_EQ(more.cache.substr(32 + size, size), first.cache.substr(32 + 2 * size, size));
+  EXPECT_EQ(more.cache.substr(32 + 2 * size, size), first.cache.substr(32, size));
+
+  const auto passive = simulate(make_limb(), {}, clip, {11, 13}, folder / "take.pc2", folder / "take.json", {0.05, 1});
+  EXPECT_NE(bytes_of(folder / "take.pc2").substr(32 + size, size), first.cache.substr(32 + 2 * size, size));
+  EXPECT_NE(passive[1].inputs, more.status[1].inputs);
+}
+
 TEST(Simulate, AnInterruptKeepsWhatIsDone) {
   const TemporaryFolder folder;
   const Clip clip = bending_clip(make_limb(), 10);
@@ -164,7 +183,7 @@ TEST(Simulate, AnInterruptKeepsWhatIsDone) {
 TEST(Simulate, KeepsTheFinishedFramesOfTheSameInputsOnly) {
   const TemporaryFolder folder;
   const std::vector<float> values{1, 2, 3};
-  const FrameStatus status{0, 5e-5, false, 17, 0.25, 2};
+  const FrameStatus status{0, 5e-5, false, 17, 0.25, 2, 1e-3, -0.02};
   const fs::path path = folder / "p";
   {
     PartialShapes partial(path, 42, 3);
@@ -175,7 +194,7 @@ TEST(Simulate, KeepsTheFinishedFramesOfTheSameInputsOnly) {
   for (std::size_t size = 0; size < whole.size(); ++size) {
     write_bytes(path, whole.substr(0, size));
     const PartialShapes partial(path, 42, 3);
-    const std::size_t records = size < 24 ? 0 : (size - 24) / 52;
+    const std::size_t records = size < 24 ? 0 : (size - 24) / 68;
     EXPECT_EQ(partial.has(7), records >= 1) << size;
     EXPECT_FALSE(partial.has(8)) << size;
   }
@@ -188,9 +207,11 @@ TEST(Simulate, KeepsTheFinishedFramesOfTheSameInputsOnly) {
     EXPECT_EQ(read.seconds, status.seconds);
     EXPECT_EQ(read.iterations, 17);
     EXPECT_EQ(read.inverted_tets, 2);
+    EXPECT_EQ(read.contact_depth, 1e-3);
+    EXPECT_EQ(read.volume_change, -0.02);
   }
   std::string damaged = whole;
-  damaged[24 + 33] ^= 1;
+  damaged[24 + 49] ^= 1;
   write_bytes(path, damaged);
   EXPECT_FALSE(PartialShapes(path, 42, 3).has(7));
   write_bytes(path, whole);

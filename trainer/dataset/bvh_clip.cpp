@@ -1,5 +1,7 @@
 #include "trainer/dataset/bvh_clip.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -65,7 +67,7 @@ std::vector<int> match_joints(const Bvh& bvh, const Skeleton& skeleton, std::vec
 
 // The same bone in both rest poses: from the nearest matched joint above to a matched joint.
 struct BonePair {
-  std::size_t joint;
+  std::size_t above, joint;
   Vec3 skeleton, bvh;  // metres; file units
 };
 
@@ -84,7 +86,7 @@ std::vector<BonePair> bone_pairs(const Bvh& bvh, const Skeleton& skeleton, const
     matched_above[j] = match[parent] >= 0 ? static_cast<int>(parent) : matched_above[parent];
     if (match[j] < 0 || matched_above[j] < 0) continue;
     const auto above = static_cast<std::size_t>(matched_above[j]);
-    pairs.push_back({j, position(j) - position(above),
+    pairs.push_back({above, j, position(j) - position(above),
                      rest[static_cast<std::size_t>(match[j])] - rest[static_cast<std::size_t>(match[above])]});
   }
   return pairs;
@@ -135,6 +137,38 @@ double fit_unit(const std::vector<BonePair>& pairs, const std::string& file) {
   return unit;
 }
 
+// The rotation that lays the bones `from` best along `to` (Kabsch); of many such, the smallest.
+Quat fit_rotation(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+  const auto eigen = [](const Vec3& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (std::size_t k = 0; k < from.size(); ++k) sum += eigen(to[k]).normalized() * eigen(from[k]).transpose();
+  // The identity decides what the bones leave open: one bone says nothing of the twist around it.
+  constexpr double kPreferNone = 1e-6;
+  sum += kPreferNone * sum.norm() * Eigen::Matrix3d::Identity();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d u = svd.matrixU();
+  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) *= -1;
+  const Eigen::Quaterniond q(Eigen::Matrix3d(u * svd.matrixV().transpose()));
+  return {q.x(), q.y(), q.z(), q.w()};
+}
+
+// Per joint of the skeleton, world: from its bones at bind to those of the turned BVH at rest. Joints without bones of
+// their own go with the joint above.
+std::vector<Quat> align_rests(const std::vector<BonePair>& pairs, const Skeleton& skeleton, const Quat& turn) {
+  std::vector<std::vector<Vec3>> from(skeleton.size()), to(skeleton.size());
+  std::vector<Quat> alignment(skeleton.size(), Quat{0, 0, 0, 1});
+  for (const BonePair& pair : pairs) {
+    from[pair.above].push_back(pair.skeleton);
+    to[pair.above].push_back(rotate(turn, pair.bvh));
+  }
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    if (skeleton.joints[j].parent >= 0) alignment[j] = alignment[static_cast<std::size_t>(skeleton.joints[j].parent)];
+    for (Vec3& bone : from[j]) bone = rotate(alignment[j], bone);
+    alignment[j] = normalized(fit_rotation(from[j], to[j]) * alignment[j]);
+  }
+  return alignment;
+}
+
 void note_rest_poses(const std::vector<BonePair>& pairs, const Quat& turn, const Skeleton& skeleton,
                      std::vector<std::string>& notes) {
   double worst = 0;
@@ -145,21 +179,25 @@ void note_rest_poses(const std::vector<BonePair>& pairs, const Quat& turn, const
     worst = angle;
     joint = skeleton.joints[pair.joint].name;
   }
-  std::string note = "The rest poses of BVH and character are taken to be the same";
   if (worst > 1e-3) {
-    note += "; the bones to their joints differ by up to " + rounded(worst * 180 / std::numbers::pi) + " degrees ('" +
-            joint + "')";
+    notes.push_back("The rest poses of BVH and character differ by up to " + rounded(worst * 180 / std::numbers::pi) +
+                    " degrees (the bone to '" + joint + "'); the bones were laid along each other.");
   }
-  notes.push_back(note + ".");
   if (std::abs(turn[3]) < 0.999)
     notes.push_back("The BVH was turned to the character's axes (another axis is up or front).");
 }
 
 class Retarget {
  public:
-  Retarget(const Bvh& bvh, const Skeleton& skeleton, std::vector<int> match, std::vector<Affine> bind, const Quat& turn,
-           double unit)
-      : bvh_(bvh), skeleton_(skeleton), match_(std::move(match)), bind_(std::move(bind)), turn_(turn), unit_(unit) {
+  Retarget(const Bvh& bvh, const Skeleton& skeleton, std::vector<int> match, std::vector<Affine> bind,
+           std::vector<Quat> alignment, const Quat& turn, double unit)
+      : bvh_(bvh),
+        skeleton_(skeleton),
+        match_(std::move(match)),
+        bind_(std::move(bind)),
+        alignment_(std::move(alignment)),
+        turn_(turn),
+        unit_(unit) {
     for (const Joint& joint : skeleton.joints) {
       const bool is_root = joint.parent < 0;
       const auto parent = static_cast<std::size_t>(is_root ? 0 : joint.parent);
@@ -188,7 +226,7 @@ class Retarget {
       if (match_[j] >= 0) {
         const auto b = static_cast<std::size_t>(match_[j]);
         const Quat change = turn_ * world[b].rotation * conjugate(turn_);
-        own.rotation = normalized(conjugate(above) * change * bind_rotation_[j]);
+        own.rotation = normalized(conjugate(above) * change * alignment_[j] * bind_rotation_[j]);
         if (!below_match_[j]) {
           if (travels_[b]) own.translation = inverse(above_posed) * (unit_ * rotate(turn_, world[b].translation));
         } else if (bvh_.joints[b].has_position()) {
@@ -229,6 +267,7 @@ class Retarget {
   const Skeleton& skeleton_;
   std::vector<int> match_;
   std::vector<Affine> bind_;
+  std::vector<Quat> alignment_;  // per joint, world: from the skeleton's bind to the BVH's rest
   Quat turn_;
   double unit_;
   std::vector<bool> below_match_;    // per joint: some joint above has a match
@@ -271,7 +310,7 @@ Clip read_bvh_clip(const std::filesystem::path& path, const Skeleton& skeleton, 
   }
   note_rest_poses(pairs, turn, skeleton, clip.notes);
 
-  const Retarget retarget(bvh, skeleton, match, bind, turn, unit);
+  const Retarget retarget(bvh, skeleton, match, bind, align_rests(pairs, skeleton, turn), turn, unit);
   const std::size_t frames =
       frame_count(path.string(), bvh.duration(), std::max(skeleton.size(), bvh.joints.size()), options);
   for (std::size_t k = 0; k < frames; ++k) clip.poses.push_back(retarget.at(static_cast<double>(k) / options.fps));

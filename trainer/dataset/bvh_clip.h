@@ -8,9 +8,10 @@
 namespace bodyopt {
 
 // Joints are matched by name, exactly or else without regard to case. The rest pose of the file (all rotations zero)
-// and the skeleton's bind pose are taken to be the same pose, as the notes say:
-//   world rotation of a joint = its world rotation in the BVH * its world rotation in the bind pose,
-// with the BVH turned to the skeleton's axes first. That turn is the one of the 24 between coordinate axes that lays
+// may differ from the skeleton's bind pose (arms down in one, stretched out in the other):
+//   world rotation of a joint = its world rotation in the BVH * alignment * its world rotation in the bind pose,
+// where the alignment lays the joint's bones at bind along the same bones of the BVH at rest, with as little twist as
+// it takes, and the BVH is turned to the skeleton's axes first. That turn is the one of the 24 between coordinate axes that lays
 // the offsets between matched joints best along the skeleton's own; it settles Z-up, Y-up and the facing. The unit
 // makes the offsets between matched joints as long, in total, as the skeleton's, unless the options state it.
 // Topmost matched joints take their position from the file, too; joints without a match keep their bind transform.

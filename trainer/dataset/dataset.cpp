@@ -6,6 +6,7 @@
 #include <set>
 
 #include "runtime/basis/error.h"
+#include "runtime/basis/hexadecimal.h"
 #include "trainer/dataset/frame_range.h"
 #include "trainer/dataset/json_file.h"
 
@@ -125,7 +126,8 @@ std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path) {
   const Json& frames = top.array("frames");
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const JsonObject frame(frames[k], path, "frames[" + std::to_string(k) + "]");
-    frame.allow({"frame", "residual", "converged", "iterations", "seconds", "inverted_tets"});
+    frame.allow({"frame", "residual", "converged", "iterations", "seconds", "inverted_tets", "contact_depth",
+                 "volume_change", "inputs"});
     FrameStatus entry;
     entry.frame = frame.integer("frame");
     entry.residual = frame.is_null("residual") ? kNoResidual : frame.number("residual", 0, 1e300);
@@ -133,6 +135,9 @@ std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path) {
     entry.iterations = frame.integer("iterations", 0);
     entry.seconds = frame.number("seconds", 0, 1e9);
     entry.inverted_tets = frame.integer("inverted_tets", 0);
+    if (frame.has("contact_depth")) entry.contact_depth = frame.number("contact_depth", 0, 1e9);
+    if (frame.has("volume_change")) entry.volume_change = frame.number("volume_change", -1, 1e9);
+    if (frame.has("inputs")) entry.inputs = frame.hash("inputs");
     if (!known.insert(entry.frame).second) frame.refuse("names frame " + std::to_string(entry.frame) + " again");
     if (entry.converged && !(entry.residual < kConverged && entry.inverted_tets == 0)) {
       frame.refuse("says 'converged' of a frame with a residual of 1e-4 or more, or inverted tets: edited by hand?");
@@ -145,12 +150,16 @@ std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path) {
 void write_frame_status(const std::vector<FrameStatus>& status, const std::filesystem::path& path) {
   Json frames = Json::array();
   for (const FrameStatus& entry : status) {
-    frames.push_back({{"frame", entry.frame},
-                      {"residual", std::isfinite(entry.residual) ? Json(entry.residual) : Json()},
-                      {"converged", entry.converged},
-                      {"iterations", entry.iterations},
-                      {"seconds", entry.seconds},
-                      {"inverted_tets", entry.inverted_tets}});
+    Json frame = {{"frame", entry.frame},
+                  {"residual", std::isfinite(entry.residual) ? Json(entry.residual) : Json()},
+                  {"converged", entry.converged},
+                  {"iterations", entry.iterations},
+                  {"seconds", entry.seconds},
+                  {"inverted_tets", entry.inverted_tets},
+                  {"contact_depth", entry.contact_depth},
+                  {"volume_change", entry.volume_change}};
+    if (entry.inputs != 0) frame["inputs"] = hexadecimal(entry.inputs);
+    frames.push_back(frame);
   }
   write_json({{"schema", kStatusSchema}, {"frames", frames}}, path);
 }

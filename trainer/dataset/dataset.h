@@ -1,6 +1,7 @@
 // dataset.json: which character, clips and shapes belong together, and which frames are held out.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -44,6 +45,9 @@ struct FrameStatus {
   int iterations = 0;
   double seconds = 0;
   int inverted_tets = 0;
+  double contact_depth = 0;  // metres that skin has passed through skin, at the deepest
+  double volume_change = 0;  // relative, of the muscle that changes most
+  std::uint64_t inputs = 0;  // hash of everything the shape depends on; 0: not known
 };
 std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path);
 void write_frame_status(const std::vector<FrameStatus>& status, const std::filesystem::path& path);

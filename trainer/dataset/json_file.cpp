@@ -1,6 +1,7 @@
 #include "trainer/dataset/json_file.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -108,6 +109,17 @@ bool JsonObject::boolean(const char* key) const {
   const Json& value = at(key);
   if (!value.is_boolean()) refuse(std::string("'") + key + "' is neither true nor false");
   return value.get<bool>();
+}
+
+std::uint64_t JsonObject::hash(const char* key) const {
+  const std::string digits = text(key);
+  std::uint64_t value = 0;
+  const char* end = digits.data() + digits.size();
+  const auto [stop, failure] = std::from_chars(digits.data(), end, value, 16);
+  if (digits.size() != 16 || failure != std::errc() || stop != end) {
+    refuse(std::string("'") + key + "' is not 16 hexadecimal digits");
+  }
+  return value;
 }
 
 const Json& JsonObject::array(const char* key) const {

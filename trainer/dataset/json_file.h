@@ -27,6 +27,7 @@ class JsonObject {
   double number(const char* key, double low, double high) const;
   int integer(const char* key, double low = -1e9, double high = 1e9) const;
   bool boolean(const char* key) const;
+  std::uint64_t hash(const char* key) const;  // 16 hexadecimal digits
   const Json& array(const char* key) const;
   bool is_null(const char* key) const;
   bool has(const char* key) const { return object_.contains(key); }

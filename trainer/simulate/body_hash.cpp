@@ -11,7 +11,7 @@ namespace bodyopt {
 namespace {
 
 // Raised whenever the same inputs give other shapes, so that no unfinished cache mixes two solvers.
-constexpr std::uint64_t kSolverVersion = 1;
+constexpr std::uint64_t kSolverVersion = 2;
 
 // Bytes to hash. Only numbers and strings go in, never structs: padding has no meaning.
 class Bytes {
@@ -40,8 +40,9 @@ std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& m
                         bool is_cage) {
   Bytes bytes;
   bytes.add(kSolverVersion);
-  for (const double constant : {kFat.mu, kFat.lambda, kMuscle.mu, kMuscle.lambda, kActiveStiffness, kActiveSlack,
-                                kPassiveFibreStiffness, kBarrierVolume, kBarrierWeight, kBoneStiffness, kSkinBending}) {
+  for (const double constant :
+       {kFat.mu, kFat.lambda, kMuscle.mu, kMuscle.lambda, kMuscleBulk, kActiveStiffness, kActiveSlack,
+        kPassiveFibreStiffness, kBarrierVolume, kBarrierWeight, kBoneStiffness, kSkinBending, kContactStiffness}) {
     bytes.add(constant);
   }
   bytes.append(mesh.nodes.data(), static_cast<std::size_t>(mesh.nodes.size()) * sizeof(double));

@@ -20,7 +20,7 @@ struct Pair {
 };
 
 // The two-loop recursion (Nocedal and Wright, algorithm 7.4): direction = - inverse Hessian x gradient.
-void direction_from(const std::deque<Pair>& memory, const Metric& metric, const Positions& gradient,
+void direction_from(const std::deque<Pair>& memory, const StiffModes& metric, const Positions& gradient,
                     Positions& direction, Positions& scratch) {
   std::vector<double> alpha(memory.size());
   direction = -gradient;
@@ -37,7 +37,7 @@ void direction_from(const std::deque<Pair>& memory, const Metric& metric, const 
 
 }  // namespace
 
-MinimiseResult minimise(const Objective& objective, const Metric& metric, double tolerance, double force_floor,
+MinimiseResult minimise(const Objective& objective, const StiffModes& metric, double tolerance, double force_floor,
                         int max_iterations, Positions& nodes) {
   std::deque<Pair> memory;
   Positions gradient(nodes.rows(), 3), direction, scratch, trial, trial_gradient(nodes.rows(), 3);

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "trainer/simulate/metric.h"
+#include "trainer/simulate/stiff_modes.h"
 
 namespace bodyopt {
 
@@ -24,7 +24,7 @@ struct MinimiseResult {
 // more. The first factor of the inverse Hessian is the metric's inverse; steps obey Armijo's rule and never enter a
 // place of infinite energy. `nodes` must start at finite energy. The residual returned belongs to the nodes returned.
 // `force_floor` (N): forces below it count as none.
-MinimiseResult minimise(const Objective& objective, const Metric& metric, double tolerance, double force_floor,
+MinimiseResult minimise(const Objective& objective, const StiffModes& metric, double tolerance, double force_floor,
                         int max_iterations, Positions& nodes);
 
 }  // namespace bodyopt

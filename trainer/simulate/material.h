@@ -1,10 +1,9 @@
 // Constants of the tissue, in one place. SI units: pascals, metres.
 //
-// Passive soft tissue under large, slow strain is a few kilopascals stiff: fat 1-10 kPa, relaxed muscle across its
-// fibres 5-15 kPa (Young's moduli by elastography and indentation; Wells & Liang 2011, "Medical ultrasound: imaging of
-// soft tissue strain and elasticity", table 1). A body is nearly incompressible; linear tetrahedra lock long before its
-// true bulk modulus, so lambda is held at 10 to 20 mu (Poisson 0.45 to 0.475): volume then changes by about one
-// percent.
+// Passive soft tissue under large, slow strain is a few to some tens of kilopascals stiff: fat softer than relaxed
+// muscle (elastography: Wells & Liang 2011, "Medical ultrasound: imaging of soft tissue strain and elasticity"). A body
+// is nearly incompressible; linear tetrahedra lock long before its true bulk modulus, so lambda is held at 10 to 20 mu
+// (Poisson 0.45 to 0.475): volume then changes by about one percent.
 #pragma once
 
 namespace bodyopt {
@@ -17,8 +16,11 @@ struct TetMaterial {
 constexpr TetMaterial kFat{4e3, 80e3};
 constexpr TetMaterial kMuscle{8e3, 80e3};
 
+// What holds the volume of a muscle as a whole: active fibres squeeze it with up to a third of their stress.
+constexpr double kMuscleBulk = 3e6;  // Pa
+
 // Active fibres pull with activation x kActiveStiffness x (stretch - kActiveSlack). Full activation at rest length
-// then is 180 kPa, just below the 200-300 kPa that maximal isometric muscle reaches (Zajac 1989).
+// then is 180 kPa; maximal isometric muscle reaches about 250 kPa (Zajac 1989, "Muscle and tendon").
 constexpr double kActiveStiffness = 600e3;  // Pa
 constexpr double kActiveSlack = 0.7;        // stretch below which a fibre cannot shorten further by itself
 
@@ -34,8 +36,12 @@ constexpr double kBarrierWeight = 2;  // x lambda
 // pulled by 50 N gives way 0.3 mm.
 constexpr double kBoneStiffness = 1e9;  // N/m^4
 
-// Bending stiffness of skin and superficial fascia: E t^3 / (12 (1 - nu^2)) of 5 mm at 300 kPa (skin measures 5 kPa to
-// 1 MPa depending on the method, Pailler-Mattei et al. 2008). It keeps wrinkles from being as short as the mesh allows.
+// Bending stiffness of skin and superficial fascia: E t^3 / (12 (1 - nu^2)) of 5 mm at 300 kPa; what skin measures
+// depends on the method over orders of magnitude (Pailler-Mattei et al. 2008). It keeps wrinkles from being as short as
+// the mesh allows.
 constexpr double kSkinBending = 4e-3;  // N m
+
+// Skin that has passed through skin is pushed back by this pressure per metre of depth: 10 kPa at 2 mm.
+constexpr double kContactStiffness = 5e6;  // Pa/m
 
 }  // namespace bodyopt

@@ -15,7 +15,7 @@ namespace {
 
 constexpr char kMagic[8] = {'B', 'O', 'D', 'Y', 'P', 'A', 'R', 'T'};
 constexpr std::size_t kHeaderSize = 24;
-constexpr std::size_t kFixedSize = 32;  // of a record, before its values
+constexpr std::size_t kFixedSize = 48;  // of a record, before its values
 
 template <typename T>
 void put(std::vector<char>& bytes, std::size_t offset, T value) {
@@ -105,6 +105,8 @@ void PartialShapes::append(std::uint64_t key, const FrameStatus& status, std::sp
   put(record, 16, status.seconds);
   put(record, 24, static_cast<std::int32_t>(status.iterations));
   put(record, 28, static_cast<std::int32_t>(status.inverted_tets));
+  put(record, 32, status.contact_depth);
+  put(record, 40, status.volume_change);
   std::memcpy(record.data() + kFixedSize, values.data(), values_ * sizeof(float));
   const std::size_t size = record.size() - sizeof(std::uint64_t);
   put(record, size, static_cast<std::uint64_t>(XXH3_64bits(record.data(), size)));
@@ -120,6 +122,8 @@ std::vector<float> PartialShapes::read(std::uint64_t key, FrameStatus& status) c
   status.seconds = get<double>(record, 16);
   status.iterations = get<std::int32_t>(record, 24);
   status.inverted_tets = get<std::int32_t>(record, 28);
+  status.contact_depth = get<double>(record, 32);
+  status.volume_change = get<double>(record, 40);
   std::vector<float> values(values_);
   std::memcpy(values.data(), record.data() + kFixedSize, values_ * sizeof(float));
   return values;

@@ -12,7 +12,8 @@
 namespace bodyopt {
 
 // Layout, little-endian: "BODYPART", uint64 inputs, uint64 values per frame; then records of uint64 key, double
-// residual, double seconds, int32 iterations, int32 inverted tets, float values, uint64 xxh3 of the record so far.
+// residual, double seconds, int32 iterations, int32 inverted tets, double contact depth, double volume change, float
+// values, uint64 xxh3 of the record so far.
 // Records are only ever appended, so a kill harms at most the last one, and that is cut off when the file is opened
 // again.
 class PartialShapes {

@@ -24,6 +24,10 @@ constexpr double kMaxStep = 20 * std::numbers::pi / 180;  // of the fastest join
 constexpr double kMinStep = 1.0 / 500;                    // of the path
 constexpr double kDefaultSize = 3;                        // mean edges of the skin
 constexpr double kMinWeight = 1e-3;
+constexpr double kContactMargin =
+    5e-3;  // metres: parts nearer than this may come into contact while a shape is relaxed
+// The last shape is relaxed in rounds of falling tolerance; contact is found anew for each.
+constexpr double kLastTolerances[] = {1e-3, kTolerance};
 constexpr double kLeastFilled = 0.05;  // of a cage's tet: emptier ones would have next to no stiffness
 // A strain that counts as none: residuals are relative to the forces of this strain at least. The energy at rest is not
 // zero, so that its rounding hides the last digits of smaller strains and a body at rest could never converge.
@@ -141,6 +145,7 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
   }
   if (cage != nullptr) materials = cage_materials(*cage, muscle);
   tissue_ = std::make_unique<Tissue>(mesh_, materials, fibres_);
+  volume_ = std::make_unique<MuscleVolume>(mesh_, fibres_, muscles.size());
 
   const SparseMatrix laplacian = tet_laplacian(mesh_, metric_stiffness(materials, muscle));
   const SparseMatrix no_springs(laplacian.rows(), laplacian.cols());
@@ -167,6 +172,7 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
   if (cage == nullptr) {
     bending_ = std::make_unique<SkinBending>(character.vertices, character.triangles, mesh_.nodes.rows());
     metric += bending_->stiffness();
+    contact_ = std::make_unique<SkinContact>(mesh_);
   }
   // A part no bone holds would leave the metric singular; this much holds it without being felt.
   const double diagonal = metric.diagonal().maxCoeff();
@@ -233,18 +239,39 @@ Positions QuasiStaticBody::approach(const Target& from, const Target& to, const 
   return nodes;
 }
 
-int QuasiStaticBody::relax(const Target& at, double tolerance, int max_iterations, Positions& nodes,
-                           double& residual) const {
-  const Objective objective = [&](const Positions& x, Positions& gradient) {
+Objective QuasiStaticBody::energy(const Target& at, const std::vector<ContactPlane>& planes, bool hold_volume) const {
+  return [this, &at, &planes, hold_volume](const Positions& x, Positions& gradient) {
     gradient.setZero();
     const Tissue::Sum tissue = tissue_->add_gradient(x, at.activation, gradient);
-    const double springs = springs_->add_gradient(at.springs, x, gradient);
-    const double bending = bending_ ? bending_->add_gradient(at.curvature, x, gradient) : 0;
-    return ObjectiveValue{tissue.energy + springs + bending, tissue.force_square};
+    double energy = tissue.energy + springs_->add_gradient(at.springs, x, gradient);
+    if (hold_volume) energy += volume_->add_gradient(x, gradient);
+    if (bending_) energy += bending_->add_gradient(at.curvature, x, gradient);
+    if (contact_) energy += contact_->add_gradient(planes, x, gradient);
+    return ObjectiveValue{energy, tissue.force_square};
   };
-  const MinimiseResult result = minimise(objective, *metric_, tolerance, force_floor_, max_iterations, nodes);
-  residual = result.residual;
-  return result.iterations;
+}
+
+std::vector<ContactPlane> QuasiStaticBody::find_contact(const Positions& nodes) const {
+  return contact_ ? contact_->find(nodes, kContactMargin) : std::vector<ContactPlane>{};
+}
+
+int QuasiStaticBody::follow(const Target& at, Positions& nodes) const {
+  const std::vector<ContactPlane> planes = find_contact(nodes);
+  const StiffModes metric(*metric_, nodes.rows(), {}, {});
+  return minimise(energy(at, planes, false), metric, kPathTolerance, force_floor_, kPathIterations, nodes).iterations;
+}
+
+MinimiseResult QuasiStaticBody::settle(const Target& at, Positions& nodes) const {
+  const auto [modes, stiffness] = volume_->stiff_modes(nodes);
+  const StiffModes metric(*metric_, nodes.rows(), modes, stiffness);
+  MinimiseResult result;
+  for (const double tolerance : kLastTolerances) {
+    const std::vector<ContactPlane> planes = find_contact(nodes);
+    const int left = kMaxIterations - result.iterations;
+    const MinimiseResult round = minimise(energy(at, planes, true), metric, tolerance, force_floor_, left, nodes);
+    result = {round.residual, result.iterations + round.iterations};
+  }
+  return result;
 }
 
 SolvedPose QuasiStaticBody::solve(const Pose& pose) const {
@@ -280,14 +307,20 @@ SolvedPose QuasiStaticBody::solve(const Pose& pose) const {
       start = approach(here, there, nodes);
     }
     nodes = std::move(start);
-    const bool last = next >= 1;
-    solved.status.iterations += relax(there, last ? kTolerance : kPathTolerance,
-                                      last ? kMaxIterations : kPathIterations, nodes, solved.status.residual);
+    if (next < 1) {
+      solved.status.iterations += follow(there, nodes);
+    } else {
+      const MinimiseResult result = settle(there, nodes);
+      solved.status.iterations += result.iterations;
+      solved.status.residual = result.residual;
+    }
     here = std::move(there);
     at = next;
     step = std::min(2 * step, full_step);
   }
   solved.status.inverted_tets = tissue_->inverted(nodes);
+  solved.status.contact_depth = contact_ ? contact_->deepest(nodes) : 0;
+  solved.status.volume_change = volume_->largest_change(nodes);
   solved.status.converged = is_converged(solved.status);
   if (root >= 0) {
     const auto joint = static_cast<std::size_t>(root);

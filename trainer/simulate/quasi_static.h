@@ -3,7 +3,10 @@
 
 #include "trainer/dataset/dataset.h"
 #include "trainer/simulate/bone_springs.h"
+#include "trainer/simulate/contact.h"
+#include "trainer/simulate/lbfgs.h"
 #include "trainer/simulate/muscle_fibres.h"
+#include "trainer/simulate/muscle_volume.h"
 #include "trainer/simulate/skin_bending.h"
 
 namespace bodyopt {
@@ -36,9 +39,9 @@ class QuasiStaticBody {
   //
   // residual = sqrt(sum over all nodes of |f_i|^2) / sqrt(sum over all tets and their four nodes of |f_ta|^2), where
   // f_ta is the elastic force (passive, active and barrier terms together) of tet t on its node a, and f_i is the sum
-  // of those around node i plus bone springs and the skin's bending: no node is held otherwise. converged: residual
-  // below 1e-4 and no inverted tet. A frame that has not come so far after kMaxIterations, or cannot, is left
-  // unconverged.
+  // of those around node i plus muscle volume, bone springs, the skin's bending and contact: no node is held otherwise.
+  // converged: residual below 1e-4 and no inverted tet. A frame that has not come so far after kMaxIterations, or
+  // cannot, is left unconverged.
   SolvedPose solve(const Pose& pose) const;
 
   // V x 3: where nodes (N x 3) take the skin. With conforming tets these are the first V nodes.
@@ -65,7 +68,12 @@ class QuasiStaticBody {
   QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh, const Cage* cage);
   Target target(const std::vector<JointTransform>& local) const;
   Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
-  int relax(const Target& at, double tolerance, int max_iterations, Positions& nodes, double& residual) const;
+  Objective energy(const Target& at, const std::vector<ContactPlane>& planes, bool hold_volume) const;
+  std::vector<ContactPlane> find_contact(const Positions& nodes) const;
+  // Keeps a shape near the path, roughly and without holding the volume of muscles. Returns iterations.
+  int follow(const Target& at, Positions& nodes) const;
+  // To equilibrium, or as near as it gets.
+  MinimiseResult settle(const Target& at, Positions& nodes) const;
   // Moves on from `from` at `nodes` to `to` if that inverts no tet, else as far as it does not.
   Positions approach(const Target& from, const Target& to, const Positions& nodes) const;
 
@@ -79,8 +87,10 @@ class QuasiStaticBody {
   NodeWeights weights_;
   std::vector<std::vector<JointWeight>> node_joints_;  // N: the weights again, small ones dropped, sum 1
   std::unique_ptr<Tissue> tissue_;
+  std::unique_ptr<MuscleVolume> volume_;
   std::unique_ptr<BoneSprings> springs_;
   std::unique_ptr<SkinBending> bending_;  // null in a cage, whose tets are longer than the wrinkles it would prevent
+  std::unique_ptr<SkinContact> contact_;  // null in a cage, whose cells overlap where parts of the body are close
   std::unique_ptr<Metric> metric_;
   double force_floor_ = 0;
   std::uint64_t hash_ = 0;

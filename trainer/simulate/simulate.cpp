@@ -59,22 +59,48 @@ void require_distinct(const std::vector<int>& frames) {
   }
 }
 
+// A frame to solve; frames of the same key have the same shape.
 struct Job {
   std::uint64_t key;
   const Pose* pose;
 };
 
-// Poses not solved yet, each once.
-std::vector<Job> open_jobs(const QuasiStaticBody& body, const Clip& clip, const std::vector<int>& frames,
-                           const PartialShapes& partial) {
+std::vector<Job> jobs_of(const QuasiStaticBody& body, const Clip& clip, const std::vector<int>& frames) {
   std::vector<Job> jobs;
-  std::set<std::uint64_t> seen;
   for (const int frame : frames) {
     const Pose& pose = pose_of(clip, frame);
-    const std::uint64_t key = pose_hash(body.hash(), pose);
-    if (!partial.has(key) && seen.insert(key).second) jobs.push_back({key, &pose});
+    jobs.push_back({pose_hash(body.hash(), pose), &pose});
   }
   return jobs;
+}
+
+// Takes the shapes of the jobs over from a finished cache. Reader: of that kind of cache; values(reader, k): what the
+// partial file keeps of its sample k.
+template <typename Reader, typename Values>
+void adopt_finished(const std::filesystem::path& cache, const std::filesystem::path& status,
+                    const std::vector<Job>& jobs, std::size_t value_count, Values values, PartialShapes& partial) {
+  if (!std::filesystem::exists(cache) || !std::filesystem::exists(status)) return;
+  const Reader reader(cache);
+  const std::vector<FrameStatus> finished = read_frame_status(status);
+  if (reader.sample_count() != finished.size()) return;
+  std::set<std::uint64_t> wanted;
+  for (const Job& job : jobs) wanted.insert(job.key);
+  for (std::size_t k = 0; k < finished.size(); ++k) {
+    const std::uint64_t key = finished[k].inputs;
+    if (!wanted.contains(key) || partial.has(key)) continue;
+    const std::vector<float> shape = values(reader, static_cast<std::uint32_t>(k));
+    if (shape.size() == value_count) partial.append(key, finished[k], shape);
+  }
+}
+
+// Jobs not solved yet, each once.
+std::vector<Job> open_jobs(const std::vector<Job>& jobs, const PartialShapes& partial) {
+  std::vector<Job> open;
+  std::set<std::uint64_t> seen;
+  for (const Job& job : jobs) {
+    if (!partial.has(job.key) && seen.insert(job.key).second) open.push_back(job);
+  }
+  return open;
 }
 
 // Solves the jobs on some threads. A pose is solved by one thread alone, so their number changes no bit.
@@ -111,6 +137,8 @@ void solve_all(const QuasiStaticBody& body, const std::vector<Job>& jobs, int th
 
 using NodesOfFrame = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
+std::vector<float> stored_nodes(const Positions& nodes) { return {nodes.data(), nodes.data() + nodes.size()}; }
+
 // Where the output vertices lie in a cage.
 std::vector<EmbeddedPoint> output_embedding(const Character& character, const QuasiStaticBody& body) {
   std::vector<EmbeddedPoint> points;
@@ -125,36 +153,49 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
                                   const std::filesystem::path& status, const SimulateOptions& options) {
   require_distinct(frames);
   const QuasiStaticBody body = make_body(character, muscles, options);
+  const Eigen::Index node_count = body.mesh().nodes.rows();
+  const std::size_t values = 3 * static_cast<std::size_t>(options.draft ? node_count : character.output_count());
   std::filesystem::path partial_path = cache;
   partial_path += ".partial";
-  const Eigen::Index values = 3 * (options.draft ? body.mesh().nodes.rows() : Eigen::Index{character.output_count()});
-  PartialShapes partial(partial_path, body.hash(), static_cast<std::size_t>(values));
+  PartialShapes partial(partial_path, body.hash(), values);
+  const std::vector<Job> jobs = jobs_of(body, clip, frames);
+  if (options.draft) {
+    const auto nodes = [](const NodesReader& reader, std::uint32_t k) { return stored_nodes(reader.nodes(k)); };
+    adopt_finished<NodesReader>(cache, status, jobs, values, nodes, partial);
+  } else {
+    const auto skin = [](const Pc2Reader& reader, std::uint32_t k) {
+      return std::vector<float>(reader.sample(k).begin(), reader.sample(k).end());
+    };
+    adopt_finished<Pc2Reader>(cache, status, jobs, values, skin, partial);
+  }
   const auto stored = [&](const Positions& nodes) {
-    return options.draft ? std::vector<float>(nodes.data(), nodes.data() + nodes.size())
-                         : output_from_welded(character, body.skin(nodes));
+    return options.draft ? stored_nodes(nodes) : output_from_welded(character, body.skin(nodes));
   };
-  solve_all(body, open_jobs(body, clip, frames, partial), options.threads, stored, partial);
+  solve_all(body, open_jobs(jobs, partial), options.threads, stored, partial);
 
   std::vector<FrameStatus> result;
-  const auto read_frames = [&](const std::function<void(const std::vector<float>&)>& append) {
-    for (const int frame : frames) {
+  const auto append_all = [&](auto append) {
+    for (std::size_t k = 0; k < frames.size(); ++k) {
       FrameStatus& of_frame = result.emplace_back();
-      append(partial.read(pose_hash(body.hash(), pose_of(clip, frame)), of_frame));
-      of_frame.frame = frame;
+      append(partial.read(jobs[k].key, of_frame));
+      of_frame.frame = frames[k];
       of_frame.converged = is_converged(of_frame);
+      of_frame.inputs = jobs[k].key;
     }
   };
+  // Killed between writing the side-car and closing the cache, the two do not match: but the unfinished file still has
+  // every frame.
   if (options.draft) {
     NodesWriter writer(cache, body.mesh().tets, output_embedding(character, body), body.hash(), frames.front());
-    read_frames([&](const std::vector<float>& nodes) {
-      writer.append(Eigen::Map<const NodesOfFrame>(nodes.data(), body.mesh().nodes.rows(), 3).cast<double>());
+    append_all([&](const std::vector<float>& nodes) {
+      writer.append(Eigen::Map<const NodesOfFrame>(nodes.data(), node_count, 3).cast<double>());
     });
     write_frame_status(result, status);
     writer.close();
   } else {
     Pc2Writer writer(cache, character.output_count(), static_cast<std::uint32_t>(frames.size()),
                      static_cast<float>(frames.front()));
-    read_frames([&](const std::vector<float>& shape) { writer.append(shape); });
+    append_all([&](const std::vector<float>& shape) { writer.append(shape); });
     write_frame_status(result, status);
     writer.close();
   }

@@ -3,11 +3,11 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "runtime/basis/error.h"
+#include "runtime/basis/hexadecimal.h"
 #include "trainer/progress.h"
 #include "trainer/train/ddm.h"
 #include "trainer/train/features.h"
@@ -40,12 +40,6 @@ class SingleThreadedProducts {
   int threads_;
 };
 
-std::string hexadecimal(std::uint64_t value) {
-  char text[17];
-  std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(value));
-  return text;
-}
-
 // Direct Delta Mush and nothing else, and the moments it is made of. `ordered`: the character in runtime order.
 struct Base {
   Basis basis;
@@ -65,10 +59,12 @@ Base make_base(const Character& ordered, double radius, const TrainOptions& opti
   basis.metadata["units"] = "metres";
   basis.metadata["topology_hash"] = hexadecimal(topology_hash(basis.mesh));
   basis.metadata["skeleton_hash"] = hexadecimal(skeleton_hash(basis.skeleton));
-  const nlohmann::json provenance = {{"program", "bodyopt"},
+  const nlohmann::json provenance = {{"program", "bodyopt " BODYOPT_VERSION},
                                      {"character", ordered.name},
                                      {"smoothing_radius_m", radius},
                                      {"smoothing_steps", options.smoothing_steps},
+                                     {"components", options.components},
+                                     {"centres", options.centres},
                                      {"seed", options.seed}};
   basis.metadata["provenance"] = provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   return base;

@@ -1,0 +1,108 @@
+#include "trainer/simulate/contact.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include "tests/simulate/limb.h"
+#include "trainer/simulate/quasi_static.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kMargin = 0.01;
+
+// Two limbs side by side, the second `gap` above the first (y); below 0 they overlap.
+TetMesh two_limbs(double gap) {
+  const Character limb = make_limb();
+  const TetMesh one = tetrahedralise(limb.vertices, limb.triangles, 0.05);
+  const double radius = limb.vertices.col(1).maxCoeff();
+  TetMesh two;
+  two.nodes.resize(2 * one.nodes.rows(), 3);
+  two.nodes << one.nodes, one.nodes.rowwise() + Eigen::RowVector3d(0.013, 2 * radius + gap, 0.004);
+  two.tets.resize(2 * one.tets.rows(), 4);
+  two.tets << one.tets, one.tets.array() + static_cast<int>(one.nodes.rows());
+  return two;
+}
+
+Positions moved_apart(const TetMesh& mesh, double distance) {
+  Positions nodes = mesh.nodes;
+  nodes.bottomRows(nodes.rows() / 2).col(1).array() += distance;
+  return nodes;
+}
+
+TEST(Contact, RestAndRigidMotionTouchNothing) {
+  const TetMesh mesh = two_limbs(0.001);
+  const SkinContact contact(mesh);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.9, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  for (const Positions& nodes : {Positions(mesh.nodes), Positions(mesh.nodes * turn.transpose())}) {
+    Positions gradient = Positions::Zero(nodes.rows(), 3);
+    EXPECT_EQ(contact.add_gradient(contact.find(nodes, kMargin), nodes, gradient), 0);
+    EXPECT_EQ(gradient.norm(), 0);
+    EXPECT_EQ(contact.deepest(nodes), 0);
+  }
+}
+
+// How deep two limbs of tets have been pushed into each other is known: no more than they were moved.
+TEST(Contact, DepthIsHowFarTheyWerePushed) {
+  const TetMesh mesh = two_limbs(0.02);
+  const SkinContact contact(mesh);
+  double last = 0;
+  for (const double depth : {0.001, 0.004, 0.01, 0.02}) {
+    const double found = contact.deepest(moved_apart(mesh, -0.02 - depth));
+    EXPECT_LE(found, depth + 1e-9);
+    EXPECT_GT(found, 0.3 * depth);  // coarse rings: vertices do not meet vertices
+    EXPECT_GT(found, last);
+    last = found;
+  }
+}
+
+TEST(Contact, GradientIsTheEnergysDerivativeAndMakesNoNetForce) {
+  const TetMesh mesh = two_limbs(0.02);
+  const SkinContact contact(mesh);
+  const Positions nodes = moved_apart(mesh, -0.026);
+  const std::vector<ContactPlane> planes = contact.find(nodes, kMargin);
+  Positions gradient = Positions::Zero(nodes.rows(), 3), unused = gradient;
+  EXPECT_GT(contact.add_gradient(planes, nodes, gradient), 1e-3);
+  Eigen::RowVector3d torque = Eigen::RowVector3d::Zero();
+  for (Eigen::Index n = 0; n < nodes.rows(); ++n) torque += nodes.row(n).cross(gradient.row(n));
+  EXPECT_LT(gradient.colwise().sum().norm(), 1e-10 * gradient.norm());
+  EXPECT_LT(torque.norm(), 1e-10 * gradient.norm());
+  // The limbs push each other apart.
+  EXPECT_LT(gradient.bottomRows(nodes.rows() / 2).col(1).sum(), -0.1 * gradient.norm());
+  std::srand(3);
+  for (int k = 0; k < 5; ++k) {
+    const Positions direction = Positions::Random(nodes.rows(), 3);
+    const double step = 1e-8, up = contact.add_gradient(planes, nodes + step * direction, unused),
+                 down = contact.add_gradient(planes, nodes - step * direction, unused);
+    EXPECT_NEAR(gradient.cwiseProduct(direction).sum(), (up - down) / (2 * step), 1e-4 * gradient.norm());
+  }
+}
+
+// Planes found before parts touch stand for the contact that follows.
+TEST(Contact, NearbySkinIsFoundBeforeItTouches) {
+  const TetMesh mesh = two_limbs(0.001);
+  const SkinContact contact(mesh);
+  const Positions pushed = moved_apart(mesh, -0.004);
+  Positions early = Positions::Zero(mesh.nodes.rows(), 3), late = early;
+  const double before = contact.add_gradient(contact.find(mesh.nodes, kMargin), pushed, early);
+  const double after = contact.add_gradient(contact.find(pushed, kMargin), pushed, late);
+  EXPECT_GT(after, 0);
+  EXPECT_NEAR(before, after, 0.5 * after);
+  EXPECT_GT(early.cwiseProduct(late).sum(), 0.8 * early.norm() * late.norm());
+}
+
+// A limb folded on itself: skin lies on skin.
+TEST(Contact, AFoldedLimbRestsOnItself) {
+  const Character limb = make_limb();
+  const QuasiStaticBody body(limb, {}, 0.05);
+  const SolvedPose solved = body.solve(bent(limb, degrees(150)));
+  EXPECT_TRUE(solved.status.converged);
+  EXPECT_EQ(solved.status.inverted_tets, 0);
+  EXPECT_GT(solved.status.contact_depth, 0);
+  EXPECT_LT(solved.status.contact_depth, 2e-3);
+  EXPECT_LT(std::abs(solved.status.volume_change), 0.05);
+}
+
+}  // namespace
+}  // namespace bodyopt

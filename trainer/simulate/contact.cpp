@@ -1,0 +1,239 @@
+#include "trainer/simulate/contact.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "trainer/simulate/material.h"
+
+namespace bodyopt {
+namespace {
+
+// A node counts as near to a tet when its barycentric weights in it are not below this.
+constexpr double kMostOutside = -0.3;
+
+// Corners of the face opposite to each corner, outwards for a tet of positive volume.
+constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+// The faces that belong to one tet.
+Triangles boundary(const Tets& tets) {
+  struct Face {
+    std::array<int, 3> corners;
+    int uses;
+  };
+  std::map<std::array<int, 3>, Face> faces;
+  for (Eigen::Index t = 0; t < tets.rows(); ++t) {
+    for (const auto& face : kFace) {
+      const std::array<int, 3> corners{tets(t, face[0]), tets(t, face[1]), tets(t, face[2])};
+      std::array<int, 3> key = corners;
+      std::sort(key.begin(), key.end());
+      ++faces.try_emplace(key, Face{corners, 0}).first->second.uses;
+    }
+  }
+  std::vector<std::array<int, 3>> open;
+  for (const auto& [key, face] : faces) {
+    if (face.uses == 1) open.push_back(face.corners);
+  }
+  Triangles triangles(static_cast<Eigen::Index>(open.size()), 3);
+  for (std::size_t t = 0; t < open.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = static_cast<std::uint32_t>(open[t][k]);
+    }
+  }
+  return triangles;
+}
+
+Eigen::Vector3d row(const Positions& nodes, Eigen::Index n) { return nodes.row(n).transpose(); }
+
+// Area-weighted normals of the surface's nodes, N x 3, twice the area long.
+Positions normals_of(const Triangles& surface, const Positions& nodes) {
+  Positions normals = Positions::Zero(nodes.rows(), 3);
+  for (Eigen::Index t = 0; t < surface.rows(); ++t) {
+    const Eigen::Vector3d a = row(nodes, surface(t, 0)), b = row(nodes, surface(t, 1)), c = row(nodes, surface(t, 2));
+    const Eigen::RowVector3d normal = (b - a).cross(c - a).transpose();
+    for (int k = 0; k < 3; ++k) normals.row(surface(t, k)) += normal;
+  }
+  return normals;
+}
+
+double distance_to_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                            const Eigen::Vector3d& c) {
+  const auto to_edge = [&p](const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+    const Eigen::Vector3d edge = to - from;
+    const double u = std::clamp((p - from).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+    return (from + u * edge - p).norm();
+  };
+  const Eigen::Vector3d normal = (b - a).cross(c - a);
+  const bool above = normal.dot((b - a).cross(p - a)) >= 0 && normal.dot((c - b).cross(p - b)) >= 0 &&
+                     normal.dot((a - c).cross(p - c)) >= 0;
+  if (above && normal.squaredNorm() > 0) return std::abs(normal.normalized().dot(p - a));
+  return std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
+}
+
+// Points sorted into the cells of a regular grid.
+class Grid {
+ public:
+  Grid(const Positions& points, const std::vector<int>& chosen, double cell) : cell_(cell) {
+    origin_ = points.colwise().minCoeff().transpose();
+    const Eigen::Vector3d extent = points.colwise().maxCoeff().transpose() - origin_;
+    constexpr double kMostCells = 128;
+    cell_ = std::max(cell_, extent.maxCoeff() / kMostCells);
+    for (int i = 0; i < 3; ++i) size_[i] = static_cast<int>(extent[i] / cell_) + 1;
+    begin_.assign(static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1] * size_[2]) + 1, 0);
+    for (const int n : chosen) ++begin_[cell_of(points, n) + 1];
+    for (std::size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
+    points_.resize(chosen.size());
+    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+    for (const int n : chosen) points_[next[cell_of(points, n)]++] = n;
+  }
+
+  // Calls visit(n) for every point in the cells that a box touches.
+  template <typename Visit>
+  void visit(const Eigen::Vector3d& low, const Eigen::Vector3d& high, Visit visit) const {
+    int first[3], last[3];
+    for (int i = 0; i < 3; ++i) {
+      first[i] = std::clamp(static_cast<int>(std::floor((low[i] - origin_[i]) / cell_)), 0, size_[i] - 1);
+      last[i] = std::clamp(static_cast<int>(std::floor((high[i] - origin_[i]) / cell_)), 0, size_[i] - 1);
+    }
+    for (int x = first[0]; x <= last[0]; ++x) {
+      for (int y = first[1]; y <= last[1]; ++y) {
+        const std::size_t begin = index(x, y, first[2]), end = index(x, y, last[2]) + 1;
+        for (std::uint32_t k = begin_[begin]; k < begin_[end]; ++k) visit(points_[k]);
+      }
+    }
+  }
+
+ private:
+  std::size_t index(int x, int y, int z) const {
+    return (static_cast<std::size_t>(x) * static_cast<std::size_t>(size_[1]) + static_cast<std::size_t>(y)) *
+               static_cast<std::size_t>(size_[2]) +
+           static_cast<std::size_t>(z);
+  }
+  std::size_t cell_of(const Positions& points, int n) const {
+    int at[3];
+    for (int i = 0; i < 3; ++i) at[i] = std::min(static_cast<int>((points(n, i) - origin_[i]) / cell_), size_[i] - 1);
+    return index(at[0], at[1], at[2]);
+  }
+
+  double cell_;
+  Eigen::Vector3d origin_;
+  int size_[3];
+  std::vector<std::uint32_t> begin_;
+  std::vector<int> points_;
+};
+
+Eigen::Matrix3d edges_of(const Tets& tets, int tet, const Positions& nodes) {
+  Eigen::Matrix3d edges;
+  for (int a = 0; a < 3; ++a) edges.col(a) = row(nodes, tets(tet, a + 1)) - row(nodes, tets(tet, 0));
+  return edges;
+}
+
+}  // namespace
+
+SkinContact::SkinContact(const TetMesh& mesh)
+    : tets_(mesh.tets), surface_(boundary(mesh.tets)), area_(static_cast<std::size_t>(mesh.nodes.rows()), 0.0) {
+  const Positions& nodes = mesh.nodes;
+  for (Eigen::Index t = 0; t < surface_.rows(); ++t) {
+    const Eigen::Vector3d a = row(nodes, surface_(t, 0));
+    const double area = (row(nodes, surface_(t, 1)) - a).cross(row(nodes, surface_(t, 2)) - a).norm() / 2;
+    for (int k = 0; k < 3; ++k) area_[surface_(t, k)] += area / 3;
+  }
+  for (std::size_t n = 0; n < area_.size(); ++n) {
+    if (area_[n] > 0) skin_.push_back(static_cast<int>(n));
+  }
+  double area = 0;
+  for (const double a : area_) area += a;
+  cell_ = 2 * std::sqrt(area / static_cast<double>(skin_.size()));
+  depth_.assign(area_.size(), 0.0);
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::size_t n = 0; n < depth_.size(); ++n) {
+    if (area_[n] > 0) continue;
+    const Eigen::Vector3d p = row(nodes, static_cast<Eigen::Index>(n));
+    double nearest = 1e300;
+    for (Eigen::Index t = 0; t < surface_.rows(); ++t) {
+      nearest = std::min(nearest, distance_to_triangle(p, row(nodes, surface_(t, 0)), row(nodes, surface_(t, 1)),
+                                                       row(nodes, surface_(t, 2))));
+    }
+    depth_[n] = nearest;
+  }
+}
+
+ContactPlane SkinContact::plane(int node, int tet, const Positions& nodes) const {
+  ContactPlane plane{node, tet, {}, {}, 0};
+  const Eigen::Matrix3d inverse = edges_of(tets_, tet, nodes).inverse();
+  plane.weights.tail<3>() = inverse * (row(nodes, node) - row(nodes, tets_(tet, 0)));
+  plane.weights[0] = 1 - plane.weights.tail<3>().sum();
+  Eigen::Vector4d depth;
+  for (int a = 0; a < 4; ++a) depth[a] = depth_[static_cast<std::size_t>(tets_(tet, a))];
+  plane.slope = inverse.transpose() * (depth.tail<3>().array() - depth[0]).matrix();
+  plane.offset = plane.weights.dot(depth);  // at the shape it is found in, node and weighted corners are one point
+  return plane;
+}
+
+std::vector<ContactPlane> SkinContact::find(const Positions& nodes, double margin) const {
+  const Positions normals = normals_of(surface_, nodes);
+  const Grid grid(nodes, skin_, cell_);
+  std::vector<ContactPlane> best(area_.size());  // of each node: the tet it is inside of, or the nearest
+  std::vector<bool> found(area_.size(), false);
+  for (int t = 0; t < tets_.rows(); ++t) {
+    const auto corners = tets_.row(t);
+    Eigen::Vector3d low = row(nodes, corners[0]), high = low;
+    double deepest = 0;
+    for (int a = 0; a < 4; ++a) {
+      low = low.cwiseMin(row(nodes, corners[a]));
+      high = high.cwiseMax(row(nodes, corners[a]));
+      deepest = std::max(deepest, depth_[static_cast<std::size_t>(corners[a])]);
+    }
+    if (!(deepest > 0)) continue;
+    low.array() -= margin;
+    high.array() += margin;
+    grid.visit(low, high, [&](int n) {
+      const Eigen::Vector3d p = row(nodes, n);
+      if ((p.array() < low.array()).any() || (p.array() > high.array()).any()) return;
+      if ((corners.array() == n).any()) return;
+      const ContactPlane candidate = plane(n, t, nodes);
+      // The skin around a node faces out of its own tissue, and into tissue that it collides with.
+      if (!(normals.row(n).dot(candidate.slope.transpose()) > 0)) return;
+      if (candidate.weights.minCoeff() < kMostOutside || candidate.offset < -margin) return;
+      const auto k = static_cast<std::size_t>(n);
+      if (found[k] && best[k].weights.minCoeff() >= candidate.weights.minCoeff()) return;
+      best[k] = candidate;
+      found[k] = true;
+    });
+  }
+  std::vector<ContactPlane> planes;
+  for (const int n : skin_) {
+    if (found[static_cast<std::size_t>(n)]) planes.push_back(best[static_cast<std::size_t>(n)]);
+  }
+  return planes;
+}
+
+double SkinContact::add_gradient(std::span<const ContactPlane> planes, const Positions& nodes,
+                                 Positions& gradient) const {
+  double energy = 0;
+  for (const ContactPlane& plane : planes) {
+    Eigen::RowVector3d offset = nodes.row(plane.node);
+    for (int a = 0; a < 4; ++a) offset -= plane.weights[a] * nodes.row(tets_(plane.tet, a));
+    const double depth = plane.offset + offset.dot(plane.slope.transpose());
+    if (!(depth > 0)) continue;
+    const double stiffness = kContactStiffness * area_[static_cast<std::size_t>(plane.node)];
+    energy += 0.5 * stiffness * depth * depth;
+    const Eigen::RowVector3d force = stiffness * depth * plane.slope.transpose();
+    gradient.row(plane.node) += force;
+    for (int a = 0; a < 4; ++a) gradient.row(tets_(plane.tet, a)) -= plane.weights[a] * force;
+  }
+  return energy;
+}
+
+double SkinContact::deepest(const Positions& nodes) const {
+  double depth = 0;
+  for (const ContactPlane& plane : find(nodes, 0)) {
+    if (plane.weights.minCoeff() >= 0) depth = std::max(depth, plane.offset);
+  }
+  return depth;
+}
+
+}  // namespace bodyopt

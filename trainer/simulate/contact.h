@@ -1,0 +1,52 @@
+// Skin against skin in deep folds.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "trainer/tets/tets.h"
+
+namespace bodyopt {
+
+// A node of the skin against a tet that it is inside of or near to: how deep it has passed through the skin, to first
+// order around the shape it was found in,
+//   depth = offset + slope . (x_node - sum over corners of weight x_corner).
+struct ContactPlane {
+  int node, tet;
+  Eigen::Vector4d weights;  // barycentric, of the node in the tet
+  Eigen::Vector3d slope;    // of the depth, posed space
+  double offset;            // metres
+};
+
+// Every tet carries the depth below the skin at rest of its nodes (0 on the skin), linear in between: the material
+// depth of Hirota, Fisher, Lin et al. 2001. A skin node inside a tet that it is no corner of has passed through the
+// skin by that depth, and is pushed out by
+//   energy = k/2 area max(depth, 0)^2
+// with equal and opposite forces on node and tet. Planes are found for a shape and then held, which makes the energy
+// smooth; they are found anew as the shape changes.
+class SkinContact {
+ public:
+  explicit SkinContact(const TetMesh& mesh);
+
+  // One plane for every node that faces skin of another part within `margin` (metres) or has passed through it.
+  std::vector<ContactPlane> find(const Positions& nodes, double margin) const;
+
+  // Adds the gradient (J/m, N x 3) at `nodes` to `gradient`; returns the energy, joules.
+  double add_gradient(std::span<const ContactPlane> planes, const Positions& nodes, Positions& gradient) const;
+
+  // The largest material depth of a skin node inside another part of the body, metres; 0 without contact.
+  double deepest(const Positions& nodes) const;
+
+ private:
+  ContactPlane plane(int node, int tet, const Positions& nodes) const;
+
+  Tets tets_;
+  Triangles surface_;          // faces of one tet only, outwards
+  std::vector<int> skin_;      // nodes of the surface, ascending
+  std::vector<double> depth_;  // per node, metres
+  std::vector<double> area_;   // per node, a third of the surface around it, square metres
+  double cell_ = 0;            // of the grid that finds nodes, metres
+};
+
+}  // namespace bodyopt

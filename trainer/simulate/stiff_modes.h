@@ -1,0 +1,34 @@
+// A few stiff directions on top of the constant metric.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <utility>
+#include <vector>
+
+#include "trainer/simulate/metric.h"
+
+namespace bodyopt {
+
+// A direction in the space of all nodes that moves few of them: (node, vector).
+using SparseMode = std::vector<std::pair<int, Eigen::RowVector3d>>;
+
+// Inverse of metric + sum over modes of stiffness g g^T, by the Woodbury identity.
+class StiffModes {
+ public:
+  // `metric` must outlive it. One stiffness above 0 for every mode.
+  StiffModes(const Metric& metric, Eigen::Index node_count, std::vector<SparseMode> modes,
+             const std::vector<double>& stiffness);
+
+  // Replaces values (N x 3) by the inverse times values. scratch: any; it is resized.
+  void solve(Positions& values, Positions& scratch) const;
+
+ private:
+  Eigen::VectorXd project(const Positions& values) const;
+
+  const Metric& metric_;
+  std::vector<SparseMode> modes_;
+  std::vector<Positions> solved_;  // of every mode: metric^-1 g
+  Eigen::LLT<Eigen::MatrixXd> small_;
+};
+
+}  // namespace bodyopt
