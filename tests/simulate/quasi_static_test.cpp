@@ -103,6 +103,7 @@ TEST_F(QuasiStatic, TheReportedResidualIsTheForceLeftOver) {
   const Tissue::Sum sum = tissue.add_gradient(solved.nodes, activations({make_flexor()}, skinning), gradient);
   springs.add_gradient(springs.pose(skinning), solved.nodes, gradient);
   bending.add_gradient(bending.curvature(rotation), solved.nodes, gradient);
+  MuscleVolume(body_->mesh(), body_->fibres(), 1).add_gradient(solved.nodes, gradient);
   EXPECT_NEAR(gradient.norm() / std::sqrt(sum.force_square), solved.status.residual, 0.01 * solved.status.residual);
 }
 

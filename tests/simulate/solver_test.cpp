@@ -49,6 +49,28 @@ TEST(Metric, LaplacianHasLinearPrecision) {
   EXPECT_GT(flux.topRows(limb.vertices.rows()).norm(), 1e-3);
 }
 
+// The Woodbury identity against a dense factor of the whole matrix.
+TEST(StiffModes, SolvesLikeADenseFactorWithTheModes) {
+  const SparseMatrix matrix = random_definite(30, 8);
+  const std::vector<SparseMode> modes = {{{3, {1, -2, 0.5}}, {7, {0, 1, 4}}}, {{29, {3, 1, 1}}, {3, {0, 0.2, 0}}}};
+  const std::vector<double> stiffness = {250, 3};
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(90, 90);
+  for (int i = 0; i < 30; ++i) {
+    for (int j = 0; j < 30; ++j) dense.block<3, 3>(3 * i, 3 * j) = matrix.coeff(i, j) * Eigen::Matrix3d::Identity();
+  }
+  for (std::size_t m = 0; m < 2; ++m) {
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(90);
+    for (const auto& [node, vector] : modes[m]) g.segment<3>(3 * node) = vector.transpose();
+    dense += stiffness[m] * g * g.transpose();
+  }
+  const Positions right = Positions::Random(30, 3);
+  Positions found = right, scratch;
+  const Metric metric(matrix);
+  StiffModes(metric, 30, modes, stiffness).solve(found, scratch);
+  const Eigen::VectorXd expected = dense.llt().solve(Eigen::Map<const Eigen::VectorXd>(right.data(), 90));
+  EXPECT_LT((Eigen::Map<const Eigen::VectorXd>(found.data(), 90) - expected).cwiseAbs().maxCoeff(), 1e-12);
+}
+
 TEST(Minimise, FindsTheMinimumOfAQuadratic) {
   const SparseMatrix hessian = random_definite(40, 3);
   const Positions pull = Positions::Random(40, 3);
@@ -60,7 +82,8 @@ TEST(Minimise, FindsTheMinimumOfAQuadratic) {
     return ObjectiveValue{0.5 * x.cwiseProduct(gradient - pull).sum(), 1.0};
   };
   Positions x = Positions::Zero(40, 3);
-  const MinimiseResult result = minimise(objective, Metric(crude), 1e-9, 1e-12, 500, x);
+  const Metric metric(crude);
+  const MinimiseResult result = minimise(objective, StiffModes(metric, 40, {}, {}), 1e-9, 1e-12, 500, x);
   EXPECT_LT(result.residual, 1e-9);
   const Positions expected = Eigen::MatrixXd(hessian).llt().solve(Eigen::MatrixXd(pull));
   EXPECT_LT((x - expected).cwiseAbs().maxCoeff(), 1e-9);
@@ -77,7 +100,8 @@ TEST(Minimise, NeverEntersAPlaceOfInfiniteEnergy) {
   };
   Positions x(1, 3);
   x << 3, 0, 0;
-  EXPECT_LT(minimise(objective, Metric(metric), 1e-8, 1e-12, 200, x).residual, 1e-8);
+  const Metric factor(metric);
+  EXPECT_LT(minimise(objective, StiffModes(factor, 1, {}, {}), 1e-8, 1e-12, 200, x).residual, 1e-8);
   EXPECT_NEAR(x(0, 0), 1, 1e-7);
 }
 
@@ -91,7 +115,8 @@ TEST(Minimise, ReportsWhatItReachedWhenTheIterationsEnd) {
     return ObjectiveValue{0.5 * x.cwiseProduct(gradient - pull).sum(), 4.0};
   };
   Positions x = Positions::Zero(40, 3);
-  const MinimiseResult result = minimise(objective, Metric(crude), 1e-9, 1e-12, 3, x);
+  const Metric metric(crude);
+  const MinimiseResult result = minimise(objective, StiffModes(metric, 40, {}, {}), 1e-9, 1e-12, 3, x);
   EXPECT_EQ(result.iterations, 3);
   EXPECT_NEAR(result.residual, (hessian * x - pull).norm() / 2, 1e-12);
   EXPECT_GT(result.residual, 1e-9);

@@ -281,7 +281,7 @@ TEST(Tissue, AgreesWithAnIndependentLinearSolution) {
 // A cantilever with a load at its end that bends it far: the elastica's end moves down by 0.30172 and back by 0.05643
 // of its length where load x length^2 = bending stiffness (Mattiasson 1981, by elliptic integrals).
 TEST(Tissue, ALargelyBentBeamIsTheElastica) {
-  constexpr int kLayers = 8, kLong = 80;
+  constexpr int kLayers = 10, kLong = 100;
   constexpr double kCell = 0.01, kHeight = kLayers * kCell, kLength = kLong * kCell, kMu = 1e5;
   const TetMesh mesh = block(kLong, kLayers, 1, kCell);
   const Tissue tissue(mesh, all(mesh, {kMu, kMu}), {});  // at rest: Young 2 mu, Poisson 0
@@ -297,6 +297,8 @@ TEST(Tissue, ALargelyBentBeamIsTheElastica) {
     gradient.setZero();
     Tissue::Sum sum = tissue.add_gradient(x, {}, gradient);
     for (const Eigen::Index n : held) gradient.row(n).setZero();
+    gradient.col(2)
+        .setZero();  // so narrow a beam would buckle sideways; without Poisson's effect it does not feel this
     for (const Eigen::Index n : end) {
       gradient(n, 1) += load / static_cast<double>(end.size());
       sum.energy += load / static_cast<double>(end.size()) * x(n, 1);
@@ -304,7 +306,9 @@ TEST(Tissue, ALargelyBentBeamIsTheElastica) {
     return ObjectiveValue{sum.energy, sum.force_square};
   };
   Positions nodes = mesh.nodes;
-  EXPECT_LT(minimise(objective, Metric(metric), 1e-5, 1e-9, 20000, nodes).residual, 1e-5);
+  const Metric factor(metric);
+  const StiffModes plain(factor, nodes.rows(), {}, {});
+  EXPECT_LT(minimise(objective, plain, 1e-5, 1e-9, 20000, nodes).residual, 1e-5);
   Eigen::RowVector3d moved = Eigen::RowVector3d::Zero();
   for (const Eigen::Index n : end) moved += (nodes.row(n) - mesh.nodes.row(n)) / static_cast<double>(end.size());
   RecordProperty("down", std::to_string(-moved[1] / kLength));

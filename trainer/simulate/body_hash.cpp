@@ -40,9 +40,9 @@ std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& m
                         bool is_cage) {
   Bytes bytes;
   bytes.add(kSolverVersion);
-  for (const double constant :
-       {kFat.mu, kFat.lambda, kMuscle.mu, kMuscle.lambda, kMuscleBulk, kActiveStiffness, kActiveSlack,
-        kPassiveFibreStiffness, kBarrierVolume, kBarrierWeight, kBoneStiffness, kSkinBending, kContactStiffness}) {
+  for (const double constant : {kFat.mu, kFat.lambda, kMuscle.mu, kMuscle.lambda, kMuscleBulk, kActiveStiffness,
+                                kActiveSlack, kPassiveFibreStiffness, kBarrierVolume, kBarrierWeight, kBoneStiffness,
+                                kSkinBending, kContactStiffness, kContactReach}) {
     bytes.add(constant);
   }
   bytes.append(mesh.nodes.data(), static_cast<std::size_t>(mesh.nodes.size()) * sizeof(double));

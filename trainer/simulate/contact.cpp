@@ -220,8 +220,8 @@ double SkinContact::add_gradient(std::span<const ContactPlane> planes, const Pos
     const double depth = plane.offset + offset.dot(plane.slope.transpose());
     if (!(depth > 0)) continue;
     const double stiffness = kContactStiffness * area_[static_cast<std::size_t>(plane.node)];
-    energy += 0.5 * stiffness * depth * depth;
-    const Eigen::RowVector3d force = stiffness * depth * plane.slope.transpose();
+    energy += stiffness * depth * depth * (0.5 + depth / (3 * kContactReach));
+    const Eigen::RowVector3d force = stiffness * depth * (1 + depth / kContactReach) * plane.slope.transpose();
     gradient.row(plane.node) += force;
     for (int a = 0; a < 4; ++a) gradient.row(tets_(plane.tet, a)) -= plane.weights[a] * force;
   }

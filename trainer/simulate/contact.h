@@ -22,7 +22,7 @@ struct ContactPlane {
 // Every tet carries the depth below the skin at rest of its nodes (0 on the skin), linear in between: the material
 // depth of Hirota, Fisher, Lin et al. 2001. A skin node inside a tet that it is no corner of has passed through the
 // skin by that depth, and is pushed out by
-//   energy = k/2 area max(depth, 0)^2
+//   energy = k area d^2 (1/2 + d / (3 reach)),  d = max(depth, 0),
 // with equal and opposite forces on node and tet. Planes are found for a shape and then held, which makes the energy
 // smooth; they are found anew as the shape changes.
 class SkinContact {
