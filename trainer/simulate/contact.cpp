@@ -148,17 +148,28 @@ SkinContact::SkinContact(const TetMesh& mesh)
   for (const double a : area_) area += a;
   cell_ = 2 * std::sqrt(area / static_cast<double>(skin_.size()));
   depth_.assign(area_.size(), 0.0);
-#pragma omp parallel for schedule(dynamic, 64)
-  for (std::size_t n = 0; n < depth_.size(); ++n) {
-    if (area_[n] > 0) continue;
-    const Eigen::Vector3d p = row(nodes, static_cast<Eigen::Index>(n));
-    double nearest = 1e300;
-    for (Eigen::Index t = 0; t < surface_.rows(); ++t) {
-      nearest = std::min(nearest, distance_to_triangle(p, row(nodes, surface_(t, 0)), row(nodes, surface_(t, 1)),
-                                                       row(nodes, surface_(t, 2))));
+  double longest = 0;
+  for (Eigen::Index t = 0; t < surface_.rows(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      longest = std::max(longest, (nodes.row(surface_(t, k)) - nodes.row(surface_(t, (k + 1) % 3))).norm());
     }
-    depth_[n] = nearest;
   }
+  for (std::size_t n = 0; n < depth_.size(); ++n) {
+    if (!(area_[n] > 0)) depth_[n] = depth_of(row(nodes, static_cast<Eigen::Index>(n)), nodes, longest);
+  }
+}
+
+// Distance of a point from the surface. A triangle with a corner further away than `longest` (its edge at most) beyond
+// the nearest found cannot be nearer.
+double SkinContact::depth_of(const Eigen::Vector3d& p, const Positions& nodes, double longest) const {
+  double nearest = 1e300;
+  for (Eigen::Index t = 0; t < surface_.rows(); ++t) {
+    const Eigen::Vector3d a = row(nodes, surface_(t, 0));
+    const double reach = nearest + longest;
+    if ((a - p).squaredNorm() > reach * reach) continue;
+    nearest = std::min(nearest, distance_to_triangle(p, a, row(nodes, surface_(t, 1)), row(nodes, surface_(t, 2))));
+  }
+  return nearest;
 }
 
 ContactPlane SkinContact::plane(int node, int tet, const Positions& nodes) const {

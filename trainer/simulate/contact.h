@@ -39,6 +39,7 @@ class SkinContact {
   double deepest(const Positions& nodes) const;
 
  private:
+  double depth_of(const Eigen::Vector3d& point, const Positions& nodes, double longest) const;
   ContactPlane plane(int node, int tet, const Positions& nodes) const;
 
   Tets tets_;
