@@ -6,7 +6,7 @@
 
 #include "cli/common.h"
 #include "runtime/basis/error.h"
-#include "trainer/dataset/pc2.h"
+#include "trainer/dataset/shape_reader.h"
 #include "trainer/progress.h"
 
 namespace bodyopt::cli {
@@ -19,7 +19,7 @@ struct CompareArguments {
 };
 
 void run(const CompareArguments& arguments) {
-  const Pc2Reader a(arguments.a), b(arguments.b);
+  const ShapeReader a(arguments.a), b(arguments.b);
   if (a.point_count() != b.point_count() || a.sample_count() != b.sample_count()) {
     throw Error(ErrorKind::mismatch,
                 format("%s has %u points and %u samples, %s has %u points and %u samples: they are caches of different "
@@ -30,8 +30,6 @@ void run(const CompareArguments& arguments) {
   ErrorAccumulator accumulator(a.point_count());
   Progress progress("compare", a.sample_count());
   for (std::uint32_t k = 0; k < a.sample_count(); ++k) {
-    a.require_finite(k);
-    b.require_finite(k);
     accumulator.add(static_cast<int>(k), a.sample(k), b.sample(k));
     progress.advance();
   }
@@ -54,8 +52,8 @@ void run(const CompareArguments& arguments) {
 void add_compare(CLI::App& app) {
   auto arguments = std::make_shared<CompareArguments>();
   CLI::App& verb = *app.add_subcommand("compare", "Distance between two caches: RMS, p99, maximum and jitter in mm");
-  verb.add_option("a", arguments->a, "Point cache (.pc2)")->required()->type_name("A");
-  verb.add_option("b", arguments->b, "Point cache (.pc2) of the same mesh and frames")->required()->type_name("B");
+  verb.add_option("a", arguments->a, "Point cache (.pc2) or draft (.nodes)")->required()->type_name("A");
+  verb.add_option("b", arguments->b, "Cache of the same mesh and frames")->required()->type_name("B");
   verb.add_option("--fail-above", arguments->fail_above, "Exit with 2 when the maximum is above MM millimetres")
       ->type_name("MM")
       ->check(CLI::NonNegativeNumber);

@@ -7,6 +7,7 @@
 #include "trainer/dataset/character.h"
 #include "trainer/dataset/dataset.h"
 #include "trainer/dataset/frame_range.h"
+#include "trainer/dataset/nodes_cache.h"
 #include "trainer/dataset/pc2.h"
 
 namespace bodyopt::cli {
@@ -68,6 +69,16 @@ Json cache_info(const std::string& path) {
           {"sample_rate", reader.sample_rate()}};
 }
 
+Json nodes_info(const std::string& path) {
+  const NodesReader reader(path);
+  return {{"kind", "draft"},
+          {"points", reader.point_count()},
+          {"samples", reader.sample_count()},
+          {"start_frame", reader.start_frame()},
+          {"nodes", reader.node_count()},
+          {"tets", reader.tets().rows()}};
+}
+
 Json dataset_info(const std::string& path) {
   const Dataset dataset = read_dataset(path);
   Json takes = Json::array();
@@ -92,10 +103,12 @@ Json info(const std::string& path, double unit) {
   }
   if (extension == ".safetensors") return basis_info(path);
   if (extension == ".pc2") return cache_info(path);
+  if (extension == ".nodes") return nodes_info(path);
   if (extension == ".bvh") return {{"kind", "motion"}, {"clips", clip_names(path)}};
   if (extension == ".json") return dataset_info(path);
-  throw Error(ErrorKind::file,
-              path + ": expected .glb, .gltf, .bvh, .safetensors, .pc2 or dataset .json, found '" + extension + "'");
+  throw Error(
+      ErrorKind::file,
+      path + ": expected .glb, .gltf, .bvh, .safetensors, .pc2, .nodes or dataset .json, found '" + extension + "'");
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ void run(const SimulateArguments& arguments) {
   take.fps = arguments.clip.options.fps;
   take.first_frame = arguments.clip.options.first_frame;
   take.frames = frames;
-  take.shapes = take.name + ".pc2";
+  take.shapes = take.name + (arguments.options.draft ? ".nodes" : ".pc2");
   take.shapes_status = take.name + ".status.json";
   if (arguments.heldout == "all") {
     take.heldout = frames;
@@ -139,12 +139,16 @@ void add_simulate(CLI::App& app) {
       ->type_name("DATASET_DIR");
   verb.add_option("--name", arguments->name, "Name of the take (default: the clip's)");
   verb.add_option("--heldout", arguments->heldout, "Frames never to train on, as a range, or 'all'")->type_name("R");
-  verb.add_option("--tet-size", arguments->options.tet_size, "Largest tet edge inside, metres (default: from the skin)")
-      ->check(CLI::PositiveNumber);
+  CLI::Option* size = verb.add_option("--tet-size", arguments->options.tet_size,
+                                      "Largest tet edge inside, metres (default: from the skin)")
+                          ->check(CLI::PositiveNumber);
+  verb.add_flag("--draft", arguments->options.draft, "Fast: in a cage of 1,500 nodes or fewer; stores nodes (.nodes)")
+      ->excludes(size);
   verb.add_option("--threads", arguments->options.threads, "Frames solved at once (default: one per core)")
       ->check(CLI::NonNegativeNumber);
   add_unit(verb, arguments->unit);
   arguments->json.add(verb);
+  arguments->options.warn = [](const std::string& warning) { say({warning}); };
   verb.callback([arguments] { run(*arguments); });
 }
 

@@ -52,7 +52,7 @@ Range parse_tensor(const std::filesystem::path& path, const std::string& name, c
   }
   tensor.dtype = dtype->get<std::string>();
   if (dtype_size(tensor.dtype) == 0) {
-    refuse(path, "tensor '" + name + "' has type " + tensor.dtype + ", expected F32, F64 or U32");
+    refuse(path, "tensor '" + name + "' has type " + tensor.dtype + ", expected F32, F64, U16 or U32");
   }
   for (const Json& n : *shape) {
     if (!n.is_number_unsigned()) refuse(path, "tensor '" + name + "' has a shape that is not of counts");
@@ -112,6 +112,7 @@ std::string header_text(const Safetensors& file, const std::vector<std::string>&
 }  // namespace
 
 std::size_t dtype_size(const std::string& dtype) {
+  if (dtype == "U16") return 2;
   if (dtype == "F32" || dtype == "U32") return 4;
   return dtype == "F64" ? 8 : 0;
 }

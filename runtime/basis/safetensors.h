@@ -12,7 +12,7 @@
 namespace bodyopt {
 
 struct Tensor {
-  std::string dtype;  // "F32", "F64", "U32"
+  std::string dtype;  // "F32", "F64", "U16", "U32"
   std::vector<std::uint64_t> shape;
   std::vector<std::byte> bytes;
 };

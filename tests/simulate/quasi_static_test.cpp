@@ -7,7 +7,7 @@
 #include "runtime/basis/error.h"
 #include "runtime/rig.h"
 #include "tests/simulate/limb.h"
-#include "trainer/simulate/closed_skin.h"
+#include "trainer/tets/closed_skin.h"
 
 namespace bodyopt {
 namespace {

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "runtime/rig.h"
-#include "trainer/dataset/pc2.h"
+#include "trainer/dataset/shape_reader.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt {
@@ -85,7 +85,7 @@ class TakeChecker {
   TakeCheck run() {
     check_counts();
     if (!result_.problems.empty()) return result_;
-    for (std::uint32_t k = 0; k < reader_.sample_count(); ++k) reader_.require_finite(k);
+    for (std::uint32_t k = 0; k < reader_.sample_count(); ++k) reader_.sample(k);  // throws at a NaN
     check_fit();
     return result_;
   }
@@ -183,7 +183,7 @@ class TakeChecker {
 
   const Character& character_;
   const DatasetTake& take_;
-  Pc2Reader reader_;
+  ShapeReader reader_;
   Clip clip_;
   std::vector<std::size_t> probes_;
   TakeCheck result_;

@@ -36,7 +36,8 @@ class Bytes {
 
 }  // namespace
 
-std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& muscles, const TetMesh& mesh) {
+std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& muscles, const TetMesh& mesh,
+                        bool is_cage) {
   Bytes bytes;
   bytes.add(kSolverVersion);
   for (const double constant : {kFat.mu, kFat.lambda, kMuscle.mu, kMuscle.lambda, kActiveStiffness, kActiveSlack,
@@ -45,6 +46,11 @@ std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& m
   }
   bytes.append(mesh.nodes.data(), static_cast<std::size_t>(mesh.nodes.size()) * sizeof(double));
   bytes.append(mesh.tets.data(), static_cast<std::size_t>(mesh.tets.size()) * sizeof(int));
+  if (is_cage) {
+    bytes.append(character.vertices.data(), static_cast<std::size_t>(character.vertices.size()) * sizeof(double));
+    bytes.append(character.triangles.data(),
+                 static_cast<std::size_t>(character.triangles.size()) * sizeof(std::uint32_t));
+  }
   for (const Joint& joint : character.skeleton.joints) {
     bytes.add(static_cast<std::uint64_t>(joint.parent));
     bytes.add(joint.bind);

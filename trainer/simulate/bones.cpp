@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "trainer/train/parallel.h"
+
 namespace bodyopt {
 namespace {
 
@@ -120,6 +122,38 @@ std::vector<Eigen::Vector4d> lattice() {
   return points;
 }
 
+// Is a point, whose largest weight is that of `joint`, bone? deeper_than(share): is it deeper than that share of the
+// deepest point of the joint?
+template <typename DeeperThan>
+bool is_bone(const Character& character, const std::vector<std::vector<Capsule>>& capsules, Eigen::Index joint,
+             double weight, const Eigen::Vector3d& point, const DeeperThan& deeper_than) {
+  if (weight < kCapsuleWeight) return false;
+  for (const Capsule& capsule : capsules[static_cast<std::size_t>(joint)]) {
+    if (inside(capsule, point)) return true;
+  }
+  const bool root = character.skeleton.joints[static_cast<std::size_t>(joint)].parent < 0;
+  return weight >= kCoreWeight && deeper_than(root ? kTrunkDepth : kCoreDepth);
+}
+
+// A sample of a cage and the joint it belongs to.
+struct JointSample {
+  Eigen::Index joint = 0;
+  double weight = 0;
+  double depth = 0;  // metres; where the weight makes it core
+};
+
+std::vector<JointSample> joint_samples(const Cage& cage, const Positions& skin, const NodeWeights& weights) {
+  std::vector<JointSample> result(cage.samples.size());
+  parallel_for(result.size(), [&](std::size_t k) {
+    const EmbeddedPoint& point = cage.samples[k].point;
+    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(weights.cols());
+    for (int a = 0; a < 4; ++a) sum += point.weights[a] * weights.row(cage.mesh.tets(point.tet, a));
+    result[k].weight = sum.maxCoeff(&result[k].joint);
+    if (result[k].weight >= kCoreWeight) result[k].depth = skin_distance(skin, rest_position(cage.mesh, point));
+  });
+  return result;
+}
+
 }  // namespace
 
 std::vector<BonePoint> find_bones(const TetMesh& mesh, const Character& character, const NodeWeights& weights) {
@@ -148,14 +182,35 @@ std::vector<BonePoint> find_bones(const TetMesh& mesh, const Character& characte
     for (const Eigen::Vector4d& sample : samples) {
       Eigen::Index joint = 0;
       const double weight = (sample.transpose() * corner_weights).maxCoeff(&joint);
-      if (weight < kCapsuleWeight) continue;
-      const Eigen::Vector3d point = corner.transpose() * sample;
-      const bool root = character.skeleton.joints[static_cast<std::size_t>(joint)].parent < 0;
-      const double deep = (root ? kTrunkDepth : kCoreDepth) * core_depth[joint];
-      bool bone = weight >= kCoreWeight && sample.dot(corner_depth) > deep;
-      for (const Capsule& capsule : capsules[static_cast<std::size_t>(joint)]) bone = bone || inside(capsule, point);
-      if (bone) points.push_back({t, static_cast<int>(joint), sample, volume});
+      const auto deeper_than = [&](double share) { return sample.dot(corner_depth) > share * core_depth[joint]; };
+      if (is_bone(character, capsules, joint, weight, corner.transpose() * sample, deeper_than)) {
+        points.push_back({t, static_cast<int>(joint), sample, volume});
+      }
     }
+  }
+  return points;
+}
+
+std::vector<BonePoint> find_bones(const Cage& cage, const Character& character, const NodeWeights& weights) {
+  const std::vector<std::vector<Capsule>> capsules = make_capsules(character);
+  const std::vector<JointSample> samples = joint_samples(cage, character.vertices, weights);
+  Eigen::VectorXd core_depth = Eigen::VectorXd::Zero(weights.cols());
+  for (const JointSample& sample : samples) core_depth[sample.joint] = std::max(core_depth[sample.joint], sample.depth);
+  std::vector<BonePoint> points;
+  std::vector<bool> has_bone(static_cast<std::size_t>(weights.cols()), false);
+  const auto add = [&](std::size_t k) {
+    const CageSample& sample = cage.samples[k];
+    points.push_back({sample.point.tet, static_cast<int>(samples[k].joint), sample.point.weights, sample.volume});
+  };
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const auto deeper_than = [&](double share) { return samples[k].depth > share * core_depth[samples[k].joint]; };
+    const Eigen::Vector3d point = rest_position(cage.mesh, cage.samples[k].point);
+    if (!is_bone(character, capsules, samples[k].joint, samples[k].weight, point, deeper_than)) continue;
+    has_bone[static_cast<std::size_t>(samples[k].joint)] = true;
+    add(k);
+  }
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    if (samples[k].weight >= kCoreWeight && !has_bone[static_cast<std::size_t>(samples[k].joint)]) add(k);
   }
   return points;
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "trainer/simulate/metric.h"
+#include "trainer/tets/cage.h"
 
 namespace bodyopt {
 
@@ -25,5 +26,9 @@ struct BonePoint {
 //  - it is j's own core: weight at least 0.9 and deeper than 0.65 of the deepest such point (heads, palms; a root,
 //    which is a trunk: 0.3).
 std::vector<BonePoint> find_bones(const TetMesh& mesh, const Character& character, const NodeWeights& weights);
+
+// The same at the samples of a cage. A joint left without bone, as in a sheet too thin for capsules, takes all samples
+// of weight 0.9 or more.
+std::vector<BonePoint> find_bones(const Cage& cage, const Character& character, const NodeWeights& weights);
 
 }  // namespace bodyopt

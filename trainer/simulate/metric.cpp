@@ -36,10 +36,10 @@ SparseMatrix tet_laplacian(const TetMesh& mesh, const std::vector<double>& coeff
   return matrix;
 }
 
-std::vector<double> metric_stiffness(const std::vector<TetMaterial>& materials, const std::vector<bool>& is_muscle) {
+std::vector<double> metric_stiffness(const std::vector<TetMaterial>& materials, const std::vector<double>& muscle) {
   std::vector<double> stiffness;
   for (std::size_t t = 0; t < materials.size(); ++t) {
-    const double fibres = is_muscle[t] ? kPassiveFibreStiffness + kActiveShare * kActiveStiffness : 0;
+    const double fibres = muscle[t] * (kPassiveFibreStiffness + kActiveShare * kActiveStiffness);
     stiffness.push_back(materials[t].mu + kVolumeShare * materials[t].lambda + fibres);
   }
   return stiffness;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "trainer/simulate/material.h"
-#include "trainer/simulate/tets.h"
+#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 
@@ -15,8 +15,8 @@ using SparseMatrix = Eigen::SparseMatrix<double>;
 SparseMatrix tet_laplacian(const TetMesh& mesh, const std::vector<double>& coefficients);
 
 // Stiffness of each tet in the metric, Pa: an estimate of the elastic Hessian's size that holds in every pose, so that
-// L-BFGS takes full steps (Liu, Bouaziz, Kavan 2017).
-std::vector<double> metric_stiffness(const std::vector<TetMaterial>& materials, const std::vector<bool>& is_muscle);
+// L-BFGS takes full steps (Liu, Bouaziz, Kavan 2017). muscle: share of each tet that is muscle.
+std::vector<double> metric_stiffness(const std::vector<TetMaterial>& materials, const std::vector<double>& muscle);
 
 // A sparse Cholesky factor of a positive definite matrix, and its solve with three right sides at once.
 class Metric {

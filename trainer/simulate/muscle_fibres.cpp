@@ -1,8 +1,11 @@
 #include "trainer/simulate/muscle_fibres.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <utility>
 
 namespace bodyopt {
 namespace {
@@ -47,25 +50,67 @@ Nearest nearest_on(const Path& path, const Eigen::Vector3d& point) {
   return best;
 }
 
+std::vector<Path> rest_paths(const std::vector<Muscle>& muscles) {
+  std::vector<Path> paths;
+  for (const Muscle& muscle : muscles) paths.push_back(rest_path(muscle));
+  return paths;
+}
+
+struct Fibre {
+  int muscle = -1;  // none
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+};
+
+Fibre fibre_at(const std::vector<Path>& paths, const Eigen::Vector3d& point) {
+  double best = 1;
+  Fibre fibre;
+  for (std::size_t m = 0; m < paths.size(); ++m) {
+    const Nearest nearest = nearest_on(paths[m], point);
+    if (nearest.relative >= best) continue;
+    best = nearest.relative;
+    fibre = {static_cast<int>(m), nearest.direction};
+  }
+  return fibre;
+}
+
 }  // namespace
 
 std::vector<FibreTet> label_muscles(const TetMesh& mesh, const std::vector<Muscle>& muscles) {
-  std::vector<Path> paths;
-  for (const Muscle& muscle : muscles) paths.push_back(rest_path(muscle));
+  const std::vector<Path> paths = rest_paths(muscles);
   std::vector<FibreTet> fibres;
   for (int t = 0; t < mesh.tets.rows(); ++t) {
     Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
     for (int a = 0; a < 4; ++a) centroid += 0.25 * mesh.nodes.row(mesh.tets(t, a)).transpose();
-    double best = 1;
-    FibreTet fibre{t, -1, Eigen::Vector3d::Zero()};
-    for (std::size_t m = 0; m < paths.size(); ++m) {
-      const Nearest nearest = nearest_on(paths[m], centroid);
-      if (nearest.relative >= best) continue;
-      best = nearest.relative;
-      fibre.muscle = static_cast<int>(m);
-      fibre.direction = nearest.direction;
+    const Fibre fibre = fibre_at(paths, centroid);
+    if (fibre.muscle >= 0) fibres.push_back({t, fibre.muscle, fibre.direction});
+  }
+  return fibres;
+}
+
+std::vector<FibreTet> label_muscles(const Cage& cage, const std::vector<Muscle>& muscles) {
+  struct Sum {
+    double volume = 0;
+    Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  };
+  const std::vector<Path> paths = rest_paths(muscles);
+  std::map<std::pair<int, int>, Sum> sums;  // by tet and muscle
+  for (const CageSample& sample : cage.samples) {
+    const Fibre fibre = fibre_at(paths, rest_position(cage.mesh, sample.point));
+    if (fibre.muscle < 0) continue;
+    Sum& sum = sums[{sample.point.tet, fibre.muscle}];
+    sum.volume += sample.volume;
+    sum.direction += sample.volume * fibre.direction;
+  }
+  std::vector<FibreTet> fibres;
+  for (const auto& [key, sum] : sums) {
+    const double norm = sum.direction.norm(), share = sum.volume / (tet_edges(cage.mesh, key.first).determinant() / 6);
+    if (!(norm > 0)) continue;
+    const FibreTet fibre{key.first, key.second, sum.direction / norm, std::min(share, 1.0)};
+    if (fibres.empty() || fibres.back().tet != fibre.tet) {
+      fibres.push_back(fibre);
+    } else if (fibres.back().share < fibre.share) {
+      fibres.back() = fibre;
     }
-    if (fibre.muscle >= 0) fibres.push_back(fibre);
   }
   return fibres;
 }

@@ -6,12 +6,16 @@
 
 #include "trainer/dataset/muscles.h"
 #include "trainer/simulate/tissue.h"
+#include "trainer/tets/cage.h"
 
 namespace bodyopt {
 
 // Tets whose centroid lies in a muscle's belly: within radius sqrt(sin(pi u)) of its path, u from origin (0) to
 // insertion (1). Where muscles overlap, the one whose path is nearest relative to its radius there takes the tet.
 std::vector<FibreTet> label_muscles(const TetMesh& mesh, const std::vector<Muscle>& muscles);
+
+// The same by the cage's samples: a tet goes to the muscle with the largest share of it, whose mean direction it takes.
+std::vector<FibreTet> label_muscles(const Cage& cage, const std::vector<Muscle>& muscles);
 
 // Length of a muscle's path with its points carried by their joints' skinning matrices, metres.
 double path_length(const Muscle& muscle, std::span<const Affine> skinning);

@@ -5,27 +5,26 @@
 #include "runtime/basis/error.h"
 
 namespace bodyopt {
+namespace {
 
-NodeWeights carry_inwards(const Character& character, const SparseMatrix& laplacian, const SparseMatrix& springs,
-                          const NodeWeights& bone_share) {
-  const Eigen::Index skin = character.vertices.rows(), inside = laplacian.rows() - skin;
-  NodeWeights weights = NodeWeights::Zero(laplacian.rows(), static_cast<Eigen::Index>(character.skeleton.size()));
+// How hard a skin vertex pulls a cage's nodes to its own weights, in mean diagonals of the Laplacian.
+constexpr double kSkinPull = 10;
+
+NodeWeights skin_weights(const Character& character, Eigen::Index rows) {
+  NodeWeights weights = NodeWeights::Zero(rows, static_cast<Eigen::Index>(character.skeleton.size()));
   for (std::size_t v = 0; v < character.weights.size(); ++v) {
     for (const JointWeight& w : character.weights[v]) {
       weights(static_cast<Eigen::Index>(v), static_cast<Eigen::Index>(w.joint)) = w.weight;
     }
   }
-  if (inside > 0) {
-    const SparseMatrix matrix = laplacian + springs;
-    const Eigen::SimplicialLDLT<SparseMatrix> factor(matrix.bottomRightCorner(inside, inside));
-    if (factor.info() != Eigen::Success)
-      throw Error(ErrorKind::mismatch, "the tetrahedra are too flat to carry weights");
-    const SparseMatrix to_skin = matrix.bottomLeftCorner(inside, skin);
-    for (Eigen::Index j = 0; j < weights.cols(); ++j) {
-      const Eigen::VectorXd right = bone_share.col(j).tail(inside) - to_skin * weights.col(j).head(skin);
-      weights.col(j).tail(inside) = factor.solve(right);
-    }
-  }
+  return weights;
+}
+
+void require(const Eigen::SimplicialLDLT<SparseMatrix>& factor) {
+  if (factor.info() != Eigen::Success) throw Error(ErrorKind::mismatch, "the tetrahedra are too flat to carry weights");
+}
+
+void normalise(NodeWeights& weights) {
   weights = weights.cwiseMax(0);
   for (Eigen::Index n = 0; n < weights.rows(); ++n) {
     const double sum = weights.row(n).sum();
@@ -35,6 +34,51 @@ NodeWeights carry_inwards(const Character& character, const SparseMatrix& laplac
       weights(n, 0) = 1;
     }
   }
+}
+
+}  // namespace
+
+NodeWeights carry_inwards(const Character& character, const SparseMatrix& laplacian, const SparseMatrix& springs,
+                          const NodeWeights& bone_share) {
+  const Eigen::Index skin = character.vertices.rows(), inside = laplacian.rows() - skin;
+  NodeWeights weights = skin_weights(character, laplacian.rows());
+  if (inside > 0) {
+    const SparseMatrix matrix = laplacian + springs;
+    const Eigen::SimplicialLDLT<SparseMatrix> factor(matrix.bottomRightCorner(inside, inside));
+    require(factor);
+    const SparseMatrix to_skin = matrix.bottomLeftCorner(inside, skin);
+    for (Eigen::Index j = 0; j < weights.cols(); ++j) {
+      const Eigen::VectorXd right = bone_share.col(j).tail(inside) - to_skin * weights.col(j).head(skin);
+      weights.col(j).tail(inside) = factor.solve(right);
+    }
+  }
+  normalise(weights);
+  return weights;
+}
+
+NodeWeights carry_through(const Character& character, const Cage& cage, const SparseMatrix& laplacian,
+                          const SparseMatrix& springs, const NodeWeights& bone_share) {
+  const double pull = kSkinPull * laplacian.diagonal().mean();
+  const NodeWeights on_skin = skin_weights(character, character.vertices.rows());
+  NodeWeights right = bone_share;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t v = 0; v < cage.skin.size(); ++v) {
+    const EmbeddedPoint& point = cage.skin[v];
+    for (int a = 0; a < 4; ++a) {
+      const int node = cage.mesh.tets(point.tet, a);
+      right.row(node) += pull * point.weights[a] * on_skin.row(static_cast<Eigen::Index>(v));
+      for (int b = 0; b < 4; ++b) {
+        entries.emplace_back(node, cage.mesh.tets(point.tet, b), pull * point.weights[a] * point.weights[b]);
+      }
+    }
+  }
+  SparseMatrix matrix(laplacian.rows(), laplacian.rows());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  matrix += laplacian + springs;
+  const Eigen::SimplicialLDLT<SparseMatrix> factor(matrix);
+  require(factor);
+  NodeWeights weights = factor.solve(right);
+  normalise(weights);
   return weights;
 }
 

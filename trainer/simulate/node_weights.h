@@ -11,4 +11,9 @@ namespace bodyopt {
 NodeWeights carry_inwards(const Character& character, const SparseMatrix& laplacian, const SparseMatrix& springs,
                           const NodeWeights& bone_share);
 
+// The same for a cage, whose nodes are not the skin's vertices: every vertex pulls the weights of its tet, blended
+// where it lies, towards its own.
+NodeWeights carry_through(const Character& character, const Cage& cage, const SparseMatrix& laplacian,
+                          const SparseMatrix& springs, const NodeWeights& bone_share);
+
 }  // namespace bodyopt

@@ -24,6 +24,7 @@ constexpr double kMaxStep = 20 * std::numbers::pi / 180;  // of the fastest join
 constexpr double kMinStep = 1.0 / 500;                    // of the path
 constexpr double kDefaultSize = 3;                        // mean edges of the skin
 constexpr double kMinWeight = 1e-3;
+constexpr double kLeastFilled = 0.05;  // of a cage's tet: emptier ones would have next to no stiffness
 // A strain that counts as none: residuals are relative to the forces of this strain at least. The energy at rest is not
 // zero, so that its rounding hides the last digits of smaller strains and a body at rest could never converge.
 constexpr double kStrainFloor = 1e-4;
@@ -50,6 +51,21 @@ void require_fit(const Character& character, const std::vector<Muscle>& muscles)
       throw Error(ErrorKind::mismatch, "muscle '" + muscle.name + "' is bound to a joint the skeleton lacks");
     }
   }
+}
+
+// A cage's tets reach beyond the skin: they are as stiff as the share of them that is tissue. muscle: share of each tet
+// that is muscle.
+std::vector<TetMaterial> cage_materials(const Cage& cage, const std::vector<double>& muscle) {
+  std::vector<double> tissue(muscle.size(), 0);
+  for (const CageSample& sample : cage.samples) tissue[static_cast<std::size_t>(sample.point.tet)] += sample.volume;
+  std::vector<TetMaterial> materials;
+  for (std::size_t t = 0; t < muscle.size(); ++t) {
+    const double volume = tet_edges(cage.mesh, static_cast<Eigen::Index>(t)).determinant() / 6;
+    const double filled = std::clamp(tissue[t] / volume, kLeastFilled, 1.0);
+    const double fat = std::max(filled - muscle[t], 0.0);
+    materials.push_back({fat * kFat.mu + muscle[t] * kMuscle.mu, fat * kFat.lambda + muscle[t] * kMuscle.lambda});
+  }
+  return materials;
 }
 
 // The only root, or -1: the joint whose motion moves the whole body.
@@ -95,30 +111,47 @@ void move_all(const Affine& motion, Positions& nodes) {
 
 bool is_converged(const FrameStatus& status) { return status.residual < kTolerance && status.inverted_tets == 0; }
 
-QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, double tet_size)
-    : skeleton_(character.skeleton), muscles_(muscles) {
+TetMesh fill_skin(const Character& character, double size) {
+  return tetrahedralise(character.vertices, character.triangles, size > 0 ? size : kDefaultSize * mean_edge(character));
+}
+
+QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh)
+    : QuasiStaticBody(character, muscles, std::move(mesh), nullptr) {}
+
+QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const Cage& cage)
+    : QuasiStaticBody(character, muscles, cage.mesh, &cage) {}
+
+QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
+                                 const Cage* cage)
+    : skeleton_(character.skeleton),
+      muscles_(muscles),
+      mesh_(std::move(mesh)),
+      embedding_(cage != nullptr ? cage->skin : std::vector<EmbeddedPoint>{}),
+      skin_count_(character.vertices.rows()) {
   require_fit(character, muscles);
-  const double size = tet_size > 0 ? tet_size : kDefaultSize * mean_edge(character);
-  mesh_ = tetrahedralise(character.vertices, character.triangles, size);
   const auto tet_count = static_cast<std::size_t>(mesh_.tets.rows());
   const auto joint_count = static_cast<Eigen::Index>(skeleton_.size());
 
-  fibres_ = label_muscles(mesh_, muscles);
+  fibres_ = cage != nullptr ? label_muscles(*cage, muscles) : label_muscles(mesh_, muscles);
   std::vector<TetMaterial> materials(tet_count, kFat);
-  std::vector<bool> is_muscle(tet_count, false);
+  std::vector<double> muscle(tet_count, 0);
   for (const FibreTet& fibre : fibres_) {
     materials[static_cast<std::size_t>(fibre.tet)] = kMuscle;
-    is_muscle[static_cast<std::size_t>(fibre.tet)] = true;
+    muscle[static_cast<std::size_t>(fibre.tet)] = fibre.share;
   }
+  if (cage != nullptr) materials = cage_materials(*cage, muscle);
   tissue_ = std::make_unique<Tissue>(mesh_, materials, fibres_);
 
-  const SparseMatrix laplacian = tet_laplacian(mesh_, metric_stiffness(materials, is_muscle));
+  const SparseMatrix laplacian = tet_laplacian(mesh_, metric_stiffness(materials, muscle));
   const SparseMatrix no_springs(laplacian.rows(), laplacian.cols());
-  const NodeWeights smooth =
-      carry_inwards(character, laplacian, no_springs, NodeWeights::Zero(laplacian.rows(), joint_count));
-  bones_ = find_bones(mesh_, character, smooth);
+  const auto carry = [&](const SparseMatrix& springs, const NodeWeights& bone_share) {
+    return cage != nullptr ? carry_through(character, *cage, laplacian, springs, bone_share)
+                           : carry_inwards(character, laplacian, springs, bone_share);
+  };
+  const NodeWeights smooth = carry(no_springs, NodeWeights::Zero(laplacian.rows(), joint_count));
+  bones_ = cage != nullptr ? find_bones(*cage, character, smooth) : find_bones(mesh_, character, smooth);
   springs_ = std::make_unique<BoneSprings>(mesh_, bones_, skeleton_.size());
-  weights_ = carry_inwards(character, laplacian, springs_->stiffness(), springs_->joint_stiffness());
+  weights_ = carry(springs_->stiffness(), springs_->joint_stiffness());
   for (Eigen::Index n = 0; n < weights_.rows(); ++n) {
     std::vector<JointWeight>& entries = node_joints_.emplace_back();
     double sum = 0;
@@ -130,8 +163,11 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
     for (JointWeight& entry : entries) entry.weight /= sum;
   }
 
-  bending_ = std::make_unique<SkinBending>(character.vertices, character.triangles, mesh_.nodes.rows());
-  SparseMatrix metric = laplacian + springs_->stiffness() + bending_->stiffness();
+  SparseMatrix metric = laplacian + springs_->stiffness();
+  if (cage == nullptr) {
+    bending_ = std::make_unique<SkinBending>(character.vertices, character.triangles, mesh_.nodes.rows());
+    metric += bending_->stiffness();
+  }
   // A part no bone holds would leave the metric singular; this much holds it without being felt.
   const double diagonal = metric.diagonal().maxCoeff();
   for (Eigen::Index n = 0; n < metric.rows(); ++n) metric.coeffRef(n, n) += 1e-9 * diagonal;
@@ -141,7 +177,11 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
     force_floor_ += std::pow(kStrainFloor * materials[t].mu * area, 2);
   }
   force_floor_ = std::sqrt(force_floor_);
-  hash_ = body_hash(character, muscles, mesh_);
+  hash_ = body_hash(character, muscles, mesh_, cage != nullptr);
+}
+
+Positions QuasiStaticBody::skin(const Positions& nodes) const {
+  return embedding_.empty() ? Positions(nodes.topRows(skin_count_)) : embed(embedding_, mesh_.tets, nodes);
 }
 
 QuasiStaticBody::Target QuasiStaticBody::target(const std::vector<JointTransform>& local) const {
@@ -168,7 +208,7 @@ QuasiStaticBody::Target QuasiStaticBody::target(const std::vector<JointTransform
     result.skinned.row(row) << position[0], position[1], position[2];
     result.rotation.push_back(normalized(rotation));
   }
-  result.curvature = bending_->curvature(result.rotation);
+  if (bending_) result.curvature = bending_->curvature(result.rotation);
   return result;
 }
 
@@ -199,7 +239,7 @@ int QuasiStaticBody::relax(const Target& at, double tolerance, int max_iteration
     gradient.setZero();
     const Tissue::Sum tissue = tissue_->add_gradient(x, at.activation, gradient);
     const double springs = springs_->add_gradient(at.springs, x, gradient);
-    const double bending = bending_->add_gradient(at.curvature, x, gradient);
+    const double bending = bending_ ? bending_->add_gradient(at.curvature, x, gradient) : 0;
     return ObjectiveValue{tissue.energy + springs + bending, tissue.force_square};
   };
   const MinimiseResult result = minimise(objective, *metric_, tolerance, force_floor_, max_iterations, nodes);

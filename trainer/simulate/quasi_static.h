@@ -9,19 +9,27 @@
 namespace bodyopt {
 
 struct SolvedPose {
-  Positions nodes;     // N x 3, posed, metres; the first V are the skin
+  Positions nodes;     // N x 3, posed, metres
   FrameStatus status;  // without the frame number
 };
 
 // residual below 1e-4 and no inverted tet.
 bool is_converged(const FrameStatus& status);
 
+// Tets that fill a closed skin. size: largest edge wanted inside, metres; 0: three times the skin's mean edge. Throws
+// as tetrahedralise.
+TetMesh fill_skin(const Character& character, double size);
+
 // Everything that does not depend on the pose. Constant after construction: many threads may solve with one.
 class QuasiStaticBody {
  public:
-  // tet_size: largest edge wanted inside, metres; 0: three times the skin's mean edge. Throws Error(mismatch) when the
-  // skin is not closed or the muscles do not fit the skeleton.
-  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, double tet_size);
+  // Tets whose first V nodes are the skin's vertices, or a cage that carries the skin. Throw Error(mismatch) when the
+  // muscles do not fit the skeleton.
+  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh);
+  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const Cage& cage);
+  // In tets of fill_skin, throwing as it does.
+  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, double tet_size)
+      : QuasiStaticBody(character, muscles, fill_skin(character, tet_size)) {}
 
   // The equilibrium reached from rest along the straight path in joint angles, a pure function of the pose. A single
   // root's motion is taken out and put back at the end: there is no gravity, so the body does not feel it.
@@ -33,7 +41,11 @@ class QuasiStaticBody {
   // unconverged.
   SolvedPose solve(const Pose& pose) const;
 
+  // V x 3: where nodes (N x 3) take the skin. With conforming tets these are the first V nodes.
+  Positions skin(const Positions& nodes) const;
+
   const TetMesh& mesh() const { return mesh_; }
+  const std::vector<EmbeddedPoint>& embedding() const { return embedding_; }  // V; empty with conforming tets
   const std::vector<FibreTet>& fibres() const { return fibres_; }
   const std::vector<BonePoint>& bones() const { return bones_; }
   const NodeWeights& weights() const { return weights_; }
@@ -46,10 +58,11 @@ class QuasiStaticBody {
   struct Target {
     std::vector<double> activation;
     SpringPose springs;
-    Positions curvature;         // V x 3: of the skin, turned with the joints
+    Positions curvature;         // V x 3: of the skin, turned with the joints; empty in a cage
     Positions skinned;           // N x 3: the rest nodes by linear blend skinning
     std::vector<Quat> rotation;  // N: blended joint rotations
   };
+  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh, const Cage* cage);
   Target target(const std::vector<JointTransform>& local) const;
   Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
   int relax(const Target& at, double tolerance, int max_iterations, Positions& nodes, double& residual) const;
@@ -59,13 +72,15 @@ class QuasiStaticBody {
   Skeleton skeleton_;
   std::vector<Muscle> muscles_;
   TetMesh mesh_;
+  std::vector<EmbeddedPoint> embedding_;
+  Eigen::Index skin_count_ = 0;
   std::vector<FibreTet> fibres_;
   std::vector<BonePoint> bones_;
   NodeWeights weights_;
   std::vector<std::vector<JointWeight>> node_joints_;  // N: the weights again, small ones dropped, sum 1
   std::unique_ptr<Tissue> tissue_;
   std::unique_ptr<BoneSprings> springs_;
-  std::unique_ptr<SkinBending> bending_;
+  std::unique_ptr<SkinBending> bending_;  // null in a cage, whose tets are longer than the wrinkles it would prevent
   std::unique_ptr<Metric> metric_;
   double force_floor_ = 0;
   std::uint64_t hash_ = 0;

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "runtime/basis/error.h"
+#include "trainer/dataset/nodes_cache.h"
 #include "trainer/dataset/pc2.h"
 #include "trainer/progress.h"
 #include "trainer/simulate/body_hash.h"
@@ -15,6 +16,29 @@
 
 namespace bodyopt {
 namespace {
+
+constexpr Eigen::Index kDraftNodes = 1500;
+// For skins that no conforming tets fill: about the detail that tets of a skin of 10,000 vertices have inside.
+constexpr Eigen::Index kCageNodes = 5000;
+
+QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
+                          const SimulateOptions& options) {
+  if (options.draft) {
+    return {character, muscles, cage_of_nodes(character.vertices, character.triangles, kDraftNodes)};
+  }
+  TetMesh mesh;
+  try {
+    mesh = fill_skin(character, options.tet_size);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::mismatch) throw;
+    const Cage cage = options.tet_size > 0 ? cage_of_size(character.vertices, character.triangles, options.tet_size)
+                                           : cage_of_nodes(character.vertices, character.triangles, kCageNodes);
+    options.warn(std::string(error.what()) + "; it is simulated in a cage of " +
+                 std::to_string(cage.mesh.nodes.rows()) + " nodes around it");
+    return {character, muscles, cage};
+  }
+  return {character, muscles, std::move(mesh)};
+}
 
 const Pose& pose_of(const Clip& clip, int frame) {
   if (frame < clip.first_frame || frame > clip.last_frame()) {
@@ -50,19 +74,40 @@ std::vector<Job> jobs_of(const QuasiStaticBody& body, const Clip& clip, const st
   return jobs;
 }
 
-// Takes the shapes of the jobs over from a finished cache.
-void adopt_finished(const std::filesystem::path& cache, const std::filesystem::path& status, const Character& character,
-                    const std::vector<Job>& jobs, PartialShapes& partial) {
-  if (!std::filesystem::exists(cache) || !std::filesystem::exists(status)) return;
-  const Pc2Reader shapes(cache);
-  const std::vector<FrameStatus> finished = read_frame_status(status);
-  if (shapes.sample_count() != finished.size() || shapes.point_count() != character.output_count()) return;
+using NodesOfFrame = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+// What a cache keeps of a sample: the shape, or a draft's nodes.
+std::vector<float> stored_sample(const Pc2Reader& cache, std::uint32_t k) {
+  return {cache.sample(k).begin(), cache.sample(k).end()};
+}
+std::vector<float> stored_sample(const NodesReader& cache, std::uint32_t k) {
+  const NodesOfFrame nodes = cache.nodes(k).cast<float>();
+  return {nodes.data(), nodes.data() + nodes.size()};
+}
+
+template <typename Reader>
+void adopt_samples(const Reader& cache, const std::vector<FrameStatus>& finished, const std::vector<Job>& jobs,
+                   std::size_t values, PartialShapes& partial) {
+  if (cache.sample_count() != finished.size()) return;
   std::set<std::uint64_t> wanted;
   for (const Job& job : jobs) wanted.insert(job.key);
   for (std::size_t k = 0; k < finished.size(); ++k) {
     const std::uint64_t key = finished[k].inputs;
     if (!wanted.contains(key) || partial.has(key)) continue;
-    partial.append(key, finished[k], shapes.sample(static_cast<std::uint32_t>(k)));
+    const std::vector<float> sample = stored_sample(cache, static_cast<std::uint32_t>(k));
+    if (sample.size() == values) partial.append(key, finished[k], sample);
+  }
+}
+
+// Takes the frames of the jobs over from a finished cache.
+void adopt_finished(const std::filesystem::path& cache, const std::filesystem::path& status, bool draft,
+                    const std::vector<Job>& jobs, std::size_t values, PartialShapes& partial) {
+  if (!std::filesystem::exists(cache) || !std::filesystem::exists(status)) return;
+  const std::vector<FrameStatus> finished = read_frame_status(status);
+  if (draft) {
+    adopt_samples(NodesReader(cache), finished, jobs, values, partial);
+  } else {
+    adopt_samples(Pc2Reader(cache), finished, jobs, values, partial);
   }
 }
 
@@ -76,13 +121,10 @@ std::vector<Job> open_jobs(const std::vector<Job>& jobs, const PartialShapes& pa
   return open;
 }
 
-std::vector<float> output_shape(const Character& character, const Positions& nodes) {
-  return output_from_welded(character, nodes.topRows(character.vertices.rows()));
-}
-
 // Solves the jobs on some threads. A pose is solved by one thread alone, so their number changes no bit.
-void solve_all(const QuasiStaticBody& body, const Character& character, const std::vector<Job>& jobs, int threads,
-               PartialShapes& partial) {
+// stored: what the partial file keeps of the nodes.
+void solve_all(const QuasiStaticBody& body, const std::vector<Job>& jobs, int threads,
+               const std::function<std::vector<float>(const Positions&)>& stored, PartialShapes& partial) {
   Progress progress("simulate", jobs.size());
   std::atomic<std::size_t> next{0};
   std::mutex mutex;  // over partial, progress and failure
@@ -91,9 +133,9 @@ void solve_all(const QuasiStaticBody& body, const Character& character, const st
     try {
       for (std::size_t k = next++; k < jobs.size(); k = next++) {
         const SolvedPose solved = body.solve(*jobs[k].pose);
-        const std::vector<float> shape = output_shape(character, solved.nodes);
+        const std::vector<float> values = stored(solved.nodes);
         const std::lock_guard<std::mutex> lock(mutex);
-        partial.append(jobs[k].key, solved.status, shape);
+        partial.append(jobs[k].key, solved.status, values);
         progress.advance();
       }
     } catch (...) {
@@ -111,33 +153,57 @@ void solve_all(const QuasiStaticBody& body, const Character& character, const st
   if (failure) std::rethrow_exception(failure);
 }
 
+// Where the output vertices lie in a cage.
+std::vector<EmbeddedPoint> output_embedding(const Character& character, const QuasiStaticBody& body) {
+  std::vector<EmbeddedPoint> points;
+  for (const std::uint32_t v : character.output_vertex) points.push_back(body.embedding()[v]);
+  return points;
+}
+
 }  // namespace
 
 std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
                                   const std::vector<int>& frames, const std::filesystem::path& cache,
                                   const std::filesystem::path& status, const SimulateOptions& options) {
   require_distinct(frames);
-  const QuasiStaticBody body(character, muscles, options.tet_size);
+  const QuasiStaticBody body = make_body(character, muscles, options);
   std::filesystem::path partial_path = cache;
   partial_path += ".partial";
-  PartialShapes partial(partial_path, body.hash(), 3 * static_cast<std::size_t>(character.output_count()));
+  const auto node_count = body.mesh().nodes.rows();
+  const auto values =
+      static_cast<std::size_t>(3 * (options.draft ? node_count : Eigen::Index{character.output_count()}));
+  PartialShapes partial(partial_path, body.hash(), values);
+  const auto stored = [&](const Positions& nodes) {
+    return options.draft ? std::vector<float>(nodes.data(), nodes.data() + nodes.size())
+                         : output_from_welded(character, body.skin(nodes));
+  };
   const std::vector<Job> jobs = jobs_of(body, clip, frames);
-  adopt_finished(cache, status, character, jobs, partial);
-  solve_all(body, character, open_jobs(jobs, partial), options.threads, partial);
+  adopt_finished(cache, status, options.draft, jobs, values, partial);
+  solve_all(body, open_jobs(jobs, partial), options.threads, stored, partial);
 
   std::vector<FrameStatus> result;
-  Pc2Writer writer(cache, character.output_count(), static_cast<std::uint32_t>(frames.size()),
-                   static_cast<float>(frames.front()));
-  for (std::size_t k = 0; k < frames.size(); ++k) {
-    FrameStatus& of_frame = result.emplace_back();
-    writer.append(partial.read(jobs[k].key, of_frame));
-    of_frame.frame = frames[k];
-    of_frame.converged = is_converged(of_frame);
-    of_frame.inputs = jobs[k].key;
+  const auto write_frames = [&](auto& writer, const auto& append) {
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      FrameStatus& of_frame = result.emplace_back();
+      append(partial.read(jobs[k].key, of_frame));
+      of_frame.frame = frames[k];
+      of_frame.converged = is_converged(of_frame);
+      of_frame.inputs = jobs[k].key;
+    }
+    // Killed in between, the side-car and the cache do not match: but the unfinished file still has every frame.
+    write_frame_status(result, status);
+    writer.close();
+  };
+  if (options.draft) {
+    NodesWriter writer(cache, body.mesh().tets, output_embedding(character, body), body.hash(), frames.front());
+    write_frames(writer, [&](const std::vector<float>& nodes) {
+      writer.append(Eigen::Map<const NodesOfFrame>(nodes.data(), node_count, 3).cast<double>());
+    });
+  } else {
+    Pc2Writer writer(cache, character.output_count(), static_cast<std::uint32_t>(frames.size()),
+                     static_cast<float>(frames.front()));
+    write_frames(writer, [&](const std::vector<float>& shape) { writer.append(shape); });
   }
-  // Killed in between, the side-car and the cache do not match: but the unfinished file still has every frame.
-  write_frame_status(result, status);
-  writer.close();
   partial.remove();
   return result;
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "trainer/dataset/character.h"
@@ -14,10 +16,13 @@ namespace bodyopt {
 struct SimulateOptions {
   double tet_size = 0;  // metres; 0: chosen from the skin's edge lengths
   int threads = 0;      // 0: all
+  bool draft = false;   // in a cage of 1,500 nodes or fewer; the cache then holds nodes (nodes_cache.h)
+  std::function<void(const std::string&)> warn = [](const std::string&) {};  // told before the work begins
 };
 
-// Simulates the given frames of a clip and writes `cache` (PC2, output vertex order) and `status` (side-car). A frame
-// that an earlier run, interrupted or finished, solved with the same inputs is taken over from these two files or the
+// Simulates the given frames of a clip and writes `cache` (PC2, output vertex order; a draft's nodes) and `status`
+// (side-car). A skin that tets cannot fill is simulated in a cage, with a warning that says why. A frame that an
+// earlier run, interrupted or finished, solved with the same inputs is taken over from these two files or the
 // unfinished one. An unconverged frame is stored and flagged. Throws Error(interrupted) after SIGINT; what was finished
 // by then is not lost.
 std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,

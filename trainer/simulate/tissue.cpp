@@ -52,10 +52,11 @@ Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& materials, s
     if (k / kLanes >= fibres_.size()) continue;
     FibreBatch& fibre = fibres_[k / kLanes];
     const bool passive = k >= fibres.size();
-    const Eigen::Vector3d along = slopes * fibres[std::min(k, fibres.size() - 1)].direction;
+    const FibreTet& of_muscle = fibres[std::min(k, fibres.size() - 1)];
+    const Eigen::Vector3d along = slopes * of_muscle.direction;
     for (int a = 0; a < 3; ++a) fibre.slope[a][lane] = along[a];
-    fibre.volume[lane] = passive ? 0 : batch.volume[lane];
-    fibre.muscle[lane] = fibres[std::min(k, fibres.size() - 1)].muscle;
+    fibre.volume[lane] = passive ? 0 : of_muscle.share * batch.volume[lane];
+    fibre.muscle[lane] = of_muscle.muscle;
   }
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "trainer/simulate/material.h"
-#include "trainer/simulate/tets.h"
+#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 
@@ -14,6 +14,7 @@ struct FibreTet {
   int tet;
   int muscle;
   Eigen::Vector3d direction;  // unit, rest space
+  double share = 1;           // of the tet's volume that is this muscle
 };
 
 // Energy density per tet, F the deformation gradient, J = det F, a the fibre direction, s = |F a|:

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "runtime/basis/error.h"
-#include "trainer/dataset/pc2.h"
+#include "trainer/dataset/shape_reader.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt {
@@ -19,7 +19,7 @@ std::set<int> unconverged_frames(const Dataset& dataset, const DatasetTake& take
   return frames;
 }
 
-void check_take(const DatasetTake& take, const Character& character, const Clip& clip, const Pc2Reader& shapes) {
+void check_take(const DatasetTake& take, const Character& character, const Clip& clip, const ShapeReader& shapes) {
   const std::string where = "take '" + take.name + "', " + take.shapes + ": ";
   if (shapes.point_count() != character.output_count()) {
     throw Error(ErrorKind::mismatch, where + "the cache has " + std::to_string(shapes.point_count()) +
@@ -50,7 +50,7 @@ void read_take(const Dataset& dataset, int index, SampleSet& set) {
       read_clip(clip_source(dataset, take.clip), set.character.skeleton,
                 {.fps = take.fps, .first_frame = take.first_frame, .unit = clip_unit(take.clip, dataset.unit)});
   for (const std::string& note : clip.notes) set.notes.push_back("take '" + take.name + "': " + note);
-  const Pc2Reader shapes(dataset.folder / take.shapes);
+  const ShapeReader shapes(dataset.folder / take.shapes);
   check_take(take, set.character, clip, shapes);
   const std::set<int> heldout(take.heldout.begin(), take.heldout.end());
   const std::set<int> unconverged = unconverged_frames(dataset, take);
@@ -60,7 +60,6 @@ void read_take(const Dataset& dataset, int index, SampleSet& set) {
       ++set.unconverged;
       continue;
     }
-    shapes.require_finite(k);
     Sample sample;
     sample.take = index;
     sample.frame = frame;

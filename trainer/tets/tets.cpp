@@ -1,4 +1,4 @@
-#include "trainer/simulate/tets.h"
+#include "trainer/tets/tets.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -12,7 +12,7 @@
 #include <mutex>
 
 #include "runtime/basis/error.h"
-#include "trainer/simulate/closed_skin.h"
+#include "trainer/tets/closed_skin.h"
 
 namespace nglib {
 #include <nglib.h>
@@ -103,7 +103,14 @@ double mean_ratio(double volume, const Eigen::Vector3d corner[4]) {
   return squares > 0 ? 12 * std::cbrt(9 * volume * volume) / squares : 0;
 }
 
-// Turns every tet to positive volume and finds the worst quality.
+[[noreturn]] void refuse(const std::string& reason) {
+  throw Error(ErrorKind::mismatch,
+              "the skin cannot be filled with tetrahedra: " + reason +
+                  "; the likely cause is a skin that intersects itself or has slivers between close sheets");
+}
+
+}  // namespace
+
 void orient(TetMesh& mesh) {
   mesh.worst_quality = 1;
   for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
@@ -114,14 +121,6 @@ void orient(TetMesh& mesh) {
     mesh.worst_quality = std::min(mesh.worst_quality, mean_ratio(std::abs(volume), corner));
   }
 }
-
-[[noreturn]] void refuse(const std::string& reason) {
-  throw Error(ErrorKind::mismatch,
-              "the skin cannot be filled with tetrahedra: " + reason +
-                  "; the likely cause is a skin that intersects itself or has slivers between close sheets");
-}
-
-}  // namespace
 
 Eigen::Matrix3d tet_edges(const TetMesh& mesh, Eigen::Index tet) {
   Eigen::Matrix3d edges;

@@ -1,4 +1,4 @@
-#include "trainer/simulate/tets.h"
+#include "trainer/tets/tets.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "runtime/basis/error.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/shared_data.h"
-#include "trainer/simulate/closed_skin.h"
+#include "trainer/tets/closed_skin.h"
 
 namespace bodyopt {
 namespace {

@@ -1,4 +1,4 @@
-#include "trainer/simulate/closed_skin.h"
+#include "trainer/tets/closed_skin.h"
 
 #include <Eigen/Geometry>
 #include <map>

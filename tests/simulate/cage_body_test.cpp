@@ -1,0 +1,134 @@
+// Simulation in a cage: drafts, and skins that no conforming tets fill.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "runtime/basis/error.h"
+#include "runtime/rig.h"
+#include "tests/builtin/shared_arm.h"
+#include "tests/simulate/limb.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/temporary_folder.h"
+#include "trainer/dataset/shape_reader.h"
+#include "trainer/simulate/quasi_static.h"
+#include "trainer/simulate/simulate.h"
+
+namespace bodyopt {
+namespace {
+
+QuasiStaticBody caged(const Character& character, const std::vector<Muscle>& muscles, Eigen::Index nodes) {
+  return {character, muscles, cage_of_nodes(character.vertices, character.triangles, nodes)};
+}
+
+double rms(const Positions& a, const Positions& b) { return std::sqrt((a - b).rowwise().squaredNorm().mean()); }
+
+Clip bend(const Character& limb, int frames) {
+  Clip clip;
+  clip.name = "bend";
+  clip.first_frame = 1;
+  for (int k = 0; k < frames; ++k) clip.poses.push_back(bent(limb, degrees(25.0 * k)));
+  return clip;
+}
+
+TEST(CageBody, BindPoseIsTheRestSkin) {
+  const Character& character = arm().character;
+  const QuasiStaticBody body = caged(character, arm().muscles, 1500);
+  const SolvedPose solved = body.solve(bind_pose(character.skeleton));
+  EXPECT_TRUE(solved.status.converged);
+  EXPECT_LT((body.skin(solved.nodes) - character.vertices).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(CageBody, ADraftIsNearTheFullShape) {
+  const Character limb = make_limb();
+  const std::vector<Muscle> muscles{make_flexor()};
+  const QuasiStaticBody full(limb, muscles, 0.05), draft = caged(limb, muscles, 1500),
+                                                   coarse = caged(limb, muscles, 200);
+  const Pose pose = bent(limb, degrees(70));
+  const SolvedPose a = full.solve(pose), b = draft.solve(pose), c = coarse.solve(pose);
+  EXPECT_TRUE(b.status.converged);
+  EXPECT_TRUE(c.status.converged);
+  EXPECT_LT(rms(full.skin(a.nodes), draft.skin(b.nodes)), 0.002);
+  EXPECT_LT(rms(full.skin(a.nodes), coarse.skin(c.nodes)), 0.006);
+  // And nearer to it than the skinning it starts from.
+  Positions skinned(limb.vertices.rows(), 3);
+  const std::vector<Affine> skinning = skinning_matrices(limb.skeleton, pose.joints);
+  for (Eigen::Index v = 0; v < skinned.rows(); ++v) {
+    Vec3 sum{0, 0, 0};
+    for (const JointWeight& w : limb.weights[static_cast<std::size_t>(v)]) {
+      sum = sum + w.weight * (skinning[w.joint] * Vec3{limb.vertices(v, 0), limb.vertices(v, 1), limb.vertices(v, 2)});
+    }
+    skinned.row(v) << sum[0], sum[1], sum[2];
+  }
+  EXPECT_LT(rms(full.skin(a.nodes), draft.skin(b.nodes)), 0.5 * rms(full.skin(a.nodes), skinned));
+}
+
+TEST(CageBody, HashTellsSkinsInOneCageApart) {
+  Character limb = make_limb();
+  const std::uint64_t hash = caged(limb, {}, 200).hash();
+  EXPECT_EQ(caged(limb, {}, 200).hash(), hash);
+  limb.vertices(40, 1) += 1e-6;
+  EXPECT_NE(caged(limb, {}, 200).hash(), hash);
+}
+
+TEST(CageBody, SimulateStoresADraftAsNodes) {
+  const TemporaryFolder folder;
+  const Character limb = make_limb();
+  const Clip clip = bend(limb, 3);
+  const SimulateOptions options{.threads = 1, .draft = true};
+  const std::vector<FrameStatus> status =
+      simulate(limb, {make_flexor()}, clip, {1, 3}, folder / "take.nodes", folder / "take.json", options);
+  ASSERT_EQ(status.size(), 2u);
+  for (const FrameStatus& frame : status) EXPECT_TRUE(frame.converged);
+  const ShapeReader shapes(folder / "take.nodes");
+  ASSERT_EQ(shapes.point_count(), limb.output_count());
+  ASSERT_EQ(shapes.sample_count(), 2u);
+  EXPECT_LE(NodesReader(folder / "take.nodes").node_count(), 1500);
+  const QuasiStaticBody body = caged(limb, {make_flexor()}, 1500);
+  for (const std::uint32_t k : {0u, 1u}) {
+    const Positions expected = body.skin(body.solve(clip.poses[2 * k]).nodes);
+    const Positions found = welded_from_output(limb, shapes.sample(k).data());
+    EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), 0.5 / 65535 + 1e-6);
+  }
+}
+
+TEST(CageBody, SkinsThatCannotBeFilledAreSaidAndSimulated) {
+  const TemporaryFolder folder;
+  Character limb = make_limb();
+  limb.triangles = limb.triangles.topRows(limb.triangles.rows() - 3).eval();
+  std::string warning;
+  SimulateOptions options{.tet_size = 0.03, .threads = 1};
+  options.warn = [&](const std::string& text) { warning += text; };
+  const std::vector<FrameStatus> status =
+      simulate(limb, {make_flexor()}, bend(limb, 3), {1, 2, 3}, folder / "take.pc2", folder / "take.json", options);
+  EXPECT_NE(warning.find("boundary edges"), std::string::npos) << warning;
+  EXPECT_NE(warning.find("cage"), std::string::npos) << warning;
+  for (const FrameStatus& frame : status) EXPECT_TRUE(frame.converged);
+  const QuasiStaticBody full(make_limb(), {make_flexor()}, 0.05);
+  const Positions expected = full.skin(full.solve(bent(limb, degrees(50))).nodes);
+  const Positions found = welded_from_output(limb, ShapeReader(folder / "take.pc2").sample(2).data());
+  EXPECT_LT(rms(found, expected), 0.003);
+}
+
+// Every child joint turned by 20 degrees.
+TEST(CageBody, RealCharactersOfEveryKind) {
+  for (const char* file :
+       {"cesium_man.glb", "fox.glb", "simple_skin.gltf", "quaternius_man.glb", "quaternius_horse.glb"}) {
+    const auto path = shared_data(std::string("characters/") + file);
+    if (!path) GTEST_SKIP() << "shared data not present";
+    const Character character = read_character(*path, std::string(file) == "fox.glb" ? 0.01 : 0);
+    const QuasiStaticBody body = caged(character, {}, 800);
+    Pose pose = bind_pose(character.skeleton);
+    const SolvedPose rest = body.solve(pose);
+    EXPECT_TRUE(rest.status.converged) << file;
+    EXPECT_LT((body.skin(rest.nodes) - character.vertices).cwiseAbs().maxCoeff(), 1e-6) << file;
+    for (std::size_t j = 1; j < pose.joints.size(); ++j) {
+      pose.joints[j].rotation = pose.joints[j].rotation * axis_angle({0, 0, 1}, degrees(20));
+    }
+    const SolvedPose solved = body.solve(pose);
+    EXPECT_TRUE(solved.nodes.allFinite()) << file;
+    EXPECT_TRUE(solved.status.converged) << file << " " << solved.status.residual;
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt

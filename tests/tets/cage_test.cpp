@@ -1,0 +1,229 @@
+#include "trainer/tets/cage.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <map>
+#include <set>
+
+#include "runtime/basis/error.h"
+#include "tests/builtin/shared_arm.h"
+#include "tests/simulate/limb.h"
+#include "tests/support/shared_data.h"
+#include "trainer/tets/closed_skin.h"
+
+namespace bodyopt {
+namespace {
+
+struct Skin {
+  Positions vertices;
+  Triangles triangles;
+};
+
+Skin skin_of(const Character& character) { return {character.vertices, character.triangles}; }
+
+Skin join(const Skin& a, const Skin& b) {
+  Skin both{Positions(a.vertices.rows() + b.vertices.rows(), 3), Triangles(a.triangles.rows() + b.triangles.rows(), 3)};
+  both.vertices << a.vertices, b.vertices;
+  both.triangles << a.triangles, (b.triangles.array() + static_cast<std::uint32_t>(a.vertices.rows())).matrix();
+  return both;
+}
+
+// The limb moved.
+Skin limb_at(double x, double y, double z) {
+  Skin limb = skin_of(make_limb());
+  limb.vertices.rowwise() += Eigen::RowVector3d(x, y, z);
+  return limb;
+}
+
+// A square sheet of 21 x 21 vertices, a metre wide, waved.
+Skin sheet() {
+  constexpr int kSide = 21;
+  Skin result{Positions(kSide * kSide, 3), Triangles(2 * (kSide - 1) * (kSide - 1), 3)};
+  Eigen::Index t = 0;
+  for (int i = 0; i < kSide; ++i) {
+    for (int j = 0; j < kSide; ++j) {
+      result.vertices.row(i * kSide + j) << 0.05 * i, 0.05 * j, 0.1 * std::sin(0.3 * i);
+      if (i + 1 == kSide || j + 1 == kSide) continue;
+      const auto a = static_cast<std::uint32_t>(i * kSide + j), b = a + 1, c = a + kSide, d = c + 1;
+      result.triangles.row(t++) << a, c, b;
+      result.triangles.row(t++) << b, c, d;
+    }
+  }
+  return result;
+}
+
+// Five triangles on one edge.
+Skin fan() {
+  Skin result{Positions(7, 3), Triangles(5, 3)};
+  result.vertices.row(0) << 0, 0, 0;
+  result.vertices.row(1) << 0, 0, 1;
+  for (int k = 0; k < 5; ++k) {
+    result.vertices.row(k + 2) << std::cos(1.2 * k), std::sin(1.2 * k), 0.5;
+    result.triangles.row(k) << 0, 1, static_cast<std::uint32_t>(k + 2);
+  }
+  return result;
+}
+
+// The hull's parts: tets joined by nodes.
+std::size_t parts(const TetMesh& mesh) {
+  std::vector<int> root(static_cast<std::size_t>(mesh.nodes.rows()));
+  for (std::size_t n = 0; n < root.size(); ++n) root[n] = static_cast<int>(n);
+  const auto find = [&](int n) {
+    while (root[static_cast<std::size_t>(n)] != n) n = root[static_cast<std::size_t>(n)];
+    return n;
+  };
+  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
+    for (int a = 1; a < 4; ++a) root[static_cast<std::size_t>(find(mesh.tets(t, a)))] = find(mesh.tets(t, 0));
+  }
+  std::set<int> roots;
+  for (std::size_t n = 0; n < root.size(); ++n) roots.insert(find(static_cast<int>(n)));
+  return roots.size();
+}
+
+double sampled_volume(const Cage& cage) {
+  double sum = 0;
+  for (const CageSample& sample : cage.samples) sum += sample.volume;
+  return sum;
+}
+
+// Everything a cage promises of any skin.
+void expect_sound(const Cage& cage, const Skin& skin, const std::string& name) {
+  SCOPED_TRACE(name);
+  for (Eigen::Index t = 0; t < cage.mesh.tets.rows(); ++t) ASSERT_GT(tet_edges(cage.mesh, t).determinant(), 0);
+  EXPECT_GT(cage.mesh.worst_quality, 0.83);
+  ASSERT_EQ(static_cast<Eigen::Index>(cage.skin.size()), skin.vertices.rows());
+  for (const EmbeddedPoint& point : cage.skin) {
+    EXPECT_GT(point.weights.minCoeff(), -1e-9);  // enclosed
+    EXPECT_NEAR(point.weights.sum(), 1, 1e-12);
+  }
+  for (const CageSample& sample : cage.samples) ASSERT_GT(sample.point.weights.minCoeff(), -1e-9);
+  EXPECT_LT((embed(cage.skin, cage.mesh.tets, cage.mesh.nodes) - skin.vertices).cwiseAbs().maxCoeff(), 1e-12);
+  std::set<int> used(cage.mesh.tets.data(), cage.mesh.tets.data() + cage.mesh.tets.size());
+  EXPECT_EQ(static_cast<Eigen::Index>(used.size()), cage.mesh.nodes.rows());
+  // Watertight: a face has one tet or two, never more.
+  std::map<std::array<int, 3>, int> faces;
+  for (Eigen::Index t = 0; t < cage.mesh.tets.rows(); ++t) {
+    for (int a = 0; a < 4; ++a) {
+      std::array<int, 3> face{cage.mesh.tets(t, (a + 1) % 4), cage.mesh.tets(t, (a + 2) % 4),
+                              cage.mesh.tets(t, (a + 3) % 4)};
+      std::sort(face.begin(), face.end());
+      EXPECT_LE(++faces[face], 2);
+    }
+  }
+}
+
+TEST(Cage, EnclosesSkinsOfEveryKind) {
+  Skin open = skin_of(make_limb());
+  open.triangles.conservativeResize(open.triangles.rows() - 40, 3);
+  const std::pair<const char*, Skin> skins[] = {{"arm", skin_of(arm().character)},
+                                                {"sheet", sheet()},
+                                                {"fan", fan()},
+                                                {"open limb", open},
+                                                {"overlapping limbs", join(limb_at(0, 0, 0), limb_at(0.1, 0.03, 0.02))},
+                                                {"limbs apart", join(limb_at(0, 0, 0), limb_at(0, 0.5, 0))}};
+  for (const auto& [name, skin] : skins) {
+    for (const Eigen::Index nodes : {100, 700}) {
+      const Cage cage = cage_of_nodes(skin.vertices, skin.triangles, nodes);
+      EXPECT_LE(cage.mesh.nodes.rows(), nodes) << name;
+      EXPECT_GT(cage.mesh.nodes.rows(), nodes / 2) << name;
+      expect_sound(cage, skin, name);
+    }
+  }
+}
+
+TEST(Cage, SamplesMeasureTheVolume) {
+  const Skin limb = limb_at(0, 0, 0);
+  const double volume = enclosed_volume(limb.vertices, limb.triangles);
+  const Cage cage = cage_of_nodes(limb.vertices, limb.triangles, 1500);
+  EXPECT_NEAR(sampled_volume(cage) / volume, 1, 0.03);
+  // Of two that overlap, the union; turned inside out or with a hole, the same.
+  Skin flipped = limb;
+  flipped.triangles.col(1).swap(flipped.triangles.col(2));
+  EXPECT_EQ(sampled_volume(cage_of_nodes(flipped.vertices, flipped.triangles, 1500)), sampled_volume(cage));
+  Skin open = limb;
+  open.triangles = limb.triangles.topRows(limb.triangles.rows() - 12).eval();
+  EXPECT_NEAR(sampled_volume(cage_of_nodes(open.vertices, open.triangles, 1500)) / volume, 1, 0.1);
+  const Skin twice = join(limb, limb);
+  EXPECT_EQ(sampled_volume(cage_of_nodes(twice.vertices, twice.triangles, 1500)), sampled_volume(cage));
+}
+
+TEST(Cage, KeepsNeighboursApartAndPiecesTogether) {
+  // Two limbs joined at one end into a fork, 4 cm apart, in cells of 10 cm.
+  Skin fork = join(limb_at(0, 0, 0), limb_at(0, 0.12, 0));
+  Skin bridge = limb_at(0, 0, 0);
+  bridge.vertices.col(0).swap(bridge.vertices.col(1));
+  bridge.vertices.col(1) *= 0.4;
+  fork = join(fork, bridge);
+  const Cage cage = cage_of_size(fork.vertices, fork.triangles, 0.1);
+  expect_sound(cage, fork, "fork");
+  EXPECT_EQ(parts(cage.mesh), 1u);
+  const auto nodes_of = [&](Eigen::Index first, Eigen::Index count) {
+    std::set<int> nodes;
+    for (Eigen::Index v = first; v < first + count; ++v) {
+      if (fork.vertices(v, 0) < 0.25) continue;
+      const int tet = cage.skin[static_cast<std::size_t>(v)].tet;
+      nodes.insert(cage.mesh.tets.row(tet).data(), cage.mesh.tets.row(tet).data() + 4);
+    }
+    return nodes;
+  };
+  const Eigen::Index limb = make_limb().vertices.rows();
+  for (const int node : nodes_of(0, limb)) EXPECT_FALSE(nodes_of(limb, limb).contains(node));
+  // Without the bridge they are pieces of their own, and pieces in one cell are joined.
+  const Skin pieces = join(limb_at(0, 0, 0), limb_at(0, 0.12, 0));
+  EXPECT_EQ(parts(cage_of_size(pieces.vertices, pieces.triangles, 0.1).mesh), 1u);
+  const Skin apart = join(limb_at(0, 0, 0), limb_at(0, 0.5, 0));
+  EXPECT_EQ(parts(cage_of_size(apart.vertices, apart.triangles, 0.1).mesh), 2u);
+}
+
+TEST(Cage, IsTheSameEveryTime) {
+  const Skin limb = limb_at(0, 0, 0);
+  const Cage a = cage_of_nodes(limb.vertices, limb.triangles, 300),
+             b = cage_of_nodes(limb.vertices, limb.triangles, 300);
+  EXPECT_EQ(a.mesh.nodes, b.mesh.nodes);
+  EXPECT_EQ(a.mesh.tets, b.mesh.tets);
+}
+
+TEST(Cage, RefusesWhatIsNoSkin) {
+  const Skin limb = limb_at(0, 0, 0);
+  Skin broken = limb;
+  broken.vertices(3, 1) = std::nan("");
+  EXPECT_THROW(cage_of_nodes(broken.vertices, broken.triangles, 100), Error);
+  broken = limb;
+  broken.triangles(0, 0) = 1u << 30;
+  EXPECT_THROW(cage_of_nodes(broken.vertices, broken.triangles, 100), Error);
+  EXPECT_THROW(cage_of_nodes(limb.vertices, Triangles(0, 3), 100), Error);
+  broken = limb;
+  broken.vertices.setConstant(1);
+  EXPECT_THROW(cage_of_nodes(broken.vertices, broken.triangles, 100), Error);
+  EXPECT_THROW(cage_of_size(limb.vertices, limb.triangles, 1e-4), Error);
+}
+
+TEST(Cage, EmbeddingFollowsAffineMotion) {
+  const Skin limb = limb_at(0, 0, 0);
+  const Cage cage = cage_of_nodes(limb.vertices, limb.triangles, 300);
+  Eigen::Matrix3d linear;
+  linear << 1.2, 0.3, -0.5, 0.1, 0.7, 0.4, -0.6, 0.2, 1.1;
+  const Eigen::RowVector3d shift(0.3, -2, 5);
+  const auto moved = [&](const Positions& points) { return Positions((points * linear).rowwise() + shift); };
+  const Positions skin = embed(cage.skin, cage.mesh.tets, moved(cage.mesh.nodes));
+  EXPECT_LT((skin - moved(limb.vertices)).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_EQ(embed(cage.skin, cage.mesh.tets, moved(cage.mesh.nodes)), skin);
+}
+
+TEST(Cage, EnclosesRealCharacters) {
+  for (const char* file : {"cesium_man.glb", "fox.glb", "simple_skin.gltf", "quaternius_man.glb",
+                           "quaternius_horse.glb", "greenman.glb", "human_muscular.glb"}) {
+    const auto path = shared_data(std::string("characters/") + file);
+    if (!path) GTEST_SKIP() << "shared data not present";
+    double unit = 0;
+    if (std::string(file) == "fox.glb") unit = 0.01;
+    const Character character = read_character(*path, unit);
+    const Cage cage = cage_of_nodes(character.vertices, character.triangles, 1500);
+    EXPECT_LE(cage.mesh.nodes.rows(), 1500);
+    expect_sound(cage, skin_of(character), file);
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt

@@ -1,0 +1,31 @@
+#include "trainer/dataset/shape_reader.h"
+
+namespace bodyopt {
+namespace {
+
+std::variant<Pc2Reader, NodesReader> open_cache(const std::filesystem::path& path) {
+  if (path.extension() == ".nodes") return NodesReader(path);
+  return Pc2Reader(path);
+}
+
+}  // namespace
+
+ShapeReader::ShapeReader(const std::filesystem::path& path) : reader_(open_cache(path)) {}
+
+std::uint32_t ShapeReader::point_count() const {
+  return std::visit([](const auto& reader) { return reader.point_count(); }, reader_);
+}
+
+std::uint32_t ShapeReader::sample_count() const {
+  return std::visit([](const auto& reader) { return reader.sample_count(); }, reader_);
+}
+
+std::vector<float> ShapeReader::sample(std::uint32_t k) const {
+  if (const auto* nodes = std::get_if<NodesReader>(&reader_)) return nodes->sample(k);
+  const auto& pc2 = std::get<Pc2Reader>(reader_);
+  pc2.require_finite(k);
+  const std::span<const float> values = pc2.sample(k);
+  return {values.begin(), values.end()};
+}
+
+}  // namespace bodyopt
