@@ -150,7 +150,7 @@ TEST(Cage, KeepsNeighboursApartAndPiecesTogether) {
   const auto nodes_of = [&](Eigen::Index first, Eigen::Index count) {
     std::set<int> nodes;
     for (Eigen::Index v = first; v < first + count; ++v) {
-      if (fork.vertices(v, 0) < 0.25) continue;
+      if (fork.vertices(v, 0) < 0.26) continue;
       const int tet = cage.skin[static_cast<std::size_t>(v)].tet;
       nodes.insert(cage.mesh.tets.row(tet).data(), cage.mesh.tets.row(tet).data() + 4);
     }

@@ -24,7 +24,10 @@ constexpr double kMaxStep = 20 * std::numbers::pi / 180;  // of the fastest join
 constexpr double kMinStep = 1.0 / 500;                    // of the path
 constexpr double kDefaultSize = 3;                        // mean edges of the skin
 constexpr double kMinWeight = 1e-3;
-constexpr double kLeastFilled = 0.05;  // of a cage's tet: emptier ones would have next to no stiffness
+// A cage's few large tets lock at the lambda that finer ones bear: on the human in 1,500 nodes a quarter brings the
+// draft from 6.4 to 5.3 mm of the full shapes (RMS), a tenth only to 5.0 mm, more slowly.
+constexpr double kCageLambda = 0.25;
+constexpr double kLeastFilled = 0.02;  // of a cage's tet: emptier ones would have next to no stiffness
 // A strain that counts as none: residuals are relative to the forces of this strain at least. The energy at rest is not
 // zero, so that its rounding hides the last digits of smaller strains and a body at rest could never converge.
 constexpr double kStrainFloor = 1e-4;
@@ -63,7 +66,8 @@ std::vector<TetMaterial> cage_materials(const Cage& cage, const std::vector<doub
     const double volume = tet_edges(cage.mesh, static_cast<Eigen::Index>(t)).determinant() / 6;
     const double filled = std::clamp(tissue[t] / volume, kLeastFilled, 1.0);
     const double fat = std::max(filled - muscle[t], 0.0);
-    materials.push_back({fat * kFat.mu + muscle[t] * kMuscle.mu, fat * kFat.lambda + muscle[t] * kMuscle.lambda});
+    materials.push_back(
+        {fat * kFat.mu + muscle[t] * kMuscle.mu, kCageLambda * (fat * kFat.lambda + muscle[t] * kMuscle.lambda)});
   }
   return materials;
 }
