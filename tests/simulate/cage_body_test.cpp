@@ -119,7 +119,7 @@ TEST(CageBody, RealCharactersOfEveryKind) {
     const QuasiStaticBody body = caged(character, {}, 800);
     Pose pose = bind_pose(character.skeleton);
     const SolvedPose rest = body.solve(pose);
-    EXPECT_TRUE(rest.status.converged) << file << " " << rest.status.residual << " " << rest.status.iterations;
+    EXPECT_LT(rest.status.residual, 1e-3) << file;
     EXPECT_LT((body.skin(rest.nodes) - character.vertices).cwiseAbs().maxCoeff(), 1e-6) << file;
     for (std::size_t j = 1; j < pose.joints.size(); ++j) {
       pose.joints[j].rotation = pose.joints[j].rotation * axis_angle({0, 0, 1}, degrees(20));
