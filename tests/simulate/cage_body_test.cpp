@@ -89,6 +89,14 @@ TEST(CageBody, SimulateStoresADraftAsNodes) {
     const Positions found = welded_from_output(limb, shapes.sample(k).data());
     EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), 0.5 / 65535 + 1e-6);
   }
+  // Frames of a finished draft are taken over, not solved again, and lose nothing by it.
+  const std::vector<FrameStatus> again =
+      simulate(limb, {make_flexor()}, clip, {3, 1}, folder / "take.nodes", folder / "take.json", options);
+  const ShapeReader turned(folder / "take.nodes");
+  for (const std::uint32_t k : {0u, 1u}) {
+    EXPECT_EQ(turned.sample(k), shapes.sample(1 - k));
+    EXPECT_EQ(again[k].seconds, status[1 - k].seconds);
+  }
 }
 
 TEST(CageBody, SkinsThatCannotBeFilledAreSaidAndSimulated) {
