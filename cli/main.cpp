@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
   add_train(app);
   add_eval(app);
   add_compare(app);
+  add_export(app);
   add_info(app);
   add_devices(app);
 

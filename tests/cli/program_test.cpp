@@ -29,9 +29,10 @@ TEST(Program, WrongArgumentsExitWith64) {
 }
 
 TEST(Program, MissingFilesExitWith4AndAreNamed) {
-  for (const char* command : {"info nowhere.glb", "info nowhere.pc2", "check nowhere/dataset.json",
-                              "eval nowhere.safetensors --clip a.glb --out b.pc2 --device cpu",
-                              "train nowhere --out b.safetensors", "compare nowhere.pc2 nowhere.pc2"}) {
+  for (const char* command :
+       {"info nowhere.glb", "info nowhere.pc2", "check nowhere/dataset.json", "export nowhere.nodes --out b.pc2",
+        "eval nowhere.safetensors --clip a.glb --out b.pc2 --device cpu", "train nowhere --out b.safetensors",
+        "compare nowhere.pc2 nowhere.pc2"}) {
     const ProgramResult result = run_bodyopt(command);
     EXPECT_EQ(result.exit_code, 4) << command << "\n" << result.output;
     EXPECT_NE(result.output.find("nowhere"), std::string::npos) << command;

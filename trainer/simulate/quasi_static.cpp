@@ -67,7 +67,8 @@ std::vector<TetMaterial> cage_materials(const Cage& cage, const std::vector<doub
     const double volume = tet_edges(cage.mesh, static_cast<Eigen::Index>(t)).determinant() / 6;
     const double filled = std::clamp(tissue[t] / volume, kLeastFilled, 1.0);
     const double fat = std::max(filled - muscle[t], 0.0);
-    materials.push_back({fat * kFat.mu + muscle[t] * kMuscle.mu, fat * kFat.lambda + muscle[t] * kMuscle.lambda});
+    materials.push_back(
+        {fat * kFat.mu + muscle[t] * kMuscle.mu, kCageLambda * (fat * kFat.lambda + muscle[t] * kMuscle.lambda)});
   }
   return materials;
 }

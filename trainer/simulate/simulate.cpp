@@ -74,22 +74,40 @@ std::vector<Job> jobs_of(const QuasiStaticBody& body, const Clip& clip, const st
   return jobs;
 }
 
-// Takes the shapes of the jobs over from a finished cache. Reader: of that kind of cache; values(reader, k): what the
-// partial file keeps of its sample k.
-template <typename Reader, typename Values>
-void adopt_finished(const std::filesystem::path& cache, const std::filesystem::path& status,
-                    const std::vector<Job>& jobs, std::size_t value_count, Values values, PartialShapes& partial) {
-  if (!std::filesystem::exists(cache) || !std::filesystem::exists(status)) return;
-  const Reader reader(cache);
-  const std::vector<FrameStatus> finished = read_frame_status(status);
-  if (reader.sample_count() != finished.size()) return;
+using NodesOfFrame = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+// What a cache keeps of a sample: the shape, or a draft's nodes.
+std::vector<float> stored_sample(const Pc2Reader& cache, std::uint32_t k) {
+  return {cache.sample(k).begin(), cache.sample(k).end()};
+}
+std::vector<float> stored_sample(const NodesReader& cache, std::uint32_t k) {
+  const NodesOfFrame nodes = cache.nodes(k).cast<float>();
+  return {nodes.data(), nodes.data() + nodes.size()};
+}
+
+template <typename Reader>
+void adopt_samples(const Reader& cache, const std::vector<FrameStatus>& finished, const std::vector<Job>& jobs,
+                   std::size_t values, PartialShapes& partial) {
+  if (cache.sample_count() != finished.size()) return;
   std::set<std::uint64_t> wanted;
   for (const Job& job : jobs) wanted.insert(job.key);
   for (std::size_t k = 0; k < finished.size(); ++k) {
     const std::uint64_t key = finished[k].inputs;
     if (!wanted.contains(key) || partial.has(key)) continue;
-    const std::vector<float> shape = values(reader, static_cast<std::uint32_t>(k));
-    if (shape.size() == value_count) partial.append(key, finished[k], shape);
+    const std::vector<float> sample = stored_sample(cache, static_cast<std::uint32_t>(k));
+    if (sample.size() == values) partial.append(key, finished[k], sample);
+  }
+}
+
+// Takes the frames of the jobs over from a finished cache.
+void adopt_finished(const std::filesystem::path& cache, const std::filesystem::path& status, bool draft,
+                    const std::vector<Job>& jobs, std::size_t values, PartialShapes& partial) {
+  if (!std::filesystem::exists(cache) || !std::filesystem::exists(status)) return;
+  const std::vector<FrameStatus> finished = read_frame_status(status);
+  if (draft) {
+    adopt_samples(NodesReader(cache), finished, jobs, values, partial);
+  } else {
+    adopt_samples(Pc2Reader(cache), finished, jobs, values, partial);
   }
 }
 
@@ -135,10 +153,6 @@ void solve_all(const QuasiStaticBody& body, const std::vector<Job>& jobs, int th
   if (failure) std::rethrow_exception(failure);
 }
 
-using NodesOfFrame = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
-
-std::vector<float> stored_nodes(const Positions& nodes) { return {nodes.data(), nodes.data() + nodes.size()}; }
-
 // Where the output vertices lie in a cage.
 std::vector<EmbeddedPoint> output_embedding(const Character& character, const QuasiStaticBody& body) {
   std::vector<EmbeddedPoint> points;
@@ -153,28 +167,22 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
                                   const std::filesystem::path& status, const SimulateOptions& options) {
   require_distinct(frames);
   const QuasiStaticBody body = make_body(character, muscles, options);
-  const Eigen::Index node_count = body.mesh().nodes.rows();
-  const std::size_t values = 3 * static_cast<std::size_t>(options.draft ? node_count : character.output_count());
   std::filesystem::path partial_path = cache;
   partial_path += ".partial";
+  const auto node_count = body.mesh().nodes.rows();
+  const auto values =
+      static_cast<std::size_t>(3 * (options.draft ? node_count : Eigen::Index{character.output_count()}));
   PartialShapes partial(partial_path, body.hash(), values);
-  const std::vector<Job> jobs = jobs_of(body, clip, frames);
-  if (options.draft) {
-    const auto nodes = [](const NodesReader& reader, std::uint32_t k) { return stored_nodes(reader.nodes(k)); };
-    adopt_finished<NodesReader>(cache, status, jobs, values, nodes, partial);
-  } else {
-    const auto skin = [](const Pc2Reader& reader, std::uint32_t k) {
-      return std::vector<float>(reader.sample(k).begin(), reader.sample(k).end());
-    };
-    adopt_finished<Pc2Reader>(cache, status, jobs, values, skin, partial);
-  }
   const auto stored = [&](const Positions& nodes) {
-    return options.draft ? stored_nodes(nodes) : output_from_welded(character, body.skin(nodes));
+    return options.draft ? std::vector<float>(nodes.data(), nodes.data() + nodes.size())
+                         : output_from_welded(character, body.skin(nodes));
   };
+  const std::vector<Job> jobs = jobs_of(body, clip, frames);
+  adopt_finished(cache, status, options.draft, jobs, values, partial);
   solve_all(body, open_jobs(jobs, partial), options.threads, stored, partial);
 
   std::vector<FrameStatus> result;
-  const auto append_all = [&](auto append) {
+  const auto write_frames = [&](auto& writer, const auto& append) {
     for (std::size_t k = 0; k < frames.size(); ++k) {
       FrameStatus& of_frame = result.emplace_back();
       append(partial.read(jobs[k].key, of_frame));
@@ -182,22 +190,19 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
       of_frame.converged = is_converged(of_frame);
       of_frame.inputs = jobs[k].key;
     }
-  };
-  // Killed between writing the side-car and closing the cache, the two do not match: but the unfinished file still has
-  // every frame.
-  if (options.draft) {
-    NodesWriter writer(cache, body.mesh().tets, output_embedding(character, body), body.hash(), frames.front());
-    append_all([&](const std::vector<float>& nodes) {
-      writer.append(Eigen::Map<const NodesOfFrame>(nodes.data(), node_count, 3).cast<double>());
-    });
+    // Killed in between, the side-car and the cache do not match: but the unfinished file still has every frame.
     write_frame_status(result, status);
     writer.close();
+  };
+  if (options.draft) {
+    NodesWriter writer(cache, body.mesh().tets, output_embedding(character, body), body.hash(), frames.front());
+    write_frames(writer, [&](const std::vector<float>& nodes) {
+      writer.append(Eigen::Map<const NodesOfFrame>(nodes.data(), node_count, 3).cast<double>());
+    });
   } else {
     Pc2Writer writer(cache, character.output_count(), static_cast<std::uint32_t>(frames.size()),
                      static_cast<float>(frames.front()));
-    append_all([&](const std::vector<float>& shape) { writer.append(shape); });
-    write_frame_status(result, status);
-    writer.close();
+    write_frames(writer, [&](const std::vector<float>& shape) { writer.append(shape); });
   }
   partial.remove();
   return result;

@@ -14,7 +14,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr int kSubdivision = 6;  // cubes along a cell's edge: cells closer than about two cubes are glued
+constexpr int kSubdivision = 8;  // cubes along a cell's edge: cells closer than about two cubes are glued
 constexpr double kMostVoxels = 1 << 25;
 constexpr double kSurfaceShare = 0.5;  // of a cube that the skin passes through
 

@@ -1,0 +1,35 @@
+// bodyopt export: a draft's nodes to a point cache that other programs read.
+#include "cli/common.h"
+#include "trainer/dataset/nodes_cache.h"
+#include "trainer/dataset/pc2.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct ExportArguments {
+  std::string draft, out;
+  JsonOption json;
+};
+
+void run(const ExportArguments& arguments) {
+  const NodesReader draft(arguments.draft);
+  Pc2Writer writer(arguments.out, draft.point_count(), draft.sample_count(), draft.start_frame());
+  for (std::uint32_t k = 0; k < draft.sample_count(); ++k) writer.append(draft.sample(k));
+  writer.close();
+  arguments.json.emit(
+      {{"out", arguments.out}, {"points", draft.point_count()}, {"samples", draft.sample_count()}},
+      format("wrote %s: %u points, %u samples\n", arguments.out.c_str(), draft.point_count(), draft.sample_count()));
+}
+
+}  // namespace
+
+void add_export(CLI::App& app) {
+  auto arguments = std::make_shared<ExportArguments>();
+  CLI::App& verb = *app.add_subcommand("export", "A draft's skin as a point cache for other programs");
+  verb.add_option("draft", arguments->draft, "Nodes of a draft (.nodes)")->required()->type_name("DRAFT");
+  verb.add_option("--out", arguments->out, "Point cache to write")->required()->type_name("FILE.pc2");
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli
