@@ -118,7 +118,7 @@ TEST(RangeOfMotion, RandomPosesOverlapNoMoreThanTheSweeps) {
 // Examples on one line of poses: random poses must stay on it.
 TEST(RangeOfMotion, StaysWithTheExamples) {
   std::vector<Angles> examples;
-  for (int k = 0; k <= 20; ++k) examples.push_back({0, 50 + k, 0, 20 + 3.0 * k, 10 + k});
+  for (int k = 0; k <= 20; ++k) examples.push_back({0, 50.0 + k, 0, 20 + 3.0 * k, 10.0 + k});
   const RangeOfMotion made = range_of_motion(arm().character, limits(), {400, 3, examples});
   double lowest = 1, highest = 0;
   for (std::size_t k = made.angles.size() - made.random_frames / 2; k < made.angles.size(); ++k) {

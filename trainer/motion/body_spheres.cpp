@@ -1,5 +1,6 @@
 #include "trainer/motion/body_spheres.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
