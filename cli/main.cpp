@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.option_defaults()->always_capture_default(false);
   add_demo(app);
+  add_rom(app);
   add_simulate(app);
   add_check(app);
   add_train(app);

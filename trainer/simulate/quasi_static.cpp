@@ -24,11 +24,14 @@ constexpr double kMaxStep = 20 * std::numbers::pi / 180;  // of the fastest join
 constexpr double kMinStep = 1.0 / 500;                    // of the path
 constexpr double kDefaultSize = 3;                        // mean edges of the skin
 constexpr double kMinWeight = 1e-3;
-constexpr double kContactMargin =
-    5e-3;  // metres: parts nearer than this may come into contact while a shape is relaxed
+// Parts nearer than this, metres, may come into contact while a shape is relaxed.
+constexpr double kContactMargin = 5e-3;
 // The last shape is relaxed in rounds of falling tolerance; contact is found anew for each.
 constexpr double kLastTolerances[] = {1e-3, kTolerance};
-constexpr double kLeastFilled = 0.05;  // of a cage's tet: emptier ones would have next to no stiffness
+// A cage's few large tets lock at the lambda that finer ones bear: on the human in 1,500 nodes a quarter brings the
+// draft from 6.4 to 5.3 mm of the full shapes (RMS), a tenth only to 5.0 mm, more slowly.
+constexpr double kCageLambda = 0.25;
+constexpr double kLeastFilled = 0.02;  // of a cage's tet: emptier ones would have next to no stiffness
 // A strain that counts as none: residuals are relative to the forces of this strain at least. The energy at rest is not
 // zero, so that its rounding hides the last digits of smaller strains and a body at rest could never converge.
 constexpr double kStrainFloor = 1e-4;

@@ -1,0 +1,88 @@
+// bodyopt rom: a character and its joint limits to a clip that shows the whole range of motion.
+#include <algorithm>
+
+#include "cli/common.h"
+#include "trainer/motion/coverage.h"
+#include "trainer/motion/fit_angles.h"
+#include "trainer/motion/range_of_motion.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct RomArguments {
+  std::string character, limits, out;
+  double unit = 0;
+  std::vector<std::string> from;
+  RangeOfMotionOptions options;
+  JsonOption json;
+};
+
+constexpr std::size_t kCoverageSamples = 1000;
+
+std::vector<Angles> example_angles(const RomArguments& arguments, const JointLimits& limits, const Skeleton& skeleton) {
+  std::vector<Angles> examples;
+  for (const std::string& source : arguments.from) {
+    ClipOptions options;
+    options.unit = clip_unit(source, arguments.unit);
+    const Clip clip = read_clip(source, skeleton, options);
+    say(clip.notes);
+    const std::vector<Angles> angles = fit_angles(clip, limits, skeleton);
+    examples.insert(examples.end(), angles.begin(), angles.end());
+  }
+  return examples;
+}
+
+void run(const RomArguments& arguments) {
+  const Character character = read_character(arguments.character, arguments.unit);
+  say(character.notes);
+  const Skeleton& skeleton = character.skeleton;
+  const JointLimits limits = read_joint_limits(arguments.limits, skeleton);
+  RangeOfMotionOptions options = arguments.options;
+  options.examples = example_angles(arguments, limits, skeleton);
+
+  const RangeOfMotion motion = range_of_motion(character, limits, options);
+  write_clip(clip_of(motion.angles, limits, skeleton), skeleton, arguments.out);
+
+  std::string text = format("%zu frames: rest, %zu of sweeps, %zu of pairs, %zu random\n", motion.angles.size(),
+                            motion.sweep_frames, motion.pair_frames, motion.random_frames);
+  text += format("random frames step %.1f degrees at most where limbs are not in the way; the largest step is %.1f\n",
+                 motion.step, motion.largest_step);
+  text += format("degrees from %zu random poses to the nearest frame:\n", kCoverageSamples);
+  Json per_joint = Json::array();
+  for (const JointCoverage& joint : coverage(motion.angles, limits, skeleton, kCoverageSamples, options.seed + 1)) {
+    text += format("  %-20s mean %5.1f  largest %5.1f\n", joint.joint.c_str(), joint.mean, joint.largest);
+    per_joint.push_back({{"joint", joint.joint}, {"mean_degrees", joint.mean}, {"largest_degrees", joint.largest}});
+  }
+  text += "wrote " + arguments.out + "\n";
+  arguments.json.emit({{"clip", arguments.out},
+                       {"frames", motion.angles.size()},
+                       {"sweep_frames", motion.sweep_frames},
+                       {"pair_frames", motion.pair_frames},
+                       {"random_frames", motion.random_frames},
+                       {"step_degrees", motion.step},
+                       {"largest_step_degrees", motion.largest_step},
+                       {"coverage", per_joint}},
+                      text);
+}
+
+}  // namespace
+
+void add_rom(CLI::App& app) {
+  auto arguments = std::make_shared<RomArguments>();
+  CLI::App& verb =
+      *app.add_subcommand("rom", "A clip of a character's whole range of motion, to simulate and train on");
+  verb.add_option("character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
+  verb.add_option("--limits", arguments->limits, "Joint limits (limits.json)")->required()->type_name("FILE");
+  verb.add_option("--out", arguments->out, "The clip (.glb)")->required()->type_name("CLIP");
+  verb.add_option("--frames", arguments->options.frames, "Number of frames")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
+  verb.add_option("--seed", arguments->options.seed, "Another seed gives other random poses")->capture_default_str();
+  verb.add_option("--from", arguments->from, "Clips whose poses the random poses are blended from, within the limits")
+      ->type_name("CLIP");
+  add_unit(verb, arguments->unit);
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,106 @@
+// limits.json: the shipped one, and everything that may be wrong with one.
+#include "trainer/motion/joint_limits.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/hostile_bytes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bodyopt {
+namespace {
+
+using namespace testing;
+using Json = nlohmann::ordered_json;
+
+Skeleton two_arms() {
+  Skeleton skeleton;
+  for (const char* name : {"chest", "left_arm", "right_arm"}) {
+    Joint joint;
+    joint.name = name;
+    joint.parent = skeleton.size() == 0 ? -1 : 0;
+    skeleton.joints.push_back(joint);
+  }
+  return skeleton;
+}
+
+Json small_limits() {
+  return Json::parse(R"({"schema": "bodyopt-joint-limits-1", "source": "made up",
+    "mirrored_joints": [{"joint": "left_arm", "mirror": "right_arm"}],
+    "dofs": [{"name": "left_raise", "mirror": "right_raise", "rest": 40, "min": 0, "max": 120,
+              "turns": [{"joint": "left_arm", "axis": [1, 2, 2], "share": 0.5}]}]})");
+}
+
+void read(const std::filesystem::path& path) { read_joint_limits(path, two_arms()); }
+
+TEST(JointLimitsFile, MirrorsAcrossTheMiddle) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "limits.json", small_limits().dump());
+  const JointLimits limits = read_joint_limits(folder / "limits.json", two_arms());
+  ASSERT_EQ(limits.dofs.size(), 2u);
+  EXPECT_EQ(limits.dofs[1].name, "right_raise");
+  EXPECT_EQ(limits.dofs[1].min, 0);
+  EXPECT_EQ(limits.dofs[1].max, 120);
+  EXPECT_EQ(limits.dofs[0].turns[0].joint, 1u);
+  EXPECT_EQ(limits.dofs[1].turns[0].joint, 2u);
+  EXPECT_EQ(limits.dofs[1].turns[0].share, 0.5);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(limits.dofs[0].turns[0].axis[i], (i == 0 ? 1.0 : 2.0) / 3, 1e-15);
+    EXPECT_NEAR(limits.dofs[1].turns[0].axis[i], (i == 0 ? 1.0 : -2.0) / 3, 1e-15);
+  }
+}
+
+TEST(JointLimitsFile, RefusesEachMistakeByName) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const char* pointer, const Json& value, const std::string& named, ErrorKind kind) {
+    Json json = small_limits();
+    json[Json::json_pointer(pointer)] = value;
+    write_bytes(folder / "limits.json", json.dump());
+    try {
+      read(folder / "limits.json");
+      ADD_FAILURE() << pointer << " was accepted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), kind) << error.what();
+      EXPECT_NE(std::string(error.what()).find(named), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("limits.json"), std::string::npos) << error.what();
+    }
+  };
+  const ErrorKind file = ErrorKind::file, mismatch = ErrorKind::mismatch;
+  refused("/dofs/0/turns/0/joint", "tail", "'tail'", mismatch);
+  refused("/mirrored_joints/0/mirror", "tail", "'tail'", mismatch);
+  refused("/dofs/0/rest", 121, "left_arm", mismatch);
+  refused("/dofs/0/rest", -1, "excludes the character's rest pose", mismatch);
+  refused("/dofs/0/min", 130, "left_arm", file);
+  refused("/dofs/0/min", 120, "left_arm", file);
+  refused("/dofs/0/turns/0/axis", {0, 0, 0}, "left_arm", file);
+  refused("/dofs/0/turns/0/axis", {1, 0}, "left_arm", file);
+  refused("/dofs/0/turns/0/axis", {1, 0, nullptr}, "left_arm", file);
+  refused("/dofs/0/turns/0/axis", {1e300, 0, 0}, "left_arm", file);
+  refused("/dofs/0/turns/0/share", 100, "share", file);
+  refused("/dofs/0/turns", Json::array(), "left_raise", file);
+  refused("/dofs/0/max", 1e9, "max", file);
+  refused("/dofs/0/max", "120", "max", file);
+  refused("/dofs/0/mirror", "left_raise", "left_raise", file);
+  refused("/dofs/0/rests", 0, "rests", file);
+  refused("/dofs", Json::array(), "dofs", file);
+  refused("/mirrored_joints", Json::array(), "mirrored_joints", file);
+  refused("/schema", "bodyopt-joint-limits-2", "schema", file);
+}
+
+TEST(JointLimitsFile, RefusesDamage) {
+  const TemporaryFolder folder;
+  const std::string text = small_limits().dump();
+  expect_every_truncation_refused(read, folder / "limits.json", text);
+  damage_bytes(read, folder / "limits.json", text, 1000);
+  for (const char* bad : {"NaN", "Infinity", "1e999", "-nan"}) {
+    std::string broken = text;
+    broken.replace(broken.find("120"), 3, bad);
+    expect_refused(read, folder / "limits.json", broken, "limits.json");
+  }
+  EXPECT_TRUE(refuses(read, folder / "none.json", "a missing file"));
+}
+
+}  // namespace
+}  // namespace bodyopt

@@ -1,0 +1,171 @@
+// The clip of a character's range of motion: on the built-in arm, with limits of its own.
+#include "trainer/motion/range_of_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "runtime/basis/error.h"
+#include "tests/builtin/shared_arm.h"
+#include "trainer/motion/body_spheres.h"
+#include "trainer/motion/coverage.h"
+#include "trainer/motion/explore.h"
+#include "trainer/motion/fit_angles.h"
+#include "trainer/motion/walk.h"
+
+namespace bodyopt {
+namespace {
+
+std::uint32_t joint(const char* name) { return static_cast<std::uint32_t>(arm().character.skeleton.find(name)); }
+
+const Skeleton& skeleton() { return arm().character.skeleton; }
+
+// A ball joint, a hinge, and a curl that several joints share.
+const JointLimits& limits() {
+  static const JointLimits made{
+      {{"plane", 0, -20, 60, {{joint("shoulder"), {0, 1, 0}}}},
+       {"raise", 50, 30, 115, {{joint("shoulder"), {0, 0, -1}}, {joint("clavicle"), {0, 0, -1}, 0.2}}},
+       {"spin", 0, -50, 50, {{joint("shoulder"), {-0.766, -0.643, 0}}}},
+       {"elbow", 20, 0, 120, {{joint("elbow"), {-0.643, 0.766, 0}}}},
+       {"curl", 10, 0, 70, {{joint("fingers"), {0, 0, 1}}, {joint("fingertips"), {0, 0, 1}, 1.1}}}}};
+  return made;
+}
+
+const RangeOfMotion& motion() {
+  static const RangeOfMotion made = range_of_motion(arm().character, limits(), {1200, 7, {}});
+  return made;
+}
+
+TEST(RangeOfMotion, StartsAtRestAndStaysWithinLimits) {
+  ASSERT_EQ(motion().angles.size(), 1200u);
+  EXPECT_EQ(1 + motion().sweep_frames + motion().pair_frames + motion().random_frames, 1200u);
+  EXPECT_LE(motion().sweep_frames, 240u);
+  EXPECT_LE(motion().pair_frames, 120u);
+  EXPECT_EQ(motion().angles[0], rest_angles(limits()));
+  for (const Angles& angles : motion().angles) {
+    for (std::size_t k = 0; k < angles.size(); ++k) {
+      ASSERT_GE(angles[k], limits().dofs[k].min - 1e-9);
+      ASSERT_LE(angles[k], limits().dofs[k].max + 1e-9);
+    }
+  }
+}
+
+TEST(RangeOfMotion, SweepsReachEachLimitAlone) {
+  for (std::size_t k = 0; k < limits().dofs.size(); ++k) {
+    for (const double limit : {limits().dofs[k].min, limits().dofs[k].max}) {
+      Angles wanted = rest_angles(limits());
+      wanted[k] = limit;
+      const auto begin = motion().angles.begin() + 1, end = begin + static_cast<long>(motion().sweep_frames);
+      EXPECT_TRUE(std::any_of(begin, end, [&](const Angles& a) { return largest_change(a, wanted) < 1e-9; }))
+          << limits().dofs[k].name << " " << limit;
+    }
+  }
+}
+
+TEST(RangeOfMotion, NeighboursAreClose) {
+  EXPECT_LE(motion().step, 26);
+  int jumps = 0;
+  for (std::size_t k = 1; k < motion().angles.size(); ++k) {
+    jumps += largest_change(motion().angles[k - 1], motion().angles[k]) > motion().step + 1e-9 ? 1 : 0;
+  }
+  EXPECT_LE(jumps, 12);  // where limbs were in each other's way
+}
+
+TEST(RangeOfMotion, DependsOnItsSeedOnly) {
+  const RangeOfMotion again = range_of_motion(arm().character, limits(), {1200, 7, {}});
+  EXPECT_EQ(again.angles, motion().angles);
+  const RangeOfMotion other = range_of_motion(arm().character, limits(), {1200, 8, {}});
+  EXPECT_GT(largest_change(other.angles.back(), motion().angles.back()), 1);
+}
+
+TEST(RangeOfMotion, TakesAnyLength) {
+  for (const int count : {1, 2, 7, 20, 48}) {
+    EXPECT_EQ(range_of_motion(arm().character, limits(), {count, 3, {}}).angles.size(),
+              static_cast<std::size_t>(count));
+  }
+  EXPECT_THROW(range_of_motion(arm().character, limits(), {0, 3, {}}), Error);
+}
+
+// Against as many poses drawn uniformly: the largest hole of a joint must be smaller, the mean no larger.
+TEST(RangeOfMotion, CoversMoreThanRandomPoses) {
+  UniformRandom random(99);
+  std::vector<Angles> plain;
+  while (plain.size() < motion().angles.size()) plain.push_back(random_angles(limits(), random));
+  const auto ours = coverage(motion().angles, limits(), skeleton(), 1000, 5);
+  const auto theirs = coverage(plain, limits(), skeleton(), 1000, 5);
+  ASSERT_EQ(ours.size(), theirs.size());
+  for (std::size_t j = 0; j < ours.size(); ++j) {
+    SCOPED_TRACE(ours[j].joint);
+    std::printf("%-12s mean %.2f largest %.2f, random %.2f %.2f\n", ours[j].joint.c_str(), ours[j].mean,
+                ours[j].largest, theirs[j].mean, theirs[j].largest);
+    if (ours[j].joint != "shoulder") continue;  // hinges are covered to a fraction of a degree by either
+    EXPECT_LT(ours[j].largest, 0.9 * theirs[j].largest);
+    EXPECT_LT(ours[j].mean, 1.1 * theirs[j].mean);
+  }
+}
+
+TEST(RangeOfMotion, RandomPosesOverlapNoMoreThanTheSweeps) {
+  SelfOverlap overlap(arm().character);
+  const std::size_t swept = 1 + motion().sweep_frames;
+  for (std::size_t k = 0; k < swept; ++k) overlap.trust(limited_pose(skeleton(), limits(), motion().angles[k]));
+  for (std::size_t k = swept; k < motion().angles.size(); ++k) {
+    ASSERT_FALSE(overlap.find(limited_pose(skeleton(), limits(), motion().angles[k]))) << "frame " << k + 1;
+  }
+}
+
+// Examples on one line of poses: random poses must stay on it.
+TEST(RangeOfMotion, StaysWithTheExamples) {
+  std::vector<Angles> examples;
+  for (int k = 0; k <= 20; ++k) examples.push_back({0, 50.0 + k, 0, 20 + 3.0 * k, 10.0 + k});
+  const RangeOfMotion made = range_of_motion(arm().character, limits(), {400, 3, examples});
+  double lowest = 1, highest = 0;
+  for (std::size_t k = made.angles.size() - made.random_frames / 2; k < made.angles.size(); ++k) {
+    const double t = (made.angles[k][1] - 50) / 20;
+    const Angles on_line = {0, 50 + 20 * t, 0, 20 + 60 * t, 10 + 20 * t};
+    ASSERT_LT(largest_change(made.angles[k], on_line), 1e-9) << "frame " << k + 1;
+    lowest = std::min(lowest, t);
+    highest = std::max(highest, t);
+  }
+  EXPECT_LT(lowest, 0.1);
+  EXPECT_GT(highest, 0.9);
+}
+
+TEST(FitAngles, FindsTheAnglesOfAClip) {
+  const std::vector<Angles> some(motion().angles.begin(), motion().angles.begin() + 400);
+  const std::vector<Angles> found = fit_angles(clip_of(some, limits(), skeleton()), limits(), skeleton());
+  for (std::size_t k = 0; k < some.size(); ++k) ASSERT_LT(largest_change(some[k], found[k]), 1e-3) << "frame " << k;
+}
+
+TEST(FitAngles, StopsAtTheLimits) {
+  JointLimits wide = limits();
+  for (DegreeOfFreedom& dof : wide.dofs) dof.max += 30;
+  Angles beyond = rest_angles(limits());
+  beyond[3] = 140;
+  const std::vector<Angles> found = fit_angles(clip_of({beyond}, wide, skeleton()), limits(), skeleton());
+  EXPECT_NEAR(found[0][3], 120, 1e-6);
+}
+
+TEST(BodySpheres, LieInsideTheSkinAndFillTheLimb) {
+  const std::vector<BodySphere> spheres = body_spheres(arm().character);
+  double thickest = 0;
+  for (const BodySphere& sphere : spheres) {
+    const Eigen::RowVector3d centre(sphere.centre[0], sphere.centre[1], sphere.centre[2]);
+    const double gap = std::sqrt((arm().character.vertices.rowwise() - centre).rowwise().squaredNorm().minCoeff());
+    EXPECT_GT(gap, 0.99 * sphere.radius);
+    if (sphere.joint == joint("shoulder")) thickest = std::max(thickest, sphere.radius);
+  }
+  EXPECT_NEAR(thickest, 0.05, 0.02);  // an upper arm
+}
+
+TEST(SelfOverlap, SeesTheHandInTheTorso) {
+  const SelfOverlap overlap(arm().character);
+  Pose pose = bind_pose(skeleton());
+  EXPECT_FALSE(overlap.find(pose));
+  pose.joints[joint("shoulder")].rotation = axis_angle({0, 0, 1}, 0.9);  // the arm, hanging, pushed into the ribs
+  EXPECT_TRUE(overlap.find(pose));
+}
+
+}  // namespace
+}  // namespace bodyopt

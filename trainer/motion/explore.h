@@ -1,0 +1,39 @@
+// The random part of a range of motion: a walk that goes where it has not been.
+#pragma once
+
+#include <cstdint>
+
+#include "trainer/motion/body_spheres.h"
+#include "trainer/motion/dof_groups.h"
+#include "trainer/motion/limited_pose.h"
+
+namespace bodyopt {
+
+// Uniform numbers from 0 to 1, the same on every machine.
+class UniformRandom {
+ public:
+  explicit UniformRandom(std::uint64_t seed) : state_(seed) {}
+  double next();
+  std::size_t below(std::size_t count);
+
+ private:
+  std::uint64_t state_;
+};
+
+// Angles anywhere within the limits.
+Angles random_angles(const JointLimits& limits, UniformRandom& random);
+
+struct ExploreOptions {
+  std::size_t frames;
+  std::uint64_t seed;
+  double step;                   // degrees that an angle changes from a frame to the next, at most
+  std::vector<Angles> examples;  // poses are blends of two of these; empty: anywhere within the limits
+};
+
+// Each group walks straight to the candidate pose (of kCandidates random ones) that lies farthest from where the group
+// has been, in `covered` and since; then to the next. Groups walk at the same time, each at its own pace; with examples
+// the whole body is one group, so that poses stay like theirs. Groups whose limbs would overlap choose again.
+std::vector<Angles> explore(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
+                            const std::vector<Angles>& covered, const ExploreOptions& options);
+
+}  // namespace bodyopt

@@ -1,0 +1,63 @@
+#include "trainer/motion/limited_pose.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace bodyopt {
+namespace {
+
+// Bind rotation of each joint in the world; scale and shear of the bind pose are left out.
+std::vector<Quat> world_bind_rotations(const Skeleton& skeleton) {
+  std::vector<Quat> world;
+  for (const Joint& joint : skeleton.joints) {
+    const Quat own = normalized(joint.bind.rotation);
+    world.push_back(joint.parent < 0 ? own : world[static_cast<std::size_t>(joint.parent)] * own);
+  }
+  return world;
+}
+
+}  // namespace
+
+Angles rest_angles(const JointLimits& limits) {
+  Angles angles;
+  for (const DegreeOfFreedom& dof : limits.dofs) angles.push_back(dof.rest);
+  return angles;
+}
+
+std::vector<Quat> joint_turns(std::size_t joint_count, const JointLimits& limits, const Angles& angles) {
+  std::vector<Quat> turns(joint_count, Quat{0, 0, 0, 1});
+  for (std::size_t k = 0; k < limits.dofs.size(); ++k) {
+    const double away = (angles[k] - limits.dofs[k].rest) * std::numbers::pi / 180;
+    for (const JointTurn& turn : limits.dofs[k].turns) {
+      turns[turn.joint] = turns[turn.joint] * axis_angle(turn.axis, turn.share * away);
+    }
+  }
+  return turns;
+}
+
+Pose limited_pose(const Skeleton& skeleton, const JointLimits& limits, const Angles& angles) {
+  const std::vector<Quat> turns = joint_turns(skeleton.size(), limits, angles), world = world_bind_rotations(skeleton);
+  Pose pose = bind_pose(skeleton);
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    Quat& own = pose.joints[j].rotation;
+    own = normalized(own * (conjugate(world[j]) * turns[j] * world[j]));
+  }
+  return pose;
+}
+
+std::vector<Quat> turns_of_pose(const Skeleton& skeleton, const Pose& pose) {
+  const std::vector<Quat> world = world_bind_rotations(skeleton);
+  std::vector<Quat> turns;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const Quat away = conjugate(normalized(skeleton.joints[j].bind.rotation)) * normalized(pose.joints[j].rotation);
+    turns.push_back(normalized(world[j] * away * conjugate(world[j])));
+  }
+  return turns;
+}
+
+double angle_of(const Quat& q) {
+  const double sine = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+  return 2 * std::atan2(sine, std::abs(q[3])) * 180 / std::numbers::pi;
+}
+
+}  // namespace bodyopt

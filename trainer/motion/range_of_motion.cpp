@@ -1,0 +1,69 @@
+#include "trainer/motion/range_of_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "runtime/basis/error.h"
+#include "trainer/motion/body_spheres.h"
+#include "trainer/motion/explore.h"
+#include "trainer/motion/sweeps.h"
+#include "trainer/motion/walk.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kSweepShare = 0.2, kPairShare = 0.1;  // of the frames
+constexpr double kLeastStep = 20;                      // degrees
+
+// N poses in the box of a ball joint's three angles stand about its width / cbrt(N) apart; smaller steps than that
+// would show poses that have been seen.
+double random_step(std::size_t frames) {
+  constexpr double kWidth = 250;  // degrees
+  return std::max(kLeastStep, kWidth / std::cbrt(static_cast<double>(frames)));
+}
+
+}  // namespace
+
+RangeOfMotion range_of_motion(const Character& character, const JointLimits& limits,
+                              const RangeOfMotionOptions& options) {
+  if (options.frames < 1) {
+    throw Error(ErrorKind::usage, "a clip needs 1 frame or more, not " + std::to_string(options.frames));
+  }
+  const Skeleton& skeleton = character.skeleton;
+  const std::size_t count = static_cast<std::size_t>(options.frames);
+  const auto share = [&](double part) { return static_cast<std::size_t>(part * static_cast<double>(count)); };
+  RangeOfMotion result;
+  std::vector<Angles>& frames = result.angles;
+  const auto append = [&](const std::vector<Angles>& more) {
+    const std::size_t added = std::min(more.size(), count - frames.size());
+    frames.insert(frames.end(), more.begin(), more.begin() + static_cast<std::ptrdiff_t>(added));
+    return added;
+  };
+
+  frames.push_back(rest_angles(limits));
+  SelfOverlap overlap(character);
+  // What one degree of freedom does alone is within the limits by the word of their author.
+  result.sweep_frames = append(sweeps(limits, share(kSweepShare)));
+  for (const Angles& angles : frames) overlap.trust(limited_pose(skeleton, limits, angles));
+  result.pair_frames = append(pair_blends(limits, skeleton, overlap, share(kPairShare)));
+  result.random_frames = count - frames.size();
+  if (result.random_frames > 0) {
+    result.step = random_step(result.random_frames);
+    append(explore(limits, skeleton, overlap, frames,
+                   {result.random_frames, options.seed, result.step, options.examples}));
+  }
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    result.largest_step = std::max(result.largest_step, largest_change(frames[k - 1], frames[k]));
+  }
+  return result;
+}
+
+Clip clip_of(const std::vector<Angles>& frames, const JointLimits& limits, const Skeleton& skeleton) {
+  Clip clip;
+  clip.name = "range_of_motion";
+  for (const Angles& angles : frames) clip.poses.push_back(limited_pose(skeleton, limits, angles));
+  return clip;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,33 @@
+// A clip that shows a character's whole range of motion, for training.
+#pragma once
+
+#include <cstdint>
+
+#include "trainer/dataset/character.h"
+#include "trainer/dataset/clip.h"
+#include "trainer/motion/limited_pose.h"
+
+namespace bodyopt {
+
+struct RangeOfMotionOptions {
+  int frames = 3200;
+  std::uint64_t seed = 1;
+  std::vector<Angles> examples;  // random poses are blends of two of these; empty: anywhere within the limits
+};
+
+struct RangeOfMotion {
+  std::vector<Angles> angles;                                        // per frame
+  std::size_t sweep_frames = 0, pair_frames = 0, random_frames = 0;  // after frame 1, which is the rest pose
+  double step = 0;          // degrees: no angle changes more between random frames, but where limbs were in the way
+  double largest_step = 0;  // degrees, between any two frames
+};
+
+// Frame 1 is the rest pose; then sweeps and pair blends (at most kSweepShare and kPairShare of the frames), then random
+// poses. The same for the same seed, on any number of threads. Throws Error(usage) for less than a frame.
+RangeOfMotion range_of_motion(const Character& character, const JointLimits& limits,
+                              const RangeOfMotionOptions& options);
+
+// 24 frames a second.
+Clip clip_of(const std::vector<Angles>& frames, const JointLimits& limits, const Skeleton& skeleton);
+
+}  // namespace bodyopt
