@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
   app.option_defaults()->always_capture_default(false);
   add_demo(app);
   add_simulate(app);
+  add_muscles(app);
   add_check(app);
   add_train(app);
   add_eval(app);
