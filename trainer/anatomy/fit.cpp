@@ -19,8 +19,10 @@ using Eigen::Vector3d;
 // Transactions on Biomedical Engineering 63), from which many models have their forces.
 constexpr double kSpecificTension = 6e5;
 constexpr double kTendonDepth = 0.004;     // metres under the skin, at least
-constexpr double kBellyDepth = 0.5;        // of the belly's radius at the point, at least
+constexpr double kBellyDepth = 0.8;        // of the belly's radius at the point, at least
 constexpr double kSmallestRadius = 0.003;  // metres
+constexpr double kLongWay = 0.05;          // metres between two points of a path
+constexpr int kHalvings = 2;               // of a long way
 constexpr double kShortest = 1e-3;         // metres
 
 [[noreturn]] void mismatch(const std::string& what) { throw Error(ErrorKind::mismatch, what); }
@@ -80,7 +82,7 @@ class SideFit {
       log_scale += std::log(segment.alignment.scale) / static_cast<double>(stops.size());
     }
     fitted.full_radius = std::exp(log_scale) * std::sqrt(muscle.max_force / kSpecificTension / std::numbers::pi);
-    push_under_skin(points, fitted);
+    push_under_skin(points, joints, fitted);
     fitted.muscle.radius = fitting_radius(points, fitted.full_radius);
     for (std::size_t k = 0; k < points.size(); ++k) {
       fitted.muscle.path.push_back(
@@ -143,18 +145,38 @@ class SideFit {
     return u;
   }
 
-  void push_under_skin(std::vector<Vector3d>& points, FittedMuscle& fitted) const {
-    const std::vector<double> u = places(points);
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      const double depth = std::max(kTendonDepth, kBellyDepth * fitted.full_radius * belly_profile(u[k]));
-      const std::optional<Vector3d> tucked = skin_.tuck(points[k], depth);
-      if (!tucked) {
-        mismatch(mapping_.file + ": carries a point of the muscle '" + fitted.muscle.name +
-                 "' outside the skin, and no place inside is near: do its centres belong to these joints?");
+  // Tendons just under the skin, bellies deeper. Long straight ways get points between, where they come too near the
+  // skin: these move with the joint of the point before.
+  void push_under_skin(std::vector<Vector3d>& points, std::vector<int>& joints, FittedMuscle& fitted) const {
+    for (int halvings = 0;; ++halvings) {
+      const std::vector<double> u = places(points);
+      for (std::size_t k = 0; k < points.size(); ++k) {
+        const Vector3d tucked = tuck(points[k], wanted_depth(u[k], fitted.full_radius), fitted.muscle.name);
+        fitted.largest_push = std::max(fitted.largest_push, (tucked - points[k]).norm());
+        points[k] = tucked;
       }
-      fitted.largest_push = std::max(fitted.largest_push, (*tucked - points[k]).norm());
-      points[k] = *tucked;
+      if (halvings == kHalvings) return;
+      for (std::size_t k = points.size() - 1; k > 0; --k) {
+        const Vector3d middle = 0.5 * (points[k - 1] + points[k]);
+        const bool is_long = (points[k] - points[k - 1]).norm() > kLongWay;
+        if (!is_long || skin_(middle) >= wanted_depth(0.5 * (u[k - 1] + u[k]), fitted.full_radius)) continue;
+        points.insert(points.begin() + static_cast<std::ptrdiff_t>(k), middle);
+        joints.insert(joints.begin() + static_cast<std::ptrdiff_t>(k), joints[k - 1]);
+      }
     }
+  }
+
+  static double wanted_depth(double u, double full_radius) {
+    return std::max(kTendonDepth, kBellyDepth * full_radius * belly_profile(u));
+  }
+
+  Vector3d tuck(const Vector3d& point, double depth, const std::string& muscle) const {
+    const std::optional<Vector3d> tucked = skin_.tuck(point, depth);
+    if (!tucked) {
+      mismatch(mapping_.file + ": carries a point of the muscle '" + muscle +
+               "' outside the skin, and no place inside is near: do its centres belong to these joints?");
+    }
+    return *tucked;
   }
 
   // The largest radius, up to the full one, with which the middle third of the belly stays inside the skin.

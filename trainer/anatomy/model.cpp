@@ -51,7 +51,7 @@ void add_wrap(const Wrap& wrap, const ModelPose& pose, const Vector3d& next, std
   const std::optional<Arc> arc =
       wrap_around(wrap.shape, wrap.radius, side, to_frame * stops.back().position, to_frame * next);
   if (!arc) return;
-  stops.push_back({wrap.segment, frame * arc->from, arc->length});
+  if (arc->length > 0) stops.push_back({wrap.segment, frame * arc->from, arc->length});
   stops.push_back({wrap.segment, frame * arc->to});
 }
 
@@ -78,12 +78,7 @@ ModelPose pose_model(const Model& model, const std::vector<double>& values) {
   return pose;
 }
 
-bool honoured(const Wrap& wrap) {
-  if (wrap.shape == Wrap::Shape::other || wrap.after < 0) return false;
-  if (!wrap.side) return true;
-  // A side inside the surface asks for a path through its inside.
-  return wrap.side->segment == wrap.segment && (wrap.frame.inverse() * wrap.side->position).norm() >= wrap.radius;
-}
+bool honoured(const Wrap& wrap) { return wrap.shape != Wrap::Shape::other; }
 
 std::vector<PathStop> trace_path(const ModelMuscle& muscle, const ModelPose& pose) {
   std::vector<PathStop> stops;

@@ -62,7 +62,7 @@ struct Wrap {
   int segment = 0;
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();  // to the segment
   std::optional<PathPoint> side;                            // the path passes on the side of this point
-  int after = -1;                                           // between this path point and the next; -1: not said
+  int after = 0;                                            // between this path point and the next
 };
 
 struct ModelMuscle {
@@ -103,7 +103,7 @@ std::vector<PathStop> trace_path(const ModelMuscle& muscle, const ModelPose& pos
 // Length of a traced path, metres.
 double path_length(const std::vector<PathStop>& stops);
 
-// Does this reader trace the path around the surface? Spheres and cylinders that say where they lie on the path.
+// Is the path traced around the surface? Around spheres and cylinders.
 bool honoured(const Wrap& wrap);
 
 // Reads .osim or MuJoCo .xml by the file's ending. Throws Error(file).

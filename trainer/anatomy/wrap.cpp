@@ -63,6 +63,27 @@ std::optional<FlatArc> around_circle(double radius, const std::optional<Vector2d
   return arc;
 }
 
+// The shortest way from start to end that touches the circle: it leaves the touching point at the angle at which it
+// meets it, alpha to the radius. With z = sin(alpha), the sines' law in the triangles (centre, end, touching point)
+// gives their angles at the centre, asin(z) - asin(z radius / distance), which add up to the angle between the ends.
+std::optional<FlatArc> through_circle(double radius, const Vector2d& start, const Vector2d& end) {
+  const Vector2d line = end - start;
+  const double a = radius / start.norm(), b = radius / end.norm();
+  if (!(a < 1 && b < 1) || line.squaredNorm() < kTiny) return std::nullopt;
+  const double nearest = std::clamp(-start.dot(line) / line.squaredNorm(), 0.0, 1.0);
+  if ((start + nearest * line).norm() <= radius) return std::nullopt;  // it passes inside as it is
+  const double angle = std::atan2(cross(start, end), start.dot(end));
+  double low = 0, high = 1;
+  for (int step = 0; step < 60; ++step) {
+    const double z = 0.5 * (low + high);
+    const bool too_small = std::asin(a * z) + std::asin(b * z) - 2 * std::asin(z) + std::abs(angle) > 0;
+    (too_small ? low : high) = z;
+  }
+  const double turn = std::copysign(std::asin(low) - std::asin(a * low), angle);
+  const Vector2d touching = radius * (Eigen::Rotation2Dd(turn) * start.normalized());
+  return FlatArc{touching, touching, 0};
+}
+
 }  // namespace
 
 std::optional<Arc> wrap_around(Wrap::Shape shape, double radius, const std::optional<Vector3d>& side,
@@ -75,9 +96,14 @@ std::optional<Arc> wrap_around(Wrap::Shape shape, double radius, const std::opti
     plane.row(0) = start.normalized();
     plane.row(1) = normal.normalized().cross(start.normalized());
   }
-  std::optional<Vector2d> flat_side;
-  if (side) flat_side = Vector2d(plane * *side).normalized();
-  const std::optional<FlatArc> flat = around_circle(radius, flat_side, plane * start, plane * end);
+  std::optional<FlatArc> flat;
+  if (side && side->norm() < radius) {
+    flat = through_circle(radius, plane * start, plane * end);
+  } else {
+    std::optional<Vector2d> flat_side;
+    if (side) flat_side = Vector2d(plane * *side).normalized();
+    flat = around_circle(radius, flat_side, plane * start, plane * end);
+  }
   if (!flat) return std::nullopt;
   Arc arc{plane.transpose() * flat->from, plane.transpose() * flat->to, flat->length};
   if (shape == Wrap::Shape::cylinder) {  // a helix: height grows with the length across
