@@ -1,5 +1,5 @@
 // bodyopt muscles: from anatomy to muscles.json.
-#include <filesystem>
+#include <algorithm>
 #include <set>
 
 #include "cli/common.h"
@@ -56,7 +56,12 @@ Json muscle_report(const std::vector<FittedMuscle>& fitted) {
   return report;
 }
 
-std::string describe_source(const std::string& model, const std::vector<FittedMuscle>& fitted, const Json& wraps) {
+bool depends_on_pose(const anatomy::ModelMuscle& muscle) {
+  return std::any_of(muscle.path.begin(), muscle.path.end(),
+                     [](const anatomy::PathPoint& point) { return point.condition || !point.moving.empty(); });
+}
+
+std::string describe_source(const anatomy::Model& model, const std::vector<FittedMuscle>& fitted, const Json& wraps) {
   double push = 0;
   int thinned = 0;
   for (const FittedMuscle& muscle : fitted) {
@@ -64,7 +69,11 @@ std::string describe_source(const std::string& model, const std::vector<FittedMu
     thinned += muscle.muscle.radius < muscle.full_radius ? 1 : 0;
   }
   std::string text = format("%s: %zu muscles; points moved under the skin by %.1f mm at most; %d made thinner to fit\n",
-                            model.c_str(), fitted.size(), 1000 * push, thinned);
+                            model.file.c_str(), fitted.size(), 1000 * push, thinned);
+  const auto reduced = std::count_if(model.muscles.begin(), model.muscles.end(), depends_on_pose);
+  if (reduced > 0) {
+    text += format("  %td have conditional or moving points, kept as they are in the model's default pose\n", reduced);
+  }
   for (const Json& wrap : wraps) {
     if (wrap["not_honoured"].empty()) continue;
     text += format("  %s: not bent around %s\n", wrap["muscle"].get<std::string>().c_str(),
@@ -107,7 +116,7 @@ void import(const ImportArguments& arguments) {
       muscles.push_back(muscle.muscle);
     }
     const Json wraps = wrap_report(model, mapping.leave_out);
-    text += describe_source(model_path, fitted, wraps);
+    text += describe_source(model, fitted, wraps);
     sources.push_back({{"model", model_path},
                        {"mapping", mapping_path},
                        {"notes", model.notes},

@@ -86,7 +86,7 @@ TEST(OpenSim, RefusesEveryTruncationAndNamesWhatIsWrong) {
   expect("<wrap_object>bone", "<wrap_object>horn", "horn");
   expect("\"40000\"", "\"30000\"", "save it again");
   expect("<socket_parent>/ground<", "<socket_parent>/bodyset/fore<", "leads to the ground");
-  expect("CustomJoint name", "BallJoint name", "CustomJoint");
+  expect("<WeldJoint name=\"shoulder\">", "<WeldJoint/><WeldJoint name=\"shoulder\">", "second joint");
   expect("<length_units>meters", "<length_units>inches", "inches");
 }
 
@@ -101,9 +101,10 @@ TEST(Mujoco, PosesJointsAndBendsPathsAroundCylinders) {
   ASSERT_EQ(model.notes.size(), 1u);
   EXPECT_NE(model.notes[0].find("ligament"), std::string::npos);
 
-  // At rest both run straight down, touching the cylinder at most.
+  // Straight down; with the hinge turned away the first tendon misses the cylinder on its right side.
   EXPECT_NEAR(length_at(model, 1, {0, 0}), 0.9, 1e-15);
-  EXPECT_NEAR(length_at(model, 0, {0, 0}), 1.0, 1e-12);
+  const double x = 0.1 * std::cos(0.2) + 0.5 * std::sin(0.2), z = 0.1 * std::sin(0.2) - 0.5 * std::cos(0.2);
+  EXPECT_NEAR(length_at(model, 0, {0, -0.2}), std::hypot(x - 0.1, z - 0.5), 1e-14);
 
   // The hinge at a quarter turn about +y takes the forearm's end from below to -x, its site above the axis ... and
   // the first tendon a quarter around the cylinder: 0.5 straight, a quarter circle, 0.5 straight.
@@ -112,6 +113,21 @@ TEST(Mujoco, PosesJointsAndBendsPathsAroundCylinders) {
   EXPECT_LT((pose.segments[2] * Vector3d(0.1, 0, -0.5) - Vector3d(-0.5, 0, 0.6)).norm(), 1e-15);
   EXPECT_NEAR(length_at(model, 0, {0.2, kRight}), 1 + 0.1 * kRight, 1e-12);
   EXPECT_EQ(trace_path(model.muscles[0], pose).size(), 4u);
+}
+
+TEST(Mujoco, ASideInsideTheSurfaceMakesThePathPassThroughIt) {
+  const TemporaryFolder folder;
+  const Model model =
+      read(folder, "limb.xml",
+           replaced(small_mujoco(), "name=\"side\" pos=\"0.3 0 -0.5\"", "name=\"side\" pos=\"0 0 -0.5\""));
+  // Turned away as above, the shortest path that touches the cylinder, found by trying its points.
+  const double x = 0.1 * std::cos(0.2) + 0.5 * std::sin(0.2), z = 0.1 * std::sin(0.2) - 0.5 * std::cos(0.2);
+  double shortest = 10;
+  for (double angle = -1; angle < 1; angle += 1e-5) {
+    const double px = 0.1 * std::cos(angle), pz = 0.1 * std::sin(angle);
+    shortest = std::min(shortest, std::hypot(px - 0.1, pz - 0.5) + std::hypot(px - x, pz - z));
+  }
+  EXPECT_NEAR(length_at(model, 0, {0, -0.2}), shortest, 1e-9);
 }
 
 TEST(Mujoco, EulerSequencesAndRadiansAreTheCompilers) {

@@ -1,6 +1,7 @@
 // Real models against tendon lengths that MuJoCo computed.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -85,6 +86,29 @@ TEST(MujocoReference, ElbowTendonLengths) {
 
 TEST(MujocoReference, LegTendonLengths) {
   expect_lengths("muscles/myo_sim/leg/myolegs.xml", "muscles/mujoco_reference/myolegs.csv", 80, 44);
+}
+
+// The same elbow as an OpenSim model, written with more digits: an unwrapped muscle agrees to what was rounded off.
+TEST(OpenSimReference, ElbowAgreesWithItsMujocoTwin) {
+  const auto path = shared_data("muscles/opensim/arm26.osim");
+  const auto reference = shared_data("muscles/mujoco_reference/myoelbow_2dof6muscles.csv");
+  if (!path || !reference) GTEST_SKIP() << "no shared data";
+  const Model model = read_model(*path);
+  ASSERT_EQ(model.muscles.size(), 6u);
+  const auto rows = read_csv(*reference);
+  const auto muscle = std::find_if(model.muscles.begin(), model.muscles.end(),
+                                   [](const ModelMuscle& one) { return one.name == "BICshort"; });
+  ASSERT_NE(muscle, model.muscles.end());
+  ASSERT_EQ(rows[0][7], "L:BICshort_tendon");
+  for (std::size_t r = 1; r < rows.size(); ++r) {
+    std::vector<double> values = default_values(model);
+    for (const std::size_t c : {1, 2}) {
+      values[static_cast<std::size_t>(model.find_coordinate(rows[0][c].substr(2)))] = std::stod(rows[r][c]);
+    }
+    ModelMuscle bare = *muscle;
+    bare.wraps.clear();
+    EXPECT_NEAR(path_length(trace_path(bare, pose_model(model, values))), std::stod(rows[r][7]), 3e-4) << r;
+  }
 }
 
 }  // namespace
