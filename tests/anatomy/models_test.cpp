@@ -86,7 +86,9 @@ TEST(OpenSim, RefusesEveryTruncationAndNamesWhatIsWrong) {
   expect("<wrap_object>bone", "<wrap_object>horn", "horn");
   expect("\"40000\"", "\"30000\"", "save it again");
   expect("<socket_parent>/ground<", "<socket_parent>/bodyset/fore<", "leads to the ground");
-  expect("<WeldJoint name=\"shoulder\">", "<WeldJoint/><WeldJoint name=\"shoulder\">", "second joint");
+  expect("/bodyset/fore</socket_child_frame>", "/bodyset/upper</socket_child_frame>", "second joint");
+  expect_refused(read_path, path,
+                 replaced(replaced(good, "<CustomJoint", "<BallJoint"), "</CustomJoint", "</BallJoint"), "WeldJoint");
   expect("<length_units>meters", "<length_units>inches", "inches");
 }
 
