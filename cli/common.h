@@ -63,6 +63,7 @@ std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)
 void add_demo(CLI::App& app);
 void add_rom(CLI::App& app);
 void add_simulate(CLI::App& app);
+void add_muscles(CLI::App& app);
 void add_check(CLI::App& app);
 void add_train(CLI::App& app);
 void add_eval(CLI::App& app);

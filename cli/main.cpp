@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   add_demo(app);
   add_rom(app);
   add_simulate(app);
+  add_muscles(app);
   add_check(app);
   add_train(app);
   add_eval(app);

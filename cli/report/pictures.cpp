@@ -24,7 +24,23 @@ void check_pair(const PosePair& pose) {
   }
 }
 
-// V x 3: the sum of the area vectors around each vertex, made unit; zero where they cancel.
+std::vector<float> heat_map(const PosePair& pose, double scale_mm) {
+  std::vector<float> colours;
+  colours.reserve(pose.truth.size());
+  for (std::size_t v = 0; v < pose.truth.size(); v += 3) {
+    double d[3];
+    for (std::size_t i = 0; i < 3; ++i) {
+      d[i] = static_cast<double>(pose.result[v + i]) - static_cast<double>(pose.truth[v + i]);
+    }
+    const double millimetres = 1000 * std::hypot(d[0], d[1], d[2]);
+    const std::array<float, 3> colour = heat_colour(static_cast<float>(std::min(1.0, millimetres / scale_mm)));
+    colours.insert(colours.end(), colour.begin(), colour.end());
+  }
+  return colours;
+}
+
+}  // namespace
+
 std::vector<float> smooth_normals(std::span<const std::uint32_t> triangles, std::span<const float> positions) {
   std::vector<double> sums(positions.size(), 0.0);
   for (std::size_t t = 0; t < triangles.size(); t += 3) {
@@ -52,30 +68,19 @@ std::vector<float> smooth_normals(std::span<const std::uint32_t> triangles, std:
   return normals;
 }
 
-std::vector<float> heat_map(const PosePair& pose, double scale_mm) {
-  std::vector<float> colours;
-  colours.reserve(pose.truth.size());
-  for (std::size_t v = 0; v < pose.truth.size(); v += 3) {
-    double d[3];
-    for (std::size_t i = 0; i < 3; ++i) {
-      d[i] = static_cast<double>(pose.result[v + i]) - static_cast<double>(pose.truth[v + i]);
+Image side_by_side(std::span<const Image> panels) {
+  const std::uint32_t width = panels[0].width, height = panels[0].height;
+  Image whole{static_cast<std::uint32_t>(panels.size()) * width, height, {}};
+  whole.rgba.reserve(std::size_t{4} * whole.width * height);
+  const std::size_t row = std::size_t{4} * width;
+  for (std::size_t y = 0; y < height; ++y) {
+    for (const Image& panel : panels) {
+      const auto begin = panel.rgba.begin() + static_cast<std::ptrdiff_t>(y * row);
+      whole.rgba.insert(whole.rgba.end(), begin, begin + static_cast<std::ptrdiff_t>(row));
     }
-    const double millimetres = 1000 * std::hypot(d[0], d[1], d[2]);
-    const std::array<float, 3> colour = heat_colour(static_cast<float>(std::min(1.0, millimetres / scale_mm)));
-    colours.insert(colours.end(), colour.begin(), colour.end());
   }
-  return colours;
+  return whole;
 }
-
-void paste(const Image& panel, std::uint32_t column, Image& whole) {
-  const std::size_t row = 4 * std::size_t{panel.width};
-  for (std::size_t y = 0; y < panel.height; ++y) {
-    std::copy_n(panel.rgba.begin() + static_cast<std::ptrdiff_t>(y * row), row,
-                whole.rgba.begin() + static_cast<std::ptrdiff_t>((y * 3 + column) * row));
-  }
-}
-
-}  // namespace
 
 Image triptych(Renderer& renderer, const PosePair& pose, double scale_mm, const Camera& camera,
                std::uint32_t panel_width, std::uint32_t panel_height) {
@@ -87,12 +92,11 @@ Image triptych(Renderer& renderer, const PosePair& pose, double scale_mm, const 
   const DrawMesh panels[3] = {{pose.truth, truth_normals, pose.triangles, {}},
                               {pose.result, result_normals, pose.triangles, {}},
                               {pose.result, result_normals, pose.triangles, colours}};
-  Image whole{3 * panel_width, panel_height, {}};
-  whole.rgba.resize(std::size_t{12} * panel_width * panel_height);
-  for (std::uint32_t p = 0; p < 3; ++p) {
-    paste(renderer.draw(std::span(&panels[p], 1), camera, panel_width, panel_height), p, whole);
+  std::vector<Image> drawn;
+  for (const DrawMesh& panel : panels) {
+    drawn.push_back(renderer.draw(std::span(&panel, 1), camera, panel_width, panel_height));
   }
-  return whole;
+  return side_by_side(drawn);
 }
 
 Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect) {

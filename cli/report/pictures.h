@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "proxy_viewer/render/renderer.h"
 
@@ -23,5 +24,12 @@ Image triptych(Renderer& renderer, const PosePair& pose, double scale_mm, const 
 
 // A camera that sees both shapes whole, from a direction (world, towards the camera); aspect of one panel.
 Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect);
+
+// V x 3: unit normals of a mesh (V x 3), each the direction of the summed areas around its vertex; zero where they
+// cancel.
+std::vector<float> smooth_normals(std::span<const std::uint32_t> triangles, std::span<const float> positions);
+
+// Pictures of the same size, from left to right.
+Image side_by_side(std::span<const Image> panels);
 
 }  // namespace bodyopt

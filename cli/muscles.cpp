@@ -1,0 +1,155 @@
+// bodyopt muscles: from anatomy to muscles.json.
+#include <algorithm>
+#include <set>
+
+#include "cli/common.h"
+#include "cli/report/muscle_picture.h"
+#include "runtime/basis/error.h"
+#include "trainer/anatomy/fit.h"
+#include "trainer/dataset/notes.h"
+
+namespace bodyopt::cli {
+namespace {
+
+using anatomy::FittedMuscle;
+
+struct ImportArguments {
+  std::string character, out, picture;
+  std::vector<std::pair<std::string, std::string>> sources;  // model, mapping
+  double unit = 0;
+  JsonOption json;
+};
+
+// How the paths of a model that bend around surfaces come out, in its default pose.
+Json wrap_report(const anatomy::Model& model, const std::vector<std::string>& leave_out) {
+  const anatomy::ModelPose pose = pose_model(model, default_values(model));
+  const std::set<std::string> ignored(leave_out.begin(), leave_out.end());
+  Json report = Json::array();
+  for (const anatomy::ModelMuscle& muscle : model.muscles) {
+    if (muscle.wraps.empty() || ignored.contains(muscle.name)) continue;
+    Json honoured = Json::array(), straight = Json::array();
+    for (const anatomy::Wrap& wrap : muscle.wraps) (anatomy::honoured(wrap) ? honoured : straight).push_back(wrap.name);
+    anatomy::ModelMuscle unwrapped = muscle;
+    unwrapped.wraps.clear();
+    std::vector<anatomy::PathStop> chords = trace_path(muscle, pose);
+    const double length = path_length(chords);
+    for (anatomy::PathStop& stop : chords) stop.arc = 0;
+    report.push_back({{"muscle", muscle.name},
+                      {"honoured", honoured},
+                      {"not_honoured", straight},
+                      {"length_mm", 1000 * length},
+                      {"straight_error_mm", 1000 * (path_length(trace_path(unwrapped, pose)) - length)},
+                      {"via_point_error_mm", 1000 * (path_length(chords) - length)}});
+  }
+  return report;
+}
+
+Json muscle_report(const std::vector<FittedMuscle>& fitted) {
+  Json report = Json::array();
+  for (const FittedMuscle& muscle : fitted) {
+    report.push_back({{"name", muscle.muscle.name},
+                      {"points", muscle.muscle.path.size()},
+                      {"radius_mm", 1000 * muscle.muscle.radius},
+                      {"full_radius_mm", 1000 * muscle.full_radius},
+                      {"pushed_mm", 1000 * muscle.largest_push}});
+  }
+  return report;
+}
+
+bool depends_on_pose(const anatomy::ModelMuscle& muscle) {
+  return std::any_of(muscle.path.begin(), muscle.path.end(),
+                     [](const anatomy::PathPoint& point) { return point.condition || !point.moving.empty(); });
+}
+
+std::string describe_source(const anatomy::Model& model, const std::vector<FittedMuscle>& fitted, const Json& wraps) {
+  double push = 0;
+  int thinned = 0;
+  for (const FittedMuscle& muscle : fitted) {
+    push = std::max(push, muscle.largest_push);
+    thinned += muscle.muscle.radius < muscle.full_radius ? 1 : 0;
+  }
+  std::string text = format("%s: %zu muscles; points moved under the skin by %.1f mm at most; %d made thinner to fit\n",
+                            model.file.c_str(), fitted.size(), 1000 * push, thinned);
+  const auto reduced = std::count_if(model.muscles.begin(), model.muscles.end(), depends_on_pose);
+  if (reduced > 0) {
+    text += format("  %td have conditional or moving points, kept as they are in the model's default pose\n", reduced);
+  }
+  for (const Json& wrap : wraps) {
+    if (wrap["not_honoured"].empty()) continue;
+    text += format("  %s: not bent around %s\n", wrap["muscle"].get<std::string>().c_str(),
+                   list_names(wrap["not_honoured"].get<std::vector<std::string>>()).c_str());
+  }
+  return text;
+}
+
+void draw(const Character& character, const std::vector<Muscle>& muscles, const std::string& path) {
+  const std::vector<float> skin(character.vertices.data(), character.vertices.data() + character.vertices.size());
+  const std::span<const std::uint32_t> triangles(character.triangles.data(),
+                                                 static_cast<std::size_t>(character.triangles.size()));
+  std::vector<MuscleTube> tubes;
+  for (const Muscle& muscle : muscles) {
+    MuscleTube tube{{}, muscle.radius};
+    for (const MusclePoint& point : muscle.path) tube.path.push_back(point.position);
+    tubes.push_back(tube);
+  }
+  Renderer renderer;
+  write_png(muscle_picture(renderer, skin, triangles, tubes, 700, 1000), path);
+}
+
+void import(const ImportArguments& arguments) {
+  const Character character = read_character(arguments.character, arguments.unit);
+  say(character.notes);
+  std::vector<Muscle> muscles;
+  std::set<std::string> names;
+  Json sources = Json::array();
+  std::string text;
+  for (const auto& [model_path, mapping_path] : arguments.sources) {
+    const anatomy::Model model = anatomy::read_model(model_path);
+    say(model.notes);
+    const anatomy::Mapping mapping = anatomy::read_mapping(mapping_path);
+    const std::vector<FittedMuscle> fitted = fit_muscles(model, mapping, character);
+    for (const FittedMuscle& muscle : fitted) {
+      if (!names.insert(muscle.muscle.name).second) {
+        throw Error(ErrorKind::mismatch, model_path + ": the muscle '" + muscle.muscle.name +
+                                             "' comes from an earlier --from already: leave it out in one mapping");
+      }
+      muscles.push_back(muscle.muscle);
+    }
+    const Json wraps = wrap_report(model, mapping.leave_out);
+    text += describe_source(model, fitted, wraps);
+    sources.push_back({{"model", model_path},
+                       {"mapping", mapping_path},
+                       {"notes", model.notes},
+                       {"muscles", muscle_report(fitted)},
+                       {"wraps", wraps}});
+  }
+  write_muscles(muscles, character.skeleton, arguments.out);
+  if (!arguments.picture.empty()) draw(character, muscles, arguments.picture);
+  text += format("wrote %s: %zu muscles\n", arguments.out.c_str(), muscles.size());
+  arguments.json.emit({{"muscles", arguments.out}, {"count", muscles.size()}, {"sources", sources}}, text);
+}
+
+}  // namespace
+
+void add_muscles(CLI::App& app) {
+  auto arguments = std::make_shared<ImportArguments>();
+  CLI::App& verb = *app.add_subcommand("muscles", "Muscles of a character");
+  verb.require_subcommand(1);
+  CLI::App& subverb = *verb.add_subcommand("import", "Carries the muscles of OpenSim or MuJoCo models to a character");
+  subverb.add_option("character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
+  subverb
+      .add_option(
+          "--from", arguments->sources,
+          "Muscle model (.osim, MuJoCo .xml) and the mapping (.json) of its segments to the character's joints; "
+          "may be given several times")
+      ->required()
+      ->type_name("MODEL MAPPING");
+  subverb.add_option("--out", arguments->out, "The character's muscles")->required()->type_name("FILE.json");
+  subverb.add_option("--picture", arguments->picture, "Also draw them, from the front, from behind and from the left")
+      ->type_name("FILE.png");
+  add_unit(subverb, arguments->unit);
+  arguments->json.add(subverb);
+  subverb.callback([arguments] { import(*arguments); });
+}
+
+}  // namespace bodyopt::cli

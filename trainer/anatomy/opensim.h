@@ -1,0 +1,14 @@
+// Reads OpenSim models (.osim, version 4).
+#pragma once
+
+#include <filesystem>
+
+#include "trainer/anatomy/model.h"
+
+namespace bodyopt::anatomy {
+
+// Joints: CustomJoint, WeldJoint. Functions: Constant, LinearFunction, SimmSpline, MultiplierFunction. Path points:
+// fixed, conditional, moving. Wrap objects are named, not honoured. Throws Error(file).
+Model read_opensim(const std::filesystem::path& path);
+
+}  // namespace bodyopt::anatomy

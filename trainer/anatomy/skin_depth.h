@@ -1,0 +1,31 @@
+// How deep a point lies under the skin.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "trainer/train/nearest_skin.h"
+
+namespace bodyopt::anatomy {
+
+// Inside is where the winding number (Jacobson, Kavan, Sorkine-Hornung 2013) exceeds one half: small holes in the skin
+// do not matter.
+class SkinDepth {
+ public:
+  SkinDepth(const Positions& vertices, const Triangles& triangles);
+
+  // Distance to the skin, metres: positive inside.
+  double operator()(const Eigen::Vector3d& point) const;
+
+  // The point itself where it is deep enough, otherwise the point `depth` under the skin nearest to it; less deep where
+  // the body is too thin for that; nothing where there is no place inside near it.
+  std::optional<Eigen::Vector3d> tuck(const Eigen::Vector3d& point, double depth) const;
+
+ private:
+  double winding_number(const Eigen::Vector3d& point) const;
+  const Positions& vertices_;
+  const Triangles& triangles_;
+  NearestSkin nearest_;
+};
+
+}  // namespace bodyopt::anatomy

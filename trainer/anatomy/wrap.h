@@ -1,0 +1,23 @@
+// The shortest way around a sphere or a cylinder.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+
+#include "trainer/anatomy/model.h"
+
+namespace bodyopt::anatomy {
+
+struct Arc {
+  Eigen::Vector3d from, to;  // where the path meets the surface and leaves it
+  double length;             // on the surface
+};
+
+// How the straight path from `start` to `end` bends around the surface; nothing where it stays straight: it misses the
+// surface, on the right side of it, or one of its ends lies inside. All in the surface's frame (a sphere about the
+// origin, a cylinder about the z axis). A path with a side passes on that side; a side inside the surface makes it pass
+// through the inside (MuJoCo documentation, "tendon/spatial/geom/sidesite").
+std::optional<Arc> wrap_around(Wrap::Shape shape, double radius, const std::optional<Eigen::Vector3d>& side,
+                               const Eigen::Vector3d& start, const Eigen::Vector3d& end);
+
+}  // namespace bodyopt::anatomy

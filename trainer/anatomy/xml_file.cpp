@@ -1,0 +1,75 @@
+#include "trainer/anatomy/xml_file.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "runtime/basis/error.h"
+
+namespace bodyopt::anatomy {
+namespace {
+
+constexpr std::uintmax_t kLargestFile = 64 << 20;  // bytes
+constexpr int kDeepest = 256;                      // elements within elements
+constexpr int kMostElements = 200000;
+
+}  // namespace
+
+XmlFile::XmlFile(const std::filesystem::path& file) : path(file) {
+  std::error_code failure;
+  const std::uintmax_t size = std::filesystem::file_size(path, failure);  // fails for folders, pipes and devices
+  if (failure) throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file, or no permission?");
+  if (size > kLargestFile) {
+    throw Error(ErrorKind::file, path.string() + ": has " + std::to_string(size) + " bytes, expected " +
+                                     std::to_string(kLargestFile) + " at most: not a muscle model?");
+  }
+  const pugi::xml_parse_result result = document.load_file(path.c_str());
+  if (!result) {
+    throw Error(ErrorKind::file, path.string() + ": is not whole XML: " + result.description() + " at byte " +
+                                     std::to_string(result.offset) + ": cut off, or another kind of file?");
+  }
+  require_shallow(path, document);
+}
+
+void refuse(const std::filesystem::path& path, pugi::xml_node element, const std::string& what) {
+  const std::string name = element.attribute("name").value();
+  throw Error(ErrorKind::file,
+              path.string() + ": <" + element.name() + (name.empty() ? "" : " name=\"" + name + "\"") + "> " + what);
+}
+
+void require_shallow(const std::filesystem::path& path, pugi::xml_node tree) {
+  struct Walker : pugi::xml_tree_walker {
+    int count = 0;
+    bool for_each(pugi::xml_node&) override { return depth() < kDeepest && ++count <= kMostElements; }
+  } walker;
+  if (!tree.traverse(walker)) {
+    throw Error(ErrorKind::file, path.string() + ": nests elements more than " + std::to_string(kDeepest) +
+                                     " deep, or holds more than " + std::to_string(kMostElements) +
+                                     ": no muscle model does");
+  }
+}
+
+std::vector<double> parse_numbers(const std::filesystem::path& path, pugi::xml_node element, const std::string& what,
+                                  const std::string& text, std::size_t least, std::size_t most) {
+  constexpr const char* kBlanks = " \t\r\n";
+  std::vector<double> numbers;
+  std::size_t begin = text.find_first_not_of(kBlanks);
+  while (begin != std::string::npos) {
+    const std::size_t end = std::min(text.find_first_of(kBlanks, begin), text.size());
+    const char* first = text.data() + begin + (text[begin] == '+' ? 1 : 0);
+    double number = 0;
+    const auto [stop, error] = std::from_chars(first, text.data() + end, number);
+    if (error != std::errc() || stop != text.data() + end || !(std::abs(number) < 1e6)) {
+      refuse(path, element, "has '" + text.substr(begin, end - begin) + "' in " + what + ", expected a number");
+    }
+    numbers.push_back(number);
+    begin = text.find_first_not_of(kBlanks, end);
+  }
+  if (numbers.size() < least || numbers.size() > most) {
+    refuse(path, element,
+           "has " + std::to_string(numbers.size()) + " numbers in " + what + ", expected " + std::to_string(least) +
+               (least == most ? "" : " or more"));
+  }
+  return numbers;
+}
+
+}  // namespace bodyopt::anatomy

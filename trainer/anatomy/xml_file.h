@@ -1,0 +1,29 @@
+// XML read as hostile bytes: bounded in size and depth, every number checked.
+#pragma once
+
+#include <filesystem>
+#include <pugixml.hpp>
+#include <string>
+#include <vector>
+
+namespace bodyopt::anatomy {
+
+struct XmlFile {
+  // Throws Error(file) when the file cannot be read, is no XML, or nests too deeply.
+  explicit XmlFile(const std::filesystem::path& path);
+  std::filesystem::path path;
+  pugi::xml_document document;
+};
+
+// Throws Error(file): "FILE: <body name="x"> WHAT".
+[[noreturn]] void refuse(const std::filesystem::path& path, pugi::xml_node element, const std::string& what);
+
+// Refuses trees deeper than what walking them by recursion can bear, or larger than any model.
+void require_shallow(const std::filesystem::path& path, pugi::xml_node tree);
+
+// Numbers separated by blanks, `least` to `most` of them, each finite and below 1e6 in size. `what` names the text in
+// messages.
+std::vector<double> parse_numbers(const std::filesystem::path& path, pugi::xml_node element, const std::string& what,
+                                  const std::string& text, std::size_t least, std::size_t most);
+
+}  // namespace bodyopt::anatomy
