@@ -23,6 +23,7 @@ void check_character(const CheckArguments& arguments) {
       format("%s: %u vertices, %td after welding seams, %zu joints, %.3f x %.3f x %.3f m\nsurface: %s\n",
              character.name.c_str(), character.output_count(), static_cast<std::ptrdiff_t>(character.vertices.rows()),
              character.skeleton.size(), box(0), box(1), box(2), surface.c_str());
+  if (!surface.starts_with("closed")) text += "simulate puts such a skin in a coarse cage\n";
   for (const std::string& note : character.notes) text += "note: " + note + "\n";
   arguments.json.emit({{"vertices", character.output_count()},
                        {"welded_vertices", character.vertices.rows()},

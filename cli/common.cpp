@@ -3,8 +3,10 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <cstdlib>
 
 #include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
@@ -66,6 +68,32 @@ void add_unit(CLI::App& verb, double& unit) {
   verb.add_option("--unit", unit, "Metres per unit of the character's file (default: it must be in metres)")
       ->check(CLI::PositiveNumber);
 }
+
+void keep_unit(Basis& basis, double unit) {
+  if (unit > 0) basis.metadata["character_unit_m"] = format("%.17g", unit);
+}
+
+double kept_unit(const Basis& basis) {
+  const auto entry = basis.metadata.find("character_unit_m");
+  if (entry == basis.metadata.end()) return 0;
+  const double unit = std::strtod(entry->second.c_str(), nullptr);
+  if (!(unit > 0 && std::isfinite(unit))) {
+    throw Error(ErrorKind::file, "the basis says that its character's unit is '" + entry->second +
+                                     "', expected metres above 0: the file is damaged");
+  }
+  return unit;
+}
+
+void add_output(CLI::App& verb, std::string& path, const std::string& extension, const std::string& description) {
+  verb.add_option("--out", path, description)
+      ->required()
+      ->type_name("FILE" + extension)
+      ->check([extension](const std::string& name) {
+        return name.ends_with(extension) ? std::string() : "'" + name + "' does not end in " + extension;
+      });
+}
+
+void require_writable(const std::filesystem::path& path) { const AtomicFile probe(path); }
 
 std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames) {
   std::vector<Pose> poses;

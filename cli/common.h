@@ -42,6 +42,15 @@ struct DeviceArguments {
 
 void add_unit(CLI::App& verb, double& unit);
 
+// The unit that a basis' character was read with, kept in the basis so that its clips are read alike; 0: metres.
+void keep_unit(Basis& basis, double unit);
+double kept_unit(const Basis& basis);
+
+// An option that names a file to write, which must end as said: a slip must not overwrite a character.
+void add_output(CLI::App& verb, std::string& path, const std::string& extension, const std::string& description);
+// Throws Error(file) now rather than after long work.
+void require_writable(const std::filesystem::path& path);
+
 // The poses of some frames of a clip.
 std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames);
 

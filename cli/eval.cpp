@@ -24,12 +24,13 @@ struct EvalArguments {
 void run(const EvalArguments& arguments) {
   Deformer deformer(load_basis(arguments.basis), arguments.device.choice);
   std::vector<int> frames;
-  const Clip clip = arguments.clip.read(deformer.basis().skeleton, arguments.unit, frames);
+  const double unit = arguments.unit > 0 ? arguments.unit : kept_unit(deformer.basis());
+  const Clip clip = arguments.clip.read(deformer.basis().skeleton, unit, frames);
   const std::vector<Pose> poses = poses_of(clip, frames);
 
   const std::uint32_t points = deformer.basis().mesh.output_count();
   Pc2Writer writer(arguments.out, points, static_cast<std::uint32_t>(frames.size()),
-                   frames.empty() ? 1.0f : static_cast<float>(frames.front()));
+                   frames.empty() ? 1.0f : static_cast<float>(frames.front()), frame_spacing(frames));
   Progress progress("eval", frames.size());
   std::map<std::string, double> stage_seconds;
   std::vector<int> outside_frames;
@@ -54,9 +55,9 @@ void run(const EvalArguments& arguments) {
   Json milliseconds = Json::object();
   std::string text = format("%zu frames of %u points on %s in %.2f s\n", frames.size(), points,
                             deformer.device_name().c_str(), seconds);
-  for (const auto& [stage, total] : stage_seconds) {
-    milliseconds[stage] = 1e3 * total / frame_count;
-    text += format("  %-8s %8.3f ms a frame\n", stage.c_str(), 1e3 * total / frame_count);
+  for (const char* stage : {"rig", "strain", "residual", "pose", "output"}) {
+    milliseconds[stage] = 1e3 * stage_seconds[stage] / frame_count;
+    text += format("  %-8s %8.3f ms a frame\n", stage, 1e3 * stage_seconds[stage] / frame_count);
   }
   if (!outside_frames.empty()) {
     text += format("%zu frames leave the trained range (by %.1f standard deviations at most) and were clamped: ",
@@ -83,9 +84,10 @@ void add_eval(CLI::App& app) {
   verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
   arguments->clip.add(verb);
   arguments->device.add(verb);
-  verb.add_option("--unit", arguments->unit, "Metres per unit of the clip's file, as the character was read")
+  verb.add_option("--unit", arguments->unit,
+                  "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(CLI::PositiveNumber);
-  verb.add_option("--out", arguments->out, "Point cache to write")->required()->type_name("FILE.pc2");
+  add_output(verb, arguments->out, ".pc2", "Point cache to write");
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

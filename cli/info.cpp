@@ -4,6 +4,7 @@
 
 #include "cli/common.h"
 #include "runtime/basis/error.h"
+#include "trainer/dataset/bvh.h"
 #include "trainer/dataset/character.h"
 #include "trainer/dataset/dataset.h"
 #include "trainer/dataset/frame_range.h"
@@ -36,9 +37,36 @@ Json character_info(const std::string& path, double unit) {
           {"welded_vertices", character.vertices.rows()},
           {"triangles", character.triangles.rows()},
           {"bounding_box_m", {box(0), box(1), box(2)}},
-          {"clips", clip_names(path)},
+          {"clips", clips_info(path, character.skeleton, unit)},
           {"notes", character.notes},
           {"joints", joint_names(character.skeleton)}};
+}
+
+Json bvh_info(const std::string& path) {
+  const Bvh bvh = read_bvh(path);
+  Json names = Json::array();
+  for (const BvhJoint& joint : bvh.joints) names.push_back(joint.name);
+  return {{"kind", "motion"},
+          {"frames", bvh.frame_count},
+          {"frames_per_second", 1 / bvh.frame_time},
+          {"seconds", bvh.duration()},
+          {"joints", names}};
+}
+
+// Frames of every clip at the default rate.
+Json clips_info(const std::string& path, const Skeleton& skeleton, double unit) {
+  Json clips = Json::object();
+  ClipOptions options;
+  options.unit = unit;
+  for (const std::string& name : clip_names(path)) {
+    try {
+      const Clip clip = read_clip(name.empty() ? path : path + "#" + name, skeleton, options);
+      clips[name] = format("%zu frames at 24 per second", clip.poses.size());
+    } catch (const Error& error) {
+      clips[name] = std::string("cannot be used: ") + error.what();
+    }
+  }
+  return clips;
 }
 
 Json basis_info(const std::string& path) {
@@ -92,10 +120,11 @@ Json dataset_info(const std::string& path) {
   return {{"kind", "dataset"}, {"character", dataset.character}, {"muscles", dataset.muscles}, {"takes", takes}};
 }
 
-Json info(const std::string& path, double unit) {
+Json info(std::string path, double unit) {
   if (!std::filesystem::exists(path)) {
     throw Error(ErrorKind::file, path + ": no such file");
   }
+  if (std::filesystem::is_directory(path)) path = (std::filesystem::path(path) / "dataset.json").string();
   const std::string extension = std::filesystem::path(path).extension();
   if (extension == ".glb" || extension == ".gltf") {
     if (!has_skin(path)) return {{"kind", "motion"}, {"clips", clip_names(path)}};
@@ -104,7 +133,7 @@ Json info(const std::string& path, double unit) {
   if (extension == ".safetensors") return basis_info(path);
   if (extension == ".pc2") return cache_info(path);
   if (extension == ".nodes") return nodes_info(path);
-  if (extension == ".bvh") return {{"kind", "motion"}, {"clips", clip_names(path)}};
+  if (extension == ".bvh") return bvh_info(path);
   if (extension == ".json") return dataset_info(path);
   throw Error(
       ErrorKind::file,

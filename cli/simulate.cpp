@@ -1,7 +1,10 @@
 // bodyopt simulate: a character and a clip to shapes by finite elements.
 #include "trainer/simulate/simulate.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "cli/common.h"
@@ -42,10 +45,12 @@ Dataset open_dataset(const SimulateArguments& arguments, const fs::path& folder)
   }
   Dataset dataset = read_dataset(folder / "dataset.json");
   if (dataset.character != character || dataset.muscles != muscles || dataset.unit != arguments.unit) {
-    throw Error(ErrorKind::mismatch,
-                format("%s holds shapes of '%s' with muscles '%s'; asked for '%s' with muscles '%s': use another --out",
-                       (folder / "dataset.json").c_str(), dataset.character.c_str(), dataset.muscles.c_str(),
-                       character.c_str(), muscles.c_str()));
+    throw Error(
+        ErrorKind::mismatch,
+        format("%s holds shapes of '%s' (unit %g m) with muscles '%s'; asked for '%s' (unit %g m) with muscles "
+               "'%s': use another --out",
+               (folder / "dataset.json").c_str(), dataset.character.c_str(), dataset.unit > 0 ? dataset.unit : 1.0,
+               dataset.muscles.c_str(), character.c_str(), arguments.unit > 0 ? arguments.unit : 1.0, muscles.c_str()));
   }
   return dataset;
 }
@@ -59,17 +64,7 @@ std::string take_name(const std::string& source) {
   return name;
 }
 
-void run(const SimulateArguments& arguments) {
-  const Character character = read_character(arguments.character, arguments.unit);
-  say(character.notes);
-  std::vector<Muscle> muscles;
-  if (!arguments.muscles.empty()) muscles = read_muscles(arguments.muscles, character.skeleton);
-  std::vector<int> frames;
-  const Clip clip = arguments.clip.read(character.skeleton, arguments.unit, frames);
-
-  const fs::path folder = arguments.out;
-  make_folder(folder);
-  Dataset dataset = open_dataset(arguments, folder);
+DatasetTake new_take(const SimulateArguments& arguments, const std::vector<int>& frames, const fs::path& folder) {
   DatasetTake take;
   take.name = arguments.name.empty() ? take_name(arguments.clip.source) : arguments.name;
   take.clip = relative_source(arguments.clip.source, folder);
@@ -88,20 +83,48 @@ void run(const SimulateArguments& arguments) {
       }
     }
   }
+  return take;
+}
 
-  const std::vector<FrameStatus> status =
-      simulate(character, muscles, clip, frames, folder / take.shapes, folder / take.shapes_status, arguments.options);
-  std::erase_if(dataset.takes, [&](const DatasetTake& other) { return other.name == take.name; });
-  dataset.takes.push_back(take);
-  write_dataset(dataset, folder / "dataset.json");
+// A take that is there already keeps its frames and gets the new ones; finished shapes are not solved again.
+void add_frames(const DatasetTake& there, DatasetTake& take) {
+  if (there.clip != take.clip || there.fps != take.fps || there.first_frame != take.first_frame ||
+      there.shapes != take.shapes) {
+    throw Error(ErrorKind::mismatch,
+                format("the dataset has a take '%s' already: %s of '%s' at %g frames a second from frame %d; give the "
+                       "new one a --name",
+                       there.name.c_str(), there.shapes.c_str(), there.clip.c_str(), there.fps, there.first_frame));
+  }
+  const auto unite = [](std::vector<int>& frames, const std::vector<int>& more) {
+    frames.insert(frames.end(), more.begin(), more.end());
+    std::sort(frames.begin(), frames.end());
+    frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+  };
+  unite(take.frames, there.frames);
+  unite(take.heldout, there.heldout);
+}
 
-  int unconverged = 0;
-  double worst = 0, seconds = 0;
+// What a TD has to know of a run; `text` names the frames that need a look.
+Json summary(const std::vector<FrameStatus>& status, std::string& text) {
+  int unconverged = 0, inverted = 0;
+  double residual = 0, seconds = 0, depth = 0, volume = 0;
+  int deepest_frame = 0;
   Json per_frame = Json::array();
   for (const FrameStatus& frame : status) {
-    unconverged += frame.converged ? 0 : 1;
-    if (frame.converged) worst = std::max(worst, frame.residual);
+    if (frame.converged) {
+      residual = std::max(residual, frame.residual);
+    } else {
+      ++unconverged;
+      text += format("frame %d did not converge (residual %.2e, %d inverted tets): train will leave it out\n",
+                     frame.frame, frame.residual, frame.inverted_tets);
+    }
+    inverted += frame.inverted_tets;
     seconds += frame.seconds;
+    if (frame.contact_depth > depth) {
+      depth = frame.contact_depth;
+      deepest_frame = frame.frame;
+    }
+    if (std::abs(frame.volume_change) > std::abs(volume)) volume = frame.volume_change;
     per_frame.push_back({{"frame", frame.frame},
                          {"residual", frame.residual},
                          {"converged", frame.converged},
@@ -110,21 +133,46 @@ void run(const SimulateArguments& arguments) {
                          {"contact_depth_mm", 1e3 * frame.contact_depth},
                          {"volume_change", frame.volume_change}});
   }
-  std::string text = "frame  residual   iterations\n";
-  for (const FrameStatus& frame : status) {
-    text += format("%5d  %.2e  %6d%s\n", frame.frame, frame.residual, frame.iterations,
-                   frame.converged ? "" : "  unconverged: train will leave it out");
+  const double mean_seconds = seconds / static_cast<double>(std::max<std::size_t>(status.size(), 1));
+  text +=
+      format("%zu frames, %d unconverged, %d inverted tets, largest residual kept %.2e, %.2f s of solving a frame\n",
+             status.size(), unconverged, inverted, residual, mean_seconds);
+  if (depth > 0) text += format("skin in skin: %.2f mm at the deepest (frame %d)\n", 1e3 * depth, deepest_frame);
+  text += format("volume of the muscle that changes most: %+.2f %%\n", 1e2 * volume);
+  return {{"frames", status.size()},           {"unconverged", unconverged},
+          {"inverted_tets", inverted},         {"largest_residual", residual},
+          {"seconds_per_frame", mean_seconds}, {"contact_depth_mm", 1e3 * depth},
+          {"largest_volume_change", volume},   {"per_frame", per_frame}};
+}
+
+void run(const SimulateArguments& arguments) {
+  const Character character = read_character(arguments.character, arguments.unit);
+  say(character.notes);
+  std::vector<Muscle> muscles;
+  if (!arguments.muscles.empty()) muscles = read_muscles(arguments.muscles, character.skeleton);
+  std::vector<int> frames;
+  const Clip clip = arguments.clip.read(character.skeleton, arguments.unit, frames);
+
+  const fs::path folder = arguments.out;
+  make_folder(folder);
+  const fs::path dataset_path = folder / "dataset.json";
+  Dataset dataset = open_dataset(arguments, folder);
+  DatasetTake take = new_take(arguments, frames, folder);
+  for (const DatasetTake& there : dataset.takes) {
+    if (there.name == take.name) add_frames(there, take);
   }
-  text += format("%zu frames, %d unconverged, largest residual kept %.2e, %.2f s of solving a frame\n", status.size(),
-                 unconverged, worst, status.empty() ? 0.0 : seconds / static_cast<double>(status.size()));
-  text += "wrote " + (folder / "dataset.json").string() + "\n";
-  arguments.json.emit({{"dataset", (folder / "dataset.json").string()},
-                       {"take", take.name},
-                       {"frames", status.size()},
-                       {"unconverged", unconverged},
-                       {"largest_residual", worst},
-                       {"per_frame", per_frame}},
-                      text);
+  require_writable(dataset_path);
+  spdlog::info("preparing the body: tetrahedra, bones, muscles");
+  const std::vector<FrameStatus> status = simulate(character, muscles, clip, take.frames, folder / take.shapes,
+                                                   folder / take.shapes_status, arguments.options);
+  std::erase_if(dataset.takes, [&](const DatasetTake& other) { return other.name == take.name; });
+  dataset.takes.push_back(take);
+  write_dataset(dataset, dataset_path);
+
+  std::string text;
+  Json result = {{"dataset", dataset_path.string()}, {"take", take.name}};
+  result.update(summary(status, text));
+  arguments.json.emit(result, text + "wrote " + dataset_path.string() + "\n");
 }
 
 }  // namespace

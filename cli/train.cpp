@@ -24,7 +24,8 @@ struct TrainArguments {
 void run_ddm_only(const TrainArguments& arguments) {
   const Character character = read_character(arguments.ddm_only, arguments.unit);
   say(character.notes);
-  const Basis basis = build_ddm_basis(character, arguments.options);
+  Basis basis = build_ddm_basis(character, arguments.options);
+  keep_unit(basis, arguments.unit);
   save_basis(basis, arguments.out);
   const double per_vertex = static_cast<double>(total_bytes(basis)) / basis.mesh.vertex_count();
   arguments.json.emit(
@@ -37,6 +38,7 @@ void run(const TrainArguments& arguments) {
   if (arguments.dataset.empty() == arguments.ddm_only.empty()) {
     throw Error(ErrorKind::usage, "train takes either a DATASET or --ddm-only CHARACTER");
   }
+  require_writable(arguments.out);
   if (!arguments.ddm_only.empty()) return run_ddm_only(arguments);
 
   const auto start = std::chrono::steady_clock::now();
@@ -44,11 +46,13 @@ void run(const TrainArguments& arguments) {
   if (std::filesystem::is_directory(path)) path /= "dataset.json";
   Dataset dataset = read_dataset(path);
   if (arguments.heldout_every > 0) hold_out_blocks(dataset, arguments.heldout_every);
+  spdlog::info("reading the shapes");
   const SampleSet set = read_samples(dataset);
   say(set.notes);
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
 
-  const Basis basis = train(set, arguments.options);
+  Basis basis = train(set, arguments.options);
+  keep_unit(basis, dataset.unit);
   save_basis(basis, arguments.out);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
@@ -74,6 +78,11 @@ void run(const TrainArguments& arguments) {
       result["errors_mm"][name] = to_json(errors);
       text += format("  %-5s ", name) + describe(errors) + "\n";
     }
+    if (result["errors_mm"]["full"]["rms"] >= result["errors_mm"]["ddm"]["rms"]) {
+      spdlog::warn(
+          "what was learned is no better than Direct Delta Mush on the held-out frames: the training frames are "
+          "too few, or too unlike them");
+    }
   }
   text += "wrote " + arguments.out + "\n";
   arguments.json.emit(result, text);
@@ -87,7 +96,7 @@ void add_train(CLI::App& app) {
   verb.add_option("dataset", arguments->dataset, "dataset.json, or its folder")->type_name("DATASET");
   verb.add_option("--ddm-only", arguments->ddm_only, "Make a basis of Direct Delta Mush alone, without shapes")
       ->type_name("CHARACTER");
-  verb.add_option("--out", arguments->out, "Basis to write (.safetensors)")->required()->type_name("BASIS");
+  add_output(verb, arguments->out, ".safetensors", "Basis to write");
   verb.add_option("--heldout-every", arguments->heldout_every,
                   "Hold out every Nth block of ten frames instead of the frames dataset.json names")
       ->check(CLI::Range(2, 1000));

@@ -50,6 +50,7 @@ Json bytes_by_stage(const ReportData& data) {
 
 Json to_json(const ReportData& data) {
   Json json;
+  json["quick"] = data.quick;
   json["character"] = {{"name", data.character.name},
                        {"vertices", data.character.vertices},
                        {"joints", data.character.joints},

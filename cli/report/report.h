@@ -37,6 +37,7 @@ struct SimulationReport {
 };
 
 struct ReportData {
+  bool quick = false;  // of too few frames to judge the errors
   struct {
     std::string name;
     std::uint32_t vertices = 0, joints = 0, muscles = 0;

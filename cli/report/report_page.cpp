@@ -19,7 +19,8 @@ std::array<Method, 4> methods_of(const ReportData& data) {
       {{data.lbs, "LBS", "#8a92a1", "Linear blend skinning: the skin weights alone, where every rig starts."},
        {data.ddm, "DDM", "#62aee8", "Direct Delta Mush: smooth skinning from the same weights; nothing is learned."},
        {data.linear, "Linear", "#b892f2",
-        "DDM plus linear correctives driven by the joints alone, with as many bytes of coefficients and tables as Full."},
+        "DDM plus linear correctives driven by the joints alone, with as many bytes of coefficients and tables as "
+        "Full."},
        {data.full, "Full", "#f2b866",
         "DDM plus what was learned from the simulation, driven by joints and muscle strains: what Bodyopt runs."}}};
 }
@@ -41,8 +42,9 @@ Headline compare(const ReportData& data, const MethodReport& other, const std::s
   const double full = data.full.rms;
   const std::string of = " error than " + name + " (" + millimetres(other.rms) + ")";
   if (!(full > 0)) return {"0", "mm", "of error, where " + name + " has " + millimetres(other.rms)};
-  if (other.rms >= full) return {number_text(other.rms / full, 2), "times", "smaller RMS" + of};
-  return {number_text(full / std::max(other.rms, 1e-12), 2), "times", "larger RMS" + of};
+  const auto times = [](double ratio) { return number_text(ratio, ratio < 2 ? 3 : 2); };
+  if (other.rms >= full) return {times(other.rms / full), "times", "smaller RMS" + of};
+  return {times(full / std::max(other.rms, 1e-12)), "times", "larger RMS" + of};
 }
 
 void add_summary(const ReportData& data, Page& page) {
@@ -56,6 +58,9 @@ void add_summary(const ReportData& data, Page& page) {
                  " of motion it had not seen. The errors on this page are measured on these held-out frames, against "
                  "the simulation, after the root's translation is taken out; where a figure is of the training frames, "
                  "it says so.");
+  if (data.quick) {
+    page.paragraph("This is a quick run on a few of the frames: it shows that everything works, not how well.");
+  }
   const Headline headlines[] = {{number_text(data.full.rms), "mm",
                                  "RMS error on the held-out frames; 99 % of the points within " +
                                      millimetres(data.full.p99) + ", the worst " + millimetres(data.full.max)},
@@ -128,7 +133,8 @@ void add_methods(const ReportData& data, Page& page) {
   page.chart(bar_chart(bars), "RMS error over all held-out frames. Shorter is better.");
   page.table(table);
   page.paragraph(
-      "Jitter is the RMS second difference of the error over consecutive frames: what is seen as popping. The best "
+      "Jitter is the RMS second difference of the error over consecutive held-out frames: what is seen as popping. The "
+      "best "
       "value of each column of errors is highlighted. Nothing was tuned on the held-out frames.");
 }
 

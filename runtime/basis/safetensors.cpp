@@ -8,6 +8,7 @@
 
 #include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
+#include "runtime/basis/file_kind.h"
 #include "runtime/basis/hexadecimal.h"
 #include "runtime/basis/strict_json.h"
 
@@ -174,9 +175,11 @@ Safetensors read_safetensors(const std::filesystem::path& path) {
   }
 
   std::uint64_t length = 0;
-  if (size < 8 || !stream.read(reinterpret_cast<char*>(&length), 8)) refuse(path, "shorter than a header");
+  if (size < 8 || !stream.read(reinterpret_cast<char*>(&length), 8))
+    refuse(path, "shorter than a header" + looks_like(path));
   if (length > std::min(kLargestHeader, size - 8)) {
-    refuse(path, "its header claims " + std::to_string(length) + " of " + std::to_string(size) + " bytes");
+    refuse(path,
+           "its header claims " + std::to_string(length) + " of " + std::to_string(size) + " bytes" + looks_like(path));
   }
   std::string text(length, '\0');
   if (!stream.read(text.data(), static_cast<std::streamsize>(length))) refuse(path, "the header cannot be read");

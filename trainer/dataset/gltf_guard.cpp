@@ -9,6 +9,7 @@
 #include <span>
 
 #include "runtime/basis/error.h"
+#include "runtime/basis/file_kind.h"
 
 namespace bodyopt {
 namespace {
@@ -166,7 +167,8 @@ Bytes resolve_buffer(const std::filesystem::path& path, const json& buffer, cons
 GuardedGltf guard_gltf(const std::filesystem::path& path) {
   const Bytes bytes = read_bytes(path);
   const bool is_glb = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
-  if (!is_glb && path.extension() == ".glb") fail(path, "does not start with 'glTF'; it is not a .glb file");
+  if (!is_glb && path.extension() == ".glb")
+    fail(path, "does not start with 'glTF'; it is not a .glb file" + looks_like(path));
   const Chunks chunks = is_glb ? split_glb(path, bytes) : Chunks{std::string(bytes.begin(), bytes.end()), {}};
 
   json root = parse_json(path, chunks.json);

@@ -8,6 +8,7 @@
 
 #include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
+#include "runtime/basis/file_kind.h"
 #include "runtime/basis/strict_json.h"
 
 namespace bodyopt {
@@ -38,7 +39,12 @@ std::string read_text(const std::filesystem::path& path) {
 }  // namespace
 
 Json read_json(const std::filesystem::path& path, const std::string& schema) {
-  Json json = parse_strict_json<Json>(read_text(path), path.string());
+  const std::string content = read_text(path);
+  const std::string kind = looks_like(path);
+  if (!kind.empty() && !content.starts_with('{')) {
+    throw Error(ErrorKind::file, path.string() + ": expected JSON" + kind);
+  }
+  Json json = parse_strict_json<Json>(content, path.string());
   if (!json.is_object() || !json.contains("schema") || !json["schema"].is_string()) {
     throw Error(ErrorKind::file, path.string() + ": expected an object with \"schema\": \"" + schema +
                                      "\"; it is JSON of something else");

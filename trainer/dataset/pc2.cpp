@@ -184,4 +184,13 @@ void Pc2Writer::close() {
   file_->out.commit();
 }
 
+float frame_spacing(const std::vector<int>& frames) {
+  if (frames.size() < 2) return 1;
+  const int step = frames[1] - frames[0];
+  for (std::size_t k = 2; k < frames.size(); ++k) {
+    if (frames[k] - frames[k - 1] != step) return 1;
+  }
+  return step > 0 ? static_cast<float>(step) : 1;
+}
+
 }  // namespace bodyopt

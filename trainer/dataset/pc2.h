@@ -48,4 +48,7 @@ class Pc2Writer {
   File* file_;
 };
 
+// The sample rate of a cache of these frames: frames from one sample to the next; 1 where they are not evenly spaced.
+float frame_spacing(const std::vector<int>& frames);
+
 }  // namespace bodyopt

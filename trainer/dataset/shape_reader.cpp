@@ -20,6 +20,15 @@ std::uint32_t ShapeReader::sample_count() const {
   return std::visit([](const auto& reader) { return reader.sample_count(); }, reader_);
 }
 
+float ShapeReader::start_frame() const {
+  return std::visit([](const auto& reader) { return reader.start_frame(); }, reader_);
+}
+
+float ShapeReader::sample_rate() const {
+  const auto* pc2 = std::get_if<Pc2Reader>(&reader_);
+  return pc2 != nullptr ? pc2->sample_rate() : 0;
+}
+
 std::vector<float> ShapeReader::sample(std::uint32_t k) const {
   if (const auto* nodes = std::get_if<NodesReader>(&reader_)) return nodes->sample(k);
   const auto& pc2 = std::get<Pc2Reader>(reader_);

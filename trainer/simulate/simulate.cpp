@@ -201,7 +201,7 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
     });
   } else {
     Pc2Writer writer(cache, character.output_count(), static_cast<std::uint32_t>(frames.size()),
-                     static_cast<float>(frames.front()));
+                     static_cast<float>(frames.front()), frame_spacing(frames));
     write_frames(writer, [&](const std::vector<float>& shape) { writer.append(shape); });
   }
   partial.remove();

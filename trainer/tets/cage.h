@@ -19,8 +19,8 @@ struct Cage {
   std::vector<CageSample> samples;  // what is tissue in the cage: its tets reach beyond the skin
 };
 
-// The skin is filled with small cubes (voxelise) that lie in a lattice of cubic cells, eight along an edge. Each part of
-// a cell that the filled cubes connect becomes a cell of its own, so that two legs or an arm and a trunk in one cell
+// The skin is filled with small cubes (voxelise) that lie in a lattice of cubic cells, eight along an edge. Each part
+// of a cell that the filled cubes connect becomes a cell of its own, so that two legs or an arm and a trunk in one cell
 // move apart (virtual nodes: Molino, Bao, Fedkiw 2004); cells share corners where filled cubes touch through their
 // common face. Separate pieces of skin in one cell are joined. A cell is five tets, those without tissue left out:
 // mean-ratio quality 0.84 or more. A function of its arguments alone.

@@ -21,6 +21,8 @@ namespace nglib {
 namespace bodyopt {
 namespace {
 
+// Cubes of the tetrahedra's size in a body: beyond this many, memory runs out and Netgen does not return.
+constexpr double kMostCells = 1e6;
 // Below this mean-ratio quality an element is too flat for the solver.
 constexpr double kMinQuality = 1e-3;
 // How fast elements may grow away from the skin. On the 13,380-vertex body 0.7 gives 54k tets of quality 0.05 at worst,
@@ -130,6 +132,10 @@ Eigen::Matrix3d tet_edges(const TetMesh& mesh, Eigen::Index tet) {
 
 TetMesh tetrahedralise(const Positions& vertices, const Triangles& triangles, double size) {
   require_closed(vertices, triangles);
+  if (std::abs(enclosed_volume(vertices, triangles)) > kMostCells * size * size * size) {
+    throw Error(ErrorKind::usage, "tetrahedra of " + std::to_string(size) +
+                                      " m would be too many in a body of this volume: use larger ones (--tet-size)");
+  }
   static std::mutex netgen;  // its globals are not safe for two threads
   const std::lock_guard<std::mutex> lock(netgen);
   TetMesh result;
