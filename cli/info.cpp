@@ -29,19 +29,6 @@ Json joint_names(const Skeleton& skeleton) {
   return names;
 }
 
-Json character_info(const std::string& path, double unit) {
-  const Character character = read_character(path, unit);
-  const auto box = (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).eval();
-  return {{"kind", "character"},
-          {"vertices", character.output_count()},
-          {"welded_vertices", character.vertices.rows()},
-          {"triangles", character.triangles.rows()},
-          {"bounding_box_m", {box(0), box(1), box(2)}},
-          {"clips", clips_info(path, character.skeleton, unit)},
-          {"notes", character.notes},
-          {"joints", joint_names(character.skeleton)}};
-}
-
 Json bvh_info(const std::string& path) {
   const Bvh bvh = read_bvh(path);
   Json names = Json::array();
@@ -67,6 +54,19 @@ Json clips_info(const std::string& path, const Skeleton& skeleton, double unit) 
     }
   }
   return clips;
+}
+
+Json character_info(const std::string& path, double unit) {
+  const Character character = read_character(path, unit);
+  const auto box = (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).eval();
+  return {{"kind", "character"},
+          {"vertices", character.output_count()},
+          {"welded_vertices", character.vertices.rows()},
+          {"triangles", character.triangles.rows()},
+          {"bounding_box_m", {box(0), box(1), box(2)}},
+          {"clips", clips_info(path, character.skeleton, unit)},
+          {"notes", character.notes},
+          {"joints", joint_names(character.skeleton)}};
 }
 
 Json basis_info(const std::string& path) {

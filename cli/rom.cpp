@@ -45,7 +45,7 @@ void run(const RomArguments& arguments) {
 
   std::string text = format("%zu frames: rest, %zu of sweeps, %zu of pairs, %zu random\n", motion.angles.size(),
                             motion.sweep_frames, motion.pair_frames, motion.random_frames);
-  text += format("random frames step %.1f degrees at most where limbs are not in the way; the largest step is %.1f\n",
+  text += format("random frames step %.1f degrees at most; the largest step of all is %.1f\n",
                  motion.step, motion.largest_step);
   text += format("degrees from %zu random poses to the nearest frame:\n", kCoverageSamples);
   Json per_joint = Json::array();

@@ -11,7 +11,7 @@ namespace bodyopt {
 namespace {
 
 constexpr int kCandidates = 24;
-constexpr int kTries = 12;  // other targets, before limbs in each other's way go back to rest
+constexpr int kTries = 12;  // other targets when nothing can move, before a frame is repeated
 
 class Explorer {
  public:
@@ -22,7 +22,6 @@ class Explorer {
         overlap_(overlap),
         options_(options),
         random_(options.seed),
-        rest_(rest_angles(limits)),
         been_(covered),
         at_(covered.back()),
         target_(at_) {
@@ -38,39 +37,37 @@ class Explorer {
   std::vector<Angles> run() {
     const std::size_t begin = been_.size();
     while (been_.size() < begin + options_.frames) {
-      if (!step()) go_to_rest();
+      for (int tried = 0; tried < kTries && !step(); ++tried) {
+      }
       been_.push_back(at_);
     }
     return {been_.begin() + static_cast<std::ptrdiff_t>(begin), been_.end()};
   }
 
  private:
-  // False when no clear step was found.
+  // Every group moves on that can; those whose limbs would run into each other stay and choose another target. Ends,
+  // because where all stay, nothing overlaps more than before. False when nothing moves.
   bool step() {
     for (const DofGroup& group : groups_) {
       if (arrived(group)) choose_target(group);
     }
-    for (int tried = 0; tried < kTries; ++tried) {
-      const Angles next = towards_target();
-      const auto found = overlap_.find(limited_pose(skeleton_, limits_, next));
-      if (!found) {
-        at_ = next;
-        return true;
-      }
+    std::vector<bool> moves(groups_.size(), true);
+    Angles next = towards_target(moves);
+    while (const auto found = overlap_.find(limited_pose(skeleton_, limits_, next))) {
       const std::set<std::uint32_t> between = joints_between(found->first, found->second);
-      for (const DofGroup& group : groups_) {
-        if (turns_any(group, between)) choose_target(group);
+      bool held = false;
+      for (std::size_t g = 0; g < groups_.size(); ++g) {
+        if (!moves[g] || !turns_any(groups_[g], between)) continue;
+        moves[g] = false;
+        held = true;
+        choose_target(groups_[g]);
       }
+      if (!held) return false;
+      next = towards_target(moves);
     }
-    return false;
-  }
-
-  // Steps that are not written, until limbs are clear of each other: rest is.
-  void go_to_rest() {
-    target_ = rest_;
-    do {
-      at_ = towards_target();
-    } while (at_ != rest_ && overlap_.find(limited_pose(skeleton_, limits_, at_)));
+    const bool moved = next != at_;
+    at_ = next;
+    return moved;
   }
 
   bool arrived(const DofGroup& group) const {
@@ -111,10 +108,12 @@ class Explorer {
     return nearest;
   }
 
-  // One step of every group on the straight line to its target.
-  Angles towards_target() const {
+  // One step of the groups that move on the straight line to their targets.
+  Angles towards_target(const std::vector<bool>& moves) const {
     Angles next = at_;
-    for (const DofGroup& group : groups_) {
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      if (!moves[g]) continue;
+      const DofGroup& group = groups_[g];
       double left = 0;
       for (const std::size_t k : group) left = std::max(left, std::abs(target_[k] - at_[k]));
       if (left <= options_.step) {
@@ -155,7 +154,6 @@ class Explorer {
   const SelfOverlap& overlap_;
   const ExploreOptions& options_;
   UniformRandom random_;
-  const Angles rest_;
   std::vector<DofGroup> groups_;
   std::vector<Angles> been_;
   Angles at_, target_;
