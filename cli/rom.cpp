@@ -45,11 +45,13 @@ void run(const RomArguments& arguments) {
 
   std::string text = format("%zu frames: rest, %zu of sweeps, %zu of pairs, %zu random\n", motion.angles.size(),
                             motion.sweep_frames, motion.pair_frames, motion.random_frames);
-  text += format("random frames step %.1f degrees at most; the largest step of all is %.1f\n",
-                 motion.step, motion.largest_step);
-  text += format("degrees from %zu random poses to the nearest frame:\n", kCoverageSamples);
+  text += format("random frames step %.1f degrees at most; the largest step of all is %.1f\n", motion.step,
+                 motion.largest_step);
+  text += "degrees from random poses, in which no limbs overlap, to the nearest frame:\n";
+  const SelfOverlap overlap = overlap_of_sweeps(character, limits, motion.angles, motion.sweep_frames);
   Json per_joint = Json::array();
-  for (const JointCoverage& joint : coverage(motion.angles, limits, skeleton, kCoverageSamples, options.seed + 1)) {
+  for (const JointCoverage& joint :
+       coverage(motion.angles, limits, skeleton, overlap, kCoverageSamples, options.seed + 1)) {
     text += format("  %-20s mean %5.1f  largest %5.1f\n", joint.joint.c_str(), joint.mean, joint.largest);
     per_joint.push_back({{"joint", joint.joint}, {"mean_degrees", joint.mean}, {"largest_degrees", joint.largest}});
   }

@@ -88,28 +88,29 @@ TEST(RangeOfMotion, TakesAnyLength) {
   EXPECT_THROW(range_of_motion(arm().character, limits(), {0, 3, {}}), Error);
 }
 
-// Against as many poses drawn uniformly: the largest hole of a joint must be smaller, the mean no larger.
-TEST(RangeOfMotion, CoversMoreThanRandomPoses) {
+// Against as many poses drawn uniformly as the clip has random frames: that neighbours are close must cost little.
+TEST(RangeOfMotion, CoversNearlyAsMuchAsPosesThatAreNotConnected) {
   UniformRandom random(99);
   std::vector<Angles> plain;
-  while (plain.size() < motion().angles.size()) plain.push_back(random_angles(limits(), random));
-  const auto ours = coverage(motion().angles, limits(), skeleton(), 1000, 5);
-  const auto theirs = coverage(plain, limits(), skeleton(), 1000, 5);
+  while (plain.size() < motion().random_frames) plain.push_back(random_angles(limits(), random));
+  const SelfOverlap overlap = overlap_of_sweeps(arm().character, limits(), motion().angles, motion().sweep_frames);
+  const auto ours = coverage(motion().angles, limits(), skeleton(), overlap, 1000, 5);
+  const auto theirs = coverage(plain, limits(), skeleton(), overlap, 1000, 5);
   ASSERT_EQ(ours.size(), theirs.size());
   for (std::size_t j = 0; j < ours.size(); ++j) {
     SCOPED_TRACE(ours[j].joint);
-    std::printf("%-12s mean %.2f largest %.2f, random %.2f %.2f\n", ours[j].joint.c_str(), ours[j].mean,
-                ours[j].largest, theirs[j].mean, theirs[j].largest);
+    RecordProperty(ours[j].joint + "_mean_and_largest",
+                   std::to_string(ours[j].mean) + " " + std::to_string(ours[j].largest) + ", of plain random poses " +
+                       std::to_string(theirs[j].mean) + " " + std::to_string(theirs[j].largest));
     if (ours[j].joint != "shoulder") continue;  // hinges are covered to a fraction of a degree by either
-    EXPECT_LT(ours[j].largest, 0.9 * theirs[j].largest);
-    EXPECT_LT(ours[j].mean, 1.1 * theirs[j].mean);
+    EXPECT_LT(ours[j].largest, 1.3 * theirs[j].largest);
+    EXPECT_LT(ours[j].mean, 1.2 * theirs[j].mean);
   }
 }
 
 TEST(RangeOfMotion, RandomPosesOverlapNoMoreThanTheSweeps) {
-  SelfOverlap overlap(arm().character);
+  const SelfOverlap overlap = overlap_of_sweeps(arm().character, limits(), motion().angles, motion().sweep_frames);
   const std::size_t swept = 1 + motion().sweep_frames;
-  for (std::size_t k = 0; k < swept; ++k) overlap.trust(limited_pose(skeleton(), limits(), motion().angles[k]));
   for (std::size_t k = swept; k < motion().angles.size(); ++k) {
     ASSERT_FALSE(overlap.find(limited_pose(skeleton(), limits(), motion().angles[k]))) << "frame " << k + 1;
   }

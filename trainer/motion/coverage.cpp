@@ -10,6 +10,8 @@
 namespace bodyopt {
 namespace {
 
+constexpr std::size_t kTriesPerSample = 50;
+
 double angle_to_nearest(const Quat& q, std::uint32_t joint, const std::vector<std::vector<Quat>>& frames) {
   double closest = 0;  // the largest |cosine of half the angle|
   for (const std::vector<Quat>& frame : frames) {
@@ -22,12 +24,15 @@ double angle_to_nearest(const Quat& q, std::uint32_t joint, const std::vector<st
 }  // namespace
 
 std::vector<JointCoverage> coverage(const std::vector<Angles>& frames, const JointLimits& limits,
-                                    const Skeleton& skeleton, std::size_t samples, std::uint64_t seed) {
+                                    const Skeleton& skeleton, const SelfOverlap& overlap, std::size_t samples,
+                                    std::uint64_t seed) {
   std::vector<std::vector<Quat>> turns, fresh;
   for (const Angles& angles : frames) turns.push_back(joint_turns(skeleton.size(), limits, angles));
   UniformRandom random(seed);
-  for (std::size_t k = 0; k < samples; ++k) {
-    fresh.push_back(joint_turns(skeleton.size(), limits, random_angles(limits, random)));
+  for (std::size_t k = 0; k < kTriesPerSample * samples && fresh.size() < samples; ++k) {
+    const Angles angles = random_angles(limits, random);
+    if (overlap.find(limited_pose(skeleton, limits, angles))) continue;
+    fresh.push_back(joint_turns(skeleton.size(), limits, angles));
   }
   std::set<std::uint32_t> joints;
   for (const DegreeOfFreedom& dof : limits.dofs) {
@@ -38,7 +43,7 @@ std::vector<JointCoverage> coverage(const std::vector<Angles>& frames, const Joi
     JointCoverage measured{skeleton.joints[joint].name, 0, 0};
     for (const std::vector<Quat>& pose : fresh) {
       const double angle = angle_to_nearest(pose[joint], joint, turns);
-      measured.mean += angle / static_cast<double>(samples);
+      measured.mean += angle / static_cast<double>(fresh.size());
       measured.largest = std::max(measured.largest, angle);
     }
     result.push_back(measured);

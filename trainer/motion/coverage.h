@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "trainer/motion/body_spheres.h"
 #include "trainer/motion/limited_pose.h"
 
 namespace bodyopt {
@@ -14,8 +15,10 @@ struct JointCoverage {
   double mean, largest;
 };
 
-// For every joint with limits, by `samples` fresh random poses.
+// For every joint with limits, by `samples` fresh random poses in which no limbs overlap (fewer where such poses are
+// rare).
 std::vector<JointCoverage> coverage(const std::vector<Angles>& frames, const JointLimits& limits,
-                                    const Skeleton& skeleton, std::size_t samples, std::uint64_t seed);
+                                    const Skeleton& skeleton, const SelfOverlap& overlap, std::size_t samples,
+                                    std::uint64_t seed);
 
 }  // namespace bodyopt

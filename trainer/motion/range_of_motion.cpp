@@ -42,10 +42,8 @@ RangeOfMotion range_of_motion(const Character& character, const JointLimits& lim
   };
 
   frames.push_back(rest_angles(limits));
-  SelfOverlap overlap(character);
-  // What one degree of freedom does alone is within the limits by the word of their author.
   result.sweep_frames = append(sweeps(limits, share(kSweepShare)));
-  for (const Angles& angles : frames) overlap.trust(limited_pose(skeleton, limits, angles));
+  const SelfOverlap overlap = overlap_of_sweeps(character, limits, frames, result.sweep_frames);
   result.pair_frames = append(pair_blends(limits, skeleton, overlap, share(kPairShare)));
   result.random_frames = count - frames.size();
   if (result.random_frames > 0) {
@@ -57,6 +55,16 @@ RangeOfMotion range_of_motion(const Character& character, const JointLimits& lim
     result.largest_step = std::max(result.largest_step, largest_change(frames[k - 1], frames[k]));
   }
   return result;
+}
+
+SelfOverlap overlap_of_sweeps(const Character& character, const JointLimits& limits, const std::vector<Angles>& frames,
+                              std::size_t sweep_frames) {
+  // What one degree of freedom does alone is within the limits by the word of their author.
+  SelfOverlap overlap(character);
+  for (std::size_t k = 0; k <= sweep_frames; ++k) {
+    overlap.trust(limited_pose(character.skeleton, limits, frames[k]));
+  }
+  return overlap;
 }
 
 Clip clip_of(const std::vector<Angles>& frames, const JointLimits& limits, const Skeleton& skeleton) {

@@ -5,6 +5,7 @@
 
 #include "trainer/dataset/character.h"
 #include "trainer/dataset/clip.h"
+#include "trainer/motion/body_spheres.h"
 #include "trainer/motion/limited_pose.h"
 
 namespace bodyopt {
@@ -26,6 +27,10 @@ struct RangeOfMotion {
 // poses. The same for the same seed, on any number of threads. Throws Error(usage) for less than a frame.
 RangeOfMotion range_of_motion(const Character& character, const JointLimits& limits,
                               const RangeOfMotionOptions& options);
+
+// What limbs may overlap: as much as in the sweeps, which frames hold after the first.
+SelfOverlap overlap_of_sweeps(const Character& character, const JointLimits& limits, const std::vector<Angles>& frames,
+                              std::size_t sweep_frames);
 
 // 24 frames a second.
 Clip clip_of(const std::vector<Angles>& frames, const JointLimits& limits, const Skeleton& skeleton);
