@@ -30,7 +30,7 @@ TEST(Metric, SolvesLikeADenseFactor) {
   Positions found = right, scratch;
   Metric(matrix).solve(found, scratch);
   const Positions expected = Eigen::MatrixXd(matrix).llt().solve(Eigen::MatrixXd(right));
-  EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), 1e-13);
+  EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), 1e-6);  // a factor in single precision
 }
 
 TEST(Metric, RefusesAnIndefiniteMatrix) {
@@ -68,7 +68,7 @@ TEST(StiffModes, SolvesLikeADenseFactorWithTheModes) {
   const Metric metric(matrix);
   StiffModes(metric, 30, modes, stiffness).solve(found, scratch);
   const Eigen::VectorXd expected = dense.llt().solve(Eigen::Map<const Eigen::VectorXd>(right.data(), 90));
-  EXPECT_LT((Eigen::Map<const Eigen::VectorXd>(found.data(), 90) - expected).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT((Eigen::Map<const Eigen::VectorXd>(found.data(), 90) - expected).cwiseAbs().maxCoeff(), 1e-6);
 }
 
 TEST(Minimise, FindsTheMinimumOfAQuadratic) {

@@ -59,7 +59,7 @@ Metric::Metric(const SparseMatrix& matrix) {
       if (it.row() == column) {
         inverse_diagonal_.push_back(1 / it.value());
       } else {
-        entries_.push_back({static_cast<int>(it.row()), it.value()});
+        entries_.push_back({static_cast<int>(it.row()), static_cast<float>(it.value())});
       }
     }
     column_begin_.push_back(entries_.size());
@@ -79,7 +79,7 @@ void Metric::solve(Positions& values, Positions& scratch) const {
     const double a = own[0], b = own[1], c = own[2];
     for (std::size_t e = column_begin_[column]; e < column_begin_[column + 1]; ++e) {
       double* other = x + 3 * static_cast<std::size_t>(entries_[e].row);
-      const double value = entries_[e].value;
+      const double value = double{entries_[e].value};
       other[0] -= value * a;
       other[1] -= value * b;
       other[2] -= value * c;
@@ -90,7 +90,7 @@ void Metric::solve(Positions& values, Positions& scratch) const {
     double a = own[0], b = own[1], c = own[2];
     for (std::size_t e = column_begin_[column]; e < column_begin_[column + 1]; ++e) {
       const double* other = x + 3 * static_cast<std::size_t>(entries_[e].row);
-      const double value = entries_[e].value;
+      const double value = double{entries_[e].value};
       a -= value * other[0];
       b -= value * other[1];
       c -= value * other[2];

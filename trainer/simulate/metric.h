@@ -18,7 +18,8 @@ SparseMatrix tet_laplacian(const TetMesh& mesh, const std::vector<double>& coeff
 // L-BFGS takes full steps (Liu, Bouaziz, Kavan 2017). muscle: share of each tet that is muscle.
 std::vector<double> metric_stiffness(const std::vector<TetMaterial>& materials, const std::vector<double>& muscle);
 
-// A sparse Cholesky factor of a positive definite matrix, and its solve with three right sides at once.
+// A sparse Cholesky factor of a positive definite matrix, and its solve with three right sides at once. The factor is
+// kept in single precision: a metric needs no more digits, and reading it is what a solve costs.
 class Metric {
  public:
   explicit Metric(const SparseMatrix& matrix);
@@ -28,7 +29,7 @@ class Metric {
  private:
   struct Entry {
     int row;
-    double value;
+    float value;
   };
   std::vector<int> order_;                 // original index of each row of the factor
   std::vector<double> inverse_diagonal_;   // of L

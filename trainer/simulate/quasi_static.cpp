@@ -26,8 +26,8 @@ constexpr double kDefaultSize = 3;                        // mean edges of the s
 constexpr double kMinWeight = 1e-3;
 // Parts nearer than this, metres, may come into contact while a shape is relaxed.
 constexpr double kContactMargin = 5e-3;
-// The last shape is relaxed in rounds of falling tolerance; contact is found anew for each.
-constexpr double kLastTolerances[] = {1e-3, kTolerance};
+constexpr int kContactRounds =
+    2;  // of relaxing the last shape: where parts touch, contact is found anew for the second
 // A cage's few large tets lock at the lambda that finer ones bear: on the human in 1,500 nodes a quarter brings the
 // draft from 6.4 to 5.3 mm of the full shapes (RMS), a tenth only to 5.0 mm, more slowly.
 constexpr double kCageLambda = 0.25;
@@ -269,13 +269,21 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, Positions& nodes) const
   const auto [modes, stiffness] = volume_->stiff_modes(nodes);
   const StiffModes metric(*metric_, nodes.rows(), modes, stiffness);
   MinimiseResult result;
-  for (const double tolerance : kLastTolerances) {
-    const std::vector<ContactPlane> planes = find_contact(nodes);
+  std::vector<ContactPlane> planes = find_contact(nodes);
+  for (int round = 0; round < kContactRounds; ++round) {
     const int left = kMaxIterations - result.iterations;
-    const MinimiseResult round = minimise(energy(at, planes, true), metric, tolerance, force_floor_, left, nodes);
-    result = {round.residual, result.iterations + round.iterations};
+    const MinimiseResult last = minimise(energy(at, planes, true), metric, kTolerance, force_floor_, left, nodes);
+    result = {last.residual, result.iterations + last.iterations};
+    std::vector<ContactPlane> found = find_contact(nodes);
+    if (!touching(planes, nodes) && !touching(found, nodes)) break;
+    planes = std::move(found);
   }
   return result;
+}
+
+bool QuasiStaticBody::touching(const std::vector<ContactPlane>& planes, const Positions& nodes) const {
+  Positions unused = Positions::Zero(nodes.rows(), 3);
+  return contact_ && contact_->add_gradient(planes, nodes, unused) > 0;
 }
 
 SolvedPose QuasiStaticBody::solve(const Pose& pose) const {

@@ -70,6 +70,7 @@ class QuasiStaticBody {
   Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
   Objective energy(const Target& at, const std::vector<ContactPlane>& planes, bool hold_volume) const;
   std::vector<ContactPlane> find_contact(const Positions& nodes) const;
+  bool touching(const std::vector<ContactPlane>& planes, const Positions& nodes) const;
   // Keeps a shape near the path, roughly and without holding the volume of muscles. Returns iterations.
   int follow(const Target& at, Positions& nodes) const;
   // To equilibrium, or as near as it gets.

@@ -13,6 +13,7 @@
 #include "trainer/simulate/body_hash.h"
 #include "trainer/simulate/partial_shapes.h"
 #include "trainer/simulate/quasi_static.h"
+#include "trainer/single_threaded_products.h"
 
 namespace bodyopt {
 namespace {
@@ -166,6 +167,7 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
                                   const std::vector<int>& frames, const std::filesystem::path& cache,
                                   const std::filesystem::path& status, const SimulateOptions& options) {
   require_distinct(frames);
+  const SingleThreadedProducts single_threaded;
   const QuasiStaticBody body = make_body(character, muscles, options);
   std::filesystem::path partial_path = cache;
   partial_path += ".partial";

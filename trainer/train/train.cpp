@@ -9,6 +9,7 @@
 #include "runtime/basis/error.h"
 #include "runtime/basis/hexadecimal.h"
 #include "trainer/progress.h"
+#include "trainer/single_threaded_products.h"
 #include "trainer/train/ddm.h"
 #include "trainer/train/features.h"
 #include "trainer/train/mesh_table.h"
@@ -28,17 +29,6 @@ constexpr int kMostComponents = 128;
 // An entry of the basis that moves its vertex by less than this part of the mean displacement is left out (both root
 // mean square over the training frames).
 constexpr double kNegligible = 4e-3;
-
-// Matrix products on one thread: their sums must not depend on how many there are. Loops over frames, joints and
-// regions are what runs in parallel.
-class SingleThreadedProducts {
- public:
-  SingleThreadedProducts() : threads_(Eigen::nbThreads()) { Eigen::setNbThreads(1); }
-  ~SingleThreadedProducts() { Eigen::setNbThreads(threads_); }
-
- private:
-  int threads_;
-};
 
 // Direct Delta Mush and nothing else, and the moments it is made of. `ordered`: the character in runtime order.
 struct Base {
