@@ -13,8 +13,8 @@ namespace {
 
 TEST(Program, HelpOfEveryVerbExitsWithZero) {
   EXPECT_EQ(run_bodyopt("--help").exit_code, 0);
-  for (const char* verb :
-       {"demo", "muscles import", "simulate", "check", "train", "eval", "compare", "info", "devices"}) {
+  for (const char* verb : {"demo", "muscles import", "rom", "simulate", "export", "check", "train", "eval", "compare",
+                           "info", "devices"}) {
     const ProgramResult result = run_bodyopt(std::string(verb) + " --help");
     EXPECT_EQ(result.exit_code, 0) << verb;
     EXPECT_NE(result.output.find("--json"), std::string::npos) << verb;
@@ -71,6 +71,11 @@ TEST(Program, UntrainedBasisOfTheBuiltinArmEvaluatesOnTheCpu) {
   const Pc2Reader reader(cache);
   EXPECT_EQ(reader.sample_count(), 5u);
   EXPECT_EQ(reader.point_count(), arm.character.output_count());
+  EXPECT_EQ(reader.start_frame(), 1);
+  EXPECT_EQ(reader.sample_rate(), 2);  // every second frame
+  // A slip that would write over the character.
+  EXPECT_EQ(run_bodyopt("eval " + basis + " --clip " + clip + " --device cpu --out " + character).exit_code, 64);
+  EXPECT_EQ(run_bodyopt("info " + character).exit_code, 0);
 
   EXPECT_EQ(run_bodyopt("eval " + basis + " --clip " + clip + " --frames 5-99 --device cpu --out " + cache).exit_code,
             64);

@@ -1,0 +1,101 @@
+// What a dataset and a basis remember from one run of the program to the next.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/simulate/limb.h"
+#include "tests/support/run_program.h"
+#include "tests/support/temporary_folder.h"
+#include "trainer/dataset/dataset.h"
+#include "trainer/dataset/pc2.h"
+
+namespace bodyopt {
+namespace {
+
+// A limb of 0.5 m in a unit that is `per_metre` to a metre, and a clip that bends it.
+struct LimbFiles {
+  LimbFiles(const TemporaryFolder& folder, double per_metre) {
+    Character limb = make_limb();
+    limb.vertices *= per_metre;
+    for (Joint& joint : limb.skeleton.joints) {
+      joint.bind.translation = per_metre * joint.bind.translation;
+      joint.default_local = joint.bind;
+      for (auto& row : joint.inverse_bind.m) row[3] *= per_metre;
+    }
+    Clip clip;
+    clip.name = "bend";
+    for (int k = 0; k < 6; ++k) clip.poses.push_back(bent(limb, degrees(10.0 * k)));
+    character = (folder / "limb.glb").string();
+    motion = (folder / "bend.glb").string();
+    write_character(limb, character);
+    write_clip(clip, limb.skeleton, motion);
+  }
+  std::string character, motion;
+};
+
+TEST(Takes, FramesAreAddedNotReplaced) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const std::string data = (folder / "data").string();
+  const std::string simulate = "simulate " + files.character + " --clip " + files.motion + " --out " + data;
+  ASSERT_EQ(run_bodyopt(simulate + " --frames 2,5").exit_code, 0);
+  ASSERT_EQ(run_bodyopt(simulate + " --frames 3 --heldout 3").exit_code, 0);
+  const Dataset dataset = read_dataset(folder / "data/dataset.json");
+  ASSERT_EQ(dataset.takes.size(), 1u);
+  EXPECT_EQ(dataset.takes[0].frames, (std::vector<int>{2, 3, 5}));
+  EXPECT_EQ(dataset.takes[0].heldout, std::vector<int>{3});
+  EXPECT_EQ(Pc2Reader(folder / "data/bend.pc2").sample_count(), 3u);
+  EXPECT_EQ(run_bodyopt("check " + data).exit_code, 0);
+
+  const ProgramResult other = run_bodyopt(simulate + " --fps 12");
+  EXPECT_EQ(other.exit_code, 3) << other.output;
+  EXPECT_NE(other.output.find("--name"), std::string::npos) << other.output;
+  EXPECT_EQ(run_bodyopt(simulate + " --fps 12 --frames 2 --name slow").exit_code, 0);
+  EXPECT_EQ(read_dataset(folder / "data/dataset.json").takes.size(), 2u);
+}
+
+// A character in centimetres: its basis reads the clips alike, without being told again.
+TEST(Takes, ABasisRemembersTheUnit) {
+  const TemporaryFolder metres_folder, centimetres_folder;
+  const LimbFiles metres(metres_folder, 1), centimetres(centimetres_folder, 100);
+  const auto evaluate = [](const TemporaryFolder& folder, const LimbFiles& files, const std::string& unit) {
+    const std::string basis = (folder / "b.safetensors").string(), cache = (folder / "c.pc2").string();
+    EXPECT_EQ(run_bodyopt("train --ddm-only " + files.character + unit + " --out " + basis).exit_code, 0);
+    EXPECT_EQ(run_bodyopt("eval " + basis + " --clip " + files.motion + " --device cpu --out " + cache).exit_code, 0);
+    return cache;
+  };
+  const std::string a = evaluate(metres_folder, metres, ""),
+                    b = evaluate(centimetres_folder, centimetres, " --unit 0.01");
+  const ProgramResult compared = run_bodyopt("compare " + a + " " + b + " --fail-above 0.01");
+  EXPECT_EQ(compared.exit_code, 0) << compared.output;
+}
+
+TEST(Takes, InfoSaysHowLongClipsAre) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  std::ofstream(folder / "a.bvh") << "HIERARCHY\nROOT hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xrotation Yrotation Zrotation\n"
+                                     "End Site\n{\nOFFSET 0 1 0\n}\n}\nMOTION\nFrames: 3\nFrame Time: 0.25\n"
+                                     "0 0 0\n1 0 0\n2 0 0\n";
+  const ProgramResult bvh = run_bodyopt("info " + (folder / "a.bvh").string());
+  EXPECT_EQ(bvh.exit_code, 0) << bvh.output;
+  EXPECT_NE(bvh.output.find("hips"), std::string::npos);
+  EXPECT_NE(bvh.output.find("0.5"), std::string::npos);  // seconds
+  std::filesystem::resize_file(folder / "a.bvh", std::filesystem::file_size(folder / "a.bvh") - 8);
+  EXPECT_EQ(run_bodyopt("info " + (folder / "a.bvh").string()).exit_code, 4);
+}
+
+TEST(Takes, FilesOfTheWrongKindAreCalledByTheirKind) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  std::filesystem::copy_file(files.character, folder / "dataset.json");
+  const ProgramResult json = run_bodyopt("check " + (folder / "dataset.json").string());
+  EXPECT_EQ(json.exit_code, 4);
+  EXPECT_NE(json.output.find("looks like a binary glTF"), std::string::npos) << json.output;
+  const ProgramResult basis =
+      run_bodyopt("eval " + files.character + " --clip a.glb --out " + (folder / "o.pc2").string());
+  EXPECT_EQ(basis.exit_code, 4);
+  EXPECT_NE(basis.output.find("looks like a binary glTF"), std::string::npos) << basis.output;
+}
+
+}  // namespace
+}  // namespace bodyopt
