@@ -3,10 +3,10 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
+#include <charconv>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <cstdlib>
 
 #include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
@@ -76,8 +76,10 @@ void keep_unit(Basis& basis, double unit) {
 double kept_unit(const Basis& basis) {
   const auto entry = basis.metadata.find("character_unit_m");
   if (entry == basis.metadata.end()) return 0;
-  const double unit = std::strtod(entry->second.c_str(), nullptr);
-  if (!(unit > 0 && std::isfinite(unit))) {
+  double unit = 0;
+  const char* end = entry->second.data() + entry->second.size();
+  const auto [stop, failure] = std::from_chars(entry->second.data(), end, unit);
+  if (failure != std::errc() || stop != end || !(unit > 0 && std::isfinite(unit))) {
     throw Error(ErrorKind::file, "the basis says that its character's unit is '" + entry->second +
                                      "', expected metres above 0: the file is damaged");
   }
@@ -91,6 +93,13 @@ void add_output(CLI::App& verb, std::string& path, const std::string& extension,
       ->check([extension](const std::string& name) {
         return name.ends_with(extension) ? std::string() : "'" + name + "' does not end in " + extension;
       });
+}
+
+void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input) {
+  std::error_code ignored;
+  if (std::filesystem::equivalent(out, input, ignored)) {
+    throw Error(ErrorKind::usage, "--out " + out.string() + " would write over the input of that name");
+  }
 }
 
 void require_writable(const std::filesystem::path& path) { const AtomicFile probe(path); }

@@ -48,6 +48,8 @@ double kept_unit(const Basis& basis);
 
 // An option that names a file to write, which must end as said: a slip must not overwrite a character.
 void add_output(CLI::App& verb, std::string& path, const std::string& extension, const std::string& description);
+// Throws Error(usage) when `out` is the file `input`.
+void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input);
 // Throws Error(file) now rather than after long work.
 void require_writable(const std::filesystem::path& path);
 

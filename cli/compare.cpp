@@ -29,11 +29,9 @@ void run(const CompareArguments& arguments) {
                        arguments.a.c_str(), a.point_count(), a.sample_count(), arguments.b.c_str(), b.point_count(),
                        b.sample_count()));
   }
-  const bool other_rate = a.sample_rate() > 0 && b.sample_rate() > 0 && a.sample_rate() != b.sample_rate();
-  if (a.start_frame() != b.start_frame() || other_rate) {
-    spdlog::warn(
-        "{} starts at frame {} with every {}th frame, {} at frame {} with every {}th: are they of the same frames?",
-        arguments.a, a.start_frame(), a.sample_rate(), arguments.b, b.start_frame(), b.sample_rate());
+  if (a.start_frame() != b.start_frame() || a.sample_rate() != b.sample_rate()) {
+    spdlog::warn("{} starts at frame {} and has one frame in {}, {} at {} and one in {}: are they of the same frames?",
+                 arguments.a, a.start_frame(), a.sample_rate(), arguments.b, b.start_frame(), b.sample_rate());
   }
   ErrorAccumulator accumulator(a.point_count());
   Progress progress("compare", a.sample_count());

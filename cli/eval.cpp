@@ -35,6 +35,7 @@ void run(const EvalArguments& arguments) {
   std::map<std::string, double> stage_seconds;
   std::vector<int> outside_frames;
   double worst_outside = 0;
+  std::uint32_t worst_feature = 0;
   const auto start = std::chrono::steady_clock::now();
   constexpr std::size_t kStep = 64;  // frames held in memory at once
   for (std::size_t begin = 0; begin < poses.size(); begin += kStep) {
@@ -43,7 +44,10 @@ void run(const EvalArguments& arguments) {
     for (std::size_t k = 0; k < count; ++k) {
       writer.append(std::span(part.positions).subspan(3 * k * points, 3 * std::size_t{points}));
       if (part.outside[k] > 0) outside_frames.push_back(frames[begin + k]);
-      worst_outside = std::max(worst_outside, static_cast<double>(part.outside[k]));
+      if (static_cast<double>(part.outside[k]) > worst_outside) {
+        worst_outside = static_cast<double>(part.outside[k]);
+        worst_feature = part.outside_feature[k];
+      }
     }
     for (const auto& [stage, seconds] : part.stage_seconds) stage_seconds[stage] += seconds;
     progress.advance(count);
@@ -59,10 +63,13 @@ void run(const EvalArguments& arguments) {
     milliseconds[stage] = 1e3 * stage_seconds[stage] / frame_count;
     text += format("  %-8s %8.3f ms a frame\n", stage, 1e3 * stage_seconds[stage] / frame_count);
   }
+  std::string worst_name;
   if (!outside_frames.empty()) {
-    text += format("%zu frames leave the trained range (by %.1f standard deviations at most) and were clamped: ",
-                   outside_frames.size(), worst_outside) +
-            format_frame_range(outside_frames) + "\n";
+    worst_name = feature_name(deformer.basis(), worst_feature);
+    text +=
+        format("%zu frames leave the trained range (most of all %s, by %.1f standard deviations) and were clamped: ",
+               outside_frames.size(), worst_name.c_str(), worst_outside) +
+        format_frame_range(outside_frames) + "\n";
   }
   text += "wrote " + arguments.out + "\n";
   arguments.json.emit({{"cache", arguments.out},
@@ -72,7 +79,8 @@ void run(const EvalArguments& arguments) {
                        {"seconds", seconds},
                        {"milliseconds_per_frame", milliseconds},
                        {"outside_frames", format_frame_range(outside_frames)},
-                       {"worst_outside", worst_outside}},
+                       {"worst_outside", worst_outside},
+                       {"worst_outside_feature", worst_name}},
                       text);
 }
 

@@ -13,7 +13,7 @@ struct ExportArguments {
 
 void run(const ExportArguments& arguments) {
   const NodesReader draft(arguments.draft);
-  Pc2Writer writer(arguments.out, draft.point_count(), draft.sample_count(), draft.start_frame());
+  Pc2Writer writer(arguments.out, draft.point_count(), draft.sample_count(), draft.start_frame(), draft.sample_rate());
   for (std::uint32_t k = 0; k < draft.sample_count(); ++k) writer.append(draft.sample(k));
   writer.close();
   arguments.json.emit(
@@ -27,7 +27,7 @@ void add_export(CLI::App& app) {
   auto arguments = std::make_shared<ExportArguments>();
   CLI::App& verb = *app.add_subcommand("export", "A draft's skin as a point cache for other programs");
   verb.add_option("draft", arguments->draft, "Nodes of a draft (.nodes)")->required()->type_name("DRAFT");
-  verb.add_option("--out", arguments->out, "Point cache to write")->required()->type_name("FILE.pc2");
+  add_output(verb, arguments->out, ".pc2", "Point cache to write");
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

@@ -40,17 +40,17 @@ Json bvh_info(const std::string& path) {
           {"joints", names}};
 }
 
-// Frames of every clip at the default rate.
+// Every clip with its frames at the default rate, or why it cannot be used.
 Json clips_info(const std::string& path, const Skeleton& skeleton, double unit) {
-  Json clips = Json::object();
+  Json clips = Json::array();
   ClipOptions options;
   options.unit = unit;
   for (const std::string& name : clip_names(path)) {
     try {
       const Clip clip = read_clip(name.empty() ? path : path + "#" + name, skeleton, options);
-      clips[name] = format("%zu frames at 24 per second", clip.poses.size());
+      clips.push_back({{"name", name}, {"frames", clip.poses.size()}, {"frames_per_second", options.fps}});
     } catch (const Error& error) {
-      clips[name] = std::string("cannot be used: ") + error.what();
+      clips.push_back({{"name", name}, {"problem", error.what()}});
     }
   }
   return clips;

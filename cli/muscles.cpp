@@ -144,7 +144,7 @@ void add_muscles(CLI::App& app) {
           "may be given several times")
       ->required()
       ->type_name("MODEL MAPPING");
-  subverb.add_option("--out", arguments->out, "The character's muscles")->required()->type_name("FILE.json");
+  add_output(subverb, arguments->out, ".json", "The character's muscles");
   subverb.add_option("--picture", arguments->picture, "Also draw them, from the front, from behind and from the left")
       ->type_name("FILE.png");
   add_unit(subverb, arguments->unit);

@@ -32,23 +32,41 @@ std::vector<Angles> example_angles(const RomArguments& arguments, const JointLim
   return examples;
 }
 
+// Clips are in the unit of the character's file, as a DCC would export them.
+void write_in_unit(Clip clip, Skeleton skeleton, double unit, const std::string& path) {
+  const auto rescale = [unit](JointTransform& transform) {
+    transform.translation = (1 / unit) * transform.translation;
+  };
+  for (Joint& joint : skeleton.joints) {
+    rescale(joint.bind);
+    rescale(joint.default_local);
+    for (auto& row : joint.inverse_bind.m) row[3] /= unit;
+  }
+  for (Pose& pose : clip.poses) {
+    for (JointTransform& joint : pose.joints) rescale(joint);
+  }
+  write_clip(clip, skeleton, path);
+}
+
 void run(const RomArguments& arguments) {
   const Character character = read_character(arguments.character, arguments.unit);
   say(character.notes);
+  refuse_overwriting(arguments.out, arguments.character);
   const Skeleton& skeleton = character.skeleton;
   const JointLimits limits = read_joint_limits(arguments.limits, skeleton);
   RangeOfMotionOptions options = arguments.options;
   options.examples = example_angles(arguments, limits, skeleton);
 
   const RangeOfMotion motion = range_of_motion(character, limits, options);
-  write_clip(clip_of(motion.angles, limits, skeleton), skeleton, arguments.out);
+  write_in_unit(clip_of(motion.angles, limits, skeleton), skeleton, arguments.unit > 0 ? arguments.unit : 1,
+                arguments.out);
 
   std::string text = format("%zu frames: rest, %zu of sweeps, %zu of pairs, %zu random\n", motion.angles.size(),
                             motion.sweep_frames, motion.pair_frames, motion.random_frames);
   text += format("random frames step %.1f degrees at most; the largest step of all is %.1f\n", motion.step,
                  motion.largest_step);
   text += "degrees from random poses, in which no limbs overlap, to the nearest frame:\n";
-  const SelfOverlap overlap = overlap_of_sweeps(character, limits, motion.angles, motion.sweep_frames);
+  const SelfOverlap overlap = overlap_of_sweeps(character, limits);
   Json per_joint = Json::array();
   for (const JointCoverage& joint :
        coverage(motion.angles, limits, skeleton, overlap, kCoverageSamples, options.seed + 1)) {
@@ -75,7 +93,7 @@ void add_rom(CLI::App& app) {
       *app.add_subcommand("rom", "A clip of a character's whole range of motion, to simulate and train on");
   verb.add_option("character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
   verb.add_option("--limits", arguments->limits, "Joint limits (limits.json)")->required()->type_name("FILE");
-  verb.add_option("--out", arguments->out, "The clip (.glb)")->required()->type_name("CLIP");
+  add_output(verb, arguments->out, ".glb", "The clip to write");
   verb.add_option("--frames", arguments->options.frames, "Number of frames")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000));

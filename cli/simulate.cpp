@@ -165,6 +165,7 @@ void run(const SimulateArguments& arguments) {
   spdlog::info("preparing the body: tetrahedra, bones, muscles");
   const std::vector<FrameStatus> status = simulate(character, muscles, clip, take.frames, folder / take.shapes,
                                                    folder / take.shapes_status, arguments.options);
+  dataset = open_dataset(arguments, folder);  // another run may have added a take meanwhile
   std::erase_if(dataset.takes, [&](const DatasetTake& other) { return other.name == take.name; });
   dataset.takes.push_back(take);
   write_dataset(dataset, dataset_path);

@@ -54,6 +54,14 @@ void append_output(const MeshTable& mesh, std::span<const float> values, std::ve
 
 }  // namespace
 
+std::string feature_name(const Basis& basis, std::uint32_t feature) {
+  const std::vector<std::uint32_t> joints = feature_joints(basis.skeleton);
+  if (feature < 9 * joints.size()) return "joint " + basis.skeleton.joints[joints[feature / 9]].name;
+  const std::size_t strain = feature - 9 * joints.size();
+  if (strain < basis.strain.fibre_count()) return "strain " + basis.strain.names[strain];
+  return "control " + basis.residual.controls.at(strain - basis.strain.fibre_count());
+}
+
 Deformer::Deformer(Basis basis, const DeviceChoice& choice) : basis_(std::move(basis)) {
   validate(basis_, "the basis");
   backend_ = make_backend(basis_, choice);
@@ -80,9 +88,10 @@ Evaluation Deformer::evaluate(std::span<const Pose> poses) {
     append_output(basis_.mesh, result.normals, evaluation.normals);
     evaluation.strains.insert(evaluation.strains.end(), result.strains.begin(), result.strains.end());
     for (std::size_t f = 0; f < part.size(); ++f) {
-      float worst = 0;
-      for (std::size_t k = 0; k < features; ++k) worst = std::max(worst, result.excess[f * features + k]);
-      evaluation.outside.push_back(worst);
+      const auto begin_excess = result.excess.begin() + static_cast<std::ptrdiff_t>(f * features);
+      const auto worst = std::max_element(begin_excess, begin_excess + static_cast<std::ptrdiff_t>(features));
+      evaluation.outside.push_back(features > 0 ? *worst : 0.0f);
+      evaluation.outside_feature.push_back(static_cast<std::uint32_t>(worst - begin_excess));
     }
     for (const auto& [stage, seconds] : result.stage_seconds) evaluation.stage_seconds[stage] += seconds;
   }

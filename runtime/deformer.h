@@ -27,8 +27,12 @@ struct Evaluation {
   std::vector<float> strains;    // F x S
   std::vector<float> outside;    // F: how far the worst feature lies outside its trained range, in standard
                                  // deviations of training; 0 when the frame is covered
+  std::vector<std::uint32_t> outside_feature;   // F: that feature, see feature_name
   std::map<std::string, double> stage_seconds;  // by stage name, summed over the batch
 };
+
+// "joint LeftArm", "strain biceps/1" or "control breath": what a feature of the residual is of.
+std::string feature_name(const Basis& basis, std::uint32_t feature);
 
 // One batch as the backends see it: plain arrays, frame-major.
 struct Batch {

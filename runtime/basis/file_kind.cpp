@@ -20,8 +20,9 @@ std::string looks_like(const std::filesystem::path& path) {
   for (const auto& [magic, kind] : kinds) {
     if (start.starts_with(magic)) return std::string("; it looks like ") + kind;
   }
-  // Eight bytes of header size, then JSON.
-  if (start.size() > 8 && start[8] == '{') return "; it looks like a safetensors file, as bases are";
+  // Eight bytes of header size, the upper ones zero, then JSON.
+  if (start.size() > 8 && start[8] == '{' && start.substr(4, 4) == std::string(4, '\0'))
+    return "; it looks like a safetensors file, as bases are";
   return "";
 }
 

@@ -183,6 +183,8 @@ TEST(Mujoco, RefusesEveryTruncationAndNamesWhatIsWrong) {
   };
   expect("<site site=\"a\"/>", "<site site=\"z\"/>", "'z'");
   expect("geom geom=\"roll\"", "geom geom=\"ball\"", "'ball'");
+  expect("<site site=\"a\"/>", "<geom geom=\"roll\"/><site site=\"a\"/>", "without a site before");
+  expect("</spatial>", "<geom geom=\"roll\"/></spatial>", "without a site before");
   expect("size=\"0.1 1\"", "size=\"-0.1 1\"", "no radius");
   expect("pos=\"0 0 1\"", "pos=\"0 0 inf\"", "inf");
   expect("childclass=\"bent\"", "childclass=\"straight\"", "'straight'");

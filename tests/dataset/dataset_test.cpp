@@ -176,7 +176,7 @@ TEST(DatasetFile, WhatCannotBeReadBackIsNotWritten) {
 }
 
 const std::vector<FrameStatus> kStatus = {{1, 9.5e-5, true, 40, 0.25, 0, 1e-3, -0.01, 0xfedcba9876543210},
-                                          {-7, 0.1 + 0.2, false, 500, 1e-9, 12}};
+                                          {-7, 0.1 + 0.2, false, 500, 1e-9, 12, 0, 0.25}};
 
 void read_status(const std::filesystem::path& path) { read_frame_status(path); }
 
@@ -200,6 +200,7 @@ TEST(FrameStatusFile, RoundTripIsBitExact) {
   }
   EXPECT_EQ(loaded[2].residual, std::numeric_limits<double>::infinity());
   EXPECT_FALSE(loaded[2].converged);
+  EXPECT_TRUE(std::isnan(loaded[2].contact_depth));  // not measured
 }
 
 TEST(FrameStatusFile, TruncatedAndDamagedFilesAreRefused) {

@@ -24,7 +24,7 @@ struct Draft {
 
 void write_draft(const std::filesystem::path& path) {
   const Draft draft;
-  NodesWriter writer(path, draft.tets, draft.skin, 42, 1001);
+  NodesWriter writer(path, draft.tets, draft.skin, 42, {1001, 1003});
   for (const Positions& sample : draft.samples) writer.append(sample);
   writer.close();
 }
@@ -42,6 +42,7 @@ TEST(NodesCache, RoundTripIsWithinHalfAStep) {
   EXPECT_EQ(reader.point_count(), 3u);
   ASSERT_EQ(reader.sample_count(), 2u);
   EXPECT_EQ(reader.node_count(), 5);
+  EXPECT_EQ(reader.sample_rate(), 2);
   EXPECT_EQ(reader.start_frame(), 1001.0f);
   EXPECT_EQ(reader.tets(), draft.tets);
   for (std::uint32_t k = 0; k < 2; ++k) {
@@ -64,7 +65,7 @@ TEST(NodesCache, GivesTheSameSkinBitForBit) {
     EXPECT_EQ(ShapeReader(folder / "a.nodes").sample(k), expected);
   }
   // What was read, written again, is the same file.
-  NodesWriter writer(folder / "b.nodes", draft.tets, draft.skin, 42, 1001);
+  NodesWriter writer(folder / "b.nodes", draft.tets, draft.skin, 42, {1001, 1003});
   for (std::uint32_t k = 0; k < 2; ++k) writer.append(reader.nodes(k));
   writer.close();
   EXPECT_EQ(read_bytes(folder / "b.nodes"), read_bytes(folder / "a.nodes"));
@@ -73,7 +74,7 @@ TEST(NodesCache, GivesTheSameSkinBitForBit) {
 TEST(NodesCache, ThreeThousandTwoHundredFramesFitInThirtyMegabytes) {
   const TemporaryFolder folder;
   const Draft draft;
-  NodesWriter writer(folder / "a.nodes", draft.tets, std::vector<EmbeddedPoint>(13380, draft.skin[0]), 42, 1);
+  NodesWriter writer(folder / "a.nodes", draft.tets, std::vector<EmbeddedPoint>(13380, draft.skin[0]), 42, {1, 2});
   const Positions nodes = Positions::Random(1500, 3);
   for (int k = 0; k < 3200; ++k) writer.append(nodes);
   writer.close();
@@ -125,7 +126,7 @@ TEST(NodesCache, RefusesNodesThatAreNotFinite) {
   const TemporaryFolder folder;
   Draft draft;
   draft.samples[0](2, 1) = std::nan("");
-  NodesWriter writer(folder / "a.nodes", draft.tets, draft.skin, 42, 1);
+  NodesWriter writer(folder / "a.nodes", draft.tets, draft.skin, 42, {1, 2});
   EXPECT_THROW(writer.append(draft.samples[0]), Error);
 }
 

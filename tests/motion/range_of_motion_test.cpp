@@ -93,7 +93,7 @@ TEST(RangeOfMotion, CoversNearlyAsMuchAsPosesThatAreNotConnected) {
   UniformRandom random(99);
   std::vector<Angles> plain;
   while (plain.size() < motion().random_frames) plain.push_back(random_angles(limits(), random));
-  const SelfOverlap overlap = overlap_of_sweeps(arm().character, limits(), motion().angles, motion().sweep_frames);
+  const SelfOverlap overlap = overlap_of_sweeps(arm().character, limits());
   const auto ours = coverage(motion().angles, limits(), skeleton(), overlap, 1000, 5);
   const auto theirs = coverage(plain, limits(), skeleton(), overlap, 1000, 5);
   ASSERT_EQ(ours.size(), theirs.size());
@@ -109,7 +109,7 @@ TEST(RangeOfMotion, CoversNearlyAsMuchAsPosesThatAreNotConnected) {
 }
 
 TEST(RangeOfMotion, RandomPosesOverlapNoMoreThanTheSweeps) {
-  const SelfOverlap overlap = overlap_of_sweeps(arm().character, limits(), motion().angles, motion().sweep_frames);
+  const SelfOverlap overlap = overlap_of_sweeps(arm().character, limits());
   const std::size_t swept = 1 + motion().sweep_frames;
   for (std::size_t k = swept; k < motion().angles.size(); ++k) {
     ASSERT_FALSE(overlap.find(limited_pose(skeleton(), limits(), motion().angles[k]))) << "frame " << k + 1;

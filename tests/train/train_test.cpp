@@ -123,7 +123,9 @@ TEST(Train, FlagsWhatTrainingNeverSaw) {
   Pose strange = samples().train[5].pose;
   EXPECT_EQ(deformer.evaluate({&strange, 1}).outside[0], 0);
   strange.joints[2].rotation = axis_angle({1, 0, 0}, 0.1);  // the wrist only ever bent around y
-  EXPECT_GT(deformer.evaluate({&strange, 1}).outside[0], 1);
+  const Evaluation evaluation = deformer.evaluate({&strange, 1});
+  EXPECT_GT(evaluation.outside[0], 1);
+  EXPECT_EQ(feature_name(full_basis(), evaluation.outside_feature[0]), "joint " + full_basis().skeleton.joints[2].name);
 }
 
 TEST(Train, SameResultWithAnyNumberOfThreads) {

@@ -301,6 +301,11 @@ class MujocoReader {
       }
     }
     if (muscle.path.size() < 2) fail(tendon, "has fewer than two sites");
+    for (const Wrap& wrap : muscle.wraps) {
+      if (wrap.after < 0 || wrap.after + 1 >= static_cast<int>(muscle.path.size())) {
+        fail(tendon, "bends around '" + wrap.name + "' without a site before or after it");
+      }
+    }
     return muscle;
   }
 

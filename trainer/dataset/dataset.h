@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,8 @@ struct FrameStatus {
   int iterations = 0;
   double seconds = 0;
   int inverted_tets = 0;
-  double contact_depth = 0;  // metres that skin has passed through skin, at the deepest
+  // Metres that skin has passed through skin, at the deepest; not a number where that is not measured (in cages).
+  double contact_depth = std::numeric_limits<double>::quiet_NaN();
   double volume_change = 0;  // relative, of the muscle that changes most
   std::uint64_t inputs = 0;  // hash of everything the shape depends on; 0: not known
 };

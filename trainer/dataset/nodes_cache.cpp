@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "runtime/basis/error.h"
+#include "trainer/dataset/pc2.h"
 
 namespace bodyopt {
 namespace {
@@ -57,7 +58,7 @@ std::string hexadecimal(std::uint64_t value) {
 }  // namespace
 
 NodesWriter::NodesWriter(std::filesystem::path path, const Tets& tets, const std::vector<EmbeddedPoint>& skin,
-                         std::uint64_t inputs, int start_frame)
+                         std::uint64_t inputs, const std::vector<int>& frames)
     : path_(std::move(path)) {
   const std::vector<std::uint32_t> corners(tets.data(), tets.data() + tets.size());
   std::vector<std::uint32_t> tet;
@@ -69,7 +70,10 @@ NodesWriter::NodesWriter(std::filesystem::path path, const Tets& tets, const std
   file_.tensors["tets"] = tensor("U32", {corners.size() / 4, 4}, corners);
   file_.tensors["skin.tet"] = tensor("U32", {tet.size()}, tet);
   file_.tensors["skin.weights"] = tensor("F64", {tet.size(), 4}, weights);
-  file_.metadata = {{"schema", kSchema}, {"inputs", hexadecimal(inputs)}, {"start_frame", std::to_string(start_frame)}};
+  file_.metadata = {{"schema", kSchema},
+                    {"inputs", hexadecimal(inputs)},
+                    {"start_frame", std::to_string(frames.empty() ? 1 : frames.front())},
+                    {"frame_spacing", std::to_string(static_cast<int>(frame_spacing(frames)))}};
 }
 
 void NodesWriter::append(const Positions& nodes) {
@@ -100,11 +104,16 @@ NodesReader::NodesReader(const std::filesystem::path& path) : path_(path) {
     refuse(path, "its schema is '" + metadata_of(path, file, "schema") + "', expected '" + kSchema + "'");
   }
   metadata_of(path, file, "checksum");  // read_safetensors has held it against the content
-  const std::string start = metadata_of(path, file, "start_frame");
-  int start_frame = 0;
-  const auto [end, error] = std::from_chars(start.data(), start.data() + start.size(), start_frame);
-  if (error != std::errc() || end != start.data() + start.size()) refuse(path, "start_frame is '" + start + "'");
-  start_frame_ = static_cast<float>(start_frame);
+  const auto whole_number = [&](const char* key) {
+    const std::string text = metadata_of(path, file, key);
+    int value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) refuse(path, std::string(key) + " is '" + text + "'");
+    return static_cast<float>(value);
+  };
+  start_frame_ = whole_number("start_frame");
+  sample_rate_ = whole_number("frame_spacing");
+  if (!(sample_rate_ >= 1)) refuse(path, "frame_spacing is below 1");
 
   const auto tet = values_of<std::uint32_t>(path, file, "skin.tet", "U32", {0});
   const auto weights = values_of<double>(path, file, "skin.weights", "F64", {tet.size(), 4});

@@ -25,8 +25,7 @@ float ShapeReader::start_frame() const {
 }
 
 float ShapeReader::sample_rate() const {
-  const auto* pc2 = std::get_if<Pc2Reader>(&reader_);
-  return pc2 != nullptr ? pc2->sample_rate() : 0;
+  return std::visit([](const auto& reader) { return reader.sample_rate(); }, reader_);
 }
 
 std::vector<float> ShapeReader::sample(std::uint32_t k) const {

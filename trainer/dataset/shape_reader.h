@@ -19,7 +19,7 @@ class ShapeReader {
   std::uint32_t point_count() const;
   std::uint32_t sample_count() const;
   float start_frame() const;
-  float sample_rate() const;  // frames from one sample to the next; 0: a draft does not say
+  float sample_rate() const;  // frames from one sample to the next
   // Sample k: point_count x 3, metres. Throws Error(file) naming sample and point at a NaN or infinity.
   std::vector<float> sample(std::uint32_t k) const;
 

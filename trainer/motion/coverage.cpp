@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <set>
 
@@ -40,7 +41,8 @@ std::vector<JointCoverage> coverage(const std::vector<Angles>& frames, const Joi
   }
   std::vector<JointCoverage> result;
   for (const std::uint32_t joint : joints) {
-    JointCoverage measured{skeleton.joints[joint].name, 0, 0};
+    const double none = fresh.empty() ? std::numeric_limits<double>::quiet_NaN() : 0;
+    JointCoverage measured{skeleton.joints[joint].name, none, none};
     for (const std::vector<Quat>& pose : fresh) {
       const double angle = angle_to_nearest(pose[joint], joint, turns);
       measured.mean += angle / static_cast<double>(fresh.size());

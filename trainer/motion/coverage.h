@@ -16,7 +16,7 @@ struct JointCoverage {
 };
 
 // For every joint with limits, by `samples` fresh random poses in which no limbs overlap (fewer where such poses are
-// rare).
+// rare; not a number where there are none).
 std::vector<JointCoverage> coverage(const std::vector<Angles>& frames, const JointLimits& limits,
                                     const Skeleton& skeleton, const SelfOverlap& overlap, std::size_t samples,
                                     std::uint64_t seed);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "runtime/basis/error.h"
@@ -43,7 +44,7 @@ RangeOfMotion range_of_motion(const Character& character, const JointLimits& lim
 
   frames.push_back(rest_angles(limits));
   result.sweep_frames = append(sweeps(limits, share(kSweepShare)));
-  const SelfOverlap overlap = overlap_of_sweeps(character, limits, frames, result.sweep_frames);
+  const SelfOverlap overlap = overlap_of_sweeps(character, limits);
   result.pair_frames = append(pair_blends(limits, skeleton, overlap, share(kPairShare)));
   result.random_frames = count - frames.size();
   if (result.random_frames > 0) {
@@ -57,12 +58,11 @@ RangeOfMotion range_of_motion(const Character& character, const JointLimits& lim
   return result;
 }
 
-SelfOverlap overlap_of_sweeps(const Character& character, const JointLimits& limits, const std::vector<Angles>& frames,
-                              std::size_t sweep_frames) {
+SelfOverlap overlap_of_sweeps(const Character& character, const JointLimits& limits) {
   // What one degree of freedom does alone is within the limits by the word of their author.
   SelfOverlap overlap(character);
-  for (std::size_t k = 0; k <= sweep_frames; ++k) {
-    overlap.trust(limited_pose(character.skeleton, limits, frames[k]));
+  for (const Angles& angles : sweeps(limits, std::numeric_limits<std::size_t>::max())) {
+    overlap.trust(limited_pose(character.skeleton, limits, angles));
   }
   return overlap;
 }

@@ -28,9 +28,8 @@ struct RangeOfMotion {
 RangeOfMotion range_of_motion(const Character& character, const JointLimits& limits,
                               const RangeOfMotionOptions& options);
 
-// What limbs may overlap: as much as in the sweeps, which frames hold after the first.
-SelfOverlap overlap_of_sweeps(const Character& character, const JointLimits& limits, const std::vector<Angles>& frames,
-                              std::size_t sweep_frames);
+// What limbs may overlap: as much as when one degree of freedom alone goes through its range.
+SelfOverlap overlap_of_sweeps(const Character& character, const JointLimits& limits);
 
 // 24 frames a second.
 Clip clip_of(const std::vector<Angles>& frames, const JointLimits& limits, const Skeleton& skeleton);

@@ -27,6 +27,14 @@ std::vector<Angles> walk_through(const std::vector<Angles>& keys, double step) {
   return frames;
 }
 
+// At most so many of the frames, spread over all of them.
+std::vector<Angles> evenly(const std::vector<Angles>& frames, std::size_t most) {
+  if (frames.size() <= most) return frames;
+  std::vector<Angles> fewer;
+  for (std::size_t k = 0; k < most; ++k) fewer.push_back(frames[k * frames.size() / most]);
+  return fewer;
+}
+
 struct Corner {
   std::size_t first, second;
   double first_angle, second_angle;
@@ -65,7 +73,7 @@ std::vector<Angles> sweeps(const JointLimits& limits, std::size_t most) {
       keys.push_back(key);
     }
   }
-  return walk_through(keys, step_within(keys, most, kSweepStep));
+  return evenly(walk_through(keys, step_within(keys, most, kSweepStep)), most);
 }
 
 std::vector<Angles> pair_blends(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
@@ -99,10 +107,7 @@ std::vector<Angles> pair_blends(const JointLimits& limits, const Skeleton& skele
 
   std::vector<Angles> frames = walk_through(keys, step_within(keys, most, kBlendStep));
   std::erase_if(frames, [&](const Angles& angles) { return !clear(angles); });
-  if (frames.size() <= most) return frames;
-  std::vector<Angles> fewer;  // evenly spread over all of them
-  for (std::size_t k = 0; k < most; ++k) fewer.push_back(frames[k * frames.size() / most]);
-  return fewer;
+  return evenly(frames, most);
 }
 
 }  // namespace bodyopt

@@ -11,7 +11,7 @@ namespace bodyopt {
 namespace {
 
 // Raised whenever the same inputs give other shapes, so that no unfinished cache mixes two solvers.
-constexpr std::uint64_t kSolverVersion = 2;
+constexpr std::uint64_t kSolverVersion = 3;
 
 // Bytes to hash. Only numbers and strings go in, never structs: padding has no meaning.
 class Bytes {
@@ -59,6 +59,7 @@ std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& m
       for (const double x : row) bytes.add(x);
     }
   }
+  for (const std::uint32_t v : character.output_vertex) bytes.add(static_cast<std::uint64_t>(v));
   for (const auto& vertex : character.weights) {
     bytes.add(static_cast<std::uint64_t>(vertex.size()));
     for (const JointWeight& w : vertex) {

@@ -181,8 +181,13 @@ ContactPlane SkinContact::plane(int node, int tet, const Positions& nodes) const
   for (int a = 0; a < 4; ++a) depth[a] = depth_[static_cast<std::size_t>(tets_(tet, a))];
   plane.slope = inverse.transpose() * (depth.tail<3>().array() - depth[0]).matrix();
   plane.offset = plane.weights.dot(depth);  // at the shape it is found in, node and weighted corners are one point
-  // What is outside has not passed through the skin, whatever the depth inside extrapolates to.
-  if (plane.weights.minCoeff() < 0) plane.offset = std::min(plane.offset, 0.0);
+  // What is outside has not passed through the skin, whatever the depth inside extrapolates to: it is at least as far
+  // away as the tet.
+  const Eigen::RowVector3d first = -inverse.colwise().sum();
+  for (int a = 0; a < 4; ++a) {
+    const double slope = a == 0 ? first.norm() : inverse.row(a - 1).norm();
+    if (plane.weights[a] < 0) plane.offset = std::min(plane.offset, plane.weights[a] / slope);
+  }
   return plane;
 }
 

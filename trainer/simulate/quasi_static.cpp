@@ -19,7 +19,7 @@ constexpr double kTolerance = 1e-4;
 constexpr int kMaxIterations = 4000;
 // On the way a shape only has to stay near the path.
 constexpr double kPathTolerance = 1e-2;
-constexpr int kPathIterations = 15;
+constexpr int kPathIterations = 8;
 constexpr double kMaxStep = 20 * std::numbers::pi / 180;  // of the fastest joint
 constexpr double kMinStep = 1.0 / 500;                    // of the path
 constexpr double kDefaultSize = 3;                        // mean edges of the skin
@@ -269,21 +269,14 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, Positions& nodes) const
   const auto [modes, stiffness] = volume_->stiff_modes(nodes);
   const StiffModes metric(*metric_, nodes.rows(), modes, stiffness);
   MinimiseResult result;
-  std::vector<ContactPlane> planes = find_contact(nodes);
   for (int round = 0; round < kContactRounds; ++round) {
+    const std::vector<ContactPlane> planes = find_contact(nodes);
     const int left = kMaxIterations - result.iterations;
     const MinimiseResult last = minimise(energy(at, planes, true), metric, kTolerance, force_floor_, left, nodes);
     result = {last.residual, result.iterations + last.iterations};
-    std::vector<ContactPlane> found = find_contact(nodes);
-    if (!touching(planes, nodes) && !touching(found, nodes)) break;
-    planes = std::move(found);
+    if (last.iterations == 0) break;
   }
   return result;
-}
-
-bool QuasiStaticBody::touching(const std::vector<ContactPlane>& planes, const Positions& nodes) const {
-  Positions unused = Positions::Zero(nodes.rows(), 3);
-  return contact_ && contact_->add_gradient(planes, nodes, unused) > 0;
 }
 
 SolvedPose QuasiStaticBody::solve(const Pose& pose) const {
@@ -331,7 +324,7 @@ SolvedPose QuasiStaticBody::solve(const Pose& pose) const {
     step = std::min(2 * step, full_step);
   }
   solved.status.inverted_tets = tissue_->inverted(nodes);
-  solved.status.contact_depth = contact_ ? contact_->deepest(nodes) : 0;
+  if (contact_) solved.status.contact_depth = contact_->deepest(nodes);
   solved.status.volume_change = volume_->largest_change(nodes);
   solved.status.converged = is_converged(solved.status);
   if (root >= 0) {

@@ -39,9 +39,9 @@ class QuasiStaticBody {
   //
   // residual = sqrt(sum over all nodes of |f_i|^2) / sqrt(sum over all tets and their four nodes of |f_ta|^2), where
   // f_ta is the elastic force (passive, active and barrier terms together) of tet t on its node a, and f_i is the sum
-  // of those around node i plus muscle volume, bone springs, the skin's bending and contact: no node is held otherwise.
-  // converged: residual below 1e-4 and no inverted tet. A frame that has not come so far after kMaxIterations, or
-  // cannot, is left unconverged.
+  // of those around node i plus muscle volume, bone springs, the skin's bending and contact as it was found for the last
+  // round of relaxing: no node is held otherwise. converged: residual below 1e-4 and no inverted tet. A frame that has
+  // not come so far after kMaxIterations, or cannot, is left unconverged.
   SolvedPose solve(const Pose& pose) const;
 
   // V x 3: where nodes (N x 3) take the skin. With conforming tets these are the first V nodes.
@@ -70,7 +70,6 @@ class QuasiStaticBody {
   Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
   Objective energy(const Target& at, const std::vector<ContactPlane>& planes, bool hold_volume) const;
   std::vector<ContactPlane> find_contact(const Positions& nodes) const;
-  bool touching(const std::vector<ContactPlane>& planes, const Positions& nodes) const;
   // Keeps a shape near the path, roughly and without holding the volume of muscles. Returns iterations.
   int follow(const Target& at, Positions& nodes) const;
   // To equilibrium, or as near as it gets.

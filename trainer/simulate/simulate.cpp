@@ -1,5 +1,6 @@
 #include "trainer/simulate/simulate.h"
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <mutex>
@@ -102,9 +103,18 @@ void adopt_samples(const Reader& cache, const std::vector<FrameStatus>& finished
 
 // Takes the frames of the jobs over from a finished cache.
 void adopt_finished(const std::filesystem::path& cache, const std::filesystem::path& status, bool draft,
-                    const std::vector<Job>& jobs, std::size_t values, PartialShapes& partial) {
+                    const std::vector<Job>& jobs, std::size_t values,
+                    const std::function<void(const std::string&)>& warn, PartialShapes& partial) {
   if (!std::filesystem::exists(cache) || !std::filesystem::exists(status)) return;
   const std::vector<FrameStatus> finished = read_frame_status(status);
+  std::set<std::uint64_t> wanted;
+  for (const Job& job : jobs) wanted.insert(job.key);
+  const auto other = std::count_if(finished.begin(), finished.end(),
+                                   [&](const FrameStatus& frame) { return !wanted.contains(frame.inputs); });
+  if (other > 0) {
+    warn(std::to_string(other) + " finished frames in " + cache.string() +
+         " are of other inputs (character, muscles, tet size, motion or version) and will be replaced");
+  }
   if (draft) {
     adopt_samples(NodesReader(cache), finished, jobs, values, partial);
   } else {
@@ -180,7 +190,7 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
                          : output_from_welded(character, body.skin(nodes));
   };
   const std::vector<Job> jobs = jobs_of(body, clip, frames);
-  adopt_finished(cache, status, options.draft, jobs, values, partial);
+  adopt_finished(cache, status, options.draft, jobs, values, options.warn, partial);
   solve_all(body, open_jobs(jobs, partial), options.threads, stored, partial);
 
   std::vector<FrameStatus> result;
@@ -192,12 +202,14 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
       of_frame.converged = is_converged(of_frame);
       of_frame.inputs = jobs[k].key;
     }
-    // Killed in between, the side-car and the cache do not match: but the unfinished file still has every frame.
-    write_frame_status(result, status);
+    // At no moment does a side-car stand beside shapes that it does not describe; killed in between, the unfinished
+    // file still has every frame.
+    std::filesystem::remove(status);
     writer.close();
+    write_frame_status(result, status);
   };
   if (options.draft) {
-    NodesWriter writer(cache, body.mesh().tets, output_embedding(character, body), body.hash(), frames.front());
+    NodesWriter writer(cache, body.mesh().tets, output_embedding(character, body), body.hash(), frames);
     write_frames(writer, [&](const std::vector<float>& nodes) {
       writer.append(Eigen::Map<const NodesOfFrame>(nodes.data(), node_count, 3).cast<double>());
     });

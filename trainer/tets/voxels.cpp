@@ -84,12 +84,12 @@ void for_crossings(const Corners& triangle, const VoxelGrid& grid, int axis, con
 
 // Along one axis: adds to every cube the winding number seen along the ray to either side.
 void add_windings(const Positions& vertices, const Triangles& triangles, const VoxelGrid& grid, int axis,
-                  std::vector<std::int16_t>& windings) {
-  std::vector<std::int16_t> entering(grid.total(), 0);  // signed crossings just before each cube
+                  std::vector<std::int32_t>& windings) {
+  std::vector<std::int32_t> entering(grid.total(), 0);  // signed crossings just before each cube
   Eigen::Vector3i plane = grid.count;
   plane[axis] = 1;
   const VoxelGrid lines{grid.origin, grid.size, plane};
-  std::vector<std::int16_t> past_the_end(lines.total(), 0);
+  std::vector<std::int32_t> past_the_end(lines.total(), 0);
   const auto line_of = [&](Eigen::Vector3i cube) {
     cube[axis] = 0;
     return lines.index(cube);
@@ -97,7 +97,7 @@ void add_windings(const Positions& vertices, const Triangles& triangles, const V
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     for_crossings(corners_of(vertices, triangles, t), grid, axis, [&](const Eigen::Vector3i& cube, int sign) {
       auto& count = cube[axis] < grid.count[axis] ? entering[grid.index(cube)] : past_the_end[line_of(cube)];
-      count = static_cast<std::int16_t>(count + sign);
+      count = static_cast<std::int32_t>(count + sign);
     });
   }
   Eigen::Vector3i cube;
@@ -109,8 +109,8 @@ void add_windings(const Positions& vertices, const Triangles& triangles, const V
         for (along[axis] = 0; along[axis] < grid.count[axis]; ++along[axis]) all += entering[grid.index(along)];
         for (along[axis] = 0; along[axis] < grid.count[axis]; ++along[axis]) {
           before += entering[grid.index(along)];
-          std::int16_t& sum = windings[grid.index(along)];
-          sum = static_cast<std::int16_t>(sum + before + (before - all));
+          std::int32_t& sum = windings[grid.index(along)];
+          sum = static_cast<std::int32_t>(sum + before + (before - all));
         }
       }
     }
@@ -121,7 +121,7 @@ void add_windings(const Positions& vertices, const Triangles& triangles, const V
 
 std::vector<Voxel> voxelise(const Positions& vertices, const Triangles& triangles, const VoxelGrid& grid) {
   constexpr int kRays = 6;
-  std::vector<std::int16_t> windings(grid.total(), 0);
+  std::vector<std::int32_t> windings(grid.total(), 0);
   for (int axis = 0; axis < 3; ++axis) add_windings(vertices, triangles, grid, axis, windings);
   std::vector<Voxel> voxels(grid.total(), Voxel::outside);
   for (std::size_t k = 0; k < voxels.size(); ++k) {

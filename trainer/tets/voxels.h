@@ -37,8 +37,8 @@ struct VoxelGrid {
 enum class Voxel : std::uint8_t { outside, surface, inside };
 
 // Every cube of the grid by index: `surface` where it touches a triangle or holds a vertex; `inside` where the winding
-// number, averaged over the six rays along the axes, is above one half, so that holes and flipped or doubled faces do
-// little harm. The grid must cover the skin.
+// number, averaged over the six rays along the axes, is above one half, or below minus that,, so that holes and flipped
+// or doubled faces do little harm. The grid must cover the skin.
 std::vector<Voxel> voxelise(const Positions& vertices, const Triangles& triangles, const VoxelGrid& grid);
 
 // A number for every cube that is not outside: 0 for the largest piece (cubes joined through faces), 1 for the next and
