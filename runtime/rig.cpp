@@ -53,6 +53,8 @@ void check_pose(const Skeleton& skeleton, const Pose& pose) {
   }
 }
 
+}  // namespace
+
 std::vector<Quat> bind_rotations(const Skeleton& skeleton) {
   std::vector<Quat> world;
   for (const Joint& joint : skeleton.joints) {
@@ -61,8 +63,6 @@ std::vector<Quat> bind_rotations(const Skeleton& skeleton) {
   }
   return world;
 }
-
-}  // namespace
 
 RigFrame pose_rig(const Skeleton& skeleton, const Pose& pose) {
   check_pose(skeleton, pose);

@@ -27,6 +27,9 @@ std::vector<Affine> posed_joints(const Skeleton& skeleton, std::span<const Joint
 // Skinning matrices (rest space to world), J, in double precision.
 std::vector<Affine> skinning_matrices(const Skeleton& skeleton, std::span<const JointTransform> local);
 
+// Rotation of each joint in the bind pose, world; scale and shear are left out.
+std::vector<Quat> bind_rotations(const Skeleton& skeleton);
+
 // Throws Error(mismatch) when the pose has another number of joints than the skeleton, and when it is not finite.
 RigFrame pose_rig(const Skeleton& skeleton, const Pose& pose);
 

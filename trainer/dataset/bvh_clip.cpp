@@ -197,13 +197,12 @@ class Retarget {
         bind_(std::move(bind)),
         alignment_(std::move(alignment)),
         turn_(turn),
-        unit_(unit) {
+        unit_(unit),
+        bind_rotation_(bind_rotations(skeleton)) {
     for (const Joint& joint : skeleton.joints) {
       const bool is_root = joint.parent < 0;
       const auto parent = static_cast<std::size_t>(is_root ? 0 : joint.parent);
-      const Quat own = normalized(joint.bind.rotation);
       below_match_.push_back(!is_root && (match_[parent] >= 0 || below_match_[parent]));
-      bind_rotation_.push_back(is_root ? own : bind_rotation_[parent] * own);
     }
     for (const BvhJoint& joint : bvh.joints) {
       travels_.push_back(joint.has_position() ||
@@ -270,8 +269,8 @@ class Retarget {
   std::vector<Quat> alignment_;  // per joint, world: from the skeleton's bind to the BVH's rest
   Quat turn_;
   double unit_;
-  std::vector<bool> below_match_;    // per joint: some joint above has a match
   std::vector<Quat> bind_rotation_;  // per joint, world
+  std::vector<bool> below_match_;    // per joint: some joint above has a match
   std::vector<bool> travels_;        // per BVH joint: it or one above has position channels
 };
 

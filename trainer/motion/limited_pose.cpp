@@ -3,20 +3,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "runtime/rig.h"
+
 namespace bodyopt {
-namespace {
-
-// Bind rotation of each joint in the world; scale and shear of the bind pose are left out.
-std::vector<Quat> world_bind_rotations(const Skeleton& skeleton) {
-  std::vector<Quat> world;
-  for (const Joint& joint : skeleton.joints) {
-    const Quat own = normalized(joint.bind.rotation);
-    world.push_back(joint.parent < 0 ? own : world[static_cast<std::size_t>(joint.parent)] * own);
-  }
-  return world;
-}
-
-}  // namespace
 
 Angles rest_angles(const JointLimits& limits) {
   Angles angles;
@@ -36,7 +25,7 @@ std::vector<Quat> joint_turns(std::size_t joint_count, const JointLimits& limits
 }
 
 Pose limited_pose(const Skeleton& skeleton, const JointLimits& limits, const Angles& angles) {
-  const std::vector<Quat> turns = joint_turns(skeleton.size(), limits, angles), world = world_bind_rotations(skeleton);
+  const std::vector<Quat> turns = joint_turns(skeleton.size(), limits, angles), world = bind_rotations(skeleton);
   Pose pose = bind_pose(skeleton);
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
     Quat& own = pose.joints[j].rotation;
@@ -46,7 +35,7 @@ Pose limited_pose(const Skeleton& skeleton, const JointLimits& limits, const Ang
 }
 
 std::vector<Quat> turns_of_pose(const Skeleton& skeleton, const Pose& pose) {
-  const std::vector<Quat> world = world_bind_rotations(skeleton);
+  const std::vector<Quat> world = bind_rotations(skeleton);
   std::vector<Quat> turns;
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
     const Quat away = conjugate(normalized(skeleton.joints[j].bind.rotation)) * normalized(pose.joints[j].rotation);
