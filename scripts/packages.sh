@@ -9,7 +9,9 @@ build_packages=(
 )
 run_packages=(mesa-vulkan-drivers)
 test_packages=(vulkan-validationlayers)
-other_program_packages=(nodejs npm blender python3-numpy)
+other_program_packages=(blender python3-numpy)
+# Node.js from elsewhere brings its own npm, and Debian's would clash with it.
+command -v npm >/dev/null || other_program_packages+=(nodejs npm)
 
 # install_packages PACKAGE...: installs those that are missing; says which when it may not.
 install_packages() {
