@@ -36,6 +36,9 @@ void ClipArguments::add(CLI::App& verb) {
       ->type_name("R");
   verb.add_option("--fps", options.fps, "Frames a second at which the clip is sampled")->capture_default_str();
   verb.add_option("--first-frame", options.first_frame, "Number of the clip's first frame")->capture_default_str();
+  verb.add_option("--controls", options.controls,
+                  "Controls over the clip's frames, such as muscles flexed (controls.json)")
+      ->type_name("FILE");
 }
 
 Clip ClipArguments::read(const Skeleton& skeleton, double unit, std::vector<int>& frame_numbers) const {

@@ -23,7 +23,7 @@ struct JsonOption {
   void emit(const Json& result, const std::string& text) const;
 };
 
-// --clip CLIP [--frames R] [--fps N] [--first-frame N]
+// --clip CLIP [--frames R] [--fps N] [--first-frame N] [--controls FILE]
 struct ClipArguments {
   std::string source, frames;
   ClipOptions options;

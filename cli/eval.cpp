@@ -6,6 +6,7 @@
 
 #include "cli/common.h"
 #include "runtime/basis/error.h"
+#include "trainer/dataset/controls.h"
 #include "trainer/dataset/frame_range.h"
 #include "trainer/dataset/pc2.h"
 #include "trainer/progress.h"
@@ -25,7 +26,10 @@ void run(const EvalArguments& arguments) {
   Deformer deformer(load_basis(arguments.basis), arguments.device.choice);
   std::vector<int> frames;
   const double unit = arguments.unit > 0 ? arguments.unit : kept_unit(deformer.basis());
-  const Clip clip = arguments.clip.read(deformer.basis().skeleton, unit, frames);
+  Clip clip = arguments.clip.read(deformer.basis().skeleton, unit, frames);
+  for (const std::string& name : arrange_controls(deformer.basis().residual.controls, clip)) {
+    spdlog::warn("control '{}' is none that the basis was trained with: it has no effect", name);
+  }
   const std::vector<Pose> poses = poses_of(clip, frames);
 
   const std::uint32_t points = deformer.basis().mesh.output_count();

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct SimulateArguments {
-  std::string character, muscles, out, name, heldout;
+  std::string character, muscles, materials, out, name, heldout;
   double unit = 0;
   ClipArguments clip;
   SimulateOptions options;
@@ -33,24 +33,30 @@ std::string relative_source(const std::string& source, const fs::path& folder) {
 
 // The dataset in the folder, or a new one. One folder holds the takes of one character.
 Dataset open_dataset(const SimulateArguments& arguments, const fs::path& folder) {
-  const std::string character = fs::proximate(arguments.character, folder).string();
-  const std::string muscles = arguments.muscles.empty() ? "" : fs::proximate(arguments.muscles, folder).string();
+  const auto relative = [&](const std::string& path) {
+    return path.empty() ? path : fs::proximate(path, folder).string();
+  };
+  const std::string character = relative(arguments.character), muscles = relative(arguments.muscles),
+                    materials = relative(arguments.materials);
   if (!fs::exists(folder / "dataset.json")) {
     Dataset dataset;
     dataset.folder = folder;
     dataset.character = character;
     dataset.unit = arguments.unit;
     dataset.muscles = muscles;
+    dataset.materials = materials;
     return dataset;
   }
   Dataset dataset = read_dataset(folder / "dataset.json");
-  if (dataset.character != character || dataset.muscles != muscles || dataset.unit != arguments.unit) {
-    throw Error(
-        ErrorKind::mismatch,
-        format("%s holds shapes of '%s' (unit %g m) with muscles '%s'; asked for '%s' (unit %g m) with muscles "
-               "'%s': use another --out",
-               (folder / "dataset.json").c_str(), dataset.character.c_str(), dataset.unit > 0 ? dataset.unit : 1.0,
-               dataset.muscles.c_str(), character.c_str(), arguments.unit > 0 ? arguments.unit : 1.0, muscles.c_str()));
+  const auto described = [](const std::string& of, double unit, const std::string& with, const std::string& made_of) {
+    return format("'%s' (unit %g m) with muscles '%s' and materials '%s'", of.c_str(), unit > 0 ? unit : 1.0,
+                  with.c_str(), made_of.c_str());
+  };
+  const std::string there = described(dataset.character, dataset.unit, dataset.muscles, dataset.materials),
+                    asked = described(character, arguments.unit, muscles, materials);
+  if (there != asked) {
+    throw Error(ErrorKind::mismatch, format("%s holds shapes of %s; asked for %s: use another --out",
+                                            (folder / "dataset.json").c_str(), there.c_str(), asked.c_str()));
   }
   return dataset;
 }
@@ -70,6 +76,9 @@ DatasetTake new_take(const SimulateArguments& arguments, const std::vector<int>&
   take.clip = relative_source(arguments.clip.source, folder);
   take.fps = arguments.clip.options.fps;
   take.first_frame = arguments.clip.options.first_frame;
+  if (!arguments.clip.options.controls.empty()) {
+    take.controls = fs::proximate(arguments.clip.options.controls, folder).string();
+  }
   take.frames = frames;
   take.shapes = take.name + (arguments.options.draft ? ".nodes" : ".pc2");
   take.shapes_status = take.name + ".status.json";
@@ -89,11 +98,12 @@ DatasetTake new_take(const SimulateArguments& arguments, const std::vector<int>&
 // A take that is there already keeps its frames and gets the new ones; finished shapes are not solved again.
 void add_frames(const DatasetTake& there, DatasetTake& take) {
   if (there.clip != take.clip || there.fps != take.fps || there.first_frame != take.first_frame ||
-      there.shapes != take.shapes) {
+      there.controls != take.controls || there.shapes != take.shapes) {
     throw Error(ErrorKind::mismatch,
-                format("the dataset has a take '%s' already: %s of '%s' at %g frames a second from frame %d; give the "
-                       "new one a --name",
-                       there.name.c_str(), there.shapes.c_str(), there.clip.c_str(), there.fps, there.first_frame));
+                format("the dataset has a take '%s' already: %s of '%s' at %g frames a second from frame %d, controls "
+                       "'%s'; give the new one a --name",
+                       there.name.c_str(), there.shapes.c_str(), there.clip.c_str(), there.fps, there.first_frame,
+                       there.controls.c_str()));
   }
   const auto unite = [](std::vector<int>& frames, const std::vector<int>& more) {
     frames.insert(frames.end(), more.begin(), more.end());
@@ -150,6 +160,8 @@ void run(const SimulateArguments& arguments) {
   say(character.notes);
   std::vector<Muscle> muscles;
   if (!arguments.muscles.empty()) muscles = read_muscles(arguments.muscles, character.skeleton);
+  SimulateOptions options = arguments.options;
+  if (!arguments.materials.empty()) options.materials = read_materials(arguments.materials);
   std::vector<int> frames;
   const Clip clip = arguments.clip.read(character.skeleton, arguments.unit, frames);
 
@@ -163,8 +175,8 @@ void run(const SimulateArguments& arguments) {
   }
   require_writable(dataset_path);
   spdlog::info("preparing the body: tetrahedra, bones, muscles");
-  const std::vector<FrameStatus> status = simulate(character, muscles, clip, take.frames, folder / take.shapes,
-                                                   folder / take.shapes_status, arguments.options);
+  const std::vector<FrameStatus> status =
+      simulate(character, muscles, clip, take.frames, folder / take.shapes, folder / take.shapes_status, options);
   dataset = open_dataset(arguments, folder);  // another run may have added a take meanwhile
   std::erase_if(dataset.takes, [&](const DatasetTake& other) { return other.name == take.name; });
   dataset.takes.push_back(take);
@@ -185,6 +197,9 @@ void add_simulate(CLI::App& app) {
   verb.add_option("character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
   arguments->clip.add(verb);
   verb.add_option("--muscles", arguments->muscles, "muscles.json (default: passive tissue only)")->type_name("FILE");
+  verb.add_option("--materials", arguments->materials,
+                  "Tissue, as in rigs/materials.json (default: what that file says)")
+      ->type_name("FILE");
   verb.add_option("--out", arguments->out, "Dataset folder; a take is added to the dataset.json in it")
       ->required()
       ->type_name("DATASET_DIR");

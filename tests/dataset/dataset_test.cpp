@@ -20,9 +20,10 @@ Dataset small_dataset() {
   dataset.character = "../hero.glb";
   dataset.unit = 0.01;
   dataset.muscles = "muscles.json";
+  dataset.materials = "soft.json";
   dataset.takes = {
-      {"walk", "clips/walk.glb#walk 1", 23.976, -3, {-3, -2, -1, 5, 7, 9}, "walk.pc2", "walk.status.json", {5, 7}},
-      {"run", "run.bvh", 24, 1, {10, 1, 2, 3}, "run.pc2", "", {}}};
+      {"walk", "clips/walk.glb#walk 1", "", 23.976, -3, {-3, -2, -1, 5, 7, 9}, "walk.pc2", "walk.status.json", {5, 7}},
+      {"run", "run.bvh", "flex.json", 24, 1, {10, 1, 2, 3}, "run.pc2", "", {}}};
   return dataset;
 }
 
@@ -30,11 +31,13 @@ void expect_same(const Dataset& a, const Dataset& b) {
   EXPECT_EQ(a.character, b.character);
   EXPECT_EQ(a.unit, b.unit);
   EXPECT_EQ(a.muscles, b.muscles);
+  EXPECT_EQ(a.materials, b.materials);
   ASSERT_EQ(a.takes.size(), b.takes.size());
   for (std::size_t k = 0; k < a.takes.size(); ++k) {
     const DatasetTake &x = a.takes[k], &y = b.takes[k];
     EXPECT_EQ(x.name, y.name);
     EXPECT_EQ(x.clip, y.clip);
+    EXPECT_EQ(x.controls, y.controls);
     EXPECT_EQ(x.fps, y.fps);
     EXPECT_EQ(x.first_frame, y.first_frame);
     EXPECT_EQ(x.frames, y.frames);

@@ -89,8 +89,8 @@ TEST_F(Anatomy, SpringsPullLikeTheDocumentedEnergy) {
       for (int a = 0; a < 4; ++a) now += point.weights[a] * nodes.row(mesh_.tets(point.tet, a)).transpose();
       const Eigen::Vector3d rest = position(point);
       const Vec3 target = skinning[static_cast<std::size_t>(point.joint)] * Vec3{rest[0], rest[1], rest[2]};
-      sum +=
-          0.5 * kBoneStiffness * point.volume * (now - Eigen::Vector3d(target[0], target[1], target[2])).squaredNorm();
+      sum += 0.5 * Materials{}.bone_springs * point.volume *
+             (now - Eigen::Vector3d(target[0], target[1], target[2])).squaredNorm();
     }
     return sum;
   };

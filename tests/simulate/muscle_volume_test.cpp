@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 
 #include "tests/simulate/limb.h"
-#include "trainer/simulate/material.h"
+#include "trainer/simulate/materials.h"
 #include "trainer/simulate/muscle_fibres.h"
 #include "trainer/simulate/quasi_static.h"
 
@@ -32,7 +32,7 @@ TEST(MuscleVolume, ScalingAndRigidMotionChangeItAsTheyMust) {
   double rest = 0;
   for (const FibreTet& fibre : c.fibres) rest += fibre.share * tet_edges(c.mesh, fibre.tet).determinant() / 6;
   Positions gradient = Positions::Zero(larger.rows(), 3);
-  const double expected = 0.5 * kMuscleBulk * rest * std::pow(std::pow(1.1, 3) - 1, 2);
+  const double expected = 0.5 * Materials{}.muscle_bulk * rest * std::pow(std::pow(1.1, 3) - 1, 2);
   EXPECT_NEAR(volume.add_gradient(larger, gradient), expected, 1e-9 * expected);
 }
 

@@ -64,6 +64,24 @@ TEST_F(QuasiStatic, ARootMotionMovesTheSolutionRigidly) {
   EXPECT_EQ(moved.status.iterations, at_bind.status.iterations);
 }
 
+// A flexed muscle cannot shorten where no joint moves: it thickens at its lower half, pulled towards its middle.
+TEST_F(QuasiStatic, AFlexedMuscleChangesTheShapeOfTheSamePose) {
+  for (const double angle : {0.0, 60.0}) {
+    const Pose pose = bent(*limb_, degrees(angle));
+    const SolvedPose relaxed = body_->solve(pose), none = body_->solve(pose, std::vector<double>{0.0});
+    EXPECT_EQ((relaxed.nodes - none.nodes).cwiseAbs().maxCoeff(), 0);
+    const SolvedPose half = body_->solve(pose, std::vector<double>{0.5});
+    const SolvedPose full = body_->solve(pose, std::vector<double>{1.0});
+    EXPECT_TRUE(half.status.converged && full.status.converged);
+    EXPECT_LT(std::abs(full.status.volume_change), 0.02);
+    EXPECT_GT(girth(skin(half)), girth(skin(relaxed)) + 1e-4) << angle;
+    EXPECT_GT(girth(skin(full)), girth(skin(half)) + 1e-4) << angle;
+  }
+  EXPECT_THROW(body_->solve(bent(*limb_, 0), std::vector<double>{0.1, 0.2}), Error);
+  EXPECT_THROW(body_->solve(bent(*limb_, 0), std::vector<double>{1.5}), Error);
+  EXPECT_THROW(body_->solve(bent(*limb_, 0), std::vector<double>{std::nan("")}), Error);
+}
+
 TEST_F(QuasiStatic, AnElbowBendIsInEquilibrium) {
   const double rest_volume = enclosed_volume(limb_->vertices, limb_->triangles);
   for (const double angle : {60.0, 120.0, -100.0}) {
@@ -81,8 +99,8 @@ TEST_F(QuasiStatic, TheReportedResidualIsTheForceLeftOver) {
   const Pose pose = bent(*limb_, degrees(70));
   const SolvedPose solved = body_->solve(pose);
   const std::vector<Affine> skinning = skinning_matrices(limb_->skeleton, pose.joints);
-  std::vector<TetMaterial> materials(static_cast<std::size_t>(body_->mesh().tets.rows()), kFat);
-  for (const FibreTet& fibre : body_->fibres()) materials[static_cast<std::size_t>(fibre.tet)] = kMuscle;
+  std::vector<TetMaterial> materials(static_cast<std::size_t>(body_->mesh().tets.rows()), Materials{}.fat);
+  for (const FibreTet& fibre : body_->fibres()) materials[static_cast<std::size_t>(fibre.tet)] = Materials{}.muscle;
   const Tissue tissue(body_->mesh(), materials, body_->fibres());
   const BoneSprings springs(body_->mesh(), body_->bones(), 2);
   const SkinBending bending(limb_->vertices, limb_->triangles, body_->mesh().nodes.rows());

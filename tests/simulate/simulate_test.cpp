@@ -167,6 +167,39 @@ TEST(Simulate, AFinishedTakeIsNotSolvedAgain) {
   EXPECT_NE(passive[1].inputs, more.status[1].inputs);
 }
 
+TEST(Simulate, ControlsFlexMusclesByName) {
+  const TemporaryFolder folder;
+  const Clip relaxed = bending_clip(make_limb(), 2);
+  const std::string first = run(folder, relaxed, {11, 12}, 1).cache;
+  const std::size_t size = (first.size() - 32) / 2;
+  for (const char* name : {"flexor", "fl*", "*"}) {
+    Clip clip = relaxed;
+    clip.controls = {name};
+    clip.poses[0].controls = {0};
+    clip.poses[1].controls = {1};
+    const TemporaryFolder other;
+    const std::string flexed = run(other, clip, {11, 12}, 1).cache;
+    EXPECT_EQ(flexed.substr(32, size), first.substr(32, size)) << name;
+    EXPECT_NE(flexed.substr(32 + size), first.substr(32 + size)) << name;
+  }
+  const auto kind = [&](const char* name, float value) {
+    Clip clip = relaxed;
+    clip.controls = {name};
+    for (Pose& pose : clip.poses) pose.controls = {value};
+    try {
+      run(folder, clip, {12}, 1);
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+      return error.kind();
+    }
+    return ErrorKind::interrupted;
+  };
+  EXPECT_EQ(kind("extensor", 1), ErrorKind::mismatch);
+  EXPECT_EQ(kind("x*", 1), ErrorKind::mismatch);
+  EXPECT_EQ(kind("flexor", -0.1f), ErrorKind::mismatch);
+  EXPECT_EQ(kind("flexor", std::nanf("")), ErrorKind::mismatch);
+}
+
 TEST(Simulate, AnInterruptKeepsWhatIsDone) {
   const TemporaryFolder folder;
   const Clip clip = bending_clip(make_limb(), 10);

@@ -85,18 +85,18 @@ void expect_gradient(const Tissue& tissue, const Positions& nodes, const std::ve
 
 TEST(Tissue, PassiveGradientIsTheEnergysDerivative) {
   const TetMesh mesh = block(3, 2, 2, 0.01);
-  expect_gradient(Tissue(mesh, all(mesh, kFat), {}), shaken(mesh.nodes, 0.001, 7), {});
+  expect_gradient(Tissue(mesh, all(mesh, Materials{}.fat), {}), shaken(mesh.nodes, 0.001, 7), {});
 }
 
 TEST(Tissue, BarrierGradientIsTheEnergysDerivative) {
   const TetMesh mesh = block(3, 2, 2, 0.01);
   const Positions squashed = mapped(mesh.nodes, Eigen::Vector3d(0.25, 1, 0.9).asDiagonal(), {0, 0, 0});
-  expect_gradient(Tissue(mesh, all(mesh, kFat), {}), shaken(squashed, 0.0001, 8), {});
+  expect_gradient(Tissue(mesh, all(mesh, Materials{}.fat), {}), shaken(squashed, 0.0001, 8), {});
 }
 
 TEST(Tissue, FibreGradientsAreTheEnergysDerivative) {
   const TetMesh mesh = block(3, 2, 2, 0.01);
-  const Tissue tissue(mesh, all(mesh, kMuscle), fibres_everywhere(mesh, {1, 0.3, -0.2}));
+  const Tissue tissue(mesh, all(mesh, Materials{}.muscle), fibres_everywhere(mesh, {1, 0.3, -0.2}));
   expect_gradient(tissue, shaken(mesh.nodes, 0.0005, 9), {0.7});       // active alone, near rest
   expect_gradient(tissue, shaken(1.2 * mesh.nodes, 0.0005, 10), {0});  // passive alone, stretched
   expect_gradient(tissue, shaken(1.2 * mesh.nodes, 0.0005, 11), {1});  // both
@@ -110,8 +110,8 @@ TEST(Tissue, EnergyIsTheDocumentedOne) {
   const Eigen::Vector3d fibre = Eigen::Vector3d(0.2, 1, 0.4).normalized();
   std::vector<FibreTet> fibres = fibres_everywhere(mesh, fibre);
   fibres.resize(13);  // the rest is passive
-  std::vector<TetMaterial> materials = all(mesh, kFat);
-  for (std::size_t t = 0; t < fibres.size(); ++t) materials[t] = kMuscle;
+  std::vector<TetMaterial> materials = all(mesh, Materials{}.fat);
+  for (std::size_t t = 0; t < fibres.size(); ++t) materials[t] = Materials{}.muscle;
   const Positions nodes = shaken(mapped(mesh.nodes, Eigen::Vector3d(0.3, 1.1, 0.9).asDiagonal(), {1, 2, 3}), 0.0002, 3);
   double expected = 0;
   TetMesh posed = mesh;
@@ -125,8 +125,8 @@ TEST(Tissue, EnergyIsTheDocumentedOne) {
     if (j < 0.3) density -= 2 * lambda * std::pow(j - 0.3, 2) * std::log(j / 0.3);
     if (t < 13) {
       const double s = (f * fibre).norm();
-      density += 0.6 * kActiveStiffness / 2 * std::pow(std::max(s - 0.7, 0.0), 2) +
-                 kPassiveFibreStiffness / 2 * std::pow(std::max(s - 1, 0.0), 2);
+      density += 0.6 * Materials{}.active_fibre / 2 * std::pow(std::max(s - 0.7, 0.0), 2) +
+                 Materials{}.passive_fibre / 2 * std::pow(std::max(s - 1, 0.0), 2);
     }
     expected += volume * density;
   }
@@ -137,7 +137,7 @@ TEST(Tissue, EnergyIsTheDocumentedOne) {
 
 TEST(Tissue, RigidMotionMakesNoForce) {
   const TetMesh mesh = block(3, 3, 3, 0.01);
-  const Tissue tissue(mesh, all(mesh, kMuscle), fibres_everywhere(mesh, {0, 1, 1}));
+  const Tissue tissue(mesh, all(mesh, Materials{}.muscle), fibres_everywhere(mesh, {0, 1, 1}));
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   Positions gradient = Positions::Zero(mesh.nodes.rows(), 3);
   const Tissue::Sum sum = tissue.add_gradient(mapped(mesh.nodes, turn, {5, -3, 1}), std::vector<double>{0}, gradient);
@@ -156,7 +156,7 @@ TEST(Tissue, PassesThePatchTest) {
   }
   Eigen::Matrix3d strain;
   strain << 1.1, 0.1, 0, -0.05, 0.9, 0.07, 0.02, 0, 1.05;
-  const Tissue tissue(skewed, all(skewed, kFat), {});
+  const Tissue tissue(skewed, all(skewed, Materials{}.fat), {});
   Positions gradient = Positions::Zero(mesh.nodes.rows(), 3);
   tissue.add_gradient(mapped(skewed.nodes, strain, {0, 0, 0}), {}, gradient);
   for (Eigen::Index n = 0; n < mesh.nodes.rows(); ++n) {
@@ -178,17 +178,17 @@ TEST(Tissue, ForceScaleIsTheSumOverTetsAlone) {
     one.nodes = mesh.nodes;
     one.tets = mesh.tets.row(t);
     Positions gradient = Positions::Zero(nodes.rows(), 3);
-    Tissue(one, {kFat}, {}).add_gradient(nodes, {}, gradient);
+    Tissue(one, {Materials{}.fat}, {}).add_gradient(nodes, {}, gradient);
     expected += gradient.squaredNorm();
   }
   Positions gradient = Positions::Zero(nodes.rows(), 3);
-  const double found = Tissue(mesh, all(mesh, kFat), {}).add_gradient(nodes, {}, gradient).force_square;
+  const double found = Tissue(mesh, all(mesh, Materials{}.fat), {}).add_gradient(nodes, {}, gradient).force_square;
   EXPECT_NEAR(found, expected, 1e-12 * expected);
 }
 
 TEST(Tissue, InvertedTetsHaveInfiniteEnergyAndAreCounted) {
   const TetMesh mesh = block(2, 2, 2, 0.01);
-  const Tissue tissue(mesh, all(mesh, kFat), {});
+  const Tissue tissue(mesh, all(mesh, Materials{}.fat), {});
   Positions gradient = Positions::Zero(mesh.nodes.rows(), 3);
   const Positions mirrored = mapped(mesh.nodes, Eigen::Vector3d(-1, 1, 1).asDiagonal(), {0, 0, 0});
   EXPECT_EQ(tissue.add_gradient(mirrored, {}, gradient).energy, std::numeric_limits<double>::infinity());

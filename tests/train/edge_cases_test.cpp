@@ -52,6 +52,7 @@ TEST(TrainEdgeCases, ControlsTeachWhatThePoseDoesNot) {
   // The same pose throughout; a control inflates the limb.
   SampleSet set = limb_samples(40, 0);
   set.muscles.clear();
+  set.controls = {"inflate"};
   for (Sample& sample : set.train) {
     const double inflate = 0.5 + 0.5 * std::sin(0.7 * sample.frame);
     sample.pose = bind_pose(set.character.skeleton);
@@ -96,6 +97,9 @@ TEST(TrainEdgeCases, RefusesShapesThatDoNotFit) {
   EXPECT_EQ(kind(set), ErrorKind::mismatch);
   set = limb_samples(20, 0);
   set.train[3].pose.controls = {1};
+  EXPECT_EQ(kind(set), ErrorKind::mismatch);
+  set = limb_samples(20, 0);
+  set.controls = {"unheard of"};
   EXPECT_EQ(kind(set), ErrorKind::mismatch);
 }
 

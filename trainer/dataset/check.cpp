@@ -72,11 +72,7 @@ class TakeChecker {
  public:
   TakeChecker(const Dataset& dataset, const Character& character, const DatasetTake& take)
       : character_(character), take_(take), reader_(dataset.folder / take.shapes) {
-    ClipOptions options;
-    options.fps = take.fps;
-    options.first_frame = take.first_frame;
-    options.unit = clip_unit(take.clip, dataset.unit);
-    clip_ = read_clip((dataset.folder / take.clip).string(), character.skeleton, options);
+    clip_ = read_clip(dataset, take, character.skeleton);
     result_.name = take.name;
     result_.points = reader_.point_count();
     result_.samples = reader_.sample_count();

@@ -7,6 +7,7 @@
 #include "runtime/basis/error.h"
 #include "trainer/dataset/bvh_clip.h"
 #include "trainer/dataset/clip_common.h"
+#include "trainer/dataset/controls.h"
 #include "trainer/dataset/gltf_clip.h"
 #include "trainer/dataset/gltf_file.h"
 #include "trainer/dataset/notes.h"
@@ -74,8 +75,9 @@ double clip_unit(const std::string& source, double character_unit) {
   return lower_case_extension(split_source(source).path) == ".bvh" ? 0 : character_unit;
 }
 
-Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOptions& options) {
-  check_options(options);
+namespace {
+
+Clip read_motion(const std::string& source, const Skeleton& skeleton, const ClipOptions& options) {
   const Source parts = split_source(source);
   const std::string extension = lower_case_extension(parts.path);
   if (extension == ".glb" || extension == ".gltf") return read_gltf_clip(parts.path, parts.name, skeleton, options);
@@ -87,6 +89,15 @@ Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOp
                 source + ": a .bvh file holds a single clip without a name; leave out '#" + parts.name + "'");
   }
   return read_bvh_clip(parts.path, skeleton, options);
+}
+
+}  // namespace
+
+Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOptions& options) {
+  check_options(options);
+  Clip clip = read_motion(source, skeleton, options);
+  if (!options.controls.empty()) read_controls(options.controls, clip);
+  return clip;
 }
 
 std::vector<std::string> clip_names(const std::filesystem::path& path) {

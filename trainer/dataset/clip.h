@@ -13,8 +13,9 @@ struct Clip {
   std::string name;
   double fps = 24;
   int first_frame = 1;
-  std::vector<Pose> poses;         // frame first_frame + k
-  std::vector<std::string> notes;  // unmatched joints, scaled joints, repairs; one sentence each
+  std::vector<Pose> poses;            // frame first_frame + k
+  std::vector<std::string> controls;  // names of the poses' control values; none without a controls file
+  std::vector<std::string> notes;     // unmatched joints, scaled joints, repairs; one sentence each
 
   int last_frame() const { return first_frame + static_cast<int>(poses.size()) - 1; }
 };
@@ -22,7 +23,8 @@ struct Clip {
 struct ClipOptions {
   double fps = 24;
   int first_frame = 1;
-  double unit = 0;  // metres per file unit; 0: as the character was read (glTF: 1), BVH: fitted to the skeleton
+  double unit = 0;         // metres per file unit; 0: as the character was read (glTF: 1), BVH: fitted to the skeleton
+  std::string controls{};  // controls.json that goes with the clip; empty: none
 };
 
 // The unit of a clip for a character that was read with `character_unit`: glTF clips share it, BVH is fitted (0).

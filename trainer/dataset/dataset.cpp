@@ -58,13 +58,14 @@ std::string relative_clip(const std::string& clip, const std::filesystem::path& 
 }
 
 DatasetTake read_take(const JsonObject& json) {
-  json.allow({"name", "clip", "fps", "first_frame", "frames", "shapes", "shapes_status", "heldout"});
+  json.allow({"name", "clip", "fps", "first_frame", "frames", "controls", "shapes", "shapes_status", "heldout"});
   DatasetTake take;
   take.name = json.name("name");
   take.clip = json.name("clip");
   take.fps = json.number("fps", 1e-3, 1e5);
   take.first_frame = json.integer("first_frame");
   take.frames = frames_of(json, "frames");
+  if (json.has("controls")) take.controls = json.name("controls");
   take.shapes = json.name("shapes");
   if (json.has("shapes_status")) take.shapes_status = json.text("shapes_status");
   if (json.has("heldout")) take.heldout = frames_of(json, "heldout");
@@ -78,15 +79,25 @@ DatasetTake read_take(const JsonObject& json) {
 
 }  // namespace
 
+Clip read_clip(const Dataset& dataset, const DatasetTake& take, const Skeleton& skeleton) {
+  ClipOptions options;
+  options.fps = take.fps;
+  options.first_frame = take.first_frame;
+  options.unit = clip_unit(take.clip, dataset.unit);
+  if (!take.controls.empty()) options.controls = (dataset.folder / take.controls).string();
+  return read_clip((dataset.folder / take.clip).string(), skeleton, options);
+}
+
 Dataset read_dataset(const std::filesystem::path& path) {
   const Json json = read_json(path, kDatasetSchema);
   const JsonObject top(json, path, "the dataset");
-  top.allow({"schema", "character", "unit", "muscles", "takes"});
+  top.allow({"schema", "character", "unit", "muscles", "materials", "takes"});
   Dataset dataset;
   dataset.folder = path.parent_path().empty() ? "." : path.parent_path();
   dataset.character = top.name("character");
   if (top.has("unit")) dataset.unit = top.number("unit", 0, 1e6);
   if (top.has("muscles")) dataset.muscles = top.text("muscles");
+  if (top.has("materials")) dataset.materials = top.name("materials");
   std::set<std::string> names;
   const Json& takes = top.array("takes");
   for (std::size_t k = 0; k < takes.size(); ++k) {
@@ -102,6 +113,7 @@ void write_dataset(const Dataset& dataset, const std::filesystem::path& path) {
   Json json = {{"schema", kDatasetSchema}, {"character", relative_path(dataset.character, folder)}};
   if (dataset.unit > 0) json["unit"] = dataset.unit;
   if (!dataset.muscles.empty()) json["muscles"] = relative_path(dataset.muscles, folder);
+  if (!dataset.materials.empty()) json["materials"] = relative_path(dataset.materials, folder);
   json["takes"] = Json::array();
   for (const DatasetTake& take : dataset.takes) {
     Json entry = {{"name", take.name},
@@ -110,6 +122,7 @@ void write_dataset(const Dataset& dataset, const std::filesystem::path& path) {
                   {"first_frame", take.first_frame},
                   {"frames", range_text(take.frames, take, path)},
                   {"shapes", relative_path(take.shapes, folder)}};
+    if (!take.controls.empty()) entry["controls"] = relative_path(take.controls, folder);
     if (!take.shapes_status.empty()) entry["shapes_status"] = relative_path(take.shapes_status, folder);
     if (!take.heldout.empty()) entry["heldout"] = range_text(take.heldout, take, path);
     json["takes"].push_back(entry);

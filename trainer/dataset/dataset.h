@@ -16,7 +16,8 @@ namespace bodyopt {
 // One clip and its shapes. Sample k of the cache is frame frames[k] of the clip.
 struct DatasetTake {
   std::string name;
-  std::string clip;  // as given to read_clip; the file part relative to the dataset's folder
+  std::string clip;      // as given to read_clip; the file part relative to the dataset's folder
+  std::string controls;  // controls.json of the clip, relative path, or empty
   double fps = 24;
   int first_frame = 1;
   std::vector<int> frames;
@@ -30,8 +31,12 @@ struct Dataset {
   std::string character;  // relative path
   double unit = 0;        // as read_character
   std::string muscles;    // relative path, or empty
+  std::string materials;  // relative path, or empty: the defaults
   std::vector<DatasetTake> takes;
 };
+
+// The clip of a take, with its controls. Throws as read_clip.
+Clip read_clip(const Dataset& dataset, const DatasetTake& take, const Skeleton& skeleton);
 
 // Throws Error(file) on bad bytes, wrong schema version or missing keys.
 Dataset read_dataset(const std::filesystem::path& path);

@@ -5,13 +5,11 @@
 #include <cstring>
 #include <string>
 
-#include "trainer/simulate/material.h"
-
 namespace bodyopt {
 namespace {
 
 // Raised whenever the same inputs give other shapes, so that no unfinished cache mixes two solvers.
-constexpr std::uint64_t kSolverVersion = 3;
+constexpr std::uint64_t kSolverVersion = 4;
 
 // Bytes to hash. Only numbers and strings go in, never structs: padding has no meaning.
 class Bytes {
@@ -36,13 +34,14 @@ class Bytes {
 
 }  // namespace
 
-std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& muscles, const TetMesh& mesh,
-                        bool is_cage) {
+std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& muscles, const Materials& materials,
+                        const TetMesh& mesh, bool is_cage) {
   Bytes bytes;
   bytes.add(kSolverVersion);
-  for (const double constant : {kFat.mu, kFat.lambda, kMuscle.mu, kMuscle.lambda, kMuscleBulk, kActiveStiffness,
-                                kActiveSlack, kPassiveFibreStiffness, kBarrierVolume, kBarrierWeight, kBoneStiffness,
-                                kSkinBending, kContactStiffness, kContactReach}) {
+  for (const double constant :
+       {materials.fat.mu, materials.fat.lambda, materials.muscle.mu, materials.muscle.lambda, materials.muscle_bulk,
+        materials.active_fibre, materials.active_slack, materials.passive_fibre, materials.bone_springs,
+        materials.skin_bending, materials.contact}) {
     bytes.add(constant);
   }
   bytes.append(mesh.nodes.data(), static_cast<std::size_t>(mesh.nodes.size()) * sizeof(double));
@@ -79,10 +78,11 @@ std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& m
   return bytes.hash();
 }
 
-std::uint64_t pose_hash(std::uint64_t body, const Pose& pose) {
+std::uint64_t pose_hash(std::uint64_t body, const Pose& pose, const std::vector<double>& flex) {
   Bytes bytes;
   bytes.add(body);
   for (const JointTransform& joint : pose.joints) bytes.add(joint);
+  for (const double f : flex) bytes.add(f);
   return bytes.hash();
 }
 

@@ -17,7 +17,8 @@ Eigen::Vector3d apply(const Affine& transform, const Eigen::Vector3d& point, dou
 
 }  // namespace
 
-BoneSprings::BoneSprings(const TetMesh& mesh, const std::vector<BonePoint>& points, std::size_t joint_count)
+BoneSprings::BoneSprings(const TetMesh& mesh, const std::vector<BonePoint>& points, std::size_t joint_count,
+                         const Materials& materials)
     : rest_(mesh.nodes),
       stiffness_(mesh.nodes.rows(), mesh.nodes.rows()),
       by_joint_(NodeWeights::Zero(mesh.nodes.rows(), static_cast<Eigen::Index>(joint_count))),
@@ -29,7 +30,7 @@ BoneSprings::BoneSprings(const TetMesh& mesh, const std::vector<BonePoint>& poin
     for (int a = 0; a < 4; ++a) position += point.weights[a] * mesh.nodes.row(mesh.tets(point.tet, a)).transpose();
     for (int a = 0; a < 4; ++a) {
       const int node = mesh.tets(point.tet, a);
-      const double share = kBoneStiffness * point.volume * point.weights[a];
+      const double share = materials.bone_springs * point.volume * point.weights[a];
       Moment& moment =
           moments.try_emplace({node, point.joint}, Moment{node, point.joint, 0, Eigen::Vector3d::Zero()}).first->second;
       moment.sum += share;

@@ -15,7 +15,8 @@ struct SpringPose {
 
 class BoneSprings {
  public:
-  BoneSprings(const TetMesh& mesh, const std::vector<BonePoint>& points, std::size_t joint_count);
+  BoneSprings(const TetMesh& mesh, const std::vector<BonePoint>& points, std::size_t joint_count,
+              const Materials& materials = {});
 
   // skinning: J, rest space to posed.
   SpringPose pose(std::span<const Affine> skinning) const;

@@ -7,13 +7,12 @@
 #include <cmath>
 #include <map>
 
-#include "trainer/simulate/material.h"
-
 namespace bodyopt {
 namespace {
 
 // A node counts as near to a tet when its barycentric weights in it are not below this.
 constexpr double kMostOutside = -0.3;
+constexpr double kContactReach = 2e-3;  // m: a depth at which the pressure has doubled its slope
 
 // Corners of the face opposite to each corner, outwards for a tet of positive volume.
 constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
@@ -133,8 +132,11 @@ Eigen::Matrix3d edges_of(const Tets& tets, int tet, const Positions& nodes) {
 
 }  // namespace
 
-SkinContact::SkinContact(const TetMesh& mesh)
-    : tets_(mesh.tets), surface_(boundary(mesh.tets)), area_(static_cast<std::size_t>(mesh.nodes.rows()), 0.0) {
+SkinContact::SkinContact(const TetMesh& mesh, const Materials& materials)
+    : tets_(mesh.tets),
+      surface_(boundary(mesh.tets)),
+      area_(static_cast<std::size_t>(mesh.nodes.rows()), 0.0),
+      stiffness_(materials.contact) {
   const Positions& nodes = mesh.nodes;
   for (Eigen::Index t = 0; t < surface_.rows(); ++t) {
     const Eigen::Vector3d a = row(nodes, surface_(t, 0));
@@ -237,7 +239,7 @@ double SkinContact::add_gradient(std::span<const ContactPlane> planes, const Pos
     for (int a = 0; a < 4; ++a) offset -= plane.weights[a] * nodes.row(tets_(plane.tet, a));
     const double depth = plane.offset + offset.dot(plane.slope.transpose());
     if (!(depth > 0)) continue;
-    const double stiffness = kContactStiffness * area_[static_cast<std::size_t>(plane.node)];
+    const double stiffness = stiffness_ * area_[static_cast<std::size_t>(plane.node)];
     energy += stiffness * depth * depth * (0.5 + depth / (3 * kContactReach));
     const Eigen::RowVector3d force = stiffness * depth * (1 + depth / kContactReach) * plane.slope.transpose();
     gradient.row(plane.node) += force;

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "trainer/simulate/materials.h"
 #include "trainer/tets/tets.h"
 
 namespace bodyopt {
@@ -27,7 +28,7 @@ struct ContactPlane {
 // smooth; they are found anew as the shape changes.
 class SkinContact {
  public:
-  explicit SkinContact(const TetMesh& mesh);
+  explicit SkinContact(const TetMesh& mesh, const Materials& materials = {});
 
   // One plane for every node that faces skin of another part within `margin` (metres) or has passed through it.
   std::vector<ContactPlane> find(const Positions& nodes, double margin) const;
@@ -48,6 +49,7 @@ class SkinContact {
   std::vector<double> depth_;  // per node, metres
   std::vector<double> area_;   // per node, a third of the surface around it, square metres
   double cell_ = 0;            // of the grid that finds nodes, metres
+  double stiffness_;           // Pa/m
 };
 
 }  // namespace bodyopt

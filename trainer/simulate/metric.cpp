@@ -36,11 +36,12 @@ SparseMatrix tet_laplacian(const TetMesh& mesh, const std::vector<double>& coeff
   return matrix;
 }
 
-std::vector<double> metric_stiffness(const std::vector<TetMaterial>& materials, const std::vector<double>& muscle) {
+std::vector<double> metric_stiffness(const std::vector<TetMaterial>& tets, const std::vector<double>& muscle,
+                                     const Materials& materials) {
   std::vector<double> stiffness;
-  for (std::size_t t = 0; t < materials.size(); ++t) {
-    const double fibres = muscle[t] * (kPassiveFibreStiffness + kActiveShare * kActiveStiffness);
-    stiffness.push_back(materials[t].mu + kVolumeShare * materials[t].lambda + fibres);
+  for (std::size_t t = 0; t < tets.size(); ++t) {
+    const double fibres = muscle[t] * (materials.passive_fibre + kActiveShare * materials.active_fibre);
+    stiffness.push_back(tets[t].mu + kVolumeShare * tets[t].lambda + fibres);
   }
   return stiffness;
 }

@@ -4,7 +4,7 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
-#include "trainer/simulate/material.h"
+#include "trainer/simulate/materials.h"
 #include "trainer/tets/tets.h"
 
 namespace bodyopt {
@@ -16,7 +16,8 @@ SparseMatrix tet_laplacian(const TetMesh& mesh, const std::vector<double>& coeff
 
 // Stiffness of each tet in the metric, Pa: an estimate of the elastic Hessian's size that holds in every pose, so that
 // L-BFGS takes full steps (Liu, Bouaziz, Kavan 2017). muscle: share of each tet that is muscle.
-std::vector<double> metric_stiffness(const std::vector<TetMaterial>& materials, const std::vector<double>& muscle);
+std::vector<double> metric_stiffness(const std::vector<TetMaterial>& tets, const std::vector<double>& muscle,
+                                     const Materials& materials);
 
 // A sparse Cholesky factor of a positive definite matrix, and its solve with three right sides at once. The factor is
 // kept in single precision: a metric needs no more digits, and reading it is what a solve costs.

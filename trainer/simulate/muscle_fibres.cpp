@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "runtime/basis/error.h"
+
 namespace bodyopt {
 namespace {
 
@@ -133,6 +135,25 @@ std::vector<double> activations(const std::vector<Muscle>& muscles, std::span<co
     result.push_back(muscle.max_activation * u * u * (3 - 2 * u));
   }
   return result;
+}
+
+std::vector<std::vector<std::size_t>> flexed_muscles(const std::vector<std::string>& controls,
+                                                     const std::vector<Muscle>& muscles) {
+  std::vector<std::vector<std::size_t>> flexed;
+  for (const std::string& control : controls) {
+    const bool many = control.ends_with('*');
+    const std::string name = control.substr(0, control.size() - (many ? 1 : 0));
+    std::vector<std::size_t>& found = flexed.emplace_back();
+    for (std::size_t m = 0; m < muscles.size(); ++m) {
+      if (many ? muscles[m].name.starts_with(name) : muscles[m].name == name) found.push_back(m);
+    }
+    if (found.empty()) {
+      throw Error(ErrorKind::mismatch, "the control '" + control + "' flexes none of the " +
+                                           std::to_string(muscles.size()) +
+                                           " muscles: expected a muscle's name, or the beginning of some and '*'");
+    }
+  }
+  return flexed;
 }
 
 }  // namespace bodyopt

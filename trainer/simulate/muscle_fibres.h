@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "trainer/dataset/muscles.h"
@@ -24,5 +25,10 @@ double path_length(const Muscle& muscle, std::span<const Affine> skinning);
 // shape. A smooth function of how much shorter its path is than at rest, and of nothing else: zero at rest and when
 // stretched, full when shortened by a fifth.
 std::vector<double> activations(const std::vector<Muscle>& muscles, std::span<const Affine> skinning);
+
+// The muscles that each control flexes: the one of its name or, where it ends with '*', all whose names begin like it.
+// Throws Error(mismatch) for a control that flexes none.
+std::vector<std::vector<std::size_t>> flexed_muscles(const std::vector<std::string>& controls,
+                                                     const std::vector<Muscle>& muscles);
 
 }  // namespace bodyopt

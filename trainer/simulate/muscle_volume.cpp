@@ -4,12 +4,13 @@
 #include <cmath>
 #include <map>
 
-#include "trainer/simulate/material.h"
+#include "trainer/simulate/materials.h"
 
 namespace bodyopt {
 
-MuscleVolume::MuscleVolume(const TetMesh& mesh, const std::vector<FibreTet>& fibres, std::size_t muscle_count)
-    : rest_(muscle_count, 0.0) {
+MuscleVolume::MuscleVolume(const TetMesh& mesh, const std::vector<FibreTet>& fibres, std::size_t muscle_count,
+                           const Materials& materials)
+    : rest_(muscle_count, 0.0), bulk_(materials.muscle_bulk) {
   for (const FibreTet& fibre : fibres) {
     Part part{{}, fibre.muscle, fibre.share};
     for (int a = 0; a < 4; ++a) part.node[a] = mesh.tets(fibre.tet, a);
@@ -49,8 +50,8 @@ double MuscleVolume::add_gradient(const Positions& nodes, Positions& gradient) c
   for (std::size_t m = 0; m < rest_.size(); ++m) {
     if (!(rest_[m] > 0)) continue;
     const double change = now[m] / rest_[m] - 1;
-    pressure[m] = kMuscleBulk * change;
-    energy += 0.5 * kMuscleBulk * rest_[m] * change * change;
+    pressure[m] = bulk_ * change;
+    energy += 0.5 * bulk_ * rest_[m] * change * change;
   }
   for (const Part& part : parts_) {
     const Eigen::Matrix<double, 4, 3> slope =
@@ -73,7 +74,7 @@ std::pair<std::vector<SparseMode>, std::vector<double>> MuscleVolume::stiff_mode
   for (std::size_t m = 0; m < rest_.size(); ++m) {
     if (!(rest_[m] > 0)) continue;
     result.first.emplace_back(slopes[m].begin(), slopes[m].end());
-    result.second.push_back(kMuscleBulk / rest_[m]);
+    result.second.push_back(bulk_ / rest_[m]);
   }
   return result;
 }

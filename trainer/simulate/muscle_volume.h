@@ -9,14 +9,15 @@
 namespace bodyopt {
 
 // Muscle is nearly incompressible, but linear tets held to their true bulk modulus one by one lock. Each tet is
-// therefore softer (material.h), and the volume of each muscle as a whole is held by
+// therefore softer (materials.h), and the volume of each muscle as a whole is held by
 //   energy = K/2 V_rest (V / V_rest - 1)^2.
 // The penalty that pressure by whole bodies instead of elements is: mean dilatation with one patch per muscle
 // (Nagtegaal, Parks and Rice 1974).
 class MuscleVolume {
  public:
   // A tet counts with its fibres' share of it.
-  MuscleVolume(const TetMesh& mesh, const std::vector<FibreTet>& fibres, std::size_t muscle_count);
+  MuscleVolume(const TetMesh& mesh, const std::vector<FibreTet>& fibres, std::size_t muscle_count,
+               const Materials& materials = {});
 
   // Adds the gradient (J/m, N x 3) at `nodes` to `gradient`; returns the energy, joules.
   double add_gradient(const Positions& nodes, Positions& gradient) const;
@@ -39,6 +40,7 @@ class MuscleVolume {
 
   std::vector<Part> parts_;
   std::vector<double> rest_;  // per muscle, cubic metres
+  double bulk_;               // K, Pa
 };
 
 }  // namespace bodyopt

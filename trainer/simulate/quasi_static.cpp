@@ -21,6 +21,7 @@ constexpr int kMaxIterations = 4000;
 constexpr double kPathTolerance = 1e-2;
 constexpr int kPathIterations = 8;
 constexpr double kMaxStep = 20 * std::numbers::pi / 180;  // of the fastest joint
+constexpr double kMaxFlexStep = 0.25;                     // of full activation
 constexpr double kMinStep = 1.0 / 500;                    // of the path
 constexpr double kDefaultSize = 3;                        // mean edges of the skin
 constexpr double kMinWeight = 1e-3;
@@ -60,20 +61,30 @@ void require_fit(const Character& character, const std::vector<Muscle>& muscles)
   }
 }
 
+void require_flex(std::span<const double> flex, std::size_t muscles) {
+  if (!flex.empty() && flex.size() != muscles) {
+    throw Error(ErrorKind::mismatch,
+                std::to_string(flex.size()) + " muscles are flexed, the body has " + std::to_string(muscles));
+  }
+  for (const double f : flex) {
+    if (!(f >= 0 && f <= 1)) throw Error(ErrorKind::mismatch, "muscles flex by 0 to 1, not by " + std::to_string(f));
+  }
+}
+
 // A cage's tets reach beyond the skin: they are as stiff as the share of them that is tissue. muscle: share of each tet
 // that is muscle.
-std::vector<TetMaterial> cage_materials(const Cage& cage, const std::vector<double>& muscle) {
+std::vector<TetMaterial> cage_materials(const Cage& cage, const std::vector<double>& muscle, const Materials& of) {
   std::vector<double> tissue(muscle.size(), 0);
   for (const CageSample& sample : cage.samples) tissue[static_cast<std::size_t>(sample.point.tet)] += sample.volume;
-  std::vector<TetMaterial> materials;
+  std::vector<TetMaterial> result;
   for (std::size_t t = 0; t < muscle.size(); ++t) {
     const double volume = tet_edges(cage.mesh, static_cast<Eigen::Index>(t)).determinant() / 6;
     const double filled = std::clamp(tissue[t] / volume, kLeastFilled, 1.0);
     const double fat = std::max(filled - muscle[t], 0.0);
-    materials.push_back(
-        {fat * kFat.mu + muscle[t] * kMuscle.mu, kCageLambda * (fat * kFat.lambda + muscle[t] * kMuscle.lambda)});
+    result.push_back({fat * of.fat.mu + muscle[t] * of.muscle.mu,
+                      kCageLambda * (fat * of.fat.lambda + muscle[t] * of.muscle.lambda)});
   }
-  return materials;
+  return result;
 }
 
 // The only root, or -1: the joint whose motion moves the whole body.
@@ -123,14 +134,16 @@ TetMesh fill_skin(const Character& character, double size) {
   return tetrahedralise(character.vertices, character.triangles, size > 0 ? size : kDefaultSize * mean_edge(character));
 }
 
-QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh)
-    : QuasiStaticBody(character, muscles, std::move(mesh), nullptr) {}
+QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
+                                 const Materials& materials)
+    : QuasiStaticBody(character, muscles, std::move(mesh), materials, nullptr) {}
 
-QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const Cage& cage)
-    : QuasiStaticBody(character, muscles, cage.mesh, &cage) {}
+QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const Cage& cage,
+                                 const Materials& materials)
+    : QuasiStaticBody(character, muscles, cage.mesh, materials, &cage) {}
 
 QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
-                                 const Cage* cage)
+                                 const Materials& materials, const Cage* cage)
     : skeleton_(character.skeleton),
       muscles_(muscles),
       mesh_(std::move(mesh)),
@@ -141,17 +154,17 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
   const auto joint_count = static_cast<Eigen::Index>(skeleton_.size());
 
   fibres_ = cage != nullptr ? label_muscles(*cage, muscles) : label_muscles(mesh_, muscles);
-  std::vector<TetMaterial> materials(tet_count, kFat);
+  std::vector<TetMaterial> tets(tet_count, materials.fat);
   std::vector<double> muscle(tet_count, 0);
   for (const FibreTet& fibre : fibres_) {
-    materials[static_cast<std::size_t>(fibre.tet)] = kMuscle;
+    tets[static_cast<std::size_t>(fibre.tet)] = materials.muscle;
     muscle[static_cast<std::size_t>(fibre.tet)] = fibre.share;
   }
-  if (cage != nullptr) materials = cage_materials(*cage, muscle);
-  tissue_ = std::make_unique<Tissue>(mesh_, materials, fibres_);
-  volume_ = std::make_unique<MuscleVolume>(mesh_, fibres_, muscles.size());
+  if (cage != nullptr) tets = cage_materials(*cage, muscle, materials);
+  tissue_ = std::make_unique<Tissue>(mesh_, tets, fibres_, materials);
+  volume_ = std::make_unique<MuscleVolume>(mesh_, fibres_, muscles.size(), materials);
 
-  const SparseMatrix laplacian = tet_laplacian(mesh_, metric_stiffness(materials, muscle));
+  const SparseMatrix laplacian = tet_laplacian(mesh_, metric_stiffness(tets, muscle, materials));
   const SparseMatrix no_springs(laplacian.rows(), laplacian.cols());
   const auto carry = [&](const SparseMatrix& springs, const NodeWeights& bone_share) {
     return cage != nullptr ? carry_through(character, *cage, laplacian, springs, bone_share)
@@ -159,7 +172,7 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
   };
   const NodeWeights smooth = carry(no_springs, NodeWeights::Zero(laplacian.rows(), joint_count));
   bones_ = cage != nullptr ? find_bones(*cage, character, smooth) : find_bones(mesh_, character, smooth);
-  springs_ = std::make_unique<BoneSprings>(mesh_, bones_, skeleton_.size());
+  springs_ = std::make_unique<BoneSprings>(mesh_, bones_, skeleton_.size(), materials);
   weights_ = carry(springs_->stiffness(), springs_->joint_stiffness());
   for (Eigen::Index n = 0; n < weights_.rows(); ++n) {
     std::vector<JointWeight>& entries = node_joints_.emplace_back();
@@ -174,9 +187,9 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
 
   SparseMatrix metric = laplacian + springs_->stiffness();
   if (cage == nullptr) {
-    bending_ = std::make_unique<SkinBending>(character.vertices, character.triangles, mesh_.nodes.rows());
+    bending_ = std::make_unique<SkinBending>(character.vertices, character.triangles, mesh_.nodes.rows(), materials);
     metric += bending_->stiffness();
-    contact_ = std::make_unique<SkinContact>(mesh_);
+    contact_ = std::make_unique<SkinContact>(mesh_, materials);
   }
   // A part no bone holds would leave the metric singular; this much holds it without being felt.
   const double diagonal = metric.diagonal().maxCoeff();
@@ -184,22 +197,26 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
   metric_ = std::make_unique<Metric>(metric);
   for (std::size_t t = 0; t < tet_count; ++t) {
     const double area = std::cbrt(std::pow(tet_edges(mesh_, static_cast<Eigen::Index>(t)).determinant() / 6, 2));
-    force_floor_ += std::pow(kStrainFloor * materials[t].mu * area, 2);
+    force_floor_ += std::pow(kStrainFloor * tets[t].mu * area, 2);
   }
   force_floor_ = std::sqrt(force_floor_);
-  hash_ = body_hash(character, muscles, mesh_, cage != nullptr);
+  hash_ = body_hash(character, muscles, materials, mesh_, cage != nullptr);
 }
 
 Positions QuasiStaticBody::skin(const Positions& nodes) const {
   return embedding_.empty() ? Positions(nodes.topRows(skin_count_)) : embed(embedding_, mesh_.tets, nodes);
 }
 
-QuasiStaticBody::Target QuasiStaticBody::target(const std::vector<JointTransform>& local) const {
+QuasiStaticBody::Target QuasiStaticBody::target(const std::vector<JointTransform>& local,
+                                                std::span<const double> flex) const {
   const std::vector<Affine> skinning = skinning_matrices(skeleton_, local);
   std::vector<Quat> joint_rotation;
   for (const Affine& matrix : skinning) joint_rotation.push_back(normalized(decompose(matrix).rotation));
   Target result;
   result.activation = activations(muscles_, skinning);
+  for (std::size_t m = 0; m < flex.size(); ++m) {
+    result.activation[m] = std::lerp(result.activation[m], muscles_[m].max_activation, flex[m]);
+  }
   result.springs = springs_->pose(skinning);
   result.skinned.resize(mesh_.nodes.rows(), 3);
   for (std::size_t n = 0; n < node_joints_.size(); ++n) {
@@ -279,12 +296,13 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, Positions& nodes) const
   return result;
 }
 
-SolvedPose QuasiStaticBody::solve(const Pose& pose) const {
+SolvedPose QuasiStaticBody::solve(const Pose& pose, std::span<const double> flex) const {
   const auto start_time = std::chrono::steady_clock::now();
   if (pose.joints.size() != skeleton_.size()) {
     throw Error(ErrorKind::mismatch, "a pose of " + std::to_string(pose.joints.size()) +
                                          " joints was given to a body of " + std::to_string(skeleton_.size()));
   }
+  require_flex(flex, muscles_.size());
   std::vector<JointTransform> end = pose.joints;
   const int root = single_root(skeleton_);
   if (root >= 0) end[static_cast<std::size_t>(root)] = skeleton_.joints[static_cast<std::size_t>(root)].bind;
@@ -293,16 +311,22 @@ SolvedPose QuasiStaticBody::solve(const Pose& pose) const {
     widest =
         std::max(widest, rotation_between(normalized(skeleton_.joints[j].bind.rotation), normalized(end[j].rotation)));
   }
-  const double full_step = 1 / std::max(std::ceil(widest / kMaxStep), 1.0);
+  const double hardest = flex.empty() ? 0 : *std::max_element(flex.begin(), flex.end());
+  const double full_step = 1 / std::max({std::ceil(widest / kMaxStep), std::ceil(hardest / kMaxFlexStep), 1.0});
 
   SolvedPose solved;
   Positions& nodes = solved.nodes;
   nodes = mesh_.nodes;
-  Target here = target(on_path(skeleton_, end, 0));
+  const auto target_at = [&](double u) {
+    std::vector<double> partly(flex.begin(), flex.end());
+    for (double& f : partly) f *= u;
+    return target(on_path(skeleton_, end, u), partly);
+  };
+  Target here = target_at(0);
   double at = 0, step = full_step;
   while (at < 1) {
     const double next = at + step > 1 - 1e-9 ? 1 : at + step;
-    Target there = target(on_path(skeleton_, end, next));
+    Target there = target_at(next);
     Positions start = carried(here, there, nodes);
     if (tissue_->inverted(start) > 0) {
       if (step > kMinStep) {

@@ -28,8 +28,10 @@ class QuasiStaticBody {
  public:
   // Tets whose first V nodes are the skin's vertices, or a cage that carries the skin. Throw Error(mismatch) when the
   // muscles do not fit the skeleton.
-  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh);
-  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const Cage& cage);
+  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
+                  const Materials& materials = {});
+  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const Cage& cage,
+                  const Materials& materials = {});
   // In tets of fill_skin, throwing as it does.
   QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, double tet_size)
       : QuasiStaticBody(character, muscles, fill_skin(character, tet_size)) {}
@@ -39,10 +41,13 @@ class QuasiStaticBody {
   //
   // residual = sqrt(sum over all nodes of |f_i|^2) / sqrt(sum over all tets and their four nodes of |f_ta|^2), where
   // f_ta is the elastic force (passive, active and barrier terms together) of tet t on its node a, and f_i is the sum
-  // of those around node i plus muscle volume, bone springs, the skin's bending and contact as it was found for the last
-  // round of relaxing: no node is held otherwise. converged: residual below 1e-4 and no inverted tet. A frame that has
-  // not come so far after kMaxIterations, or cannot, is left unconverged.
-  SolvedPose solve(const Pose& pose) const;
+  // of those around node i plus muscle volume, bone springs, the skin's bending and contact as it was found for the
+  // last round of relaxing: no node is held otherwise. converged: residual below 1e-4 and no inverted tet. A frame that
+  // has not come so far after kMaxIterations, or cannot, is left unconverged.
+  //
+  // flex: per muscle, 0 to 1, or empty: the share of what is left of its activation in the pose that is added, raised
+  // from 0 along the path.
+  SolvedPose solve(const Pose& pose, std::span<const double> flex = {}) const;
 
   // V x 3: where nodes (N x 3) take the skin. With conforming tets these are the first V nodes.
   Positions skin(const Positions& nodes) const;
@@ -65,8 +70,9 @@ class QuasiStaticBody {
     Positions skinned;           // N x 3: the rest nodes by linear blend skinning
     std::vector<Quat> rotation;  // N: blended joint rotations
   };
-  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh, const Cage* cage);
-  Target target(const std::vector<JointTransform>& local) const;
+  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
+                  const Materials& materials, const Cage* cage);
+  Target target(const std::vector<JointTransform>& local, std::span<const double> flex) const;
   Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
   Objective energy(const Target& at, const std::vector<ContactPlane>& planes, bool hold_volume) const;
   std::vector<ContactPlane> find_contact(const Positions& nodes) const;

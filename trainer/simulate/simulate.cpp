@@ -26,7 +26,7 @@ constexpr Eigen::Index kCageNodes = 5000;
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
                           const SimulateOptions& options) {
   if (options.draft) {
-    return {character, muscles, cage_of_nodes(character.vertices, character.triangles, kDraftNodes)};
+    return {character, muscles, cage_of_nodes(character.vertices, character.triangles, kDraftNodes), options.materials};
   }
   TetMesh mesh;
   try {
@@ -37,9 +37,9 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
                                            : cage_of_nodes(character.vertices, character.triangles, kCageNodes);
     options.warn(std::string(error.what()) + "; it is simulated in a cage of " +
                  std::to_string(cage.mesh.nodes.rows()) + " nodes around it");
-    return {character, muscles, cage};
+    return {character, muscles, cage, options.materials};
   }
-  return {character, muscles, std::move(mesh)};
+  return {character, muscles, std::move(mesh), options.materials};
 }
 
 const Pose& pose_of(const Clip& clip, int frame) {
@@ -61,17 +61,41 @@ void require_distinct(const std::vector<int>& frames) {
   }
 }
 
+void require_flexes(const Clip& clip, const Pose& pose, int frame) {
+  for (std::size_t c = 0; c < clip.controls.size(); ++c) {
+    const float value = pose.controls[c];
+    if (value >= 0 && value <= 1) continue;
+    throw Error(ErrorKind::mismatch, "control '" + clip.controls[c] + "' is " + std::to_string(value) + " in frame " +
+                                         std::to_string(frame) + ": muscles flex by 0 (relaxed) to 1 (all they can)");
+  }
+}
+
 // A frame to solve; frames of the same key have the same shape.
 struct Job {
   std::uint64_t key;
   const Pose* pose;
+  std::vector<double> flex;  // per muscle; empty: none
 };
 
-std::vector<Job> jobs_of(const QuasiStaticBody& body, const Clip& clip, const std::vector<int>& frames) {
+// How far a pose's controls flex each muscle: the hardest of those that flex it.
+std::vector<double> flex_of(const Pose& pose, const std::vector<std::vector<std::size_t>>& flexed,
+                            std::size_t muscles) {
+  std::vector<double> flex(flexed.empty() ? 0 : muscles, 0.0);
+  for (std::size_t c = 0; c < flexed.size(); ++c) {
+    for (const std::size_t m : flexed[c]) flex[m] = std::max(flex[m], static_cast<double>(pose.controls[c]));
+  }
+  return flex;
+}
+
+std::vector<Job> jobs_of(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip,
+                         const std::vector<int>& frames) {
+  const std::vector<std::vector<std::size_t>> flexed = flexed_muscles(clip.controls, muscles);
   std::vector<Job> jobs;
   for (const int frame : frames) {
     const Pose& pose = pose_of(clip, frame);
-    jobs.push_back({pose_hash(body.hash(), pose), &pose});
+    require_flexes(clip, pose, frame);
+    const std::vector<double> flex = flex_of(pose, flexed, muscles.size());
+    jobs.push_back({pose_hash(body.hash(), pose, flex), &pose, flex});
   }
   return jobs;
 }
@@ -143,7 +167,7 @@ void solve_all(const QuasiStaticBody& body, const std::vector<Job>& jobs, int th
   const auto work = [&] {
     try {
       for (std::size_t k = next++; k < jobs.size(); k = next++) {
-        const SolvedPose solved = body.solve(*jobs[k].pose);
+        const SolvedPose solved = body.solve(*jobs[k].pose, jobs[k].flex);
         const std::vector<float> values = stored(solved.nodes);
         const std::lock_guard<std::mutex> lock(mutex);
         partial.append(jobs[k].key, solved.status, values);
@@ -189,7 +213,7 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
     return options.draft ? std::vector<float>(nodes.data(), nodes.data() + nodes.size())
                          : output_from_welded(character, body.skin(nodes));
   };
-  const std::vector<Job> jobs = jobs_of(body, clip, frames);
+  const std::vector<Job> jobs = jobs_of(body, muscles, clip, frames);
   adopt_finished(cache, status, options.draft, jobs, values, options.warn, partial);
   solve_all(body, open_jobs(jobs, partial), options.threads, stored, partial);
 

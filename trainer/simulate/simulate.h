@@ -10,6 +10,7 @@
 #include "trainer/dataset/clip.h"
 #include "trainer/dataset/dataset.h"
 #include "trainer/dataset/muscles.h"
+#include "trainer/simulate/materials.h"
 
 namespace bodyopt {
 
@@ -17,6 +18,7 @@ struct SimulateOptions {
   double tet_size = 0;  // metres; 0: chosen from the skin's edge lengths
   int threads = 0;      // 0: all
   bool draft = false;   // in a cage of 1,500 nodes or fewer; the cache then holds nodes (nodes_cache.h)
+  Materials materials{};
   std::function<void(const std::string&)> warn = [](const std::string&) {};  // told before the work begins
 };
 

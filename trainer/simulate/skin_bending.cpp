@@ -4,9 +4,10 @@
 
 namespace bodyopt {
 
-SkinBending::SkinBending(const Positions& vertices, const Triangles& triangles, Eigen::Index node_count)
+SkinBending::SkinBending(const Positions& vertices, const Triangles& triangles, Eigen::Index node_count,
+                         const Materials& materials)
     : laplacian_(cotangent_laplacian(vertices, triangles)),
-      weight_(kSkinBending * lumped_areas(vertices, triangles).cwiseInverse()),
+      weight_(materials.skin_bending * lumped_areas(vertices, triangles).cwiseInverse()),
       rest_curvature_(laplacian_ * vertices),
       stiffness_(laplacian_.transpose() * weight_.asDiagonal() * laplacian_) {
   stiffness_.conservativeResize(node_count, node_count);

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "trainer/simulate/materials.h"
 #include "trainer/simulate/metric.h"
 
 namespace bodyopt {
@@ -14,7 +15,8 @@ namespace bodyopt {
 class SkinBending {
  public:
   // `node_count` >= vertices; the skin's vertices are the first nodes.
-  SkinBending(const Positions& vertices, const Triangles& triangles, Eigen::Index node_count);
+  SkinBending(const Positions& vertices, const Triangles& triangles, Eigen::Index node_count,
+              const Materials& materials = {});
 
   // R_i (L X)_i of a pose, V x 3, metres. rotation: at least V, rest to posed.
   Positions curvature(const std::vector<Quat>& rotation) const;

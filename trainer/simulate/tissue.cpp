@@ -7,6 +7,14 @@
 #include <limits>
 
 namespace bodyopt {
+namespace {
+
+// A tet compressed below this share of its volume is pushed back by a logarithmic barrier that no step can cross:
+// J <= 0 has infinite energy.
+constexpr double kBarrierVolume = 0.3;
+constexpr double kBarrierWeight = 2;  // x lambda
+
+}  // namespace
 
 // Edge vectors from corner 0 to corners 1..3: edge[corner][axis][lane], metres.
 struct Tissue::Corners {
@@ -20,7 +28,9 @@ struct Tissue::Strain {
   double square[kLanes];          // |F|^2
 };
 
-Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& materials, std::vector<FibreTet> fibres) {
+Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::vector<FibreTet> fibres,
+               const Materials& materials)
+    : active_(materials.active_fibre), slack_(materials.active_slack), passive_(materials.passive_fibre) {
   const int count = static_cast<int>(mesh.tets.rows());
   std::sort(fibres.begin(), fibres.end(), [](const FibreTet& a, const FibreTet& b) { return a.tet < b.tet; });
   std::vector<int> order;
@@ -39,7 +49,7 @@ Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& materials, s
     const std::size_t lane = k % kLanes;
     const bool empty = k >= order.size();
     const int t = order[std::min(k, order.size() - 1)];
-    const TetMaterial& material = materials[static_cast<std::size_t>(t)];
+    const TetMaterial& material = tets[static_cast<std::size_t>(t)];
     for (int a = 0; a < 4; ++a) batch.node[a][lane] = mesh.tets(t, a);
     const Eigen::Matrix3d edges = tet_edges(mesh, t);
     const Eigen::Matrix3d slopes = edges.inverse();
@@ -117,11 +127,10 @@ double Tissue::fibre_force(const FibreBatch& batch, const Corners& corners, std:
              corners.edge[2][i][lane] * batch.slope[2][lane];
     }
     const double stretch = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    const double active = std::max(stretch - kActiveSlack, 0.0), passive = std::max(stretch - 1, 0.0);
-    const double stiffness = activation[static_cast<std::size_t>(batch.muscle[lane])] * kActiveStiffness;
-    energy += batch.volume[lane] * 0.5 * (stiffness * active * active + kPassiveFibreStiffness * passive * passive);
-    const double pull =
-        batch.volume[lane] * (stiffness * active + kPassiveFibreStiffness * passive) / std::max(stretch, 1e-12);
+    const double active = std::max(stretch - slack_, 0.0), passive = std::max(stretch - 1, 0.0);
+    const double stiffness = activation[static_cast<std::size_t>(batch.muscle[lane])] * active_;
+    energy += batch.volume[lane] * 0.5 * (stiffness * active * active + passive_ * passive * passive);
+    const double pull = batch.volume[lane] * (stiffness * active + passive_ * passive) / std::max(stretch, 1e-12);
     for (int a = 0; a < 3; ++a) {
       for (int i = 0; i < 3; ++i) force[a][i][lane] += pull * batch.slope[a][lane] * v[i];
     }

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "trainer/simulate/material.h"
+#include "trainer/simulate/materials.h"
 #include "trainer/tets/tets.h"
 
 namespace bodyopt {
@@ -21,13 +21,14 @@ struct FibreTet {
 //   mu/2 (|F|^2 - 3) + lambda/2 ((J - 1 - mu/lambda)^2 - (mu/lambda)^2)        stable neo-Hookean (Smith et al. 2018),
 //                                                                               without its singular log term
 //   + 2 lambda (J - 0.3)^2 (-ln(J / 0.3))                where J < 0.3
-//   + activation k_a/2 (s - 0.7)^2                       where s > 0.7, muscles only
+//   + activation k_a/2 (s - slack)^2                     where s > slack, muscles only
 //   + k_p/2 (s - 1)^2                                    where s > 1, muscles only
 // Zero with zero gradient at rest when all activations are zero.
 class Tissue {
  public:
-  // materials: one per tet. A tet has at most one entry in fibres.
-  Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& materials, std::vector<FibreTet> fibres);
+  // tets: one material per tet. A tet has at most one entry in fibres.
+  Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::vector<FibreTet> fibres,
+         const Materials& materials = {});
 
   struct Sum {
     double energy = 0;        // joules; infinite when a tet is inverted or flat (J <= 0)
@@ -63,6 +64,7 @@ class Tissue {
 
   std::vector<Batch> batches_;
   std::vector<FibreBatch> fibres_;  // of the first batches
+  double active_, slack_, passive_;
 };
 
 }  // namespace bodyopt

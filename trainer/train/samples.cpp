@@ -3,6 +3,7 @@
 #include <string>
 
 #include "runtime/basis/error.h"
+#include "trainer/dataset/controls.h"
 #include "trainer/dataset/shape_reader.h"
 #include "trainer/train/train.h"
 
@@ -41,14 +42,8 @@ void check_take(const DatasetTake& take, const Character& character, const Clip&
   }
 }
 
-// "FILE.glb#name" relative to the dataset's folder.
-std::string clip_source(const Dataset& dataset, const std::string& clip) { return (dataset.folder / clip).string(); }
-
-void read_take(const Dataset& dataset, int index, SampleSet& set) {
+void read_take(const Dataset& dataset, int index, const Clip& clip, SampleSet& set) {
   const DatasetTake& take = dataset.takes[static_cast<std::size_t>(index)];
-  const Clip clip =
-      read_clip(clip_source(dataset, take.clip), set.character.skeleton,
-                {.fps = take.fps, .first_frame = take.first_frame, .unit = clip_unit(take.clip, dataset.unit)});
   for (const std::string& note : clip.notes) set.notes.push_back("take '" + take.name + "': " + note);
   const ShapeReader shapes(dataset.folder / take.shapes);
   check_take(take, set.character, clip, shapes);
@@ -76,7 +71,18 @@ SampleSet read_samples(const Dataset& dataset) {
   set.character = read_character(dataset.folder / dataset.character, dataset.unit);
   set.notes = set.character.notes;
   if (!dataset.muscles.empty()) set.muscles = read_muscles(dataset.folder / dataset.muscles, set.character.skeleton);
-  for (std::size_t k = 0; k < dataset.takes.size(); ++k) read_take(dataset, static_cast<int>(k), set);
+  // Every pose gets a value for every control of any take.
+  std::vector<Clip> clips;
+  for (const DatasetTake& take : dataset.takes) {
+    clips.push_back(read_clip(dataset, take, set.character.skeleton));
+    for (const std::string& name : clips.back().controls) {
+      if (std::find(set.controls.begin(), set.controls.end(), name) == set.controls.end()) set.controls.push_back(name);
+    }
+  }
+  for (std::size_t k = 0; k < clips.size(); ++k) {
+    arrange_controls(set.controls, clips[k]);
+    read_take(dataset, static_cast<int>(k), clips[k], set);
+  }
   return set;
 }
 

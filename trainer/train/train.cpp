@@ -73,6 +73,13 @@ void check_samples(const SampleSet& set) {
                                          std::to_string(sample.take) +
                                          ": its shape does not fit the character, or is not a finite number");
   }
+  for (const Sample& sample : set.train) {
+    if (sample.pose.controls.size() == set.controls.size()) continue;
+    throw Error(ErrorKind::mismatch, "frame " + std::to_string(sample.frame) + " of take " +
+                                         std::to_string(sample.take) + " has " +
+                                         std::to_string(sample.pose.controls.size()) + " control values for " +
+                                         std::to_string(set.controls.size()) + " controls");
+  }
 }
 
 // Sum of the squared un-posed displacements of some training frames, spread evenly.
@@ -181,9 +188,7 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
   TrainOptions fit_options = options;
   if (options.match_bytes > 0) fit_options.components = std::max(options.components, kMostComponents);
   ResidualModel model = fit_residual(ordered, basis, regions, groups, features, displacements, takes, fit_options);
-  for (std::size_t k = 0; k < poses[0]->controls.size(); ++k) {
-    model.controls.push_back("control" + std::to_string(k + 1));
-  }
+  model.controls = set.controls;
   const double mean_displacement =
       std::sqrt(3 * double{displacements.squaredNorm()} / static_cast<double>(displacements.size()));
   const double negligible = kNegligible * mean_displacement;

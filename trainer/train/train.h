@@ -32,6 +32,7 @@ struct Sample {
 struct SampleSet {
   Character character;
   std::vector<Muscle> muscles;
+  std::vector<std::string> controls;  // of every pose, by name
   std::vector<Sample> train, heldout;
   int unconverged = 0;
   std::vector<std::string> notes;
