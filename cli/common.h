@@ -80,6 +80,7 @@ void add_train(CLI::App& app);
 void add_eval(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_export(CLI::App& app);
+void add_picture(CLI::App& app);
 void add_info(CLI::App& app);
 void add_devices(CLI::App& app);
 

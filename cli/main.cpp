@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
   add_eval(app);
   add_compare(app);
   add_export(app);
+  add_picture(app);
   add_info(app);
   add_devices(app);
 

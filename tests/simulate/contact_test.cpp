@@ -81,15 +81,22 @@ TEST(Contact, GradientIsTheEnergysDerivativeAndMakesNoNetForce) {
 
 // Planes found before parts touch stand for the contact that follows.
 TEST(Contact, NearbySkinIsFoundBeforeItTouches) {
-  const TetMesh mesh = two_limbs(0.001);
+  const TetMesh mesh = two_limbs(0.02);
   const SkinContact contact(mesh);
-  const Positions pushed = moved_apart(mesh, -0.004);
+  const Positions near = moved_apart(mesh, -0.019), pushed = moved_apart(mesh, -0.024);
   Positions early = Positions::Zero(mesh.nodes.rows(), 3), late = early;
-  const double before = contact.add_gradient(contact.find(mesh.nodes, kMargin), pushed, early);
+  const double before = contact.add_gradient(contact.find(near, kMargin), pushed, early);
   const double after = contact.add_gradient(contact.find(pushed, kMargin), pushed, late);
   EXPECT_GT(after, 0);
   EXPECT_NEAR(before, after, 0.5 * after);
   EXPECT_GT(early.cwiseProduct(late).sum(), 0.8 * early.norm() * late.norm());
+}
+
+// What is as near at rest is the same part: neighbours in the skin do not push each other.
+TEST(Contact, WhatIsOnePartAtRestDoesNotCollide) {
+  const TetMesh touching = two_limbs(0.0005), apart = two_limbs(0.05);
+  EXPECT_TRUE(SkinContact(touching).find(moved_apart(touching, -0.0055), 0).empty());
+  EXPECT_FALSE(SkinContact(apart).find(moved_apart(apart, -0.055), 0).empty());
 }
 
 // A limb folded on itself: skin lies on skin.

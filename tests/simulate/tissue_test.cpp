@@ -186,12 +186,29 @@ TEST(Tissue, ForceScaleIsTheSumOverTetsAlone) {
   EXPECT_NEAR(found, expected, 1e-12 * expected);
 }
 
-TEST(Tissue, InvertedTetsHaveInfiniteEnergyAndAreCounted) {
+// Below the barrier's steepest point, through flat, to inside out.
+TEST(Tissue, InvertedGradientIsTheEnergysDerivative) {
+  const TetMesh mesh = block(3, 2, 2, 0.01);
+  const Tissue tissue(mesh, all(mesh, Materials{}.fat), {});
+  for (const double height : {0.06, 0.05, 0.02, -0.01, -0.5}) {
+    const Positions squashed = mapped(mesh.nodes, Eigen::Vector3d(height, 1, 0.9).asDiagonal(), {0, 0, 0});
+    expect_gradient(tissue, shaken(squashed, 0.00001, 8), {});
+  }
+}
+
+// An inverted tet has more energy than any that is upright, and is pushed back.
+TEST(Tissue, InvertedTetsRecoverAndAreCounted) {
   const TetMesh mesh = block(2, 2, 2, 0.01);
   const Tissue tissue(mesh, all(mesh, Materials{}.fat), {});
   Positions gradient = Positions::Zero(mesh.nodes.rows(), 3);
   const Positions mirrored = mapped(mesh.nodes, Eigen::Vector3d(-1, 1, 1).asDiagonal(), {0, 0, 0});
-  EXPECT_EQ(tissue.add_gradient(mirrored, {}, gradient).energy, std::numeric_limits<double>::infinity());
+  double last = std::numeric_limits<double>::infinity();
+  for (double height = -1; height <= 1; height += 0.01) {
+    const Positions stretched = mapped(mesh.nodes, Eigen::Vector3d(height, 1, 1).asDiagonal(), {0, 0, 0});
+    const double energy = tissue.add_gradient(stretched, {}, gradient).energy;
+    EXPECT_LT(energy, last) << height;
+    last = energy;
+  }
   EXPECT_EQ(tissue.inverted(mirrored), mesh.tets.rows());
   EXPECT_EQ(tissue.inverted(mesh.nodes), 0);
   const Positions flat = mapped(mesh.nodes, Eigen::Vector3d(0, 1, 1).asDiagonal(), {0, 0, 0});

@@ -6,12 +6,15 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 
 namespace bodyopt {
 namespace {
 
 // A node counts as near to a tet when its barycentric weights in it are not below this.
 constexpr double kMostOutside = -0.3;
+// Nodes this near to a tet at rest, relative to its size, are of the same part and do not collide with it.
+constexpr double kSamePart = 0.5;
 constexpr double kContactReach = 2e-3;  // m: a depth at which the pressure has doubled its slope
 
 // Corners of the face opposite to each corner, outwards for a tet of positive volume.
@@ -78,7 +81,7 @@ class Grid {
   Grid(const Positions& points, const std::vector<int>& chosen, double cell) : cell_(cell) {
     origin_ = points.colwise().minCoeff().transpose();
     const Eigen::Vector3d extent = points.colwise().maxCoeff().transpose() - origin_;
-    constexpr double kMostCells = 128;
+    constexpr double kMostCells = 200;
     cell_ = std::max(cell_, extent.maxCoeff() / kMostCells);
     for (int i = 0; i < 3; ++i) size_[i] = static_cast<int>(extent[i] / cell_) + 1;
     begin_.assign(static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1] * size_[2]) + 1, 0);
@@ -134,6 +137,7 @@ Eigen::Matrix3d edges_of(const Tets& tets, int tet, const Positions& nodes) {
 
 SkinContact::SkinContact(const TetMesh& mesh, const Materials& materials)
     : tets_(mesh.tets),
+      rest_(mesh.nodes),
       surface_(boundary(mesh.tets)),
       area_(static_cast<std::size_t>(mesh.nodes.rows()), 0.0),
       stiffness_(materials.contact) {
@@ -148,7 +152,7 @@ SkinContact::SkinContact(const TetMesh& mesh, const Materials& materials)
   }
   double area = 0;
   for (const double a : area_) area += a;
-  cell_ = 2 * std::sqrt(area / static_cast<double>(skin_.size()));
+  cell_ = 0.7 * std::sqrt(area / static_cast<double>(skin_.size()));
   depth_.assign(area_.size(), 0.0);
   double longest = 0;
   for (Eigen::Index t = 0; t < surface_.rows(); ++t) {
@@ -174,21 +178,26 @@ double SkinContact::depth_of(const Eigen::Vector3d& p, const Positions& nodes, d
   return nearest;
 }
 
-ContactPlane SkinContact::plane(int node, int tet, const Positions& nodes) const {
-  ContactPlane plane{node, tet, {}, {}, 0};
-  const Eigen::Matrix3d inverse = edges_of(tets_, tet, nodes).inverse();
-  plane.weights.tail<3>() = inverse * (row(nodes, node) - row(nodes, tets_(tet, 0)));
+SkinContact::DepthField SkinContact::depth_field(int tet, const Positions& nodes) const {
+  DepthField field;
+  field.origin = row(nodes, tets_(tet, 0));
+  field.inverse = edges_of(tets_, tet, nodes).inverse();
+  for (int a = 0; a < 4; ++a) field.depth[a] = depth_[static_cast<std::size_t>(tets_(tet, a))];
+  field.slope = field.inverse.transpose() * (field.depth.tail<3>().array() - field.depth[0]).matrix();
+  field.steepness[0] = field.inverse.colwise().sum().norm();
+  for (int a = 0; a < 3; ++a) field.steepness[a + 1] = field.inverse.row(a).norm();
+  return field;
+}
+
+ContactPlane SkinContact::plane(int node, int tet, const DepthField& field, const Positions& nodes) {
+  ContactPlane plane{node, tet, {}, field.slope, 0};
+  plane.weights.tail<3>() = field.inverse * (row(nodes, node) - field.origin);
   plane.weights[0] = 1 - plane.weights.tail<3>().sum();
-  Eigen::Vector4d depth;
-  for (int a = 0; a < 4; ++a) depth[a] = depth_[static_cast<std::size_t>(tets_(tet, a))];
-  plane.slope = inverse.transpose() * (depth.tail<3>().array() - depth[0]).matrix();
-  plane.offset = plane.weights.dot(depth);  // at the shape it is found in, node and weighted corners are one point
+  plane.offset = plane.weights.dot(field.depth);  // where it is found, node and weighted corners are one point
   // What is outside has not passed through the skin, whatever the depth inside extrapolates to: it is at least as far
   // away as the tet.
-  const Eigen::RowVector3d first = -inverse.colwise().sum();
   for (int a = 0; a < 4; ++a) {
-    const double slope = a == 0 ? first.norm() : inverse.row(a - 1).norm();
-    if (plane.weights[a] < 0) plane.offset = std::min(plane.offset, plane.weights[a] / slope);
+    if (plane.weights[a] < 0) plane.offset = std::min(plane.offset, plane.weights[a] / field.steepness[a]);
   }
   return plane;
 }
@@ -208,15 +217,26 @@ std::vector<ContactPlane> SkinContact::find(const Positions& nodes, double margi
       deepest = std::max(deepest, depth_[static_cast<std::size_t>(corners[a])]);
     }
     if (!(deepest > 0)) continue;
+    Eigen::Vector3d rest_low = row(rest_, corners[0]), rest_high = rest_low;
+    for (int a = 1; a < 4; ++a) {
+      rest_low = rest_low.cwiseMin(row(rest_, corners[a]));
+      rest_high = rest_high.cwiseMax(row(rest_, corners[a]));
+    }
+    const double same_part = kSamePart * (rest_high - rest_low).maxCoeff();
+    rest_low.array() -= same_part;
+    rest_high.array() += same_part;
     low.array() -= margin;
     high.array() += margin;
+    std::optional<DepthField> field;
     grid.visit(low, high, [&](int n) {
       const Eigen::Vector3d p = row(nodes, n);
       if ((p.array() < low.array()).any() || (p.array() > high.array()).any()) return;
-      if ((corners.array() == n).any()) return;
-      const ContactPlane candidate = plane(n, t, nodes);
+      const Eigen::Vector3d at_rest = row(rest_, n);
+      if ((at_rest.array() > rest_low.array()).all() && (at_rest.array() < rest_high.array()).all()) return;
+      if (!field) field = depth_field(t, nodes);
       // The skin around a node faces out of its own tissue, and into tissue that it collides with.
-      if (!(normals.row(n).dot(candidate.slope.transpose()) > 0)) return;
+      if (!(normals.row(n).dot(field->slope.transpose()) > 0)) return;
+      const ContactPlane candidate = plane(n, t, *field, nodes);
       if (candidate.weights.minCoeff() < kMostOutside || candidate.offset < -margin) return;
       const auto k = static_cast<std::size_t>(n);
       if (found[k] && best[k].weights.minCoeff() >= candidate.weights.minCoeff()) return;

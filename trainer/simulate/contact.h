@@ -30,7 +30,8 @@ class SkinContact {
  public:
   explicit SkinContact(const TetMesh& mesh, const Materials& materials = {});
 
-  // One plane for every node that faces skin of another part within `margin` (metres) or has passed through it.
+  // One plane for every node that faces skin of another part within `margin` (metres) or has passed through it. What
+  // is as near at rest is the same part.
   std::vector<ContactPlane> find(const Positions& nodes, double margin) const;
 
   // Adds the gradient (J/m, N x 3) at `nodes` to `gradient`; returns the energy, joules.
@@ -41,9 +42,18 @@ class SkinContact {
 
  private:
   double depth_of(const Eigen::Vector3d& point, const Positions& nodes, double longest) const;
-  ContactPlane plane(int node, int tet, const Positions& nodes) const;
+  // The material depth inside a posed tet.
+  struct DepthField {
+    Eigen::Vector3d origin, slope;  // of corner 0; of the depth
+    Eigen::Matrix3d inverse;        // of the edges from corner 0: from positions to barycentric weights
+    Eigen::Vector4d depth;          // at the corners
+    Eigen::Vector4d steepness;      // of the barycentric weights, 1/m
+  };
+  DepthField depth_field(int tet, const Positions& nodes) const;
+  static ContactPlane plane(int node, int tet, const DepthField& field, const Positions& nodes);
 
   Tets tets_;
+  Positions rest_;             // N x 3, metres
   Triangles surface_;          // faces of one tet only, outwards
   std::vector<int> skin_;      // nodes of the surface, ascending
   std::vector<double> depth_;  // per node, metres

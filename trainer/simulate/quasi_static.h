@@ -80,8 +80,6 @@ class QuasiStaticBody {
   int follow(const Target& at, Positions& nodes) const;
   // To equilibrium, or as near as it gets.
   MinimiseResult settle(const Target& at, Positions& nodes) const;
-  // Moves on from `from` at `nodes` to `to` if that inverts no tet, else as far as it does not.
-  Positions approach(const Target& from, const Target& to, const Positions& nodes) const;
 
   Skeleton skeleton_;
   std::vector<Muscle> muscles_;

@@ -13,7 +13,6 @@
 #include "trainer/progress.h"
 #include "trainer/simulate/body_hash.h"
 #include "trainer/simulate/partial_shapes.h"
-#include "trainer/simulate/quasi_static.h"
 #include "trainer/single_threaded_products.h"
 
 namespace bodyopt {
@@ -22,25 +21,6 @@ namespace {
 constexpr Eigen::Index kDraftNodes = 1500;
 // For skins that no conforming tets fill: about the detail that tets of a skin of 10,000 vertices have inside.
 constexpr Eigen::Index kCageNodes = 5000;
-
-QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
-                          const SimulateOptions& options) {
-  if (options.draft) {
-    return {character, muscles, cage_of_nodes(character.vertices, character.triangles, kDraftNodes), options.materials};
-  }
-  TetMesh mesh;
-  try {
-    mesh = fill_skin(character, options.tet_size);
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::mismatch) throw;
-    const Cage cage = options.tet_size > 0 ? cage_of_size(character.vertices, character.triangles, options.tet_size)
-                                           : cage_of_nodes(character.vertices, character.triangles, kCageNodes);
-    options.warn(std::string(error.what()) + "; it is simulated in a cage of " +
-                 std::to_string(cage.mesh.nodes.rows()) + " nodes around it");
-    return {character, muscles, cage, options.materials};
-  }
-  return {character, muscles, std::move(mesh), options.materials};
-}
 
 const Pose& pose_of(const Clip& clip, int frame) {
   if (frame < clip.first_frame || frame > clip.last_frame()) {
@@ -196,6 +176,30 @@ std::vector<EmbeddedPoint> output_embedding(const Character& character, const Qu
 }
 
 }  // namespace
+
+QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
+                          const SimulateOptions& options) {
+  if (options.draft) {
+    return {character, muscles, cage_of_nodes(character.vertices, character.triangles, kDraftNodes), options.materials};
+  }
+  TetMesh mesh;
+  try {
+    mesh = fill_skin(character, options.tet_size);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::mismatch) throw;
+    const Cage cage = options.tet_size > 0 ? cage_of_size(character.vertices, character.triangles, options.tet_size)
+                                           : cage_of_nodes(character.vertices, character.triangles, kCageNodes);
+    options.warn(std::string(error.what()) + "; it is simulated in a cage of " +
+                 std::to_string(cage.mesh.nodes.rows()) + " nodes around it");
+    return {character, muscles, cage, options.materials};
+  }
+  return {character, muscles, std::move(mesh), options.materials};
+}
+
+SolvedPose solve_frame(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame) {
+  const Job job = jobs_of(body, muscles, clip, {frame}).front();
+  return body.solve(*job.pose, job.flex);
+}
 
 std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
                                   const std::vector<int>& frames, const std::filesystem::path& cache,

@@ -10,7 +10,7 @@
 #include "trainer/dataset/clip.h"
 #include "trainer/dataset/dataset.h"
 #include "trainer/dataset/muscles.h"
-#include "trainer/simulate/materials.h"
+#include "trainer/simulate/quasi_static.h"
 
 namespace bodyopt {
 
@@ -22,8 +22,17 @@ struct SimulateOptions {
   std::function<void(const std::string&)> warn = [](const std::string&) {};  // told before the work begins
 };
 
+// The body that frames are solved with: conforming tets; a draft's cage; or, with a warning that says why, a cage for a
+// skin that tets cannot fill.
+QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
+                          const SimulateOptions& options);
+
+// One frame of a clip, its controls flexing muscles. Throws Error(usage) for a frame the clip lacks, Error(mismatch)
+// for controls that flex no muscle or are not within 0..1.
+SolvedPose solve_frame(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame);
+
 // Simulates the given frames of a clip and writes `cache` (PC2, output vertex order; a draft's nodes) and `status`
-// (side-car). A skin that tets cannot fill is simulated in a cage, with a warning that says why. A frame that an
+// (side-car). A frame that an
 // earlier run, interrupted or finished, solved with the same inputs is taken over from these two files or the
 // unfinished one. An unconverged frame is stored and flagged. Throws Error(interrupted) after SIGINT; what was finished
 // by then is not lost.

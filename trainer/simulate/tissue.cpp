@@ -9,10 +9,25 @@
 namespace bodyopt {
 namespace {
 
-// A tet compressed below this share of its volume is pushed back by a logarithmic barrier that no step can cross:
-// J <= 0 has infinite energy.
+// A tet compressed below this share of its volume is pushed back by a logarithmic barrier.
 constexpr double kBarrierVolume = 0.3;
 constexpr double kBarrierWeight = 2;  // x lambda
+// Below this share the barrier goes on as a parabola: were it infinite at J = 0, the smallest tet would stop every step
+// of all others.
+constexpr double kSteepestVolume = 0.05;
+
+// Value and slope of (J - 0.3)^2 (-ln(J / 0.3)), extended.
+struct Barrier {
+  double value, slope;
+};
+Barrier barrier(double j) {
+  const double from = std::max(j, kSteepestVolume), below = from - kBarrierVolume;
+  const double log_ratio = std::log(from / kBarrierVolume);
+  const double slope = -2 * below * log_ratio - below * below / from;
+  const double curvature = -2 * log_ratio - 4 * below / from + below * below / (from * from);
+  const double beyond = j - from;
+  return {-below * below * log_ratio + beyond * (slope + 0.5 * beyond * curvature), slope + beyond * curvature};
+}
 
 }  // namespace
 
@@ -148,10 +163,6 @@ Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double>
     Strain s;
     gather(batch, nodes, corners);
     const double smallest = strain(batch, corners, s);
-    if (!(smallest > 0)) {
-      sum.energy = std::numeric_limits<double>::infinity();
-      return sum;
-    }
     double pressure[kLanes], density[kLanes];
     for (int lane = 0; lane < kLanes; ++lane) {
       const double rest = batch.mu[lane] / batch.lambda[lane], j = s.volume_ratio[lane] - 1 - rest;
@@ -160,11 +171,10 @@ Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double>
     }
     if (smallest < kBarrierVolume) {
       for (int lane = 0; lane < kLanes; ++lane) {
-        const double j = s.volume_ratio[lane], below = j - kBarrierVolume, kappa = kBarrierWeight * batch.lambda[lane];
-        if (below >= 0) continue;
-        const double log_ratio = std::log(j / kBarrierVolume);
-        density[lane] -= kappa * below * below * log_ratio;
-        pressure[lane] -= kappa * (2 * below * log_ratio + below * below / j);
+        if (s.volume_ratio[lane] >= kBarrierVolume) continue;
+        const Barrier wall = barrier(s.volume_ratio[lane]);
+        density[lane] += kBarrierWeight * batch.lambda[lane] * wall.value;
+        pressure[lane] += kBarrierWeight * batch.lambda[lane] * wall.slope;
       }
     }
     double stress[3][3][kLanes], force[3][3][kLanes];

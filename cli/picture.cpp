@@ -1,0 +1,200 @@
+// bodyopt picture: a frame of a dataset as the simulation left it, whole or cut open.
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "cli/common.h"
+#include "cli/report/pictures.h"
+#include "cli/report/section.h"
+#include "runtime/basis/error.h"
+#include "runtime/rig.h"
+#include "trainer/dataset/notes.h"
+#include "trainer/dataset/shape_reader.h"
+#include "trainer/simulate/simulate.h"
+#include "trainer/tets/embedding.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct PictureArguments {
+  std::string dataset, take, around, out;
+  int frame = 1;
+  double radius = 0.25;
+  std::vector<float> direction{0, 0, 1};
+  bool cut_open = false;
+  std::vector<std::uint32_t> size{900, 900};
+};
+
+// One frame of one take, with all that goes with it.
+struct Scene {
+  Dataset dataset;
+  DatasetTake take;
+  Character character;
+  Clip clip;
+  std::vector<float> skin;  // V x 3
+};
+
+Scene read_scene(const PictureArguments& arguments) {
+  std::filesystem::path path = arguments.dataset;
+  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  Scene scene;
+  scene.dataset = read_dataset(path);
+  const auto take = std::find_if(scene.dataset.takes.begin(), scene.dataset.takes.end(), [&](const DatasetTake& t) {
+    return arguments.take.empty() || t.name == arguments.take;
+  });
+  if (take == scene.dataset.takes.end()) {
+    throw Error(ErrorKind::usage, path.string() + " has no take '" + arguments.take + "'");
+  }
+  scene.take = *take;
+  const auto at = std::find(take->frames.begin(), take->frames.end(), arguments.frame);
+  if (at == take->frames.end()) {
+    throw Error(ErrorKind::usage,
+                format("frame %d is not among the shapes of take '%s'", arguments.frame, take->name.c_str()));
+  }
+  scene.character = read_character(scene.dataset.folder / scene.dataset.character, scene.dataset.unit);
+  scene.clip = read_clip(scene.dataset, scene.take, scene.character.skeleton);
+  const ShapeReader shapes(scene.dataset.folder / take->shapes);
+  const auto sample = static_cast<std::uint32_t>(at - take->frames.begin());
+  if (shapes.point_count() != scene.character.output_count() || sample >= shapes.sample_count()) {
+    throw Error(ErrorKind::mismatch, take->shapes + " does not fit the dataset: try `bodyopt check`");
+  }
+  const Positions skin = welded_from_output(scene.character, shapes.sample(sample).data());
+  scene.skin.assign(skin.data(), skin.data() + skin.size());
+  return scene;
+}
+
+// Where the camera looks: around a joint, or at all of the skin.
+struct View {
+  Camera camera;
+  Vec3 centre;
+};
+
+View choose_view(const PictureArguments& arguments, const Scene& scene, const Pose& pose) {
+  const std::array<float, 3> direction{arguments.direction[0], arguments.direction[1], arguments.direction[2]};
+  const float aspect = static_cast<float>(arguments.size[0]) / static_cast<float>(arguments.size[1]);
+  std::array<float, 3> low, high;
+  for (std::size_t i = 0; i < 3; ++i) {
+    low[i] = high[i] = scene.skin[i];
+    for (std::size_t v = i; v < scene.skin.size(); v += 3) {
+      low[i] = std::min(low[i], scene.skin[v]);
+      high[i] = std::max(high[i], scene.skin[v]);
+    }
+  }
+  if (!arguments.around.empty()) {
+    const int joint = scene.character.skeleton.find(arguments.around);
+    if (joint < 0) {
+      std::vector<std::string> names;
+      for (const Joint& known : scene.character.skeleton.joints) names.push_back(known.name);
+      throw Error(ErrorKind::usage, "--around: the character has no joint '" + arguments.around + "'; it has " +
+                                        list_names(names));
+    }
+    const Affine world = posed_joints(scene.character.skeleton, pose.joints)[static_cast<std::size_t>(joint)];
+    for (std::size_t i = 0; i < 3; ++i) {
+      low[i] = static_cast<float>(world.m[i][3] - arguments.radius);
+      high[i] = static_cast<float>(world.m[i][3] + arguments.radius);
+    }
+  }
+  View view{frame_box(low, high, direction, aspect), {}};
+  for (std::size_t i = 0; i < 3; ++i) view.centre[i] = 0.5 * (double{low[i]} + double{high[i]});
+  return view;
+}
+
+constexpr std::array<float, 3> kSkinColour{0.52f, 0.42f, 0.36f}, kFatColour{0.72f, 0.58f, 0.34f},
+    kBoneColour{0.80f, 0.78f, 0.70f};
+
+// Relaxed at rest length: dark red. Shortened by up to a third: brighter; stretched by as much: bluer.
+std::array<float, 3> muscle_colour(double stretch) {
+  constexpr double kFullStretch = 0.33;
+  const auto t = static_cast<float>(std::clamp((stretch - 1) / kFullStretch, -1.0, 1.0));
+  constexpr std::array<float, 3> rest{0.36f, 0.06f, 0.05f}, shorter{0.95f, 0.30f, 0.04f}, longer{0.12f, 0.10f, 0.55f};
+  const std::array<float, 3>& end = t < 0 ? shorter : longer;
+  std::array<float, 3> colour;
+  for (std::size_t i = 0; i < 3; ++i) colour[i] = std::lerp(rest[i], end[i], std::abs(t));
+  return colour;
+}
+
+std::vector<std::array<float, 3>> tet_colours(const QuasiStaticBody& body, const Positions& nodes) {
+  const TetMesh& mesh = body.mesh();
+  std::vector<std::array<float, 3>> colours(static_cast<std::size_t>(mesh.tets.rows()), kFatColour);
+  for (const FibreTet& fibre : body.fibres()) {
+    const Eigen::Matrix3d strain = tet_edges({nodes, mesh.tets, 0}, fibre.tet) * tet_edges(mesh, fibre.tet).inverse();
+    colours[static_cast<std::size_t>(fibre.tet)] = muscle_colour((strain * fibre.direction).norm());
+  }
+  for (const BonePoint& bone : body.bones()) colours[static_cast<std::size_t>(bone.tet)] = kBoneColour;
+  return colours;
+}
+
+// The frame solved again, as only its skin is kept.
+Image draw_cut(const PictureArguments& arguments, const Scene& scene, const View& view, Renderer& renderer) {
+  if (scene.take.shapes.ends_with(".nodes")) {
+    throw Error(ErrorKind::usage, "--cut-open shows the tets under the skin, a draft is solved in a cage around it");
+  }
+  std::vector<Muscle> muscles;
+  const Dataset& dataset = scene.dataset;
+  if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, scene.character.skeleton);
+  SimulateOptions options;
+  if (!dataset.materials.empty()) options.materials = read_materials(dataset.folder / dataset.materials);
+  const QuasiStaticBody body = make_body(scene.character, muscles, options);
+  const Positions nodes = solve_frame(body, muscles, scene.clip, arguments.frame).nodes;
+
+  Vec3 normal{arguments.direction[0], arguments.direction[1], arguments.direction[2]};
+  const CutPlane plane{view.centre, (1 / length(normal)) * normal};
+  const std::span<const std::uint32_t> triangles(scene.character.triangles.data(),
+                                                 static_cast<std::size_t>(scene.character.triangles.size()));
+  const Soup skin = cut_surface(scene.skin, smooth_normals(triangles, scene.skin), triangles, kSkinColour, plane);
+  const Soup face = cut_face({nodes.data(), static_cast<std::size_t>(nodes.size())},
+                             {body.mesh().tets.data(), static_cast<std::size_t>(body.mesh().tets.size())},
+                             tet_colours(body, nodes), plane);
+  std::vector<DrawMesh> meshes;
+  for (const Soup* soup : {&skin, &face}) {
+    if (!soup->triangles.empty()) meshes.push_back({soup->positions, soup->normals, soup->triangles, soup->colours});
+  }
+  return renderer.draw(meshes, view.camera, arguments.size[0], arguments.size[1]);
+}
+
+void run(const PictureArguments& arguments) {
+  const Scene scene = read_scene(arguments);
+  const Pose& pose = scene.clip.poses[static_cast<std::size_t>(arguments.frame - scene.clip.first_frame)];
+  const View view = choose_view(arguments, scene, pose);
+  Renderer renderer;
+  Image image;
+  if (arguments.cut_open) {
+    image = draw_cut(arguments, scene, view, renderer);
+  } else {
+    const std::span<const std::uint32_t> triangles(scene.character.triangles.data(),
+                                                   static_cast<std::size_t>(scene.character.triangles.size()));
+    const std::vector<float> normals = smooth_normals(triangles, scene.skin);
+    const DrawMesh mesh{scene.skin, normals, triangles, {}};
+    image = renderer.draw(std::span(&mesh, 1), view.camera, arguments.size[0], arguments.size[1]);
+  }
+  write_png(image, arguments.out);
+}
+
+}  // namespace
+
+void add_picture(CLI::App& app) {
+  auto arguments = std::make_shared<PictureArguments>();
+  CLI::App& verb = *app.add_subcommand("picture", "A picture of a frame of a dataset, whole or cut open");
+  verb.add_option("dataset", arguments->dataset, "Dataset (folder or dataset.json)")->required()->type_name("DATASET");
+  verb.add_option("--take", arguments->take, "Name of the take (default: the first)");
+  verb.add_option("--frame", arguments->frame, "Frame of the take")->required();
+  verb.add_option("--direction", arguments->direction, "From what is looked at towards the camera: x y z")
+      ->expected(3)
+      ->capture_default_str();
+  CLI::Option* around = verb.add_option("--around", arguments->around, "Joint to look at (default: the whole body)");
+  verb.add_option("--radius", arguments->radius, "Metres around that joint")
+      ->needs(around)
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb.add_flag("--cut-open", arguments->cut_open,
+                "Take away what is in front of the middle: fat yellow, bone white, muscles red, orange where they are "
+                "shorter than at rest, violet where longer");
+  verb.add_option("--size", arguments->size, "Width and height in pixels")
+      ->expected(2)
+      ->check(CLI::Range(16u, kMaxPictureSize))
+      ->capture_default_str();
+  add_output(verb, arguments->out, ".png", "Picture to write");
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli
