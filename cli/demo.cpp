@@ -15,8 +15,10 @@
 #include "runtime/basis/error.h"
 #include "runtime/rig.h"
 #include "trainer/builtin/arm.h"
+#include "trainer/builtin/arm_dofs.h"
 #include "trainer/dataset/frame_range.h"
 #include "trainer/dataset/pc2.h"
+#include "trainer/motion/range_of_motion.h"
 #include "trainer/simulate/simulate.h"
 #include "trainer/train/heldout.h"
 
@@ -38,7 +40,6 @@ struct DemoSize {
 constexpr DemoSize kFull{440, 144}, kQuick{48, 24};
 // Simulating every second frame of the held-out motion shows its whole arc at half the cost.
 constexpr int kHeldoutStep = 2;
-constexpr std::uint64_t kRangeOfMotionSeed = 2023;
 
 class Stopwatch {
  public:
@@ -54,7 +55,10 @@ void write_inputs(const fs::path& folder, const DemoSize& size) {
   const Skeleton& skeleton = arm.character.skeleton;
   write_character(arm.character, folder / "character.glb");
   write_muscles(arm.muscles, skeleton, folder / "muscles.json");
-  write_clip(arm_range_of_motion(skeleton, size.train_frames, kRangeOfMotionSeed), skeleton, folder / "rom.glb");
+  const JointLimits limits = arm_limits(skeleton);
+  write_joint_limits(limits, skeleton, folder / "limits.json");
+  const RangeOfMotion motion = range_of_motion(arm.character, limits, {.frames = size.train_frames});
+  write_clip(clip_of(motion.angles, limits, skeleton), skeleton, folder / "rom.glb");
   write_clip(arm_heldout(skeleton, size.heldout_frames), skeleton, folder / "heldout.glb");
 }
 

@@ -10,6 +10,7 @@
 #include "trainer/builtin/arm.h"
 #include "trainer/builtin/arm_dofs.h"
 #include "trainer/builtin/arm_skeleton.h"
+#include "trainer/motion/range_of_motion.h"
 
 namespace bodyopt {
 namespace {
@@ -17,6 +18,17 @@ namespace {
 const Skeleton& skeleton() {
   static const Skeleton built = arm_skeleton();
   return built;
+}
+
+const JointLimits& limits() {
+  static const JointLimits built = arm_limits(skeleton());
+  return built;
+}
+
+Clip range_of_motion_clip(int frames, std::uint64_t seed) {
+  static const BuiltinArm arm = build_arm();
+  return clip_of(range_of_motion(arm.character, limits(), {.frames = frames, .seed = seed}).angles, limits(),
+                 skeleton());
 }
 
 // Degrees between two poses of one joint.
@@ -31,19 +43,15 @@ double largest_angle(const Pose& a, const Pose& b) {
   return most;
 }
 
-bool contains(const Clip& clip, const Pose& pose) {
-  return std::any_of(clip.poses.begin(), clip.poses.end(),
-                     [&](const Pose& p) { return largest_angle(p, pose) < 1e-5; });
-}
-
 // Largest angle that a joint may reach away from rest, by the table of limits.
 double reach(const std::string& joint) {
   const auto span = [](ArmDof dof) {
-    return std::max(kArmLimits[dof].high - kArmLimits[dof].rest, kArmLimits[dof].rest - kArmLimits[dof].low);
+    const DegreeOfFreedom& of = limits().dofs[dof];
+    return std::max(of.max - of.rest, of.rest - of.min);
   };
   if (joint == "clavicle") return span(kClavicleElevation) + span(kClavicleProtraction);
   if (joint == "shoulder") {
-    return std::hypot(span(kShoulderAbduction), span(kShoulderFlexion)) + span(kShoulderRotation);
+    return span(kShoulderAbduction) + span(kShoulderFlexion) + span(kShoulderRotation);
   }
   if (joint == "elbow") return span(kElbowFlexion);
   if (joint == "forearm" || joint == "forearm_twist") return 0.5 * span(kForearmTwist);
@@ -53,15 +61,16 @@ double reach(const std::string& joint) {
 }
 
 TEST(ArmAngles, RestAnglesAreTheBindPose) {
-  EXPECT_TRUE(within_limits(arm_rest_angles()));
-  EXPECT_NEAR(largest_angle(arm_pose(skeleton(), arm_rest_angles()), bind_pose(skeleton())), 0, 1e-12);
+  const Angles rest = rest_angles(limits());
+  EXPECT_NEAR(largest_angle(limited_pose(skeleton(), limits(), rest), bind_pose(skeleton())), 0, 1e-12);
 }
 
 TEST(ArmAngles, MoveTheRightWay) {
   const auto joint_at = [](const char* joint, ArmDof dof, double degrees) {
-    ArmAngles angles = arm_rest_angles();
+    Angles angles = rest_angles(limits());
     angles[dof] = degrees;
-    const Affine at = posed_joints(skeleton(), arm_pose(skeleton(), angles).joints)[skeleton().find(joint)];
+    const Affine at =
+        posed_joints(skeleton(), limited_pose(skeleton(), limits(), angles).joints)[skeleton().find(joint)];
     return Vec3{at.m[0][3], at.m[1][3], at.m[2][3]};
   };
   EXPECT_GT(joint_at("shoulder", kClavicleElevation, 20)[1], joint_at("shoulder", kClavicleElevation, 0)[1] + 0.02);
@@ -76,77 +85,24 @@ TEST(ArmAngles, MoveTheRightWay) {
   EXPECT_NEAR(straight, 0.567, 1e-3);
 }
 
-TEST(RangeOfMotion, HasEveryExtremeAndStaysWithinLimits) {
-  const Clip clip = arm_range_of_motion(skeleton(), 400, 7);
-  ASSERT_EQ(clip.poses.size(), 400u);
-  EXPECT_EQ(clip.fps, 24);
-  for (int dof = 0; dof < kArmDofCount; ++dof) {
-    for (const double degrees : {kArmLimits[dof].low, kArmLimits[dof].high}) {
-      ArmAngles angles = arm_rest_angles();
-      angles[dof] = degrees;
-      EXPECT_TRUE(contains(clip, arm_pose(skeleton(), angles))) << kArmLimits[dof].name << " " << degrees;
-    }
-  }
-  for (const Pose& pose : clip.poses) {
-    ASSERT_EQ(pose.joints.size(), skeleton().size());
-    for (std::size_t j = 0; j < skeleton().size(); ++j) {
-      const Joint& joint = skeleton().joints[j];
-      ASSERT_LE(angle_between(pose.joints[j], joint.bind), reach(joint.name) + 1e-6) << joint.name;
-      ASSERT_EQ(pose.joints[j].translation, joint.bind.translation);
-    }
-  }
-}
-
-TEST(RangeOfMotion, BlendsMoveEverythingAndRepeatNothing) {
-  const Clip clip = arm_range_of_motion(skeleton(), 400, 7);
-  for (std::size_t j = 1; j < skeleton().size(); ++j) {
-    double least = 180, most = 0;
-    for (std::size_t k = 200; k < clip.poses.size(); ++k) {
-      const double angle = angle_between(clip.poses[k].joints[j], skeleton().joints[j].bind);
-      least = std::min(least, angle);
-      most = std::max(most, angle);
-    }
-    EXPECT_GT(most - least, 12) << skeleton().joints[j].name;
-  }
-  for (std::size_t a = 200; a < clip.poses.size(); ++a) {
-    for (std::size_t b = a + 1; b < clip.poses.size(); ++b) {
-      ASSERT_GT(largest_angle(clip.poses[a], clip.poses[b]), 1) << a << " " << b;
-    }
-  }
-}
-
-TEST(RangeOfMotion, DependsOnItsSeedOnly) {
-  const Clip a = arm_range_of_motion(skeleton(), 300, 1), b = arm_range_of_motion(skeleton(), 300, 1);
-  const Clip c = arm_range_of_motion(skeleton(), 300, 2);
-  double other = 0;
-  for (std::size_t k = 0; k < a.poses.size(); ++k) {
-    for (std::size_t j = 0; j < skeleton().size(); ++j)
-      ASSERT_EQ(a.poses[k].joints[j].rotation, b.poses[k].joints[j].rotation);
-    other = std::max(other, largest_angle(a.poses[k], c.poses[k]));
-  }
-  EXPECT_GT(other, 20);
-}
-
-TEST(RangeOfMotion, TakesAnyLength) {
-  for (const int count : {1, 2, 20, 21, 50, 75}) {
-    EXPECT_EQ(arm_range_of_motion(skeleton(), count, 3).poses.size(), static_cast<std::size_t>(count));
-    EXPECT_EQ(arm_heldout(skeleton(), count).poses.size(), static_cast<std::size_t>(count));
-  }
-  EXPECT_THROW(arm_range_of_motion(skeleton(), 0, 3), Error);
-  EXPECT_THROW(arm_heldout(skeleton(), -1), Error);
-  EXPECT_THROW(arm_heldout(Skeleton{}, 10), Error);
-}
-
 TEST(Heldout, SharesNoPoseWithTheRangeOfMotion) {
   const Clip heldout = arm_heldout(skeleton(), 120);
   for (const std::uint64_t seed : {0u, 1u, 2u, 42u}) {
-    const Clip training = arm_range_of_motion(skeleton(), 480, seed);
+    const Clip training = range_of_motion_clip(480, seed);
     double nearest = 180;
     for (const Pose& held : heldout.poses) {
       for (const Pose& pose : training.poses) nearest = std::min(nearest, largest_angle(held, pose));
     }
     EXPECT_GT(nearest, 3) << "seed " << seed;
   }
+}
+
+TEST(Heldout, TakesAnyLength) {
+  for (const int count : {1, 2, 20, 75}) {
+    EXPECT_EQ(arm_heldout(skeleton(), count).poses.size(), static_cast<std::size_t>(count));
+  }
+  EXPECT_THROW(arm_heldout(skeleton(), -1), Error);
+  EXPECT_THROW(arm_heldout(Skeleton{}, 10), Error);
 }
 
 TEST(Heldout, MovesSmoothlyWithinLimits) {
@@ -187,7 +143,7 @@ double deepest_in_ribs(const Pose& pose) {
 
 TEST(Motions, KeepForearmAndHandOutOfTheRibs) {
   for (const Pose& pose : arm_heldout(skeleton(), 200).poses) EXPECT_EQ(deepest_in_ribs(pose), 0);
-  for (const Pose& pose : arm_range_of_motion(skeleton(), 480, 5).poses) EXPECT_EQ(deepest_in_ribs(pose), 0);
+  for (const Pose& pose : range_of_motion_clip(480, 5).poses) EXPECT_EQ(deepest_in_ribs(pose), 0);
 }
 
 }  // namespace

@@ -9,11 +9,17 @@
 #include "tests/builtin/shared_arm.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/builtin/arm_dofs.h"
+#include "trainer/motion/limited_pose.h"
 
 namespace bodyopt {
 namespace {
 
 using Eigen::Vector3d;
+
+const JointLimits& limits() {
+  static const JointLimits built = arm_limits(arm().character.skeleton);
+  return built;
+}
 
 // Generalised winding number of the skin (Van Oosterom and Strackee's solid angles): 1 inside, 0 outside.
 double winding_number(const Vector3d& p) {
@@ -29,9 +35,9 @@ double winding_number(const Vector3d& p) {
   return angle / (4 * M_PI);
 }
 
-double length_at(const Muscle& muscle, const ArmAngles& angles) {
+double length_at(const Muscle& muscle, const Angles& angles) {
   const Skeleton& skeleton = arm().character.skeleton;
-  const std::vector<Affine> skinning = skinning_matrices(skeleton, arm_pose(skeleton, angles).joints);
+  const std::vector<Affine> skinning = skinning_matrices(skeleton, limited_pose(skeleton, limits(), angles).joints);
   double sum = 0;
   for (std::size_t k = 0; k + 1 < muscle.path.size(); ++k) {
     sum += length(skinning[muscle.path[k + 1].joint] * muscle.path[k + 1].position -
@@ -44,9 +50,9 @@ double length_at(const Muscle& muscle, const ArmAngles& angles) {
 double stretch(const std::string& name, ArmDof dof, double degrees) {
   for (const Muscle& muscle : arm().muscles) {
     if (muscle.name != name) continue;
-    ArmAngles angles = arm_rest_angles();
+    Angles angles = rest_angles(limits());
     angles[dof] = degrees;
-    return length_at(muscle, angles) / length_at(muscle, arm_rest_angles());
+    return length_at(muscle, angles) / length_at(muscle, rest_angles(limits()));
   }
   ADD_FAILURE() << "no muscle " << name;
   return 1;
@@ -116,10 +122,10 @@ TEST(ArmMuscles, ShortenWhenTheyPull) {
 TEST(ArmMuscles, StayWithinWhatFleshCanDo) {
   for (const Muscle& muscle : arm().muscles) {
     for (int dof = 0; dof < kArmDofCount; ++dof) {
-      for (const double degrees : {kArmLimits[dof].low, kArmLimits[dof].high}) {
+      for (const double degrees : {limits().dofs[dof].min, limits().dofs[dof].max}) {
         const double ratio = stretch(muscle.name, static_cast<ArmDof>(dof), degrees);
-        EXPECT_GT(ratio, 0.55) << muscle.name << " at " << kArmLimits[dof].name << " " << degrees;
-        EXPECT_LT(ratio, 1.6) << muscle.name << " at " << kArmLimits[dof].name << " " << degrees;
+        EXPECT_GT(ratio, 0.55) << muscle.name << " at " << limits().dofs[dof].name << " " << degrees;
+        EXPECT_LT(ratio, 1.6) << muscle.name << " at " << limits().dofs[dof].name << " " << degrees;
       }
     }
   }

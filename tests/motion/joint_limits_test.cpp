@@ -52,6 +52,26 @@ TEST(JointLimitsFile, MirrorsAcrossTheMiddle) {
   }
 }
 
+TEST(JointLimitsFile, RoundTrip) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "limits.json", small_limits().dump());
+  const JointLimits limits = read_joint_limits(folder / "limits.json", two_arms());
+  write_joint_limits(limits, two_arms(), folder / "again.json");
+  const JointLimits again = read_joint_limits(folder / "again.json", two_arms());
+  ASSERT_EQ(again.dofs.size(), 2u);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const DegreeOfFreedom &a = limits.dofs[k], &b = again.dofs[k];
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.rest, b.rest);
+    EXPECT_EQ(a.min, b.min);
+    EXPECT_EQ(a.max, b.max);
+    ASSERT_EQ(b.turns.size(), 1u);
+    EXPECT_EQ(a.turns[0].joint, b.turns[0].joint);
+    EXPECT_EQ(a.turns[0].share, b.turns[0].share);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(a.turns[0].axis[i], b.turns[0].axis[i], 1e-15);
+  }
+}
+
 TEST(JointLimitsFile, RefusesEachMistakeByName) {
   const TemporaryFolder folder;
   const auto refused = [&](const char* pointer, const Json& value, const std::string& named, ErrorKind kind) {

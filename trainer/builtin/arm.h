@@ -17,11 +17,7 @@ struct BuiltinArm {
 // Deterministic: the same character every time.
 BuiltinArm build_arm();
 
-// Systematic sweeps of every degree of freedom, then random blends within the joint limits. 24 frames a second.
-Clip arm_range_of_motion(const Skeleton& skeleton, int frame_count, std::uint64_t seed);
-
-// Held-out motion: smooth acting (reach, curl, throw, twist) that shares no seed and no key pose with the range of
-// motion.
+// Held-out motion: smooth acting (reach, curl, throw, twist), 24 frames a second.
 Clip arm_heldout(const Skeleton& skeleton, int frame_count);
 
 }  // namespace bodyopt

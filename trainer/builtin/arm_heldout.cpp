@@ -1,13 +1,17 @@
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <string>
 
 #include "runtime/basis/error.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/builtin/arm_dofs.h"
+#include "trainer/motion/limited_pose.h"
 
 namespace bodyopt {
 namespace {
+
+using ArmAngles = std::array<double, kArmDofCount>;  // degrees
 
 struct Key {
   double seconds;
@@ -61,13 +65,14 @@ Clip arm_heldout(const Skeleton& skeleton, int frame_count) {
   if (frame_count < 1)
     throw Error(ErrorKind::usage, "a clip needs 1 frame or more, not " + std::to_string(frame_count));
   const double length = std::prev(std::end(kActing))->seconds + *std::max_element(kLag.begin(), kLag.end());
+  const JointLimits limits = arm_limits(skeleton);
   Clip clip;
   clip.name = "heldout";
   for (int frame = 0; frame < frame_count; ++frame) {
     const double seconds = length * (frame + 0.5) / frame_count;
-    ArmAngles angles;
+    Angles angles(kArmDofCount);
     for (int dof = 0; dof < kArmDofCount; ++dof) angles[dof] = angle_at(dof, seconds - kLag[dof]);
-    clip.poses.push_back(arm_pose(skeleton, angles));
+    clip.poses.push_back(limited_pose(skeleton, limits, angles));
   }
   return clip;
 }

@@ -132,4 +132,16 @@ JointLimits read_joint_limits(const std::filesystem::path& path, const Skeleton&
   return LimitsReader(path, skeleton).read();
 }
 
+void write_joint_limits(const JointLimits& limits, const Skeleton& skeleton, const std::filesystem::path& path) {
+  Json dofs = Json::array();
+  for (const DegreeOfFreedom& dof : limits.dofs) {
+    Json turns = Json::array();
+    for (const JointTurn& turn : dof.turns) {
+      turns.push_back({{"joint", skeleton.joints.at(turn.joint).name}, {"axis", turn.axis}, {"share", turn.share}});
+    }
+    dofs.push_back({{"name", dof.name}, {"rest", dof.rest}, {"min", dof.min}, {"max", dof.max}, {"turns", turns}});
+  }
+  write_json({{"schema", kSchema}, {"dofs", dofs}}, path);
+}
+
 }  // namespace bodyopt

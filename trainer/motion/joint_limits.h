@@ -32,5 +32,6 @@ struct JointLimits {
 // A mirrored degree of freedom follows the one it is the mirror image of. Throws Error(file) for bad bytes, and
 // Error(mismatch) for joints the skeleton lacks and for limits that exclude the rest pose.
 JointLimits read_joint_limits(const std::filesystem::path& path, const Skeleton& skeleton);
+void write_joint_limits(const JointLimits& limits, const Skeleton& skeleton, const std::filesystem::path& path);
 
 }  // namespace bodyopt

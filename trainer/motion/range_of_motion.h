@@ -13,7 +13,7 @@ namespace bodyopt {
 struct RangeOfMotionOptions {
   int frames = 3200;
   std::uint64_t seed = 1;
-  std::vector<Angles> examples;  // random poses are blends of two of these; empty: anywhere within the limits
+  std::vector<Angles> examples{};  // random poses are blends of two of these; empty: anywhere within the limits
 };
 
 struct RangeOfMotion {

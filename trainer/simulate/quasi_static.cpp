@@ -20,7 +20,7 @@ constexpr int kMaxIterations = 4000;
 // On the way a shape only has to stay near the path.
 constexpr double kPathTolerance = 1e-2;
 constexpr int kPathIterations = 8;
-constexpr double kMaxStep = 20 * std::numbers::pi / 180;  // of the fastest joint
+constexpr double kMaxStep = 20 * std::numbers::pi / 180;  // of the joint that turns most
 constexpr double kMaxFlexStep = 0.25;                     // of full activation
 constexpr double kDefaultSize = 3;                        // mean edges of the skin
 constexpr double kMinWeight = 1e-3;
@@ -31,7 +31,7 @@ constexpr int kContactRounds = 10, kRoundIterations = 25;
 // A cage's few large tets lock at the lambda that finer ones bear: on the human in 1,500 nodes a quarter brings the
 // draft from 6.4 to 5.3 mm of the full shapes (RMS), a tenth only to 5.0 mm, more slowly.
 constexpr double kCageLambda = 0.25;
-constexpr double kLeastFilled = 0.02;  // of a cage's tet: emptier ones would have next to no stiffness
+constexpr double kLeastFilled = 0.1;  // of a cage's tet: emptier ones would have next to no stiffness
 // A strain that counts as none: residuals are relative to the forces of this strain at least. The energy at rest is not
 // zero, so that its rounding hides the last digits of smaller strains and a body at rest could never converge.
 constexpr double kStrainFloor = 1e-4;
@@ -99,18 +99,33 @@ double rotation_between(const Quat& a, const Quat& b) {
   return 2 * std::acos(std::min(std::abs(cosine), 1.0));
 }
 
-// The straight path in joint angles, u = 0 at bind, 1 at the pose.
-std::vector<JointTransform> on_path(const Skeleton& skeleton, const std::vector<JointTransform>& pose, double u) {
-  std::vector<JointTransform> local(pose.size());
-  for (std::size_t j = 0; j < pose.size(); ++j) {
-    const JointTransform& bind = skeleton.joints[j].bind;
+using LocalTransforms = std::vector<JointTransform>;
+
+// The straight path in joint angles, u = 0 at one pose, 1 at the other.
+LocalTransforms between(const LocalTransforms& from, const LocalTransforms& to, double u) {
+  LocalTransforms local(from.size());
+  for (std::size_t j = 0; j < from.size(); ++j) {
     for (std::size_t i = 0; i < 3; ++i) {
-      local[j].translation[i] = std::lerp(bind.translation[i], pose[j].translation[i], u);
-      local[j].scale[i] = std::lerp(bind.scale[i], pose[j].scale[i], u);
+      local[j].translation[i] = std::lerp(from[j].translation[i], to[j].translation[i], u);
+      local[j].scale[i] = std::lerp(from[j].scale[i], to[j].scale[i], u);
     }
-    local[j].rotation = slerp(normalized(bind.rotation), normalized(pose[j].rotation), u);
+    local[j].rotation = slerp(normalized(from[j].rotation), normalized(to[j].rotation), u);
   }
   return local;
+}
+
+double widest_turn(const LocalTransforms& from, const LocalTransforms& to) {
+  double widest = 0;
+  for (std::size_t j = 0; j < from.size(); ++j) {
+    widest = std::max(widest, rotation_between(normalized(from[j].rotation), normalized(to[j].rotation)));
+  }
+  return widest;
+}
+
+std::vector<double> scaled(std::span<const double> values, double by) {
+  std::vector<double> result(values.begin(), values.end());
+  for (double& value : result) value *= by;
+  return result;
 }
 
 Eigen::Vector3d turned(const Quat& rotation, const Eigen::Vector3d& v) {
@@ -286,44 +301,54 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, Positions& nodes) const
   return result;
 }
 
-SolvedPose QuasiStaticBody::solve(const Pose& pose, std::span<const double> flex) const {
+SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<const double> flex) const {
   const auto start_time = std::chrono::steady_clock::now();
-  if (pose.joints.size() != skeleton_.size()) {
-    throw Error(ErrorKind::mismatch, "a pose of " + std::to_string(pose.joints.size()) +
-                                         " joints was given to a body of " + std::to_string(skeleton_.size()));
-  }
   require_flex(flex, muscles_.size());
-  std::vector<JointTransform> end = pose.joints;
-  const int root = single_root(skeleton_);
-  if (root >= 0) end[static_cast<std::size_t>(root)] = skeleton_.joints[static_cast<std::size_t>(root)].bind;
-  double widest = 0;
-  for (std::size_t j = 0; j < end.size(); ++j) {
-    widest =
-        std::max(widest, rotation_between(normalized(skeleton_.joints[j].bind.rotation), normalized(end[j].rotation)));
+  SolvedPose solved = attempt(path, flex, kMaxStep);
+  if (!solved.status.converged) {
+    const int before = solved.status.iterations;
+    SolvedPose again = attempt(path, flex, 0.5 * kMaxStep);
+    if (again.status.converged) solved = std::move(again);
+    solved.status.iterations = before + again.status.iterations;
   }
+  solved.status.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_time).count();
+  return solved;
+}
+
+// The path in steps of at most max_step, radians of the joint that turns most.
+SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const double> flex, double max_step) const {
   const double hardest = flex.empty() ? 0 : *std::max_element(flex.begin(), flex.end());
-  const int steps = static_cast<int>(std::ceil(std::max({widest / kMaxStep, hardest / kMaxFlexStep, 1.0})));
+  const int root = single_root(skeleton_);
 
   SolvedPose solved;
   Positions& nodes = solved.nodes;
   nodes = mesh_.nodes;
-  const auto target_at = [&](double u) {
-    std::vector<double> partly(flex.begin(), flex.end());
-    for (double& f : partly) f *= u;
-    return target(on_path(skeleton_, end, u), partly);
-  };
-  Target here = target_at(0);
-  for (int k = 1; k <= steps; ++k) {
-    Target there = target_at(static_cast<double>(k) / steps);
-    nodes = carried(here, there, nodes);
-    if (k < steps) {
-      solved.status.iterations += follow(there, nodes);
-    } else {
-      const MinimiseResult result = settle(there, nodes);
-      solved.status.iterations += result.iterations;
-      solved.status.residual = result.residual;
+  LocalTransforms from = bind_pose(skeleton_).joints;
+  Target here = target(from, {});
+  for (const Pose& pose : path) {
+    if (pose.joints.size() != skeleton_.size()) {
+      throw Error(ErrorKind::mismatch, "a pose of " + std::to_string(pose.joints.size()) +
+                                           " joints was given to a body of " + std::to_string(skeleton_.size()));
     }
-    here = std::move(there);
+    const bool last = &pose == &path.back();
+    LocalTransforms to = pose.joints;
+    if (root >= 0) to[static_cast<std::size_t>(root)] = skeleton_.joints[static_cast<std::size_t>(root)].bind;
+    const double flex_steps = last ? hardest / kMaxFlexStep : 0;
+    const int steps = static_cast<int>(std::ceil(std::max({widest_turn(from, to) / max_step, flex_steps, 1.0})));
+    for (int k = 1; k <= steps; ++k) {
+      const double u = static_cast<double>(k) / steps;
+      Target there = target(between(from, to, u), scaled(flex, last ? u : 0));
+      nodes = carried(here, there, nodes);
+      if (k < steps || !last) {
+        solved.status.iterations += follow(there, nodes);
+      } else {
+        const MinimiseResult result = settle(there, nodes);
+        solved.status.iterations += result.iterations;
+        solved.status.residual = result.residual;
+      }
+      here = std::move(there);
+    }
+    from = std::move(to);
   }
   solved.status.inverted_tets = tissue_->inverted(nodes);
   if (contact_) solved.status.contact_depth = contact_->deepest(nodes);
@@ -332,10 +357,9 @@ SolvedPose QuasiStaticBody::solve(const Pose& pose, std::span<const double> flex
   if (root >= 0) {
     const auto joint = static_cast<std::size_t>(root);
     const Affine& inverse_bind = skeleton_.joints[joint].inverse_bind;
-    const Affine moved = affine_from(pose.joints[joint]) * inverse_bind;
+    const Affine moved = affine_from(path.back().joints[joint]) * inverse_bind;
     move_all(moved * inverse(affine_from(skeleton_.joints[joint].bind) * inverse_bind), nodes);
   }
-  solved.status.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_time).count();
   return solved;
 }
 

@@ -43,11 +43,16 @@ class QuasiStaticBody {
   // f_ta is the elastic force (passive, active and barrier terms together) of tet t on its node a, and f_i is the sum
   // of those around node i plus muscle volume, bone springs, the skin's bending and contact as it was found for the
   // last round of relaxing: no node is held otherwise. converged: residual below 1e-4 and no inverted tet. A frame that
-  // has not come so far after kMaxIterations, or cannot, is left unconverged.
+  // has not come so far after kMaxIterations, or cannot, is tried once more in smaller steps, then left unconverged.
   //
   // flex: per muscle, 0 to 1, or empty: the share of what is left of its activation in the pose that is added, raised
   // from 0 along the path.
-  SolvedPose solve(const Pose& pose, std::span<const double> flex = {}) const;
+  SolvedPose solve(const Pose& pose, std::span<const double> flex = {}) const {
+    return solve_along(std::span(&pose, 1), flex);
+  }
+  // The same at the last of some poses (one at least), reached through the others: how much a shape depends on its
+  // path.
+  SolvedPose solve_along(std::span<const Pose> path, std::span<const double> flex) const;
 
   // V x 3: where nodes (N x 3) take the skin. With conforming tets these are the first V nodes.
   Positions skin(const Positions& nodes) const;
@@ -72,6 +77,7 @@ class QuasiStaticBody {
   };
   QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
                   const Materials& materials, const Cage* cage);
+  SolvedPose attempt(std::span<const Pose> path, std::span<const double> flex, double max_step) const;
   Target target(const std::vector<JointTransform>& local, std::span<const double> flex) const;
   Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
   Objective energy(const Target& at, const std::vector<ContactPlane>& planes, bool hold_volume) const;

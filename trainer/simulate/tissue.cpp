@@ -45,7 +45,9 @@ struct Tissue::Strain {
 
 Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::vector<FibreTet> fibres,
                const Materials& materials)
-    : active_(materials.active_fibre), slack_(materials.active_slack), passive_(materials.passive_fibre) {
+    : active_(materials.active_fibre),
+      slack_(materials.active_slack),
+      passive_(materials.passive_fibre) {
   const int count = static_cast<int>(mesh.tets.rows());
   std::sort(fibres.begin(), fibres.end(), [](const FibreTet& a, const FibreTet& b) { return a.tet < b.tet; });
   std::vector<int> order;

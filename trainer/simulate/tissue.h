@@ -20,7 +20,7 @@ struct FibreTet {
 // Energy density per tet, F the deformation gradient, J = det F, a the fibre direction, s = |F a|:
 //   mu/2 (|F|^2 - 3) + lambda/2 ((J - 1 - mu/lambda)^2 - (mu/lambda)^2)        stable neo-Hookean (Smith et al. 2018),
 //                                                                               without its singular log term
-//   + 2 lambda (J - 0.3)^2 (-ln(J / 0.3))                where J < 0.3; its second-order Taylor polynomial around
+//   + kappa (J - 0.3)^2 (-ln(J / 0.3)), kappa = 2 lambda   where J < 0.3; its second-order Taylor polynomial around
 //                                                        J = 0.05 below that: inverted tets recover
 //   + activation k_a/2 (s - slack)^2                     where s > slack, muscles only
 //   + k_p/2 (s - 1)^2                                    where s > 1, muscles only
