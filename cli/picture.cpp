@@ -120,7 +120,12 @@ std::vector<std::array<float, 3>> tet_colours(const QuasiStaticBody& body, const
     const Eigen::Matrix3d strain = tet_edges({nodes, mesh.tets, 0}, fibre.tet) * tet_edges(mesh, fibre.tet).inverse();
     colours[static_cast<std::size_t>(fibre.tet)] = muscle_colour((strain * fibre.direction).norm());
   }
-  for (const BonePoint& bone : body.bones()) colours[static_cast<std::size_t>(bone.tet)] = kBoneColour;
+  std::vector<double> bone(colours.size(), 0);  // cubic metres
+  for (const BonePoint& point : body.bones()) bone[static_cast<std::size_t>(point.tet)] += point.volume;
+  for (std::size_t t = 0; t < bone.size(); ++t) {
+    const double volume = tet_edges(mesh, static_cast<Eigen::Index>(t)).determinant() / 6;
+    if (bone[t] > 0.5 * volume) colours[t] = kBoneColour;
+  }
   return colours;
 }
 

@@ -4,9 +4,11 @@
 #include <fstream>
 
 #include "tests/simulate/limb.h"
+#include "tests/support/hostile_bytes.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/dataset/dataset.h"
+#include "trainer/dataset/muscles.h"
 #include "trainer/dataset/pc2.h"
 
 namespace bodyopt {
@@ -52,6 +54,57 @@ TEST(Takes, FramesAreAddedNotReplaced) {
   EXPECT_NE(other.output.find("--name"), std::string::npos) << other.output;
   EXPECT_EQ(run_bodyopt(simulate + " --fps 12 --frames 2 --name slow").exit_code, 0);
   EXPECT_EQ(read_dataset(folder / "data/dataset.json").takes.size(), 2u);
+}
+
+// Flexed in the same pose, trained, and flexed again: what the control does is learned under its name.
+TEST(Takes, AFlexedMuscleIsLearnedAsAControl) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const Character limb = read_character(files.character);
+  write_muscles({make_flexor()}, limb.skeleton, folder / "muscles.json");
+  std::ofstream(folder / "flex.json")
+      << R"({"schema": "bodyopt-controls-1", "controls": {"flexor": [[1, 1], [6, 0.4]]}})";
+  const std::string data = (folder / "data").string(), basis = (folder / "limb.safetensors").string();
+  const std::string simulate = "simulate " + files.character + " --clip " + files.motion + " --muscles " +
+                               (folder / "muscles.json").string() + " --out " + data;
+  const std::string controls = " --controls " + (folder / "flex.json").string();
+  ASSERT_EQ(run_bodyopt(simulate).exit_code, 0);
+  ASSERT_EQ(run_bodyopt(simulate + controls + " --name flexed").exit_code, 0);
+  EXPECT_EQ(read_dataset(folder / "data/dataset.json").takes[1].controls, "../flex.json");
+  ASSERT_EQ(run_bodyopt("check " + data).exit_code, 0);
+  const ProgramResult trained = run_bodyopt("train " + data + " --out " + basis);
+  ASSERT_EQ(trained.exit_code, 0) << trained.output;
+  const std::string eval = "eval " + basis + " --clip " + files.motion + " --device cpu --out ";
+  const std::string relaxed = (folder / "relaxed.pc2").string(), flexed = (folder / "flexed.pc2").string();
+  ASSERT_EQ(run_bodyopt(eval + relaxed).exit_code, 0);
+  ASSERT_EQ(run_bodyopt(eval + flexed + controls).exit_code, 0);
+  const std::string truth = data + "/bend.pc2", flexed_truth = data + "/flexed.pc2";
+  EXPECT_EQ(run_bodyopt("compare " + truth + " " + flexed_truth + " --fail-above 0.8").exit_code, 2);
+  EXPECT_EQ(run_bodyopt("compare " + relaxed + " " + truth + " --fail-above 0.8").exit_code, 0);
+  EXPECT_EQ(run_bodyopt("compare " + flexed + " " + flexed_truth + " --fail-above 0.8").exit_code, 0);
+
+  std::ofstream(folder / "flex.json") << R"({"schema": "bodyopt-controls-1", "controls": {"extensor": 1}})";
+  const ProgramResult unknown = run_bodyopt(eval + flexed + controls);
+  EXPECT_EQ(unknown.exit_code, 0);
+  EXPECT_NE(unknown.output.find("'extensor'"), std::string::npos) << unknown.output;
+  EXPECT_EQ(run_bodyopt(simulate + controls + " --name other").exit_code, 3);
+}
+
+TEST(Takes, APictureShowsAFrame) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const std::string data = (folder / "data").string();
+  ASSERT_EQ(
+      run_bodyopt("simulate " + files.character + " --clip " + files.motion + " --frames 6 --out " + data).exit_code,
+      0);
+  const std::string picture = "picture " + data + " --around lower --radius 0.2 --size 64 64 --out ";
+  const std::string whole = (folder / "whole.png").string(), cut = (folder / "cut.png").string();
+  const ProgramResult drawn = run_bodyopt(picture + whole + " --frame 6");
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.output;
+  ASSERT_EQ(run_bodyopt(picture + cut + " --frame 6 --cut-open").exit_code, 0);
+  EXPECT_NE(testing::read_bytes(whole), testing::read_bytes(cut));
+  EXPECT_EQ(run_bodyopt(picture + whole + " --frame 5").exit_code, 64);
+  EXPECT_EQ(run_bodyopt("picture " + data + " --around foot --frame 6 --out " + whole).exit_code, 64);
 }
 
 // A character in centimetres: its basis reads the clips alike, without being told again.
