@@ -265,10 +265,11 @@ Positions QuasiStaticBody::carried(const Target& from, const Target& to, const P
   return result;
 }
 
-Objective QuasiStaticBody::energy(const Target& at, const std::vector<ContactPlane>& planes, bool hold_volume) const {
-  return [this, &at, &planes, hold_volume](const Positions& x, Positions& gradient) {
+Objective QuasiStaticBody::energy(const Target& at, const std::vector<ContactPlane>& planes, double steepest,
+                                  bool hold_volume) const {
+  return [this, &at, &planes, steepest, hold_volume](const Positions& x, Positions& gradient) {
     gradient.setZero();
-    const Tissue::Sum tissue = tissue_->add_gradient(x, at.activation, gradient);
+    const Tissue::Sum tissue = tissue_->add_gradient(x, at.activation, gradient, steepest);
     double energy = tissue.energy + springs_->add_gradient(at.springs, x, gradient);
     if (hold_volume) energy += volume_->add_gradient(x, gradient);
     if (bending_) energy += bending_->add_gradient(at.curvature, x, gradient);
@@ -281,20 +282,22 @@ std::vector<ContactPlane> QuasiStaticBody::find_contact(const Positions& nodes) 
   return contact_ ? contact_->find(nodes, kContactMargin) : std::vector<ContactPlane>{};
 }
 
-int QuasiStaticBody::follow(const Target& at, Positions& nodes) const {
+int QuasiStaticBody::follow(const Target& at, double steepest, Positions& nodes) const {
   const std::vector<ContactPlane> planes = find_contact(nodes);
   const StiffModes metric(*metric_, nodes.rows(), {}, {});
-  return minimise(energy(at, planes, false), metric, kPathTolerance, force_floor_, kPathIterations, nodes).iterations;
+  return minimise(energy(at, planes, steepest, false), metric, kPathTolerance, force_floor_, kPathIterations, nodes)
+      .iterations;
 }
 
-MinimiseResult QuasiStaticBody::settle(const Target& at, Positions& nodes) const {
+MinimiseResult QuasiStaticBody::settle(const Target& at, double steepest, Positions& nodes) const {
   const auto [modes, stiffness] = volume_->stiff_modes(nodes);
   const StiffModes metric(*metric_, nodes.rows(), modes, stiffness);
   MinimiseResult result;
   for (int round = 1; round <= kContactRounds; ++round) {
     const std::vector<ContactPlane> planes = find_contact(nodes);
     const int left = round < kContactRounds && !planes.empty() ? kRoundIterations : kMaxIterations - result.iterations;
-    const MinimiseResult last = minimise(energy(at, planes, true), metric, kTolerance, force_floor_, left, nodes);
+    const MinimiseResult last =
+        minimise(energy(at, planes, steepest, true), metric, kTolerance, force_floor_, left, nodes);
     result = {last.residual, result.iterations + last.iterations};
     if (last.iterations == 0) break;
   }
@@ -304,10 +307,10 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, Positions& nodes) const
 SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<const double> flex) const {
   const auto start_time = std::chrono::steady_clock::now();
   require_flex(flex, muscles_.size());
-  SolvedPose solved = attempt(path, flex, kMaxStep);
+  SolvedPose solved = attempt(path, flex, kMaxStep, Tissue::kSteepest);
   if (!solved.status.converged) {
     const int before = solved.status.iterations;
-    SolvedPose again = attempt(path, flex, 0.5 * kMaxStep);
+    SolvedPose again = attempt(path, flex, 0.5 * kMaxStep, Tissue::kSteepestOfAll);
     if (again.status.converged) solved = std::move(again);
     solved.status.iterations = before + again.status.iterations;
   }
@@ -316,7 +319,8 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
 }
 
 // The path in steps of at most max_step, radians of the joint that turns most.
-SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const double> flex, double max_step) const {
+SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const double> flex, double max_step,
+                                    double steepest) const {
   const double hardest = flex.empty() ? 0 : *std::max_element(flex.begin(), flex.end());
   const int root = single_root(skeleton_);
 
@@ -340,9 +344,9 @@ SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const 
       Target there = target(between(from, to, u), scaled(flex, last ? u : 0));
       nodes = carried(here, there, nodes);
       if (k < steps || !last) {
-        solved.status.iterations += follow(there, nodes);
+        solved.status.iterations += follow(there, steepest, nodes);
       } else {
-        const MinimiseResult result = settle(there, nodes);
+        const MinimiseResult result = settle(there, steepest, nodes);
         solved.status.iterations += result.iterations;
         solved.status.residual = result.residual;
       }

@@ -43,7 +43,8 @@ class QuasiStaticBody {
   // f_ta is the elastic force (passive, active and barrier terms together) of tet t on its node a, and f_i is the sum
   // of those around node i plus muscle volume, bone springs, the skin's bending and contact as it was found for the
   // last round of relaxing: no node is held otherwise. converged: residual below 1e-4 and no inverted tet. A frame that
-  // has not come so far after kMaxIterations, or cannot, is tried once more in smaller steps, then left unconverged.
+  // has not come so far after kMaxIterations, or cannot, is tried once more, in smaller steps and with a steeper
+  // barrier, then left unconverged.
   //
   // flex: per muscle, 0 to 1, or empty: the share of what is left of its activation in the pose that is added, raised
   // from 0 along the path.
@@ -77,15 +78,15 @@ class QuasiStaticBody {
   };
   QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
                   const Materials& materials, const Cage* cage);
-  SolvedPose attempt(std::span<const Pose> path, std::span<const double> flex, double max_step) const;
+  SolvedPose attempt(std::span<const Pose> path, std::span<const double> flex, double max_step, double steepest) const;
   Target target(const std::vector<JointTransform>& local, std::span<const double> flex) const;
   Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
-  Objective energy(const Target& at, const std::vector<ContactPlane>& planes, bool hold_volume) const;
+  Objective energy(const Target& at, const std::vector<ContactPlane>& planes, double steepest, bool hold_volume) const;
   std::vector<ContactPlane> find_contact(const Positions& nodes) const;
   // Keeps a shape near the path, roughly and without holding the volume of muscles. Returns iterations.
-  int follow(const Target& at, Positions& nodes) const;
+  int follow(const Target& at, double steepest, Positions& nodes) const;
   // To equilibrium, or as near as it gets.
-  MinimiseResult settle(const Target& at, Positions& nodes) const;
+  MinimiseResult settle(const Target& at, double steepest, Positions& nodes) const;
 
   Skeleton skeleton_;
   std::vector<Muscle> muscles_;

@@ -12,16 +12,12 @@ namespace {
 // A tet compressed below this share of its volume is pushed back by a logarithmic barrier.
 constexpr double kBarrierVolume = 0.3;
 constexpr double kBarrierWeight = 2;  // x lambda
-// Below this share the barrier goes on as a parabola: were it infinite at J = 0, the smallest tet would stop every step
-// of all others.
-constexpr double kSteepestVolume = 0.05;
-
 // Value and slope of (J - 0.3)^2 (-ln(J / 0.3)), extended.
 struct Barrier {
   double value, slope;
 };
-Barrier barrier(double j) {
-  const double from = std::max(j, kSteepestVolume), below = from - kBarrierVolume;
+Barrier barrier(double j, double steepest) {
+  const double from = std::max(j, steepest), below = from - kBarrierVolume;
   const double log_ratio = std::log(from / kBarrierVolume);
   const double slope = -2 * below * log_ratio - below * below / from;
   const double curvature = -2 * log_ratio - 4 * below / from + below * below / (from * from);
@@ -45,9 +41,7 @@ struct Tissue::Strain {
 
 Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::vector<FibreTet> fibres,
                const Materials& materials)
-    : active_(materials.active_fibre),
-      slack_(materials.active_slack),
-      passive_(materials.passive_fibre) {
+    : active_(materials.active_fibre), slack_(materials.active_slack), passive_(materials.passive_fibre) {
   const int count = static_cast<int>(mesh.tets.rows());
   std::sort(fibres.begin(), fibres.end(), [](const FibreTet& a, const FibreTet& b) { return a.tet < b.tet; });
   std::vector<int> order;
@@ -155,8 +149,8 @@ double Tissue::fibre_force(const FibreBatch& batch, const Corners& corners, std:
   return energy;
 }
 
-Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double> activation,
-                                 Positions& gradient) const {
+Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double> activation, Positions& gradient,
+                                 double steepest) const {
   Sum sum;
   double* out = gradient.data();
   for (std::size_t b = 0; b < batches_.size(); ++b) {
@@ -174,7 +168,7 @@ Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double>
     if (smallest < kBarrierVolume) {
       for (int lane = 0; lane < kLanes; ++lane) {
         if (s.volume_ratio[lane] >= kBarrierVolume) continue;
-        const Barrier wall = barrier(s.volume_ratio[lane]);
+        const Barrier wall = barrier(s.volume_ratio[lane], steepest);
         density[lane] += kBarrierWeight * batch.lambda[lane] * wall.value;
         pressure[lane] += kBarrierWeight * batch.lambda[lane] * wall.slope;
       }

@@ -117,18 +117,21 @@ Displacements unpose_all(const SampleSet& set, const Basis& basis, const std::ve
   return displacements;
 }
 
-// The residual of `bytes` bytes: as many components per region as it takes, then smaller entries, then all there is.
-void pack_to_match(Basis& basis, const ResidualModel& model, int components, double negligible, std::size_t bytes) {
-  const auto packed_bytes = [&](int count) {
+// The residual of the bytes and coefficients to match: as many components per region as it takes, then smaller entries,
+// then all there is.
+void pack_to_match(Basis& basis, const ResidualModel& model, int components, double negligible,
+                   const TrainOptions& options) {
+  const auto matches = [&](int count) {
     basis.residual = pack_residual(model, count, negligible);
-    return table_bytes(basis).at("residual");
+    return table_bytes(basis).at("residual") >= options.match_bytes &&
+           basis.residual.coefficient_count() >= options.match_coefficients;
   };
   constexpr int kHalvings = 20;
-  for (int k = 0; k < kHalvings && packed_bytes(components) < bytes; ++k) negligible *= 0.5;
+  for (int k = 0; k < kHalvings && !matches(components); ++k) negligible *= 0.5;
   int low = 1, high = components;
   while (low < high) {
     const int middle = (low + high) / 2;
-    if (packed_bytes(middle) >= bytes) {
+    if (matches(middle)) {
       high = middle;
     } else {
       low = middle + 1;
@@ -193,7 +196,7 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
       std::sqrt(3 * double{displacements.squaredNorm()} / static_cast<double>(displacements.size()));
   const double negligible = kNegligible * mean_displacement;
   if (options.match_bytes > 0) {
-    pack_to_match(basis, model, fit_options.components, negligible, options.match_bytes);
+    pack_to_match(basis, model, fit_options.components, negligible, options);
   } else {
     basis.residual = pack_residual(model, options.components, negligible);
   }

@@ -16,8 +16,8 @@ struct TrainOptions {
   int centres = 160;         // kernel centres per region at most
   std::uint64_t seed = 1;
   bool joint_only_linear = false;  // the table-of-methods entry "linear": joint features only, no kernels, components
-                                   // raised until the residual's bytes reach `match_bytes`
-  std::size_t match_bytes = 0;
+                                   // raised until the residual has as many bytes and coefficients as these
+  std::size_t match_bytes = 0, match_coefficients = 0;
 };
 
 // One training or held-out frame: its pose and its shape (welded, V x 3, posed).
