@@ -16,7 +16,7 @@
 #include "runtime/rig.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/builtin/arm_dofs.h"
-#include "trainer/dataset/frame_range.h"
+#include "trainer/dataset/json_file.h"
 #include "trainer/dataset/pc2.h"
 #include "trainer/motion/range_of_motion.h"
 #include "trainer/simulate/simulate.h"
@@ -35,9 +35,11 @@ struct DemoArguments {
 };
 
 struct DemoSize {
-  int train_frames, heldout_frames;
+  int rom_frames, heldout_frames;
 };
-constexpr DemoSize kFull{440, 144}, kQuick{48, 24};
+constexpr DemoSize kFull{400, 144}, kQuick{48, 24};
+// Every so manieth frame of the range of motion is also simulated with muscles flexed.
+constexpr int kFlexedStep = 10;
 // Simulating every second frame of the held-out motion shows its whole arc at half the cost.
 constexpr int kHeldoutStep = 2;
 
@@ -49,7 +51,23 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// The files a user would bring: character, muscles and two clips.
+// Three groups of muscles flexed and relaxed in turns over a clip.
+void write_flex(const fs::path& path, int frames) {
+  constexpr int kTurns = 9;
+  const std::vector<std::string> groups{"biceps*", "triceps*", "deltoid*"};
+  Json controls;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    Json curve = Json::array();
+    for (std::size_t turn = 0; turn <= kTurns; ++turn) {
+      const double frame = 1 + static_cast<double>(turn) / kTurns * frames;
+      curve.push_back({frame, turn % groups.size() == g ? 1 : 0});
+    }
+    controls[groups[g]] = curve;
+  }
+  write_json({{"schema", "bodyopt-controls-1"}, {"controls", controls}}, path);
+}
+
+// The files a user would bring: character, muscles, limits, two clips and how muscles flex in one of them.
 void write_inputs(const fs::path& folder, const DemoSize& size) {
   const BuiltinArm arm = build_arm();
   const Skeleton& skeleton = arm.character.skeleton;
@@ -57,35 +75,47 @@ void write_inputs(const fs::path& folder, const DemoSize& size) {
   write_muscles(arm.muscles, skeleton, folder / "muscles.json");
   const JointLimits limits = arm_limits(skeleton);
   write_joint_limits(limits, skeleton, folder / "limits.json");
-  const RangeOfMotion motion = range_of_motion(arm.character, limits, {.frames = size.train_frames});
+  const RangeOfMotion motion = range_of_motion(arm.character, limits, {.frames = size.rom_frames});
   write_clip(clip_of(motion.angles, limits, skeleton), skeleton, folder / "rom.glb");
+  write_flex(folder / "flex.json", size.rom_frames);
   write_clip(arm_heldout(skeleton, size.heldout_frames), skeleton, folder / "heldout.glb");
 }
 
-// Simulates one clip of the folder into folder/dataset.
-DatasetTake simulate_take(const fs::path& folder, const std::string& name, int step, bool heldout) {
-  const Character character = read_character(folder / "character.glb");
-  const std::vector<Muscle> muscles = read_muscles(folder / "muscles.json", character.skeleton);
-  const Clip clip = read_clip((folder / (name + ".glb")).string(), character.skeleton, {});
+std::vector<int> every(int step, int last) {
+  std::vector<int> frames;
+  for (int frame = 1; frame <= last; frame += step) frames.push_back(frame);
+  return frames;
+}
+
+DatasetTake take_of(const std::string& name, const std::string& clip, const std::vector<int>& frames) {
   DatasetTake take;
   take.name = name;
-  take.clip = "../" + name + ".glb";
-  for (int frame = clip.first_frame; frame <= clip.last_frame(); frame += step) take.frames.push_back(frame);
-  if (heldout) take.heldout = take.frames;
+  take.clip = "../" + clip;
+  take.frames = frames;
   take.shapes = name + ".pc2";
   take.shapes_status = name + ".status.json";
-  simulate(character, muscles, clip, take.frames, folder / "dataset" / take.shapes,
-           folder / "dataset" / take.shapes_status, {});
   return take;
 }
 
-Dataset simulate_dataset(const fs::path& folder) {
+Dataset simulate_dataset(const fs::path& folder, const DemoSize& size) {
   Dataset dataset;
   dataset.folder = folder / "dataset";
   fs::create_directories(dataset.folder);
   dataset.character = "../character.glb";
   dataset.muscles = "../muscles.json";
-  dataset.takes = {simulate_take(folder, "rom", 1, false), simulate_take(folder, "heldout", kHeldoutStep, true)};
+  const std::vector<int> heldout = every(kHeldoutStep, size.heldout_frames);
+  dataset.takes = {take_of("rom", "rom.glb", every(1, size.rom_frames)),
+                   take_of("flexed", "rom.glb", every(kFlexedStep, size.rom_frames)),
+                   take_of("heldout", "heldout.glb", heldout)};
+  dataset.takes[1].controls = "../flex.json";
+  dataset.takes[2].heldout = heldout;
+
+  const Character character = read_character(folder / "character.glb");
+  const std::vector<Muscle> muscles = read_muscles(folder / "muscles.json", character.skeleton);
+  for (const DatasetTake& take : dataset.takes) {
+    simulate(character, muscles, read_clip(dataset, take, character.skeleton), take.frames,
+             dataset.folder / take.shapes, dataset.folder / take.shapes_status, {});
+  }
   write_dataset(dataset, dataset.folder / "dataset.json");
   return dataset;
 }
@@ -317,10 +347,11 @@ void run(const DemoArguments& arguments) {
   ReportData report;
   report.quick = arguments.quick;
   Stopwatch building;
-  write_inputs(folder, arguments.quick ? kQuick : kFull);
+  const DemoSize& size = arguments.quick ? kQuick : kFull;
+  write_inputs(folder, size);
   report.seconds.build_character = building.seconds();
   Stopwatch simulating;
-  const Dataset dataset = simulate_dataset(folder);
+  const Dataset dataset = simulate_dataset(folder, size);
   report.seconds.simulate = simulating.seconds();
   report = measure(arguments, folder, dataset, report);
   report.peak_memory_mib = peak_memory_mib();

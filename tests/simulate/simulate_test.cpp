@@ -167,6 +167,34 @@ TEST(Simulate, AFinishedTakeIsNotSolvedAgain) {
   EXPECT_NE(passive[1].inputs, more.status[1].inputs);
 }
 
+TEST(Simulate, MusclesThatWouldDoNothingAreSaid) {
+  const TemporaryFolder folder;
+  const Character limb = make_limb();
+  const Clip clip = bending_clip(limb, 1);
+  std::string warning;
+  SimulateOptions options{0.05, 1};
+  options.warn = [&](const std::string& text) { warning += text; };
+  const auto with = [&](const Muscle& other) {
+    simulate(limb, {make_flexor(), other}, clip, {11}, folder / "take.pc2", folder / "take.json", options);
+  };
+  Muscle thread = make_flexor();
+  thread.name = "thread";
+  thread.radius = 1e-4;
+  with(thread);
+  EXPECT_NE(warning.find("'thread'"), std::string::npos) << warning;
+  EXPECT_EQ(warning.find("'flexor'"), std::string::npos) << warning;
+  Muscle stray = make_flexor();
+  stray.name = "stray";
+  for (MusclePoint& point : stray.path) point.position[1] += 0.3;
+  try {
+    with(stray);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::mismatch);
+    EXPECT_NE(std::string(error.what()).find("'stray'"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Simulate, ControlsFlexMusclesByName) {
   const TemporaryFolder folder;
   const Clip relaxed = bending_clip(make_limb(), 2);

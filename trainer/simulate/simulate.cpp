@@ -12,6 +12,7 @@
 #include "trainer/dataset/pc2.h"
 #include "trainer/progress.h"
 #include "trainer/simulate/body_hash.h"
+#include "trainer/simulate/check_muscles.h"
 #include "trainer/simulate/partial_shapes.h"
 #include "trainer/single_threaded_products.h"
 
@@ -207,6 +208,8 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
   require_distinct(frames);
   const SingleThreadedProducts single_threaded;
   const QuasiStaticBody body = make_body(character, muscles, options);
+  const std::string thin = check_muscles(character, muscles, body.fibres());
+  if (!thin.empty()) options.warn(thin);
   std::filesystem::path partial_path = cache;
   partial_path += ".partial";
   const auto node_count = body.mesh().nodes.rows();
