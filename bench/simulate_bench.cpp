@@ -1,7 +1,9 @@
 // The quasi-static solver beside plain Newton on the same elastic problem, and how much shapes depend on their path.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "bench/newton.h"
 #include "runtime/rig.h"
@@ -152,9 +154,67 @@ void BM_Path(benchmark::State& state) {
   }
 }
 
+// Every triangle of the skin cut into four at the middles of its edges; the first vertices are the old ones.
+Character subdivided(const Character& coarse) {
+  Character fine = coarse;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+  std::vector<Eigen::RowVector3d> added;
+  const auto count = static_cast<std::uint32_t>(coarse.vertices.rows());
+  const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+    const auto [at, is_new] = middles.try_emplace(std::minmax(a, b), count + static_cast<std::uint32_t>(added.size()));
+    if (!is_new) return at->second;
+    added.push_back(0.5 * (coarse.vertices.row(a) + coarse.vertices.row(b)));
+    std::map<std::uint32_t, double> weights;
+    for (const std::uint32_t v : {a, b}) {
+      for (const JointWeight& w : coarse.weights[v]) weights[w.joint] += 0.5 * w.weight;
+    }
+    std::vector<JointWeight>& blended = fine.weights.emplace_back();
+    for (const auto& [joint, weight] : weights) blended.push_back({joint, weight});
+    std::sort(blended.begin(), blended.end(), [](const auto& x, const auto& y) { return x.weight > y.weight; });
+    return at->second;
+  };
+  fine.triangles.resize(4 * coarse.triangles.rows(), 3);
+  for (Eigen::Index t = 0; t < coarse.triangles.rows(); ++t) {
+    const std::uint32_t a = coarse.triangles(t, 0), b = coarse.triangles(t, 1), c = coarse.triangles(t, 2);
+    const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    fine.triangles.middleRows<4>(4 * t) << a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca;
+  }
+  fine.vertices.conservativeResize(count + static_cast<Eigen::Index>(added.size()), 3);
+  for (std::size_t k = 0; k < added.size(); ++k) fine.vertices.row(count + static_cast<Eigen::Index>(k)) = added[k];
+  return fine;
+}
+
+const QuasiStaticBody& refined_body() {
+  const auto build = [] {
+    const Character fine = subdivided(arm().arm.character);
+    return QuasiStaticBody(fine, arm().arm.muscles, fill_skin(fine, 0));
+  };
+  static const QuasiStaticBody built = build();
+  return built;
+}
+
+// A frame in tets of half the edge, skin and inside: how far the skin's own vertices move.
+void BM_HalvedTets(benchmark::State& state) {
+  const SingleThreadedProducts single_threaded;
+  const Pose& pose = pose_of(static_cast<int>(state.range(0)));
+  const SolvedPose coarse = arm().body.solve(pose);
+  refined_body();
+  for (auto _ : state) {
+    const SolvedPose fine = refined_body().solve(pose);
+    state.PauseTiming();
+    const SkinDifference difference = skin_difference(coarse.nodes, fine.nodes);
+    state.counters["iterations"] = fine.status.iterations;
+    state.counters["tets"] = static_cast<double>(refined_body().mesh().tets.rows());
+    state.counters["skin_rms_mm"] = difference.rms;
+    state.counters["skin_max_mm"] = difference.max;
+    state.ResumeTiming();
+  }
+}
+
 constexpr auto kUnit = benchmark::kMillisecond;
 BENCHMARK(BM_Ours)->ArgName("frame")->DenseRange(12, 144, 24)->Iterations(1)->Unit(kUnit);
 BENCHMARK(BM_Newton)->ArgName("frame")->DenseRange(12, 144, 24)->Iterations(1)->Unit(kUnit);
+BENCHMARK(BM_HalvedTets)->ArgName("frame")->DenseRange(12, 144, 24)->Iterations(1)->Unit(kUnit);
 BENCHMARK(BM_Path)
     ->ArgNames({"frame", "through"})
     ->ArgsProduct({benchmark::CreateDenseRange(6, 144, 12), {72}})
