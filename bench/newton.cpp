@@ -18,13 +18,13 @@ struct Derivatives {
 };
 
 // As tissue.h has them: pressure over the volume ratio, tension over the stretch.
-Derivatives of_volume(const TetMaterial& material, double fat_lambda, double j) {
+Derivatives of_volume(const TetMaterial& material, double j) {
   Derivatives d{material.lambda * (j - 1 - material.mu / material.lambda), material.lambda};
   if (j >= 0.3) return d;
-  const double at = std::max(j, 0.05), below = at - 0.3, ratio = std::log(at / 0.3), kappa = 2 * fat_lambda;
-  const double curvature = kappa * (-2 * ratio - 4 * below / at + below * below / (at * at));
-  d.slope += kappa * (-2 * below * ratio - below * below / at) + curvature * (j - at);
-  d.curvature += curvature;
+  const double at = std::max(j, Tissue::kSteepest), below = at - 0.3, ratio = std::log(at / 0.3),
+               kappa = 2 * material.lambda;
+  d.slope += kappa * (-2 * below * ratio - below * below / at);
+  if (at == j) d.curvature += kappa * (-2 * ratio - 4 * below / at + below * below / (at * at));
   return d;
 }
 
@@ -43,7 +43,7 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
 // d2 Psi / dF2 over the columns of F.
 Matrix9 block_of(const ElasticProblem& problem, int tet, const Eigen::Matrix3d& f, const FibreTet* fibre) {
   const TetMaterial& material = problem.tets[static_cast<std::size_t>(tet)];
-  const Derivatives volume = of_volume(material, problem.materials.fat.lambda, f.determinant());
+  const Derivatives volume = of_volume(material, f.determinant());
   Eigen::Matrix3d cofactor;
   for (int k = 0; k < 3; ++k) cofactor.col(k) = f.col((k + 1) % 3).cross(f.col((k + 2) % 3));
   const Vector9 g = cofactor.reshaped();

@@ -190,7 +190,7 @@ TEST(Tissue, ForceScaleIsTheSumOverTetsAlone) {
 TEST(Tissue, InvertedGradientIsTheEnergysDerivative) {
   const TetMesh mesh = block(3, 2, 2, 0.01);
   const Tissue tissue(mesh, all(mesh, Materials{}.fat), {});
-  for (const double height : {0.06, 0.05, 0.02, -0.01, -0.5}) {
+  for (const double height : {0.06, 0.02, 0.003, -0.01, -0.5}) {
     const Positions squashed = mapped(mesh.nodes, Eigen::Vector3d(height, 1, 0.9).asDiagonal(), {0, 0, 0});
     expect_gradient(tissue, shaken(squashed, 0.00001, 8), {});
   }

@@ -20,9 +20,7 @@ Barrier barrier(double j, double steepest) {
   const double from = std::max(j, steepest), below = from - kBarrierVolume;
   const double log_ratio = std::log(from / kBarrierVolume);
   const double slope = -2 * below * log_ratio - below * below / from;
-  const double curvature = -2 * log_ratio - 4 * below / from + below * below / (from * from);
-  const double beyond = j - from;
-  return {-below * below * log_ratio + beyond * (slope + 0.5 * beyond * curvature), slope + beyond * curvature};
+  return {-below * below * log_ratio + (j - from) * slope, slope};
 }
 
 }  // namespace

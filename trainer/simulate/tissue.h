@@ -20,8 +20,8 @@ struct FibreTet {
 // Energy density per tet, F the deformation gradient, J = det F, a the fibre direction, s = |F a|:
 //   mu/2 (|F|^2 - 3) + lambda/2 ((J - 1 - mu/lambda)^2 - (mu/lambda)^2)        stable neo-Hookean (Smith et al. 2018),
 //                                                                               without its singular log term
-//   + kappa (J - 0.3)^2 (-ln(J / 0.3)), kappa = 2 lambda   where J < 0.3; its second-order Taylor polynomial around
-//                                                        J = `steepest` below that: inverted tets recover
+//   + kappa (J - 0.3)^2 (-ln(J / 0.3)), kappa = 2 lambda   where J < 0.3; its tangent at J = `steepest`
+//                                                        below that: inverted tets recover
 //   + activation k_a/2 (s - slack)^2                     where s > slack, muscles only
 //   + k_p/2 (s - 1)^2                                    where s > 1, muscles only
 // Zero with zero gradient at rest when all activations are zero.
@@ -36,9 +36,9 @@ class Tissue {
     double force_square = 0;  // N^2: over all tets, the squared forces each puts on its four nodes
   };
 
-  // The volume ratio below which the barrier goes on as a parabola. Were it infinite at J = 0, the smallest tet would
-  // stop every step of all others; with the lower one soft tets, nearly empty, stay upright against stiff neighbours.
-  static constexpr double kSteepest = 0.05, kSteepestOfAll = 0.005;
+  // The volume ratio below which the barrier goes on as a straight line. Were it infinite at J = 0, the smallest tet
+  // would stop every step of all others. The lower one holds up soft tets, nearly empty, against stiff neighbours.
+  static constexpr double kSteepest = 0.005, kSteepestOfAll = 0.002;
 
   // Adds the gradient (joules per metre, N x 3) of the energy at `nodes` (N x 3) to `gradient`. activation: per muscle.
   Sum add_gradient(const Positions& nodes, std::span<const double> activation, Positions& gradient,
