@@ -72,6 +72,7 @@ TEST(Takes, AFlexedMuscleIsLearnedAsAControl) {
   ASSERT_EQ(run_bodyopt(simulate + controls + " --name flexed").exit_code, 0);
   EXPECT_EQ(read_dataset(folder / "data/dataset.json").takes[1].controls, "../flex.json");
   ASSERT_EQ(run_bodyopt("check " + data).exit_code, 0);
+  ASSERT_EQ(run_bodyopt(simulate + controls + " --frames 3,5 --heldout 3,5 --name unseen").exit_code, 0);
   const ProgramResult trained = run_bodyopt("train " + data + " --out " + basis);
   ASSERT_EQ(trained.exit_code, 0) << trained.output;
   const std::string eval = "eval " + basis + " --clip " + files.motion + " --device cpu --out ";

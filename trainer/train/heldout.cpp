@@ -27,7 +27,9 @@ std::vector<Positions> heldout_by_lbs(const SampleSet& set) {
 std::vector<Positions> heldout_by_basis(const SampleSet& set, Deformer& deformer) {
   std::vector<Positions> shapes;
   for (const Sample& sample : set.heldout) {
-    const Evaluation evaluation = deformer.evaluate({&sample.pose, 1});
+    Pose pose = sample.pose;
+    if (deformer.basis().residual.controls.empty()) pose.controls.clear();  // a basis that has learned none
+    const Evaluation evaluation = deformer.evaluate({&pose, 1});
     shapes.push_back(welded_from_output(set.character, evaluation.positions.data()));
   }
   return shapes;
