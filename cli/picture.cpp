@@ -85,8 +85,8 @@ View choose_view(const PictureArguments& arguments, const Scene& scene, const Po
     if (joint < 0) {
       std::vector<std::string> names;
       for (const Joint& known : scene.character.skeleton.joints) names.push_back(known.name);
-      throw Error(ErrorKind::usage, "--around: the character has no joint '" + arguments.around + "'; it has " +
-                                        list_names(names));
+      throw Error(ErrorKind::usage,
+                  "--around: the character has no joint '" + arguments.around + "'; it has " + list_names(names));
     }
     const Affine world = posed_joints(scene.character.skeleton, pose.joints)[static_cast<std::size_t>(joint)];
     for (std::size_t i = 0; i < 3; ++i) {

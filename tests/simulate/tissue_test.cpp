@@ -209,10 +209,11 @@ TEST(Tissue, InvertedTetsRecoverAndAreCounted) {
     EXPECT_LT(energy, last) << height;
     last = energy;
   }
-  EXPECT_EQ(tissue.inverted(mirrored), mesh.tets.rows());
-  EXPECT_EQ(tissue.inverted(mesh.nodes), 0);
+  EXPECT_EQ(tissue.inverted(mirrored).tets, mesh.tets.rows());
+  EXPECT_EQ(tissue.inverted(mesh.nodes).tets, 0);
+  EXPECT_NEAR(tissue.inverted(mirrored).share, 1, 1e-12);
   const Positions flat = mapped(mesh.nodes, Eigen::Vector3d(0, 1, 1).asDiagonal(), {0, 0, 0});
-  EXPECT_EQ(tissue.inverted(flat), mesh.tets.rows());
+  EXPECT_EQ(tissue.inverted(flat).tets, mesh.tets.rows());
 }
 
 // Linear elasticity is its small-strain limit: an independent solver's displacement balances the loads. The energy's

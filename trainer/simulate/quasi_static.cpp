@@ -21,8 +21,12 @@ constexpr int kMaxIterations = 4000;
 constexpr double kPathTolerance = 1e-2;
 constexpr int kPathIterations = 8;
 constexpr double kMaxStep = 20 * std::numbers::pi / 180;  // of the joint that turns most
-constexpr double kMaxFlexStep = 0.25;                     // of full activation
-constexpr double kDefaultSize = 3;                        // mean edges of the skin
+// A step that turns more than this share of the body inside out is halved, or folds would tangle; tets too small to
+// matter recover by themselves.
+constexpr double kMostInverted = 1e-6;
+constexpr double kShortestStep = 1.0 / 32;  // of a full step
+constexpr double kMaxFlexStep = 0.25;       // of full activation
+constexpr double kDefaultSize = 3;          // mean edges of the skin
 constexpr double kMinWeight = 1e-3;
 // Parts nearer than this, metres, may come into contact while a shape is relaxed.
 constexpr double kContactMargin = 5e-3;
@@ -339,11 +343,17 @@ SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const 
     if (root >= 0) to[static_cast<std::size_t>(root)] = skeleton_.joints[static_cast<std::size_t>(root)].bind;
     const double flex_steps = last ? hardest / kMaxFlexStep : 0;
     const int steps = static_cast<int>(std::ceil(std::max({widest_turn(from, to) / max_step, flex_steps, 1.0})));
-    for (int k = 1; k <= steps; ++k) {
-      const double u = static_cast<double>(k) / steps;
-      Target there = target(between(from, to, u), scaled(flex, last ? u : 0));
-      nodes = carried(here, there, nodes);
-      if (k < steps || !last) {
+    double at = 0, step = 1.0 / steps;
+    while (at < 1) {
+      const double next = at + step > 1 - 1e-9 ? 1 : at + step;
+      Target there = target(between(from, to, next), scaled(flex, last ? next : 0));
+      Positions start = carried(here, there, nodes);
+      if (step * steps > kShortestStep && tissue_->inverted(start).share > kMostInverted) {
+        step /= 2;
+        continue;
+      }
+      nodes = std::move(start);
+      if (next < 1 || !last) {
         solved.status.iterations += follow(there, steepest, nodes);
       } else {
         const MinimiseResult result = settle(there, steepest, nodes);
@@ -351,10 +361,12 @@ SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const 
         solved.status.residual = result.residual;
       }
       here = std::move(there);
+      at = next;
+      step = std::min(2 * step, 1.0 / steps);
     }
     from = std::move(to);
   }
-  solved.status.inverted_tets = tissue_->inverted(nodes);
+  solved.status.inverted_tets = tissue_->inverted(nodes).tets;
   if (contact_) solved.status.contact_depth = contact_->deepest(nodes);
   solved.status.volume_change = volume_->largest_change(nodes);
   solved.status.converged = is_converged(solved.status);

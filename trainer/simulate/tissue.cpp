@@ -212,18 +212,23 @@ Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double>
   return sum;
 }
 
-int Tissue::inverted(const Positions& nodes) const {
-  int count = 0;
+Tissue::Inverted Tissue::inverted(const Positions& nodes) const {
+  Inverted result;
+  double volume = 0;
   for (const Batch& batch : batches_) {
     Corners corners;
     Strain s;
     gather(batch, nodes, corners);
     strain(batch, corners, s);
     for (int lane = 0; lane < kLanes; ++lane) {
-      if (batch.volume[lane] > 0 && !(s.volume_ratio[lane] > 0)) ++count;
+      volume += batch.volume[lane];
+      if (!(batch.volume[lane] > 0) || s.volume_ratio[lane] > 0) continue;
+      ++result.tets;
+      result.share += batch.volume[lane];
     }
   }
-  return count;
+  if (volume > 0) result.share /= volume;
+  return result;
 }
 
 }  // namespace bodyopt

@@ -44,7 +44,11 @@ class Tissue {
   Sum add_gradient(const Positions& nodes, std::span<const double> activation, Positions& gradient,
                    double steepest = kSteepest) const;
 
-  int inverted(const Positions& nodes) const;  // tets with J <= 0
+  struct Inverted {
+    int tets = 0;
+    double share = 0;  // of the volume at rest
+  };
+  Inverted inverted(const Positions& nodes) const;  // tets with J <= 0
 
  private:
   static constexpr int kLanes = 8;
