@@ -121,7 +121,7 @@ void BM_Ours(benchmark::State& state) {
   for (auto _ : state) {
     Positions nodes = start.nodes;
     const StiffModes metric(*arm().metric, nodes.rows(), {}, {});
-    const int steps = minimise(start.objective, metric, kTolerance, 0, 4000, nodes).iterations;
+    const int steps = Lbfgs(metric, 0).minimise(start.objective, kTolerance, 4000, nodes).iterations;
     report(state, steps, start, nodes);
   }
 }

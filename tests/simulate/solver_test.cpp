@@ -83,7 +83,7 @@ TEST(Minimise, FindsTheMinimumOfAQuadratic) {
   };
   Positions x = Positions::Zero(40, 3);
   const Metric metric(crude);
-  const MinimiseResult result = minimise(objective, StiffModes(metric, 40, {}, {}), 1e-9, 1e-12, 500, x);
+  const MinimiseResult result = Lbfgs(StiffModes(metric, 40, {}, {}), 1e-12).minimise(objective, 1e-9, 500, x);
   EXPECT_LT(result.residual, 1e-9);
   const Positions expected = Eigen::MatrixXd(hessian).llt().solve(Eigen::MatrixXd(pull));
   EXPECT_LT((x - expected).cwiseAbs().maxCoeff(), 1e-9);
@@ -101,7 +101,7 @@ TEST(Minimise, NeverEntersAPlaceOfInfiniteEnergy) {
   Positions x(1, 3);
   x << 3, 0, 0;
   const Metric factor(metric);
-  EXPECT_LT(minimise(objective, StiffModes(factor, 1, {}, {}), 1e-8, 1e-12, 200, x).residual, 1e-8);
+  EXPECT_LT(Lbfgs(StiffModes(factor, 1, {}, {}), 1e-12).minimise(objective, 1e-8, 200, x).residual, 1e-8);
   EXPECT_NEAR(x(0, 0), 1, 1e-7);
 }
 
@@ -116,7 +116,7 @@ TEST(Minimise, ReportsWhatItReachedWhenTheIterationsEnd) {
   };
   Positions x = Positions::Zero(40, 3);
   const Metric metric(crude);
-  const MinimiseResult result = minimise(objective, StiffModes(metric, 40, {}, {}), 1e-9, 1e-12, 3, x);
+  const MinimiseResult result = Lbfgs(StiffModes(metric, 40, {}, {}), 1e-12).minimise(objective, 1e-9, 3, x);
   EXPECT_EQ(result.iterations, 3);
   EXPECT_NEAR(result.residual, (hessian * x - pull).norm() / 2, 1e-12);
   EXPECT_GT(result.residual, 1e-9);

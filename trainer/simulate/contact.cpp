@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 
 namespace bodyopt {
 namespace {
@@ -15,7 +16,12 @@ namespace {
 constexpr double kMostOutside = -0.3;
 // Nodes this near to a tet at rest, relative to its size, are of the same part and do not collide with it.
 constexpr double kSamePart = 0.5;
+// A tet pressed flat or inside out has no depth to speak of: its slope would be steep and point anywhere.
+constexpr double kFlat = 0.05;          // of its volume at rest
 constexpr double kContactReach = 2e-3;  // m: a depth at which the pressure has doubled its slope
+
+// Skin nearer than this, metres, is looked at for contact until a node has moved by half of it.
+constexpr double kSearchReach = 20e-3;
 
 // Corners of the face opposite to each corner, outwards for a tet of positive volume.
 constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
@@ -79,8 +85,9 @@ double distance_to_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, 
 class Grid {
  public:
   Grid(const Positions& points, const std::vector<int>& chosen, double cell) : cell_(cell) {
-    origin_ = points.colwise().minCoeff().transpose();
-    const Eigen::Vector3d extent = points.colwise().maxCoeff().transpose() - origin_;
+    const Positions own = points(chosen, Eigen::all);
+    origin_ = own.colwise().minCoeff().transpose();
+    const Eigen::Vector3d extent = own.colwise().maxCoeff().transpose() - origin_;
     constexpr double kMostCells = 200;
     cell_ = std::max(cell_, extent.maxCoeff() / kMostCells);
     for (int i = 0; i < 3; ++i) size_[i] = static_cast<int>(extent[i] / cell_) + 1;
@@ -97,8 +104,11 @@ class Grid {
   void visit(const Eigen::Vector3d& low, const Eigen::Vector3d& high, Visit visit) const {
     int first[3], last[3];
     for (int i = 0; i < 3; ++i) {
-      first[i] = std::clamp(static_cast<int>(std::floor((low[i] - origin_[i]) / cell_)), 0, size_[i] - 1);
-      last[i] = std::clamp(static_cast<int>(std::floor((high[i] - origin_[i]) / cell_)), 0, size_[i] - 1);
+      const double end = size_[i], from = std::floor((low[i] - origin_[i]) / cell_),
+                   to = std::floor((high[i] - origin_[i]) / cell_);
+      if (!(from < end) || !(to >= 0)) return;
+      first[i] = static_cast<int>(std::max(from, 0.0));
+      last[i] = static_cast<int>(std::min(to, end - 1));
     }
     for (int x = first[0]; x <= last[0]; ++x) {
       for (int y = first[1]; y <= last[1]; ++y) {
@@ -127,6 +137,10 @@ class Grid {
   std::vector<int> points_;
 };
 
+bool inside(const Eigen::RowVector3d& point, const Eigen::RowVector3d& low, const Eigen::RowVector3d& high) {
+  return (point.array() >= low.array()).all() && (point.array() <= high.array()).all();
+}
+
 Eigen::Matrix3d edges_of(const Tets& tets, int tet, const Positions& nodes) {
   Eigen::Matrix3d edges;
   for (int a = 0; a < 3; ++a) edges.col(a) = row(nodes, tets(tet, a + 1)) - row(nodes, tets(tet, 0));
@@ -152,7 +166,7 @@ SkinContact::SkinContact(const TetMesh& mesh, const Materials& materials)
   }
   double area = 0;
   for (const double a : area_) area += a;
-  cell_ = 0.7 * std::sqrt(area / static_cast<double>(skin_.size()));
+  cell_ = 0.9 * std::sqrt(area / static_cast<double>(skin_.size()));
   depth_.assign(area_.size(), 0.0);
   double longest = 0;
   for (Eigen::Index t = 0; t < surface_.rows(); ++t) {
@@ -162,6 +176,18 @@ SkinContact::SkinContact(const TetMesh& mesh, const Materials& materials)
   }
   for (std::size_t n = 0; n < depth_.size(); ++n) {
     if (!(area_[n] > 0)) depth_[n] = depth_of(row(nodes, static_cast<Eigen::Index>(n)), nodes, longest);
+  }
+  part_low_.resize(tets_.rows(), 3);
+  part_high_.resize(tets_.rows(), 3);
+  for (Eigen::Index t = 0; t < tets_.rows(); ++t) {
+    const Eigen::Matrix<double, 4, 3> corners = nodes(tets_.row(t), Eigen::all);
+    const Eigen::RowVector3d low = corners.colwise().minCoeff(), high = corners.colwise().maxCoeff();
+    const double same_part = kSamePart * (high - low).maxCoeff();
+    part_low_.row(t) = low.array() - same_part;
+    part_high_.row(t) = high.array() + same_part;
+    volume_.push_back(edges_of(tets_, static_cast<int>(t), nodes).determinant() / 6);
+    const auto has_depth = [&](int n) { return depth_[static_cast<std::size_t>(n)] > 0; };
+    if (std::any_of(tets_.row(t).begin(), tets_.row(t).end(), has_depth)) deep_.push_back(static_cast<int>(t));
   }
 }
 
@@ -181,7 +207,9 @@ double SkinContact::depth_of(const Eigen::Vector3d& p, const Positions& nodes, d
 SkinContact::DepthField SkinContact::depth_field(int tet, const Positions& nodes) const {
   DepthField field;
   field.origin = row(nodes, tets_(tet, 0));
-  field.inverse = edges_of(tets_, tet, nodes).inverse();
+  const Eigen::Matrix3d edges = edges_of(tets_, tet, nodes);
+  field.volume = edges.determinant() / 6 / volume_[static_cast<std::size_t>(tet)];
+  field.inverse = edges.inverse();
   for (int a = 0; a < 4; ++a) field.depth[a] = depth_[static_cast<std::size_t>(tets_(tet, a))];
   field.slope = field.inverse.transpose() * (field.depth.tail<3>().array() - field.depth[0]).matrix();
   field.steepness[0] = field.inverse.colwise().sum().norm();
@@ -202,53 +230,45 @@ ContactPlane SkinContact::plane(int node, int tet, const DepthField& field, cons
   return plane;
 }
 
-std::vector<ContactPlane> SkinContact::find(const Positions& nodes, double margin) const {
+template <typename Visit>
+void SkinContact::visit_near(const std::vector<int>& among, const Positions& nodes, double margin, Visit visit) const {
   const Positions normals = normals_of(surface_, nodes);
-  const Grid grid(nodes, skin_, cell_);
-  std::vector<ContactPlane> best(area_.size());  // of each node: the tet it is inside of, or the nearest
-  std::vector<bool> found(area_.size(), false);
-  for (int t = 0; t < tets_.rows(); ++t) {
-    const auto corners = tets_.row(t);
-    Eigen::Vector3d low = row(nodes, corners[0]), high = low;
-    double deepest = 0;
-    for (int a = 0; a < 4; ++a) {
-      low = low.cwiseMin(row(nodes, corners[a]));
-      high = high.cwiseMax(row(nodes, corners[a]));
-      deepest = std::max(deepest, depth_[static_cast<std::size_t>(corners[a])]);
-    }
-    if (!(deepest > 0)) continue;
-    Eigen::Vector3d rest_low = row(rest_, corners[0]), rest_high = rest_low;
-    for (int a = 1; a < 4; ++a) {
-      rest_low = rest_low.cwiseMin(row(rest_, corners[a]));
-      rest_high = rest_high.cwiseMax(row(rest_, corners[a]));
-    }
-    const double same_part = kSamePart * (rest_high - rest_low).maxCoeff();
-    rest_low.array() -= same_part;
-    rest_high.array() += same_part;
-    low.array() -= margin;
-    high.array() += margin;
+  const Grid grid(nodes, among, cell_);
+  for (const int t : deep_) {
+    const Eigen::Matrix<double, 4, 3> corners = nodes(tets_.row(t), Eigen::all);
+    const Eigen::RowVector3d low = corners.colwise().minCoeff().array() - margin,
+                             high = corners.colwise().maxCoeff().array() + margin;
     std::optional<DepthField> field;
-    grid.visit(low, high, [&](int n) {
-      const Eigen::Vector3d p = row(nodes, n);
-      if ((p.array() < low.array()).any() || (p.array() > high.array()).any()) return;
-      const Eigen::Vector3d at_rest = row(rest_, n);
-      if ((at_rest.array() > rest_low.array()).all() && (at_rest.array() < rest_high.array()).all()) return;
+    grid.visit(low.transpose(), high.transpose(), [&](int n) {
+      if (!inside(nodes.row(n), low, high) || inside(rest_.row(n), part_low_.row(t), part_high_.row(t))) return;
       if (!field) field = depth_field(t, nodes);
+      if (!(field->volume > kFlat)) return;
       // The skin around a node faces out of its own tissue, and into tissue that it collides with.
-      if (!(normals.row(n).dot(field->slope.transpose()) > 0)) return;
-      const ContactPlane candidate = plane(n, t, *field, nodes);
-      if (candidate.weights.minCoeff() < kMostOutside || candidate.offset < -margin) return;
-      const auto k = static_cast<std::size_t>(n);
-      if (found[k] && best[k].weights.minCoeff() >= candidate.weights.minCoeff()) return;
-      best[k] = candidate;
-      found[k] = true;
+      if (normals.row(n).dot(field->slope.transpose()) > 0) visit(plane(n, t, *field, nodes));
     });
   }
+}
+
+std::vector<ContactPlane> SkinContact::find(const std::vector<int>& among, const Positions& nodes,
+                                            double margin) const {
+  if (among.empty()) return {};
+  std::map<int, ContactPlane> best;  // of each node: the tet it is inside of, or the nearest
+  visit_near(among, nodes, margin, [&](const ContactPlane& candidate) {
+    if (candidate.weights.minCoeff() < kMostOutside || candidate.offset < -margin) return;
+    const auto [place, is_new] = best.try_emplace(candidate.node, candidate);
+    if (!is_new && place->second.weights.minCoeff() < candidate.weights.minCoeff()) place->second = candidate;
+  });
   std::vector<ContactPlane> planes;
-  for (const int n : skin_) {
-    if (found[static_cast<std::size_t>(n)]) planes.push_back(best[static_cast<std::size_t>(n)]);
-  }
+  for (const auto& [node, plane] : best) planes.push_back(plane);
   return planes;
+}
+
+std::vector<int> SkinContact::facing(const Positions& nodes, double reach) const {
+  std::set<int> found;
+  visit_near(skin_, nodes, reach, [&](const ContactPlane& candidate) {
+    if (candidate.offset > -reach) found.insert(candidate.node);
+  });
+  return {found.begin(), found.end()};
 }
 
 double SkinContact::add_gradient(std::span<const ContactPlane> planes, const Positions& nodes,
@@ -274,6 +294,17 @@ double SkinContact::deepest(const Positions& nodes) const {
     if (plane.weights.minCoeff() >= 0) depth = std::max(depth, plane.offset);
   }
   return depth;
+}
+
+std::vector<ContactPlane> ContactSearch::find(const Positions& nodes) {
+  if (!nodes.allFinite()) return {};  // a step that went too far, which its energy will tell
+  const bool moved = found_at_.rows() != nodes.rows() ||
+                     (nodes - found_at_).rowwise().squaredNorm().maxCoeff() > std::pow(0.5 * kSearchReach, 2);
+  if (moved) {
+    found_at_ = nodes;
+    facing_ = contact_.facing(nodes, kSearchReach);
+  }
+  return contact_.find(facing_, nodes, 0);
 }
 
 }  // namespace bodyopt

@@ -1,52 +1,44 @@
 #include "trainer/simulate/lbfgs.h"
 
 #include <cmath>
-#include <deque>
+#include <vector>
 
 namespace bodyopt {
 namespace {
 
 constexpr std::size_t kMemory = 8;
 constexpr double kArmijo = 1e-4;
-constexpr int kMaxHalvings = 30;
+constexpr int kMaxHalvings = 12;
 // Relative rounding of an energy: smaller differences cannot tell up from down.
 constexpr double kEnergyRounding = 1e-12;
 
 double dot(const Positions& a, const Positions& b) { return a.cwiseProduct(b).sum(); }
 
-struct Pair {
-  Positions step, change;  // of the nodes, of the gradient
-  double curvature;        // step . change
-};
+}  // namespace
 
 // The two-loop recursion (Nocedal and Wright, algorithm 7.4): direction = - inverse Hessian x gradient.
-void direction_from(const std::deque<Pair>& memory, const StiffModes& metric, const Positions& gradient,
-                    Positions& direction, Positions& scratch) {
-  std::vector<double> alpha(memory.size());
+void Lbfgs::direction_from(const Positions& gradient, Positions& direction) {
+  std::vector<double> alpha(memory_.size());
   direction = -gradient;
-  for (std::size_t k = memory.size(); k-- > 0;) {
-    alpha[k] = dot(memory[k].step, direction) / memory[k].curvature;
-    direction.noalias() -= alpha[k] * memory[k].change;
+  for (std::size_t k = memory_.size(); k-- > 0;) {
+    alpha[k] = dot(memory_[k].step, direction) / memory_[k].curvature;
+    direction.noalias() -= alpha[k] * memory_[k].change;
   }
-  metric.solve(direction, scratch);
-  for (std::size_t k = 0; k < memory.size(); ++k) {
-    const double beta = dot(memory[k].change, direction) / memory[k].curvature;
-    direction.noalias() += (alpha[k] - beta) * memory[k].step;
+  metric_.solve(direction, scratch_);
+  for (std::size_t k = 0; k < memory_.size(); ++k) {
+    const double beta = dot(memory_[k].change, direction) / memory_[k].curvature;
+    direction.noalias() += (alpha[k] - beta) * memory_[k].step;
   }
 }
 
-}  // namespace
-
-MinimiseResult minimise(const Objective& objective, const StiffModes& metric, double tolerance, double force_floor,
-                        int max_iterations, Positions& nodes) {
-  std::deque<Pair> memory;
-  Positions gradient(nodes.rows(), 3), direction, scratch, trial, trial_gradient(nodes.rows(), 3);
+MinimiseResult Lbfgs::minimise(const Objective& objective, double tolerance, int max_iterations, Positions& nodes) {
+  Positions gradient(nodes.rows(), 3), direction, trial, trial_gradient(nodes.rows(), 3);
   ObjectiveValue value = objective(nodes, gradient);
   MinimiseResult result;
-  const auto residual = [&] { return gradient.norm() / std::max(std::sqrt(value.force_square), force_floor); };
+  const auto residual = [&] { return gradient.norm() / std::max(std::sqrt(value.force_square), force_floor_); };
   result.residual = residual();
   while (result.residual >= tolerance && result.iterations < max_iterations) {
-    direction_from(memory, metric, gradient, direction, scratch);
+    direction_from(gradient, direction);
     const double slope = dot(gradient, direction);
     double length = slope < 0 ? 1 : 0;
     ObjectiveValue next;
@@ -58,8 +50,8 @@ MinimiseResult minimise(const Objective& objective, const StiffModes& metric, do
     }
     ++result.iterations;
     if (!(length > 0)) {
-      if (memory.empty()) break;  // the plain metric step fails too: nothing lower can be found
-      memory.clear();
+      if (memory_.empty()) break;  // the plain metric step fails too: nothing lower can be found
+      memory_.clear();
       continue;
     }
     Pair pair{trial - nodes, trial_gradient - gradient, 0};
@@ -69,8 +61,8 @@ MinimiseResult minimise(const Objective& objective, const StiffModes& metric, do
     value = next;
     result.residual = residual();
     if (pair.curvature > 0) {
-      memory.push_back(std::move(pair));
-      if (memory.size() > kMemory) memory.pop_front();
+      memory_.push_back(std::move(pair));
+      if (memory_.size() > kMemory) memory_.pop_front();
     }
   }
   return result;

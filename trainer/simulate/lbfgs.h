@@ -1,6 +1,7 @@
 // Minimisation by L-BFGS in a constant metric.
 #pragma once
 
+#include <deque>
 #include <functional>
 
 #include "trainer/simulate/stiff_modes.h"
@@ -20,11 +21,29 @@ struct MinimiseResult {
   int iterations = 0;
 };
 
-// Improves `nodes` until the residual is below `tolerance`, `max_iterations` are done, or no step lowers the energy any
-// more. The first factor of the inverse Hessian is the metric's inverse; steps obey Armijo's rule and never enter a
-// place of infinite energy. `nodes` must start at finite energy. The residual returned belongs to the nodes returned.
-// `force_floor` (N): forces below it count as none.
-MinimiseResult minimise(const Objective& objective, const StiffModes& metric, double tolerance, double force_floor,
-                        int max_iterations, Positions& nodes);
+// Remembers the last steps from one call of `minimise` to the next, which may be of another objective if its curvature
+// is about the same. The first factor of the inverse Hessian is the metric's inverse.
+class Lbfgs {
+ public:
+  // metric must outlive it. force_floor (N): forces below it count as none.
+  Lbfgs(const StiffModes& metric, double force_floor) : metric_(metric), force_floor_(force_floor) {}
+
+  // Improves `nodes` until the residual is below `tolerance`, `max_iterations` are done, or no step lowers the energy
+  // any more. Steps obey Armijo's rule and never enter a place of infinite energy. `nodes` must start at finite energy.
+  // The residual returned belongs to the nodes returned.
+  MinimiseResult minimise(const Objective& objective, double tolerance, int max_iterations, Positions& nodes);
+
+ private:
+  struct Pair {
+    Positions step, change;  // of the nodes, of the gradient
+    double curvature;        // step . change
+  };
+  void direction_from(const Positions& gradient, Positions& direction);
+
+  const StiffModes& metric_;
+  double force_floor_;
+  std::deque<Pair> memory_;
+  Positions scratch_;
+};
 
 }  // namespace bodyopt

@@ -20,18 +20,19 @@ constexpr int kMaxIterations = 4000;
 // On the way a shape only has to stay near the path.
 constexpr double kPathTolerance = 1e-2;
 constexpr int kPathIterations = 8;
-constexpr double kMaxStep = 20 * std::numbers::pi / 180;  // of the joint that turns most
+constexpr double kMaxTurn = 20 * std::numbers::pi / 180;  // a step, of the joint that turns most
+constexpr double kMaxFlex = 0.25;                         // a step, of full activation
 // A step that turns more than this share of the body inside out is halved, or folds would tangle; tets too small to
 // matter recover by themselves.
 constexpr double kMostInverted = 1e-6;
 constexpr double kShortestStep = 1.0 / 32;  // of a full step
-constexpr double kMaxFlexStep = 0.25;       // of full activation
 constexpr double kDefaultSize = 3;          // mean edges of the skin
 constexpr double kMinWeight = 1e-3;
 // Parts nearer than this, metres, may come into contact while a shape is relaxed.
 constexpr double kContactMargin = 5e-3;
-// Where parts touch, contact is found anew this often while the last shape is relaxed, the last time for good.
-constexpr int kContactRounds = 10, kRoundIterations = 25;
+// Where parts touch, contact is found at every evaluation for this many iterations at most, while nodes still slide;
+// its forces jump where a node passes from tet to tet, so that the last digits need contact that is held.
+constexpr int kMovingIterations = 100;
 // A cage's few large tets lock at the lambda that finer ones bear: on the human in 1,500 nodes a quarter brings the
 // draft from 6.4 to 5.3 mm of the full shapes (RMS), a tenth only to 5.0 mm, more slowly.
 constexpr double kCageLambda = 0.25;
@@ -269,52 +270,56 @@ Positions QuasiStaticBody::carried(const Target& from, const Target& to, const P
   return result;
 }
 
-Objective QuasiStaticBody::energy(const Target& at, const std::vector<ContactPlane>& planes, double steepest,
+Objective QuasiStaticBody::energy(const Target& at, const ContactOf& contact_planes, double steepest,
                                   bool hold_volume) const {
-  return [this, &at, &planes, steepest, hold_volume](const Positions& x, Positions& gradient) {
+  return [this, &at, contact_planes, steepest, hold_volume](const Positions& x, Positions& gradient) {
     gradient.setZero();
     const Tissue::Sum tissue = tissue_->add_gradient(x, at.activation, gradient, steepest);
     double energy = tissue.energy + springs_->add_gradient(at.springs, x, gradient);
     if (hold_volume) energy += volume_->add_gradient(x, gradient);
     if (bending_) energy += bending_->add_gradient(at.curvature, x, gradient);
-    if (contact_) energy += contact_->add_gradient(planes, x, gradient);
+    if (contact_) energy += contact_->add_gradient(contact_planes(x), x, gradient);
     return ObjectiveValue{energy, tissue.force_square};
   };
 }
 
-std::vector<ContactPlane> QuasiStaticBody::find_contact(const Positions& nodes) const {
-  return contact_ ? contact_->find(nodes, kContactMargin) : std::vector<ContactPlane>{};
+QuasiStaticBody::ContactOf QuasiStaticBody::moving_contact() const {
+  if (!contact_) return {};
+  return [search = std::make_shared<ContactSearch>(*contact_)](const Positions& nodes) { return search->find(nodes); };
+}
+
+QuasiStaticBody::ContactOf QuasiStaticBody::held_contact(const Positions& nodes) const {
+  if (!contact_) return {};
+  return [planes = contact_->find(nodes, kContactMargin)](const Positions&) { return planes; };
 }
 
 int QuasiStaticBody::follow(const Target& at, double steepest, Positions& nodes) const {
-  const std::vector<ContactPlane> planes = find_contact(nodes);
   const StiffModes metric(*metric_, nodes.rows(), {}, {});
-  return minimise(energy(at, planes, steepest, false), metric, kPathTolerance, force_floor_, kPathIterations, nodes)
+  Lbfgs lbfgs(metric, force_floor_);
+  return lbfgs.minimise(energy(at, held_contact(nodes), steepest, false), kPathTolerance, kPathIterations, nodes)
       .iterations;
 }
 
 MinimiseResult QuasiStaticBody::settle(const Target& at, double steepest, Positions& nodes) const {
   const auto [modes, stiffness] = volume_->stiff_modes(nodes);
   const StiffModes metric(*metric_, nodes.rows(), modes, stiffness);
-  MinimiseResult result;
-  for (int round = 1; round <= kContactRounds; ++round) {
-    const std::vector<ContactPlane> planes = find_contact(nodes);
-    const int left = round < kContactRounds && !planes.empty() ? kRoundIterations : kMaxIterations - result.iterations;
-    const MinimiseResult last =
-        minimise(energy(at, planes, steepest, true), metric, kTolerance, force_floor_, left, nodes);
-    result = {last.residual, result.iterations + last.iterations};
-    if (last.iterations == 0) break;
+  Lbfgs lbfgs(metric, force_floor_);
+  MinimiseResult moving;
+  if (contact_ && !contact_->find(nodes, kContactMargin).empty()) {
+    moving = lbfgs.minimise(energy(at, moving_contact(), steepest, true), kTolerance, kMovingIterations, nodes);
   }
-  return result;
+  const MinimiseResult held = lbfgs.minimise(energy(at, held_contact(nodes), steepest, true), kTolerance,
+                                             kMaxIterations - moving.iterations, nodes);
+  return {held.residual, moving.iterations + held.iterations};
 }
 
 SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<const double> flex) const {
   const auto start_time = std::chrono::steady_clock::now();
   require_flex(flex, muscles_.size());
-  SolvedPose solved = attempt(path, flex, kMaxStep, Tissue::kSteepest);
+  SolvedPose solved = attempt(path, flex, 1, Tissue::kSteepest);
   if (!solved.status.converged) {
     const int before = solved.status.iterations;
-    SolvedPose again = attempt(path, flex, 0.5 * kMaxStep, Tissue::kSteepestOfAll);
+    SolvedPose again = attempt(path, flex, 0.5, Tissue::kSteepestOfAll);
     if (again.status.converged) solved = std::move(again);
     solved.status.iterations = before + again.status.iterations;
   }
@@ -322,8 +327,8 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
   return solved;
 }
 
-// The path in steps of at most max_step, radians of the joint that turns most.
-SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const double> flex, double max_step,
+// step_size: of the largest steps allowed.
+SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const double> flex, double step_size,
                                     double steepest) const {
   const double hardest = flex.empty() ? 0 : *std::max_element(flex.begin(), flex.end());
   const int root = single_root(skeleton_);
@@ -341,8 +346,8 @@ SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const 
     const bool last = &pose == &path.back();
     LocalTransforms to = pose.joints;
     if (root >= 0) to[static_cast<std::size_t>(root)] = skeleton_.joints[static_cast<std::size_t>(root)].bind;
-    const double flex_steps = last ? hardest / kMaxFlexStep : 0;
-    const int steps = static_cast<int>(std::ceil(std::max({widest_turn(from, to) / max_step, flex_steps, 1.0})));
+    const double longest = std::max(widest_turn(from, to) / kMaxTurn, last ? hardest / kMaxFlex : 0);
+    const int steps = static_cast<int>(std::ceil(std::max(longest / step_size, 1.0)));
     double at = 0, step = 1.0 / steps;
     while (at < 1) {
       const double next = at + step > 1 - 1e-9 ? 1 : at + step;

@@ -41,10 +41,10 @@ class QuasiStaticBody {
   //
   // residual = sqrt(sum over all nodes of |f_i|^2) / sqrt(sum over all tets and their four nodes of |f_ta|^2), where
   // f_ta is the elastic force (passive, active and barrier terms together) of tet t on its node a, and f_i is the sum
-  // of those around node i plus muscle volume, bone springs, the skin's bending and contact as it was found for the
-  // last round of relaxing: no node is held otherwise. converged: residual below 1e-4 and no inverted tet. A frame that
-  // has not come so far after kMaxIterations, or cannot, is tried once more, in smaller steps and with a steeper
-  // barrier, then left unconverged.
+  // of those around node i plus muscle volume, bone springs, the skin's bending and contact, its planes held as
+  // they were found when the skin had stopped sliding: no node is held otherwise. converged: residual below 1e-4 and no
+  // inverted tet. A frame that has not come so far after kMaxIterations, or cannot, is tried once more, in smaller
+  // steps and with a steeper barrier, then left unconverged.
   //
   // flex: per muscle, 0 to 1, or empty: the share of what is left of its activation in the pose that is added, raised
   // from 0 along the path.
@@ -78,11 +78,14 @@ class QuasiStaticBody {
   };
   QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
                   const Materials& materials, const Cage* cage);
-  SolvedPose attempt(std::span<const Pose> path, std::span<const double> flex, double max_step, double steepest) const;
+  SolvedPose attempt(std::span<const Pose> path, std::span<const double> flex, double step_size, double steepest) const;
   Target target(const std::vector<JointTransform>& local, std::span<const double> flex) const;
   Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
-  Objective energy(const Target& at, const std::vector<ContactPlane>& planes, double steepest, bool hold_volume) const;
-  std::vector<ContactPlane> find_contact(const Positions& nodes) const;
+  // contact_planes: those of a shape.
+  using ContactOf = std::function<std::vector<ContactPlane>(const Positions& nodes)>;
+  Objective energy(const Target& at, const ContactOf& contact_planes, double steepest, bool hold_volume) const;
+  ContactOf moving_contact() const;
+  ContactOf held_contact(const Positions& nodes) const;
   // Keeps a shape near the path, roughly and without holding the volume of muscles. Returns iterations.
   int follow(const Target& at, double steepest, Positions& nodes) const;
   // To equilibrium, or as near as it gets.
