@@ -208,8 +208,8 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
   require_distinct(frames);
   const SingleThreadedProducts single_threaded;
   const QuasiStaticBody body = make_body(character, muscles, options);
-  const std::string thin = check_muscles(character, muscles, body.fibres());
-  if (!thin.empty()) options.warn(thin);
+  const std::string idle = check_muscles(character, muscles, body);
+  if (!idle.empty()) options.warn(idle);
   std::filesystem::path partial_path = cache;
   partial_path += ".partial";
   const auto node_count = body.mesh().nodes.rows();
