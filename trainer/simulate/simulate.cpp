@@ -198,8 +198,13 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
 }
 
 SolvedPose solve_frame(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame) {
+  const SingleThreadedProducts single_threaded;
   const Job job = jobs_of(body, muscles, clip, {frame}).front();
   return body.solve(*job.pose, job.flex);
+}
+
+std::uint64_t frame_key(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame) {
+  return jobs_of(body, muscles, clip, {frame}).front().key;
 }
 
 std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
