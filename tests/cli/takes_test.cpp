@@ -165,6 +165,44 @@ TEST(Takes, OnlyWhatWasSolvedAlikeIsCutOpen) {
   expect_refused("caged", "cage");
 }
 
+// A control that flexes nothing, or is no share of what a muscle can, is found before a long simulation or training.
+TEST(Takes, CheckReadsControlsAndMaterials) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const Character limb = read_character(files.character);
+  write_muscles({make_flexor()}, limb.skeleton, folder / "muscles.json");
+  const auto write_controls = [&](const std::string& controls) {
+    std::ofstream(folder / "flex.json") << R"({"schema": "bodyopt-controls-1", "controls": )" << controls << "}";
+  };
+  const auto write_materials = [&](const std::string& entry) {
+    std::ofstream(folder / "m.json") << R"({"schema": "bodyopt-materials-1", )" << entry << "}";
+  };
+  write_controls(R"({"flexor": [[3, 1], [6, 2]]})");  // too much only where no frame is simulated
+  write_materials(R"("fat": {"shear_modulus_pa": 6e3})");
+  const std::string data = (folder / "data").string();
+  ASSERT_EQ(run_bodyopt("simulate " + files.character + " --clip " + files.motion + " --frames 2,3 --muscles " +
+                        (folder / "muscles.json").string() + " --materials " + (folder / "m.json").string() +
+                        " --controls " + (folder / "flex.json").string() + " --out " + data)
+                .exit_code,
+            0);
+  const auto expect = [&](int exit_code, const std::string& named) {
+    const ProgramResult result = run_bodyopt("check " + data);
+    EXPECT_EQ(result.exit_code, exit_code) << result.output;
+    EXPECT_NE(result.output.find(named), std::string::npos) << result.output;
+  };
+  expect(0, "it belongs together");
+  write_controls(R"({"flexor": [[2, 0], [3, 70]]})");
+  expect(3, "'flexor' is 70 in frame 3");
+  write_controls(R"({"extensor": 0})");
+  expect(3, "'extensor'");
+  write_controls(R"({"fl*": 1})");
+  expect(0, "it belongs together");
+  write_materials(R"("fat": {"shear_modulus": 6e3})");
+  expect(4, "shear_modulus");
+  std::filesystem::remove(folder / "m.json");
+  expect(4, "m.json");
+}
+
 // A character in centimetres: its basis reads the clips alike, without being told again.
 TEST(Takes, ABasisRemembersTheUnit) {
   const TemporaryFolder metres_folder, centimetres_folder;
