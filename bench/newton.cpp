@@ -20,9 +20,9 @@ struct Derivatives {
 // As tissue.h has them: pressure over the volume ratio, tension over the stretch.
 Derivatives of_volume(const TetMaterial& material, double j) {
   Derivatives d{material.lambda * (j - 1 - material.mu / material.lambda), material.lambda};
-  if (j >= 0.3) return d;
-  const double at = std::max(j, Tissue::kSteepest), below = at - 0.3, ratio = std::log(at / 0.3),
-               kappa = 2 * material.lambda;
+  if (j >= Tissue::kBarrierVolume) return d;
+  const double at = std::max(j, Tissue::kSteepest), below = at - Tissue::kBarrierVolume,
+               ratio = std::log(at / Tissue::kBarrierVolume), kappa = Tissue::kBarrierWeight * material.lambda;
   d.slope += kappa * (-2 * below * ratio - below * below / at);
   if (at == j) d.curvature += kappa * (-2 * ratio - 4 * below / at + below * below / (at * at));
   return d;
@@ -111,13 +111,14 @@ SparseMatrix projected_hessian(const ElasticProblem& problem, const Positions& n
   return hessian;
 }
 
-int newton(const ElasticProblem& problem, const Objective& objective, double tolerance, Positions& nodes) {
+MinimiseResult newton(const ElasticProblem& problem, const Objective& objective, double tolerance, Positions& nodes) {
   constexpr int kMostSteps = 200, kMostHalvings = 30;
   Eigen::SimplicialLDLT<SparseMatrix> factor;
   Positions gradient(nodes.rows(), 3);
   ObjectiveValue value = objective(nodes, gradient);
+  const auto residual = [&] { return gradient.norm() / std::sqrt(value.force_square); };
   int step = 0;
-  for (; step < kMostSteps && gradient.norm() > tolerance * std::sqrt(value.force_square); ++step) {
+  for (; step < kMostSteps && residual() > tolerance; ++step) {
     const SparseMatrix hessian = projected_hessian(problem, nodes);
     if (step == 0) factor.analyzePattern(hessian);
     factor.factorize(hessian);
@@ -125,19 +126,21 @@ int newton(const ElasticProblem& problem, const Objective& objective, double tol
     const Eigen::VectorXd solved = factor.solve(-flat);
     const Eigen::Map<const Positions> direction(solved.data(), nodes.rows(), 3);
     const double slope = flat.dot(solved);
+    bool lower = false;
     double length = 1;
-    Positions trial, trial_gradient(nodes.rows(), 3);
-    ObjectiveValue next;
-    for (int halving = 0; halving < kMostHalvings; ++halving, length /= 2) {
-      trial = nodes + length * direction;
-      next = objective(trial, trial_gradient);
-      if (next.energy <= value.energy + 1e-4 * length * slope + 1e-12 * std::abs(value.energy)) break;
+    for (int halving = 0; halving < kMostHalvings && !lower; ++halving, length /= 2) {
+      const Positions trial = nodes + length * direction;
+      Positions trial_gradient(nodes.rows(), 3);
+      const ObjectiveValue next = objective(trial, trial_gradient);
+      lower = next.energy <= value.energy + 1e-4 * length * slope + 1e-12 * std::abs(value.energy);
+      if (!lower) continue;
+      nodes = trial;
+      gradient = trial_gradient;
+      value = next;
     }
-    nodes = trial;
-    gradient = trial_gradient;
-    value = next;
+    if (!lower) break;
   }
-  return step;
+  return {residual(), step};
 }
 
 }  // namespace bodyopt::bench

@@ -22,7 +22,8 @@ struct ElasticProblem {
 // semi-definite (Teran et al. 2005), springs as they are.
 SparseMatrix projected_hessian(const ElasticProblem& problem, const Positions& nodes);
 
-// Newton steps with backtracking until |gradient| <= tolerance x the elastic forces. Returns the number of steps.
-int newton(const ElasticProblem& problem, const Objective& objective, double tolerance, Positions& nodes);
+// Newton steps with backtracking until the residual (as minimise's) is `tolerance` or less, no step lowers the energy
+// any more, or 200 are done. The residual returned belongs to the nodes returned.
+MinimiseResult newton(const ElasticProblem& problem, const Objective& objective, double tolerance, Positions& nodes);
 
 }  // namespace bodyopt::bench

@@ -1,10 +1,13 @@
 // bodyopt check: does a dataset belong together; is a character fit for use.
 #include "trainer/dataset/check.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "cli/common.h"
 #include "runtime/basis/error.h"
+#include "trainer/simulate/materials.h"
+#include "trainer/simulate/muscle_fibres.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -34,10 +37,47 @@ void check_character(const CheckArguments& arguments) {
                       text);
 }
 
+// What keeps a take's controls from flexing muscles in its frames; empty: nothing.
+std::string control_problem(const Clip& clip, const std::vector<int>& frames, const std::vector<Muscle>& muscles) {
+  try {
+    flexed_muscles(clip.controls, muscles);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  for (const int frame : frames) {
+    if (frame < clip.first_frame || frame > clip.last_frame()) continue;  // check_dataset says so
+    const Pose& pose = clip.poses[static_cast<std::size_t>(frame - clip.first_frame)];
+    for (std::size_t c = 0; c < clip.controls.size(); ++c) {
+      const float value = pose.controls[c];
+      if (value >= 0 && value <= 1) continue;
+      return format("the control '%s' is %g in frame %d, expected 0 (relaxed) to 1 (all a muscle can): in per cent?",
+                    clip.controls[c].c_str(), static_cast<double>(value), frame);
+    }
+  }
+  return "";
+}
+
+// Adds what is wrong with the controls of each take. Without muscles they may mean anything.
+void check_controls(const Dataset& dataset, std::vector<TakeCheck>& checks) {
+  const auto has_controls = [](const DatasetTake& take) { return !take.controls.empty(); };
+  if (dataset.muscles.empty() || std::none_of(dataset.takes.begin(), dataset.takes.end(), has_controls)) return;
+  const Skeleton skeleton = read_character(dataset.folder / dataset.character, dataset.unit).skeleton;
+  const std::vector<Muscle> muscles = read_muscles(dataset.folder / dataset.muscles, skeleton);
+  for (std::size_t k = 0; k < checks.size(); ++k) {
+    const DatasetTake& take = dataset.takes[k];
+    if (!has_controls(take)) continue;
+    const std::string problem = control_problem(read_clip(dataset, take, skeleton), take.frames, muscles);
+    if (!problem.empty()) checks[k].problems.push_back(take.controls + ": " + problem);
+  }
+}
+
 void check(const CheckArguments& arguments) {
   std::filesystem::path path = arguments.path;
   if (std::filesystem::is_directory(path)) path /= "dataset.json";
-  const std::vector<TakeCheck> takes = check_dataset(read_dataset(path));
+  const Dataset dataset = read_dataset(path);
+  if (!dataset.materials.empty()) read_materials(dataset.folder / dataset.materials);
+  std::vector<TakeCheck> takes = check_dataset(dataset);
+  check_controls(dataset, takes);
   Json result = Json::array();
   std::string text, first_problem;
   for (const TakeCheck& take : takes) {

@@ -7,6 +7,7 @@
 #include "cli/report/pictures.h"
 #include "cli/report/section.h"
 #include "runtime/basis/error.h"
+#include "runtime/basis/hexadecimal.h"
 #include "runtime/rig.h"
 #include "trainer/dataset/notes.h"
 #include "trainer/dataset/shape_reader.h"
@@ -23,6 +24,7 @@ struct PictureArguments {
   std::vector<float> direction{0, 0, 1};
   bool cut_open = false;
   std::vector<std::uint32_t> size{900, 900};
+  JsonOption json;
 };
 
 // One frame of one take, with all that goes with it.
@@ -52,7 +54,17 @@ Scene read_scene(const PictureArguments& arguments) {
                 format("frame %d is not among the shapes of take '%s'", arguments.frame, take->name.c_str()));
   }
   scene.character = read_character(scene.dataset.folder / scene.dataset.character, scene.dataset.unit);
+  say(scene.character.notes);
   scene.clip = read_clip(scene.dataset, scene.take, scene.character.skeleton);
+  say(scene.clip.notes);
+  if (arguments.frame < scene.clip.first_frame || arguments.frame > scene.clip.last_frame()) {
+    throw Error(
+        ErrorKind::mismatch,
+        format("take '%s': frame %d is not in the clip %s, which has frames %d to %d: first_frame or fps may be "
+               "wrong, or the clip was replaced",
+               take->name.c_str(), arguments.frame, take->clip.c_str(), scene.clip.first_frame,
+               scene.clip.last_frame()));
+  }
   const ShapeReader shapes(scene.dataset.folder / take->shapes);
   const auto sample = static_cast<std::uint32_t>(at - take->frames.begin());
   if (shapes.point_count() != scene.character.output_count() || sample >= shapes.sample_count()) {
@@ -66,11 +78,23 @@ Scene read_scene(const PictureArguments& arguments) {
 // Where the camera looks: around a joint, or at all of the skin.
 struct View {
   Camera camera;
-  Vec3 centre;
+  Vec3 centre, direction;  // direction: towards the camera, unit
 };
 
-View choose_view(const PictureArguments& arguments, const Scene& scene, const Pose& pose) {
-  const std::array<float, 3> direction{arguments.direction[0], arguments.direction[1], arguments.direction[2]};
+Vec3 unit_direction(const std::vector<float>& direction) {
+  const Vec3 given{direction[0], direction[1], direction[2]};
+  const double size = length(given);
+  if (!(size > 0 && std::isfinite(size))) {
+    throw Error(ErrorKind::usage, format("--direction %g %g %g points nowhere: expected finite numbers, not all 0",
+                                         given[0], given[1], given[2]));
+  }
+  return (1 / size) * given;
+}
+
+View choose_view(const PictureArguments& arguments, const Scene& scene, const Vec3& towards_camera) {
+  const Pose& pose = scene.clip.poses[static_cast<std::size_t>(arguments.frame - scene.clip.first_frame)];
+  std::array<float, 3> direction;
+  for (std::size_t i = 0; i < 3; ++i) direction[i] = static_cast<float>(towards_camera[i]);
   const float aspect = static_cast<float>(arguments.size[0]) / static_cast<float>(arguments.size[1]);
   std::array<float, 3> low, high;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -94,7 +118,7 @@ View choose_view(const PictureArguments& arguments, const Scene& scene, const Po
       high[i] = static_cast<float>(world.m[i][3] + arguments.radius);
     }
   }
-  View view{frame_box(low, high, direction, aspect), {}};
+  View view{frame_box(low, high, direction, aspect), {}, towards_camera};
   for (std::size_t i = 0; i < 3; ++i) view.centre[i] = 0.5 * (double{low[i]} + double{high[i]});
   return view;
 }
@@ -129,21 +153,56 @@ std::vector<std::array<float, 3>> tet_colours(const QuasiStaticBody& body, const
   return colours;
 }
 
-// The frame solved again, as only its skin is kept.
+// What the side-car says the frame was solved of.
+std::uint64_t recorded_inputs(const Scene& scene, int frame) {
+  const DatasetTake& take = scene.take;
+  const std::string needs =
+      format("--cut-open solves frame %d of take '%s' again and must know what its skin was solved of; ", frame,
+             take.name.c_str());
+  if (take.shapes_status.empty()) {
+    throw Error(ErrorKind::mismatch, needs + "the take has no side-car: do its shapes come from elsewhere?");
+  }
+  for (const FrameStatus& status : read_frame_status(scene.dataset.folder / take.shapes_status)) {
+    if (status.frame == frame && status.inputs != 0) return status.inputs;
+  }
+  throw Error(ErrorKind::mismatch,
+              needs + take.shapes_status + " does not say: written by hand, or by another program?");
+}
+
+// The nodes (N x 3, posed, metres) under the skin of a frame: they are not kept, it is solved again.
+Positions solve_again(const Scene& scene, const QuasiStaticBody& body, const std::vector<Muscle>& muscles, int frame,
+                      std::uint64_t inputs) {
+  const std::uint64_t now = frame_key(body, muscles, scene.clip, frame);
+  if (now != inputs) {
+    throw Error(ErrorKind::mismatch,
+                format("--cut-open solves frame %d of take '%s' again, but %s says that its skin was solved of other "
+                       "inputs (%s, expected %s): it was simulated with --tet-size or by another version, or the "
+                       "character, muscles, materials, clip or controls were changed since; simulate it again",
+                       frame, scene.take.name.c_str(), scene.take.shapes_status.c_str(), hexadecimal(inputs).c_str(),
+                       hexadecimal(now).c_str()));
+  }
+  return solve_frame(body, muscles, scene.clip, frame).nodes;
+}
+
 Image draw_cut(const PictureArguments& arguments, const Scene& scene, const View& view, Renderer& renderer) {
   if (scene.take.shapes.ends_with(".nodes")) {
     throw Error(ErrorKind::usage, "--cut-open shows the tets under the skin, a draft is solved in a cage around it");
   }
+  const std::uint64_t inputs = recorded_inputs(scene, arguments.frame);
   std::vector<Muscle> muscles;
   const Dataset& dataset = scene.dataset;
   if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, scene.character.skeleton);
   SimulateOptions options;
   if (!dataset.materials.empty()) options.materials = read_materials(dataset.folder / dataset.materials);
+  std::string cage;  // why there is one, where there is one
+  options.warn = [&](const std::string& warning) { cage = warning; };
   const QuasiStaticBody body = make_body(scene.character, muscles, options);
-  const Positions nodes = solve_frame(body, muscles, scene.clip, arguments.frame).nodes;
+  if (!body.embedding().empty()) {
+    throw Error(ErrorKind::mismatch, "--cut-open shows the tets that fill a skin, and none fill this one: " + cage);
+  }
+  const Positions nodes = solve_again(scene, body, muscles, arguments.frame, inputs);
 
-  Vec3 normal{arguments.direction[0], arguments.direction[1], arguments.direction[2]};
-  const CutPlane plane{view.centre, (1 / length(normal)) * normal};
+  const CutPlane plane{view.centre, view.direction};
   const std::span<const std::uint32_t> triangles(scene.character.triangles.data(),
                                                  static_cast<std::size_t>(scene.character.triangles.size()));
   const Soup skin = cut_surface(scene.skin, smooth_normals(triangles, scene.skin), triangles, kSkinColour, plane);
@@ -158,9 +217,10 @@ Image draw_cut(const PictureArguments& arguments, const Scene& scene, const View
 }
 
 void run(const PictureArguments& arguments) {
+  const Vec3 direction = unit_direction(arguments.direction);
+  require_writable(arguments.out);
   const Scene scene = read_scene(arguments);
-  const Pose& pose = scene.clip.poses[static_cast<std::size_t>(arguments.frame - scene.clip.first_frame)];
-  const View view = choose_view(arguments, scene, pose);
+  const View view = choose_view(arguments, scene, direction);
   Renderer renderer;
   Image image;
   if (arguments.cut_open) {
@@ -173,6 +233,12 @@ void run(const PictureArguments& arguments) {
     image = renderer.draw(std::span(&mesh, 1), view.camera, arguments.size[0], arguments.size[1]);
   }
   write_png(image, arguments.out);
+  arguments.json.emit({{"picture", arguments.out},
+                       {"take", scene.take.name},
+                       {"frame", arguments.frame},
+                       {"cut_open", arguments.cut_open}},
+                      format("wrote %s: frame %d of take '%s'%s\n", arguments.out.c_str(), arguments.frame,
+                             scene.take.name.c_str(), arguments.cut_open ? ", cut open" : ""));
 }
 
 }  // namespace
@@ -193,12 +259,13 @@ void add_picture(CLI::App& app) {
       ->capture_default_str();
   verb.add_flag("--cut-open", arguments->cut_open,
                 "Take away what is in front of the middle: fat yellow, bone white, muscles red, orange where they are "
-                "shorter than at rest, violet where longer");
+                "shorter than at rest, violet where longer. Of frames that `simulate` solved without --tet-size");
   verb.add_option("--size", arguments->size, "Width and height in pixels")
       ->expected(2)
       ->check(CLI::Range(16u, kMaxPictureSize))
       ->capture_default_str();
   add_output(verb, arguments->out, ".png", "Picture to write");
+  arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }
 

@@ -116,6 +116,14 @@ TEST(SkinDepth, OfACubeIsTheDistanceToItsFaces) {
   EXPECT_LT((*depth.tuck({0.2, 1, 0.1}, 0.25) - Vector3d(0.2, 0.75, 0.1)).norm(), 1e-12) << "on the skin itself";
 }
 
+TEST(SkinDepth, ASkinThatIsInsideOutHasTheSameInside) {
+  Character character = cube();
+  character.triangles.col(1).swap(character.triangles.col(2));
+  const SkinDepth depth(character.vertices, character.triangles);
+  EXPECT_NEAR(depth({0.25, 0.5, 0}), 0.5, 1e-12);
+  EXPECT_NEAR(depth({0, 3, 0}), -2, 1e-12);
+}
+
 TEST(Fit, AModelWithTheCharactersJointsStaysWhereItIs) {
   const Model model = leg();
   const std::vector<FittedMuscle> fitted = fit_muscles(model, leg_mapping(), cube());

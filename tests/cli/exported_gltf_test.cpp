@@ -5,6 +5,8 @@
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
+#include "trainer/builtin/arm_dofs.h"
+#include "trainer/motion/range_of_motion.h"
 
 namespace bodyopt {
 namespace {
@@ -22,8 +24,12 @@ void expect_valid(const std::filesystem::path& folder) {
 TEST(ExportedGltf, BuiltinCharacterAndClipsAreValid) {
   const TemporaryFolder folder;
   const BuiltinArm arm = build_arm();
+  const Skeleton& skeleton = arm.character.skeleton;
   write_character(arm.character, folder / "character.glb");
-  write_clip(arm_heldout(arm.character.skeleton, 24), arm.character.skeleton, folder / "heldout.glb");
+  const JointLimits limits = arm_limits(skeleton);
+  const RangeOfMotion motion = range_of_motion(arm.character, limits, {.frames = 24});
+  write_clip(clip_of(motion.angles, limits, skeleton), skeleton, folder / "rom.glb");
+  write_clip(arm_heldout(skeleton, 24), skeleton, folder / "heldout.glb");
   expect_valid(folder.path());
 }
 

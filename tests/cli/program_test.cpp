@@ -14,7 +14,7 @@ namespace {
 TEST(Program, HelpOfEveryVerbExitsWithZero) {
   EXPECT_EQ(run_bodyopt("--help").exit_code, 0);
   for (const char* verb : {"demo", "muscles import", "rom", "simulate", "export", "check", "train", "eval", "compare",
-                           "info", "devices"}) {
+                           "picture", "info", "devices"}) {
     const ProgramResult result = run_bodyopt(std::string(verb) + " --help");
     EXPECT_EQ(result.exit_code, 0) << verb;
     EXPECT_NE(result.output.find("--json"), std::string::npos) << verb;
@@ -33,7 +33,8 @@ TEST(Program, MissingFilesExitWith4AndAreNamed) {
   for (const char* command :
        {"info nowhere.glb", "info nowhere.pc2", "check nowhere/dataset.json", "export nowhere.nodes --out b.pc2",
         "eval nowhere.safetensors --clip a.glb --out b.pc2 --device cpu", "train nowhere --out b.safetensors",
-        "compare nowhere.pc2 nowhere.pc2", "muscles import nowhere.glb --from a.osim b.json --out m.json"}) {
+        "compare nowhere.pc2 nowhere.pc2", "picture nowhere --frame 1 --out p.png",
+        "muscles import nowhere.glb --from a.osim b.json --out m.json"}) {
     const ProgramResult result = run_bodyopt(command);
     EXPECT_EQ(result.exit_code, 4) << command << "\n" << result.output;
     EXPECT_NE(result.output.find("nowhere"), std::string::npos) << command;

@@ -106,6 +106,101 @@ TEST(Takes, APictureShowsAFrame) {
   EXPECT_NE(testing::read_bytes(whole), testing::read_bytes(cut));
   EXPECT_EQ(run_bodyopt(picture + whole + " --frame 5").exit_code, 64);
   EXPECT_EQ(run_bodyopt("picture " + data + " --around foot --frame 6 --out " + whole).exit_code, 64);
+  EXPECT_EQ(run_bodyopt(picture + whole + " --frame 6 --direction 0 0 0").exit_code, 64);
+  EXPECT_EQ(run_bodyopt(picture + "/nonexistent/x.png --frame 6").exit_code, 4);
+  const ProgramResult json = run_bodyopt(picture + whole + " --frame 6 --json -");
+  EXPECT_NE(json.output.find("\"frame\": 6"), std::string::npos) << json.output;
+
+  // The clip was replaced by a shorter one.
+  std::filesystem::remove(files.motion);
+  const Character limb = read_character(files.character);
+  Clip rest;
+  rest.name = "bend";
+  rest.poses = {bind_pose(limb.skeleton)};
+  write_clip(rest, limb.skeleton, files.motion);
+  const ProgramResult lacking = run_bodyopt(picture + whole + " --frame 6");
+  EXPECT_EQ(lacking.exit_code, 3) << lacking.output;
+  EXPECT_NE(lacking.output.find("frame 6"), std::string::npos) << lacking.output;
+}
+
+// The inside of a frame that is not the one whose skin is stored would be shown inside the wrong skin.
+TEST(Takes, OnlyWhatWasSolvedAlikeIsCutOpen) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const std::string materials = (folder / "m.json").string(), out = (folder / "p.png").string();
+  const auto simulate = [&](const std::string& data, const std::string& options) {
+    EXPECT_EQ(run_bodyopt("simulate " + files.character + " --clip " + files.motion + " --frames 2 --out " +
+                          (folder / data).string() + options)
+                  .exit_code,
+              0);
+  };
+  const auto cut = [&](const std::string& data) {
+    return run_bodyopt("picture " + (folder / data).string() + " --frame 2 --size 64 64 --cut-open --out " + out);
+  };
+  const auto expect_refused = [&](const std::string& data, const std::string& named) {
+    const ProgramResult result = cut(data);
+    EXPECT_EQ(result.exit_code, 3) << result.output;
+    EXPECT_NE(result.output.find(named), std::string::npos) << result.output;
+    EXPECT_FALSE(std::filesystem::exists(out));
+  };
+  simulate("fine", " --tet-size 0.02");
+  expect_refused("fine", "--tet-size");
+
+  std::ofstream(materials) << R"({"schema": "bodyopt-materials-1", "fat": {"shear_modulus_pa": 6e3}})";
+  simulate("soft", " --materials " + materials);
+  EXPECT_EQ(cut("soft").exit_code, 0);
+  std::filesystem::remove(out);
+  std::ofstream(materials) << R"({"schema": "bodyopt-materials-1", "fat": {"shear_modulus_pa": 5e3}})";
+  expect_refused("soft", "materials");
+
+  Dataset dataset = read_dataset(folder / "soft/dataset.json");
+  dataset.takes[0].shapes_status.clear();
+  write_dataset(dataset, folder / "soft/dataset.json");
+  expect_refused("soft", "side-car");
+
+  Character open = read_character(files.character);
+  open.output_triangles = open.triangles = Triangles(open.triangles.bottomRows(open.triangles.rows() - 1));
+  write_character(open, files.character);
+  simulate("caged", "");
+  expect_refused("caged", "cage");
+}
+
+// A control that flexes nothing, or is no share of what a muscle can, is found before a long simulation or training.
+TEST(Takes, CheckReadsControlsAndMaterials) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const Character limb = read_character(files.character);
+  write_muscles({make_flexor()}, limb.skeleton, folder / "muscles.json");
+  const auto write_controls = [&](const std::string& controls) {
+    std::ofstream(folder / "flex.json") << R"({"schema": "bodyopt-controls-1", "controls": )" << controls << "}";
+  };
+  const auto write_materials = [&](const std::string& entry) {
+    std::ofstream(folder / "m.json") << R"({"schema": "bodyopt-materials-1", )" << entry << "}";
+  };
+  write_controls(R"({"flexor": [[3, 1], [6, 2]]})");  // too much only where no frame is simulated
+  write_materials(R"("fat": {"shear_modulus_pa": 6e3})");
+  const std::string data = (folder / "data").string();
+  ASSERT_EQ(run_bodyopt("simulate " + files.character + " --clip " + files.motion + " --frames 2,3 --muscles " +
+                        (folder / "muscles.json").string() + " --materials " + (folder / "m.json").string() +
+                        " --controls " + (folder / "flex.json").string() + " --out " + data)
+                .exit_code,
+            0);
+  const auto expect = [&](int exit_code, const std::string& named) {
+    const ProgramResult result = run_bodyopt("check " + data);
+    EXPECT_EQ(result.exit_code, exit_code) << result.output;
+    EXPECT_NE(result.output.find(named), std::string::npos) << result.output;
+  };
+  expect(0, "it belongs together");
+  write_controls(R"({"flexor": [[2, 0], [3, 70]]})");
+  expect(3, "'flexor' is 70 in frame 3");
+  write_controls(R"({"extensor": 0})");
+  expect(3, "'extensor'");
+  write_controls(R"({"fl*": 1})");
+  expect(0, "it belongs together");
+  write_materials(R"("fat": {"shear_modulus": 6e3})");
+  expect(4, "shear_modulus");
+  std::filesystem::remove(folder / "m.json");
+  expect(4, "m.json");
 }
 
 // A character in centimetres: its basis reads the clips alike, without being told again.

@@ -167,6 +167,30 @@ TEST(Simulate, AFinishedTakeIsNotSolvedAgain) {
   EXPECT_NE(passive[1].inputs, more.status[1].inputs);
 }
 
+TEST(Simulate, AFrameSolvedAloneIsTheOneThatIsStored) {
+  const TemporaryFolder folder;
+  const Character limb = make_limb();
+  const std::vector<Muscle> muscles{make_flexor()};
+  Clip clip = bending_clip(limb, 4);
+  clip.controls = {"flexor"};
+  for (Pose& pose : clip.poses) pose.controls = {0.5};
+  const Outcome stored = run(folder, clip, {12, 14}, 1);
+  const QuasiStaticBody body = make_body(limb, muscles, SimulateOptions{0.05, 1});
+  EXPECT_EQ(frame_key(body, muscles, clip, 12), stored.status[0].inputs);
+  EXPECT_EQ(frame_key(body, muscles, clip, 14), stored.status[1].inputs);
+  const Positions nodes = solve_frame(body, muscles, clip, 14).nodes;
+  const Positions skin = welded_from_output(limb, Pc2Reader(folder / "take.pc2").sample(1).data());
+  EXPECT_EQ(body.skin(nodes).cast<float>(), skin.cast<float>());
+
+  Materials soft;
+  soft.fat.mu /= 2;
+  EXPECT_NE(frame_key(make_body(limb, muscles, {.tet_size = 0.05, .materials = soft}), muscles, clip, 14),
+            stored.status[1].inputs);
+  EXPECT_NE(frame_key(make_body(limb, muscles, {.tet_size = 0.02}), muscles, clip, 14), stored.status[1].inputs);
+  clip.poses[3].controls = {0.25};
+  EXPECT_NE(frame_key(body, muscles, clip, 14), stored.status[1].inputs);
+}
+
 TEST(Simulate, MusclesThatWouldDoNothingAreSaid) {
   const TemporaryFolder folder;
   const Character limb = make_limb();

@@ -26,7 +26,7 @@ double SkinDepth::winding_number(const Vector3d& point) const {
 
 double SkinDepth::operator()(const Vector3d& point) const {
   const double distance = (nearest_(point).position - point).norm();
-  return winding_number(point) > 0.5 ? distance : -distance;
+  return std::abs(winding_number(point)) > 0.5 ? distance : -distance;
 }
 
 std::optional<Vector3d> SkinDepth::tuck(const Vector3d& point, double depth) const {

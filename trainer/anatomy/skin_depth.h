@@ -8,8 +8,8 @@
 
 namespace bodyopt::anatomy {
 
-// Inside is where the winding number (Jacobson, Kavan, Sorkine-Hornung 2013) exceeds one half: small holes in the skin
-// do not matter.
+// Inside is where the winding number (Jacobson, Kavan, Sorkine-Hornung 2013) is above one half, or below minus that:
+// small holes in the skin do not matter, nor that it is inside out.
 class SkinDepth {
  public:
   SkinDepth(const Positions& vertices, const Triangles& triangles);

@@ -1,33 +1,44 @@
 #include "trainer/simulate/check_muscles.h"
 
-#include <algorithm>
-
 #include "runtime/basis/error.h"
 #include "trainer/anatomy/skin_depth.h"
 #include "trainer/dataset/notes.h"
 
 namespace bodyopt {
+namespace {
 
-std::string check_muscles(const Character& character, const std::vector<Muscle>& muscles,
-                          const std::vector<FibreTet>& fibres) {
-  std::vector<bool> fills(muscles.size(), false);
-  for (const FibreTet& fibre : fibres) fills[static_cast<std::size_t>(fibre.muscle)] = true;
-  const anatomy::SkinDepth depth(character.vertices, character.triangles);
-  std::vector<std::string> thin;
-  for (std::size_t m = 0; m < muscles.size(); ++m) {
-    if (fills[m]) continue;
-    const auto outside = [&](const MusclePoint& point) { return depth(Eigen::Vector3d(point.position.data())) < 0; };
-    if (std::all_of(muscles[m].path.begin(), muscles[m].path.end(), outside)) {
-      throw Error(ErrorKind::mismatch,
-                  "the muscle '" + muscles[m].name +
-                      "' lies outside the skin: muscles of another character, or in another unit?");
+// Whether any of a muscle's path lies under the skin. Between its points, too: both ends may stick out of a limb.
+bool reaches_inside(const Muscle& muscle, const anatomy::SkinDepth& depth) {
+  constexpr int kParts = 8;  // of the way from a point to the next
+  for (std::size_t k = 0; k + 1 < muscle.path.size(); ++k) {
+    const Eigen::Vector3d from(muscle.path[k].position.data()), to(muscle.path[k + 1].position.data());
+    for (int part = 0; part <= kParts; ++part) {
+      if (depth(from + static_cast<double>(part) / kParts * (to - from)) > 0) return true;
     }
-    thin.push_back(muscles[m].name);
   }
-  if (thin.empty()) return "";
-  return std::to_string(thin.size()) +
-         " muscles are too thin to fill a tetrahedron and do nothing: " + list_names(thin) +
-         "; a smaller --tet-size shows more of them";
+  return false;
+}
+
+}  // namespace
+
+std::string check_muscles(const Character& character, const std::vector<Muscle>& muscles, const QuasiStaticBody& body) {
+  const anatomy::SkinDepth depth(character.vertices, character.triangles);
+  for (const Muscle& muscle : muscles) {
+    if (reaches_inside(muscle, depth)) continue;
+    throw Error(ErrorKind::mismatch, "the muscle '" + muscle.name +
+                                         "' lies outside the skin: muscles of another character, or in another unit?");
+  }
+  std::vector<bool> fills(muscles.size(), false);
+  for (const FibreTet& fibre : body.fibres()) fills[static_cast<std::size_t>(fibre.muscle)] = true;
+  std::vector<std::string> idle;
+  for (std::size_t m = 0; m < muscles.size(); ++m) {
+    if (!fills[m]) idle.push_back(muscles[m].name);
+  }
+  if (idle.empty()) return "";
+  const bool conforming = body.embedding().empty();
+  return count_of(idle.size(), "muscle fills no tetrahedron of its own and does nothing: ",
+                  "muscles fill no tetrahedron of their own and do nothing: ") +
+         list_names(idle) + (conforming ? "; a smaller --tet-size may help" : "");
 }
 
 }  // namespace bodyopt

@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "trainer/dataset/character.h"
-#include "trainer/simulate/muscle_fibres.h"
+#include "trainer/simulate/quasi_static.h"
 
 namespace bodyopt {
 
-// One sentence naming the muscles that fill no tet, being too thin for them; empty when all do. fibres: of
-// label_muscles. Throws Error(mismatch) naming a muscle whose whole path lies outside the skin.
-std::string check_muscles(const Character& character, const std::vector<Muscle>& muscles,
-                          const std::vector<FibreTet>& fibres);
+// One sentence naming the muscles that fill no tet of the body, because they are too thin for one or others have
+// them; empty when all muscles fill some. Throws Error(mismatch) naming a muscle whose whole path lies outside the
+// skin.
+std::string check_muscles(const Character& character, const std::vector<Muscle>& muscles, const QuasiStaticBody& body);
 
 }  // namespace bodyopt

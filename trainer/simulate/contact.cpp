@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <set>
 
 namespace bodyopt {
 namespace {
@@ -21,7 +20,7 @@ constexpr double kFlat = 0.05;          // of its volume at rest
 constexpr double kContactReach = 2e-3;  // m: a depth at which the pressure has doubled its slope
 
 // Skin nearer than this, metres, is looked at for contact until a node has moved by half of it.
-constexpr double kSearchReach = 20e-3;
+constexpr double kSearchReach = 8e-3;
 
 // Corners of the face opposite to each corner, outwards for a tet of positive volume.
 constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
@@ -101,7 +100,7 @@ class Grid {
 
   // Calls visit(n) for every point in the cells that a box touches.
   template <typename Visit>
-  void visit(const Eigen::Vector3d& low, const Eigen::Vector3d& high, Visit visit) const {
+  void visit(const Eigen::RowVector3d& low, const Eigen::RowVector3d& high, Visit visit) const {
     int first[3], last[3];
     for (int i = 0; i < 3; ++i) {
       const double end = size_[i], from = std::floor((low[i] - origin_[i]) / cell_),
@@ -204,6 +203,11 @@ double SkinContact::depth_of(const Eigen::Vector3d& p, const Positions& nodes, d
   return nearest;
 }
 
+SkinContact::Box SkinContact::box_of(int tet, const Positions& nodes, double margin) const {
+  const Eigen::Matrix<double, 4, 3> corners = nodes(tets_.row(tet), Eigen::all);
+  return {corners.colwise().minCoeff().array() - margin, corners.colwise().maxCoeff().array() + margin};
+}
+
 SkinContact::DepthField SkinContact::depth_field(int tet, const Positions& nodes) const {
   DepthField field;
   field.origin = row(nodes, tets_(tet, 0));
@@ -230,45 +234,49 @@ ContactPlane SkinContact::plane(int node, int tet, const DepthField& field, cons
   return plane;
 }
 
-template <typename Visit>
-void SkinContact::visit_near(const std::vector<int>& among, const Positions& nodes, double margin, Visit visit) const {
+std::vector<ContactPair> SkinContact::find_pairs(const Positions& nodes, double reach) const {
   const Positions normals = normals_of(surface_, nodes);
-  const Grid grid(nodes, among, cell_);
+  const Grid grid(nodes, skin_, cell_);
+  std::vector<ContactPair> pairs;
   for (const int t : deep_) {
-    const Eigen::Matrix<double, 4, 3> corners = nodes(tets_.row(t), Eigen::all);
-    const Eigen::RowVector3d low = corners.colwise().minCoeff().array() - margin,
-                             high = corners.colwise().maxCoeff().array() + margin;
+    const auto [low, high] = box_of(t, nodes, reach);
     std::optional<DepthField> field;
-    grid.visit(low.transpose(), high.transpose(), [&](int n) {
+    grid.visit(low, high, [&](int n) {
       if (!inside(nodes.row(n), low, high) || inside(rest_.row(n), part_low_.row(t), part_high_.row(t))) return;
       if (!field) field = depth_field(t, nodes);
-      if (!(field->volume > kFlat)) return;
-      // The skin around a node faces out of its own tissue, and into tissue that it collides with.
-      if (normals.row(n).dot(field->slope.transpose()) > 0) visit(plane(n, t, *field, nodes));
+      // Skin that looks away may still turn, but not what looks out of the tissue that it is on.
+      const double along = normals.row(n).dot(field->slope.transpose());
+      if (along < -0.5 * normals.row(n).norm() * field->slope.norm()) return;
+      if (plane(n, t, *field, nodes).offset >= -reach) pairs.push_back({n, t});
     });
   }
+  return pairs;
 }
 
-std::vector<ContactPlane> SkinContact::find(const std::vector<int>& among, const Positions& nodes,
+std::vector<ContactPlane> SkinContact::find(const std::vector<ContactPair>& pairs, const Positions& nodes,
                                             double margin) const {
-  if (among.empty()) return {};
+  if (pairs.empty()) return {};
+  const Positions normals = normals_of(surface_, nodes);
   std::map<int, ContactPlane> best;  // of each node: the tet it is inside of, or the nearest
-  visit_near(among, nodes, margin, [&](const ContactPlane& candidate) {
-    if (candidate.weights.minCoeff() < kMostOutside || candidate.offset < -margin) return;
-    const auto [place, is_new] = best.try_emplace(candidate.node, candidate);
-    if (!is_new && place->second.weights.minCoeff() < candidate.weights.minCoeff()) place->second = candidate;
-  });
+  for (auto pair = pairs.begin(); pair != pairs.end();) {
+    const int t = pair->tet;
+    const Box box = box_of(t, nodes, margin);
+    std::optional<DepthField> field;
+    for (; pair != pairs.end() && pair->tet == t; ++pair) {
+      const int n = pair->node;
+      if (!inside(nodes.row(n), box.low, box.high)) continue;
+      if (!field) field = depth_field(t, nodes);
+      // The skin around a node faces out of its own tissue, and into tissue that it collides with.
+      if (!(field->volume > kFlat) || !(normals.row(n).dot(field->slope.transpose()) > 0)) continue;
+      const ContactPlane candidate = plane(n, t, *field, nodes);
+      if (candidate.weights.minCoeff() < kMostOutside || candidate.offset < -margin) continue;
+      const auto [place, is_new] = best.try_emplace(n, candidate);
+      if (!is_new && place->second.weights.minCoeff() < candidate.weights.minCoeff()) place->second = candidate;
+    }
+  }
   std::vector<ContactPlane> planes;
   for (const auto& [node, plane] : best) planes.push_back(plane);
   return planes;
-}
-
-std::vector<int> SkinContact::facing(const Positions& nodes, double reach) const {
-  std::set<int> found;
-  visit_near(skin_, nodes, reach, [&](const ContactPlane& candidate) {
-    if (candidate.offset > -reach) found.insert(candidate.node);
-  });
-  return {found.begin(), found.end()};
 }
 
 double SkinContact::add_gradient(std::span<const ContactPlane> planes, const Positions& nodes,
@@ -302,9 +310,9 @@ std::vector<ContactPlane> ContactSearch::find(const Positions& nodes) {
                      (nodes - found_at_).rowwise().squaredNorm().maxCoeff() > std::pow(0.5 * kSearchReach, 2);
   if (moved) {
     found_at_ = nodes;
-    facing_ = contact_.facing(nodes, kSearchReach);
+    pairs_ = contact_.find_pairs(nodes, kSearchReach);
   }
-  return contact_.find(facing_, nodes, 0);
+  return contact_.find(pairs_, nodes, 0);
 }
 
 }  // namespace bodyopt

@@ -20,6 +20,10 @@ struct ContactPlane {
   double offset;            // metres
 };
 
+struct ContactPair {
+  int node, tet;
+};
+
 // Every tet carries the depth below the skin at rest of its nodes (0 on the skin), linear in between: the material
 // depth of Hirota, Fisher, Lin et al. 2001. A skin node inside a tet that it is no corner of has passed through the
 // skin by that depth, and is pushed out by
@@ -30,14 +34,16 @@ class SkinContact {
  public:
   explicit SkinContact(const TetMesh& mesh, const Materials& materials = {});
 
-  // One plane for every node that faces skin of another part within `margin` (metres) or has passed through it. What
+  // Nodes of the skin and tets of another part that come within `reach`, metres, of each other, ascending in tets. What
   // is as near at rest is the same part.
-  std::vector<ContactPlane> find(const Positions& nodes, double margin) const { return find(skin_, nodes, margin); }
-  // The same of some nodes of the skin only.
-  std::vector<ContactPlane> find(const std::vector<int>& among, const Positions& nodes, double margin) const;
+  std::vector<ContactPair> find_pairs(const Positions& nodes, double reach) const;
 
-  // Nodes of the skin that face skin of another part within `reach`, metres, ascending.
-  std::vector<int> facing(const Positions& nodes, double reach) const;
+  // Of the pairs given, one plane for every node that is within `margin` (metres, no more than the pairs' reach) of
+  // skin of another part that it faces, or has passed through it.
+  std::vector<ContactPlane> find(const std::vector<ContactPair>& pairs, const Positions& nodes, double margin) const;
+  std::vector<ContactPlane> find(const Positions& nodes, double margin) const {
+    return find(find_pairs(nodes, margin), nodes, margin);
+  }
 
   // Adds the gradient (J/m, N x 3) at `nodes` to `gradient`; returns the energy, joules.
   double add_gradient(std::span<const ContactPlane> planes, const Positions& nodes, Positions& gradient) const;
@@ -55,10 +61,11 @@ class SkinContact {
     Eigen::Vector4d steepness;      // of the barycentric weights, 1/m
     double volume;                  // relative to rest; below 0 inside out
   };
+  struct Box {
+    Eigen::RowVector3d low, high;
+  };
+  Box box_of(int tet, const Positions& nodes, double margin) const;
   DepthField depth_field(int tet, const Positions& nodes) const;
-  // Calls visit(plane) for nodes that face a tet of another part and lie in its box, widened by `margin`.
-  template <typename Visit>
-  void visit_near(const std::vector<int>& among, const Positions& nodes, double margin, Visit visit) const;
   static ContactPlane plane(int node, int tet, const DepthField& field, const Positions& nodes);
 
   Tets tets_;
@@ -74,8 +81,7 @@ class SkinContact {
   double stiffness_;                // Pa/m
 };
 
-// Contact found again and again while a shape moves: nodes far from skin of other parts are looked at only when
-// something has moved far.
+// Contact found again and again while a shape moves: pairs are searched for anew only when a node has moved far.
 class ContactSearch {
  public:
   // contact must outlive it.
@@ -87,7 +93,7 @@ class ContactSearch {
  private:
   const SkinContact& contact_;
   Positions found_at_;
-  std::vector<int> facing_;
+  std::vector<ContactPair> pairs_;
 };
 
 }  // namespace bodyopt

@@ -1,5 +1,6 @@
 #include "trainer/simulate/lbfgs.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -37,10 +38,11 @@ MinimiseResult Lbfgs::minimise(const Objective& objective, double tolerance, int
   MinimiseResult result;
   const auto residual = [&] { return gradient.norm() / std::max(std::sqrt(value.force_square), force_floor_); };
   result.residual = residual();
+  double longest = 1;  // to try: where steps had to be short, the next will be too
   while (result.residual >= tolerance && result.iterations < max_iterations) {
     direction_from(gradient, direction);
     const double slope = dot(gradient, direction);
-    double length = slope < 0 ? 1 : 0;
+    double length = slope < 0 ? longest : 0;
     ObjectiveValue next;
     for (int halving = 0; length > 0; ++halving) {
       trial.noalias() = nodes + length * direction;
@@ -52,6 +54,7 @@ MinimiseResult Lbfgs::minimise(const Objective& objective, double tolerance, int
     if (!(length > 0)) {
       if (memory_.empty()) break;  // the plain metric step fails too: nothing lower can be found
       memory_.clear();
+      longest = 1;
       continue;
     }
     Pair pair{trial - nodes, trial_gradient - gradient, 0};
@@ -59,6 +62,7 @@ MinimiseResult Lbfgs::minimise(const Objective& objective, double tolerance, int
     nodes.swap(trial);
     gradient.swap(trial_gradient);
     value = next;
+    longest = std::min(1.0, 2 * length);
     result.residual = residual();
     if (pair.curvature > 0) {
       memory_.push_back(std::move(pair));

@@ -198,8 +198,13 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
 }
 
 SolvedPose solve_frame(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame) {
+  const SingleThreadedProducts single_threaded;
   const Job job = jobs_of(body, muscles, clip, {frame}).front();
   return body.solve(*job.pose, job.flex);
+}
+
+std::uint64_t frame_key(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame) {
+  return jobs_of(body, muscles, clip, {frame}).front().key;
 }
 
 std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
@@ -208,8 +213,8 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
   require_distinct(frames);
   const SingleThreadedProducts single_threaded;
   const QuasiStaticBody body = make_body(character, muscles, options);
-  const std::string thin = check_muscles(character, muscles, body.fibres());
-  if (!thin.empty()) options.warn(thin);
+  const std::string idle = check_muscles(character, muscles, body);
+  if (!idle.empty()) options.warn(idle);
   std::filesystem::path partial_path = cache;
   partial_path += ".partial";
   const auto node_count = body.mesh().nodes.rows();

@@ -31,6 +31,10 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
 // for controls that flex no muscle or are not within 0..1.
 SolvedPose solve_frame(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame);
 
+// Hash of everything the shape of that frame depends on: `inputs` of the side-car that `simulate` writes. Throws as
+// solve_frame.
+std::uint64_t frame_key(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame);
+
 // Simulates the given frames of a clip and writes `cache` (PC2, output vertex order; a draft's nodes) and `status`
 // (side-car). A frame that an
 // earlier run, interrupted or finished, solved with the same inputs is taken over from these two files or the

@@ -9,16 +9,13 @@
 namespace bodyopt {
 namespace {
 
-// A tet compressed below this share of its volume is pushed back by a logarithmic barrier.
-constexpr double kBarrierVolume = 0.3;
-constexpr double kBarrierWeight = 2;  // x lambda
-// Value and slope of (J - 0.3)^2 (-ln(J / 0.3)), extended.
+// Value and slope of (J - b)^2 (-ln(J / b)), b = kBarrierVolume, extended.
 struct Barrier {
   double value, slope;
 };
 Barrier barrier(double j, double steepest) {
-  const double from = std::max(j, steepest), below = from - kBarrierVolume;
-  const double log_ratio = std::log(from / kBarrierVolume);
+  const double from = std::max(j, steepest), below = from - Tissue::kBarrierVolume;
+  const double log_ratio = std::log(from / Tissue::kBarrierVolume);
   const double slope = -2 * below * log_ratio - below * below / from;
   return {-below * below * log_ratio + (j - from) * slope, slope};
 }

@@ -20,8 +20,8 @@ struct FibreTet {
 // Energy density per tet, F the deformation gradient, J = det F, a the fibre direction, s = |F a|:
 //   mu/2 (|F|^2 - 3) + lambda/2 ((J - 1 - mu/lambda)^2 - (mu/lambda)^2)        stable neo-Hookean (Smith et al. 2018),
 //                                                                               without its singular log term
-//   + kappa (J - 0.3)^2 (-ln(J / 0.3)), kappa = 2 lambda   where J < 0.3; its tangent at J = `steepest`
-//                                                        below that: inverted tets recover
+//   + kappa (J - b)^2 (-ln(J / b)), b = kBarrierVolume,  where J < b; its tangent at J = `steepest`
+//     kappa = kBarrierWeight lambda                      below that: inverted tets recover
 //   + activation k_a/2 (s - slack)^2                     where s > slack, muscles only
 //   + k_p/2 (s - 1)^2                                    where s > 1, muscles only
 // Zero with zero gradient at rest when all activations are zero.
@@ -35,6 +35,9 @@ class Tissue {
     double energy = 0;        // joules
     double force_square = 0;  // N^2: over all tets, the squared forces each puts on its four nodes
   };
+
+  // A tet compressed below this share of its volume is pushed back by a logarithmic barrier, so many lambdas strong.
+  static constexpr double kBarrierVolume = 0.3, kBarrierWeight = 2;
 
   // The volume ratio below which the barrier goes on as a straight line. Were it infinite at J = 0, the smallest tet
   // would stop every step of all others. The lower one holds up soft tets, nearly empty, against stiff neighbours.
