@@ -186,7 +186,9 @@ void read_status(const std::filesystem::path& path) { read_frame_status(path); }
 TEST(FrameStatusFile, RoundTripIsBitExact) {
   const TemporaryFolder folder;
   std::vector<FrameStatus> status = kStatus;
+  status[1].volume_change = -1.3;                       // a muscle turned inside out
   status.push_back({3, std::nan(""), false, 0, 0, 0});  // the solver blew up
+  status[2].volume_change = std::numeric_limits<double>::infinity();
   write_frame_status(status, folder / "status.json");
   const std::vector<FrameStatus> loaded = read_frame_status(folder / "status.json");
   ASSERT_EQ(loaded.size(), 3u);

@@ -48,6 +48,18 @@ TEST_F(QuasiStatic, BindPoseIsTheRestSkin) {
   EXPECT_LT((skin(solved) - limb_->vertices).cwiseAbs().maxCoeff(), 1e-9);
 }
 
+// A path that calls at rest, or stays where it has arrived, ends as the straight one does.
+TEST_F(QuasiStatic, PathsThatEndAlikeHaveTheSameShape) {
+  const Pose rest = bind_pose(limb_->skeleton), pose = bent(*limb_, degrees(45));
+  const SolvedPose straight = body_->solve(pose);
+  for (const std::vector<Pose>& path : {std::vector{rest, pose}, {pose, pose}, {bent(*limb_, degrees(-30)), pose}}) {
+    const SolvedPose along = body_->solve_along(path, {});
+    EXPECT_TRUE(along.status.converged);
+    EXPECT_LT((along.nodes - straight.nodes).rowwise().norm().maxCoeff(), 5e-5);
+  }
+  EXPECT_GT((body_->solve_along(std::vector{pose, rest}, {}).nodes - straight.nodes).cwiseAbs().maxCoeff(), 0.01);
+}
+
 TEST_F(QuasiStatic, ARootMotionMovesTheSolutionRigidly) {
   Pose pose = bent(*limb_, degrees(50));
   const SolvedPose at_bind = body_->solve(pose);

@@ -270,22 +270,24 @@ TEST(Simulate, KeepsTheFinishedFramesOfTheSameInputsOnly) {
   const std::vector<float> values{1, 2, 3};
   const FrameStatus status{0, 5e-5, false, 17, 0.25, 2, 1e-3, -0.02};
   const fs::path path = folder / "p";
+  std::vector<std::string> warnings;
+  const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
   {
-    PartialShapes partial(path, 42, 3);
+    PartialShapes partial(path, 42, 3, warn);
     partial.append(7, status, values);
     partial.append(8, status, values);
   }
   const std::string whole = bytes_of(path);
   for (std::size_t size = 0; size < whole.size(); ++size) {
     write_bytes(path, whole.substr(0, size));
-    const PartialShapes partial(path, 42, 3);
+    const PartialShapes partial(path, 42, 3, warn);
     const std::size_t records = size < 24 ? 0 : (size - 24) / 68;
     EXPECT_EQ(partial.has(7), records >= 1) << size;
     EXPECT_FALSE(partial.has(8)) << size;
   }
   write_bytes(path, whole);
   {
-    const PartialShapes partial(path, 42, 3);
+    const PartialShapes partial(path, 42, 3, warn);
     FrameStatus read;
     EXPECT_EQ(partial.read(8, read), values);
     EXPECT_EQ(read.residual, status.residual);
@@ -298,9 +300,30 @@ TEST(Simulate, KeepsTheFinishedFramesOfTheSameInputsOnly) {
   std::string damaged = whole;
   damaged[24 + 49] ^= 1;
   write_bytes(path, damaged);
-  EXPECT_FALSE(PartialShapes(path, 42, 3).has(7));
+  EXPECT_FALSE(PartialShapes(path, 42, 3, warn).has(7));
   write_bytes(path, whole);
-  EXPECT_FALSE(PartialShapes(path, 43, 3).has(7));
+  // What is of other inputs is put aside, not lost.
+  warnings.clear();
+  EXPECT_FALSE(PartialShapes(path, 43, 3, warn).has(7));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("p.old"), std::string::npos);
+  EXPECT_EQ(bytes_of(folder / "p.old"), whole);
+}
+
+// No equilibrium without inverted tets: the frame is flagged, its numbers are finite, and it can be read back.
+TEST(Simulate, AnImpossiblePoseIsFlagged) {
+  const TemporaryFolder folder;
+  const Character limb = make_limb();
+  Clip clip = bending_clip(limb, 2);
+  clip.poses[1].joints[1].translation[0] -= 1.5 * kLimbLength;
+  const std::vector<FrameStatus> status = run(folder, clip, {11, 12}, 1).status;
+  EXPECT_TRUE(status[0].converged);
+  EXPECT_FALSE(status[1].converged);
+  EXPECT_GT(status[1].inverted_tets, 0);
+  const std::vector<FrameStatus> stored = read_frame_status(folder / "take.json");
+  EXPECT_FALSE(stored[1].converged);
+  EXPECT_EQ(stored[1].volume_change, status[1].volume_change);
+  for (const float x : Pc2Reader(folder / "take.pc2").sample(1)) ASSERT_TRUE(std::isfinite(x));
 }
 
 TEST(Simulate, RefusesFramesAndFoldersThatAreNotThere) {

@@ -150,7 +150,8 @@ std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path) {
     entry.inverted_tets = frame.integer("inverted_tets", 0);
     if (frame.has("contact_depth") && !frame.is_null("contact_depth"))
       entry.contact_depth = frame.number("contact_depth", 0, 1e9);
-    if (frame.has("volume_change")) entry.volume_change = frame.number("volume_change", -1, 1e9);
+    if (frame.has("volume_change") && !frame.is_null("volume_change"))  // below -1: turned inside out
+      entry.volume_change = frame.number("volume_change", -1e9, 1e9);
     if (frame.has("inputs")) entry.inputs = frame.hash("inputs");
     if (!known.insert(entry.frame).second) frame.refuse("names frame " + std::to_string(entry.frame) + " again");
     if (entry.converged && !(entry.residual < kConverged && entry.inverted_tets == 0)) {
@@ -171,7 +172,7 @@ void write_frame_status(const std::vector<FrameStatus>& status, const std::files
                   {"seconds", entry.seconds},
                   {"inverted_tets", entry.inverted_tets},
                   {"contact_depth", std::isfinite(entry.contact_depth) ? Json(entry.contact_depth) : Json()},
-                  {"volume_change", entry.volume_change}};
+                  {"volume_change", std::isfinite(entry.volume_change) ? Json(entry.volume_change) : Json()}};
     if (entry.inputs != 0) frame["inputs"] = hexadecimal(entry.inputs);
     frames.push_back(frame);
   }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kMemory = 8;
 constexpr double kArmijo = 1e-4;
-constexpr int kMaxHalvings = 12;
+constexpr int kMaxHalvings = 30;
 // Relative rounding of an energy: smaller differences cannot tell up from down.
 constexpr double kEnergyRounding = 1e-12;
 

@@ -66,11 +66,12 @@ bool checksum_holds(const std::vector<char>& record) {
 
 }  // namespace
 
-PartialShapes::PartialShapes(std::filesystem::path path, std::uint64_t inputs, std::size_t values_per_frame)
+PartialShapes::PartialShapes(std::filesystem::path path, std::uint64_t inputs, std::size_t values_per_frame,
+                             const std::function<void(const std::string&)>& warn)
     : path_(std::move(path)), values_(values_per_frame) {
-  file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (file_ < 0) fail("opened");
+  open_file();
   if (!resume(inputs)) {
+    put_aside(warn);
     const std::vector<char> bytes = header(inputs, values_);
     if (ftruncate(file_, 0) != 0 || !write_at(file_, 0, bytes)) fail("written");
     end_ = kHeaderSize;
@@ -84,6 +85,25 @@ PartialShapes::~PartialShapes() {
 }
 
 std::size_t PartialShapes::record_size() const { return kFixedSize + values_ * sizeof(float) + sizeof(std::uint64_t); }
+
+void PartialShapes::open_file() {
+  file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (file_ < 0) fail("opened");
+}
+
+// Hours of work may be in it: the last of such files is kept.
+void PartialShapes::put_aside(const std::function<void(const std::string&)>& warn) {
+  struct stat status {};
+  if (fstat(file_, &status) != 0) fail("opened");
+  if (status.st_size <= static_cast<off_t>(kHeaderSize)) return;  // holds no frame
+  const std::string aside = path_.string() + ".old";
+  if (rename(path_.c_str(), aside.c_str()) != 0) fail("put aside");
+  warn(path_.string() +
+       " holds frames of other inputs (character, muscles, materials, tet size or version); they are put aside as " +
+       aside + " and the new ones begin");
+  close(file_);
+  open_file();
+}
 
 // Finds the whole records; false when the file is not of these inputs.
 bool PartialShapes::resume(std::uint64_t inputs) {

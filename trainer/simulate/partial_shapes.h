@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <span>
 #include <vector>
@@ -18,8 +19,10 @@ namespace bodyopt {
 // again.
 class PartialShapes {
  public:
-  // Opens the file or starts a new one. A file made from other inputs is started anew. Throws Error(file).
-  PartialShapes(std::filesystem::path path, std::uint64_t inputs, std::size_t values_per_frame);
+  // Opens the file or starts a new one. What is there of other inputs is put aside as `path`.old, and `warn` is told.
+  // Throws Error(file).
+  PartialShapes(std::filesystem::path path, std::uint64_t inputs, std::size_t values_per_frame,
+                const std::function<void(const std::string&)>& warn);
   ~PartialShapes();
   PartialShapes(const PartialShapes&) = delete;
   PartialShapes& operator=(const PartialShapes&) = delete;
@@ -34,7 +37,9 @@ class PartialShapes {
 
  private:
   std::size_t record_size() const;
+  void open_file();
   bool resume(std::uint64_t inputs);
+  void put_aside(const std::function<void(const std::string&)>& warn);
   [[noreturn]] void fail(const char* doing) const;
 
   std::filesystem::path path_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "runtime/basis/error.h"
@@ -30,11 +31,9 @@ constexpr double kDefaultSize = 3;          // mean edges of the skin
 constexpr double kMinWeight = 1e-3;
 // Parts nearer than this, metres, may come into contact while a shape is relaxed.
 constexpr double kContactMargin = 5e-3;
-// Where parts touch, contact is found at every evaluation for this many iterations at most, while nodes still slide;
-// its forces jump where a node passes from tet to tet, so that the last digits need contact that is held. What slid
-// deeper than this, metres, meanwhile is tried again.
-constexpr int kMovingIterations = 80, kContactRounds = 3;
-constexpr double kDeepContact = 3e-3;
+// Where parts touch, contact is found at every evaluation, so that skin may slide; its forces jump where a node passes
+// from tet to tet, which stops all progress until some iterations have been done with contact that is held.
+constexpr int kContactRounds = 8, kMovingIterations = 20, kHeldIterations = 10;
 // A cage's few large tets lock at the lambda that finer ones bear: on the human in 1,500 nodes a quarter brings the
 // draft from 6.4 to 5.3 mm of the full shapes (RMS), a tenth only to 5.0 mm, more slowly.
 constexpr double kCageLambda = 0.25;
@@ -311,12 +310,12 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, double steepest, Positi
     result = {last.residual, result.iterations + last.iterations};
   };
   const bool touches = contact_ && !contact_->find(nodes, kContactMargin).empty();
-  MinimiseResult result;
-  for (int round = 1; round <= kContactRounds; ++round) {
-    if (touches) relax(moving_contact(), kMovingIterations, result);
-    relax(held_contact(nodes), kMaxIterations - result.iterations, result);
-    if (!touches || contact_->deepest(nodes) < kDeepContact) break;
+  MinimiseResult result{std::numeric_limits<double>::infinity(), 0};
+  for (int round = 1; touches && round <= kContactRounds && result.residual >= kTolerance; ++round) {
+    relax(moving_contact(), kMovingIterations, result);
+    if (round < kContactRounds) relax(held_contact(nodes), kHeldIterations, result);
   }
+  relax(held_contact(nodes), kMaxIterations - result.iterations, result);
   return result;
 }
 

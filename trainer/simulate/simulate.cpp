@@ -118,7 +118,8 @@ void adopt_finished(const std::filesystem::path& cache, const std::filesystem::p
                                    [&](const FrameStatus& frame) { return !wanted.contains(frame.inputs); });
   if (other > 0) {
     warn(std::to_string(other) + " finished frames in " + cache.string() +
-         " are of other inputs (character, muscles, tet size, motion or version) and will be replaced");
+         " are of other inputs (character, muscles, materials, tet size, motion, controls or version) and will be "
+         "replaced");
   }
   if (draft) {
     adopt_samples(NodesReader(cache), finished, jobs, values, partial);
@@ -220,12 +221,12 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
   const auto node_count = body.mesh().nodes.rows();
   const auto values =
       static_cast<std::size_t>(3 * (options.draft ? node_count : Eigen::Index{character.output_count()}));
-  PartialShapes partial(partial_path, body.hash(), values);
   const auto stored = [&](const Positions& nodes) {
     return options.draft ? std::vector<float>(nodes.data(), nodes.data() + nodes.size())
                          : output_from_welded(character, body.skin(nodes));
   };
   const std::vector<Job> jobs = jobs_of(body, muscles, clip, frames);
+  PartialShapes partial(partial_path, body.hash(), values, options.warn);
   adopt_finished(cache, status, options.draft, jobs, values, options.warn, partial);
   solve_all(body, open_jobs(jobs, partial), options.threads, stored, partial);
 

@@ -36,10 +36,9 @@ SolvedPose solve_frame(const QuasiStaticBody& body, const std::vector<Muscle>& m
 std::uint64_t frame_key(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame);
 
 // Simulates the given frames of a clip and writes `cache` (PC2, output vertex order; a draft's nodes) and `status`
-// (side-car). A frame that an
-// earlier run, interrupted or finished, solved with the same inputs is taken over from these two files or the
-// unfinished one. An unconverged frame is stored and flagged. Throws Error(interrupted) after SIGINT; what was finished
-// by then is not lost.
+// (side-car). A frame that an earlier run, interrupted or finished, solved with the same inputs is taken over from
+// these two files or the unfinished one. An unconverged frame is stored and flagged. Throws Error(interrupted) after
+// SIGINT; what was finished by then is not lost.
 std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
                                   const std::vector<int>& frames, const std::filesystem::path& cache,
                                   const std::filesystem::path& status, const SimulateOptions& options);

@@ -44,16 +44,13 @@ RegressionData regression_data(const FeatureSamples& samples, const std::vector<
   return data;
 }
 
-std::vector<std::vector<std::uint32_t>> feature_choices(const Character& character, const Basis& basis,
-                                                        const RegionWeights& region,
+std::vector<std::vector<std::uint32_t>> feature_choices(const Character& character, const RegionWeights& region,
                                                         const std::vector<FeatureGroup>& groups,
                                                         const TrainOptions& options) {
   std::vector<std::vector<std::uint32_t>> choices;
   if (options.joint_only_linear) {
     std::vector<std::uint32_t>& all = choices.emplace_back();
-    const std::size_t joints = feature_joints(basis.skeleton).size();
-    for (std::size_t g = 0; g < joints; ++g)
-      all.insert(all.end(), groups[g].features.begin(), groups[g].features.end());
+    for (const FeatureGroup& group : groups) all.insert(all.end(), group.features.begin(), group.features.end());
     return choices;
   }
   for (const double radius : kRadii) {
@@ -97,7 +94,7 @@ ResidualModel fit_residual(const Character& character, const Basis& basis, const
   model.regions.resize(regions.size());
   Progress progress("train: regions", regions.size());
   parallel_for(regions.size(), [&](std::size_t r) {
-    const auto choices = feature_choices(character, basis, regions[r], groups, options);
+    const auto choices = feature_choices(character, regions[r], groups, options);
     model.regions[r] = fit_region(regions[r], choices, features, displacements, folds, options);
 #pragma omp critical(bodyopt_progress)
     progress.advance();

@@ -73,12 +73,14 @@ void check_samples(const SampleSet& set) {
                                          std::to_string(sample.take) +
                                          ": its shape does not fit the character, or is not a finite number");
   }
-  for (const Sample& sample : set.train) {
-    if (sample.pose.controls.size() == set.controls.size()) continue;
-    throw Error(ErrorKind::mismatch, "frame " + std::to_string(sample.frame) + " of take " +
-                                         std::to_string(sample.take) + " has " +
-                                         std::to_string(sample.pose.controls.size()) + " control values for " +
-                                         std::to_string(set.controls.size()) + " controls");
+  for (const std::vector<Sample>* samples : {&set.train, &set.heldout}) {
+    for (const Sample& sample : *samples) {
+      if (sample.pose.controls.size() == set.controls.size()) continue;
+      throw Error(ErrorKind::mismatch, "frame " + std::to_string(sample.frame) + " of take " +
+                                           std::to_string(sample.take) + " has " +
+                                           std::to_string(sample.pose.controls.size()) + " control values for " +
+                                           std::to_string(set.controls.size()) + " controls");
+    }
   }
 }
 
@@ -182,11 +184,12 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
     takes.push_back(sample.take);
   }
   FeatureSamples features = measure_features(basis, poses);
-  const auto groups = make_feature_groups(basis, base.moments, set.muscles, features.values, displacements);
+  auto groups = make_feature_groups(basis, base.moments, set.muscles, features.values, displacements);
   const std::vector<RegionWeights> regions = make_regions(ordered, groups);
   if (options.joint_only_linear) {  // same regions, but nothing measured on the skin
     basis.strain = make_strain_table(basis, {});
     features = measure_features(basis, poses);
+    groups = make_feature_groups(basis, base.moments, {}, features.values, displacements);
   }
   TrainOptions fit_options = options;
   if (options.match_bytes > 0) fit_options.components = std::max(options.components, kMostComponents);
