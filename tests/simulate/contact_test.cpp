@@ -11,6 +11,7 @@ namespace bodyopt {
 namespace {
 
 constexpr double kMargin = 0.01;
+constexpr double kGap = 0.06;  // more than two edges of the skin: two parts
 
 // Two limbs side by side, the second `gap` above the first (y); below 0 they overlap.
 TetMesh two_limbs(double gap) {
@@ -32,10 +33,10 @@ Positions moved_apart(const TetMesh& mesh, double distance) {
 }
 
 TEST(Contact, RestAndRigidMotionTouchNothing) {
-  const TetMesh mesh = two_limbs(0.02);
+  const TetMesh mesh = two_limbs(kGap);
   const SkinContact contact(mesh);
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.9, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
-  const Positions near = moved_apart(mesh, -0.0199);  // rings do not meet: vertices come no nearer than this
+  const Positions near = moved_apart(mesh, -kGap + 0.0001);  // rings do not meet: vertices come no nearer than this
   for (const Positions& nodes : {Positions(mesh.nodes), Positions(mesh.nodes * turn.transpose()), near}) {
     Positions gradient = Positions::Zero(nodes.rows(), 3);
     EXPECT_EQ(contact.add_gradient(contact.find(nodes, kMargin), nodes, gradient), 0);
@@ -46,11 +47,11 @@ TEST(Contact, RestAndRigidMotionTouchNothing) {
 
 // How deep two limbs of tets have been pushed into each other is known: no more than they were moved.
 TEST(Contact, DepthIsHowFarTheyWerePushed) {
-  const TetMesh mesh = two_limbs(0.02);
+  const TetMesh mesh = two_limbs(kGap);
   const SkinContact contact(mesh);
   double last = 0;
   for (const double depth : {0.005, 0.01, 0.02}) {
-    const double found = contact.deepest(moved_apart(mesh, -0.02 - depth));
+    const double found = contact.deepest(moved_apart(mesh, -kGap - depth));
     EXPECT_LE(found, depth + 1e-9);
     EXPECT_GT(found, 0.3 * depth);  // coarse rings: vertices do not meet vertices
     EXPECT_GT(found, last);
@@ -59,9 +60,9 @@ TEST(Contact, DepthIsHowFarTheyWerePushed) {
 }
 
 TEST(Contact, GradientIsTheEnergysDerivativeAndMakesNoNetForce) {
-  const TetMesh mesh = two_limbs(0.02);
+  const TetMesh mesh = two_limbs(kGap);
   const SkinContact contact(mesh);
-  const Positions nodes = moved_apart(mesh, -0.026);
+  const Positions nodes = moved_apart(mesh, -kGap - 0.006);
   const std::vector<ContactPlane> planes = contact.find(nodes, kMargin);
   Positions gradient = Positions::Zero(nodes.rows(), 3), unused = gradient;
   EXPECT_GT(contact.add_gradient(planes, nodes, gradient), 1e-3);
@@ -82,9 +83,9 @@ TEST(Contact, GradientIsTheEnergysDerivativeAndMakesNoNetForce) {
 
 // Planes found before parts touch stand for the contact that follows.
 TEST(Contact, NearbySkinIsFoundBeforeItTouches) {
-  const TetMesh mesh = two_limbs(0.02);
+  const TetMesh mesh = two_limbs(kGap);
   const SkinContact contact(mesh);
-  const Positions near = moved_apart(mesh, -0.019), pushed = moved_apart(mesh, -0.024);
+  const Positions near = moved_apart(mesh, -kGap + 0.001), pushed = moved_apart(mesh, -kGap - 0.004);
   Positions early = Positions::Zero(mesh.nodes.rows(), 3), late = early;
   const double before = contact.add_gradient(contact.find(near, kMargin), pushed, early);
   const double after = contact.add_gradient(contact.find(pushed, kMargin), pushed, late);
@@ -95,9 +96,9 @@ TEST(Contact, NearbySkinIsFoundBeforeItTouches) {
 
 // What is as near at rest is the same part: neighbours in the skin do not push each other.
 TEST(Contact, WhatIsOnePartAtRestDoesNotCollide) {
-  const TetMesh touching = two_limbs(0.0005), apart = two_limbs(0.05);
+  const TetMesh touching = two_limbs(0.0005), apart = two_limbs(kGap);
   EXPECT_TRUE(SkinContact(touching).find(moved_apart(touching, -0.0055), 0).empty());
-  EXPECT_FALSE(SkinContact(apart).find(moved_apart(apart, -0.055), 0).empty());
+  EXPECT_FALSE(SkinContact(apart).find(moved_apart(apart, -kGap - 0.005), 0).empty());
 }
 
 // A limb folded on itself: skin lies on skin.

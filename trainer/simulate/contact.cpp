@@ -13,10 +13,12 @@ namespace {
 
 // A node counts as near to a tet when its barycentric weights in it are not below this.
 constexpr double kMostOutside = -0.3;
-// Nodes this near to a tet at rest, relative to its size, are of the same part and do not collide with it.
-constexpr double kSamePart = 0.5;
-// A tet pressed flat or inside out has no depth to speak of: its slope would be steep and point anywhere.
-constexpr double kFlat = 0.05;          // of its volume at rest
+// Tissue as near at rest as this many edges of the skin is the same part and does not collide; twice as far it does.
+constexpr double kSamePart = 1;
+// A tet pressed to less of its volume at rest has no depth to speak of: its slope would be steep and point anywhere.
+constexpr double kFlat = 0.05, kNotFlat = 0.15;
+// Cosine between skin and the way into the tissue touched, from which it faces it fully.
+constexpr double kFacing = 0.3;
 constexpr double kContactReach = 2e-3;  // m: a depth at which the pressure has doubled its slope
 
 // Skin nearer than this, metres, is looked at for contact until a node has moved by half of it.
@@ -140,6 +142,9 @@ bool inside(const Eigen::RowVector3d& point, const Eigen::RowVector3d& low, cons
   return (point.array() >= low.array()).all() && (point.array() <= high.array()).all();
 }
 
+// From 0 at `from` to 1 at `to`.
+double ramp(double x, double from, double to) { return std::clamp((x - from) / (to - from), 0.0, 1.0); }
+
 Eigen::Matrix3d edges_of(const Tets& tets, int tet, const Positions& nodes) {
   Eigen::Matrix3d edges;
   for (int a = 0; a < 3; ++a) edges.col(a) = row(nodes, tets(tet, a + 1)) - row(nodes, tets(tet, 0));
@@ -176,14 +181,8 @@ SkinContact::SkinContact(const TetMesh& mesh, const Materials& materials)
   for (std::size_t n = 0; n < depth_.size(); ++n) {
     if (!(area_[n] > 0)) depth_[n] = depth_of(row(nodes, static_cast<Eigen::Index>(n)), nodes, longest);
   }
-  part_low_.resize(tets_.rows(), 3);
-  part_high_.resize(tets_.rows(), 3);
+  for (const double around : area_) edge_.push_back(std::sqrt(2 / std::sqrt(3.0) * around));  // six regular triangles
   for (Eigen::Index t = 0; t < tets_.rows(); ++t) {
-    const Eigen::Matrix<double, 4, 3> corners = nodes(tets_.row(t), Eigen::all);
-    const Eigen::RowVector3d low = corners.colwise().minCoeff(), high = corners.colwise().maxCoeff();
-    const double same_part = kSamePart * (high - low).maxCoeff();
-    part_low_.row(t) = low.array() - same_part;
-    part_high_.row(t) = high.array() + same_part;
     volume_.push_back(edges_of(tets_, static_cast<int>(t), nodes).determinant() / 6);
     const auto has_depth = [&](int n) { return depth_[static_cast<std::size_t>(n)] > 0; };
     if (std::any_of(tets_.row(t).begin(), tets_.row(t).end(), has_depth)) deep_.push_back(static_cast<int>(t));
@@ -221,8 +220,9 @@ SkinContact::DepthField SkinContact::depth_field(int tet, const Positions& nodes
   return field;
 }
 
-ContactPlane SkinContact::plane(int node, int tet, const DepthField& field, const Positions& nodes) {
-  ContactPlane plane{node, tet, {}, field.slope, 0};
+ContactPlane SkinContact::plane(int node, int tet, const DepthField& field, const Positions& nodes,
+                                const Eigen::RowVector3d& normal) const {
+  ContactPlane plane{node, tet, {}, field.slope, 0, 1};
   plane.weights.tail<3>() = field.inverse * (row(nodes, node) - field.origin);
   plane.weights[0] = 1 - plane.weights.tail<3>().sum();
   plane.offset = plane.weights.dot(field.depth);  // where it is found, node and weighted corners are one point
@@ -231,7 +231,23 @@ ContactPlane SkinContact::plane(int node, int tet, const DepthField& field, cons
   for (int a = 0; a < 4; ++a) {
     if (plane.weights[a] < 0) plane.offset = std::min(plane.offset, plane.weights[a] / field.steepness[a]);
   }
+  Eigen::RowVector3d apart = rest_.row(node);  // at rest, from the tissue touched
+  for (int a = 0; a < 4; ++a) apart -= plane.weights[a] * rest_.row(tets_(tet, a));
+  const double same_part = kSamePart * edge_[static_cast<std::size_t>(node)];
+  // The skin around a node faces out of its own tissue, and into tissue that it collides with.
+  const double cosine = normal.dot(field.slope.transpose()) / (normal.norm() * field.slope.norm() + 1e-300);
+  plane.share =
+      ramp(apart.norm(), same_part, 2 * same_part) * ramp(cosine, 0, kFacing) * ramp(field.volume, kFlat, kNotFlat);
   return plane;
+}
+
+// Whether a node never collides with a tet, wherever it is in it.
+bool SkinContact::is_same_part(int node, int tet) const {
+  const double part = kSamePart * edge_[static_cast<std::size_t>(node)];
+  for (int a = 0; a < 4; ++a) {
+    if ((rest_.row(tets_(tet, a)) - rest_.row(node)).squaredNorm() > part * part) return false;
+  }
+  return true;
 }
 
 std::vector<ContactPair> SkinContact::find_pairs(const Positions& nodes, double reach) const {
@@ -242,12 +258,12 @@ std::vector<ContactPair> SkinContact::find_pairs(const Positions& nodes, double 
     const auto [low, high] = box_of(t, nodes, reach);
     std::optional<DepthField> field;
     grid.visit(low, high, [&](int n) {
-      if (!inside(nodes.row(n), low, high) || inside(rest_.row(n), part_low_.row(t), part_high_.row(t))) return;
+      if (!inside(nodes.row(n), low, high) || is_same_part(n, t)) return;
       if (!field) field = depth_field(t, nodes);
       // Skin that looks away may still turn, but not what looks out of the tissue that it is on.
       const double along = normals.row(n).dot(field->slope.transpose());
       if (along < -0.5 * normals.row(n).norm() * field->slope.norm()) return;
-      if (plane(n, t, *field, nodes).offset >= -reach) pairs.push_back({n, t});
+      if (plane(n, t, *field, nodes, normals.row(n)).offset >= -reach) pairs.push_back({n, t});
     });
   }
   return pairs;
@@ -266,10 +282,8 @@ std::vector<ContactPlane> SkinContact::find(const std::vector<ContactPair>& pair
       const int n = pair->node;
       if (!inside(nodes.row(n), box.low, box.high)) continue;
       if (!field) field = depth_field(t, nodes);
-      // The skin around a node faces out of its own tissue, and into tissue that it collides with.
-      if (!(field->volume > kFlat) || !(normals.row(n).dot(field->slope.transpose()) > 0)) continue;
-      const ContactPlane candidate = plane(n, t, *field, nodes);
-      if (candidate.weights.minCoeff() < kMostOutside || candidate.offset < -margin) continue;
+      const ContactPlane candidate = plane(n, t, *field, nodes, normals.row(n));
+      if (!(candidate.share > 0) || candidate.weights.minCoeff() < kMostOutside || candidate.offset < -margin) continue;
       const auto [place, is_new] = best.try_emplace(n, candidate);
       if (!is_new && place->second.weights.minCoeff() < candidate.weights.minCoeff()) place->second = candidate;
     }
@@ -287,7 +301,7 @@ double SkinContact::add_gradient(std::span<const ContactPlane> planes, const Pos
     for (int a = 0; a < 4; ++a) offset -= plane.weights[a] * nodes.row(tets_(plane.tet, a));
     const double depth = plane.offset + offset.dot(plane.slope.transpose());
     if (!(depth > 0)) continue;
-    const double stiffness = stiffness_ * area_[static_cast<std::size_t>(plane.node)];
+    const double stiffness = stiffness_ * plane.share * area_[static_cast<std::size_t>(plane.node)];
     energy += stiffness * depth * depth * (0.5 + depth / (3 * kContactReach));
     const Eigen::RowVector3d force = stiffness * depth * (1 + depth / kContactReach) * plane.slope.transpose();
     gradient.row(plane.node) += force;
@@ -299,7 +313,7 @@ double SkinContact::add_gradient(std::span<const ContactPlane> planes, const Pos
 double SkinContact::deepest(const Positions& nodes) const {
   double depth = 0;
   for (const ContactPlane& plane : find(nodes, 0)) {
-    if (plane.weights.minCoeff() >= 0) depth = std::max(depth, plane.offset);
+    if (plane.share > 0.5 && plane.weights.minCoeff() >= 0) depth = std::max(depth, plane.offset);
   }
   return depth;
 }

@@ -18,6 +18,7 @@ struct ContactPlane {
   Eigen::Vector4d weights;  // barycentric, of the node in the tet
   Eigen::Vector3d slope;    // of the depth, posed space
   double offset;            // metres
+  double share;             // 0 to 1, of the energy: less where it is in doubt whether this is contact at all
 };
 
 struct ContactPair {
@@ -27,15 +28,16 @@ struct ContactPair {
 // Every tet carries the depth below the skin at rest of its nodes (0 on the skin), linear in between: the material
 // depth of Hirota, Fisher, Lin et al. 2001. A skin node inside a tet that it is no corner of has passed through the
 // skin by that depth, and is pushed out by
-//   energy = k area d^2 (1/2 + d / (3 reach)),  d = max(depth, 0),
-// with equal and opposite forces on node and tet. With the planes of the shape itself the gradient is exact, but jumps
-// where a node passes from tet to tet; planes that are held make the energy smooth, and true near that shape only.
+//   energy = k share area d^2 (1/2 + d / (3 reach)),  d = max(depth, 0),
+// with equal and opposite forces on node and tet. share grows from 0 to 1 as the tissue touched is further away at rest
+// than a few edges of the skin, as the skin faces it, and as the tet is not pressed flat, so that the energy is
+// continuous. With the planes of the shape itself the gradient is exact, but jumps where a node passes from tet to tet;
+// planes that are held make the energy smooth, and true near that shape only.
 class SkinContact {
  public:
   explicit SkinContact(const TetMesh& mesh, const Materials& materials = {});
 
-  // Nodes of the skin and tets of another part that come within `reach`, metres, of each other, ascending in tets. What
-  // is as near at rest is the same part.
+  // Nodes of the skin and tets of another part that come within `reach`, metres, of each other, ascending in tets.
   std::vector<ContactPair> find_pairs(const Positions& nodes, double reach) const;
 
   // Of the pairs given, one plane for every node that is within `margin` (metres, no more than the pairs' reach) of
@@ -66,19 +68,21 @@ class SkinContact {
   };
   Box box_of(int tet, const Positions& nodes, double margin) const;
   DepthField depth_field(int tet, const Positions& nodes) const;
-  static ContactPlane plane(int node, int tet, const DepthField& field, const Positions& nodes);
+  bool is_same_part(int node, int tet) const;
+  ContactPlane plane(int node, int tet, const DepthField& field, const Positions& nodes,
+                     const Eigen::RowVector3d& normal) const;
 
   Tets tets_;
-  std::vector<double> volume_;      // per tet, at rest, cubic metres
-  Positions rest_;                  // N x 3, metres
-  Positions part_low_, part_high_;  // per tet: the box at rest whose nodes are of the same part
-  Triangles surface_;               // faces of one tet only, outwards
-  std::vector<int> skin_;           // nodes of the surface, ascending
-  std::vector<int> deep_;           // tets that have any depth
-  std::vector<double> depth_;       // per node, metres
-  std::vector<double> area_;        // per node, a third of the surface around it, square metres
-  double cell_ = 0;                 // of the grid that finds nodes, metres
-  double stiffness_;                // Pa/m
+  std::vector<double> volume_;  // per tet, at rest, cubic metres
+  Positions rest_;              // N x 3, metres
+  std::vector<double> edge_;    // per node, of the skin around it, metres
+  Triangles surface_;           // faces of one tet only, outwards
+  std::vector<int> skin_;       // nodes of the surface, ascending
+  std::vector<int> deep_;       // tets that have any depth
+  std::vector<double> depth_;   // per node, metres
+  std::vector<double> area_;    // per node, a third of the surface around it, square metres
+  double cell_ = 0;             // of the grid that finds nodes, metres
+  double stiffness_;            // Pa/m
 };
 
 // Contact found again and again while a shape moves: pairs are searched for anew only when a node has moved far.
