@@ -8,6 +8,7 @@
 
 #include "cli/common.h"
 #include "runtime/basis/error.h"
+#include "trainer/dataset/check.h"
 #include "trainer/train/heldout.h"
 
 namespace bodyopt::cli {
@@ -45,6 +46,9 @@ void run(const TrainArguments& arguments) {
   std::filesystem::path path = arguments.dataset;
   if (std::filesystem::is_directory(path)) path /= "dataset.json";
   Dataset dataset = read_dataset(path);
+  spdlog::info("checking that shapes, clips and character belong together");
+  const std::string mismatch = first_problem(check_dataset(dataset), path);
+  if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
   if (arguments.heldout_every > 0) hold_out_blocks(dataset, arguments.heldout_every);
   spdlog::info("reading the shapes");
   const SampleSet set = read_samples(dataset);

@@ -203,6 +203,39 @@ TEST(Takes, CheckReadsControlsAndMaterials) {
   expect(4, "m.json");
 }
 
+// What would be learned of them is of no use, and the held-out frames would not tell: they are as wrong.
+TEST(Takes, TrainRefusesWhatCheckRefuses) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const std::string data = (folder / "data").string(), basis = (folder / "limb.safetensors").string();
+  ASSERT_EQ(run_bodyopt("simulate " + files.character + " --clip " + files.motion + " --out " + data).exit_code, 0);
+  const auto scale_samples = [&](std::uint32_t count, float scale) {
+    const Pc2Reader shapes(folder / "data/bend.pc2");
+    Pc2Writer writer(folder / "data/bend.pc2", shapes.point_count(), shapes.sample_count());
+    for (std::uint32_t k = 0; k < shapes.sample_count(); ++k) {
+      std::vector<float> sample(shapes.sample(k).begin(), shapes.sample(k).end());
+      for (float& x : sample) x *= k < count ? scale : 1;
+      writer.append(sample);
+    }
+    writer.close();
+  };
+  scale_samples(6, 100);
+  for (const std::string& command : {"check " + data, "train " + data + " --out " + basis}) {
+    const ProgramResult refused = run_bodyopt(command);
+    EXPECT_EQ(refused.exit_code, 3) << refused.output;
+    EXPECT_NE(refused.output.find("take 'bend': the shapes lie"), std::string::npos) << refused.output;
+    EXPECT_NE(refused.output.find("centimetres"), std::string::npos) << refused.output;
+  }
+  EXPECT_FALSE(std::filesystem::exists(basis));
+
+  // A frame that did not converge may be a wreck: it is left out, not held against the others.
+  scale_samples(1, 0.01f);
+  std::vector<FrameStatus> status = read_frame_status(folder / "data/bend.status.json");
+  for (std::size_t k = 1; k < status.size(); ++k) status[k].converged = false;
+  write_frame_status(status, folder / "data/bend.status.json");
+  EXPECT_EQ(run_bodyopt("check " + data).exit_code, 0);
+}
+
 // A character in centimetres: its basis reads the clips alike, without being told again.
 TEST(Takes, ABasisRemembersTheUnit) {
   const TemporaryFolder metres_folder, centimetres_folder;
