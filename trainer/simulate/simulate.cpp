@@ -142,7 +142,7 @@ std::vector<Job> open_jobs(const std::vector<Job>& jobs, const PartialShapes& pa
 // stored: what the partial file keeps of the nodes.
 void solve_all(const QuasiStaticBody& body, const std::vector<Job>& jobs, int threads,
                const std::function<std::vector<float>(const Positions&)>& stored, PartialShapes& partial) {
-  Progress progress("simulate", jobs.size());
+  Progress progress("simulate", jobs.size(), "the finished frames are kept: run it again to go on");
   std::atomic<std::size_t> next{0};
   std::mutex mutex;  // over partial, progress and failure
   std::exception_ptr failure;
