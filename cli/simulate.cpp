@@ -168,15 +168,16 @@ void run(const SimulateArguments& arguments) {
   const fs::path folder = arguments.out;
   make_folder(folder);
   const fs::path dataset_path = folder / "dataset.json";
-  Dataset dataset = open_dataset(arguments, folder);
   DatasetTake take = new_take(arguments, frames, folder);
+  const TakeLock lock(folder / take.shapes);  // until dataset.json names the frames that the shapes are of
+  Dataset dataset = open_dataset(arguments, folder);
   for (const DatasetTake& there : dataset.takes) {
     if (there.name == take.name) add_frames(there, take);
   }
   require_writable(dataset_path);
   spdlog::info("preparing the body: tetrahedra, bones, muscles");
   const std::vector<FrameStatus> status =
-      simulate(character, muscles, clip, take.frames, folder / take.shapes, folder / take.shapes_status, options);
+      simulate(character, muscles, clip, take.frames, lock, folder / take.shapes_status, options);
   dataset = open_dataset(arguments, folder);  // another run may have added a take meanwhile
   std::erase_if(dataset.takes, [&](const DatasetTake& other) { return other.name == take.name; });
   dataset.takes.push_back(take);
