@@ -61,6 +61,7 @@ void check(const CheckArguments& arguments) {
 }
 
 void run(const CheckArguments& arguments) {
+  arguments.json.require_writable();
   const std::string extension = std::filesystem::path(arguments.path).extension();
   if (extension == ".glb" || extension == ".gltf") return check_character(arguments);
   check(arguments);

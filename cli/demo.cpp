@@ -352,6 +352,7 @@ std::string summary(const ReportData& report) {
 void run(const DemoArguments& arguments) {
   const fs::path folder = arguments.out;
   make_folder(folder);
+  arguments.json.require_writable();
   ReportData report;
   report.quick = arguments.quick;
   Stopwatch building;

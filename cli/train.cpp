@@ -40,6 +40,7 @@ void run(const TrainArguments& arguments) {
     throw Error(ErrorKind::usage, "train takes either a DATASET or --ddm-only CHARACTER");
   }
   require_writable(arguments.out);
+  arguments.json.require_writable();
   if (!arguments.ddm_only.empty()) return run_ddm_only(arguments);
 
   const auto start = std::chrono::steady_clock::now();

@@ -10,6 +10,7 @@
 #include "trainer/dataset/dataset.h"
 #include "trainer/dataset/muscles.h"
 #include "trainer/dataset/pc2.h"
+#include "trainer/simulate/take_lock.h"
 
 namespace bodyopt {
 namespace {
@@ -54,6 +55,30 @@ TEST(Takes, FramesAreAddedNotReplaced) {
   EXPECT_NE(other.output.find("--name"), std::string::npos) << other.output;
   EXPECT_EQ(run_bodyopt(simulate + " --fps 12 --frames 2 --name slow").exit_code, 0);
   EXPECT_EQ(read_dataset(folder / "data/dataset.json").takes.size(), 2u);
+}
+
+// Before any work is done, and before anything is written.
+TEST(Takes, SimulateRefusesWhatWouldGoWrongAtItsEnd) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const std::string data = (folder / "data").string();
+  const std::string simulate = "simulate " + files.character + " --clip " + files.motion + " --out " + data;
+  const auto expect = [&](int exit_code, const std::string& options, const std::string& named) {
+    const ProgramResult result = run_bodyopt(simulate + options);
+    EXPECT_EQ(result.exit_code, exit_code) << options << "\n" << result.output;
+    EXPECT_NE(result.output.find(named), std::string::npos) << result.output;
+    EXPECT_FALSE(std::filesystem::exists(folder / "data/dataset.json"));
+  };
+  for (const char* name : {"../evil", "a/b", ".hidden", "''", "'two words'"}) {
+    expect(64, std::string(" --frames 1 --name ") + name, "--name");
+  }
+  expect(64, " --frames ''", "--frames");
+  expect(64, " --frames 1 --heldout ''", "--heldout");
+  expect(4, " --frames 1 --json " + (folder / "no/a.json").string(), "a.json");
+  const TakeLock another_run(folder / "data/bend.pc2");
+  expect(4, " --frames 1", "another run");
+  expect(4, " --frames 1 --draft", "another run");
+  EXPECT_EQ(run_bodyopt(simulate + " --frames 1 --name bend-2.b").exit_code, 0);
 }
 
 // Flexed in the same pose, trained, and flexed again: what the control does is learned under its name.
