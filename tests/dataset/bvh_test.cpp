@@ -328,6 +328,13 @@ TEST(Bvh, RealMotionMovesTheRealHuman) {
       EXPECT_GT(cosine_of_bones(skeleton, own.poses[k], clip.poses[k], joint), 0.99) << k << ' ' << joint;
     }
   }
+  // The hip joints never turn, and keep the hero's pelvis.
+  for (const char* joint : {"LHipJoint", "RHipJoint"}) {
+    const auto j = static_cast<std::size_t>(skeleton.find(joint));
+    const Quat &bind = skeleton.joints[j].bind.rotation, &turned = clip.poses[300].joints[j].rotation;
+    const double same = bind[0] * turned[0] + bind[1] * turned[1] + bind[2] * turned[2] + bind[3] * turned[3];
+    EXPECT_NEAR(std::abs(same), 1, 1e-6) << joint;
+  }
   const Clip partial = read_clip(other->string(), skeleton, {.fps = 30});
   EXPECT_TRUE(mentions(partial.notes, "'LeftUpLeg'"));
   EXPECT_TRUE(mentions(partial.notes, "'LeftHip'"));

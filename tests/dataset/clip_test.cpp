@@ -130,6 +130,21 @@ TEST(Clip, ListsWhatDoesNotMatch) {
   for (const char* name : {"'stem'", "'tail'", "'root'", "'tip'"}) EXPECT_NE(text.find(name), std::string::npos);
 }
 
+// Joints of the same names on bones of another length.
+TEST(Clip, OfAnotherBuildIsAMismatch) {
+  const TemporaryFolder folder;
+  for (const float size : {0.6f, 1.7f, 2.5f, 0.3f}) {
+    GltfBlob blob = two_nodes();
+    animate(blob, 1, "translation", {0, 1}, {0, size, 0, 0, size, 0});
+    if (size > 0.5 && size < 2) {
+      EXPECT_EQ(read(blob, folder).poses[3].joints[1].translation[1], size);
+      continue;
+    }
+    const std::string text = error_of(ErrorKind::mismatch, [&] { read(blob, folder); });
+    EXPECT_NE(text.find("times as long as the character's"), std::string::npos);
+  }
+}
+
 TEST(Clip, ChoosesByName) {
   const TemporaryFolder folder;
   GltfBlob blob = two_nodes();

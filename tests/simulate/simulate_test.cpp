@@ -315,7 +315,7 @@ TEST(Simulate, AnImpossiblePoseIsFlagged) {
   const TemporaryFolder folder;
   const Character limb = make_limb();
   Clip clip = bending_clip(limb, 2);
-  clip.poses[1].joints[1].translation[0] -= 1.5 * kLimbLength;
+  clip.poses[1].joints[1].translation[0] -= 20;
   const std::vector<FrameStatus> status = run(folder, clip, {11, 12}, 1).status;
   EXPECT_TRUE(status[0].converged);
   EXPECT_FALSE(status[1].converged);
@@ -323,7 +323,25 @@ TEST(Simulate, AnImpossiblePoseIsFlagged) {
   const std::vector<FrameStatus> stored = read_frame_status(folder / "take.json");
   EXPECT_FALSE(stored[1].converged);
   EXPECT_EQ(stored[1].volume_change, status[1].volume_change);
-  for (const float x : Pc2Reader(folder / "take.pc2").sample(1)) ASSERT_TRUE(std::isfinite(x));
+  const Pc2Reader cache(folder / "take.pc2");
+  for (const float x : cache.sample(1)) ASSERT_TRUE(std::isfinite(x));
+}
+
+TEST(Simulate, RefusesScaledBonesByName) {
+  const TemporaryFolder folder;
+  Clip clip = bending_clip(make_limb(), 2);
+  clip.poses[1].joints[1].scale = {1, 1.5, 1};
+  EXPECT_EQ(run(folder, clip, {11}, 1).status.size(), 1u);
+  try {
+    run(folder, clip, {12}, 1);
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::mismatch);
+    EXPECT_NE(std::string(error.what()).find("'" + make_limb().skeleton.joints[1].name + "' is scaled by 1.0"),
+              std::string::npos)
+        << error.what();
+    EXPECT_NE(std::string(error.what()).find("frame 12"), std::string::npos);
+  }
 }
 
 TEST(Simulate, RefusesFramesAndFoldersThatAreNotThere) {

@@ -152,6 +152,24 @@ Quat fit_rotation(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
   return {q.x(), q.y(), q.z(), q.w()};
 }
 
+// Joints of the BVH that some frame turns.
+std::vector<bool> turning_joints(const Bvh& bvh, std::size_t frames, double fps) {
+  constexpr double kStill = 1e-6;  // 1 less the cosine of half the turn
+  std::vector<bool> turns(bvh.joints.size(), false);
+  for (std::size_t k = 0; k < frames; ++k) {
+    for (std::size_t b = 0; b < turns.size(); ++b) {
+      turns[b] = turns[b] || std::abs(bvh.local_at(b, static_cast<double>(k) / fps).rotation[3]) < 1 - kStill;
+    }
+  }
+  return turns;
+}
+
+// Bones below a joint that never turns differ by build, not by pose (a wider pelvis, say): they are not laid along each
+// other.
+void drop_still(const std::vector<int>& match, const std::vector<bool>& turns, std::vector<BonePair>& pairs) {
+  std::erase_if(pairs, [&](const BonePair& pair) { return !turns[static_cast<std::size_t>(match[pair.above])]; });
+}
+
 // Per joint of the skeleton, world: from its bones at bind to those of the turned BVH at rest. Joints without bones of
 // their own go with the joint above.
 std::vector<Quat> align_rests(const std::vector<BonePair>& pairs, const Skeleton& skeleton, const Quat& turn) {
@@ -300,18 +318,19 @@ Clip read_bvh_clip(const std::filesystem::path& path, const Skeleton& skeleton, 
     fail_unmatched(path.string(), skeleton, names);
   }
   const std::vector<Affine> bind = posed_joints(skeleton, bind_pose(skeleton).joints);
-  const std::vector<BonePair> pairs = bone_pairs(bvh, skeleton, match, bind);
+  std::vector<BonePair> pairs = bone_pairs(bvh, skeleton, match, bind);
   const Quat turn = fit_turn(pairs);
   double unit = options.unit;
   if (unit == 0) {
     unit = fit_unit(pairs, path.string());
     clip.notes.push_back("One BVH unit is taken as " + rounded(unit) + " m, from the length of the bones.");
   }
+  const std::size_t frames =
+      frame_count(path.string(), bvh.duration(), std::max(skeleton.size(), bvh.joints.size()), options);
+  drop_still(match, turning_joints(bvh, frames, options.fps), pairs);
   note_rest_poses(pairs, turn, skeleton, clip.notes);
 
   const Retarget retarget(bvh, skeleton, match, bind, align_rests(pairs, skeleton, turn), turn, unit);
-  const std::size_t frames =
-      frame_count(path.string(), bvh.duration(), std::max(skeleton.size(), bvh.joints.size()), options);
   for (std::size_t k = 0; k < frames; ++k) clip.poses.push_back(retarget.at(static_cast<double>(k) / options.fps));
   check_finite(clip, path.string());
   return clip;

@@ -137,6 +137,21 @@ void note_scale(const Clip& clip, const Skeleton& skeleton, std::vector<std::str
   }
 }
 
+// The offsets of joints are the character's own build: a clip that brings very different ones is of another.
+void require_same_build(const GltfFile& file, const Motion& motion, const Clip& clip) {
+  constexpr double kMostRatio = 2;
+  double own = 0, brought = 0;
+  for (std::size_t j = 0; j < motion.skeleton.size(); ++j) {
+    if (motion.skeleton.joints[j].parent < 0 || !motion.fold.is_animated(j)) continue;
+    own += length(motion.skeleton.joints[j].default_local.translation);
+    brought += length(clip.poses.front().joints[j].translation);
+  }
+  if (!(own > 0) || (brought < kMostRatio * own && brought * kMostRatio > own)) return;
+  throw Error(ErrorKind::mismatch, file.path().string() + ": the bones it moves are " + std::to_string(brought / own) +
+                                       " times as long as the character's: it was made for another character, or in "
+                                       "another unit");
+}
+
 }  // namespace
 
 Clip read_gltf_clip(const std::filesystem::path& path, const std::string& name, const Skeleton& skeleton,
@@ -170,6 +185,7 @@ Clip read_gltf_clip(const std::filesystem::path& path, const std::string& name, 
   const std::size_t frames =
       frame_count(file.path().string(), duration, std::max(skeleton.size(), animated.size()), options);
   for (std::size_t k = 0; k < frames; ++k) clip.poses.push_back(motion.at(static_cast<double>(k) / options.fps));
+  require_same_build(file, motion, clip);
   note_scale(clip, skeleton, clip.notes);
   return clip;
 }

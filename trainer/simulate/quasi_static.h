@@ -58,6 +58,7 @@ class QuasiStaticBody {
   // V x 3: where nodes (N x 3) take the skin. With conforming tets these are the first V nodes.
   Positions skin(const Positions& nodes) const;
 
+  const Skeleton& skeleton() const { return skeleton_; }
   const TetMesh& mesh() const { return mesh_; }
   const std::vector<EmbeddedPoint>& embedding() const { return embedding_; }  // V; empty with conforming tets
   const std::vector<FibreTet>& fibres() const { return fibres_; }

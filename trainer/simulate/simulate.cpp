@@ -51,6 +51,19 @@ void require_flexes(const Clip& clip, const Pose& pose, int frame) {
   }
 }
 
+// Tissue has the size it has; a scaled bone would leave it or tear it.
+void require_unscaled(const Skeleton& skeleton, const Pose& pose, int frame) {
+  constexpr double kMostScaling = 1e-3;
+  for (std::size_t j = 0; j < skeleton.size() && j < pose.joints.size(); ++j) {
+    const Vec3 &scale = pose.joints[j].scale, &rest = skeleton.joints[j].bind.scale;
+    if (length(scale - rest) < kMostScaling) continue;
+    throw Error(ErrorKind::mismatch,
+                "joint '" + skeleton.joints[j].name + "' is scaled by " + std::to_string(scale[0] / rest[0]) + ", " +
+                    std::to_string(scale[1] / rest[1]) + ", " + std::to_string(scale[2] / rest[2]) + " in frame " +
+                    std::to_string(frame) + ": bones that change their size cannot be simulated; remove the scale");
+  }
+}
+
 // A frame to solve; frames of the same key have the same shape.
 struct Job {
   std::uint64_t key;
@@ -75,6 +88,7 @@ std::vector<Job> jobs_of(const QuasiStaticBody& body, const std::vector<Muscle>&
   for (const int frame : frames) {
     const Pose& pose = pose_of(clip, frame);
     require_flexes(clip, pose, frame);
+    require_unscaled(body.skeleton(), pose, frame);
     const std::vector<double> flex = flex_of(pose, flexed, muscles.size());
     jobs.push_back({pose_hash(body.hash(), pose, flex), &pose, flex});
   }
