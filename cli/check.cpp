@@ -1,13 +1,10 @@
 // bodyopt check: does a dataset belong together; is a character fit for use.
 #include "trainer/dataset/check.h"
 
-#include <algorithm>
 #include <filesystem>
 
 #include "cli/common.h"
 #include "runtime/basis/error.h"
-#include "trainer/simulate/materials.h"
-#include "trainer/simulate/muscle_fibres.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -37,58 +34,20 @@ void check_character(const CheckArguments& arguments) {
                       text);
 }
 
-// What keeps a take's controls from flexing muscles in its frames; empty: nothing.
-std::string control_problem(const Clip& clip, const std::vector<int>& frames, const std::vector<Muscle>& muscles) {
-  try {
-    flexed_muscles(clip.controls, muscles);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  for (const int frame : frames) {
-    if (frame < clip.first_frame || frame > clip.last_frame()) continue;  // check_dataset says so
-    const Pose& pose = clip.poses[static_cast<std::size_t>(frame - clip.first_frame)];
-    for (std::size_t c = 0; c < clip.controls.size(); ++c) {
-      const float value = pose.controls[c];
-      if (value >= 0 && value <= 1) continue;
-      return format("the control '%s' is %g in frame %d, expected 0 (relaxed) to 1 (all a muscle can): in per cent?",
-                    clip.controls[c].c_str(), static_cast<double>(value), frame);
-    }
-  }
-  return "";
-}
-
-// Adds what is wrong with the controls of each take. Without muscles they may mean anything.
-void check_controls(const Dataset& dataset, std::vector<TakeCheck>& checks) {
-  const auto has_controls = [](const DatasetTake& take) { return !take.controls.empty(); };
-  if (dataset.muscles.empty() || std::none_of(dataset.takes.begin(), dataset.takes.end(), has_controls)) return;
-  const Skeleton skeleton = read_character(dataset.folder / dataset.character, dataset.unit).skeleton;
-  const std::vector<Muscle> muscles = read_muscles(dataset.folder / dataset.muscles, skeleton);
-  for (std::size_t k = 0; k < checks.size(); ++k) {
-    const DatasetTake& take = dataset.takes[k];
-    if (!has_controls(take)) continue;
-    const std::string problem = control_problem(read_clip(dataset, take, skeleton), take.frames, muscles);
-    if (!problem.empty()) checks[k].problems.push_back(take.controls + ": " + problem);
-  }
-}
-
 void check(const CheckArguments& arguments) {
   std::filesystem::path path = arguments.path;
   if (std::filesystem::is_directory(path)) path /= "dataset.json";
   const Dataset dataset = read_dataset(path);
-  if (!dataset.materials.empty()) read_materials(dataset.folder / dataset.materials);
-  std::vector<TakeCheck> takes = check_dataset(dataset);
-  check_controls(dataset, takes);
+  const std::vector<TakeCheck> takes = check_dataset(dataset);
+  const std::string mismatch = first_problem(takes, path);
   Json result = Json::array();
-  std::string text, first_problem;
+  std::string text;
   for (const TakeCheck& take : takes) {
     text += format(
         "%s: %u points, %u samples, %.2f mm RMS from the skinned character (frame %d, nearest to the bind "
         "pose: %.2f mm)\n",
         take.name.c_str(), take.points, take.samples, take.fit_mm, take.rest_frame, take.rest_fit_mm);
-    for (const std::string& problem : take.problems) {
-      text += "  PROBLEM: " + problem + "\n";
-      if (first_problem.empty()) first_problem = path.string() + ", take '" + take.name + "': " + problem;
-    }
+    for (const std::string& problem : take.problems) text += "  PROBLEM: " + problem + "\n";
     result.push_back({{"name", take.name},
                       {"points", take.points},
                       {"samples", take.samples},
@@ -96,13 +55,13 @@ void check(const CheckArguments& arguments) {
                       {"rest_fit_mm", take.rest_fit_mm},
                       {"problems", take.problems}});
   }
-  if (takes.empty()) first_problem = path.string() + " names no takes: nothing to train on";
-  text += first_problem.empty() ? "it belongs together\n" : "it does not belong together\n";
-  arguments.json.emit({{"takes", result}, {"belongs_together", first_problem.empty()}}, text);
-  if (!first_problem.empty()) throw Error(ErrorKind::mismatch, first_problem);
+  text += mismatch.empty() ? "it belongs together\n" : "it does not belong together\n";
+  arguments.json.emit({{"takes", result}, {"belongs_together", mismatch.empty()}}, text);
+  if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
 }
 
 void run(const CheckArguments& arguments) {
+  arguments.json.require_writable();
   const std::string extension = std::filesystem::path(arguments.path).extension();
   if (extension == ".glb" || extension == ".gltf") return check_character(arguments);
   check(arguments);

@@ -18,6 +18,10 @@ void JsonOption::add(CLI::App& verb) {
   verb.add_option("--json", path, "Write the result as JSON to FILE ('-': standard output)")->type_name("FILE");
 }
 
+void JsonOption::require_writable() const {
+  if (!path.empty() && path != "-") cli::require_writable(path);
+}
+
 void JsonOption::emit(const Json& result, const std::string& text) const {
   const std::string json = result.dump(2) + "\n";
   if (path == "-") {
@@ -33,7 +37,8 @@ void ClipArguments::add(CLI::App& verb) {
       ->required()
       ->type_name("CLIP");
   verb.add_option("--frames", frames, "Frames, as 1-100, 1-100x2 or comma lists of them (default: all)")
-      ->type_name("R");
+      ->type_name("R")
+      ->check(refuse_empty);
   verb.add_option("--fps", options.fps, "Frames a second at which the clip is sampled")->capture_default_str();
   verb.add_option("--first-frame", options.first_frame, "Number of the clip's first frame")->capture_default_str();
   verb.add_option("--controls", options.controls,
@@ -70,6 +75,10 @@ void DeviceArguments::add(CLI::App& verb) {
 void add_unit(CLI::App& verb, double& unit) {
   verb.add_option("--unit", unit, "Metres per unit of the character's file (default: it must be in metres)")
       ->check(CLI::PositiveNumber);
+}
+
+std::string refuse_empty(const std::string& value) {
+  return value.empty() ? "expected a value, found an empty one: a shell variable that is not set?" : "";
 }
 
 void keep_unit(Basis& basis, double unit) {

@@ -19,6 +19,8 @@ using Json = nlohmann::ordered_json;
 struct JsonOption {
   std::string path;
   void add(CLI::App& verb);
+  // Throws Error(file) now rather than after long work.
+  void require_writable() const;
   // Prints `text` for people (unless standard output is taken by the JSON) and writes `result` where asked.
   void emit(const Json& result, const std::string& text) const;
 };
@@ -41,6 +43,9 @@ struct DeviceArguments {
 };
 
 void add_unit(CLI::App& verb, double& unit);
+
+// A check of options: an empty value is most likely a shell variable that is not set, and must not mean the default.
+std::string refuse_empty(const std::string& value);
 
 // The unit that a basis' character was read with, kept in the basis so that its clips are read alike; 0: metres.
 void keep_unit(Basis& basis, double unit);

@@ -21,6 +21,7 @@ struct CompareArguments {
 };
 
 void run(const CompareArguments& arguments) {
+  arguments.json.require_writable();
   const ShapeReader a(arguments.a), b(arguments.b);
   if (a.point_count() != b.point_count() || a.sample_count() != b.sample_count()) {
     throw Error(ErrorKind::mismatch,

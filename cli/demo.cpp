@@ -135,9 +135,17 @@ std::vector<Positions> welded_shapes(const SampleSet& set, const Evaluation& eva
   return shapes;
 }
 
+std::vector<int> heldout_frames(const SampleSet& set) {
+  std::vector<int> frames;
+  for (const Sample& sample : set.heldout) frames.push_back(sample.frame);
+  return frames;
+}
+
 void write_cache(const fs::path& path, const SampleSet& set, const Evaluation& evaluation) {
+  const std::vector<int> frames = heldout_frames(set);
   const std::size_t stride = 3 * std::size_t{set.character.output_count()};
-  Pc2Writer writer(path, set.character.output_count(), static_cast<std::uint32_t>(set.heldout.size()));
+  Pc2Writer writer(path, set.character.output_count(), static_cast<std::uint32_t>(frames.size()),
+                   frames.empty() ? 1.0f : static_cast<float>(frames.front()), frame_spacing(frames));
   for (std::size_t k = 0; k < set.heldout.size(); ++k) {
     writer.append(std::span(evaluation.positions).subspan(k * stride, stride));
   }
@@ -315,7 +323,7 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
   report.dataset.train_frames = static_cast<std::uint32_t>(set.train.size());
   report.dataset.heldout_frames = static_cast<std::uint32_t>(set.heldout.size());
   report.dataset.unconverged = static_cast<std::uint32_t>(set.unconverged);
-  for (const Sample& sample : set.heldout) report.heldout_frame_numbers.push_back(sample.frame);
+  report.heldout_frame_numbers = heldout_frames(set);
   report.simulation = simulation_report(dataset);
   if (report.device != "cpu") {
     report.pictures = make_pictures(set, full_shapes, full_errors, arguments.device.choice.name);
@@ -344,6 +352,7 @@ std::string summary(const ReportData& report) {
 void run(const DemoArguments& arguments) {
   const fs::path folder = arguments.out;
   make_folder(folder);
+  arguments.json.require_writable();
   ReportData report;
   report.quick = arguments.quick;
   Stopwatch building;

@@ -23,6 +23,7 @@ struct EvalArguments {
 };
 
 void run(const EvalArguments& arguments) {
+  arguments.json.require_writable();
   Deformer deformer(load_basis(arguments.basis), arguments.device.choice);
   std::vector<int> frames;
   const double unit = arguments.unit > 0 ? arguments.unit : kept_unit(deformer.basis());

@@ -12,6 +12,7 @@ struct ExportArguments {
 };
 
 void run(const ExportArguments& arguments) {
+  arguments.json.require_writable();
   const NodesReader draft(arguments.draft);
   Pc2Writer writer(arguments.out, draft.point_count(), draft.sample_count(), draft.start_frame(), draft.sample_rate());
   for (std::uint32_t k = 0; k < draft.sample_count(); ++k) writer.append(draft.sample(k));

@@ -97,6 +97,7 @@ void draw(const Character& character, const std::vector<Muscle>& muscles, const 
 }
 
 void import(const ImportArguments& arguments) {
+  arguments.json.require_writable();
   const Character character = read_character(arguments.character, arguments.unit);
   say(character.notes);
   std::vector<Muscle> muscles;

@@ -219,6 +219,7 @@ Image draw_cut(const PictureArguments& arguments, const Scene& scene, const View
 void run(const PictureArguments& arguments) {
   const Vec3 direction = unit_direction(arguments.direction);
   require_writable(arguments.out);
+  arguments.json.require_writable();
   const Scene scene = read_scene(arguments);
   const View view = choose_view(arguments, scene, direction);
   Renderer renderer;

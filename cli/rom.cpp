@@ -49,6 +49,7 @@ void write_in_unit(Clip clip, Skeleton skeleton, double unit, const std::string&
 }
 
 void run(const RomArguments& arguments) {
+  arguments.json.require_writable();
   const Character character = read_character(arguments.character, arguments.unit);
   say(character.notes);
   refuse_overwriting(arguments.out, arguments.character);

@@ -70,6 +70,15 @@ std::string take_name(const std::string& source) {
   return name;
 }
 
+// Files are called by a take's name, in the dataset's folder and nowhere else.
+std::string refuse_as_name(const std::string& name) {
+  const auto fits = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' || c == '.';
+  };
+  if (!name.empty() && name.front() != '.' && std::all_of(name.begin(), name.end(), fits)) return "";
+  return "expected a name of letters, digits, '-', '_' and '.', and no '.' first, found '" + name + "'";
+}
+
 DatasetTake new_take(const SimulateArguments& arguments, const std::vector<int>& frames, const fs::path& folder) {
   DatasetTake take;
   take.name = arguments.name.empty() ? take_name(arguments.clip.source) : arguments.name;
@@ -168,15 +177,17 @@ void run(const SimulateArguments& arguments) {
   const fs::path folder = arguments.out;
   make_folder(folder);
   const fs::path dataset_path = folder / "dataset.json";
-  Dataset dataset = open_dataset(arguments, folder);
   DatasetTake take = new_take(arguments, frames, folder);
+  const TakeLock lock(folder / take.shapes);  // until dataset.json names the frames that the shapes are of
+  Dataset dataset = open_dataset(arguments, folder);
   for (const DatasetTake& there : dataset.takes) {
     if (there.name == take.name) add_frames(there, take);
   }
   require_writable(dataset_path);
+  arguments.json.require_writable();
   spdlog::info("preparing the body: tetrahedra, bones, muscles");
   const std::vector<FrameStatus> status =
-      simulate(character, muscles, clip, take.frames, folder / take.shapes, folder / take.shapes_status, options);
+      simulate(character, muscles, clip, take.frames, lock, folder / take.shapes_status, options);
   dataset = open_dataset(arguments, folder);  // another run may have added a take meanwhile
   std::erase_if(dataset.takes, [&](const DatasetTake& other) { return other.name == take.name; });
   dataset.takes.push_back(take);
@@ -203,8 +214,10 @@ void add_simulate(CLI::App& app) {
   verb.add_option("--out", arguments->out, "Dataset folder; a take is added to the dataset.json in it")
       ->required()
       ->type_name("DATASET_DIR");
-  verb.add_option("--name", arguments->name, "Name of the take (default: the clip's)");
-  verb.add_option("--heldout", arguments->heldout, "Frames never to train on, as a range, or 'all'")->type_name("R");
+  verb.add_option("--name", arguments->name, "Name of the take (default: the clip's)")->check(refuse_as_name);
+  verb.add_option("--heldout", arguments->heldout, "Frames never to train on, as a range, or 'all'")
+      ->type_name("R")
+      ->check(refuse_empty);
   CLI::Option* size = verb.add_option("--tet-size", arguments->options.tet_size,
                                       "Largest tet edge inside, metres (default: from the skin)")
                           ->check(CLI::PositiveNumber);

@@ -8,6 +8,7 @@
 
 #include "cli/common.h"
 #include "runtime/basis/error.h"
+#include "trainer/dataset/check.h"
 #include "trainer/train/heldout.h"
 
 namespace bodyopt::cli {
@@ -39,12 +40,16 @@ void run(const TrainArguments& arguments) {
     throw Error(ErrorKind::usage, "train takes either a DATASET or --ddm-only CHARACTER");
   }
   require_writable(arguments.out);
+  arguments.json.require_writable();
   if (!arguments.ddm_only.empty()) return run_ddm_only(arguments);
 
   const auto start = std::chrono::steady_clock::now();
   std::filesystem::path path = arguments.dataset;
   if (std::filesystem::is_directory(path)) path /= "dataset.json";
   Dataset dataset = read_dataset(path);
+  spdlog::info("checking that shapes, clips and character belong together");
+  const std::string mismatch = first_problem(check_dataset(dataset), path);
+  if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
   if (arguments.heldout_every > 0) hold_out_blocks(dataset, arguments.heldout_every);
   spdlog::info("reading the shapes");
   const SampleSet set = read_samples(dataset);

@@ -31,20 +31,21 @@ void catch_interrupts() {
 
 bool interrupted() { return interrupt_received; }
 
-Progress::Progress(std::string label, std::size_t total)
-    : label_(std::move(label)), total_(total), start_(Clock::now()), printed_(start_) {}
+Progress::Progress(std::string label, std::size_t total, std::string kept)
+    : label_(std::move(label)), kept_(std::move(kept)), total_(total), start_(Clock::now()), printed_(start_) {}
 
 Progress::~Progress() {
   if (done_ > 0) print(true);
 }
 
 void Progress::advance(std::size_t steps) {
+  const std::lock_guard<std::mutex> lock(mutex_);
   done_ += steps;
   const double pause = isatty(STDERR_FILENO) ? 0.1 : 5.0;
   if (seconds_since(printed_) > pause) print(false);
   if (interrupted()) {
     throw Error(ErrorKind::interrupted, label_ + ": interrupted after " + std::to_string(done_) + " of " +
-                                            std::to_string(total_) + "; what was finished is kept");
+                                            std::to_string(total_) + "; " + kept_);
   }
 }
 

@@ -3,23 +3,27 @@
 
 #include <chrono>
 #include <cstddef>
+#include <mutex>
 #include <string>
 
 namespace bodyopt {
 
 class Progress {
  public:
-  Progress(std::string label, std::size_t total);
+  // kept: what is left of the work when it is interrupted, for the message.
+  Progress(std::string label, std::size_t total, std::string kept = "nothing of it is kept");
   ~Progress();
-  // Call from one thread (or inside a critical section). Throws Error(interrupted) once SIGINT or SIGTERM was received.
+  // From any thread. Throws Error(interrupted) once SIGINT or SIGTERM was received: not to be called in an OpenMP
+  // critical section, which no exception may leave.
   void advance(std::size_t steps = 1);
 
  private:
   void print(bool last) const;
-  std::string label_;
+  std::string label_, kept_;
   std::size_t total_, done_ = 0;
   std::chrono::steady_clock::time_point start_;
   mutable std::chrono::steady_clock::time_point printed_;
+  std::mutex mutex_;
 };
 
 // From the first call on, SIGINT and SIGTERM set a flag instead of killing the program.

@@ -7,6 +7,7 @@
 
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
+#include "trainer/dataset/pc2.h"
 
 namespace bodyopt {
 namespace {
@@ -52,6 +53,9 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   const ProgramResult eval = run_bodyopt("eval " + out + "/basis.safetensors --clip " + out +
                                          "/heldout.glb --frames 1-24x2 --device cpu --out " + out + "/again.pc2");
   ASSERT_EQ(eval.exit_code, 0) << eval.output;
+  const Pc2Reader again(folder / "again.pc2"), heldout(folder / "heldout.pc2");
+  EXPECT_EQ(heldout.start_frame(), again.start_frame());
+  EXPECT_EQ(heldout.sample_rate(), again.sample_rate());
   const ProgramResult compare = run_bodyopt("compare " + out + "/again.pc2 " + out + "/heldout.pc2 --fail-above 0.01");
   EXPECT_EQ(compare.exit_code, 0) << compare.output;
 }

@@ -10,6 +10,7 @@
 #include "trainer/dataset/dataset.h"
 #include "trainer/dataset/muscles.h"
 #include "trainer/dataset/pc2.h"
+#include "trainer/simulate/take_lock.h"
 
 namespace bodyopt {
 namespace {
@@ -54,6 +55,30 @@ TEST(Takes, FramesAreAddedNotReplaced) {
   EXPECT_NE(other.output.find("--name"), std::string::npos) << other.output;
   EXPECT_EQ(run_bodyopt(simulate + " --fps 12 --frames 2 --name slow").exit_code, 0);
   EXPECT_EQ(read_dataset(folder / "data/dataset.json").takes.size(), 2u);
+}
+
+// Before any work is done, and before anything is written.
+TEST(Takes, SimulateRefusesWhatWouldGoWrongAtItsEnd) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const std::string data = (folder / "data").string();
+  const std::string simulate = "simulate " + files.character + " --clip " + files.motion + " --out " + data;
+  const auto expect = [&](int exit_code, const std::string& options, const std::string& named) {
+    const ProgramResult result = run_bodyopt(simulate + options);
+    EXPECT_EQ(result.exit_code, exit_code) << options << "\n" << result.output;
+    EXPECT_NE(result.output.find(named), std::string::npos) << result.output;
+    EXPECT_FALSE(std::filesystem::exists(folder / "data/dataset.json"));
+  };
+  for (const char* name : {"../evil", "a/b", ".hidden", "''", "'two words'"}) {
+    expect(64, std::string(" --frames 1 --name ") + name, "--name");
+  }
+  expect(64, " --frames ''", "--frames");
+  expect(64, " --frames 1 --heldout ''", "--heldout");
+  expect(4, " --frames 1 --json " + (folder / "no/a.json").string(), "a.json");
+  const TakeLock another_run(folder / "data/bend.pc2");
+  expect(4, " --frames 1", "another run");
+  expect(4, " --frames 1 --draft", "another run");
+  EXPECT_EQ(run_bodyopt(simulate + " --frames 1 --name bend-2.b").exit_code, 0);
 }
 
 // Flexed in the same pose, trained, and flexed again: what the control does is learned under its name.
@@ -201,6 +226,39 @@ TEST(Takes, CheckReadsControlsAndMaterials) {
   expect(4, "shear_modulus");
   std::filesystem::remove(folder / "m.json");
   expect(4, "m.json");
+}
+
+// What would be learned of them is of no use, and the held-out frames would not tell: they are as wrong.
+TEST(Takes, TrainRefusesWhatCheckRefuses) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const std::string data = (folder / "data").string(), basis = (folder / "limb.safetensors").string();
+  ASSERT_EQ(run_bodyopt("simulate " + files.character + " --clip " + files.motion + " --out " + data).exit_code, 0);
+  const auto scale_samples = [&](std::uint32_t count, float scale) {
+    const Pc2Reader shapes(folder / "data/bend.pc2");
+    Pc2Writer writer(folder / "data/bend.pc2", shapes.point_count(), shapes.sample_count());
+    for (std::uint32_t k = 0; k < shapes.sample_count(); ++k) {
+      std::vector<float> sample(shapes.sample(k).begin(), shapes.sample(k).end());
+      for (float& x : sample) x *= k < count ? scale : 1;
+      writer.append(sample);
+    }
+    writer.close();
+  };
+  scale_samples(6, 100);
+  for (const std::string& command : {"check " + data, "train " + data + " --out " + basis}) {
+    const ProgramResult refused = run_bodyopt(command);
+    EXPECT_EQ(refused.exit_code, 3) << refused.output;
+    EXPECT_NE(refused.output.find("take 'bend': the shapes lie"), std::string::npos) << refused.output;
+    EXPECT_NE(refused.output.find("centimetres"), std::string::npos) << refused.output;
+  }
+  EXPECT_FALSE(std::filesystem::exists(basis));
+
+  // A frame that did not converge may be a wreck: it is left out, not held against the others.
+  scale_samples(1, 0.01f);
+  std::vector<FrameStatus> status = read_frame_status(folder / "data/bend.status.json");
+  for (std::size_t k = 1; k < status.size(); ++k) status[k].converged = false;
+  write_frame_status(status, folder / "data/bend.status.json");
+  EXPECT_EQ(run_bodyopt("check " + data).exit_code, 0);
 }
 
 // A character in centimetres: its basis reads the clips alike, without being told again.

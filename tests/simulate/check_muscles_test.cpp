@@ -29,6 +29,15 @@ TEST(CheckMuscles, ThoseWithoutATetAreCountedAndNamed) {
             "2 muscles fill no tetrahedron of their own and do nothing: 'a', 'b'; a smaller --tet-size may help");
 }
 
+// Each of them has to be mended.
+TEST(CheckMuscles, AllOfThemAreNamed) {
+  std::vector<Muscle> muscles{make_flexor()};
+  for (int k = 0; k < 20; ++k) muscles.push_back(thread("t" + std::to_string(k)));
+  const std::string text = said(muscles);
+  EXPECT_NE(text.find("20 muscles"), std::string::npos) << text;
+  EXPECT_NE(text.find("'t18', 't19'; "), std::string::npos) << text;
+}
+
 // Its tets do not come from --tet-size.
 TEST(CheckMuscles, NoTetSizeIsAdvisedInACage) {
   const Character limb = make_limb();

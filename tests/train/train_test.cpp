@@ -2,12 +2,16 @@
 #include <gtest/gtest.h>
 #include <omp.h>
 
+#include <csignal>
+#include <cstdlib>
+
 #include "runtime/basis/error.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/deformer.h"
 #include "runtime/rig.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/gpu_fixture.h"
+#include "trainer/progress.h"
 #include "trainer/train/heldout.h"
 
 namespace bodyopt {
@@ -156,6 +160,24 @@ TEST(Train, RefusesTooLittleData) {
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::mismatch);
   }
+}
+
+// In a process of its own, because the flag stays set, and started anew, because OpenMP's threads do not survive a
+// fork.
+TEST(Train, AnInterruptEndsItWithExitCode75AndClaimsNothing) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto interrupted_training = [] {
+    catch_interrupts();
+    std::raise(SIGINT);
+    try {
+      train(limb_samples(40, 0), {});
+    } catch (const Error& error) {
+      std::fputs(error.what(), stderr);
+      std::exit(error.exit_code());
+    }
+    std::exit(1);
+  };
+  EXPECT_EXIT(interrupted_training(), ::testing::ExitedWithCode(75), "nothing of it is kept");
 }
 
 // What one kind of skinning posed, its own un-posing takes back to rest; the other one's leaves something.

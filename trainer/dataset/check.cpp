@@ -5,9 +5,14 @@
 #include <functional>
 #include <map>
 #include <numeric>
+#include <set>
+#include <sstream>
 
+#include "runtime/basis/error.h"
 #include "runtime/rig.h"
 #include "trainer/dataset/shape_reader.h"
+#include "trainer/simulate/materials.h"
+#include "trainer/simulate/muscle_fibres.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt {
@@ -68,11 +73,38 @@ std::vector<Hypothesis> hypotheses() {
   return list;
 }
 
+// What keeps a take's controls from flexing muscles in its frames; empty: nothing.
+std::string control_problem(const Clip& clip, const std::vector<int>& frames, const std::vector<Muscle>& muscles) {
+  try {
+    flexed_muscles(clip.controls, muscles);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  for (const int frame : frames) {
+    if (frame < clip.first_frame || frame > clip.last_frame()) continue;  // check_counts says so
+    const Pose& pose = clip.poses[static_cast<std::size_t>(frame - clip.first_frame)];
+    for (std::size_t c = 0; c < clip.controls.size(); ++c) {
+      const float value = pose.controls[c];
+      if (value >= 0 && value <= 1) continue;
+      std::ostringstream problem;
+      problem << "the control '" << clip.controls[c] << "' is " << value << " in frame " << frame
+              << ", expected 0 (relaxed) to 1 (all a muscle can): in per cent?";
+      return problem.str();
+    }
+  }
+  return "";
+}
+
 class TakeChecker {
  public:
-  TakeChecker(const Dataset& dataset, const Character& character, const DatasetTake& take)
-      : character_(character), take_(take), reader_(dataset.folder / take.shapes) {
+  TakeChecker(const Dataset& dataset, const Character& character, const std::vector<Muscle>& muscles,
+              const DatasetTake& take)
+      : character_(character), muscles_(muscles), take_(take), reader_(dataset.folder / take.shapes) {
     clip_ = read_clip(dataset, take, character.skeleton);
+    const std::set<int> unconverged = unconverged_frames(dataset, take);
+    for (std::size_t k = 0; k < take.frames.size(); ++k) {
+      if (!unconverged.contains(take.frames[k])) solved_.push_back(k);
+    }
     result_.name = take.name;
     result_.points = reader_.point_count();
     result_.samples = reader_.sample_count();
@@ -80,9 +112,11 @@ class TakeChecker {
 
   TakeCheck run() {
     check_counts();
-    if (!result_.problems.empty()) return result_;
-    for (std::uint32_t k = 0; k < reader_.sample_count(); ++k) reader_.sample(k);  // throws at a NaN
-    check_fit();
+    if (result_.problems.empty()) {
+      for (const std::size_t k : solved_) reader_.sample(static_cast<std::uint32_t>(k));  // throws at a NaN
+      check_fit();
+    }
+    check_controls();
     return result_;
   }
 
@@ -112,6 +146,13 @@ class TakeChecker {
     }
   }
 
+  // Without muscles controls may mean anything.
+  void check_controls() {
+    if (muscles_.empty() || take_.controls.empty()) return;
+    const std::string problem = control_problem(clip_, take_.frames, muscles_);
+    if (!problem.empty()) result_.problems.push_back(take_.controls + ": " + problem);
+  }
+
   Positions shape(std::size_t sample) const {
     return welded_from_output(character_, reader_.sample(static_cast<std::uint32_t>(sample)).data());
   }
@@ -133,14 +174,14 @@ class TakeChecker {
   }
 
   void check_fit() {
-    if (take_.frames.empty()) return;
+    if (solved_.empty()) return;
     constexpr std::size_t kProbes = 12;
-    for (std::size_t k = 0; k < kProbes; ++k) probes_.push_back(k * (take_.frames.size() - 1) / (kProbes - 1));
+    for (std::size_t k = 0; k < kProbes; ++k) probes_.push_back(solved_[k * (solved_.size() - 1) / (kProbes - 1)]);
     probes_.erase(std::unique(probes_.begin(), probes_.end()), probes_.end());
 
-    std::size_t nearest = 0;
+    std::size_t nearest = solved_.front();
     double nearest_distance = 1e300;
-    for (std::size_t k = 0; k < take_.frames.size(); ++k) {
+    for (const std::size_t k : solved_) {
       const Pose& pose = clip_.poses[static_cast<std::size_t>(take_.frames[k] - clip_.first_frame)];
       const double distance = distance_from_bind(character_.skeleton, pose);
       if (distance < nearest_distance) {
@@ -178,9 +219,11 @@ class TakeChecker {
   }
 
   const Character& character_;
+  const std::vector<Muscle>& muscles_;
   const DatasetTake& take_;
   ShapeReader reader_;
   Clip clip_;
+  std::vector<std::size_t> solved_;  // samples, without those that training leaves out: they may be wrecks
   std::vector<std::size_t> probes_;
   TakeCheck result_;
 };
@@ -189,10 +232,20 @@ class TakeChecker {
 
 std::vector<TakeCheck> check_dataset(const Dataset& dataset) {
   const Character character = read_character(dataset.folder / dataset.character, dataset.unit);
-  if (!dataset.muscles.empty()) read_muscles(dataset.folder / dataset.muscles, character.skeleton);
+  std::vector<Muscle> muscles;
+  if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, character.skeleton);
+  if (!dataset.materials.empty()) read_materials(dataset.folder / dataset.materials);
   std::vector<TakeCheck> checks;
-  for (const DatasetTake& take : dataset.takes) checks.push_back(TakeChecker(dataset, character, take).run());
+  for (const DatasetTake& take : dataset.takes) checks.push_back(TakeChecker(dataset, character, muscles, take).run());
   return checks;
+}
+
+std::string first_problem(const std::vector<TakeCheck>& takes, const std::filesystem::path& path) {
+  if (takes.empty()) return path.string() + " names no takes: nothing to train on";
+  for (const TakeCheck& take : takes) {
+    if (!take.problems.empty()) return path.string() + ", take '" + take.name + "': " + take.problems.front();
+  }
+  return "";
 }
 
 std::string describe_surface(const Character& character) {

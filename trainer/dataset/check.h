@@ -1,4 +1,5 @@
-// Does a dataset belong together? Counts, units, up axis, frame numbering, and how well shapes fit the skinned rest.
+// Does a dataset belong together? Counts, units, up axis, frame numbering, controls, and how well shapes fit the
+// skinned rest.
 #pragma once
 
 #include <string>
@@ -19,6 +20,10 @@ struct TakeCheck {
 
 // One entry per take. Throws Error(file) where something cannot be read at all.
 std::vector<TakeCheck> check_dataset(const Dataset& dataset);
+
+// What keeps a dataset, read from `path`, from being trained on: its file, the take and the first problem. Empty:
+// nothing.
+std::string first_problem(const std::vector<TakeCheck>& takes, const std::filesystem::path& path);
 
 // "closed, 1 piece" or what is open, non-manifold, in several pieces: one sentence.
 std::string describe_surface(const Character& character);

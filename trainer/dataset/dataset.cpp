@@ -179,4 +179,13 @@ void write_frame_status(const std::vector<FrameStatus>& status, const std::files
   write_json({{"schema", kStatusSchema}, {"frames", frames}}, path);
 }
 
+std::set<int> unconverged_frames(const Dataset& dataset, const DatasetTake& take) {
+  if (take.shapes_status.empty()) return {};
+  std::set<int> frames(take.frames.begin(), take.frames.end());
+  for (const FrameStatus& status : read_frame_status(dataset.folder / take.shapes_status)) {
+    if (status.converged) frames.erase(status.frame);
+  }
+  return frames;
+}
+
 }  // namespace bodyopt

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -58,5 +59,8 @@ struct FrameStatus {
 };
 std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path);
 void write_frame_status(const std::vector<FrameStatus>& status, const std::filesystem::path& path);
+
+// Frames of a take that its side-car does not vouch for; none without a side-car.
+std::set<int> unconverged_frames(const Dataset& dataset, const DatasetTake& take);
 
 }  // namespace bodyopt

@@ -2,12 +2,11 @@
 
 namespace bodyopt {
 
-std::string list_names(std::span<const std::string> names) {
-  constexpr std::size_t kShown = 12;
+std::string list_names(std::span<const std::string> names, std::size_t shown) {
   if (names.empty()) return "none";
   std::string text;
-  for (std::size_t i = 0; i < names.size() && i < kShown; ++i) text += (i == 0 ? "'" : ", '") + names[i] + "'";
-  if (names.size() > kShown) text += " and " + std::to_string(names.size() - kShown) + " more";
+  for (std::size_t i = 0; i < names.size() && i < shown; ++i) text += (i == 0 ? "'" : ", '") + names[i] + "'";
+  if (names.size() > shown) text += " and " + std::to_string(names.size() - shown) + " more";
   return text;
 }
 

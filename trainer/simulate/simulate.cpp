@@ -156,7 +156,7 @@ std::vector<Job> open_jobs(const std::vector<Job>& jobs, const PartialShapes& pa
 // stored: what the partial file keeps of the nodes.
 void solve_all(const QuasiStaticBody& body, const std::vector<Job>& jobs, int threads,
                const std::function<std::vector<float>(const Positions&)>& stored, PartialShapes& partial) {
-  Progress progress("simulate", jobs.size());
+  Progress progress("simulate", jobs.size(), "the finished frames are kept: run it again to go on");
   std::atomic<std::size_t> next{0};
   std::mutex mutex;  // over partial, progress and failure
   std::exception_ptr failure;
@@ -223,13 +223,14 @@ std::uint64_t frame_key(const QuasiStaticBody& body, const std::vector<Muscle>& 
 }
 
 std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
-                                  const std::vector<int>& frames, const std::filesystem::path& cache,
+                                  const std::vector<int>& frames, const TakeLock& take,
                                   const std::filesystem::path& status, const SimulateOptions& options) {
   require_distinct(frames);
   const SingleThreadedProducts single_threaded;
   const QuasiStaticBody body = make_body(character, muscles, options);
   const std::string idle = check_muscles(character, muscles, body);
   if (!idle.empty()) options.warn(idle);
+  const std::filesystem::path& cache = take.cache();
   std::filesystem::path partial_path = cache;
   partial_path += ".partial";
   const auto node_count = body.mesh().nodes.rows();

@@ -11,6 +11,7 @@
 #include "trainer/dataset/dataset.h"
 #include "trainer/dataset/muscles.h"
 #include "trainer/simulate/quasi_static.h"
+#include "trainer/simulate/take_lock.h"
 
 namespace bodyopt {
 
@@ -35,12 +36,12 @@ SolvedPose solve_frame(const QuasiStaticBody& body, const std::vector<Muscle>& m
 // solve_frame.
 std::uint64_t frame_key(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame);
 
-// Simulates the given frames of a clip and writes `cache` (PC2, output vertex order; a draft's nodes) and `status`
-// (side-car). A frame that an earlier run, interrupted or finished, solved with the same inputs is taken over from
-// these two files or the unfinished one. An unconverged frame is stored and flagged. Throws Error(interrupted) after
-// SIGINT; what was finished by then is not lost.
+// Simulates the given frames of a clip and writes the cache of `take` (PC2, output vertex order; a draft's nodes) and
+// `status` (side-car). A frame that an earlier run, interrupted or finished, solved with the same inputs is taken over
+// from these two files or the unfinished one. An unconverged frame is stored and flagged. Throws Error(interrupted)
+// after SIGINT; what was finished by then is not lost.
 std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
-                                  const std::vector<int>& frames, const std::filesystem::path& cache,
+                                  const std::vector<int>& frames, const TakeLock& take,
                                   const std::filesystem::path& status, const SimulateOptions& options);
 
 }  // namespace bodyopt

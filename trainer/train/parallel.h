@@ -8,7 +8,8 @@
 namespace bodyopt {
 
 // body(k) for k in 0 .. count - 1, on all cores, in no particular order. The first exception is thrown again at the
-// end; iterations not begun by then are left out.
+// end; iterations not begun by then are left out. None may be thrown in an OpenMP critical section: it ends the
+// program.
 template <typename Body>
 void parallel_for(std::size_t count, const Body& body) {
   std::atomic<bool> failed{false};

@@ -96,7 +96,6 @@ ResidualModel fit_residual(const Character& character, const Basis& basis, const
   parallel_for(regions.size(), [&](std::size_t r) {
     const auto choices = feature_choices(character, regions[r], groups, options);
     model.regions[r] = fit_region(regions[r], choices, features, displacements, folds, options);
-#pragma omp critical(bodyopt_progress)
     progress.advance();
   });
   return model;

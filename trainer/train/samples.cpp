@@ -10,16 +10,6 @@
 namespace bodyopt {
 namespace {
 
-// Frames that the side-car does not vouch for; none without a side-car.
-std::set<int> unconverged_frames(const Dataset& dataset, const DatasetTake& take) {
-  if (take.shapes_status.empty()) return {};
-  std::set<int> frames(take.frames.begin(), take.frames.end());
-  for (const FrameStatus& status : read_frame_status(dataset.folder / take.shapes_status)) {
-    if (status.converged) frames.erase(status.frame);
-  }
-  return frames;
-}
-
 void check_take(const DatasetTake& take, const Character& character, const Clip& clip, const ShapeReader& shapes) {
   const std::string where = "take '" + take.name + "', " + take.shapes + ": ";
   if (shapes.point_count() != character.output_count()) {

@@ -113,7 +113,6 @@ Displacements unpose_all(const SampleSet& set, const Basis& basis, const std::ve
     const Positions delta = unpose_ddm(basis, set.train[n].pose, in_order(set.train[n].shape, order));
     displacements.row(static_cast<Eigen::Index>(n)) =
         Eigen::Map<const Eigen::RowVectorXd>(delta.data(), delta.size()).cast<float>();
-#pragma omp critical(bodyopt_progress)
     progress.advance();
   });
   return displacements;
