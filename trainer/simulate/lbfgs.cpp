@@ -12,6 +12,8 @@ constexpr double kArmijo = 1e-4;
 constexpr int kMaxHalvings = 30;
 // Relative rounding of an energy: smaller differences cannot tell up from down.
 constexpr double kEnergyRounding = 1e-12;
+// Joules. Of a change this small a sum over all tets tells nothing, and the slopes at both ends tell it instead.
+constexpr double kSmallEnergy = 1e-9;
 
 double dot(const Positions& a, const Positions& b) { return a.cwiseProduct(b).sum(); }
 
@@ -47,7 +49,12 @@ MinimiseResult Lbfgs::minimise(const Objective& objective, double tolerance, int
     for (int halving = 0; length > 0; ++halving) {
       trial.noalias() = nodes + length * direction;
       next = objective(trial, trial_gradient);
-      if (next.energy <= value.energy + kArmijo * length * slope + kEnergyRounding * std::abs(value.energy)) break;
+      const double expected = kArmijo * length * slope;
+      if (next.energy <= value.energy + expected + kEnergyRounding * std::abs(value.energy)) break;
+      if (-length * slope < kSmallEnergy && std::isfinite(next.energy) &&
+          length * (slope + dot(trial_gradient, direction)) / 2 <= expected) {
+        break;
+      }
       length = halving < kMaxHalvings ? length / 2 : 0;
     }
     ++result.iterations;
