@@ -31,8 +31,9 @@ struct ContactPair {
 //   energy = k share area d^2 (1/2 + d / (3 reach)),  d = max(depth, 0),
 // with equal and opposite forces on node and tet. share grows from 0 to 1 as the tissue touched is further away at rest
 // than a few edges of the skin, as the skin faces it, and as the tet is not pressed flat, so that the energy is
-// continuous. With the planes of the shape itself the gradient is exact, but jumps where a node passes from tet to tet;
-// planes that are held make the energy smooth, and true near that shape only.
+// continuous. With the planes of the shape itself the gradient is that of the energy but for the change of share, which
+// is left out, and jumps where a node passes from tet to tet; planes that are held make the energy smooth, and true
+// near that shape only.
 class SkinContact {
  public:
   explicit SkinContact(const TetMesh& mesh, const Materials& materials = {});
@@ -50,7 +51,8 @@ class SkinContact {
   // Adds the gradient (J/m, N x 3) at `nodes` to `gradient`; returns the energy, joules.
   double add_gradient(std::span<const ContactPlane> planes, const Positions& nodes, Positions& gradient) const;
 
-  // The largest material depth of a skin node inside another part of the body, metres; 0 without contact.
+  // The largest material depth of a skin node inside another part of the body, metres, of contact whose share is above
+  // a half; 0 without contact.
   double deepest(const Positions& nodes) const;
 
  private:
