@@ -94,6 +94,40 @@ TEST(Contact, NearbySkinIsFoundBeforeItTouches) {
   EXPECT_GT(early.cwiseProduct(late).sum(), 0.8 * early.norm() * late.norm());
 }
 
+// One plane is true where it was found; slid along a curved limb, the node gets the plane of the new place beside it,
+// and both share its force.
+TEST(Contact, HeldPlanesAreRenewedWhereTheyAreWrong) {
+  const TetMesh mesh = two_limbs(kGap);
+  const SkinContact contact(mesh);
+  const Positions start = moved_apart(mesh, -kGap - 0.006);
+  Positions slid = start;
+  slid.bottomRows(slid.rows() / 2).col(2).array() += 0.03;
+  HeldContact held(contact, kMargin, start);
+  const std::size_t at_first = held.planes().size();
+  EXPECT_EQ(at_first, contact.find(start, kMargin).size());
+  EXPECT_TRUE(held.renew(start));
+  EXPECT_EQ(held.planes().size(), at_first);
+
+  EXPECT_FALSE(held.renew(slid));
+  std::map<int, std::vector<ContactPlane>> of_node;
+  for (const ContactPlane& plane : held.planes()) of_node[plane.node].push_back(plane);
+  const std::vector<ContactPlane> found = contact.find(slid, kMargin);
+  ASSERT_EQ(of_node.size(), found.size());  // those that do not touch any more are let go
+  bool several = false;
+  for (const ContactPlane& now : found) {
+    double share = 0;
+    for (const ContactPlane& plane : of_node.at(now.node)) share += plane.share;
+    const std::size_t count = of_node.at(now.node).size();
+    several = several || count > 1;
+    if (count == 1) continue;
+    EXPECT_EQ(of_node.at(now.node).back().tet, now.tet);
+    EXPECT_NEAR(contact.depth(of_node.at(now.node).back(), slid), now.offset, 1e-12);
+    EXPECT_LE(share, 1 + 1e-12);
+    EXPECT_GT(std::abs(contact.depth(of_node.at(now.node).front(), slid) - now.offset), 1e-3);
+  }
+  EXPECT_TRUE(several);
+}
+
 // What is as near at rest is the same part: neighbours in the skin do not push each other.
 TEST(Contact, WhatIsOnePartAtRestDoesNotCollide) {
   const TetMesh touching = two_limbs(0.0005), apart = two_limbs(kGap);

@@ -21,8 +21,8 @@ constexpr double kFlat = 0.05, kNotFlat = 0.15;
 constexpr double kFacing = 0.3;
 constexpr double kContactReach = 2e-3;  // m: a depth at which the pressure has doubled its slope
 
-// Skin nearer than this, metres, is looked at for contact until a node has moved by half of it.
-constexpr double kSearchReach = 8e-3;
+// Metres: a plane that is wrong by more about the depth of its node is renewed.
+constexpr double kPlaneError = 1e-3;
 
 // Corners of the face opposite to each corner, outwards for a tet of positive volume.
 constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
@@ -82,6 +82,10 @@ double distance_to_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, 
   return std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
 }
 
+bool inside(const Eigen::RowVector3d& point, const Eigen::RowVector3d& low, const Eigen::RowVector3d& high) {
+  return (point.array() >= low.array()).all() && (point.array() <= high.array()).all();
+}
+
 // Points sorted into the cells of a regular grid.
 class Grid {
  public:
@@ -97,10 +101,10 @@ class Grid {
     for (std::size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
     points_.resize(chosen.size());
     std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    for (const int n : chosen) points_[next[cell_of(points, n)]++] = n;
+    for (const int n : chosen) points_[next[cell_of(points, n)]++] = {points.row(n), n};
   }
 
-  // Calls visit(n) for every point in the cells that a box touches.
+  // Calls visit(n) for every point in a box.
   template <typename Visit>
   void visit(const Eigen::RowVector3d& low, const Eigen::RowVector3d& high, Visit visit) const {
     int first[3], last[3];
@@ -114,12 +118,18 @@ class Grid {
     for (int x = first[0]; x <= last[0]; ++x) {
       for (int y = first[1]; y <= last[1]; ++y) {
         const std::size_t begin = index(x, y, first[2]), end = index(x, y, last[2]) + 1;
-        for (std::uint32_t k = begin_[begin]; k < begin_[end]; ++k) visit(points_[k]);
+        for (std::uint32_t k = begin_[begin]; k < begin_[end]; ++k) {
+          if (inside(points_[k].position, low, high)) visit(points_[k].node);
+        }
       }
     }
   }
 
  private:
+  struct Point {
+    Eigen::RowVector3d position;
+    int node;
+  };
   std::size_t index(int x, int y, int z) const {
     return (static_cast<std::size_t>(x) * static_cast<std::size_t>(size_[1]) + static_cast<std::size_t>(y)) *
                static_cast<std::size_t>(size_[2]) +
@@ -135,12 +145,8 @@ class Grid {
   Eigen::Vector3d origin_;
   int size_[3];
   std::vector<std::uint32_t> begin_;
-  std::vector<int> points_;
+  std::vector<Point> points_;
 };
-
-bool inside(const Eigen::RowVector3d& point, const Eigen::RowVector3d& low, const Eigen::RowVector3d& high) {
-  return (point.array() >= low.array()).all() && (point.array() <= high.array()).all();
-}
 
 // From 0 at `from` to 1 at `to`.
 double ramp(double x, double from, double to) { return std::clamp((x - from) / (to - from), 0.0, 1.0); }
@@ -203,8 +209,9 @@ double SkinContact::depth_of(const Eigen::Vector3d& p, const Positions& nodes, d
 }
 
 SkinContact::Box SkinContact::box_of(int tet, const Positions& nodes, double margin) const {
-  const Eigen::Matrix<double, 4, 3> corners = nodes(tets_.row(tet), Eigen::all);
-  return {corners.colwise().minCoeff().array() - margin, corners.colwise().maxCoeff().array() + margin};
+  const auto corner = [&](int a) { return nodes.row(tets_(tet, a)); };
+  return {corner(0).cwiseMin(corner(1)).cwiseMin(corner(2)).cwiseMin(corner(3)).array() - margin,
+          corner(0).cwiseMax(corner(1)).cwiseMax(corner(2)).cwiseMax(corner(3)).array() + margin};
 }
 
 SkinContact::DepthField SkinContact::depth_field(int tet, const Positions& nodes) const {
@@ -220,8 +227,7 @@ SkinContact::DepthField SkinContact::depth_field(int tet, const Positions& nodes
   return field;
 }
 
-ContactPlane SkinContact::plane(int node, int tet, const DepthField& field, const Positions& nodes,
-                                const Eigen::RowVector3d& normal) const {
+ContactPlane SkinContact::plane(int node, int tet, const DepthField& field, const Positions& nodes) const {
   ContactPlane plane{node, tet, {}, field.slope, 0, 1};
   plane.weights.tail<3>() = field.inverse * (row(nodes, node) - field.origin);
   plane.weights[0] = 1 - plane.weights.tail<3>().sum();
@@ -231,14 +237,16 @@ ContactPlane SkinContact::plane(int node, int tet, const DepthField& field, cons
   for (int a = 0; a < 4; ++a) {
     if (plane.weights[a] < 0) plane.offset = std::min(plane.offset, plane.weights[a] / field.steepness[a]);
   }
-  Eigen::RowVector3d apart = rest_.row(node);  // at rest, from the tissue touched
-  for (int a = 0; a < 4; ++a) apart -= plane.weights[a] * rest_.row(tets_(tet, a));
-  const double same_part = kSamePart * edge_[static_cast<std::size_t>(node)];
+  return plane;
+}
+
+double SkinContact::share(const ContactPlane& plane, const DepthField& field, const Eigen::RowVector3d& normal) const {
+  Eigen::RowVector3d apart = rest_.row(plane.node);  // at rest, from the tissue touched
+  for (int a = 0; a < 4; ++a) apart -= plane.weights[a] * rest_.row(tets_(plane.tet, a));
+  const double same_part = kSamePart * edge_[static_cast<std::size_t>(plane.node)];
   // The skin around a node faces out of its own tissue, and into tissue that it collides with.
   const double cosine = normal.dot(field.slope.transpose()) / (normal.norm() * field.slope.norm() + 1e-300);
-  plane.share =
-      ramp(apart.norm(), same_part, 2 * same_part) * ramp(cosine, 0, kFacing) * ramp(field.volume, kFlat, kNotFlat);
-  return plane;
+  return ramp(apart.norm(), same_part, 2 * same_part) * ramp(cosine, 0, kFacing) * ramp(field.volume, kFlat, kNotFlat);
 }
 
 // Whether a node never collides with a tet, wherever it is in it.
@@ -250,56 +258,41 @@ bool SkinContact::is_same_part(int node, int tet) const {
   return true;
 }
 
-std::vector<ContactPair> SkinContact::find_pairs(const Positions& nodes, double reach) const {
+std::vector<ContactPlane> SkinContact::find(const Positions& nodes, double margin) const {
   const Positions normals = normals_of(surface_, nodes);
   const Grid grid(nodes, skin_, cell_);
-  std::vector<ContactPair> pairs;
+  std::map<int, ContactPlane> best;  // of each node: the tet it is inside of, or the nearest
   for (const int t : deep_) {
-    const auto [low, high] = box_of(t, nodes, reach);
+    const auto [low, high] = box_of(t, nodes, margin);
     std::optional<DepthField> field;
     grid.visit(low, high, [&](int n) {
-      if (!inside(nodes.row(n), low, high) || is_same_part(n, t)) return;
+      if (is_same_part(n, t)) return;
       if (!field) field = depth_field(t, nodes);
-      // Skin that looks away may still turn, but not what looks out of the tissue that it is on.
-      const double along = normals.row(n).dot(field->slope.transpose());
-      if (along < -0.5 * normals.row(n).norm() * field->slope.norm()) return;
-      if (plane(n, t, *field, nodes, normals.row(n)).offset >= -reach) pairs.push_back({n, t});
-    });
-  }
-  return pairs;
-}
-
-std::vector<ContactPlane> SkinContact::find(const std::vector<ContactPair>& pairs, const Positions& nodes,
-                                            double margin) const {
-  if (pairs.empty()) return {};
-  const Positions normals = normals_of(surface_, nodes);
-  std::map<int, ContactPlane> best;  // of each node: the tet it is inside of, or the nearest
-  for (auto pair = pairs.begin(); pair != pairs.end();) {
-    const int t = pair->tet;
-    const Box box = box_of(t, nodes, margin);
-    std::optional<DepthField> field;
-    for (; pair != pairs.end() && pair->tet == t; ++pair) {
-      const int n = pair->node;
-      if (!inside(nodes.row(n), box.low, box.high)) continue;
-      if (!field) field = depth_field(t, nodes);
-      const ContactPlane candidate = plane(n, t, *field, nodes, normals.row(n));
-      if (!(candidate.share > 0) || candidate.weights.minCoeff() < kMostOutside || candidate.offset < -margin) continue;
+      if (!(normals.row(n).dot(field->slope.transpose()) > 0)) return;
+      ContactPlane candidate = plane(n, t, *field, nodes);
+      if (candidate.weights.minCoeff() < kMostOutside || candidate.offset < -margin) return;
+      candidate.share = share(candidate, *field, normals.row(n));
+      if (!(candidate.share > 0)) return;
       const auto [place, is_new] = best.try_emplace(n, candidate);
       if (!is_new && place->second.weights.minCoeff() < candidate.weights.minCoeff()) place->second = candidate;
-    }
+    });
   }
   std::vector<ContactPlane> planes;
   for (const auto& [node, plane] : best) planes.push_back(plane);
   return planes;
 }
 
+double SkinContact::depth(const ContactPlane& plane, const Positions& nodes) const {
+  Eigen::RowVector3d offset = nodes.row(plane.node);
+  for (int a = 0; a < 4; ++a) offset -= plane.weights[a] * nodes.row(tets_(plane.tet, a));
+  return plane.offset + offset.dot(plane.slope.transpose());
+}
+
 double SkinContact::add_gradient(std::span<const ContactPlane> planes, const Positions& nodes,
                                  Positions& gradient) const {
   double energy = 0;
   for (const ContactPlane& plane : planes) {
-    Eigen::RowVector3d offset = nodes.row(plane.node);
-    for (int a = 0; a < 4; ++a) offset -= plane.weights[a] * nodes.row(tets_(plane.tet, a));
-    const double depth = plane.offset + offset.dot(plane.slope.transpose());
+    const double depth = this->depth(plane, nodes);
     if (!(depth > 0)) continue;
     const double stiffness = stiffness_ * plane.share * area_[static_cast<std::size_t>(plane.node)];
     energy += stiffness * depth * depth * (0.5 + depth / (3 * kContactReach));
@@ -318,15 +311,33 @@ double SkinContact::deepest(const Positions& nodes) const {
   return depth;
 }
 
-std::vector<ContactPlane> ContactSearch::find(const Positions& nodes) {
-  if (!nodes.allFinite()) return {};  // a step that went too far, which its energy will tell
-  const bool moved = found_at_.rows() != nodes.rows() ||
-                     (nodes - found_at_).rowwise().squaredNorm().maxCoeff() > std::pow(0.5 * kSearchReach, 2);
-  if (moved) {
-    found_at_ = nodes;
-    pairs_ = contact_.find_pairs(nodes, kSearchReach);
+HeldContact::HeldContact(const SkinContact& contact, double margin, const Positions& nodes)
+    : contact_(contact), margin_(margin) {
+  renew(nodes);
+}
+
+bool HeldContact::renew(const Positions& nodes) {
+  bool is_true = true;
+  std::map<int, std::vector<ContactPlane>> now;
+  for (const ContactPlane& found : contact_.find(nodes, margin_)) {
+    std::vector<ContactPlane>& planes = now[found.node];
+    if (const auto held = of_node_.find(found.node); held != of_node_.end()) planes = std::move(held->second);
+    double depth = planes.empty() ? -margin_ : 0;  // as it was believed to be
+    for (const ContactPlane& plane : planes) depth += contact_.depth(plane, nodes) / static_cast<double>(planes.size());
+    const bool touches = depth > 0 || found.offset > 0;
+    const bool is_wrong = touches && std::abs(depth - found.offset) > kPlaneError;
+    if (planes.empty() || is_wrong) planes.push_back(found);
+    is_true = is_true && !is_wrong;
   }
-  return contact_.find(pairs_, nodes, 0);
+  of_node_ = std::move(now);
+  planes_.clear();
+  for (const auto& [node, planes] : of_node_) {
+    for (const ContactPlane& plane : planes) {
+      planes_.push_back(plane);
+      planes_.back().share /= static_cast<double>(planes.size());
+    }
+  }
+  return is_true;
 }
 
 }  // namespace bodyopt

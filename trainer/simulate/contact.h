@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -21,32 +22,23 @@ struct ContactPlane {
   double share;             // 0 to 1, of the energy: less where it is in doubt whether this is contact at all
 };
 
-struct ContactPair {
-  int node, tet;
-};
-
 // Every tet carries the depth below the skin at rest of its nodes (0 on the skin), linear in between: the material
 // depth of Hirota, Fisher, Lin et al. 2001. A skin node inside a tet that it is no corner of has passed through the
 // skin by that depth, and is pushed out by
 //   energy = k share area d^2 (1/2 + d / (3 reach)),  d = max(depth, 0),
 // with equal and opposite forces on node and tet. share grows from 0 to 1 as the tissue touched is further away at rest
-// than a few edges of the skin, as the skin faces it, and as the tet is not pressed flat, so that the energy is
-// continuous. With the planes of the shape itself the gradient is that of the energy but for the change of share, which
-// is left out, and jumps where a node passes from tet to tet; planes that are held make the energy smooth, and true
-// near that shape only.
+// than a few edges of the skin, as the skin faces it, and as the tet is not pressed flat. The energy is that of planes
+// that are held: smooth, and true near the shape they were found in.
 class SkinContact {
  public:
   explicit SkinContact(const TetMesh& mesh, const Materials& materials = {});
 
-  // Nodes of the skin and tets of another part that come within `reach`, metres, of each other, ascending in tets.
-  std::vector<ContactPair> find_pairs(const Positions& nodes, double reach) const;
+  // One plane for every node that is within `margin`, metres, of skin of another part that it faces, or has passed
+  // through it; ascending in nodes.
+  std::vector<ContactPlane> find(const Positions& nodes, double margin) const;
 
-  // Of the pairs given, one plane for every node that is within `margin` (metres, no more than the pairs' reach) of
-  // skin of another part that it faces, or has passed through it.
-  std::vector<ContactPlane> find(const std::vector<ContactPair>& pairs, const Positions& nodes, double margin) const;
-  std::vector<ContactPlane> find(const Positions& nodes, double margin) const {
-    return find(find_pairs(nodes, margin), nodes, margin);
-  }
+  // How deep a plane takes its node to be, metres; below 0 outside.
+  double depth(const ContactPlane& plane, const Positions& nodes) const;
 
   // Adds the gradient (J/m, N x 3) at `nodes` to `gradient`; returns the energy, joules.
   double add_gradient(std::span<const ContactPlane> planes, const Positions& nodes, Positions& gradient) const;
@@ -71,8 +63,8 @@ class SkinContact {
   Box box_of(int tet, const Positions& nodes, double margin) const;
   DepthField depth_field(int tet, const Positions& nodes) const;
   bool is_same_part(int node, int tet) const;
-  ContactPlane plane(int node, int tet, const DepthField& field, const Positions& nodes,
-                     const Eigen::RowVector3d& normal) const;
+  ContactPlane plane(int node, int tet, const DepthField& field, const Positions& nodes) const;
+  double share(const ContactPlane& plane, const DepthField& field, const Eigen::RowVector3d& normal) const;
 
   Tets tets_;
   std::vector<double> volume_;  // per tet, at rest, cubic metres
@@ -87,19 +79,25 @@ class SkinContact {
   double stiffness_;            // Pa/m
 };
 
-// Contact found again and again while a shape moves: pairs are searched for anew only when a node has moved far.
-class ContactSearch {
+// Contact as planes that are held while a shape is relaxed and renewed in between. A node keeps its planes while they
+// tell its depth; where they do not, the plane of the new shape joins them, and all of them share its force. Where two
+// slopes meet a node comes to rest between them: with the last plane alone it would jump from one to the other for
+// ever.
+class HeldContact {
  public:
-  // contact must outlive it.
-  explicit ContactSearch(const SkinContact& contact) : contact_(contact) {}
+  // contact must outlive it. margin: metres, of skin that may come into contact before planes are renewed.
+  HeldContact(const SkinContact& contact, double margin, const Positions& nodes);
 
-  // Planes of the nodes that have passed through skin.
-  std::vector<ContactPlane> find(const Positions& nodes);
+  const std::vector<ContactPlane>& planes() const { return planes_; }
+
+  // Returns whether the planes told the depth of every node that touches within a millimetre.
+  bool renew(const Positions& nodes);
 
  private:
   const SkinContact& contact_;
-  Positions found_at_;
-  std::vector<ContactPair> pairs_;
+  double margin_;
+  std::map<int, std::vector<ContactPlane>> of_node_;
+  std::vector<ContactPlane> planes_;
 };
 
 }  // namespace bodyopt

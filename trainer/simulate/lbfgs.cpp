@@ -10,6 +10,8 @@ namespace {
 constexpr std::size_t kMemory = 8;
 constexpr double kArmijo = 1e-4;
 constexpr int kMaxHalvings = 30;
+// Metres, of any node in a step: the energy further away has nothing to do with the slope here.
+constexpr double kMaxMove = 0.01;
 // Relative rounding of an energy: smaller differences cannot tell up from down.
 constexpr double kEnergyRounding = 1e-12;
 // Joules. Of a change this small a sum over all tets tells nothing, and the slopes at both ends tell it instead.
@@ -44,7 +46,8 @@ MinimiseResult Lbfgs::minimise(const Objective& objective, double tolerance, int
   while (result.residual >= tolerance && result.iterations < max_iterations) {
     direction_from(gradient, direction);
     const double slope = dot(gradient, direction);
-    double length = slope < 0 ? longest : 0;
+    const double furthest = direction.rowwise().norm().maxCoeff();
+    double length = slope < 0 ? std::min(longest, kMaxMove / furthest) : 0;
     ObjectiveValue next;
     for (int halving = 0; length > 0; ++halving) {
       trial.noalias() = nodes + length * direction;

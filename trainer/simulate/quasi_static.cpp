@@ -31,9 +31,8 @@ constexpr double kDefaultSize = 3;          // mean edges of the skin
 constexpr double kMinWeight = 1e-3;
 // Parts nearer than this, metres, may come into contact while a shape is relaxed.
 constexpr double kContactMargin = 5e-3;
-// Where parts touch, contact is found at every evaluation, so that skin may slide; its forces jump where a node passes
-// from tet to tet, which stops all progress until some iterations have been done with contact that is held.
-constexpr int kContactRounds = 8, kMovingIterations = 20, kHeldIterations = 10;
+// Contact is held for so many iterations, and this often at most before it is held to the end.
+constexpr int kContactIterations = 20, kContactRounds = 16;
 // A cage's few large tets lock at the lambda that finer ones bear: on the human in 1,500 nodes a quarter brings the
 // draft from 6.4 to 5.3 mm of the full shapes (RMS), a tenth only to 5.0 mm, more slowly.
 constexpr double kCageLambda = 0.25;
@@ -271,51 +270,47 @@ Positions QuasiStaticBody::carried(const Target& from, const Target& to, const P
   return result;
 }
 
-Objective QuasiStaticBody::energy(const Target& at, const ContactOf& contact_planes, double steepest,
+Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane> contact, double steepest,
                                   bool hold_volume) const {
-  return [this, &at, contact_planes, steepest, hold_volume](const Positions& x, Positions& gradient) {
+  return [this, &at, contact, steepest, hold_volume](const Positions& x, Positions& gradient) {
     gradient.setZero();
     const Tissue::Sum tissue = tissue_->add_gradient(x, at.activation, gradient, steepest);
     double energy = tissue.energy + springs_->add_gradient(at.springs, x, gradient);
     if (hold_volume) energy += volume_->add_gradient(x, gradient);
     if (bending_) energy += bending_->add_gradient(at.curvature, x, gradient);
-    if (contact_) energy += contact_->add_gradient(contact_planes(x), x, gradient);
+    if (contact_) energy += contact_->add_gradient(contact, x, gradient);
     return ObjectiveValue{energy, tissue.force_square};
   };
-}
-
-QuasiStaticBody::ContactOf QuasiStaticBody::moving_contact() const {
-  if (!contact_) return {};
-  return [search = std::make_shared<ContactSearch>(*contact_)](const Positions& nodes) { return search->find(nodes); };
-}
-
-QuasiStaticBody::ContactOf QuasiStaticBody::held_contact(const Positions& nodes) const {
-  if (!contact_) return {};
-  return [planes = contact_->find(nodes, kContactMargin)](const Positions&) { return planes; };
 }
 
 int QuasiStaticBody::follow(const Target& at, double steepest, Positions& nodes) const {
   const StiffModes metric(*metric_, nodes.rows(), {}, {});
   Lbfgs lbfgs(metric, force_floor_);
-  return lbfgs.minimise(energy(at, held_contact(nodes), steepest, false), kPathTolerance, kPathIterations, nodes)
-      .iterations;
+  std::vector<ContactPlane> contact;
+  if (contact_) contact = contact_->find(nodes, kContactMargin);
+  return lbfgs.minimise(energy(at, contact, steepest, false), kPathTolerance, kPathIterations, nodes).iterations;
 }
 
 MinimiseResult QuasiStaticBody::settle(const Target& at, double steepest, Positions& nodes) const {
   const auto [modes, stiffness] = volume_->stiff_modes(nodes);
   const StiffModes metric(*metric_, nodes.rows(), modes, stiffness);
   Lbfgs lbfgs(metric, force_floor_);
-  const auto relax = [&](const ContactOf& contact, int iterations, MinimiseResult& result) {
+  MinimiseResult result;
+  const auto relax = [&](std::span<const ContactPlane> contact, int iterations) {
     const MinimiseResult last = lbfgs.minimise(energy(at, contact, steepest, true), kTolerance, iterations, nodes);
     result = {last.residual, result.iterations + last.iterations};
   };
-  const bool touches = contact_ && !contact_->find(nodes, kContactMargin).empty();
-  MinimiseResult result{std::numeric_limits<double>::infinity(), 0};
-  for (int round = 1; touches && round <= kContactRounds && result.residual >= kTolerance; ++round) {
-    relax(moving_contact(), kMovingIterations, result);
-    if (round < kContactRounds) relax(held_contact(nodes), kHeldIterations, result);
+  if (!contact_) {
+    relax({}, kMaxIterations);
+    return result;
   }
-  relax(held_contact(nodes), kMaxIterations - result.iterations, result);
+  HeldContact contact(*contact_, kContactMargin, nodes);
+  for (int round = 0; round < kContactRounds; ++round) {
+    relax(contact.planes(), kContactIterations);
+    const bool is_true = contact.renew(nodes);
+    if (is_true && result.residual < kTolerance) return result;
+  }
+  relax(contact.planes(), kMaxIterations - result.iterations);
   return result;
 }
 

@@ -82,11 +82,8 @@ class QuasiStaticBody {
   SolvedPose attempt(std::span<const Pose> path, std::span<const double> flex, double step_size, double steepest) const;
   Target target(const std::vector<JointTransform>& local, std::span<const double> flex) const;
   Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
-  // contact_planes: those of a shape.
-  using ContactOf = std::function<std::vector<ContactPlane>(const Positions& nodes)>;
-  Objective energy(const Target& at, const ContactOf& contact_planes, double steepest, bool hold_volume) const;
-  ContactOf moving_contact() const;
-  ContactOf held_contact(const Positions& nodes) const;
+  // at and contact must outlive it.
+  Objective energy(const Target& at, std::span<const ContactPlane> contact, double steepest, bool hold_volume) const;
   // Keeps a shape near the path, roughly and without holding the volume of muscles. Returns iterations.
   int follow(const Target& at, double steepest, Positions& nodes) const;
   // To equilibrium, or as near as it gets.

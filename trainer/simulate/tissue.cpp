@@ -38,6 +38,8 @@ Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::v
                const Materials& materials)
     : active_(materials.active_fibre), slack_(materials.active_slack), passive_(materials.passive_fibre) {
   const int count = static_cast<int>(mesh.tets.rows());
+  double mean_volume = 0;
+  for (int t = 0; t < count; ++t) mean_volume += tet_edges(mesh, t).determinant() / 6 / count;
   std::sort(fibres.begin(), fibres.end(), [](const FibreTet& a, const FibreTet& b) { return a.tet < b.tet; });
   std::vector<int> order;
   std::vector<bool> is_muscle(static_cast<std::size_t>(count), false);
@@ -62,9 +64,11 @@ Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::v
     for (int a = 0; a < 3; ++a) {
       for (int i = 0; i < 3; ++i) batch.slope[a][i][lane] = slopes(a, i);
     }
-    batch.volume[lane] = empty ? 0 : edges.determinant() / 6;
+    const double volume = edges.determinant() / 6;
+    batch.volume[lane] = empty ? 0 : volume;
     batch.mu[lane] = material.mu;
     batch.lambda[lane] = material.lambda;
+    batch.kappa[lane] = kBarrierWeight * material.lambda * std::max(1.0, kLeastVolume * mean_volume / volume);
     if (k / kLanes >= fibres_.size()) continue;
     FibreBatch& fibre = fibres_[k / kLanes];
     const bool passive = k >= fibres.size();
@@ -164,8 +168,8 @@ Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double>
       for (int lane = 0; lane < kLanes; ++lane) {
         if (s.volume_ratio[lane] >= kBarrierVolume) continue;
         const Barrier wall = barrier(s.volume_ratio[lane], steepest);
-        density[lane] += kBarrierWeight * batch.lambda[lane] * wall.value;
-        pressure[lane] += kBarrierWeight * batch.lambda[lane] * wall.slope;
+        density[lane] += batch.kappa[lane] * wall.value;
+        pressure[lane] += batch.kappa[lane] * wall.slope;
       }
     }
     double stress[3][3][kLanes], force[3][3][kLanes];

@@ -21,7 +21,7 @@ struct FibreTet {
 //   mu/2 (|F|^2 - 3) + lambda/2 ((J - 1 - mu/lambda)^2 - (mu/lambda)^2)        stable neo-Hookean (Smith et al. 2018),
 //                                                                               without its singular log term
 //   + kappa (J - b)^2 (-ln(J / b)), b = kBarrierVolume,  where J < b; its tangent at J = `steepest`
-//     kappa = kBarrierWeight lambda                      below that: inverted tets recover
+//     kappa = kBarrierWeight lambda, more in tiny tets   below that: inverted tets recover
 //   + activation k_a/2 (s - slack)^2                     where s > slack, muscles only
 //   + k_p/2 (s - 1)^2                                    where s > 1, muscles only
 // Zero with zero gradient at rest when all activations are zero.
@@ -38,6 +38,10 @@ class Tissue {
 
   // A tet compressed below this share of its volume is pushed back by a logarithmic barrier, so many lambdas strong.
   static constexpr double kBarrierVolume = 0.3, kBarrierWeight = 2;
+
+  // Tets smaller than this share of the mean volume have the barrier of one as large: their larger neighbours would
+  // press them inside out without feeling it.
+  static constexpr double kLeastVolume = 1e-3;
 
   // The volume ratio below which the barrier goes on as a straight line. Were it infinite at J = 0, the smallest tet
   // would stop every step of all others. The lower one holds up soft tets, nearly empty, against stiff neighbours.
@@ -60,7 +64,7 @@ class Tissue {
   struct Batch {
     int node[4][kLanes];
     double slope[3][3][kLanes];  // gradient of the shape functions of corners 1..3, 1/m; corner 0: minus their sum
-    double volume[kLanes], mu[kLanes], lambda[kLanes];
+    double volume[kLanes], mu[kLanes], lambda[kLanes], kappa[kLanes];
   };
   struct FibreBatch {
     double slope[3][kLanes];  // the same slopes along the fibre
