@@ -78,6 +78,7 @@ Json to_json(const ReportData& data) {
   json["device"] = data.device;
   json["seconds"] = {{"build_character", data.seconds.build_character},
                      {"simulate", data.seconds.simulate},
+                     {"draft", data.seconds.draft},
                      {"train", data.seconds.train},
                      {"eval", data.seconds.eval}};
   json["peak_memory_mib"] = data.peak_memory_mib;
@@ -88,7 +89,9 @@ Json to_json(const ReportData& data) {
                           {"converged", data.simulation->converged},
                           {"median_residual", data.simulation->median_residual},
                           {"worst_residual", data.simulation->worst_residual},
-                          {"mean_iterations", data.simulation->mean_iterations}};
+                          {"mean_iterations", data.simulation->mean_iterations},
+                          {"draft_rms_mm", data.simulation->draft_rms_mm},
+                          {"draft_max_mm", data.simulation->draft_max_mm}};
   }
   return json;
 }

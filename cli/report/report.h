@@ -34,6 +34,7 @@ struct SimulationReport {
   std::uint32_t frames = 0, converged = 0;
   double median_residual = 0, worst_residual = 0;  // force left over relative to the elastic forces, converged frames
   double mean_iterations = 0;
+  double draft_rms_mm = 0, draft_max_mm = 0;  // of a draft of the held-out motion
 };
 
 struct ReportData {
@@ -56,7 +57,7 @@ struct ReportData {
   double cpu_gpu_max_difference_m = 0;
   std::string device;
   struct {
-    double build_character = 0, simulate = 0, train = 0, eval = 0;
+    double build_character = 0, simulate = 0, draft = 0, train = 0, eval = 0;
   } seconds;
   double peak_memory_mib = 0;
   std::vector<PictureReport> pictures;  // in the order in which they are shown

@@ -169,6 +169,8 @@ void add_details(const ReportData& data, Page& page) {
                           " converged; force left over, relative to the elastic forces: median " +
                           number_text(s.median_residual, 2) + ", worst " + number_text(s.worst_residual, 2) +
                           "; on average " + number_text(s.mean_iterations) + " iterations a frame");
+    row("draft of the held-out motion", "in " + seconds_text(data.seconds.draft) + ", " + millimetres(s.draft_rms_mm) +
+                                            " RMS from the simulation, " + millimetres(s.draft_max_mm) + " at most");
   }
   std::string stages;
   for (const auto& [stage, bytes] : data.bytes_by_stage) {

@@ -39,6 +39,8 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   // must already help.
   EXPECT_LT(rms("full"), 0.8 * rms("ddm"));
   EXPECT_LT(rms("ddm"), rms("lbs"));
+  EXPECT_GT(report["simulation"]["draft_rms_mm"], 0);
+  EXPECT_LT(report["simulation"]["draft_rms_mm"], rms("ddm"));
   EXPECT_LT(report["unposing_residual_mm"]["ddm"], report["unposing_residual_mm"]["lbs"]);
   // `linear` gets no less room than `full`.
   EXPECT_GT(report["method_coefficients"]["full"], 0);

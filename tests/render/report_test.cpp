@@ -66,7 +66,7 @@ ReportData example() {
   data.seconds.train = 40;
   data.seconds.eval = 0.5;
   data.peak_memory_mib = 640;
-  data.simulation = SimulationReport{448, 445, 2e-5, 9e-5, 180};
+  data.simulation = SimulationReport{448, 445, 2e-5, 9e-5, 180, 3.5, 20};
   for (const char* kind : {"worst", "median", "chosen", "chosen"}) {
     PictureReport picture;
     picture.kind = kind;
@@ -117,6 +117,7 @@ TEST(Report, JsonHoldsEveryFigure) {
   EXPECT_EQ(json.at("pictures").size(), 4u);
   EXPECT_EQ(json.at("pictures")[1].at("kind"), "median");
   EXPECT_EQ(json.at("simulation").at("converged"), 445);
+  EXPECT_EQ(json.at("simulation").at("draft_rms_mm"), 3.5);
 }
 
 TEST(Report, PageIsSelfContainedAndEscaped) {

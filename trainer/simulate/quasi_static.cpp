@@ -270,11 +270,11 @@ Positions QuasiStaticBody::carried(const Target& from, const Target& to, const P
   return result;
 }
 
-Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane> contact, double steepest,
+Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane> contact, const Tissue::Wall& wall,
                                   bool hold_volume) const {
-  return [this, &at, contact, steepest, hold_volume](const Positions& x, Positions& gradient) {
+  return [this, &at, contact, wall, hold_volume](const Positions& x, Positions& gradient) {
     gradient.setZero();
-    const Tissue::Sum tissue = tissue_->add_gradient(x, at.activation, gradient, steepest);
+    const Tissue::Sum tissue = tissue_->add_gradient(x, at.activation, gradient, wall);
     double energy = tissue.energy + springs_->add_gradient(at.springs, x, gradient);
     if (hold_volume) energy += volume_->add_gradient(x, gradient);
     if (bending_) energy += bending_->add_gradient(at.curvature, x, gradient);
@@ -283,21 +283,21 @@ Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane
   };
 }
 
-int QuasiStaticBody::follow(const Target& at, double steepest, Positions& nodes) const {
+int QuasiStaticBody::follow(const Target& at, const Tissue::Wall& wall, Positions& nodes) const {
   const StiffModes metric(*metric_, nodes.rows(), {}, {});
   Lbfgs lbfgs(metric, force_floor_);
   std::vector<ContactPlane> contact;
   if (contact_) contact = contact_->find(nodes, kContactMargin);
-  return lbfgs.minimise(energy(at, contact, steepest, false), kPathTolerance, kPathIterations, nodes).iterations;
+  return lbfgs.minimise(energy(at, contact, wall, false), kPathTolerance, kPathIterations, nodes).iterations;
 }
 
-MinimiseResult QuasiStaticBody::settle(const Target& at, double steepest, Positions& nodes) const {
+MinimiseResult QuasiStaticBody::settle(const Target& at, const Tissue::Wall& wall, Positions& nodes) const {
   const auto [modes, stiffness] = volume_->stiff_modes(nodes);
   const StiffModes metric(*metric_, nodes.rows(), modes, stiffness);
   Lbfgs lbfgs(metric, force_floor_);
   MinimiseResult result;
   const auto relax = [&](std::span<const ContactPlane> contact, int iterations) {
-    const MinimiseResult last = lbfgs.minimise(energy(at, contact, steepest, true), kTolerance, iterations, nodes);
+    const MinimiseResult last = lbfgs.minimise(energy(at, contact, wall, true), kTolerance, iterations, nodes);
     result = {last.residual, result.iterations + last.iterations};
   };
   if (!contact_) {
@@ -317,10 +317,10 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, double steepest, Positi
 SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<const double> flex) const {
   const auto start_time = std::chrono::steady_clock::now();
   require_flex(flex, muscles_.size());
-  SolvedPose solved = attempt(path, flex, 1, Tissue::kSteepest);
+  SolvedPose solved = attempt(path, flex, 1, Tissue::kWall);
   if (!solved.status.converged) {
     const int before = solved.status.iterations;
-    SolvedPose again = attempt(path, flex, 0.5, Tissue::kSteepestOfAll);
+    SolvedPose again = attempt(path, flex, 0.5, Tissue::kSteepWall);
     if (again.status.converged) solved = std::move(again);
     solved.status.iterations = before + again.status.iterations;
   }
@@ -330,7 +330,7 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
 
 // step_size: of the largest steps allowed.
 SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const double> flex, double step_size,
-                                    double steepest) const {
+                                    const Tissue::Wall& wall) const {
   const double hardest = flex.empty() ? 0 : *std::max_element(flex.begin(), flex.end());
   const int root = single_root(skeleton_);
 
@@ -360,10 +360,14 @@ SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const 
       }
       nodes = std::move(start);
       if (next < 1 || !last) {
-        solved.status.iterations += follow(there, steepest, nodes);
+        solved.status.iterations += follow(there, wall, nodes);
       } else {
-        const MinimiseResult result = settle(there, steepest, nodes);
+        MinimiseResult result = settle(there, wall, nodes);
         solved.status.iterations += result.iterations;
+        if (result.residual < kTolerance && tissue_->inverted(nodes).tets > 0) {
+          result = settle(there, Tissue::kFirmWall, nodes);
+          solved.status.iterations += result.iterations;
+        }
         solved.status.residual = result.residual;
       }
       here = std::move(there);

@@ -38,8 +38,7 @@ Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::v
                const Materials& materials)
     : active_(materials.active_fibre), slack_(materials.active_slack), passive_(materials.passive_fibre) {
   const int count = static_cast<int>(mesh.tets.rows());
-  double mean_volume = 0;
-  for (int t = 0; t < count; ++t) mean_volume += tet_edges(mesh, t).determinant() / 6 / count;
+  for (int t = 0; t < count; ++t) mean_volume_ += tet_edges(mesh, t).determinant() / 6 / count;
   std::sort(fibres.begin(), fibres.end(), [](const FibreTet& a, const FibreTet& b) { return a.tet < b.tet; });
   std::vector<int> order;
   std::vector<bool> is_muscle(static_cast<std::size_t>(count), false);
@@ -68,7 +67,6 @@ Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::v
     batch.volume[lane] = empty ? 0 : volume;
     batch.mu[lane] = material.mu;
     batch.lambda[lane] = material.lambda;
-    batch.kappa[lane] = kBarrierWeight * material.lambda * std::max(1.0, kLeastVolume * mean_volume / volume);
     if (k / kLanes >= fibres_.size()) continue;
     FibreBatch& fibre = fibres_[k / kLanes];
     const bool passive = k >= fibres.size();
@@ -149,7 +147,7 @@ double Tissue::fibre_force(const FibreBatch& batch, const Corners& corners, std:
 }
 
 Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double> activation, Positions& gradient,
-                                 double steepest) const {
+                                 const Wall& wall) const {
   Sum sum;
   double* out = gradient.data();
   for (std::size_t b = 0; b < batches_.size(); ++b) {
@@ -167,9 +165,11 @@ Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double>
     if (smallest < kBarrierVolume) {
       for (int lane = 0; lane < kLanes; ++lane) {
         if (s.volume_ratio[lane] >= kBarrierVolume) continue;
-        const Barrier wall = barrier(s.volume_ratio[lane], steepest);
-        density[lane] += batch.kappa[lane] * wall.value;
-        pressure[lane] += batch.kappa[lane] * wall.slope;
+        const Barrier at = barrier(s.volume_ratio[lane], wall.steepest);
+        const double kappa =
+            kBarrierWeight * batch.lambda[lane] * std::max(1.0, wall.least_volume * mean_volume_ / batch.volume[lane]);
+        density[lane] += kappa * at.value;
+        pressure[lane] += kappa * at.slope;
       }
     }
     double stress[3][3][kLanes], force[3][3][kLanes];

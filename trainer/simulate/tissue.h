@@ -20,8 +20,8 @@ struct FibreTet {
 // Energy density per tet, F the deformation gradient, J = det F, a the fibre direction, s = |F a|:
 //   mu/2 (|F|^2 - 3) + lambda/2 ((J - 1 - mu/lambda)^2 - (mu/lambda)^2)        stable neo-Hookean (Smith et al. 2018),
 //                                                                               without its singular log term
-//   + kappa (J - b)^2 (-ln(J / b)), b = kBarrierVolume,  where J < b; its tangent at J = `steepest`
-//     kappa = kBarrierWeight lambda, more in tiny tets   below that: inverted tets recover
+//   + kappa (J - b)^2 (-ln(J / b)), b = kBarrierVolume,  where J < b; its tangent below J = wall.steepest:
+//     kappa = kBarrierWeight lambda                      inverted tets recover
 //   + activation k_a/2 (s - slack)^2                     where s > slack, muscles only
 //   + k_p/2 (s - 1)^2                                    where s > 1, muscles only
 // Zero with zero gradient at rest when all activations are zero.
@@ -39,17 +39,20 @@ class Tissue {
   // A tet compressed below this share of its volume is pushed back by a logarithmic barrier, so many lambdas strong.
   static constexpr double kBarrierVolume = 0.3, kBarrierWeight = 2;
 
-  // Tets smaller than this share of the mean volume have the barrier of one as large: their larger neighbours would
-  // press them inside out without feeling it.
-  static constexpr double kLeastVolume = 1e-3;
-
-  // The volume ratio below which the barrier goes on as a straight line. Were it infinite at J = 0, the smallest tet
-  // would stop every step of all others. The lower one holds up soft tets, nearly empty, against stiff neighbours.
-  static constexpr double kSteepest = 0.005, kSteepestOfAll = 0.002;
+  struct Wall {
+    // The volume ratio below which the barrier goes on as a straight line. Were it infinite at J = 0, the smallest tet
+    // would stop every step of all others.
+    double steepest;
+    // Of the mean volume of all tets: smaller ones get the barrier of one as large.
+    double least_volume;
+  };
+  // The steep one holds up soft tets, nearly empty, against stiff neighbours; the firm one tiny tets, which large
+  // neighbours press inside out unfelt. From far away tiny tets that are firm would stop all others.
+  static constexpr Wall kWall{0.005, 0}, kSteepWall{0.002, 0}, kFirmWall{0.002, 1e-3};
 
   // Adds the gradient (joules per metre, N x 3) of the energy at `nodes` (N x 3) to `gradient`. activation: per muscle.
   Sum add_gradient(const Positions& nodes, std::span<const double> activation, Positions& gradient,
-                   double steepest = kSteepest) const;
+                   const Wall& wall = kWall) const;
 
   struct Inverted {
     int tets = 0;
@@ -64,7 +67,7 @@ class Tissue {
   struct Batch {
     int node[4][kLanes];
     double slope[3][3][kLanes];  // gradient of the shape functions of corners 1..3, 1/m; corner 0: minus their sum
-    double volume[kLanes], mu[kLanes], lambda[kLanes], kappa[kLanes];
+    double volume[kLanes], mu[kLanes], lambda[kLanes];
   };
   struct FibreBatch {
     double slope[3][kLanes];  // the same slopes along the fibre
@@ -82,6 +85,7 @@ class Tissue {
   std::vector<Batch> batches_;
   std::vector<FibreBatch> fibres_;  // of the first batches
   double active_, slack_, passive_;
+  double mean_volume_ = 0;  // of a tet, cubic metres
 };
 
 }  // namespace bodyopt
