@@ -166,8 +166,9 @@ Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double>
       for (int lane = 0; lane < kLanes; ++lane) {
         if (s.volume_ratio[lane] >= kBarrierVolume) continue;
         const Barrier at = barrier(s.volume_ratio[lane], wall.steepest);
-        const double kappa =
-            kBarrierWeight * batch.lambda[lane] * std::max(1.0, wall.least_volume * mean_volume_ / batch.volume[lane]);
+        const double least = wall.least_volume * mean_volume_, volume = batch.volume[lane];
+        const bool is_tiny = volume > 0 && volume < least;  // 0: an empty lane
+        const double kappa = kBarrierWeight * batch.lambda[lane] * (is_tiny ? least / volume : 1);
         density[lane] += kappa * at.value;
         pressure[lane] += kappa * at.slope;
       }
