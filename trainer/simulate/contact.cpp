@@ -228,7 +228,7 @@ SkinContact::DepthField SkinContact::depth_field(int tet, const Positions& nodes
 }
 
 ContactPlane SkinContact::plane(int node, int tet, const DepthField& field, const Positions& nodes) const {
-  ContactPlane plane{node, tet, {}, field.slope, 0, 1};
+  ContactPlane plane{node, tet, {}, field.slope, 0, 0};
   plane.weights.tail<3>() = field.inverse * (row(nodes, node) - field.origin);
   plane.weights[0] = 1 - plane.weights.tail<3>().sum();
   plane.offset = plane.weights.dot(field.depth);  // where it is found, node and weighted corners are one point
@@ -316,20 +316,30 @@ HeldContact::HeldContact(const SkinContact& contact, double margin, const Positi
   renew(nodes);
 }
 
+double HeldContact::told_depth(const std::vector<ContactPlane>& planes, const Positions& nodes) const {
+  double sum = 0;
+  for (const ContactPlane& plane : planes) sum += std::max(contact_.depth(plane, nodes), 0.0);
+  return planes.empty() ? 0 : sum / static_cast<double>(planes.size());
+}
+
 bool HeldContact::renew(const Positions& nodes) {
-  bool is_true = true;
-  std::map<int, std::vector<ContactPlane>> now;
+  bool told_the_truth = true;
+  std::map<int, std::vector<ContactPlane>> before;
+  before.swap(of_node_);
   for (const ContactPlane& found : contact_.find(nodes, margin_)) {
-    std::vector<ContactPlane>& planes = now[found.node];
-    if (const auto held = of_node_.find(found.node); held != of_node_.end()) planes = std::move(held->second);
-    double depth = planes.empty() ? -margin_ : 0;  // as it was believed to be
-    for (const ContactPlane& plane : planes) depth += contact_.depth(plane, nodes) / static_cast<double>(planes.size());
-    const bool touches = depth > 0 || found.offset > 0;
-    const bool is_wrong = touches && std::abs(depth - found.offset) > kPlaneError;
-    if (planes.empty() || is_wrong) planes.push_back(found);
-    is_true = is_true && !is_wrong;
+    std::vector<ContactPlane>& planes = of_node_[found.node];
+    if (const auto held = before.find(found.node); held != before.end()) {
+      planes = std::move(held->second);
+      before.erase(held);
+    }
+    const bool is_true = std::abs(told_depth(planes, nodes) - std::max(found.offset, 0.0)) <= kPlaneError;
+    if (planes.empty() || !is_true) planes.push_back(found);
+    for (ContactPlane& plane : planes) plane.share = found.share;
+    told_the_truth = told_the_truth && is_true;
   }
-  of_node_ = std::move(now);
+  for (const auto& [node, planes] : before) {  // what touches no more
+    told_the_truth = told_the_truth && told_depth(planes, nodes) <= kPlaneError;
+  }
   planes_.clear();
   for (const auto& [node, planes] : of_node_) {
     for (const ContactPlane& plane : planes) {
@@ -337,7 +347,7 @@ bool HeldContact::renew(const Positions& nodes) {
       planes_.back().share /= static_cast<double>(planes.size());
     }
   }
-  return is_true;
+  return told_the_truth;
 }
 
 }  // namespace bodyopt

@@ -33,8 +33,8 @@ class SkinContact {
  public:
   explicit SkinContact(const TetMesh& mesh, const Materials& materials = {});
 
-  // One plane for every node that is within `margin`, metres, of skin of another part that it faces, or has passed
-  // through it; ascending in nodes.
+  // One plane for every node that has passed through skin of another part that it faces, or is nearer to it than
+  // `margin`, metres, and than a part of the tet behind that skin; ascending in nodes.
   std::vector<ContactPlane> find(const Positions& nodes, double margin) const;
 
   // How deep a plane takes its node to be, metres; below 0 outside.
@@ -80,9 +80,9 @@ class SkinContact {
 };
 
 // Contact as planes that are held while a shape is relaxed and renewed in between. A node keeps its planes while they
-// tell its depth; where they do not, the plane of the new shape joins them, and all of them share its force. Where two
-// slopes meet a node comes to rest between them: with the last plane alone it would jump from one to the other for
-// ever.
+// tell its depth to a millimetre; where they do not, the plane of the new shape joins them, and all of them share its
+// force. Where two slopes meet a node comes to rest between them: with the last plane alone it would jump from one to
+// the other for ever.
 class HeldContact {
  public:
   // contact must outlive it. margin: metres, of skin that may come into contact before planes are renewed.
@@ -90,10 +90,12 @@ class HeldContact {
 
   const std::vector<ContactPlane>& planes() const { return planes_; }
 
-  // Returns whether the planes told the depth of every node that touches within a millimetre.
+  // Returns whether the planes told the depth of every node.
   bool renew(const Positions& nodes);
 
  private:
+  double told_depth(const std::vector<ContactPlane>& planes, const Positions& nodes) const;
+
   const SkinContact& contact_;
   double margin_;
   std::map<int, std::vector<ContactPlane>> of_node_;

@@ -10,8 +10,6 @@ namespace {
 constexpr std::size_t kMemory = 8;
 constexpr double kArmijo = 1e-4;
 constexpr int kMaxHalvings = 30;
-// Metres, of any node in a step: the energy further away has nothing to do with the slope here.
-constexpr double kMaxMove = 0.01;
 // Relative rounding of an energy: smaller differences cannot tell up from down.
 constexpr double kEnergyRounding = 1e-12;
 // Joules. Of a change this small a sum over all tets tells nothing, and the slopes at both ends tell it instead.
@@ -47,7 +45,8 @@ MinimiseResult Lbfgs::minimise(const Objective& objective, double tolerance, int
     direction_from(gradient, direction);
     const double slope = dot(gradient, direction);
     const double furthest = direction.rowwise().norm().maxCoeff();
-    double length = slope < 0 ? std::min(longest, kMaxMove / furthest) : 0;
+    const double allowed = max_move_ / furthest;
+    double length = slope < 0 ? std::min(longest, allowed) : 0;
     ObjectiveValue next;
     for (int halving = 0; length > 0; ++halving) {
       trial.noalias() = nodes + length * direction;
@@ -72,7 +71,7 @@ MinimiseResult Lbfgs::minimise(const Objective& objective, double tolerance, int
     nodes.swap(trial);
     gradient.swap(trial_gradient);
     value = next;
-    longest = std::min(1.0, 2 * length);
+    if (length < allowed) longest = std::min(1.0, 2 * length);
     result.residual = residual();
     if (pair.curvature > 0) {
       memory_.push_back(std::move(pair));

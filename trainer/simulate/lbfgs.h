@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <functional>
+#include <limits>
 
 #include "trainer/simulate/stiff_modes.h"
 
@@ -25,8 +26,10 @@ struct MinimiseResult {
 // is about the same. The first factor of the inverse Hessian is the metric's inverse.
 class Lbfgs {
  public:
-  // metric must outlive it. force_floor (N): forces below it count as none.
-  Lbfgs(const StiffModes& metric, double force_floor) : metric_(metric), force_floor_(force_floor) {}
+  // metric must outlive it. force_floor (N): forces below it count as none. max_move (metres): no step moves a node
+  // further, since the energy far away has nothing to do with the slope here.
+  Lbfgs(const StiffModes& metric, double force_floor, double max_move = std::numeric_limits<double>::infinity())
+      : metric_(metric), force_floor_(force_floor), max_move_(max_move) {}
 
   // Improves `nodes` until the residual is below `tolerance`, `max_iterations` are done, or no step lowers the energy
   // any more. Steps obey Armijo's rule and never enter a place of infinite energy. `nodes` must start at finite energy.
@@ -41,7 +44,7 @@ class Lbfgs {
   void direction_from(const Positions& gradient, Positions& direction);
 
   const StiffModes& metric_;
-  double force_floor_;
+  double force_floor_, max_move_;
   std::deque<Pair> memory_;
   Positions scratch_;
 };

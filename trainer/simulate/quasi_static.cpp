@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "runtime/basis/error.h"
@@ -31,8 +30,11 @@ constexpr double kDefaultSize = 3;          // mean edges of the skin
 constexpr double kMinWeight = 1e-3;
 // Parts nearer than this, metres, may come into contact while a shape is relaxed.
 constexpr double kContactMargin = 5e-3;
-// Contact is held for so many iterations, and this often at most before it is held to the end.
+// Contact is held for so many iterations; from this round on for twice as many each time, and what has then converged
+// is taken as it is: some nodes never come to rest on their planes.
 constexpr int kContactIterations = 20, kContactRounds = 16;
+// A step of the solver moves no node further than this part of the body's longest extent.
+constexpr double kMaxMove = 0.005;
 // A cage's few large tets lock at the lambda that finer ones bear: on the human in 1,500 nodes a quarter brings the
 // draft from 6.4 to 5.3 mm of the full shapes (RMS), a tenth only to 5.0 mm, more slowly.
 constexpr double kCageLambda = 0.25;
@@ -219,6 +221,7 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
     force_floor_ += std::pow(kStrainFloor * tets[t].mu * area, 2);
   }
   force_floor_ = std::sqrt(force_floor_);
+  max_move_ = kMaxMove * (mesh_.nodes.colwise().maxCoeff() - mesh_.nodes.colwise().minCoeff()).maxCoeff();
   hash_ = body_hash(character, muscles, materials, mesh_, cage != nullptr);
 }
 
@@ -285,7 +288,7 @@ Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane
 
 int QuasiStaticBody::follow(const Target& at, const Tissue::Wall& wall, Positions& nodes) const {
   const StiffModes metric(*metric_, nodes.rows(), {}, {});
-  Lbfgs lbfgs(metric, force_floor_);
+  Lbfgs lbfgs(metric, force_floor_, max_move_);
   std::vector<ContactPlane> contact;
   if (contact_) contact = contact_->find(nodes, kContactMargin);
   return lbfgs.minimise(energy(at, contact, wall, false), kPathTolerance, kPathIterations, nodes).iterations;
@@ -294,7 +297,7 @@ int QuasiStaticBody::follow(const Target& at, const Tissue::Wall& wall, Position
 MinimiseResult QuasiStaticBody::settle(const Target& at, const Tissue::Wall& wall, Positions& nodes) const {
   const auto [modes, stiffness] = volume_->stiff_modes(nodes);
   const StiffModes metric(*metric_, nodes.rows(), modes, stiffness);
-  Lbfgs lbfgs(metric, force_floor_);
+  Lbfgs lbfgs(metric, force_floor_, max_move_);
   MinimiseResult result;
   const auto relax = [&](std::span<const ContactPlane> contact, int iterations) {
     const MinimiseResult last = lbfgs.minimise(energy(at, contact, wall, true), kTolerance, iterations, nodes);
@@ -305,12 +308,15 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, const Tissue::Wall& wal
     return result;
   }
   HeldContact contact(*contact_, kContactMargin, nodes);
-  for (int round = 0; round < kContactRounds; ++round) {
-    relax(contact.planes(), kContactIterations);
-    const bool is_true = contact.renew(nodes);
-    if (is_true && result.residual < kTolerance) return result;
+  int iterations = kContactIterations;
+  for (int round = 1; result.iterations < kMaxIterations; ++round) {
+    const int end = std::min(result.iterations + iterations, kMaxIterations);
+    relax(contact.planes(), end - result.iterations);
+    const bool is_late = round >= kContactRounds, told_the_truth = contact.renew(nodes);
+    if (result.residual < kTolerance && (told_the_truth || is_late)) break;
+    if (result.iterations < end && told_the_truth) break;  // nothing lower can be found
+    if (is_late) iterations *= 2;
   }
-  relax(contact.planes(), kMaxIterations - result.iterations);
   return result;
 }
 
@@ -365,8 +371,13 @@ SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const 
         MinimiseResult result = settle(there, wall, nodes);
         solved.status.iterations += result.iterations;
         if (result.residual < kTolerance && tissue_->inverted(nodes).tets > 0) {
-          result = settle(there, Tissue::kFirmWall, nodes);
-          solved.status.iterations += result.iterations;
+          Positions upright = nodes;
+          const MinimiseResult again = settle(there, Tissue::kFirmWall, upright);
+          solved.status.iterations += again.iterations;
+          if (again.residual < kTolerance && tissue_->inverted(upright).tets == 0) {
+            result = again;
+            nodes = std::move(upright);
+          }
         }
         solved.status.residual = result.residual;
       }

@@ -41,8 +41,8 @@ class QuasiStaticBody {
   //
   // residual = sqrt(sum over all nodes of |f_i|^2) / sqrt(sum over all tets and their four nodes of |f_ta|^2), where
   // f_ta is the elastic force (passive, active and barrier terms together) of tet t on its node a, and f_i is the sum
-  // of those around node i plus muscle volume, bone springs, the skin's bending and contact, its planes held as
-  // they were found when the skin had stopped sliding: no node is held otherwise. converged: residual below 1e-4 and no
+  // of those around node i plus muscle volume, bone springs, the skin's bending and contact (of
+  // HeldContact): no node is held otherwise. converged: residual below 1e-4 and no
   // inverted tet. A frame that has not come so far after kMaxIterations, or cannot, is tried once more, in smaller
   // steps and with a steeper barrier, then left unconverged.
   //
@@ -106,7 +106,7 @@ class QuasiStaticBody {
   std::unique_ptr<SkinBending> bending_;  // null in a cage, whose tets are longer than the wrinkles it would prevent
   std::unique_ptr<SkinContact> contact_;  // null in a cage, whose cells overlap where parts of the body are close
   std::unique_ptr<Metric> metric_;
-  double force_floor_ = 0;
+  double force_floor_ = 0, max_move_ = 0;  // of the solver
   std::uint64_t hash_ = 0;
 };
 

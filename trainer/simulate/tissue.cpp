@@ -63,8 +63,7 @@ Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::v
     for (int a = 0; a < 3; ++a) {
       for (int i = 0; i < 3; ++i) batch.slope[a][i][lane] = slopes(a, i);
     }
-    const double volume = edges.determinant() / 6;
-    batch.volume[lane] = empty ? 0 : volume;
+    batch.volume[lane] = empty ? 0 : edges.determinant() / 6;
     batch.mu[lane] = material.mu;
     batch.lambda[lane] = material.lambda;
     if (k / kLanes >= fibres_.size()) continue;

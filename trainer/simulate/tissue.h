@@ -21,7 +21,8 @@ struct FibreTet {
 //   mu/2 (|F|^2 - 3) + lambda/2 ((J - 1 - mu/lambda)^2 - (mu/lambda)^2)        stable neo-Hookean (Smith et al. 2018),
 //                                                                               without its singular log term
 //   + kappa (J - b)^2 (-ln(J / b)), b = kBarrierVolume,  where J < b; its tangent below J = wall.steepest:
-//     kappa = kBarrierWeight lambda                      inverted tets recover
+//     kappa = kBarrierWeight lambda, wall.least_volume   inverted tets recover
+//     mean volume / volume times as much in tiny tets
 //   + activation k_a/2 (s - slack)^2                     where s > slack, muscles only
 //   + k_p/2 (s - 1)^2                                    where s > 1, muscles only
 // Zero with zero gradient at rest when all activations are zero.
