@@ -130,13 +130,13 @@ TEST(Contact, HeldPlanesAreRenewedWhereTheyAreWrong) {
   const std::vector<ContactPlane> found = contact.find(slid, kMargin);
   for (const auto& [number, node] : held_by_node(contact, held, slid)) EXPECT_LE(node.planes, 2u);
   bool is_true = false;
-  for (int round = 0; round < 20 && !is_true; ++round) is_true = held.renew(slid);
+  for (int round = 0; round < 100 && !is_true; ++round) is_true = held.renew(slid);
   EXPECT_TRUE(is_true);
   const std::map<int, Held> now = held_by_node(contact, held, slid);
   ASSERT_EQ(now.size(), found.size());  // those that do not touch any more are let go
   bool several = false;
   for (const ContactPlane& plane : found) {
-    EXPECT_NEAR(now.at(plane.node).depth, std::max(plane.offset, 0.0), 1e-3);
+    EXPECT_NEAR(now.at(plane.node).depth, std::max(plane.offset, 0.0), 3e-4);
     EXPECT_NEAR(now.at(plane.node).share, plane.share, 1e-12);
     several = several || now.at(plane.node).planes > 1;
   }

@@ -21,8 +21,8 @@ constexpr double kFlat = 0.05, kNotFlat = 0.15;
 constexpr double kFacing = 0.3;
 constexpr double kContactReach = 2e-3;  // m: a depth at which the pressure has doubled its slope
 
-// Metres: a plane that is wrong by more about the depth of its node is renewed.
-constexpr double kPlaneError = 1e-3;
+// Metres: planes that are wrong by more about the depth of their node are joined by a new one.
+constexpr double kPlaneError = 3e-4;
 
 // Corners of the face opposite to each corner, outwards for a tet of positive volume.
 constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};

@@ -80,7 +80,7 @@ class SkinContact {
 };
 
 // Contact as planes that are held while a shape is relaxed and renewed in between. A node keeps its planes while they
-// tell its depth to a millimetre; where they do not, the plane of the new shape joins them, and all of them share its
+// tell its depth to 0.3 mm; where they do not, the plane of the new shape joins them, and all of them share its
 // force. Where two slopes meet a node comes to rest between them: with the last plane alone it would jump from one to
 // the other for ever.
 class HeldContact {
