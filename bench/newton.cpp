@@ -21,7 +21,7 @@ struct Derivatives {
 Derivatives of_volume(const TetMaterial& material, double j) {
   Derivatives d{material.lambda * (j - 1 - material.mu / material.lambda), material.lambda};
   if (j >= Tissue::kBarrierVolume) return d;
-  const double at = std::max(j, Tissue::kWall.steepest), below = at - Tissue::kBarrierVolume,
+  const double at = std::max(j, Tissue::kBarrier.steepest), below = at - Tissue::kBarrierVolume,
                ratio = std::log(at / Tissue::kBarrierVolume), kappa = Tissue::kBarrierWeight * material.lambda;
   d.slope += kappa * (-2 * below * ratio - below * below / at);
   if (at == j) d.curvature += kappa * (-2 * ratio - 4 * below / at + below * below / (at * at));

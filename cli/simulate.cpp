@@ -123,9 +123,12 @@ void add_frames(const DatasetTake& there, DatasetTake& take) {
   unite(take.heldout, there.heldout);
 }
 
+// Metres of skin in skin that are worth a look.
+constexpr double kDeep = 5e-3;
+
 // What a TD has to know of a run; `text` names the frames that need a look.
 Json summary(const std::vector<FrameStatus>& status, std::string& text) {
-  int unconverged = 0, inverted = 0;
+  int unconverged = 0, inverted = 0, deep = 0;
   double residual = 0, seconds = 0, depth = 0, volume = 0;
   int deepest_frame = 0;
   Json per_frame = Json::array();
@@ -139,6 +142,7 @@ Json summary(const std::vector<FrameStatus>& status, std::string& text) {
     }
     inverted += frame.inverted_tets;
     seconds += frame.seconds;
+    deep += frame.contact_depth > kDeep ? 1 : 0;
     if (frame.contact_depth > depth) {
       depth = frame.contact_depth;
       deepest_frame = frame.frame;
@@ -156,7 +160,10 @@ Json summary(const std::vector<FrameStatus>& status, std::string& text) {
   text +=
       format("%zu frames, %d unconverged, %d inverted tets, largest residual kept %.2e, %.2f s of solving a frame\n",
              status.size(), unconverged, inverted, residual, mean_seconds);
-  if (depth > 0) text += format("skin in skin: %.2f mm at the deepest (frame %d)\n", 1e3 * depth, deepest_frame);
+  if (depth > 0) {
+    text += format("skin in skin: %.2f mm at the deepest (frame %d), more than %g mm in %d frames\n", 1e3 * depth,
+                   deepest_frame, 1e3 * kDeep, deep);
+  }
   text += format("volume of the muscle that changes most: %+.2f %%\n", 1e2 * volume);
   return {{"frames", status.size()},           {"unconverged", unconverged},
           {"inverted_tets", inverted},         {"largest_residual", residual},

@@ -71,14 +71,14 @@ Positions mapped(const Positions& nodes, const Eigen::Matrix3d& linear, const Ei
 
 // Central differences along random directions.
 void expect_gradient(const Tissue& tissue, const Positions& nodes, const std::vector<double>& activation,
-                     const Tissue::Wall& wall = Tissue::kWall) {
+                     const Tissue::BarrierShape& shape = Tissue::kBarrier) {
   Positions gradient = Positions::Zero(nodes.rows(), 3), unused = gradient;
-  ASSERT_TRUE(std::isfinite(tissue.add_gradient(nodes, activation, gradient, wall).energy));
+  ASSERT_TRUE(std::isfinite(tissue.add_gradient(nodes, activation, gradient, shape).energy));
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const Positions direction = shaken(Positions::Zero(nodes.rows(), 3), 1, seed);
     const double step = 1e-7;
-    const double up = tissue.add_gradient(nodes + step * direction, activation, unused, wall).energy;
-    const double down = tissue.add_gradient(nodes - step * direction, activation, unused, wall).energy;
+    const double up = tissue.add_gradient(nodes + step * direction, activation, unused, shape).energy;
+    const double down = tissue.add_gradient(nodes - step * direction, activation, unused, shape).energy;
     const double expected = (up - down) / (2 * step);
     EXPECT_NEAR(gradient.cwiseProduct(direction).sum(), expected, 1e-5 * gradient.norm() * direction.norm());
   }
@@ -114,26 +114,34 @@ TEST(Tissue, EnergyIsTheDocumentedOne) {
   std::vector<TetMaterial> materials = all(mesh, Materials{}.fat);
   for (std::size_t t = 0; t < fibres.size(); ++t) materials[t] = Materials{}.muscle;
   const Positions nodes = shaken(mapped(mesh.nodes, Eigen::Vector3d(0.3, 1.1, 0.9).asDiagonal(), {1, 2, 3}), 0.0002, 3);
-  double expected = 0;
   TetMesh posed = mesh;
   posed.nodes = nodes;
+  double mean_volume = 0;
   for (int t = 0; t < mesh.tets.rows(); ++t) {
-    const Eigen::Matrix3d f = tet_edges(posed, t) * tet_edges(mesh, t).inverse();
-    const double j = f.determinant(), volume = tet_edges(mesh, t).determinant() / 6;
-    const auto& [mu, lambda] = materials[static_cast<std::size_t>(t)];
-    double density =
-        mu / 2 * (f.squaredNorm() - 3) + lambda / 2 * (std::pow(j - 1 - mu / lambda, 2) - std::pow(mu / lambda, 2));
-    if (j < 0.3) density -= 2 * lambda * std::pow(j - 0.3, 2) * std::log(j / 0.3);
-    if (t < 13) {
-      const double s = (f * fibre).norm();
-      density += 0.6 * Materials{}.active_fibre / 2 * std::pow(std::max(s - 0.7, 0.0), 2) +
-                 Materials{}.passive_fibre / 2 * std::pow(std::max(s - 1, 0.0), 2);
-    }
-    expected += volume * density;
+    mean_volume += tet_edges(mesh, t).determinant() / 6 / static_cast<double>(mesh.tets.rows());
   }
-  Positions gradient = Positions::Zero(nodes.rows(), 3);
-  const double found = Tissue(mesh, materials, fibres).add_gradient(nodes, std::vector<double>{0.6}, gradient).energy;
-  EXPECT_NEAR(found, expected, 1e-10 * std::abs(expected));
+  for (const Tissue::BarrierShape& shape : {Tissue::kBarrier, Tissue::BarrierShape{0.002, 3}}) {
+    double expected = 0;
+    for (int t = 0; t < mesh.tets.rows(); ++t) {
+      const Eigen::Matrix3d f = tet_edges(posed, t) * tet_edges(mesh, t).inverse();
+      const double j = f.determinant(), volume = tet_edges(mesh, t).determinant() / 6;
+      const auto& [mu, lambda] = materials[static_cast<std::size_t>(t)];
+      double density =
+          mu / 2 * (f.squaredNorm() - 3) + lambda / 2 * (std::pow(j - 1 - mu / lambda, 2) - std::pow(mu / lambda, 2));
+      const double firm = std::max(1.0, shape.least_volume * mean_volume / volume);
+      if (j < 0.3) density -= 2 * firm * lambda * std::pow(j - 0.3, 2) * std::log(j / 0.3);
+      if (t < 13) {
+        const double s = (f * fibre).norm();
+        density += 0.6 * Materials{}.active_fibre / 2 * std::pow(std::max(s - 0.7, 0.0), 2) +
+                   Materials{}.passive_fibre / 2 * std::pow(std::max(s - 1, 0.0), 2);
+      }
+      expected += volume * density;
+    }
+    Positions gradient = Positions::Zero(nodes.rows(), 3);
+    const Tissue tissue(mesh, materials, fibres);
+    const double found = tissue.add_gradient(nodes, std::vector<double>{0.6}, gradient, shape).energy;
+    EXPECT_NEAR(found, expected, 1e-10 * std::abs(expected));
+  }
 }
 
 TEST(Tissue, RigidMotionMakesNoForce) {
@@ -193,8 +201,9 @@ TEST(Tissue, InvertedGradientIsTheEnergysDerivative) {
   const Tissue tissue(mesh, all(mesh, Materials{}.fat), {});
   for (const double height : {0.06, 0.02, 0.003, -0.01, -0.5}) {
     const Positions squashed = mapped(mesh.nodes, Eigen::Vector3d(height, 1, 0.9).asDiagonal(), {0, 0, 0});
-    for (const Tissue::Wall& wall : {Tissue::kWall, Tissue::kSteepWall, Tissue::Wall{0.002, 50}}) {
-      expect_gradient(tissue, shaken(squashed, 0.00001, 8), {}, wall);
+    for (const Tissue::BarrierShape& shape :
+         {Tissue::kBarrier, Tissue::kSteepBarrier, Tissue::BarrierShape{0.002, 50}}) {
+      expect_gradient(tissue, shaken(squashed, 0.00001, 8), {}, shape);
     }
   }
 }

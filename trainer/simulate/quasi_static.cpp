@@ -273,11 +273,11 @@ Positions QuasiStaticBody::carried(const Target& from, const Target& to, const P
   return result;
 }
 
-Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane> contact, const Tissue::Wall& wall,
-                                  bool hold_volume) const {
-  return [this, &at, contact, wall, hold_volume](const Positions& x, Positions& gradient) {
+Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane> contact,
+                                  const Tissue::BarrierShape& barrier, bool hold_volume) const {
+  return [this, &at, contact, barrier, hold_volume](const Positions& x, Positions& gradient) {
     gradient.setZero();
-    const Tissue::Sum tissue = tissue_->add_gradient(x, at.activation, gradient, wall);
+    const Tissue::Sum tissue = tissue_->add_gradient(x, at.activation, gradient, barrier);
     double energy = tissue.energy + springs_->add_gradient(at.springs, x, gradient);
     if (hold_volume) energy += volume_->add_gradient(x, gradient);
     if (bending_) energy += bending_->add_gradient(at.curvature, x, gradient);
@@ -286,21 +286,21 @@ Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane
   };
 }
 
-int QuasiStaticBody::follow(const Target& at, const Tissue::Wall& wall, Positions& nodes) const {
+int QuasiStaticBody::follow(const Target& at, const Tissue::BarrierShape& barrier, Positions& nodes) const {
   const StiffModes metric(*metric_, nodes.rows(), {}, {});
   Lbfgs lbfgs(metric, force_floor_, max_move_);
   std::vector<ContactPlane> contact;
   if (contact_) contact = contact_->find(nodes, kContactMargin);
-  return lbfgs.minimise(energy(at, contact, wall, false), kPathTolerance, kPathIterations, nodes).iterations;
+  return lbfgs.minimise(energy(at, contact, barrier, false), kPathTolerance, kPathIterations, nodes).iterations;
 }
 
-MinimiseResult QuasiStaticBody::settle(const Target& at, const Tissue::Wall& wall, Positions& nodes) const {
+MinimiseResult QuasiStaticBody::settle(const Target& at, const Tissue::BarrierShape& barrier, Positions& nodes) const {
   const auto [modes, stiffness] = volume_->stiff_modes(nodes);
   const StiffModes metric(*metric_, nodes.rows(), modes, stiffness);
   Lbfgs lbfgs(metric, force_floor_, max_move_);
   MinimiseResult result;
   const auto relax = [&](std::span<const ContactPlane> contact, int iterations) {
-    const MinimiseResult last = lbfgs.minimise(energy(at, contact, wall, true), kTolerance, iterations, nodes);
+    const MinimiseResult last = lbfgs.minimise(energy(at, contact, barrier, true), kTolerance, iterations, nodes);
     result = {last.residual, result.iterations + last.iterations};
   };
   if (!contact_) {
@@ -323,10 +323,10 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, const Tissue::Wall& wal
 SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<const double> flex) const {
   const auto start_time = std::chrono::steady_clock::now();
   require_flex(flex, muscles_.size());
-  SolvedPose solved = attempt(path, flex, 1, Tissue::kWall);
+  SolvedPose solved = attempt(path, flex, 1, Tissue::kBarrier);
   if (!solved.status.converged) {
     const int before = solved.status.iterations;
-    SolvedPose again = attempt(path, flex, 0.5, Tissue::kSteepWall);
+    SolvedPose again = attempt(path, flex, 0.5, Tissue::kSteepBarrier);
     if (again.status.converged) solved = std::move(again);
     solved.status.iterations = before + again.status.iterations;
   }
@@ -336,7 +336,7 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
 
 // step_size: of the largest steps allowed.
 SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const double> flex, double step_size,
-                                    const Tissue::Wall& wall) const {
+                                    const Tissue::BarrierShape& barrier) const {
   const double hardest = flex.empty() ? 0 : *std::max_element(flex.begin(), flex.end());
   const int root = single_root(skeleton_);
 
@@ -366,13 +366,13 @@ SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const 
       }
       nodes = std::move(start);
       if (next < 1 || !last) {
-        solved.status.iterations += follow(there, wall, nodes);
+        solved.status.iterations += follow(there, barrier, nodes);
       } else {
-        MinimiseResult result = settle(there, wall, nodes);
+        MinimiseResult result = settle(there, barrier, nodes);
         solved.status.iterations += result.iterations;
         if (result.residual < kTolerance && tissue_->inverted(nodes).tets > 0) {
           Positions upright = nodes;
-          const MinimiseResult again = settle(there, Tissue::kFirmWall, upright);
+          const MinimiseResult again = settle(there, Tissue::kFirmBarrier, upright);
           solved.status.iterations += again.iterations;
           if (again.residual < kTolerance && tissue_->inverted(upright).tets == 0) {
             result = again;

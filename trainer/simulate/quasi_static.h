@@ -80,16 +80,16 @@ class QuasiStaticBody {
   QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
                   const Materials& materials, const Cage* cage);
   SolvedPose attempt(std::span<const Pose> path, std::span<const double> flex, double step_size,
-                     const Tissue::Wall& wall) const;
+                     const Tissue::BarrierShape& barrier) const;
   Target target(const std::vector<JointTransform>& local, std::span<const double> flex) const;
   Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
   // at and contact must outlive it.
-  Objective energy(const Target& at, std::span<const ContactPlane> contact, const Tissue::Wall& wall,
+  Objective energy(const Target& at, std::span<const ContactPlane> contact, const Tissue::BarrierShape& barrier,
                    bool hold_volume) const;
   // Keeps a shape near the path, roughly and without holding the volume of muscles. Returns iterations.
-  int follow(const Target& at, const Tissue::Wall& wall, Positions& nodes) const;
+  int follow(const Target& at, const Tissue::BarrierShape& barrier, Positions& nodes) const;
   // To equilibrium, or as near as it gets.
-  MinimiseResult settle(const Target& at, const Tissue::Wall& wall, Positions& nodes) const;
+  MinimiseResult settle(const Target& at, const Tissue::BarrierShape& barrier, Positions& nodes) const;
 
   Skeleton skeleton_;
   std::vector<Muscle> muscles_;

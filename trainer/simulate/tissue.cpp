@@ -146,7 +146,7 @@ double Tissue::fibre_force(const FibreBatch& batch, const Corners& corners, std:
 }
 
 Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double> activation, Positions& gradient,
-                                 const Wall& wall) const {
+                                 const BarrierShape& shape) const {
   Sum sum;
   double* out = gradient.data();
   for (std::size_t b = 0; b < batches_.size(); ++b) {
@@ -164,12 +164,12 @@ Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double>
     if (smallest < kBarrierVolume) {
       for (int lane = 0; lane < kLanes; ++lane) {
         if (s.volume_ratio[lane] >= kBarrierVolume) continue;
-        const Barrier at = barrier(s.volume_ratio[lane], wall.steepest);
-        const double least = wall.least_volume * mean_volume_, volume = batch.volume[lane];
+        const Barrier push = barrier(s.volume_ratio[lane], shape.steepest);
+        const double least = shape.least_volume * mean_volume_, volume = batch.volume[lane];
         const bool is_tiny = volume > 0 && volume < least;  // 0: an empty lane
         const double kappa = kBarrierWeight * batch.lambda[lane] * (is_tiny ? least / volume : 1);
-        density[lane] += kappa * at.value;
-        pressure[lane] += kappa * at.slope;
+        density[lane] += kappa * push.value;
+        pressure[lane] += kappa * push.slope;
       }
     }
     double stress[3][3][kLanes], force[3][3][kLanes];

@@ -20,8 +20,8 @@ struct FibreTet {
 // Energy density per tet, F the deformation gradient, J = det F, a the fibre direction, s = |F a|:
 //   mu/2 (|F|^2 - 3) + lambda/2 ((J - 1 - mu/lambda)^2 - (mu/lambda)^2)        stable neo-Hookean (Smith et al. 2018),
 //                                                                               without its singular log term
-//   + kappa (J - b)^2 (-ln(J / b)), b = kBarrierVolume,  where J < b; its tangent below J = wall.steepest:
-//     kappa = kBarrierWeight lambda, wall.least_volume   inverted tets recover
+//   + kappa (J - b)^2 (-ln(J / b)), b = kBarrierVolume,  where J < b; its tangent below J = shape.steepest:
+//     kappa = kBarrierWeight lambda, shape.least_volume   inverted tets recover
 //     mean volume / volume times as much in tiny tets
 //   + activation k_a/2 (s - slack)^2                     where s > slack, muscles only
 //   + k_p/2 (s - 1)^2                                    where s > 1, muscles only
@@ -40,7 +40,7 @@ class Tissue {
   // A tet compressed below this share of its volume is pushed back by a logarithmic barrier, so many lambdas strong.
   static constexpr double kBarrierVolume = 0.3, kBarrierWeight = 2;
 
-  struct Wall {
+  struct BarrierShape {
     // The volume ratio below which the barrier goes on as a straight line. Were it infinite at J = 0, the smallest tet
     // would stop every step of all others.
     double steepest;
@@ -49,11 +49,11 @@ class Tissue {
   };
   // The steep one holds up soft tets, nearly empty, against stiff neighbours; the firm one tiny tets, which large
   // neighbours press inside out unfelt. From far away tiny tets that are firm would stop all others.
-  static constexpr Wall kWall{0.005, 0}, kSteepWall{0.002, 0}, kFirmWall{0.002, 1e-3};
+  static constexpr BarrierShape kBarrier{0.005, 0}, kSteepBarrier{0.002, 0}, kFirmBarrier{0.002, 1e-3};
 
   // Adds the gradient (joules per metre, N x 3) of the energy at `nodes` (N x 3) to `gradient`. activation: per muscle.
   Sum add_gradient(const Positions& nodes, std::span<const double> activation, Positions& gradient,
-                   const Wall& wall = kWall) const;
+                   const BarrierShape& shape = kBarrier) const;
 
   struct Inverted {
     int tets = 0;
