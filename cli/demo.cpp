@@ -77,7 +77,7 @@ void write_inputs(const fs::path& folder, const DemoSize& size) {
   const JointLimits limits = arm_limits(skeleton);
   write_joint_limits(limits, skeleton, folder / "limits.json");
   const RangeOfMotion motion = range_of_motion(arm.character, limits, {.frames = size.rom_frames});
-  write_clip(clip_of(motion.angles, limits, skeleton), skeleton, folder / "rom.glb");
+  write_clip(clip_of(motion, limits, skeleton), skeleton, folder / "rom.glb");
   write_flex(folder / "flex.json", size.rom_frames);
   write_clip(arm_heldout(skeleton, size.heldout_frames), skeleton, folder / "heldout.glb");
 }

@@ -3,7 +3,6 @@
 
 #include "cli/common.h"
 #include "trainer/motion/coverage.h"
-#include "trainer/motion/fit_angles.h"
 #include "trainer/motion/range_of_motion.h"
 
 namespace bodyopt::cli {
@@ -19,17 +18,24 @@ struct RomArguments {
 
 constexpr std::size_t kCoverageSamples = 1000;
 
-std::vector<Angles> example_angles(const RomArguments& arguments, const JointLimits& limits, const Skeleton& skeleton) {
-  std::vector<Angles> examples;
+std::vector<Pose> example_poses(const RomArguments& arguments, const Skeleton& skeleton) {
+  std::vector<Pose> examples;
   for (const std::string& source : arguments.from) {
     ClipOptions options;
     options.unit = clip_unit(source, arguments.unit);
     const Clip clip = read_clip(source, skeleton, options);
     say(clip.notes);
-    const std::vector<Angles> angles = fit_angles(clip, limits, skeleton);
-    examples.insert(examples.end(), angles.begin(), angles.end());
+    examples.insert(examples.end(), clip.poses.begin(), clip.poses.end());
   }
   return examples;
+}
+
+// What the clip should show: what the examples do, or else anything within the limits.
+std::vector<Pose> wanted_poses(const Character& character, const JointLimits& limits,
+                               const RangeOfMotionOptions& options) {
+  if (!options.examples.empty()) return options.examples;
+  return random_poses(limits, character.skeleton, overlap_of_sweeps(character, limits), kCoverageSamples,
+                      options.seed + 1);
 }
 
 // Clips are in the unit of the character's file, as a DCC would export them.
@@ -56,27 +62,26 @@ void run(const RomArguments& arguments) {
   const Skeleton& skeleton = character.skeleton;
   const JointLimits limits = read_joint_limits(arguments.limits, skeleton);
   RangeOfMotionOptions options = arguments.options;
-  options.examples = example_angles(arguments, limits, skeleton);
+  options.examples = example_poses(arguments, skeleton);
 
   const RangeOfMotion motion = range_of_motion(character, limits, options);
-  write_in_unit(clip_of(motion.angles, limits, skeleton), skeleton, arguments.unit > 0 ? arguments.unit : 1,
-                arguments.out);
+  const Clip clip = clip_of(motion, limits, skeleton);
+  write_in_unit(clip, skeleton, arguments.unit > 0 ? arguments.unit : 1, arguments.out);
 
-  std::string text = format("%zu frames: rest, %zu of sweeps, %zu of pairs, %zu random\n", motion.angles.size(),
+  std::string text = format("%zu frames: rest, %zu of sweeps, %zu of pairs, %zu random\n", clip.poses.size(),
                             motion.sweep_frames, motion.pair_frames, motion.random_frames);
   text += format("random frames step %.1f degrees at most; the largest step of all is %.1f\n", motion.step,
                  motion.largest_step);
-  text += "degrees from random poses, in which no limbs overlap, to the nearest frame:\n";
-  const SelfOverlap overlap = overlap_of_sweeps(character, limits);
+  text += arguments.from.empty() ? "degrees from random poses, in which no limbs overlap, to the nearest frame:\n"
+                                 : "degrees from the poses of the clips given to the nearest frame:\n";
   Json per_joint = Json::array();
-  for (const JointCoverage& joint :
-       coverage(motion.angles, limits, skeleton, overlap, kCoverageSamples, options.seed + 1)) {
+  for (const JointCoverage& joint : coverage(clip.poses, wanted_poses(character, limits, options), skeleton)) {
     text += format("  %-20s mean %5.1f  largest %5.1f\n", joint.joint.c_str(), joint.mean, joint.largest);
     per_joint.push_back({{"joint", joint.joint}, {"mean_degrees", joint.mean}, {"largest_degrees", joint.largest}});
   }
   text += "wrote " + arguments.out + "\n";
   arguments.json.emit({{"clip", arguments.out},
-                       {"frames", motion.angles.size()},
+                       {"frames", clip.poses.size()},
                        {"sweep_frames", motion.sweep_frames},
                        {"pair_frames", motion.pair_frames},
                        {"random_frames", motion.random_frames},
@@ -99,7 +104,8 @@ void add_rom(CLI::App& app) {
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000));
   verb.add_option("--seed", arguments->options.seed, "Another seed gives other random poses")->capture_default_str();
-  verb.add_option("--from", arguments->from, "Clips whose poses the random poses are blended from, within the limits")
+  verb.add_option("--from", arguments->from,
+                  "Clips whose poses the random poses are blended from, beyond the limits if they go there")
       ->type_name("CLIP");
   add_unit(verb, arguments->unit);
   arguments->json.add(verb);

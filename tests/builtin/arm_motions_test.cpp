@@ -27,7 +27,7 @@ const JointLimits& limits() {
 
 Clip range_of_motion_clip(int frames, std::uint64_t seed) {
   static const BuiltinArm arm = build_arm();
-  return clip_of(range_of_motion(arm.character, limits(), {.frames = frames, .seed = seed}).angles, limits(),
+  return clip_of(range_of_motion(arm.character, limits(), {.frames = frames, .seed = seed}), limits(),
                  skeleton());
 }
 

@@ -28,7 +28,7 @@ TEST(ExportedGltf, BuiltinCharacterAndClipsAreValid) {
   write_character(arm.character, folder / "character.glb");
   const JointLimits limits = arm_limits(skeleton);
   const RangeOfMotion motion = range_of_motion(arm.character, limits, {.frames = 24});
-  write_clip(clip_of(motion.angles, limits, skeleton), skeleton, folder / "rom.glb");
+  write_clip(clip_of(motion, limits, skeleton), skeleton, folder / "rom.glb");
   write_clip(arm_heldout(skeleton, 24), skeleton, folder / "heldout.glb");
   expect_valid(folder.path());
 }

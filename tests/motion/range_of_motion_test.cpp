@@ -9,10 +9,10 @@
 
 #include "runtime/basis/error.h"
 #include "tests/builtin/shared_arm.h"
+#include "trainer/motion/blend_clips.h"
 #include "trainer/motion/body_spheres.h"
 #include "trainer/motion/coverage.h"
 #include "trainer/motion/explore.h"
-#include "trainer/motion/fit_angles.h"
 #include "trainer/motion/walk.h"
 
 namespace bodyopt {
@@ -91,11 +91,12 @@ TEST(RangeOfMotion, TakesAnyLength) {
 // Against as many poses drawn uniformly as the clip has random frames: that neighbours are close must cost little.
 TEST(RangeOfMotion, CoversNearlyAsMuchAsPosesThatAreNotConnected) {
   UniformRandom random(99);
-  std::vector<Angles> plain;
-  while (plain.size() < motion().random_frames) plain.push_back(random_angles(limits(), random));
+  RangeOfMotion plain;
+  while (plain.angles.size() < motion().random_frames) plain.angles.push_back(random_angles(limits(), random));
   const SelfOverlap overlap = overlap_of_sweeps(arm().character, limits());
-  const auto ours = coverage(motion().angles, limits(), skeleton(), overlap, 1000, 5);
-  const auto theirs = coverage(plain, limits(), skeleton(), overlap, 1000, 5);
+  const std::vector<Pose> wanted = random_poses(limits(), skeleton(), overlap, 1000, 5);
+  const auto ours = coverage(clip_of(motion(), limits(), skeleton()).poses, wanted, skeleton());
+  const auto theirs = coverage(clip_of(plain, limits(), skeleton()).poses, wanted, skeleton());
   ASSERT_EQ(ours.size(), theirs.size());
   for (std::size_t j = 0; j < ours.size(); ++j) {
     SCOPED_TRACE(ours[j].joint);
@@ -116,36 +117,54 @@ TEST(RangeOfMotion, RandomPosesOverlapNoMoreThanTheSweeps) {
   }
 }
 
-// Examples on one line of poses: random poses must stay on it.
-TEST(RangeOfMotion, StaysWithTheExamples) {
-  std::vector<Angles> examples;
-  for (int k = 0; k <= 20; ++k) examples.push_back({0, 50.0 + k, 0, 20 + 3.0 * k, 10.0 + k});
-  const RangeOfMotion made = range_of_motion(arm().character, limits(), {400, 3, examples});
-  double lowest = 1, highest = 0;
-  for (std::size_t k = made.angles.size() - made.random_frames / 2; k < made.angles.size(); ++k) {
-    const double t = (made.angles[k][1] - 50) / 20;
-    const Angles on_line = {0, 50 + 20 * t, 0, 20 + 60 * t, 10 + 20 * t};
-    ASSERT_LT(largest_change(made.angles[k], on_line), 1e-9) << "frame " << k + 1;
-    lowest = std::min(lowest, t);
-    highest = std::max(highest, t);
+// An arm that turns about one axis, far beyond what the limits allow: random poses must do the same and nothing else.
+TEST(RangeOfMotion, StaysWithTheExamplesBeyondTheLimits) {
+  const Quat bind = skeleton().joints[joint("elbow")].bind.rotation;
+  std::vector<Pose> examples;
+  for (int k = 0; k <= 20; ++k) {
+    Pose& pose = examples.emplace_back(bind_pose(skeleton()));
+    pose.joints[joint("elbow")].rotation = bind * axis_angle({1, 0, 0}, 0.1 * k);
+    pose.joints[0].rotation = axis_angle({0, 1, 0}, 0.3 * k);  // the root's: left out
+    pose.joints[0].translation = {1.0 * k, 0, 0};
   }
-  EXPECT_LT(lowest, 0.1);
-  EXPECT_GT(highest, 0.9);
+  const RangeOfMotion made = range_of_motion(arm().character, limits(), {400, 3, examples});
+  const Clip clip = clip_of(made, limits(), skeleton());
+  ASSERT_EQ(clip.poses.size(), 400u);
+  ASSERT_EQ(made.blends.size(), made.random_frames);
+  double lowest = 180, highest = 0;
+  for (std::size_t k = 400 - made.random_frames / 2; k < 400; ++k) {
+    const std::vector<Quat> turns = turns_of_pose(skeleton(), clip.poses[k]);
+    for (std::uint32_t j = 0; j < turns.size(); ++j) {
+      if (j != joint("elbow")) {
+        ASSERT_LT(angle_of(turns[j]), 1e-4) << "frame " << k + 1;
+      }
+    }
+    const Quat own = conjugate(bind) * clip.poses[k].joints[joint("elbow")].rotation;
+    ASSERT_NEAR(std::abs(own[1]) + std::abs(own[2]), 0, 1e-7) << "another axis, frame " << k + 1;
+    lowest = std::min(lowest, angle_of(own));
+    highest = std::max(highest, angle_of(own));
+  }
+  EXPECT_LT(lowest, 12);
+  EXPECT_GT(highest, 103);
+  EXPECT_LT(highest, 114.6);  // 2 radians: what the examples reach
+  for (const JointCoverage& covered : coverage(clip.poses, examples, skeleton())) EXPECT_LT(covered.largest, 3);
 }
 
-TEST(FitAngles, FindsTheAnglesOfAClip) {
-  const std::vector<Angles> some(motion().angles.begin(), motion().angles.begin() + 400);
-  const std::vector<Angles> found = fit_angles(clip_of(some, limits(), skeleton()), limits(), skeleton());
-  for (std::size_t k = 0; k < some.size(); ++k) ASSERT_LT(largest_change(some[k], found[k]), 1e-3) << "frame " << k;
-}
-
-TEST(FitAngles, StopsAtTheLimits) {
-  JointLimits wide = limits();
-  for (DegreeOfFreedom& dof : wide.dofs) dof.max += 30;
-  Angles beyond = rest_angles(limits());
-  beyond[3] = 140;
-  const std::vector<Angles> found = fit_angles(clip_of({beyond}, wide, skeleton()), limits(), skeleton());
-  EXPECT_NEAR(found[0][3], 120, 1e-6);
+// Between an arm on one side of the torso and one on the other lie poses that go through it.
+TEST(BlendClips, LimbsOverlapNoMoreThanInTheExamples) {
+  const Quat bind = skeleton().joints[joint("shoulder")].bind.rotation;
+  std::vector<Pose> examples(2, bind_pose(skeleton()));
+  examples[0].joints[joint("shoulder")].rotation = axis_angle({0, 0, 1}, 1.5) * bind;
+  examples[1].joints[joint("shoulder")].rotation = axis_angle({0, 0, 1}, -0.6) * bind;
+  SelfOverlap overlap(arm().character);
+  for (const Pose& pose : examples) overlap.trust(pose);
+  Pose between = examples[0];
+  between.joints[joint("shoulder")].rotation =
+      slerp(examples[0].joints[joint("shoulder")].rotation, examples[1].joints[joint("shoulder")].rotation, 0.5);
+  ASSERT_TRUE(overlap.find(between));
+  for (const Pose& pose : blend_clips(examples, overlap, {bind_pose(skeleton())}, {50, 1, 20})) {
+    ASSERT_FALSE(overlap.find(pose));
+  }
 }
 
 TEST(BodySpheres, LieInsideTheSkinAndFillTheLimb) {

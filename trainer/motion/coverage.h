@@ -1,4 +1,4 @@
-// How much of the range of motion the frames of a clip show.
+// How much of the poses a character will take the frames of a clip show.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,19 @@
 
 namespace bodyopt {
 
-// Degrees from random rotations of a joint within the limits to the nearest in any frame.
+// Degrees from the rotations that a joint is wanted to take to the nearest in any frame.
 struct JointCoverage {
   std::string joint;
   double mean, largest;
 };
 
-// For every joint with limits, by `samples` fresh random poses in which no limbs overlap (fewer where such poses are
-// rare; not a number where there are none).
-std::vector<JointCoverage> coverage(const std::vector<Angles>& frames, const JointLimits& limits,
-                                    const Skeleton& skeleton, const SelfOverlap& overlap, std::size_t samples,
-                                    std::uint64_t seed);
+// For every joint that leaves the bind pose in a wanted pose or a frame, in joint order; the root is left out. Not a
+// number where no poses are wanted.
+std::vector<JointCoverage> coverage(const std::vector<Pose>& frames, const std::vector<Pose>& wanted,
+                                    const Skeleton& skeleton);
+
+// Random poses within the limits in which no limbs overlap: `count`, or fewer where such poses are rare.
+std::vector<Pose> random_poses(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
+                               std::size_t count, std::uint64_t seed);
 
 }  // namespace bodyopt

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <set>
 
 #include "trainer/motion/walk.h"
@@ -22,15 +21,10 @@ class Explorer {
         overlap_(overlap),
         options_(options),
         random_(options.seed),
+        groups_(dof_groups(limits)),
         been_(covered),
         at_(covered.back()),
         target_(at_) {
-    if (options.examples.empty()) {
-      groups_ = dof_groups(limits);
-    } else {
-      groups_.emplace_back(limits.dofs.size());
-      std::iota(groups_[0].begin(), groups_[0].end(), std::size_t{0});
-    }
     been_.reserve(covered.size() + options.frames);
   }
 
@@ -74,21 +68,11 @@ class Explorer {
     return std::all_of(group.begin(), group.end(), [&](std::size_t k) { return at_[k] == target_[k]; });
   }
 
-  Angles candidate() {
-    if (options_.examples.empty()) return random_angles(limits_, random_);
-    const Angles& a = options_.examples[random_.below(options_.examples.size())];
-    const Angles& b = options_.examples[random_.below(options_.examples.size())];
-    const double t = random_.next();
-    Angles blend(a.size());
-    for (std::size_t k = 0; k < a.size(); ++k) blend[k] = a[k] + t * (b[k] - a[k]);
-    return blend;
-  }
-
   void choose_target(const DofGroup& group) {
     double farthest = -1;
     Angles best;
     for (int k = 0; k < kCandidates; ++k) {
-      const Angles candidate = this->candidate();
+      const Angles candidate = random_angles(limits_, random_);
       const double distance = squared_distance_to_covered(candidate, group, farthest);
       if (distance <= farthest) continue;
       farthest = distance;

@@ -26,13 +26,12 @@ Angles random_angles(const JointLimits& limits, UniformRandom& random);
 struct ExploreOptions {
   std::size_t frames;
   std::uint64_t seed;
-  double step;                   // degrees that an angle changes from a frame to the next, at most
-  std::vector<Angles> examples;  // poses are blends of two of these; empty: anywhere within the limits
+  double step;  // degrees that an angle changes from a frame to the next, at most
 };
 
 // Each group walks straight to the candidate pose (of kCandidates random ones) that lies farthest from where the group
-// has been, in `covered` and since; then to the next. Groups walk at the same time, each at its own pace; with examples
-// the whole body is one group, so that poses stay like theirs. Groups whose limbs would overlap choose again.
+// has been, in `covered` and since; then to the next. Groups walk at the same time, each at its own pace. Groups
+// whose limbs would overlap choose again.
 std::vector<Angles> explore(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
                             const std::vector<Angles>& covered, const ExploreOptions& options);
 

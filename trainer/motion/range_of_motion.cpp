@@ -6,6 +6,7 @@
 #include <string>
 
 #include "runtime/basis/error.h"
+#include "trainer/motion/blend_clips.h"
 #include "trainer/motion/body_spheres.h"
 #include "trainer/motion/explore.h"
 #include "trainer/motion/sweeps.h"
@@ -44,13 +45,17 @@ RangeOfMotion range_of_motion(const Character& character, const JointLimits& lim
 
   frames.push_back(rest_angles(limits));
   result.sweep_frames = append(sweeps(limits, share(kSweepShare)));
-  const SelfOverlap overlap = overlap_of_sweeps(character, limits);
+  SelfOverlap overlap = overlap_of_sweeps(character, limits);
   result.pair_frames = append(pair_blends(limits, skeleton, overlap, share(kPairShare)));
   result.random_frames = count - frames.size();
-  if (result.random_frames > 0) {
-    result.step = random_step(result.random_frames);
-    append(explore(limits, skeleton, overlap, frames,
-                   {result.random_frames, options.seed, result.step, options.examples}));
+  result.step = result.random_frames > 0 ? random_step(result.random_frames) : 0;
+  if (result.random_frames > 0 && options.examples.empty()) {
+    append(explore(limits, skeleton, overlap, frames, {result.random_frames, options.seed, result.step}));
+  } else if (result.random_frames > 0) {
+    const std::vector<Pose> examples = in_place(skeleton, options.examples);
+    for (const Pose& example : examples) overlap.trust(example);
+    result.blends = blend_clips(examples, overlap, clip_of(result, limits, skeleton).poses,
+                                {result.random_frames, options.seed, result.step});
   }
   for (std::size_t k = 1; k < frames.size(); ++k) {
     result.largest_step = std::max(result.largest_step, largest_change(frames[k - 1], frames[k]));
@@ -67,10 +72,11 @@ SelfOverlap overlap_of_sweeps(const Character& character, const JointLimits& lim
   return overlap;
 }
 
-Clip clip_of(const std::vector<Angles>& frames, const JointLimits& limits, const Skeleton& skeleton) {
+Clip clip_of(const RangeOfMotion& motion, const JointLimits& limits, const Skeleton& skeleton) {
   Clip clip;
   clip.name = "range_of_motion";
-  for (const Angles& angles : frames) clip.poses.push_back(limited_pose(skeleton, limits, angles));
+  for (const Angles& angles : motion.angles) clip.poses.push_back(limited_pose(skeleton, limits, angles));
+  clip.poses.insert(clip.poses.end(), motion.blends.begin(), motion.blends.end());
   return clip;
 }
 

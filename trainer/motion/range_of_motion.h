@@ -13,14 +13,15 @@ namespace bodyopt {
 struct RangeOfMotionOptions {
   int frames = 3200;
   std::uint64_t seed = 1;
-  std::vector<Angles> examples{};  // random poses are blends of two of these; empty: anywhere within the limits
+  std::vector<Pose> examples{};  // random poses are blends of two of these; empty: anywhere within the limits
 };
 
 struct RangeOfMotion {
-  std::vector<Angles> angles;                                        // per frame
+  std::vector<Angles> angles;  // per frame that the limits made: of all, or with examples of all but the random ones
+  std::vector<Pose> blends;    // the random frames where there are examples
   std::size_t sweep_frames = 0, pair_frames = 0, random_frames = 0;  // after frame 1, which is the rest pose
   double step = 0;          // degrees: no angle changes more between random frames, but where limbs were in the way
-  double largest_step = 0;  // degrees, between any two frames
+  double largest_step = 0;  // degrees, of any angle between two frames that the limits made
 };
 
 // Frame 1 is the rest pose; then sweeps and pair blends (at most kSweepShare and kPairShare of the frames), then random
@@ -32,6 +33,6 @@ RangeOfMotion range_of_motion(const Character& character, const JointLimits& lim
 SelfOverlap overlap_of_sweeps(const Character& character, const JointLimits& limits);
 
 // 24 frames a second.
-Clip clip_of(const std::vector<Angles>& frames, const JointLimits& limits, const Skeleton& skeleton);
+Clip clip_of(const RangeOfMotion& motion, const JointLimits& limits, const Skeleton& skeleton);
 
 }  // namespace bodyopt

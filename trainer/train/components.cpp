@@ -20,59 +20,54 @@ Eigen::MatrixXf weighted_columns(const Displacements& displacements, const Regio
   return columns;
 }
 
-// Tiles of single-precision products, summed in double precision.
-Eigen::MatrixXd gram(const Eigen::MatrixXf& columns) {
-  constexpr Eigen::Index kTile = 1024;
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(columns.rows(), columns.rows());
-  for (Eigen::Index begin = 0; begin < columns.cols(); begin += kTile) {
-    const auto tile = columns.middleCols(begin, std::min(kTile, columns.cols() - begin));
-    const Eigen::MatrixXf product = tile * tile.transpose();
-    sum += product.cast<double>();
-  }
-  return sum;
+// An orthonormal basis of the columns' span.
+Eigen::MatrixXf orthonormal(const Eigen::MatrixXf& matrix) {
+  return Eigen::HouseholderQR<Eigen::MatrixXf>(matrix).householderQ() *
+         Eigen::MatrixXf::Identity(matrix.rows(), matrix.cols());
 }
 
-Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& matrix) {
-  return Eigen::HouseholderQR<Eigen::MatrixXd>(matrix).householderQ() *
-         Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols());
-}
-
-struct Spectrum {
-  Eigen::VectorXd values;   // descending
-  Eigen::MatrixXd vectors;  // one column each
+struct SingularVectors {
+  Eigen::VectorXd values;  // descending
+  Eigen::MatrixXd left;    // N x K
+  Eigen::MatrixXd right;   // K x columns
 };
 
-Spectrum leading_eigenvectors(const Eigen::MatrixXd& matrix, Eigen::Index count) {
-  constexpr int kIterations = 12;
+// Randomised subspace iteration (Halko, Martinsson and Tropp 2011, algorithm 4.4).
+SingularVectors leading_singular_vectors(const Eigen::MatrixXf& matrix, Eigen::Index count) {
+  constexpr int kIterations = 5;
   constexpr Eigen::Index kExtra = 8;
-  const Eigen::Index size = std::min(matrix.rows(), count + kExtra);
+  const Eigen::Index size = std::min({matrix.rows(), matrix.cols(), count + kExtra});
   std::mt19937_64 random(1);
-  std::normal_distribution<double> normal;
-  Eigen::MatrixXd space = Eigen::MatrixXd::NullaryExpr(matrix.rows(), size, [&] { return normal(random); });
-  space = orthonormal(space);
-  for (int k = 0; k < kIterations; ++k) space = orthonormal(matrix * space);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(space.transpose() * matrix * space);
-  const Eigen::Index kept = std::min(count, size);
-  return {solver.eigenvalues().reverse().head(kept), space * solver.eigenvectors().rowwise().reverse().leftCols(kept)};
+  std::normal_distribution<float> normal;
+  const auto draw = [&] { return normal(random); };
+  Eigen::MatrixXf space = orthonormal(matrix * Eigen::MatrixXf::NullaryExpr(matrix.cols(), size, draw));
+  for (int k = 0; k < kIterations; ++k) {
+    const Eigen::MatrixXf other = orthonormal(matrix.transpose() * space);
+    space = orthonormal(matrix * other);
+  }
+  const Eigen::MatrixXd projected = (space.transpose() * matrix).cast<double>();  // size x columns
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(projected * projected.transpose());
+  const Eigen::MatrixXd turn = solver.eigenvectors().rowwise().reverse().leftCols(std::min(count, size));
+  SingularVectors result;
+  result.right = turn.transpose() * projected;
+  result.values = result.right.rowwise().norm();
+  result.left = space.cast<double>() * turn;
+  return result;
 }
 
 }  // namespace
 
 Components principal_components(const Displacements& displacements, const RegionWeights& region, int count) {
   const Eigen::MatrixXf columns = weighted_columns(displacements, region);
-  const Spectrum spectrum = leading_eigenvectors(gram(columns), count);
+  const SingularVectors singular = leading_singular_vectors(columns, count);
   // Below this the single-precision products hold only noise.
-  constexpr double kNoise = 1e-9;
+  constexpr double kNoise = 3e-5;
   Eigen::Index kept = 0;
-  while (kept < spectrum.values.size() && spectrum.values[kept] > kNoise * spectrum.values[0]) ++kept;
+  while (kept < singular.values.size() && singular.values[kept] > kNoise * singular.values[0]) ++kept;
 
   Components components;
-  components.coefficients.resize(displacements.rows(), kept);
-  for (Eigen::Index k = 0; k < kept; ++k) {
-    components.coefficients.col(k) = std::sqrt(spectrum.values[k]) * spectrum.vectors.col(k);
-  }
-  components.basis = spectrum.vectors.leftCols(kept).transpose() * columns.cast<double>();
-  for (Eigen::Index k = 0; k < kept; ++k) components.basis.row(k) /= std::sqrt(spectrum.values[k]);
+  components.coefficients = singular.left.leftCols(kept) * singular.values.head(kept).asDiagonal();
+  components.basis = singular.values.head(kept).cwiseInverse().asDiagonal() * singular.right.topRows(kept);
   for (std::size_t v = 0; v < region.vertices.size(); ++v) {
     components.basis.middleCols(3 * static_cast<Eigen::Index>(v), 3) *= std::sqrt(region.weights[v]);
   }

@@ -22,8 +22,7 @@ struct Components {
 };
 
 // The leading components of the displacements, weighted by the region, not centred (no displacement at rest means no
-// coefficient). Fewer than `count` where the data has no more rank. By subspace iteration on the Gram matrix;
-// deterministic.
+// coefficient). Fewer than `count` where the data has no more rank. Deterministic.
 Components principal_components(const Displacements& displacements, const RegionWeights& region, int count);
 
 }  // namespace bodyopt

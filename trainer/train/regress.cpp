@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace bodyopt {
 namespace {
@@ -18,9 +19,10 @@ constexpr double kLinearPenalties[] = {1e-4, 1e-3, 1e-2, 1e-1};
 constexpr double kKernelPenalties[] = {1e-5, 1e-4, 1e-3, 1e-2};
 
 MatrixXd squared_distances(const MatrixXd& a, const MatrixXd& b) {
-  MatrixXd distances(a.rows(), b.rows());
-  for (Index k = 0; k < b.rows(); ++k) distances.col(k) = (a.rowwise() - b.row(k)).rowwise().squaredNorm();
-  return distances;
+  MatrixXd distances = -2 * a * b.transpose();
+  distances.colwise() += a.rowwise().squaredNorm();
+  distances.rowwise() += b.rowwise().squaredNorm().transpose();
+  return distances.cwiseMax(0);
 }
 
 // Farthest-point sampling, starting with the rest pose.
@@ -51,113 +53,135 @@ double median_distance(const MatrixXd& centres) {
   return *middle;
 }
 
-// What the weights multiply, less its value at rest, and the kernels' inner products (their norm).
-struct Design {
-  MatrixXd regressors;   // N x (F + M)
-  MatrixXd kernel_norm;  // M x M
-};
-
-Design make_design(const RegressionData& data, const MatrixXd& centres, double inverse_width2) {
-  const auto kernels = [&](const MatrixXd& points) -> MatrixXd {
-    return (squared_distances(points, centres) * -inverse_width2).array().exp();
-  };
-  Design design;
-  design.regressors.resize(data.features.rows(), data.features.cols() + centres.rows());
-  design.regressors << data.features.rowwise() - data.rest,
-      kernels(data.features).rowwise() - kernels(data.rest).row(0);
-  design.kernel_norm = kernels(centres);
-  return design;
-}
-
 struct Penalty {
   double linear = kLinearPenalties[2], kernel = kKernelPenalties[1];
 };
 
-// Weights from normal equations gathered over `frames` frames.
-MatrixXd solve(const Design& design, MatrixXd normal, const MatrixXd& right, const Penalty& penalty, double frames) {
-  const Index kernels = design.kernel_norm.rows(), linear = normal.rows() - kernels;
-  normal.diagonal().head(linear).array() += penalty.linear * frames;
-  normal.bottomRightCorner(kernels, kernels) += penalty.kernel * design.kernel_norm;
-  normal.diagonal().array() += 1e-10 * std::max(1.0, normal.trace());
-  return normal.llt().solve(right);
-}
-
-// The normal equations of every fold and of all folds together: the work shared by all penalties.
-class CrossValidation {
+// The fits that features, centres and width leave open: normal equations gathered once for all penalties.
+class KernelRidge {
  public:
-  CrossValidation(const RegressionData& data, const Design& design) : design_(design) {
-    const int count = 1 + *std::max_element(data.folds.begin(), data.folds.end());
-    for (int fold = 0; fold < count; ++fold) {
+  KernelRidge(const RegressionData& data, const MatrixXd& centres, double inverse_width2)
+      : inverse_width2_(inverse_width2), kernel_norm_(kernels(centres, centres)) {
+    // What the weights multiply, less its value at rest.
+    MatrixXd regressors(data.features.rows(), data.features.cols() + centres.rows());
+    regressors << data.features.rowwise() - data.rest,
+        kernels(data.features, centres).rowwise() - kernels(data.rest, centres).row(0);
+    const int last = *std::max_element(data.folds.begin(), data.folds.end());
+    for (int fold = -1; fold <= last; ++fold) {
       std::vector<Index> rows;
       for (std::size_t n = 0; n < data.folds.size(); ++n) {
         if (data.folds[n] == fold) rows.push_back(static_cast<Index>(n));
       }
-      Fold& part = folds_.emplace_back();
-      part.regressors = design.regressors(rows, Eigen::all);
+      Fold& part = fold < 0 ? guards_ : folds_.emplace_back();
+      part.regressors = regressors(rows, Eigen::all);
       part.targets = data.targets(rows, Eigen::all);
-      part.normal = part.regressors.transpose() * part.regressors;
+      part.normal = MatrixXd::Zero(regressors.cols(), regressors.cols());
+      part.normal.selfadjointView<Eigen::Lower>().rankUpdate(part.regressors.transpose());
       part.right = part.regressors.transpose() * part.targets;
-      frames_ += static_cast<double>(rows.size());
     }
   }
 
-  double error(const Penalty& penalty) const {
-    double sum = 0;
+  double inverse_width2() const { return inverse_width2_; }
+
+  // Root mean square of what each fold's frames differ from the fit of the others.
+  double validation_error(const Penalty& penalty) const {
+    double sum = 0, frames = 0;
     for (const Fold& held_out : folds_) {
-      MatrixXd normal = MatrixXd::Zero(held_out.normal.rows(), held_out.normal.cols());
-      MatrixXd right = MatrixXd::Zero(held_out.right.rows(), held_out.right.cols());
-      for (const Fold& fold : folds_) {
-        if (&fold == &held_out) continue;
-        normal += fold.normal;
-        right += fold.right;
-      }
-      const double frames = frames_ - static_cast<double>(held_out.targets.rows());
-      const MatrixXd weights = solve(design_, std::move(normal), right, penalty, frames);
-      sum += (held_out.regressors * weights - held_out.targets).squaredNorm();
+      Sums sums = sums_without(&held_out);
+      sum += (held_out.regressors * solve(std::move(sums), penalty) - held_out.targets).squaredNorm();
+      frames += static_cast<double>(held_out.targets.rows());
     }
-    return std::sqrt(sum / frames_);
+    return std::sqrt(sum / frames);
+  }
+
+  // Fitted to all frames.
+  MatrixXd weights(const Penalty& penalty) const {
+    Sums sums = sums_without(nullptr);
+    sums.add(guards_);
+    return solve(std::move(sums), penalty);
   }
 
  private:
   struct Fold {
-    MatrixXd regressors, targets, normal, right;
+    MatrixXd regressors, targets, right;
+    MatrixXd normal;  // its lower triangle
   };
-  const Design& design_;
+  struct Sums {
+    MatrixXd normal, right;
+    double frames = 0;
+    void add(const Fold& fold) {
+      normal += fold.normal;
+      right += fold.right;
+      frames += static_cast<double>(fold.targets.rows());
+    }
+  };
+
+  MatrixXd kernels(const MatrixXd& points, const MatrixXd& centres) const {
+    return (squared_distances(points, centres) * -inverse_width2_).array().exp();
+  }
+
+  Sums sums_without(const Fold* held_out) const {
+    Sums sums{MatrixXd::Zero(guards_.normal.rows(), guards_.normal.cols()),
+              MatrixXd::Zero(guards_.right.rows(), guards_.right.cols())};
+    for (const Fold& fold : folds_) {
+      if (&fold != held_out) sums.add(fold);
+    }
+    return sums;
+  }
+
+  MatrixXd solve(Sums sums, const Penalty& penalty) const {
+    const Index kernels = kernel_norm_.rows(), linear = sums.normal.rows() - kernels;
+    sums.normal.diagonal().head(linear).array() += penalty.linear * sums.frames;
+    sums.normal.bottomRightCorner(kernels, kernels) += penalty.kernel * kernel_norm_;
+    sums.normal.diagonal().array() += 1e-10 * std::max(1.0, sums.normal.trace());
+    return sums.normal.selfadjointView<Eigen::Lower>().llt().solve(sums.right);
+  }
+
+  double inverse_width2_;
+  MatrixXd kernel_norm_;  // the kernels' inner products
+  Fold guards_;           // frames of no fold
   std::vector<Fold> folds_;
-  double frames_ = 0;
 };
+
+double inverse_width2(double width, double median) { return 0.5 / std::pow(width * median, 2); }
 
 }  // namespace
 
+double trial_error(const RegressionData& data, int centre_count) {
+  const MatrixXd centres = choose_centres(data, centre_count);
+  return KernelRidge(data, centres, inverse_width2(kWidths[1], median_distance(centres))).validation_error({});
+}
+
+// One dial after the other: all combinations would be six times as many fits.
 Regression fit_regression(const RegressionData& data, int centre_count) {
   Regression best;
   best.centres = choose_centres(data, centre_count);
+  best.validation_error = std::numeric_limits<double>::infinity();
   const bool has_kernels = best.centres.rows() > 0;
   const double median = median_distance(best.centres);
-  best.validation_error = std::numeric_limits<double>::infinity();
-  Penalty best_penalty;
+  std::optional<KernelRidge> ridge;
   for (const double width : kWidths) {
-    const double inverse_width2 = 0.5 / std::pow(width * median, 2);
-    const Design design = make_design(data, best.centres, inverse_width2);
-    const CrossValidation validation(data, design);
-    const auto consider = [&](const Penalty& penalty) {
-      const double error = validation.error(penalty);
-      if (!(error < best.validation_error)) return;
+    KernelRidge candidate(data, best.centres, inverse_width2(width, median));
+    const double error = candidate.validation_error({});
+    if (!ridge || error < best.validation_error) {
       best.validation_error = error;
-      best.inverse_width2 = inverse_width2;
-      best_penalty = penalty;
-    };
-    for (const double kernel : kKernelPenalties) {
-      consider({best_penalty.linear, kernel});
-      if (!has_kernels) break;
+      ridge = std::move(candidate);
     }
-    for (const double linear : kLinearPenalties) consider({linear, best_penalty.kernel});
     if (!has_kernels) break;
   }
-  const Design design = make_design(data, best.centres, best.inverse_width2);
-  const MatrixXd& x = design.regressors;
-  best.weights =
-      solve(design, x.transpose() * x, x.transpose() * data.targets, best_penalty, static_cast<double>(x.rows()));
+  Penalty penalty;
+  const auto consider = [&](const Penalty& candidate) {
+    const double error = ridge->validation_error(candidate);
+    if (!(error < best.validation_error)) return;
+    best.validation_error = error;
+    penalty = candidate;
+  };
+  if (has_kernels) {
+    for (const double kernel : kKernelPenalties) consider({penalty.linear, kernel});
+  }
+  for (const double linear : kLinearPenalties) consider({linear, penalty.kernel});
+  best.inverse_width2 = ridge->inverse_width2();
+  best.weights = ridge->weights(penalty);
   return best;
 }
 

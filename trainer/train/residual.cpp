@@ -68,14 +68,18 @@ RegionModel fit_region(const RegionWeights& region, const std::vector<std::vecto
   RegionModel model;
   model.region = region;
   model.components = principal_components(displacements, region, options.components);
-  model.regression.validation_error = std::numeric_limits<double>::infinity();
+  const int centres = options.joint_only_linear ? 0 : options.centres;
+  const auto data_of = [&](const std::vector<std::uint32_t>& choice) {
+    return regression_data(features, choice, model.components.coefficients, folds);
+  };
+  double least = std::numeric_limits<double>::infinity();
   for (const std::vector<std::uint32_t>& choice : choices) {
-    const RegressionData data = regression_data(features, choice, model.components.coefficients, folds);
-    Regression regression = fit_regression(data, options.joint_only_linear ? 0 : options.centres);
-    if (!(regression.validation_error < model.regression.validation_error)) continue;
-    model.regression = std::move(regression);
+    const double error = choices.size() > 1 ? trial_error(data_of(choice), centres) : 0;
+    if (!(error < least)) continue;
+    least = error;
     model.features = choice;
   }
+  model.regression = fit_regression(data_of(model.features), centres);
   normalise(model);
   return model;
 }
