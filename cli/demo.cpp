@@ -224,7 +224,7 @@ class PictureMaker {
 
   PictureReport make(const std::string& kind, std::size_t sample, const std::string& caption) {
     constexpr std::uint32_t kWidth = 520, kHeight = 600;
-    const std::vector<float> truth = to_float(set_.heldout[sample].shape), result = to_float(shapes_[sample]);
+    const std::vector<float> truth = to_float(set_.heldout[sample].shape.read()), result = to_float(shapes_[sample]);
     const PosePair pose{triangles_, truth, result};
     PictureReport picture;
     picture.kind = kind;
@@ -288,7 +288,7 @@ SimulationReport simulation_report(const Dataset& dataset) {
 // Of the held-out frames that converged in both.
 ErrorStatistics draft_errors(const SampleSet& set, const Dataset& draft) {
   std::map<int, Positions> skins;
-  for (Sample& sample : read_samples(draft).heldout) skins[sample.frame] = std::move(sample.shape);
+  for (const Sample& sample : read_samples(draft).heldout) skins[sample.frame] = sample.shape.read();
   SampleSet both = set;
   std::erase_if(both.heldout, [&](const Sample& sample) { return !skins.contains(sample.frame); });
   std::vector<Positions> shapes;

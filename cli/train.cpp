@@ -115,6 +115,10 @@ void add_train(CLI::App& app) {
   verb.add_option("--centres", arguments->options.centres, "Kernel centres per region at most")
       ->capture_default_str()
       ->check(CLI::Range(0, 4096));
+  verb.add_option("--memory", arguments->options.memory_gib,
+                  "GiB that shapes in memory may take; with less, they are read several times")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
   verb.add_option("--seed", arguments->options.seed, "Seed of every random choice")->capture_default_str();
   add_unit(verb, arguments->unit);
   arguments->json.add(verb);

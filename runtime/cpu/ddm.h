@@ -17,9 +17,8 @@ inline void transform_point(const float* m, const float (&p)[3], float (&result)
   for (int i = 0; i < 3; ++i) result[i] = m[4 * i] * p[0] + m[4 * i + 1] * p[1] + m[4 * i + 2] * p[2] + m[4 * i + 3];
 }
 
-// Posed position of a vertex relative to the frame's origin. skinning: J x 12 of the frame; delta: un-posed, metres.
-inline void ddm_position(const DdmTable& ddm, std::uint32_t vertex, const float* skinning, const float (&delta)[3],
-                         float (&position)[3]) {
+// R (row-major) and t of a vertex, t relative to the frame's origin. skinning: J x 12 of the frame.
+inline void ddm_frame(const DdmTable& ddm, std::uint32_t vertex, const float* skinning, float (&r)[9], float (&t)[3]) {
   const std::uint32_t block = vertex / kBlockSize, lane = vertex % kBlockSize;
   const DdmVertex& v = ddm.vertices[vertex];
   const float centre[3] = {v.centre_x, v.centre_y, v.centre_z};
@@ -47,11 +46,19 @@ inline void ddm_position(const DdmTable& ddm, std::uint32_t vertex, const float*
       offset[i] += omega * a + v.radius2 * (row[0] * s[0] + row[1] * s[1] + row[2] * s[2]);
     }
   }
-  float r[9];
   rot(q, r);
+  for (int i = 0; i < 3; ++i) t[i] = base[i] + offset[i];
+}
+
+// Posed position of a vertex relative to the frame's origin. delta: un-posed, metres.
+inline void ddm_position(const DdmTable& ddm, std::uint32_t vertex, const float* skinning, const float (&delta)[3],
+                         float (&position)[3]) {
+  float r[9], t[3];
+  ddm_frame(ddm, vertex, skinning, r, t);
+  const DdmVertex& v = ddm.vertices[vertex];
   const float d[3] = {v.offset_x + delta[0], v.offset_y + delta[1], v.offset_z + delta[2]};
   for (int i = 0; i < 3; ++i) {
-    position[i] = base[i] + offset[i] + (r[3 * i] * d[0] + r[3 * i + 1] * d[1] + r[3 * i + 2] * d[2]);
+    position[i] = t[i] + (r[3 * i] * d[0] + r[3 * i + 1] * d[1] + r[3 * i + 2] * d[2]);
   }
 }
 

@@ -66,6 +66,7 @@ Components principal_components(const Displacements& displacements, const Region
   while (kept < singular.values.size() && singular.values[kept] > kNoise * singular.values[0]) ++kept;
 
   Components components;
+  components.energy = double{columns.squaredNorm()};
   components.coefficients = singular.left.leftCols(kept) * singular.values.head(kept).asDiagonal();
   components.basis = singular.values.head(kept).cwiseInverse().asDiagonal() * singular.right.topRows(kept);
   for (std::size_t v = 0; v < region.vertices.size(); ++v) {

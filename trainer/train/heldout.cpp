@@ -63,7 +63,7 @@ ErrorStatistics heldout_errors(const SampleSet& set, const std::vector<Positions
   ErrorAccumulator accumulator(static_cast<std::uint32_t>(set.character.vertices.rows()));
   const std::vector<int> numbers = sample_numbers(set.heldout);
   for (std::size_t k = 0; k < shapes.size(); ++k) {
-    accumulator.add(numbers[k], to_float(shapes[k]), to_float(set.heldout[k].shape));
+    accumulator.add(numbers[k], to_float(shapes[k]), to_float(set.heldout[k].shape.read()));
   }
   return accumulator.finish();
 }

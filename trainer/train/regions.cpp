@@ -16,7 +16,10 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kNegligible = 0.03;     // region weights below this are dropped
+constexpr double kNegligible = 0.03;  // region weights below this are dropped
+// What a region costs beyond its vertices is then 150 bytes for each of them at most; a small skin may have a few
+// anyway.
+constexpr Index kVerticesPerRegion = 300, kFewestVerticesPerRegion = 40, kFewRegions = 8;
 constexpr double kLeastVariance = 0.01;  // of a standardised feature; less is noise
 
 Index seed_furthest_from_middle(const MatrixXd& points) {
@@ -69,7 +72,9 @@ Index region_count(const std::vector<FeatureGroup>& groups, Index vertices) {
     if (group.points.rows() == 0 || !(group.influence.maxCoeff() > 0.5 || !group.spans.empty())) continue;
     count += group.spans.empty() ? 1 : 0.5;
   }
-  return std::clamp<Index>(static_cast<Index>(std::ceil(count)), 1, std::max<Index>(1, vertices / 40));
+  const Index few = std::min(kFewRegions, vertices / kFewestVerticesPerRegion);
+  const Index most = std::max({Index{1}, vertices / kVerticesPerRegion, few});
+  return std::clamp<Index>(static_cast<Index>(std::ceil(count)), 1, most);
 }
 
 MatrixXd smooth(const Character& character, const MatrixXd& values, double radius) {
@@ -88,13 +93,10 @@ MatrixXd smooth(const Character& character, const MatrixXd& values, double radiu
 }
 
 // What a ridge-penalised linear fit of the columns of `x` leaves of `y`.
-template <typename Matrix>
-Matrix without_linear_fit(const MatrixXd& x, const Matrix& y) {
+MatrixXd without_linear_fit(const MatrixXd& x, const MatrixXd& y) {
   MatrixXd normal = x.transpose() * x;
   normal.diagonal().array() += 1e-3 * static_cast<double>(x.rows());
-  using Scalar = typename Matrix::Scalar;
-  const MatrixXd right = (x.transpose().cast<Scalar>() * y).template cast<double>();
-  return y - x.cast<Scalar>() * normal.llt().solve(right).template cast<Scalar>();
+  return y - x * normal.llt().solve(x.transpose() * y);
 }
 
 std::vector<std::uint32_t> varying(const MatrixXd& features, std::uint32_t begin, std::uint32_t count) {
@@ -164,12 +166,11 @@ Eigen::VectorXd energy_per_vertex(const Eigen::RowVectorXf& columns) {
       .sum();
 }
 
-// Energy of the motion (N x 3V) that the columns of `regressors` explain, per vertex.
-Eigen::VectorXd explained_energy(const Eigen::MatrixXf& motion, const MatrixXd& regressors) {
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(regressors);
+// An orthonormal basis of the columns' span.
+MatrixXd orthonormal(const MatrixXd& columns) {
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
   qr.setThreshold(1e-3);
-  const MatrixXd q = qr.householderQ() * MatrixXd::Identity(regressors.rows(), qr.rank());
-  return energy_per_vertex((q.cast<float>().transpose() * motion).colwise().squaredNorm());
+  return qr.householderQ() * MatrixXd::Identity(columns.rows(), qr.rank());
 }
 
 // How the muscles move the skin: what their strains explain beyond a linear fit of the joints. `first`: feature index
@@ -178,8 +179,7 @@ std::vector<FeatureGroup> muscle_groups(const Basis& basis, const std::vector<Mu
                                         const MatrixXd& features, Index first, const Displacements& displacements) {
   const MatrixXd joints = features.leftCols(first);
   const Index fibres = basis.strain.fibre_count();
-  const Eigen::MatrixXf beyond_joints = without_linear_fit(joints, Eigen::MatrixXf(displacements));
-  const MatrixXd strains = without_linear_fit(joints, MatrixXd(features.middleCols(first, fibres)));
+  const MatrixXd strains = without_linear_fit(joints, features.middleCols(first, fibres));
   const Eigen::VectorXd energy = energy_per_vertex(displacements.colwise().squaredNorm());
   const double floor = 0.1 * energy.mean() + std::numeric_limits<double>::min();
 
@@ -199,7 +199,10 @@ std::vector<FeatureGroup> muscle_groups(const Basis& basis, const std::vector<Mu
       group.points.bottomRows(line.rows()) = line;
     }
     if (group.features.empty()) continue;
-    group.influence = explained_energy(beyond_joints, strains(Eigen::all, columns)).array() / (energy.array() + floor);
+    // q^T (Y - its linear fit) = (q - its linear fit)^T Y: the fit is symmetric, and q is so much smaller.
+    const MatrixXd q = without_linear_fit(joints, orthonormal(strains(Eigen::all, columns)));
+    const Eigen::RowVectorXf explained = (q.cast<float>().transpose() * displacements).colwise().squaredNorm();
+    group.influence = energy_per_vertex(explained).array() / (energy.array() + floor);
     for (const std::uint32_t joint : spanned_joints(basis.skeleton, muscles[m])) {
       const auto place = std::find(group_joints.begin(), group_joints.end(), joint);
       if (place != group_joints.end()) group.spans.push_back(static_cast<std::size_t>(place - group_joints.begin()));
@@ -248,6 +251,9 @@ std::vector<RegionWeights> make_regions(const Character& character, const std::v
     }
     if (!region.vertices.empty()) regions.push_back(std::move(region));
   }
+  // Neighbours in runtime order lie near each other: they share the most vertices.
+  std::sort(regions.begin(), regions.end(),
+            [](const RegionWeights& a, const RegionWeights& b) { return a.vertices < b.vertices; });
   return regions;
 }
 

@@ -22,8 +22,9 @@ struct FeatureGroup {
 };
 
 // Joints (in the order of the joint features), then muscles, then controls (each control one group that acts
-// everywhere). `features`: N x F, standardised. A joint's influence is its smoothed skin weight (static); a muscle's is
-// the part of the un-posed motion that its strains explain beyond what a linear fit of the joints does (dynamic).
+// everywhere). `features`: N x F, standardised, `displacements` those of the same frames. A joint's influence is its
+// smoothed skin weight (static); a muscle's is the part of the un-posed motion that its strains explain beyond what a
+// linear fit of the joints does (dynamic).
 std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vector<VertexMoments>& moments,
                                               const std::vector<Muscle>& muscles, const Eigen::MatrixXd& features,
                                               const Displacements& displacements);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "runtime/cpu/half.h"
@@ -9,6 +10,8 @@
 #include "trainer/progress.h"
 #include "trainer/train/mesh_table.h"
 #include "trainer/train/parallel.h"
+#include "trainer/train/select_features.h"
+#include "trainer/train/strain.h"
 
 namespace bodyopt {
 namespace {
@@ -17,9 +20,46 @@ using Eigen::Index;
 
 // Radii within which a region sees features, as parts of the character's longest extent.
 constexpr double kRadii[] = {0.06, 0.12, 0.2, 0.35};
+// Features of a region at most: more cost bytes and time and teach it nothing (measured from 32 to 400).
+constexpr std::size_t kMostFeatures = 40;
 // Cross-validation: blocks of consecutive frames, dealt to folds.
 constexpr int kFolds = 5, kLongestRun = 20;
 constexpr std::uint32_t kMostCoefficients = 65536;
+
+// Consecutive regions and all vertices of theirs, ascending.
+struct SkinPart {
+  std::size_t begin, end;
+  std::vector<std::uint32_t> vertices;
+};
+
+// As few parts as leave half the memory free while the displacements of one are in it.
+std::vector<SkinPart> parts_that_fit(const std::vector<RegionWeights>& regions, std::size_t frames, double memory_gib) {
+  const double most = 0.5 * memory_gib * 0x1p30 / (3 * sizeof(float) * static_cast<double>(frames));
+  std::vector<SkinPart> parts;
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    std::vector<std::uint32_t> with_last;
+    if (!parts.empty()) {
+      const std::vector<std::uint32_t>& last = parts.back().vertices;
+      std::set_union(last.begin(), last.end(), regions[r].vertices.begin(), regions[r].vertices.end(),
+                     std::back_inserter(with_last));
+    }
+    if (parts.empty() || static_cast<double>(with_last.size()) > most) {
+      parts.push_back({r, r + 1, regions[r].vertices});
+    } else {
+      parts.back() = {parts.back().begin, r + 1, std::move(with_last)};
+    }
+  }
+  return parts;
+}
+
+// The region with its vertices numbered as in the part.
+RegionWeights within(const SkinPart& part, RegionWeights region) {
+  for (std::uint32_t& vertex : region.vertices) {
+    const auto place = std::lower_bound(part.vertices.begin(), part.vertices.end(), vertex);
+    vertex = static_cast<std::uint32_t>(place - part.vertices.begin());
+  }
+  return region;
+}
 
 // Basis columns with a largest entry of 1 fill the halves' range evenly; the coefficients keep the metres.
 void normalise(RegionModel& model) {
@@ -60,49 +100,103 @@ std::vector<std::vector<std::uint32_t>> feature_choices(const Character& charact
   return choices;
 }
 
+// The features that tell most, ascending, and what each explains.
+void choose_features(const FeatureSamples& samples, const std::vector<std::uint32_t>& choice, RegionModel& model) {
+  const std::vector<Index> columns(choice.begin(), choice.end());
+  const Eigen::MatrixXd values =
+      samples.values(Eigen::all, columns).rowwise() - Eigen::RowVectorXd(samples.rest(columns));
+  const Eigen::MatrixXd& targets = model.components.coefficients;
+  std::vector<SelectedFeature> selected = select_features(values, targets, kMostFeatures);
+  std::sort(selected.begin(), selected.end(),
+            [](const SelectedFeature& a, const SelectedFeature& b) { return a.column < b.column; });
+  model.features.clear();
+  model.worth.clear();
+  for (const SelectedFeature& feature : selected) {
+    model.features.push_back(choice[feature.column]);
+    model.worth.push_back(feature.gain * targets.squaredNorm());
+  }
+}
+
 // Features and regression are chosen before the columns are scaled: until then the error of a coefficient is the error
 // of positions, weighted by the region.
-RegionModel fit_region(const RegionWeights& region, const std::vector<std::vector<std::uint32_t>>& choices,
-                       const FeatureSamples& features, const Displacements& displacements,
-                       const std::vector<int>& folds, const TrainOptions& options) {
+RegionModel fit_region(const RegionWeights& region, const SkinPart& part,
+                       const std::vector<std::vector<std::uint32_t>>& choices, const FeatureSamples& features,
+                       const Displacements& displacements, const std::vector<int>& folds, const TrainOptions& options) {
   RegionModel model;
   model.region = region;
-  model.components = principal_components(displacements, region, options.components);
+  model.components = principal_components(displacements, within(part, region), options.components);
   const int centres = options.joint_only_linear ? 0 : options.centres;
-  const auto data_of = [&](const std::vector<std::uint32_t>& choice) {
-    return regression_data(features, choice, model.components.coefficients, folds);
-  };
-  double least = std::numeric_limits<double>::infinity();
-  for (const std::vector<std::uint32_t>& choice : choices) {
-    const double error = choices.size() > 1 ? trial_error(data_of(choice), centres) : 0;
-    if (!(error < least)) continue;
-    least = error;
-    model.features = choice;
+  const auto data = [&] { return regression_data(features, model.features, model.components.coefficients, folds); };
+  if (options.joint_only_linear) {
+    model.features = choices.front();
+  } else {
+    double least = std::numeric_limits<double>::infinity();
+    RegionModel best = model;
+    for (const std::vector<std::uint32_t>& choice : choices) {
+      choose_features(features, choice, model);
+      const double error = trial_error(data(), centres);
+      if (!(error < least)) continue;
+      least = error;
+      best.features = model.features;
+      best.worth = model.worth;
+    }
+    model.features = best.features;
+    model.worth = best.worth;
   }
-  model.regression = fit_regression(data_of(model.features), centres);
+  model.regression = fit_regression(data(), centres);
   normalise(model);
   return model;
 }
 
 }  // namespace
 
-ResidualModel fit_residual(const Character& character, const Basis& basis, const std::vector<RegionWeights>& regions,
-                           const std::vector<FeatureGroup>& groups, const FeatureSamples& features,
-                           const Displacements& displacements, const std::vector<int>& takes,
-                           const TrainOptions& options) {
+ResidualModel fit_residual(const Character& character, const UnposedShapes& shapes,
+                           const std::vector<RegionWeights>& regions, const std::vector<FeatureGroup>& groups,
+                           const FeatureSamples& features, const std::vector<int>& takes, const TrainOptions& options) {
   const int run = std::clamp(static_cast<int>(takes.size()) / (2 * kFolds), 2, kLongestRun);
   const std::vector<int> folds = blocked_folds(takes, run, kFolds);
   ResidualModel model;
   model.ranges = features.ranges;
-  model.vertices = basis.mesh.vertex_count();
+  model.vertices = shapes.vertex_count();
   model.regions.resize(regions.size());
-  Progress progress("train: regions", regions.size());
-  parallel_for(regions.size(), [&](std::size_t r) {
-    const auto choices = feature_choices(character, regions[r], groups, options);
-    model.regions[r] = fit_region(regions[r], choices, features, displacements, folds, options);
-    progress.advance();
-  });
+  const std::vector<std::size_t> frames = spread_evenly(takes.size(), takes.size());
+  const std::vector<SkinPart> parts = parts_that_fit(regions, frames.size(), options.memory_gib);
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const SkinPart& part = parts[p];
+    const std::string which =
+        parts.size() > 1 ? ", part " + std::to_string(p + 1) + " of " + std::to_string(parts.size()) : "";
+    const Displacements displacements = shapes("train: un-posing" + which, frames, part.vertices);
+    Progress progress("train: regions" + which, part.end - part.begin);
+    parallel_for(part.end - part.begin, [&](std::size_t k) {
+      const std::size_t r = part.begin + k;
+      const auto choices = feature_choices(character, regions[r], groups, options);
+      model.regions[r] = fit_region(regions[r], part, choices, features, displacements, folds, options);
+      progress.advance();
+    });
+  }
   return model;
+}
+
+void drop_unused_fibres(StrainTable& strain, ResidualModel& model, std::uint32_t first) {
+  std::vector<bool> used(model.ranges.size(), false);
+  for (const RegionModel& region : model.regions) {
+    for (const std::uint32_t feature : region.features) used[feature] = true;
+  }
+  std::vector<FeatureRange> ranges;
+  std::vector<std::uint32_t> place(model.ranges.size()), kept;
+  const std::uint32_t end = first + strain.fibre_count();
+  for (std::uint32_t f = 0; f < model.ranges.size(); ++f) {
+    const bool fibre = f >= first && f < end;
+    if (fibre && !used[f]) continue;
+    place[f] = static_cast<std::uint32_t>(ranges.size());
+    ranges.push_back(model.ranges[f]);
+    if (fibre) kept.push_back(f - first);
+  }
+  model.ranges = std::move(ranges);
+  for (RegionModel& region : model.regions) {
+    for (std::uint32_t& feature : region.features) feature = place[feature];
+  }
+  strain = keep_fibres(strain, kept);
 }
 
 namespace {

@@ -11,13 +11,15 @@
 #include "trainer/train/regions.h"
 #include "trainer/train/regress.h"
 #include "trainer/train/train.h"
+#include "trainer/train/unposed_shapes.h"
 
 namespace bodyopt {
 
 // One region after its regression: coefficients = weights^T [f, phi(f)] less their value at rest.
 struct RegionModel {
   RegionWeights region;
-  std::vector<std::uint32_t> features;  // feature indices
+  std::vector<std::uint32_t> features;  // feature indices, ascending
+  std::vector<double> worth;            // square metres: the energy of the motion that each explains, in a linear fit
   Components components;                // every basis column scaled so that its largest entry is 1
   Regression regression;
 };
@@ -32,11 +34,15 @@ struct ResidualModel {
 
 // Components, then features and regression of every region. The radius within which a region sees features is chosen
 // with the other hyper-parameters, by cross-validation. With options.joint_only_linear every region sees all joint
-// features and nothing else, without kernels.
-ResidualModel fit_residual(const Character& character, const Basis& basis, const std::vector<RegionWeights>& regions,
-                           const std::vector<FeatureGroup>& groups, const FeatureSamples& features,
-                           const Displacements& displacements, const std::vector<int>& takes,
-                           const TrainOptions& options);
+// features and nothing else, without kernels. Shapes are read part by part of the skin, as options.memory_gib allows.
+// `features` and `takes`: of all the training frames.
+ResidualModel fit_residual(const Character& character, const UnposedShapes& shapes,
+                           const std::vector<RegionWeights>& regions, const std::vector<FeatureGroup>& groups,
+                           const FeatureSamples& features, const std::vector<int>& takes, const TrainOptions& options);
+
+// Leaves out fibres that no region listens to, from the table and from the model's features. `first`: feature index of
+// the first strain.
+void drop_unused_fibres(StrainTable& strain, ResidualModel& model, std::uint32_t first);
 
 // The first `components` of every region. Entries that move a vertex by less than `negligible` (metres, root mean
 // square over the training frames) are left out.

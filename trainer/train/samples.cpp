@@ -32,14 +32,15 @@ void check_take(const DatasetTake& take, const Character& character, const Clip&
   }
 }
 
-void read_take(const Dataset& dataset, int index, const Clip& clip, SampleSet& set) {
+void read_take(const Dataset& dataset, int index, const Clip& clip, const std::shared_ptr<const Character>& character,
+               SampleSet& set) {
   const DatasetTake& take = dataset.takes[static_cast<std::size_t>(index)];
   for (const std::string& note : clip.notes) set.notes.push_back("take '" + take.name + "': " + note);
-  const ShapeReader shapes(dataset.folder / take.shapes);
-  check_take(take, set.character, clip, shapes);
+  const auto cache = std::make_shared<const ShapeCache>(ShapeReader(dataset.folder / take.shapes), character);
+  check_take(take, set.character, clip, cache->reader);
   const std::set<int> heldout(take.heldout.begin(), take.heldout.end());
   const std::set<int> unconverged = unconverged_frames(dataset, take);
-  for (std::uint32_t k = 0; k < shapes.sample_count(); ++k) {
+  for (std::uint32_t k = 0; k < cache->reader.sample_count(); ++k) {
     const int frame = take.frames[k];
     if (unconverged.count(frame) > 0) {
       ++set.unconverged;
@@ -49,7 +50,7 @@ void read_take(const Dataset& dataset, int index, const Clip& clip, SampleSet& s
     sample.take = index;
     sample.frame = frame;
     sample.pose = clip.poses[static_cast<std::size_t>(frame - clip.first_frame)];
-    sample.shape = welded_from_output(set.character, shapes.sample(k).data());
+    sample.shape = {cache, k};
     (heldout.count(frame) > 0 ? set.heldout : set.train).push_back(std::move(sample));
   }
 }
@@ -69,9 +70,10 @@ SampleSet read_samples(const Dataset& dataset) {
       if (std::find(set.controls.begin(), set.controls.end(), name) == set.controls.end()) set.controls.push_back(name);
     }
   }
+  const auto character = std::make_shared<const Character>(set.character);
   for (std::size_t k = 0; k < clips.size(); ++k) {
     arrange_controls(set.controls, clips[k]);
-    read_take(dataset, static_cast<int>(k), clips[k], set);
+    read_take(dataset, static_cast<int>(k), clips[k], character, set);
   }
   return set;
 }

@@ -170,6 +170,30 @@ StrainTable make_strain_table(const Basis& basis, const std::vector<Muscle>& mus
   return measured.strain;
 }
 
+StrainTable keep_fibres(const StrainTable& strain, const std::vector<std::uint32_t>& kept) {
+  StrainTable result;
+  result.fibre_begin = {0};
+  std::map<std::uint32_t, std::uint32_t> place;  // of a strain vertex in the result
+  const auto moved = [&](std::uint32_t vertex) {
+    const auto [entry, added] = place.emplace(vertex, static_cast<std::uint32_t>(result.vertices.size()));
+    if (added) result.vertices.push_back(strain.vertices[vertex]);
+    return entry->second;
+  };
+  for (const std::uint32_t fibre : kept) {
+    for (std::uint32_t p = strain.fibre_begin[fibre]; p < strain.fibre_begin[fibre + 1]; ++p) {
+      FibrePoint point = strain.points[p];
+      point.a = moved(point.a);
+      point.b = moved(point.b);
+      point.c = moved(point.c);
+      result.points.push_back(point);
+    }
+    result.fibre_begin.push_back(static_cast<std::uint32_t>(result.points.size()));
+    result.rest_length.push_back(strain.rest_length[fibre]);
+    result.names.push_back(strain.names[fibre]);
+  }
+  return result;
+}
+
 std::vector<std::size_t> fibre_muscles(const StrainTable& strain, const std::vector<Muscle>& muscles) {
   std::map<std::string, std::size_t> index;
   for (std::size_t m = 0; m < muscles.size(); ++m) index[muscles[m].name] = m;

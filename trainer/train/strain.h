@@ -13,6 +13,9 @@ namespace bodyopt {
 // Without muscles, or without triangles, an empty table.
 StrainTable make_strain_table(const Basis& basis, const std::vector<Muscle>& muscles);
 
+// The table of some fibres, by ascending index.
+StrainTable keep_fibres(const StrainTable& strain, const std::vector<std::uint32_t>& kept);
+
 // Muscle of each fibre of the table, by the fibre's name.
 std::vector<std::size_t> fibre_muscles(const StrainTable& strain, const std::vector<Muscle>& muscles);
 

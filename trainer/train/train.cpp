@@ -3,12 +3,13 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "runtime/basis/error.h"
 #include "runtime/basis/hexadecimal.h"
-#include "trainer/progress.h"
+#include "runtime/rig.h"
 #include "trainer/single_threaded_products.h"
 #include "trainer/train/ddm.h"
 #include "trainer/train/features.h"
@@ -18,6 +19,7 @@
 #include "trainer/train/residual.h"
 #include "trainer/train/strain.h"
 #include "trainer/train/unpose.h"
+#include "trainer/train/unposed_shapes.h"
 
 namespace bodyopt {
 namespace {
@@ -67,12 +69,6 @@ void check_samples(const SampleSet& set) {
                                          " (held out: " + std::to_string(set.heldout.size()) +
                                          ", unconverged: " + std::to_string(set.unconverged) + ")");
   }
-  for (const Sample& sample : set.train) {
-    if (sample.shape.rows() == set.character.vertices.rows() && sample.shape.allFinite()) continue;
-    throw Error(ErrorKind::mismatch, "frame " + std::to_string(sample.frame) + " of take " +
-                                         std::to_string(sample.take) +
-                                         ": its shape does not fit the character, or is not a finite number");
-  }
   for (const std::vector<Sample>* samples : {&set.train, &set.heldout}) {
     for (const Sample& sample : *samples) {
       if (sample.pose.controls.size() == set.controls.size()) continue;
@@ -86,13 +82,10 @@ void check_samples(const SampleSet& set) {
 
 // Sum of the squared un-posed displacements of some training frames, spread evenly.
 double left_to_learn(const SampleSet& set, const Basis& basis, const std::vector<std::uint32_t>& order) {
-  constexpr std::size_t kProbes = 24;
-  std::vector<double> sums(std::min(kProbes, set.train.size()));
-  parallel_for(sums.size(), [&](std::size_t k) {
-    const Sample& sample = set.train[k * set.train.size() / sums.size()];
-    sums[k] = unpose_ddm(basis, sample.pose, in_order(sample.shape, order)).squaredNorm();
-  });
-  return std::accumulate(sums.begin(), sums.end(), 0.0);
+  const std::vector<std::size_t> probes = spread_evenly(set.train.size(), 24);
+  std::vector<std::uint32_t> all(order.size());
+  std::iota(all.begin(), all.end(), 0u);
+  return UnposedShapes(set, basis, order)("train: smoothing radius", probes, all).cast<double>().squaredNorm();
 }
 
 // The radius given; or the default or twice that, whichever leaves less to learn: a part of a body needs more than its
@@ -106,16 +99,22 @@ Base choose_base(const SampleSet& set, const Character& ordered, const std::vect
   return better ? std::move(wider) : std::move(base);
 }
 
-Displacements unpose_all(const SampleSet& set, const Basis& basis, const std::vector<std::uint32_t>& order) {
-  Displacements displacements(static_cast<Eigen::Index>(set.train.size()), 3 * basis.mesh.vertex_count());
-  Progress progress("train: un-posing", set.train.size());
-  parallel_for(set.train.size(), [&](std::size_t n) {
-    const Positions delta = unpose_ddm(basis, set.train[n].pose, in_order(set.train[n].shape, order));
-    displacements.row(static_cast<Eigen::Index>(n)) =
-        Eigen::Map<const Eigen::RowVectorXd>(delta.data(), delta.size()).cast<float>();
-    progress.advance();
-  });
-  return displacements;
+// Influences are measured on some frames, spread evenly.
+std::vector<FeatureGroup> feature_groups(const Base& base, const std::vector<Muscle>& muscles,
+                                         const FeatureSamples& features, const UnposedShapes& shapes) {
+  constexpr std::size_t kMostFrames = 800;
+  const std::vector<std::size_t> frames = spread_evenly(static_cast<std::size_t>(features.values.rows()), kMostFrames);
+  std::vector<std::uint32_t> all(shapes.vertex_count());
+  std::iota(all.begin(), all.end(), 0u);
+  return make_feature_groups(base.basis, base.moments, muscles, features.values(frames, Eigen::all),
+                             shapes("train: influences", frames, all));
+}
+
+// Root mean square over vertices and frames: region weights sum to one at every vertex.
+double mean_displacement(const ResidualModel& model, std::size_t frames) {
+  double energy = 0;
+  for (const RegionModel& region : model.regions) energy += region.components.energy;
+  return std::sqrt(energy / (static_cast<double>(frames) * model.vertices));
 }
 
 // The residual of the bytes and coefficients to match: as many components per region as it takes, then smaller entries,
@@ -141,19 +140,67 @@ void pack_to_match(Basis& basis, const ResidualModel& model, int components, dou
   basis.residual = pack_residual(model, low, negligible);
 }
 
-// What training says of itself: options and counts, and the root mean square per vertex that cross-validation left.
-void add_report(Basis& basis, const SampleSet& set, const TrainOptions& options, const ResidualModel& model) {
+std::string nearest_joint(const Character& character, const RegionWeights& region) {
+  std::map<std::uint32_t, double> share;
+  for (std::size_t v = 0; v < region.vertices.size(); ++v) {
+    for (const JointWeight& w : character.weights[region.vertices[v]]) share[w.joint] += region.weights[v] * w.weight;
+  }
+  const auto most =
+      std::max_element(share.begin(), share.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return character.skeleton.joints[most->first].name;
+}
+
+// How much each region moves and what cross-validation left of it, root mean square over its vertices and frames.
+nlohmann::json region_report(const Character& character, const ResidualModel& model, std::size_t frames) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const RegionModel& region : model.regions) {
+    const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
+    const double motion2 = region.components.energy / (static_cast<double>(frames) * size);
+    const double left2 = std::pow(region.regression.validation_error, 2) / size;
+    list.push_back({{"joint", nearest_joint(character, region.region)},
+                    {"vertices", region.region.vertices.size()},
+                    {"motion_rms_mm", 1e3 * std::sqrt(motion2)},
+                    {"validation_rms_mm", 1e3 * std::sqrt(left2)}});
+  }
+  return list;
+}
+
+// Per cent of the un-posed motion that the strains of each muscle explain beyond the features chosen before them; 0 for
+// muscles to which no region listens.
+nlohmann::json muscle_report(const StrainTable& strain, const std::vector<Muscle>& muscles, const ResidualModel& model,
+                             std::uint32_t first) {
+  std::map<std::string, double> worth;
+  for (const Muscle& muscle : muscles) worth[muscle.name] = 0;
+  const std::vector<std::size_t> muscle_of_fibre = fibre_muscles(strain, muscles);
+  double energy = 0;
+  for (const RegionModel& region : model.regions) {
+    energy += region.components.energy;
+    for (std::size_t k = 0; k < region.worth.size(); ++k) {
+      const std::uint32_t feature = region.features[k];
+      if (feature < first || feature >= first + strain.fibre_count()) continue;
+      worth[muscles[muscle_of_fibre[feature - first]].name] += region.worth[k];
+    }
+  }
+  for (auto& [name, value] : worth) value *= energy > 0 ? 100 / energy : 0;
+  return worth;
+}
+
+// What training says of itself.
+void add_report(Basis& basis, const Character& character, const SampleSet& set, const TrainOptions& options,
+                const ResidualModel& model) {
   double error2 = 0;
   for (const RegionModel& region : model.regions) error2 += std::pow(region.regression.validation_error, 2);
   const nlohmann::json report = {{"train_frames", set.train.size()},
                                  {"heldout_frames", set.heldout.size()},
                                  {"unconverged_frames", set.unconverged},
                                  {"fibres", basis.strain.fibre_count()},
-                                 {"regions", basis.residual.regions.size()},
                                  {"coefficients", basis.residual.coefficient_count()},
                                  {"centres", basis.residual.centre_count()},
                                  {"joint_only_linear", options.joint_only_linear},
-                                 {"validation_rms_mm", 1e3 * std::sqrt(error2 / basis.mesh.vertex_count())}};
+                                 {"validation_rms_mm", 1e3 * std::sqrt(error2 / basis.mesh.vertex_count())},
+                                 {"regions", region_report(character, model, set.train.size())},
+                                 {"muscles_explain_percent", muscle_report(basis.strain, set.muscles, model,
+                                                                           joint_feature_count(basis.skeleton))}};
   basis.metadata["report"] = report.dump();
 }
 
@@ -174,7 +221,7 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
   Base base = choose_base(set, ordered, order, options);
   Basis& basis = base.basis;
   basis.strain = make_strain_table(basis, set.muscles);
-  const Displacements displacements = unpose_all(set, basis, order);
+  const UnposedShapes shapes(set, basis, order);
 
   std::vector<const Pose*> poses;
   std::vector<int> takes;
@@ -183,46 +230,44 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
     takes.push_back(sample.take);
   }
   FeatureSamples features = measure_features(basis, poses);
-  auto groups = make_feature_groups(basis, base.moments, set.muscles, features.values, displacements);
+  auto groups = feature_groups(base, set.muscles, features, shapes);
   const std::vector<RegionWeights> regions = make_regions(ordered, groups);
   if (options.joint_only_linear) {  // same regions, but nothing measured on the skin
     basis.strain = make_strain_table(basis, {});
     features = measure_features(basis, poses);
-    groups = make_feature_groups(basis, base.moments, {}, features.values, displacements);
+    groups = feature_groups(base, {}, features, shapes);
   }
   TrainOptions fit_options = options;
   if (options.match_bytes > 0) fit_options.components = std::max(options.components, kMostComponents);
-  ResidualModel model = fit_residual(ordered, basis, regions, groups, features, displacements, takes, fit_options);
+  ResidualModel model = fit_residual(ordered, shapes, regions, groups, features, takes, fit_options);
   model.controls = set.controls;
-  const double mean_displacement =
-      std::sqrt(3 * double{displacements.squaredNorm()} / static_cast<double>(displacements.size()));
-  const double negligible = kNegligible * mean_displacement;
+  drop_unused_fibres(basis.strain, model, joint_feature_count(basis.skeleton));
+  const double negligible = kNegligible * mean_displacement(model, set.train.size());
   if (options.match_bytes > 0) {
     pack_to_match(basis, model, fit_options.components, negligible, options);
   } else {
     basis.residual = pack_residual(model, options.components, negligible);
   }
-  add_report(basis, set, options, model);
+  add_report(basis, ordered, set, options, model);
   return std::move(base.basis);
 }
 
 UnposingResidual unposing_residual(const SampleSet& set, const Basis& basis) {
   const std::vector<std::uint32_t> order = morton_order(set.character.vertices);
   const Character ordered = in_order(set.character, order);
-  std::vector<double> lbs(set.train.size()), ddm(set.train.size());
-  parallel_for(set.train.size(), [&](std::size_t n) {
-    const Positions shape = in_order(set.train[n].shape, order);
-    lbs[n] = unpose_linear(ordered, set.train[n].pose, shape).squaredNorm();
-    ddm[n] = unpose_ddm(basis, set.train[n].pose, shape).squaredNorm();
+  const std::vector<std::size_t> frames = spread_evenly(set.train.size(), 200);
+  std::vector<double> lbs(frames.size()), ddm(frames.size());
+  parallel_for(frames.size(), [&](std::size_t n) {
+    const Sample& sample = set.train[frames[n]];
+    const Positions shape = in_order(sample.shape.read(), order);
+    lbs[n] = unpose_linear(ordered, sample.pose, shape).squaredNorm();
+    ddm[n] = unpose_ddm(basis, sample.pose, shape).squaredNorm();
   });
-  UnposingResidual sum;
-  for (std::size_t n = 0; n < set.train.size(); ++n) {
-    sum.lbs += lbs[n];
-    sum.ddm += ddm[n];
-  }
-  const double count = static_cast<double>(set.train.size()) * static_cast<double>(ordered.vertices.rows());
-  if (count > 0) sum = {1e3 * std::sqrt(sum.lbs / count), 1e3 * std::sqrt(sum.ddm / count)};
-  return sum;
+  const auto rms_mm = [&](const std::vector<double>& sums) {
+    const double count = static_cast<double>(frames.size()) * static_cast<double>(ordered.vertices.rows());
+    return count > 0 ? 1e3 * std::sqrt(std::accumulate(sums.begin(), sums.end(), 0.0) / count) : 0;
+  };
+  return {rms_mm(lbs), rms_mm(ddm)};
 }
 
 }  // namespace bodyopt

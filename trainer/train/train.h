@@ -4,6 +4,7 @@
 #include "runtime/basis/basis.h"
 #include "trainer/dataset/character.h"
 #include "trainer/dataset/dataset.h"
+#include "trainer/train/sample_shape.h"
 
 namespace bodyopt {
 
@@ -14,21 +15,23 @@ struct TrainOptions {
   int smoothing_steps = 20;  // DDM p
   int components = 24;       // coefficients per region at most
   int centres = 160;         // kernel centres per region at most
+  double memory_gib = 4;  // what the shapes in memory may take, about half of it at a time; a pass over all frames for
+                          // every part of the skin that fits
   std::uint64_t seed = 1;
   bool joint_only_linear = false;  // the table-of-methods entry "linear": joint features only, no kernels, components
                                    // raised until the residual has as many bytes and coefficients as these
   std::size_t match_bytes = 0, match_coefficients = 0;
 };
 
-// One training or held-out frame: its pose and its shape (welded, V x 3, posed).
+// One training or held-out frame.
 struct Sample {
   int take = 0;
   int frame = 0;
   Pose pose;
-  Positions shape;
+  SampleShape shape;
 };
 
-// The dataset read into memory, split. Unconverged frames are left out and counted.
+// The dataset, split; shapes stay on disk. Unconverged frames are left out and counted.
 struct SampleSet {
   Character character;
   std::vector<Muscle> muscles;
@@ -45,8 +48,8 @@ Basis build_ddm_basis(const Character& character, const TrainOptions& options);
 // The full training. Never looks at set.heldout. Shows progress. Throws Error(mismatch) when there is too little data.
 Basis train(const SampleSet& set, const TrainOptions& options);
 
-// RMS (mm) over vertices and training frames of what is left to learn after un-posing each shape by DDM, and by linear
-// blend skinning, the mean over frames taken out of neither.
+// RMS (mm) of what is left to learn after un-posing each shape by DDM, and by linear blend skinning, the mean over
+// frames taken out of neither: over vertices and at most 200 training frames, spread evenly.
 struct UnposingResidual {
   double lbs = 0, ddm = 0;
 };

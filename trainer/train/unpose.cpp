@@ -1,66 +1,36 @@
 #include "trainer/train/unpose.h"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/SVD>
-#include <bit>
+#include <numeric>
 
-#include "runtime/cpu/half.h"
+#include "runtime/cpu/ddm.h"
+#include "runtime/rig.h"
 #include "trainer/train/blend_matrix.h"
 
 namespace bodyopt {
-namespace {
 
-struct Frame {
-  Eigen::Matrix3d rotation;
-  Eigen::Vector3d translation;
-};
-
-// argmax of tr(R^T Q) over rotations.
-Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& q) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(q, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d u = svd.matrixU();
-  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) = -u.col(2);
-  return u * svd.matrixV().transpose();
-}
-
-Frame vertex_frame(const DdmTable& ddm, std::uint32_t vertex, const std::vector<BlendMatrix>& skinning) {
-  const DdmVertex& v = ddm.vertices[vertex];
-  const Eigen::Vector4d centre(v.centre_x, v.centre_y, v.centre_z, 1);
-  const Eigen::Vector3d base = skinning[v.base_joint] * centre;
-  Eigen::Matrix3d q = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d translation = base;
-  const std::uint32_t block = vertex / kBlockSize;
-  for (std::uint32_t e = ddm.block_begin[block]; e < ddm.block_begin[block + 1]; ++e) {
-    const std::uint32_t* word = ddm.moments.data() + std::size_t{e} * kMomentWords * kBlockSize + vertex % kBlockSize;
-    const auto number = [&](std::uint32_t k) { return double{std::bit_cast<float>(word[k * kBlockSize])}; };
-    const double xx = half_low(word[0]), xy = half_high(word[0]), xz = half_low(word[kBlockSize]),
-                 yy = half_high(word[kBlockSize]), yz = half_low(word[2 * kBlockSize]),
-                 zz = half_high(word[2 * kBlockSize]);
-    Eigen::Matrix3d second;
-    second << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-    const Eigen::Vector3d first(number(3), number(4), number(5));
-    const BlendMatrix& m = skinning[ddm.block_joints[e]];
-    const Eigen::Vector3d arm = m * centre - base;
-    q += m.leftCols<3>() * second + arm * first.transpose();
-    translation += number(6) * arm + double{v.radius2} * (m.leftCols<3>() * first);
-  }
-  return {nearest_rotation(q), translation};
-}
-
-}  // namespace
-
-Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shape) {
-  const std::vector<BlendMatrix> skinning = blend_matrices(basis.skeleton, pose);
+Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shape,
+                     std::span<const std::uint32_t> vertices) {
+  using RowMajor3 = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
+  const RigFrame rig = pose_rig(basis.skeleton, pose);
+  const Eigen::Vector3d origin = Eigen::Vector3f(rig.origin).cast<double>();
   Positions result(shape.rows(), 3);
-  for (Eigen::Index v = 0; v < shape.rows(); ++v) {
-    const Frame frame = vertex_frame(basis.ddm, static_cast<std::uint32_t>(v), skinning);
-    const DdmVertex& vertex = basis.ddm.vertices[static_cast<std::size_t>(v)];
-    const Eigen::Vector3d offset(vertex.offset_x, vertex.offset_y, vertex.offset_z);
-    const Eigen::Vector3d delta = frame.rotation.transpose() * (shape.row(v).transpose() - frame.translation) - offset;
-    result.row(v) = delta.transpose();
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    float r[9], t[3];
+    cpu::ddm_frame(basis.ddm, vertices[k], rig.skinning.data(), r, t);
+    const DdmVertex& v = basis.ddm.vertices[vertices[k]];
+    const auto row = static_cast<Eigen::Index>(k);
+    const Eigen::Vector3d moved = shape.row(row).transpose() - origin - Eigen::Vector3f(t).cast<double>();
+    result.row(row) = RowMajor3(r).cast<double>().transpose() * moved -
+                      Eigen::Vector3f(v.offset_x, v.offset_y, v.offset_z).cast<double>();
   }
   return result;
+}
+
+Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shape) {
+  std::vector<std::uint32_t> all(basis.mesh.vertex_count());
+  std::iota(all.begin(), all.end(), 0u);
+  return unpose_ddm(basis, pose, shape, all);
 }
 
 Positions unpose_linear(const Character& character, const Pose& pose, const Positions& shape) {

@@ -1,14 +1,21 @@
 // The inverse of skinning: what a posed shape is, in the space of the rest skin.
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "runtime/basis/basis.h"
 #include "trainer/dataset/character.h"
 
 namespace bodyopt {
 
-// By the packed table of Direct Delta Mush, delta d_i = R_i^T (y_i - t_i) - d_i: an isometry, so that nothing is
+// By the runtime's own Direct Delta Mush, delta d_i = R_i^T (y_i - t_i) - d_i: an isometry, so that nothing is
 // amplified. shape: V x 3, runtime order, posed, metres. -> V x 3, un-posed space, metres.
 Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shape);
+
+// Of some vertices: row k of shape and result belongs to vertices[k].
+Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shape,
+                     std::span<const std::uint32_t> vertices);
 
 // By linear blend skinning: the blended matrix of each vertex inverted, minus the rest position. `character` and
 // `shape` in the same vertex order. A vertex whose blended matrix is singular gives zero.

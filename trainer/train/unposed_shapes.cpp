@@ -1,0 +1,42 @@
+#include "trainer/train/unposed_shapes.h"
+
+#include <algorithm>
+
+#include "runtime/basis/error.h"
+#include "trainer/progress.h"
+#include "trainer/train/parallel.h"
+#include "trainer/train/unpose.h"
+
+namespace bodyopt {
+
+Displacements UnposedShapes::operator()(const std::string& title, std::span<const std::size_t> frames,
+                                        std::span<const std::uint32_t> vertices) const {
+  Displacements displacements(static_cast<Eigen::Index>(frames.size()), 3 * static_cast<Eigen::Index>(vertices.size()));
+  Progress progress(title, frames.size());
+  parallel_for(frames.size(), [&](std::size_t n) {
+    const Sample& sample = set_.train[frames[n]];
+    const Positions shape = sample.shape.read();
+    if (shape.rows() != static_cast<Eigen::Index>(order_.size()) || !shape.allFinite()) {
+      throw Error(ErrorKind::mismatch, "frame " + std::to_string(sample.frame) + " of take " +
+                                           std::to_string(sample.take) +
+                                           ": its shape does not fit the character, or is not a finite number");
+    }
+    Positions some(static_cast<Eigen::Index>(vertices.size()), 3);
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+      some.row(static_cast<Eigen::Index>(k)) = shape.row(order_[vertices[k]]);
+    }
+    const Positions delta = unpose_ddm(basis_, sample.pose, some, vertices);
+    displacements.row(static_cast<Eigen::Index>(n)) =
+        Eigen::Map<const Eigen::RowVectorXd>(delta.data(), delta.size()).cast<float>();
+    progress.advance();
+  });
+  return displacements;
+}
+
+std::vector<std::size_t> spread_evenly(std::size_t count, std::size_t most) {
+  std::vector<std::size_t> numbers(std::min(count, most));
+  for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = k * count / numbers.size();
+  return numbers;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,36 @@
+// The training frames in un-posed space, fetched from disk part by part.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/basis.h"
+#include "trainer/train/components.h"
+#include "trainer/train/train.h"
+
+namespace bodyopt {
+
+class UnposedShapes {
+ public:
+  // `order`: welded vertex of each runtime vertex. All must outlive this.
+  UnposedShapes(const SampleSet& set, const Basis& basis, const std::vector<std::uint32_t>& order)
+      : set_(set), basis_(basis), order_(order) {}
+
+  // N x 3 vertices: some vertices (runtime order) in some frames (indices of the set's training frames). Shows progress
+  // under a title. Throws Error(mismatch) naming a frame whose shape does not fit the character or is not finite.
+  Displacements operator()(const std::string& title, std::span<const std::size_t> frames,
+                           std::span<const std::uint32_t> vertices) const;
+
+  std::uint32_t vertex_count() const { return basis_.mesh.vertex_count(); }
+
+ private:
+  const SampleSet& set_;
+  const Basis& basis_;
+  const std::vector<std::uint32_t>& order_;
+};
+
+// At most `most` of the numbers 0 .. count - 1, spread evenly.
+std::vector<std::size_t> spread_evenly(std::size_t count, std::size_t most);
+
+}  // namespace bodyopt
