@@ -6,6 +6,7 @@
 #include "runtime/basis/error.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/rig.h"
+#include "trainer/train/parallel.h"
 
 namespace bodyopt {
 namespace {
@@ -61,10 +62,10 @@ FeatureSamples measure_features(const Basis& basis, std::span<const Pose* const>
   const auto count = static_cast<Eigen::Index>(rest.size()), frames = static_cast<Eigen::Index>(poses.size());
   Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> raw(frames + 1, count);
   raw.row(0) = Eigen::Map<const Eigen::RowVectorXf>(rest.data(), count);
-  for (Eigen::Index n = 0; n < frames; ++n) {
-    const std::vector<float> row = raw_features(basis, *poses[static_cast<std::size_t>(n)], controls);
-    raw.row(n + 1) = Eigen::Map<const Eigen::RowVectorXf>(row.data(), count);
-  }
+  parallel_for(poses.size(), [&](std::size_t n) {
+    const std::vector<float> row = raw_features(basis, *poses[n], controls);
+    raw.row(static_cast<Eigen::Index>(n) + 1) = Eigen::Map<const Eigen::RowVectorXf>(row.data(), count);
+  });
 
   FeatureSamples samples;
   for (Eigen::Index k = 0; k < count; ++k) {

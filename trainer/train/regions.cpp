@@ -1,5 +1,6 @@
 #include "trainer/train/regions.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
@@ -44,9 +45,12 @@ std::vector<Index> cluster(const MatrixXd& points, Index count) {
   for (int round = 0; round < kRounds; ++round) {
     MatrixXd sums = MatrixXd::Zero(count, points.cols());
     Eigen::VectorXd sizes = Eigen::VectorXd::Zero(count);
+    // |point - centre|^2 less |point|^2, which is the same for all centres
+    MatrixXd distances = -2 * centres * points.transpose();
+    distances.colwise() += centres.rowwise().squaredNorm();
     for (Index v = 0; v < points.rows(); ++v) {
       Index label = 0;
-      (centres.rowwise() - points.row(v)).rowwise().squaredNorm().minCoeff(&label);
+      distances.col(v).minCoeff(&label);
       labels[static_cast<std::size_t>(v)] = label;
       sums.row(label) += points.row(v);
       sizes[label] += 1;
@@ -92,12 +96,20 @@ MatrixXd smooth(const Character& character, const MatrixXd& values, double radiu
   return smoothed;
 }
 
-// What a ridge-penalised linear fit of the columns of `x` leaves of `y`.
-MatrixXd without_linear_fit(const MatrixXd& x, const MatrixXd& y) {
-  MatrixXd normal = x.transpose() * x;
-  normal.diagonal().array() += 1e-3 * static_cast<double>(x.rows());
-  return y - x * normal.llt().solve(x.transpose() * y);
-}
+// What a ridge-penalised linear fit of the columns of `x` leaves of others.
+class WithoutLinearFit {
+ public:
+  explicit WithoutLinearFit(const MatrixXd& x) : x_(x) {
+    MatrixXd normal = x.transpose() * x;
+    normal.diagonal().array() += 1e-3 * static_cast<double>(x.rows());
+    factor_.compute(normal);
+  }
+  MatrixXd operator()(const MatrixXd& y) const { return y - x_ * factor_.solve(x_.transpose() * y); }
+
+ private:
+  const MatrixXd& x_;
+  Eigen::LLT<MatrixXd> factor_;
+};
 
 std::vector<std::uint32_t> varying(const MatrixXd& features, std::uint32_t begin, std::uint32_t count) {
   std::vector<std::uint32_t> indices;
@@ -179,7 +191,8 @@ std::vector<FeatureGroup> muscle_groups(const Basis& basis, const std::vector<Mu
                                         const MatrixXd& features, Index first, const Displacements& displacements) {
   const MatrixXd joints = features.leftCols(first);
   const Index fibres = basis.strain.fibre_count();
-  const MatrixXd strains = without_linear_fit(joints, features.middleCols(first, fibres));
+  const WithoutLinearFit without_joints(joints);
+  const MatrixXd strains = without_joints(features.middleCols(first, fibres));
   const Eigen::VectorXd energy = energy_per_vertex(displacements.colwise().squaredNorm());
   const double floor = 0.1 * energy.mean() + std::numeric_limits<double>::min();
 
@@ -200,7 +213,7 @@ std::vector<FeatureGroup> muscle_groups(const Basis& basis, const std::vector<Mu
     }
     if (group.features.empty()) continue;
     // q^T (Y - its linear fit) = (q - its linear fit)^T Y: the fit is symmetric, and q is so much smaller.
-    const MatrixXd q = without_linear_fit(joints, orthonormal(strains(Eigen::all, columns)));
+    const MatrixXd q = without_joints(orthonormal(strains(Eigen::all, columns)));
     const Eigen::RowVectorXf explained = (q.cast<float>().transpose() * displacements).colwise().squaredNorm();
     group.influence = energy_per_vertex(explained).array() / (energy.array() + floor);
     for (const std::uint32_t joint : spanned_joints(basis.skeleton, muscles[m])) {
