@@ -198,6 +198,35 @@ TEST(Tissue, InvertedTetsRecoverAndAreCounted) {
   EXPECT_EQ(tissue.inverted(flat).tets, mesh.tets.rows());
 }
 
+// Inside out, a tiny tet is pushed back by the firm barrier at least as hard as one just large enough to do without; by
+// the others next to not at all. Larger tets do not feel it.
+TEST(Tissue, TheFirmBarrierHoldsUpTinyTets) {
+  constexpr double kLarge = 0.03, kTiny = 1e-6, kLeast = Tissue::kFirmBarrier.least_volume;  // metres; of the large tet
+  // Three apart: large, just not tiny, and tiny.
+  const double least = 1.001 * kLeast * (1 + kTiny) / (3 - kLeast);
+  const double sizes[3] = {kLarge, kLarge * std::cbrt(least), kLarge * std::cbrt(kTiny)};
+  TetMesh mesh;
+  mesh.nodes = Positions::Zero(12, 3);
+  mesh.tets.resize(3, 4);
+  for (int t = 0; t < 3; ++t) {
+    mesh.nodes.middleRows(4 * t + 1, 3) = sizes[t] * Eigen::Matrix3d::Identity();
+    mesh.tets.row(t) << 4 * t, 4 * t + 1, 4 * t + 2, 4 * t + 3;
+  }
+  const Tissue tissue(mesh, all(mesh, Materials{}.fat), {});
+  const Positions nodes = mapped(mesh.nodes, Eigen::Vector3d(-0.1, 0.9, 1.1).asDiagonal(), {0, 0, 0});
+  const auto push = [&](const Tissue::BarrierShape& shape) {
+    Positions gradient = Positions::Zero(12, 3);
+    tissue.add_gradient(nodes, {}, gradient, shape);
+    return Eigen::Vector3d(-gradient(1, 0), -gradient(5, 0), -gradient(9, 0));  // towards upright, newtons
+  };
+  const Eigen::Vector3d firm = push(Tissue::kFirmBarrier), steep = push(Tissue::kSteepBarrier);
+  EXPECT_GT(firm[1], 0);
+  EXPECT_GE(firm[2], firm[1]);
+  EXPECT_LT(steep[2], 0.03 * firm[1]);
+  EXPECT_EQ(firm.head<2>(), steep.head<2>());
+  expect_gradient(tissue, nodes, {}, Tissue::kFirmBarrier);
+}
+
 // Linear elasticity is its small-strain limit: an independent solver's displacement balances the loads. The energy's
 // Lamé parameters at rest are mu and lambda - mu.
 TEST(Tissue, AgreesWithAnIndependentLinearSolution) {
