@@ -205,7 +205,7 @@ Groove make_groove() {
 // contact's pressure balance, and stays there.
 TEST(Contact, ANodeBetweenTwoSlopesComesToRest) {
   constexpr double kPull = 3000, kDown = 0.004;   // N/m, metres: towards a point that far below the bottom
-  constexpr double kTold = 3e-4, kReach = 0.002;  // metres, as in the header
+  constexpr double kTold = 3e-4, kReach = 0.002;  // metres, as documented
   constexpr int kRounds = 16;
   const Groove groove = make_groove();
   const SkinContact contact(groove.mesh);
