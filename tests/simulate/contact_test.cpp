@@ -218,7 +218,8 @@ TEST(Contact, ANodeBetweenTwoSlopesComesToRest) {
   const StiffModes plain(metric, groove.mesh.nodes.rows(), {}, {});
   for (const double beside : {-0.001, 0.001}) {
     Positions nodes = groove.mesh.nodes;
-    nodes.bottomRows(4).rowwise() += Eigen::RowVector3d(beside, -0.002, 0) - nodes.row(groove.tip);
+    const Eigen::RowVector3d start(beside, -0.002, 0), shift = start - nodes.row(groove.tip);
+    nodes.bottomRows(4).rowwise() += shift;
     HeldContact held(contact, kMargin, nodes);
     const Objective pulled = [&](const Positions& x, Positions& gradient) {
       gradient.setZero();
