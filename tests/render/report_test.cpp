@@ -63,6 +63,7 @@ ReportData example() {
   data.device = "A device";
   data.seconds.build_character = 1.5;
   data.seconds.simulate = 300;
+  data.seconds.draft = 7;
   data.seconds.train = 40;
   data.seconds.eval = 0.5;
   data.peak_memory_mib = 640;
@@ -118,6 +119,24 @@ TEST(Report, JsonHoldsEveryFigure) {
   EXPECT_EQ(json.at("pictures")[1].at("kind"), "median");
   EXPECT_EQ(json.at("simulation").at("converged"), 445);
   EXPECT_EQ(json.at("simulation").at("draft_rms_mm"), 3.5);
+  EXPECT_EQ(json.at("simulation").at("draft_max_mm"), 20);
+  EXPECT_EQ(json.at("seconds").at("draft"), 7);
+}
+
+// What was not simulated here has no draft to tell of.
+TEST(Report, DraftIsToldWithTheSimulationAlone) {
+  const TemporaryFolder folder;
+  ReportData data = example();
+  write_report(data, folder.path());
+  std::string page = read(folder / "report.html");
+  EXPECT_TRUE(contains(page,
+                       "<th scope=\"row\">draft of the held-out motion</th><td>in 7 s, 3.5 mm RMS from the "
+                       "simulation, 20 mm at most</td>"));
+  data.simulation.reset();
+  write_report(data, folder.path());
+  page = read(folder / "report.html");
+  EXPECT_FALSE(contains(page, "draft"));
+  EXPECT_FALSE(nlohmann::json::parse(read(folder / "report.json")).contains("simulation"));
 }
 
 TEST(Report, PageIsSelfContainedAndEscaped) {

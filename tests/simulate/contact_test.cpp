@@ -6,6 +6,8 @@
 #include <map>
 
 #include "tests/simulate/limb.h"
+#include "tests/simulate/tet_block.h"
+#include "trainer/simulate/lbfgs.h"
 #include "trainer/simulate/quasi_static.h"
 
 namespace bodyopt {
@@ -164,6 +166,85 @@ TEST(Contact, WhatIsOnePartAtRestDoesNotCollide) {
   const TetMesh touching = two_limbs(0.0005), apart = two_limbs(kGap);
   EXPECT_TRUE(SkinContact(touching).find(moved_apart(touching, -0.0055), 0).empty());
   EXPECT_FALSE(SkinContact(apart).find(moved_apart(apart, -kGap - 0.005), 0).empty());
+}
+
+// A block with a V-shaped groove along z, whose bottom passes through the origin, and a tet that points down at it.
+// Near the groove the depth in the block is |x| - y.
+struct Groove {
+  TetMesh mesh;
+  Eigen::Index tip = 0;  // node of the tet, the last
+  double tip_area = 0;   // a third of the faces around it, square metres
+};
+
+Groove make_groove() {
+  constexpr int kWide = 6, kHigh = 3;
+  constexpr double kCell = 0.02, kAbove = 0.2;
+  Groove groove;
+  groove.mesh = tet_block(kWide, kHigh, kWide, kCell);
+  Positions& nodes = groove.mesh.nodes;
+  Tets& tets = groove.mesh.tets;
+  nodes.rowwise() -= Eigen::RowVector3d(kWide / 2.0, kHigh, kWide / 2.0) * kCell;
+  nodes.col(1) += nodes.col(0).cwiseAbs();
+  groove.tip = nodes.rows() + 3;
+  nodes.conservativeResize(nodes.rows() + 4, 3);
+  nodes.bottomRows(4) << kCell, kCell, 0, -kCell, kCell, kCell, -kCell, kCell, -kCell, 0, 0, 0;
+  for (int a = 0; a < 3; ++a) {
+    const Eigen::RowVector3d b = nodes.row(groove.tip - 3 + a), c = nodes.row(groove.tip - 3 + (a + 1) % 3);
+    groove.tip_area += b.cross(c).norm() / 2 / 3;
+  }
+  nodes.bottomRows(4).col(1).array() += kAbove;
+  const int tip = static_cast<int>(groove.tip);
+  tets.conservativeResize(tets.rows() + 1, 4);
+  tets.bottomRows(1) << tip - 3, tip - 2, tip - 1, tip;
+  orient(groove.mesh);
+  return groove;
+}
+
+// A node pulled into the groove, beside its bottom. Each slope alone would push it across to the other, so that with
+// the newest plane alone it would never rest. Held by both it rests on the bottom, as deep as its pull and the
+// contact's pressure balance, and stays there.
+TEST(Contact, ANodeBetweenTwoSlopesComesToRest) {
+  constexpr double kPull = 3000, kDown = 0.004;   // N/m, metres: towards a point that far below the bottom
+  constexpr double kTold = 3e-4, kReach = 0.002;  // metres, as documented
+  constexpr int kRounds = 16;
+  const Groove groove = make_groove();
+  const SkinContact contact(groove.mesh);
+  const double area = Materials{}.contact * groove.tip_area, square = area / kReach, linear = area + kPull;
+  const double balance = (std::sqrt(linear * linear + 4 * square * kPull * kDown) - linear) / (2 * square);
+  SparseMatrix stiffness(groove.mesh.nodes.rows(), groove.mesh.nodes.rows());
+  stiffness.setIdentity();
+  stiffness *= kPull;
+  const Metric metric(stiffness);
+  const StiffModes plain(metric, groove.mesh.nodes.rows(), {}, {});
+  for (const double beside : {-0.001, 0.001}) {
+    Positions nodes = groove.mesh.nodes;
+    const Eigen::RowVector3d start(beside, -0.002, 0), shift = start - nodes.row(groove.tip);
+    nodes.bottomRows(4).rowwise() += shift;
+    HeldContact held(contact, kMargin, nodes);
+    const Objective pulled = [&](const Positions& x, Positions& gradient) {
+      gradient.setZero();
+      const double energy = contact.add_gradient(held.planes(), x, gradient);
+      const Eigen::RowVector3d pull = kPull * (x.row(groove.tip) - Eigen::RowVector3d(beside, -kDown, 0));
+      gradient.row(groove.tip) += pull;
+      gradient.topRows(groove.tip).setZero();
+      return ObjectiveValue{energy + pull.squaredNorm() / (2 * kPull), pull.squaredNorm()};
+    };
+    const auto relax = [&] { EXPECT_LT(Lbfgs(plain, 1e-9).minimise(pulled, 1e-7, 200, nodes).residual, 1e-7); };
+    bool is_true = false;
+    for (int round = 0; round < kRounds && !is_true; ++round) {
+      relax();
+      is_true = held.renew(nodes);
+    }
+    EXPECT_TRUE(is_true);
+    const Eigen::RowVector3d rest = nodes.row(groove.tip);
+    const double depth = contact.deepest(nodes);
+    EXPECT_NEAR(depth, std::abs(rest[0]) - rest[1], 1e-9);
+    EXPECT_NEAR(held_by_node(contact, held, nodes).at(static_cast<int>(groove.tip)).depth, depth, kTold);
+    EXPECT_NEAR(depth, balance, kTold);
+    relax();
+    EXPECT_TRUE(held.renew(nodes));
+    EXPECT_LT((nodes.row(groove.tip) - rest).norm(), 1e-6);
+  }
 }
 
 // A limb folded on itself: skin lies on skin.

@@ -105,6 +105,36 @@ TEST(Minimise, NeverEntersAPlaceOfInfiniteEnergy) {
   EXPECT_NEAR(x(0, 0), 1, 1e-7);
 }
 
+// One iteration at a time: no point that is tried lies further from where the iteration starts than allowed, some lie
+// that far, and the minimum, which is much further, is reached all the same.
+TEST(Minimise, NoStepMovesANodeFurtherThanAllowed) {
+  constexpr double kMaxMove = 0.05;
+  const SparseMatrix hessian = random_definite(40, 3);
+  const Positions minimum = Positions::Constant(40, 3, 1) + Positions::Random(40, 3);
+  SparseMatrix soft(40, 40);  // far below the Hessian: the first step would go far beyond the minimum
+  soft.setIdentity();
+  Positions start = Positions::Zero(40, 3), x = start;
+  double furthest = 0;
+  const Objective objective = [&](const Positions& at, Positions& gradient) {
+    furthest = std::max(furthest, (at - start).rowwise().norm().maxCoeff());
+    gradient = hessian * (at - minimum);
+    return ObjectiveValue{0.5 * (at - minimum).cwiseProduct(gradient).sum(), 1.0};
+  };
+  const Metric metric(soft);
+  const StiffModes plain(metric, 40, {}, {});
+  Lbfgs lbfgs(plain, 1e-12, kMaxMove);
+  int iterations = 0, capped = 0;
+  for (double residual = 1; residual >= 1e-9 && iterations < 1000; ++iterations) {
+    furthest = 0;
+    start = x;
+    residual = lbfgs.minimise(objective, 1e-9, 1, x).residual;
+    ASSERT_LE(furthest, kMaxMove * (1 + 1e-12)) << iterations;
+    capped += furthest > kMaxMove * (1 - 1e-12) ? 1 : 0;
+  }
+  EXPECT_GT(capped, 0);
+  EXPECT_LT((x - minimum).cwiseAbs().maxCoeff(), 1e-9);
+}
+
 TEST(Minimise, ReportsWhatItReachedWhenTheIterationsEnd) {
   const SparseMatrix hessian = random_definite(40, 3);
   SparseMatrix crude(40, 40);

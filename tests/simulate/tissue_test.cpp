@@ -12,42 +12,12 @@
 #include <set>
 
 #include "tests/simulate/limb.h"
+#include "tests/simulate/tet_block.h"
 #include "tests/support/shared_data.h"
 #include "trainer/simulate/lbfgs.h"
 
 namespace bodyopt {
 namespace {
-
-// A block of cubes, five tets each, mirrored so that faces match.
-TetMesh block(int nx, int ny, int nz, double size) {
-  TetMesh mesh;
-  const auto node = [&](int x, int y, int z) { return (x * (ny + 1) + y) * (nz + 1) + z; };
-  mesh.nodes.resize((nx + 1) * (ny + 1) * (nz + 1), 3);
-  for (int x = 0; x <= nx; ++x) {
-    for (int y = 0; y <= ny; ++y) {
-      for (int z = 0; z <= nz; ++z) mesh.nodes.row(node(x, y, z)) << x * size, y * size, z * size;
-    }
-  }
-  const int corners[5][4] = {{0, 3, 5, 6}, {1, 3, 0, 5}, {2, 0, 3, 6}, {4, 5, 0, 6}, {7, 3, 6, 5}};
-  mesh.tets.resize(5 * nx * ny * nz, 4);
-  int t = 0;
-  for (int x = 0; x < nx; ++x) {
-    for (int y = 0; y < ny; ++y) {
-      for (int z = 0; z < nz; ++z) {
-        const int mirror = (x + y + z) % 2;
-        for (const auto& tet : corners) {
-          for (int k = 0; k < 4; ++k) {
-            const int c = mirror ? tet[k] ^ 1 : tet[k];
-            mesh.tets(t, k) = node(x + (c >> 2 & 1), y + (c >> 1 & 1), z + (c & 1));
-          }
-          if (tet_edges(mesh, t).determinant() < 0) std::swap(mesh.tets(t, 2), mesh.tets(t, 3));
-          ++t;
-        }
-      }
-    }
-  }
-  return mesh;
-}
 
 std::vector<TetMaterial> all(const TetMesh& mesh, const TetMaterial& material) {
   return std::vector<TetMaterial>(static_cast<std::size_t>(mesh.tets.rows()), material);
@@ -85,18 +55,18 @@ void expect_gradient(const Tissue& tissue, const Positions& nodes, const std::ve
 }
 
 TEST(Tissue, PassiveGradientIsTheEnergysDerivative) {
-  const TetMesh mesh = block(3, 2, 2, 0.01);
+  const TetMesh mesh = tet_block(3, 2, 2, 0.01);
   expect_gradient(Tissue(mesh, all(mesh, Materials{}.fat), {}), shaken(mesh.nodes, 0.001, 7), {});
 }
 
 TEST(Tissue, BarrierGradientIsTheEnergysDerivative) {
-  const TetMesh mesh = block(3, 2, 2, 0.01);
+  const TetMesh mesh = tet_block(3, 2, 2, 0.01);
   const Positions squashed = mapped(mesh.nodes, Eigen::Vector3d(0.25, 1, 0.9).asDiagonal(), {0, 0, 0});
   expect_gradient(Tissue(mesh, all(mesh, Materials{}.fat), {}), shaken(squashed, 0.0001, 8), {});
 }
 
 TEST(Tissue, FibreGradientsAreTheEnergysDerivative) {
-  const TetMesh mesh = block(3, 2, 2, 0.01);
+  const TetMesh mesh = tet_block(3, 2, 2, 0.01);
   const Tissue tissue(mesh, all(mesh, Materials{}.muscle), fibres_everywhere(mesh, {1, 0.3, -0.2}));
   expect_gradient(tissue, shaken(mesh.nodes, 0.0005, 9), {0.7});       // active alone, near rest
   expect_gradient(tissue, shaken(1.2 * mesh.nodes, 0.0005, 10), {0});  // passive alone, stretched
@@ -107,7 +77,7 @@ TEST(Tissue, FibreGradientsAreTheEnergysDerivative) {
 
 // Against a plain evaluation, tet by tet, of the energy in the header.
 TEST(Tissue, EnergyIsTheDocumentedOne) {
-  const TetMesh mesh = block(2, 2, 2, 0.01);
+  const TetMesh mesh = tet_block(2, 2, 2, 0.01);
   const Eigen::Vector3d fibre = Eigen::Vector3d(0.2, 1, 0.4).normalized();
   std::vector<FibreTet> fibres = fibres_everywhere(mesh, fibre);
   fibres.resize(13);  // the rest is passive
@@ -145,7 +115,7 @@ TEST(Tissue, EnergyIsTheDocumentedOne) {
 }
 
 TEST(Tissue, RigidMotionMakesNoForce) {
-  const TetMesh mesh = block(3, 3, 3, 0.01);
+  const TetMesh mesh = tet_block(3, 3, 3, 0.01);
   const Tissue tissue(mesh, all(mesh, Materials{}.muscle), fibres_everywhere(mesh, {0, 1, 1}));
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   Positions gradient = Positions::Zero(mesh.nodes.rows(), 3);
@@ -156,7 +126,7 @@ TEST(Tissue, RigidMotionMakesNoForce) {
 
 // A homogeneous deformation is in balance inside; on the boundary its tractions sum to zero.
 TEST(Tissue, PassesThePatchTest) {
-  const TetMesh mesh = block(4, 4, 4, 0.01);
+  const TetMesh mesh = tet_block(4, 4, 4, 0.01);
   TetMesh skewed = mesh;
   for (Eigen::Index n = 0; n < mesh.nodes.rows(); ++n) {
     const Eigen::RowVector3d p = mesh.nodes.row(n);
@@ -179,7 +149,7 @@ TEST(Tissue, PassesThePatchTest) {
 }
 
 TEST(Tissue, ForceScaleIsTheSumOverTetsAlone) {
-  const TetMesh mesh = block(2, 1, 1, 0.01);
+  const TetMesh mesh = tet_block(2, 1, 1, 0.01);
   const Positions nodes = shaken(mesh.nodes, 0.001, 4);
   double expected = 0;
   for (int t = 0; t < mesh.tets.rows(); ++t) {
@@ -197,7 +167,7 @@ TEST(Tissue, ForceScaleIsTheSumOverTetsAlone) {
 
 // Below the barrier's steepest point, through flat, to inside out.
 TEST(Tissue, InvertedGradientIsTheEnergysDerivative) {
-  const TetMesh mesh = block(3, 2, 2, 0.01);
+  const TetMesh mesh = tet_block(3, 2, 2, 0.01);
   const Tissue tissue(mesh, all(mesh, Materials{}.fat), {});
   for (const double height : {0.06, 0.02, 0.003, -0.01, -0.5}) {
     const Positions squashed = mapped(mesh.nodes, Eigen::Vector3d(height, 1, 0.9).asDiagonal(), {0, 0, 0});
@@ -210,7 +180,7 @@ TEST(Tissue, InvertedGradientIsTheEnergysDerivative) {
 
 // An inverted tet has more energy than any that is upright, and is pushed back.
 TEST(Tissue, InvertedTetsRecoverAndAreCounted) {
-  const TetMesh mesh = block(2, 2, 2, 0.01);
+  const TetMesh mesh = tet_block(2, 2, 2, 0.01);
   const Tissue tissue(mesh, all(mesh, Materials{}.fat), {});
   Positions gradient = Positions::Zero(mesh.nodes.rows(), 3);
   const Positions mirrored = mapped(mesh.nodes, Eigen::Vector3d(-1, 1, 1).asDiagonal(), {0, 0, 0});
@@ -226,6 +196,35 @@ TEST(Tissue, InvertedTetsRecoverAndAreCounted) {
   EXPECT_NEAR(tissue.inverted(mirrored).share, 1, 1e-12);
   const Positions flat = mapped(mesh.nodes, Eigen::Vector3d(0, 1, 1).asDiagonal(), {0, 0, 0});
   EXPECT_EQ(tissue.inverted(flat).tets, mesh.tets.rows());
+}
+
+// Inside out, a tiny tet is pushed back by the firm barrier at least as hard as one just large enough to do without; by
+// the others next to not at all. Larger tets do not feel it.
+TEST(Tissue, TheFirmBarrierHoldsUpTinyTets) {
+  constexpr double kLarge = 0.03, kTiny = 1e-6, kLeast = Tissue::kFirmBarrier.least_volume;  // metres; of the large tet
+  // Three apart: large, just not tiny, and tiny.
+  const double least = 1.001 * kLeast * (1 + kTiny) / (3 - kLeast);
+  const double sizes[3] = {kLarge, kLarge * std::cbrt(least), kLarge * std::cbrt(kTiny)};
+  TetMesh mesh;
+  mesh.nodes = Positions::Zero(12, 3);
+  mesh.tets.resize(3, 4);
+  for (int t = 0; t < 3; ++t) {
+    mesh.nodes.middleRows(4 * t + 1, 3) = sizes[t] * Eigen::Matrix3d::Identity();
+    mesh.tets.row(t) << 4 * t, 4 * t + 1, 4 * t + 2, 4 * t + 3;
+  }
+  const Tissue tissue(mesh, all(mesh, Materials{}.fat), {});
+  const Positions nodes = mapped(mesh.nodes, Eigen::Vector3d(-0.1, 0.9, 1.1).asDiagonal(), {0, 0, 0});
+  const auto push = [&](const Tissue::BarrierShape& shape) {
+    Positions gradient = Positions::Zero(12, 3);
+    tissue.add_gradient(nodes, {}, gradient, shape);
+    return Eigen::Vector3d(-gradient(1, 0), -gradient(5, 0), -gradient(9, 0));  // towards upright, newtons
+  };
+  const Eigen::Vector3d firm = push(Tissue::kFirmBarrier), steep = push(Tissue::kSteepBarrier);
+  EXPECT_GT(firm[1], 0);
+  EXPECT_GE(firm[2], firm[1]);
+  EXPECT_LT(steep[2], 0.03 * firm[1]);
+  EXPECT_EQ(firm.head<2>(), steep.head<2>());
+  expect_gradient(tissue, nodes, {}, Tissue::kFirmBarrier);
 }
 
 // Linear elasticity is its small-strain limit: an independent solver's displacement balances the loads. The energy's
@@ -313,7 +312,7 @@ TEST(Tissue, AgreesWithAnIndependentLinearSolution) {
 TEST(Tissue, ALargelyBentBeamIsTheElastica) {
   constexpr int kLayers = 14, kLong = 140;
   constexpr double kCell = 1.0 / kLong, kHeight = kLayers * kCell, kLength = kLong * kCell, kMu = 1e5;
-  const TetMesh mesh = block(kLong, kLayers, 1, kCell);
+  const TetMesh mesh = tet_block(kLong, kLayers, 1, kCell);
   const Tissue tissue(mesh, all(mesh, {kMu, kMu}), {});  // at rest: Young 2 mu, Poisson 0
   const double load = 2 * kMu * kCell * std::pow(kHeight, 3) / 12 / (kLength * kLength);
   std::vector<Eigen::Index> held, end;
