@@ -9,6 +9,7 @@
 
 #include "runtime/rig.h"
 #include "trainer/train/laplacian.h"
+#include "trainer/train/parallel.h"
 #include "trainer/train/strain.h"
 
 namespace bodyopt {
@@ -23,15 +24,18 @@ constexpr double kNegligible = 0.03;  // region weights below this are dropped
 constexpr Index kVerticesPerRegion = 300, kFewestVerticesPerRegion = 40, kFewRegions = 8;
 constexpr double kLeastVariance = 0.01;  // of a standardised feature; less is noise
 
-Index seed_furthest_from_middle(const MatrixXd& points) {
+using Points = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+Index seed_furthest_from_middle(const Points& points) {
   Index seed = 0;
-  (points.rowwise() - points.colwise().mean()).rowwise().squaredNorm().maxCoeff(&seed);
+  const Eigen::RowVectorXd middle = points.colwise().mean();
+  (points.rowwise() - middle).rowwise().squaredNorm().maxCoeff(&seed);
   return seed;
 }
 
 // Labels of k-means clusters of the rows, seeded by farthest-point sampling.
-std::vector<Index> cluster(const MatrixXd& points, Index count) {
-  MatrixXd centres(count, points.cols());
+std::vector<Index> cluster(const Points& points, Index count) {
+  Points centres(count, points.cols());
   centres.row(0) = points.row(seed_furthest_from_middle(points));
   Eigen::VectorXd nearest = (points.rowwise() - centres.row(0)).rowwise().squaredNorm();
   for (Index c = 1; c < count; ++c) {
@@ -43,7 +47,7 @@ std::vector<Index> cluster(const MatrixXd& points, Index count) {
   std::vector<Index> labels(static_cast<std::size_t>(points.rows()));
   constexpr int kRounds = 20;
   for (int round = 0; round < kRounds; ++round) {
-    MatrixXd sums = MatrixXd::Zero(count, points.cols());
+    Points sums = Points::Zero(count, points.cols());
     Eigen::VectorXd sizes = Eigen::VectorXd::Zero(count);
     // |point - centre|^2 less |point|^2, which is the same for all centres
     MatrixXd distances = -2 * centres * points.transpose();
@@ -63,8 +67,8 @@ std::vector<Index> cluster(const MatrixXd& points, Index count) {
 }
 
 // Place and influences of every vertex, so that one unit is a notable difference in any of them. `patch`: metres.
-MatrixXd descriptors(const Character& character, const std::vector<FeatureGroup>& groups, double patch) {
-  MatrixXd points(character.vertices.rows(), 3 + static_cast<Index>(groups.size()));
+Points descriptors(const Character& character, const std::vector<FeatureGroup>& groups, double patch) {
+  Points points(character.vertices.rows(), 3 + static_cast<Index>(groups.size()));
   points.leftCols(3) = character.vertices / patch;
   for (std::size_t g = 0; g < groups.size(); ++g) points.col(3 + static_cast<Index>(g)) = groups[g].influence;
   return points;
@@ -185,6 +189,33 @@ MatrixXd orthonormal(const MatrixXd& columns) {
   return qr.householderQ() * MatrixXd::Identity(columns.rows(), qr.rank());
 }
 
+// V x G: the energy of |q^T motion|^2 for each of the matrices q, over that of the motion (N x 3V).
+MatrixXd shares_of_energy(const Displacements& motion, const std::vector<MatrixXd>& matrices) {
+  constexpr Index kChunk = 256;  // vertices
+  Index rows = 0;
+  for (const MatrixXd& q : matrices) rows += q.cols();
+  Eigen::MatrixXf all(rows, motion.rows());
+  for (Index begin = 0; const MatrixXd& q : matrices) {
+    all.middleRows(begin, q.cols()) = q.transpose().cast<float>();
+    begin += q.cols();
+  }
+  const Index vertices = motion.cols() / 3;
+  MatrixXd shares(vertices, static_cast<Index>(matrices.size()));
+  parallel_for(static_cast<std::size_t>((vertices + kChunk - 1) / kChunk), [&](std::size_t chunk) {
+    const Index first = static_cast<Index>(chunk) * kChunk, count = std::min(kChunk, vertices - first);
+    const Eigen::MatrixXf squares = (all * motion.middleCols(3 * first, 3 * count)).cwiseAbs2();
+    for (Index g = 0, begin = 0; g < shares.cols(); ++g) {
+      const Index size = matrices[static_cast<std::size_t>(g)].cols();
+      shares.col(g).segment(first, count) = energy_per_vertex(squares.middleRows(begin, size).colwise().sum());
+      begin += size;
+    }
+  });
+  const Eigen::VectorXd energy = energy_per_vertex(motion.colwise().squaredNorm());
+  const double floor = 0.1 * energy.mean() + std::numeric_limits<double>::min();
+  shares.array().colwise() /= energy.array() + floor;
+  return shares;
+}
+
 // How the muscles move the skin: what their strains explain beyond a linear fit of the joints. `first`: feature index
 // of the first strain.
 std::vector<FeatureGroup> muscle_groups(const Basis& basis, const std::vector<Muscle>& muscles,
@@ -193,12 +224,10 @@ std::vector<FeatureGroup> muscle_groups(const Basis& basis, const std::vector<Mu
   const Index fibres = basis.strain.fibre_count();
   const WithoutLinearFit without_joints(joints);
   const MatrixXd strains = without_joints(features.middleCols(first, fibres));
-  const Eigen::VectorXd energy = energy_per_vertex(displacements.colwise().squaredNorm());
-  const double floor = 0.1 * energy.mean() + std::numeric_limits<double>::min();
-
   const std::vector<std::uint32_t> group_joints = feature_joints(basis.skeleton);
   const std::vector<std::size_t> muscle_of_fibre = fibre_muscles(basis.strain, muscles);
   std::vector<FeatureGroup> groups;
+  std::vector<MatrixXd> regressors;
   for (std::size_t m = 0; m < muscles.size(); ++m) {
     FeatureGroup group;
     std::vector<Index> columns;
@@ -213,15 +242,15 @@ std::vector<FeatureGroup> muscle_groups(const Basis& basis, const std::vector<Mu
     }
     if (group.features.empty()) continue;
     // q^T (Y - its linear fit) = (q - its linear fit)^T Y: the fit is symmetric, and q is so much smaller.
-    const MatrixXd q = without_joints(orthonormal(strains(Eigen::all, columns)));
-    const Eigen::RowVectorXf explained = (q.cast<float>().transpose() * displacements).colwise().squaredNorm();
-    group.influence = energy_per_vertex(explained).array() / (energy.array() + floor);
+    regressors.push_back(without_joints(orthonormal(strains(Eigen::all, columns))));
     for (const std::uint32_t joint : spanned_joints(basis.skeleton, muscles[m])) {
       const auto place = std::find(group_joints.begin(), group_joints.end(), joint);
       if (place != group_joints.end()) group.spans.push_back(static_cast<std::size_t>(place - group_joints.begin()));
     }
     groups.push_back(std::move(group));
   }
+  const MatrixXd shares = shares_of_energy(displacements, regressors);
+  for (std::size_t g = 0; g < groups.size(); ++g) groups[g].influence = shares.col(static_cast<Index>(g));
   return groups;
 }
 
