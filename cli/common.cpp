@@ -126,12 +126,6 @@ void say(const std::vector<std::string>& notes) {
   for (const std::string& note : notes) spdlog::warn("{}", note);
 }
 
-std::size_t total_bytes(const Basis& basis) {
-  std::size_t bytes = 0;
-  for (const auto& [stage, size] : table_bytes(basis)) bytes += size;
-  return bytes;
-}
-
 void make_folder(const std::filesystem::path& folder) {
   std::error_code ignored;
   std::filesystem::create_directories(folder, ignored);

@@ -64,9 +64,6 @@ std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames);
 // Says each note once, as a warning on standard error.
 void say(const std::vector<std::string>& notes);
 
-// Bytes of all tables a frame needs.
-std::size_t total_bytes(const Basis& basis);
-
 // Makes the folder where it is missing. Throws Error(file).
 void make_folder(const std::filesystem::path& folder);
 

@@ -308,7 +308,7 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
   save_basis(full, folder / "basis.safetensors");
   report.seconds.train = training.seconds();
   TrainOptions linear_options;
-  linear_options.joint_only_linear = true;
+  linear_options.method = {.strains = false, .kernels = false};
   linear_options.match_bytes = table_bytes(full).at("strain") + table_bytes(full).at("residual");
   linear_options.match_coefficients = full.residual.coefficient_count();
   const Basis linear = train(set, linear_options);

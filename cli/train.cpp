@@ -9,6 +9,7 @@
 #include "cli/common.h"
 #include "runtime/basis/error.h"
 #include "trainer/dataset/check.h"
+#include "trainer/train/ablation.h"
 #include "trainer/train/heldout.h"
 
 namespace bodyopt::cli {
@@ -18,6 +19,7 @@ struct TrainArguments {
   std::string dataset, ddm_only, out;
   double unit = 0;
   int heldout_every = 0;
+  bool ablate = false;
   TrainOptions options;
   JsonOption json;
 };
@@ -33,6 +35,21 @@ void run_ddm_only(const TrainArguments& arguments) {
       {{"basis", arguments.out}, {"vertices", basis.mesh.vertex_count()}, {"bytes_per_vertex", per_vertex}},
       format("wrote %s: Direct Delta Mush of %u vertices, %.0f bytes per vertex\n", arguments.out.c_str(),
              basis.mesh.vertex_count(), per_vertex));
+}
+
+std::string ablation_table(const std::vector<AblationRow>& rows, Json& result) {
+  std::string text = format("%-40s %8s %8s %8s %8s %10s %8s\n", "method (errors in mm)", "RMS", "p99", "max", "jitter",
+                            "bytes/vtx", "seconds");
+  for (const AblationRow& row : rows) {
+    text += format("%-40s %8.3f %8.3f %8.2f %8.3f %10.0f %8.1f\n", row.name.c_str(), row.errors.rms, row.errors.p99,
+                   row.errors.max, row.errors.jitter, row.bytes_per_vertex, row.seconds);
+    result["ablation"].push_back({{"method", row.name},
+                                  {"errors_mm", to_json(row.errors)},
+                                  {"bytes_per_vertex", row.bytes_per_vertex},
+                                  {"coefficients", row.coefficients},
+                                  {"seconds", row.seconds}});
+  }
+  return text;
 }
 
 void run(const TrainArguments& arguments) {
@@ -54,6 +71,11 @@ void run(const TrainArguments& arguments) {
   spdlog::info("reading the shapes");
   const SampleSet set = read_samples(dataset);
   say(set.notes);
+  if (arguments.ablate && set.heldout.empty()) {
+    throw Error(ErrorKind::usage,
+                "--ablate compares methods on held-out frames, and the dataset has none: try "
+                "--heldout-every 5");
+  }
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
 
   Basis basis = train(set, arguments.options);
@@ -89,6 +111,7 @@ void run(const TrainArguments& arguments) {
           "too few, or too unlike them");
     }
   }
+  if (arguments.ablate) text += ablation_table(ablate(set, arguments.options, basis, seconds), result);
   text += "wrote " + arguments.out + "\n";
   arguments.json.emit(result, text);
 }
@@ -105,6 +128,8 @@ void add_train(CLI::App& app) {
   verb.add_option("--heldout-every", arguments->heldout_every,
                   "Hold out every Nth block of ten frames instead of the frames dataset.json names")
       ->check(CLI::Range(2, 1000));
+  verb.add_flag("--ablate", arguments->ablate,
+                "Also train the model with parts left out, and its peers, to as many bytes, and compare them");
   verb.add_option("--smoothing-radius", arguments->options.smoothing_radius,
                   "Radius of Direct Delta Mush, metres (default: 1/40 of the size, or twice that where it leaves less "
                   "to learn)")

@@ -90,6 +90,7 @@ Basis load_basis(const std::filesystem::path& path);
 
 // Bytes of the tables a frame needs at run time, by stage: "ddm", "strain", "residual".
 std::map<std::string, std::size_t> table_bytes(const Basis& basis);
+std::size_t total_bytes(const Basis& basis);  // of all of them
 
 // xxh3 of the welded triangles and the output map: shapes and bases of one character agree in it.
 std::uint64_t topology_hash(const MeshTable& mesh);

@@ -244,6 +244,12 @@ std::map<std::string, std::size_t> table_bytes(const Basis& basis) {
   return bytes;
 }
 
+std::size_t total_bytes(const Basis& basis) {
+  std::size_t bytes = 0;
+  for (const auto& [stage, size] : table_bytes(basis)) bytes += size;
+  return bytes;
+}
+
 std::uint64_t topology_hash(const MeshTable& mesh) {
   XXH3_state_t* state = XXH3_createState();
   XXH3_64bits_reset(state);

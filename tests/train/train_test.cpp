@@ -54,7 +54,7 @@ TEST(Train, BeatsDirectDeltaMushAndJointLinearOnHeldoutFrames) {
   const Distance learned = distance(full, set.character, set.heldout);
   const Distance ddm = distance(without_residual(full), set.character, set.heldout);
   const std::size_t bytes = table_bytes(full)["residual"];
-  const Basis linear = train(set, {.joint_only_linear = true, .match_bytes = bytes});
+  const Basis linear = train(set, {.method = {.strains = false, .kernels = false}, .match_bytes = bytes});
   const Distance joint_linear = distance(linear, set.character, set.heldout);
   RecordProperty("rms_mm", std::to_string(ddm.rms) + " DDM, " + std::to_string(joint_linear.rms) + " linear, " +
                                std::to_string(learned.rms) + " full");

@@ -20,8 +20,9 @@ using Eigen::Index;
 
 // Radii within which a region sees features, as parts of the character's longest extent.
 constexpr double kRadii[] = {0.06, 0.12, 0.2, 0.35};
-// Features of a region at most: more cost bytes and time and teach it nothing (measured from 32 to 400).
-constexpr std::size_t kMostFeatures = 40;
+// Features of a region at most, where there are kernels: more cost bytes and time and teach it nothing (measured from
+// 32 to 400).
+constexpr std::size_t kMostFeatures = 40, kMostFeaturesOfAll = 200;  // of a region that is the whole skin
 // Cross-validation: blocks of consecutive frames, dealt to folds.
 constexpr int kFolds = 5, kLongestRun = 20;
 constexpr std::uint32_t kMostCoefficients = 65536;
@@ -85,28 +86,35 @@ RegressionData regression_data(const FeatureSamples& samples, const std::vector<
 }
 
 std::vector<std::vector<std::uint32_t>> feature_choices(const Character& character, const RegionWeights& region,
-                                                        const std::vector<FeatureGroup>& groups,
-                                                        const TrainOptions& options) {
+                                                        const std::vector<FeatureGroup>& groups, const Method& method) {
   std::vector<std::vector<std::uint32_t>> choices;
-  if (options.joint_only_linear) {
+  if (method.support != Method::Support::whole_skin) {
+    for (const double radius : kRadii) {
+      choices.push_back(region_features(character, region, groups, radius * longest_extent(character.vertices)));
+    }
+  }
+  // A linear map may well see everything: it has little to get wrong with.
+  if (choices.empty() || !method.kernels) {
     std::vector<std::uint32_t>& all = choices.emplace_back();
     for (const FeatureGroup& group : groups) all.insert(all.end(), group.features.begin(), group.features.end());
-    return choices;
-  }
-  for (const double radius : kRadii) {
-    choices.push_back(region_features(character, region, groups, radius * longest_extent(character.vertices)));
   }
   choices.erase(std::unique(choices.begin(), choices.end()), choices.end());
   return choices;
 }
 
+std::size_t most_features(const Method& method) {
+  if (!method.kernels) return std::numeric_limits<std::size_t>::max();
+  return method.support == Method::Support::whole_skin ? kMostFeaturesOfAll : kMostFeatures;
+}
+
 // The features that tell most, ascending, and what each explains.
-void choose_features(const FeatureSamples& samples, const std::vector<std::uint32_t>& choice, RegionModel& model) {
+void choose_features(const FeatureSamples& samples, const std::vector<std::uint32_t>& choice, std::size_t most,
+                     RegionModel& model) {
   const std::vector<Index> columns(choice.begin(), choice.end());
   const Eigen::MatrixXd values =
       samples.values(Eigen::all, columns).rowwise() - Eigen::RowVectorXd(samples.rest(columns));
   const Eigen::MatrixXd& targets = model.components.coefficients;
-  std::vector<SelectedFeature> selected = select_features(values, targets, kMostFeatures);
+  std::vector<SelectedFeature> selected = select_features(values, targets, most);
   std::sort(selected.begin(), selected.end(),
             [](const SelectedFeature& a, const SelectedFeature& b) { return a.column < b.column; });
   model.features.clear();
@@ -125,24 +133,21 @@ RegionModel fit_region(const RegionWeights& region, const SkinPart& part,
   RegionModel model;
   model.region = region;
   model.components = principal_components(displacements, within(part, region), options.components);
-  const int centres = options.joint_only_linear ? 0 : options.centres;
+  const int centres = options.method.kernels ? options.centres : 0;
   const auto data = [&] { return regression_data(features, model.features, model.components.coefficients, folds); };
-  if (options.joint_only_linear) {
-    model.features = choices.front();
-  } else {
-    double least = std::numeric_limits<double>::infinity();
-    RegionModel best = model;
-    for (const std::vector<std::uint32_t>& choice : choices) {
-      choose_features(features, choice, model);
-      const double error = trial_error(data(), centres);
-      if (!(error < least)) continue;
-      least = error;
-      best.features = model.features;
-      best.worth = model.worth;
-    }
-    model.features = best.features;
-    model.worth = best.worth;
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<std::uint32_t> best;
+  std::vector<double> worth;
+  for (const std::vector<std::uint32_t>& choice : choices) {
+    choose_features(features, choice, most_features(options.method), model);
+    const double error = trial_error(data(), centres);
+    if (!(error < least)) continue;
+    least = error;
+    best = model.features;
+    worth = model.worth;
   }
+  model.features = best;
+  model.worth = worth;
   model.regression = fit_regression(data(), centres);
   normalise(model);
   return model;
@@ -169,7 +174,7 @@ ResidualModel fit_residual(const Character& character, const UnposedShapes& shap
     Progress progress("train: regions" + which, part.end - part.begin);
     parallel_for(part.end - part.begin, [&](std::size_t k) {
       const std::size_t r = part.begin + k;
-      const auto choices = feature_choices(character, regions[r], groups, options);
+      const auto choices = feature_choices(character, regions[r], groups, options.method);
       model.regions[r] = fit_region(regions[r], part, choices, features, displacements, folds, options);
       progress.advance();
     });

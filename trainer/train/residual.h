@@ -33,9 +33,8 @@ struct ResidualModel {
 };
 
 // Components, then features and regression of every region. The radius within which a region sees features is chosen
-// with the other hyper-parameters, by cross-validation. With options.joint_only_linear every region sees all joint
-// features and nothing else, without kernels. Shapes are read part by part of the skin, as options.memory_gib allows.
-// `features` and `takes`: of all the training frames.
+// with the other hyper-parameters, by cross-validation. Shapes are read part by part of the skin, as options.memory_gib
+// allows. `features` and `takes`: of all the training frames.
 ResidualModel fit_residual(const Character& character, const UnposedShapes& shapes,
                            const std::vector<RegionWeights>& regions, const std::vector<FeatureGroup>& groups,
                            const FeatureSamples& features, const std::vector<int>& takes, const TrainOptions& options);

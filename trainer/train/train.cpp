@@ -81,11 +81,14 @@ void check_samples(const SampleSet& set) {
 }
 
 // Sum of the squared un-posed displacements of some training frames, spread evenly.
-double left_to_learn(const SampleSet& set, const Basis& basis, const std::vector<std::uint32_t>& order) {
+double left_to_learn(const SampleSet& set, const Character& ordered, const Basis& basis,
+                     const std::vector<std::uint32_t>& order) {
   const std::vector<std::size_t> probes = spread_evenly(set.train.size(), 24);
   std::vector<std::uint32_t> all(order.size());
   std::iota(all.begin(), all.end(), 0u);
-  return UnposedShapes(set, basis, order)("train: smoothing radius", probes, all).cast<double>().squaredNorm();
+  return UnposedShapes(set, ordered, basis, order, Method::Unposing::ddm)("train: smoothing radius", probes, all)
+      .cast<double>()
+      .squaredNorm();
 }
 
 // The radius given; or the default or twice that, whichever leaves less to learn: a part of a body needs more than its
@@ -95,7 +98,7 @@ Base choose_base(const SampleSet& set, const Character& ordered, const std::vect
   if (options.smoothing_radius > 0) return make_base(ordered, options.smoothing_radius, options);
   const double radius = default_smoothing_radius(ordered.vertices);
   Base base = make_base(ordered, radius, options), wider = make_base(ordered, 2 * radius, options);
-  const bool better = left_to_learn(set, wider.basis, order) < left_to_learn(set, base.basis, order);
+  const bool better = left_to_learn(set, ordered, wider.basis, order) < left_to_learn(set, ordered, base.basis, order);
   return better ? std::move(wider) : std::move(base);
 }
 
@@ -108,6 +111,25 @@ std::vector<FeatureGroup> feature_groups(const Base& base, const std::vector<Mus
   std::iota(all.begin(), all.end(), 0u);
   return make_feature_groups(base.basis, base.moments, muscles, features.values(frames, Eigen::all),
                              shapes("train: influences", frames, all));
+}
+
+// Static regions: groups begin with the joints.
+std::vector<RegionWeights> regions_of(const Character& character, const std::vector<FeatureGroup>& groups,
+                                      Method::Support support) {
+  const std::size_t joints = feature_joints(character.skeleton).size();
+  switch (support) {
+    case Method::Support::dynamic_regions:
+      return make_regions(character, groups);
+    case Method::Support::static_regions:
+      return make_regions(character, {groups.begin(), groups.begin() + static_cast<std::ptrdiff_t>(joints)});
+    case Method::Support::whole_skin:
+      break;
+  }
+  RegionWeights whole;
+  whole.vertices.resize(static_cast<std::size_t>(character.vertices.rows()));
+  std::iota(whole.vertices.begin(), whole.vertices.end(), 0u);
+  whole.weights.assign(whole.vertices.size(), 1.0);
+  return {whole};
 }
 
 // Root mean square over vertices and frames: region weights sum to one at every vertex.
@@ -123,7 +145,7 @@ void pack_to_match(Basis& basis, const ResidualModel& model, int components, dou
                    const TrainOptions& options) {
   const auto matches = [&](int count) {
     basis.residual = pack_residual(model, count, negligible);
-    return table_bytes(basis).at("residual") >= options.match_bytes &&
+    return table_bytes(basis).at("strain") + table_bytes(basis).at("residual") >= options.match_bytes &&
            basis.residual.coefficient_count() >= options.match_coefficients;
   };
   constexpr int kHalvings = 20;
@@ -186,8 +208,7 @@ nlohmann::json muscle_report(const StrainTable& strain, const std::vector<Muscle
 }
 
 // What training says of itself.
-void add_report(Basis& basis, const Character& character, const SampleSet& set, const TrainOptions& options,
-                const ResidualModel& model) {
+void add_report(Basis& basis, const Character& character, const SampleSet& set, const ResidualModel& model) {
   double error2 = 0;
   for (const RegionModel& region : model.regions) error2 += std::pow(region.regression.validation_error, 2);
   const nlohmann::json report = {{"train_frames", set.train.size()},
@@ -196,7 +217,6 @@ void add_report(Basis& basis, const Character& character, const SampleSet& set, 
                                  {"fibres", basis.strain.fibre_count()},
                                  {"coefficients", basis.residual.coefficient_count()},
                                  {"centres", basis.residual.centre_count()},
-                                 {"joint_only_linear", options.joint_only_linear},
                                  {"validation_rms_mm", 1e3 * std::sqrt(error2 / basis.mesh.vertex_count())},
                                  {"regions", region_report(character, model, set.train.size())},
                                  {"muscles_explain_percent", muscle_report(basis.strain, set.muscles, model,
@@ -220,8 +240,9 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
   const Character ordered = in_order(set.character, order);
   Base base = choose_base(set, ordered, order, options);
   Basis& basis = base.basis;
-  basis.strain = make_strain_table(basis, set.muscles);
-  const UnposedShapes shapes(set, basis, order);
+  const Method& method = options.method;
+  if (method.strains) basis.strain = make_strain_table(basis, set.muscles);
+  const UnposedShapes shapes(set, ordered, basis, order, method.unposing);
 
   std::vector<const Pose*> poses;
   std::vector<int> takes;
@@ -229,14 +250,10 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
     poses.push_back(&sample.pose);
     takes.push_back(sample.take);
   }
-  FeatureSamples features = measure_features(basis, poses);
-  auto groups = feature_groups(base, set.muscles, features, shapes);
-  const std::vector<RegionWeights> regions = make_regions(ordered, groups);
-  if (options.joint_only_linear) {  // same regions, but nothing measured on the skin
-    basis.strain = make_strain_table(basis, {});
-    features = measure_features(basis, poses);
-    groups = feature_groups(base, {}, features, shapes);
-  }
+  const FeatureSamples features = measure_features(basis, poses);
+  const std::vector<FeatureGroup> groups =
+      feature_groups(base, method.strains ? set.muscles : std::vector<Muscle>{}, features, shapes);
+  const std::vector<RegionWeights> regions = regions_of(ordered, groups, method.support);
   TrainOptions fit_options = options;
   if (options.match_bytes > 0) fit_options.components = std::max(options.components, kMostComponents);
   ResidualModel model = fit_residual(ordered, shapes, regions, groups, features, takes, fit_options);
@@ -248,7 +265,7 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
   } else {
     basis.residual = pack_residual(model, options.components, negligible);
   }
-  add_report(basis, ordered, set, options, model);
+  add_report(basis, ordered, set, model);
   return std::move(base.basis);
 }
 

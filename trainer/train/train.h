@@ -8,6 +8,16 @@
 
 namespace bodyopt {
 
+// The full model, and what is left out of it to see what each part is worth.
+struct Method {
+  enum class Unposing { ddm, lbs };                                    // lbs: only for evaluation by heldout_by_basis
+  enum class Support { whole_skin, static_regions, dynamic_regions };  // dynamic: by what muscles do, too
+  Unposing unposing = Unposing::ddm;
+  Support support = Support::dynamic_regions;
+  bool strains = true;
+  bool kernels = true;  // without: a linear map
+};
+
 struct TrainOptions {
   // DDM sigma, metres; 0: 0.025 x the size of the character (0.045 for 1.8 m) or twice that, whichever leaves less to
   // learn on the training frames.
@@ -18,8 +28,8 @@ struct TrainOptions {
   double memory_gib = 4;  // what the shapes in memory may take, about half of it at a time; a pass over all frames for
                           // every part of the skin that fits
   std::uint64_t seed = 1;
-  bool joint_only_linear = false;  // the table-of-methods entry "linear": joint features only, no kernels, components
-                                   // raised until the residual has as many bytes and coefficients as these
+  Method method{};
+  // Components are raised until strain and residual have as many bytes and coefficients as these.
   std::size_t match_bytes = 0, match_coefficients = 0;
 };
 

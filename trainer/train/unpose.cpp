@@ -27,23 +27,37 @@ Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shap
   return result;
 }
 
-Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shape) {
-  std::vector<std::uint32_t> all(basis.mesh.vertex_count());
+Positions unpose_linear(const Character& character, const Pose& pose, const Positions& shape,
+                        std::span<const std::uint32_t> vertices) {
+  const std::vector<BlendMatrix> skinning = blend_matrices(character.skeleton, pose);
+  Positions result = Positions::Zero(shape.rows(), 3);
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    const BlendMatrix m = blended(skinning, character.weights[vertices[k]]);
+    const Eigen::FullPivLU<Eigen::Matrix3d> linear(m.leftCols<3>());
+    if (!linear.isInvertible()) continue;
+    const Eigen::Vector3d rest = linear.solve(shape.row(row).transpose() - m.col(3));
+    result.row(row) = rest.transpose() - character.vertices.row(vertices[k]);
+  }
+  return result;
+}
+
+namespace {
+
+std::vector<std::uint32_t> all_vertices(Eigen::Index count) {
+  std::vector<std::uint32_t> all(static_cast<std::size_t>(count));
   std::iota(all.begin(), all.end(), 0u);
-  return unpose_ddm(basis, pose, shape, all);
+  return all;
+}
+
+}  // namespace
+
+Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shape) {
+  return unpose_ddm(basis, pose, shape, all_vertices(shape.rows()));
 }
 
 Positions unpose_linear(const Character& character, const Pose& pose, const Positions& shape) {
-  const std::vector<BlendMatrix> skinning = blend_matrices(character.skeleton, pose);
-  Positions result = Positions::Zero(shape.rows(), 3);
-  for (Eigen::Index v = 0; v < shape.rows(); ++v) {
-    const BlendMatrix m = blended(skinning, character.weights[static_cast<std::size_t>(v)]);
-    const Eigen::FullPivLU<Eigen::Matrix3d> linear(m.leftCols<3>());
-    if (!linear.isInvertible()) continue;
-    const Eigen::Vector3d rest = linear.solve(shape.row(v).transpose() - m.col(3));
-    result.row(v) = rest.transpose() - character.vertices.row(v);
-  }
-  return result;
+  return unpose_linear(character, pose, shape, all_vertices(shape.rows()));
 }
 
 }  // namespace bodyopt

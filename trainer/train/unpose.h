@@ -20,5 +20,7 @@ Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shap
 // By linear blend skinning: the blended matrix of each vertex inverted, minus the rest position. `character` and
 // `shape` in the same vertex order. A vertex whose blended matrix is singular gives zero.
 Positions unpose_linear(const Character& character, const Pose& pose, const Positions& shape);
+Positions unpose_linear(const Character& character, const Pose& pose, const Positions& shape,
+                        std::span<const std::uint32_t> vertices);
 
 }  // namespace bodyopt

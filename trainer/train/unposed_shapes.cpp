@@ -25,7 +25,8 @@ Displacements UnposedShapes::operator()(const std::string& title, std::span<cons
     for (std::size_t k = 0; k < vertices.size(); ++k) {
       some.row(static_cast<Eigen::Index>(k)) = shape.row(order_[vertices[k]]);
     }
-    const Positions delta = unpose_ddm(basis_, sample.pose, some, vertices);
+    const Positions delta = unposing_ == Method::Unposing::ddm ? unpose_ddm(basis_, sample.pose, some, vertices)
+                                                               : unpose_linear(ordered_, sample.pose, some, vertices);
     displacements.row(static_cast<Eigen::Index>(n)) =
         Eigen::Map<const Eigen::RowVectorXd>(delta.data(), delta.size()).cast<float>();
     progress.advance();

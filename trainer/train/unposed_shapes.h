@@ -13,9 +13,10 @@ namespace bodyopt {
 
 class UnposedShapes {
  public:
-  // `order`: welded vertex of each runtime vertex. All must outlive this.
-  UnposedShapes(const SampleSet& set, const Basis& basis, const std::vector<std::uint32_t>& order)
-      : set_(set), basis_(basis), order_(order) {}
+  // `ordered`: the character in runtime order; `order`: welded vertex of each runtime vertex. All must outlive this.
+  UnposedShapes(const SampleSet& set, const Character& ordered, const Basis& basis,
+                const std::vector<std::uint32_t>& order, Method::Unposing unposing)
+      : set_(set), ordered_(ordered), basis_(basis), order_(order), unposing_(unposing) {}
 
   // N x 3 vertices: some vertices (runtime order) in some frames (indices of the set's training frames). Shows progress
   // under a title. Throws Error(mismatch) naming a frame whose shape does not fit the character or is not finite.
@@ -26,8 +27,10 @@ class UnposedShapes {
 
  private:
   const SampleSet& set_;
+  const Character& ordered_;
   const Basis& basis_;
   const std::vector<std::uint32_t>& order_;
+  Method::Unposing unposing_;
 };
 
 // At most `most` of the numbers 0 .. count - 1, spread evenly.

@@ -1,0 +1,95 @@
+#include "trainer/train/ablation.h"
+
+#include <chrono>
+
+#include "trainer/train/blend_matrix.h"
+#include "trainer/train/heldout.h"
+#include "trainer/train/mesh_table.h"
+#include "trainer/train/unpose.h"
+
+namespace bodyopt {
+namespace {
+
+using Support = Method::Support;
+using Unposing = Method::Unposing;
+
+struct NamedMethod {
+  const char* name;
+  Method method;
+};
+
+constexpr NamedMethod kMethods[] = {
+    {"LBS + joints, linear, dense", {Unposing::lbs, Support::whole_skin, false, false}},         // as SMPL
+    {"LBS + joints, linear, local", {Unposing::lbs, Support::static_regions, false, false}},     // as STAR
+    {"LBS + joints, kernels, dense", {Unposing::lbs, Support::whole_skin, false, true}},         // as DCC tools
+    {"LBS + strains, kernels, dynamic", {Unposing::lbs, Support::dynamic_regions, true, true}},  // full, but un-posing
+    {"DDM + joints, linear, dense", {Unposing::ddm, Support::whole_skin, false, false}},
+    {"DDM + joints, linear, local", {Unposing::ddm, Support::static_regions, false, false}},
+    {"DDM + joints, kernels, static", {Unposing::ddm, Support::static_regions, false, true}},
+    {"DDM + strains, kernels, dense", {Unposing::ddm, Support::whole_skin, true, true}},
+    {"DDM + strains, kernels, static", {Unposing::ddm, Support::static_regions, true, true}},
+};
+
+double bytes_per_vertex(std::size_t bytes, const Basis& basis) {
+  return static_cast<double>(bytes) / basis.mesh.vertex_count();
+}
+
+// A joint index and a weight, four bytes each.
+double lbs_bytes_per_vertex(const Character& character) {
+  double weights = 0;
+  for (const auto& row : character.weights) weights += static_cast<double>(row.size());
+  return 8 * weights / static_cast<double>(character.weights.size());
+}
+
+// What a basis that was trained on linear un-posing stands for: the deformer adds its displacement before Direct Delta
+// Mush; taken out again, it is added before linear blending.
+std::vector<Positions> heldout_by_corrected_lbs(const SampleSet& set, const Basis& basis) {
+  const std::vector<std::uint32_t> order = morton_order(set.character.vertices);
+  Deformer deformer(basis, {.name = "cpu"});
+  std::vector<Positions> shapes = heldout_by_basis(set, deformer);
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    const Pose& pose = set.heldout[k].pose;
+    const Positions delta = unpose_ddm(basis, pose, in_order(shapes[k], order));
+    const std::vector<BlendMatrix> skinning = blend_matrices(set.character.skeleton, pose);
+    for (std::size_t v = 0; v < order.size(); ++v) {
+      const BlendMatrix m = blended(skinning, set.character.weights[order[v]]);
+      const Eigen::Vector3d rest =
+          (set.character.vertices.row(order[v]) + delta.row(static_cast<Eigen::Index>(v))).transpose();
+      shapes[k].row(order[v]) = (m.leftCols<3>() * rest + m.col(3)).transpose();
+    }
+  }
+  return shapes;
+}
+
+AblationRow row_of(const std::string& name, const SampleSet& set, const Basis& basis, double seconds) {
+  Deformer deformer(basis, {.name = "cpu"});
+  return {name, heldout_errors(set, heldout_by_basis(set, deformer)), bytes_per_vertex(total_bytes(basis), basis),
+          basis.residual.coefficient_count(), seconds};
+}
+
+AblationRow row_of(const NamedMethod& named, const SampleSet& set, TrainOptions options) {
+  const auto start = std::chrono::steady_clock::now();
+  options.method = named.method;
+  const Basis basis = train(set, options);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (named.method.unposing == Unposing::ddm) return row_of(named.name, set, basis, seconds);
+  const auto tables = table_bytes(basis);
+  return {named.name, heldout_errors(set, heldout_by_corrected_lbs(set, basis)),
+          lbs_bytes_per_vertex(set.character) + bytes_per_vertex(tables.at("strain") + tables.at("residual"), basis),
+          basis.residual.coefficient_count(), seconds};
+}
+
+}  // namespace
+
+std::vector<AblationRow> ablate(const SampleSet& set, const TrainOptions& options, const Basis& full, double seconds) {
+  std::vector<AblationRow> rows;
+  rows.push_back({"LBS", heldout_errors(set, heldout_by_lbs(set)), lbs_bytes_per_vertex(set.character), 0, 0});
+  rows.push_back(row_of("DDM", set, without_residual(full), 0));
+  TrainOptions matched = options;
+  matched.match_bytes = table_bytes(full).at("strain") + table_bytes(full).at("residual");
+  for (const NamedMethod& named : kMethods) rows.push_back(row_of(named, set, matched));
+  rows.push_back(row_of("full: DDM + strains, kernels, dynamic", set, full, seconds));
+  return rows;
+}
+
+}  // namespace bodyopt

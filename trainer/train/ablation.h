@@ -1,0 +1,26 @@
+// What each part of the model is worth, and how its peers do: all trained on the same frames, all held against the same
+// held-out ones.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "runtime/basis/basis.h"
+#include "trainer/dataset/compare.h"
+#include "trainer/train/train.h"
+
+namespace bodyopt {
+
+struct AblationRow {
+  std::string name;
+  ErrorStatistics errors;
+  double bytes_per_vertex = 0;  // of the tables a frame needs
+  std::uint32_t coefficients = 0;
+  double seconds = 0;  // of training
+};
+
+// `full`: what these options trained in so many seconds. The others get as many bytes for strain and residual as it
+// has, where they can use them. Needs held-out frames.
+std::vector<AblationRow> ablate(const SampleSet& set, const TrainOptions& options, const Basis& full, double seconds);
+
+}  // namespace bodyopt
