@@ -24,6 +24,8 @@ struct MeshTable {
   std::vector<std::uint32_t> vertex_triangles;       // 3T, in ascending order per vertex
 
   std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(rest.size() / 3); }
+  // Blocks of kBlockSize vertices, the last one perhaps not full.
+  std::uint32_t block_count() const { return (vertex_count() + kBlockSize - 1) / kBlockSize; }
   std::uint32_t output_count() const { return static_cast<std::uint32_t>(output_vertex.size()); }
 };
 
@@ -49,7 +51,7 @@ struct StrainTable {
 
 // The un-posed displacement learned from shapes:
 //   c_r = W_r [1, f_r, phi(f_r)],  phi_m = exp(-|f_r - centre_m|^2 inverse_width2),
-//   delta d_i = sum over the blend entries of i of (c_k - c_k at rest) b_ik   (un-posed space, metres)
+//   delta d_i = sum over the blend entries of the block of i of (c_k - c_k at rest) b_ik   (un-posed space, metres)
 struct ResidualTable {
   std::vector<std::string> controls;   // names of the control features, in order
   std::vector<FeatureRange> features;  // F = joint features, strains, controls
@@ -59,7 +61,7 @@ struct ResidualTable {
   std::vector<float> centres;                     // per region centre_count x feature_count, standardised
   std::vector<std::uint32_t> coefficient_region;  // region of each coefficient
   std::vector<float> weights;  // per region coefficient_count x (1 + feature_count + centre_count), row-major
-  std::vector<std::uint32_t> blend_begin;  // V + 1, into blend
+  std::vector<std::uint32_t> blend_begin;  // blocks + 1, into blend
   std::vector<BlendEntry> blend;           // at most 65,536 coefficients
 
   std::uint32_t coefficient_count() const { return static_cast<std::uint32_t>(coefficient_region.size()); }
@@ -75,7 +77,7 @@ struct Basis {
   MeshTable mesh;
   DdmTable ddm;
   StrainTable strain;      // empty when trained without muscles
-  ResidualTable residual;  // empty (no regions, blend_begin of V + 1 zeros) for DDM only
+  ResidualTable residual;  // empty (no regions, blend_begin of blocks + 1 zeros) for DDM only
   Metadata metadata;
 };
 

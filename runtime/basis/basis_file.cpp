@@ -14,7 +14,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr const char* kSchema = "bodyopt-basis-1";
+constexpr const char* kSchema = "bodyopt-basis-2";
 constexpr std::size_t kJointNumbers = 10 + 10 + 12;  // bind, default local, inverse bind
 
 // A record of 4-byte scalars is stored as rows of U32 or F32 words; mixed records as U32.

@@ -142,7 +142,7 @@ class Validator {
   void check_ddm() const {
     const DdmTable& ddm = basis_.ddm;
     const std::size_t vertices = basis_.mesh.vertex_count();
-    const std::size_t blocks = (vertices + kBlockSize - 1) / kBlockSize;
+    const std::size_t blocks = basis_.mesh.block_count();
     expect_offsets("ddm.block_begin", ddm.block_begin, blocks, ddm.block_joints.size());
     expect_below("ddm.block_joints", ddm.block_joints, basis_.skeleton.size());
     expect_size("ddm.moments", ddm.moments.size(), ddm.block_joints.size() * kMomentWords * kBlockSize);
@@ -214,7 +214,7 @@ class Validator {
 
   void check_residual() const {
     const ResidualTable& residual = basis_.residual;
-    expect_offsets("residual.blend_begin", residual.blend_begin, basis_.mesh.vertex_count(), residual.blend.size());
+    expect_offsets("residual.blend_begin", residual.blend_begin, basis_.mesh.block_count(), residual.blend.size());
     std::size_t joint_features = 0;
     for (const Joint& joint : basis_.skeleton.joints) joint_features += joint.parent >= 0 ? 9 : 0;
     const std::size_t features = joint_features + basis_.strain.rest_length.size() + residual.controls.size();
@@ -300,13 +300,13 @@ class Validator {
   void check_blend() const {
     const ResidualTable& residual = basis_.residual;
     for (std::size_t k = 0; k < residual.blend.size(); ++k) {
-      const BlendEntry& entry = residual.blend[k];
-      if ((entry.z_coefficient >> 16) >= residual.coefficient_region.size()) {
-        refuse(element("residual.blend", k) + " names coefficient " + std::to_string(entry.z_coefficient >> 16) +
+      const std::uint32_t head = residual.blend[k].scale_coefficient;
+      if ((head >> 16) >= residual.coefficient_region.size()) {
+        refuse(element("residual.blend", k) + " names coefficient " + std::to_string(head >> 16) +
                ", expected an index below " + std::to_string(residual.coefficient_region.size()));
       }
-      if (!finite_halves(entry.xy) || !finite_halves(entry.z_coefficient & 0xffffu)) {
-        refuse(element("residual.blend", k) + " holds a half that is infinite or not a number, expected finite ones");
+      if (!finite_halves(head & 0xffffu)) {
+        refuse(element("residual.blend", k) + " has a scale that is infinite or not a number, expected a finite half");
       }
     }
   }

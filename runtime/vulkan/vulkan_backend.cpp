@@ -51,7 +51,7 @@ struct Tables {
         centres(upload(device, b.residual.centres, "the centres")),
         coefficient_region(upload(device, b.residual.coefficient_region, "the coefficients' regions")),
         weights(upload(device, b.residual.weights, "the weights")),
-        blend_begin(upload(device, b.residual.blend_begin, "the blend's vertices")),
+        blend_begin(upload(device, b.residual.blend_begin, "the blend's blocks")),
         blend(upload(device, b.residual.blend, "the blend")),
         triangles(upload(device, b.mesh.triangles, "the triangles")),
         vertex_triangle_begin(upload(device, b.mesh.vertex_triangle_begin, "the vertices' triangles")),

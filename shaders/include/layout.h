@@ -57,12 +57,21 @@ struct Region {
 };
 BODYOPT_CHECK_SIZE(Region, 36)
 
-// One (vertex, coefficient) entry of the residual's blend: three halves and a 16-bit coefficient index.
+// Words of one signed byte per lane of a block.
+const uint kLaneWords = kBlockSize / 4u;
+
+// One (block, coefficient) entry of the residual's blend. The numbers are x of all lanes, then y, then z, four lanes to
+// a word, the lowest lane in the lowest byte. The basis vector at a lane is scale * kBlendFraction times its three
+// numbers; the lanes after V hold zeros.
 struct BlendEntry {
-  uint xy;             // halves b_x (low), b_y
-  uint z_coefficient;  // half b_z (low), coefficient index (high 16 bits)
+  uint scale_coefficient;         // half scale (low), coefficient index (high 16 bits)
+  uint numbers[3u * kLaneWords];  // four signed bytes each
 };
-BODYOPT_CHECK_SIZE(BlendEntry, 8)
+BODYOPT_CHECK_SIZE(BlendEntry, 52)
+
+// A power of two: its product with a half is exact. It stands beside the scale, not in it, so that scales stay far from
+// the subnormal halves, which a device may read as 0.
+const float kBlendFraction = 1.0f / 128.0f;
 
 // Push constants, one record per kernel. Every kernel runs over (element, frame) = (x, y).
 struct StrainSkinPush {

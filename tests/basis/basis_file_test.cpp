@@ -25,7 +25,7 @@ Basis ddm_only() {
   Basis basis = small_basis();
   basis.strain = {};
   basis.residual = {};
-  basis.residual.blend_begin.assign(basis.mesh.vertex_count() + 1, 0);
+  basis.residual.blend_begin.assign(basis.mesh.block_count() + 1, 0);
   return basis;
 }
 
@@ -42,7 +42,7 @@ Basis one_triangle() {
   basis.ddm.block_joints = {0};
   basis.ddm.moments.resize(kMomentWords * kBlockSize);
   basis.ddm.vertices.resize(kBlockSize);
-  basis.residual.blend_begin = {0, 0, 0, 0};
+  basis.residual.blend_begin = {0, 0};
   return basis;
 }
 
@@ -125,7 +125,7 @@ TEST(BasisFile, AnotherReaderOpensIt) {
   const Json& metadata = header["__metadata__"];
   EXPECT_EQ(Json::parse(metadata["joint_names"].get<std::string>()), Json({"lower", "upper"}));
   EXPECT_EQ(metadata["note"], "\"é\"\n");
-  EXPECT_EQ(metadata["schema"], "bodyopt-basis-1");
+  EXPECT_EQ(metadata["schema"], "bodyopt-basis-2");
   EXPECT_EQ(metadata["checksum"].get<std::string>().size(), 16u);
 }
 
@@ -196,7 +196,10 @@ TEST(BasisFile, ForgedPartsAreRefusedByName) {
     write_safetensors(forged, folder / "b.safetensors");
     expect_refused(read, folder / "b.safetensors", read_bytes(folder / "b.safetensors"), named);
   };
-  expect("schema is 'bodyopt-basis-2'", [](Safetensors& f) { f.metadata["schema"] = "bodyopt-basis-2"; });
+  for (const std::string schema : {"bodyopt-basis-1", "bodyopt-basis-3"}) {
+    expect("schema is '" + schema + "', expected 'bodyopt-basis-2'",
+           [&](Safetensors& f) { f.metadata["schema"] = schema; });
+  }
   expect("lacks 'schema'", [](Safetensors& f) { f.metadata.erase("schema"); });
   expect("lacks 'checksum'", [](Safetensors& f) { f.metadata.erase("checksum"); });
   expect("'joint_names'", [](Safetensors& f) { f.metadata["joint_names"] = "[\"a\","; });
@@ -209,6 +212,16 @@ TEST(BasisFile, ForgedPartsAreRefusedByName) {
   expect("'jiggle.mass'", [](Safetensors& f) { f.tensors["jiggle.mass"] = f.tensors["mesh.rest"]; });
   expect("'mesh.rest' has type U32", [](Safetensors& f) { f.tensors["mesh.rest"].dtype = "U32"; });
   expect("'mesh.rest' has a shape", [](Safetensors& f) { f.tensors["mesh.rest"].shape = {606}; });
+  expect("'residual.blend' has a shape", [](Safetensors& f) {
+    Tensor& blend = f.tensors["residual.blend"];
+    blend.bytes.resize(blend.bytes.size() - 4);
+    blend.shape = {blend.bytes.size() / 4};
+  });
+  expect("residual.blend_begin ends", [](Safetensors& f) {
+    Tensor& blend = f.tensors["residual.blend"];
+    blend.bytes.resize(blend.bytes.size() - sizeof(BlendEntry));
+    --blend.shape[0];
+  });
   expect("skeleton.parents[1] is 4294967295",
          [](Safetensors& f) { std::memset(f.tensors["skeleton.parents"].bytes.data() + 4, 0xff, 4); });
 }
@@ -241,7 +254,7 @@ TEST(TableBytes, CountsWhatTheStagesRead) {
   EXPECT_EQ(bytes.at("ddm"),
             4 * (ddm.block_begin.size() + ddm.block_joints.size() + ddm.moments.size()) + 32 * ddm.vertices.size());
   EXPECT_EQ(bytes.at("strain"), 54 * 4 + 18 * 24 + 3 * 4 + 2 * 4u);
-  EXPECT_GT(bytes.at("residual"), 8 * basis.residual.blend.size());
+  EXPECT_GT(bytes.at("residual"), 52 * basis.residual.blend.size());
   EXPECT_EQ(table_bytes(ddm_only()).at("strain"), 0u);
 }
 

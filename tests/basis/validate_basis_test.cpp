@@ -147,11 +147,16 @@ TEST(ValidateBasis, Residual) {
       {"residual.weights[3] is nan", [](Basis& b) { b.residual.weights[3] = kNan; }},
       {"residual.weights has", [](Basis& b) { b.residual.weights.pop_back(); }},
       {"residual.blend_begin has", [](Basis& b) { b.residual.blend_begin.clear(); }},
+      {"residual.blend_begin has 203 entries, expected 14", [](Basis& b) { b.residual.blend_begin.resize(203); }},
+      {"residual.blend_begin starts", [](Basis& b) { b.residual.blend_begin[0] = 1; }},
+      {"residual.blend_begin[3]", [](Basis& b) { b.residual.blend_begin[2] = ~0u; }},
       {"residual.blend_begin ends", [](Basis& b) { b.residual.blend.pop_back(); }},
       {"residual.blend[1] names coefficient 7",
-       [](Basis& b) { b.residual.blend[1].z_coefficient = (b.residual.blend[1].z_coefficient & 0xffffu) | 7u << 16; }},
-      {"residual.blend[1] holds a half", [](Basis& b) { b.residual.blend[1].xy |= 0x7c000000u; }},
-      {"residual.blend[1] holds a half", [](Basis& b) { b.residual.blend[1].z_coefficient |= 0x7c00u; }},
+       [](Basis& b) { b.residual.blend[1].scale_coefficient = 0x3c00u | 7u << 16; }},
+      {"residual.blend[1] names coefficient 65535",
+       [](Basis& b) { b.residual.blend[1].scale_coefficient |= ~0xffffu; }},
+      {"residual.blend[1] has a scale", [](Basis& b) { b.residual.blend[1].scale_coefficient = 0x7c00u; }},
+      {"residual.blend[1] has a scale", [](Basis& b) { b.residual.blend[1].scale_coefficient = 0xfe00u; }},
   });
 }
 

@@ -33,6 +33,12 @@ double half_value(std::uint32_t bits) {
   return bits >> 15 & 1 ? -magnitude : magnitude;
 }
 
+// Signed byte k of the numbers, by its definition.
+int byte_value(const BlendEntry& entry, std::size_t k) {
+  const int byte = static_cast<int>(entry.numbers[k / 4] >> 8 * (k % 4) & 255);
+  return byte < 128 ? byte : byte - 256;
+}
+
 class ResidualBlend : public GpuTest {};
 
 TEST_F(ResidualBlend, EqualsTheReference) {
@@ -47,7 +53,7 @@ TEST_F(ResidualBlend, EqualsTheReference) {
       const auto outputs = run_kernel(*device_, {c.displacements.size()}, [&](auto& commands, const auto& out) {
         kernel.record(commands, {begin, blend, coefficients, out[0]}, {vertices, kCoefficients}, frames);
       });
-      expect_close(outputs[0], c.displacements, 0);  // sums and products in one order; halves convert exactly
+      expect_close(outputs[0], c.displacements, 0);  // sums and products in one order; numbers convert exactly
     }
   }
 }
@@ -57,12 +63,12 @@ TEST_F(ResidualBlend, ReferenceEqualsTheTextbook) {
   for (std::size_t k = 0; k < c.displacements.size() / 3; ++k) {
     const std::size_t vertex = k % 200, frame = k / 200;
     double sum[3] = {};
-    for (std::uint32_t e = c.residual.blend_begin[vertex]; e < c.residual.blend_begin[vertex + 1]; ++e) {
+    const std::size_t block = vertex / 16, lane = vertex % 16;
+    for (std::uint32_t e = c.residual.blend_begin[block]; e < c.residual.blend_begin[block + 1]; ++e) {
       const BlendEntry& entry = c.residual.blend[e];
-      const double weight = c.coefficients[kCoefficients * frame + entry.z_coefficient / 65536];
-      sum[0] += weight * half_value(entry.xy % 65536);
-      sum[1] += weight * half_value(entry.xy / 65536);
-      sum[2] += weight * half_value(entry.z_coefficient % 65536);
+      const double scale = half_value(entry.scale_coefficient % 65536);
+      const double coefficient = c.coefficients[kCoefficients * frame + entry.scale_coefficient / 65536];
+      for (std::size_t i = 0; i < 3; ++i) sum[i] += coefficient * scale * byte_value(entry, 16 * i + lane) / 128;
     }
     for (std::size_t i = 0; i < 3; ++i) ASSERT_NEAR(c.displacements[3 * k + i], sum[i], 2e-8);
   }

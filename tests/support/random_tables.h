@@ -137,6 +137,15 @@ inline StrainTable random_strain(Random& random, std::uint32_t fibres, std::uint
   return strain;
 }
 
+// Random numbers at the first `lanes` lanes, zeros after them.
+inline BlendEntry random_blend_entry(Random& random, double scale, std::uint32_t coefficient, std::uint32_t lanes) {
+  BlendEntry entry{half_from_float(static_cast<float>(scale)) | coefficient << 16, {}};
+  for (std::uint32_t k = 0; k < 3 * kBlockSize; ++k) {
+    if (k % kBlockSize < lanes) entry.numbers[k / 4] |= random.below(256) << 8 * (k % 4);
+  }
+  return entry;
+}
+
 // Regions over `features` features with `centres` centres and `coefficients` coefficients in all; none when there are
 // no coefficients.
 inline ResidualTable random_residual(Random& random, std::uint32_t features, std::uint32_t centres,
@@ -174,10 +183,11 @@ inline ResidualTable random_residual(Random& random, std::uint32_t features, std
     coefficient += r.coefficient_count;
   }
   table.blend_begin.push_back(0);
-  for (std::uint32_t v = 0; v < vertices; ++v) {
+  for (std::uint32_t first = 0; first < vertices; first += kBlockSize) {
     for (std::uint32_t k = table.coefficient_count() == 0 ? 0 : random.below(9); k > 0; --k) {
-      const auto half = [&] { return half_from_float(static_cast<float>(random.uniform(-0.01, 0.01))); };
-      table.blend.push_back({half() | half() << 16, half() | random.below(table.coefficient_count()) << 16});
+      const double small = std::exp2(-random.uniform(0, 16)), scale = small * random.uniform(-0.01, 0.01);
+      table.blend.push_back(
+          random_blend_entry(random, scale, random.below(table.coefficient_count()), vertices - first));
     }
     table.blend_begin.push_back(static_cast<std::uint32_t>(table.blend.size()));
   }

@@ -7,13 +7,13 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "runtime/basis/basis.h"
 #include "runtime/cpu/half.h"
 #include "runtime/rig.h"
+#include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
 
@@ -35,8 +35,6 @@ class SmallBasisBuilder {
   static constexpr double kRadius = 0.1, kHeight = 1.0, kSigma = 0.06;
 
   static std::uint32_t at(std::uint32_t ring, std::uint32_t side) { return ring * kSides + side % kSides; }
-  double uniform(double low, double high) { return low + (high - low) * (engine_() / 4294967296.0); }
-  std::uint32_t half(double low, double high) { return half_from_float(static_cast<float>(uniform(low, high))); }
 
   Vec3 rest(std::uint32_t v) const {
     const float* u = basis_.mesh.rest.data() + 3 * std::size_t{v};
@@ -215,10 +213,11 @@ class SmallBasisBuilder {
     add_region({0, 1, 2, 3, 4, 5, 6, 7, 8}, 0, 3, 0.0f);
     add_region({9, 10, 11}, 5, 4, 0.3f);
     residual.blend_begin.push_back(0);
-    for (std::uint32_t v = 0; v < kVertices; ++v) {
-      const std::uint32_t count = upper_weight(rest(v)) > 0 ? residual.coefficient_count() : 2;
+    for (std::uint32_t first = 0; first < kVertices; first += kBlockSize) {
+      const std::uint32_t lanes = std::min(kBlockSize, kVertices - first);
+      const std::uint32_t count = upper_weight(rest(first + lanes - 1)) > 0 ? residual.coefficient_count() : 2;
       for (std::uint32_t c = 0; c < count; ++c) {
-        residual.blend.push_back({half(-0.01, 0.01) | half(-0.01, 0.01) << 16, half(-0.01, 0.01) | c << 16});
+        residual.blend.push_back(random_blend_entry(random_, random_.uniform(0.005, 0.01), c, lanes));
       }
       residual.blend_begin.push_back(static_cast<std::uint32_t>(residual.blend.size()));
     }
@@ -236,14 +235,14 @@ class SmallBasisBuilder {
     residual.centre_region.insert(residual.centre_region.end(), centres, index);
     residual.coefficient_region.insert(residual.coefficient_region.end(), coefficients, index);
     for (std::size_t k = 0; k < centres * features.size(); ++k) {
-      residual.centres.push_back(static_cast<float>(uniform(-1, 1)));
+      residual.centres.push_back(static_cast<float>(random_.uniform(-1, 1)));
     }
     for (std::size_t k = 0; k < coefficients * (1 + features.size() + centres); ++k) {
-      residual.weights.push_back(static_cast<float>(uniform(-0.5, 0.5)));
+      residual.weights.push_back(static_cast<float>(random_.uniform(-0.5, 0.5)));
     }
   }
 
-  std::mt19937 engine_{20240607};
+  Random random_{20240607};
   Basis basis_;
 };
 

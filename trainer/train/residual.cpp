@@ -210,10 +210,32 @@ double root_mean_square(const Eigen::VectorXd& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
+// A column's vectors at the lanes of a block.
+using BlockVectors = Eigen::Matrix<double, 3, kBlockSize>;
+
+// Half whose numbers reach 127 at the largest component. Not a subnormal one, which a device may read as 0.
+std::uint32_t blend_scale(double largest) {
+  constexpr std::uint32_t kSmallestNormal = 0x0400;
+  const double scale = largest / (127 * double{kBlendFraction});
+  return std::max(kSmallestNormal, half_from_float(static_cast<float>(scale)));
+}
+
+// Numbers are rounded with the scale as it is stored. Its own rounding, 2^-11 at most, cannot lift them to 127.5.
+BlendEntry pack_entry(const BlockVectors& vectors, std::uint32_t coefficient) {
+  const std::uint32_t scale = blend_scale(vectors.cwiseAbs().maxCoeff());
+  const double step = double{float_from_half(scale)} * double{kBlendFraction};
+  BlendEntry entry{scale | coefficient << 16, {}};
+  for (std::uint32_t k = 0; k < 3 * kBlockSize; ++k) {
+    const double number = std::nearbyint(vectors(k / kBlockSize, k % kBlockSize) / step);
+    entry.numbers[k / 4] |= (static_cast<std::uint32_t>(static_cast<int>(number)) & 0xffu) << 8 * (k % 4);
+  }
+  return entry;
+}
+
 class Packer {
  public:
   Packer(const ResidualModel& model, int components, double negligible)
-      : components_(components), negligible_(negligible), blend_(model.vertices) {
+      : components_(components), negligible_(negligible), blend_((model.vertices + kBlockSize - 1) / kBlockSize) {
     table_.controls = model.controls;
     table_.features = model.ranges;
     for (const RegionModel& region : model.regions) add(region);
@@ -270,17 +292,27 @@ class Packer {
       const std::uint32_t coefficient = table_.coefficient_count() + static_cast<std::uint32_t>(kept.size());
       if (coefficient >= kMostCoefficients) break;
       const double size = root_mean_square(components.coefficients.col(k));
-      bool any = false;
-      for (std::size_t v = 0; v < model.region.vertices.size(); ++v) {
-        const Eigen::Vector3d b = components.basis.row(k).segment<3>(3 * static_cast<Index>(v));
-        if (!(size * b.norm() > negligible_)) continue;
-        const auto half = [&](int i) { return half_from_float(static_cast<float>(b[i])); };
-        blend_[model.region.vertices[v]].push_back({half(0) | half(1) << 16, half(2) | coefficient << 16});
-        any = true;
-      }
-      if (any) kept.push_back(k);
+      if (add_column(model.region.vertices, components.basis.row(k), size, coefficient)) kept.push_back(k);
     }
     return kept;
+  }
+
+  // Blend entries of one column in every block where it moves a vertex by more than what is negligible. `size`: of its
+  // coefficient, metres. False when there are none.
+  bool add_column(const std::vector<std::uint32_t>& vertices, const Eigen::RowVectorXd& column, double size,
+                  std::uint32_t coefficient) {
+    bool any = false;
+    for (std::size_t next = 0; next < vertices.size();) {
+      const std::uint32_t block = vertices[next] / kBlockSize;
+      BlockVectors vectors = BlockVectors::Zero();
+      for (; next < vertices.size() && vertices[next] / kBlockSize == block; ++next) {
+        vectors.col(vertices[next] % kBlockSize) = column.segment<3>(3 * static_cast<Index>(next)).transpose();
+      }
+      if (!(size * vectors.colwise().norm().maxCoeff() > negligible_)) continue;
+      blend_[block].push_back(pack_entry(vectors, coefficient));
+      any = true;
+    }
+    return any;
   }
 
   int components_;

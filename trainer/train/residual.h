@@ -43,8 +43,8 @@ ResidualModel fit_residual(const Character& character, const UnposedShapes& shap
 // the first strain.
 void drop_unused_fibres(StrainTable& strain, ResidualModel& model, std::uint32_t first);
 
-// The first `components` of every region. Entries that move a vertex by less than `negligible` (metres, root mean
-// square over the training frames) are left out.
+// The first `components` of every region. Entries that move no vertex of their block by more than `negligible` (metres,
+// root mean square over the training frames) are left out.
 ResidualTable pack_residual(const ResidualModel& model, int components, double negligible);
 
 }  // namespace bodyopt

@@ -28,8 +28,8 @@ namespace {
 constexpr std::size_t kFewestFrames = 12;
 // Components per region that `linear` may have to reach the bytes asked for.
 constexpr int kMostComponents = 128;
-// An entry of the basis that moves its vertex by less than this part of the mean displacement is left out (both root
-// mean square over the training frames).
+// An entry of the basis that moves no vertex of its block by more than this part of the mean displacement is left out
+// (both root mean square over the training frames).
 constexpr double kNegligible = 4e-3;
 
 // Direct Delta Mush and nothing else, and the moments it is made of. `ordered`: the character in runtime order.
@@ -47,7 +47,7 @@ Base make_base(const Character& ordered, double radius, const TrainOptions& opti
   basis.mesh = make_mesh_table(ordered);
   basis.ddm = pack_ddm(base.moments);
   basis.strain.fibre_begin = {0};
-  basis.residual.blend_begin.assign(basis.mesh.vertex_count() + 1, 0);
+  basis.residual.blend_begin.assign(basis.mesh.block_count() + 1, 0);
   basis.metadata["units"] = "metres";
   basis.metadata["topology_hash"] = hexadecimal(topology_hash(basis.mesh));
   basis.metadata["skeleton_hash"] = hexadecimal(skeleton_hash(basis.skeleton));

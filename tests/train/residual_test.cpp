@@ -1,0 +1,145 @@
+// Packing of the residual table: what the runtime makes of the entries against the columns they were made from.
+#include "trainer/train/residual.h"
+
+#include <gtest/gtest.h>
+
+#include "runtime/cpu/half.h"
+#include "runtime/cpu/kernels.h"
+#include "tests/support/random_tables.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr std::uint32_t kVertices = 37, kBlocks = 3;  // of 16, 16 and 5 vertices
+constexpr Eigen::Index kColumns = 4;
+
+// Every `stride`th vertex from `first` on. Columns are 1 at their largest, ever smaller along the vertices, and shared
+// by all regions of the model; all coefficients have a root mean square of 1.
+RegionModel region_model(testing::Random& random, std::uint32_t first, std::uint32_t stride, double fade) {
+  RegionModel model;
+  for (std::uint32_t v = first; v < kVertices; v += stride) model.region.vertices.push_back(v);
+  model.region.weights.assign(model.region.vertices.size(), 1.0);
+  model.components.coefficients = Eigen::MatrixXd::Ones(10, kColumns);
+  model.components.basis.resize(kColumns, 3 * static_cast<Eigen::Index>(model.region.vertices.size()));
+  for (Eigen::Index c = 0; c < model.components.basis.cols(); ++c) {
+    for (Eigen::Index k = 0; k < kColumns; ++k) {
+      model.components.basis(k, c) = random.uniform(-1, 1) * std::exp(-fade * static_cast<double>(c));
+    }
+  }
+  for (auto column : model.components.basis.rowwise()) column /= column.cwiseAbs().maxCoeff();
+  model.regression.weights = Eigen::MatrixXd::Zero(0, kColumns);
+  return model;
+}
+
+ResidualModel residual_model() {
+  testing::Random random(5);
+  ResidualModel model;
+  model.vertices = kVertices;
+  model.regions = {region_model(random, 0, 1, 0.05), region_model(random, 3, 2, 0.1)};
+  return model;
+}
+
+// 3 V: the basis vectors of a coefficient, as the runtime reads them.
+std::vector<float> unpacked_column(const ResidualTable& table, std::uint32_t coefficient) {
+  std::vector<float> coefficients(table.coefficient_count()), column(3 * kVertices);
+  coefficients[coefficient] = 1;
+  cpu::residual_blend(table, coefficients, 1, column);
+  return column;
+}
+
+// 3 V: column k of a region, before it is packed.
+Eigen::VectorXd whole_column(const RegionModel& model, Eigen::Index k) {
+  Eigen::VectorXd column = Eigen::VectorXd::Zero(3 * kVertices);
+  for (std::size_t v = 0; v < model.region.vertices.size(); ++v) {
+    column.segment<3>(3 * model.region.vertices[v]) =
+        model.components.basis.row(k).segment<3>(3 * static_cast<Eigen::Index>(v)).transpose();
+  }
+  return column;
+}
+
+int number_at(const BlendEntry& entry, std::uint32_t component, std::uint32_t lane) {
+  const std::uint32_t byte = component * kBlockSize + lane;
+  return static_cast<std::int8_t>(entry.numbers[byte / 4] >> 8 * (byte % 4));
+}
+
+int largest_number(const BlendEntry& entry) {
+  int largest = 0;
+  for (std::uint32_t k = 0; k < 3 * kBlockSize; ++k) largest = std::max(largest, std::abs(number_at(entry, 0, k)));
+  return largest;
+}
+
+TEST(PackResidual, NumbersAreWithinHalfAStepOfTheirEntry) {
+  const ResidualModel model = residual_model();
+  const ResidualTable table = pack_residual(model, kColumns, 0);
+  ASSERT_EQ(table.coefficient_count(), 2 * kColumns);
+  ASSERT_EQ(table.blend_begin.size(), kBlocks + 1);
+  ASSERT_EQ(table.blend.size(), kBlocks * 2 * kColumns);
+  for (std::uint32_t block = 0; block < kBlocks; ++block) {
+    for (std::uint32_t e = table.blend_begin[block]; e < table.blend_begin[block + 1]; ++e) {
+      const std::uint32_t coefficient = table.blend[e].scale_coefficient >> 16;
+      EXPECT_EQ(coefficient, e - table.blend_begin[block]);
+      const double half_step = 0.5 * double{half_low(table.blend[e].scale_coefficient)} / 128;
+      EXPECT_EQ(largest_number(table.blend[e]), 127);
+      const std::vector<float> found = unpacked_column(table, coefficient);
+      const Eigen::VectorXd expected = whole_column(model.regions[coefficient / kColumns], coefficient % kColumns);
+      for (std::uint32_t k = 3 * kBlockSize * block; k < std::min(3 * kBlockSize * (block + 1), 3 * kVertices); ++k) {
+        EXPECT_NEAR(found[k], expected[k], half_step * (1 + 1e-12)) << "block " << block << ", entry " << e;
+      }
+    }
+  }
+}
+
+TEST(PackResidual, LanesWithoutAVertexHoldZeros) {
+  const ResidualTable table = pack_residual(residual_model(), kColumns, 0);
+  for (std::uint32_t block = 0; block < kBlocks; ++block) {
+    for (std::uint32_t e = table.blend_begin[block]; e < table.blend_begin[block + 1]; ++e) {
+      const bool second = (table.blend[e].scale_coefficient >> 16) >= kColumns;
+      for (std::uint32_t lane = 0; lane < kBlockSize; ++lane) {
+        const std::uint32_t vertex = block * kBlockSize + lane;
+        if (vertex < kVertices && !(second && (vertex < 3 || vertex % 2 == 0))) continue;
+        for (std::uint32_t i = 0; i < 3; ++i) EXPECT_EQ(number_at(table.blend[e], i, lane), 0);
+      }
+    }
+  }
+}
+
+// An entry stays for all lanes of its block as soon as one of them needs it; columns that no block needs are dropped.
+TEST(PackResidual, EntriesThatMoveNothingAreLeftOut) {
+  ResidualModel model = residual_model();
+  model.regions[1].components.coefficients.col(1) *= 1e-6;
+  const double negligible = 0.02;
+  const ResidualTable table = pack_residual(model, kColumns, negligible);
+  EXPECT_EQ(table.coefficient_count(), 2 * kColumns - 1);
+  std::size_t expected = 0, left_out = 0;
+  for (const RegionModel& region : model.regions) {
+    for (Eigen::Index k = 0; k < kColumns; ++k) {
+      const double size = region.components.coefficients(0, k);
+      const Eigen::VectorXd column = whole_column(region, k);
+      for (std::uint32_t block = 0; block < kBlocks; ++block) {
+        double largest = 0;
+        for (std::uint32_t v = block * kBlockSize; v < std::min((block + 1) * kBlockSize, kVertices); ++v) {
+          largest = std::max(largest, size * column.segment<3>(3 * v).norm());
+        }
+        ++(largest > negligible ? expected : left_out);
+      }
+    }
+  }
+  EXPECT_EQ(table.blend.size(), expected);
+  EXPECT_GT(left_out, kBlocks);  // more than the column that is left out altogether
+}
+
+// Entries far below the largest of their column: their scale is the smallest that every device reads as it is.
+TEST(PackResidual, ScalesAreNeverSubnormal) {
+  ResidualModel model = residual_model();
+  for (RegionModel& region : model.regions) region.components.basis.rightCols(15) *= 1e-9;
+  const ResidualTable table = pack_residual(model, kColumns, 0);
+  int smallest = 0;
+  for (const BlendEntry& entry : table.blend) {
+    EXPECT_GE(half_low(entry.scale_coefficient), 0x1p-14f);
+    if (half_low(entry.scale_coefficient) == 0x1p-14f) ++smallest;
+  }
+  EXPECT_GE(smallest, kColumns);
+}
+
+}  // namespace
+}  // namespace bodyopt
