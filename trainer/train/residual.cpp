@@ -62,7 +62,8 @@ RegionWeights within(const SkinPart& part, RegionWeights region) {
   return region;
 }
 
-// Basis columns with a largest entry of 1 fill the halves' range evenly; the coefficients keep the metres.
+// Basis columns with a largest entry of 1 suit the scales of the blend table, which are halves; the coefficients keep
+// the metres.
 void normalise(RegionModel& model) {
   Components& components = model.components;
   for (Index k = 0; k < components.basis.rows(); ++k) {

@@ -30,7 +30,7 @@ constexpr std::size_t kFewestFrames = 12;
 constexpr int kMostComponents = 128;
 // An entry of the basis that moves no vertex of its block by more than this part of the mean displacement is left out
 // (both root mean square over the training frames).
-constexpr double kNegligible = 4e-3;
+constexpr double kNegligible = 6e-3;
 
 // Direct Delta Mush and nothing else, and the moments it is made of. `ordered`: the character in runtime order.
 struct Base {
