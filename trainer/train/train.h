@@ -24,7 +24,7 @@ struct TrainOptions {
   double smoothing_radius = 0;
   int smoothing_steps = 20;  // DDM p
   int components = 24;       // coefficients per region at most
-  int centres = 160;         // kernel centres per region at most
+  int centres = 256;         // kernel centres per region at most
   double memory_gib = 4;  // what the shapes in memory may take, about half of it at a time; a pass over all frames for
                           // every part of the skin that fits
   std::uint64_t seed = 1;
