@@ -81,6 +81,7 @@ void add_check(CLI::App& app);
 void add_train(CLI::App& app);
 void add_eval(CLI::App& app);
 void add_compare(CLI::App& app);
+void add_coverage(CLI::App& app);
 void add_export(CLI::App& app);
 void add_picture(CLI::App& app);
 void add_info(CLI::App& app);

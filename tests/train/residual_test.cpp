@@ -70,7 +70,7 @@ int largest_number(const BlendEntry& entry) {
 
 TEST(PackResidual, NumbersAreWithinHalfAStepOfTheirEntry) {
   const ResidualModel model = residual_model();
-  const ResidualTable table = pack_residual(model, kColumns, 0);
+  const ResidualTable table = pack_residual(model, kColumns, 0).table;
   ASSERT_EQ(table.coefficient_count(), 2 * kColumns);
   ASSERT_EQ(table.blend_begin.size(), kBlocks + 1);
   ASSERT_EQ(table.blend.size(), kBlocks * 2 * kColumns);
@@ -90,7 +90,7 @@ TEST(PackResidual, NumbersAreWithinHalfAStepOfTheirEntry) {
 }
 
 TEST(PackResidual, LanesWithoutAVertexHoldZeros) {
-  const ResidualTable table = pack_residual(residual_model(), kColumns, 0);
+  const ResidualTable table = pack_residual(residual_model(), kColumns, 0).table;
   for (std::uint32_t block = 0; block < kBlocks; ++block) {
     for (std::uint32_t e = table.blend_begin[block]; e < table.blend_begin[block + 1]; ++e) {
       const bool second = (table.blend[e].scale_coefficient >> 16) >= kColumns;
@@ -108,7 +108,7 @@ TEST(PackResidual, EntriesThatMoveNothingAreLeftOut) {
   ResidualModel model = residual_model();
   model.regions[1].components.coefficients.col(1) *= 1e-6;
   const double negligible = 0.02;
-  const ResidualTable table = pack_residual(model, kColumns, negligible);
+  const ResidualTable table = pack_residual(model, kColumns, negligible).table;
   EXPECT_EQ(table.coefficient_count(), 2 * kColumns - 1);
   std::size_t expected = 0, left_out = 0;
   for (const RegionModel& region : model.regions) {
@@ -132,7 +132,7 @@ TEST(PackResidual, EntriesThatMoveNothingAreLeftOut) {
 TEST(PackResidual, ScalesAreNeverSubnormal) {
   ResidualModel model = residual_model();
   for (RegionModel& region : model.regions) region.components.basis.rightCols(15) *= 1e-9;
-  const ResidualTable table = pack_residual(model, kColumns, 0);
+  const ResidualTable table = pack_residual(model, kColumns, 0).table;
   int smallest = 0;
   for (const BlendEntry& entry : table.blend) {
     EXPECT_GE(half_low(entry.scale_coefficient), 0x1p-14f);

@@ -25,18 +25,28 @@ MatrixXd squared_distances(const MatrixXd& a, const MatrixXd& b) {
   return distances.cwiseMax(0);
 }
 
+struct Centres {
+  MatrixXd points;          // M x F
+  std::vector<int> frames;  // M, -1 for the rest pose
+};
+
 // Farthest-point sampling, starting with the rest pose.
-MatrixXd choose_centres(const RegressionData& data, int count) {
+Centres choose_centres(const RegressionData& data, int count) {
   const Index most = std::min<Index>(count, data.features.rows() + 1);
-  MatrixXd centres(most, data.features.cols());
+  Centres centres{MatrixXd(most, data.features.cols()), {}};
   if (most == 0) return centres;
-  centres.row(0) = data.rest;
+  centres.points.row(0) = data.rest;
+  centres.frames.push_back(-1);
   Eigen::VectorXd nearest = (data.features.rowwise() - data.rest).rowwise().squaredNorm();
   for (Index m = 1; m < most; ++m) {
     Index farthest = 0;
-    if (!(nearest.maxCoeff(&farthest) > 1e-6)) return centres.topRows(m);
-    centres.row(m) = data.features.row(farthest);
-    nearest = nearest.cwiseMin((data.features.rowwise() - centres.row(m)).rowwise().squaredNorm());
+    if (!(nearest.maxCoeff(&farthest) > 1e-6)) {
+      centres.points.conservativeResize(m, Eigen::NoChange);
+      return centres;
+    }
+    centres.points.row(m) = data.features.row(farthest);
+    centres.frames.push_back(static_cast<int>(farthest));
+    nearest = nearest.cwiseMin((data.features.rowwise() - centres.points.row(m)).rowwise().squaredNorm());
   }
   return centres;
 }
@@ -73,6 +83,7 @@ class KernelRidge {
         if (data.folds[n] == fold) rows.push_back(static_cast<Index>(n));
       }
       Fold& part = fold < 0 ? guards_ : folds_.emplace_back();
+      part.rows = rows;
       part.regressors = regressors(rows, Eigen::all);
       part.targets = data.targets(rows, Eigen::all);
       part.normal = MatrixXd::Zero(regressors.cols(), regressors.cols());
@@ -94,6 +105,20 @@ class KernelRidge {
     return std::sqrt(sum / frames);
   }
 
+  // Per frame; not a number for frames of no fold.
+  std::vector<double> frame_errors(const Penalty& penalty) const {
+    std::size_t frames = guards_.rows.size();
+    for (const Fold& fold : folds_) frames += fold.rows.size();
+    std::vector<double> errors(frames, std::numeric_limits<double>::quiet_NaN());
+    for (const Fold& held_out : folds_) {
+      const MatrixXd off = held_out.regressors * solve(sums_without(&held_out), penalty) - held_out.targets;
+      for (std::size_t k = 0; k < held_out.rows.size(); ++k) {
+        errors[static_cast<std::size_t>(held_out.rows[k])] = off.row(static_cast<Index>(k)).norm();
+      }
+    }
+    return errors;
+  }
+
   // Fitted to all frames.
   MatrixXd weights(const Penalty& penalty) const {
     Sums sums = sums_without(nullptr);
@@ -103,6 +128,7 @@ class KernelRidge {
 
  private:
   struct Fold {
+    std::vector<Index> rows;
     MatrixXd regressors, targets, right;
     MatrixXd normal;  // its lower triangle
   };
@@ -148,14 +174,16 @@ double inverse_width2(double width, double median) { return 0.5 / std::pow(width
 }  // namespace
 
 double trial_error(const RegressionData& data, int centre_count) {
-  const MatrixXd centres = choose_centres(data, centre_count);
+  const MatrixXd centres = choose_centres(data, centre_count).points;
   return KernelRidge(data, centres, inverse_width2(kWidths[1], median_distance(centres))).validation_error({});
 }
 
 // One dial after the other: all combinations would be six times as many fits.
 Regression fit_regression(const RegressionData& data, int centre_count) {
   Regression best;
-  best.centres = choose_centres(data, centre_count);
+  Centres centres = choose_centres(data, centre_count);
+  best.centres = std::move(centres.points);
+  best.centre_frames = std::move(centres.frames);
   best.validation_error = std::numeric_limits<double>::infinity();
   const bool has_kernels = best.centres.rows() > 0;
   const double median = median_distance(best.centres);
@@ -182,6 +210,7 @@ Regression fit_regression(const RegressionData& data, int centre_count) {
   for (const double linear : kLinearPenalties) consider({linear, penalty.kernel});
   best.inverse_width2 = ridge->inverse_width2();
   best.weights = ridge->weights(penalty);
+  best.frame_errors = ridge->frame_errors(penalty);
   return best;
 }
 

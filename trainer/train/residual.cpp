@@ -149,7 +149,10 @@ RegionModel fit_region(const RegionWeights& region, const SkinPart& part,
   }
   model.features = best;
   model.worth = worth;
-  model.regression = fit_regression(data(), centres);
+  const RegressionData chosen = data();
+  model.regression = fit_regression(chosen, centres);
+  const double truncated = std::max(0.0, model.components.energy - model.components.coefficients.squaredNorm());
+  model.expected = calibrate(chosen, model.regression, truncated / static_cast<double>(chosen.targets.rows()));
   normalise(model);
   return model;
 }
@@ -239,7 +242,9 @@ class Packer {
       : components_(components), negligible_(negligible), blend_((model.vertices + kBlockSize - 1) / kBlockSize) {
     table_.controls = model.controls;
     table_.features = model.ranges;
-    for (const RegionModel& region : model.regions) add(region);
+    for (std::size_t r = 0; r < model.regions.size(); ++r) {
+      if (add(model.regions[r])) regions_.push_back(r);
+    }
     table_.blend_begin = {0};
     for (const std::vector<BlendEntry>& entries : blend_) {
       table_.blend.insert(table_.blend.end(), entries.begin(), entries.end());
@@ -247,12 +252,13 @@ class Packer {
     }
   }
 
-  ResidualTable take() { return std::move(table_); }
+  PackedResidual take() { return {std::move(table_), std::move(regions_)}; }
 
  private:
-  void add(const RegionModel& model) {
+  // Whether anything of the region is kept.
+  bool add(const RegionModel& model) {
     const std::vector<Index> kept = add_columns(model);
-    if (kept.empty()) return;
+    if (kept.empty()) return false;
     const Regression& regression = model.regression;
     const auto count = [](std::size_t size) { return static_cast<std::uint32_t>(size); };
     Region region;
@@ -282,6 +288,7 @@ class Packer {
       }
     }
     table_.regions.push_back(region);
+    return true;
   }
 
   // Blend entries of the region's components, and which components have any.
@@ -320,11 +327,12 @@ class Packer {
   double negligible_;
   std::vector<std::vector<BlendEntry>> blend_;
   ResidualTable table_;
+  std::vector<std::size_t> regions_;
 };
 
 }  // namespace
 
-ResidualTable pack_residual(const ResidualModel& model, int components, double negligible) {
+PackedResidual pack_residual(const ResidualModel& model, int components, double negligible) {
   return Packer(model, components, negligible).take();
 }
 

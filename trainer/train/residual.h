@@ -7,6 +7,7 @@
 
 #include "runtime/basis/basis.h"
 #include "trainer/train/components.h"
+#include "trainer/train/coverage.h"
 #include "trainer/train/features.h"
 #include "trainer/train/regions.h"
 #include "trainer/train/regress.h"
@@ -22,6 +23,7 @@ struct RegionModel {
   std::vector<double> worth;            // square metres: the energy of the motion that each explains, in a linear fit
   Components components;                // every basis column scaled so that its largest entry is 1
   Regression regression;
+  ErrorModel expected;  // of the region's energy, square metres
 };
 
 // All of them, ready to be packed.
@@ -43,8 +45,13 @@ ResidualModel fit_residual(const Character& character, const UnposedShapes& shap
 // the first strain.
 void drop_unused_fibres(StrainTable& strain, ResidualModel& model, std::uint32_t first);
 
+struct PackedResidual {
+  ResidualTable table;
+  std::vector<std::size_t> regions;  // of the model: those that move anything by more than is negligible
+};
+
 // The first `components` of every region. Entries that move no vertex of their block by more than `negligible` (metres,
 // root mean square over the training frames) are left out.
-ResidualTable pack_residual(const ResidualModel& model, int components, double negligible);
+PackedResidual pack_residual(const ResidualModel& model, int components, double negligible);
 
 }  // namespace bodyopt

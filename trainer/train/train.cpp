@@ -139,12 +139,34 @@ double mean_displacement(const ResidualModel& model, std::size_t frames) {
   return std::sqrt(energy / (static_cast<double>(frames) * model.vertices));
 }
 
+std::string nearest_joint(const Character& character, const RegionWeights& region) {
+  std::map<std::uint32_t, double> share;
+  for (std::size_t v = 0; v < region.vertices.size(); ++v) {
+    for (const JointWeight& w : character.weights[region.vertices[v]]) share[w.joint] += region.weights[v] * w.weight;
+  }
+  const auto most =
+      std::max_element(share.begin(), share.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return character.skeleton.joints[most->first].name;
+}
+
+// The packed residual and what coverage needs to know of its regions.
+void set_residual(Basis& basis, const Character& character, const ResidualModel& model, PackedResidual packed) {
+  basis.residual = std::move(packed.table);
+  std::vector<RegionCoverage> regions;
+  for (const std::size_t r : packed.regions) {
+    const RegionModel& region = model.regions[r];
+    const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
+    regions.push_back({nearest_joint(character, region.region), size, region.expected});
+  }
+  basis.metadata["coverage"] = coverage_text(regions);
+}
+
 // The residual of the bytes and coefficients to match: as many components per region as it takes, then smaller entries,
 // then all there is.
-void pack_to_match(Basis& basis, const ResidualModel& model, int components, double negligible,
-                   const TrainOptions& options) {
+PackedResidual pack_to_match(Basis& basis, const ResidualModel& model, int components, double negligible,
+                             const TrainOptions& options) {
   const auto matches = [&](int count) {
-    basis.residual = pack_residual(model, count, negligible);
+    basis.residual = pack_residual(model, count, negligible).table;
     return table_bytes(basis).at("strain") + table_bytes(basis).at("residual") >= options.match_bytes &&
            basis.residual.coefficient_count() >= options.match_coefficients;
   };
@@ -159,17 +181,7 @@ void pack_to_match(Basis& basis, const ResidualModel& model, int components, dou
       low = middle + 1;
     }
   }
-  basis.residual = pack_residual(model, low, negligible);
-}
-
-std::string nearest_joint(const Character& character, const RegionWeights& region) {
-  std::map<std::uint32_t, double> share;
-  for (std::size_t v = 0; v < region.vertices.size(); ++v) {
-    for (const JointWeight& w : character.weights[region.vertices[v]]) share[w.joint] += region.weights[v] * w.weight;
-  }
-  const auto most =
-      std::max_element(share.begin(), share.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return character.skeleton.joints[most->first].name;
+  return pack_residual(model, low, negligible);
 }
 
 // How much each region moves and what cross-validation left of it, root mean square over its vertices and frames.
@@ -260,11 +272,9 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
   model.controls = set.controls;
   drop_unused_fibres(basis.strain, model, joint_feature_count(basis.skeleton));
   const double negligible = kNegligible * mean_displacement(model, set.train.size());
-  if (options.match_bytes > 0) {
-    pack_to_match(basis, model, fit_options.components, negligible, options);
-  } else {
-    basis.residual = pack_residual(model, options.components, negligible);
-  }
+  set_residual(basis, ordered, model,
+               options.match_bytes > 0 ? pack_to_match(basis, model, fit_options.components, negligible, options)
+                                       : pack_residual(model, options.components, negligible));
   add_report(basis, ordered, set, model);
   return std::move(base.basis);
 }

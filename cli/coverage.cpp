@@ -1,0 +1,181 @@
+// bodyopt coverage: how well a basis knows the poses of a clip, and which frames to simulate next.
+#include "trainer/train/coverage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "cli/common.h"
+#include "proxy_viewer/render/renderer.h"
+#include "runtime/basis/atomic_file.h"
+#include "runtime/basis/error.h"
+#include "trainer/dataset/controls.h"
+#include "trainer/dataset/frame_range.h"
+#include "trainer/dataset/shape_reader.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct CoverageArguments {
+  std::string basis, truth, picture;
+  double unit = 0;
+  int worst = 20;
+  ClipArguments clip;
+  JsonOption json;
+};
+
+// Positions of the values in ascending order; equal values share the mean of theirs.
+std::vector<double> ranks(const std::vector<double>& values) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  std::vector<double> result(values.size());
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    while (end < order.size() && values[order[end]] == values[order[begin]]) ++end;
+    for (std::size_t k = begin; k < end; ++k) result[order[k]] = 0.5 * static_cast<double>(begin + end - 1);
+  }
+  return result;
+}
+
+// Spearman's rank correlation; not a number where either does not vary.
+double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  const std::vector<double> x = ranks(a), y = ranks(b);
+  const double middle = 0.5 * (static_cast<double>(a.size()) - 1);
+  double xx = 0, xy = 0, yy = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    xx += (x[k] - middle) * (x[k] - middle);
+    xy += (x[k] - middle) * (y[k] - middle);
+    yy += (y[k] - middle) * (y[k] - middle);
+  }
+  return xy / std::sqrt(xx * yy);
+}
+
+// Per frame, RMS in mm.
+std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& poses, const std::string& path) {
+  const ShapeReader truth(path);
+  if (truth.sample_count() != poses.size() || truth.point_count() != basis.mesh.output_count()) {
+    throw Error(
+        ErrorKind::mismatch,
+        format("%s has %u samples of %u points, the frames asked for are %zu of %u: another clip, frame range "
+               "or mesh",
+               path.c_str(), truth.sample_count(), truth.point_count(), poses.size(), basis.mesh.output_count()));
+  }
+  Deformer deformer(basis, {.name = "cpu"});
+  ErrorAccumulator accumulator(truth.point_count());
+  for (std::uint32_t k = 0; k < truth.sample_count(); ++k) {
+    accumulator.add(static_cast<int>(k), deformer.evaluate({&poses[k], 1}).positions, truth.sample(k));
+  }
+  return accumulator.finish().frame_rms;
+}
+
+// A row of the strip per region and one more, on top, for the whole skin; a column per frame.
+Image strip(const std::vector<ExpectedError>& errors) {
+  constexpr std::uint32_t kRow = 8, kTop = 24;  // pixels
+  const auto regions = static_cast<std::uint32_t>(errors.front().region_mm.size());
+  const auto scale = std::max<std::uint32_t>(1, 1200 / static_cast<std::uint32_t>(errors.size()));
+  Image image;
+  image.width = scale * static_cast<std::uint32_t>(errors.size());
+  image.height = kTop + kRow * regions;
+  image.rgba.resize(std::size_t{4} * image.width * image.height);
+  double largest = 0;
+  for (const ExpectedError& error : errors) {
+    for (const double mm : error.region_mm) largest = std::max(largest, mm);
+  }
+  for (std::uint32_t y = 0; y < image.height; ++y) {
+    for (std::uint32_t x = 0; x < image.width; ++x) {
+      const ExpectedError& error = errors[x / scale];
+      const double mm = y < kTop ? error.rms_mm : error.region_mm[(y - kTop) / kRow];
+      const auto colour = heat_colour(static_cast<float>(largest > 0 ? mm / largest : 0));
+      std::uint8_t* pixel = image.rgba.data() + std::size_t{4} * (std::size_t{y} * image.width + x);
+      for (std::size_t c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>(std::lround(255 * colour[c]));
+      pixel[3] = 255;
+    }
+  }
+  return image;
+}
+
+void run(const CoverageArguments& arguments) {
+  arguments.json.require_writable();
+  if (!arguments.picture.empty()) require_writable(arguments.picture);
+  const Basis basis = load_basis(arguments.basis);
+  const std::vector<RegionCoverage> regions = read_coverage(basis);
+  std::vector<int> frames;
+  const double unit = arguments.unit > 0 ? arguments.unit : kept_unit(basis);
+  Clip clip = arguments.clip.read(basis.skeleton, unit, frames);
+  arrange_controls(basis.residual.controls, clip);
+  const std::vector<Pose> poses = poses_of(clip, frames);
+
+  const std::vector<ExpectedError> errors = expected_errors(basis, regions, poses);
+  std::vector<double> expected;
+  for (const ExpectedError& error : errors) expected.push_back(error.rms_mm);
+
+  Json per_frame = Json::array(), per_region = Json::array();
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const auto worst = std::max_element(errors[k].region_mm.begin(), errors[k].region_mm.end());
+    const auto r = static_cast<std::size_t>(worst - errors[k].region_mm.begin());
+    per_frame.push_back({{"frame", frames[k]},
+                         {"expected_rms_mm", expected[k]},
+                         {"region", r},
+                         {"joint", regions.empty() ? "" : regions[r].joint},
+                         {"region_expected_mm", regions.empty() ? 0 : *worst}});
+  }
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    double mean2 = 0;
+    for (const ExpectedError& error : errors) mean2 += error.region_mm[r] * error.region_mm[r];
+    per_region.push_back(
+        {{"joint", regions[r].joint}, {"expected_rms_mm", std::sqrt(mean2 / static_cast<double>(errors.size()))}});
+  }
+  const std::size_t gap = std::max<std::size_t>(1, frames.size() / (4 * static_cast<std::size_t>(arguments.worst)));
+  std::vector<int> next;
+  std::string text = format("%8s %14s   %s\n", "frame", "expected mm", "most of all");
+  for (const std::size_t k : worth_simulating(expected, static_cast<std::size_t>(arguments.worst), gap)) {
+    next.push_back(frames[k]);
+    text += format("%8d %14.3f   %s, %.3f mm\n", frames[k], expected[k],
+                   per_frame[k]["joint"].get<std::string>().c_str(), per_frame[k]["region_expected_mm"].get<double>());
+  }
+  std::sort(next.begin(), next.end());
+  double mean2 = 0;
+  for (const double mm : expected) mean2 += mm * mm;
+  const double rms = std::sqrt(mean2 / static_cast<double>(std::max<std::size_t>(1, expected.size())));
+  text += format("expected over %zu frames: %.3f mm RMS\n", frames.size(), rms);
+  text += "worth simulating next: --frames " + format_frame_range(next) + "\n";
+  Json result = {{"frames", frames.size()},
+                 {"expected_rms_mm", rms},
+                 {"worth_simulating", format_frame_range(next)},
+                 {"regions", per_region},
+                 {"per_frame", per_frame}};
+  if (!arguments.truth.empty()) {
+    const std::vector<double> measured = true_errors(basis, poses, arguments.truth);
+    const double correlation = rank_correlation(expected, measured);
+    for (std::size_t k = 0; k < measured.size(); ++k) result["per_frame"][k]["true_rms_mm"] = measured[k];
+    result["rank_correlation"] = correlation;
+    text += format("rank correlation (Spearman) with the true errors: %.3f\n", correlation);
+  }
+  if (!arguments.picture.empty() && !errors.empty() && !regions.empty()) {
+    write_png(strip(errors), arguments.picture);
+    text += "wrote " + arguments.picture + "\n";
+  }
+  arguments.json.emit(result, text);
+}
+
+}  // namespace
+
+void add_coverage(CLI::App& app) {
+  auto arguments = std::make_shared<CoverageArguments>();
+  CLI::App& verb =
+      *app.add_subcommand("coverage", "How well a basis knows the poses of a clip, and which frames to simulate next");
+  verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
+  arguments->clip.add(verb);
+  verb.add_option("--worst", arguments->worst, "Frames to list")->capture_default_str()->check(CLI::Range(1, 10000));
+  verb.add_option("--truth", arguments->truth, "Shapes of these frames (.pc2, .nodes): are the expected errors right?")
+      ->type_name("CACHE");
+  verb.add_option("--picture", arguments->picture, "Heat strip to write: frames from left to right, a row per region")
+      ->type_name("FILE.png");
+  verb.add_option("--unit", arguments->unit,
+                  "Metres per unit of the clip's file (default: as the character was read for training)")
+      ->check(CLI::PositiveNumber);
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli

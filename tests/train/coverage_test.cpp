@@ -1,0 +1,106 @@
+// Expected errors against errors measured on a synthetic limb, and what coverage makes of bad input.
+#include "trainer/train/coverage.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "runtime/basis/error.h"
+#include "tests/support/capsule_limb.h"
+#include "trainer/train/heldout.h"
+
+namespace bodyopt {
+namespace {
+
+const SampleSet& samples() {
+  static const SampleSet set = limb_samples(160, 60);
+  return set;
+}
+
+const Basis& basis() {
+  static const Basis trained = train(samples(), {.centres = 60});
+  return trained;
+}
+
+std::vector<Pose> heldout_poses() {
+  std::vector<Pose> poses;
+  for (const Sample& sample : samples().heldout) poses.push_back(sample.pose);
+  return poses;
+}
+
+TEST(Coverage, ExpectsAboutTheErrorThatIsMeasured) {
+  Deformer deformer(basis(), {.name = "cpu"});
+  const double measured = heldout_errors(samples(), heldout_by_basis(samples(), deformer)).rms;
+  double sum = 0;
+  for (const ExpectedError& error : expected_errors(basis(), read_coverage(basis()), heldout_poses())) {
+    sum += error.rms_mm * error.rms_mm;
+  }
+  const double expected = std::sqrt(sum / static_cast<double>(samples().heldout.size()));
+  RecordProperty("expected_and_measured_mm", std::to_string(expected) + " " + std::to_string(measured));
+  EXPECT_LT(expected, 2 * measured);
+  EXPECT_GT(expected, 0.5 * measured);
+}
+
+TEST(Coverage, ExpectsMoreTheFurtherAPoseLeavesTheTrainedRange) {
+  std::vector<Pose> poses;
+  for (const double bend : {1.0, 2.2, 2.6, 3.0}) {
+    Pose& pose = poses.emplace_back(bind_pose(basis().skeleton));
+    pose.joints.back().rotation = pose.joints.back().rotation * axis_angle({0.6, 0, 0.8}, bend);
+  }
+  const auto errors = expected_errors(basis(), read_coverage(basis()), poses);
+  for (std::size_t k = 1; k < errors.size(); ++k) EXPECT_GT(errors[k].rms_mm, errors[k - 1].rms_mm) << k;
+}
+
+TEST(Coverage, IsCalibratedFromTheFramesAroundEachCentre) {
+  // One feature; the error is 1 below 0 and 3 above.
+  RegressionData data;
+  constexpr int kFrames = 40;
+  data.features = Eigen::VectorXd::LinSpaced(kFrames, -1, 1);
+  data.rest = Eigen::RowVectorXd::Constant(1, -2);
+  data.targets = Eigen::MatrixXd::Zero(kFrames, 1);
+  Regression regression;
+  regression.centres = (Eigen::MatrixXd(2, 1) << -0.5, 0.5).finished();
+  regression.centre_frames = {9, 30};
+  for (int n = 0; n < kFrames; ++n) {
+    data.folds.push_back(n % 2);
+    regression.frame_errors.push_back(n < kFrames / 2 ? 1 : 3);
+  }
+  const ErrorModel model = calibrate(data, regression, 0.25);
+  ASSERT_EQ(model.local.size(), 2u);
+  EXPECT_NEAR(model.local[0], (20 * 1 + 5) / 21.0 + 0.25, 1e-12);  // the mean of all counts as one frame more
+  EXPECT_NEAR(model.local[1], (20 * 9 + 5) / 21.0 + 0.25, 1e-12);
+  EXPECT_GT(model.usual, 0);
+}
+
+TEST(Coverage, NamesTheWorstFramesThatAreNotNeighbours) {
+  const std::vector<double> expected = {1, 5, 4.9, 4, 0, 3, 3};
+  EXPECT_EQ(worth_simulating(expected, 3, 2), (std::vector<std::size_t>{1, 3, 5}));
+  EXPECT_EQ(worth_simulating(expected, 2, 1), (std::vector<std::size_t>{1, 2}));
+  EXPECT_EQ(worth_simulating(expected, 100, 3).size(), 2u);
+  EXPECT_TRUE(worth_simulating({}, 3, 2).empty());
+}
+
+TEST(Coverage, RefusesWhatDoesNotFitTheBasis) {
+  const auto kind = [](const Basis& damaged) {
+    try {
+      read_coverage(damaged);
+    } catch (const Error& error) {
+      return error.kind();
+    }
+    return ErrorKind::interrupted;
+  };
+  Basis damaged = basis();
+  damaged.metadata.erase("coverage");
+  EXPECT_EQ(kind(damaged), ErrorKind::mismatch);
+  for (const char* text : {"", "[]", "{}", "[1]", R"([{"joint": "a"}])", R"([{"joint": 3, "size": 1}])"}) {
+    damaged.metadata["coverage"] = text;
+    EXPECT_EQ(kind(damaged), ErrorKind::file) << text;
+  }
+  std::vector<RegionCoverage> regions = read_coverage(basis());
+  regions[0].expected.local.pop_back();
+  damaged.metadata["coverage"] = coverage_text(regions);
+  EXPECT_EQ(kind(damaged), ErrorKind::file);
+}
+
+}  // namespace
+}  // namespace bodyopt

@@ -1,0 +1,226 @@
+#include "trainer/train/coverage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "runtime/basis/error.h"
+#include "runtime/basis/strict_json.h"
+#include "runtime/cpu/kernels.h"
+#include "runtime/rig.h"
+#include "trainer/progress.h"
+#include "trainer/train/features.h"
+#include "trainer/train/parallel.h"
+
+namespace bodyopt {
+namespace {
+
+using Eigen::Index;
+
+// Blended between centres by the inverse of the squared distance, squared: each centre's own value at the centre.
+class Blend {
+ public:
+  void add(double squared_distance, double value) {
+    const double weight = 1 / (squared_distance * squared_distance + 1e-12);
+    sum_ += weight * value;
+    weight_ += weight;
+  }
+  double value() const { return weight_ > 0 ? sum_ / weight_ : 0; }
+
+ private:
+  double sum_ = 0, weight_ = 0;
+};
+
+// The slope of the least squares of y ~ a + b x, not below zero.
+double growth(const std::vector<double>& x, const std::vector<double>& y) {
+  const double count = static_cast<double>(x.size());
+  const double x_mean = std::accumulate(x.begin(), x.end(), 0.0) / count;
+  const double y_mean = std::accumulate(y.begin(), y.end(), 0.0) / count;
+  double xx = 0, xy = 0;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    xx += (x[k] - x_mean) * (x[k] - x_mean);
+    xy += (x[k] - x_mean) * (y[k] - y_mean);
+  }
+  return xx > 0 ? std::max(0.0, xy / xx) : 0;
+}
+
+}  // namespace
+
+ErrorModel calibrate(const RegressionData& data, const Regression& regression, double truncated) {
+  const std::size_t centres = regression.centre_frames.size();
+  std::vector<double> nearest, error;
+  std::vector<double> sums(centres), counts(centres);
+  for (std::size_t n = 0; n < data.folds.size(); ++n) {
+    if (data.folds[n] < 0) continue;
+    const Eigen::RowVectorXd features = data.features.row(static_cast<Index>(n));
+    double of_others = (features - data.rest).squaredNorm(), of_all = std::numeric_limits<double>::infinity();
+    std::size_t closest = 0;
+    for (std::size_t m = 0; m < centres; ++m) {
+      const double distance = (features - regression.centres.row(static_cast<Index>(m))).squaredNorm();
+      if (distance < of_all) {
+        of_all = distance;
+        closest = m;
+      }
+      const int frame = regression.centre_frames[m];
+      const bool same_fold = frame >= 0 && data.folds[static_cast<std::size_t>(frame)] == data.folds[n];
+      if (!same_fold) of_others = std::min(of_others, distance);
+    }
+    nearest.push_back(of_others);
+    error.push_back(regression.frame_errors[n] * regression.frame_errors[n]);
+    if (centres > 0) {
+      sums[closest] += error.back();
+      counts[closest] += 1;
+    }
+  }
+  const double mean =
+      error.empty() ? 0 : std::accumulate(error.begin(), error.end(), 0.0) / static_cast<double>(error.size());
+  ErrorModel model;
+  if (!nearest.empty())
+    model.usual = std::accumulate(nearest.begin(), nearest.end(), 0.0) / static_cast<double>(nearest.size());
+  model.distance = nearest.empty() ? 0 : growth(nearest, error);
+  // The mean counts as one frame more: a single frame says little.
+  for (std::size_t m = 0; m < centres; ++m) model.local.push_back((sums[m] + mean) / (counts[m] + 1) + truncated);
+  if (centres == 0) model.local.push_back(mean + truncated);
+  return model;
+}
+
+namespace {
+
+// Root mean square per vertex, to the micrometre: numbers of a few digits.
+std::vector<double> in_mm(const std::vector<double>& energies, double size) {
+  std::vector<double> result;
+  for (const double energy : energies) result.push_back(std::round(1e6 * std::sqrt(energy / size)) / 1e3);
+  return result;
+}
+
+}  // namespace
+
+std::string coverage_text(const std::vector<RegionCoverage>& regions) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const RegionCoverage& region : regions) {
+    list.push_back({{"joint", region.joint},
+                    {"size", region.size},
+                    {"distance_m2", region.expected.distance},
+                    {"usual", region.expected.usual},
+                    {"local_mm", in_mm(region.expected.local, region.size)}});
+  }
+  return list.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::vector<RegionCoverage> read_coverage(const Basis& basis) {
+  const auto text = basis.metadata.find("coverage");
+  if (text == basis.metadata.end()) {
+    throw Error(ErrorKind::mismatch, "the basis does not say how well it covers poses: it was trained without shapes");
+  }
+  const std::string where = "the basis' metadata 'coverage'";
+  const auto list = parse_strict_json<nlohmann::json>(text->second, where);
+  std::vector<RegionCoverage> regions;
+  try {
+    for (const auto& entry : list) {
+      RegionCoverage& region = regions.emplace_back();
+      region.joint = entry.at("joint").get<std::string>();
+      region.size = entry.at("size").get<double>();
+      region.expected.distance = entry.at("distance_m2").get<double>();
+      region.expected.usual = entry.at("usual").get<double>();
+      for (const double mm : entry.at("local_mm").get<std::vector<double>>()) {
+        region.expected.local.push_back(region.size * mm * mm * 1e-6);
+      }
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(ErrorKind::file, where + " is damaged: " + error.what());
+  }
+  if (regions.size() != basis.residual.regions.size()) {
+    throw Error(ErrorKind::file, where + " tells of " + std::to_string(regions.size()) + " regions, the basis has " +
+                                     std::to_string(basis.residual.regions.size()));
+  }
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    const ErrorModel& expected = regions[r].expected;
+    const std::size_t centres = std::max<std::size_t>(1, basis.residual.regions[r].centre_count);
+    if (regions[r].size > 0 && expected.distance >= 0 && expected.local.size() == centres) continue;
+    throw Error(ErrorKind::file, where + ", region " + std::to_string(r) +
+                                     ": expected a positive size and an error for "
+                                     "each of its " +
+                                     std::to_string(centres) + " centres");
+  }
+  return regions;
+}
+
+namespace {
+
+// Standardised features and how far they were outside the trained range.
+struct Features {
+  std::vector<float> inside, excess;
+};
+
+Features features_of(const Basis& basis, const Pose& pose) {
+  const ResidualTable& residual = basis.residual;
+  Features features{std::vector<float>(residual.feature_count()), std::vector<float>(residual.feature_count())};
+  std::vector<float> controls = pose.controls;
+  controls.resize(residual.controls.size(), 0.0f);
+  cpu::residual_features(residual, pose_rig(basis.skeleton, pose).joint_features, measure_strains(basis, pose),
+                         controls, 1, features.inside, features.excess);
+  return features;
+}
+
+// Square metres.
+double expected_energy(const ResidualTable& residual, const Region& region, const ErrorModel& expected,
+                       const Features& features) {
+  const std::uint32_t* index = residual.region_features.data() + region.feature_begin;
+  double outside = 0;
+  for (std::uint32_t k = 0; k < region.feature_count; ++k) {
+    outside += double{features.excess[index[k]]} * double{features.excess[index[k]]};
+  }
+  if (region.centre_count == 0) return expected.local[0] + expected.distance * outside;
+  double nearest = std::numeric_limits<double>::infinity();
+  Blend local;
+  for (std::uint32_t m = 0; m < region.centre_count; ++m) {
+    const float* centre = residual.centres.data() + region.centre_values + m * region.feature_count;
+    double distance = 0;
+    for (std::uint32_t k = 0; k < region.feature_count; ++k) {
+      const double difference = double{features.inside[index[k]]} - double{centre[k]};
+      distance += difference * difference;
+    }
+    nearest = std::min(nearest, distance);
+    local.add(distance, expected.local[m]);
+  }
+  return local.value() + expected.distance * std::max(0.0, nearest + outside - expected.usual);
+}
+
+}  // namespace
+
+std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector<RegionCoverage>& regions,
+                                           const std::vector<Pose>& poses) {
+  std::vector<ExpectedError> results(poses.size());
+  Progress progress("coverage", poses.size());
+  parallel_for(poses.size(), [&](std::size_t n) {
+    const Features features = features_of(basis, poses[n]);
+    ExpectedError& result = results[n];
+    double sum = 0;
+    for (std::size_t r = 0; r < regions.size(); ++r) {
+      const double energy = expected_energy(basis.residual, basis.residual.regions[r], regions[r].expected, features);
+      sum += energy;
+      result.region_mm.push_back(1e3 * std::sqrt(energy / regions[r].size));
+    }
+    result.rms_mm = 1e3 * std::sqrt(sum / basis.mesh.vertex_count());
+    progress.advance();
+  });
+  return results;
+}
+
+std::vector<std::size_t> worth_simulating(const std::vector<double>& expected, std::size_t count, std::size_t gap) {
+  std::vector<std::size_t> order(expected.size()), chosen;
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return expected[a] > expected[b]; });
+  for (const std::size_t frame : order) {
+    if (chosen.size() == count) break;
+    const bool near = std::any_of(chosen.begin(), chosen.end(), [&](std::size_t other) {
+      return std::max(frame, other) - std::min(frame, other) < gap;
+    });
+    if (!near) chosen.push_back(frame);
+  }
+  return chosen;
+}
+
+}  // namespace bodyopt

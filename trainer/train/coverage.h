@@ -1,0 +1,50 @@
+// How far a pose is from what training saw, and the error to expect of it.
+//   e_r^2 = local error + distance x (what the nearest kernel centre is further away than usual, squared)
+// per region, in square metres over its vertices. The local error is what cross-validation left at the training frames
+// around each centre, blended between centres by inverse distance (Shepard 1968); the second term is what that error
+// grew by with the distance from what was learned. Features outside the trained range count in full.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "runtime/basis/basis.h"
+#include "trainer/train/regress.h"
+
+namespace bodyopt {
+
+struct ErrorModel {
+  std::vector<double> local;  // per centre, square metres
+  double distance = 0;        // square metres per squared standardised feature
+  double usual = 0;           // mean square distance from a held-out frame to the nearest centre
+};
+
+// From the held-out frames of cross-validation, each with the centres of other folds only. `truncated`: mean square
+// metres that the components leave out.
+ErrorModel calibrate(const RegressionData& data, const Regression& regression, double truncated);
+
+// A region as a basis' metadata "coverage" tells it.
+struct RegionCoverage {
+  std::string joint;  // whose skin it is, most of all
+  double size = 0;    // vertices, by their weights
+  ErrorModel expected;
+};
+
+std::string coverage_text(const std::vector<RegionCoverage>& regions);
+// Throws Error(mismatch) where the basis was trained without (Direct Delta Mush alone), Error(file) where it is
+// damaged.
+std::vector<RegionCoverage> read_coverage(const Basis& basis);
+
+struct ExpectedError {
+  double rms_mm = 0;              // over the skin
+  std::vector<double> region_mm;  // per region, RMS over its vertices
+};
+
+// Of every pose.
+std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector<RegionCoverage>& regions,
+                                           const std::vector<Pose>& poses);
+
+// At most `count` frames (indices), worst first, no two of them nearer than `gap`.
+std::vector<std::size_t> worth_simulating(const std::vector<double>& expected, std::size_t count, std::size_t gap);
+
+}  // namespace bodyopt
