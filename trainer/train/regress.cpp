@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "runtime/cpu/half.h"
+
 namespace bodyopt {
 namespace {
 
@@ -25,7 +27,16 @@ MatrixXd squared_distances(const MatrixXd& a, const MatrixXd& b) {
   return distances.cwiseMax(0);
 }
 
-// Farthest-point sampling, starting with the rest pose.
+// As the basis stores it, so that the weights are fitted to the centres that will run.
+double as_half(double value) {
+  const double largest{float_from_half(kLargestHalf)}, smallest{float_from_half(kSmallestNormalHalf)};
+  const float clamped = static_cast<float>(std::clamp(value, -largest, largest));
+  const double rounded{float_from_half(half_from_float(clamped))};
+  return std::abs(rounded) < smallest ? 0 : rounded;
+}
+
+// Farthest-point sampling, starting with the rest pose. Distances are those of the frames as they are, so that none is
+// chosen twice.
 MatrixXd choose_centres(const RegressionData& data, int count) {
   const Index most = std::min<Index>(count, data.features.rows() + 1);
   MatrixXd centres(most, data.features.cols());
@@ -34,11 +45,11 @@ MatrixXd choose_centres(const RegressionData& data, int count) {
   Eigen::VectorXd nearest = (data.features.rowwise() - data.rest).rowwise().squaredNorm();
   for (Index m = 1; m < most; ++m) {
     Index farthest = 0;
-    if (!(nearest.maxCoeff(&farthest) > 1e-6)) return centres.topRows(m);
+    if (!(nearest.maxCoeff(&farthest) > 1e-6)) return centres.topRows(m).unaryExpr(&as_half);
     centres.row(m) = data.features.row(farthest);
     nearest = nearest.cwiseMin((data.features.rowwise() - centres.row(m)).rowwise().squaredNorm());
   }
-  return centres;
+  return centres.unaryExpr(&as_half);
 }
 
 double median_distance(const MatrixXd& centres) {
