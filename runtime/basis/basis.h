@@ -56,9 +56,11 @@ struct ResidualTable {
   std::vector<std::string> controls;   // names of the control features, in order
   std::vector<FeatureRange> features;  // F = joint features, strains, controls
   std::vector<Region> regions;
-  std::vector<std::uint32_t> region_features;     // feature indices, region by region
-  std::vector<std::uint32_t> centre_region;       // region of each centre
-  std::vector<float> centres;                     // per region centre_count x feature_count, standardised
+  std::vector<std::uint32_t> region_features;  // feature indices, region by region
+  std::vector<std::uint32_t> centre_region;    // region of each centre
+  // Per region centre_count rows of feature_count halves, standardised, two a word (low half first). A row begins at a
+  // word: after an odd count, the last word's high half is unused.
+  std::vector<std::uint32_t> centres;
   std::vector<std::uint32_t> coefficient_region;  // region of each coefficient
   std::vector<float> weights;  // per region coefficient_count x (1 + feature_count + centre_count), row-major
   std::vector<std::uint32_t> blend_begin;  // blocks + 1, into blend

@@ -228,9 +228,8 @@ class Validator {
     expect_below("residual.region_features", residual.region_features, residual.features.size());
     expect_numbers("residual.weights", residual.weights);
     for (std::size_t k = 0; k < residual.centres.size(); ++k) {
-      if (std::abs(residual.centres[k]) <= kLargestFeature) continue;
-      refuse(element("residual.centres", k) + " is " + std::to_string(residual.centres[k]) +
-             ", expected at most 1e6 standard deviations");
+      if (finite_halves(residual.centres[k])) continue;
+      refuse(element("residual.centres", k) + " holds a half that is infinite or not a number, expected finite ones");
     }
   }
 
@@ -266,7 +265,7 @@ class Validator {
       }
       features += region.feature_count;
       centres += region.centre_count;
-      centre_values += std::size_t{region.centre_count} * region.feature_count;
+      centre_values += region.centre_count * ((std::size_t{region.feature_count} + 1) / 2);
       coefficients += region.coefficient_count;
       weights += std::size_t{region.coefficient_count} *
                  (1 + std::size_t{region.feature_count} + std::size_t{region.centre_count});

@@ -30,6 +30,9 @@ inline std::uint32_t half_from_float(float value) {
   return sign | ((magnitude - 0x38000000u + 0xfffu + ((magnitude >> 13) & 1u)) >> 13);
 }
 
+// Smallest above 0 that no device reads as 0, and the largest.
+inline constexpr std::uint32_t kSmallestNormalHalf = 0x0400, kLargestHalf = 0x7bff;
+
 inline float half_low(std::uint32_t word) { return float_from_half(word & 0xffffu); }
 inline float half_high(std::uint32_t word) { return float_from_half(word >> 16); }
 

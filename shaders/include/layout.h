@@ -50,7 +50,7 @@ BODYOPT_CHECK_SIZE(FeatureRange, 16)
 struct Region {
   uint feature_begin, feature_count;          // into region_features
   uint centre_begin, centre_count;            // centre index over all regions; kernel values have the same index
-  uint centre_values;                         // offset of the region's centres in centres
+  uint centre_values;                         // word of centres at which the region's centres begin
   uint coefficient_begin, coefficient_count;  // coefficient index over all regions
   uint weight_values;                         // offset of the region's rows in weights
   float inverse_width2;                       // 1 / (2 width^2), in standardised feature units

@@ -217,6 +217,12 @@ TEST(BasisFile, ForgedPartsAreRefusedByName) {
     blend.bytes.resize(blend.bytes.size() - 4);
     blend.shape = {blend.bytes.size() / 4};
   });
+  expect("'residual.centres' has type F32", [](Safetensors& f) { f.tensors["residual.centres"].dtype = "F32"; });
+  expect("residual.centres has 9 entries, expected 10", [](Safetensors& f) {
+    Tensor& centres = f.tensors["residual.centres"];
+    centres.bytes.resize(centres.bytes.size() - 4);
+    --centres.shape[0];
+  });
   expect("residual.blend_begin ends", [](Safetensors& f) {
     Tensor& blend = f.tensors["residual.blend"];
     blend.bytes.resize(blend.bytes.size() - sizeof(BlendEntry));

@@ -146,6 +146,21 @@ inline BlendEntry random_blend_entry(Random& random, double scale, std::uint32_t
   return entry;
 }
 
+// A row of halves, two a word.
+inline void append_centre(std::vector<std::uint32_t>& centres, const std::vector<float>& values) {
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (k % 2 == 0) centres.push_back(0);
+    centres.back() |= half_from_float(values[k]) << 16 * (k % 2);
+  }
+}
+
+// Value k of a centre of the region, counted from the region's first.
+inline float centre_value(const ResidualTable& table, const Region& region, std::size_t centre, std::size_t k) {
+  const std::size_t row_words = (std::size_t{region.feature_count} + 1) / 2;
+  const std::uint32_t word = table.centres[region.centre_values + centre * row_words + k / 2];
+  return k % 2 == 0 ? half_low(word) : half_high(word);
+}
+
 // Regions over `features` features with `centres` centres and `coefficients` coefficients in all; none when there are
 // no coefficients.
 inline ResidualTable random_residual(Random& random, std::uint32_t features, std::uint32_t centres,
@@ -170,12 +185,12 @@ inline ResidualTable random_residual(Random& random, std::uint32_t features, std
     r.inverse_width2 = static_cast<float>(random.uniform(0.02, 0.5));
     const auto index = static_cast<std::uint32_t>(table.regions.size());
     for (std::uint32_t k = 0; k < r.feature_count; ++k) table.region_features.push_back(random.below(features));
-    const auto append = [](std::vector<float>& to, const std::vector<float>& values) {
-      to.insert(to.end(), values.begin(), values.end());
-    };
-    append(table.centres, random.floats(std::size_t{r.centre_count} * r.feature_count, -2, 2));
-    append(table.weights,
-           random.floats(std::size_t{r.coefficient_count} * (1 + r.feature_count + r.centre_count), -1, 1));
+    for (std::uint32_t k = 0; k < r.centre_count; ++k) {
+      append_centre(table.centres, random.floats(r.feature_count, -2, 2));
+    }
+    const std::vector<float> weights =
+        random.floats(std::size_t{r.coefficient_count} * (1 + r.feature_count + r.centre_count), -1, 1);
+    table.weights.insert(table.weights.end(), weights.begin(), weights.end());
     table.centre_region.insert(table.centre_region.end(), r.centre_count, index);
     table.coefficient_region.insert(table.coefficient_region.end(), r.coefficient_count, index);
     table.regions.push_back(r);

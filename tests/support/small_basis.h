@@ -234,8 +234,8 @@ class SmallBasisBuilder {
     residual.region_features.insert(residual.region_features.end(), features.begin(), features.end());
     residual.centre_region.insert(residual.centre_region.end(), centres, index);
     residual.coefficient_region.insert(residual.coefficient_region.end(), coefficients, index);
-    for (std::size_t k = 0; k < centres * features.size(); ++k) {
-      residual.centres.push_back(static_cast<float>(random_.uniform(-1, 1)));
+    for (std::uint32_t k = 0; k < centres; ++k) {
+      append_centre(residual.centres, random_.floats(features.size(), -1, 1));
     }
     for (std::size_t k = 0; k < coefficients * (1 + features.size() + centres); ++k) {
       residual.weights.push_back(static_cast<float>(random_.uniform(-0.5, 0.5)));

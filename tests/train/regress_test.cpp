@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "runtime/cpu/half.h"
 #include "trainer/train/components.h"
 
 namespace bodyopt {
@@ -95,6 +96,28 @@ TEST(Regression, BearsConstantFeaturesAndRepeatedFrames) {
   const Regression fit = fit_regression(data, 60);
   EXPECT_TRUE(fit.weights.allFinite());
   EXPECT_LE(fit.centres.rows(), 31);
+}
+
+// Of the frames that were chosen, however small or large their features.
+TEST(Regression, CentresAreRoundedToNormalHalves) {
+  RegressionData data = random_data(50, 3, 8);
+  data.features.col(0) *= 1e-4;
+  data.features(7, 2) = 1e6;
+  data.targets = Eigen::MatrixXd::Ones(50, 1);
+  const Regression fit = fit_regression(data, 51);
+  ASSERT_EQ(fit.centres.rows(), 51);
+  for (const double value : fit.centres.reshaped()) {
+    EXPECT_EQ(double{float_from_half(half_from_float(static_cast<float>(value)))}, value);
+    EXPECT_TRUE(value == 0 || std::abs(value) >= 0x1p-14) << value;
+  }
+  EXPECT_EQ(fit.centres.row(0), data.rest);
+  EXPECT_EQ(fit.centres.maxCoeff(), 65504);
+  EXPECT_GT((fit.centres.col(0).array() == 0).count(), 10);
+  for (Eigen::Index m = 0; m < fit.centres.rows(); ++m) {
+    const Eigen::RowVectorXd centre = fit.centres.row(m).leftCols(2);
+    const Eigen::VectorXd apart = (data.features.leftCols(2).rowwise() - centre).cwiseAbs().rowwise().maxCoeff();
+    EXPECT_LE(m == 0 ? 0 : apart.minCoeff(), 0x1p-11) << "centre " << m;
+  }
 }
 
 TEST(Regression, NeighbouringFramesNeverStandOnBothSides) {

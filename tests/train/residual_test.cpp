@@ -39,6 +39,19 @@ ResidualModel residual_model() {
   return model;
 }
 
+// Fitted to noise; some features are far too small and too large for a half.
+Regression random_regression(testing::Random& random, Eigen::Index features) {
+  const Eigen::Index frames = 40;
+  RegressionData data;
+  data.features = Eigen::MatrixXd::NullaryExpr(frames, features, [&] { return random.uniform(-3, 3); });
+  data.features.row(4) *= 1e-6;
+  data.features(9, 1) = 1e5;
+  data.rest = Eigen::RowVectorXd::Constant(features, 0.3);
+  data.targets = Eigen::MatrixXd::NullaryExpr(frames, kColumns, [&] { return random.uniform(-1, 1); });
+  data.folds = blocked_folds(std::vector<int>(static_cast<std::size_t>(frames), 0), 4, 5);
+  return fit_regression(data, 30);
+}
+
 // 3 V: the basis vectors of a coefficient, as the runtime reads them.
 std::vector<float> unpacked_column(const ResidualTable& table, std::uint32_t coefficient) {
   std::vector<float> coefficients(table.coefficient_count()), column(3 * kVertices);
@@ -126,6 +139,36 @@ TEST(PackResidual, EntriesThatMoveNothingAreLeftOut) {
   }
   EXPECT_EQ(table.blend.size(), expected);
   EXPECT_GT(left_out, kBlocks);  // more than the column that is left out altogether
+}
+
+// Of both an odd and an even number of features, one after the other.
+TEST(PackResidual, CentresAreThoseOfTheRegression) {
+  ResidualModel model = residual_model();
+  testing::Random random(6);
+  const std::vector<std::uint32_t> features = {0, 2, 3, 5};
+  for (std::size_t r = 0; r < 2; ++r) {
+    const auto count = static_cast<Eigen::Index>(3 + r);
+    model.regions[r].features.assign(features.begin(), features.begin() + count);
+    model.regions[r].regression = random_regression(random, count);
+  }
+  const ResidualTable table = pack_residual(model, kColumns, 0).table;
+  ASSERT_EQ(table.regions.size(), 2u);
+  std::size_t words = 0;
+  for (std::size_t r = 0; r < 2; ++r) {
+    const Eigen::MatrixXd& centres = model.regions[r].regression.centres;
+    EXPECT_EQ(table.regions[r].centre_values, words);
+    ASSERT_EQ(table.regions[r].centre_count, centres.rows());
+    for (Eigen::Index m = 0; m < centres.rows(); ++m) {
+      for (Eigen::Index k = 0; k < centres.cols(); ++k) {
+        const float packed =
+            testing::centre_value(table, table.regions[r], static_cast<std::size_t>(m), static_cast<std::size_t>(k));
+        EXPECT_EQ(double{packed}, centres(m, k)) << "region " << r << ", centre " << m << ", value " << k;
+      }
+    }
+    words += 2 * static_cast<std::size_t>(centres.rows());
+  }
+  EXPECT_EQ(table.centres.size(), words);
+  for (std::size_t w = 1; w < table.regions[1].centre_values; w += 2) EXPECT_EQ(table.centres[w] >> 16, 0u);
 }
 
 // Entries far below the largest of their column: their scale is the smallest that every device reads as it is.

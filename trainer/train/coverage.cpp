@@ -8,6 +8,7 @@
 
 #include "runtime/basis/error.h"
 #include "runtime/basis/strict_json.h"
+#include "runtime/cpu/half.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/rig.h"
 #include "trainer/progress.h"
@@ -176,10 +177,10 @@ double expected_energy(const ResidualTable& residual, const Region& region, cons
   double nearest = std::numeric_limits<double>::infinity();
   Blend local;
   for (std::uint32_t m = 0; m < region.centre_count; ++m) {
-    const float* centre = residual.centres.data() + region.centre_values + m * region.feature_count;
+    const std::uint32_t* centre = residual.centres.data() + region.centre_values + m * ((region.feature_count + 1) / 2);
     double distance = 0;
     for (std::uint32_t k = 0; k < region.feature_count; ++k) {
-      const double difference = double{features.inside[index[k]]} - double{centre[k]};
+      const double difference = double{features.inside[index[k]]} - double{half_low(centre[k / 2] >> 16 * (k % 2))};
       distance += difference * difference;
     }
     nearest = std::min(nearest, distance);

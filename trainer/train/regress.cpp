@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "runtime/cpu/half.h"
+
 namespace bodyopt {
 namespace {
 
@@ -25,30 +27,34 @@ MatrixXd squared_distances(const MatrixXd& a, const MatrixXd& b) {
   return distances.cwiseMax(0);
 }
 
+// As the basis stores it, so that the weights are fitted to the centres that will run.
+double as_half(double value) {
+  const double largest{float_from_half(kLargestHalf)}, smallest{float_from_half(kSmallestNormalHalf)};
+  const float clamped = static_cast<float>(std::clamp(value, -largest, largest));
+  const double rounded{float_from_half(half_from_float(clamped))};
+  return std::abs(rounded) < smallest ? 0 : rounded;
+}
+
 struct Centres {
   MatrixXd points;          // M x F
   std::vector<int> frames;  // M, -1 for the rest pose
 };
 
-// Farthest-point sampling, starting with the rest pose.
+// Farthest-point sampling, starting with the rest pose. Distances are those of the frames as they are, so that none is
+// chosen twice.
 Centres choose_centres(const RegressionData& data, int count) {
   const Index most = std::min<Index>(count, data.features.rows() + 1);
-  Centres centres{MatrixXd(most, data.features.cols()), {}};
-  if (most == 0) return centres;
-  centres.points.row(0) = data.rest;
-  centres.frames.push_back(-1);
+  MatrixXd points(most, data.features.cols());
+  std::vector<int> frames;
   Eigen::VectorXd nearest = (data.features.rowwise() - data.rest).rowwise().squaredNorm();
-  for (Index m = 1; m < most; ++m) {
-    Index farthest = 0;
-    if (!(nearest.maxCoeff(&farthest) > 1e-6)) {
-      centres.points.conservativeResize(m, Eigen::NoChange);
-      return centres;
-    }
-    centres.points.row(m) = data.features.row(farthest);
-    centres.frames.push_back(static_cast<int>(farthest));
-    nearest = nearest.cwiseMin((data.features.rowwise() - centres.points.row(m)).rowwise().squaredNorm());
+  for (Index m = 0; m < most; ++m) {
+    Index farthest = -1;
+    if (m > 0 && !(nearest.maxCoeff(&farthest) > 1e-6)) break;
+    points.row(m) = m == 0 ? data.rest : Eigen::RowVectorXd(data.features.row(farthest));
+    frames.push_back(static_cast<int>(farthest));
+    nearest = nearest.cwiseMin((data.features.rowwise() - points.row(m)).rowwise().squaredNorm());
   }
-  return centres;
+  return {points.topRows(static_cast<Index>(frames.size())).unaryExpr(&as_half), frames};
 }
 
 double median_distance(const MatrixXd& centres) {

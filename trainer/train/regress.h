@@ -16,7 +16,7 @@ struct RegressionData {
 };
 
 struct Regression {
-  Eigen::MatrixXd centres;  // M x F
+  Eigen::MatrixXd centres;  // M x F, every value a half that is normal or 0
   double inverse_width2 = 0;
   Eigen::MatrixXd weights;         // (F + M) x K, of [f, phi(f)]; no constant: what holds at rest is subtracted anyway
   std::vector<int> centre_frames;  // M: the frame of each centre, -1 for the rest pose
@@ -25,7 +25,7 @@ struct Regression {
 };
 
 // Chooses width and penalties by cross-validation over the folds, then fits all frames. At most `centre_count` centres:
-// the rest pose, then the training frames furthest from those chosen before. Deterministic.
+// the rest pose, then the training frames furthest from those chosen before, rounded. Deterministic.
 Regression fit_regression(const RegressionData& data, int centre_count);
 
 // Root mean square that cross-validation leaves with middling width and penalties, summed over the targets: to choose

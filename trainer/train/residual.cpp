@@ -219,9 +219,8 @@ using BlockVectors = Eigen::Matrix<double, 3, kBlockSize>;
 
 // Half whose numbers reach 127 at the largest component. Not a subnormal one, which a device may read as 0.
 std::uint32_t blend_scale(double largest) {
-  constexpr std::uint32_t kSmallestNormal = 0x0400;
   const double scale = largest / (127 * double{kBlendFraction});
-  return std::max(kSmallestNormal, half_from_float(static_cast<float>(scale)));
+  return std::max(kSmallestNormalHalf, half_from_float(static_cast<float>(scale)));
 }
 
 // Numbers are rounded with the scale as it is stored. Its own rounding, 2^-11 at most, cannot lift them to 127.5.
@@ -276,11 +275,7 @@ class Packer {
     table_.region_features.insert(table_.region_features.end(), model.features.begin(), model.features.end());
     table_.centre_region.insert(table_.centre_region.end(), region.centre_count, number);
     table_.coefficient_region.insert(table_.coefficient_region.end(), kept.size(), number);
-    for (Index m = 0; m < regression.centres.rows(); ++m) {
-      for (Index k = 0; k < regression.centres.cols(); ++k) {
-        table_.centres.push_back(static_cast<float>(regression.centres(m, k)));
-      }
-    }
+    for (Index m = 0; m < regression.centres.rows(); ++m) add_centre(regression.centres.row(m));
     for (const Index k : kept) {
       table_.weights.push_back(0.0f);  // nothing is added at rest
       for (Index f = 0; f < regression.weights.rows(); ++f) {
@@ -289,6 +284,12 @@ class Packer {
     }
     table_.regions.push_back(region);
     return true;
+  }
+
+  // The regression's centres are halves already: nothing is lost.
+  void add_centre(const Eigen::RowVectorXd& centre) {
+    const auto half = [&](Index k) { return k < centre.size() ? half_from_float(static_cast<float>(centre[k])) : 0u; };
+    for (Index k = 0; k < centre.size(); k += 2) table_.centres.push_back(half(k) | half(k + 1) << 16);
   }
 
   // Blend entries of the region's components, and which components have any.
