@@ -1,13 +1,13 @@
 // bodyopt coverage: how well a basis knows the poses of a clip, and which frames to simulate next.
 #include "trainer/train/coverage.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "cli/common.h"
 #include "proxy_viewer/render/renderer.h"
-#include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
 #include "trainer/dataset/controls.h"
 #include "trainer/dataset/frame_range.h"
@@ -23,32 +23,6 @@ struct CoverageArguments {
   ClipArguments clip;
   JsonOption json;
 };
-
-// Positions of the values in ascending order; equal values share the mean of theirs.
-std::vector<double> ranks(const std::vector<double>& values) {
-  std::vector<std::size_t> order(values.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
-  std::vector<double> result(values.size());
-  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-    while (end < order.size() && values[order[end]] == values[order[begin]]) ++end;
-    for (std::size_t k = begin; k < end; ++k) result[order[k]] = 0.5 * static_cast<double>(begin + end - 1);
-  }
-  return result;
-}
-
-// Spearman's rank correlation; not a number where either does not vary.
-double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
-  const std::vector<double> x = ranks(a), y = ranks(b);
-  const double middle = 0.5 * (static_cast<double>(a.size()) - 1);
-  double xx = 0, xy = 0, yy = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    xx += (x[k] - middle) * (x[k] - middle);
-    xy += (x[k] - middle) * (y[k] - middle);
-    yy += (y[k] - middle) * (y[k] - middle);
-  }
-  return xy / std::sqrt(xx * yy);
-}
 
 // Per frame, RMS in mm.
 std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& poses, const std::string& path) {
@@ -68,23 +42,30 @@ std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& pos
   return accumulator.finish().frame_rms;
 }
 
-// A row of the strip per region and one more, on top, for the whole skin; a column per frame.
+// A row of the strip per region and one more, on top, for the whole skin; a column per frame, or for the worst of
+// several where they are more than fit.
 Image strip(const std::vector<ExpectedError>& errors) {
-  constexpr std::uint32_t kRow = 8, kTop = 24;  // pixels
-  const auto regions = static_cast<std::uint32_t>(errors.front().region_mm.size());
-  const auto scale = std::max<std::uint32_t>(1, 1200 / static_cast<std::uint32_t>(errors.size()));
-  Image image;
-  image.width = scale * static_cast<std::uint32_t>(errors.size());
-  image.height = kTop + kRow * regions;
-  image.rgba.resize(std::size_t{4} * image.width * image.height);
+  constexpr std::uint32_t kRow = 8, kTop = 24, kWidest = 2400, kWidth = 1200;  // pixels
+  const std::size_t rows = 1 + errors.front().region_mm.size();
+  const std::size_t frames = errors.size(), columns = std::min<std::size_t>(frames, kWidest);
+  std::vector<double> cells(rows * columns);
   double largest = 0;
-  for (const ExpectedError& error : errors) {
-    for (const double mm : error.region_mm) largest = std::max(largest, mm);
+  for (std::size_t k = 0; k < frames; ++k) {
+    for (std::size_t row = 0; row < rows; ++row) {
+      const double mm = row == 0 ? errors[k].rms_mm : errors[k].region_mm[row - 1];
+      double& cell = cells[row * columns + k * columns / frames];
+      cell = std::max(cell, mm);
+      largest = std::max(largest, mm);
+    }
   }
+  const auto scale = std::max<std::uint32_t>(1, kWidth / static_cast<std::uint32_t>(columns));
+  Image image;
+  image.width = scale * static_cast<std::uint32_t>(columns);
+  image.height = kTop + kRow * static_cast<std::uint32_t>(rows - 1);
+  image.rgba.resize(std::size_t{4} * image.width * image.height);
   for (std::uint32_t y = 0; y < image.height; ++y) {
     for (std::uint32_t x = 0; x < image.width; ++x) {
-      const ExpectedError& error = errors[x / scale];
-      const double mm = y < kTop ? error.rms_mm : error.region_mm[(y - kTop) / kRow];
+      const double mm = cells[(y < kTop ? 0 : 1 + (y - kTop) / kRow) * columns + x / scale];
       const auto colour = heat_colour(static_cast<float>(largest > 0 ? mm / largest : 0));
       std::uint8_t* pixel = image.rgba.data() + std::size_t{4} * (std::size_t{y} * image.width + x);
       for (std::size_t c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>(std::lround(255 * colour[c]));
@@ -102,7 +83,9 @@ void run(const CoverageArguments& arguments) {
   std::vector<int> frames;
   const double unit = arguments.unit > 0 ? arguments.unit : kept_unit(basis);
   Clip clip = arguments.clip.read(basis.skeleton, unit, frames);
-  arrange_controls(basis.residual.controls, clip);
+  for (const std::string& name : arrange_controls(basis.residual.controls, clip)) {
+    spdlog::warn("control '{}' is none that the basis was trained with: it has no effect", name);
+  }
   const std::vector<Pose> poses = poses_of(clip, frames);
 
   const std::vector<ExpectedError> errors = expected_errors(basis, regions, poses);
@@ -116,16 +99,16 @@ void run(const CoverageArguments& arguments) {
     per_frame.push_back({{"frame", frames[k]},
                          {"expected_rms_mm", expected[k]},
                          {"region", r},
-                         {"joint", regions.empty() ? "" : regions[r].joint},
+                         {"joint", regions.empty() ? "" : regions[r].joints.front()},
                          {"region_expected_mm", regions.empty() ? 0 : *worst}});
   }
   for (std::size_t r = 0; r < regions.size(); ++r) {
     double mean2 = 0;
     for (const ExpectedError& error : errors) mean2 += error.region_mm[r] * error.region_mm[r];
-    per_region.push_back(
-        {{"joint", regions[r].joint}, {"expected_rms_mm", std::sqrt(mean2 / static_cast<double>(errors.size()))}});
+    per_region.push_back({{"joint", regions[r].joints.front()},
+                          {"expected_rms_mm", std::sqrt(mean2 / static_cast<double>(errors.size()))}});
   }
-  const std::size_t gap = std::max<std::size_t>(1, frames.size() / (4 * static_cast<std::size_t>(arguments.worst)));
+  const std::size_t gap = std::max<std::size_t>(2, frames.size() / (4 * static_cast<std::size_t>(arguments.worst)));
   std::vector<int> next;
   std::string text = format("%8s %14s   %s\n", "frame", "expected mm", "most of all");
   for (const std::size_t k : worth_simulating(expected, static_cast<std::size_t>(arguments.worst), gap)) {
@@ -151,7 +134,7 @@ void run(const CoverageArguments& arguments) {
     result["rank_correlation"] = correlation;
     text += format("rank correlation (Spearman) with the true errors: %.3f\n", correlation);
   }
-  if (!arguments.picture.empty() && !errors.empty() && !regions.empty()) {
+  if (!arguments.picture.empty()) {
     write_png(strip(errors), arguments.picture);
     text += "wrote " + arguments.picture + "\n";
   }
@@ -170,7 +153,10 @@ void add_coverage(CLI::App& app) {
   verb.add_option("--truth", arguments->truth, "Shapes of these frames (.pc2, .nodes): are the expected errors right?")
       ->type_name("CACHE");
   verb.add_option("--picture", arguments->picture, "Heat strip to write: frames from left to right, a row per region")
-      ->type_name("FILE.png");
+      ->type_name("FILE.png")
+      ->check([](const std::string& name) {
+        return name.ends_with(".png") ? std::string() : "'" + name + "' does not end in .png";
+      });
   verb.add_option("--unit", arguments->unit,
                   "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(CLI::PositiveNumber);

@@ -59,6 +59,7 @@ void run(const RomArguments& arguments) {
   const Character character = read_character(arguments.character, arguments.unit);
   say(character.notes);
   refuse_overwriting(arguments.out, arguments.character);
+  for (const std::string& clip : arguments.from) refuse_overwriting(arguments.out, clip.substr(0, clip.find('#')));
   const Skeleton& skeleton = character.skeleton;
   const JointLimits limits = read_joint_limits(arguments.limits, skeleton);
   RangeOfMotionOptions options = arguments.options;

@@ -78,7 +78,9 @@ void run(const TrainArguments& arguments) {
   }
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
 
+  const auto training = std::chrono::steady_clock::now();
   Basis basis = train(set, arguments.options);
+  const double training_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - training).count();
   keep_unit(basis, dataset.unit);
   save_basis(basis, arguments.out);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -111,7 +113,7 @@ void run(const TrainArguments& arguments) {
           "too few, or too unlike them");
     }
   }
-  if (arguments.ablate) text += ablation_table(ablate(set, arguments.options, basis, seconds), result);
+  if (arguments.ablate) text += ablation_table(ablate(set, arguments.options, basis, training_seconds), result);
   text += "wrote " + arguments.out + "\n";
   arguments.json.emit(result, text);
 }

@@ -95,6 +95,22 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   const Pc2Reader again(folder / "again.pc2"), heldout(folder / "heldout.pc2");
   EXPECT_EQ(heldout.start_frame(), again.start_frame());
   EXPECT_EQ(heldout.sample_rate(), again.sample_rate());
+  // The truth's errors as `coverage` measures them are those of the report; the strip has a column per frame.
+  const ProgramResult coverage = run_bodyopt(
+      "coverage " + out + "/basis.safetensors --clip " + out + "/heldout.glb --frames 1-24x2 --worst 3" + " --truth " +
+      out + "/dataset/heldout.pc2 --picture " + out + "/strip.png --json " + out + "/coverage.json");
+  ASSERT_EQ(coverage.exit_code, 0) << coverage.output;
+  const nlohmann::json covered = nlohmann::json::parse(std::ifstream(folder / "coverage.json"));
+  ASSERT_EQ(covered["per_frame"].size(), heldout.sample_count());
+  double sum = 0;
+  for (const auto& frame : covered["per_frame"]) {
+    EXPECT_GT(frame["expected_rms_mm"], 0);
+    sum += std::pow(frame["true_rms_mm"].get<double>(), 2);
+  }
+  EXPECT_NEAR(std::sqrt(sum / static_cast<double>(covered["per_frame"].size())), rms("full"), 2e-3);
+  EXPECT_LE(std::abs(covered["rank_correlation"].get<double>()), 1);
+  EXPECT_TRUE(std::filesystem::exists(folder / "strip.png"));
+
   const ProgramResult compare = run_bodyopt("compare " + out + "/again.pc2 " + out + "/heldout.pc2 --fail-above 0.01");
   EXPECT_EQ(compare.exit_code, 0) << compare.output;
 }

@@ -74,6 +74,8 @@ TEST(Program, UntrainedBasisOfTheBuiltinArmEvaluatesOnTheCpu) {
   EXPECT_EQ(reader.point_count(), arm.character.output_count());
   EXPECT_EQ(reader.start_frame(), 1);
   EXPECT_EQ(reader.sample_rate(), 2);  // every second frame
+  // Nothing was learned that could cover anything.
+  EXPECT_EQ(run_bodyopt("coverage " + basis + " --clip " + clip).exit_code, 3);
   // A slip that would write over the character.
   EXPECT_EQ(run_bodyopt("eval " + basis + " --clip " + clip + " --device cpu --out " + character).exit_code, 64);
   EXPECT_EQ(run_bodyopt("info " + character).exit_code, 0);

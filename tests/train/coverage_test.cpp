@@ -51,6 +51,19 @@ TEST(Coverage, ExpectsMoreTheFurtherAPoseLeavesTheTrainedRange) {
   for (std::size_t k = 1; k < errors.size(); ++k) EXPECT_GT(errors[k].rms_mm, errors[k - 1].rms_mm) << k;
 }
 
+TEST(Coverage, SeesJointsThatTrainingNeverMoved) {
+  SampleSet still = samples();
+  for (Sample& sample : still.train) {
+    sample.pose.joints[2].rotation = bind_pose(still.character.skeleton).joints[2].rotation;
+    sample.shape = limb_truth(still.character, still.muscles, sample.pose);
+  }
+  const Basis stiff = train(still, {.centres = 60});
+  Pose turned = still.train[20].pose;
+  turned.joints[2].rotation = turned.joints[2].rotation * axis_angle({0, 1, 0}, 0.5);
+  const auto errors = expected_errors(stiff, read_coverage(stiff), {still.train[20].pose, turned});
+  EXPECT_GT(errors[1].rms_mm, 3 * errors[0].rms_mm);
+}
+
 TEST(Coverage, IsCalibratedFromTheFramesAroundEachCentre) {
   // One feature; the error is 1 below 0 and 3 above.
   RegressionData data;
@@ -70,6 +83,16 @@ TEST(Coverage, IsCalibratedFromTheFramesAroundEachCentre) {
   EXPECT_NEAR(model.local[0], (20 * 1 + 5) / 21.0 + 0.25, 1e-12);  // the mean of all counts as one frame more
   EXPECT_NEAR(model.local[1], (20 * 9 + 5) / 21.0 + 0.25, 1e-12);
   EXPECT_GT(model.usual, 0);
+  EXPECT_GT(model.distance, 0);
+}
+
+TEST(Coverage, RanksAreCorrelatedAsSpearmanHasIt) {
+  EXPECT_NEAR(rank_correlation({1, 2, 3, 4}, {10, 20, 30, 1000}), 1, 1e-12);
+  EXPECT_NEAR(rank_correlation({1, 2, 3, 4}, {4, 3, 2, 1}), -1, 1e-12);
+  EXPECT_NEAR(rank_correlation({106, 100, 86, 101, 99, 103, 97, 113, 112, 110}, {7, 27, 2, 50, 28, 29, 20, 12, 6, 17}),
+              -29.0 / 165, 1e-12);  // a textbook's example: intelligence and hours of television
+  EXPECT_NEAR(rank_correlation({1, 1, 2}, {1, 2, 3}), std::sqrt(0.75), 1e-12);  // ties share their rank
+  EXPECT_TRUE(std::isnan(rank_correlation({1, 1}, {1, 2})));
 }
 
 TEST(Coverage, NamesTheWorstFramesThatAreNotNeighbours) {
@@ -92,7 +115,7 @@ TEST(Coverage, RefusesWhatDoesNotFitTheBasis) {
   Basis damaged = basis();
   damaged.metadata.erase("coverage");
   EXPECT_EQ(kind(damaged), ErrorKind::mismatch);
-  for (const char* text : {"", "[]", "{}", "[1]", R"([{"joint": "a"}])", R"([{"joint": 3, "size": 1}])"}) {
+  for (const char* text : {"", "[]", "{}", "[1]", R"([{"joints": ["a"]}])", R"([{"joints": 3, "size": 1}])"}) {
     damaged.metadata["coverage"] = text;
     EXPECT_EQ(kind(damaged), ErrorKind::file) << text;
   }

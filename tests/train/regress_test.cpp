@@ -145,7 +145,7 @@ TEST(Components, AreTheWeightedSingularVectors) {
     weighted.middleCols(3 * v / 2, 3) =
         displacements.middleCols(3 * v, 3).cast<double>() * std::sqrt(region.weights.back());
   }
-  const Components components = principal_components(displacements, region, 6);
+  const Components components = principal_components(displacements, region, 6, 1);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(weighted, Eigen::ComputeThinU | Eigen::ComputeThinV);
   ASSERT_EQ(components.coefficients.cols(), 6);
   for (Eigen::Index k = 0; k < 6; ++k) {
@@ -154,7 +154,7 @@ TEST(Components, AreTheWeightedSingularVectors) {
     EXPECT_NEAR(std::abs(components.coefficients.col(k).dot(svd.matrixU().col(k))) / norm, 1, 1e-3);
   }
   // With all components, coefficients times basis give the displacements back, region weights included.
-  const Components all = principal_components(displacements, region, kFrames);
+  const Components all = principal_components(displacements, region, kFrames, 1);
   const Eigen::MatrixXd rebuilt = all.coefficients * all.basis;
   for (std::size_t k = 0; k < region.vertices.size(); ++k) {
     const Eigen::MatrixXd expected =
@@ -165,7 +165,7 @@ TEST(Components, AreTheWeightedSingularVectors) {
 
 TEST(Components, NoMotionGivesNone) {
   const Displacements still = Displacements::Zero(20, 30);
-  const Components components = principal_components(still, {{0, 3, 5}, {1, 0.5, 1}}, 6);
+  const Components components = principal_components(still, {{0, 3, 5}, {1, 0.5, 1}}, 6, 1);
   EXPECT_EQ(components.coefficients.cols(), 0);
   EXPECT_EQ(components.basis.rows(), 0);
 }

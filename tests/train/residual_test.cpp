@@ -184,5 +184,34 @@ TEST(PackResidual, ScalesAreNeverSubnormal) {
   EXPECT_GE(smallest, kColumns);
 }
 
+TEST(DropUnusedFibres, KeepsWhatTheOthersAre) {
+  // Two joint features, three fibres, a control; no region listens to the second fibre.
+  StrainTable strain;
+  strain.vertices = {10, 11, 12, 13};
+  strain.points = {{0, 1, 2, 1, 0, 0}, {1, 2, 3, 1, 0, 0}, {2, 1, 0, 1, 0, 0},
+                   {0, 0, 0, 1, 0, 0}, {3, 2, 1, 1, 0, 0}, {3, 3, 3, 1, 0, 0}};
+  strain.fibre_begin = {0, 2, 4, 6};
+  strain.rest_length = {0.1f, 0.2f, 0.3f};
+  strain.names = {"a/1", "b/1", "c/1"};
+  ResidualModel model;
+  for (int f = 0; f < 6; ++f) model.ranges.push_back({0, 1, static_cast<float>(f), 1});
+  model.regions.resize(2);
+  model.regions[0].features = {0, 2, 5};
+  model.regions[1].features = {4, 5};
+  drop_unused_fibres(strain, model, 2);
+  EXPECT_EQ(strain.names, (std::vector<std::string>{"a/1", "c/1"}));
+  EXPECT_EQ(strain.rest_length, (std::vector<float>{0.1f, 0.3f}));
+  EXPECT_EQ(strain.fibre_begin, (std::vector<std::uint32_t>{0, 2, 4}));
+  const auto vertex = [&](std::size_t point) { return strain.vertices[strain.points[point].a]; };
+  EXPECT_EQ(vertex(0), 10u);
+  EXPECT_EQ(vertex(1), 11u);
+  EXPECT_EQ(vertex(2), 13u);
+  EXPECT_EQ(vertex(3), 13u);
+  EXPECT_EQ(model.regions[0].features, (std::vector<std::uint32_t>{0, 2, 4}));
+  EXPECT_EQ(model.regions[1].features, (std::vector<std::uint32_t>{3, 4}));
+  ASSERT_EQ(model.ranges.size(), 5u);
+  for (std::size_t f = 0; f < 5; ++f) EXPECT_EQ(model.ranges[f].mean, static_cast<float>(f < 3 ? f : f + 1));
+}
+
 }  // namespace
 }  // namespace bodyopt

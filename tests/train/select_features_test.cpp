@@ -37,8 +37,8 @@ TEST(SelectFeatures, EachIsTheOneThatExplainsMost) {
     }
     chosen.push_back(next.column);
     total += next.gain;
-    EXPECT_NEAR(explained(features, chosen, targets), best, 1e-3);
-    EXPECT_NEAR(total, best, 5e-3);
+    EXPECT_NEAR(explained(features, chosen, targets), best, 1e-9);
+    EXPECT_NEAR(total, best, 1e-9);
   }
   EXPECT_EQ(chosen.size(), 5u);
 }

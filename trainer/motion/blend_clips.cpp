@@ -9,6 +9,7 @@ namespace bodyopt {
 namespace {
 
 constexpr int kCandidates = 24;
+constexpr int kTries = 12;  // other targets when limbs are in the way
 
 double cosine(const Quat& a, const Quat& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]; }
 
@@ -30,14 +31,6 @@ double squared_distance(const Pose& a, const Pose& b) {
   return sum;
 }
 
-double largest_turn(const Pose& from, const Pose& to) {
-  double largest = 0;
-  for (std::size_t j = 0; j < from.joints.size(); ++j) {
-    largest = std::max(largest, angle_of(conjugate(from.joints[j].rotation) * to.joints[j].rotation));
-  }
-  return largest;
-}
-
 class BlendWalk {
  public:
   BlendWalk(const std::vector<Pose>& examples, const SelfOverlap& overlap, const std::vector<Pose>& covered,
@@ -47,15 +40,20 @@ class BlendWalk {
   }
 
   std::vector<Pose> run() {
-    const std::size_t begin = been_.size();
-    while (been_.size() < begin + options_.frames) {
+    const std::size_t begin = been_.size(), end = begin + options_.frames;
+    int blocked = 0;
+    while (been_.size() < end) {
       const Pose target = choose_target();
-      while (been_.size() < begin + options_.frames) {
-        const Pose& at = been_.back();
-        const double left = largest_turn(at, target);
-        Pose next = left > options_.step ? blend(at, target, options_.step / left) : target;
-        const bool arrives = left <= options_.step || overlap_.find(next).has_value();
-        been_.push_back(arrives ? target : std::move(next));
+      while (been_.size() < end) {
+        const double left = largest_turn(been_.back(), target);
+        const bool arrives = left <= options_.step || blocked >= kTries;
+        Pose next = arrives ? target : blend(been_.back(), target, options_.step / left);
+        if (!arrives && overlap_.find(next)) {
+          ++blocked;
+          break;
+        }
+        been_.push_back(std::move(next));
+        blocked = 0;
         if (arrives) break;
       }
     }
@@ -96,6 +94,14 @@ class BlendWalk {
 };
 
 }  // namespace
+
+double largest_turn(const Pose& from, const Pose& to) {
+  double largest = 0;
+  for (std::size_t j = 0; j < from.joints.size(); ++j) {
+    largest = std::max(largest, angle_of(conjugate(from.joints[j].rotation) * to.joints[j].rotation));
+  }
+  return largest;
+}
 
 std::vector<Pose> blend_clips(const std::vector<Pose>& examples, const SelfOverlap& overlap,
                               const std::vector<Pose>& covered, const BlendOptions& options) {

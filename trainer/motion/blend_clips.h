@@ -22,6 +22,9 @@ struct BlendOptions {
 std::vector<Pose> blend_clips(const std::vector<Pose>& examples, const SelfOverlap& overlap,
                               const std::vector<Pose>& covered, const BlendOptions& options);
 
+// The largest angle between the rotations of a joint, degrees.
+double largest_turn(const Pose& from, const Pose& to);
+
 // A clip's poses as blends have them: without the root's motion, and every joint as far from its parent as at rest.
 std::vector<Pose> in_place(const Skeleton& skeleton, const std::vector<Pose>& poses);
 

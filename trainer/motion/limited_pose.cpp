@@ -34,16 +34,6 @@ Pose limited_pose(const Skeleton& skeleton, const JointLimits& limits, const Ang
   return pose;
 }
 
-std::vector<Quat> turns_of_pose(const Skeleton& skeleton, const Pose& pose) {
-  const std::vector<Quat> world = bind_rotations(skeleton);
-  std::vector<Quat> turns;
-  for (std::size_t j = 0; j < skeleton.size(); ++j) {
-    const Quat away = conjugate(normalized(skeleton.joints[j].bind.rotation)) * normalized(pose.joints[j].rotation);
-    turns.push_back(normalized(world[j] * away * conjugate(world[j])));
-  }
-  return turns;
-}
-
 double angle_of(const Quat& q) {
   const double sine = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
   return 2 * std::atan2(sine, std::abs(q[3])) * 180 / std::numbers::pi;

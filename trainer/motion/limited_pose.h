@@ -17,9 +17,6 @@ std::vector<Quat> joint_turns(std::size_t joint_count, const JointLimits& limits
 // The bind pose, turned. Joints without limits stay as they are in the bind pose.
 Pose limited_pose(const Skeleton& skeleton, const JointLimits& limits, const Angles& angles);
 
-// The rotations of each joint relative to its parent, away from the bind pose, about the world's axes: of any pose.
-std::vector<Quat> turns_of_pose(const Skeleton& skeleton, const Pose& pose);
-
 // The rotation's angle, degrees, 0 to 180.
 double angle_of(const Quat& rotation);
 

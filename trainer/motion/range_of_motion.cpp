@@ -60,6 +60,10 @@ RangeOfMotion range_of_motion(const Character& character, const JointLimits& lim
   for (std::size_t k = 1; k < frames.size(); ++k) {
     result.largest_step = std::max(result.largest_step, largest_change(frames[k - 1], frames[k]));
   }
+  const Clip clip = clip_of(result, limits, skeleton);
+  for (std::size_t k = frames.size(); k < clip.poses.size(); ++k) {
+    result.largest_step = std::max(result.largest_step, largest_turn(clip.poses[k - 1], clip.poses[k]));
+  }
   return result;
 }
 

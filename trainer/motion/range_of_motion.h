@@ -21,7 +21,7 @@ struct RangeOfMotion {
   std::vector<Pose> blends;    // the random frames where there are examples
   std::size_t sweep_frames = 0, pair_frames = 0, random_frames = 0;  // after frame 1, which is the rest pose
   double step = 0;          // degrees: no angle changes more between random frames, but where limbs were in the way
-  double largest_step = 0;  // degrees, of any angle between two frames that the limits made
+  double largest_step = 0;  // degrees, of any angle, or of any joint from and to blends, between two frames
 };
 
 // Frame 1 is the rest pose; then sweeps and pair blends (at most kSweepShare and kPairShare of the frames), then random

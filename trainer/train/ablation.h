@@ -14,7 +14,7 @@ namespace bodyopt {
 struct AblationRow {
   std::string name;
   ErrorStatistics errors;
-  double bytes_per_vertex = 0;  // of the tables a frame needs
+  double bytes_per_vertex = 0;  // of the tables a frame needs; on linear blending without what strains need of DDM
   std::uint32_t coefficients = 0;
   double seconds = 0;  // of training
 };

@@ -33,11 +33,11 @@ struct SingularVectors {
 };
 
 // Randomised subspace iteration (Halko, Martinsson and Tropp 2011, algorithm 4.4).
-SingularVectors leading_singular_vectors(const Eigen::MatrixXf& matrix, Eigen::Index count) {
+SingularVectors leading_singular_vectors(const Eigen::MatrixXf& matrix, Eigen::Index count, std::uint64_t seed) {
   constexpr int kIterations = 5;
   constexpr Eigen::Index kExtra = 8;
   const Eigen::Index size = std::min({matrix.rows(), matrix.cols(), count + kExtra});
-  std::mt19937_64 random(1);
+  std::mt19937_64 random(seed);
   std::normal_distribution<float> normal;
   const auto draw = [&] { return normal(random); };
   Eigen::MatrixXf space = orthonormal(matrix * Eigen::MatrixXf::NullaryExpr(matrix.cols(), size, draw));
@@ -57,16 +57,17 @@ SingularVectors leading_singular_vectors(const Eigen::MatrixXf& matrix, Eigen::I
 
 }  // namespace
 
-Components principal_components(const Displacements& displacements, const RegionWeights& region, int count) {
+Components principal_components(const Displacements& displacements, const RegionWeights& region, int count,
+                                std::uint64_t seed) {
   const Eigen::MatrixXf columns = weighted_columns(displacements, region);
-  const SingularVectors singular = leading_singular_vectors(columns, count);
+  const SingularVectors singular = leading_singular_vectors(columns, count, seed);
   // Below this the single-precision products hold only noise.
   constexpr double kNoise = 3e-5;
   Eigen::Index kept = 0;
   while (kept < singular.values.size() && singular.values[kept] > kNoise * singular.values[0]) ++kept;
 
   Components components;
-  components.energy = double{columns.squaredNorm()};
+  components.energy = columns.colwise().squaredNorm().cast<double>().sum();
   components.coefficients = singular.left.leftCols(kept) * singular.values.head(kept).asDiagonal();
   components.basis = singular.values.head(kept).cwiseInverse().asDiagonal() * singular.right.topRows(kept);
   for (std::size_t v = 0; v < region.vertices.size(); ++v) {

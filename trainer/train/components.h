@@ -23,7 +23,8 @@ struct Components {
 };
 
 // The leading components of the displacements, weighted by the region, not centred (no displacement at rest means no
-// coefficient). Fewer than `count` where the data has no more rank. Deterministic.
-Components principal_components(const Displacements& displacements, const RegionWeights& region, int count);
+// coefficient). Fewer than `count` where the data has no more rank. Deterministic for a seed.
+Components principal_components(const Displacements& displacements, const RegionWeights& region, int count,
+                                std::uint64_t seed);
 
 }  // namespace bodyopt

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <set>
 
 #include "runtime/basis/error.h"
 #include "runtime/basis/strict_json.h"
@@ -80,7 +82,9 @@ ErrorModel calibrate(const RegressionData& data, const Regression& regression, d
   ErrorModel model;
   if (!nearest.empty())
     model.usual = std::accumulate(nearest.begin(), nearest.end(), 0.0) / static_cast<double>(nearest.size());
-  model.distance = nearest.empty() ? 0 : growth(nearest, error);
+  // Never nothing: ten times as far away, in squares, the error has at least doubled.
+  const double least = model.usual > 0 ? 0.1 * mean / model.usual : 0;
+  model.distance = nearest.empty() ? 0 : std::max(least, growth(nearest, error));
   // The mean counts as one frame more: a single frame says little.
   for (std::size_t m = 0; m < centres; ++m) model.local.push_back((sums[m] + mean) / (counts[m] + 1) + truncated);
   if (centres == 0) model.local.push_back(mean + truncated);
@@ -101,7 +105,7 @@ std::vector<double> in_mm(const std::vector<double>& energies, double size) {
 std::string coverage_text(const std::vector<RegionCoverage>& regions) {
   nlohmann::json list = nlohmann::json::array();
   for (const RegionCoverage& region : regions) {
-    list.push_back({{"joint", region.joint},
+    list.push_back({{"joints", region.joints},
                     {"size", region.size},
                     {"distance_m2", region.expected.distance},
                     {"usual", region.expected.usual},
@@ -121,7 +125,7 @@ std::vector<RegionCoverage> read_coverage(const Basis& basis) {
   try {
     for (const auto& entry : list) {
       RegionCoverage& region = regions.emplace_back();
-      region.joint = entry.at("joint").get<std::string>();
+      region.joints = entry.at("joints").get<std::vector<std::string>>();
       region.size = entry.at("size").get<double>();
       region.expected.distance = entry.at("distance_m2").get<double>();
       region.expected.usual = entry.at("usual").get<double>();
@@ -139,9 +143,14 @@ std::vector<RegionCoverage> read_coverage(const Basis& basis) {
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const ErrorModel& expected = regions[r].expected;
     const std::size_t centres = std::max<std::size_t>(1, basis.residual.regions[r].centre_count);
-    if (regions[r].size > 0 && expected.distance >= 0 && expected.local.size() == centres) continue;
+    const bool known = std::all_of(regions[r].joints.begin(), regions[r].joints.end(),
+                                   [&](const std::string& name) { return basis.skeleton.find(name) >= 0; });
+    if (known && !regions[r].joints.empty() && regions[r].size > 0 && expected.distance >= 0 &&
+        expected.local.size() == centres) {
+      continue;
+    }
     throw Error(ErrorKind::file, where + ", region " + std::to_string(r) +
-                                     ": expected a positive size and an error for "
+                                     ": expected joints of the skeleton, a positive size and an error for "
                                      "each of its " +
                                      std::to_string(centres) + " centres");
   }
@@ -165,14 +174,26 @@ Features features_of(const Basis& basis, const Pose& pose) {
   return features;
 }
 
+// Features that a region listens to, and those of the joints that move its skin: some never moved in training, and so
+// are none that it could listen to.
+std::set<std::uint32_t> watched_features(const Basis& basis, const Region& region, const RegionCoverage& coverage) {
+  const auto first = basis.residual.region_features.begin() + region.feature_begin;
+  std::set<std::uint32_t> watched(first, first + region.feature_count);
+  const std::vector<std::uint32_t> joints = feature_joints(basis.skeleton);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const std::string& name = basis.skeleton.joints[joints[j]].name;
+    if (std::find(coverage.joints.begin(), coverage.joints.end(), name) == coverage.joints.end()) continue;
+    for (std::uint32_t k = 0; k < 9; ++k) watched.insert(9 * static_cast<std::uint32_t>(j) + k);
+  }
+  return watched;
+}
+
 // Square metres.
 double expected_energy(const ResidualTable& residual, const Region& region, const ErrorModel& expected,
-                       const Features& features) {
+                       const std::set<std::uint32_t>& watched, const Features& features) {
   const std::uint32_t* index = residual.region_features.data() + region.feature_begin;
   double outside = 0;
-  for (std::uint32_t k = 0; k < region.feature_count; ++k) {
-    outside += double{features.excess[index[k]]} * double{features.excess[index[k]]};
-  }
+  for (const std::uint32_t f : watched) outside += double{features.excess[f]} * double{features.excess[f]};
   if (region.centre_count == 0) return expected.local[0] + expected.distance * outside;
   double nearest = std::numeric_limits<double>::infinity();
   Blend local;
@@ -193,6 +214,10 @@ double expected_energy(const ResidualTable& residual, const Region& region, cons
 
 std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector<RegionCoverage>& regions,
                                            const std::vector<Pose>& poses) {
+  std::vector<std::set<std::uint32_t>> watched;
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    watched.push_back(watched_features(basis, basis.residual.regions[r], regions[r]));
+  }
   std::vector<ExpectedError> results(poses.size());
   Progress progress("coverage", poses.size());
   parallel_for(poses.size(), [&](std::size_t n) {
@@ -200,7 +225,8 @@ std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector
     ExpectedError& result = results[n];
     double sum = 0;
     for (std::size_t r = 0; r < regions.size(); ++r) {
-      const double energy = expected_energy(basis.residual, basis.residual.regions[r], regions[r].expected, features);
+      const double energy =
+          expected_energy(basis.residual, basis.residual.regions[r], regions[r].expected, watched[r], features);
       sum += energy;
       result.region_mm.push_back(1e3 * std::sqrt(energy / regions[r].size));
     }
@@ -208,6 +234,55 @@ std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector
     progress.advance();
   });
   return results;
+}
+
+std::vector<std::string> joints_of(const Character& character, const RegionWeights& region) {
+  constexpr double kNotable = 0.05;
+  std::map<std::uint32_t, double> shares;
+  double all = 0;
+  for (std::size_t v = 0; v < region.vertices.size(); ++v) {
+    for (const JointWeight& w : character.weights[region.vertices[v]]) {
+      shares[w.joint] += region.weights[v] * w.weight;
+      all += region.weights[v] * w.weight;
+    }
+  }
+  std::vector<std::pair<double, std::uint32_t>> order;
+  for (const auto& [joint, share] : shares) order.emplace_back(-share, joint);
+  std::sort(order.begin(), order.end());
+  std::vector<std::string> names;
+  for (const auto& [share, joint] : order) {
+    if (names.empty() || -share >= kNotable * all) names.push_back(character.skeleton.joints[joint].name);
+  }
+  return names;
+}
+
+namespace {
+
+// Positions of the values in ascending order; equal values share the mean of theirs.
+std::vector<double> ranks(const std::vector<double>& values) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  std::vector<double> result(values.size());
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    while (end < order.size() && values[order[end]] == values[order[begin]]) ++end;
+    for (std::size_t k = begin; k < end; ++k) result[order[k]] = 0.5 * static_cast<double>(begin + end - 1);
+  }
+  return result;
+}
+
+}  // namespace
+
+double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  const std::vector<double> x = ranks(a), y = ranks(b);
+  const double middle = 0.5 * (static_cast<double>(a.size()) - 1);
+  double xx = 0, xy = 0, yy = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    xx += (x[k] - middle) * (x[k] - middle);
+    xy += (x[k] - middle) * (y[k] - middle);
+    yy += (y[k] - middle) * (y[k] - middle);
+  }
+  return xy / std::sqrt(xx * yy);
 }
 
 std::vector<std::size_t> worth_simulating(const std::vector<double>& expected, std::size_t count, std::size_t gap) {

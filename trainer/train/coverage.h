@@ -2,20 +2,23 @@
 //   e_r^2 = local error + distance x (what the nearest kernel centre is further away than usual, squared)
 // per region, in square metres over its vertices. The local error is what cross-validation left at the training frames
 // around each centre, blended between centres by inverse distance (Shepard 1968); the second term is what that error
-// grew by with the distance from what was learned. Features outside the trained range count in full.
+// grew by with the distance from what was learned. How far features lie outside the trained range, those of the region
+// and those of all joints that move its skin, is added to the distance, squares to squares.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "runtime/basis/basis.h"
+#include "trainer/dataset/character.h"
+#include "trainer/train/components.h"
 #include "trainer/train/regress.h"
 
 namespace bodyopt {
 
 struct ErrorModel {
   std::vector<double> local;  // per centre, square metres
-  double distance = 0;        // square metres per squared standardised feature
+  double distance = 0;        // square metres per squared standardised feature, above zero where there is any error
   double usual = 0;           // mean square distance from a held-out frame to the nearest centre
 };
 
@@ -25,8 +28,8 @@ ErrorModel calibrate(const RegressionData& data, const Regression& regression, d
 
 // A region as a basis' metadata "coverage" tells it.
 struct RegionCoverage {
-  std::string joint;  // whose skin it is, most of all
-  double size = 0;    // vertices, by their weights
+  std::vector<std::string> joints;  // that move its skin, most of all first
+  double size = 0;                  // vertices, by their weights
   ErrorModel expected;
 };
 
@@ -34,6 +37,9 @@ std::string coverage_text(const std::vector<RegionCoverage>& regions);
 // Throws Error(mismatch) where the basis was trained without (Direct Delta Mush alone), Error(file) where it is
 // damaged.
 std::vector<RegionCoverage> read_coverage(const Basis& basis);
+
+// Names of the joints with a share of 5 % and more in the skin of a region, the largest first; never none.
+std::vector<std::string> joints_of(const Character& character, const RegionWeights& region);
 
 struct ExpectedError {
   double rms_mm = 0;              // over the skin
@@ -43,6 +49,9 @@ struct ExpectedError {
 // Of every pose.
 std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector<RegionCoverage>& regions,
                                            const std::vector<Pose>& poses);
+
+// Spearman's rank correlation of as many values; not a number where either does not vary.
+double rank_correlation(const std::vector<double>& a, const std::vector<double>& b);
 
 // At most `count` frames (indices), worst first, no two of them nearer than `gap`.
 std::vector<std::size_t> worth_simulating(const std::vector<double>& expected, std::size_t count, std::size_t gap);

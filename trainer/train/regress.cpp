@@ -184,7 +184,7 @@ double trial_error(const RegressionData& data, int centre_count) {
   return KernelRidge(data, centres, inverse_width2(kWidths[1], median_distance(centres))).validation_error({});
 }
 
-// One dial after the other: all combinations would be six times as many fits.
+// One dial after the other: all combinations would be four times as many fits.
 Regression fit_regression(const RegressionData& data, int centre_count) {
   Regression best;
   Centres centres = choose_centres(data, centre_count);
@@ -197,7 +197,7 @@ Regression fit_regression(const RegressionData& data, int centre_count) {
   for (const double width : kWidths) {
     KernelRidge candidate(data, best.centres, inverse_width2(width, median));
     const double error = candidate.validation_error({});
-    if (!ridge || error < best.validation_error) {
+    if (!ridge || !(error >= best.validation_error)) {
       best.validation_error = error;
       ridge = std::move(candidate);
     }

@@ -133,7 +133,7 @@ RegionModel fit_region(const RegionWeights& region, const SkinPart& part,
                        const Displacements& displacements, const std::vector<int>& folds, const TrainOptions& options) {
   RegionModel model;
   model.region = region;
-  model.components = principal_components(displacements, within(part, region), options.components);
+  model.components = principal_components(displacements, within(part, region), options.components, options.seed);
   const int centres = options.method.kernels ? options.centres : 0;
   const auto data = [&] { return regression_data(features, model.features, model.components.coefficients, folds); };
   double least = std::numeric_limits<double>::infinity();

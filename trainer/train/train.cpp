@@ -139,16 +139,6 @@ double mean_displacement(const ResidualModel& model, std::size_t frames) {
   return std::sqrt(energy / (static_cast<double>(frames) * model.vertices));
 }
 
-std::string nearest_joint(const Character& character, const RegionWeights& region) {
-  std::map<std::uint32_t, double> share;
-  for (std::size_t v = 0; v < region.vertices.size(); ++v) {
-    for (const JointWeight& w : character.weights[region.vertices[v]]) share[w.joint] += region.weights[v] * w.weight;
-  }
-  const auto most =
-      std::max_element(share.begin(), share.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return character.skeleton.joints[most->first].name;
-}
-
 // The packed residual and what coverage needs to know of its regions.
 void set_residual(Basis& basis, const Character& character, const ResidualModel& model, PackedResidual packed) {
   basis.residual = std::move(packed.table);
@@ -156,7 +146,7 @@ void set_residual(Basis& basis, const Character& character, const ResidualModel&
   for (const std::size_t r : packed.regions) {
     const RegionModel& region = model.regions[r];
     const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
-    regions.push_back({nearest_joint(character, region.region), size, region.expected});
+    regions.push_back({joints_of(character, region.region), size, region.expected});
   }
   basis.metadata["coverage"] = coverage_text(regions);
 }
@@ -191,7 +181,7 @@ nlohmann::json region_report(const Character& character, const ResidualModel& mo
     const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
     const double motion2 = region.components.energy / (static_cast<double>(frames) * size);
     const double left2 = std::pow(region.regression.validation_error, 2) / size;
-    list.push_back({{"joint", nearest_joint(character, region.region)},
+    list.push_back({{"joint", joints_of(character, region.region).front()},
                     {"vertices", region.region.vertices.size()},
                     {"motion_rms_mm", 1e3 * std::sqrt(motion2)},
                     {"validation_rms_mm", 1e3 * std::sqrt(left2)}});

@@ -25,7 +25,7 @@ struct TrainOptions {
   int smoothing_steps = 20;  // DDM p
   int components = 24;       // coefficients per region at most
   int centres = 256;         // kernel centres per region at most
-  double memory_gib = 4;  // what the shapes in memory may take, about half of it at a time; a pass over all frames for
+  double memory_gib = 4;  // un-posed motion takes about half of it, one region's at least; a pass over all frames for
                           // every part of the skin that fits
   std::uint64_t seed = 1;
   Method method{};

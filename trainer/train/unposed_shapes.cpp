@@ -16,11 +16,12 @@ Displacements UnposedShapes::operator()(const std::string& title, std::span<cons
   parallel_for(frames.size(), [&](std::size_t n) {
     const Sample& sample = set_.train[frames[n]];
     const Positions shape = sample.shape.read();
-    if (shape.rows() != static_cast<Eigen::Index>(order_.size()) || !shape.allFinite()) {
-      throw Error(ErrorKind::mismatch, "frame " + std::to_string(sample.frame) + " of take " +
-                                           std::to_string(sample.take) +
-                                           ": its shape does not fit the character, or is not a finite number");
+    const std::string where = "frame " + std::to_string(sample.frame) + " of take " + std::to_string(sample.take);
+    if (shape.rows() != static_cast<Eigen::Index>(order_.size())) {
+      throw Error(ErrorKind::mismatch, where + ": its shape has " + std::to_string(shape.rows()) +
+                                           " vertices, the character " + std::to_string(order_.size()));
     }
+    if (!shape.allFinite()) throw Error(ErrorKind::mismatch, where + ": its shape holds a number that is not finite");
     Positions some(static_cast<Eigen::Index>(vertices.size()), 3);
     for (std::size_t k = 0; k < vertices.size(); ++k) {
       some.row(static_cast<Eigen::Index>(k)) = shape.row(order_[vertices[k]]);

@@ -1,0 +1,56 @@
+// The table of methods on a synthetic limb.
+#include "trainer/train/ablation.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/support/capsule_limb.h"
+
+namespace bodyopt {
+namespace {
+
+const std::map<std::string, AblationRow>& rows() {
+  static const std::map<std::string, AblationRow> made = [] {
+    const SampleSet set = limb_samples(160, 60);
+    const TrainOptions options{.centres = 60};
+    std::map<std::string, AblationRow> by_name;
+    for (const AblationRow& row : ablate(set, options, train(set, options), 1.5)) by_name[row.name] = row;
+    return by_name;
+  }();
+  return made;
+}
+
+double rms(const std::string& name) { return rows().at(name).errors.rms; }
+
+TEST(Ablation, EveryMethodLearnsFromItsOwnUnposing) {
+  // A displacement un-posed by one and posed by the other would be off by more than what either leaves.
+  for (const auto& [name, row] : rows()) {
+    RecordProperty(name, std::to_string(row.errors.rms));
+    if (name == "LBS" || name == "DDM") continue;
+    EXPECT_LT(row.errors.rms, 0.7 * rms(name.starts_with("LBS") ? "LBS" : "DDM")) << name;
+  }
+}
+
+TEST(Ablation, EachPartIsWorthSomething) {
+  const double full = rms("full: DDM + strains, kernels, dynamic");
+  for (const char* name : {"DDM + joints, linear, dense", "DDM + joints, linear, local",
+                           "LBS + joints, linear, dense"}) {  // kernels of joints tell all there is of this limb
+    EXPECT_LT(full, rms(name)) << name;
+  }
+}
+
+TEST(Ablation, SaysWhatEachCosts) {
+  const AblationRow& full = rows().at("full: DDM + strains, kernels, dynamic");
+  EXPECT_EQ(full.seconds, 1.5);
+  EXPECT_EQ(rows().at("DDM").coefficients, 0u);
+  EXPECT_LT(rows().at("DDM").bytes_per_vertex, full.bytes_per_vertex);
+  for (const auto& [name, row] : rows()) {
+    if (name == "LBS" || name == "DDM") continue;
+    EXPECT_GT(row.coefficients, 0u) << name;
+    EXPECT_GT(row.bytes_per_vertex, rows().at("LBS").bytes_per_vertex) << name;
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt
