@@ -132,7 +132,11 @@ void run(const CoverageArguments& arguments) {
     const double correlation = rank_correlation(expected, measured);
     for (std::size_t k = 0; k < measured.size(); ++k) result["per_frame"][k]["true_rms_mm"] = measured[k];
     result["rank_correlation"] = correlation;
-    text += format("rank correlation (Spearman) with the true errors: %.3f\n", correlation);
+    double true_mean2 = 0;
+    for (const double mm : measured) true_mean2 += mm * mm / static_cast<double>(measured.size());
+    result["true_rms_mm"] = std::sqrt(true_mean2);
+    text += format("true: %.3f mm RMS; the frames' expected and true errors rank alike with Spearman's rho %.3f\n",
+                   std::sqrt(true_mean2), correlation);
   }
   if (!arguments.picture.empty()) {
     write_png(strip(errors), arguments.picture);

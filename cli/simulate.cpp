@@ -106,6 +106,11 @@ DatasetTake new_take(const SimulateArguments& arguments, const std::vector<int>&
 
 // A take that is there already keeps its frames and gets the new ones; finished shapes are not solved again.
 void add_frames(const DatasetTake& there, DatasetTake& take) {
+  if (there.shapes != take.shapes && fs::path(there.shapes).stem() == fs::path(take.shapes).stem()) {
+    const bool draft = fs::path(there.shapes).extension() == ".nodes";
+    throw Error(ErrorKind::mismatch, format("the take '%s' is %s: %s --draft to add frames to it", there.name.c_str(),
+                                            draft ? "a draft" : "no draft", draft ? "give" : "leave out"));
+  }
   if (there.clip != take.clip || there.fps != take.fps || there.first_frame != take.first_frame ||
       there.controls != take.controls || there.shapes != take.shapes) {
     throw Error(ErrorKind::mismatch,
@@ -119,6 +124,16 @@ void add_frames(const DatasetTake& there, DatasetTake& take) {
     std::sort(frames.begin(), frames.end());
     frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
   };
+  const auto among = [&](const std::vector<int>& frames) {
+    return std::count_if(take.frames.begin(), take.frames.end(),
+                         [&](int frame) { return std::find(frames.begin(), frames.end(), frame) != frames.end(); });
+  };
+  if (const auto known = among(there.frames); known > 0) {
+    spdlog::info("{} of {} frames are in the take '{}' already", known, take.frames.size(), there.name);
+  }
+  if (const auto kept = among(there.heldout); kept > 0) {
+    spdlog::warn("{} of {} frames are held out: train will not learn from them", kept, take.frames.size());
+  }
   unite(take.frames, there.frames);
   unite(take.heldout, there.heldout);
 }

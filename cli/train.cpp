@@ -145,7 +145,7 @@ void add_train(CLI::App& app) {
   verb.add_option("--memory", arguments->options.memory_gib,
                   "GiB that shapes in memory may take; with less, they are read several times")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1e-6, 1e6));
   verb.add_option("--seed", arguments->options.seed, "Seed of every random choice")->capture_default_str();
   add_unit(verb, arguments->unit);
   arguments->json.add(verb);

@@ -22,7 +22,11 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 void catch_interrupts() {
   struct sigaction action = {};
-  action.sa_handler = [](int) { interrupt_received = true; };
+  action.sa_handler = [](int) {
+    interrupt_received = true;
+    constexpr char kText[] = "\nstopping once what is in hand is done, which may take minutes; once more to stop now\n";
+    if (write(STDERR_FILENO, kText, sizeof(kText) - 1) < 0) return;  // nobody to tell
+  };
   // A second signal ends the program at once; system calls go on after the first.
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigaction(SIGINT, &action, nullptr);
@@ -44,8 +48,7 @@ void Progress::advance(std::size_t steps) {
   const double pause = isatty(STDERR_FILENO) ? 0.1 : 5.0;
   if (seconds_since(printed_) > pause) print(false);
   if (interrupted()) {
-    throw Error(ErrorKind::interrupted, label_ + ": interrupted after " + std::to_string(done_) + " of " +
-                                            std::to_string(total_) + "; " + kept_);
+    throw Error(ErrorKind::interrupted, label_ + ": interrupted; " + kept_);
   }
 }
 
