@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "cli/common.h"
-#include "trainer/motion/coverage.h"
+#include "trainer/motion/joint_coverage.h"
 #include "trainer/motion/range_of_motion.h"
 
 namespace bodyopt::cli {

@@ -11,8 +11,8 @@
 #include "tests/builtin/shared_arm.h"
 #include "trainer/motion/blend_clips.h"
 #include "trainer/motion/body_spheres.h"
-#include "trainer/motion/coverage.h"
 #include "trainer/motion/explore.h"
+#include "trainer/motion/joint_coverage.h"
 #include "trainer/motion/walk.h"
 
 namespace bodyopt {

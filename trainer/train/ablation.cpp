@@ -2,7 +2,6 @@
 
 #include <chrono>
 
-#include "trainer/train/blend_matrix.h"
 #include "trainer/train/heldout.h"
 #include "trainer/train/mesh_table.h"
 #include "trainer/train/unpose.h"
@@ -47,16 +46,14 @@ std::vector<Positions> heldout_by_corrected_lbs(const SampleSet& set, const Basi
   const std::vector<std::uint32_t> order = morton_order(set.character.vertices);
   Deformer deformer(basis, {.name = "cpu"});
   std::vector<Positions> shapes = heldout_by_basis(set, deformer);
+  Character moved = set.character;
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     const Pose& pose = set.heldout[k].pose;
     const Positions delta = unpose_ddm(basis, pose, in_order(shapes[k], order));
-    const std::vector<BlendMatrix> skinning = blend_matrices(set.character.skeleton, pose);
     for (std::size_t v = 0; v < order.size(); ++v) {
-      const BlendMatrix m = blended(skinning, set.character.weights[order[v]]);
-      const Eigen::Vector3d rest =
-          (set.character.vertices.row(order[v]) + delta.row(static_cast<Eigen::Index>(v))).transpose();
-      shapes[k].row(order[v]) = (m.leftCols<3>() * rest + m.col(3)).transpose();
+      moved.vertices.row(order[v]) = set.character.vertices.row(order[v]) + delta.row(static_cast<Eigen::Index>(v));
     }
+    shapes[k] = skin_linear(moved, pose);
   }
   return shapes;
 }

@@ -1,4 +1,4 @@
-#include "trainer/motion/coverage.h"
+#include "trainer/motion/joint_coverage.h"
 
 #include <algorithm>
 #include <cmath>
