@@ -117,7 +117,11 @@ Json dataset_info(const std::string& path) {
                      {"heldout", format_frame_range(take.heldout)},
                      {"shapes", take.shapes}});
   }
-  return {{"kind", "dataset"}, {"character", dataset.character}, {"muscles", dataset.muscles}, {"takes", takes}};
+  return {{"kind", "dataset"},
+          {"character", dataset.character},
+          {"muscles", dataset.muscles},
+          {"regions", dataset.regions},
+          {"takes", takes}};
 }
 
 Json info(std::string path, double unit) {

@@ -21,6 +21,7 @@ Dataset small_dataset() {
   dataset.unit = 0.01;
   dataset.muscles = "muscles.json";
   dataset.materials = "soft.json";
+  dataset.regions = "regions.json";
   dataset.takes = {
       {"walk", "clips/walk.glb#walk 1", "", 23.976, -3, {-3, -2, -1, 5, 7, 9}, "walk.pc2", "walk.status.json", {5, 7}},
       {"run", "run.bvh", "flex.json", 24, 1, {10, 1, 2, 3}, "run.pc2", "", {}}};
@@ -32,6 +33,7 @@ void expect_same(const Dataset& a, const Dataset& b) {
   EXPECT_EQ(a.unit, b.unit);
   EXPECT_EQ(a.muscles, b.muscles);
   EXPECT_EQ(a.materials, b.materials);
+  EXPECT_EQ(a.regions, b.regions);
   ASSERT_EQ(a.takes.size(), b.takes.size());
   for (std::size_t k = 0; k < a.takes.size(); ++k) {
     const DatasetTake &x = a.takes[k], &y = b.takes[k];
@@ -124,6 +126,7 @@ TEST(DatasetFile, WrongPartsAreRefusedByName) {
   expect("lacks 'character'", [](Json& j) { j.erase("character"); });
   expect("'character' is empty", [](Json& j) { j["character"] = ""; });
   expect("'character' is not text", [](Json& j) { j["character"] = 3; });
+  expect("'regions' is empty", [](Json& j) { j["regions"] = ""; });
   expect("'unit' is -1", [](Json& j) { j["unit"] = -1; });
   expect("'unit' is \"cm\"", [](Json& j) { j["unit"] = "cm"; });
   expect("'takes' is not a list", [](Json& j) { j["takes"] = "walk"; });

@@ -165,7 +165,7 @@ TEST(Components, AreTheWeightedSingularVectors) {
 
 TEST(Components, NoMotionGivesNone) {
   const Displacements still = Displacements::Zero(20, 30);
-  const Components components = principal_components(still, {{0, 3, 5}, {1, 0.5, 1}}, 6, 1);
+  const Components components = principal_components(still, {"", {0, 3, 5}, {1, 0.5, 1}}, 6, 1);
   EXPECT_EQ(components.coefficients.cols(), 0);
   EXPECT_EQ(components.basis.rows(), 0);
 }

@@ -10,6 +10,7 @@
 
 #include "runtime/basis/error.h"
 #include "runtime/rig.h"
+#include "trainer/dataset/regions_file.h"
 #include "trainer/dataset/shape_reader.h"
 #include "trainer/simulate/materials.h"
 #include "trainer/simulate/muscle_fibres.h"
@@ -235,6 +236,7 @@ std::vector<TakeCheck> check_dataset(const Dataset& dataset) {
   std::vector<Muscle> muscles;
   if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, character.skeleton);
   if (!dataset.materials.empty()) read_materials(dataset.folder / dataset.materials);
+  read_regions(dataset, character);
   std::vector<TakeCheck> checks;
   for (const DatasetTake& take : dataset.takes) checks.push_back(TakeChecker(dataset, character, muscles, take).run());
   return checks;

@@ -91,13 +91,14 @@ Clip read_clip(const Dataset& dataset, const DatasetTake& take, const Skeleton& 
 Dataset read_dataset(const std::filesystem::path& path) {
   const Json json = read_json(path, kDatasetSchema);
   const JsonObject top(json, path, "the dataset");
-  top.allow({"schema", "character", "unit", "muscles", "materials", "takes"});
+  top.allow({"schema", "character", "unit", "muscles", "materials", "regions", "takes"});
   Dataset dataset;
   dataset.folder = path.parent_path().empty() ? "." : path.parent_path();
   dataset.character = top.name("character");
   if (top.has("unit")) dataset.unit = top.number("unit", 0, 1e6);
   if (top.has("muscles")) dataset.muscles = top.text("muscles");
   if (top.has("materials")) dataset.materials = top.name("materials");
+  if (top.has("regions")) dataset.regions = top.name("regions");
   std::set<std::string> names;
   const Json& takes = top.array("takes");
   for (std::size_t k = 0; k < takes.size(); ++k) {
@@ -114,6 +115,7 @@ void write_dataset(const Dataset& dataset, const std::filesystem::path& path) {
   if (dataset.unit > 0) json["unit"] = dataset.unit;
   if (!dataset.muscles.empty()) json["muscles"] = relative_path(dataset.muscles, folder);
   if (!dataset.materials.empty()) json["materials"] = relative_path(dataset.materials, folder);
+  if (!dataset.regions.empty()) json["regions"] = relative_path(dataset.regions, folder);
   json["takes"] = Json::array();
   for (const DatasetTake& take : dataset.takes) {
     Json entry = {{"name", take.name},

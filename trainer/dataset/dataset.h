@@ -33,6 +33,7 @@ struct Dataset {
   double unit = 0;        // as read_character
   std::string muscles;    // relative path, or empty
   std::string materials;  // relative path, or empty: the defaults
+  std::string regions;    // regions.json, relative path, or empty: chosen by training
   std::vector<DatasetTake> takes;
 };
 

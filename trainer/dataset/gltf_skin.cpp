@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
+#include "trainer/dataset/gltf_nodes.h"
 #include "trainer/dataset/notes.h"
 
 namespace bodyopt {
@@ -133,6 +135,44 @@ void add_notes(const Repairs& repairs, std::vector<std::string>& notes) {
   }
 }
 
+struct SkinPrimitive {
+  const tinygltf::Primitive& primitive;
+  std::string what;  // how messages call it
+};
+
+// In output order.
+std::vector<SkinPrimitive> skin_primitives(const tinygltf::Model& model, int skin) {
+  std::vector<SkinPrimitive> primitives;
+  for (const tinygltf::Node& node : model.nodes) {
+    if (node.mesh < 0 || node.skin != skin) continue;
+    const tinygltf::Mesh& mesh = model.meshes[static_cast<std::size_t>(node.mesh)];
+    for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
+      primitives.push_back(
+          {mesh.primitives[p], "mesh " + std::to_string(node.mesh) + " primitive " + std::to_string(p)});
+    }
+  }
+  return primitives;
+}
+
+// count x 3. With alpha or without.
+std::vector<double> colours_of(const GltfFile& file, int accessor, std::size_t count, const std::string& what) {
+  const auto& accessors = file.model().accessors;
+  const bool alpha = accessor >= 0 && accessor < std::ssize(accessors) &&
+                     accessors[static_cast<std::size_t>(accessor)].type == TINYGLTF_TYPE_VEC4;
+  const std::vector<double> numbers = file.numbers(accessor, alpha ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3, what);
+  const std::size_t components = alpha ? 4 : 3;
+  if (numbers.size() != components * count) file.fail(what + " has another count than the positions");
+  std::vector<double> colours;
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    if (k % components == 3) continue;
+    if (!(numbers[k] >= 0 && numbers[k] <= 1)) {
+      file.fail(what + ": element " + std::to_string(k / components) + " is not from 0 to 1");
+    }
+    colours.push_back(numbers[k]);
+  }
+  return colours;
+}
+
 }  // namespace
 
 SkinGeometry read_skin_geometry(const GltfFile& file, int skin, std::vector<std::string>& notes) {
@@ -148,13 +188,39 @@ SkinGeometry read_skin_geometry(const GltfFile& file, int skin, std::vector<std:
     }
     const tinygltf::Mesh& mesh = model.meshes[static_cast<std::size_t>(node.mesh)];
     if (geometry.name.empty()) geometry.name = node.name.empty() ? mesh.name : node.name;
-    for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
-      const std::string what = "mesh " + std::to_string(node.mesh) + " primitive " + std::to_string(p);
-      append_primitive(file, mesh.primitives[p], joint_count, what, geometry, repairs);
-    }
+  }
+  for (const auto& [primitive, what] : skin_primitives(model, skin)) {
+    append_primitive(file, primitive, joint_count, what, geometry, repairs);
   }
   add_notes(repairs, notes);
   return geometry;
+}
+
+std::vector<double> read_vertex_colours(const std::filesystem::path& character, const std::string& name) {
+  const GltfFile file(character);
+  std::vector<std::string> unused;
+  std::vector<double> colours;
+  std::set<std::string> known;
+  const int skin = choose_skin(file, unused);
+  if (skin < 0) file.fail("has no skinned mesh");
+  for (const auto& [primitive, what] : skin_primitives(file.model(), skin)) {
+    for (const auto& [key, accessor] : primitive.attributes) {
+      if (key.starts_with("COLOR_")) known.insert(key);
+    }
+    const std::size_t count =
+        file.numbers(attribute(primitive, "POSITION"), TINYGLTF_TYPE_VEC3, what + " POSITION").size() / 3;
+    if (name.starts_with("COLOR_") && attribute(primitive, name) >= 0) {
+      const std::vector<double> own = colours_of(file, attribute(primitive, name), count, what + " " + name);
+      colours.insert(colours.end(), own.begin(), own.end());
+    } else {
+      colours.resize(colours.size() + 3 * count, 0.0);
+    }
+  }
+  if (!known.contains(name)) {
+    file.fail("its skin has no vertex colours '" + name + "'; it has " +
+              list_names(std::vector<std::string>(known.begin(), known.end())));
+  }
+  return colours;
 }
 
 }  // namespace bodyopt

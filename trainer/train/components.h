@@ -5,16 +5,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "trainer/dataset/region_weights.h"
+
 namespace bodyopt {
 
 // Un-posed displacements of the training frames: N x 3V (x, y, z of vertex 0, then of vertex 1), metres.
 using Displacements = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-// Where a region acts: its vertices, ascending, and their share of each, in (0, 1].
-struct RegionWeights {
-  std::vector<std::uint32_t> vertices;
-  std::vector<double> weights;
-};
 
 struct Components {
   Eigen::MatrixXd coefficients;  // N x K, metres

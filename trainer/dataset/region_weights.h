@@ -1,0 +1,36 @@
+// A region of the skin, and what makes regions share it.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace bodyopt {
+
+// Region weights below this are dropped.
+constexpr double kNegligibleRegionWeight = 0.03;
+
+// Where a region acts: its vertices, ascending, and its share of each, in (0, 1].
+struct RegionWeights {
+  std::string name;
+  std::vector<std::uint32_t> vertices;
+  std::vector<double> weights;
+};
+
+// What all regions together have of each of `vertices` vertices.
+Eigen::VectorXd sum_of_weights(const std::vector<RegionWeights>& regions, Eigen::Index vertices);
+
+// Scales the weights to a sum of 1 where they exceed it. Sums that are 1 but for rounding stay as they are: what was
+// written reads back the same.
+void scale_down(std::vector<RegionWeights>& regions, Eigen::Index vertices);
+// The same wherever there is any weight.
+void scale_to_one(std::vector<RegionWeights>& regions, Eigen::Index vertices);
+
+void drop_negligible(std::vector<RegionWeights>& regions);
+
+// The regions on vertices that have other numbers: `number` of each vertex.
+std::vector<RegionWeights> renumbered(const std::vector<RegionWeights>& regions,
+                                      const std::vector<std::uint32_t>& number);
+
+}  // namespace bodyopt
