@@ -64,6 +64,17 @@ TEST(TrainEdgeCases, ControlsTeachWhatThePoseDoesNot) {
   EXPECT_LT(worst_error(set), 2e-4);
 }
 
+TEST(TrainEdgeCases, PaintedRegionsOfOneVertexAndOfAll) {
+  SampleSet set = limb_samples(20, 0);
+  set.regions = {{"dot", {5}, {1.0}}};
+  EXPECT_LT(worst_error(set), 0.02);
+  RegionWeights all{"all", {}, {}};
+  for (std::uint32_t v = 0; v < set.character.vertices.rows(); ++v) all.vertices.push_back(v);
+  all.weights.assign(all.vertices.size(), 1.0);
+  set.regions = {all};
+  EXPECT_LT(worst_error(set), 0.02);
+}
+
 TEST(TrainEdgeCases, LooseVerticesAndDegenerateTriangles) {
   SampleSet set = limb_samples(20, 0);
   Character& character = set.character;

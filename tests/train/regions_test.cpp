@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "runtime/cpu/kernels.h"
 #include "runtime/rig.h"
@@ -146,7 +147,7 @@ TEST(Features, AreStandardisedAndCoverTheirPoses) {
 }
 
 TEST(Regions, AreASmoothPartitionOfUnity) {
-  const std::vector<RegionWeights> regions = make_regions(limb().ordered, limb().groups);
+  const std::vector<RegionWeights> regions = make_regions(limb().ordered, limb().groups, {});
   EXPECT_GE(regions.size(), 2u);
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(limb().ordered.vertices.rows());
   for (const RegionWeights& region : regions) {
@@ -165,6 +166,70 @@ TEST(Regions, AreASmoothPartitionOfUnity) {
     }
   }
   EXPECT_LT((sums.array() - 1).abs().maxCoeff(), 1e-12);
+}
+
+// All of the limb above 0.4 m, fading out below it.
+RegionWeights painted_hand(const Character& character) {
+  RegionWeights hand{"joint0", {}, {}};  // the name that a region of training would have
+  for (std::uint32_t v = 0; v < character.vertices.rows(); ++v) {
+    const double weight = std::min(1.0, (character.vertices(v, 2) - 0.35) / 0.05);
+    if (weight < kNegligibleRegionWeight) continue;
+    hand.vertices.push_back(v);
+    hand.weights.push_back(weight);
+  }
+  return hand;
+}
+
+TEST(Regions, PaintedOnesKeepTheirShareAndTrainingCoversTheRest) {
+  const RegionWeights hand = painted_hand(limb().ordered);
+  const std::vector<RegionWeights> regions = make_regions(limb().ordered, limb().groups, {hand});
+  std::set<std::string> names;
+  double lowest = 1e9, highest = 0;  // of what training covers
+  for (const RegionWeights& region : regions) {
+    EXPECT_TRUE(names.insert(region.name).second) << region.name;
+    if (region.name == hand.name) {
+      EXPECT_EQ(region.vertices, hand.vertices);
+      for (std::size_t k = 0; k < hand.weights.size(); ++k) {
+        // What is below 3 % of a region of training goes to the others.
+        EXPECT_NEAR(region.weights[k], hand.weights[k], hand.weights[k] < 1 ? kNegligibleRegionWeight : 0);
+      }
+      continue;
+    }
+    for (const std::uint32_t v : region.vertices) {
+      lowest = std::min(lowest, limb().ordered.vertices(v, 2));
+      highest = std::max(highest, limb().ordered.vertices(v, 2));
+    }
+  }
+  EXPECT_TRUE(names.contains("joint0"));
+  EXPECT_TRUE(names.contains("joint0 2"));  // the lower end lies at the first joint, whose name is taken
+  EXPECT_LT(lowest, 0.01);
+  EXPECT_LT(highest, 0.4);
+  const Eigen::VectorXd sums = sum_of_weights(regions, limb().ordered.vertices.rows());
+  EXPECT_LT((sums.array() - 1).abs().maxCoeff(), 1e-9);
+}
+
+TEST(Regions, WhereAllIsPaintedTrainingAddsNone) {
+  const std::vector<RegionWeights> own = make_regions(limb().ordered, limb().groups, {});
+  const std::vector<RegionWeights> again = make_regions(limb().ordered, limb().groups, own);
+  ASSERT_EQ(again.size(), own.size());
+  for (std::size_t r = 0; r < own.size(); ++r) {
+    EXPECT_EQ(again[r].name, own[r].name);
+    EXPECT_EQ(again[r].vertices, own[r].vertices);
+    EXPECT_EQ(again[r].weights, own[r].weights);
+  }
+}
+
+TEST(Regions, FaintOnesSeeWhatIsNearToo) {
+  RegionWeights faint;
+  for (std::uint32_t v = 0; v < limb().ordered.vertices.rows(); ++v) {
+    if (limb().ordered.vertices(v, 2) < 0.57) continue;
+    faint.vertices.push_back(v);
+    faint.weights.push_back(0.2);
+  }
+  RegionWeights strong = faint;
+  strong.weights.assign(strong.vertices.size(), 1.0);
+  EXPECT_EQ(region_features(limb().ordered, faint, limb().groups, 0.1),
+            region_features(limb().ordered, strong, limb().groups, 0.1));
 }
 
 TEST(Regions, MusclesActAboveTheirBellyAndAcrossTheirJoints) {

@@ -12,6 +12,9 @@
 #include "tests/support/capsule_limb.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/same_basis.h"
+#include "tests/support/temporary_folder.h"
+#include "trainer/dataset/json_file.h"
+#include "trainer/dataset/regions_file.h"
 #include "trainer/progress.h"
 #include "trainer/train/heldout.h"
 
@@ -70,6 +73,30 @@ TEST(Train, ReproducesTrainingFramesGivenEnoughComponentsAndCentres) {
   const Distance learned = distance(basis, set.character, set.train);
   RecordProperty("mm", std::to_string(learned.rms) + " rms, " + std::to_string(learned.max) + " max");
   EXPECT_LT(learned.rms, 0.05);
+}
+
+TEST(Train, RegionsThatWereWrittenGiveTheSameBasis) {
+  const TemporaryFolder folder;
+  SampleSet set = samples();
+  set.train.resize(60);
+  const TrainOptions options{.components = 6, .centres = 12};
+  const std::vector<RegionWeights> regions = training_regions(set, options);
+  const Basis automatic = train(set, options);
+  write_regions(regions, set.character, folder / "regions.json");
+  Dataset dataset;
+  dataset.folder = folder.path();
+  dataset.regions = "regions.json";
+  set.regions = read_regions(dataset, set.character);
+  const Basis edited = train(set, options);
+  EXPECT_EQ(testing::difference(automatic, edited), "");
+  const Json report = Json::parse(edited.metadata.at("report"));
+  ASSERT_EQ(report["regions"].size(), regions.size());
+  for (std::size_t r = 0; r < regions.size(); ++r) EXPECT_EQ(report["regions"][r]["name"], regions[r].name);
+  // Another region makes another basis.
+  set.regions.front().name = "mine";
+  EXPECT_EQ(testing::difference(automatic, train(set, options)), "metadata");
+  for (double& weight : set.regions.front().weights) weight *= 0.5;
+  EXPECT_EQ(testing::difference(automatic, train(set, options)), "residual");
 }
 
 TEST(Train, RestIsRest) {

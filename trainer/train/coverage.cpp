@@ -236,26 +236,6 @@ std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector
   return results;
 }
 
-std::vector<std::string> joints_of(const Character& character, const RegionWeights& region) {
-  constexpr double kNotable = 0.05;
-  std::map<std::uint32_t, double> shares;
-  double all = 0;
-  for (std::size_t v = 0; v < region.vertices.size(); ++v) {
-    for (const JointWeight& w : character.weights[region.vertices[v]]) {
-      shares[w.joint] += region.weights[v] * w.weight;
-      all += region.weights[v] * w.weight;
-    }
-  }
-  std::vector<std::pair<double, std::uint32_t>> order;
-  for (const auto& [joint, share] : shares) order.emplace_back(-share, joint);
-  std::sort(order.begin(), order.end());
-  std::vector<std::string> names;
-  for (const auto& [share, joint] : order) {
-    if (names.empty() || -share >= kNotable * all) names.push_back(character.skeleton.joints[joint].name);
-  }
-  return names;
-}
-
 namespace {
 
 // Positions of the values in ascending order; equal values share the mean of theirs.

@@ -38,9 +38,6 @@ std::string coverage_text(const std::vector<RegionCoverage>& regions);
 // damaged.
 std::vector<RegionCoverage> read_coverage(const Basis& basis);
 
-// Names of the joints with a share of 5 % and more in the skin of a region, the largest first; never none.
-std::vector<std::string> joints_of(const Character& character, const RegionWeights& region);
-
 struct ExpectedError {
   double rms_mm = 0;              // over the skin
   std::vector<double> region_mm;  // per region, RMS over its vertices

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 
 #include "runtime/rig.h"
 #include "trainer/train/laplacian.h"
@@ -18,7 +20,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kNegligible = 0.03;  // region weights below this are dropped
 // What a region costs beyond its vertices is then 150 bytes for each of them at most; a small skin may have a few
 // anyway.
 constexpr Index kVerticesPerRegion = 300, kFewestVerticesPerRegion = 40, kFewRegions = 8;
@@ -26,21 +27,21 @@ constexpr double kLeastVariance = 0.01;  // of a standardised feature; less is n
 
 using Points = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-Index seed_furthest_from_middle(const Points& points) {
+Index seed_furthest_from_middle(const Points& points, const Eigen::VectorXd& mass) {
   Index seed = 0;
   const Eigen::RowVectorXd middle = points.colwise().mean();
-  (points.rowwise() - middle).rowwise().squaredNorm().maxCoeff(&seed);
+  (points.rowwise() - middle).rowwise().squaredNorm().cwiseProduct(mass).maxCoeff(&seed);
   return seed;
 }
 
-// Labels of k-means clusters of the rows, seeded by farthest-point sampling.
-std::vector<Index> cluster(const Points& points, Index count) {
+// Labels of k-means clusters of the rows, which have a mass each, seeded by farthest-point sampling.
+std::vector<Index> cluster(const Points& points, const Eigen::VectorXd& mass, Index count) {
   Points centres(count, points.cols());
-  centres.row(0) = points.row(seed_furthest_from_middle(points));
+  centres.row(0) = points.row(seed_furthest_from_middle(points, mass));
   Eigen::VectorXd nearest = (points.rowwise() - centres.row(0)).rowwise().squaredNorm();
   for (Index c = 1; c < count; ++c) {
     Index farthest = 0;
-    nearest.maxCoeff(&farthest);
+    nearest.cwiseProduct(mass).maxCoeff(&farthest);
     centres.row(c) = points.row(farthest);
     nearest = nearest.cwiseMin((points.rowwise() - centres.row(c)).rowwise().squaredNorm());
   }
@@ -56,8 +57,8 @@ std::vector<Index> cluster(const Points& points, Index count) {
       Index label = 0;
       distances.col(v).minCoeff(&label);
       labels[static_cast<std::size_t>(v)] = label;
-      sums.row(label) += points.row(v);
-      sizes[label] += 1;
+      sums.row(label) += mass[v] * points.row(v);
+      sizes[label] += mass[v];
     }
     for (Index c = 0; c < count; ++c) {
       if (sizes[c] > 0) centres.row(c) = sums.row(c) / sizes[c];
@@ -74,10 +75,13 @@ Points descriptors(const Character& character, const std::vector<FeatureGroup>& 
   return points;
 }
 
-Index region_count(const std::vector<FeatureGroup>& groups, Index vertices) {
+// `left`: of every vertex; a group counts where most of what it moves is left.
+Index region_count(const std::vector<FeatureGroup>& groups, const Eigen::VectorXd& left) {
+  const auto vertices = static_cast<Index>(std::lround(left.sum()));
   double count = 0;
   for (const FeatureGroup& group : groups) {
     if (group.points.rows() == 0 || !(group.influence.maxCoeff() > 0.5 || !group.spans.empty())) continue;
+    if (group.influence.dot(left) < 0.5 * group.influence.sum()) continue;
     count += group.spans.empty() ? 1 : 0.5;
   }
   const Index few = std::min(kFewRegions, vertices / kFewestVerticesPerRegion);
@@ -272,30 +276,84 @@ std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vec
   return groups;
 }
 
-std::vector<RegionWeights> make_regions(const Character& character, const std::vector<FeatureGroup>& groups) {
-  const Index vertices = character.vertices.rows(), count = region_count(groups, vertices);
-  const double area = lumped_areas(character.vertices, character.triangles).sum();
+namespace {
+
+// Regions of what is `left` of every vertex.
+std::vector<RegionWeights> automatic_regions(const Character& character, const std::vector<FeatureGroup>& groups,
+                                             const Eigen::VectorXd& left) {
+  const Index vertices = character.vertices.rows(), count = region_count(groups, left);
+  const double area = (lumped_areas(character.vertices, character.triangles).array() * left.array()).sum();
   const double patch = std::sqrt(area / static_cast<double>(count));
-  const std::vector<Index> labels = cluster(descriptors(character, groups, patch), count);
+  const std::vector<Index> labels = cluster(descriptors(character, groups, patch), left, count);
   MatrixXd weights = MatrixXd::Zero(vertices, count);
   for (Index v = 0; v < vertices; ++v) weights(v, labels[static_cast<std::size_t>(v)]) = 1;
   weights = smooth(character, weights, 0.25 * patch);
-  weights = (weights.array() < kNegligible).select(0, weights);
+  weights = (weights.array() < kNegligibleRegionWeight).select(0, weights);
   weights.array().colwise() /= weights.rowwise().sum().array().eval();
+  weights.array().colwise() *= left.array();
 
-  std::vector<RegionWeights> regions;
+  std::vector<RegionWeights> regions(static_cast<std::size_t>(count));
   for (Index c = 0; c < count; ++c) {
-    RegionWeights region;
+    RegionWeights& region = regions[static_cast<std::size_t>(c)];
     for (Index v = 0; v < vertices; ++v) {
       if (!(weights(v, c) > 0)) continue;
       region.vertices.push_back(static_cast<std::uint32_t>(v));
       region.weights.push_back(weights(v, c));
     }
-    if (!region.vertices.empty()) regions.push_back(std::move(region));
   }
+  drop_negligible(regions);
+  return regions;
+}
+
+void name_after_joints(const Character& character, std::vector<RegionWeights>& regions) {
+  std::set<std::string> taken;
+  for (const RegionWeights& region : regions) taken.insert(region.name);
+  for (RegionWeights& region : regions) {
+    if (!region.name.empty()) continue;
+    const std::string joint = joints_of(character, region).front();
+    region.name = joint;
+    for (int k = 2; !taken.insert(region.name).second; ++k) region.name = joint + " " + std::to_string(k);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> joints_of(const Character& character, const RegionWeights& region) {
+  constexpr double kNotable = 0.05;
+  std::map<std::uint32_t, double> shares;
+  double all = 0;
+  for (std::size_t v = 0; v < region.vertices.size(); ++v) {
+    for (const JointWeight& w : character.weights[region.vertices[v]]) {
+      shares[w.joint] += region.weights[v] * w.weight;
+      all += region.weights[v] * w.weight;
+    }
+  }
+  std::vector<std::pair<double, std::uint32_t>> order;
+  for (const auto& [joint, share] : shares) order.emplace_back(-share, joint);
+  std::sort(order.begin(), order.end());
+  std::vector<std::string> names;
+  for (const auto& [share, joint] : order) {
+    if (names.empty() || -share >= kNotable * all) names.push_back(character.skeleton.joints[joint].name);
+  }
+  return names;
+}
+
+std::vector<RegionWeights> make_regions(const Character& character, const std::vector<FeatureGroup>& groups,
+                                        const std::vector<RegionWeights>& painted) {
+  const Index vertices = character.vertices.rows();
+  const Eigen::VectorXd rest = 1 - sum_of_weights(painted, vertices).array();
+  const Eigen::VectorXd left = (rest.array() < kNegligibleRegionWeight).select(0, rest);
+  std::vector<RegionWeights> regions = painted;
+  if (left.maxCoeff() > 0) {
+    for (RegionWeights& region : automatic_regions(character, groups, left)) {
+      if (!region.vertices.empty()) regions.push_back(std::move(region));
+    }
+  }
+  scale_to_one(regions, vertices);
   // Neighbours in runtime order lie near each other: they share the most vertices.
   std::sort(regions.begin(), regions.end(),
             [](const RegionWeights& a, const RegionWeights& b) { return a.vertices < b.vertices; });
+  name_after_joints(character, regions);
   return regions;
 }
 
@@ -303,9 +361,10 @@ namespace {
 
 double distance_to(const Character& character, const RegionWeights& region, const FeatureGroup& group) {
   if (group.points.rows() == 0) return 0;
+  const double core = std::min(0.5, *std::max_element(region.weights.begin(), region.weights.end()));
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t v = 0; v < region.vertices.size(); ++v) {
-    if (region.weights[v] < 0.5) continue;
+    if (region.weights[v] < core) continue;
     const Eigen::RowVector3d here = character.vertices.row(region.vertices[v]);
     nearest = std::min(nearest, (group.points.rowwise() - here).rowwise().squaredNorm().minCoeff());
   }

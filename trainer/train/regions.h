@@ -29,9 +29,14 @@ std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vec
                                               const std::vector<Muscle>& muscles, const Eigen::MatrixXd& features,
                                               const Displacements& displacements);
 
-// Regions of the skin whose vertices lie together and have like influences: k-means from farthest-point seeds, then
-// smoothed. Their weights are a partition of unity.
-std::vector<RegionWeights> make_regions(const Character& character, const std::vector<FeatureGroup>& groups);
+// The `painted` regions (whose weights sum to 1 at most), and regions of what they leave of the skin, whose vertices
+// lie together and have like influences: k-means from farthest-point seeds, then smoothed. All weights together are a
+// partition of unity. Regions without a name get that of the joint they lie at, and a number where it is taken.
+std::vector<RegionWeights> make_regions(const Character& character, const std::vector<FeatureGroup>& groups,
+                                        const std::vector<RegionWeights>& painted);
+
+// Names of the joints with a share of 5 % and more in the skin of a region, the largest first; never none.
+std::vector<std::string> joints_of(const Character& character, const RegionWeights& region);
 
 // Features of the groups that reach a region: within `radius` metres of it or of notable influence there, and the
 // joints spanned by its muscles. Never empty where any feature varies.

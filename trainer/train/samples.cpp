@@ -4,6 +4,7 @@
 
 #include "runtime/basis/error.h"
 #include "trainer/dataset/controls.h"
+#include "trainer/dataset/regions_file.h"
 #include "trainer/dataset/shape_reader.h"
 #include "trainer/train/train.h"
 
@@ -62,6 +63,7 @@ SampleSet read_samples(const Dataset& dataset) {
   set.character = read_character(dataset.folder / dataset.character, dataset.unit);
   set.notes = set.character.notes;
   if (!dataset.muscles.empty()) set.muscles = read_muscles(dataset.folder / dataset.muscles, set.character.skeleton);
+  set.regions = read_regions(dataset, set.character);
   // Every pose gets a value for every control of any take.
   std::vector<Clip> clips;
   for (const DatasetTake& take : dataset.takes) {

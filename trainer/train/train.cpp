@@ -115,22 +115,63 @@ std::vector<FeatureGroup> feature_groups(const Base& base, const std::vector<Mus
 
 // Static regions: groups begin with the joints.
 std::vector<RegionWeights> regions_of(const Character& character, const std::vector<FeatureGroup>& groups,
-                                      Method::Support support) {
+                                      const std::vector<RegionWeights>& painted, Method::Support support) {
   const std::size_t joints = feature_joints(character.skeleton).size();
   switch (support) {
     case Method::Support::dynamic_regions:
-      return make_regions(character, groups);
+      return make_regions(character, groups, painted);
     case Method::Support::static_regions:
-      return make_regions(character, {groups.begin(), groups.begin() + static_cast<std::ptrdiff_t>(joints)});
+      return make_regions(character, {groups.begin(), groups.begin() + static_cast<std::ptrdiff_t>(joints)}, painted);
     case Method::Support::whole_skin:
       break;
   }
-  RegionWeights whole;
+  RegionWeights whole{"skin", {}, {}};
   whole.vertices.resize(static_cast<std::size_t>(character.vertices.rows()));
   std::iota(whole.vertices.begin(), whole.vertices.end(), 0u);
   whole.weights.assign(whole.vertices.size(), 1.0);
   return {whole};
 }
+
+std::vector<std::uint32_t> inverse_of(const std::vector<std::uint32_t>& order) {
+  std::vector<std::uint32_t> inverse(order.size());
+  for (std::size_t v = 0; v < order.size(); ++v) inverse[order[v]] = static_cast<std::uint32_t>(v);
+  return inverse;
+}
+
+Base base_with_fibres(const SampleSet& set, const Character& ordered, const std::vector<std::uint32_t>& order,
+                      const TrainOptions& options) {
+  Base base = choose_base(set, ordered, order, options);
+  if (options.method.strains) base.basis.strain = make_strain_table(base.basis, set.muscles);
+  return base;
+}
+
+FeatureSamples features_of(const SampleSet& set, const Basis& basis) {
+  std::vector<const Pose*> poses;
+  for (const Sample& sample : set.train) poses.push_back(&sample.pose);
+  return measure_features(basis, poses);
+}
+
+// What fitting starts from, in runtime order.
+struct Groundwork {
+  Groundwork(const SampleSet& set, const TrainOptions& options)
+      : order(morton_order(set.character.vertices)),
+        ordered(in_order(set.character, order)),
+        base(base_with_fibres(set, ordered, order, options)),
+        shapes(set, ordered, base.basis, order, options.method.unposing),
+        features(features_of(set, base.basis)),
+        groups(feature_groups(base, options.method.strains ? set.muscles : std::vector<Muscle>{}, features, shapes)),
+        regions(regions_of(ordered, groups, renumbered(set.regions, inverse_of(order)), options.method.support)) {}
+  Groundwork(const Groundwork&) = delete;  // `shapes` refers to the others
+  Groundwork& operator=(const Groundwork&) = delete;
+
+  std::vector<std::uint32_t> order;  // welded vertex of each runtime vertex
+  Character ordered;
+  Base base;
+  UnposedShapes shapes;
+  FeatureSamples features;
+  std::vector<FeatureGroup> groups;
+  std::vector<RegionWeights> regions;
+};
 
 // Root mean square over vertices and frames: region weights sum to one at every vertex.
 double mean_displacement(const ResidualModel& model, std::size_t frames) {
@@ -181,7 +222,8 @@ nlohmann::json region_report(const Character& character, const ResidualModel& mo
     const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
     const double motion2 = region.components.energy / (static_cast<double>(frames) * size);
     const double left2 = std::pow(region.regression.validation_error, 2) / size;
-    list.push_back({{"joint", joints_of(character, region.region).front()},
+    list.push_back({{"name", region.region.name},
+                    {"joint", joints_of(character, region.region).front()},
                     {"vertices", region.region.vertices.size()},
                     {"motion_rms_mm", 1e3 * std::sqrt(motion2)},
                     {"validation_rms_mm", 1e3 * std::sqrt(left2)}});
@@ -235,30 +277,25 @@ Basis build_ddm_basis(const Character& character, const TrainOptions& options) {
   return make_base(ordered, radius, options).basis;
 }
 
+std::vector<RegionWeights> training_regions(const SampleSet& set, const TrainOptions& options) {
+  check_samples(set);
+  const SingleThreadedProducts single_threaded;
+  const Groundwork ground(set, options);
+  return renumbered(ground.regions, ground.order);
+}
+
 Basis train(const SampleSet& set, const TrainOptions& options) {
   check_samples(set);
   const SingleThreadedProducts single_threaded;
-  const std::vector<std::uint32_t> order = morton_order(set.character.vertices);
-  const Character ordered = in_order(set.character, order);
-  Base base = choose_base(set, ordered, order, options);
-  Basis& basis = base.basis;
-  const Method& method = options.method;
-  if (method.strains) basis.strain = make_strain_table(basis, set.muscles);
-  const UnposedShapes shapes(set, ordered, basis, order, method.unposing);
-
-  std::vector<const Pose*> poses;
+  Groundwork ground(set, options);
+  const Character& ordered = ground.ordered;
+  Basis& basis = ground.base.basis;
   std::vector<int> takes;
-  for (const Sample& sample : set.train) {
-    poses.push_back(&sample.pose);
-    takes.push_back(sample.take);
-  }
-  const FeatureSamples features = measure_features(basis, poses);
-  const std::vector<FeatureGroup> groups =
-      feature_groups(base, method.strains ? set.muscles : std::vector<Muscle>{}, features, shapes);
-  const std::vector<RegionWeights> regions = regions_of(ordered, groups, method.support);
+  for (const Sample& sample : set.train) takes.push_back(sample.take);
   TrainOptions fit_options = options;
   if (options.match_bytes > 0) fit_options.components = std::max(options.components, kMostComponents);
-  ResidualModel model = fit_residual(ordered, shapes, regions, groups, features, takes, fit_options);
+  ResidualModel model =
+      fit_residual(ordered, ground.shapes, ground.regions, ground.groups, ground.features, takes, fit_options);
   model.controls = set.controls;
   drop_unused_fibres(basis.strain, model, joint_feature_count(basis.skeleton));
   const double negligible = kNegligible * mean_displacement(model, set.train.size());
@@ -266,7 +303,7 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
                options.match_bytes > 0 ? pack_to_match(basis, model, fit_options.components, negligible, options)
                                        : pack_residual(model, options.components, negligible));
   add_report(basis, ordered, set, model);
-  return std::move(base.basis);
+  return std::move(basis);
 }
 
 UnposingResidual unposing_residual(const SampleSet& set, const Basis& basis) {

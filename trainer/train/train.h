@@ -4,6 +4,7 @@
 #include "runtime/basis/basis.h"
 #include "trainer/dataset/character.h"
 #include "trainer/dataset/dataset.h"
+#include "trainer/dataset/region_weights.h"
 #include "trainer/train/sample_shape.h"
 
 namespace bodyopt {
@@ -45,7 +46,8 @@ struct Sample {
 struct SampleSet {
   Character character;
   std::vector<Muscle> muscles;
-  std::vector<std::string> controls;  // of every pose, by name
+  std::vector<std::string> controls;   // of every pose, by name
+  std::vector<RegionWeights> regions;  // painted: as read_regions
   std::vector<Sample> train, heldout;
   int unconverged = 0;
   std::vector<std::string> notes;
@@ -54,6 +56,10 @@ SampleSet read_samples(const Dataset& dataset);
 
 // DDM, no shapes: mesh and ddm tables, an empty residual.
 Basis build_ddm_basis(const Character& character, const TrainOptions& options);
+
+// The regions that train() would fit: those painted, and those chosen. A partition of unity on welded vertices, each
+// with a name of its own. Shows progress. Throws as train().
+std::vector<RegionWeights> training_regions(const SampleSet& set, const TrainOptions& options);
 
 // The full training. Never looks at set.heldout. Shows progress. Throws Error(mismatch) when there is too little data.
 Basis train(const SampleSet& set, const TrainOptions& options);
