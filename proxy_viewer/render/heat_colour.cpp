@@ -1,14 +1,13 @@
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
+#include "proxy_viewer/render/oklab.h"
 #include "proxy_viewer/render/renderer.h"
 
 namespace bodyopt {
 namespace {
 
-// Oklab (Ottosson 2020) as lightness, chroma and hue in degrees: lightness falls and the hue turns one way, so that the
-// order of errors can be read without the colour bar.
+// Lightness falls and the hue (degrees) turns one way, so that the order of errors can be read without the colour bar.
 struct Stop {
   double t, lightness, chroma, hue;
 };
@@ -31,17 +30,7 @@ Stop at(double t) {
 
 std::array<float, 3> heat_colour(float t) {
   const Stop stop = at(t > 0 ? std::min(1.0, static_cast<double>(t)) : 0.0);  // also for NaN
-  const double hue = stop.hue * 3.14159265358979323846 / 180;
-  const double a = stop.chroma * std::cos(hue), b = stop.chroma * std::sin(hue);
-  const double l = std::pow(stop.lightness + 0.3963377774 * a + 0.2158037573 * b, 3);
-  const double m = std::pow(stop.lightness - 0.1055613458 * a - 0.0638541728 * b, 3);
-  const double s = std::pow(stop.lightness - 0.0894841775 * a - 1.2914855480 * b, 3);
-  const double rgb[3] = {4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s,
-                         -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s,
-                         -0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s};
-  std::array<float, 3> colour;
-  for (std::size_t i = 0; i < 3; ++i) colour[i] = static_cast<float>(std::clamp(rgb[i], 0.0, 1.0));
-  return colour;
+  return linear_rgb(oklab(stop.lightness, stop.chroma, stop.hue));
 }
 
 }  // namespace bodyopt
