@@ -98,13 +98,14 @@ double kept_unit(const Basis& basis) {
   return unit;
 }
 
+std::function<std::string(const std::string&)> must_end_in(const std::string& extension) {
+  return [extension](const std::string& name) {
+    return name.ends_with(extension) ? std::string() : "'" + name + "' does not end in " + extension;
+  };
+}
+
 void add_output(CLI::App& verb, std::string& path, const std::string& extension, const std::string& description) {
-  verb.add_option("--out", path, description)
-      ->required()
-      ->type_name("FILE" + extension)
-      ->check([extension](const std::string& name) {
-        return name.ends_with(extension) ? std::string() : "'" + name + "' does not end in " + extension;
-      });
+  verb.add_option("--out", path, description)->required()->type_name("FILE" + extension)->check(must_end_in(extension));
 }
 
 void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input) {

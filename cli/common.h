@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -51,6 +52,9 @@ std::string refuse_empty(const std::string& value);
 void keep_unit(Basis& basis, double unit);
 double kept_unit(const Basis& basis);
 
+// A check of options: the file's name ends as said.
+std::function<std::string(const std::string&)> must_end_in(const std::string& extension);
+
 // An option that names a file to write, which must end as said: a slip must not overwrite a character.
 void add_output(CLI::App& verb, std::string& path, const std::string& extension, const std::string& description);
 // Throws Error(usage) when `out` is the file `input`.
@@ -82,6 +86,7 @@ void add_train(CLI::App& app);
 void add_eval(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_coverage(CLI::App& app);
+void add_regions(CLI::App& app);
 void add_export(CLI::App& app);
 void add_picture(CLI::App& app);
 void add_info(CLI::App& app);

@@ -158,9 +158,7 @@ void add_coverage(CLI::App& app) {
       ->type_name("CACHE");
   verb.add_option("--picture", arguments->picture, "Heat strip to write: frames from left to right, a row per region")
       ->type_name("FILE.png")
-      ->check([](const std::string& name) {
-        return name.ends_with(".png") ? std::string() : "'" + name + "' does not end in .png";
-      });
+      ->check(must_end_in(".png"));
   verb.add_option("--unit", arguments->unit,
                   "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(CLI::PositiveNumber);

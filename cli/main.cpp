@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   add_simulate(app);
   add_muscles(app);
   add_check(app);
+  add_regions(app);
   add_train(app);
   add_eval(app);
   add_compare(app);

@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/dataset/pc2.h"
+#include "trainer/train/train.h"
 
 namespace bodyopt {
 namespace {
@@ -14,7 +16,7 @@ namespace {
 TEST(Program, HelpOfEveryVerbExitsWithZero) {
   EXPECT_EQ(run_bodyopt("--help").exit_code, 0);
   for (const char* verb : {"demo", "muscles import", "rom", "simulate", "export", "check", "train", "eval", "compare",
-                           "picture", "info", "devices"}) {
+                           "picture", "regions", "info", "devices"}) {
     const ProgramResult result = run_bodyopt(std::string(verb) + " --help");
     EXPECT_EQ(result.exit_code, 0) << verb;
     EXPECT_NE(result.output.find("--json"), std::string::npos) << verb;
@@ -33,7 +35,7 @@ TEST(Program, MissingFilesExitWith4AndAreNamed) {
   for (const char* command :
        {"info nowhere.glb", "info nowhere.pc2", "check nowhere/dataset.json", "export nowhere.nodes --out b.pc2",
         "eval nowhere.safetensors --clip a.glb --out b.pc2 --device cpu", "train nowhere --out b.safetensors",
-        "compare nowhere.pc2 nowhere.pc2", "picture nowhere --frame 1 --out p.png",
+        "compare nowhere.pc2 nowhere.pc2", "regions nowhere --picture p.png", "picture nowhere --frame 1 --out p.png",
         "muscles import nowhere.glb --from a.osim b.json --out m.json"}) {
     const ProgramResult result = run_bodyopt(command);
     EXPECT_EQ(result.exit_code, 4) << command << "\n" << result.output;
@@ -89,6 +91,66 @@ TEST(Program, UntrainedBasisOfTheBuiltinArmEvaluatesOnTheCpu) {
   std::filesystem::resize_file(basis, std::filesystem::file_size(basis) / 2);
   EXPECT_EQ(run_bodyopt("eval " + basis + " --clip " + clip + " --device cpu --out " + cache).exit_code, 4);
   EXPECT_EQ(Pc2Reader(cache).sample_count(), 5u);
+}
+
+// A dataset of the built-in arm, skinned linearly.
+Dataset write_small_dataset(const TemporaryFolder& folder) {
+  const BuiltinArm arm = build_arm();
+  const Clip clip = arm_heldout(arm.character.skeleton, 14);
+  write_character(arm.character, folder / "arm.glb");
+  write_clip(clip, arm.character.skeleton, folder / "clip.glb");
+  Pc2Writer writer(folder / "shapes.pc2", arm.character.output_count(), 14);
+  for (const Pose& pose : clip.poses)
+    writer.append(output_from_welded(arm.character, skin_linear(arm.character, pose)));
+  writer.close();
+  Dataset dataset;
+  dataset.character = "arm.glb";
+  DatasetTake& take = dataset.takes.emplace_back();
+  take.name = "bend";
+  take.clip = "clip.glb";
+  take.shapes = "shapes.pc2";
+  for (int frame = 1; frame <= 14; ++frame) take.frames.push_back(frame);
+  write_dataset(dataset, folder / "dataset.json");
+  return dataset;
+}
+
+TEST(Program, RegionsAreWrittenReadBackAndRefused) {
+  const TemporaryFolder folder;
+  Dataset dataset = write_small_dataset(folder);
+  const std::string verb = "regions " + folder.path().string(), regions = (folder / "regions.json").string();
+  const auto list = [&](const std::string& more) {
+    const std::string json = (folder / "list.json").string();
+    const ProgramResult result = run_bodyopt(verb + more + " --json " + json);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    std::ifstream file(json);
+    return nlohmann::json::parse(file)["regions"];
+  };
+  nlohmann::json first = list(" --out " + regions);
+  EXPECT_EQ(first[0]["from"], "training");
+  dataset.regions = "regions.json";
+  write_dataset(dataset, folder / "dataset.json");
+  for (nlohmann::json& region : first) region["from"] = "file";
+  EXPECT_EQ(list(""), first);
+  EXPECT_EQ(run_bodyopt(verb + " --out " + regions).exit_code, 64);  // the file that the dataset names
+
+  std::ifstream file(regions);
+  const nlohmann::json good = nlohmann::json::parse(file);
+  const auto exit_code = [&](const nlohmann::json& bad) {
+    std::ofstream(regions) << bad;
+    const int code = run_bodyopt(verb).exit_code;
+    EXPECT_EQ(run_bodyopt("check " + folder.path().string()).exit_code, code);
+    return code;
+  };
+  nlohmann::json bad = good;
+  bad["vertex_count"] = 7;
+  EXPECT_EQ(exit_code(bad), 3);
+  bad = good;
+  bad["regions"] = nlohmann::json::array({good["regions"][0]});
+  EXPECT_EQ(exit_code(bad), 3);  // uncovered
+  bad["complete"] = false;
+  EXPECT_EQ(exit_code(bad), 0);
+  bad["regions"][0]["weights"][0] = -1;
+  EXPECT_EQ(exit_code(bad), 4);
 }
 
 }  // namespace

@@ -1,0 +1,95 @@
+// bodyopt regions: the regions in which training learns the skin, to look at and to edit.
+#include "trainer/train/regions.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "cli/common.h"
+#include "cli/report/region_picture.h"
+#include "runtime/basis/error.h"
+#include "trainer/dataset/notes.h"
+#include "trainer/dataset/regions_file.h"
+#include "trainer/train/train.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct RegionsArguments {
+  std::string dataset, out, picture;
+  JsonOption json;
+};
+
+void draw(const Character& character, const std::vector<RegionWeights>& regions, const std::string& path) {
+  const std::vector<float> skin(character.vertices.data(), character.vertices.data() + character.vertices.size());
+  const std::span<const std::uint32_t> triangles(character.triangles.data(),
+                                                 static_cast<std::size_t>(character.triangles.size()));
+  std::vector<DrawnRegion> drawn;
+  for (const RegionWeights& region : regions) drawn.push_back({region.vertices, region.weights});
+  Renderer renderer;
+  write_png(region_picture(renderer, skin, triangles, drawn, region_colours(drawn, skin.size() / 3), 700, 1000), path);
+}
+
+void run(const RegionsArguments& arguments) {
+  for (const std::string& path : {arguments.out, arguments.picture}) {
+    if (!path.empty()) require_writable(path);
+  }
+  arguments.json.require_writable();
+  std::filesystem::path path = arguments.dataset;
+  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  const Dataset dataset = read_dataset(path);
+  if (!arguments.out.empty()) {
+    refuse_overwriting(arguments.out, path);
+    if (!dataset.regions.empty()) refuse_overwriting(arguments.out, dataset.folder / dataset.regions);
+  }
+  const SampleSet set = read_samples(dataset);
+  say(set.notes);
+  const std::vector<RegionWeights> regions = training_regions(set, {});
+
+  Json list = Json::array();
+  std::string text =
+      format("%3s  %-28s %-9s %9s   %s\n", "", "region", "from", "vertices", "joints that move its skin");
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    const RegionWeights& region = regions[r];
+    const bool of_file = std::any_of(set.regions.begin(), set.regions.end(),
+                                     [&](const RegionWeights& other) { return other.name == region.name; });
+    const double size = std::accumulate(region.weights.begin(), region.weights.end(), 0.0);
+    const std::vector<std::string> joints = joints_of(set.character, region);
+    text += format("%3zu  %-28s %-9s %9.0f   %s\n", r + 1, region.name.c_str(), of_file ? "file" : "training", size,
+                   list_names(joints, 3).c_str());
+    list.push_back({{"number", r + 1},
+                    {"name", region.name},
+                    {"from", of_file ? "file" : "training"},
+                    {"vertices", size},
+                    {"joints", joints}});
+  }
+  Json result = {{"regions", list}};
+  if (!arguments.out.empty()) {
+    write_regions(regions, set.character, arguments.out);
+    result["out"] = arguments.out;
+    text += "wrote " + arguments.out + "\n";
+  }
+  if (!arguments.picture.empty()) {
+    draw(set.character, regions, arguments.picture);
+    result["picture"] = arguments.picture;
+    text += "wrote " + arguments.picture + "\n";
+  }
+  arguments.json.emit(result, text);
+}
+
+}  // namespace
+
+void add_regions(CLI::App& app) {
+  auto arguments = std::make_shared<RegionsArguments>();
+  CLI::App& verb = *app.add_subcommand("regions", "The regions in which `train` learns the skin: to see and to edit");
+  verb.add_option("dataset", arguments->dataset, "dataset.json, or its folder")->required()->type_name("DATASET");
+  verb.add_option("--out", arguments->out, "Also write them, as a file that dataset.json can name")
+      ->type_name("FILE.json")
+      ->check(must_end_in(".json"));
+  verb.add_option("--picture", arguments->picture, "Also draw them, from the front and from behind")
+      ->type_name("FILE.png")
+      ->check(must_end_in(".png"));
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli
