@@ -22,6 +22,7 @@
 #include "trainer/motion/range_of_motion.h"
 #include "trainer/simulate/simulate.h"
 #include "trainer/train/heldout.h"
+#include "trainer/train/trade_off.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -309,8 +310,8 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
   report.seconds.train = training.seconds();
   TrainOptions linear_options;
   linear_options.method = {.strains = false, .kernels = false};
-  linear_options.match_bytes = table_bytes(full).at("strain") + table_bytes(full).at("residual");
-  linear_options.match_coefficients = full.residual.coefficient_count();
+  linear_options.components = 128;
+  linear_options.budget = bytes_per_vertex(full);
   const Basis linear = train(set, linear_options);
 
   const std::vector<Pose> poses = heldout_poses(set);

@@ -10,17 +10,38 @@
 #include "trainer/dataset/frame_range.h"
 #include "trainer/dataset/nodes_cache.h"
 #include "trainer/dataset/pc2.h"
+#include "trainer/train/trade_off.h"
 
 namespace bodyopt::cli {
 namespace {
+
+Json to_json(const TradeOffPoint& point) {
+  return {{"bytes_per_vertex", point.bytes_per_vertex},
+          {"expected_rms_mm", point.expected_mm},
+          {"coefficients", point.coefficients},
+          {"microseconds", point.microseconds}};
+}
+
+// The bases that a training could give, a line each.
+std::string curve_table(const Json& curve) {
+  std::string text =
+      format("\n%16s %16s %12s %14s\n", "bytes per vertex", "expected RMS, mm", "coefficients", "estimated us");
+  for (const Json& point : curve) {
+    text += format("%16.0f %16.3f %12u %14.0f\n", point.at("bytes_per_vertex").get<double>(),
+                   point.at("expected_rms_mm").get<double>(), point.at("coefficients").get<unsigned>(),
+                   point.at("microseconds").get<double>());
+  }
+  return text;
+}
 
 // Two columns, JSON keys and values, as text.
 std::string lines(const Json& result) {
   std::string text;
   for (const auto& [key, value] : result.items()) {
+    if (key == "curve") continue;
     text += format("%-18s %s\n", key.c_str(), (value.is_string() ? value.get<std::string>() : value.dump()).c_str());
   }
-  return text;
+  return result.contains("curve") ? text + curve_table(result.at("curve")) : text;
 }
 
 Json joint_names(const Skeleton& skeleton) {
@@ -75,17 +96,21 @@ Json basis_info(const std::string& path) {
   for (const auto& [stage, size] : table_bytes(basis)) {
     bytes[stage] = static_cast<double>(size) / std::max(1u, basis.mesh.vertex_count());
   }
-  return {{"kind", "basis"},
-          {"vertices", basis.mesh.vertex_count()},
-          {"output_vertices", basis.mesh.output_count()},
-          {"fibres", basis.strain.fibre_count()},
-          {"regions", basis.residual.regions.size()},
-          {"coefficients", basis.residual.coefficient_count()},
-          {"kernel_centres", basis.residual.centre_count()},
-          {"controls", basis.residual.controls},
-          {"bytes_per_vertex", bytes},
-          {"joints", joint_names(basis.skeleton)},
-          {"metadata", basis.metadata}};
+  Metadata metadata = basis.metadata;
+  metadata.erase("curve");
+  Json result = {{"kind", "basis"},
+                 {"vertices", basis.mesh.vertex_count()},
+                 {"output_vertices", basis.mesh.output_count()},
+                 {"fibres", basis.strain.fibre_count()},
+                 {"regions", basis.residual.regions.size()},
+                 {"coefficients", basis.residual.coefficient_count()},
+                 {"kernel_centres", basis.residual.centre_count()},
+                 {"controls", basis.residual.controls},
+                 {"bytes_per_vertex", bytes},
+                 {"joints", joint_names(basis.skeleton)},
+                 {"metadata", metadata}};
+  for (const TradeOffPoint& point : read_curve(basis)) result["curve"].push_back(to_json(point));
+  return result;
 }
 
 Json cache_info(const std::string& path) {

@@ -11,6 +11,7 @@
 #include "trainer/dataset/check.h"
 #include "trainer/train/ablation.h"
 #include "trainer/train/heldout.h"
+#include "trainer/train/trade_off.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -30,7 +31,7 @@ void run_ddm_only(const TrainArguments& arguments) {
   Basis basis = build_ddm_basis(character, arguments.options);
   keep_unit(basis, arguments.unit);
   save_basis(basis, arguments.out);
-  const double per_vertex = static_cast<double>(total_bytes(basis)) / basis.mesh.vertex_count();
+  const double per_vertex = bytes_per_vertex(basis);
   arguments.json.emit(
       {{"basis", arguments.out}, {"vertices", basis.mesh.vertex_count()}, {"bytes_per_vertex", per_vertex}},
       format("wrote %s: Direct Delta Mush of %u vertices, %.0f bytes per vertex\n", arguments.out.c_str(),
@@ -85,17 +86,20 @@ void run(const TrainArguments& arguments) {
   save_basis(basis, arguments.out);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  const double per_vertex = static_cast<double>(total_bytes(basis)) / basis.mesh.vertex_count();
+  const double per_vertex = bytes_per_vertex(basis);
+  const double expected = Json::parse(basis.metadata.at("report")).at("expected_rms_mm");
   const UnposingResidual unposing = unposing_residual(set, basis);
   Json result = {{"basis", arguments.out},
                  {"train_frames", set.train.size()},
                  {"heldout_frames", set.heldout.size()},
                  {"unconverged_frames", set.unconverged},
                  {"bytes_per_vertex", per_vertex},
+                 {"expected_rms_mm", expected},
                  {"unposing_residual_mm", {{"lbs", unposing.lbs}, {"ddm", unposing.ddm}}},
                  {"seconds", seconds}};
-  std::string text = format("trained on %zu frames (%d unconverged left out) in %.1f s: %.0f bytes per vertex\n",
-                            set.train.size(), set.unconverged, seconds, per_vertex);
+  std::string text =
+      format("trained on %zu frames (%d unconverged left out) in %.1f s: %.0f bytes per vertex, %.3f mm RMS expected\n",
+             set.train.size(), set.unconverged, seconds, per_vertex, expected);
   text += format("left to learn after un-posing: LBS %.3f mm, DDM %.3f mm RMS\n", unposing.lbs, unposing.ddm);
   if (!set.heldout.empty()) {
     Deformer full(basis, {.name = "cpu"}), ddm(without_residual(basis), {.name = "cpu"});
@@ -116,6 +120,13 @@ void run(const TrainArguments& arguments) {
   if (arguments.ablate) text += ablation_table(ablate(set, arguments.options, basis, training_seconds), result);
   text += "wrote " + arguments.out + "\n";
   arguments.json.emit(result, text);
+  const double tolerance = arguments.options.tolerance_mm;
+  if (tolerance > 0 && expected > tolerance) {
+    throw Error(ErrorKind::quality, format("%s: %.3g mm RMS were asked for, and %.3f are to be expected of the best "
+                                           "basis that these frames give, which was written: more frames, or muscles "
+                                           "that the skin lacks, may lower that",
+                                           arguments.out.c_str(), tolerance, expected));
+  }
 }
 
 }  // namespace
@@ -124,8 +135,9 @@ void add_train(CLI::App& app) {
   auto arguments = std::make_shared<TrainArguments>();
   CLI::App& verb = *app.add_subcommand("train", "Learn a basis from a dataset");
   verb.add_option("dataset", arguments->dataset, "dataset.json, or its folder")->type_name("DATASET");
-  verb.add_option("--ddm-only", arguments->ddm_only, "Make a basis of Direct Delta Mush alone, without shapes")
-      ->type_name("CHARACTER");
+  CLI::Option* ddm_only =
+      verb.add_option("--ddm-only", arguments->ddm_only, "Make a basis of Direct Delta Mush alone, without shapes")
+          ->type_name("CHARACTER");
   add_output(verb, arguments->out, ".safetensors", "Basis to write");
   verb.add_option("--heldout-every", arguments->heldout_every,
                   "Hold out every Nth block of ten frames instead of the frames dataset.json names")
@@ -136,6 +148,15 @@ void add_train(CLI::App& app) {
                   "Radius of Direct Delta Mush, metres (default: 1/40 of the size, or twice that where it leaves less "
                   "to learn)")
       ->check(CLI::PositiveNumber);
+  CLI::Option* budget = verb.add_option("--budget", arguments->options.budget,
+                                        "The best basis of so many bytes per vertex at most, all tables together");
+  budget->type_name("BYTES")->check(CLI::PositiveNumber)->excludes(ddm_only);
+  verb.add_option("--tolerance", arguments->options.tolerance_mm,
+                  "The smallest basis with an expected RMS error of so many mm at most")
+      ->type_name("MM")
+      ->check(CLI::PositiveNumber)
+      ->excludes(ddm_only)
+      ->excludes(budget);
   verb.add_option("--components", arguments->options.components, "Coefficients per region at most")
       ->capture_default_str()
       ->check(CLI::Range(1, 256));

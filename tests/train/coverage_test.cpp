@@ -74,10 +74,10 @@ TEST(Coverage, IsCalibratedFromTheFramesAroundEachCentre) {
   Regression regression;
   regression.centres = (Eigen::MatrixXd(2, 1) << -0.5, 0.5).finished();
   regression.centre_frames = {9, 30};
-  for (int n = 0; n < kFrames; ++n) {
-    data.folds.push_back(n % 2);
-    regression.frame_errors.push_back(n < kFrames / 2 ? 1 : 3);
-  }
+  for (int n = 0; n < kFrames; ++n) data.folds.push_back(n % 2);
+  regression.errors.resize(kFrames, 2);  // of two targets
+  regression.errors.topRows(kFrames / 2).rowwise() = Eigen::RowVector2d(0.6, 0.8);
+  regression.errors.bottomRows(kFrames / 2).rowwise() = Eigen::RowVector2d(0, 3);
   const ErrorModel model = calibrate(data, regression, 0.25);
   ASSERT_EQ(model.local.size(), 2u);
   EXPECT_NEAR(model.local[0], (20 * 1 + 5) / 21.0 + 0.25, 1e-12);  // the mean of all counts as one frame more

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -68,6 +69,37 @@ TEST(Regression, KernelsLearnWhatIsNotLinear) {
   const double linear = error(0), kernels = error(120);
   EXPECT_GT(linear, 0.2);
   EXPECT_LT(kernels, 0.02);
+}
+
+// Every frame by the fit of the other folds: ridge regressions done by hand, one of whose penalties was chosen.
+TEST(Regression, ErrorsAreThoseOfFramesHeldOut) {
+  RegressionData data = random_data(100, 20, 10);
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  data.targets = Eigen::MatrixXd::NullaryExpr(100, 2, [&] { return normal(random); });
+  data.targets.col(0) += 2 * data.features.col(3);
+  const Regression fit = fit_regression(data, 0);
+  std::vector<Eigen::Index> inside, outside;
+  double held_out = 0;
+  for (Eigen::Index n = 0; n < 100; ++n) {
+    const int fold = data.folds[static_cast<std::size_t>(n)];
+    EXPECT_EQ(fit.errors.row(n).isZero(0), fold < 0) << n;
+    if (fold < 0) continue;
+    (fold == 2 ? inside : outside).push_back(n);
+    held_out += 1;
+  }
+  EXPECT_NEAR(fit.errors.norm() / std::sqrt(held_out), fit.validation_error, 1e-12);
+  const Eigen::MatrixXd moved = data.features.rowwise() - data.rest;
+  const Eigen::MatrixXd known = moved(outside, Eigen::all), targets = data.targets(outside, Eigen::all);
+  double nearest = 1e9;
+  for (const double penalty : {1e-4, 1e-3, 1e-2, 1e-1}) {
+    Eigen::MatrixXd normal_matrix = known.transpose() * known;
+    normal_matrix.diagonal().array() += penalty * static_cast<double>(outside.size());
+    const Eigen::MatrixXd map = normal_matrix.llt().solve(known.transpose() * targets);
+    const Eigen::MatrixXd off = moved(inside, Eigen::all) * map - data.targets(inside, Eigen::all);
+    nearest = std::min(nearest, (off - fit.errors(inside, Eigen::all)).cwiseAbs().maxCoeff());
+  }
+  EXPECT_LT(nearest, 1e-6);
 }
 
 TEST(Regression, IsZeroAtRest) {

@@ -27,7 +27,8 @@ RegionModel region_model(testing::Random& random, std::uint32_t first, std::uint
     }
   }
   for (auto column : model.components.basis.rowwise()) column /= column.cwiseAbs().maxCoeff();
-  model.regression.weights = Eigen::MatrixXd::Zero(0, kColumns);
+  model.fits.resize(1);
+  model.fits[0].regression.weights = Eigen::MatrixXd::Zero(0, kColumns);
   return model;
 }
 
@@ -37,6 +38,19 @@ ResidualModel residual_model() {
   model.vertices = kVertices;
   model.regions = {region_model(random, 0, 1, 0.05), region_model(random, 3, 2, 0.1)};
   return model;
+}
+
+// Every component in every block of its region.
+Selection everything(const ResidualModel& model) {
+  Selection selection;
+  for (const RegionModel& region : model.regions) {
+    std::vector<std::uint32_t> blocks;
+    for (const std::uint32_t v : region.region.vertices) {
+      if (blocks.empty() || blocks.back() != v / kBlockSize) blocks.push_back(v / kBlockSize);
+    }
+    selection.push_back({0, std::vector(static_cast<std::size_t>(kColumns), blocks)});
+  }
+  return selection;
 }
 
 // Fitted to noise; some features are far too small and too large for a half.
@@ -83,7 +97,7 @@ int largest_number(const BlendEntry& entry) {
 
 TEST(PackResidual, NumbersAreWithinHalfAStepOfTheirEntry) {
   const ResidualModel model = residual_model();
-  const ResidualTable table = pack_residual(model, kColumns, 0).table;
+  const ResidualTable table = pack_residual(model, everything(model)).table;
   ASSERT_EQ(table.coefficient_count(), 2 * kColumns);
   ASSERT_EQ(table.blend_begin.size(), kBlocks + 1);
   ASSERT_EQ(table.blend.size(), kBlocks * 2 * kColumns);
@@ -103,7 +117,8 @@ TEST(PackResidual, NumbersAreWithinHalfAStepOfTheirEntry) {
 }
 
 TEST(PackResidual, LanesWithoutAVertexHoldZeros) {
-  const ResidualTable table = pack_residual(residual_model(), kColumns, 0).table;
+  const ResidualModel model = residual_model();
+  const ResidualTable table = pack_residual(model, everything(model)).table;
   for (std::uint32_t block = 0; block < kBlocks; ++block) {
     for (std::uint32_t e = table.blend_begin[block]; e < table.blend_begin[block + 1]; ++e) {
       const bool second = (table.blend[e].scale_coefficient >> 16) >= kColumns;
@@ -116,29 +131,23 @@ TEST(PackResidual, LanesWithoutAVertexHoldZeros) {
   }
 }
 
-// An entry stays for all lanes of its block as soon as one of them needs it; columns that no block needs are dropped.
-TEST(PackResidual, EntriesThatMoveNothingAreLeftOut) {
-  ResidualModel model = residual_model();
-  model.regions[1].components.coefficients.col(1) *= 1e-6;
-  const double negligible = 0.02;
-  const ResidualTable table = pack_residual(model, kColumns, negligible).table;
+TEST(PackResidual, HoldsWhatIsSelected) {
+  const ResidualModel model = residual_model();
+  Selection selection = everything(model);
+  selection[0].blocks[1].clear();
+  selection[0].blocks[2] = {0, 2};
+  const ResidualTable table = pack_residual(model, selection).table;
   EXPECT_EQ(table.coefficient_count(), 2 * kColumns - 1);
-  std::size_t expected = 0, left_out = 0;
-  for (const RegionModel& region : model.regions) {
-    for (Eigen::Index k = 0; k < kColumns; ++k) {
-      const double size = region.components.coefficients(0, k);
-      const Eigen::VectorXd column = whole_column(region, k);
-      for (std::uint32_t block = 0; block < kBlocks; ++block) {
-        double largest = 0;
-        for (std::uint32_t v = block * kBlockSize; v < std::min((block + 1) * kBlockSize, kVertices); ++v) {
-          largest = std::max(largest, size * column.segment<3>(3 * v).norm());
-        }
-        ++(largest > negligible ? expected : left_out);
-      }
-    }
+  EXPECT_EQ(table.blend.size(), kBlocks * (2 * kColumns - 1) - 1);
+  const std::vector<float> third = unpacked_column(table, 1);
+  const Eigen::VectorXd whole = whole_column(model.regions[0], 2);
+  for (std::uint32_t k = 0; k < 3 * kVertices; ++k) {
+    EXPECT_NEAR(third[k], k / 3 / kBlockSize == 1 ? 0 : whole[k], 0.005) << k;
   }
-  EXPECT_EQ(table.blend.size(), expected);
-  EXPECT_GT(left_out, kBlocks);  // more than the column that is left out altogether
+  selection[0].blocks.clear();
+  const PackedResidual second = pack_residual(model, selection);
+  EXPECT_EQ(second.regions, std::vector<std::size_t>{1});
+  EXPECT_EQ(second.table.coefficient_count(), kColumns);
 }
 
 // Of both an odd and an even number of features, one after the other.
@@ -149,13 +158,13 @@ TEST(PackResidual, CentresAreThoseOfTheRegression) {
   for (std::size_t r = 0; r < 2; ++r) {
     const auto count = static_cast<Eigen::Index>(3 + r);
     model.regions[r].features.assign(features.begin(), features.begin() + count);
-    model.regions[r].regression = random_regression(random, count);
+    model.regions[r].fits[0].regression = random_regression(random, count);
   }
-  const ResidualTable table = pack_residual(model, kColumns, 0).table;
+  const ResidualTable table = pack_residual(model, everything(model)).table;
   ASSERT_EQ(table.regions.size(), 2u);
   std::size_t words = 0;
   for (std::size_t r = 0; r < 2; ++r) {
-    const Eigen::MatrixXd& centres = model.regions[r].regression.centres;
+    const Eigen::MatrixXd& centres = model.regions[r].fits[0].regression.centres;
     EXPECT_EQ(table.regions[r].centre_values, words);
     ASSERT_EQ(table.regions[r].centre_count, centres.rows());
     for (Eigen::Index m = 0; m < centres.rows(); ++m) {
@@ -175,7 +184,7 @@ TEST(PackResidual, CentresAreThoseOfTheRegression) {
 TEST(PackResidual, ScalesAreNeverSubnormal) {
   ResidualModel model = residual_model();
   for (RegionModel& region : model.regions) region.components.basis.rightCols(15) *= 1e-9;
-  const ResidualTable table = pack_residual(model, kColumns, 0).table;
+  const ResidualTable table = pack_residual(model, everything(model)).table;
   int smallest = 0;
   for (const BlendEntry& entry : table.blend) {
     EXPECT_GE(half_low(entry.scale_coefficient), 0x1p-14f);
@@ -193,12 +202,10 @@ TEST(DropUnusedFibres, KeepsWhatTheOthersAre) {
   strain.fibre_begin = {0, 2, 4, 6};
   strain.rest_length = {0.1f, 0.2f, 0.3f};
   strain.names = {"a/1", "b/1", "c/1"};
-  ResidualModel model;
-  for (int f = 0; f < 6; ++f) model.ranges.push_back({0, 1, static_cast<float>(f), 1});
-  model.regions.resize(2);
-  model.regions[0].features = {0, 2, 5};
-  model.regions[1].features = {4, 5};
-  drop_unused_fibres(strain, model, 2);
+  ResidualTable table;
+  for (int f = 0; f < 6; ++f) table.features.push_back({0, 1, static_cast<float>(f), 1});
+  table.region_features = {0, 2, 5, 4, 5};
+  drop_unused_fibres(strain, table, 2);
   EXPECT_EQ(strain.names, (std::vector<std::string>{"a/1", "c/1"}));
   EXPECT_EQ(strain.rest_length, (std::vector<float>{0.1f, 0.3f}));
   EXPECT_EQ(strain.fibre_begin, (std::vector<std::uint32_t>{0, 2, 4}));
@@ -207,10 +214,9 @@ TEST(DropUnusedFibres, KeepsWhatTheOthersAre) {
   EXPECT_EQ(vertex(1), 11u);
   EXPECT_EQ(vertex(2), 13u);
   EXPECT_EQ(vertex(3), 13u);
-  EXPECT_EQ(model.regions[0].features, (std::vector<std::uint32_t>{0, 2, 4}));
-  EXPECT_EQ(model.regions[1].features, (std::vector<std::uint32_t>{3, 4}));
-  ASSERT_EQ(model.ranges.size(), 5u);
-  for (std::size_t f = 0; f < 5; ++f) EXPECT_EQ(model.ranges[f].mean, static_cast<float>(f < 3 ? f : f + 1));
+  EXPECT_EQ(table.region_features, (std::vector<std::uint32_t>{0, 2, 4, 3, 4}));
+  ASSERT_EQ(table.features.size(), 5u);
+  for (std::size_t f = 0; f < 5; ++f) EXPECT_EQ(table.features[f].mean, static_cast<float>(f < 3 ? f : f + 1));
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 #include "trainer/train/ablation.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "trainer/train/heldout.h"
 #include "trainer/train/mesh_table.h"
+#include "trainer/train/trade_off.h"
 #include "trainer/train/unpose.h"
 
 namespace bodyopt {
@@ -11,6 +13,9 @@ namespace {
 
 using Support = Method::Support;
 using Unposing = Method::Unposing;
+
+// Per region, so that `linear` can reach the bytes of the others.
+constexpr int kMostComponents = 128;
 
 struct NamedMethod {
   const char* name;
@@ -28,10 +33,6 @@ constexpr NamedMethod kMethods[] = {
     {"DDM + strains, kernels, dense", {Unposing::ddm, Support::whole_skin, true, true}},
     {"DDM + strains, kernels, static", {Unposing::ddm, Support::static_regions, true, true}},
 };
-
-double bytes_per_vertex(std::size_t bytes, const Basis& basis) {
-  return static_cast<double>(bytes) / basis.mesh.vertex_count();
-}
 
 // A joint index and a weight, four bytes each.
 double lbs_bytes_per_vertex(const Character& character) {
@@ -60,7 +61,7 @@ std::vector<Positions> heldout_by_corrected_lbs(const SampleSet& set, const Basi
 
 AblationRow row_of(const std::string& name, const SampleSet& set, const Basis& basis, double seconds) {
   Deformer deformer(basis, {.name = "cpu"});
-  return {name, heldout_errors(set, heldout_by_basis(set, deformer)), bytes_per_vertex(total_bytes(basis), basis),
+  return {name, heldout_errors(set, heldout_by_basis(set, deformer)), bytes_per_vertex(basis),
           basis.residual.coefficient_count(), seconds};
 }
 
@@ -71,9 +72,10 @@ AblationRow row_of(const NamedMethod& named, const SampleSet& set, TrainOptions 
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (named.method.unposing == Unposing::ddm) return row_of(named.name, set, basis, seconds);
   const auto tables = table_bytes(basis);
+  const auto learned = static_cast<double>(tables.at("strain") + tables.at("residual"));
   return {named.name, heldout_errors(set, heldout_by_corrected_lbs(set, basis)),
-          lbs_bytes_per_vertex(set.character) + bytes_per_vertex(tables.at("strain") + tables.at("residual"), basis),
-          basis.residual.coefficient_count(), seconds};
+          lbs_bytes_per_vertex(set.character) + learned / basis.mesh.vertex_count(), basis.residual.coefficient_count(),
+          seconds};
 }
 
 }  // namespace
@@ -83,7 +85,9 @@ std::vector<AblationRow> ablate(const SampleSet& set, const TrainOptions& option
   rows.push_back({"LBS", heldout_errors(set, heldout_by_lbs(set)), lbs_bytes_per_vertex(set.character), 0, 0});
   rows.push_back(row_of("DDM", set, without_residual(full), 0));
   TrainOptions matched = options;
-  matched.match_bytes = table_bytes(full).at("strain") + table_bytes(full).at("residual");
+  matched.components = std::max(options.components, kMostComponents);
+  matched.budget = bytes_per_vertex(full);
+  matched.tolerance_mm = 0;
   for (const NamedMethod& named : kMethods) rows.push_back(row_of(named, set, matched));
   rows.push_back(row_of("full: DDM + strains, kernels, dynamic", set, full, seconds));
   return rows;

@@ -68,6 +68,7 @@ Components principal_components(const Displacements& displacements, const Region
 
   Components components;
   components.energy = columns.colwise().squaredNorm().cast<double>().sum();
+  components.truncated = std::max(0.0, components.energy - singular.values.head(kept).squaredNorm());
   components.coefficients = singular.left.leftCols(kept) * singular.values.head(kept).asDiagonal();
   components.basis = singular.values.head(kept).cwiseInverse().asDiagonal() * singular.right.topRows(kept);
   for (std::size_t v = 0; v < region.vertices.size(); ++v) {

@@ -16,6 +16,7 @@ struct Components {
   Eigen::MatrixXd coefficients;  // N x K, metres
   Eigen::MatrixXd basis;         // K x 3 region vertices: what one metre of a coefficient adds, region weights included
   double energy = 0;             // square metres: the sum of all squared displacements, weighted by the region
+  double truncated = 0;          // of that, what the components leave
 };
 
 // The leading components of the displacements, weighted by the region, not centred (no displacement at rest means no

@@ -71,7 +71,7 @@ ErrorModel calibrate(const RegressionData& data, const Regression& regression, d
       if (!same_fold) of_others = std::min(of_others, distance);
     }
     nearest.push_back(of_others);
-    error.push_back(regression.frame_errors[n] * regression.frame_errors[n]);
+    error.push_back(regression.errors.row(static_cast<Index>(n)).squaredNorm());
     if (centres > 0) {
       sums[closest] += error.back();
       counts[closest] += 1;

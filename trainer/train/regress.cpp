@@ -111,16 +111,14 @@ class KernelRidge {
     return std::sqrt(sum / frames);
   }
 
-  // Per frame; not a number for frames of no fold.
-  std::vector<double> frame_errors(const Penalty& penalty) const {
-    std::size_t frames = guards_.rows.size();
-    for (const Fold& fold : folds_) frames += fold.rows.size();
-    std::vector<double> errors(frames, std::numeric_limits<double>::quiet_NaN());
+  // N x K: what each fold's frames differ from the fit of the others, 0 for frames of no fold.
+  MatrixXd errors(const Penalty& penalty) const {
+    Index frames = static_cast<Index>(guards_.rows.size());
+    for (const Fold& fold : folds_) frames += static_cast<Index>(fold.rows.size());
+    MatrixXd errors = MatrixXd::Zero(frames, guards_.right.cols());
     for (const Fold& held_out : folds_) {
-      const MatrixXd off = held_out.regressors * solve(sums_without(&held_out), penalty) - held_out.targets;
-      for (std::size_t k = 0; k < held_out.rows.size(); ++k) {
-        errors[static_cast<std::size_t>(held_out.rows[k])] = off.row(static_cast<Index>(k)).norm();
-      }
+      errors(held_out.rows, Eigen::all) =
+          held_out.regressors * solve(sums_without(&held_out), penalty) - held_out.targets;
     }
     return errors;
   }
@@ -216,7 +214,7 @@ Regression fit_regression(const RegressionData& data, int centre_count) {
   for (const double linear : kLinearPenalties) consider({linear, penalty.kernel});
   best.inverse_width2 = ridge->inverse_width2();
   best.weights = ridge->weights(penalty);
-  best.frame_errors = ridge->frame_errors(penalty);
+  best.errors = ridge->errors(penalty);
   return best;
 }
 

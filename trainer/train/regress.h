@@ -20,8 +20,8 @@ struct Regression {
   double inverse_width2 = 0;
   Eigen::MatrixXd weights;         // (F + M) x K, of [f, phi(f)]; no constant: what holds at rest is subtracted anyway
   std::vector<int> centre_frames;  // M: the frame of each centre, -1 for the rest pose
-  std::vector<double> frame_errors;  // N: the distance of each held-out frame's prediction, NaN for guard frames
-  double validation_error = 0;       // root mean square of the held-out folds' error, summed over the targets
+  Eigen::MatrixXd errors;          // N x K: of each frame as the fit of the other folds has it, 0 for guard frames
+  double validation_error = 0;     // root mean square of the held-out folds' error, summed over the targets
 };
 
 // Chooses width and penalties by cross-validation over the folds, then fits all frames. At most `centre_count` centres:

@@ -23,6 +23,8 @@ constexpr double kRadii[] = {0.06, 0.12, 0.2, 0.35};
 // Features of a region at most, where there are kernels: more cost bytes and time and teach it nothing (measured from
 // 32 to 400).
 constexpr std::size_t kMostFeatures = 40, kMostFeaturesOfAll = 200;  // of a region that is the whole skin
+// A region may do with all centres that it may have, a half or a quarter of them.
+constexpr int kCentreFractions[] = {1, 2, 4};
 // Cross-validation: blocks of consecutive frames, dealt to folds.
 constexpr int kFolds = 5, kLongestRun = 20;
 constexpr std::uint32_t kMostCoefficients = 65536;
@@ -71,7 +73,10 @@ void normalise(RegionModel& model) {
     if (!(largest > 0)) continue;
     components.basis.row(k) /= largest;
     components.coefficients.col(k) *= largest;
-    model.regression.weights.col(k) *= largest;
+    for (RegionFit& fit : model.fits) {
+      fit.regression.weights.col(k) *= largest;
+      fit.regression.errors.col(k) *= largest;
+    }
   }
 }
 
@@ -150,9 +155,13 @@ RegionModel fit_region(const RegionWeights& region, const SkinPart& part,
   model.features = best;
   model.worth = worth;
   const RegressionData chosen = data();
-  model.regression = fit_regression(chosen, centres);
-  const double truncated = std::max(0.0, model.components.energy - model.components.coefficients.squaredNorm());
-  model.expected = calibrate(chosen, model.regression, truncated / static_cast<double>(chosen.targets.rows()));
+  const double truncated = model.components.truncated / static_cast<double>(folds.size());
+  for (const int fraction : kCentreFractions) {
+    RegionFit& fit = model.fits.emplace_back();
+    fit.regression = fit_regression(chosen, centres / fraction);
+    fit.expected = calibrate(chosen, fit.regression, truncated);
+    if (centres == 0) break;
+  }
   normalise(model);
   return model;
 }
@@ -168,6 +177,9 @@ ResidualModel fit_residual(const Character& character, const UnposedShapes& shap
   model.ranges = features.ranges;
   model.vertices = shapes.vertex_count();
   model.regions.resize(regions.size());
+  for (std::size_t n = 0; n < folds.size(); ++n) {
+    if (folds[n] >= 0) model.heldout_frames.push_back(static_cast<Index>(n));
+  }
   const std::vector<std::size_t> frames = spread_evenly(takes.size(), takes.size());
   const std::vector<SkinPart> parts = parts_that_fit(regions, frames.size(), options.memory_gib);
   for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -186,33 +198,25 @@ ResidualModel fit_residual(const Character& character, const UnposedShapes& shap
   return model;
 }
 
-void drop_unused_fibres(StrainTable& strain, ResidualModel& model, std::uint32_t first) {
-  std::vector<bool> used(model.ranges.size(), false);
-  for (const RegionModel& region : model.regions) {
-    for (const std::uint32_t feature : region.features) used[feature] = true;
-  }
-  std::vector<FeatureRange> ranges;
-  std::vector<std::uint32_t> place(model.ranges.size()), kept;
+void drop_unused_fibres(StrainTable& strain, ResidualTable& residual, std::uint32_t first) {
+  std::vector<bool> used(residual.features.size(), false);
+  for (const std::uint32_t feature : residual.region_features) used[feature] = true;
+  std::vector<FeatureRange> features;
+  std::vector<std::uint32_t> place(residual.features.size()), kept;
   const std::uint32_t end = first + strain.fibre_count();
-  for (std::uint32_t f = 0; f < model.ranges.size(); ++f) {
+  for (std::uint32_t f = 0; f < residual.feature_count(); ++f) {
     const bool fibre = f >= first && f < end;
     if (fibre && !used[f]) continue;
-    place[f] = static_cast<std::uint32_t>(ranges.size());
-    ranges.push_back(model.ranges[f]);
+    place[f] = static_cast<std::uint32_t>(features.size());
+    features.push_back(residual.features[f]);
     if (fibre) kept.push_back(f - first);
   }
-  model.ranges = std::move(ranges);
-  for (RegionModel& region : model.regions) {
-    for (std::uint32_t& feature : region.features) feature = place[feature];
-  }
+  residual.features = std::move(features);
+  for (std::uint32_t& feature : residual.region_features) feature = place[feature];
   strain = keep_fibres(strain, kept);
 }
 
 namespace {
-
-double root_mean_square(const Eigen::VectorXd& values) {
-  return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
-}
 
 // A column's vectors at the lanes of a block.
 using BlockVectors = Eigen::Matrix<double, 3, kBlockSize>;
@@ -237,12 +241,12 @@ BlendEntry pack_entry(const BlockVectors& vectors, std::uint32_t coefficient) {
 
 class Packer {
  public:
-  Packer(const ResidualModel& model, int components, double negligible)
-      : components_(components), negligible_(negligible), blend_((model.vertices + kBlockSize - 1) / kBlockSize) {
+  Packer(const ResidualModel& model, const Selection& selection)
+      : blend_((model.vertices + kBlockSize - 1) / kBlockSize) {
     table_.controls = model.controls;
     table_.features = model.ranges;
     for (std::size_t r = 0; r < model.regions.size(); ++r) {
-      if (add(model.regions[r])) regions_.push_back(r);
+      if (add(model.regions[r], selection[r])) regions_.push_back(r);
     }
     table_.blend_begin = {0};
     for (const std::vector<BlendEntry>& entries : blend_) {
@@ -255,10 +259,10 @@ class Packer {
 
  private:
   // Whether anything of the region is kept.
-  bool add(const RegionModel& model) {
-    const std::vector<Index> kept = add_columns(model);
+  bool add(const RegionModel& model, const SelectedRegion& selected) {
+    const std::vector<Index> kept = add_columns(model, selected.blocks);
     if (kept.empty()) return false;
-    const Regression& regression = model.regression;
+    const Regression& regression = model.fits[selected.fit].regression;
     const auto count = [](std::size_t size) { return static_cast<std::uint32_t>(size); };
     Region region;
     region.feature_begin = count(table_.region_features.size());
@@ -293,39 +297,30 @@ class Packer {
   }
 
   // Blend entries of the region's components, and which components have any.
-  std::vector<Index> add_columns(const RegionModel& model) {
+  std::vector<Index> add_columns(const RegionModel& model, const std::vector<std::vector<std::uint32_t>>& blocks) {
     std::vector<Index> kept;
-    const Components& components = model.components;
-    const Index most = std::min<Index>(components_, components.basis.rows());
-    for (Index k = 0; k < most; ++k) {
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
       const std::uint32_t coefficient = table_.coefficient_count() + static_cast<std::uint32_t>(kept.size());
-      if (coefficient >= kMostCoefficients) break;
-      const double size = root_mean_square(components.coefficients.col(k));
-      if (add_column(model.region.vertices, components.basis.row(k), size, coefficient)) kept.push_back(k);
+      if (blocks[k].empty() || coefficient >= kMostCoefficients) continue;
+      kept.push_back(static_cast<Index>(k));
+      for (const std::uint32_t block : blocks[k]) {
+        blend_[block].push_back(pack_entry(vectors_in(block, model, kept.back()), coefficient));
+      }
     }
     return kept;
   }
 
-  // Blend entries of one column in every block where it moves a vertex by more than what is negligible. `size`: of its
-  // coefficient, metres. False when there are none.
-  bool add_column(const std::vector<std::uint32_t>& vertices, const Eigen::RowVectorXd& column, double size,
-                  std::uint32_t coefficient) {
-    bool any = false;
-    for (std::size_t next = 0; next < vertices.size();) {
-      const std::uint32_t block = vertices[next] / kBlockSize;
-      BlockVectors vectors = BlockVectors::Zero();
-      for (; next < vertices.size() && vertices[next] / kBlockSize == block; ++next) {
-        vectors.col(vertices[next] % kBlockSize) = column.segment<3>(3 * static_cast<Index>(next)).transpose();
-      }
-      if (!(size * vectors.colwise().norm().maxCoeff() > negligible_)) continue;
-      blend_[block].push_back(pack_entry(vectors, coefficient));
-      any = true;
+  static BlockVectors vectors_in(std::uint32_t block, const RegionModel& model, Index component) {
+    const std::vector<std::uint32_t>& vertices = model.region.vertices;
+    const auto first = std::lower_bound(vertices.begin(), vertices.end(), block * kBlockSize);
+    BlockVectors vectors = BlockVectors::Zero();
+    for (auto v = first; v != vertices.end() && *v / kBlockSize == block; ++v) {
+      vectors.col(*v % kBlockSize) =
+          model.components.basis.row(component).segment<3>(3 * (v - vertices.begin())).transpose();
     }
-    return any;
+    return vectors;
   }
 
-  int components_;
-  double negligible_;
   std::vector<std::vector<BlendEntry>> blend_;
   ResidualTable table_;
   std::vector<std::size_t> regions_;
@@ -333,8 +328,8 @@ class Packer {
 
 }  // namespace
 
-PackedResidual pack_residual(const ResidualModel& model, int components, double negligible) {
-  return Packer(model, components, negligible).take();
+PackedResidual pack_residual(const ResidualModel& model, const Selection& selection) {
+  return Packer(model, selection).take();
 }
 
 }  // namespace bodyopt

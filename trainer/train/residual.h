@@ -16,14 +16,19 @@
 
 namespace bodyopt {
 
-// One region after its regression: coefficients = weights^T [f, phi(f)] less their value at rest.
+// One way from features to coefficients = weights^T [f, phi(f)] less their value at rest.
+struct RegionFit {
+  Regression regression;
+  ErrorModel expected;  // of the region's energy, square metres
+};
+
+// One region after its regressions.
 struct RegionModel {
   RegionWeights region;
   std::vector<std::uint32_t> features;  // feature indices, ascending
   std::vector<double> worth;            // square metres: the energy of the motion that each explains, in a linear fit
   Components components;                // every basis column scaled so that its largest entry is 1
-  Regression regression;
-  ErrorModel expected;  // of the region's energy, square metres
+  std::vector<RegionFit> fits;          // with ever fewer centres; never none
 };
 
 // All of them, ready to be packed.
@@ -32,6 +37,7 @@ struct ResidualModel {
   std::vector<FeatureRange> ranges;
   std::vector<RegionModel> regions;
   std::uint32_t vertices = 0;
+  std::vector<Eigen::Index> heldout_frames;  // the training frames that cross-validation held out, all but guard frames
 };
 
 // Components, then features and regression of every region. The radius within which a region sees features is chosen
@@ -41,17 +47,23 @@ ResidualModel fit_residual(const Character& character, const UnposedShapes& shap
                            const std::vector<RegionWeights>& regions, const std::vector<FeatureGroup>& groups,
                            const FeatureSamples& features, const std::vector<int>& takes, const TrainOptions& options);
 
-// Leaves out fibres that no region listens to, from the table and from the model's features. `first`: feature index of
-// the first strain.
-void drop_unused_fibres(StrainTable& strain, ResidualModel& model, std::uint32_t first);
+// What is kept of one region.
+struct SelectedRegion {
+  std::size_t fit = 0;
+  std::vector<std::vector<std::uint32_t>> blocks;  // of each component those with an entry, ascending; empty: nothing
+};
+
+// Of every region of a model.
+using Selection = std::vector<SelectedRegion>;
 
 struct PackedResidual {
   ResidualTable table;
-  std::vector<std::size_t> regions;  // of the model: those that move anything by more than is negligible
+  std::vector<std::size_t> regions;  // of the model: those of which anything is kept
 };
 
-// The first `components` of every region. Entries that move no vertex of their block by more than `negligible` (metres,
-// root mean square over the training frames) are left out.
-PackedResidual pack_residual(const ResidualModel& model, int components, double negligible);
+PackedResidual pack_residual(const ResidualModel& model, const Selection& selection);
+
+// Leaves out fibres that no region listens to. `first`: feature index of the first strain.
+void drop_unused_fibres(StrainTable& strain, ResidualTable& residual, std::uint32_t first);
 
 }  // namespace bodyopt

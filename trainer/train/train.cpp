@@ -18,6 +18,7 @@
 #include "trainer/train/regions.h"
 #include "trainer/train/residual.h"
 #include "trainer/train/strain.h"
+#include "trainer/train/trade_off.h"
 #include "trainer/train/unpose.h"
 #include "trainer/train/unposed_shapes.h"
 
@@ -26,12 +27,6 @@ namespace {
 
 // Fewer frames cannot be split for cross-validation.
 constexpr std::size_t kFewestFrames = 12;
-// Components per region that `linear` may have to reach the bytes asked for.
-constexpr int kMostComponents = 128;
-// An entry of the basis that moves no vertex of its block by more than this part of the mean displacement is left out
-// (both root mean square over the training frames).
-constexpr double kNegligible = 6e-3;
-
 // Direct Delta Mush and nothing else, and the moments it is made of. `ordered`: the character in runtime order.
 struct Base {
   Basis basis;
@@ -57,6 +52,8 @@ Base make_base(const Character& ordered, double radius, const TrainOptions& opti
                                      {"smoothing_steps", options.smoothing_steps},
                                      {"components", options.components},
                                      {"centres", options.centres},
+                                     {"budget", options.budget},
+                                     {"tolerance_mm", options.tolerance_mm},
                                      {"seed", options.seed}};
   basis.metadata["provenance"] = provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   return base;
@@ -95,10 +92,14 @@ double left_to_learn(const SampleSet& set, const Character& ordered, const Basis
 // own size tells.
 Base choose_base(const SampleSet& set, const Character& ordered, const std::vector<std::uint32_t>& order,
                  const TrainOptions& options) {
+  const auto fits = [&](const Base& base) {
+    return !(options.budget > 0) || bytes_per_vertex(base.basis) <= options.budget;
+  };
   if (options.smoothing_radius > 0) return make_base(ordered, options.smoothing_radius, options);
   const double radius = default_smoothing_radius(ordered.vertices);
   Base base = make_base(ordered, radius, options), wider = make_base(ordered, 2 * radius, options);
-  const bool better = left_to_learn(set, ordered, wider.basis, order) < left_to_learn(set, ordered, base.basis, order);
+  const bool better =
+      fits(wider) && left_to_learn(set, ordered, wider.basis, order) < left_to_learn(set, ordered, base.basis, order);
   return better ? std::move(wider) : std::move(base);
 }
 
@@ -141,6 +142,8 @@ std::vector<std::uint32_t> inverse_of(const std::vector<std::uint32_t>& order) {
 Base base_with_fibres(const SampleSet& set, const Character& ordered, const std::vector<std::uint32_t>& order,
                       const TrainOptions& options) {
   Base base = choose_base(set, ordered, order, options);
+  const double bytes = bytes_per_vertex(base.basis);
+  if (options.budget > 0 && bytes > options.budget) refuse_budget(options.budget, bytes, "Direct Delta Mush alone");
   if (options.method.strains) base.basis.strain = make_strain_table(base.basis, set.muscles);
   return base;
 }
@@ -173,46 +176,18 @@ struct Groundwork {
   std::vector<RegionWeights> regions;
 };
 
-// Root mean square over vertices and frames: region weights sum to one at every vertex.
-double mean_displacement(const ResidualModel& model, std::size_t frames) {
-  double energy = 0;
-  for (const RegionModel& region : model.regions) energy += region.components.energy;
-  return std::sqrt(energy / (static_cast<double>(frames) * model.vertices));
-}
-
-// The packed residual and what coverage needs to know of its regions.
-void set_residual(Basis& basis, const Character& character, const ResidualModel& model, PackedResidual packed) {
-  basis.residual = std::move(packed.table);
+// What coverage needs to know of the regions that are kept. `packed`: those of the model.
+std::vector<RegionCoverage> region_coverage(const Character& character, const ResidualModel& model,
+                                            const std::vector<std::size_t>& packed, const Worth& worth,
+                                            const Selection& selection) {
   std::vector<RegionCoverage> regions;
-  for (const std::size_t r : packed.regions) {
+  for (const std::size_t r : packed) {
     const RegionModel& region = model.regions[r];
     const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
-    regions.push_back({joints_of(character, region.region), size, region.expected});
+    regions.push_back({joints_of(character, region.region), size, region.fits[selection[r].fit].expected});
+    for (double& local : regions.back().expected.local) local += worth.forgone(selection, r);
   }
-  basis.metadata["coverage"] = coverage_text(regions);
-}
-
-// The residual of the bytes and coefficients to match: as many components per region as it takes, then smaller entries,
-// then all there is.
-PackedResidual pack_to_match(Basis& basis, const ResidualModel& model, int components, double negligible,
-                             const TrainOptions& options) {
-  const auto matches = [&](int count) {
-    basis.residual = pack_residual(model, count, negligible).table;
-    return table_bytes(basis).at("strain") + table_bytes(basis).at("residual") >= options.match_bytes &&
-           basis.residual.coefficient_count() >= options.match_coefficients;
-  };
-  constexpr int kHalvings = 20;
-  for (int k = 0; k < kHalvings && !matches(components); ++k) negligible *= 0.5;
-  int low = 1, high = components;
-  while (low < high) {
-    const int middle = (low + high) / 2;
-    if (matches(middle)) {
-      high = middle;
-    } else {
-      low = middle + 1;
-    }
-  }
-  return pack_residual(model, low, negligible);
+  return regions;
 }
 
 // How much each region moves and what cross-validation left of it, root mean square over its vertices and frames.
@@ -221,7 +196,7 @@ nlohmann::json region_report(const Character& character, const ResidualModel& mo
   for (const RegionModel& region : model.regions) {
     const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
     const double motion2 = region.components.energy / (static_cast<double>(frames) * size);
-    const double left2 = std::pow(region.regression.validation_error, 2) / size;
+    const double left2 = std::pow(region.fits.front().regression.validation_error, 2) / size;
     list.push_back({{"name", region.region.name},
                     {"joint", joints_of(character, region.region).front()},
                     {"vertices", region.region.vertices.size()},
@@ -251,21 +226,18 @@ nlohmann::json muscle_report(const StrainTable& strain, const std::vector<Muscle
   return worth;
 }
 
-// What training says of itself.
-void add_report(Basis& basis, const Character& character, const SampleSet& set, const ResidualModel& model) {
-  double error2 = 0;
-  for (const RegionModel& region : model.regions) error2 += std::pow(region.regression.validation_error, 2);
-  const nlohmann::json report = {{"train_frames", set.train.size()},
-                                 {"heldout_frames", set.heldout.size()},
-                                 {"unconverged_frames", set.unconverged},
-                                 {"fibres", basis.strain.fibre_count()},
-                                 {"coefficients", basis.residual.coefficient_count()},
-                                 {"centres", basis.residual.centre_count()},
-                                 {"validation_rms_mm", 1e3 * std::sqrt(error2 / basis.mesh.vertex_count())},
-                                 {"regions", region_report(character, model, set.train.size())},
-                                 {"muscles_explain_percent", muscle_report(basis.strain, set.muscles, model,
-                                                                           joint_feature_count(basis.skeleton))}};
-  basis.metadata["report"] = report.dump();
+// What training says of itself. `fibres`: all of them, as the model's features are numbered.
+nlohmann::json report_of(const Basis& basis, const Character& character, const SampleSet& set,
+                         const ResidualModel& model, const StrainTable& fibres, double expected) {
+  return {{"train_frames", set.train.size()},
+          {"heldout_frames", set.heldout.size()},
+          {"unconverged_frames", set.unconverged},
+          {"fibres", basis.strain.fibre_count()},
+          {"coefficients", basis.residual.coefficient_count()},
+          {"centres", basis.residual.centre_count()},
+          {"expected_rms_mm", 1e3 * expected},
+          {"regions", region_report(character, model, set.train.size())},
+          {"muscles_explain_percent", muscle_report(fibres, set.muscles, model, joint_feature_count(basis.skeleton))}};
 }
 
 }  // namespace
@@ -292,17 +264,18 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
   Basis& basis = ground.base.basis;
   std::vector<int> takes;
   for (const Sample& sample : set.train) takes.push_back(sample.take);
-  TrainOptions fit_options = options;
-  if (options.match_bytes > 0) fit_options.components = std::max(options.components, kMostComponents);
   ResidualModel model =
-      fit_residual(ordered, ground.shapes, ground.regions, ground.groups, ground.features, takes, fit_options);
+      fit_residual(ordered, ground.shapes, ground.regions, ground.groups, ground.features, takes, options);
   model.controls = set.controls;
-  drop_unused_fibres(basis.strain, model, joint_feature_count(basis.skeleton));
-  const double negligible = kNegligible * mean_displacement(model, set.train.size());
-  set_residual(basis, ordered, model,
-               options.match_bytes > 0 ? pack_to_match(basis, model, fit_options.components, negligible, options)
-                                       : pack_residual(model, options.components, negligible));
-  add_report(basis, ordered, set, model);
+  const Basis bare = basis;
+  const TradeOff trade_off(bare, model);
+  const Selection selection = trade_off.choose(options);
+  const PackedResidual packed = pack_into(basis, model, selection);
+  basis.metadata["coverage"] =
+      coverage_text(region_coverage(ordered, model, packed.regions, trade_off.worth(), selection));
+  basis.metadata["curve"] = curve_text(trade_off.curve());
+  basis.metadata["report"] =
+      report_of(basis, ordered, set, model, bare.strain, expected_error(model, selection)).dump();
   return std::move(basis);
 }
 

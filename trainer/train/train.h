@@ -24,14 +24,15 @@ struct TrainOptions {
   // learn on the training frames.
   double smoothing_radius = 0;
   int smoothing_steps = 20;  // DDM p
-  int components = 24;       // coefficients per region at most
+  int components = 32;       // coefficients per region at most
   int centres = 256;         // kernel centres per region at most
   double memory_gib = 4;  // un-posed motion takes about half of it, one region's at least; a pass over all frames for
                           // every part of the skin that fits
   std::uint64_t seed = 1;
   Method method{};
-  // Components are raised until strain and residual have as many bytes and coefficients as these.
-  std::size_t match_bytes = 0, match_coefficients = 0;
+  // How large the basis is to be, one of them at most; without, as large as is worth it.
+  double budget = 0;        // bytes of all tables per vertex at most
+  double tolerance_mm = 0;  // as small as its expected error allows
 };
 
 // One training or held-out frame.

@@ -1,0 +1,112 @@
+// The two dials of a basis' size, and the curve of what they can ask for, on the synthetic limb.
+#include "trainer/train/trade_off.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "runtime/basis/error.h"
+#include "tests/support/capsule_limb.h"
+#include "trainer/train/heldout.h"
+
+namespace bodyopt {
+namespace {
+
+const SampleSet& samples() {
+  static const SampleSet set = limb_samples(160, 60);
+  return set;
+}
+
+Basis trained(double budget, double tolerance_mm) {
+  return train(samples(), {.centres = 60, .budget = budget, .tolerance_mm = tolerance_mm});
+}
+
+const Basis& usual() {
+  static const Basis basis = trained(0, 0);
+  return basis;
+}
+
+double expected_mm(const Basis& basis) {
+  return nlohmann::json::parse(basis.metadata.at("report")).at("expected_rms_mm");
+}
+
+double heldout_rms(const Basis& basis) {
+  Deformer deformer(basis, {.name = "cpu"});
+  return heldout_errors(samples(), heldout_by_basis(samples(), deformer)).rms;
+}
+
+std::string refusal(double budget) {
+  try {
+    trained(budget, 0);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::usage);
+    return error.what();
+  }
+  return "";
+}
+
+TEST(TradeOff, TheCurveRunsFromDirectDeltaMushToEverything) {
+  const std::vector<TradeOffPoint> curve = read_curve(usual());
+  ASSERT_GE(curve.size(), 12u);
+  const Basis bare = without_residual(usual());
+  EXPECT_EQ(curve.front().coefficients, 0u);
+  EXPECT_NEAR(curve.front().bytes_per_vertex, bytes_per_vertex(bare), 1);
+  // All frames that cross-validation held out: what Direct Delta Mush leaves of them.
+  EXPECT_NEAR(curve.front().expected_mm, unposing_residual(samples(), usual()).ddm, 0.1 * curve.front().expected_mm);
+  for (std::size_t k = 1; k < curve.size(); ++k) {
+    EXPECT_GE(curve[k].bytes_per_vertex, curve[k - 1].bytes_per_vertex) << k;
+    EXPECT_GE(curve[k].microseconds, curve[k - 1].microseconds) << k;
+    EXPECT_LE(curve[k].expected_mm, 1.01 * curve[k - 1].expected_mm) << k;
+  }
+  EXPECT_LT(curve.back().expected_mm, 0.2 * curve.front().expected_mm);
+  EXPECT_EQ(read_curve(bare).size(), curve.size());
+  EXPECT_TRUE(read_curve(build_ddm_basis(samples().character, {})).empty());
+}
+
+TEST(TradeOff, ABudgetIsKeptAndUsed) {
+  const std::vector<TradeOffPoint> curve = read_curve(usual());
+  const double least = curve.front().bytes_per_vertex, most = curve.back().bytes_per_vertex;
+  double last = 1e9;
+  for (const double share : {0.3, 0.8}) {
+    const double budget = least + share * (most - least);
+    const Basis basis = trained(budget, 0);
+    EXPECT_LE(bytes_per_vertex(basis), budget);
+    EXPECT_GT(bytes_per_vertex(basis), least + 0.8 * share * (most - least));
+    const double rms = heldout_rms(basis);
+    EXPECT_LT(rms, last);
+    last = rms;
+  }
+}
+
+TEST(TradeOff, BudgetsTooSmallToLearnAnythingAreRefused) {
+  const double ddm = bytes_per_vertex(without_residual(usual()));
+  const std::string below = refusal(0.5 * ddm), barely = refusal(ddm + 1);
+  EXPECT_NE(below.find("Direct Delta Mush alone takes"), std::string::npos) << below;
+  EXPECT_NE(below.find("--smoothing-radius"), std::string::npos) << below;
+  EXPECT_NE(barely.find("the least that holds anything learned takes"), std::string::npos) << barely;
+}
+
+TEST(TradeOff, AToleranceIsMetWithFewBytes) {
+  const double tolerance = 3 * expected_mm(usual());
+  const Basis basis = trained(0, tolerance);
+  EXPECT_LE(expected_mm(basis), tolerance);
+  EXPECT_GT(expected_mm(basis), 0.7 * tolerance);
+  EXPECT_LT(bytes_per_vertex(basis), bytes_per_vertex(usual()));
+}
+
+TEST(TradeOff, AToleranceOutOfReachGivesTheBestThereIs) {
+  const Basis basis = trained(0, 1e-6);
+  EXPECT_DOUBLE_EQ(bytes_per_vertex(basis), read_curve(usual()).back().bytes_per_vertex);
+  EXPECT_GT(expected_mm(basis), 1e-6);
+}
+
+TEST(TradeOff, ACurveThatIsDamagedIsRefused) {
+  Basis basis = without_residual(usual());
+  for (const char* text : {"", "[", "[{}]", "[1]", R"([{"bytes_per_vertex": "many"}])"}) {
+    basis.metadata["curve"] = text;
+    EXPECT_THROW(read_curve(basis), Error) << text;
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt

@@ -1,0 +1,114 @@
+// What is kept at a price, against arithmetic done by hand, and what is left, against a sum over all vertices.
+#include "trainer/train/worth.h"
+
+#include <gtest/gtest.h>
+
+#include "runtime/cpu/kernels.h"
+#include "tests/support/random_tables.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr std::uint32_t kVertices = 32, kBlocks = 2;
+constexpr Eigen::Index kFrames = 10, kCentres = 4;
+
+Regression fit_of(Eigen::Index centres, const Eigen::MatrixXd& errors) {
+  Regression fit;
+  fit.centres = Eigen::MatrixXd::Zero(centres, 1);
+  fit.weights = Eigen::MatrixXd::Zero(1 + centres, errors.cols());
+  fit.errors = errors;
+  return fit;
+}
+
+// One region of all vertices and two components, each in a block of its own with a squared length of one there. Their
+// coefficients are 2 and 1 m in every frame; the regression is off by 1 and 0.5 m; with fewer centres, by 1.2 and 1 m.
+ResidualModel small_model() {
+  ResidualModel model;
+  model.vertices = kVertices;
+  RegionModel& region = model.regions.emplace_back();
+  for (std::uint32_t v = 0; v < kVertices; ++v) region.region.vertices.push_back(v);
+  region.region.weights.assign(kVertices, 1.0);
+  region.features = {0};
+  Components& components = region.components;
+  components.coefficients = Eigen::RowVector2d(2, 1).replicate(kFrames, 1);
+  components.basis = Eigen::MatrixXd::Zero(2, 3 * kVertices);
+  components.basis(0, 5) = components.basis(1, 3 * 20 + 1) = 1;
+  components.truncated = 0.25 * kFrames;
+  components.energy = components.coefficients.squaredNorm() + components.truncated;
+  region.fits.push_back({fit_of(kCentres, Eigen::RowVector2d(1, 0.5).replicate(kFrames, 1)), {}});
+  region.fits.push_back({fit_of(1, Eigen::RowVector2d(1.2, 1).replicate(kFrames, 1)), {}});
+  for (Eigen::Index n = 0; n < kFrames; ++n) model.heldout_frames.push_back(n);
+  return model;
+}
+
+constexpr double kMotion = (4 + 1 + 0.25) / kVertices;
+// What the first component saves with all centres; the second one saves a quarter of it.
+constexpr double kSaved[] = {4 - 1, 1 - 0.25}, kSavedByFewer = 4 - 1.44;
+
+// Bytes of the tables that come with what is kept.
+double bytes(const ResidualModel& model, const Selection& selection) {
+  const ResidualTable table = pack_residual(model, selection).table;
+  return static_cast<double>(table.blend.size() * sizeof(BlendEntry) + table.regions.size() * sizeof(Region) +
+                             sizeof(float) *
+                                 (table.region_features.size() + table.centre_region.size() + table.centres.size() +
+                                  table.coefficient_region.size() + table.weights.size()));
+}
+
+TEST(Worth, KeepsWhatSavesMoreThanItCosts) {
+  const ResidualModel model = small_model();
+  const Worth worth(model);
+  const Selection all = worth.at(0);
+  EXPECT_EQ(all[0].fit, 0u);
+  EXPECT_EQ(all[0].blocks, (std::vector<std::vector<std::uint32_t>>{{0}, {1}}));
+  Selection one = all;
+  one[0].blocks[1].clear();
+  const double second = bytes(model, all) - bytes(model, one);
+  const double price = kSaved[1] / second / kMotion;  // at which the second component is worth just what it takes
+  EXPECT_EQ(worth.at(0.999 * price)[0].blocks, all[0].blocks);
+  EXPECT_EQ(worth.at(1.001 * price)[0].blocks, one[0].blocks);
+  EXPECT_NEAR(worth.forgone(all, 0), 0, 1e-12);
+  EXPECT_NEAR(worth.forgone(one, 0), kSaved[1], 1e-12);
+}
+
+TEST(Worth, DearBytesLeaveFewerCentresAndThenNothing) {
+  const ResidualModel model = small_model();
+  const Worth worth(model);
+  Selection many = worth.at(0), few = many;
+  many[0].blocks[1].clear();
+  few[0] = {1, many[0].blocks};
+  const double saved_bytes = bytes(model, many) - bytes(model, few);
+  ASSERT_GT(saved_bytes, 0);
+  const double price = (kSaved[0] - kSavedByFewer) / saved_bytes / kMotion;
+  EXPECT_EQ(worth.at(0.999 * price)[0].fit, 0u);
+  EXPECT_EQ(worth.at(1.001 * price)[0].fit, 1u);
+  const double last = kSavedByFewer / bytes(model, few) / kMotion;
+  EXPECT_EQ(worth.at(0.999 * last)[0].blocks, few[0].blocks);
+  EXPECT_TRUE(worth.at(1.001 * last)[0].blocks.empty());
+  EXPECT_NEAR(worth.forgone(worth.at(1.001 * last), 0), kSaved[0] + kSaved[1], 1e-12);
+}
+
+TEST(Worth, ComponentsThatDoHarmAreNeverKept) {
+  ResidualModel model = small_model();
+  for (RegionFit& fit : model.regions[0].fits) fit.regression.errors.col(1).setConstant(1.1);
+  const Selection selection = Worth(model).at(0);
+  EXPECT_FALSE(selection[0].blocks[0].empty());
+  EXPECT_TRUE(selection[0].blocks[1].empty());
+}
+
+// Two regions that overlap and err against each other or alike: the sum over regions, vertex by vertex.
+TEST(ExpectedError, IsThatOfTheSumOfAllRegions) {
+  for (const double sign : {1.0, -1.0}) {
+    ResidualModel model = small_model();
+    model.regions.push_back(model.regions[0]);
+    model.regions[1].fits[0].regression.errors *= sign;
+    Selection selection = Worth(model).at(0);
+    selection[1].blocks[1].clear();
+    const double first = 1 + sign;  // both kept
+    const double second = 0.5 - 1;  // one kept; the other one's metre is missing
+    const double expected = std::sqrt((first * first + second * second + 2 * 0.25) / kVertices);
+    EXPECT_NEAR(expected_error(model, selection), expected, 1e-12) << sign;
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt

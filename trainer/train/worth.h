@@ -1,0 +1,54 @@
+// What of a residual is worth its bytes.
+//
+// A blend entry (a component in a block of vertices) saves what its component takes off the mean square error in
+// cross-validation, times the squared length of the component's vectors in the block. It costs its record; a component
+// costs its row of weights besides, a region its features and centres. At a price per byte, an entry is kept that saves
+// more than it costs, a component whose entries save more than they and its row cost, a region whose components save
+// more than all of it costs, with the centres that leave most over: for what this takes, nothing saves more (Everett
+// 1963, generalised Lagrange multipliers). The higher the price, the fewer the bytes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "trainer/train/residual.h"
+
+namespace bodyopt {
+
+class Worth {
+ public:
+  explicit Worth(const ResidualModel& model);
+
+  // What is kept at a price per byte, in mean squared displacements of a vertex.
+  Selection at(double price) const;
+
+  // Square metres that what is left out of a region would take off its mean square error.
+  double forgone(const Selection& selection, std::size_t region) const;
+
+ private:
+  struct Entry {
+    std::uint32_t block;
+    double saved;  // square metres
+  };
+  // A region with one of its fits.
+  struct Candidate {
+    std::vector<std::vector<Entry>> components;
+    double bytes, component_bytes;  // of the region itself; of each component without its entries
+  };
+  static Candidate candidate(const RegionModel& region, const Regression& fit, const std::vector<Eigen::Index>& frames);
+  struct Bid {
+    SelectedRegion region;
+    double gain;  // square metres, what is saved less the price
+  };
+  static Bid bid(const Candidate& candidate, double per_byte);
+
+  std::vector<std::vector<Candidate>> regions_;  // by fit
+  double vertex_motion_ = 0;                     // square metres, mean over vertices and frames
+};
+
+// Root mean square (metres) of what a selection leaves of the displacements, over the vertices and at most 400 frames
+// of cross-validation. An estimate: what the components of a region leave of it is taken to add up with the other
+// regions', and rounding to bytes to cost nothing.
+double expected_error(const ResidualModel& model, const Selection& selection);
+
+}  // namespace bodyopt
