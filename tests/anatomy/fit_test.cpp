@@ -10,7 +10,7 @@
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/anatomy/align.h"
-#include "trainer/anatomy/skin_depth.h"
+#include "trainer/tets/skin_depth.h"
 
 namespace bodyopt::anatomy {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "trainer/builtin/implicit.h"
 #include "trainer/builtin/march.h"
-#include "trainer/builtin/remesh.h"
+#include "trainer/tets/remesh.h"
 
 namespace bodyopt {
 namespace {
@@ -118,7 +118,8 @@ TEST(Remesh, GivesEvenTrianglesAndKeepsTheHandle) {
   const Solid solid(ring());
   const auto size = [](const Vector3d& p) { return p.x() < 0 ? 0.012 : 0.018; };
   const Surface rough = march(solid, {-0.2, -0.2, -0.2}, {0.2, 0.2, 0.2}, 0.01, 0.002);
-  const Surface even = remesh(rough, solid, size, 6);
+  const Surface even = remesh(
+      rough, [&](const Eigen::Vector3d& p) { return solid.project(p); }, size, 6);
   EXPECT_EQ(euler_number(even), 0);
   for (const Vector3d& p : even.points) EXPECT_NEAR(solid.distance(p), 0, 1e-6);
   double left = 0, right = 0;

@@ -17,7 +17,7 @@ namespace bodyopt {
 namespace {
 
 QuasiStaticBody caged(const Character& character, const std::vector<Muscle>& muscles, Eigen::Index nodes) {
-  return {character, muscles, cage_of_nodes(character.vertices, character.triangles, nodes)};
+  return {character, muscles, make_cage(character.vertices, character.triangles, nodes)};
 }
 
 double rms(const Positions& a, const Positions& b) { return std::sqrt((a - b).rowwise().squaredNorm().mean()); }

@@ -4,6 +4,7 @@
 
 #include "runtime/basis/error.h"
 #include "tests/simulate/limb.h"
+#include "trainer/tets/lattice_cage.h"
 
 namespace bodyopt {
 namespace {
@@ -42,7 +43,7 @@ TEST(CheckMuscles, AllOfThemAreNamed) {
 TEST(CheckMuscles, NoTetSizeIsAdvisedInACage) {
   const Character limb = make_limb();
   const std::vector<Muscle> muscles{make_flexor(), thread("a")};
-  const QuasiStaticBody body(limb, muscles, cage_of_nodes(limb.vertices, limb.triangles, 300));
+  const QuasiStaticBody body(limb, muscles, lattice_cage(limb.vertices, limb.triangles, 300));
   EXPECT_EQ(check_muscles(limb, muscles, body), "1 muscle fills no tetrahedron of its own and does nothing: 'a'");
 }
 

@@ -11,7 +11,7 @@
 #include "tests/support/capsule_limb.h"
 #include "trainer/train/features.h"
 #include "trainer/train/mesh_table.h"
-#include "trainer/train/nearest_skin.h"
+#include "trainer/tets/nearest_skin.h"
 #include "trainer/train/strain.h"
 #include "trainer/train/unpose.h"
 

@@ -7,7 +7,7 @@
 
 #include "runtime/basis/error.h"
 #include "trainer/anatomy/align.h"
-#include "trainer/anatomy/skin_depth.h"
+#include "trainer/tets/skin_depth.h"
 
 namespace bodyopt::anatomy {
 namespace {

@@ -4,8 +4,8 @@
 #include "trainer/builtin/arm_muscles.h"
 #include "trainer/builtin/arm_skeleton.h"
 #include "trainer/builtin/march.h"
-#include "trainer/builtin/remesh.h"
 #include "trainer/builtin/weights.h"
+#include "trainer/tets/remesh.h"
 
 namespace bodyopt {
 namespace {
@@ -19,7 +19,9 @@ constexpr int kRemeshRounds = 6;
 Surface make_skin() {
   const Vector3d low(-0.80, 0.90, -0.20), high(0.08, 1.66, 0.30);
   const Solid body(body_parts(), low, high);
-  return remesh(march(body, low, high, kGridStep, kGridDepth), body, edge_length, kRemeshRounds);
+  return remesh(
+      march(body, low, high, kGridStep, kGridDepth), [&](const Eigen::Vector3d& p) { return body.project(p); },
+      edge_length, kRemeshRounds);
 }
 
 }  // namespace

@@ -2,17 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
-#include <vector>
 
 #include "trainer/builtin/implicit.h"
+#include "trainer/tets/remesh.h"
 
 namespace bodyopt {
-
-struct Surface {
-  std::vector<Eigen::Vector3d> points;
-  std::vector<std::array<int, 3>> triangles;  // counter-clockwise seen from outside
-};
 
 // Closed and manifold whatever the solid, for each cube of the grid is cut into six tetrahedra. The grid covers the box
 // from `low` to `high`, which has to contain the solid. `step` metres between nodes. The mesh lies `depth` metres below

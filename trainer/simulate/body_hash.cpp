@@ -8,8 +8,8 @@
 namespace bodyopt {
 namespace {
 
-// Raised whenever the same inputs give other shapes, so that no unfinished cache mixes two solvers.
-constexpr std::uint64_t kSolverVersion = 7;
+// Raised whenever the same inputs give other shapes or another side-car, so that no unfinished cache mixes two solvers.
+constexpr std::uint64_t kSolverVersion = 7, kCageVersion = 1;
 
 // Bytes to hash. Only numbers and strings go in, never structs: padding has no meaning.
 class Bytes {
@@ -47,6 +47,7 @@ std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& m
   bytes.append(mesh.nodes.data(), static_cast<std::size_t>(mesh.nodes.size()) * sizeof(double));
   bytes.append(mesh.tets.data(), static_cast<std::size_t>(mesh.tets.size()) * sizeof(int));
   if (is_cage) {
+    bytes.add(kCageVersion);
     bytes.append(character.vertices.data(), static_cast<std::size_t>(character.vertices.size()) * sizeof(double));
     bytes.append(character.triangles.data(),
                  static_cast<std::size_t>(character.triangles.size()) * sizeof(std::uint32_t));

@@ -108,20 +108,6 @@ std::vector<std::vector<Capsule>> make_capsules(const Character& character) {
   return capsules;
 }
 
-// Centres of an even subdivision of the tet, barycentric.
-std::vector<Eigen::Vector4d> lattice() {
-  std::vector<Eigen::Vector4d> points;
-  for (int i = 0; i <= kLattice; ++i) {
-    for (int j = 0; i + j <= kLattice; ++j) {
-      for (int k = 0; i + j + k <= kLattice; ++k) {
-        const Eigen::Vector4d corner(i, j, k, kLattice - i - j - k);
-        points.push_back((corner.array() + 0.25) / (kLattice + 1.0));
-      }
-    }
-  }
-  return points;
-}
-
 // Is a point, whose largest weight is that of `joint`, bone? deeper_than(share): is it deeper than that share of the
 // deepest point of the joint?
 template <typename DeeperThan>
@@ -167,7 +153,7 @@ std::vector<BonePoint> find_bones(const TetMesh& mesh, const Character& characte
       if (weights(n, j) >= kCoreWeight) core_depth[j] = std::max(core_depth[j], depth[n]);
     }
   }
-  const std::vector<Eigen::Vector4d> samples = lattice();
+  const std::vector<Eigen::Vector4d> samples = tet_lattice(kLattice);
   std::vector<BonePoint> points;
   for (int t = 0; t < mesh.tets.rows(); ++t) {
     Eigen::Matrix<double, 4, 3> corner;

@@ -1,14 +1,14 @@
 #include "trainer/simulate/check_muscles.h"
 
 #include "runtime/basis/error.h"
-#include "trainer/anatomy/skin_depth.h"
+#include "trainer/tets/skin_depth.h"
 #include "trainer/dataset/notes.h"
 
 namespace bodyopt {
 namespace {
 
 // Whether any of a muscle's path lies under the skin. Between its points, too: both ends may stick out of a limb.
-bool reaches_inside(const Muscle& muscle, const anatomy::SkinDepth& depth) {
+bool reaches_inside(const Muscle& muscle, const SkinDepth& depth) {
   constexpr int kParts = 8;  // of the way from a point to the next
   for (std::size_t k = 0; k + 1 < muscle.path.size(); ++k) {
     const Eigen::Vector3d from(muscle.path[k].position.data()), to(muscle.path[k + 1].position.data());
@@ -22,7 +22,7 @@ bool reaches_inside(const Muscle& muscle, const anatomy::SkinDepth& depth) {
 }  // namespace
 
 std::string check_muscles(const Character& character, const std::vector<Muscle>& muscles, const QuasiStaticBody& body) {
-  const anatomy::SkinDepth depth(character.vertices, character.triangles);
+  const SkinDepth depth(character.vertices, character.triangles);
   for (const Muscle& muscle : muscles) {
     if (reaches_inside(muscle, depth)) continue;
     throw Error(ErrorKind::mismatch, "the muscle '" + muscle.name +

@@ -8,6 +8,8 @@
 #include <map>
 #include <optional>
 
+#include "trainer/simulate/point_grid.h"
+
 namespace bodyopt {
 namespace {
 
@@ -81,72 +83,6 @@ double distance_to_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, 
   if (above && normal.squaredNorm() > 0) return std::abs(normal.normalized().dot(p - a));
   return std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
 }
-
-bool inside(const Eigen::RowVector3d& point, const Eigen::RowVector3d& low, const Eigen::RowVector3d& high) {
-  return (point.array() >= low.array()).all() && (point.array() <= high.array()).all();
-}
-
-// Points sorted into the cells of a regular grid.
-class Grid {
- public:
-  Grid(const Positions& points, const std::vector<int>& chosen, double cell) : cell_(cell) {
-    const Positions own = points(chosen, Eigen::all);
-    origin_ = own.colwise().minCoeff().transpose();
-    const Eigen::Vector3d extent = own.colwise().maxCoeff().transpose() - origin_;
-    constexpr double kMostCells = 200;
-    cell_ = std::max(cell_, extent.maxCoeff() / kMostCells);
-    for (int i = 0; i < 3; ++i) size_[i] = static_cast<int>(extent[i] / cell_) + 1;
-    begin_.assign(static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1] * size_[2]) + 1, 0);
-    for (const int n : chosen) ++begin_[cell_of(points, n) + 1];
-    for (std::size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
-    points_.resize(chosen.size());
-    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    for (const int n : chosen) points_[next[cell_of(points, n)]++] = {points.row(n), n};
-  }
-
-  // Calls visit(n) for every point in a box.
-  template <typename Visit>
-  void visit(const Eigen::RowVector3d& low, const Eigen::RowVector3d& high, Visit visit) const {
-    int first[3], last[3];
-    for (int i = 0; i < 3; ++i) {
-      const double end = size_[i], from = std::floor((low[i] - origin_[i]) / cell_),
-                   to = std::floor((high[i] - origin_[i]) / cell_);
-      if (!(from < end) || !(to >= 0)) return;
-      first[i] = static_cast<int>(std::max(from, 0.0));
-      last[i] = static_cast<int>(std::min(to, end - 1));
-    }
-    for (int x = first[0]; x <= last[0]; ++x) {
-      for (int y = first[1]; y <= last[1]; ++y) {
-        const std::size_t begin = index(x, y, first[2]), end = index(x, y, last[2]) + 1;
-        for (std::uint32_t k = begin_[begin]; k < begin_[end]; ++k) {
-          if (inside(points_[k].position, low, high)) visit(points_[k].node);
-        }
-      }
-    }
-  }
-
- private:
-  struct Point {
-    Eigen::RowVector3d position;
-    int node;
-  };
-  std::size_t index(int x, int y, int z) const {
-    return (static_cast<std::size_t>(x) * static_cast<std::size_t>(size_[1]) + static_cast<std::size_t>(y)) *
-               static_cast<std::size_t>(size_[2]) +
-           static_cast<std::size_t>(z);
-  }
-  std::size_t cell_of(const Positions& points, int n) const {
-    int at[3];
-    for (int i = 0; i < 3; ++i) at[i] = std::min(static_cast<int>((points(n, i) - origin_[i]) / cell_), size_[i] - 1);
-    return index(at[0], at[1], at[2]);
-  }
-
-  double cell_;
-  Eigen::Vector3d origin_;
-  int size_[3];
-  std::vector<std::uint32_t> begin_;
-  std::vector<Point> points_;
-};
 
 // From 0 at `from` to 1 at `to`.
 double ramp(double x, double from, double to) { return std::clamp((x - from) / (to - from), 0.0, 1.0); }
@@ -260,7 +196,7 @@ bool SkinContact::is_same_part(int node, int tet) const {
 
 std::vector<ContactPlane> SkinContact::find(const Positions& nodes, double margin) const {
   const Positions normals = normals_of(surface_, nodes);
-  const Grid grid(nodes, skin_, cell_);
+  const PointGrid grid(nodes, skin_, cell_);
   std::map<int, ContactPlane> best;  // of each node: the tet it is inside of, or the nearest
   for (const int t : deep_) {
     const auto [low, high] = box_of(t, nodes, margin);

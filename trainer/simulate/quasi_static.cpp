@@ -210,8 +210,9 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
   if (cage == nullptr) {
     bending_ = std::make_unique<SkinBending>(character.vertices, character.triangles, mesh_.nodes.rows(), materials);
     metric += bending_->stiffness();
-    contact_ = std::make_unique<SkinContact>(mesh_, materials);
   }
+  if (cage == nullptr || !cage->is_lattice) contact_ = std::make_unique<SkinContact>(mesh_, materials);
+  if (cage != nullptr) carried_depth_ = std::make_unique<CarriedDepth>(character, *cage);
   // A part no bone holds would leave the metric singular; this much holds it without being felt.
   const double diagonal = metric.diagonal().maxCoeff();
   for (Eigen::Index n = 0; n < metric.rows(); ++n) metric.coeffRef(n, n) += 1e-9 * diagonal;
@@ -388,7 +389,7 @@ SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const 
     from = std::move(to);
   }
   solved.status.inverted_tets = tissue_->inverted(nodes).tets;
-  if (contact_) solved.status.contact_depth = contact_->deepest(nodes);
+  solved.status.contact_depth = carried_depth_ ? carried_depth_->deepest(nodes) : contact_->deepest(nodes);
   solved.status.volume_change = volume_->largest_change(nodes);
   solved.status.converged = is_converged(solved.status);
   if (root >= 0) {

@@ -3,6 +3,7 @@
 
 #include "trainer/dataset/dataset.h"
 #include "trainer/simulate/bone_springs.h"
+#include "trainer/simulate/carried_depth.h"
 #include "trainer/simulate/contact.h"
 #include "trainer/simulate/lbfgs.h"
 #include "trainer/simulate/muscle_fibres.h"
@@ -104,7 +105,8 @@ class QuasiStaticBody {
   std::unique_ptr<MuscleVolume> volume_;
   std::unique_ptr<BoneSprings> springs_;
   std::unique_ptr<SkinBending> bending_;  // null in a cage, whose tets are longer than the wrinkles it would prevent
-  std::unique_ptr<SkinContact> contact_;  // null in a cage, whose cells overlap where parts of the body are close
+  std::unique_ptr<SkinContact> contact_;  // null in a lattice, whose cells overlap where parts of the body are close
+  std::unique_ptr<CarriedDepth> carried_depth_;  // null without a cage
   std::unique_ptr<Metric> metric_;
   double force_floor_ = 0, max_move_ = 0;  // of the solver
   std::uint64_t hash_ = 0;

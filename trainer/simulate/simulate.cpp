@@ -15,6 +15,7 @@
 #include "trainer/simulate/check_muscles.h"
 #include "trainer/simulate/partial_shapes.h"
 #include "trainer/single_threaded_products.h"
+#include "trainer/tets/lattice_cage.h"
 
 namespace bodyopt {
 namespace {
@@ -196,15 +197,18 @@ std::vector<EmbeddedPoint> output_embedding(const Character& character, const Qu
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
                           const SimulateOptions& options) {
   if (options.draft) {
-    return {character, muscles, cage_of_nodes(character.vertices, character.triangles, kDraftNodes), options.materials};
+    const Cage cage = make_cage(character.vertices, character.triangles, kDraftNodes);
+    if (cage.is_lattice) options.warn("the draft is made in a lattice, without contact: " + cage.why_lattice);
+    return {character, muscles, cage, options.materials};
   }
   TetMesh mesh;
   try {
     mesh = fill_skin(character, options.tet_size);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;
-    const Cage cage = options.tet_size > 0 ? cage_of_size(character.vertices, character.triangles, options.tet_size)
-                                           : cage_of_nodes(character.vertices, character.triangles, kCageNodes);
+    const Cage cage = options.tet_size > 0
+                          ? lattice_cage_of_size(character.vertices, character.triangles, options.tet_size)
+                          : make_cage(character.vertices, character.triangles, kCageNodes);
     options.warn(std::string(error.what()) + "; it is simulated in a cage of " +
                  std::to_string(cage.mesh.nodes.rows()) + " nodes around it");
     return {character, muscles, cage, options.materials};

@@ -1,321 +1,44 @@
 #include "trainer/tets/cage.h"
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <numeric>
-#include <optional>
 
 #include "runtime/basis/error.h"
-#include "trainer/tets/voxels.h"
+#include "trainer/tets/lattice_cage.h"
+#include "trainer/tets/skin_cage.h"
 
 namespace bodyopt {
 namespace {
 
-constexpr int kSubdivision = 8;  // cubes along a cell's edge: cells closer than about two cubes are glued
-constexpr double kMostVoxels = 1 << 25;
-constexpr double kSurfaceShare = 0.5;  // of a cube that the skin passes through
+constexpr double kLeastQuality = 0.05;
+constexpr double kFarthest = -1;   // barycentric: as far outside as the tet is high
+constexpr double kMostFar = 0.01;  // of all vertices
 
-// Five tets of a cell by its corners; corner bits: 1 along x, 2 along y, 4 along z. The first lies in the middle. The
-// two ways mirror each other: neighbours take turns, so that the diagonals of a common face are the same.
-constexpr int kSplit[2][5][4] = {{{0, 3, 6, 5}, {1, 0, 5, 3}, {2, 0, 3, 6}, {4, 0, 6, 5}, {7, 3, 5, 6}},
-                                 {{1, 2, 4, 7}, {0, 1, 2, 4}, {3, 1, 7, 2}, {5, 1, 4, 7}, {6, 2, 7, 4}}};
-
-using Barycentric = Eigen::Matrix4d;  // (x, y, z, 1) in a unit cell to the four weights
-
-std::array<std::array<Barycentric, 5>, 2> make_barycentric() {
-  std::array<std::array<Barycentric, 5>, 2> result;
-  for (std::size_t parity = 0; parity < 2; ++parity) {
-    for (std::size_t k = 0; k < 5; ++k) {
-      Eigen::Matrix4d corners;
-      for (int a = 0; a < 4; ++a) {
-        const int corner = kSplit[parity][k][a];
-        corners.col(a) << (corner & 1), (corner >> 1 & 1), (corner >> 2), 1;
-      }
-      result[parity][k] = corners.inverse();
-    }
+// What is wrong with a filled skin; empty: nothing.
+std::string defect_of(const Cage& cage) {
+  if (cage.mesh.worst_quality < kLeastQuality) {
+    return "filled more coarsely, its worst tetrahedron has a quality of " + std::to_string(cage.mesh.worst_quality);
   }
-  return result;
-}
-
-void require_mesh(const Positions& vertices, const Triangles& triangles) {
-  const auto refuse = [](const std::string& defect) {
-    throw Error(ErrorKind::mismatch, "no cage can be made around the skin: " + defect + " (a damaged file)");
-  };
-  if (vertices.rows() == 0 || triangles.rows() == 0) refuse("it has no triangles");
-  if (!vertices.allFinite()) refuse("a vertex is not a finite number");
-  if ((vertices.rowwise() - vertices.row(0)).isZero(0)) refuse("all vertices are in one place");
-  if (static_cast<Eigen::Index>(triangles.maxCoeff()) >= vertices.rows()) refuse("a triangle names a missing vertex");
-}
-
-// A connected part of a cell.
-struct Part {
-  Eigen::Vector3i cell;
-  int piece;           // of the whole skin, 0 the largest
-  std::size_t voxels;  // in it
-};
-
-class CageMaker {
- public:
-  CageMaker(const Positions& vertices, const Triangles& triangles, double cell) : vertices_(vertices), cell_(cell) {
-    const Eigen::Vector3d low = vertices.colwise().minCoeff(), high = vertices.colwise().maxCoeff();
-    const double cube = cell / kSubdivision, margin = cube / 2;
-    const Eigen::Vector3d cells = ((high - low).array() + 2 * margin).matrix() / cell;
-    cells_ = cells.array().ceil().cwiseMax(1).cast<int>();
-    grid_ = {low - Eigen::Vector3d::Constant(margin), cube, kSubdivision * cells_};
-    voxels_ = voxelise(vertices, triangles, grid_);
-    const std::vector<int> piece = label_pieces(grid_, voxels_);
-    part_.assign(grid_.total(), -1);
-    Eigen::Vector3i at;
-    for (at[2] = 0; at[2] < cells_[2]; ++at[2]) {
-      for (at[1] = 0; at[1] < cells_[1]; ++at[1]) {
-        for (at[0] = 0; at[0] < cells_[0]; ++at[0]) split_cell(at, piece);
-      }
-    }
-    number_nodes();
-  }
-
-  Eigen::Index node_count() const { return node_count_; }
-
-  Cage make() const {
-    Cage cage;
-    cage.mesh.nodes.resize(node_count_, 3);
-    std::vector<std::array<int, 5>> tet_of(parts_.size());  // -1 where there is no tissue
-    std::vector<Eigen::Vector4i> tets;
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
-      for (std::size_t k = 0; k < 5; ++k) {
-        tet_of[p][k] = used_[p][k] ? static_cast<int>(tets.size()) : -1;
-        if (!used_[p][k]) continue;
-        Eigen::Vector4i corners;
-        for (int a = 0; a < 4; ++a) {
-          const int corner = split_of(p)[k][a];
-          corners[a] = node_[8 * p + static_cast<std::size_t>(corner)];
-          const Eigen::Vector3i lattice = parts_[p].cell + Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2);
-          cage.mesh.nodes.row(corners[a]) = grid_.origin + cell_ * lattice.cast<double>();
-        }
-        tets.push_back(corners);
-      }
-    }
-    cage.mesh.tets.resize(static_cast<Eigen::Index>(tets.size()), 4);
-    for (std::size_t t = 0; t < tets.size(); ++t) cage.mesh.tets.row(static_cast<Eigen::Index>(t)) = tets[t];
-    for (Eigen::Index v = 0; v < vertices_.rows(); ++v) {
-      const Eigen::Vector3d point = vertices_.row(v);
-      cage.skin.push_back(place(point, part_at(grid_.cube_at(point)), tet_of));
-    }
-    for_voxels([&](const Eigen::Vector3i& cube, std::size_t index) {
-      const double share = voxels_[index] == Voxel::surface ? kSurfaceShare : 1;
-      cage.samples.push_back({place(grid_.centre(cube), part_at(cube), tet_of), share * std::pow(grid_.size, 3)});
-    });
-    orient(cage.mesh);
-    return cage;
-  }
-
- private:
-  static const std::array<std::array<Barycentric, 5>, 2>& barycentric() {
-    static const auto table = make_barycentric();
-    return table;
-  }
-  std::size_t parity(std::size_t part) const { return static_cast<std::size_t>(parts_[part].cell.sum() % 2); }
-  const int (&split_of(std::size_t part) const)[5][4] { return kSplit[parity(part)]; }
-  std::size_t part_at(const Eigen::Vector3i& cube) const { return static_cast<std::size_t>(part_[grid_.index(cube)]); }
-
-  template <typename Visit>
-  void for_voxels(const Visit& visit) const {
-    Eigen::Vector3i cube;
-    std::size_t index = 0;
-    for (cube[2] = 0; cube[2] < grid_.count[2]; ++cube[2]) {
-      for (cube[1] = 0; cube[1] < grid_.count[1]; ++cube[1]) {
-        for (cube[0] = 0; cube[0] < grid_.count[0]; ++cube[0], ++index) {
-          if (part_[index] >= 0) visit(cube, index);
-        }
-      }
-    }
-  }
-
-  // The parts of one cell; those of smaller pieces of skin join the largest part of the largest piece.
-  void split_cell(const Eigen::Vector3i& cell, const std::vector<int>& piece) {
-    const std::size_t first = parts_.size();
-    const Eigen::Vector3i low = kSubdivision * cell, high = low.array() + kSubdivision;
-    const auto within = [&](const Eigen::Vector3i& c) {
-      return (c.array() >= low.array()).all() && (c.array() < high.array()).all();
-    };
-    std::vector<Eigen::Vector3i> open, all;
-    Eigen::Vector3i seed;
-    for (seed[2] = low[2]; seed[2] < high[2]; ++seed[2]) {
-      for (seed[1] = low[1]; seed[1] < high[1]; ++seed[1]) {
-        for (seed[0] = low[0]; seed[0] < high[0]; ++seed[0]) {
-          const std::size_t index = grid_.index(seed);
-          if (piece[index] < 0 || part_[index] >= 0) continue;
-          const int part = static_cast<int>(parts_.size());
-          parts_.push_back({cell, piece[index], 0});
-          part_[index] = part;
-          open.push_back(seed);
-          while (!open.empty()) {
-            const Eigen::Vector3i at = open.back();
-            open.pop_back();
-            all.push_back(at);
-            ++parts_.back().voxels;
-            for (int axis = 0; axis < 3; ++axis) {
-              for (const int step : {-1, 1}) {
-                const Eigen::Vector3i next = at + step * Eigen::Vector3i::Unit(axis);
-                if (!within(next) || piece[grid_.index(next)] < 0 || part_[grid_.index(next)] >= 0) continue;
-                part_[grid_.index(next)] = part;
-                open.push_back(next);
-              }
-            }
-          }
-        }
-      }
-    }
-    if (parts_.size() - first > 1) join_pieces(first, all);
-  }
-
-  void join_pieces(std::size_t first, const std::vector<Eigen::Vector3i>& voxels) {
-    const auto before = [](const Part& a, const Part& b) {
-      return a.piece != b.piece ? a.piece < b.piece : a.voxels > b.voxels;
-    };
-    const auto begin = parts_.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto host = static_cast<std::size_t>(std::min_element(begin, parts_.end(), before) - parts_.begin());
-    std::vector<int> renamed(parts_.size() - first);
-    std::vector<Part> kept;
-    for (std::size_t p = first; p < parts_.size(); ++p) {
-      if (parts_[p].piece != parts_[host].piece) continue;
-      renamed[p - first] = static_cast<int>(first + kept.size());
-      kept.push_back(parts_[p]);
-    }
-    for (std::size_t p = first; p < parts_.size(); ++p) {
-      if (parts_[p].piece != parts_[host].piece) renamed[p - first] = renamed[host - first];
-    }
-    for (const Eigen::Vector3i& cube : voxels) {
-      int& part = part_[grid_.index(cube)];
-      part = renamed[static_cast<std::size_t>(part) - first];
-    }
-    parts_.resize(first);
-    parts_.insert(parts_.end(), kept.begin(), kept.end());
-  }
-
-  // Corners that are one node, and which of a part's tets hold tissue.
-  void number_nodes() {
-    std::vector<std::size_t> root(8 * parts_.size());
-    std::iota(root.begin(), root.end(), std::size_t{0});
-    const auto find = [&](std::size_t c) {
-      while (root[c] != c) c = root[c] = root[root[c]];
-      return c;
-    };
-    used_.assign(parts_.size(), {});
-    for_voxels([&](const Eigen::Vector3i& cube, std::size_t) {
-      const std::size_t part = part_at(cube);
-      mark_used(cube, part);
-      for (int axis = 0; axis < 3; ++axis) {
-        const Eigen::Vector3i next = cube + Eigen::Vector3i::Unit(axis);
-        if (next[axis] % kSubdivision != 0 || next[axis] == grid_.count[axis]) continue;
-        if (part_[grid_.index(next)] < 0) continue;
-        const std::size_t other = part_at(next), bit = std::size_t{1} << axis;
-        for (std::size_t corner = 0; corner < 8; ++corner) {
-          if ((corner & bit) == 0) continue;
-          const std::size_t a = find(8 * part + corner), b = find(8 * other + (corner ^ bit));
-          root[std::max(a, b)] = std::min(a, b);
-        }
-      }
-    });
-    std::vector<int> number(root.size(), -1);
-    node_.assign(root.size(), -1);
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
-      for (std::size_t k = 0; k < 5; ++k) {
-        if (!used_[p][k]) continue;
-        for (const int corner : split_of(p)[k]) {
-          const std::size_t c = 8 * p + static_cast<std::size_t>(corner);
-          int& node = number[find(c)];
-          if (node < 0) node = static_cast<int>(node_count_++);
-          node_[c] = node;
-        }
-      }
-    }
-  }
-
-  Eigen::Vector4d in_cell(const Eigen::Vector3d& point, std::size_t part) const {
-    Eigen::Vector4d local;
-    local << (point - grid_.origin) / cell_ - parts_[part].cell.cast<double>(), 1;
-    return local;
-  }
-
-  void mark_used(const Eigen::Vector3i& cube, std::size_t part) {
-    const Eigen::Vector4d centre = in_cell(grid_.centre(cube), part);
-    for (std::size_t k = 0; k < 5; ++k) {
-      if (used_[part][k]) continue;
-      const Barycentric& matrix = barycentric()[parity(part)][k];
-      const Eigen::Vector4d reach = 0.5 / kSubdivision * matrix.leftCols<3>().cwiseAbs().rowwise().sum();
-      used_[part][k] = (matrix * centre + reach).minCoeff() >= 0;
-    }
-  }
-
-  // The tet of a part that holds a point best.
-  EmbeddedPoint place(const Eigen::Vector3d& point, std::size_t part,
-                      const std::vector<std::array<int, 5>>& tet_of) const {
-    const Eigen::Vector4d local = in_cell(point, part);
-    EmbeddedPoint best{-1, Eigen::Vector4d::Constant(-1e300)};
-    for (std::size_t k = 0; k < 5; ++k) {
-      if (tet_of[part][k] < 0) continue;
-      const Eigen::Vector4d weights = barycentric()[parity(part)][k] * local;
-      if (weights.minCoeff() > best.weights.minCoeff()) best = {tet_of[part][k], weights};
-    }
-    return best;
-  }
-
-  const Positions& vertices_;
-  double cell_;
-  Eigen::Vector3i cells_;
-  VoxelGrid grid_;
-  std::vector<Voxel> voxels_;
-  std::vector<int> part_;  // of every voxel, -1 outside
-  std::vector<Part> parts_;
-  std::vector<std::array<bool, 5>> used_;  // of every part
-  std::vector<int> node_;                  // 8 for every part
-  Eigen::Index node_count_ = 0;
-};
-
-double voxel_count(const Positions& vertices, double cell) {
-  const Eigen::RowVector3d box = vertices.colwise().maxCoeff() - vertices.colwise().minCoeff();
-  return (box.array() / cell + 1).prod() * std::pow(kSubdivision, 3);
+  const auto too_far = std::count_if(cage.skin.begin(), cage.skin.end(),
+                                     [](const EmbeddedPoint& point) { return point.weights.minCoeff() < kFarthest; });
+  if (static_cast<double>(too_far) <= kMostFar * static_cast<double>(cage.skin.size())) return "";
+  return std::to_string(too_far) + " vertices lie too far outside a coarser skin";
 }
 
 }  // namespace
 
-Cage cage_of_size(const Positions& vertices, const Triangles& triangles, double cell) {
-  require_mesh(vertices, triangles);
-  if (voxel_count(vertices, cell) > kMostVoxels) {
-    throw Error(ErrorKind::usage, "a cage with cells of " + std::to_string(cell) + " m is too fine for this skin");
+Cage make_cage(const Positions& vertices, const Triangles& triangles, Eigen::Index max_nodes) {
+  std::string defect;
+  try {
+    Cage cage = skin_cage(vertices, triangles, max_nodes);
+    defect = defect_of(cage);
+    if (defect.empty()) return cage;
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::mismatch) throw;
+    defect = error.what();
   }
-  return CageMaker(vertices, triangles, cell).make();
-}
-
-Cage cage_of_nodes(const Positions& vertices, const Triangles& triangles, Eigen::Index max_nodes) {
-  require_mesh(vertices, triangles);
-  constexpr int kAttempts = 12;
-  constexpr double kCloseEnough = 0.97, kPower = 1.0 / 2.4;  // nodes fall about with the power -2.4 of the cell
-  const Eigen::RowVector3d box = vertices.colwise().maxCoeff() - vertices.colwise().minCoeff();
-  double cell = box.norm() / 20, coarsest_too_fine = 0;
-  std::optional<double> best;
-  for (int attempt = 0; attempt < kAttempts || !best; ++attempt) {
-    if (voxel_count(vertices, cell) > kMostVoxels) {
-      coarsest_too_fine = std::max(coarsest_too_fine, cell);
-      cell = best ? (cell + *best) / 2 : 1.2 * cell;
-      continue;
-    }
-    const auto nodes = static_cast<double>(CageMaker(vertices, triangles, cell).node_count());
-    const double share = nodes / static_cast<double>(max_nodes);
-    if (share <= 1 && (!best || cell < *best)) best = cell;
-    if (share <= 1 && share > kCloseEnough) break;
-    if (share > 1) coarsest_too_fine = std::max(coarsest_too_fine, cell);
-    cell *= std::pow(share / (0.5 + 0.5 * kCloseEnough), kPower);
-    // Between what is known to be too fine and what is not.
-    if (best && coarsest_too_fine > 0 && (cell >= *best || cell <= coarsest_too_fine)) {
-      cell = (*best + coarsest_too_fine) / 2;
-    }
-  }
-  return CageMaker(vertices, triangles, *best).make();
+  Cage cage = lattice_cage(vertices, triangles, max_nodes);
+  cage.why_lattice = defect;
+  return cage;
 }
 
 }  // namespace bodyopt

@@ -130,6 +130,19 @@ Eigen::Matrix3d tet_edges(const TetMesh& mesh, Eigen::Index tet) {
   return edges;
 }
 
+std::vector<Eigen::Vector4d> tet_lattice(int rows) {
+  std::vector<Eigen::Vector4d> points;
+  for (int i = 0; i <= rows; ++i) {
+    for (int j = 0; i + j <= rows; ++j) {
+      for (int k = 0; i + j + k <= rows; ++k) {
+        const Eigen::Vector4d corner(i, j, k, rows - i - j - k);
+        points.push_back((corner.array() + 0.25) / (rows + 1.0));
+      }
+    }
+  }
+  return points;
+}
+
 TetMesh tetrahedralise(const Positions& vertices, const Triangles& triangles, double size) {
   require_closed(vertices, triangles);
   if (std::abs(enclosed_volume(vertices, triangles)) > kMostCells * size * size * size) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "trainer/dataset/character.h"
 
@@ -25,5 +26,8 @@ void orient(TetMesh& mesh);
 
 // Edges from corner 0 to corners 1..3 as columns, metres; their determinant is six times the tet's volume.
 Eigen::Matrix3d tet_edges(const TetMesh& mesh, Eigen::Index tet);
+
+// Barycentric weights of points spread evenly in a tet, rows + 1 along an edge: each stands for as much of the volume.
+std::vector<Eigen::Vector4d> tet_lattice(int rows);
 
 }  // namespace bodyopt

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "trainer/train/features.h"
-#include "trainer/train/nearest_skin.h"
+#include "trainer/tets/nearest_skin.h"
 
 namespace bodyopt {
 namespace {

@@ -4,9 +4,9 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "trainer/train/nearest_skin.h"
+#include "trainer/tets/nearest_skin.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt {
 
 // Inside is where the winding number (Jacobson, Kavan, Sorkine-Hornung 2013) is above one half, or below minus that:
 // small holes in the skin do not matter, nor that it is inside out.
@@ -16,6 +16,8 @@ class SkinDepth {
 
   // Distance to the skin, metres: positive inside.
   double operator()(const Eigen::Vector3d& point) const;
+  // The same without the sign, which costs most.
+  double distance(const Eigen::Vector3d& point) const;
 
   // The point itself where it is deep enough, otherwise the point `depth` under the skin nearest to it; less deep where
   // the body is too thin for that; nothing where there is no place inside near it.
@@ -28,4 +30,4 @@ class SkinDepth {
   NearestSkin nearest_;
 };
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt

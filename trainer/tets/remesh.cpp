@@ -1,4 +1,4 @@
-#include "trainer/builtin/remesh.h"
+#include "trainer/tets/remesh.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -19,10 +19,10 @@ struct Edge {
 
 class Remesher {
  public:
-  Remesher(Surface surface, const Solid& solid, const EdgeLength& edge_length)
+  Remesher(Surface surface, const Project& project, const EdgeLength& edge_length)
       : points_(std::move(surface.points)),
         triangles_(std::move(surface.triangles)),
-        solid_(solid),
+        project_(project),
         edge_length_(edge_length),
         around_(points_.size()) {
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
@@ -248,7 +248,7 @@ class Remesher {
       }
       up.normalize();
       const Vector3d step = sum / weight - points_[v];
-      moved[v] = solid_.project(points_[v] + step - up.dot(step) * up);
+      moved[v] = project_(points_[v] + step - up.dot(step) * up);
     }
     points_ = std::move(moved);
     for (std::size_t v = 0; v < points_.size(); ++v) wanted_[v] = edge_length_(points_[v]);
@@ -256,7 +256,7 @@ class Remesher {
 
   std::vector<Vector3d> points_;
   std::vector<std::array<int, 3>> triangles_;
-  const Solid& solid_;
+  const Project& project_;
   const EdgeLength& edge_length_;
   std::vector<std::vector<int>> around_;  // triangles of each point
   std::vector<double> wanted_;            // edge length at each point
@@ -264,8 +264,8 @@ class Remesher {
 
 }  // namespace
 
-Surface remesh(Surface surface, const Solid& solid, const EdgeLength& edge_length, int rounds) {
-  Remesher remesher(std::move(surface), solid, edge_length);
+Surface remesh(Surface surface, const Project& project, const EdgeLength& edge_length, int rounds) {
+  Remesher remesher(std::move(surface), project, edge_length);
   for (int k = 0; k < rounds; ++k) remesher.round();
   for (int k = 0; k < 4; ++k) remesher.polish();
   return remesher.take();

@@ -1,4 +1,4 @@
-#include "trainer/tets/cage.h"
+#include "trainer/tets/lattice_cage.h"
 
 #include <gtest/gtest.h>
 
@@ -102,7 +102,7 @@ void expect_sound(const Cage& cage, const Skin& skin, const std::string& name) {
   EXPECT_EQ(static_cast<Eigen::Index>(used.size()), cage.mesh.nodes.rows());
 }
 
-TEST(Cage, EnclosesSkinsOfEveryKind) {
+TEST(LatticeCage, EnclosesSkinsOfEveryKind) {
   Skin open = skin_of(make_limb());
   open.triangles.conservativeResize(open.triangles.rows() - 40, 3);
   const std::pair<const char*, Skin> skins[] = {{"arm", skin_of(arm().character)},
@@ -113,7 +113,7 @@ TEST(Cage, EnclosesSkinsOfEveryKind) {
                                                 {"limbs apart", join(limb_at(0, 0, 0), limb_at(0, 0.5, 0))}};
   for (const auto& [name, skin] : skins) {
     for (const Eigen::Index nodes : {100, 700}) {
-      const Cage cage = cage_of_nodes(skin.vertices, skin.triangles, nodes);
+      const Cage cage = lattice_cage(skin.vertices, skin.triangles, nodes);
       EXPECT_LE(cage.mesh.nodes.rows(), nodes) << name;
       EXPECT_GT(cage.mesh.nodes.rows(), nodes / 2) << name;
       expect_sound(cage, skin, name);
@@ -121,30 +121,30 @@ TEST(Cage, EnclosesSkinsOfEveryKind) {
   }
 }
 
-TEST(Cage, SamplesMeasureTheVolume) {
+TEST(LatticeCage, SamplesMeasureTheVolume) {
   const Skin limb = limb_at(0, 0, 0);
   const double volume = enclosed_volume(limb.vertices, limb.triangles);
-  const Cage cage = cage_of_nodes(limb.vertices, limb.triangles, 1500);
+  const Cage cage = lattice_cage(limb.vertices, limb.triangles, 1500);
   EXPECT_NEAR(sampled_volume(cage) / volume, 1, 0.03);
   // Of two that overlap, the union; turned inside out or with a hole, the same.
   Skin flipped = limb;
   flipped.triangles.col(1).swap(flipped.triangles.col(2));
-  EXPECT_EQ(sampled_volume(cage_of_nodes(flipped.vertices, flipped.triangles, 1500)), sampled_volume(cage));
+  EXPECT_EQ(sampled_volume(lattice_cage(flipped.vertices, flipped.triangles, 1500)), sampled_volume(cage));
   Skin open = limb;
   open.triangles = limb.triangles.topRows(limb.triangles.rows() - 12).eval();
-  EXPECT_NEAR(sampled_volume(cage_of_nodes(open.vertices, open.triangles, 1500)) / volume, 1, 0.1);
+  EXPECT_NEAR(sampled_volume(lattice_cage(open.vertices, open.triangles, 1500)) / volume, 1, 0.1);
   const Skin twice = join(limb, limb);
-  EXPECT_EQ(sampled_volume(cage_of_nodes(twice.vertices, twice.triangles, 1500)), sampled_volume(cage));
+  EXPECT_EQ(sampled_volume(lattice_cage(twice.vertices, twice.triangles, 1500)), sampled_volume(cage));
 }
 
-TEST(Cage, KeepsNeighboursApartAndPiecesTogether) {
+TEST(LatticeCage, KeepsNeighboursApartAndPiecesTogether) {
   // Two limbs joined at one end into a fork, 4 cm apart, in cells of 15 cm.
   Skin fork = join(limb_at(0, 0, 0), limb_at(0, 0.12, 0));
   Skin bridge = limb_at(0, 0, 0);
   bridge.vertices.col(0).swap(bridge.vertices.col(1));
   bridge.vertices.col(1) *= 0.4;
   fork = join(fork, bridge);
-  const Cage cage = cage_of_size(fork.vertices, fork.triangles, 0.15);
+  const Cage cage = lattice_cage_of_size(fork.vertices, fork.triangles, 0.15);
   expect_sound(cage, fork, "fork");
   EXPECT_EQ(parts(cage.mesh), 1u);
   const auto nodes_of = [&](Eigen::Index first, Eigen::Index count) {
@@ -160,37 +160,36 @@ TEST(Cage, KeepsNeighboursApartAndPiecesTogether) {
   for (const int node : nodes_of(0, limb)) EXPECT_FALSE(nodes_of(limb, limb).contains(node));
   // Without the bridge they are pieces of their own, and pieces in one cell are joined.
   const Skin pieces = join(limb_at(0, 0, 0), limb_at(0, 0.12, 0));
-  EXPECT_EQ(parts(cage_of_size(pieces.vertices, pieces.triangles, 0.15).mesh), 1u);
+  EXPECT_EQ(parts(lattice_cage_of_size(pieces.vertices, pieces.triangles, 0.15).mesh), 1u);
   const Skin apart = join(limb_at(0, 0, 0), limb_at(0, 0.5, 0));
-  EXPECT_EQ(parts(cage_of_size(apart.vertices, apart.triangles, 0.15).mesh), 2u);
+  EXPECT_EQ(parts(lattice_cage_of_size(apart.vertices, apart.triangles, 0.15).mesh), 2u);
 }
 
-TEST(Cage, IsTheSameEveryTime) {
+TEST(LatticeCage, IsTheSameEveryTime) {
   const Skin limb = limb_at(0, 0, 0);
-  const Cage a = cage_of_nodes(limb.vertices, limb.triangles, 300),
-             b = cage_of_nodes(limb.vertices, limb.triangles, 300);
+  const Cage a = lattice_cage(limb.vertices, limb.triangles, 300), b = lattice_cage(limb.vertices, limb.triangles, 300);
   EXPECT_EQ(a.mesh.nodes, b.mesh.nodes);
   EXPECT_EQ(a.mesh.tets, b.mesh.tets);
 }
 
-TEST(Cage, RefusesWhatIsNoSkin) {
+TEST(LatticeCage, RefusesWhatIsNoSkin) {
   const Skin limb = limb_at(0, 0, 0);
   Skin broken = limb;
   broken.vertices(3, 1) = std::nan("");
-  EXPECT_THROW(cage_of_nodes(broken.vertices, broken.triangles, 100), Error);
+  EXPECT_THROW(lattice_cage(broken.vertices, broken.triangles, 100), Error);
   broken = limb;
   broken.triangles(0, 0) = 1u << 30;
-  EXPECT_THROW(cage_of_nodes(broken.vertices, broken.triangles, 100), Error);
-  EXPECT_THROW(cage_of_nodes(limb.vertices, Triangles(0, 3), 100), Error);
+  EXPECT_THROW(lattice_cage(broken.vertices, broken.triangles, 100), Error);
+  EXPECT_THROW(lattice_cage(limb.vertices, Triangles(0, 3), 100), Error);
   broken = limb;
   broken.vertices.setConstant(1);
-  EXPECT_THROW(cage_of_nodes(broken.vertices, broken.triangles, 100), Error);
-  EXPECT_THROW(cage_of_size(limb.vertices, limb.triangles, 1e-4), Error);
+  EXPECT_THROW(lattice_cage(broken.vertices, broken.triangles, 100), Error);
+  EXPECT_THROW(lattice_cage_of_size(limb.vertices, limb.triangles, 1e-4), Error);
 }
 
-TEST(Cage, EmbeddingFollowsAffineMotion) {
+TEST(LatticeCage, EmbeddingFollowsAffineMotion) {
   const Skin limb = limb_at(0, 0, 0);
-  const Cage cage = cage_of_nodes(limb.vertices, limb.triangles, 300);
+  const Cage cage = lattice_cage(limb.vertices, limb.triangles, 300);
   Eigen::Matrix3d linear;
   linear << 1.2, 0.3, -0.5, 0.1, 0.7, 0.4, -0.6, 0.2, 1.1;
   const Eigen::RowVector3d shift(0.3, -2, 5);
@@ -200,7 +199,7 @@ TEST(Cage, EmbeddingFollowsAffineMotion) {
   EXPECT_EQ(embed(cage.skin, cage.mesh.tets, moved(cage.mesh.nodes)), skin);
 }
 
-TEST(Cage, EnclosesRealCharacters) {
+TEST(LatticeCage, EnclosesRealCharacters) {
   for (const char* file : {"cesium_man.glb", "fox.glb", "simple_skin.gltf", "quaternius_man.glb",
                            "quaternius_horse.glb", "greenman.glb", "human_muscular.glb"}) {
     const auto path = shared_data(std::string("characters/") + file);
@@ -208,7 +207,7 @@ TEST(Cage, EnclosesRealCharacters) {
     double unit = 0;
     if (std::string(file) == "fox.glb") unit = 0.01;
     const Character character = read_character(*path, unit);
-    const Cage cage = cage_of_nodes(character.vertices, character.triangles, 1500);
+    const Cage cage = lattice_cage(character.vertices, character.triangles, 1500);
     EXPECT_LE(cage.mesh.nodes.rows(), 1500);
     expect_sound(cage, skin_of(character), file);
   }

@@ -1,10 +1,10 @@
-#include "trainer/anatomy/skin_depth.h"
+#include "trainer/tets/skin_depth.h"
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 
-namespace bodyopt::anatomy {
+namespace bodyopt {
 
 using Eigen::Vector3d;
 
@@ -25,9 +25,10 @@ double SkinDepth::winding_number(const Vector3d& point) const {
 }
 
 double SkinDepth::operator()(const Vector3d& point) const {
-  const double distance = (nearest_(point).position - point).norm();
-  return std::abs(winding_number(point)) > 0.5 ? distance : -distance;
+  return std::abs(winding_number(point)) > 0.5 ? distance(point) : -distance(point);
 }
+
+double SkinDepth::distance(const Vector3d& point) const { return (nearest_(point).position - point).norm(); }
 
 std::optional<Vector3d> SkinDepth::tuck(const Vector3d& point, double depth) const {
   const double here = (*this)(point);
@@ -52,4 +53,4 @@ std::optional<Vector3d> SkinDepth::tuck(const Vector3d& point, double depth) con
   return best;
 }
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt

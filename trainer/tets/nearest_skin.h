@@ -1,0 +1,44 @@
+// The point of the skin nearest to a point in space.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "trainer/dataset/character.h"
+
+namespace bodyopt {
+
+struct SkinPoint {
+  Eigen::Index triangle = -1;
+  std::array<std::uint32_t, 3> vertices{};
+  Eigen::Vector3d weights = Eigen::Vector3d::Zero();  // barycentric, >= 0, sum 1
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+};
+
+// Exact nearest-triangle search through a tree of the triangles' centres (nanoflann). There must be a triangle, and the
+// arrays must outlive this. Of triangles equally near, the first.
+class NearestSkin {
+ public:
+  NearestSkin(const Positions& vertices, const Triangles& triangles);
+  ~NearestSkin();
+  SkinPoint operator()(const Eigen::Vector3d& point) const;
+  // Among triangles whose normal is less than 90 degrees from `normal`; triangle -1 where there is none.
+  SkinPoint facing(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
+
+ private:
+  class CentreTree;
+  template <typename Wanted>
+  SkinPoint search(const Eigen::Vector3d& point, const Wanted& wanted) const;
+
+  const Positions& vertices_;
+  const Triangles& triangles_;
+  Positions centres_;
+  std::vector<double> radius_;  // of the spheres around centres that hold their triangles, metres
+  double largest_radius_ = 0;
+  std::unique_ptr<CentreTree> tree_;
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,16 @@
+// A coarser skin filled with tetrahedra.
+#pragma once
+
+#include "trainer/tets/cage.h"
+
+namespace bodyopt {
+
+// The skin is remeshed with longer edges, which stay short where a part is thin, and filled (tetrahedralise). The
+// finest found of at most `max_nodes` nodes. Its surface cuts corners: a vertex that lies outside is carried by the tet
+// behind the nearest triangle that faces as the skin does there, so that fingers stay apart. A function of its
+// arguments alone.
+//
+// Throws Error(mismatch) when the skin is not closed or no coarser skin can be filled.
+Cage skin_cage(const Positions& vertices, const Triangles& triangles, Eigen::Index max_nodes);
+
+}  // namespace bodyopt
