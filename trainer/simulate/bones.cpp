@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "trainer/tets/nearest_skin.h"
+#include "trainer/tets/thickness.h"
 #include "trainer/train/parallel.h"
 
 namespace bodyopt {
@@ -17,6 +19,7 @@ constexpr double kCoreWeight = 0.9;
 constexpr double kCoreDepth = 0.65;
 constexpr double kTrunkDepth = 0.3;  // the same for a root, which is a trunk with ribs or a pelvis close to the skin
 constexpr double kEndShare = 0.85;   // how far a last segment runs into the skin it carries
+constexpr double kDigit = 0.01;      // a part with a smaller radius, over the body's extent, is a finger or toe
 constexpr int kAxisSamples = 16;
 constexpr int kLattice = 3;  // sample points per tet: 20
 
@@ -125,17 +128,27 @@ bool is_bone(const Character& character, const std::vector<std::vector<Capsule>>
 struct JointSample {
   Eigen::Index joint = 0;
   double weight = 0;
-  double depth = 0;  // metres; where the weight makes it core
+  double depth = 0;   // metres; where the weight makes it core
+  double radius = 0;  // metres: half the body's thickness there
 };
 
-std::vector<JointSample> joint_samples(const Cage& cage, const Positions& skin, const NodeWeights& weights) {
+std::vector<JointSample> joint_samples(const Cage& cage, const Positions& skin, const Triangles& triangles,
+                                       const NodeWeights& weights) {
   std::vector<JointSample> result(cage.samples.size());
+  const Eigen::VectorXd thick = thickness(skin, triangles);
+  const NearestSkin nearest(skin, triangles);
   parallel_for(result.size(), [&](std::size_t k) {
     const EmbeddedPoint& point = cage.samples[k].point;
     Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(weights.cols());
     for (int a = 0; a < 4; ++a) sum += point.weights[a] * weights.row(cage.mesh.tets(point.tet, a));
     result[k].weight = sum.maxCoeff(&result[k].joint);
-    if (result[k].weight >= kCoreWeight) result[k].depth = skin_distance(skin, rest_position(cage.mesh, point));
+    if (result[k].weight < kCoreWeight) return;
+    const Eigen::Vector3d position = rest_position(cage.mesh, point);
+    const SkinPoint near = nearest(position);
+    result[k].depth = (near.position - position).norm();
+    for (int a = 0; a < 3; ++a) {
+      result[k].radius += near.weights[a] * thick[near.vertices[static_cast<std::size_t>(a)]] / 2;
+    }
   });
   return result;
 }
@@ -179,9 +192,11 @@ std::vector<BonePoint> find_bones(const TetMesh& mesh, const Character& characte
 
 std::vector<BonePoint> find_bones(const Cage& cage, const Character& character, const NodeWeights& weights) {
   const std::vector<std::vector<Capsule>> capsules = make_capsules(character);
-  const std::vector<JointSample> samples = joint_samples(cage, character.vertices, weights);
+  const std::vector<JointSample> samples = joint_samples(cage, character.vertices, character.triangles, weights);
   Eigen::VectorXd core_depth = Eigen::VectorXd::Zero(weights.cols());
   for (const JointSample& sample : samples) core_depth[sample.joint] = std::max(core_depth[sample.joint], sample.depth);
+  const Positions& skin = character.vertices;
+  const double digit = kDigit * (skin.colwise().maxCoeff() - skin.colwise().minCoeff()).maxCoeff();
   std::vector<BonePoint> points;
   std::vector<bool> has_bone(static_cast<std::size_t>(weights.cols()), false);
   const auto add = [&](std::size_t k) {
@@ -189,7 +204,11 @@ std::vector<BonePoint> find_bones(const Cage& cage, const Character& character, 
     points.push_back({sample.point.tet, static_cast<int>(samples[k].joint), sample.point.weights, sample.volume});
   };
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    const auto deeper_than = [&](double share) { return samples[k].depth > share * core_depth[samples[k].joint]; };
+    const bool is_digit =
+        samples[k].radius < digit;  // thinner than the rest of its joint's skin, with a core of its own
+    const double core =
+        is_digit ? std::min(samples[k].radius, core_depth[samples[k].joint]) : core_depth[samples[k].joint];
+    const auto deeper_than = [&](double share) { return samples[k].depth > share * core; };
     const Eigen::Vector3d point = rest_position(cage.mesh, cage.samples[k].point);
     if (!is_bone(character, capsules, samples[k].joint, samples[k].weight, point, deeper_than)) continue;
     has_bone[static_cast<std::size_t>(samples[k].joint)] = true;
