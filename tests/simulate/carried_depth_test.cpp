@@ -11,18 +11,6 @@ namespace {
 
 constexpr double kApart = 0.5;
 
-// Two limbs side by side, half a metre apart.
-Character two_limbs() {
-  const Character limb = make_limb();
-  Character both = limb;
-  const Eigen::Index count = limb.vertices.rows(), triangles = limb.triangles.rows();
-  both.vertices.conservativeResize(2 * count, 3);
-  both.vertices.bottomRows(count) = limb.vertices.rowwise() + Eigen::RowVector3d(0, kApart, 0);
-  both.triangles.conservativeResize(2 * triangles, 3);
-  both.triangles.bottomRows(triangles) = (limb.triangles.array() + static_cast<std::uint32_t>(count)).matrix();
-  return both;
-}
-
 // The second moved beside the first, its axis `between` from the other's.
 Positions moved(const Cage& cage, double between) {
   Positions nodes = cage.mesh.nodes;
@@ -33,7 +21,7 @@ Positions moved(const Cage& cage, double between) {
 }
 
 TEST(CarriedDepth, IsThatOfOneTubeInAnother) {
-  const Character both = two_limbs();
+  const Character both = make_two_limbs(kApart);
   for (const Cage& cage :
        {lattice_cage(both.vertices, both.triangles, 800), skin_cage(both.vertices, both.triangles, 800)}) {
     const CarriedDepth depth(both, cage);
@@ -44,6 +32,31 @@ TEST(CarriedDepth, IsThatOfOneTubeInAnother) {
       EXPECT_NEAR(depth.deepest(moved(cage, 2 * kLimbRadius - deep)), deep, 0.1 * kLimbRadius) << cage.is_lattice;
     }
   }
+}
+
+// A fork whose prongs share cells of 15 cm, each with virtual nodes of its own. One slides along the other, through
+// cells that reach over it but hold none of it.
+TEST(CarriedDepth, ALatticesEmptyCornersAreNoTissue) {
+  Character fork = make_two_limbs(0.12);
+  const Character bridge = make_limb();
+  const Eigen::Index prongs = fork.vertices.rows(), more = bridge.vertices.rows(), triangles = fork.triangles.rows();
+  fork.vertices.conservativeResize(prongs + more, 3);
+  fork.vertices.bottomRows(more) << bridge.vertices.col(1), 0.4 * bridge.vertices.col(0), bridge.vertices.col(2);
+  fork.triangles.conservativeResize(triangles + bridge.triangles.rows(), 3);
+  fork.triangles.bottomRows(bridge.triangles.rows()) =
+      (bridge.triangles.array() + static_cast<std::uint32_t>(prongs)).matrix();
+  const Cage cage = lattice_cage_of_size(fork.vertices, fork.triangles, 0.15);
+  std::vector<bool> slides(static_cast<std::size_t>(cage.mesh.nodes.rows()), false);
+  for (Eigen::Index v = prongs / 2; v < prongs; ++v) {
+    if (fork.vertices(v, 0) < 0.26) continue;
+    const int tet = cage.skin[static_cast<std::size_t>(v)].tet;
+    for (int a = 0; a < 4; ++a) slides[static_cast<std::size_t>(cage.mesh.tets(tet, a))] = true;
+  }
+  Positions nodes = cage.mesh.nodes;
+  for (Eigen::Index n = 0; n < nodes.rows(); ++n) {
+    if (slides[static_cast<std::size_t>(n)]) nodes(n, 0) += 0.06;
+  }
+  EXPECT_EQ(CarriedDepth(fork, cage).deepest(nodes), 0);
 }
 
 }  // namespace

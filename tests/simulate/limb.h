@@ -97,4 +97,17 @@ inline Pose bent(const Character& limb, double angle) {
 
 inline double degrees(double angle) { return angle * std::numbers::pi / 180; }
 
+// The limb, and the same moved along y by `apart`, metres. Both hang on the same joints.
+inline Character make_two_limbs(double apart) {
+  Character both = make_limb();
+  const Eigen::Index count = both.vertices.rows(), triangles = both.triangles.rows();
+  both.vertices.conservativeResize(2 * count, 3);
+  both.vertices.bottomRows(count) = both.vertices.topRows(count).rowwise() + Eigen::RowVector3d(0, apart, 0);
+  both.triangles.conservativeResize(2 * triangles, 3);
+  both.triangles.bottomRows(triangles) =
+      (both.triangles.topRows(triangles).array() + static_cast<std::uint32_t>(count)).matrix();
+  both.weights.insert(both.weights.end(), both.weights.begin(), both.weights.begin() + count);
+  return both;
+}
+
 }  // namespace bodyopt

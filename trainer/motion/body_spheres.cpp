@@ -5,7 +5,8 @@
 #include <cmath>
 
 #include "runtime/rig.h"
-#include "trainer/train/parallel.h"
+#include "trainer/dataset/vertex_normals.h"
+#include "trainer/parallel.h"
 
 namespace bodyopt {
 namespace {
@@ -17,18 +18,6 @@ constexpr double kTolerance = 0.01;      // metres that flesh gives way
 constexpr double kSpacing = 0.6;         // of a sphere's radius, to the next centre
 constexpr std::size_t kMostPerJoint = 24;
 constexpr Eigen::Index kTouchingVertices = 2500;  // spheres are tried at this many vertices of the skin
-
-Positions vertex_normals(const Character& character) {
-  Positions normals = Positions::Zero(character.vertices.rows(), 3);
-  for (Eigen::Index t = 0; t < character.triangles.rows(); ++t) {
-    const auto corner = character.triangles.row(t);
-    const RowVector3d a = character.vertices.row(corner(0)), b = character.vertices.row(corner(1)),
-                      c = character.vertices.row(corner(2));
-    const RowVector3d normal = (b - a).cross(c - a);  // twice the area long
-    for (int k = 0; k < 3; ++k) normals.row(corner(k)) += normal;
-  }
-  return normals;
-}
 
 // The largest sphere inside the skin that touches it at this vertex.
 BodySphere touching_sphere(const Character& character, const RowVector3d& at, const RowVector3d& normal,
@@ -73,7 +62,7 @@ int fleshy_ancestor(const Skeleton& skeleton, const std::vector<bool>& fleshy, s
 }  // namespace
 
 std::vector<BodySphere> body_spheres(const Character& character) {
-  const Positions normals = vertex_normals(character);
+  const Positions normals = vertex_normals(character.vertices, character.triangles);
   const Eigen::Index count = character.vertices.rows(), stride = std::max<Eigen::Index>(1, count / kTouchingVertices);
   std::vector<BodySphere> touching(static_cast<std::size_t>((count + stride - 1) / stride));
   parallel_for(touching.size(), [&](std::size_t k) {

@@ -27,8 +27,9 @@ struct BonePoint {
 //    which is a trunk: 0.3).
 std::vector<BonePoint> find_bones(const TetMesh& mesh, const Character& character, const NodeWeights& weights);
 
-// The same at the samples of a cage. A joint left without bone, as in a sheet too thin for capsules, takes all samples
-// of weight 0.9 or more.
+// The same at the samples of a cage, but that fingers and toes, whose joint may carry a whole hand, have a core of
+// their own: deeper than 0.65 of the distance to their own middle. A joint left without bone, as in a sheet too thin
+// for capsules, takes all samples of weight 0.9 or more.
 std::vector<BonePoint> find_bones(const Cage& cage, const Character& character, const NodeWeights& weights);
 
 }  // namespace bodyopt

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "trainer/dataset/vertex_normals.h"
 #include "trainer/simulate/point_grid.h"
+#include "trainer/tets/closed_skin.h"
 
 namespace bodyopt {
 namespace {
@@ -40,23 +42,43 @@ CarriedDepth::CarriedDepth(const Character& character, const Cage& cage)
       vertices_(cage.skin.size()),
       same_part_(kSamePart * edges_around(character)),
       cell_(2 * same_part_.mean()),
-      depth_(rest_skin_, triangles_) {
+      nearest_(rest_skin_, triangles_),
+      outwards_(vertex_normals(rest_skin_, triangles_)) {
   std::iota(vertices_.begin(), vertices_.end(), 0);
+  if (enclosed_volume(rest_skin_, triangles_) < 0) outwards_ *= -1;
   const Eigen::Vector3d low = rest_skin_.colwise().minCoeff(), high = rest_skin_.colwise().maxCoeff();
   grid_.size = (high - low).maxCoeff() / kCubes;
   grid_.origin = low.array() - grid_.size / 2;
   grid_.count = ((high - low) / grid_.size).array().ceil().cast<int>() + 1;
   voxels_ = voxelise(rest_skin_, triangles_, grid_);
+  if (!cage.is_lattice) return;
+  tissue_.resize(static_cast<std::size_t>(tets_.rows()));
+  double cube = 0;  // cubic metres
+  for (const CageSample& sample : cage.samples) {
+    tissue_[static_cast<std::size_t>(sample.point.tet)].push_back(rest_position(cage.mesh, sample.point));
+    cube = std::max(cube, sample.volume);
+  }
+  sample_reach_ = std::cbrt(cube);
 }
 
-// The depth of a point of the body at rest, or `least` where it is not deeper.
-double CarriedDepth::depth_beyond(double least, const Eigen::Vector3d& point) const {
+bool CarriedDepth::is_tissue(Eigen::Index tet, const Eigen::Vector3d& point) const {
+  if (tissue_.empty()) return true;
+  const std::vector<Eigen::Vector3d>& samples = tissue_[static_cast<std::size_t>(tet)];
+  return std::any_of(samples.begin(), samples.end(), [&](const Eigen::Vector3d& sample) {
+    return (sample - point).cwiseAbs().maxCoeff() < sample_reach_;
+  });
+}
+
+// Of a point of the body at rest below the skin, metres; 0 outside.
+double CarriedDepth::depth(const Eigen::Vector3d& point) const {
   const Eigen::Vector3i cube = grid_.cube_at(point);
   const Voxel voxel = grid_.contains(cube) ? voxels_[grid_.index(cube)] : Voxel::outside;
-  if (voxel == Voxel::outside) return least;
-  const double distance = depth_.distance(point);
-  if (distance <= least) return least;
-  return voxel == Voxel::inside ? distance : std::max(depth_(point), least);
+  if (voxel == Voxel::outside) return 0;
+  const SkinPoint skin = nearest_(point);
+  Eigen::RowVector3d outwards = Eigen::RowVector3d::Zero();
+  for (int k = 0; k < 3; ++k) outwards += skin.weights[k] * outwards_.row(skin.vertices[static_cast<std::size_t>(k)]);
+  const bool is_outside = voxel == Voxel::surface && outwards.dot((point - skin.position).transpose()) > 0;
+  return is_outside ? 0 : (skin.position - point).norm();
 }
 
 double CarriedDepth::deepest(const Positions& nodes) const {
@@ -75,8 +97,8 @@ double CarriedDepth::deepest(const Positions& nodes) const {
       weights[0] = 1 - weights.tail<3>().sum();
       if (!(weights.minCoeff() >= 0)) return;
       const Eigen::RowVector3d point = weights * rest;
-      if ((point - rest_skin_.row(v)).norm() < same_part_[v]) return;
-      deepest = depth_beyond(deepest, point.transpose());
+      if ((point - rest_skin_.row(v)).norm() < same_part_[v] || !is_tissue(t, point)) return;
+      deepest = std::max(deepest, depth(point));
     });
   }
   return deepest;

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "trainer/dataset/vertex_normals.h"
 #include "trainer/simulate/point_grid.h"
 
 namespace bodyopt {
@@ -58,17 +59,6 @@ Triangles boundary(const Tets& tets) {
 }
 
 Eigen::Vector3d row(const Positions& nodes, Eigen::Index n) { return nodes.row(n).transpose(); }
-
-// Area-weighted normals of the surface's nodes, N x 3, twice the area long.
-Positions normals_of(const Triangles& surface, const Positions& nodes) {
-  Positions normals = Positions::Zero(nodes.rows(), 3);
-  for (Eigen::Index t = 0; t < surface.rows(); ++t) {
-    const Eigen::Vector3d a = row(nodes, surface(t, 0)), b = row(nodes, surface(t, 1)), c = row(nodes, surface(t, 2));
-    const Eigen::RowVector3d normal = (b - a).cross(c - a).transpose();
-    for (int k = 0; k < 3; ++k) normals.row(surface(t, k)) += normal;
-  }
-  return normals;
-}
 
 double distance_to_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                             const Eigen::Vector3d& c) {
@@ -195,7 +185,7 @@ bool SkinContact::is_same_part(int node, int tet) const {
 }
 
 std::vector<ContactPlane> SkinContact::find(const Positions& nodes, double margin) const {
-  const Positions normals = normals_of(surface_, nodes);
+  const Positions normals = vertex_normals(nodes, surface_);
   const PointGrid grid(nodes, skin_, cell_);
   std::map<int, ContactPlane> best;  // of each node: the tet it is inside of, or the nearest
   for (const int t : deep_) {

@@ -22,9 +22,9 @@ struct Cage {
   std::string why_lattice;          // what kept the skin from being filled
 };
 
-// A coarser skin filled with tets (skin_cage) where that comes out well: no tet of a mean-ratio quality below 0.05 and
-// hardly a vertex (1 %) further outside its tet than that is high. Otherwise a lattice (lattice_cage). Of max_nodes
-// nodes or fewer. Throws as lattice_cage.
+// A coarser skin filled with tets (skin_cage) where that comes out well: skin in one piece, no tet of a mean-ratio
+// quality below 0.05, hardly a vertex (1 %) further outside its tet than that is high, none more than four times as
+// far. Otherwise a lattice (lattice_cage). Of max_nodes nodes or fewer. Throws as lattice_cage.
 Cage make_cage(const Positions& vertices, const Triangles& triangles, Eigen::Index max_nodes);
 
 }  // namespace bodyopt

@@ -82,7 +82,7 @@ class NearestSkin::CentreTree {
   }
   template <typename Results>
   void find(Results& results, const Eigen::Vector3d& point) const {
-    index_.findNeighbors(results, point.data(), nanoflann::SearchParams());
+    index_.findNeighbors(results, point.data(), {});
   }
 
  private:

@@ -246,6 +246,7 @@ class Remesher {
         weight += w;
         up += n;
       }
+      if (!(weight > 0)) continue;  // all flat
       up.normalize();
       const Vector3d step = sum / weight - points_[v];
       moved[v] = project_(points_[v] + step - up.dot(step) * up);

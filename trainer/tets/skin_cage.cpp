@@ -1,16 +1,16 @@
 #include "trainer/tets/skin_cage.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 
 #include "runtime/basis/error.h"
+#include "trainer/dataset/vertex_normals.h"
 #include "trainer/tets/closed_skin.h"
 #include "trainer/tets/nearest_skin.h"
 #include "trainer/tets/remesh.h"
+#include "trainer/tets/tet_finder.h"
 #include "trainer/tets/thickness.h"
 
 namespace bodyopt {
@@ -19,7 +19,8 @@ namespace {
 constexpr int kRemeshRounds = 8;
 constexpr int kSampleRows = 3;  // samples along a tet's edge, less one
 constexpr int kFitRounds = 2;
-constexpr int kAttempts = 8;
+constexpr int kAttempts = 8, kMostRefused = 3;
+constexpr double kLeastQuality = 0.05;
 constexpr double kCloseEnough = 0.92;  // of the nodes allowed
 constexpr double kLittleFiner = 0.97;  // after a skin that cannot be filled
 constexpr double kOnSkin = 0.8;        // about this share of the nodes
@@ -96,77 +97,15 @@ void fit(const FineSkin& fine, Skin& coarse) {
   }
 }
 
-// Finds the tets that points lie in.
-class TetFinder {
- public:
-  TetFinder(const TetMesh& mesh, const Skin& surface) : nearest_(surface.vertices, surface.triangles) {
-    for (int t = 0; t < mesh.tets.rows(); ++t) {
-      Tet tet;
-      tet.origin = mesh.nodes.row(mesh.tets(t, 0));
-      tet.inverse = tet_edges(mesh, t).inverse();
-      const Positions corners = mesh.nodes(mesh.tets.row(t), Eigen::all);
-      tet.low = corners.colwise().minCoeff();
-      tet.high = corners.colwise().maxCoeff();
-      tets_.push_back(tet);
-    }
-    std::map<std::array<std::uint32_t, 3>, int> tet_of_face;
-    for (int t = 0; t < mesh.tets.rows(); ++t) {
-      for (int left_out = 0; left_out < 4; ++left_out) tet_of_face[face(mesh.tets, t, left_out)] = t;
-    }
-    for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
-      std::array<std::uint32_t, 3> corners{surface.triangles(t, 0), surface.triangles(t, 1), surface.triangles(t, 2)};
-      std::sort(corners.begin(), corners.end());
-      behind_.push_back(tet_of_face.at(corners));
-    }
-  }
-
-  // normal: of the skin at the point, away from the body.
-  EmbeddedPoint operator()(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const {
-    const SkinPoint near = nearest_.facing(point, normal);
-    const int behind = behind_[static_cast<std::size_t>(near.triangle >= 0 ? near.triangle : nearest_(point).triangle)];
-    const bool is_outside = near.triangle >= 0 && (point - near.position).dot(normal) > 0;
-    EmbeddedPoint best{behind, weights(behind, point)};
-    for (int t = 0; !is_outside && t < static_cast<int>(tets_.size()); ++t) {
-      const Tet& tet = tets_[static_cast<std::size_t>(t)];
-      if ((point.array() < tet.low.array()).any() || (point.array() > tet.high.array()).any()) continue;
-      const Eigen::Vector4d inside = weights(t, point);
-      if (inside.minCoeff() >= 0 && inside.minCoeff() > best.weights.minCoeff()) best = {t, inside};
-    }
-    return best;
-  }
-
- private:
-  struct Tet {
-    Eigen::Vector3d origin, low, high;
-    Eigen::Matrix3d inverse;  // of the edges from corner 0
-  };
-
-  static std::array<std::uint32_t, 3> face(const Tets& tets, int t, int left_out) {
-    std::array<std::uint32_t, 3> corners{};
-    for (int a = 0, k = 0; a < 4; ++a) {
-      if (a != left_out) corners[static_cast<std::size_t>(k++)] = static_cast<std::uint32_t>(tets(t, a));
-    }
-    std::sort(corners.begin(), corners.end());
-    return corners;
-  }
-
-  Eigen::Vector4d weights(int t, const Eigen::Vector3d& point) const {
-    const Tet& tet = tets_[static_cast<std::size_t>(t)];
-    Eigen::Vector4d result;
-    result.tail<3>() = tet.inverse * (point - tet.origin);
-    result[0] = 1 - result.tail<3>().sum();
-    return result;
-  }
-
-  NearestSkin nearest_;
-  std::vector<Tet> tets_;
-  std::vector<int> behind_;  // tet behind every triangle of the surface
-};
+void require_quality(const TetMesh& mesh) {
+  if (mesh.worst_quality >= kLeastQuality) return;
+  throw Error(ErrorKind::mismatch, "its worst tetrahedron has a quality of " + std::to_string(mesh.worst_quality));
+}
 
 Cage cage_of(const FineSkin& fine, const Skin& surface, TetMesh mesh) {
   Cage cage;
   cage.mesh = std::move(mesh);
-  const TetFinder find(cage.mesh, surface);
+  const TetFinder find(cage.mesh, surface.vertices, surface.triangles);
   for (Eigen::Index v = 0; v < fine.vertices.rows(); ++v) {
     cage.skin.push_back(find(fine.vertices.row(v), fine.normals.row(v)));
   }
@@ -183,6 +122,7 @@ Cage cage_of(const FineSkin& fine, const Skin& surface, TetMesh mesh) {
 Cage skin_cage(const Positions& vertices, const Triangles& wound, Eigen::Index max_nodes) {
   require_closed(vertices, wound);
   const Triangles triangles = enclosed_volume(vertices, wound) < 0 ? wound.rowwise().reverse().eval() : wound;
+  max_nodes = std::min(max_nodes, static_cast<Eigen::Index>(static_cast<double>(vertices.rows()) / kOnSkin));
   const FineSkin fine(vertices, triangles);
   double relative_area = 0;  // of the skin, in squared edges
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
@@ -193,13 +133,16 @@ Cage skin_cage(const Positions& vertices, const Triangles& wound, Eigen::Index m
   }
   // A node of a skin of regular triangles has sqrt(3) / 2 squared edges of it.
   double scale = std::sqrt(relative_area / (kOnSkin * static_cast<double>(max_nodes) * std::sqrt(3) / 2));
+  if (!(scale > 0)) throw Error(ErrorKind::mismatch, "the skin has no area");
   std::optional<std::pair<Skin, TetMesh>> best;
-  std::string refusal;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  std::string refusal = "every one tried had more nodes than " + std::to_string(max_nodes);
+  int refused = 0;
+  for (int attempt = 0; attempt < kAttempts && refused < kMostRefused; ++attempt) {
     Skin surface = coarser(fine, scale);
     fit(fine, surface);
     try {
       TetMesh mesh = tetrahedralise(surface.vertices, surface.triangles, kInside * scale * fine.edge.maxCoeff());
+      require_quality(mesh);
       const double share = static_cast<double>(mesh.nodes.rows()) / static_cast<double>(max_nodes);
       if (share <= 1 && (!best || mesh.nodes.rows() > best->second.nodes.rows())) {
         best.emplace(std::move(surface), std::move(mesh));
@@ -207,8 +150,8 @@ Cage skin_cage(const Positions& vertices, const Triangles& wound, Eigen::Index m
       if (share <= 1 && share > kCloseEnough) break;
       scale *= std::sqrt(share / (0.5 + 0.5 * kCloseEnough));
     } catch (const Error& error) {
-      if (error.kind() != ErrorKind::mismatch) throw;
       refusal = error.what();
+      ++refused;
       scale *= kLittleFiner;
     }
   }

@@ -6,11 +6,12 @@
 namespace bodyopt {
 
 // The skin is remeshed with longer edges, which stay short where a part is thin, and filled (tetrahedralise). The
-// finest found of at most `max_nodes` nodes. Its surface cuts corners: a vertex that lies outside is carried by the tet
-// behind the nearest triangle that faces as the skin does there, so that fingers stay apart. A function of its
-// arguments alone.
+// finest found of at most `max_nodes` nodes, and not finer than the skin itself. Its surface cuts corners: a vertex
+// that lies outside is carried by the tet behind the nearest triangle that faces as the skin does there, so that
+// fingers stay apart. A function of its arguments alone.
 //
-// Throws Error(mismatch) when the skin is not closed or no coarser skin can be filled.
+// Throws Error(mismatch) when the skin is not closed or no coarser skin can be filled with tets of a mean-ratio quality
+// of 0.05 at least.
 Cage skin_cage(const Positions& vertices, const Triangles& triangles, Eigen::Index max_nodes);
 
 }  // namespace bodyopt

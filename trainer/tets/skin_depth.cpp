@@ -25,10 +25,9 @@ double SkinDepth::winding_number(const Vector3d& point) const {
 }
 
 double SkinDepth::operator()(const Vector3d& point) const {
-  return std::abs(winding_number(point)) > 0.5 ? distance(point) : -distance(point);
+  const double distance = (nearest_(point).position - point).norm();
+  return std::abs(winding_number(point)) > 0.5 ? distance : -distance;
 }
-
-double SkinDepth::distance(const Vector3d& point) const { return (nearest_(point).position - point).norm(); }
 
 std::optional<Vector3d> SkinDepth::tuck(const Vector3d& point, double depth) const {
   const double here = (*this)(point);

@@ -12,12 +12,13 @@ namespace bodyopt {
 // small holes in the skin do not matter, nor that it is inside out.
 class SkinDepth {
  public:
+  // vertices and triangles must outlive it.
   SkinDepth(const Positions& vertices, const Triangles& triangles);
+  SkinDepth(const SkinDepth&) = delete;
+  SkinDepth& operator=(const SkinDepth&) = delete;
 
   // Distance to the skin, metres: positive inside.
   double operator()(const Eigen::Vector3d& point) const;
-  // The same without the sign, which costs most.
-  double distance(const Eigen::Vector3d& point) const;
 
   // The point itself where it is deep enough, otherwise the point `depth` under the skin nearest to it; less deep where
   // the body is too thin for that; nothing where there is no place inside near it.

@@ -6,10 +6,8 @@
 namespace bodyopt {
 
 // Per vertex, metres: along its normal to the skin behind it, averaged over the skin nearby (the shape diameter:
-// Shapira, Shamir, Cohen-Or 2008, with one ray), between a 180th and a sixth of the body's extent.
+// Shapira, Shamir, Cohen-Or 2008, with one ray), between a 180th and a sixth of the body's extent. Of a skin of many
+// vertices some are measured, evenly spread.
 Eigen::VectorXd thickness(const Positions& vertices, const Triangles& triangles);
-
-// Area-weighted unit normals, V x 3; zero where there is no area.
-Positions vertex_normals(const Positions& vertices, const Triangles& triangles);
 
 }  // namespace bodyopt

@@ -13,9 +13,9 @@
 #include "runtime/cpu/half.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/rig.h"
+#include "trainer/parallel.h"
 #include "trainer/progress.h"
 #include "trainer/train/features.h"
-#include "trainer/train/parallel.h"
 
 namespace bodyopt {
 namespace {

@@ -6,7 +6,7 @@
 #include "runtime/basis/error.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/rig.h"
-#include "trainer/train/parallel.h"
+#include "trainer/parallel.h"
 
 namespace bodyopt {
 namespace {

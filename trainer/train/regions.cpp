@@ -10,8 +10,8 @@
 #include <set>
 
 #include "runtime/rig.h"
+#include "trainer/parallel.h"
 #include "trainer/train/laplacian.h"
-#include "trainer/train/parallel.h"
 #include "trainer/train/strain.h"
 
 namespace bodyopt {

@@ -7,9 +7,9 @@
 
 #include "runtime/cpu/half.h"
 #include "runtime/rig.h"
+#include "trainer/parallel.h"
 #include "trainer/progress.h"
 #include "trainer/train/mesh_table.h"
-#include "trainer/train/parallel.h"
 #include "trainer/train/select_features.h"
 #include "trainer/train/strain.h"
 

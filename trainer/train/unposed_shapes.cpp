@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "runtime/basis/error.h"
+#include "trainer/parallel.h"
 #include "trainer/progress.h"
-#include "trainer/train/parallel.h"
 #include "trainer/train/unpose.h"
 
 namespace bodyopt {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "trainer/train/parallel.h"
+#include "trainer/parallel.h"
 
 namespace bodyopt {
 
