@@ -81,6 +81,7 @@ void run(const TrainArguments& arguments) {
   const auto training = std::chrono::steady_clock::now();
   Basis basis = train(set, arguments.options);
   const double training_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - training).count();
+  say(training_warnings(basis));
   keep_unit(basis, dataset.unit);
   save_basis(basis, arguments.out);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -92,6 +93,7 @@ void run(const TrainArguments& arguments) {
                  {"heldout_frames", set.heldout.size()},
                  {"unconverged_frames", set.unconverged},
                  {"bytes_per_vertex", per_vertex},
+                 {"warnings", training_warnings(basis)},
                  {"unposing_residual_mm", {{"lbs", unposing.lbs}, {"ddm", unposing.ddm}}},
                  {"seconds", seconds}};
   std::string text = format("trained on %zu frames (%d unconverged left out) in %.1f s: %.0f bytes per vertex\n",

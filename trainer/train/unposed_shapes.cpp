@@ -10,13 +10,13 @@
 namespace bodyopt {
 
 Displacements UnposedShapes::operator()(const std::string& title, std::span<const std::size_t> frames,
-                                        std::span<const std::uint32_t> vertices) const {
+                                        std::span<const std::uint32_t> vertices) {
   Displacements displacements(static_cast<Eigen::Index>(frames.size()), 3 * static_cast<Eigen::Index>(vertices.size()));
   Progress progress(title, frames.size());
   parallel_for(frames.size(), [&](std::size_t n) {
     const Sample& sample = set_.train[frames[n]];
     const Positions shape = sample.shape.read();
-    const std::string where = "frame " + std::to_string(sample.frame) + " of take " + std::to_string(sample.take);
+    const std::string where = frame_name(set_, sample);
     if (shape.rows() != static_cast<Eigen::Index>(order_.size())) {
       throw Error(ErrorKind::mismatch, where + ": its shape has " + std::to_string(shape.rows()) +
                                            " vertices, the character " + std::to_string(order_.size()));
@@ -32,7 +32,16 @@ Displacements UnposedShapes::operator()(const std::string& title, std::span<cons
         Eigen::Map<const Eigen::RowVectorXd>(delta.data(), delta.size()).cast<float>();
     progress.advance();
   });
+  for (const StrayVertex& stray : neighbours_.mend(displacements, frames, vertices)) {
+    strays_.emplace(std::pair(stray.frame, stray.vertex), stray);
+  }
   return displacements;
+}
+
+std::vector<StrayVertex> UnposedShapes::strays() const {
+  std::vector<StrayVertex> strays;
+  for (const auto& [place, stray] : strays_) strays.push_back(stray);
+  return strays;
 }
 
 std::vector<std::size_t> spread_evenly(std::size_t count, std::size_t most) {
