@@ -9,6 +9,8 @@
 #include "runtime/basis/error.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/same_basis.h"
+#include "tests/support/temporary_folder.h"
+#include "trainer/dataset/pc2.h"
 #include "trainer/train/contradictions.h"
 #include "trainer/train/heldout.h"
 #include "trainer/train/stray_vertices.h"
@@ -245,6 +247,31 @@ TEST(BadData, NumbersThatAreNotFiniteAreNamed) {
   shape(5, 1) = std::nan("");
   set.train[40].shape = shape;
   EXPECT_EQ(message_of(set), "frame 41 of take 'training': its shape holds a number that is not finite");
+}
+
+TEST(BadData, AFileThatHoldsNoNumbersIsNamedWithItsFrame) {
+  const TemporaryFolder folder;
+  SampleSet set = clean();
+  const std::string path = folder / "shapes.pc2";
+  Pc2Writer writer(path, set.character.output_count(), 80);
+  for (std::size_t n = 0; n < 80; ++n) {
+    std::vector<float> shape = output_from_welded(set.character, set.train[n].shape.read());
+    if (n == 55) shape[3 * 17 + 1] = std::nanf("");
+    writer.append(shape);
+  }
+  writer.close();
+  const auto cache =
+      std::make_shared<const ShapeCache>(ShapeReader(path), std::make_shared<const Character>(set.character));
+  for (std::uint32_t n = 0; n < 80; ++n) set.train[n].shape = {cache, n};
+  try {
+    train(set, kSmall);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::file);
+    const std::string expected =
+        "frame 56 of take 'training': " + path + ": sample 55, point 17 is not a finite number";
+    EXPECT_EQ(std::string(error.what()).find(expected), 0u) << error.what();
+  }
 }
 
 }  // namespace

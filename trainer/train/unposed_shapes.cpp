@@ -8,6 +8,26 @@
 #include "trainer/train/unpose.h"
 
 namespace bodyopt {
+namespace {
+
+// Finite and of as many vertices as the character.
+Positions read_shape(const SampleSet& set, const Sample& sample) {
+  const std::string where = frame_name(set, sample);
+  Positions shape;
+  try {
+    shape = sample.shape.read();
+  } catch (const Error& error) {
+    throw Error(error.kind(), where + ": " + error.what());
+  }
+  if (shape.rows() != set.character.vertices.rows()) {
+    throw Error(ErrorKind::mismatch, where + ": its shape has " + std::to_string(shape.rows()) +
+                                         " vertices, the character " + std::to_string(set.character.vertices.rows()));
+  }
+  if (!shape.allFinite()) throw Error(ErrorKind::mismatch, where + ": its shape holds a number that is not finite");
+  return shape;
+}
+
+}  // namespace
 
 Displacements UnposedShapes::operator()(const std::string& title, std::span<const std::size_t> frames,
                                         std::span<const std::uint32_t> vertices) {
@@ -15,13 +35,7 @@ Displacements UnposedShapes::operator()(const std::string& title, std::span<cons
   Progress progress(title, frames.size());
   parallel_for(frames.size(), [&](std::size_t n) {
     const Sample& sample = set_.train[frames[n]];
-    const Positions shape = sample.shape.read();
-    const std::string where = frame_name(set_, sample);
-    if (shape.rows() != static_cast<Eigen::Index>(order_.size())) {
-      throw Error(ErrorKind::mismatch, where + ": its shape has " + std::to_string(shape.rows()) +
-                                           " vertices, the character " + std::to_string(order_.size()));
-    }
-    if (!shape.allFinite()) throw Error(ErrorKind::mismatch, where + ": its shape holds a number that is not finite");
+    const Positions shape = read_shape(set_, sample);
     Positions some(static_cast<Eigen::Index>(vertices.size()), 3);
     for (std::size_t k = 0; k < vertices.size(); ++k) {
       some.row(static_cast<Eigen::Index>(k)) = shape.row(order_[vertices[k]]);
