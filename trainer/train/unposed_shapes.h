@@ -22,7 +22,7 @@ class UnposedShapes {
 
   // N x 3 vertices: some vertices (runtime order, ascending) in some frames (indices of the set's training frames),
   // stray ones put back among their neighbours. Shows progress under a title. Throws Error(mismatch) naming a frame
-  // whose shape does not fit the character or is not finite.
+  // whose shape does not fit the character or is not finite, Error(file) one whose shape cannot be read.
   Displacements operator()(const std::string& title, std::span<const std::size_t> frames,
                            std::span<const std::uint32_t> vertices);
 
