@@ -306,6 +306,7 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
 
   Stopwatch training;
   const Basis full = train(set, {});
+  say(training_warnings(full));
   save_basis(full, folder / "basis.safetensors");
   report.seconds.train = training.seconds();
   TrainOptions linear_options;

@@ -82,6 +82,7 @@ void run(const TrainArguments& arguments) {
   const auto training = std::chrono::steady_clock::now();
   Basis basis = train(set, arguments.options);
   const double training_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - training).count();
+  say(training_warnings(basis));
   keep_unit(basis, dataset.unit);
   save_basis(basis, arguments.out);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -95,6 +96,7 @@ void run(const TrainArguments& arguments) {
                  {"unconverged_frames", set.unconverged},
                  {"bytes_per_vertex", per_vertex},
                  {"expected_rms_mm", expected},
+                 {"warnings", training_warnings(basis)},
                  {"unposing_residual_mm", {{"lbs", unposing.lbs}, {"ddm", unposing.ddm}}},
                  {"seconds", seconds}};
   std::string text =

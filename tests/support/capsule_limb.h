@@ -132,6 +132,7 @@ inline SampleSet limb_samples(int train_frames, int heldout_frames) {
   SampleSet set;
   set.character = limb_character();
   set.muscles = limb_muscles();
+  set.takes = {"training", "heldout"};
   for (int f = 0; f < train_frames + heldout_frames; ++f) {
     const bool train = f < train_frames;
     const double t = train ? f : 0.37 + 1.9 * (f - train_frames);

@@ -29,25 +29,26 @@ constexpr int kCentreFractions[] = {1, 2, 4};
 constexpr int kFolds = 5, kLongestRun = 20;
 constexpr std::uint32_t kMostCoefficients = 65536;
 
-// Consecutive regions and all vertices of theirs, ascending.
+// Consecutive regions and all vertices of theirs and beside them, ascending.
 struct SkinPart {
   std::size_t begin, end;
   std::vector<std::uint32_t> vertices;
 };
 
 // As few parts as leave half the memory free while the displacements of one are in it.
-std::vector<SkinPart> parts_that_fit(const std::vector<RegionWeights>& regions, std::size_t frames, double memory_gib) {
+std::vector<SkinPart> parts_that_fit(const std::vector<RegionWeights>& regions, const UnposedShapes& shapes,
+                                     std::size_t frames, double memory_gib) {
   const double most = 0.5 * memory_gib * 0x1p30 / (3 * sizeof(float) * static_cast<double>(frames));
   std::vector<SkinPart> parts;
   for (std::size_t r = 0; r < regions.size(); ++r) {
+    const std::vector<std::uint32_t> vertices = shapes.with_neighbours(regions[r].vertices);
     std::vector<std::uint32_t> with_last;
     if (!parts.empty()) {
       const std::vector<std::uint32_t>& last = parts.back().vertices;
-      std::set_union(last.begin(), last.end(), regions[r].vertices.begin(), regions[r].vertices.end(),
-                     std::back_inserter(with_last));
+      std::set_union(last.begin(), last.end(), vertices.begin(), vertices.end(), std::back_inserter(with_last));
     }
     if (parts.empty() || static_cast<double>(with_last.size()) > most) {
-      parts.push_back({r, r + 1, regions[r].vertices});
+      parts.push_back({r, r + 1, vertices});
     } else {
       parts.back() = {parts.back().begin, r + 1, std::move(with_last)};
     }
@@ -168,9 +169,9 @@ RegionModel fit_region(const RegionWeights& region, const SkinPart& part,
 
 }  // namespace
 
-ResidualModel fit_residual(const Character& character, const UnposedShapes& shapes,
-                           const std::vector<RegionWeights>& regions, const std::vector<FeatureGroup>& groups,
-                           const FeatureSamples& features, const std::vector<int>& takes, const TrainOptions& options) {
+ResidualModel fit_residual(const Character& character, UnposedShapes& shapes, const std::vector<RegionWeights>& regions,
+                           const std::vector<FeatureGroup>& groups, const FeatureSamples& features,
+                           const std::vector<int>& takes, const TrainOptions& options) {
   const int run = std::clamp(static_cast<int>(takes.size()) / (2 * kFolds), 2, kLongestRun);
   const std::vector<int> folds = blocked_folds(takes, run, kFolds);
   ResidualModel model;
@@ -180,8 +181,10 @@ ResidualModel fit_residual(const Character& character, const UnposedShapes& shap
   for (std::size_t n = 0; n < folds.size(); ++n) {
     if (folds[n] >= 0) model.heldout_frames.push_back(static_cast<Index>(n));
   }
+  const std::vector<FramePair> pairs = frames_of_one_pose(features.values);
+  const double size = longest_extent(character.vertices);
   const std::vector<std::size_t> frames = spread_evenly(takes.size(), takes.size());
-  const std::vector<SkinPart> parts = parts_that_fit(regions, frames.size(), options.memory_gib);
+  const std::vector<SkinPart> parts = parts_that_fit(regions, shapes, frames.size(), options.memory_gib);
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const SkinPart& part = parts[p];
     const std::string which =
@@ -192,6 +195,7 @@ ResidualModel fit_residual(const Character& character, const UnposedShapes& shap
       const std::size_t r = part.begin + k;
       const auto choices = feature_choices(character, regions[r], groups, options.method);
       model.regions[r] = fit_region(regions[r], part, choices, features, displacements, folds, options);
+      model.regions[r].contradictions = contradictions(pairs, displacements, within(part, regions[r]), size);
       progress.advance();
     });
   }

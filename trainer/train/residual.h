@@ -7,6 +7,7 @@
 
 #include "runtime/basis/basis.h"
 #include "trainer/train/components.h"
+#include "trainer/train/contradictions.h"
 #include "trainer/train/coverage.h"
 #include "trainer/train/features.h"
 #include "trainer/train/regions.h"
@@ -29,6 +30,7 @@ struct RegionModel {
   std::vector<double> worth;            // square metres: the energy of the motion that each explains, in a linear fit
   Components components;                // every basis column scaled so that its largest entry is 1
   std::vector<RegionFit> fits;          // with ever fewer centres; never none
+  std::vector<Contradiction> contradictions;
 };
 
 // All of them, ready to be packed.
@@ -43,9 +45,9 @@ struct ResidualModel {
 // Components, then features and regression of every region. The radius within which a region sees features is chosen
 // with the other hyper-parameters, by cross-validation. Shapes are read part by part of the skin, as options.memory_gib
 // allows. `features` and `takes`: of all the training frames.
-ResidualModel fit_residual(const Character& character, const UnposedShapes& shapes,
-                           const std::vector<RegionWeights>& regions, const std::vector<FeatureGroup>& groups,
-                           const FeatureSamples& features, const std::vector<int>& takes, const TrainOptions& options);
+ResidualModel fit_residual(const Character& character, UnposedShapes& shapes, const std::vector<RegionWeights>& regions,
+                           const std::vector<FeatureGroup>& groups, const FeatureSamples& features,
+                           const std::vector<int>& takes, const TrainOptions& options);
 
 // What is kept of one region.
 struct SelectedRegion {

@@ -74,10 +74,16 @@ SampleSet read_samples(const Dataset& dataset) {
   }
   const auto character = std::make_shared<const Character>(set.character);
   for (std::size_t k = 0; k < clips.size(); ++k) {
+    set.takes.push_back(dataset.takes[k].name);
     arrange_controls(set.controls, clips[k]);
     read_take(dataset, static_cast<int>(k), clips[k], character, set);
   }
   return set;
+}
+
+std::string frame_name(const SampleSet& set, const Sample& sample) {
+  return "frame " + std::to_string(sample.frame) + " of take '" + set.takes[static_cast<std::size_t>(sample.take)] +
+         "'";
 }
 
 }  // namespace bodyopt

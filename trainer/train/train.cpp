@@ -6,12 +6,14 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <set>
 
 #include "runtime/basis/error.h"
 #include "runtime/basis/hexadecimal.h"
 #include "runtime/rig.h"
 #include "trainer/parallel.h"
 #include "trainer/single_threaded_products.h"
+#include "trainer/train/data_warnings.h"
 #include "trainer/train/ddm.h"
 #include "trainer/train/features.h"
 #include "trainer/train/mesh_table.h"
@@ -59,6 +61,25 @@ Base make_base(const Character& ordered, double radius, const TrainOptions& opti
   return base;
 }
 
+void check_pose(const SampleSet& set, const Sample& sample) {
+  const Pose& pose = sample.pose;
+  if (pose.controls.size() != set.controls.size()) {
+    throw Error(ErrorKind::mismatch, frame_name(set, sample) + " has " + std::to_string(pose.controls.size()) +
+                                         " control values for " + std::to_string(set.controls.size()) + " controls");
+  }
+  for (std::size_t k = 0; k < pose.controls.size(); ++k) {
+    if (std::isfinite(pose.controls[k])) continue;
+    throw Error(ErrorKind::mismatch,
+                frame_name(set, sample) + ": the value of control '" + set.controls[k] + "' is not a finite number");
+  }
+  for (std::size_t j = 0; j < std::min(pose.joints.size(), set.character.skeleton.size()); ++j) {
+    const Affine local = affine_from(pose.joints[j]);
+    if (Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(&local.m[0][0]).allFinite()) continue;
+    throw Error(ErrorKind::mismatch, frame_name(set, sample) + ": the transform of joint '" +
+                                         set.character.skeleton.joints[j].name + "' holds a number that is not finite");
+  }
+}
+
 void check_samples(const SampleSet& set) {
   if (set.train.size() < kFewestFrames) {
     throw Error(ErrorKind::mismatch, "training needs " + std::to_string(kFewestFrames) +
@@ -67,13 +88,7 @@ void check_samples(const SampleSet& set) {
                                          ", unconverged: " + std::to_string(set.unconverged) + ")");
   }
   for (const std::vector<Sample>* samples : {&set.train, &set.heldout}) {
-    for (const Sample& sample : *samples) {
-      if (sample.pose.controls.size() == set.controls.size()) continue;
-      throw Error(ErrorKind::mismatch, "frame " + std::to_string(sample.frame) + " of take " +
-                                           std::to_string(sample.take) + " has " +
-                                           std::to_string(sample.pose.controls.size()) + " control values for " +
-                                           std::to_string(set.controls.size()) + " controls");
-    }
+    for (const Sample& sample : *samples) check_pose(set, sample);
   }
 }
 
@@ -105,7 +120,7 @@ Base choose_base(const SampleSet& set, const Character& ordered, const std::vect
 
 // Influences are measured on some frames, spread evenly.
 std::vector<FeatureGroup> feature_groups(const Base& base, const std::vector<Muscle>& muscles,
-                                         const FeatureSamples& features, const UnposedShapes& shapes) {
+                                         const FeatureSamples& features, UnposedShapes& shapes) {
   constexpr std::size_t kMostFrames = 800;
   const std::vector<std::size_t> frames = spread_evenly(static_cast<std::size_t>(features.values.rows()), kMostFrames);
   std::vector<std::uint32_t> all(shapes.vertex_count());
@@ -228,7 +243,8 @@ nlohmann::json muscle_report(const StrainTable& strain, const std::vector<Muscle
 
 // What training says of itself. `fibres`: all of them, as the model's features are numbered.
 nlohmann::json report_of(const Basis& basis, const Character& character, const SampleSet& set,
-                         const ResidualModel& model, const StrainTable& fibres, double expected) {
+                         const ResidualModel& model, const StrainTable& fibres, double expected,
+                         const std::vector<std::string>& warnings) {
   return {{"train_frames", set.train.size()},
           {"heldout_frames", set.heldout.size()},
           {"unconverged_frames", set.unconverged},
@@ -237,7 +253,24 @@ nlohmann::json report_of(const Basis& basis, const Character& character, const S
           {"centres", basis.residual.centre_count()},
           {"expected_rms_mm", 1e3 * expected},
           {"regions", region_report(character, model, set.train.size())},
-          {"muscles_explain_percent", muscle_report(fibres, set.muscles, model, joint_feature_count(basis.skeleton))}};
+          {"muscles_explain_percent", muscle_report(fibres, set.muscles, model, joint_feature_count(basis.skeleton))},
+          {"warnings", warnings}};
+}
+
+std::vector<std::string> warnings_of(const SampleSet& set, const Groundwork& ground, const ResidualModel& model) {
+  std::set<std::uint32_t> varying;
+  for (const FeatureGroup& group : ground.groups) varying.insert(group.features.begin(), group.features.end());
+  std::vector<Contradiction> contradictions;
+  for (const RegionModel& region : model.regions) {
+    contradictions.insert(contradictions.end(), region.contradictions.begin(), region.contradictions.end());
+  }
+  std::vector<std::string> warnings;
+  for (const std::vector<std::string>& some :
+       {contradiction_warnings(set, contradictions), stray_warnings(set, ground.order, ground.shapes.strays()),
+        constant_control_warnings(set), few_frames_warnings(set, varying.size())}) {
+    warnings.insert(warnings.end(), some.begin(), some.end());
+  }
+  return warnings;
 }
 
 }  // namespace
@@ -274,9 +307,16 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
   basis.metadata["coverage"] =
       coverage_text(region_coverage(ordered, model, packed.regions, trade_off.worth(), selection));
   basis.metadata["curve"] = curve_text(trade_off.curve());
-  basis.metadata["report"] =
-      report_of(basis, ordered, set, model, bare.strain, expected_error(model, selection)).dump();
+  basis.metadata["report"] = report_of(basis, ordered, set, model, bare.strain, expected_error(model, selection),
+                                       warnings_of(set, ground, model))
+                                 .dump();
   return std::move(basis);
+}
+
+std::vector<std::string> training_warnings(const Basis& basis) {
+  const auto report = basis.metadata.find("report");
+  if (report == basis.metadata.end()) return {};
+  return nlohmann::json::parse(report->second).at("warnings").get<std::vector<std::string>>();
 }
 
 UnposingResidual unposing_residual(const SampleSet& set, const Basis& basis) {

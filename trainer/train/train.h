@@ -47,6 +47,7 @@ struct Sample {
 struct SampleSet {
   Character character;
   std::vector<Muscle> muscles;
+  std::vector<std::string> takes;      // names, by Sample::take
   std::vector<std::string> controls;   // of every pose, by name
   std::vector<RegionWeights> regions;  // painted: as read_regions
   std::vector<Sample> train, heldout;
@@ -55,6 +56,9 @@ struct SampleSet {
 };
 SampleSet read_samples(const Dataset& dataset);
 
+// "frame 12 of take 'rom'".
+std::string frame_name(const SampleSet& set, const Sample& sample);
+
 // DDM, no shapes: mesh and ddm tables, an empty residual.
 Basis build_ddm_basis(const Character& character, const TrainOptions& options);
 
@@ -62,8 +66,13 @@ Basis build_ddm_basis(const Character& character, const TrainOptions& options);
 // with a name of its own. Shows progress. Throws as train().
 std::vector<RegionWeights> training_regions(const SampleSet& set, const TrainOptions& options);
 
-// The full training. Never looks at set.heldout. Shows progress. Throws Error(mismatch) when there is too little data.
+// The full training. Never looks at set.heldout. Shows progress. Throws Error(mismatch) when there is too little data,
+// or where it is not sound.
 Basis train(const SampleSet& set, const TrainOptions& options);
+
+// What train() has to say of the data, one sentence each, for the user: shapes that contradict each other, stray
+// vertices, controls that never change, too few frames.
+std::vector<std::string> training_warnings(const Basis& basis);
 
 // RMS (mm) of what is left to learn after un-posing each shape by DDM, and by linear blend skinning, the mean over
 // frames taken out of neither: over vertices and at most 200 training frames, spread evenly.

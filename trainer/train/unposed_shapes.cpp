@@ -8,20 +8,34 @@
 #include "trainer/train/unpose.h"
 
 namespace bodyopt {
+namespace {
+
+// Finite and of as many vertices as the character.
+Positions read_shape(const SampleSet& set, const Sample& sample) {
+  const std::string where = frame_name(set, sample);
+  Positions shape;
+  try {
+    shape = sample.shape.read();
+  } catch (const Error& error) {
+    throw Error(error.kind(), where + ": " + error.what());
+  }
+  if (shape.rows() != set.character.vertices.rows()) {
+    throw Error(ErrorKind::mismatch, where + ": its shape has " + std::to_string(shape.rows()) +
+                                         " vertices, the character " + std::to_string(set.character.vertices.rows()));
+  }
+  if (!shape.allFinite()) throw Error(ErrorKind::mismatch, where + ": its shape holds a number that is not finite");
+  return shape;
+}
+
+}  // namespace
 
 Displacements UnposedShapes::operator()(const std::string& title, std::span<const std::size_t> frames,
-                                        std::span<const std::uint32_t> vertices) const {
+                                        std::span<const std::uint32_t> vertices) {
   Displacements displacements(static_cast<Eigen::Index>(frames.size()), 3 * static_cast<Eigen::Index>(vertices.size()));
   Progress progress(title, frames.size());
   parallel_for(frames.size(), [&](std::size_t n) {
     const Sample& sample = set_.train[frames[n]];
-    const Positions shape = sample.shape.read();
-    const std::string where = "frame " + std::to_string(sample.frame) + " of take " + std::to_string(sample.take);
-    if (shape.rows() != static_cast<Eigen::Index>(order_.size())) {
-      throw Error(ErrorKind::mismatch, where + ": its shape has " + std::to_string(shape.rows()) +
-                                           " vertices, the character " + std::to_string(order_.size()));
-    }
-    if (!shape.allFinite()) throw Error(ErrorKind::mismatch, where + ": its shape holds a number that is not finite");
+    const Positions shape = read_shape(set_, sample);
     Positions some(static_cast<Eigen::Index>(vertices.size()), 3);
     for (std::size_t k = 0; k < vertices.size(); ++k) {
       some.row(static_cast<Eigen::Index>(k)) = shape.row(order_[vertices[k]]);
@@ -32,7 +46,16 @@ Displacements UnposedShapes::operator()(const std::string& title, std::span<cons
         Eigen::Map<const Eigen::RowVectorXd>(delta.data(), delta.size()).cast<float>();
     progress.advance();
   });
+  for (const StrayVertex& stray : neighbours_.mend(displacements, frames, vertices)) {
+    strays_.emplace(std::pair(stray.frame, stray.vertex), stray);
+  }
   return displacements;
+}
+
+std::vector<StrayVertex> UnposedShapes::strays() const {
+  std::vector<StrayVertex> strays;
+  for (const auto& [place, stray] : strays_) strays.push_back(stray);
+  return strays;
 }
 
 std::vector<std::size_t> spread_evenly(std::size_t count, std::size_t most) {

@@ -1,12 +1,14 @@
 // The training frames in un-posed space, fetched from disk part by part.
 #pragma once
 
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "runtime/basis/basis.h"
 #include "trainer/train/components.h"
+#include "trainer/train/stray_vertices.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt {
@@ -16,13 +18,20 @@ class UnposedShapes {
   // `ordered`: the character in runtime order; `order`: welded vertex of each runtime vertex. All must outlive this.
   UnposedShapes(const SampleSet& set, const Character& ordered, const Basis& basis,
                 const std::vector<std::uint32_t>& order, Method::Unposing unposing)
-      : set_(set), ordered_(ordered), basis_(basis), order_(order), unposing_(unposing) {}
+      : set_(set), ordered_(ordered), basis_(basis), order_(order), unposing_(unposing), neighbours_(ordered) {}
 
-  // N x 3 vertices: some vertices (runtime order) in some frames (indices of the set's training frames). Shows progress
-  // under a title. Throws Error(mismatch) naming a frame whose shape does not fit the character or is not finite.
+  // N x 3 vertices: some vertices (runtime order, ascending) in some frames (indices of the set's training frames),
+  // stray ones put back among their neighbours. Shows progress under a title. Throws Error(mismatch) naming a frame
+  // whose shape does not fit the character or is not finite, Error(file) one whose shape cannot be read.
   Displacements operator()(const std::string& title, std::span<const std::size_t> frames,
-                           std::span<const std::uint32_t> vertices) const;
+                           std::span<const std::uint32_t> vertices);
 
+  // Vertices and those beside them, ascending: all it takes to find the stray ones among them.
+  std::vector<std::uint32_t> with_neighbours(const std::vector<std::uint32_t>& vertices) const {
+    return neighbours_.with_neighbours(vertices);
+  }
+  // Found so far, each once.
+  std::vector<StrayVertex> strays() const;
   std::uint32_t vertex_count() const { return basis_.mesh.vertex_count(); }
 
  private:
@@ -31,6 +40,8 @@ class UnposedShapes {
   const Basis& basis_;
   const std::vector<std::uint32_t>& order_;
   Method::Unposing unposing_;
+  StrayVertices neighbours_;
+  std::map<std::pair<std::size_t, std::uint32_t>, StrayVertex> strays_;  // by frame and vertex
 };
 
 // At most `most` of the numbers 0 .. count - 1, spread evenly.
