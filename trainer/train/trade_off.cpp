@@ -10,6 +10,7 @@
 #include "runtime/basis/strict_json.h"
 #include "runtime/rig.h"
 #include "trainer/progress.h"
+#include "trainer/train/selection_error.h"
 
 namespace bodyopt {
 namespace {
