@@ -347,6 +347,10 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
     report.bytes_by_stage.emplace_back(stage, static_cast<double>(bytes) / vertices);
   }
 
+  for (const TradeOffPoint& point : read_curve(full)) {
+    report.trade_off.push_back({point.bytes_per_vertex, point.expected_mm, point.microseconds, point.coefficients});
+  }
+
   const auto box = (set.character.vertices.colwise().maxCoeff() - set.character.vertices.colwise().minCoeff()).eval();
   report.character.name = "built-in arm";
   report.character.vertices = static_cast<std::uint32_t>(set.character.vertices.rows());

@@ -42,6 +42,17 @@ Json pictures(const ReportData& data) {
   return json;
 }
 
+Json trade_off(const ReportData& data) {
+  Json json = Json::array();
+  for (const TradeOffReport& point : data.trade_off) {
+    json.push_back({{"bytes_per_vertex", point.bytes_per_vertex},
+                    {"expected_rms_mm", point.expected_rms_mm},
+                    {"microseconds", point.microseconds},
+                    {"coefficients", point.coefficients}});
+  }
+  return json;
+}
+
 Json bytes_by_stage(const ReportData& data) {
   Json json = Json::object();
   for (const auto& [stage, bytes] : data.bytes_by_stage) json[stage] = bytes;
@@ -74,6 +85,7 @@ Json to_json(const ReportData& data) {
                                  {"linear", data.linear.coefficients},
                                  {"full", data.full.coefficients}};
   json["bytes_by_stage"] = bytes_by_stage(data);
+  json["trade_off"] = trade_off(data);
   json["cpu_gpu_max_difference_m"] = data.cpu_gpu_max_difference_m;
   json["device"] = data.device;
   json["seconds"] = {{"build_character", data.seconds.build_character},

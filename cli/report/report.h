@@ -37,6 +37,12 @@ struct SimulationReport {
   double draft_rms_mm = 0, draft_max_mm = 0;  // of a draft of the held-out motion
 };
 
+// A basis of another size that the training could have given.
+struct TradeOffReport {
+  double bytes_per_vertex = 0, expected_rms_mm = 0, microseconds = 0;
+  std::uint32_t coefficients = 0;
+};
+
 struct ReportData {
   bool quick = false;  // of too few frames to judge the errors
   struct {
@@ -54,6 +60,7 @@ struct ReportData {
   } unposing_residual_mm;       // RMS of what is left to learn after un-posing, training frames
   double bytes_per_vertex = 0;  // of `full`
   std::vector<std::pair<std::string, double>> bytes_by_stage;  // of `full`; may be empty
+  std::vector<TradeOffReport> trade_off;                       // by rising bytes; may be empty
   double cpu_gpu_max_difference_m = 0;
   std::string device;
   struct {

@@ -19,8 +19,7 @@ std::array<Method, 4> methods_of(const ReportData& data) {
       {{data.lbs, "LBS", "#8a92a1", "Linear blend skinning: the skin weights alone, where every rig starts."},
        {data.ddm, "DDM", "#62aee8", "Direct Delta Mush: smooth skinning from the same weights; nothing is learned."},
        {data.linear, "Linear", "#b892f2",
-        "DDM plus linear correctives driven by the joints alone, with as many bytes of coefficients and tables as "
-        "Full."},
+        "DDM plus linear correctives driven by the joints alone, the best of them within the bytes of Full."},
        {data.full, "Full", "#f2b866",
         "DDM plus what was learned from the simulation, driven by joints and muscle strains: what Bodyopt runs."}}};
 }
@@ -138,6 +137,21 @@ void add_methods(const ReportData& data, Page& page) {
       "value of each column of errors is highlighted. Nothing was tuned on the held-out frames.");
 }
 
+void add_trade_off(const ReportData& data, Page& page) {
+  if (data.trade_off.empty()) return;
+  page.heading("Bytes against millimetres");
+  std::vector<Bar> bars;
+  for (const TradeOffReport& point : data.trade_off) {
+    const std::string bytes = std::to_string(std::lround(point.bytes_per_vertex)) + " bytes, ";
+    bars.push_back({bytes + std::to_string(std::lround(point.microseconds)) + " us", "#f2b866", point.expected_rms_mm,
+                    millimetres(point.expected_rms_mm)});
+  }
+  page.chart(
+      bar_chart(bars),
+      "Bases that this training could have given, by their bytes per vertex: the RMS error that cross-validation "
+      "on the training frames expects, and an estimate of a frame's time on one core.");
+}
+
 void add_unposing(const ReportData& data, Page& page) {
   page.heading("What is left to learn");
   const Bar bars[] = {
@@ -197,6 +211,7 @@ std::string report_page(const ReportData& data) {
   add_pictures(data, page);
   add_methods(data, page);
   add_curves(data, page);
+  add_trade_off(data, page);
   add_unposing(data, page);
   add_details(data, page);
   return page.text();

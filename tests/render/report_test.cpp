@@ -59,6 +59,7 @@ ReportData example() {
   data.unposing_residual_mm.ddm = 4.5;
   data.bytes_per_vertex = 351;
   data.bytes_by_stage = {{"ddm", 1024}, {"strain", 512}, {"residual", 2048}};
+  data.trade_off = {{153, 7.75, 2400, 0}, {263.6, 0.625, 3100, 135}};
   data.cpu_gpu_max_difference_m = 4e-7;
   data.device = "A device";
   data.seconds.build_character = 1.5;
@@ -108,6 +109,11 @@ TEST(Report, JsonHoldsEveryFigure) {
   EXPECT_EQ(json.at("bytes_per_vertex"), 351);
   EXPECT_EQ(json.at("method_bytes_per_vertex").at("ddm"), 120);
   EXPECT_EQ(json.at("bytes_by_stage").at("residual"), 2048);
+  ASSERT_EQ(json.at("trade_off").size(), 2u);
+  EXPECT_EQ(json.at("trade_off")[1].at("bytes_per_vertex"), 263.6);
+  EXPECT_EQ(json.at("trade_off")[1].at("expected_rms_mm"), 0.625);
+  EXPECT_EQ(json.at("trade_off")[1].at("microseconds"), 3100);
+  EXPECT_EQ(json.at("trade_off")[1].at("coefficients"), 135);
   EXPECT_EQ(json.at("cpu_gpu_max_difference_m"), 4e-7);
   EXPECT_EQ(json.at("device"), "A device");
   EXPECT_EQ(json.at("seconds").at("build_character"), 1.5);
@@ -146,6 +152,8 @@ TEST(Report, PageIsSelfContainedAndEscaped) {
   EXPECT_FALSE(contains(page, "<b>Tom"));
   EXPECT_TRUE(contains(page, "&lt;b&gt;Tom &amp; &quot;Jerry&quot;&lt;/b&gt;"));
   EXPECT_TRUE(contains(page, "1 &lt; 2"));
+  EXPECT_TRUE(contains(page, "264 bytes, 3100 us"));
+  EXPECT_TRUE(contains(page, "0.625 mm"));
   for (const char* outside : {"http", "href", "<script", "<link", "@import", "url(", "file:"}) {
     EXPECT_FALSE(contains(page, outside)) << outside;
   }

@@ -65,23 +65,21 @@ TEST(Coverage, SeesJointsThatTrainingNeverMoved) {
 }
 
 TEST(Coverage, IsCalibratedFromTheFramesAroundEachCentre) {
-  // One feature; the error is 1 below 0 and 3 above.
+  // One feature; the energy left is 1 below 0 and 9 above.
   RegressionData data;
   constexpr int kFrames = 40;
   data.features = Eigen::VectorXd::LinSpaced(kFrames, -1, 1);
   data.rest = Eigen::RowVectorXd::Constant(1, -2);
-  data.targets = Eigen::MatrixXd::Zero(kFrames, 1);
   Regression regression;
   regression.centres = (Eigen::MatrixXd(2, 1) << -0.5, 0.5).finished();
   regression.centre_frames = {9, 30};
   for (int n = 0; n < kFrames; ++n) data.folds.push_back(n % 2);
-  regression.errors.resize(kFrames, 2);  // of two targets
-  regression.errors.topRows(kFrames / 2).rowwise() = Eigen::RowVector2d(0.6, 0.8);
-  regression.errors.bottomRows(kFrames / 2).rowwise() = Eigen::RowVector2d(0, 3);
-  const ErrorModel model = calibrate(data, regression, 0.25);
+  std::vector<double> energies(kFrames / 2, 1);
+  energies.resize(kFrames, 9);
+  const ErrorModel model = calibrate(data, regression, energies);
   ASSERT_EQ(model.local.size(), 2u);
-  EXPECT_NEAR(model.local[0], (20 * 1 + 5) / 21.0 + 0.25, 1e-12);  // the mean of all counts as one frame more
-  EXPECT_NEAR(model.local[1], (20 * 9 + 5) / 21.0 + 0.25, 1e-12);
+  EXPECT_NEAR(model.local[0], (20 * 1 + 5) / 21.0, 1e-12);  // the mean of all counts as one frame more
+  EXPECT_NEAR(model.local[1], (20 * 9 + 5) / 21.0, 1e-12);
   EXPECT_GT(model.usual, 0);
   EXPECT_GT(model.distance, 0);
 }

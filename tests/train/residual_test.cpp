@@ -28,7 +28,7 @@ RegionModel region_model(testing::Random& random, std::uint32_t first, std::uint
   }
   for (auto column : model.components.basis.rowwise()) column /= column.cwiseAbs().maxCoeff();
   model.fits.resize(1);
-  model.fits[0].regression.weights = Eigen::MatrixXd::Zero(0, kColumns);
+  model.fits[0].weights = Eigen::MatrixXd::Zero(0, kColumns);
   return model;
 }
 
@@ -158,13 +158,13 @@ TEST(PackResidual, CentresAreThoseOfTheRegression) {
   for (std::size_t r = 0; r < 2; ++r) {
     const auto count = static_cast<Eigen::Index>(3 + r);
     model.regions[r].features.assign(features.begin(), features.begin() + count);
-    model.regions[r].fits[0].regression = random_regression(random, count);
+    model.regions[r].fits[0] = random_regression(random, count);
   }
   const ResidualTable table = pack_residual(model, everything(model)).table;
   ASSERT_EQ(table.regions.size(), 2u);
   std::size_t words = 0;
   for (std::size_t r = 0; r < 2; ++r) {
-    const Eigen::MatrixXd& centres = model.regions[r].fits[0].regression.centres;
+    const Eigen::MatrixXd& centres = model.regions[r].fits[0].centres;
     EXPECT_EQ(table.regions[r].centre_values, words);
     ASSERT_EQ(table.regions[r].centre_count, centres.rows());
     for (Eigen::Index m = 0; m < centres.rows(); ++m) {

@@ -174,6 +174,7 @@ TEST(Train, SameResultWithAnyNumberOfThreads) {
   EXPECT_EQ(one.residual.weights, two.residual.weights);
   EXPECT_EQ(one.residual.centres, two.residual.centres);
   EXPECT_EQ(one.residual.blend_begin, two.residual.blend_begin);
+  EXPECT_EQ(one.metadata, two.metadata);  // with the curve and all errors
   EXPECT_TRUE(testing::same_bits(one.residual.blend, two.residual.blend));
 }
 

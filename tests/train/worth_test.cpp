@@ -5,6 +5,7 @@
 
 #include "runtime/cpu/kernels.h"
 #include "tests/support/random_tables.h"
+#include "trainer/train/selection_error.h"
 
 namespace bodyopt {
 namespace {
@@ -35,9 +36,9 @@ ResidualModel small_model() {
   components.basis(0, 5) = components.basis(1, 3 * 20 + 1) = 1;
   components.truncated = 0.25 * kFrames;
   components.energy = components.coefficients.squaredNorm() + components.truncated;
-  region.fits.push_back({fit_of(kCentres, Eigen::RowVector2d(1, 0.5).replicate(kFrames, 1)), {}});
-  region.fits.push_back({fit_of(1, Eigen::RowVector2d(1.2, 1).replicate(kFrames, 1)), {}});
-  for (Eigen::Index n = 0; n < kFrames; ++n) model.heldout_frames.push_back(n);
+  region.fits.push_back(fit_of(kCentres, Eigen::RowVector2d(1, 0.5).replicate(kFrames, 1)));
+  region.fits.push_back(fit_of(1, Eigen::RowVector2d(1.2, 1).replicate(kFrames, 1)));
+  model.folds.assign(kFrames, 0);
   return model;
 }
 
@@ -66,8 +67,6 @@ TEST(Worth, KeepsWhatSavesMoreThanItCosts) {
   const double price = kSaved[1] / second / kMotion;  // at which the second component is worth just what it takes
   EXPECT_EQ(worth.at(0.999 * price)[0].blocks, all[0].blocks);
   EXPECT_EQ(worth.at(1.001 * price)[0].blocks, one[0].blocks);
-  EXPECT_NEAR(worth.forgone(all, 0), 0, 1e-12);
-  EXPECT_NEAR(worth.forgone(one, 0), kSaved[1], 1e-12);
 }
 
 TEST(Worth, DearBytesLeaveFewerCentresAndThenNothing) {
@@ -84,15 +83,28 @@ TEST(Worth, DearBytesLeaveFewerCentresAndThenNothing) {
   const double last = kSavedByFewer / bytes(model, few) / kMotion;
   EXPECT_EQ(worth.at(0.999 * last)[0].blocks, few[0].blocks);
   EXPECT_TRUE(worth.at(1.001 * last)[0].blocks.empty());
-  EXPECT_NEAR(worth.forgone(worth.at(1.001 * last), 0), kSaved[0] + kSaved[1], 1e-12);
 }
 
 TEST(Worth, ComponentsThatDoHarmAreNeverKept) {
   ResidualModel model = small_model();
-  for (RegionFit& fit : model.regions[0].fits) fit.regression.errors.col(1).setConstant(1.1);
+  for (Regression& fit : model.regions[0].fits) fit.errors.col(1).setConstant(1.1);
   const Selection selection = Worth(model).at(0);
   EXPECT_FALSE(selection[0].blocks[0].empty());
   EXPECT_TRUE(selection[0].blocks[1].empty());
+}
+
+// The first component is kept where it has nothing but zeros, the second one where it moves its vertex, by half.
+TEST(FrameEnergies, AreOfWhatIsKeptAndOfWhatIsNot) {
+  ResidualModel model = small_model();
+  RegionModel& region = model.regions[0];
+  region.region.weights[20] = 0.5;
+  region.components.coefficients(3, 1) = 7;
+  region.fits[0].errors(6, 1) = 0;
+  const std::vector<double> energies = frame_energies(region, {0, {{1}, {1}}});
+  ASSERT_EQ(energies.size(), 10u);
+  for (std::size_t n = 0; n < 10; ++n) EXPECT_NEAR(energies[n], 0.25 + 4 + (n == 6 ? 0 : 0.25 / 0.5), 1e-12) << n;
+  const std::vector<double> without = frame_energies(region, {1, {{0}, {}}});
+  for (std::size_t n = 0; n < 10; ++n) EXPECT_NEAR(without[n], 0.25 + 1.44 + (n == 3 ? 49 : 1) / 0.5, 1e-12) << n;
 }
 
 // Two regions that overlap and err against each other or alike: the sum over regions, vertex by vertex.
@@ -100,7 +112,7 @@ TEST(ExpectedError, IsThatOfTheSumOfAllRegions) {
   for (const double sign : {1.0, -1.0}) {
     ResidualModel model = small_model();
     model.regions.push_back(model.regions[0]);
-    model.regions[1].fits[0].regression.errors *= sign;
+    model.regions[1].fits[0].errors *= sign;
     Selection selection = Worth(model).at(0);
     selection[1].blocks[1].clear();
     const double first = 1 + sign;  // both kept

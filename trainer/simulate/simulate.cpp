@@ -209,9 +209,9 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
     const Cage cage = options.tet_size > 0
                           ? lattice_cage_of_size(character.vertices, character.triangles, options.tet_size)
                           : make_cage(character.vertices, character.triangles, kCageNodes);
-    options.warn(std::string(error.what()) + "; it is simulated in " +
-                 (cage.is_lattice ? "a lattice, without contact, of " : "a coarser skin of ") +
-                 std::to_string(cage.mesh.nodes.rows()) + " nodes");
+    options.warn(std::string(error.what()) + "; it is simulated in a cage of " +
+                 std::to_string(cage.mesh.nodes.rows()) + " nodes, " +
+                 (cage.is_lattice ? "a lattice without contact" : "a coarser skin"));
     return {character, muscles, cage, options.materials};
   }
   return {character, muscles, std::move(mesh), options.materials};

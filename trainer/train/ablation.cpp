@@ -14,8 +14,8 @@ namespace {
 using Support = Method::Support;
 using Unposing = Method::Unposing;
 
-// Per region, so that `linear` can reach the bytes of the others.
-constexpr int kMostComponents = 128;
+// Per region, of methods that need them to make use of their bytes: linear maps, and components of the whole skin.
+constexpr int kManyComponents = 128;
 
 struct NamedMethod {
   const char* name;
@@ -68,6 +68,9 @@ AblationRow row_of(const std::string& name, const SampleSet& set, const Basis& b
 AblationRow row_of(const NamedMethod& named, const SampleSet& set, TrainOptions options) {
   const auto start = std::chrono::steady_clock::now();
   options.method = named.method;
+  if (!named.method.kernels || named.method.support == Support::whole_skin) {
+    options.components = std::max(options.components, kManyComponents);
+  }
   const Basis basis = train(set, options);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (named.method.unposing == Unposing::ddm) return row_of(named.name, set, basis, seconds);
@@ -85,7 +88,6 @@ std::vector<AblationRow> ablate(const SampleSet& set, const TrainOptions& option
   rows.push_back({"LBS", heldout_errors(set, heldout_by_lbs(set)), lbs_bytes_per_vertex(set.character), 0, 0});
   rows.push_back(row_of("DDM", set, without_residual(full), 0));
   TrainOptions matched = options;
-  matched.components = std::max(options.components, kMostComponents);
   matched.budget = bytes_per_vertex(full);
   matched.tolerance_mm = 0;
   for (const NamedMethod& named : kMethods) rows.push_back(row_of(named, set, matched));

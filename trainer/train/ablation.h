@@ -19,8 +19,8 @@ struct AblationRow {
   double seconds = 0;  // of training
 };
 
-// `full`: what these options trained in so many seconds. The others get as many bytes as it has, where they can
-// use them. Needs held-out frames.
+// `full`: what these options trained in so many seconds. The others may have as many bytes as it has. Needs
+// held-out frames.
 std::vector<AblationRow> ablate(const SampleSet& set, const TrainOptions& options, const Basis& full, double seconds);
 
 }  // namespace bodyopt

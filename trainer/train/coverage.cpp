@@ -51,7 +51,7 @@ double growth(const std::vector<double>& x, const std::vector<double>& y) {
 
 }  // namespace
 
-ErrorModel calibrate(const RegressionData& data, const Regression& regression, double truncated) {
+ErrorModel calibrate(const RegressionData& data, const Regression& regression, const std::vector<double>& energies) {
   const std::size_t centres = regression.centre_frames.size();
   std::vector<double> nearest, error;
   std::vector<double> sums(centres), counts(centres);
@@ -71,7 +71,7 @@ ErrorModel calibrate(const RegressionData& data, const Regression& regression, d
       if (!same_fold) of_others = std::min(of_others, distance);
     }
     nearest.push_back(of_others);
-    error.push_back(regression.errors.row(static_cast<Index>(n)).squaredNorm());
+    error.push_back(energies[n]);
     if (centres > 0) {
       sums[closest] += error.back();
       counts[closest] += 1;
@@ -86,8 +86,8 @@ ErrorModel calibrate(const RegressionData& data, const Regression& regression, d
   const double least = model.usual > 0 ? 0.1 * mean / model.usual : 0;
   model.distance = nearest.empty() ? 0 : std::max(least, growth(nearest, error));
   // The mean counts as one frame more: a single frame says little.
-  for (std::size_t m = 0; m < centres; ++m) model.local.push_back((sums[m] + mean) / (counts[m] + 1) + truncated);
-  if (centres == 0) model.local.push_back(mean + truncated);
+  for (std::size_t m = 0; m < centres; ++m) model.local.push_back((sums[m] + mean) / (counts[m] + 1));
+  if (centres == 0) model.local.push_back(mean);
   return model;
 }
 

@@ -22,9 +22,9 @@ struct ErrorModel {
   double usual = 0;           // mean square distance from a held-out frame to the nearest centre
 };
 
-// From the held-out frames of cross-validation, each with the centres of other folds only. `truncated`: mean square
-// metres that the components leave out.
-ErrorModel calibrate(const RegressionData& data, const Regression& regression, double truncated);
+// From the held-out frames of cross-validation, each with the centres of other folds only. `energies`: what is left of
+// every frame, square metres over the region's vertices. Targets are not looked at.
+ErrorModel calibrate(const RegressionData& data, const Regression& regression, const std::vector<double>& energies);
 
 // A region as a basis' metadata "coverage" tells it.
 struct RegionCoverage {

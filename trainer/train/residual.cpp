@@ -74,22 +74,11 @@ void normalise(RegionModel& model) {
     if (!(largest > 0)) continue;
     components.basis.row(k) /= largest;
     components.coefficients.col(k) *= largest;
-    for (RegionFit& fit : model.fits) {
-      fit.regression.weights.col(k) *= largest;
-      fit.regression.errors.col(k) *= largest;
+    for (Regression& fit : model.fits) {
+      fit.weights.col(k) *= largest;
+      fit.errors.col(k) *= largest;
     }
   }
-}
-
-RegressionData regression_data(const FeatureSamples& samples, const std::vector<std::uint32_t>& features,
-                               const Eigen::MatrixXd& targets, const std::vector<int>& folds) {
-  RegressionData data;
-  const std::vector<Index> columns(features.begin(), features.end());
-  data.features = samples.values(Eigen::all, columns);
-  data.rest = samples.rest(columns);
-  data.targets = targets;
-  data.folds = folds;
-  return data;
 }
 
 std::vector<std::vector<std::uint32_t>> feature_choices(const Character& character, const RegionWeights& region,
@@ -141,13 +130,12 @@ RegionModel fit_region(const RegionWeights& region, const SkinPart& part,
   model.region = region;
   model.components = principal_components(displacements, within(part, region), options.components, options.seed);
   const int centres = options.method.kernels ? options.centres : 0;
-  const auto data = [&] { return regression_data(features, model.features, model.components.coefficients, folds); };
   double least = std::numeric_limits<double>::infinity();
   std::vector<std::uint32_t> best;
   std::vector<double> worth;
   for (const std::vector<std::uint32_t>& choice : choices) {
     choose_features(features, choice, most_features(options.method), model);
-    const double error = trial_error(data(), centres);
+    const double error = trial_error(regression_data(features, model, folds), centres);
     if (!(error < least)) continue;
     least = error;
     best = model.features;
@@ -155,12 +143,9 @@ RegionModel fit_region(const RegionWeights& region, const SkinPart& part,
   }
   model.features = best;
   model.worth = worth;
-  const RegressionData chosen = data();
-  const double truncated = model.components.truncated / static_cast<double>(folds.size());
+  const RegressionData chosen = regression_data(features, model, folds);
   for (const int fraction : kCentreFractions) {
-    RegionFit& fit = model.fits.emplace_back();
-    fit.regression = fit_regression(chosen, centres / fraction);
-    fit.expected = calibrate(chosen, fit.regression, truncated);
+    model.fits.push_back(fit_regression(chosen, centres / fraction));
     if (centres == 0) break;
   }
   normalise(model);
@@ -169,18 +154,34 @@ RegionModel fit_region(const RegionWeights& region, const SkinPart& part,
 
 }  // namespace
 
+RegressionData regression_data(const FeatureSamples& features, const RegionModel& region,
+                               const std::vector<int>& folds) {
+  RegressionData data;
+  const std::vector<Index> columns(region.features.begin(), region.features.end());
+  data.features = features.values(Eigen::all, columns);
+  data.rest = features.rest(columns);
+  data.targets = region.components.coefficients;
+  data.folds = folds;
+  return data;
+}
+
+std::vector<Index> heldout_frames(const ResidualModel& model) {
+  std::vector<Index> frames;
+  for (std::size_t n = 0; n < model.folds.size(); ++n) {
+    if (model.folds[n] >= 0) frames.push_back(static_cast<Index>(n));
+  }
+  return frames;
+}
+
 ResidualModel fit_residual(const Character& character, UnposedShapes& shapes, const std::vector<RegionWeights>& regions,
                            const std::vector<FeatureGroup>& groups, const FeatureSamples& features,
                            const std::vector<int>& takes, const TrainOptions& options) {
   const int run = std::clamp(static_cast<int>(takes.size()) / (2 * kFolds), 2, kLongestRun);
-  const std::vector<int> folds = blocked_folds(takes, run, kFolds);
   ResidualModel model;
+  model.folds = blocked_folds(takes, run, kFolds);
   model.ranges = features.ranges;
   model.vertices = shapes.vertex_count();
   model.regions.resize(regions.size());
-  for (std::size_t n = 0; n < folds.size(); ++n) {
-    if (folds[n] >= 0) model.heldout_frames.push_back(static_cast<Index>(n));
-  }
   const std::vector<FramePair> pairs = frames_of_one_pose(features.values);
   const double size = longest_extent(character.vertices);
   const std::vector<std::size_t> frames = spread_evenly(takes.size(), takes.size());
@@ -194,7 +195,7 @@ ResidualModel fit_residual(const Character& character, UnposedShapes& shapes, co
     parallel_for(part.end - part.begin, [&](std::size_t k) {
       const std::size_t r = part.begin + k;
       const auto choices = feature_choices(character, regions[r], groups, options.method);
-      model.regions[r] = fit_region(regions[r], part, choices, features, displacements, folds, options);
+      model.regions[r] = fit_region(regions[r], part, choices, features, displacements, model.folds, options);
       model.regions[r].contradictions = contradictions(pairs, displacements, within(part, regions[r]), size);
       progress.advance();
     });
@@ -266,7 +267,7 @@ class Packer {
   bool add(const RegionModel& model, const SelectedRegion& selected) {
     const std::vector<Index> kept = add_columns(model, selected.blocks);
     if (kept.empty()) return false;
-    const Regression& regression = model.fits[selected.fit].regression;
+    const Regression& regression = model.fits[selected.fit];
     const auto count = [](std::size_t size) { return static_cast<std::uint32_t>(size); };
     Region region;
     region.feature_begin = count(table_.region_features.size());

@@ -8,7 +8,6 @@
 #include "runtime/basis/basis.h"
 #include "trainer/train/components.h"
 #include "trainer/train/contradictions.h"
-#include "trainer/train/coverage.h"
 #include "trainer/train/features.h"
 #include "trainer/train/regions.h"
 #include "trainer/train/regress.h"
@@ -17,19 +16,13 @@
 
 namespace bodyopt {
 
-// One way from features to coefficients = weights^T [f, phi(f)] less their value at rest.
-struct RegionFit {
-  Regression regression;
-  ErrorModel expected;  // of the region's energy, square metres
-};
-
-// One region after its regressions.
+// One region after its regressions: coefficients = weights^T [f, phi(f)] less their value at rest.
 struct RegionModel {
   RegionWeights region;
   std::vector<std::uint32_t> features;  // feature indices, ascending
   std::vector<double> worth;            // square metres: the energy of the motion that each explains, in a linear fit
   Components components;                // every basis column scaled so that its largest entry is 1
-  std::vector<RegionFit> fits;          // with ever fewer centres; never none
+  std::vector<Regression> fits;         // with ever fewer centres; never none
   std::vector<Contradiction> contradictions;
 };
 
@@ -39,8 +32,15 @@ struct ResidualModel {
   std::vector<FeatureRange> ranges;
   std::vector<RegionModel> regions;
   std::uint32_t vertices = 0;
-  std::vector<Eigen::Index> heldout_frames;  // the training frames that cross-validation held out, all but guard frames
+  std::vector<int> folds;  // of every training frame, see RegressionData
 };
+
+// Those of the training frames that cross-validation held out: all but guard frames.
+std::vector<Eigen::Index> heldout_frames(const ResidualModel& model);
+
+// What a region's regression learns from. `features`: of all training frames.
+RegressionData regression_data(const FeatureSamples& features, const RegionModel& region,
+                               const std::vector<int>& folds);
 
 // Components, then features and regression of every region. The radius within which a region sees features is chosen
 // with the other hyper-parameters, by cross-validation. Shapes are read part by part of the skin, as options.memory_gib

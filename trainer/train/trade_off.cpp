@@ -10,12 +10,13 @@
 #include "runtime/basis/strict_json.h"
 #include "runtime/rig.h"
 #include "trainer/progress.h"
+#include "trainer/train/selection_error.h"
 
 namespace bodyopt {
 namespace {
 
 // Of a byte, in mean squared displacements of a vertex: without a dial, and so little that everything is worth it.
-constexpr double kUsualPrice = 1.5e-6, kLowestPrice = 1e-7;
+constexpr double kUsualPrice = 2.5e-6, kLowestPrice = 1e-7;
 // Nanoseconds of one core per byte, measured on the built-in arm (docs/benchmarks.md).
 constexpr double kDdmNanoseconds = 2.5, kResidualNanoseconds = 0.5;
 constexpr int kCurvePoints = 14;

@@ -37,8 +37,6 @@ class TradeOff {
   // From Direct Delta Mush alone to all that saves anything.
   std::vector<TradeOffPoint> curve() const;
 
-  const Worth& worth() const { return worth_; }
-
  private:
   struct Bracket {
     double below, above;

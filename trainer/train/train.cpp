@@ -13,12 +13,14 @@
 #include "runtime/rig.h"
 #include "trainer/parallel.h"
 #include "trainer/single_threaded_products.h"
+#include "trainer/train/coverage.h"
 #include "trainer/train/data_warnings.h"
 #include "trainer/train/ddm.h"
 #include "trainer/train/features.h"
 #include "trainer/train/mesh_table.h"
 #include "trainer/train/regions.h"
 #include "trainer/train/residual.h"
+#include "trainer/train/selection_error.h"
 #include "trainer/train/strain.h"
 #include "trainer/train/trade_off.h"
 #include "trainer/train/unpose.h"
@@ -193,14 +195,15 @@ struct Groundwork {
 
 // What coverage needs to know of the regions that are kept. `packed`: those of the model.
 std::vector<RegionCoverage> region_coverage(const Character& character, const ResidualModel& model,
-                                            const std::vector<std::size_t>& packed, const Worth& worth,
+                                            const std::vector<std::size_t>& packed, const FeatureSamples& features,
                                             const Selection& selection) {
   std::vector<RegionCoverage> regions;
   for (const std::size_t r : packed) {
     const RegionModel& region = model.regions[r];
     const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
-    regions.push_back({joints_of(character, region.region), size, region.fits[selection[r].fit].expected});
-    for (double& local : regions.back().expected.local) local += worth.forgone(selection, r);
+    regions.push_back({joints_of(character, region.region), size,
+                       calibrate(regression_data(features, region, model.folds), region.fits[selection[r].fit],
+                                 frame_energies(region, selection[r]))});
   }
   return regions;
 }
@@ -211,7 +214,7 @@ nlohmann::json region_report(const Character& character, const ResidualModel& mo
   for (const RegionModel& region : model.regions) {
     const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
     const double motion2 = region.components.energy / (static_cast<double>(frames) * size);
-    const double left2 = std::pow(region.fits.front().regression.validation_error, 2) / size;
+    const double left2 = std::pow(region.fits.front().validation_error, 2) / size;
     list.push_back({{"name", region.region.name},
                     {"joint", joints_of(character, region.region).front()},
                     {"vertices", region.region.vertices.size()},
@@ -305,7 +308,7 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
   const Selection selection = trade_off.choose(options);
   const PackedResidual packed = pack_into(basis, model, selection);
   basis.metadata["coverage"] =
-      coverage_text(region_coverage(ordered, model, packed.regions, trade_off.worth(), selection));
+      coverage_text(region_coverage(ordered, model, packed.regions, ground.features, selection));
   basis.metadata["curve"] = curve_text(trade_off.curve());
   basis.metadata["report"] = report_of(basis, ordered, set, model, bare.strain, expected_error(model, selection),
                                        warnings_of(set, ground, model))

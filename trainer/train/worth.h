@@ -22,9 +22,6 @@ class Worth {
   // What is kept at a price per byte, in mean squared displacements of a vertex.
   Selection at(double price) const;
 
-  // Square metres that what is left out of a region would take off its mean square error.
-  double forgone(const Selection& selection, std::size_t region) const;
-
  private:
   struct Entry {
     std::uint32_t block;
@@ -45,10 +42,5 @@ class Worth {
   std::vector<std::vector<Candidate>> regions_;  // by fit
   double vertex_motion_ = 0;                     // square metres, mean over vertices and frames
 };
-
-// Root mean square (metres) of what a selection leaves of the displacements, over the vertices and at most 400 frames
-// of cross-validation. An estimate: what the components of a region leave of it is taken to add up with the other
-// regions', and rounding to bytes to cost nothing.
-double expected_error(const ResidualModel& model, const Selection& selection);
 
 }  // namespace bodyopt
