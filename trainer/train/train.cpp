@@ -319,7 +319,7 @@ Basis train(const SampleSet& set, const TrainOptions& options) {
 std::vector<std::string> training_warnings(const Basis& basis) {
   const auto report = basis.metadata.find("report");
   if (report == basis.metadata.end()) return {};
-  return nlohmann::json::parse(report->second).at("warnings").get<std::vector<std::string>>();
+  return nlohmann::json::parse(report->second).value("warnings", std::vector<std::string>{});
 }
 
 UnposingResidual unposing_residual(const SampleSet& set, const Basis& basis) {
