@@ -98,6 +98,7 @@ Json basis_info(const std::string& path) {
   }
   Metadata metadata = basis.metadata;
   metadata.erase("curve");
+  metadata.erase("coverage");  // numbers per kernel centre: for `coverage`, not for people
   Json result = {{"kind", "basis"},
                  {"vertices", basis.mesh.vertex_count()},
                  {"output_vertices", basis.mesh.output_count()},
