@@ -80,6 +80,7 @@ TEST(Worth, DearBytesLeaveFewerCentresAndThenNothing) {
   const double price = (kSaved[0] - kSavedByFewer) / saved_bytes / kMotion;
   EXPECT_EQ(worth.at(0.999 * price)[0].fit, 0u);
   EXPECT_EQ(worth.at(1.001 * price)[0].fit, 1u);
+  EXPECT_EQ(worth.with_all_centres(1.001 * price)[0].fit, 0u);
   const double last = kSavedByFewer / bytes(model, few) / kMotion;
   EXPECT_EQ(worth.at(0.999 * last)[0].blocks, few[0].blocks);
   EXPECT_TRUE(worth.at(1.001 * last)[0].blocks.empty());

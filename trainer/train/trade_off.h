@@ -30,7 +30,8 @@ class TradeOff {
   TradeOff(const Basis& bare, const ResidualModel& model);
 
   // What the options ask for: the best within the budget; the smallest within the tolerance, the best there is where
-  // that is not to be reached; or what is worth its bytes to most. Throws Error(usage) where the budget leaves no room
+  // that is not to be reached; or what is worth its bytes to most, with all centres, by which coverage knows what was
+  // learned. Throws Error(usage) where the budget leaves no room
   // for anything learned.
   Selection choose(const TrainOptions& options) const;
 

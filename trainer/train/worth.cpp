@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace bodyopt {
 
@@ -56,16 +57,20 @@ Worth::Bid Worth::bid(const Candidate& candidate, double per_byte) {
   return bid;
 }
 
-Selection Worth::at(double price) const {
+Selection Worth::at(double price) const { return best(price, std::numeric_limits<std::size_t>::max()); }
+
+Selection Worth::with_all_centres(double price) const { return best(price, 1); }
+
+Selection Worth::best(double price, std::size_t most_fits) const {
   Selection selection;
   for (const std::vector<Candidate>& fits : regions_) {
     SelectedRegion& region = selection.emplace_back();
     double gain = 0;
-    for (std::size_t f = 0; f < fits.size(); ++f) {
-      Bid best = bid(fits[f], price * vertex_motion_);
-      if (!(best.gain > gain)) continue;
-      gain = best.gain;
-      region = {f, std::move(best.region.blocks)};
+    for (std::size_t f = 0; f < std::min(fits.size(), most_fits); ++f) {
+      Bid offer = bid(fits[f], price * vertex_motion_);
+      if (!(offer.gain > gain)) continue;
+      gain = offer.gain;
+      region = {f, std::move(offer.region.blocks)};
     }
   }
   return selection;

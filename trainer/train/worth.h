@@ -21,6 +21,8 @@ class Worth {
 
   // What is kept at a price per byte, in mean squared displacements of a vertex.
   Selection at(double price) const;
+  // The same, but every region with all its centres.
+  Selection with_all_centres(double price) const;
 
  private:
   struct Entry {
@@ -38,6 +40,7 @@ class Worth {
     double gain;  // square metres, what is saved less the price
   };
   static Bid bid(const Candidate& candidate, double per_byte);
+  Selection best(double price, std::size_t most_fits) const;
 
   std::vector<std::vector<Candidate>> regions_;  // by fit
   double vertex_motion_ = 0;                     // square metres, mean over vertices and frames
