@@ -80,7 +80,11 @@ void run(const TrainArguments& arguments) {
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
 
   const auto training = std::chrono::steady_clock::now();
-  Basis basis = train(set, arguments.options);
+  std::vector<std::string> notes;
+  TrainOptions options = arguments.options;
+  options.keep_in = std::filesystem::path(arguments.out).replace_extension(".training");
+  Basis basis = train(set, options, &notes);
+  for (const std::string& note : notes) spdlog::info(note);
   const double training_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - training).count();
   say(training_warnings(basis));
   keep_unit(basis, dataset.unit);
@@ -144,6 +148,10 @@ void add_train(CLI::App& app) {
   verb.add_option("--heldout-every", arguments->heldout_every,
                   "Hold out every Nth block of ten frames instead of the frames dataset.json names")
       ->check(CLI::Range(2, 1000));
+  verb.add_flag("--update", arguments->options.update,
+                "Learn new and edited frames with the regions, components and dials that an earlier training to the "
+                "same file found: several times quicker")
+      ->excludes(ddm_only);
   verb.add_flag("--ablate", arguments->ablate,
                 "Also train the model with parts left out, and its peers, to as many bytes, and compare them");
   verb.add_option("--smoothing-radius", arguments->options.smoothing_radius,

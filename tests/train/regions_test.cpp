@@ -9,9 +9,9 @@
 #include "runtime/cpu/kernels.h"
 #include "runtime/rig.h"
 #include "tests/support/capsule_limb.h"
+#include "trainer/tets/nearest_skin.h"
 #include "trainer/train/features.h"
 #include "trainer/train/mesh_table.h"
-#include "trainer/tets/nearest_skin.h"
 #include "trainer/train/strain.h"
 #include "trainer/train/unpose.h"
 

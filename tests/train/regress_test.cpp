@@ -195,6 +195,36 @@ TEST(Components, AreTheWeightedSingularVectors) {
   }
 }
 
+// Energies are those of every frame, and the components of some frames put back on their own basis give the same.
+TEST(Components, OtherFramesGoOnTheSameBasis) {
+  std::mt19937_64 random(9);
+  std::normal_distribution<float> normal;
+  const Displacements displacements = Displacements::NullaryExpr(20, 30, [&] { return normal(random); }) *
+                                      Displacements::NullaryExpr(30, 30, [&] { return normal(random); }).eval();
+  const RegionWeights region{"", {0, 3, 4, 9}, {1, 0.5, 0.2, 0.8}};
+  Components components = principal_components(displacements, region, 5, 1);
+  for (Eigen::Index n = 0; n < 20; ++n) {
+    double energy = 0;
+    for (std::size_t v = 0; v < 4; ++v) {
+      energy +=
+          region.weights[v] * displacements.row(n).segment<3>(3 * region.vertices[v]).cast<double>().squaredNorm();
+    }
+    EXPECT_NEAR(components.energy[n], energy, 1e-5 * energy);
+    EXPECT_NEAR(components.truncated[n], energy - components.coefficients.row(n).squaredNorm(), 1e-5 * energy);
+  }
+  EXPECT_TRUE(component_lengths(components, region).isOnes(1e-5));
+  components.basis.row(2) /= 3;
+  components.coefficients.col(2) *= 3;
+  EXPECT_NEAR(component_lengths(components, region)[2], 1.0 / 3, 1e-5);
+  const Displacements some = displacements(std::vector<Eigen::Index>{7, 2}, Eigen::all);
+  const Components again = on_basis_of(components, some, region);
+  for (const auto& [row, frame] : {std::pair(0, 7), std::pair(1, 2)}) {
+    EXPECT_LT((again.coefficients.row(row) - components.coefficients.row(frame)).norm(),
+              1e-4 * components.coefficients.row(frame).norm());
+    EXPECT_NEAR(again.truncated[row], components.truncated[frame], 1e-4 * components.energy[frame]);
+  }
+}
+
 TEST(Components, NoMotionGivesNone) {
   const Displacements still = Displacements::Zero(20, 30);
   const Components components = principal_components(still, {"", {0, 3, 5}, {1, 0.5, 1}}, 6, 1);

@@ -34,8 +34,8 @@ ResidualModel small_model() {
   components.coefficients = Eigen::RowVector2d(2, 1).replicate(kFrames, 1);
   components.basis = Eigen::MatrixXd::Zero(2, 3 * kVertices);
   components.basis(0, 5) = components.basis(1, 3 * 20 + 1) = 1;
-  components.truncated = 0.25 * kFrames;
-  components.energy = components.coefficients.squaredNorm() + components.truncated;
+  components.truncated = Eigen::VectorXd::Constant(kFrames, 0.25);
+  components.energy = components.coefficients.rowwise().squaredNorm() + components.truncated;
   region.fits.push_back(fit_of(kCentres, Eigen::RowVector2d(1, 0.5).replicate(kFrames, 1)));
   region.fits.push_back(fit_of(1, Eigen::RowVector2d(1.2, 1).replicate(kFrames, 1)));
   model.folds.assign(kFrames, 0);

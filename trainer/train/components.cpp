@@ -55,6 +55,21 @@ SingularVectors leading_singular_vectors(const Eigen::MatrixXf& matrix, Eigen::I
   return result;
 }
 
+void measure_energies(const Eigen::MatrixXf& columns, Components& components) {
+  components.energy = columns.rowwise().squaredNorm().cast<double>();
+  const Eigen::VectorXd held = components.coefficients.rowwise().squaredNorm();
+  components.truncated = (components.energy - held).cwiseMax(0);
+}
+
+// Orthogonal, K x 3 region vertices: the components in weighted displacements.
+Eigen::MatrixXd weighted_vectors(const Components& components, const RegionWeights& region) {
+  Eigen::MatrixXd vectors = components.basis;
+  for (std::size_t v = 0; v < region.vertices.size(); ++v) {
+    vectors.middleCols(3 * static_cast<Eigen::Index>(v), 3) /= std::sqrt(region.weights[v]);
+  }
+  return vectors;
+}
+
 }  // namespace
 
 Components principal_components(const Displacements& displacements, const RegionWeights& region, int count,
@@ -67,14 +82,30 @@ Components principal_components(const Displacements& displacements, const Region
   while (kept < singular.values.size() && singular.values[kept] > kNoise * singular.values[0]) ++kept;
 
   Components components;
-  components.energy = columns.colwise().squaredNorm().cast<double>().sum();
-  components.truncated = std::max(0.0, components.energy - singular.values.head(kept).squaredNorm());
   components.coefficients = singular.left.leftCols(kept) * singular.values.head(kept).asDiagonal();
+  measure_energies(columns, components);
   components.basis = singular.values.head(kept).cwiseInverse().asDiagonal() * singular.right.topRows(kept);
   for (std::size_t v = 0; v < region.vertices.size(); ++v) {
     components.basis.middleCols(3 * static_cast<Eigen::Index>(v), 3) *= std::sqrt(region.weights[v]);
   }
   return components;
+}
+
+Eigen::VectorXd component_lengths(const Components& components, const RegionWeights& region) {
+  return weighted_vectors(components, region).rowwise().norm();
+}
+
+Components on_basis_of(const Components& components, const Displacements& displacements, const RegionWeights& region) {
+  const Eigen::MatrixXf columns = weighted_columns(displacements, region);
+  Eigen::MatrixXd vectors = weighted_vectors(components, region);
+  const Eigen::VectorXd lengths = vectors.rowwise().norm();
+  vectors.array().colwise() /= lengths.array();
+  Components others;
+  others.basis = components.basis;
+  others.coefficients = columns.cast<double>() * vectors.transpose();
+  measure_energies(columns, others);
+  others.coefficients.array().rowwise() /= lengths.transpose().array();
+  return others;
 }
 
 }  // namespace bodyopt

@@ -15,13 +15,21 @@ using Displacements = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen
 struct Components {
   Eigen::MatrixXd coefficients;  // N x K, metres
   Eigen::MatrixXd basis;         // K x 3 region vertices: what one metre of a coefficient adds, region weights included
-  double energy = 0;             // square metres: the sum of all squared displacements, weighted by the region
-  double truncated = 0;          // of that, what the components leave
+  Eigen::VectorXd energy;        // N, square metres: the sum of all squared displacements, weighted by the region
+  Eigen::VectorXd truncated;     // N: of that, what the components leave
 };
 
 // The leading components of the displacements, weighted by the region, not centred (no displacement at rest means no
 // coefficient). Fewer than `count` where the data has no more rank. Deterministic for a seed.
 Components principal_components(const Displacements& displacements, const RegionWeights& region, int count,
                                 std::uint64_t seed);
+
+// K: the length of every component, each vertex divided by the root of its weight. In metres of the region's weighted
+// displacements a coefficient counts as many times.
+Eigen::VectorXd component_lengths(const Components& components, const RegionWeights& region);
+
+// Coefficients of other displacements on the components' basis, whose columns may have been scaled, with the energies
+// that belong to them.
+Components on_basis_of(const Components& components, const Displacements& displacements, const RegionWeights& region);
 
 }  // namespace bodyopt

@@ -19,12 +19,11 @@ Eigen::VectorXd some_direction(Index count) {
   return Eigen::VectorXd::NullaryExpr(count, [](Index k) { return std::cos(1.7 * static_cast<double>(k)); });
 }
 
-// Root mean square over the region of one frame's displacement, or of the difference of two.
-template <typename Row>
-double size_in(const RegionWeights& region, const Row& row) {
+// Root mean square over the region of a displacement.
+double size_in(const RegionWeights& region, const Eigen::RowVectorXf& row) {
   double sum = 0, weights = 0;
   for (std::size_t v = 0; v < region.vertices.size(); ++v) {
-    sum += region.weights[v] * double{row.template segment<3>(3 * Index{region.vertices[v]}).squaredNorm()};
+    sum += region.weights[v] * double{row.segment<3>(3 * Index{region.vertices[v]}).squaredNorm()};
     weights += region.weights[v];
   }
   return std::sqrt(sum / weights);
@@ -68,12 +67,8 @@ std::vector<FramePair> frames_of_one_pose(const Eigen::MatrixXd& features) {
 }
 
 std::vector<Contradiction> contradictions(const std::vector<FramePair>& pairs, const Displacements& displacements,
-                                          const RegionWeights& region, double size) {
+                                          const RegionWeights& region, double size, double motion) {
   std::vector<Contradiction> found;
-  if (pairs.empty()) return found;
-  double motion2 = 0;
-  for (Index n = 0; n < displacements.rows(); ++n) motion2 += std::pow(size_in(region, displacements.row(n)), 2);
-  const double motion = std::sqrt(motion2 / static_cast<double>(displacements.rows()));
   const double plausible = std::max(kPlausibleOfSize * size, kPlausibleOfMotion * motion);
   for (const FramePair& pair : pairs) {
     const Eigen::RowVectorXf difference =

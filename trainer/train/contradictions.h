@@ -25,9 +25,9 @@ struct Contradiction {
 };
 
 // The pairs whose shapes differ in the region by more than could be due to their pose: 1/900 of the character's `size`
-// (2 mm of 1.8 m), and 5 % of how the region moves. `displacements`: of all training frames, those of the region's
-// vertices numbered as its own are.
+// (2 mm of 1.8 m), and 5 % of `motion`: how the region moves, metres, root mean square over its vertices and all
+// frames. `displacements`: of the frames that the pairs name, those of the region's vertices numbered as its own are.
 std::vector<Contradiction> contradictions(const std::vector<FramePair>& pairs, const Displacements& displacements,
-                                          const RegionWeights& region, double size);
+                                          const RegionWeights& region, double size, double motion);
 
 }  // namespace bodyopt

@@ -47,11 +47,21 @@ FeatureRange range_of(const Eigen::VectorXd& values, double rest) {
 
 }  // namespace
 
+std::vector<std::uint32_t> varying_features(const Eigen::MatrixXd& features, std::uint32_t begin, std::uint32_t count) {
+  constexpr double kLeastVariance = 0.01;  // less is noise
+  std::vector<std::uint32_t> indices;
+  for (std::uint32_t k = begin; k < begin + count; ++k) {
+    const double variance = features.col(k).squaredNorm() / static_cast<double>(features.rows());
+    if (variance > kLeastVariance) indices.push_back(k);
+  }
+  return indices;
+}
+
 std::vector<float> measure_strains(const Basis& basis, const Pose& pose) {
   return strains_of(basis, pose_rig(basis.skeleton, pose));
 }
 
-FeatureSamples measure_features(const Basis& basis, std::span<const Pose* const> poses) {
+FeatureSamples measure_features(const Basis& basis, std::span<const Pose* const> poses, const KnownFeatures& known) {
   const std::size_t controls = poses.empty() ? 0 : poses[0]->controls.size();
   for (const Pose* pose : poses) {
     if (pose->controls.size() == controls) continue;
@@ -60,21 +70,27 @@ FeatureSamples measure_features(const Basis& basis, std::span<const Pose* const>
   }
   const std::vector<float> rest = raw_features(basis, bind_pose(basis.skeleton), controls);
   const auto count = static_cast<Eigen::Index>(rest.size()), frames = static_cast<Eigen::Index>(poses.size());
-  Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> raw(frames + 1, count);
+  RawFeatures raw(frames + 1, count);
   raw.row(0) = Eigen::Map<const Eigen::RowVectorXf>(rest.data(), count);
   parallel_for(poses.size(), [&](std::size_t n) {
-    const std::vector<float> row = raw_features(basis, *poses[n], controls);
-    raw.row(static_cast<Eigen::Index>(n) + 1) = Eigen::Map<const Eigen::RowVectorXf>(row.data(), count);
+    const auto row = static_cast<Eigen::Index>(n) + 1;
+    if (n < known.rows.size() && known.rows[n] >= 0) {
+      raw.row(row) = known.raw.row(known.rows[n]);
+    } else {
+      const std::vector<float> measured = raw_features(basis, *poses[n], controls);
+      raw.row(row) = Eigen::Map<const Eigen::RowVectorXf>(measured.data(), count);
+    }
   });
 
   FeatureSamples samples;
+  samples.raw = raw.bottomRows(frames);
   for (Eigen::Index k = 0; k < count; ++k) {
-    samples.ranges.push_back(range_of(raw.col(k).tail(frames).cast<double>(), double{raw(0, k)}));
+    samples.ranges.push_back(range_of(samples.raw.col(k).cast<double>(), double{raw(0, k)}));
   }
   // The standardising kernel itself, on joint features only: to it they are all one row of numbers.
   ResidualTable table;
   table.features = samples.ranges;
-  decltype(raw) standardised(frames + 1, count);
+  RawFeatures standardised(frames + 1, count);
   std::vector<float> excess(static_cast<std::size_t>(raw.size()));
   cpu::residual_features(table, {raw.data(), excess.size()}, {}, {}, static_cast<std::uint32_t>(frames + 1),
                          {standardised.data(), excess.size()}, excess);

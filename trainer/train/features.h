@@ -10,16 +10,29 @@
 
 namespace bodyopt {
 
+using RawFeatures = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 struct FeatureSamples {
-  std::vector<FeatureRange> ranges;  // F: joint features, strains, controls
+  RawFeatures raw;                   // N x F: joint features (radians), strains, controls, as they come
+  std::vector<FeatureRange> ranges;  // F
   Eigen::MatrixXd values;            // N x F, clamped and standardised
   Eigen::RowVectorXd rest;           // F: those of the bind pose, controls zero
+};
+
+// Rows of an earlier measurement with the same basis: which one is that of each pose, -1 for none.
+struct KnownFeatures {
+  RawFeatures raw;
+  std::vector<int> rows;
 };
 
 // Ranges span the poses and the bind pose, widened by 1 %; a feature that does not vary gets inverse_scale 0. `basis`
 // needs skeleton, ddm and strain. Throws Error(mismatch) when a pose does not fit the skeleton or the poses differ in
 // their number of controls.
-FeatureSamples measure_features(const Basis& basis, std::span<const Pose* const> poses);
+FeatureSamples measure_features(const Basis& basis, std::span<const Pose* const> poses,
+                                const KnownFeatures& known = {});
+
+// Those of `count` standardised features (N x F) from `begin` on that vary by more than noise, ascending.
+std::vector<std::uint32_t> varying_features(const Eigen::MatrixXd& features, std::uint32_t begin, std::uint32_t count);
 
 // Strains of one pose, S.
 std::vector<float> measure_strains(const Basis& basis, const Pose& pose);

@@ -11,6 +11,7 @@
 
 #include "runtime/rig.h"
 #include "trainer/parallel.h"
+#include "trainer/train/features.h"
 #include "trainer/train/laplacian.h"
 #include "trainer/train/strain.h"
 
@@ -23,7 +24,6 @@ using Eigen::MatrixXd;
 // What a region costs beyond its vertices is then 150 bytes for each of them at most; a small skin may have a few
 // anyway.
 constexpr Index kVerticesPerRegion = 300, kFewestVerticesPerRegion = 40, kFewRegions = 8;
-constexpr double kLeastVariance = 0.01;  // of a standardised feature; less is noise
 
 using Points = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -119,15 +119,6 @@ class WithoutLinearFit {
   Eigen::LLT<MatrixXd> factor_;
 };
 
-std::vector<std::uint32_t> varying(const MatrixXd& features, std::uint32_t begin, std::uint32_t count) {
-  std::vector<std::uint32_t> indices;
-  for (std::uint32_t k = begin; k < begin + count; ++k) {
-    const double variance = features.col(k).squaredNorm() / static_cast<double>(features.rows());
-    if (variance > kLeastVariance) indices.push_back(k);
-  }
-  return indices;
-}
-
 // Joints a muscle acts across: those between its points, below their common ancestor.
 std::vector<std::uint32_t> spanned_joints(const Skeleton& skeleton, const Muscle& muscle) {
   std::vector<int> points_below(skeleton.size(), 0);
@@ -166,7 +157,7 @@ std::vector<FeatureGroup> joint_groups(const Skeleton& skeleton, const std::vect
   std::vector<FeatureGroup> groups;
   for (const std::uint32_t joint : feature_joints(skeleton)) {
     FeatureGroup group;
-    group.features = varying(features, 9 * static_cast<std::uint32_t>(groups.size()), 9);
+    group.features = varying_features(features, 9 * static_cast<std::uint32_t>(groups.size()), 9);
     group.points = joint_position(skeleton.joints[joint]);
     group.influence = Eigen::VectorXd::Zero(static_cast<Index>(moments.size()));
     for (std::size_t v = 0; v < moments.size(); ++v) {
@@ -237,7 +228,7 @@ std::vector<FeatureGroup> muscle_groups(const Basis& basis, const std::vector<Mu
     std::vector<Index> columns;
     for (std::uint32_t fibre = 0; fibre < fibres; ++fibre) {
       if (muscle_of_fibre[fibre] != m) continue;
-      const auto own = varying(features, static_cast<std::uint32_t>(first) + fibre, 1);
+      const auto own = varying_features(features, static_cast<std::uint32_t>(first) + fibre, 1);
       group.features.insert(group.features.end(), own.begin(), own.end());
       columns.push_back(fibre);
       const Positions line = fibre_points(basis, fibre);
@@ -270,7 +261,7 @@ std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vec
   }
   for (Index k = joint_features + basis.strain.fibre_count(); k < features.cols(); ++k) {
     FeatureGroup& control = groups.emplace_back();
-    control.features = varying(features, static_cast<std::uint32_t>(k), 1);
+    control.features = varying_features(features, static_cast<std::uint32_t>(k), 1);
     control.influence = Eigen::VectorXd::Ones(static_cast<Index>(moments.size()));
   }
   return groups;

@@ -14,8 +14,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// Multiples of the median distance between centres, and the penalties tried: on the linear weights (times the number of
-// frames) and on the kernels' norm.
+// Multiples of the median distance between centres, and the penalties tried.
 constexpr double kWidths[] = {1, 2, 4};
 constexpr double kLinearPenalties[] = {1e-4, 1e-3, 1e-2, 1e-1};
 constexpr double kKernelPenalties[] = {1e-5, 1e-4, 1e-3, 1e-2};
@@ -68,10 +67,6 @@ double median_distance(const MatrixXd& centres) {
   std::nth_element(distances.begin(), middle, distances.end());
   return *middle;
 }
-
-struct Penalty {
-  double linear = kLinearPenalties[2], kernel = kKernelPenalties[1];
-};
 
 // The fits that features, centres and width leave open: normal equations gathered once for all penalties.
 class KernelRidge {
@@ -175,6 +170,20 @@ class KernelRidge {
 
 double inverse_width2(double width, double median) { return 0.5 / std::pow(width * median, 2); }
 
+Regression at_centres(Centres centres) {
+  Regression regression;
+  regression.centres = std::move(centres.points);
+  regression.centre_frames = std::move(centres.frames);
+  return regression;
+}
+
+void finish(const KernelRidge& ridge, const Penalty& penalty, Regression& regression) {
+  regression.inverse_width2 = ridge.inverse_width2();
+  regression.penalty = penalty;
+  regression.weights = ridge.weights(penalty);
+  regression.errors = ridge.errors(penalty);
+}
+
 }  // namespace
 
 double trial_error(const RegressionData& data, int centre_count) {
@@ -184,10 +193,7 @@ double trial_error(const RegressionData& data, int centre_count) {
 
 // One dial after the other: all combinations would be four times as many fits.
 Regression fit_regression(const RegressionData& data, int centre_count) {
-  Regression best;
-  Centres centres = choose_centres(data, centre_count);
-  best.centres = std::move(centres.points);
-  best.centre_frames = std::move(centres.frames);
+  Regression best = at_centres(choose_centres(data, centre_count));
   best.validation_error = std::numeric_limits<double>::infinity();
   const bool has_kernels = best.centres.rows() > 0;
   const double median = median_distance(best.centres);
@@ -212,10 +218,18 @@ Regression fit_regression(const RegressionData& data, int centre_count) {
     for (const double kernel : kKernelPenalties) consider({penalty.linear, kernel});
   }
   for (const double linear : kLinearPenalties) consider({linear, penalty.kernel});
-  best.inverse_width2 = ridge->inverse_width2();
-  best.weights = ridge->weights(penalty);
-  best.errors = ridge->errors(penalty);
+  finish(*ridge, penalty, best);
   return best;
+}
+
+Regression refit_regression(const RegressionData& data, int centre_count, const Regression& earlier) {
+  Regression regression = at_centres(choose_centres(data, centre_count));
+  const KernelRidge ridge(data, regression.centres, earlier.inverse_width2);
+  finish(ridge, earlier.penalty, regression);
+  const auto guards = std::count(data.folds.begin(), data.folds.end(), -1);
+  const auto heldout = static_cast<double>(data.features.rows() - guards);
+  regression.validation_error = std::sqrt(regression.errors.squaredNorm() / heldout);
+  return regression;
 }
 
 std::vector<int> blocked_folds(const std::vector<int>& takes, int run, int count) {

@@ -15,9 +15,15 @@ struct RegressionData {
   std::vector<int> folds;    // N: the cross-validation fold that holds each frame out, -1: used by none for fitting
 };
 
+// On the linear weights (times the number of frames) and on the kernels' norm.
+struct Penalty {
+  double linear = 1e-2, kernel = 1e-4;
+};
+
 struct Regression {
   Eigen::MatrixXd centres;  // M x F, every value a half that is normal or 0
   double inverse_width2 = 0;
+  Penalty penalty;
   Eigen::MatrixXd weights;         // (F + M) x K, of [f, phi(f)]; no constant: what holds at rest is subtracted anyway
   std::vector<int> centre_frames;  // M: the frame of each centre, -1 for the rest pose
   Eigen::MatrixXd errors;          // N x K: of each frame as the fit of the other folds has it, 0 for guard frames
@@ -27,6 +33,9 @@ struct Regression {
 // Chooses width and penalties by cross-validation over the folds, then fits all frames. At most `centre_count` centres:
 // the rest pose, then the training frames furthest from those chosen before, rounded. Deterministic.
 Regression fit_regression(const RegressionData& data, int centre_count);
+
+// The same with the width and the penalties of an earlier fit.
+Regression refit_regression(const RegressionData& data, int centre_count, const Regression& earlier);
 
 // Root mean square that cross-validation leaves with middling width and penalties, summed over the targets: to choose
 // between features at a tenth of the price of a fit.

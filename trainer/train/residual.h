@@ -24,6 +24,7 @@ struct RegionModel {
   Components components;                // every basis column scaled so that its largest entry is 1
   std::vector<Regression> fits;         // with ever fewer centres; never none
   std::vector<Contradiction> contradictions;
+  std::vector<StrayVertex> strays;
 };
 
 // All of them, ready to be packed.
@@ -41,13 +42,6 @@ std::vector<Eigen::Index> heldout_frames(const ResidualModel& model);
 // What a region's regression learns from. `features`: of all training frames.
 RegressionData regression_data(const FeatureSamples& features, const RegionModel& region,
                                const std::vector<int>& folds);
-
-// Components, then features and regression of every region. The radius within which a region sees features is chosen
-// with the other hyper-parameters, by cross-validation. Shapes are read part by part of the skin, as options.memory_gib
-// allows. `features` and `takes`: of all the training frames.
-ResidualModel fit_residual(const Character& character, UnposedShapes& shapes, const std::vector<RegionWeights>& regions,
-                           const std::vector<FeatureGroup>& groups, const FeatureSamples& features,
-                           const std::vector<int>& takes, const TrainOptions& options);
 
 // What is kept of one region.
 struct SelectedRegion {

@@ -14,36 +14,36 @@ namespace {
 
 // A region in some frames: what is off where a component is kept, and where it is not.
 struct SampledRegion {
-  Eigen::MatrixXd kept, dropped;  // frames x K, metres
+  Eigen::MatrixXf kept, dropped;  // frames x K, metres
+  Eigen::MatrixXf basis;
 };
 
 // 3 x kBlockSize columns: the displacements that are left of a block's vertices, a row per frame.
 class BlockError {
  public:
-  BlockError(std::uint32_t block, Index frames) : block_(block), left_(Eigen::MatrixXd::Zero(frames, 3 * kBlockSize)) {}
+  BlockError(std::uint32_t block, Index frames) : block_(block), left_(Eigen::MatrixXf::Zero(frames, 3 * kBlockSize)) {}
 
   void add(const RegionModel& model, const SampledRegion& sampled, const SelectedRegion& selected) {
     const std::vector<std::uint32_t>& vertices = model.region.vertices;
     const auto begin = std::lower_bound(vertices.begin(), vertices.end(), block_ * kBlockSize);
     const auto end = std::lower_bound(begin, vertices.end(), (block_ + 1) * kBlockSize);
     if (begin == end) return;
-    Eigen::MatrixXd off = sampled.dropped;
+    Eigen::MatrixXf off = sampled.dropped;
     for (std::size_t k = 0; k < selected.blocks.size(); ++k) {
       const std::vector<std::uint32_t>& blocks = selected.blocks[k];
       const auto column = static_cast<Index>(k);
       if (std::binary_search(blocks.begin(), blocks.end(), block_)) off.col(column) = sampled.kept.col(column);
     }
-    const Eigen::MatrixXd moved =
-        off * model.components.basis.middleCols(3 * (begin - vertices.begin()), 3 * (end - begin));
+    const Eigen::MatrixXf moved = off * sampled.basis.middleCols(3 * (begin - vertices.begin()), 3 * (end - begin));
     for (auto v = begin; v != end; ++v)
       left_.middleCols<3>(3 * Index{*v % kBlockSize}) += moved.middleCols<3>(3 * (v - begin));
   }
 
-  double energy() const { return left_.squaredNorm(); }
+  double energy() const { return left_.cast<double>().squaredNorm(); }
 
  private:
   std::uint32_t block_;
-  Eigen::MatrixXd left_;
+  Eigen::MatrixXf left_;
 };
 
 }  // namespace
@@ -58,9 +58,9 @@ double expected_error(const ResidualModel& model, const Selection& selection) {
   for (std::size_t r = 0; r < model.regions.size(); ++r) {
     const RegionModel& region = model.regions[r];
     const Components& components = region.components;
-    sampled.push_back(
-        {region.fits[selection[r].fit].errors(frames, Eigen::all), -components.coefficients(frames, Eigen::all)});
-    beyond += components.truncated / static_cast<double>(components.coefficients.rows());
+    sampled.push_back({region.fits[selection[r].fit].errors(frames, Eigen::all).cast<float>(),
+                       -components.coefficients(frames, Eigen::all).cast<float>(), components.basis.cast<float>()});
+    beyond += components.truncated.mean();
   }
   std::vector<double> energies((model.vertices + kBlockSize - 1) / kBlockSize);
   parallel_for(energies.size(), [&](std::size_t b) {
@@ -75,8 +75,7 @@ double expected_error(const ResidualModel& model, const Selection& selection) {
 std::vector<double> frame_energies(const RegionModel& region, const SelectedRegion& selected) {
   const Components& components = region.components;
   const Eigen::MatrixXd& errors = region.fits[selected.fit].errors;
-  std::vector<double> energies(static_cast<std::size_t>(components.coefficients.rows()),
-                               components.truncated / static_cast<double>(components.coefficients.rows()));
+  std::vector<double> energies(components.truncated.begin(), components.truncated.end());
   for (std::size_t k = 0; k < selected.blocks.size(); ++k) {
     const auto column = static_cast<Index>(k);
     double kept = 0, dropped = 0;  // squared lengths of the component's vectors, weighted by the region

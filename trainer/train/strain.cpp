@@ -6,8 +6,8 @@
 #include <map>
 #include <numbers>
 
-#include "trainer/train/features.h"
 #include "trainer/tets/nearest_skin.h"
+#include "trainer/train/features.h"
 
 namespace bodyopt {
 namespace {

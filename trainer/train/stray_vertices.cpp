@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
-#include "trainer/train/mesh_table.h"
 #include "trainer/parallel.h"
+#include "trainer/train/mesh_table.h"
 
 namespace bodyopt {
 namespace {

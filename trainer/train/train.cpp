@@ -6,10 +6,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <set>
 
 #include "runtime/basis/error.h"
-#include "runtime/basis/hexadecimal.h"
 #include "runtime/rig.h"
 #include "trainer/parallel.h"
 #include "trainer/single_threaded_products.h"
@@ -17,51 +15,21 @@
 #include "trainer/train/data_warnings.h"
 #include "trainer/train/ddm.h"
 #include "trainer/train/features.h"
+#include "trainer/train/groundwork.h"
 #include "trainer/train/mesh_table.h"
 #include "trainer/train/regions.h"
 #include "trainer/train/residual.h"
 #include "trainer/train/selection_error.h"
+#include "trainer/train/staged_fit.h"
 #include "trainer/train/strain.h"
 #include "trainer/train/trade_off.h"
 #include "trainer/train/unpose.h"
-#include "trainer/train/unposed_shapes.h"
 
 namespace bodyopt {
 namespace {
 
 // Fewer frames cannot be split for cross-validation.
 constexpr std::size_t kFewestFrames = 12;
-// Direct Delta Mush and nothing else, and the moments it is made of. `ordered`: the character in runtime order.
-struct Base {
-  Basis basis;
-  std::vector<VertexMoments> moments;
-};
-
-Base make_base(const Character& ordered, double radius, const TrainOptions& options) {
-  Base base;
-  base.moments = ddm_moments(ordered.vertices, ordered.triangles, ordered.weights,
-                             {.radius = radius, .steps = options.smoothing_steps});
-  Basis& basis = base.basis;
-  basis.skeleton = ordered.skeleton;
-  basis.mesh = make_mesh_table(ordered);
-  basis.ddm = pack_ddm(base.moments);
-  basis.strain.fibre_begin = {0};
-  basis.residual.blend_begin.assign(basis.mesh.block_count() + 1, 0);
-  basis.metadata["units"] = "metres";
-  basis.metadata["topology_hash"] = hexadecimal(topology_hash(basis.mesh));
-  basis.metadata["skeleton_hash"] = hexadecimal(skeleton_hash(basis.skeleton));
-  const nlohmann::json provenance = {{"program", "bodyopt " BODYOPT_VERSION},
-                                     {"character", ordered.name},
-                                     {"smoothing_radius_m", radius},
-                                     {"smoothing_steps", options.smoothing_steps},
-                                     {"components", options.components},
-                                     {"centres", options.centres},
-                                     {"budget", options.budget},
-                                     {"tolerance_mm", options.tolerance_mm},
-                                     {"seed", options.seed}};
-  basis.metadata["provenance"] = provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  return base;
-}
 
 void check_pose(const SampleSet& set, const Sample& sample) {
   const Pose& pose = sample.pose;
@@ -94,105 +62,6 @@ void check_samples(const SampleSet& set) {
   }
 }
 
-// Sum of the squared un-posed displacements of some training frames, spread evenly.
-double left_to_learn(const SampleSet& set, const Character& ordered, const Basis& basis,
-                     const std::vector<std::uint32_t>& order) {
-  const std::vector<std::size_t> probes = spread_evenly(set.train.size(), 24);
-  std::vector<std::uint32_t> all(order.size());
-  std::iota(all.begin(), all.end(), 0u);
-  return UnposedShapes(set, ordered, basis, order, Method::Unposing::ddm)("train: smoothing radius", probes, all)
-      .cast<double>()
-      .squaredNorm();
-}
-
-// The radius given; or the default or twice that, whichever leaves less to learn: a part of a body needs more than its
-// own size tells.
-Base choose_base(const SampleSet& set, const Character& ordered, const std::vector<std::uint32_t>& order,
-                 const TrainOptions& options) {
-  const auto fits = [&](const Base& base) {
-    return !(options.budget > 0) || bytes_per_vertex(base.basis) <= options.budget;
-  };
-  if (options.smoothing_radius > 0) return make_base(ordered, options.smoothing_radius, options);
-  const double radius = default_smoothing_radius(ordered.vertices);
-  Base base = make_base(ordered, radius, options), wider = make_base(ordered, 2 * radius, options);
-  const bool better =
-      fits(wider) && left_to_learn(set, ordered, wider.basis, order) < left_to_learn(set, ordered, base.basis, order);
-  return better ? std::move(wider) : std::move(base);
-}
-
-// Influences are measured on some frames, spread evenly.
-std::vector<FeatureGroup> feature_groups(const Base& base, const std::vector<Muscle>& muscles,
-                                         const FeatureSamples& features, UnposedShapes& shapes) {
-  constexpr std::size_t kMostFrames = 800;
-  const std::vector<std::size_t> frames = spread_evenly(static_cast<std::size_t>(features.values.rows()), kMostFrames);
-  std::vector<std::uint32_t> all(shapes.vertex_count());
-  std::iota(all.begin(), all.end(), 0u);
-  return make_feature_groups(base.basis, base.moments, muscles, features.values(frames, Eigen::all),
-                             shapes("train: influences", frames, all));
-}
-
-// Static regions: groups begin with the joints.
-std::vector<RegionWeights> regions_of(const Character& character, const std::vector<FeatureGroup>& groups,
-                                      const std::vector<RegionWeights>& painted, Method::Support support) {
-  const std::size_t joints = feature_joints(character.skeleton).size();
-  switch (support) {
-    case Method::Support::dynamic_regions:
-      return make_regions(character, groups, painted);
-    case Method::Support::static_regions:
-      return make_regions(character, {groups.begin(), groups.begin() + static_cast<std::ptrdiff_t>(joints)}, painted);
-    case Method::Support::whole_skin:
-      break;
-  }
-  RegionWeights whole{"skin", {}, {}};
-  whole.vertices.resize(static_cast<std::size_t>(character.vertices.rows()));
-  std::iota(whole.vertices.begin(), whole.vertices.end(), 0u);
-  whole.weights.assign(whole.vertices.size(), 1.0);
-  return {whole};
-}
-
-std::vector<std::uint32_t> inverse_of(const std::vector<std::uint32_t>& order) {
-  std::vector<std::uint32_t> inverse(order.size());
-  for (std::size_t v = 0; v < order.size(); ++v) inverse[order[v]] = static_cast<std::uint32_t>(v);
-  return inverse;
-}
-
-Base base_with_fibres(const SampleSet& set, const Character& ordered, const std::vector<std::uint32_t>& order,
-                      const TrainOptions& options) {
-  Base base = choose_base(set, ordered, order, options);
-  const double bytes = bytes_per_vertex(base.basis);
-  if (options.budget > 0 && bytes > options.budget) refuse_budget(options.budget, bytes, "Direct Delta Mush alone");
-  if (options.method.strains) base.basis.strain = make_strain_table(base.basis, set.muscles);
-  return base;
-}
-
-FeatureSamples features_of(const SampleSet& set, const Basis& basis) {
-  std::vector<const Pose*> poses;
-  for (const Sample& sample : set.train) poses.push_back(&sample.pose);
-  return measure_features(basis, poses);
-}
-
-// What fitting starts from, in runtime order.
-struct Groundwork {
-  Groundwork(const SampleSet& set, const TrainOptions& options)
-      : order(morton_order(set.character.vertices)),
-        ordered(in_order(set.character, order)),
-        base(base_with_fibres(set, ordered, order, options)),
-        shapes(set, ordered, base.basis, order, options.method.unposing),
-        features(features_of(set, base.basis)),
-        groups(feature_groups(base, options.method.strains ? set.muscles : std::vector<Muscle>{}, features, shapes)),
-        regions(regions_of(ordered, groups, renumbered(set.regions, inverse_of(order)), options.method.support)) {}
-  Groundwork(const Groundwork&) = delete;  // `shapes` refers to the others
-  Groundwork& operator=(const Groundwork&) = delete;
-
-  std::vector<std::uint32_t> order;  // welded vertex of each runtime vertex
-  Character ordered;
-  Base base;
-  UnposedShapes shapes;
-  FeatureSamples features;
-  std::vector<FeatureGroup> groups;
-  std::vector<RegionWeights> regions;
-};
-
 // What coverage needs to know of the regions that are kept. `packed`: those of the model.
 std::vector<RegionCoverage> region_coverage(const Character& character, const ResidualModel& model,
                                             const std::vector<std::size_t>& packed, const FeatureSamples& features,
@@ -209,11 +78,11 @@ std::vector<RegionCoverage> region_coverage(const Character& character, const Re
 }
 
 // How much each region moves and what cross-validation left of it, root mean square over its vertices and frames.
-nlohmann::json region_report(const Character& character, const ResidualModel& model, std::size_t frames) {
+nlohmann::json region_report(const Character& character, const ResidualModel& model) {
   nlohmann::json list = nlohmann::json::array();
   for (const RegionModel& region : model.regions) {
     const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
-    const double motion2 = region.components.energy / (static_cast<double>(frames) * size);
+    const double motion2 = region.components.energy.mean() / size;
     const double left2 = std::pow(region.fits.front().validation_error, 2) / size;
     list.push_back({{"name", region.region.name},
                     {"joint", joints_of(character, region.region).front()},
@@ -233,7 +102,7 @@ nlohmann::json muscle_report(const StrainTable& strain, const std::vector<Muscle
   const std::vector<std::size_t> muscle_of_fibre = fibre_muscles(strain, muscles);
   double energy = 0;
   for (const RegionModel& region : model.regions) {
-    energy += region.components.energy;
+    energy += region.components.energy.sum();
     for (std::size_t k = 0; k < region.worth.size(); ++k) {
       const std::uint32_t feature = region.features[k];
       if (feature < first || feature >= first + strain.fibre_count()) continue;
@@ -255,21 +124,25 @@ nlohmann::json report_of(const Basis& basis, const Character& character, const S
           {"coefficients", basis.residual.coefficient_count()},
           {"centres", basis.residual.centre_count()},
           {"expected_rms_mm", 1e3 * expected},
-          {"regions", region_report(character, model, set.train.size())},
+          {"regions", region_report(character, model)},
           {"muscles_explain_percent", muscle_report(fibres, set.muscles, model, joint_feature_count(basis.skeleton))},
           {"warnings", warnings}};
 }
 
 std::vector<std::string> warnings_of(const SampleSet& set, const Groundwork& ground, const ResidualModel& model) {
-  std::set<std::uint32_t> varying;
-  for (const FeatureGroup& group : ground.groups) varying.insert(group.features.begin(), group.features.end());
+  const Eigen::MatrixXd& values = ground.features.values;
+  const auto varying = varying_features(values, 0, static_cast<std::uint32_t>(values.cols()));
   std::vector<Contradiction> contradictions;
+  std::map<std::pair<std::size_t, std::uint32_t>, StrayVertex> strays;  // by frame and vertex, each once
   for (const RegionModel& region : model.regions) {
     contradictions.insert(contradictions.end(), region.contradictions.begin(), region.contradictions.end());
+    for (const StrayVertex& stray : region.strays) strays.emplace(std::pair(stray.frame, stray.vertex), stray);
   }
+  std::vector<StrayVertex> all_strays;
+  for (const auto& [place, stray] : strays) all_strays.push_back(stray);
   std::vector<std::string> warnings;
   for (const std::vector<std::string>& some :
-       {contradiction_warnings(set, contradictions), stray_warnings(set, ground.order, ground.shapes.strays()),
+       {contradiction_warnings(set, contradictions), stray_warnings(set, ground.order, all_strays),
         constant_control_warnings(set), few_frames_warnings(set, varying.size())}) {
     warnings.insert(warnings.end(), some.begin(), some.end());
   }
@@ -282,27 +155,29 @@ Basis build_ddm_basis(const Character& character, const TrainOptions& options) {
   const Character ordered = in_order(character, morton_order(character.vertices));
   const double radius =
       options.smoothing_radius > 0 ? options.smoothing_radius : default_smoothing_radius(ordered.vertices);
-  return make_base(ordered, radius, options).basis;
+  return make_ddm_base(ordered, radius, options).basis;
 }
 
 std::vector<RegionWeights> training_regions(const SampleSet& set, const TrainOptions& options) {
   check_samples(set);
   const SingleThreadedProducts single_threaded;
   const Groundwork ground(set, options);
-  return renumbered(ground.regions, ground.order);
+  return renumbered(make_layout(set, ground, options.method).regions, ground.order);
 }
 
-Basis train(const SampleSet& set, const TrainOptions& options) {
+Basis train(const SampleSet& set, const TrainOptions& options, std::vector<std::string>* notes) {
   check_samples(set);
   const SingleThreadedProducts single_threaded;
-  Groundwork ground(set, options);
+  std::vector<std::string> unheard;
+  StagedFit fit(set, options, notes ? *notes : unheard);
+  TrainOptions with_radius = options;
+  with_radius.smoothing_radius = fit.smoothing_radius();
+  Groundwork ground(set, with_radius, fit.earlier_features());
   const Character& ordered = ground.ordered;
   Basis& basis = ground.base.basis;
-  std::vector<int> takes;
-  for (const Sample& sample : set.train) takes.push_back(sample.take);
-  ResidualModel model =
-      fit_residual(ordered, ground.shapes, ground.regions, ground.groups, ground.features, takes, options);
-  model.controls = set.controls;
+  const Layout layout = fit.layout(ground);
+  const ResidualModel model{set.controls, ground.features.ranges, fit.regions(ground, layout),
+                            ground.shapes.vertex_count(), training_folds(set)};
   const Basis bare = basis;
   const TradeOff trade_off(bare, model);
   const Selection selection = trade_off.choose(options);

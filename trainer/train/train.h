@@ -1,6 +1,8 @@
 // From a dataset to a basis.
 #pragma once
 
+#include <filesystem>
+
 #include "runtime/basis/basis.h"
 #include "trainer/dataset/character.h"
 #include "trainer/dataset/dataset.h"
@@ -33,6 +35,12 @@ struct TrainOptions {
   // How large the basis is to be, one of them at most; without, as large as is worth it.
   double budget = 0;        // bytes of all tables per vertex at most
   double tolerance_mm = 0;  // as small as its expected error allows
+  // A folder for what is found, from which a training of the same data and options goes on where it stopped; empty:
+  // nothing is kept.
+  std::filesystem::path keep_in{};
+  // Bring what an earlier training kept there to these frames, where no more than a tenth of them are new; otherwise,
+  // and where nothing fits, train from the start.
+  bool update = false;
 };
 
 // One training or held-out frame.
@@ -67,8 +75,9 @@ Basis build_ddm_basis(const Character& character, const TrainOptions& options);
 std::vector<RegionWeights> training_regions(const SampleSet& set, const TrainOptions& options);
 
 // The full training. Never looks at set.heldout. Shows progress. Throws Error(mismatch) when there is too little data,
-// or where it is not sound.
-Basis train(const SampleSet& set, const TrainOptions& options);
+// or where it is not sound, Error(file) where what is kept cannot be read or written. `notes`: gets what
+// the user should know of an update.
+Basis train(const SampleSet& set, const TrainOptions& options, std::vector<std::string>* notes = nullptr);
 
 // What train() has to say of the data, one sentence each, for the user: shapes that contradict each other, stray
 // vertices, controls that never change, too few frames.

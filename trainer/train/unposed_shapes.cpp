@@ -29,8 +29,8 @@ Positions read_shape(const SampleSet& set, const Sample& sample) {
 
 }  // namespace
 
-Displacements UnposedShapes::operator()(const std::string& title, std::span<const std::size_t> frames,
-                                        std::span<const std::uint32_t> vertices) {
+UnposedFrames UnposedShapes::operator()(const std::string& title, std::span<const std::size_t> frames,
+                                        std::span<const std::uint32_t> vertices) const {
   Displacements displacements(static_cast<Eigen::Index>(frames.size()), 3 * static_cast<Eigen::Index>(vertices.size()));
   Progress progress(title, frames.size());
   parallel_for(frames.size(), [&](std::size_t n) {
@@ -46,16 +46,8 @@ Displacements UnposedShapes::operator()(const std::string& title, std::span<cons
         Eigen::Map<const Eigen::RowVectorXd>(delta.data(), delta.size()).cast<float>();
     progress.advance();
   });
-  for (const StrayVertex& stray : neighbours_.mend(displacements, frames, vertices)) {
-    strays_.emplace(std::pair(stray.frame, stray.vertex), stray);
-  }
-  return displacements;
-}
-
-std::vector<StrayVertex> UnposedShapes::strays() const {
-  std::vector<StrayVertex> strays;
-  for (const auto& [place, stray] : strays_) strays.push_back(stray);
-  return strays;
+  std::vector<StrayVertex> strays = neighbours_.mend(displacements, frames, vertices);
+  return {std::move(displacements), std::move(strays)};
 }
 
 std::vector<std::size_t> spread_evenly(std::size_t count, std::size_t most) {

@@ -1,7 +1,6 @@
 // The training frames in un-posed space, fetched from disk part by part.
 #pragma once
 
-#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +12,11 @@
 
 namespace bodyopt {
 
+struct UnposedFrames {
+  Displacements displacements;      // frames x 3 vertices, stray ones put back among their neighbours
+  std::vector<StrayVertex> strays;  // by frame and vertex
+};
+
 class UnposedShapes {
  public:
   // `ordered`: the character in runtime order; `order`: welded vertex of each runtime vertex. All must outlive this.
@@ -20,18 +24,16 @@ class UnposedShapes {
                 const std::vector<std::uint32_t>& order, Method::Unposing unposing)
       : set_(set), ordered_(ordered), basis_(basis), order_(order), unposing_(unposing), neighbours_(ordered) {}
 
-  // N x 3 vertices: some vertices (runtime order, ascending) in some frames (indices of the set's training frames),
-  // stray ones put back among their neighbours. Shows progress under a title. Throws Error(mismatch) naming a frame
-  // whose shape does not fit the character or is not finite, Error(file) one whose shape cannot be read.
-  Displacements operator()(const std::string& title, std::span<const std::size_t> frames,
-                           std::span<const std::uint32_t> vertices);
+  // Some vertices (runtime order, ascending) in some frames (indices of the set's training frames). Shows progress
+  // under a title. Throws Error(mismatch) naming a frame whose shape does not fit the character or is not finite,
+  // Error(file) one whose shape cannot be read.
+  UnposedFrames operator()(const std::string& title, std::span<const std::size_t> frames,
+                           std::span<const std::uint32_t> vertices) const;
 
   // Vertices and those beside them, ascending: all it takes to find the stray ones among them.
   std::vector<std::uint32_t> with_neighbours(const std::vector<std::uint32_t>& vertices) const {
     return neighbours_.with_neighbours(vertices);
   }
-  // Found so far, each once.
-  std::vector<StrayVertex> strays() const;
   std::uint32_t vertex_count() const { return basis_.mesh.vertex_count(); }
 
  private:
@@ -41,7 +43,6 @@ class UnposedShapes {
   const std::vector<std::uint32_t>& order_;
   Method::Unposing unposing_;
   StrayVertices neighbours_;
-  std::map<std::pair<std::size_t, std::uint32_t>, StrayVertex> strays_;  // by frame and vertex
 };
 
 // At most `most` of the numbers 0 .. count - 1, spread evenly.

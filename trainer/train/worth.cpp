@@ -13,8 +13,7 @@ Worth::Worth(const ResidualModel& model) {
   for (const RegionModel& region : model.regions) {
     std::vector<Candidate>& candidates = regions_.emplace_back();
     for (const Regression& fit : region.fits) candidates.push_back(candidate(region, fit, frames));
-    vertex_motion_ +=
-        region.components.energy / (static_cast<double>(region.components.coefficients.rows()) * model.vertices);
+    vertex_motion_ += region.components.energy.mean() / model.vertices;
   }
 }
 

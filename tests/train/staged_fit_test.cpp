@@ -1,0 +1,250 @@
+// Training that goes on from what an earlier one kept.
+#include "trainer/train/staged_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "runtime/basis/error.h"
+#include "runtime/deformer.h"
+#include "tests/support/capsule_limb.h"
+#include "tests/support/same_basis.h"
+#include "tests/support/temporary_folder.h"
+#include "trainer/train/heldout.h"
+#include "trainer/train/trade_off.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+const SampleSet& samples() {
+  static const SampleSet set = limb_samples(160, 40);
+  return set;
+}
+
+// Without some of the training frames.
+
+SampleSet without(std::initializer_list<std::size_t> frames) {
+  SampleSet set = samples();
+  for (const std::size_t frame : std::vector(std::rbegin(frames), std::rend(frames))) {
+    set.train.erase(set.train.begin() + static_cast<std::ptrdiff_t>(frame));
+  }
+  return set;
+}
+
+TrainOptions keeping(const TemporaryFolder& folder) {
+  TrainOptions options{.components = 8, .centres = 60};
+  options.keep_in = folder / "kept";
+  return options;
+}
+
+TrainOptions updating(const TemporaryFolder& folder) {
+  TrainOptions options = keeping(folder);
+  options.update = true;
+  return options;
+}
+
+const Basis& from_the_start() {
+  static const Basis basis = train(samples(), {.components = 8, .centres = 60});
+  return basis;
+}
+
+double heldout_rms(const Basis& basis) {
+  Deformer deformer(basis, {.name = "cpu"});
+  return heldout_errors(samples(), heldout_by_basis(samples(), deformer)).rms;
+}
+
+// What no pose tells, so that what is left of the motion does not depend on single frames.
+void roughen(SampleSet& set) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal(0, 2e-4);
+  for (Sample& sample : set.train) {
+    sample.shape = Positions(sample.shape.read().unaryExpr([&](double x) { return x + normal(random); }));
+  }
+}
+
+fs::path region_file(const TemporaryFolder& folder, std::size_t number) {
+  return folder / ("kept/region_" + std::to_string(number) + ".safetensors");
+}
+
+// Marks what is kept of a region, so that a basis shows whether it was used.
+void spoil_region(const TemporaryFolder& folder, std::size_t number) {
+  const TrainingStore store(folder / "kept");
+  const std::uint64_t key = store.layout()->key;
+  RegionModel model = store.region(number, key).value();
+  for (Regression& fit : model.fits) fit.weights *= 0.5;
+  store.keep(number, key, model);
+}
+
+TEST(StagedFit, GoesOnWhereItStopped) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(testing::difference(train(samples(), keeping(folder)), from_the_start()), "");
+  const std::size_t regions = TrainingStore(folder / "kept").layout()->layout.regions.size();
+  ASSERT_GT(regions, 2u);
+  // As if it had been interrupted after one region, and after the layout.
+  for (std::size_t r = 1; r < regions; ++r) ASSERT_TRUE(fs::remove(region_file(folder, r)));
+  EXPECT_EQ(testing::difference(train(samples(), keeping(folder)), from_the_start()), "");
+  for (std::size_t r = 0; r < regions; ++r) ASSERT_TRUE(fs::remove(region_file(folder, r)));
+  EXPECT_EQ(testing::difference(train(samples(), keeping(folder)), from_the_start()), "");
+  // What is kept is used: nothing else would notice that it was spoilt.
+  spoil_region(folder, 1);
+  EXPECT_EQ(testing::difference(train(samples(), keeping(folder)), from_the_start()), "residual");
+}
+
+TEST(StagedFit, AnotherSizeIsMadeOfWhatIsKept) {
+  const TemporaryFolder folder;
+  train(samples(), keeping(folder));
+  TrainOptions small = keeping(folder);
+  small.budget = 0.9 * bytes_per_vertex(from_the_start());
+  const Basis made = train(samples(), small);
+  for (std::size_t r = 0; r < 3; ++r) spoil_region(folder, r);
+  EXPECT_EQ(testing::difference(train(samples(), small), made), "residual");
+  small.keep_in.clear();
+  EXPECT_EQ(testing::difference(train(samples(), small), made), "");
+}
+
+// Each of them another character, pose, shape, muscle or option.
+TEST(StagedFit, WhatIsKeptOfOtherInputsIsNotUsed) {
+  const TemporaryFolder folder;
+  SampleSet pose = samples(), shape = samples(), weights = samples(), muscle = samples();
+  pose.train[5].pose.joints[1].rotation = axis_angle({1, 0, 0}, 0.3);
+  shape.train[9].shape = Positions(shape.train[9].shape.read().array() + 1e-4);
+  weights.character.weights[300] = {{0, 0.7}, {1, 0.3}};
+  muscle.muscles[0].path[1].position[1] += 0.01;
+  for (const SampleSet& other : {pose, shape, weights, muscle}) {
+    train(other, keeping(folder));
+    EXPECT_EQ(testing::difference(train(samples(), keeping(folder)), from_the_start()), "");
+  }
+  TrainOptions seed = keeping(folder);
+  seed.seed = 7;
+  train(samples(), seed);
+  EXPECT_EQ(testing::difference(train(samples(), keeping(folder)), from_the_start()), "");
+}
+
+TEST(StagedFit, NewFramesAreLearnedAsFromTheStart) {
+  const TemporaryFolder folder;
+  SampleSet all = samples();
+  all.train.resize(60);
+  roughen(all);
+  SampleSet known = all;
+  known.train.erase(known.train.begin() + 31, known.train.begin() + 35);
+  const double before = heldout_rms(train(known, keeping(folder)));
+  std::vector<std::string> notes;
+  const Basis updated = train(all, updating(folder), &notes);
+  EXPECT_EQ(notes, std::vector<std::string>{});
+  const Basis from_all = train(all, {.components = 8, .centres = 60});
+  const double anew = heldout_rms(from_all), after = heldout_rms(updated);
+  RecordProperty("mm", std::to_string(before) + " before, " + std::to_string(after) + " updated, " +
+                           std::to_string(anew) + " from the start");
+  EXPECT_LT(after, 1.05 * anew);
+  EXPECT_LT(after, 0.99 * before);
+  // It is kept in turn, for the next update, and does not pass for a training from the start.
+  EXPECT_EQ(testing::difference(train(all, updating(folder)), updated), "");
+  EXPECT_EQ(testing::difference(train(all, keeping(folder)), from_all), "");
+}
+
+TEST(StagedFit, AnEditedFrameIsForgotten) {
+  const TemporaryFolder folder;
+  SampleSet wrong = samples();
+  for (const std::size_t n : {30, 31, 32}) {
+    wrong.train[n].shape = limb_truth(wrong.character, {}, wrong.train[n].pose);
+  }
+  const double before = heldout_rms(train(wrong, keeping(folder))), anew = heldout_rms(from_the_start());
+  EXPECT_GT(before, 2 * anew);
+  EXPECT_LT(heldout_rms(train(samples(), updating(folder))), 1.1 * anew);
+}
+
+// The wrist's own displacement is in the new frames only.
+TEST(StagedFit, RegionsThatLackWhatIsNewAreFittedAnew) {
+  const TemporaryFolder folder;
+  SampleSet flat = samples();
+  for (std::size_t n = 0; n < flat.train.size(); ++n) {
+    Sample& sample = flat.train[n];
+    if (n % 12 == 5) continue;
+    Pose straight = sample.pose;
+    straight.joints[2].rotation = axis_angle({0, 1, 0}, 0.03 * static_cast<double>(n % 7));
+    sample.pose = straight;
+    sample.shape = limb_truth(flat.character, flat.muscles, straight);
+  }
+  SampleSet known = flat;
+  for (std::size_t n = known.train.size(); n-- > 0;) {
+    if (n % 12 == 5) known.train.erase(known.train.begin() + static_cast<std::ptrdiff_t>(n));
+  }
+  train(known, keeping(folder));
+  std::vector<std::string> notes;
+  const Basis updated = train(flat, updating(folder), &notes);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("fitted from the start"), std::string::npos) << notes[0];
+  const double anew = heldout_rms(train(flat, {.components = 8, .centres = 60}));
+  EXPECT_LT(heldout_rms(updated), 1.1 * anew);
+}
+
+TEST(StagedFit, AnUpdateThatCannotBeIsATraining) {
+  const TemporaryFolder folder;
+  const auto expect_anew = [&](const std::string& why) {
+    std::vector<std::string> notes;
+    EXPECT_EQ(testing::difference(train(samples(), updating(folder), &notes), from_the_start()), "");
+    ASSERT_EQ(notes.size(), 1u);
+    EXPECT_NE(notes[0].find(why), std::string::npos) << notes[0];
+  };
+  expect_anew("nothing to update");
+  SampleSet few = samples();
+  few.train.resize(100);
+  train(few, keeping(folder));
+  expect_anew("60 frames of 160 are new");
+  SampleSet still = without({70, 71});
+  for (Sample& sample : still.train) sample.pose.joints[2] = still.character.skeleton.joints[2].bind;
+  for (std::size_t n : {70, 71}) still.train.push_back(samples().train[n]);
+  SampleSet known = still;
+  known.train.resize(158);
+  train(known, keeping(folder));
+  std::vector<std::string> notes;
+  train(still, updating(folder), &notes);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("did not move before"), std::string::npos) << notes[0];
+}
+
+// What is said of the data is said again, of the frames as they are numbered now.
+TEST(StagedFit, WarningsAreCarriedOver) {
+  const TemporaryFolder folder;
+  SampleSet bad = samples();
+  Positions flown = bad.train[50].shape.read();
+  flown.row(300) += Eigen::RowVector3d(0.3, 0, 0);
+  bad.train[50].shape = flown;
+  Sample twin = bad.train[20];
+  Positions other = twin.shape.read();
+  other.col(1).array() += 0.01;
+  twin.shape = other;
+  bad.train.push_back(twin);
+  SampleSet known = bad;
+  known.train.erase(known.train.begin() + 3);
+  const std::vector<std::string> before = training_warnings(train(known, keeping(folder)));
+  EXPECT_GE(before.size(), 2u);
+  EXPECT_EQ(training_warnings(train(bad, updating(folder))), before);
+  // Found in a new frame, too.
+  SampleSet clean = bad;
+  clean.train[50].shape = samples().train[50].shape;
+  clean.train.pop_back();
+  TemporaryFolder another;
+  train(clean, keeping(another));
+  EXPECT_EQ(training_warnings(train(bad, updating(another))).size(), before.size());
+}
+
+TEST(StagedFit, ADamagedFileIsNamed) {
+  const TemporaryFolder folder;
+  train(samples(), keeping(folder));
+  fs::resize_file(region_file(folder, 1), 1000);
+  try {
+    train(samples(), keeping(folder));
+    FAIL() << "nothing was said";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::file);
+    EXPECT_NE(std::string(error.what()).find("region_1.safetensors"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt

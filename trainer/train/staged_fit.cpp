@@ -1,0 +1,131 @@
+#include "trainer/train/staged_fit.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "trainer/dataset/notes.h"
+
+namespace bodyopt {
+namespace {
+
+// An earlier training is brought to other frames where no more than this part of them is new.
+constexpr double kMostNew = 0.1;
+
+std::vector<int> frames_in(const std::vector<std::uint64_t>& earlier, const std::vector<std::uint64_t>& frames) {
+  std::map<std::uint64_t, int> numbers;
+  for (std::size_t n = 0; n < earlier.size(); ++n) numbers.emplace(earlier[n], static_cast<int>(n));
+  std::vector<int> found;
+  for (const std::uint64_t frame : frames) {
+    const auto number = numbers.find(frame);
+    found.push_back(number == numbers.end() ? -1 : number->second);
+  }
+  return found;
+}
+
+}  // namespace
+
+StagedFit::StagedFit(const SampleSet& set, const TrainOptions& options, std::vector<std::string>& notes)
+    : set_(set), options_(options), notes_(notes), store_(options.keep_in) {
+  if (!store_.keeps()) return;
+  keys_ = training_keys(set, options);
+  earlier_ = store_.layout();
+  if (earlier_ && earlier_->from.subject != keys_.subject) earlier_.reset();
+  if (earlier_) earlier_frames_ = frames_in(earlier_->from.frames, keys_.frames);
+  updates_ = options.update && can_update();
+}
+
+EarlierFeatures StagedFit::earlier_features() const {
+  if (!earlier_) return {};
+  return {earlier_->smoothing_radius, {earlier_->features, earlier_frames_}};
+}
+
+bool StagedFit::can_update() const {
+  const std::string anew = ": trained from the start";
+  if (!earlier_) {
+    notes_.push_back("nothing to update in " + options_.keep_in.string() +
+                     ", or it is of another character, other muscles or regions, or other options" + anew);
+    return false;
+  }
+  const auto fresh = static_cast<std::size_t>(std::count(earlier_frames_.begin(), earlier_frames_.end(), -1));
+  const std::string frames = count_of(fresh, "frame", "frames");
+  if (static_cast<double>(fresh) > kMostNew * static_cast<double>(keys_.frames.size())) {
+    notes_.push_back(frames + " of " + std::to_string(keys_.frames.size()) + " are new, more than a tenth" + anew);
+    return false;
+  }
+  return true;
+}
+
+// No feature varies in the new frames only.
+bool StagedFit::features_are_known(const Groundwork& ground) const {
+  const Eigen::MatrixXd& values = ground.features.values;
+  std::vector<Eigen::Index> known;
+  for (std::size_t n = 0; n < earlier_frames_.size(); ++n) {
+    if (earlier_frames_[n] >= 0) known.push_back(static_cast<Eigen::Index>(n));
+  }
+  const auto count = static_cast<std::uint32_t>(values.cols());
+  Eigen::MatrixXd before = values(known, Eigen::all);
+  const Eigen::RowVectorXd mean = before.colwise().mean();
+  before.rowwise() -= mean;
+  return varying_features(values, 0, count) == varying_features(before, 0, count);
+}
+
+Layout StagedFit::layout(const Groundwork& ground) {
+  if (updates_ && !features_are_known(ground)) {
+    notes_.push_back("joints or muscles move that did not move before: trained from the start");
+    updates_ = false;
+  }
+  if (updates_) {
+    const bool same = earlier_->from.frames == keys_.frames;
+    key_ = same ? earlier_->key : updated_key(earlier_->key, keys_);
+    return earlier_->layout;
+  }
+  key_ = training_key(keys_, ground.base.radius);
+  if (earlier_ && earlier_->key == key_) return earlier_->layout;
+  Layout layout = make_layout(set_, ground, options_.method);
+  keep(ground, layout);
+  return layout;
+}
+
+void StagedFit::keep(const Groundwork& ground, const Layout& layout) const {
+  store_.keep({key_, keys_, ground.base.radius, ground.features.raw, layout});
+}
+
+std::vector<RegionModel> StagedFit::regions(const Groundwork& ground, const Layout& layout) {
+  const FitContext context(set_, ground, layout, options_);
+  std::vector<RegionModel> models(layout.regions.size());
+  std::vector<std::size_t> missing;
+  for (std::size_t r = 0; r < models.size(); ++r) {
+    std::optional<RegionModel> kept = store_.region(r, key_);
+    if (!kept) missing.push_back(r);
+    if (kept) models[r] = std::move(*kept);
+  }
+  const RegionDone done = [&](std::size_t r, const RegionModel& model) { store_.keep(r, key_, model); };
+  const std::string kept = store_.keeps() ? "run again, it goes on: what is done is in " + options_.keep_in.string()
+                                          : "nothing of it is kept";
+  if (updates_) missing = update(context, models, missing, done, kept);
+  if (!missing.empty()) fit_regions(context, missing, models, done, kept);
+  if (updates_) keep(ground, layout);
+  return models;
+}
+
+std::vector<std::size_t> StagedFit::update(const FitContext& context, std::vector<RegionModel>& models,
+                                           const std::vector<std::size_t>& missing, const RegionDone& done,
+                                           const std::string& kept) {
+  std::vector<std::size_t> old, anew;
+  for (const std::size_t r : missing) {
+    std::optional<RegionModel> model = store_.region(r, earlier_->key);
+    (model ? old : anew).push_back(r);
+    if (model) models[r] = std::move(*model);
+  }
+  const std::vector<std::size_t> refused = update_regions(context, earlier_frames_, old, models, done, kept);
+  if (!refused.empty()) {
+    notes_.push_back("in " + count_of(refused.size(), "region", "regions") + " of " + std::to_string(models.size()) +
+                     " the new frames move in ways that the earlier training did not know: fitted from the start");
+  }
+  anew.insert(anew.end(), refused.begin(), refused.end());
+  std::sort(anew.begin(), anew.end());
+  return anew;
+}
+
+}  // namespace bodyopt
