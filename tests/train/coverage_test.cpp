@@ -76,12 +76,29 @@ TEST(Coverage, IsCalibratedFromTheFramesAroundEachCentre) {
   for (int n = 0; n < kFrames; ++n) data.folds.push_back(n % 2);
   std::vector<double> energies(kFrames / 2, 1);
   energies.resize(kFrames, 9);
-  const ErrorModel model = calibrate(data, regression, energies);
+  const ErrorModel model = calibrate(data, regression, energies, {3});
+  EXPECT_EQ(model.metric, std::vector<double>{1});
   ASSERT_EQ(model.local.size(), 2u);
   EXPECT_NEAR(model.local[0], (20 * 1 + 5) / 21.0, 1e-12);  // the mean of all counts as one frame more
   EXPECT_NEAR(model.local[1], (20 * 9 + 5) / 21.0, 1e-12);
   EXPECT_GT(model.usual, 0);
   EXPECT_GT(model.distance, 0);
+}
+
+// By plain distance the frames were near the second centre; the feature that explains something says the first.
+TEST(Coverage, FeaturesCountByWhatTheyExplain) {
+  RegressionData data;
+  data.features = Eigen::MatrixXd::Zero(10, 2);
+  data.rest = Eigen::RowVector2d(5, 5);
+  data.folds = {0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+  Regression regression;
+  regression.centres = (Eigen::MatrixXd(2, 2) << 0, 1.2, 1, 0).finished();
+  regression.centre_frames = {-1, -1};
+  const ErrorModel model = calibrate(data, regression, std::vector<double>(10, 4), {7, 0});
+  EXPECT_EQ(model.metric, (std::vector<double>{1.5, 0.5}));
+  EXPECT_NEAR(model.usual, 0.5 * 1.44, 1e-12);
+  const ErrorModel plain = calibrate(data, regression, std::vector<double>(10, 4), {1, 1});
+  EXPECT_NEAR(plain.usual, 1, 1e-12);
 }
 
 TEST(Coverage, RanksAreCorrelatedAsSpearmanHasIt) {

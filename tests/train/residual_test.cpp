@@ -48,7 +48,8 @@ Selection everything(const ResidualModel& model) {
     for (const std::uint32_t v : region.region.vertices) {
       if (blocks.empty() || blocks.back() != v / kBlockSize) blocks.push_back(v / kBlockSize);
     }
-    selection.push_back({0, std::vector(static_cast<std::size_t>(kColumns), blocks)});
+    const auto columns = static_cast<std::size_t>(kColumns);
+    selection.push_back({0, std::vector(columns, blocks), std::vector(columns, std::vector<std::uint32_t>{})});
   }
   return selection;
 }
@@ -148,6 +149,35 @@ TEST(PackResidual, HoldsWhatIsSelected) {
   const PackedResidual second = pack_residual(model, selection);
   EXPECT_EQ(second.regions, std::vector<std::size_t>{1});
   EXPECT_EQ(second.table.coefficient_count(), kColumns);
+}
+
+// A second entry of the same coefficient takes the rounding to 16 bits, where it is selected.
+TEST(PackResidual, RoundingMayHaveAnEntryOfItsOwn) {
+  const ResidualModel model = residual_model();
+  Selection selection = everything(model);
+  const ResidualTable coarse = pack_residual(model, selection).table;
+  selection[0].fine[1] = {0, 2};
+  const ResidualTable table = pack_residual(model, selection).table;
+  EXPECT_EQ(table.coefficient_count(), coarse.coefficient_count());
+  EXPECT_EQ(table.blend.size(), coarse.blend.size() + 2);
+  const std::vector<float> found = unpacked_column(table, 1), rounded = unpacked_column(coarse, 1);
+  const Eigen::VectorXd whole = whole_column(model.regions[0], 1);
+  std::vector<double> left(kBlocks);
+  for (std::uint32_t k = 0; k < 3 * kVertices; ++k) {
+    const std::uint32_t block = k / 3 / kBlockSize;
+    left[block] += std::pow(rounded[k] - whole[k], 2);
+    if (block == 1) {
+      EXPECT_EQ(found[k], rounded[k]);
+    } else {
+      EXPECT_NEAR(found[k], whole[k], 2e-5);
+    }
+  }
+  const std::vector<BlockRounding> rounding = rounding_of(model.regions[0], 1);
+  ASSERT_EQ(rounding.size(), kBlocks);
+  for (const BlockRounding& r : rounding) {
+    EXPECT_GT(left[r.block], 1e-10);
+    EXPECT_NEAR(r.left, left[r.block], 1e-3 * left[r.block]);  // floats
+  }
 }
 
 // Of both an odd and an even number of features, one after the other.

@@ -55,10 +55,13 @@ double bytes(const ResidualModel& model, const Selection& selection) {
                                   table.coefficient_region.size() + table.weights.size()));
 }
 
+// A price at which nothing but rounding is not worth its bytes.
+constexpr double kCheap = 1e-6;
+
 TEST(Worth, KeepsWhatSavesMoreThanItCosts) {
   const ResidualModel model = small_model();
   const Worth worth(model);
-  const Selection all = worth.at(0);
+  const Selection all = worth.at(kCheap);
   EXPECT_EQ(all[0].fit, 0u);
   EXPECT_EQ(all[0].blocks, (std::vector<std::vector<std::uint32_t>>{{0}, {1}}));
   Selection one = all;
@@ -72,9 +75,9 @@ TEST(Worth, KeepsWhatSavesMoreThanItCosts) {
 TEST(Worth, DearBytesLeaveFewerCentresAndThenNothing) {
   const ResidualModel model = small_model();
   const Worth worth(model);
-  Selection many = worth.at(0), few = many;
+  Selection many = worth.at(kCheap), few = many;
   many[0].blocks[1].clear();
-  few[0] = {1, many[0].blocks};
+  few[0] = {1, many[0].blocks, many[0].fine};
   const double saved_bytes = bytes(model, many) - bytes(model, few);
   ASSERT_GT(saved_bytes, 0);
   const double price = (kSaved[0] - kSavedByFewer) / saved_bytes / kMotion;
@@ -84,6 +87,21 @@ TEST(Worth, DearBytesLeaveFewerCentresAndThenNothing) {
   const double last = kSavedByFewer / bytes(model, few) / kMotion;
   EXPECT_EQ(worth.at(0.999 * last)[0].blocks, few[0].blocks);
   EXPECT_TRUE(worth.at(1.001 * last)[0].blocks.empty());
+}
+
+// A number between two that 8 bits can tell.
+TEST(Worth, RoundingThatIsWorthItsBytesIsKept) {
+  ResidualModel model = small_model();
+  model.regions[0].components.basis(0, 4) = 0.5;
+  const double left = rounding_of(model.regions[0], 0)[0].left;
+  EXPECT_NEAR(left, std::pow(0.5 / 127, 2), 0.1 * left);
+  const Worth worth(model);
+  const double price = 4 * left / sizeof(BlendEntry) / kMotion;
+  const Selection cheap = worth.at(0.98 * price), dear = worth.at(1.02 * price);
+  EXPECT_EQ(cheap[0].fine[0], std::vector<std::uint32_t>{0});
+  EXPECT_TRUE(dear[0].fine[0].empty());
+  EXPECT_EQ(cheap[0].blocks, dear[0].blocks);
+  EXPECT_EQ(bytes(model, cheap) - bytes(model, dear), sizeof(BlendEntry));
 }
 
 TEST(Worth, ComponentsThatDoHarmAreNeverKept) {
@@ -101,10 +119,10 @@ TEST(FrameEnergies, AreOfWhatIsKeptAndOfWhatIsNot) {
   region.region.weights[20] = 0.5;
   region.components.coefficients(3, 1) = 7;
   region.fits[0].errors(6, 1) = 0;
-  const std::vector<double> energies = frame_energies(region, {0, {{1}, {1}}});
+  const std::vector<double> energies = frame_energies(region, {0, {{1}, {1}}, {}});
   ASSERT_EQ(energies.size(), 10u);
   for (std::size_t n = 0; n < 10; ++n) EXPECT_NEAR(energies[n], 0.25 + 4 + (n == 6 ? 0 : 0.25 / 0.5), 1e-12) << n;
-  const std::vector<double> without = frame_energies(region, {1, {{0}, {}}});
+  const std::vector<double> without = frame_energies(region, {1, {{0}, {}}, {}});
   for (std::size_t n = 0; n < 10; ++n) EXPECT_NEAR(without[n], 0.25 + 1.44 + (n == 3 ? 49 : 1) / 0.5, 1e-12) << n;
 }
 

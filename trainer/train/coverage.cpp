@@ -49,19 +49,32 @@ double growth(const std::vector<double>& x, const std::vector<double>& y) {
   return xx > 0 ? std::max(0.0, xy / xx) : 0;
 }
 
+// Half of it the same for all features: one that explains little by itself may still tell poses apart.
+std::vector<double> metric_of(const std::vector<double>& worth) {
+  const double sum = std::accumulate(worth.begin(), worth.end(), 0.0), count = static_cast<double>(worth.size());
+  std::vector<double> metric;
+  for (const double w : worth) metric.push_back(sum > 0 ? 0.5 + 0.5 * count * w / sum : 1);
+  return metric;
+}
+
 }  // namespace
 
-ErrorModel calibrate(const RegressionData& data, const Regression& regression, const std::vector<double>& energies) {
+ErrorModel calibrate(const RegressionData& data, const Regression& regression, const std::vector<double>& energies,
+                     const std::vector<double>& worth) {
+  ErrorModel model;
+  model.metric = metric_of(worth);
+  const Eigen::Map<const Eigen::RowVectorXd> metric(model.metric.data(), static_cast<Index>(worth.size()));
+  const auto squared_length = [&](const Eigen::RowVectorXd& difference) { return difference.cwiseAbs2().dot(metric); };
   const std::size_t centres = regression.centre_frames.size();
   std::vector<double> nearest, error;
   std::vector<double> sums(centres), counts(centres);
   for (std::size_t n = 0; n < data.folds.size(); ++n) {
     if (data.folds[n] < 0) continue;
     const Eigen::RowVectorXd features = data.features.row(static_cast<Index>(n));
-    double of_others = (features - data.rest).squaredNorm(), of_all = std::numeric_limits<double>::infinity();
+    double of_others = squared_length(features - data.rest), of_all = std::numeric_limits<double>::infinity();
     std::size_t closest = 0;
     for (std::size_t m = 0; m < centres; ++m) {
-      const double distance = (features - regression.centres.row(static_cast<Index>(m))).squaredNorm();
+      const double distance = squared_length(features - regression.centres.row(static_cast<Index>(m)));
       if (distance < of_all) {
         of_all = distance;
         closest = m;
@@ -79,7 +92,6 @@ ErrorModel calibrate(const RegressionData& data, const Regression& regression, c
   }
   const double mean =
       error.empty() ? 0 : std::accumulate(error.begin(), error.end(), 0.0) / static_cast<double>(error.size());
-  ErrorModel model;
   if (!nearest.empty())
     model.usual = std::accumulate(nearest.begin(), nearest.end(), 0.0) / static_cast<double>(nearest.size());
   // Never nothing: ten times as far away, in squares, the error has at least doubled.
@@ -100,6 +112,12 @@ std::vector<double> in_mm(const std::vector<double>& energies, double size) {
   return result;
 }
 
+// To three decimals.
+std::vector<double> rounded(std::vector<double> values) {
+  for (double& value : values) value = std::round(1e3 * value) / 1e3;
+  return values;
+}
+
 }  // namespace
 
 std::string coverage_text(const std::vector<RegionCoverage>& regions) {
@@ -109,6 +127,7 @@ std::string coverage_text(const std::vector<RegionCoverage>& regions) {
                     {"size", region.size},
                     {"distance_m2", region.expected.distance},
                     {"usual", region.expected.usual},
+                    {"metric", rounded(region.expected.metric)},
                     {"local_mm", in_mm(region.expected.local, region.size)}});
   }
   return list.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -129,6 +148,7 @@ std::vector<RegionCoverage> read_coverage(const Basis& basis) {
       region.size = entry.at("size").get<double>();
       region.expected.distance = entry.at("distance_m2").get<double>();
       region.expected.usual = entry.at("usual").get<double>();
+      region.expected.metric = entry.at("metric").get<std::vector<double>>();
       for (const double mm : entry.at("local_mm").get<std::vector<double>>()) {
         region.expected.local.push_back(region.size * mm * mm * 1e-6);
       }
@@ -146,13 +166,12 @@ std::vector<RegionCoverage> read_coverage(const Basis& basis) {
     const bool known = std::all_of(regions[r].joints.begin(), regions[r].joints.end(),
                                    [&](const std::string& name) { return basis.skeleton.find(name) >= 0; });
     if (known && !regions[r].joints.empty() && regions[r].size > 0 && expected.distance >= 0 &&
-        expected.local.size() == centres) {
+        expected.local.size() == centres && expected.metric.size() == basis.residual.regions[r].feature_count) {
       continue;
     }
     throw Error(ErrorKind::file, where + ", region " + std::to_string(r) +
-                                     ": expected joints of the skeleton, a positive size and an error for "
-                                     "each of its " +
-                                     std::to_string(centres) + " centres");
+                                     ": expected joints of the skeleton, a positive size, an error for each of its " +
+                                     std::to_string(centres) + " centres and a number for each of its features");
   }
   return regions;
 }
@@ -202,7 +221,7 @@ double expected_energy(const ResidualTable& residual, const Region& region, cons
     double distance = 0;
     for (std::uint32_t k = 0; k < region.feature_count; ++k) {
       const double difference = double{features.inside[index[k]]} - double{half_low(centre[k / 2] >> 16 * (k % 2))};
-      distance += difference * difference;
+      distance += expected.metric[k] * difference * difference;
     }
     nearest = std::min(nearest, distance);
     local.add(distance, expected.local[m]);

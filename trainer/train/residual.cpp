@@ -70,16 +70,34 @@ std::uint32_t blend_scale(double largest) {
   return std::max(kSmallestNormalHalf, half_from_float(static_cast<float>(scale)));
 }
 
+struct PackedEntry {
+  BlendEntry entry;
+  BlockVectors left;  // what it differs by
+};
+
 // Numbers are rounded with the scale as it is stored. Its own rounding, 2^-11 at most, cannot lift them to 127.5.
-BlendEntry pack_entry(const BlockVectors& vectors, std::uint32_t coefficient) {
+PackedEntry pack_entry(const BlockVectors& vectors, std::uint32_t coefficient) {
   const std::uint32_t scale = blend_scale(vectors.cwiseAbs().maxCoeff());
   const double step = double{float_from_half(scale)} * double{kBlendFraction};
-  BlendEntry entry{scale | coefficient << 16, {}};
+  PackedEntry packed{{scale | coefficient << 16, {}}, vectors};
   for (std::uint32_t k = 0; k < 3 * kBlockSize; ++k) {
-    const double number = std::nearbyint(vectors(k / kBlockSize, k % kBlockSize) / step);
-    entry.numbers[k / 4] |= (static_cast<std::uint32_t>(static_cast<int>(number)) & 0xffu) << 8 * (k % 4);
+    const std::uint32_t row = k / kBlockSize, lane = k % kBlockSize;
+    const double number = std::nearbyint(vectors(row, lane) / step);
+    packed.entry.numbers[k / 4] |= (static_cast<std::uint32_t>(static_cast<int>(number)) & 0xffu) << 8 * (k % 4);
+    packed.left(row, lane) -= number * step;
   }
-  return entry;
+  return packed;
+}
+
+BlockVectors vectors_in(std::uint32_t block, const RegionModel& model, Index component) {
+  const std::vector<std::uint32_t>& vertices = model.region.vertices;
+  const auto first = std::lower_bound(vertices.begin(), vertices.end(), block * kBlockSize);
+  BlockVectors vectors = BlockVectors::Zero();
+  for (auto v = first; v != vertices.end() && *v / kBlockSize == block; ++v) {
+    vectors.col(*v % kBlockSize) =
+        model.components.basis.row(component).segment<3>(3 * (v - vertices.begin())).transpose();
+  }
+  return vectors;
 }
 
 class Packer {
@@ -103,7 +121,7 @@ class Packer {
  private:
   // Whether anything of the region is kept.
   bool add(const RegionModel& model, const SelectedRegion& selected) {
-    const std::vector<Index> kept = add_columns(model, selected.blocks);
+    const std::vector<Index> kept = add_columns(model, selected);
     if (kept.empty()) return false;
     const Regression& regression = model.fits[selected.fit];
     const auto count = [](std::size_t size) { return static_cast<std::uint32_t>(size); };
@@ -140,28 +158,21 @@ class Packer {
   }
 
   // Blend entries of the region's components, and which components have any.
-  std::vector<Index> add_columns(const RegionModel& model, const std::vector<std::vector<std::uint32_t>>& blocks) {
+  std::vector<Index> add_columns(const RegionModel& model, const SelectedRegion& selected) {
+    const std::vector<std::vector<std::uint32_t>>& blocks = selected.blocks;
     std::vector<Index> kept;
     for (std::size_t k = 0; k < blocks.size(); ++k) {
       const std::uint32_t coefficient = table_.coefficient_count() + static_cast<std::uint32_t>(kept.size());
       if (blocks[k].empty() || coefficient >= kMostCoefficients) continue;
       kept.push_back(static_cast<Index>(k));
       for (const std::uint32_t block : blocks[k]) {
-        blend_[block].push_back(pack_entry(vectors_in(block, model, kept.back()), coefficient));
+        const PackedEntry packed = pack_entry(vectors_in(block, model, kept.back()), coefficient);
+        blend_[block].push_back(packed.entry);
+        const bool fine = std::binary_search(selected.fine[k].begin(), selected.fine[k].end(), block);
+        if (fine) blend_[block].push_back(pack_entry(packed.left, coefficient).entry);
       }
     }
     return kept;
-  }
-
-  static BlockVectors vectors_in(std::uint32_t block, const RegionModel& model, Index component) {
-    const std::vector<std::uint32_t>& vertices = model.region.vertices;
-    const auto first = std::lower_bound(vertices.begin(), vertices.end(), block * kBlockSize);
-    BlockVectors vectors = BlockVectors::Zero();
-    for (auto v = first; v != vertices.end() && *v / kBlockSize == block; ++v) {
-      vectors.col(*v % kBlockSize) =
-          model.components.basis.row(component).segment<3>(3 * (v - vertices.begin())).transpose();
-    }
-    return vectors;
   }
 
   std::vector<std::vector<BlendEntry>> blend_;
@@ -170,6 +181,16 @@ class Packer {
 };
 
 }  // namespace
+
+std::vector<BlockRounding> rounding_of(const RegionModel& region, Eigen::Index component) {
+  std::vector<BlockRounding> rounding;
+  for (const std::uint32_t vertex : region.region.vertices) {
+    const std::uint32_t block = vertex / kBlockSize;
+    if (!rounding.empty() && rounding.back().block == block) continue;
+    rounding.push_back({block, pack_entry(vectors_in(block, region, component), 0).left.squaredNorm()});
+  }
+  return rounding;
+}
 
 PackedResidual pack_residual(const ResidualModel& model, const Selection& selection) {
   return Packer(model, selection).take();

@@ -47,6 +47,7 @@ RegressionData regression_data(const FeatureSamples& features, const RegionModel
 struct SelectedRegion {
   std::size_t fit = 0;
   std::vector<std::vector<std::uint32_t>> blocks;  // of each component those with an entry, ascending; empty: nothing
+  std::vector<std::vector<std::uint32_t>> fine;    // of those, the ones whose rounding has an entry, too
 };
 
 // Of every region of a model.
@@ -56,6 +57,14 @@ struct PackedResidual {
   ResidualTable table;
   std::vector<std::size_t> regions;  // of the model: those of which anything is kept
 };
+
+// What is left of a component's vectors in each block that it has any in, once rounded to 8 bits: the sum of the
+// squared lengths.
+struct BlockRounding {
+  std::uint32_t block;
+  double left;
+};
+std::vector<BlockRounding> rounding_of(const RegionModel& region, Eigen::Index component);
 
 PackedResidual pack_residual(const ResidualModel& model, const Selection& selection);
 

@@ -1,7 +1,8 @@
 // What of a residual is worth its bytes.
 //
 // A blend entry (a component in a block of vertices) saves what its component takes off the mean square error in
-// cross-validation, times the squared length of the component's vectors in the block. It costs its record; a component
+// cross-validation, times the squared length of the component's vectors in the block. An entry for its rounding saves
+// the coefficient's mean square times the squared length of what rounding left. Each costs its record; a component
 // costs its row of weights besides, a region its features and centres. At a price per byte, an entry is kept that saves
 // more than it costs, a component whose entries save more than they and its row cost, a region whose components save
 // more than all of it costs, with the centres that leave most over: for what this takes, nothing saves more (Everett
@@ -27,7 +28,7 @@ class Worth {
  private:
   struct Entry {
     std::uint32_t block;
-    double saved;  // square metres
+    double saved, fine_saved;  // square metres
   };
   // A region with one of its fits.
   struct Candidate {
