@@ -11,6 +11,7 @@
 #include "trainer/dataset/check.h"
 #include "trainer/train/ablation.h"
 #include "trainer/train/heldout.h"
+#include "trainer/train/surface_curves.h"
 #include "trainer/train/trade_off.h"
 
 namespace bodyopt::cli {
@@ -19,7 +20,7 @@ namespace {
 struct TrainArguments {
   std::string dataset, ddm_only, out;
   double unit = 0;
-  int heldout_every = 0;
+  int heldout_every = 0, surface_curves = 0;
   bool ablate = false;
   TrainOptions options;
   JsonOption json;
@@ -70,7 +71,7 @@ void run(const TrainArguments& arguments) {
   if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
   if (arguments.heldout_every > 0) hold_out_blocks(dataset, arguments.heldout_every);
   spdlog::info("reading the shapes");
-  const SampleSet set = read_samples(dataset);
+  SampleSet set = read_samples(dataset);
   say(set.notes);
   if (arguments.ablate && set.heldout.empty()) {
     throw Error(ErrorKind::usage,
@@ -80,6 +81,10 @@ void run(const TrainArguments& arguments) {
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
 
   const auto training = std::chrono::steady_clock::now();
+  if (arguments.surface_curves > 0) {
+    const std::vector<Muscle> curves = surface_curves(set, arguments.options, arguments.surface_curves);
+    set.muscles.insert(set.muscles.end(), curves.begin(), curves.end());
+  }
   std::vector<std::string> notes;
   TrainOptions options = arguments.options;
   options.keep_in = std::filesystem::path(arguments.out).replace_extension(".training");
@@ -148,6 +153,11 @@ void add_train(CLI::App& app) {
   verb.add_option("--heldout-every", arguments->heldout_every,
                   "Hold out every Nth block of ten frames instead of the frames dataset.json names")
       ->check(CLI::Range(2, 1000));
+  verb.add_option("--surface-curves", arguments->surface_curves,
+                  "Also measure strains along so many pairs of curves on the skin, where nothing explains its motion")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000))
+      ->excludes(ddm_only);
   verb.add_flag("--update", arguments->options.update,
                 "Learn new and edited frames with the regions, components and dials that an earlier training to the "
                 "same file found: several times quicker")

@@ -1,6 +1,7 @@
 #include "trainer/train/laplacian.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <vector>
 
@@ -48,6 +49,21 @@ Eigen::SparseMatrix<double> cotangent_laplacian(const Positions& rest, const Tri
   Eigen::SparseMatrix<double> laplacian(rest.rows(), rest.rows());
   laplacian.setFromTriplets(entries.begin(), entries.end());
   return laplacian;
+}
+
+Eigen::MatrixXd smoothed(const Character& character, const Eigen::MatrixXd& values, double radius) {
+  constexpr int kSteps = 4;
+  const Eigen::VectorXd areas = lumped_areas(character.vertices, character.triangles);
+  Eigen::SparseMatrix<double> matrix =
+      radius * radius / (2 * kSteps) * cotangent_laplacian(character.vertices, character.triangles);
+  matrix.diagonal() += areas;
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
+  Eigen::MatrixXd result = values;
+  for (int step = 0; step < kSteps; ++step) {
+    const Eigen::MatrixXd right = areas.asDiagonal() * result;  // solve() does not expect its result on both sides
+    result = solver.solve(right);
+  }
+  return result;
 }
 
 }  // namespace bodyopt

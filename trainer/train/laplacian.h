@@ -14,4 +14,8 @@ Eigen::VectorXd lumped_areas(const Positions& rest, const Triangles& triangles);
 // clamped at zero from below. Degenerate triangles add nothing.
 Eigen::SparseMatrix<double> cotangent_laplacian(const Positions& rest, const Triangles& triangles);
 
+// V x any: the values after a diffusion by a Gaussian of this deviation (metres), in implicit steps; every column keeps
+// its integral over the skin.
+Eigen::MatrixXd smoothed(const Character& character, const Eigen::MatrixXd& values, double radius);
+
 }  // namespace bodyopt

@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -87,21 +86,6 @@ Index region_count(const std::vector<FeatureGroup>& groups, const Eigen::VectorX
   const Index few = std::min(kFewRegions, vertices / kFewestVerticesPerRegion);
   const Index most = std::max({Index{1}, vertices / kVerticesPerRegion, few});
   return std::clamp<Index>(static_cast<Index>(std::ceil(count)), 1, most);
-}
-
-MatrixXd smooth(const Character& character, const MatrixXd& values, double radius) {
-  constexpr int kSteps = 4;
-  const Eigen::VectorXd areas = lumped_areas(character.vertices, character.triangles);
-  Eigen::SparseMatrix<double> matrix =
-      radius * radius / (2 * kSteps) * cotangent_laplacian(character.vertices, character.triangles);
-  matrix.diagonal() += areas;
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
-  MatrixXd smoothed = values;
-  for (int step = 0; step < kSteps; ++step) {
-    const MatrixXd right = areas.asDiagonal() * smoothed;  // solve() does not expect its result on both sides
-    smoothed = solver.solve(right);
-  }
-  return smoothed;
 }
 
 // What a ridge-penalised linear fit of the columns of `x` leaves of others.
@@ -278,7 +262,7 @@ std::vector<RegionWeights> automatic_regions(const Character& character, const s
   const std::vector<Index> labels = cluster(descriptors(character, groups, patch), left, count);
   MatrixXd weights = MatrixXd::Zero(vertices, count);
   for (Index v = 0; v < vertices; ++v) weights(v, labels[static_cast<std::size_t>(v)]) = 1;
-  weights = smooth(character, weights, 0.25 * patch);
+  weights = smoothed(character, weights, 0.25 * patch);
   weights = (weights.array() < kNegligibleRegionWeight).select(0, weights);
   weights.array().colwise() /= weights.rowwise().sum().array().eval();
   weights.array().colwise() *= left.array();

@@ -1,0 +1,17 @@
+// Strains where no muscle is: curves drawn across the parts of the skin that move in ways nothing explains yet.
+#pragma once
+
+#include <vector>
+
+#include "trainer/dataset/muscles.h"
+#include "trainer/train/train.h"
+
+namespace bodyopt {
+
+// At most `count` pairs of curves on the skin, as muscles of one fibre each, named "surface 1 along", "surface 1
+// across": along the bone of the joint that moves the place most, and across it. They are put, one after the other,
+// where the un-posed motion is largest that a linear map of all features (fitted to other frames) leaves, and not near
+// those before. Shows progress. Throws as train().
+std::vector<Muscle> surface_curves(const SampleSet& set, const TrainOptions& options, int count);
+
+}  // namespace bodyopt
