@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <sstream>
 
 #include "bench/newton.h"
+#include "bench/subdivide.h"
 #include "runtime/rig.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/simulate/quasi_static.h"
@@ -169,39 +169,9 @@ void BM_Path(benchmark::State& state) {
   }
 }
 
-// Every triangle of the skin cut into four at the middles of its edges; the first vertices are the old ones.
-Character subdivided(const Character& coarse) {
-  Character fine = coarse;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
-  std::vector<Eigen::RowVector3d> added;
-  const auto count = static_cast<std::uint32_t>(coarse.vertices.rows());
-  const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-    const auto [at, is_new] = middles.try_emplace(std::minmax(a, b), count + static_cast<std::uint32_t>(added.size()));
-    if (!is_new) return at->second;
-    added.push_back(0.5 * (coarse.vertices.row(a) + coarse.vertices.row(b)));
-    std::map<std::uint32_t, double> weights;
-    for (const std::uint32_t v : {a, b}) {
-      for (const JointWeight& w : coarse.weights[v]) weights[w.joint] += 0.5 * w.weight;
-    }
-    std::vector<JointWeight>& blended = fine.weights.emplace_back();
-    for (const auto& [joint, weight] : weights) blended.push_back({joint, weight});
-    std::sort(blended.begin(), blended.end(), [](const auto& x, const auto& y) { return x.weight > y.weight; });
-    return at->second;
-  };
-  fine.triangles.resize(4 * coarse.triangles.rows(), 3);
-  for (Eigen::Index t = 0; t < coarse.triangles.rows(); ++t) {
-    const std::uint32_t a = coarse.triangles(t, 0), b = coarse.triangles(t, 1), c = coarse.triangles(t, 2);
-    const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-    fine.triangles.middleRows<4>(4 * t) << a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca;
-  }
-  fine.vertices.conservativeResize(count + static_cast<Eigen::Index>(added.size()), 3);
-  for (std::size_t k = 0; k < added.size(); ++k) fine.vertices.row(count + static_cast<Eigen::Index>(k)) = added[k];
-  return fine;
-}
-
 const QuasiStaticBody& refined_body() {
   const auto build = [] {
-    const Character fine = subdivided(arm().arm.character);
+    const Character fine = halve_all_edges(arm().arm.character).character;
     return QuasiStaticBody(fine, arm().arm.muscles, fill_skin(fine, 0));
   };
   static const QuasiStaticBody built = build();

@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   add_rom(app);
   add_simulate(app);
   add_muscles(app);
+  add_dataset(app);
   add_check(app);
   add_regions(app);
   add_train(app);

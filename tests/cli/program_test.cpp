@@ -15,8 +15,8 @@ namespace {
 
 TEST(Program, HelpOfEveryVerbExitsWithZero) {
   EXPECT_EQ(run_bodyopt("--help").exit_code, 0);
-  for (const char* verb : {"demo", "muscles import", "rom", "simulate", "export", "check", "train", "eval", "compare",
-                           "picture", "regions", "info", "devices"}) {
+  for (const char* verb : {"demo", "muscles import", "rom", "simulate", "dataset add", "export", "check", "train",
+                           "eval", "compare", "picture", "regions", "info", "devices"}) {
     const ProgramResult result = run_bodyopt(std::string(verb) + " --help");
     EXPECT_EQ(result.exit_code, 0) << verb;
     EXPECT_NE(result.output.find("--json"), std::string::npos) << verb;
@@ -36,7 +36,8 @@ TEST(Program, MissingFilesExitWith4AndAreNamed) {
        {"info nowhere.glb", "info nowhere.pc2", "check nowhere/dataset.json", "export nowhere.nodes --out b.pc2",
         "eval nowhere.safetensors --clip a.glb --out b.pc2 --device cpu", "train nowhere --out b.safetensors",
         "compare nowhere.pc2 nowhere.pc2", "regions nowhere --picture p.png", "picture nowhere --frame 1 --out p.png",
-        "muscles import nowhere.glb --from a.osim b.json --out m.json"}) {
+        "muscles import nowhere.glb --from a.osim b.json --out m.json",
+        "dataset add nowhere --clip a.glb --shapes a.pc2"}) {
     const ProgramResult result = run_bodyopt(command);
     EXPECT_EQ(result.exit_code, 4) << command << "\n" << result.output;
     EXPECT_NE(result.output.find("nowhere"), std::string::npos) << command;

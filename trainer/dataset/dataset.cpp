@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <sstream>
 
 #include "runtime/basis/error.h"
 #include "runtime/basis/hexadecimal.h"
@@ -86,6 +87,21 @@ Clip read_clip(const Dataset& dataset, const DatasetTake& take, const Skeleton& 
   options.unit = clip_unit(take.clip, dataset.unit);
   if (!take.controls.empty()) options.controls = (dataset.folder / take.controls).string();
   return read_clip((dataset.folder / take.clip).string(), skeleton, options);
+}
+
+void require_same_motion(const DatasetTake& there, const DatasetTake& asked) {
+  if (there.clip == asked.clip && there.fps == asked.fps && there.first_frame == asked.first_frame &&
+      there.controls == asked.controls) {
+    return;
+  }
+  const auto described = [](const DatasetTake& take) {
+    std::ostringstream text;
+    text << "'" << take.clip << "' at " << take.fps << " frames a second from frame " << take.first_frame
+         << ", controls '" << take.controls << "'";
+    return text.str();
+  };
+  throw Error(ErrorKind::mismatch, "the dataset has a take '" + there.name + "' already, of " + described(there) +
+                                       "; asked for " + described(asked) + ": give the new one a --name");
 }
 
 Dataset read_dataset(const std::filesystem::path& path) {
@@ -188,6 +204,17 @@ std::set<int> unconverged_frames(const Dataset& dataset, const DatasetTake& take
     if (status.converged) frames.erase(status.frame);
   }
   return frames;
+}
+
+bool has_given_shapes(const Dataset& dataset, const DatasetTake& take) {
+  if (take.shapes_status.empty()) return true;
+  // Named but missing: a simulation was killed just before it wrote it.
+  if (!std::filesystem::exists(dataset.folder / take.shapes_status)) return false;
+  std::set<int> given(take.frames.begin(), take.frames.end());
+  for (const FrameStatus& status : read_frame_status(dataset.folder / take.shapes_status)) {
+    if (status.inputs != 0) given.erase(status.frame);
+  }
+  return !given.empty();
 }
 
 }  // namespace bodyopt

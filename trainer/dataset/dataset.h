@@ -40,6 +40,9 @@ struct Dataset {
 // The clip of a take, with its controls. Throws as read_clip.
 Clip read_clip(const Dataset& dataset, const DatasetTake& take, const Skeleton& skeleton);
 
+// Throws Error(mismatch) when two takes of one name are of another clip, other controls or other frame numbers.
+void require_same_motion(const DatasetTake& there, const DatasetTake& asked);
+
 // Throws Error(file) on bad bytes, wrong schema version or missing keys.
 Dataset read_dataset(const std::filesystem::path& path);
 // Written to a temporary name, then renamed. `path` is the dataset.json; its folder must exist.
@@ -63,5 +66,8 @@ void write_frame_status(const std::vector<FrameStatus>& status, const std::files
 
 // Frames of a take that its side-car does not vouch for; none without a side-car.
 std::set<int> unconverged_frames(const Dataset& dataset, const DatasetTake& take);
+
+// Does a take have shapes that come from elsewhere: those that its side-car has no `inputs` of?
+bool has_given_shapes(const Dataset& dataset, const DatasetTake& take);
 
 }  // namespace bodyopt

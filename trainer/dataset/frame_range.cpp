@@ -1,6 +1,7 @@
 #include "trainer/dataset/frame_range.h"
 
 #include <charconv>
+#include <set>
 #include <string_view>
 #include <unordered_set>
 
@@ -90,6 +91,12 @@ std::string format_frame_range(const std::vector<int>& frames) {
     i = end;
   }
   return text;
+}
+
+std::vector<int> unite_frames(const std::vector<int>& a, const std::vector<int>& b) {
+  std::set<int> frames(a.begin(), a.end());
+  frames.insert(b.begin(), b.end());
+  return {frames.begin(), frames.end()};
 }
 
 }  // namespace bodyopt

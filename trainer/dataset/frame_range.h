@@ -13,4 +13,7 @@ std::vector<int> parse_frame_range(const std::string& text);
 // Range text for ascending frames; three or more with equal steps become a range, e.g. "1-7x3,12".
 std::string format_frame_range(const std::vector<int>& frames);
 
+// The frames of both, rising, each once.
+std::vector<int> unite_frames(const std::vector<int>& a, const std::vector<int>& b);
+
 }  // namespace bodyopt

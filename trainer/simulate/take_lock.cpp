@@ -32,7 +32,7 @@ TakeLock::TakeLock(std::filesystem::path cache) : cache_(std::move(cache)), path
     if (held_by_another(file_)) {
       close(file_);
       throw Error(ErrorKind::file, path_.string() +
-                                       ": another run is simulating this take right now, and two would mix up its "
+                                       ": another run is writing this take right now, and two would mix up its "
                                        "frames: wait for it to end, or give this one another --name");
     }
   } while (!is_at_its_path());

@@ -1,4 +1,4 @@
-// Keeps a second run from simulating the same take at the same time.
+// Keeps a second run from writing the same take at the same time.
 #pragma once
 
 #include <filesystem>

@@ -1,0 +1,102 @@
+// bodyopt dataset add: shapes that come from elsewhere into a dataset.
+#include <filesystem>
+
+#include "cli/dataset_arguments.h"
+#include "runtime/basis/error.h"
+#include "trainer/dataset/add_shapes.h"
+
+namespace bodyopt::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct AddArguments {
+  std::string dataset, shapes, character, muscles;
+  double unit = 0;
+  bool replace = false;
+  TakeArguments take;
+  JsonOption json;
+};
+
+fs::path dataset_path(const std::string& given) {
+  return fs::path(given).extension() == ".json" ? fs::path(given) : fs::path(given) / "dataset.json";
+}
+
+fs::path folder_of(const fs::path& path) { return path.parent_path().empty() ? "." : path.parent_path(); }
+
+// The dataset that is there; with --character also one that is to begin.
+Dataset dataset_of(const AddArguments& arguments, const fs::path& path) {
+  const bool exists = fs::exists(path);
+  if (arguments.character.empty()) {
+    if (exists) return read_dataset(path);
+    throw Error(ErrorKind::file, path.string() + ": there is no such dataset; --character FILE begins one");
+  }
+  Dataset asked;
+  asked.folder = folder_of(path);
+  asked.character = relative_to(asked.folder, arguments.character);
+  asked.unit = arguments.unit;
+  asked.muscles = relative_to(asked.folder, arguments.muscles);
+  if (exists) asked.materials = read_dataset(path).materials;  // only simulations are made with them
+  return open_dataset(asked, path);
+}
+
+void add(const AddArguments& arguments) {
+  arguments.json.require_writable();
+  const fs::path path = dataset_path(arguments.dataset);
+  if (!arguments.character.empty()) make_folder(folder_of(path));
+  const Dataset dataset = dataset_of(arguments, path);
+  const Character character = read_character(dataset.folder / dataset.character, dataset.unit);
+  say(character.notes);
+  std::vector<int> frames;
+  arguments.take.clip.read(character.skeleton, dataset.unit, frames);
+  const DatasetTake given = arguments.take.take(frames, dataset.folder);
+  const AddedShapes added = add_shapes(dataset, path, given, arguments.shapes, arguments.replace);
+  say_heldout(added.take, given);
+
+  const std::size_t more = frames.size() - static_cast<std::size_t>(added.replaced);
+  arguments.json.emit(
+      {{"dataset", path.string()},
+       {"take", added.take.name},
+       {"added", more},
+       {"replaced", added.replaced},
+       {"frames", added.take.frames.size()},
+       {"shapes", added.take.shapes},
+       {"fit_mm", added.check.fit_mm}},
+      format("%s: %zu frames added, %d replaced, %.2f mm RMS from the skinned character; it has %zu now\n"
+             "wrote %s\n",
+             added.take.name.c_str(), more, added.replaced, added.check.fit_mm, added.take.frames.size(),
+             path.c_str()));
+}
+
+}  // namespace
+
+void add_dataset(CLI::App& app) {
+  auto arguments = std::make_shared<AddArguments>();
+  CLI::App& verb = *app.add_subcommand("dataset", "Poses and shapes to train on");
+  verb.require_subcommand(1);
+  CLI::App& subverb = *verb.add_subcommand("add", "Adds shapes that come from elsewhere: a take, or frames to a take");
+  subverb.add_option("dataset", arguments->dataset, "Dataset (folder or dataset.json)")
+      ->required()
+      ->type_name("DATASET");
+  arguments->take.add(subverb);
+  subverb
+      .add_option("--shapes", arguments->shapes,
+                  "Their cache (.pc2, or .nodes of a draft): a sample per frame of --frames, vertices as in the "
+                  "character's file; it is copied")
+      ->required()
+      ->type_name("CACHE");
+  subverb.add_flag("--replace", arguments->replace, "Put the shapes in the place of those that the take has already");
+  CLI::Option* character = subverb
+                               .add_option("--character", arguments->character,
+                                           "Character (.glb, .gltf) of the dataset; begins it where there is none")
+                               ->type_name("CHARACTER");
+  subverb.add_option("--muscles", arguments->muscles, "muscles.json that goes with --character")
+      ->needs(character)
+      ->type_name("FILE");
+  add_unit(subverb, arguments->unit);
+  subverb.get_option("--unit")->needs(character);
+  arguments->json.add(subverb);
+  subverb.callback([arguments] { add(*arguments); });
+}
+
+}  // namespace bodyopt::cli
