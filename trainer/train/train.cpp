@@ -201,7 +201,7 @@ std::vector<RegionCoverage> region_coverage(const Character& character, const Re
   for (const std::size_t r : packed) {
     const RegionModel& region = model.regions[r];
     const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
-    regions.push_back({joints_of(character, region.region), size,
+    regions.push_back({region.region.name, joints_of(character, region.region), size,
                        calibrate(regression_data(features, region, model.folds), region.fits[selection[r].fit],
                                  frame_energies(region, selection[r]))});
   }
