@@ -123,6 +123,26 @@ std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames) {
   return poses;
 }
 
+namespace {
+
+std::string& kept_command_line() {
+  static std::string line;
+  return line;
+}
+
+}  // namespace
+
+void keep_command_line(int argc, char** argv) {
+  kept_command_line() = "bodyopt";
+  for (int k = 1; k < argc; ++k) {
+    const std::string argument = argv[k];
+    const bool plain = !argument.empty() && argument.find_first_of(" \t\n\"'$*?#&;|<>()\\") == std::string::npos;
+    kept_command_line() += " " + (plain ? argument : "'" + argument + "'");
+  }
+}
+
+const std::string& command_line() { return kept_command_line(); }
+
 void say(const std::vector<std::string>& notes) {
   for (const std::string& note : notes) spdlog::warn("{}", note);
 }

@@ -65,6 +65,10 @@ void require_writable(const std::filesystem::path& path);
 // The poses of some frames of a clip.
 std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames);
 
+// What the user typed, "bodyopt" and its arguments; kept by main().
+void keep_command_line(int argc, char** argv);
+const std::string& command_line();
+
 // Says each note once, as a warning on standard error.
 void say(const std::vector<std::string>& notes);
 

@@ -4,10 +4,12 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cmath>
+#include <span>
 
 #include "cli/common.h"
-#include "proxy_viewer/render/renderer.h"
+#include "cli/report/heat_strip.h"
+#include "cli/report/svg.h"
+#include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
 #include "trainer/dataset/controls.h"
 #include "trainer/dataset/frame_range.h"
@@ -42,37 +44,24 @@ std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& pos
   return accumulator.finish().frame_rms;
 }
 
-// A row of the strip per region and one more, on top, for the whole skin; a column per frame, or for the worst of
-// several where they are more than fit.
-Image strip(const std::vector<ExpectedError>& errors) {
-  constexpr std::uint32_t kRow = 8, kTop = 24, kWidest = 2400, kWidth = 1200;  // pixels
-  const std::size_t rows = 1 + errors.front().region_mm.size();
-  const std::size_t frames = errors.size(), columns = std::min<std::size_t>(frames, kWidest);
-  std::vector<double> cells(rows * columns);
-  double largest = 0;
-  for (std::size_t k = 0; k < frames; ++k) {
-    for (std::size_t row = 0; row < rows; ++row) {
-      const double mm = row == 0 ? errors[k].rms_mm : errors[k].region_mm[row - 1];
-      double& cell = cells[row * columns + k * columns / frames];
-      cell = std::max(cell, mm);
-      largest = std::max(largest, mm);
-    }
+HeatStrip strip(const std::vector<int>& frames, const std::vector<RegionCoverage>& regions,
+                const std::vector<ExpectedError>& errors) {
+  HeatStrip strip;
+  strip.frames.frames = frames;
+  for (const RegionCoverage& region : regions) strip.regions.push_back(region.name);
+  for (const ExpectedError& error : errors) {
+    strip.whole_mm.push_back(error.rms_mm);
+    strip.regions_mm.push_back(error.region_mm);
   }
-  const auto scale = std::max<std::uint32_t>(1, kWidth / static_cast<std::uint32_t>(columns));
-  Image image;
-  image.width = scale * static_cast<std::uint32_t>(columns);
-  image.height = kTop + kRow * static_cast<std::uint32_t>(rows - 1);
-  image.rgba.resize(std::size_t{4} * image.width * image.height);
-  for (std::uint32_t y = 0; y < image.height; ++y) {
-    for (std::uint32_t x = 0; x < image.width; ++x) {
-      const double mm = cells[(y < kTop ? 0 : 1 + (y - kTop) / kRow) * columns + x / scale];
-      const auto colour = heat_colour(static_cast<float>(largest > 0 ? mm / largest : 0));
-      std::uint8_t* pixel = image.rgba.data() + std::size_t{4} * (std::size_t{y} * image.width + x);
-      for (std::size_t c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>(std::lround(255 * colour[c]));
-      pixel[3] = 255;
-    }
-  }
-  return image;
+  return strip;
+}
+
+// The region with the largest error; none where there are no regions.
+Json worst_region(const std::vector<RegionCoverage>& regions, const ExpectedError& error) {
+  if (regions.empty()) return {{"region", ""}, {"region_expected_mm", 0}};
+  const auto worst = std::max_element(error.region_mm.begin(), error.region_mm.end());
+  return {{"region", regions[static_cast<std::size_t>(worst - error.region_mm.begin())].name},
+          {"region_expected_mm", *worst}};
 }
 
 void run(const CoverageArguments& arguments) {
@@ -94,32 +83,25 @@ void run(const CoverageArguments& arguments) {
 
   Json per_frame = Json::array(), per_region = Json::array();
   for (std::size_t k = 0; k < frames.size(); ++k) {
-    const auto worst = std::max_element(errors[k].region_mm.begin(), errors[k].region_mm.end());
-    const auto r = static_cast<std::size_t>(worst - errors[k].region_mm.begin());
-    per_frame.push_back({{"frame", frames[k]},
-                         {"expected_rms_mm", expected[k]},
-                         {"region", r},
-                         {"joint", regions.empty() ? "" : regions[r].joints.front()},
-                         {"region_expected_mm", regions.empty() ? 0 : *worst}});
+    per_frame.push_back({{"frame", frames[k]}, {"expected_rms_mm", expected[k]}});
+    per_frame.back().update(worst_region(regions, errors[k]));
   }
   for (std::size_t r = 0; r < regions.size(); ++r) {
-    double mean2 = 0;
-    for (const ExpectedError& error : errors) mean2 += error.region_mm[r] * error.region_mm[r];
-    per_region.push_back({{"joint", regions[r].joints.front()},
-                          {"expected_rms_mm", std::sqrt(mean2 / static_cast<double>(errors.size()))}});
+    std::vector<double> of_region;
+    for (const ExpectedError& error : errors) of_region.push_back(error.region_mm[r]);
+    per_region.push_back(
+        {{"region", regions[r].name}, {"joints", regions[r].joints}, {"expected_rms_mm", root_mean_square(of_region)}});
   }
-  const std::size_t gap = std::max<std::size_t>(2, frames.size() / (4 * static_cast<std::size_t>(arguments.worst)));
+  const auto worst = static_cast<std::size_t>(arguments.worst);
   std::vector<int> next;
   std::string text = format("%8s %14s   %s\n", "frame", "expected mm", "most of all");
-  for (const std::size_t k : worth_simulating(expected, static_cast<std::size_t>(arguments.worst), gap)) {
+  for (const std::size_t k : worth_simulating(expected, worst, spreading_gap(frames.size(), worst))) {
     next.push_back(frames[k]);
     text += format("%8d %14.3f   %s, %.3f mm\n", frames[k], expected[k],
-                   per_frame[k]["joint"].get<std::string>().c_str(), per_frame[k]["region_expected_mm"].get<double>());
+                   per_frame[k]["region"].get<std::string>().c_str(), per_frame[k]["region_expected_mm"].get<double>());
   }
   std::sort(next.begin(), next.end());
-  double mean2 = 0;
-  for (const double mm : expected) mean2 += mm * mm;
-  const double rms = std::sqrt(mean2 / static_cast<double>(std::max<std::size_t>(1, expected.size())));
+  const double rms = root_mean_square(expected);
   text += format("expected over %zu frames: %.3f mm RMS\n", frames.size(), rms);
   text += "worth simulating next: --frames " + format_frame_range(next) + "\n";
   Json result = {{"frames", frames.size()},
@@ -132,14 +114,13 @@ void run(const CoverageArguments& arguments) {
     const double correlation = rank_correlation(expected, measured);
     for (std::size_t k = 0; k < measured.size(); ++k) result["per_frame"][k]["true_rms_mm"] = measured[k];
     result["rank_correlation"] = correlation;
-    double true_mean2 = 0;
-    for (const double mm : measured) true_mean2 += mm * mm / static_cast<double>(measured.size());
-    result["true_rms_mm"] = std::sqrt(true_mean2);
+    result["true_rms_mm"] = root_mean_square(measured);
     text += format("true: %.3f mm RMS; the frames' expected and true errors rank alike with Spearman's rho %.3f\n",
-                   std::sqrt(true_mean2), correlation);
+                   root_mean_square(measured), correlation);
   }
   if (!arguments.picture.empty()) {
-    write_png(strip(errors), arguments.picture);
+    const std::string svg = svg_file(heat_strip(strip(frames, regions, errors)));
+    write_file_atomically(arguments.picture, std::as_bytes(std::span(svg)));
     text += "wrote " + arguments.picture + "\n";
   }
   arguments.json.emit(result, text);
@@ -157,8 +138,8 @@ void add_coverage(CLI::App& app) {
   verb.add_option("--truth", arguments->truth, "Shapes of these frames (.pc2, .nodes): are the expected errors right?")
       ->type_name("CACHE");
   verb.add_option("--picture", arguments->picture, "Heat strip to write: frames from left to right, a row per region")
-      ->type_name("FILE.png")
-      ->check(must_end_in(".png"));
+      ->type_name("FILE.svg")
+      ->check(must_end_in(".svg"));
   verb.add_option("--unit", arguments->unit,
                   "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(CLI::PositiveNumber);

@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "cli/common.h"
-#include "cli/report/pictures.h"
-#include "cli/report/report.h"
+#include "cli/measure.h"
+#include "cli/provenance.h"
+#include "cli/report_pictures.h"
 #include "runtime/basis/error.h"
 #include "runtime/rig.h"
 #include "trainer/builtin/arm.h"
@@ -21,8 +21,6 @@
 #include "trainer/dataset/pc2.h"
 #include "trainer/motion/range_of_motion.h"
 #include "trainer/simulate/simulate.h"
-#include "trainer/train/heldout.h"
-#include "trainer/train/trade_off.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -140,12 +138,6 @@ Dataset simulate_draft(const fs::path& folder, const DemoSize& size) {
   return dataset;
 }
 
-std::vector<Pose> heldout_poses(const SampleSet& set) {
-  std::vector<Pose> poses;
-  for (const Sample& sample : set.heldout) poses.push_back(sample.pose);
-  return poses;
-}
-
 std::vector<Positions> welded_shapes(const SampleSet& set, const Evaluation& evaluation) {
   std::vector<Positions> shapes;
   const std::size_t stride = 3 * std::size_t{set.character.output_count()};
@@ -181,23 +173,6 @@ double largest_difference(const std::vector<float>& a, const std::vector<float>&
   return largest;
 }
 
-std::vector<float> to_float(const Positions& positions) {
-  return {positions.data(), positions.data() + positions.size()};
-}
-
-MethodReport method_report(const ErrorStatistics& errors, double bytes_per_vertex, std::size_t coefficients) {
-  MethodReport report;
-  report.rms = errors.rms;
-  report.p99 = errors.p99;
-  report.max = errors.max;
-  report.jitter = errors.jitter;
-  report.frame_rms = errors.frame_rms;
-  report.frame_max = errors.frame_max;
-  report.bytes_per_vertex = bytes_per_vertex;
-  report.coefficients = static_cast<std::uint32_t>(coefficients);
-  return report;
-}
-
 // The held-out frame, of those not shown yet, in which a joint lies furthest along an axis.
 std::size_t frame_of_largest(const SampleSet& set, const char* joint, int axis, const std::set<std::size_t>& shown) {
   const int index = set.character.skeleton.find(joint);
@@ -214,60 +189,19 @@ std::size_t frame_of_largest(const SampleSet& set, const char* joint, int axis, 
   return best;
 }
 
-class PictureMaker {
- public:
-  PictureMaker(const SampleSet& set, const std::vector<Positions>& shapes, const ErrorStatistics& errors,
-               const std::string& device)
-      : set_(set), shapes_(shapes), errors_(errors), renderer_(device) {
-    const auto* data = set.character.triangles.data();
-    triangles_.assign(data, data + set.character.triangles.size());
-  }
-
-  PictureReport make(const std::string& kind, std::size_t sample, const std::string& caption) {
-    constexpr std::uint32_t kWidth = 520, kHeight = 600;
-    const std::vector<float> truth = to_float(set_.heldout[sample].shape.read()), result = to_float(shapes_[sample]);
-    const PosePair pose{triangles_, truth, result};
-    PictureReport picture;
-    picture.kind = kind;
-    picture.frame = set_.heldout[sample].frame;
-    picture.rms_mm = errors_.frame_rms[sample];
-    picture.max_mm = errors_.frame_max[sample];
-    picture.heat_scale_mm = heat_scale_mm();
-    picture.caption = caption;
-    const Camera camera = frame_pose(pose, {-0.75f, 0.2f, 1.0f}, static_cast<float>(kWidth) / kHeight);
-    picture.image = triptych(renderer_, pose, picture.heat_scale_mm, camera, kWidth, kHeight);
-    return picture;
-  }
-
- private:
-  // One scale for all pictures, so that their colours can be compared; the few larger errors saturate.
-  double heat_scale_mm() const { return std::max(0.5, std::ceil(4 * errors_.p99) / 2); }
-
-  const SampleSet& set_;
-  const std::vector<Positions>& shapes_;
-  const ErrorStatistics& errors_;
-  Renderer renderer_;
-  std::vector<std::uint32_t> triangles_;
-};
-
-std::vector<PictureReport> make_pictures(const SampleSet& set, const std::vector<Positions>& shapes,
-                                         const ErrorStatistics& errors, const std::string& device) {
-  PictureMaker maker(set, shapes, errors, device);
-  std::vector<std::size_t> order(set.heldout.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return errors.frame_rms[a] < errors.frame_rms[b]; });
+// Two poses that show what the arm can do.
+void add_chosen_pictures(const SampleSet& set, const std::vector<Positions>& shapes, const std::string& device,
+                         ReportData& report) {
+  ReportPictures pictures(set, shapes, report.methods.back(), device);
+  const std::vector<std::size_t> order = by_error(report.methods.back());
   const std::size_t worst = order.back(), median = order[order.size() / 2];
   const std::size_t highest = frame_of_largest(set, "wrist", 1, {worst, median});
   const std::size_t furthest = frame_of_largest(set, "wrist", 2, {worst, median, highest});
-  return {maker.make("worst", worst, "the held-out frame with the largest RMS error"),
-          maker.make("median", median, "half of the held-out frames are better, half are worse"),
-          maker.make("chosen", highest, "the hand at its highest"),
-          maker.make("chosen", furthest, "the hand furthest forward")};
+  report.pictures.push_back(pictures.frame("chosen", highest, "the hand at its highest"));
+  report.pictures.push_back(pictures.frame("chosen", furthest, "the hand furthest forward"));
 }
 
-SimulationReport simulation_report(const Dataset& dataset) {
-  SimulationReport report;
+void describe_simulation(const Dataset& dataset, DemoReport& report) {
   std::vector<double> residuals;
   double iterations = 0;
   for (const DatasetTake& take : dataset.takes) {
@@ -278,12 +212,11 @@ SimulationReport simulation_report(const Dataset& dataset) {
     }
   }
   report.converged = static_cast<std::uint32_t>(residuals.size());
-  if (residuals.empty()) return report;
+  if (residuals.empty()) return;
   std::sort(residuals.begin(), residuals.end());
   report.median_residual = residuals[residuals.size() / 2];
   report.worst_residual = residuals.back();
   report.mean_iterations = iterations / report.frames;
-  return report;
 }
 
 // Of the held-out frames that converged in both.
@@ -297,97 +230,52 @@ ErrorStatistics draft_errors(const SampleSet& set, const Dataset& draft) {
   return heldout_errors(both, shapes);
 }
 
-// Trains `full` and `linear`, measures every method on the held-out frames, evaluates on the device and on the CPU.
+// Trains, holds the basis against its peers, evaluates the held-out frames on the device and on the CPU.
 ReportData measure(const DemoArguments& arguments, const fs::path& folder, const Dataset& dataset, const Dataset& draft,
-                   ReportData report) {
+                   DemoReport demo) {
   const SampleSet set = read_samples(dataset);
   say(set.notes);
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
-
-  Stopwatch training;
-  const Basis full = train(set, {});
-  say(training_warnings(full));
-  save_basis(full, folder / "basis.safetensors");
-  report.seconds.train = training.seconds();
-  TrainOptions linear_options;
-  linear_options.method = {.strains = false, .kernels = false};
-  linear_options.components = 128;
-  linear_options.budget = bytes_per_vertex(full);
-  const Basis linear = train(set, linear_options);
+  const fs::path basis_file = folder / "basis.safetensors";
+  const Training training = train_and_measure(set, {}, true, 0, basis_file);
 
   const std::vector<Pose> poses = heldout_poses(set);
-  Deformer device(load_basis(folder / "basis.safetensors"), arguments.device.choice);
+  Deformer device(load_basis(basis_file), arguments.device.choice);
   Stopwatch evaluating;
   const Evaluation evaluated = device.evaluate(poses);
-  report.seconds.eval = evaluating.seconds();
+  demo.seconds.eval = evaluating.seconds();
   write_cache(folder / "heldout.pc2", set, evaluated);
-  report.device = device.device_name();
-  const DeviceChoice on_cpu{.name = "cpu"};
-  Deformer full_cpu(full, on_cpu), ddm_cpu(without_residual(full), on_cpu), linear_cpu(linear, on_cpu);
-  report.cpu_gpu_max_difference_m = largest_difference(evaluated.positions, full_cpu.evaluate(poses).positions);
+  Deformer on_cpu(training.basis, {.name = "cpu"});
+  demo.cpu_gpu_max_difference_m = largest_difference(evaluated.positions, on_cpu.evaluate(poses).positions);
 
-  const double vertices = static_cast<double>(set.character.vertices.rows());
-  const std::vector<Positions> full_shapes = welded_shapes(set, evaluated);
-  const ErrorStatistics full_errors = heldout_errors(set, full_shapes);
-  const double ddm_bytes = static_cast<double>(table_bytes(full).at("ddm")) / vertices;
-  report.full =
-      method_report(full_errors, static_cast<double>(total_bytes(full)) / vertices, full.residual.coefficient_count());
-  report.linear =
-      method_report(heldout_errors(set, heldout_by_basis(set, linear_cpu)),
-                    static_cast<double>(total_bytes(linear)) / vertices, linear.residual.coefficient_count());
-  report.ddm = method_report(heldout_errors(set, heldout_by_basis(set, ddm_cpu)), ddm_bytes, 0);
-  double weights = 0;
-  for (const auto& row : set.character.weights) weights += static_cast<double>(row.size());
-  report.lbs = method_report(heldout_errors(set, heldout_by_lbs(set)), 8 * weights / vertices, 0);
-  const UnposingResidual unposing = unposing_residual(set, full);
-  report.unposing_residual_mm.lbs = unposing.lbs;
-  report.unposing_residual_mm.ddm = unposing.ddm;
-  report.bytes_per_vertex = report.full.bytes_per_vertex;
-  for (const auto& [stage, bytes] : table_bytes(full)) {
-    report.bytes_by_stage.emplace_back(stage, static_cast<double>(bytes) / vertices);
-  }
-
-  for (const TradeOffPoint& point : read_curve(full)) {
-    report.trade_off.push_back({point.bytes_per_vertex, point.expected_mm, point.microseconds, point.coefficients});
-  }
-
-  const auto box = (set.character.vertices.colwise().maxCoeff() - set.character.vertices.colwise().minCoeff()).eval();
-  report.character.name = "built-in arm";
-  report.character.vertices = static_cast<std::uint32_t>(set.character.vertices.rows());
-  report.character.joints = static_cast<std::uint32_t>(set.character.skeleton.size());
-  report.character.muscles = static_cast<std::uint32_t>(set.muscles.size());
-  report.character.bounding_box_m = {box(0), box(1), box(2)};
-  report.dataset.train_frames = static_cast<std::uint32_t>(set.train.size());
-  report.dataset.heldout_frames = static_cast<std::uint32_t>(set.heldout.size());
-  report.dataset.unconverged = static_cast<std::uint32_t>(set.unconverged);
-  report.heldout_frame_numbers = heldout_frames(set);
-  report.simulation = simulation_report(dataset);
+  describe_simulation(dataset, demo);
   const ErrorStatistics draft_error = draft_errors(set, draft);
-  report.simulation->draft_rms_mm = draft_error.rms;
-  report.simulation->draft_max_mm = draft_error.max;
-  if (report.device != "cpu") {
-    report.pictures = make_pictures(set, full_shapes, full_errors, arguments.device.choice.name);
-  } else {
-    spdlog::warn("no Vulkan device: the report has no pictures");
-  }
+  demo.draft_rms_mm = draft_error.rms;
+  demo.draft_max_mm = draft_error.max;
+
+  const bool has_pictures = device.device_name() != "cpu";
+  if (!has_pictures) spdlog::warn("no Vulkan device: the report has no pictures");
+  const std::vector<Positions> shapes = welded_shapes(set, evaluated);
+  const std::string pictures_on = has_pictures ? arguments.device.choice.name : "";
+  ReportData report = report_of(set, {}, training, shapes, pictures_on);
+  if (has_pictures) add_chosen_pictures(set, shapes, pictures_on, report);
+  report.character.name = "built-in arm";
+  report.device = device.device_name();
+  report.provenance = provenance_of(dataset, dataset.folder / "dataset.json", set, {}, basis_file);
+  report.demo = demo;
   return report;
 }
 
 std::string summary(const ReportData& report) {
   std::string text = format("%u training frames, %u held out, %s\n", report.dataset.train_frames,
                             report.dataset.heldout_frames, report.device.c_str());
-  const std::pair<const char*, const MethodReport*> methods[] = {
-      {"LBS", &report.lbs}, {"DDM", &report.ddm}, {"linear", &report.linear}, {"full", &report.full}};
-  for (const auto& [name, method] : methods) {
-    text += format("  %-7s RMS %6.3f mm  p99 %6.3f  max %7.3f  jitter %6.3f\n", name, method->rms, method->p99,
-                   method->max, method->jitter);
-  }
-  text += format("a draft of the held-out motion: RMS %.3f mm, max %.3f, in %.0f s\n", report.simulation->draft_rms_mm,
-                 report.simulation->draft_max_mm, report.seconds.draft);
+  text += method_table(report.methods);
+  text += format("a draft of the held-out motion: RMS %.3f mm, max %.3f, in %.0f s\n", report.demo->draft_rms_mm,
+                 report.demo->draft_max_mm, report.demo->seconds.draft);
   text += format("left to learn after un-posing: LBS %.3f mm, DDM %.3f mm\n", report.unposing_residual_mm.lbs,
                  report.unposing_residual_mm.ddm);
   text += format("%.0f bytes per vertex; CPU and device differ by %.2g m at most\n", report.bytes_per_vertex,
-                 report.cpu_gpu_max_difference_m);
+                 report.demo->cpu_gpu_max_difference_m);
   return text;
 }
 
@@ -395,20 +283,19 @@ void run(const DemoArguments& arguments) {
   const fs::path folder = arguments.out;
   make_folder(folder);
   arguments.json.require_writable();
-  ReportData report;
-  report.quick = arguments.quick;
+  DemoReport demo;
+  demo.quick = arguments.quick;
   Stopwatch building;
   const DemoSize& size = arguments.quick ? kQuick : kFull;
   write_inputs(folder, size);
-  report.seconds.build_character = building.seconds();
+  demo.seconds.build_character = building.seconds();
   Stopwatch simulating;
   const Dataset dataset = simulate_dataset(folder, size);
-  report.seconds.simulate = simulating.seconds();
+  demo.seconds.simulate = simulating.seconds();
   Stopwatch drafting;
   const Dataset draft = simulate_draft(folder, size);
-  report.seconds.draft = drafting.seconds();
-  report = measure(arguments, folder, dataset, draft, report);
-  report.peak_memory_mib = peak_memory_mib();
+  demo.seconds.draft = drafting.seconds();
+  const ReportData report = measure(arguments, folder, dataset, draft, demo);
   write_report(report, folder);
 
   std::ifstream json(folder / "report.json");

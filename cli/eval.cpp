@@ -10,6 +10,7 @@
 #include "trainer/dataset/frame_range.h"
 #include "trainer/dataset/pc2.h"
 #include "trainer/progress.h"
+#include "trainer/train/coverage.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -21,6 +22,24 @@ struct EvalArguments {
   DeviceArguments device;
   JsonOption json;
 };
+
+// What the basis knows of the poses, per frame; and a line on it.
+struct Expectation {
+  std::vector<double> rms_mm;  // none where the basis has no coverage
+  std::string line;
+};
+
+Expectation expectation(const Basis& basis, const std::vector<Pose>& poses, const std::vector<int>& frames) {
+  Expectation result;
+  if (!has_coverage(basis) || poses.empty()) return result;
+  for (const ExpectedError& error : expected_errors(basis, read_coverage(basis), poses)) {
+    result.rms_mm.push_back(error.rms_mm);
+  }
+  const auto worst = std::max_element(result.rms_mm.begin(), result.rms_mm.end());
+  result.line = format("expected error: %.3f mm RMS, most in frame %d: %.3f mm\n", root_mean_square(result.rms_mm),
+                       frames[static_cast<std::size_t>(worst - result.rms_mm.begin())], *worst);
+  return result;
+}
 
 void run(const EvalArguments& arguments) {
   arguments.json.require_writable();
@@ -40,6 +59,7 @@ void run(const EvalArguments& arguments) {
   std::map<std::string, double> stage_seconds;
   std::vector<int> outside_frames;
   double worst_outside = 0;
+  Json per_frame = Json::array();
   std::uint32_t worst_feature = 0;
   const auto start = std::chrono::steady_clock::now();
   constexpr std::size_t kStep = 64;  // frames held in memory at once
@@ -48,6 +68,7 @@ void run(const EvalArguments& arguments) {
     const Evaluation part = deformer.evaluate(std::span(poses).subspan(begin, count));
     for (std::size_t k = 0; k < count; ++k) {
       writer.append(std::span(part.positions).subspan(3 * k * points, 3 * std::size_t{points}));
+      per_frame.push_back({{"frame", frames[begin + k]}, {"outside", part.outside[k]}});
       if (part.outside[k] > 0) outside_frames.push_back(frames[begin + k]);
       if (static_cast<double>(part.outside[k]) > worst_outside) {
         worst_outside = static_cast<double>(part.outside[k]);
@@ -59,6 +80,9 @@ void run(const EvalArguments& arguments) {
   }
   writer.close();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  const Expectation expected = expectation(deformer.basis(), poses, frames);
+  for (std::size_t k = 0; k < expected.rms_mm.size(); ++k) per_frame[k]["expected_rms_mm"] = expected.rms_mm[k];
 
   const double frame_count = std::max<double>(1, static_cast<double>(frames.size()));
   Json milliseconds = Json::object();
@@ -76,6 +100,7 @@ void run(const EvalArguments& arguments) {
                outside_frames.size(), worst_name.c_str(), worst_outside) +
         format_frame_range(outside_frames) + "\n";
   }
+  text += expected.line;
   text += "wrote " + arguments.out + "\n";
   arguments.json.emit({{"cache", arguments.out},
                        {"frames", frames.size()},
@@ -85,7 +110,8 @@ void run(const EvalArguments& arguments) {
                        {"milliseconds_per_frame", milliseconds},
                        {"outside_frames", format_frame_range(outside_frames)},
                        {"worst_outside", worst_outside},
-                       {"worst_outside_feature", worst_name}},
+                       {"worst_outside_feature", worst_name},
+                       {"per_frame", per_frame}},
                       text);
 }
 

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("bodyopt"));
   spdlog::set_pattern("%^%l%$: %v");
   catch_interrupts();
+  keep_command_line(argc, argv);
 
   CLI::App app{"Bodyopt learns how a character's skin moves and replays it in real time."};
   app.name("bodyopt");

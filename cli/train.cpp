@@ -7,9 +7,10 @@
 #include <filesystem>
 
 #include "cli/common.h"
+#include "cli/measure.h"
+#include "cli/provenance.h"
 #include "runtime/basis/error.h"
 #include "trainer/dataset/check.h"
-#include "trainer/train/ablation.h"
 #include "trainer/train/heldout.h"
 #include "trainer/train/surface_curves.h"
 #include "trainer/train/trade_off.h"
@@ -18,7 +19,7 @@ namespace bodyopt::cli {
 namespace {
 
 struct TrainArguments {
-  std::string dataset, ddm_only, out;
+  std::string dataset, ddm_only, out, report;
   double unit = 0;
   int heldout_every = 0, surface_curves = 0;
   bool ablate = false;
@@ -39,28 +40,45 @@ void run_ddm_only(const TrainArguments& arguments) {
              basis.mesh.vertex_count(), per_vertex));
 }
 
-std::string ablation_table(const std::vector<AblationRow>& rows, Json& result) {
-  std::string text = format("%-40s %8s %8s %8s %8s %10s %8s\n", "method (errors in mm)", "RMS", "p99", "max", "jitter",
-                            "bytes/vtx", "seconds");
-  for (const AblationRow& row : rows) {
-    text += format("%-40s %8.3f %8.3f %8.2f %8.3f %10.0f %8.1f\n", row.name.c_str(), row.errors.rms, row.errors.p99,
-                   row.errors.max, row.errors.jitter, row.bytes_per_vertex, row.seconds);
-    result["ablation"].push_back({{"method", row.name},
-                                  {"errors_mm", to_json(row.errors)},
-                                  {"bytes_per_vertex", row.bytes_per_vertex},
-                                  {"coefficients", row.coefficients},
-                                  {"seconds", row.seconds}});
-  }
-  return text;
+Json errors_of(const MethodReport& method) {
+  return {{"rms", method.rms}, {"p99", method.p99}, {"max", method.max}, {"jitter", method.jitter}};
 }
 
-void run(const TrainArguments& arguments) {
+Json ablation(const std::vector<MethodReport>& methods) {
+  Json list = Json::array();
+  for (const MethodReport& method : methods) {
+    list.push_back({{"method", method.name},
+                    {"errors_mm", errors_of(method)},
+                    {"bytes_per_vertex", method.bytes_per_vertex},
+                    {"coefficients", method.coefficients},
+                    {"seconds", method.seconds}});
+  }
+  return list;
+}
+
+// `path`: the dataset.json.
+void report(const TrainArguments& arguments, const Dataset& dataset, const std::filesystem::path& path,
+            const SampleSet& set, const Training& training) {
+  const bool has_pictures = has_vulkan_device();
+  if (!has_pictures) spdlog::warn("no Vulkan device: the report has no pictures");
+  Deformer full(training.basis, {.name = "cpu"});
+  ReportData data =
+      report_of(set, arguments.options, training, heldout_by_basis(set, full), has_pictures ? "auto" : "");
+  data.device = full.device_name();
+  data.character.name = std::filesystem::path(dataset.character).stem().string();
+  data.provenance = provenance_of(dataset, path, set, arguments.options, arguments.out);
+  write_report(data, arguments.report);
+}
+
+void run(TrainArguments arguments) {
   if (arguments.dataset.empty() == arguments.ddm_only.empty()) {
     throw Error(ErrorKind::usage, "train takes either a DATASET or --ddm-only CHARACTER");
   }
   require_writable(arguments.out);
   arguments.json.require_writable();
   if (!arguments.ddm_only.empty()) return run_ddm_only(arguments);
+  if (!arguments.report.empty()) make_folder(arguments.report);
+  arguments.options.keep_in = std::filesystem::path(arguments.out).replace_extension(".training");
 
   const auto start = std::chrono::steady_clock::now();
   std::filesystem::path path = arguments.dataset;
@@ -79,26 +97,18 @@ void run(const TrainArguments& arguments) {
                 "--heldout-every 5");
   }
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
-
-  const auto training = std::chrono::steady_clock::now();
   if (arguments.surface_curves > 0) {
     const std::vector<Muscle> curves = surface_curves(set, arguments.options, arguments.surface_curves);
     set.muscles.insert(set.muscles.end(), curves.begin(), curves.end());
   }
-  std::vector<std::string> notes;
-  TrainOptions options = arguments.options;
-  options.keep_in = std::filesystem::path(arguments.out).replace_extension(".training");
-  Basis basis = train(set, options, &notes);
-  for (const std::string& note : notes) spdlog::info(note);
-  const double training_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - training).count();
-  say(training_warnings(basis));
-  keep_unit(basis, dataset.unit);
-  save_basis(basis, arguments.out);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  const double preparing = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Training training = train_and_measure(set, arguments.options, arguments.ablate, dataset.unit, arguments.out);
+  const Basis& basis = training.basis;
+  const double seconds = preparing + training.seconds;
 
   const double per_vertex = bytes_per_vertex(basis);
   const double expected = Json::parse(basis.metadata.at("report")).at("expected_rms_mm");
-  const UnposingResidual unposing = unposing_residual(set, basis);
   Json result = {{"basis", arguments.out},
                  {"train_frames", set.train.size()},
                  {"heldout_frames", set.heldout.size()},
@@ -106,29 +116,28 @@ void run(const TrainArguments& arguments) {
                  {"bytes_per_vertex", per_vertex},
                  {"expected_rms_mm", expected},
                  {"warnings", training_warnings(basis)},
-                 {"unposing_residual_mm", {{"lbs", unposing.lbs}, {"ddm", unposing.ddm}}},
+                 {"unposing_residual_mm", {{"lbs", training.unposing.lbs}, {"ddm", training.unposing.ddm}}},
                  {"seconds", seconds}};
   std::string text =
       format("trained on %zu frames (%d unconverged left out) in %.1f s: %.0f bytes per vertex, %.3f mm RMS expected\n",
              set.train.size(), set.unconverged, seconds, per_vertex, expected);
-  text += format("left to learn after un-posing: LBS %.3f mm, DDM %.3f mm RMS\n", unposing.lbs, unposing.ddm);
+  text += format("left to learn after un-posing: LBS %.3f mm, DDM %.3f mm RMS\n", training.unposing.lbs,
+                 training.unposing.ddm);
   if (!set.heldout.empty()) {
-    Deformer full(basis, {.name = "cpu"}), ddm(without_residual(basis), {.name = "cpu"});
-    const std::pair<const char*, std::vector<Positions>> methods[] = {
-        {"lbs", heldout_by_lbs(set)}, {"ddm", heldout_by_basis(set, ddm)}, {"full", heldout_by_basis(set, full)}};
-    text += format("held out, %zu frames:\n", set.heldout.size());
-    for (const auto& [name, shapes] : methods) {
-      const ErrorStatistics errors = heldout_errors(set, shapes);
-      result["errors_mm"][name] = to_json(errors);
-      text += format("  %-5s ", name) + describe(errors) + "\n";
-    }
-    if (result["errors_mm"]["full"]["rms"] >= result["errors_mm"]["ddm"]["rms"]) {
+    const MethodReport &ddm = training.methods[1], &full = training.methods.back();
+    result["errors_mm"] = {{"lbs", errors_of(training.methods[0])}, {"ddm", errors_of(ddm)}, {"full", errors_of(full)}};
+    if (arguments.ablate) result["ablation"] = ablation(training.methods);
+    text += format("held out, %zu frames:\n", set.heldout.size()) + method_table(training.methods);
+    if (full.rms >= ddm.rms) {
       spdlog::warn(
           "what was learned is no better than Direct Delta Mush on the held-out frames: the training frames are "
           "too few, or too unlike them");
     }
   }
-  if (arguments.ablate) text += ablation_table(ablate(set, arguments.options, basis, training_seconds), result);
+  if (!arguments.report.empty()) {
+    report(arguments, dataset, path, set, training);
+    text += "wrote " + (std::filesystem::path(arguments.report) / "report.html").string() + "\n";
+  }
   text += "wrote " + arguments.out + "\n";
   arguments.json.emit(result, text);
   const double tolerance = arguments.options.tolerance_mm;
@@ -164,6 +173,11 @@ void add_train(CLI::App& app) {
       ->excludes(ddm_only);
   verb.add_flag("--ablate", arguments->ablate,
                 "Also train the model with parts left out, and its peers, to as many bytes, and compare them");
+  verb.add_option("--report", arguments->report,
+                  "Folder for report.html and report.json: what was learned, and how well")
+      ->type_name("DIR")
+      ->check(refuse_empty)
+      ->excludes(ddm_only);
   verb.add_option("--smoothing-radius", arguments->options.smoothing_radius,
                   "Radius of Direct Delta Mush, metres (default: 1/40 of the size, or twice that where it leaves less "
                   "to learn)")

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "cli/report/plots.h"
+#include "cli/report/svg.h"
 #include "runtime/basis/error.h"
 
 namespace bodyopt {

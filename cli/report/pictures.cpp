@@ -99,6 +99,24 @@ Image triptych(Renderer& renderer, const PosePair& pose, double scale_mm, const 
   return side_by_side(drawn);
 }
 
+Image heat_on_skin(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
+                   std::span<const double> heat, std::uint32_t panel_width, std::uint32_t panel_height) {
+  std::vector<float> colours;
+  for (const double value : heat) {
+    const std::array<float, 3> colour = heat_colour(static_cast<float>(std::min(1.0, value)));
+    colours.insert(colours.end(), colour.begin(), colour.end());
+  }
+  const std::vector<float> normals = smooth_normals(triangles, skin);
+  const DrawMesh mesh{skin, normals, triangles, colours};
+  std::vector<Image> panels;
+  for (const std::array<float, 3>& direction : {std::array{0.0f, 0.0f, 1.0f}, std::array{0.0f, 0.0f, -1.0f}}) {
+    const Camera camera =
+        frame_points(skin, direction, static_cast<float>(panel_width) / static_cast<float>(panel_height));
+    panels.push_back(renderer.draw(std::span(&mesh, 1), camera, panel_width, panel_height));
+  }
+  return side_by_side(panels);
+}
+
 Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect) {
   check_pair(pose);
   std::vector<float> points(pose.truth.begin(), pose.truth.end());

@@ -22,6 +22,11 @@ struct PosePair {
 Image triptych(Renderer& renderer, const PosePair& pose, double scale_mm, const Camera& camera,
                std::uint32_t panel_width, std::uint32_t panel_height);
 
+// The skin (V x 3, T x 3) from the front (+z) and from behind, side by side, 2 panel_width x panel_height: coloured by
+// heat_colour() of a number from 0 to 1 per vertex (larger ones as 1). Throws what Renderer::draw throws.
+Image heat_on_skin(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
+                   std::span<const double> heat, std::uint32_t panel_width, std::uint32_t panel_height);
+
 // A camera that sees both shapes whole, from a direction (world, towards the camera); aspect of one panel.
 Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect);
 

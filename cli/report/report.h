@@ -9,20 +9,24 @@
 #include <utility>
 #include <vector>
 
+#include "cli/report/frame_axis.h"
 #include "proxy_viewer/render/renderer.h"
 
 namespace bodyopt {
 
 // Errors of one method on the held-out frames, in millimetres, after the root's translation is taken out.
 struct MethodReport {
+  std::string name;
   double rms = 0, p99 = 0, max = 0, jitter = 0;
   std::vector<double> frame_rms, frame_max;  // per held-out frame
   double bytes_per_vertex = 0;               // of the tables this method needs at run time
   std::uint32_t coefficients = 0;            // learned coefficients per frame; 0 for skinning alone
+  double seconds = 0;                        // of training
 };
 
 struct PictureReport {
   std::string kind;  // "worst", "median" or "chosen"
+  std::string take;
   int frame = 0;
   double rms_mm = 0, max_mm = 0;
   double heat_scale_mm = 1;  // error of the hottest colour
@@ -30,11 +34,32 @@ struct PictureReport {
   Image image;               // a triptych
 };
 
-struct SimulationReport {
-  std::uint32_t frames = 0, converged = 0;
-  double median_residual = 0, worst_residual = 0;  // force left over relative to the elastic forces, converged frames
-  double mean_iterations = 0;
-  double draft_rms_mm = 0, draft_max_mm = 0;  // of a draft of the held-out motion
+// The mean error of every vertex over the held-out frames, painted on the rest skin from the front and from behind.
+struct MeanErrorReport {
+  double heat_scale_mm = 1;
+  double largest_mm = 0;
+  Image image;
+};
+
+struct RegionReport {
+  std::string name;
+  double moves_mm = 0, left_mm = 0;  // RMS of the un-posed motion of the training frames; what cross-validation leaves
+  std::optional<double> expected_mm, true_mm;  // RMS over the held-out frames; expected of what the basis keeps
+};
+
+struct MuscleReport {
+  std::string name;
+  double percent = 0;  // of the un-posed motion that its strains explain
+};
+
+// Errors that the basis expects of the held-out frames, in millimetres RMS.
+struct CoverageReport {
+  double rms_mm = 0;
+  std::vector<double> frame_mm;                // per held-out frame
+  std::vector<std::string> regions;            // those the basis keeps
+  std::vector<std::vector<double>> region_mm;  // per held-out frame, of every region
+  std::optional<double> rank_correlation;      // of the frames' expected with their true errors; none where equal
+  std::vector<std::size_t> worth_simulating;   // held-out frames (columns), worst first
 };
 
 // A basis of another size that the training could have given.
@@ -43,8 +68,35 @@ struct TradeOffReport {
   std::uint32_t coefficients = 0;
 };
 
-struct ReportData {
+// Everything needed to repeat a training. Paths as the user gave them.
+struct ProvenanceReport {
+  std::string program, command_line;
+  std::vector<std::pair<std::string, std::string>> options;
+  std::string basis_checksum, topology_hash, skeleton_hash;  // hexadecimal
+  struct File {
+    std::string what, path, xxh3;
+  };
+  std::vector<File> files;  // the dataset's own, and all that it names
+  struct Take {
+    std::string name, trained, heldout, left_out;  // frame ranges
+  };
+  std::vector<Take> takes;
+};
+
+// What `bodyopt demo` has done besides.
+struct DemoReport {
   bool quick = false;  // of too few frames to judge the errors
+  std::uint32_t frames = 0, converged = 0;
+  double median_residual = 0, worst_residual = 0;  // force left over relative to the elastic forces, converged frames
+  double mean_iterations = 0;
+  double draft_rms_mm = 0, draft_max_mm = 0;  // of a draft of the held-out motion
+  double cpu_gpu_max_difference_m = 0;
+  struct {
+    double build_character = 0, simulate = 0, draft = 0, eval = 0;
+  } seconds;
+};
+
+struct ReportData {
   struct {
     std::string name;
     std::uint32_t vertices = 0, joints = 0, muscles = 0;
@@ -53,22 +105,26 @@ struct ReportData {
   struct {
     std::uint32_t train_frames = 0, heldout_frames = 0, unconverged = 0;  // unconverged: left out of both
   } dataset;
-  MethodReport lbs, ddm, linear, full;
-  std::vector<int> heldout_frame_numbers;  // of the per-frame errors, ascending
+  // Linear blending, Direct Delta Mush, any others, and last what was trained; none without held-out frames.
+  std::vector<MethodReport> methods;
+  FrameAxis heldout;  // of the per-frame errors
   struct {
     double lbs = 0, ddm = 0;
-  } unposing_residual_mm;       // RMS of what is left to learn after un-posing, training frames
-  double bytes_per_vertex = 0;  // of `full`
-  std::vector<std::pair<std::string, double>> bytes_by_stage;  // of `full`; may be empty
+  } unposing_residual_mm;                            // RMS of what is left to learn after un-posing, training frames
+  double bytes_per_vertex = 0, expected_rms_mm = 0;  // of what was trained
+  std::vector<std::pair<std::string, double>> bytes_by_stage;  // of what was trained; may be empty
   std::vector<TradeOffReport> trade_off;                       // by rising bytes; may be empty
-  double cpu_gpu_max_difference_m = 0;
-  std::string device;
-  struct {
-    double build_character = 0, simulate = 0, draft = 0, train = 0, eval = 0;
-  } seconds;
-  double peak_memory_mib = 0;
-  std::vector<PictureReport> pictures;  // in the order in which they are shown
-  std::optional<SimulationReport> simulation;
+  std::vector<RegionReport> regions;
+  std::optional<Image> region_picture;  // from the front and from behind, numbered from 1 in their order
+  std::vector<MuscleReport> muscles;    // by falling worth
+  std::optional<CoverageReport> coverage;
+  std::vector<std::string> warnings;
+  std::string device;  // on which the held-out frames were evaluated
+  double train_seconds = 0, peak_memory_mib = 0;
+  std::vector<PictureReport> pictures;  // in the order in which they are shown; none without a Vulkan device
+  std::optional<MeanErrorReport> mean_error;
+  ProvenanceReport provenance;
+  std::optional<DemoReport> demo;
 };
 
 // Writes report.json and report.html into `folder`, which is made if need be. Throws Error(mismatch) when a number is

@@ -15,6 +15,14 @@
 namespace bodyopt {
 namespace {
 
+// A row of the ablation in a report.
+const nlohmann::json& method(const nlohmann::json& report, const std::string& name) {
+  for (const nlohmann::json& row : report["methods"]) {
+    if (row["name"] == name) return row;
+  }
+  throw std::runtime_error("no method '" + name + "'");
+}
+
 // The draft is of the same frames as the full simulation it is held against, and as far from it as the report says.
 void expect_draft(const std::filesystem::path& demo, const nlohmann::json& report) {
   const Dataset draft = read_dataset(demo / "draft" / "dataset.json");
@@ -44,7 +52,7 @@ void expect_draft(const std::filesystem::path& demo, const nlohmann::json& repor
   EXPECT_NEAR(rms, expected.rms, 1e-3);
   EXPECT_NEAR(max, expected.max, 1e-3);
   EXPECT_GT(rms, 0.1);  // a draft, not the full simulation once more
-  EXPECT_LT(rms, report["errors_mm"]["ddm"]["rms"]);
+  EXPECT_LT(rms, method(report, "DDM")["errors_mm"]["rms"]);
   EXPECT_LT(max, 100);  // twice what it is
   EXPECT_GT(report["seconds"]["draft"], 0);
 }
@@ -72,16 +80,22 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   EXPECT_GE(report["character"]["joints"], 8);
   EXPECT_GE(report["character"]["muscles"], 12);
   EXPECT_LE(report["cpu_gpu_max_difference_m"].get<double>(), 1e-5 * size);
-  const auto rms = [&](const char* method) { return report["errors_mm"][method]["rms"].get<double>(); };
+  const std::string full = "full: DDM + strains, kernels, dynamic";
+  const auto rms = [&](const std::string& name) { return method(report, name)["errors_mm"]["rms"].get<double>(); };
+  EXPECT_EQ(report["methods"].size(), 12u);  // all rows of the ablation
+  EXPECT_EQ(report["methods"].back()["name"], full);
   // Forty-eight frames are too few for the claim that the whole demo makes (half of DDM's error), but what was learned
   // must already help.
-  EXPECT_LT(rms("full"), 0.8 * rms("ddm"));
-  EXPECT_LT(rms("ddm"), rms("lbs"));
+  EXPECT_LT(rms(full), 0.8 * rms("DDM"));
+  EXPECT_LT(rms("DDM"), rms("LBS"));
   EXPECT_LT(report["unposing_residual_mm"]["ddm"], report["unposing_residual_mm"]["lbs"]);
-  // `linear` may have as many bytes as `full`; of so few frames it learns less than that.
-  EXPECT_GT(report["method_coefficients"]["full"], 0);
-  EXPECT_GT(report["method_coefficients"]["linear"], 0);
-  EXPECT_LE(report["method_bytes_per_vertex"]["linear"], report["method_bytes_per_vertex"]["full"]);
+  // Linear correctives may have as many bytes as the full model; of so few frames they learn less than that.
+  EXPECT_GT(method(report, full)["coefficients"], 0);
+  for (const char* linear : {"DDM + joints, linear, dense", "DDM + joints, linear, local"}) {
+    EXPECT_GT(method(report, linear)["coefficients"], 0) << linear;
+    EXPECT_LE(method(report, linear)["bytes_per_vertex"], method(report, full)["bytes_per_vertex"]) << linear;
+    EXPECT_NE(demo.output.find(linear), std::string::npos) << demo.output;
+  }
   EXPECT_EQ(report["trade_off"][0]["coefficients"], 0);
   EXPECT_GT(report["trade_off"].size(), 10u);
 
@@ -91,8 +105,9 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   }
   expect_draft(folder.path(), report);
   // What `eval` makes of the stored basis on the CPU is what the demo got from its device.
-  const ProgramResult eval = run_bodyopt("eval " + out + "/basis.safetensors --clip " + out +
-                                         "/heldout.glb --frames 1-24x2 --device cpu --out " + out + "/again.pc2");
+  const ProgramResult eval =
+      run_bodyopt("eval " + out + "/basis.safetensors --clip " + out +
+                  "/heldout.glb --frames 1-24x2 --device cpu --out " + out + "/again.pc2 --json " + out + "/eval.json");
   ASSERT_EQ(eval.exit_code, 0) << eval.output;
   const Pc2Reader again(folder / "again.pc2"), heldout(folder / "heldout.pc2");
   EXPECT_EQ(heldout.start_frame(), again.start_frame());
@@ -100,18 +115,25 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   // The truth's errors as `coverage` measures them are those of the report; the strip has a column per frame.
   const ProgramResult coverage = run_bodyopt(
       "coverage " + out + "/basis.safetensors --clip " + out + "/heldout.glb --frames 1-24x2 --worst 3" + " --truth " +
-      out + "/dataset/heldout.pc2 --picture " + out + "/strip.png --json " + out + "/coverage.json");
+      out + "/dataset/heldout.pc2 --picture " + out + "/strip.svg --json " + out + "/coverage.json");
   ASSERT_EQ(coverage.exit_code, 0) << coverage.output;
   const nlohmann::json covered = nlohmann::json::parse(std::ifstream(folder / "coverage.json"));
   ASSERT_EQ(covered["per_frame"].size(), heldout.sample_count());
+  const nlohmann::json evaluated = nlohmann::json::parse(std::ifstream(folder / "eval.json"));
+  ASSERT_EQ(evaluated["per_frame"].size(), heldout.sample_count());
   double sum = 0;
-  for (const auto& frame : covered["per_frame"]) {
+  for (std::size_t k = 0; k < covered["per_frame"].size(); ++k) {
+    const nlohmann::json& frame = covered["per_frame"][k];
     EXPECT_GT(frame["expected_rms_mm"], 0);
+    EXPECT_EQ(evaluated["per_frame"][k]["frame"], frame["frame"]);
+    EXPECT_EQ(evaluated["per_frame"][k]["expected_rms_mm"], frame["expected_rms_mm"]);
+    EXPECT_GE(evaluated["per_frame"][k]["outside"], 0);
+    EXPECT_EQ(report["coverage"]["frame_expected_rms_mm"][k], frame["expected_rms_mm"]);
     sum += std::pow(frame["true_rms_mm"].get<double>(), 2);
   }
-  EXPECT_NEAR(std::sqrt(sum / static_cast<double>(covered["per_frame"].size())), rms("full"), 2e-3);
+  EXPECT_NEAR(std::sqrt(sum / static_cast<double>(covered["per_frame"].size())), rms(full), 2e-3);
   EXPECT_LE(std::abs(covered["rank_correlation"].get<double>()), 1);
-  EXPECT_TRUE(std::filesystem::exists(folder / "strip.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "strip.svg"));
 
   const ProgramResult compare = run_bodyopt("compare " + out + "/again.pc2 " + out + "/heldout.pc2 --fail-above 0.01");
   EXPECT_EQ(compare.exit_code, 0) << compare.output;

@@ -16,7 +16,7 @@ namespace {
 TEST(Program, HelpOfEveryVerbExitsWithZero) {
   EXPECT_EQ(run_bodyopt("--help").exit_code, 0);
   for (const char* verb : {"demo", "muscles import", "rom", "simulate", "dataset add", "export", "check", "train",
-                           "eval", "compare", "picture", "regions", "info", "devices"}) {
+                           "eval", "compare", "coverage", "picture", "regions", "info", "devices"}) {
     const ProgramResult result = run_bodyopt(std::string(verb) + " --help");
     EXPECT_EQ(result.exit_code, 0) << verb;
     EXPECT_NE(result.output.find("--json"), std::string::npos) << verb;
@@ -77,6 +77,7 @@ TEST(Program, UntrainedBasisOfTheBuiltinArmEvaluatesOnTheCpu) {
   EXPECT_EQ(reader.point_count(), arm.character.output_count());
   EXPECT_EQ(reader.start_frame(), 1);
   EXPECT_EQ(reader.sample_rate(), 2);  // every second frame
+  EXPECT_EQ(result.output.find("expected error"), std::string::npos) << result.output;
   // Nothing was learned that could cover anything.
   EXPECT_EQ(run_bodyopt("coverage " + basis + " --clip " + clip).exit_code, 3);
   // A slip that would write over the character.

@@ -2,12 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 
+#include "runtime/basis/hexadecimal.h"
+#include "runtime/basis/safetensors.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/dataset/dataset.h"
+#include "trainer/dataset/file_hashes.h"
+#include "trainer/dataset/frame_range.h"
 #include "trainer/dataset/muscles.h"
 #include "trainer/dataset/pc2.h"
 #include "trainer/simulate/take_lock.h"
@@ -114,6 +119,65 @@ TEST(Takes, ABasisIsAsLargeAsAskedFor) {
   const ProgramResult info = run_bodyopt("info " + basis);
   EXPECT_EQ(info.exit_code, 0);
   EXPECT_NE(info.output.find("expected RMS, mm"), std::string::npos) << info.output;
+}
+
+// With frames held out, and without.
+TEST(Takes, AReportHoldsWhatTrainingMeasured) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const std::string data = (folder / "data").string(), basis = (folder / "limb.safetensors").string();
+  const std::string report = (folder / "made/report").string(), clip = " --clip " + files.motion + " --fps 120";
+  const std::string simulate = "simulate " + files.character + clip + " --draft --out " + data;
+  ASSERT_EQ(run_bodyopt(simulate).exit_code, 0);
+  const auto read = [&](const std::string& name) { return nlohmann::json::parse(std::ifstream(folder / name)); };
+  const std::string train = "train " + data + " --out " + basis + " --seed 7 --report " + report;
+  const ProgramResult bare = run_bodyopt(train);
+  ASSERT_EQ(bare.exit_code, 0) << bare.output;
+  nlohmann::json told = read("made/report/report.json");
+  EXPECT_EQ(told["methods"].size(), 0u);
+  EXPECT_FALSE(told.contains("coverage"));
+  EXPECT_GT(told["regions"].size(), 0u);
+
+  std::vector<int> heldout;
+  Dataset dataset = read_dataset(folder / "data/dataset.json");
+  for (std::size_t k = 0; k < dataset.takes[0].frames.size(); k += 4) heldout.push_back(dataset.takes[0].frames[k]);
+  dataset.takes[0].heldout = heldout;
+  write_dataset(dataset, folder / "data/dataset.json");
+  const ProgramResult trained = run_bodyopt(train + " --ablate --json " + (folder / "train.json").string());
+  ASSERT_EQ(trained.exit_code, 0) << trained.output;
+  told = read("made/report/report.json");
+  const nlohmann::json result = read("train.json");
+  ASSERT_EQ(told["methods"].size(), 12u);
+  for (std::size_t m = 0; m < 12; ++m) {
+    EXPECT_EQ(told["methods"][m]["name"], result["ablation"][m]["method"]);
+    EXPECT_EQ(told["methods"][m]["errors_mm"], result["ablation"][m]["errors_mm"]);
+    EXPECT_EQ(told["methods"][m]["frame_rms_mm"].size(), heldout.size());
+  }
+  EXPECT_EQ(told["methods"].back()["errors_mm"], result["errors_mm"]["full"]);
+  EXPECT_EQ(told["methods"][1]["errors_mm"], result["errors_mm"]["ddm"]);
+  EXPECT_EQ(told["heldout"]["frames"], heldout);
+  EXPECT_EQ(told["expected_rms_mm"], result["expected_rms_mm"]);
+  const nlohmann::json& provenance = told["provenance"];
+  EXPECT_EQ(provenance["options"]["seed"], "7");
+  EXPECT_EQ(provenance["basis_checksum"], read_safetensors(basis).metadata.at("checksum"));
+  EXPECT_EQ(provenance["takes"][0]["heldout"], format_frame_range(heldout));
+  EXPECT_EQ(provenance["files"][0]["path"], data + "/dataset.json");
+  EXPECT_EQ(provenance["files"][1]["path"], dataset.character);
+  EXPECT_EQ(provenance["files"][1]["xxh3"], hexadecimal(file_hash(files.character)));
+  EXPECT_NE(provenance["command_line"].get<std::string>().find("bodyopt train " + data), std::string::npos);
+
+  // What `eval` and `coverage` expect of these frames is what the report says.
+  const std::string shot = basis + clip + " --frames " + format_frame_range(heldout);
+  const std::string cache = (folder / "out.pc2").string();
+  ASSERT_EQ(run_bodyopt("eval " + shot + " --device cpu --out " + cache + " --json " + cache + ".json").exit_code, 0);
+  ASSERT_EQ(run_bodyopt("coverage " + shot + " --json " + cache + ".coverage.json").exit_code, 0);
+  const nlohmann::json evaluated = read("out.pc2.json"), covered = read("out.pc2.coverage.json");
+  ASSERT_EQ(evaluated["per_frame"].size(), heldout.size());
+  for (std::size_t k = 0; k < heldout.size(); ++k) {
+    EXPECT_EQ(evaluated["per_frame"][k]["frame"], heldout[k]);
+    EXPECT_EQ(evaluated["per_frame"][k]["expected_rms_mm"], covered["per_frame"][k]["expected_rms_mm"]);
+    EXPECT_EQ(told["coverage"]["frame_expected_rms_mm"][k], covered["per_frame"][k]["expected_rms_mm"]);
+  }
 }
 
 TEST(Takes, APictureShowsAFrame) {

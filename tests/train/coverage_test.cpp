@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "runtime/basis/error.h"
 #include "tests/support/capsule_limb.h"
@@ -116,6 +118,44 @@ TEST(Coverage, NamesTheWorstFramesThatAreNotNeighbours) {
   EXPECT_EQ(worth_simulating(expected, 2, 1), (std::vector<std::size_t>{1, 2}));
   EXPECT_EQ(worth_simulating(expected, 100, 3).size(), 2u);
   EXPECT_TRUE(worth_simulating({}, 3, 2).empty());
+}
+
+// By the names that the training's report has; bases of older versions have none.
+TEST(Coverage, RegionsHaveTheirNames) {
+  std::vector<std::string> reported;
+  const auto report = nlohmann::json::parse(basis().metadata.at("report"));
+  for (const auto& region : report.at("regions")) reported.push_back(region.at("name"));
+  auto at = reported.begin();  // those that are kept, in the same order
+  for (const RegionCoverage& region : read_coverage(basis())) {
+    at = std::find(at, reported.end(), region.name);
+    ASSERT_NE(at, reported.end()) << region.name;
+  }
+  Basis old = basis();
+  auto list = nlohmann::json::parse(old.metadata.at("coverage"));
+  for (auto& region : list) region.erase("name");
+  old.metadata["coverage"] = list.dump();
+  for (const RegionCoverage& region : read_coverage(old)) EXPECT_EQ(region.name, region.joints.front());
+}
+
+// A region's true error is that of its vertices, by weight; over the whole skin it is the RMS of all.
+TEST(Coverage, TrueErrorsOfRegionsAreThoseOfTheirVertices) {
+  std::vector<Positions> shapes;
+  for (const Sample& sample : samples().heldout) {
+    shapes.push_back(sample.shape.read());
+    shapes.back().row(3) += Eigen::RowVector3d(0.003, 0, 0.004);
+  }
+  shapes.front().row(7)[1] += 0.001 * static_cast<double>(shapes.size());
+  const VertexErrors errors = vertex_errors(samples(), shapes);
+  EXPECT_NEAR(errors.mean[3], 5, 1e-9);
+  EXPECT_NEAR(errors.mean[7], 1, 1e-9);
+  EXPECT_EQ(errors.mean[5], 0);
+  EXPECT_NEAR(region_rms(errors, {"", {3, 5}, {0.25, 0.75}}), 2.5, 1e-9);
+  RegionWeights skin;
+  for (Eigen::Index v = 0; v < samples().character.vertices.rows(); ++v) {
+    skin.vertices.push_back(static_cast<std::uint32_t>(v));
+    skin.weights.push_back(1);
+  }
+  EXPECT_NEAR(region_rms(errors, skin), heldout_errors(samples(), shapes).rms, 1e-5);
 }
 
 TEST(Coverage, RefusesWhatDoesNotFitTheBasis) {

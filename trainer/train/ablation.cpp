@@ -83,15 +83,20 @@ AblationRow row_of(const NamedMethod& named, const SampleSet& set, TrainOptions 
 
 }  // namespace
 
+std::vector<AblationRow> compare_with_skinning(const SampleSet& set, const Basis& full, double seconds) {
+  return {{"LBS", heldout_errors(set, heldout_by_lbs(set)), lbs_bytes_per_vertex(set.character), 0, 0},
+          row_of("DDM", set, without_residual(full), 0),
+          row_of("full: DDM + strains, kernels, dynamic", set, full, seconds)};
+}
+
 std::vector<AblationRow> ablate(const SampleSet& set, const TrainOptions& options, const Basis& full, double seconds) {
-  std::vector<AblationRow> rows;
-  rows.push_back({"LBS", heldout_errors(set, heldout_by_lbs(set)), lbs_bytes_per_vertex(set.character), 0, 0});
-  rows.push_back(row_of("DDM", set, without_residual(full), 0));
+  std::vector<AblationRow> rows = compare_with_skinning(set, full, seconds);
   TrainOptions matched = options;
   matched.budget = bytes_per_vertex(full);
   matched.tolerance_mm = 0;
-  for (const NamedMethod& named : kMethods) rows.push_back(row_of(named, set, matched));
-  rows.push_back(row_of("full: DDM + strains, kernels, dynamic", set, full, seconds));
+  matched.keep_in.clear();  // that is for the full model
+  matched.update = false;
+  for (const NamedMethod& named : kMethods) rows.insert(rows.end() - 1, row_of(named, set, matched));
   return rows;
 }
 

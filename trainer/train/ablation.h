@@ -19,6 +19,10 @@ struct AblationRow {
   double seconds = 0;  // of training
 };
 
+// The first two rows and the last of the table below: linear blending, Direct Delta Mush, and `full`, trained in so
+// many seconds. Needs held-out frames.
+std::vector<AblationRow> compare_with_skinning(const SampleSet& set, const Basis& full, double seconds);
+
 // `full`: what these options trained in so many seconds. The others may have as many bytes as it has. Needs
 // held-out frames.
 std::vector<AblationRow> ablate(const SampleSet& set, const TrainOptions& options, const Basis& full, double seconds);

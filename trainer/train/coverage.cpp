@@ -123,7 +123,8 @@ std::vector<double> rounded(std::vector<double> values) {
 std::string coverage_text(const std::vector<RegionCoverage>& regions) {
   nlohmann::json list = nlohmann::json::array();
   for (const RegionCoverage& region : regions) {
-    list.push_back({{"joints", region.joints},
+    list.push_back({{"name", region.name},
+                    {"joints", region.joints},
                     {"size", region.size},
                     {"distance_m2", region.expected.distance},
                     {"usual", region.expected.usual},
@@ -132,6 +133,8 @@ std::string coverage_text(const std::vector<RegionCoverage>& regions) {
   }
   return list.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
+
+bool has_coverage(const Basis& basis) { return basis.metadata.contains("coverage"); }
 
 std::vector<RegionCoverage> read_coverage(const Basis& basis) {
   const auto text = basis.metadata.find("coverage");
@@ -145,6 +148,7 @@ std::vector<RegionCoverage> read_coverage(const Basis& basis) {
     for (const auto& entry : list) {
       RegionCoverage& region = regions.emplace_back();
       region.joints = entry.at("joints").get<std::vector<std::string>>();
+      region.name = entry.value("name", region.joints.empty() ? "" : region.joints.front());
       region.size = entry.at("size").get<double>();
       region.expected.distance = entry.at("distance_m2").get<double>();
       region.expected.usual = entry.at("usual").get<double>();
@@ -272,6 +276,12 @@ std::vector<double> ranks(const std::vector<double>& values) {
 
 }  // namespace
 
+double root_mean_square(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value * value;
+  return values.empty() ? 0 : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
   const std::vector<double> x = ranks(a), y = ranks(b);
   const double middle = 0.5 * (static_cast<double>(a.size()) - 1);
@@ -282,6 +292,10 @@ double rank_correlation(const std::vector<double>& a, const std::vector<double>&
     yy += (y[k] - middle) * (y[k] - middle);
   }
   return xy / std::sqrt(xx * yy);
+}
+
+std::size_t spreading_gap(std::size_t frames, std::size_t count) {
+  return std::max<std::size_t>(2, frames / (4 * count));
 }
 
 std::vector<std::size_t> worth_simulating(const std::vector<double>& expected, std::size_t count, std::size_t gap) {

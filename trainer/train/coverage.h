@@ -32,14 +32,17 @@ ErrorModel calibrate(const RegressionData& data, const Regression& regression, c
 
 // A region as a basis' metadata "coverage" tells it.
 struct RegionCoverage {
+  std::string name;
   std::vector<std::string> joints;  // that move its skin, most of all first
   double size = 0;                  // vertices, by their weights
   ErrorModel expected;
 };
 
+// False for Direct Delta Mush alone, which was trained without shapes.
+bool has_coverage(const Basis& basis);
 std::string coverage_text(const std::vector<RegionCoverage>& regions);
-// Throws Error(mismatch) where the basis was trained without (Direct Delta Mush alone), Error(file) where it is
-// damaged.
+// Regions without a name, as older versions wrote them, get that of their first joint. Throws Error(mismatch) where
+// the basis has none, Error(file) where it is damaged.
 std::vector<RegionCoverage> read_coverage(const Basis& basis);
 
 struct ExpectedError {
@@ -51,10 +54,14 @@ struct ExpectedError {
 std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector<RegionCoverage>& regions,
                                            const std::vector<Pose>& poses);
 
+double root_mean_square(const std::vector<double>& values);  // 0 of none
+
 // Spearman's rank correlation of as many values; not a number where either does not vary.
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b);
 
-// At most `count` frames (indices), worst first, no two of them nearer than `gap`.
+// At most `count` frames (indices), worst first, no two of them nearer than `gap`; and the gap by which so many are
+// spread over the motion.
 std::vector<std::size_t> worth_simulating(const std::vector<double>& expected, std::size_t count, std::size_t gap);
+std::size_t spreading_gap(std::size_t frames, std::size_t count);
 
 }  // namespace bodyopt

@@ -1,6 +1,7 @@
 #include "trainer/train/heldout.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 
@@ -66,6 +67,26 @@ ErrorStatistics heldout_errors(const SampleSet& set, const std::vector<Positions
     accumulator.add(numbers[k], to_float(shapes[k]), to_float(set.heldout[k].shape.read()));
   }
   return accumulator.finish();
+}
+
+VertexErrors vertex_errors(const SampleSet& set, const std::vector<Positions>& shapes) {
+  VertexErrors errors;
+  errors.mean = errors.mean_square = Eigen::VectorXd::Zero(set.character.vertices.rows());
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    const Eigen::VectorXd squares = 1e6 * (shapes[k] - set.heldout[k].shape.read()).rowwise().squaredNorm();
+    errors.mean += squares.cwiseSqrt() / static_cast<double>(shapes.size());
+    errors.mean_square += squares / static_cast<double>(shapes.size());
+  }
+  return errors;
+}
+
+double region_rms(const VertexErrors& errors, const RegionWeights& region) {
+  double sum = 0, weight = 0;
+  for (std::size_t k = 0; k < region.vertices.size(); ++k) {
+    sum += region.weights[k] * errors.mean_square[region.vertices[k]];
+    weight += region.weights[k];
+  }
+  return weight > 0 ? std::sqrt(sum / weight) : 0;
 }
 
 Basis without_residual(const Basis& basis) {

@@ -19,6 +19,14 @@ std::vector<Positions> heldout_by_basis(const SampleSet& set, Deformer& deformer
 // Errors of such shapes against the simulation. Jitter is over consecutive held-out samples of a take.
 ErrorStatistics heldout_errors(const SampleSet& set, const std::vector<Positions>& shapes);
 
+// Errors of such shapes at every vertex over the held-out frames: mean distance (mm), and mean squared distance (mm^2).
+struct VertexErrors {
+  Eigen::VectorXd mean, mean_square;
+};
+VertexErrors vertex_errors(const SampleSet& set, const std::vector<Positions>& shapes);
+// RMS (mm) over the vertices of a region, by its weights.
+double region_rms(const VertexErrors& errors, const RegionWeights& region);
+
 // The basis without its residual and strains: Direct Delta Mush alone.
 Basis without_residual(const Basis& basis);
 

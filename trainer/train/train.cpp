@@ -70,7 +70,7 @@ std::vector<RegionCoverage> region_coverage(const Character& character, const Re
   for (const std::size_t r : packed) {
     const RegionModel& region = model.regions[r];
     const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
-    regions.push_back({joints_of(character, region.region), size,
+    regions.push_back({region.region.name, joints_of(character, region.region), size,
                        calibrate(regression_data(features, region, model.folds), region.fits[selection[r].fit],
                                  frame_energies(region, selection[r]), region.worth)});
   }
@@ -149,6 +149,11 @@ std::vector<std::string> warnings_of(const SampleSet& set, const Groundwork& gro
   return warnings;
 }
 
+Groundwork groundwork_for(const StagedFit& fit, const SampleSet& set, TrainOptions options) {
+  options.smoothing_radius = fit.smoothing_radius();
+  return Groundwork(set, options, fit.earlier_features());
+}
+
 }  // namespace
 
 Basis build_ddm_basis(const Character& character, const TrainOptions& options) {
@@ -161,8 +166,10 @@ Basis build_ddm_basis(const Character& character, const TrainOptions& options) {
 std::vector<RegionWeights> training_regions(const SampleSet& set, const TrainOptions& options) {
   check_samples(set);
   const SingleThreadedProducts single_threaded;
-  const Groundwork ground(set, options);
-  return renumbered(make_layout(set, ground, options.method).regions, ground.order);
+  std::vector<std::string> unheard;
+  StagedFit fit(set, options, unheard);
+  const Groundwork ground = groundwork_for(fit, set, options);
+  return renumbered(fit.layout(ground).regions, ground.order);
 }
 
 Basis train(const SampleSet& set, const TrainOptions& options, std::vector<std::string>* notes) {
@@ -170,9 +177,7 @@ Basis train(const SampleSet& set, const TrainOptions& options, std::vector<std::
   const SingleThreadedProducts single_threaded;
   std::vector<std::string> unheard;
   StagedFit fit(set, options, notes ? *notes : unheard);
-  TrainOptions with_radius = options;
-  with_radius.smoothing_radius = fit.smoothing_radius();
-  Groundwork ground(set, with_radius, fit.earlier_features());
+  Groundwork ground = groundwork_for(fit, set, options);
   const Character& ordered = ground.ordered;
   Basis& basis = ground.base.basis;
   const Layout layout = fit.layout(ground);
