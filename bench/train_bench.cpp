@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 
+#include "bench/over_large.h"
 #include "bench/randomised_svd.h"
 #include "bench/subdivide.h"
 #include "runtime/basis/error.h"
@@ -220,9 +221,27 @@ void BM_RandomisedSvd(benchmark::State& state) {
   state.counters["left_by_basis_mm"] = left_by_basis_mm();
 }
 
+// Of every eighth frame of the dataset as it is.
+void BM_OverLargeBasis(benchmark::State& state) {
+  if (!has_data(state)) return;
+  SampleSet set = read_samples(read_dataset(fs::path(std::getenv("BODYOPT_TRAIN_DATA")) / "dataset.json"));
+  const std::vector<Sample> all = std::move(set.train);
+  set.train.clear();
+  for (std::size_t k = 0; k < all.size(); k += 8) set.train.push_back(all[k]);
+  for (auto _ : state) {
+    const Stopwatch watch;
+    const Basis basis = over_large_basis(set);
+    report(state, watch.cost());
+    state.counters["frames"] = static_cast<double>(set.train.size());
+    state.counters["largest_mm"] = 1e3 * largest_distance(basis, set);
+    state.counters["bytes_per_vertex"] = static_cast<double>(total_bytes(basis)) / basis.mesh.vertex_count();
+  }
+}
+
 BENCHMARK(BM_Train)->Iterations(1)->UseManualTime()->Unit(benchmark::kSecond);
 BENCHMARK(BM_Product)->Iterations(1)->UseManualTime()->Unit(benchmark::kSecond);
 BENCHMARK(BM_RandomisedSvd)->Iterations(1)->UseManualTime()->Unit(benchmark::kSecond);
+BENCHMARK(BM_OverLargeBasis)->Iterations(1)->UseManualTime()->Unit(benchmark::kSecond);
 
 }  // namespace
 }  // namespace bodyopt::bench

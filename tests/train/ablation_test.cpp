@@ -49,6 +49,12 @@ TEST(Ablation, SaysWhatEachCosts) {
     if (name == "LBS" || name == "DDM") continue;
     EXPECT_GT(row.coefficients, 0u) << name;
     EXPECT_GT(row.bytes_per_vertex, rows().at("LBS").bytes_per_vertex) << name;
+    RecordProperty("bytes of " + name, std::to_string(row.bytes_per_vertex));
+    EXPECT_LE(row.bytes_per_vertex, full.bytes_per_vertex) << name;
+  }
+  // What the peers leave out does harm; they are not short of room.
+  for (const char* name : {"DDM + joints, linear, local", "DDM + joints, kernels, static"}) {
+    EXPECT_GT(rows().at(name).bytes_per_vertex, 0.95 * full.bytes_per_vertex) << name;
   }
 }
 

@@ -158,8 +158,13 @@ class KernelRidge {
     const Index kernels = kernel_norm_.rows(), linear = sums.normal.rows() - kernels;
     sums.normal.diagonal().head(linear).array() += penalty.linear * sums.frames;
     sums.normal.bottomRightCorner(kernels, kernels) += penalty.kernel * kernel_norm_;
-    sums.normal.diagonal().array() += 1e-10 * std::max(1.0, sums.normal.trace());
-    return sums.normal.selfadjointView<Eigen::Lower>().llt().solve(sums.right);
+    // As little as the factorisation needs: kernels far wider than their distances are nearly the same.
+    const Eigen::VectorXd diagonal = sums.normal.diagonal();
+    for (double ridge = 1e-10 * std::max(1.0, sums.normal.trace());; ridge *= 100) {
+      sums.normal.diagonal() = diagonal.array() + ridge;
+      const Eigen::LLT<MatrixXd> factor = sums.normal.selfadjointView<Eigen::Lower>().llt();
+      if (factor.info() == Eigen::Success || !std::isfinite(ridge)) return factor.solve(sums.right);
+    }
   }
 
   double inverse_width2_;
