@@ -27,7 +27,7 @@ p { margin: 8px 0 14px; max-width: 78ch; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; margin: 10px 0 18px; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: 9px 14px; border-bottom: 1px solid var(--line); vertical-align: top; }
-thead th { color: var(--quiet); font-weight: 550; font-size: 0.9rem; white-space: nowrap; }
+thead th { color: var(--quiet); font-weight: 550; font-size: 0.9rem; }
 tbody th { font-weight: 620; white-space: nowrap; }
 .number { text-align: right; white-space: nowrap; }
 .best { color: var(--accent); font-weight: 650; }

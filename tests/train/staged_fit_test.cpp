@@ -141,6 +141,8 @@ TEST(StagedFit, NewFramesAreLearnedAsFromTheStart) {
                            std::to_string(anew) + " from the start");
   EXPECT_LT(after, 1.05 * anew);
   EXPECT_LT(after, 0.99 * before);
+  EXPECT_NE(updated.metadata.at("provenance").find("updated"), std::string::npos);
+  EXPECT_EQ(from_all.metadata.at("provenance").find("updated"), std::string::npos);
   // It is kept in turn, for the next update, and does not pass for a training from the start.
   EXPECT_EQ(testing::difference(train(all, updating(folder)), updated), "");
   EXPECT_EQ(testing::difference(train(all, keeping(folder)), from_all), "");

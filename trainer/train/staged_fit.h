@@ -26,6 +26,8 @@ class StagedFit {
   // Layout and regions; shows progress. As train(): the same with and without an interruption.
   Layout layout(const Groundwork& ground);
   std::vector<RegionModel> regions(const Groundwork& ground, const Layout& layout);
+  // After layout(): whether the fit is that of an earlier training brought to these frames.
+  bool is_update(const Groundwork& ground) const { return key_ != training_key(keys_, ground.base.radius); }
 
  private:
   bool can_update() const;

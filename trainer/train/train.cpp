@@ -149,6 +149,13 @@ std::vector<std::string> warnings_of(const SampleSet& set, const Groundwork& gro
   return warnings;
 }
 
+// A training from the start of the same data and options makes another basis.
+void say_updated(Basis& basis) {
+  nlohmann::json provenance = nlohmann::json::parse(basis.metadata.at("provenance"));
+  provenance["updated"] = true;
+  basis.metadata["provenance"] = provenance.dump();
+}
+
 Groundwork groundwork_for(const StagedFit& fit, const SampleSet& set, TrainOptions options) {
   options.smoothing_radius = fit.smoothing_radius();
   return Groundwork(set, options, fit.earlier_features());
@@ -183,6 +190,7 @@ Basis train(const SampleSet& set, const TrainOptions& options, std::vector<std::
   const Layout layout = fit.layout(ground);
   const ResidualModel model{set.controls, ground.features.ranges, fit.regions(ground, layout),
                             ground.shapes.vertex_count(), training_folds(set)};
+  if (fit.is_update(ground)) say_updated(basis);
   const Basis bare = basis;
   const TradeOff trade_off(bare, model);
   const Selection selection = trade_off.choose(options);
