@@ -137,7 +137,9 @@ void keep_command_line(int argc, char** argv) {
   for (int k = 1; k < argc; ++k) {
     const std::string argument = argv[k];
     const bool plain = !argument.empty() && argument.find_first_of(" \t\n\"'$*?#&;|<>()\\") == std::string::npos;
-    kept_command_line() += " " + (plain ? argument : "'" + argument + "'");
+    std::string quoted;
+    for (const char c : argument) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    kept_command_line() += " " + (plain ? argument : "'" + quoted + "'");
   }
 }
 

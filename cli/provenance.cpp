@@ -35,7 +35,8 @@ ProvenanceReport::Take take_of(const DatasetTake& take, std::size_t index, const
 std::vector<std::pair<std::string, std::string>> options_of(const Json& provenance, const TrainOptions& options,
                                                             double unit) {
   std::vector<std::pair<std::string, std::string>> list;
-  for (const char* name : {"smoothing_radius_m", "smoothing_steps", "components", "centres", "seed"}) {
+  for (const char* name :
+       {"smoothing_radius_m", "smoothing_steps", "components", "centres", "surface_curves", "seed"}) {
     list.emplace_back(name, provenance.at(name).dump());
   }
   for (const char* name : {"budget", "tolerance_mm"}) {

@@ -12,7 +12,6 @@
 #include "runtime/basis/error.h"
 #include "trainer/dataset/check.h"
 #include "trainer/train/heldout.h"
-#include "trainer/train/surface_curves.h"
 #include "trainer/train/trade_off.h"
 
 namespace bodyopt::cli {
@@ -21,7 +20,7 @@ namespace {
 struct TrainArguments {
   std::string dataset, ddm_only, out, report;
   double unit = 0;
-  int heldout_every = 0, surface_curves = 0;
+  int heldout_every = 0;
   bool ablate = false;
   TrainOptions options;
   JsonOption json;
@@ -89,7 +88,7 @@ void run(TrainArguments arguments) {
   if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
   if (arguments.heldout_every > 0) hold_out_blocks(dataset, arguments.heldout_every);
   spdlog::info("reading the shapes");
-  SampleSet set = read_samples(dataset);
+  const SampleSet set = read_samples(dataset);
   say(set.notes);
   if (arguments.ablate && set.heldout.empty()) {
     throw Error(ErrorKind::usage,
@@ -97,10 +96,6 @@ void run(TrainArguments arguments) {
                 "--heldout-every 5");
   }
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
-  if (arguments.surface_curves > 0) {
-    const std::vector<Muscle> curves = surface_curves(set, arguments.options, arguments.surface_curves);
-    set.muscles.insert(set.muscles.end(), curves.begin(), curves.end());
-  }
 
   const double preparing = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Training training = train_and_measure(set, arguments.options, arguments.ablate, dataset.unit, arguments.out);
@@ -162,7 +157,7 @@ void add_train(CLI::App& app) {
   verb.add_option("--heldout-every", arguments->heldout_every,
                   "Hold out every Nth block of ten frames instead of the frames dataset.json names")
       ->check(CLI::Range(2, 1000));
-  verb.add_option("--surface-curves", arguments->surface_curves,
+  verb.add_option("--surface-curves", arguments->options.surface_curves,
                   "Also measure strains along so many pairs of curves on the skin, where nothing explains its motion")
       ->type_name("N")
       ->check(CLI::Range(1, 1000))

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -66,8 +67,12 @@ void roughen(SampleSet& set) {
   }
 }
 
+// The one that is kept.
 fs::path region_file(const TemporaryFolder& folder, std::size_t number) {
-  return folder / ("kept/region_" + std::to_string(number) + ".safetensors");
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder / "kept")) {
+    if (entry.path().filename().string().starts_with("region_" + std::to_string(number) + "_")) return entry.path();
+  }
+  return {};
 }
 
 // Marks what is kept of a region, so that a basis shows whether it was used.
@@ -109,19 +114,33 @@ TEST(StagedFit, AnotherSizeIsMadeOfWhatIsKept) {
 // Each of them another character, pose, shape, muscle or option.
 TEST(StagedFit, WhatIsKeptOfOtherInputsIsNotUsed) {
   const TemporaryFolder folder;
-  SampleSet pose = samples(), shape = samples(), weights = samples(), muscle = samples();
+  SampleSet pose = samples(), shape = samples(), weights = samples(), muscle = samples(), painted = samples(),
+            bind = samples(), control = samples();
+  painted.regions = {{"mine", {10, 11, 12}, {1, 1, 1}}};
+  bind.character.skeleton.joints[1].bind.translation[2] += 1e-4;
+  control.controls = {"breath"};
+  for (std::vector<Sample>* some : {&control.train, &control.heldout}) {
+    for (Sample& sample : *some) sample.pose.controls = {0.1f};
+  }
   pose.train[5].pose.joints[1].rotation = axis_angle({1, 0, 0}, 0.3);
   shape.train[9].shape = Positions(shape.train[9].shape.read().array() + 1e-4);
   weights.character.weights[300] = {{0, 0.7}, {1, 0.3}};
   muscle.muscles[0].path[1].position[1] += 0.01;
-  for (const SampleSet& other : {pose, shape, weights, muscle}) {
+  for (const SampleSet& other : {pose, shape, weights, muscle, painted, bind, control}) {
     train(other, keeping(folder));
     EXPECT_EQ(testing::difference(train(samples(), keeping(folder)), from_the_start()), "");
   }
-  TrainOptions seed = keeping(folder);
-  seed.seed = 7;
-  train(samples(), seed);
-  EXPECT_EQ(testing::difference(train(samples(), keeping(folder)), from_the_start()), "");
+  std::vector<TrainOptions> others(6, keeping(folder));
+  others[0].seed = 7;
+  others[1].components = 6;
+  others[2].centres = 30;
+  others[3].smoothing_radius = 0.02;
+  others[4].method.support = Method::Support::static_regions;
+  others[5].surface_curves = 2;
+  for (const TrainOptions& other : others) {
+    train(samples(), other);
+    EXPECT_EQ(testing::difference(train(samples(), keeping(folder)), from_the_start()), "");
+  }
 }
 
 TEST(StagedFit, NewFramesAreLearnedAsFromTheStart) {
@@ -184,6 +203,92 @@ TEST(StagedFit, RegionsThatLackWhatIsNewAreFittedAnew) {
   EXPECT_LT(heldout_rms(updated), 1.1 * anew);
 }
 
+// Whatever else an update began with: its regions are its own until it is done.
+TEST(StagedFit, AnUpdateDoesNotDependOnOneThatWasInterrupted) {
+  const SampleSet known = without({40, 90}), other = without({90});
+  const TemporaryFolder folder, clean;
+  train(known, keeping(folder));
+  fs::copy(folder / "kept", clean / "kept");
+  const fs::path layout = folder / "kept/layout.safetensors";
+  fs::copy_file(layout, folder / "before");
+  train(other, updating(folder));
+  fs::rename(folder / "before", layout);  // as if it had been interrupted before its end
+  for (const fs::directory_entry& entry : fs::directory_iterator(clean / "kept")) {
+    if (entry.path() != clean / "kept/layout.safetensors") {
+      fs::copy_file(entry.path(), folder / "kept" / entry.path().filename());
+    }
+  }
+  const Basis updated = train(samples(), updating(clean));
+  EXPECT_EQ(testing::difference(train(samples(), updating(folder)), updated), "");
+  // And nothing else is left behind.
+  std::size_t files = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder / "kept")) ++files;
+  EXPECT_EQ(files, 1 + TrainingStore(folder / "kept").layout()->layout.regions.size());
+}
+
+TEST(StagedFit, TakesMayComeInAnotherOrder) {
+  const TemporaryFolder folder;
+  SampleSet two = samples(), swapped = samples();
+  two.takes = swapped.takes = {"first", "second", "heldout"};
+  for (std::size_t n = 0; n < 160; ++n) two.train[n].take = n < 100 ? 0 : 1;
+  std::rotate(swapped.train.begin(), swapped.train.begin() + 100, swapped.train.end());
+  for (std::size_t n = 0; n < 160; ++n) swapped.train[n].take = n < 60 ? 0 : 1;
+  train(two, keeping(folder));
+  std::vector<std::string> notes;
+  const double updated = heldout_rms(train(swapped, updating(folder), &notes));
+  for (const std::string& note : notes) EXPECT_NE(note.find("regions of 3"), std::string::npos) << note;  // other folds
+  EXPECT_LT(updated, 1.1 * heldout_rms(train(swapped, {.components = 8, .centres = 60})));
+}
+
+// Training must not know what it is measured on.
+TEST(StagedFit, FramesThatAreHeldOutNowAreForgotten) {
+  const TemporaryFolder folder;
+  train(samples(), keeping(folder));
+  SampleSet split = without({70, 71, 72});
+  for (const std::size_t n : {70, 71, 72}) split.heldout.push_back(samples().train[n]);
+  std::vector<std::string> notes;
+  const Basis updated = train(split, updating(folder), &notes);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("held out"), std::string::npos) << notes[0];
+  EXPECT_EQ(testing::difference(updated, train(split, {.components = 8, .centres = 60})), "");
+}
+
+TEST(StagedFit, SurfaceCurvesStayWhereTheyAre) {
+  const TemporaryFolder folder;
+  TrainOptions options = keeping(folder);
+  options.surface_curves = 3;
+  SampleSet bare = samples();
+  bare.muscles.clear();
+  SampleSet known = bare;
+  known.train.erase(known.train.begin() + 40);
+  const Basis before = train(known, options);
+  options.update = true;
+  std::vector<std::string> notes;
+  const Basis updated = train(bare, options, &notes);
+  for (const std::string& note : notes) EXPECT_NE(note.find("regions of "), std::string::npos) << note;
+  EXPECT_GT(before.strain.fibre_count(), 0u);
+  EXPECT_EQ(TrainingStore(folder / "kept").layout()->curves.size(), 6u);
+  options.update = false;
+  options.keep_in.clear();
+  EXPECT_LT(heldout_rms(updated), 1.1 * heldout_rms(train(bare, options)));
+}
+
+TEST(StagedFit, ABudgetBelowTheEarlierRadiusIsATraining) {
+  const TemporaryFolder folder;
+  TrainOptions options = keeping(folder);
+  train(samples(), options);
+  options.update = true;
+  options.budget = bytes_per_vertex(without_residual(from_the_start())) * 0.99;
+  std::vector<std::string> notes;
+  try {
+    train(samples(), options, &notes);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::usage);  // of the limb's radii neither may fit
+  }
+  ASSERT_FALSE(notes.empty());
+  EXPECT_NE(notes[0].find("--budget"), std::string::npos) << notes[0];
+}
+
 TEST(StagedFit, AnUpdateThatCannotBeIsATraining) {
   const TemporaryFolder folder;
   const auto expect_anew = [&](const std::string& why) {
@@ -197,6 +302,13 @@ TEST(StagedFit, AnUpdateThatCannotBeIsATraining) {
   few.train.resize(100);
   train(few, keeping(folder));
   expect_anew("60 frames of 160 are new");
+  SampleSet many = samples();
+  for (std::size_t n = 0; n < 30; ++n) {
+    many.train.push_back(many.train[n]);
+    many.train.back().shape = Positions(many.train[n].shape.read().array() + 1e-5);
+  }
+  train(many, keeping(folder));
+  expect_anew("30 frames of 190 are gone");
   SampleSet still = without({70, 71});
   for (Sample& sample : still.train) sample.pose.joints[2] = still.character.skeleton.joints[2].bind;
   for (std::size_t n : {70, 71}) still.train.push_back(samples().train[n]);
@@ -244,7 +356,16 @@ TEST(StagedFit, ADamagedFileIsNamed) {
     FAIL() << "nothing was said";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::file);
-    EXPECT_NE(std::string(error.what()).find("region_1.safetensors"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("region_1_"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("delete the folder"), std::string::npos) << error.what();
+  }
+  const TemporaryFolder another;
+  std::ofstream(another / "kept") << "no folder";
+  try {
+    train(samples(), keeping(another));
+    FAIL() << "nothing was said";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::file);
   }
 }
 

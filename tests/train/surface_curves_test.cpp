@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "runtime/basis/error.h"
 #include "runtime/deformer.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/train/features.h"
@@ -25,7 +26,7 @@ const SampleSet& without_muscles() {
 }
 
 const std::vector<Muscle>& curves() {
-  static const std::vector<Muscle> made = surface_curves(without_muscles(), {}, 6);
+  static const std::vector<Muscle> made = surface_curves(without_muscles(), {.surface_curves = 6});
   return made;
 }
 
@@ -96,17 +97,21 @@ SampleSet swelling_limb() {
 }
 
 TEST(SurfaceCurves, TellWhatMusclesWouldHave) {
-  const TrainOptions options{.components = 8, .method = {.kernels = false}};
-  const SampleSet without = swelling_limb();
-  SampleSet with = without;
-  with.muscles = surface_curves(without, options, 6);
-  const auto rms = [&](const SampleSet& set) {
-    Deformer deformer(train(set, options), {.name = "cpu"});
+  const SampleSet set = swelling_limb();
+  const auto rms = [&](int count) {
+    Deformer deformer(train(set, {.components = 8, .method = {.kernels = false}, .surface_curves = count}),
+                      {.name = "cpu"});
     return heldout_errors(set, heldout_by_basis(set, deformer)).rms;
   };
-  const double before = rms(without), after = rms(with);
+  const double before = rms(0), after = rms(6);
   RecordProperty("mm", std::to_string(before) + " without, " + std::to_string(after) + " with");
   EXPECT_LT(after, 0.7 * before);
+}
+
+TEST(SurfaceCurves, NeedFrames) {
+  SampleSet none = without_muscles();
+  none.train.clear();
+  EXPECT_THROW(surface_curves(none, {.surface_curves = 2}), Error);
 }
 
 }  // namespace

@@ -192,7 +192,8 @@ std::string part_name(std::size_t part, std::size_t count) {
 // Where the frames of an earlier training are now, and which are new.
 class FrameMap {
  public:
-  explicit FrameMap(const std::vector<int>& earlier) : earlier_(earlier) {
+  FrameMap(const std::vector<int>& earlier, std::size_t earlier_count)
+      : earlier_(earlier), earlier_count_(earlier_count) {
     for (std::size_t n = 0; n < earlier.size(); ++n) {
       if (earlier[n] < 0) continue;
       now_[static_cast<std::size_t>(earlier[n])] = n;
@@ -200,7 +201,8 @@ class FrameMap {
   }
 
   bool is_new(std::size_t frame) const { return earlier_[frame] < 0; }
-  bool is_new(const FramePair& pair) const { return is_new(pair.first) || is_new(pair.second); }
+  // Pairs of earlier frames were looked at then. Without the first frame of its pose another pair is made of the rest.
+  bool is_new(const FramePair& pair) const { return lost_some() || is_new(pair.first) || is_new(pair.second); }
 
   // Those that are still there, as they are numbered now.
   std::vector<StrayVertex> carried(const std::vector<StrayVertex>& strays) const {
@@ -213,6 +215,7 @@ class FrameMap {
   }
   std::vector<Contradiction> carried(const std::vector<Contradiction>& contradictions) const {
     std::vector<Contradiction> carried;
+    if (lost_some()) return carried;
     for (const Contradiction& c : contradictions) {
       const auto first = now_.find(c.frames.first), second = now_.find(c.frames.second);
       if (first == now_.end() || second == now_.end()) continue;
@@ -222,7 +225,10 @@ class FrameMap {
   }
 
  private:
+  bool lost_some() const { return now_.size() < earlier_count_; }
+
   const std::vector<int>& earlier_;
+  std::size_t earlier_count_;
   std::map<std::size_t, std::size_t> now_;
 };
 
@@ -346,7 +352,9 @@ void fit_regions(const FitContext& context, const std::vector<std::size_t>& regi
 std::vector<std::size_t> update_regions(const FitContext& context, const std::vector<int>& earlier,
                                         const std::vector<std::size_t>& regions, std::vector<RegionModel>& models,
                                         const RegionDone& done, const std::string& kept) {
-  const FrameMap map(earlier);
+  if (regions.empty()) return {};
+  const auto earlier_count = models[regions.front()].components.coefficients.rows();
+  const FrameMap map(earlier, static_cast<std::size_t>(earlier_count));
   const std::vector<std::size_t> frames = frames_to_unpose(map, context.pairs, earlier.size());
   std::vector<FramePair> new_pairs;
   std::copy_if(context.pairs.begin(), context.pairs.end(), std::back_inserter(new_pairs),

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <set>
 
 #include "runtime/basis/hexadecimal.h"
 #include "runtime/rig.h"
@@ -137,6 +136,7 @@ DdmBase make_ddm_base(const Character& ordered, double radius, const TrainOption
                                      {"centres", options.centres},
                                      {"budget", options.budget},
                                      {"tolerance_mm", options.tolerance_mm},
+                                     {"surface_curves", options.surface_curves},
                                      {"seed", options.seed}};
   basis.metadata["provenance"] = provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   return base;

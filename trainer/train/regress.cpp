@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 
 #include "runtime/cpu/half.h"
 
@@ -163,7 +164,8 @@ class KernelRidge {
     for (double ridge = 1e-10 * std::max(1.0, sums.normal.trace());; ridge *= 100) {
       sums.normal.diagonal() = diagonal.array() + ridge;
       const Eigen::LLT<MatrixXd> factor = sums.normal.selfadjointView<Eigen::Lower>().llt();
-      if (factor.info() == Eigen::Success || !std::isfinite(ridge)) return factor.solve(sums.right);
+      if (factor.info() == Eigen::Success) return factor.solve(sums.right);
+      if (!std::isfinite(ridge)) throw std::logic_error("normal equations that no ridge makes definite");
     }
   }
 

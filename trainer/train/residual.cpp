@@ -3,12 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 
 #include "runtime/cpu/half.h"
-#include "runtime/rig.h"
-#include "trainer/parallel.h"
-#include "trainer/progress.h"
 #include "trainer/train/mesh_table.h"
 #include "trainer/train/select_features.h"
 #include "trainer/train/strain.h"

@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
+#include <set>
 
 #include "trainer/dataset/notes.h"
+#include "trainer/train/mesh_table.h"
+#include "trainer/train/surface_curves.h"
+#include "trainer/train/trade_off.h"
 
 namespace bodyopt {
 namespace {
 
-// An earlier training is brought to other frames where no more than this part of them is new.
-constexpr double kMostNew = 0.1;
+// An earlier training is brought to other frames where no more than this part of them is others.
+constexpr double kMostOthers = 0.1;
 
 std::vector<int> frames_in(const std::vector<std::uint64_t>& earlier, const std::vector<std::uint64_t>& frames) {
   std::map<std::uint64_t, int> numbers;
@@ -35,29 +38,68 @@ StagedFit::StagedFit(const SampleSet& set, const TrainOptions& options, std::vec
   updates_ = options.update && can_update();
 }
 
-EarlierFeatures StagedFit::earlier_features() const {
-  if (!earlier_) return {};
-  return {earlier_->smoothing_radius, {earlier_->features, earlier_frames_}};
-}
-
+// A tenth of the frames, of those before and of those now, may be others; none that was learned from may be held out.
 bool StagedFit::can_update() const {
-  const std::string anew = ": trained from the start";
+  const auto refuse = [&](const std::string& why) {
+    notes_.push_back(why + ": trained from the start");
+    return false;
+  };
   if (!earlier_) {
-    notes_.push_back("nothing to update in " + options_.keep_in.string() +
-                     ", or it is of another character, other muscles or regions, or other options" + anew);
-    return false;
+    return refuse("nothing to update in " + options_.keep_in.string() +
+                  ", or it is of another character, other muscles or regions, or other options");
   }
+  const std::vector<std::uint64_t>& before = earlier_->from.frames;
+  const std::set<int> still(earlier_frames_.begin(), earlier_frames_.end());
   const auto fresh = static_cast<std::size_t>(std::count(earlier_frames_.begin(), earlier_frames_.end(), -1));
-  const std::string frames = count_of(fresh, "frame", "frames");
-  if (static_cast<double>(fresh) > kMostNew * static_cast<double>(keys_.frames.size())) {
-    notes_.push_back(frames + " of " + std::to_string(keys_.frames.size()) + " are new, more than a tenth" + anew);
-    return false;
+  const std::size_t gone = before.size() - (still.size() - still.count(-1));
+  const auto too_many = [](std::size_t some, std::size_t all) {
+    return static_cast<double>(some) > kMostOthers * static_cast<double>(all);
+  };
+  if (too_many(fresh, keys_.frames.size())) {
+    return refuse(count_of(fresh, "frame", "frames") + " of " + std::to_string(keys_.frames.size()) +
+                  " are new, more than a tenth");
+  }
+  if (too_many(gone, before.size())) {
+    return refuse(count_of(gone, "frame", "frames") + " of " + std::to_string(before.size()) +
+                  " are gone, more than a tenth");
+  }
+  const std::set<std::uint64_t> heldout(keys_.heldout.begin(), keys_.heldout.end());
+  if (std::any_of(before.begin(), before.end(), [&](std::uint64_t frame) { return heldout.contains(frame); })) {
+    return refuse("frames are held out that the earlier training learned from");
+  }
+  if (options_.budget > 0) {
+    const Character ordered = in_order(set_.character, morton_order(set_.character.vertices));
+    const Basis bare = make_ddm_base(ordered, earlier_->smoothing_radius, options_).basis;
+    if (bytes_per_vertex(bare) > options_.budget) {
+      return refuse("Direct Delta Mush of the earlier training takes more than --budget");
+    }
   }
   return true;
 }
 
-// No feature varies in the new frames only.
-bool StagedFit::features_are_known(const Groundwork& ground) const {
+SampleSet StagedFit::samples() {
+  SampleSet samples = set_;
+  if (options_.surface_curves > 0 && options_.method.strains) {
+    curves_ = updates_ ? earlier_->curves : surface_curves(set_, options_);
+    samples.muscles.insert(samples.muscles.end(), curves_.begin(), curves_.end());
+  }
+  return samples;
+}
+
+TrainOptions StagedFit::options() const {
+  TrainOptions options = options_;
+  if (updates_) options.smoothing_radius = earlier_->smoothing_radius;
+  return options;
+}
+
+EarlierFeatures StagedFit::earlier_features() const {
+  if (!earlier_ || muscles_hash(earlier_->curves) != muscles_hash(curves_)) return {};
+  return {earlier_->smoothing_radius, {earlier_->features, earlier_frames_}};
+}
+
+// No feature may vary in the new frames only.
+bool StagedFit::suits(const Groundwork& ground) const {
+  if (!updates_) return true;
   const Eigen::MatrixXd& values = ground.features.values;
   std::vector<Eigen::Index> known;
   for (std::size_t n = 0; n < earlier_frames_.size(); ++n) {
@@ -67,28 +109,27 @@ bool StagedFit::features_are_known(const Groundwork& ground) const {
   Eigen::MatrixXd before = values(known, Eigen::all);
   const Eigen::RowVectorXd mean = before.colwise().mean();
   before.rowwise() -= mean;
-  return varying_features(values, 0, count) == varying_features(before, 0, count);
+  if (varying_features(values, 0, count) == varying_features(before, 0, count)) return true;
+  notes_.push_back("joints or muscles move that did not move before: trained from the start");
+  return false;
 }
 
-Layout StagedFit::layout(const Groundwork& ground) {
-  if (updates_ && !features_are_known(ground)) {
-    notes_.push_back("joints or muscles move that did not move before: trained from the start");
-    updates_ = false;
-  }
+Layout StagedFit::layout(const SampleSet& samples, const Groundwork& ground) {
   if (updates_) {
-    const bool same = earlier_->from.frames == keys_.frames;
+    const bool same = earlier_->from.frames == keys_.frames && earlier_->from.takes == keys_.takes;
     key_ = same ? earlier_->key : updated_key(earlier_->key, keys_);
     return earlier_->layout;
   }
   key_ = training_key(keys_, ground.base.radius);
   if (earlier_ && earlier_->key == key_) return earlier_->layout;
-  Layout layout = make_layout(set_, ground, options_.method);
+  Layout layout = make_layout(samples, ground, options_.method);
   keep(ground, layout);
   return layout;
 }
 
 void StagedFit::keep(const Groundwork& ground, const Layout& layout) const {
-  store_.keep({key_, keys_, ground.base.radius, ground.features.raw, layout});
+  store_.keep({key_, keys_, ground.base.radius, curves_, ground.features.raw, layout});
+  store_.forget_other_regions(key_);
 }
 
 std::vector<RegionModel> StagedFit::regions(const Groundwork& ground, const Layout& layout) {
@@ -121,7 +162,7 @@ std::vector<std::size_t> StagedFit::update(const FitContext& context, std::vecto
   const std::vector<std::size_t> refused = update_regions(context, earlier_frames_, old, models, done, kept);
   if (!refused.empty()) {
     notes_.push_back("in " + count_of(refused.size(), "region", "regions") + " of " + std::to_string(models.size()) +
-                     " the new frames move in ways that the earlier training did not know: fitted from the start");
+                     " what the earlier training found does not fit these frames: fitted from the start");
   }
   anew.insert(anew.end(), refused.begin(), refused.end());
   std::sort(anew.begin(), anew.end());

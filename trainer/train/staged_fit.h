@@ -17,21 +17,24 @@ class StagedFit {
   // `notes`: what the user should know of what was used. All must outlive this.
   StagedFit(const SampleSet& set, const TrainOptions& options, std::vector<std::string>& notes);
 
-  // Of the earlier training that is brought to these frames; else as the options have it, 0 where they leave it open.
-  double smoothing_radius() const { return updates_ ? earlier_->smoothing_radius : options_.smoothing_radius; }
-
-  // Of the frames that the earlier training knew.
+  // What to lay the groundwork from: the samples with the curves on their surface among the muscles, the options with
+  // the smoothing radius of the earlier training that is brought to these frames, and features that it measured.
+  SampleSet samples();
+  TrainOptions options() const;
   EarlierFeatures earlier_features() const;
 
+  // Whether the earlier training can be brought to frames that move so; if not, another StagedFit without
+  // options.update has to do it.
+  bool suits(const Groundwork& ground) const;
+
   // Layout and regions; shows progress. As train(): the same with and without an interruption.
-  Layout layout(const Groundwork& ground);
+  Layout layout(const SampleSet& samples, const Groundwork& ground);
   std::vector<RegionModel> regions(const Groundwork& ground, const Layout& layout);
   // After layout(): whether the fit is that of an earlier training brought to these frames.
   bool is_update(const Groundwork& ground) const { return key_ != training_key(keys_, ground.base.radius); }
 
  private:
   bool can_update() const;
-  bool features_are_known(const Groundwork& ground) const;
   void keep(const Groundwork& ground, const Layout& layout) const;
   std::vector<std::size_t> update(const FitContext& context, std::vector<RegionModel>& models,
                                   const std::vector<std::size_t>& missing, const RegionDone& done,
@@ -44,6 +47,7 @@ class StagedFit {
   TrainingKeys keys_;
   std::optional<KeptLayout> earlier_;
   std::vector<int> earlier_frames_;  // of every frame its number in the earlier training, -1: new
+  std::vector<Muscle> curves_;
   bool updates_ = false;
   std::uint64_t key_ = 0;
 };

@@ -92,19 +92,16 @@ class CurveMaker {
   }
 
   Muscle curve(Index vertex, const Eigen::Vector3d& direction, const std::string& name) const {
-    Muscle muscle;
-    muscle.name = name;
-    muscle.radius = 0;
-    muscle.fibre_count = 1;
+    std::vector<MusclePoint> path;
     const Eigen::Vector3d middle = character_.vertices.row(vertex).transpose();
     for (const double t : {-0.5, -0.25, 0.0, 0.25, 0.5}) {
       const SkinPoint point = nearest_(middle + t * length_ * direction);
       Index corner = 0;
       point.weights.maxCoeff(&corner);
       const std::uint32_t joint = character_.weights[point.vertices[static_cast<std::size_t>(corner)]].front().joint;
-      muscle.path.push_back({joint, {point.position.x(), point.position.y(), point.position.z()}});
+      path.push_back({joint, {point.position.x(), point.position.y(), point.position.z()}});
     }
-    return muscle;
+    return surface_curve(name, std::move(path));
   }
 
   const Character& character_;
@@ -115,7 +112,17 @@ class CurveMaker {
 
 }  // namespace
 
-std::vector<Muscle> surface_curves(const SampleSet& set, const TrainOptions& options, int count) {
+Muscle surface_curve(const std::string& name, std::vector<MusclePoint> path) {
+  Muscle muscle;
+  muscle.name = name;
+  muscle.path = std::move(path);
+  muscle.radius = 0;
+  muscle.fibre_count = 1;
+  return muscle;
+}
+
+std::vector<Muscle> surface_curves(const SampleSet& set, const TrainOptions& options) {
+  check_samples(set);
   const SingleThreadedProducts single_threaded;
   const Groundwork ground(set, options);
   const Character& character = ground.ordered;
@@ -124,7 +131,7 @@ std::vector<Muscle> surface_curves(const SampleSet& set, const TrainOptions& opt
   const double least = 1e-3 * left.maxCoeff();
   const CurveMaker maker(character);
   std::vector<Muscle> curves;
-  for (int k = 1; k <= count; ++k) {
+  for (int k = 1; k <= options.surface_curves; ++k) {
     Index worst = 0;
     if (!(left.maxCoeff(&worst) > least)) break;
     const std::string name = "surface " + std::to_string(k);

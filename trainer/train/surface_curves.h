@@ -8,10 +8,13 @@
 
 namespace bodyopt {
 
-// At most `count` pairs of curves on the skin, as muscles of one fibre each, named "surface 1 along", "surface 1
-// across": along the bone of the joint that moves the place most, and across it. They are put, one after the other,
-// where the un-posed motion is largest that a linear map of all features (fitted to other frames) leaves, and not near
-// those before. Shows progress. Throws as train().
-std::vector<Muscle> surface_curves(const SampleSet& set, const TrainOptions& options, int count);
+// At most options.surface_curves pairs of curves, named "surface 1 along", "surface 1 across": along the bone of the
+// joint that moves the place most, and across it. They are put, one after the other, where the un-posed motion is
+// largest that a linear map of all features (fitted to other frames) leaves, and not near those before. Shows progress.
+// Throws as train().
+std::vector<Muscle> surface_curves(const SampleSet& set, const TrainOptions& options);
+
+// A curve through points on the skin, as a muscle of one fibre.
+Muscle surface_curve(const std::string& name, std::vector<MusclePoint> path);
 
 }  // namespace bodyopt

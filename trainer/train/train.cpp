@@ -50,18 +50,6 @@ void check_pose(const SampleSet& set, const Sample& sample) {
   }
 }
 
-void check_samples(const SampleSet& set) {
-  if (set.train.size() < kFewestFrames) {
-    throw Error(ErrorKind::mismatch, "training needs " + std::to_string(kFewestFrames) +
-                                         " frames at least, the dataset leaves " + std::to_string(set.train.size()) +
-                                         " (held out: " + std::to_string(set.heldout.size()) +
-                                         ", unconverged: " + std::to_string(set.unconverged) + ")");
-  }
-  for (const std::vector<Sample>* samples : {&set.train, &set.heldout}) {
-    for (const Sample& sample : *samples) check_pose(set, sample);
-  }
-}
-
 // What coverage needs to know of the regions that are kept. `packed`: those of the model.
 std::vector<RegionCoverage> region_coverage(const Character& character, const ResidualModel& model,
                                             const std::vector<std::size_t>& packed, const FeatureSamples& features,
@@ -156,12 +144,48 @@ void say_updated(Basis& basis) {
   basis.metadata["provenance"] = provenance.dump();
 }
 
-Groundwork groundwork_for(const StagedFit& fit, const SampleSet& set, TrainOptions options) {
-  options.smoothing_radius = fit.smoothing_radius();
-  return Groundwork(set, options, fit.earlier_features());
+// What is worth its bytes, and all that the basis says of itself.
+Basis packed_basis(const SampleSet& set, const TrainOptions& options, Groundwork& ground, const ResidualModel& model) {
+  Basis& basis = ground.base.basis;
+  const Basis bare = basis;
+  const TradeOff trade_off(bare, model);
+  const Selection selection = trade_off.choose(options);
+  const PackedResidual packed = pack_into(basis, model, selection);
+  basis.metadata["coverage"] =
+      coverage_text(region_coverage(ground.ordered, model, packed.regions, ground.features, selection));
+  basis.metadata["curve"] = curve_text(trade_off.curve());
+  basis.metadata["report"] = report_of(basis, ground.ordered, set, model, bare.strain, expected_error(model, selection),
+                                       warnings_of(set, ground, model))
+                                 .dump();
+  return std::move(basis);
+}
+
+// Calls `use` with the fit, its samples and its groundwork.
+template <typename Use>
+auto prepared(const SampleSet& set, TrainOptions options, std::vector<std::string>& notes, const Use& use) {
+  check_samples(set);
+  const SingleThreadedProducts single_threaded;
+  for (;; options.update = false) {
+    StagedFit fit(set, options, notes);
+    const SampleSet samples = fit.samples();
+    Groundwork ground(samples, fit.options(), fit.earlier_features());
+    if (fit.suits(ground)) return use(fit, samples, ground);
+  }
 }
 
 }  // namespace
+
+void check_samples(const SampleSet& set) {
+  if (set.train.size() < kFewestFrames) {
+    throw Error(ErrorKind::mismatch, "training needs " + std::to_string(kFewestFrames) +
+                                         " frames at least, the dataset leaves " + std::to_string(set.train.size()) +
+                                         " (held out: " + std::to_string(set.heldout.size()) +
+                                         ", unconverged: " + std::to_string(set.unconverged) + ")");
+  }
+  for (const std::vector<Sample>* samples : {&set.train, &set.heldout}) {
+    for (const Sample& sample : *samples) check_pose(set, sample);
+  }
+}
 
 Basis build_ddm_basis(const Character& character, const TrainOptions& options) {
   const Character ordered = in_order(character, morton_order(character.vertices));
@@ -171,37 +195,22 @@ Basis build_ddm_basis(const Character& character, const TrainOptions& options) {
 }
 
 std::vector<RegionWeights> training_regions(const SampleSet& set, const TrainOptions& options) {
-  check_samples(set);
-  const SingleThreadedProducts single_threaded;
   std::vector<std::string> unheard;
-  StagedFit fit(set, options, unheard);
-  const Groundwork ground = groundwork_for(fit, set, options);
-  return renumbered(fit.layout(ground).regions, ground.order);
+  return prepared(set, options, unheard, [](StagedFit& fit, const SampleSet& samples, const Groundwork& ground) {
+    return renumbered(fit.layout(samples, ground).regions, ground.order);
+  });
 }
 
 Basis train(const SampleSet& set, const TrainOptions& options, std::vector<std::string>* notes) {
-  check_samples(set);
-  const SingleThreadedProducts single_threaded;
   std::vector<std::string> unheard;
-  StagedFit fit(set, options, notes ? *notes : unheard);
-  Groundwork ground = groundwork_for(fit, set, options);
-  const Character& ordered = ground.ordered;
-  Basis& basis = ground.base.basis;
-  const Layout layout = fit.layout(ground);
-  const ResidualModel model{set.controls, ground.features.ranges, fit.regions(ground, layout),
-                            ground.shapes.vertex_count(), training_folds(set)};
-  if (fit.is_update(ground)) say_updated(basis);
-  const Basis bare = basis;
-  const TradeOff trade_off(bare, model);
-  const Selection selection = trade_off.choose(options);
-  const PackedResidual packed = pack_into(basis, model, selection);
-  basis.metadata["coverage"] =
-      coverage_text(region_coverage(ordered, model, packed.regions, ground.features, selection));
-  basis.metadata["curve"] = curve_text(trade_off.curve());
-  basis.metadata["report"] = report_of(basis, ordered, set, model, bare.strain, expected_error(model, selection),
-                                       warnings_of(set, ground, model))
-                                 .dump();
-  return std::move(basis);
+  return prepared(set, options, notes ? *notes : unheard,
+                  [&](StagedFit& fit, const SampleSet& samples, Groundwork& ground) {
+                    const Layout layout = fit.layout(samples, ground);
+                    if (fit.is_update(ground)) say_updated(ground.base.basis);
+                    const ResidualModel model{set.controls, ground.features.ranges, fit.regions(ground, layout),
+                                              ground.shapes.vertex_count(), training_folds(set)};
+                    return packed_basis(samples, options, ground, model);
+                  });
 }
 
 std::vector<std::string> training_warnings(const Basis& basis) {

@@ -35,11 +35,12 @@ struct TrainOptions {
   // How large the basis is to be, one of them at most; without, as large as is worth it.
   double budget = 0;        // bytes of all tables per vertex at most
   double tolerance_mm = 0;  // as small as its expected error allows
+  int surface_curves = 0;   // pairs of them, see surface_curves.h
   // A folder for what is found, from which a training of the same data and options goes on where it stopped; empty:
   // nothing is kept.
   std::filesystem::path keep_in{};
-  // Bring what an earlier training kept there to these frames, where no more than a tenth of them are new; otherwise,
-  // and where nothing fits, train from the start.
+  // Bring what an earlier training kept there to these frames, where no more than a tenth of them are others;
+  // otherwise, and where nothing fits, train from the start.
   bool update = false;
 };
 
@@ -69,6 +70,9 @@ std::string frame_name(const SampleSet& set, const Sample& sample);
 
 // DDM, no shapes: mesh and ddm tables, an empty residual.
 Basis build_ddm_basis(const Character& character, const TrainOptions& options);
+
+// Throws Error(mismatch) where there are too few training frames, or one has a number that is not finite.
+void check_samples(const SampleSet& set);
 
 // The regions that train() would fit: those painted, and those chosen. A partition of unity on welded vertices, each
 // with a name of its own. Shows progress. Throws as train().

@@ -10,6 +10,7 @@
 #include "trainer/content_hash.h"
 #include "trainer/parallel.h"
 #include "trainer/progress.h"
+#include "trainer/train/surface_curves.h"
 
 namespace bodyopt {
 namespace {
@@ -67,11 +68,20 @@ void add(ContentHash& hash, const TrainOptions& options) {
     hash.add(static_cast<std::uint64_t>(option));
   }
   hash.add(options.seed);
+  hash.add(static_cast<std::uint64_t>(options.surface_curves));
+}
+
+// Begins of takes, as folds see them.
+std::uint64_t takes_key(const std::vector<Sample>& samples) {
+  ContentHash hash;
+  for (std::size_t n = 1; n < samples.size(); ++n) {
+    if (samples[n].take != samples[n - 1].take) hash.add(static_cast<std::uint64_t>(n));
+  }
+  return hash.value();
 }
 
 std::uint64_t frame_key(const SampleSet& set, const Sample& sample) {
   ContentHash hash;
-  hash.add(static_cast<std::uint64_t>(sample.take));
   for (const JointTransform& joint : sample.pose.joints) hash.add(joint);
   hash.append(sample.pose.controls.data(), sample.pose.controls.size() * sizeof(float));
   try {
@@ -117,10 +127,15 @@ void put(Safetensors& file, const std::string& name, const RawFeatures& rows) {
 
 class KeptFile {
  public:
-  KeptFile(const fs::path& path, const char* schema) : path_(path), file_(read_safetensors(path)) {
-    if (text("schema") != schema) refuse("it is of another kind or version");
+  explicit KeptFile(const fs::path& path) : path_(path) {
+    try {
+      file_ = read_safetensors(path);
+    } catch (const Error& error) {
+      throw Error(error.kind(), error.what() + advice());
+    }
   }
 
+  bool is(const char* schema) const { return text("schema") == schema; }
   std::string text(const std::string& name) const {
     const auto found = file_.metadata.find(name);
     if (found == file_.metadata.end()) refuse("it lacks '" + name + "'");
@@ -156,11 +171,15 @@ class KeptFile {
   }
 
   [[noreturn]] void refuse(const std::string& what) const {
-    throw Error(ErrorKind::file, path_.string() + ": " + what + ". It is of an earlier training: delete the folder " +
-                                     path_.parent_path().string() + " to train from the start");
+    throw Error(ErrorKind::file, path_.string() + ": " + what + advice());
   }
 
  private:
+  std::string advice() const {
+    return ". It is of an earlier training: delete the folder " + path_.parent_path().string() +
+           " to train from the start";
+  }
+
   const Tensor& tensor(const std::string& name, std::size_t dimensions, const char* dtype) const {
     const auto found = file_.tensors.find(name);
     if (found == file_.tensors.end()) refuse("it lacks '" + name + "'");
@@ -184,6 +203,9 @@ Safetensors new_file(const char* schema, std::uint64_t key) {
 }
 
 void write(Safetensors file, const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path.parent_path(), error);
+  if (error) throw Error(ErrorKind::file, path.parent_path().string() + " cannot be made: " + error.message());
   file.metadata["checksum"] = content_checksum(file);
   write_safetensors(file, path);
 }
@@ -251,6 +273,37 @@ Regression regression_in(const KeptFile& file, const std::string& prefix) {
   return fit;
 }
 
+std::string curve_prefix(std::size_t number) { return "curve." + std::to_string(number) + "."; }
+
+void put_curves(Safetensors& file, const std::vector<Muscle>& curves) {
+  for (std::size_t c = 0; c < curves.size(); ++c) {
+    std::vector<std::uint32_t> joints;
+    std::vector<double> positions;
+    for (const MusclePoint& point : curves[c].path) {
+      joints.push_back(point.joint);
+      positions.insert(positions.end(), point.position.begin(), point.position.end());
+    }
+    file.metadata[curve_prefix(c) + "name"] = curves[c].name;
+    put(file, curve_prefix(c) + "joints", joints);
+    put(file, curve_prefix(c) + "positions", positions);
+  }
+}
+
+std::vector<Muscle> curves_in(const KeptFile& file) {
+  std::vector<Muscle> curves;
+  for (std::size_t c = 0; file.has(curve_prefix(c) + "joints"); ++c) {
+    const auto joints = file.list<std::uint32_t>(curve_prefix(c) + "joints");
+    const auto positions = file.list<double>(curve_prefix(c) + "positions");
+    if (positions.size() != 3 * joints.size()) file.refuse("a curve has other positions than joints");
+    std::vector<MusclePoint> path;
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      path.push_back({joints[k], {positions[3 * k], positions[3 * k + 1], positions[3 * k + 2]}});
+    }
+    curves.push_back(surface_curve(file.text(curve_prefix(c) + "name"), std::move(path)));
+  }
+  return curves;
+}
+
 std::string fit_prefix(std::size_t number) { return "fit." + std::to_string(number) + "."; }
 
 void put(Safetensors& file, const std::vector<Contradiction>& contradictions, const std::vector<StrayVertex>& strays) {
@@ -296,18 +349,30 @@ TrainingKeys training_keys(const SampleSet& set, const TrainOptions& options) {
   add(subject, set.regions);
   for (const std::string& control : set.controls) subject.add(control);
   add(subject, options);
-  TrainingKeys keys{subject.value(), std::vector<std::uint64_t>(set.train.size())};
-  Progress progress("train: looking at the frames", set.train.size());
-  parallel_for(set.train.size(), [&](std::size_t n) {
-    keys.frames[n] = frame_key(set, set.train[n]);
-    progress.advance();
-  });
+  TrainingKeys keys{subject.value(), std::vector<std::uint64_t>(set.train.size()), takes_key(set.train),
+                    std::vector<std::uint64_t>(set.heldout.size())};
+  Progress progress("train: looking at the frames", set.train.size() + set.heldout.size());
+  const auto look = [&](const std::vector<Sample>& samples, std::vector<std::uint64_t>& frames) {
+    parallel_for(samples.size(), [&](std::size_t n) {
+      frames[n] = frame_key(set, samples[n]);
+      progress.advance();
+    });
+  };
+  look(set.train, keys.frames);
+  look(set.heldout, keys.heldout);
   return keys;
+}
+
+std::uint64_t muscles_hash(const std::vector<Muscle>& muscles) {
+  ContentHash hash;
+  add(hash, muscles);
+  return hash.value();
 }
 
 std::uint64_t training_key(const TrainingKeys& keys, double smoothing_radius) {
   ContentHash hash;
   hash.add(keys.subject);
+  hash.add(keys.takes);
   hash.add(smoothing_radius);
   for (const std::uint64_t frame : keys.frames) hash.add(frame);
   return hash.value();
@@ -316,24 +381,36 @@ std::uint64_t training_key(const TrainingKeys& keys, double smoothing_radius) {
 std::uint64_t updated_key(std::uint64_t earlier, const TrainingKeys& keys) {
   ContentHash hash;
   hash.add(earlier);
+  hash.add(keys.takes);
   for (const std::uint64_t frame : keys.frames) hash.add(frame);
   return hash.value();
 }
 
-fs::path TrainingStore::region_path(std::size_t number) const {
-  return folder_ / ("region_" + std::to_string(number) + ".safetensors");
+TrainingStore::TrainingStore(fs::path folder) : folder_(std::move(folder)) {
+  std::error_code error;
+  if (!keeps() || !fs::exists(folder_, error) || fs::is_directory(folder_, error)) return;
+  throw Error(ErrorKind::file, folder_.string() +
+                                   " is no folder: what training finds is kept there. Delete it, or name "
+                                   "the basis otherwise");
+}
+
+fs::path TrainingStore::layout_path() const { return folder_ / "layout.safetensors"; }
+
+fs::path TrainingStore::region_path(std::size_t number, std::uint64_t key) const {
+  return folder_ / ("region_" + std::to_string(number) + "_" + hexadecimal(key) + ".safetensors");
 }
 
 std::optional<KeptLayout> TrainingStore::layout() const {
-  const fs::path path = folder_ / "layout.safetensors";
-  if (!keeps() || !fs::exists(path)) return std::nullopt;
-  const KeptFile file(path, kLayoutSchema);
+  if (!keeps() || !fs::exists(layout_path())) return std::nullopt;
+  const KeptFile file(layout_path());
+  if (!file.is(kLayoutSchema)) return std::nullopt;
   KeptLayout kept;
   kept.key = file.key("key");
-  kept.from = {file.key("subject"), joined(file.list<std::uint32_t>("frames"))};
+  kept.from = {file.key("subject"), joined(file.list<std::uint32_t>("frames")), file.key("takes"), {}};
   const std::vector<double> radius = file.list<double>("smoothing_radius");
   if (radius.size() != 1) file.refuse("it does not have one smoothing radius");
   kept.smoothing_radius = radius[0];
+  kept.curves = curves_in(file);
   kept.features = file.features("features");
   if (static_cast<std::size_t>(kept.features.rows()) != kept.from.frames.size()) {
     file.refuse("its features are not of its frames");
@@ -352,9 +429,10 @@ std::optional<KeptLayout> TrainingStore::layout() const {
 
 void TrainingStore::keep(const KeptLayout& kept) const {
   if (!keeps()) return;
-  fs::create_directories(folder_);
   Safetensors file = new_file(kLayoutSchema, kept.key);
   file.metadata["subject"] = hexadecimal(kept.from.subject);
+  file.metadata["takes"] = hexadecimal(kept.from.takes);
+  put_curves(file, kept.curves);
   put(file, "frames", halves(kept.from.frames));
   put(file, "smoothing_radius", std::vector{kept.smoothing_radius});
   put(file, "features", kept.features);
@@ -365,13 +443,14 @@ void TrainingStore::keep(const KeptLayout& kept) const {
       put(file, prefix + "choice." + std::to_string(c), kept.layout.choices[r][c]);
     }
   }
-  write(std::move(file), folder_ / "layout.safetensors");
+  write(std::move(file), layout_path());
 }
 
 std::optional<RegionModel> TrainingStore::region(std::size_t number, std::uint64_t key) const {
-  if (!keeps() || !fs::exists(region_path(number))) return std::nullopt;
-  const KeptFile file(region_path(number), kRegionSchema);
-  if (file.key("key") != key) return std::nullopt;
+  if (!keeps() || !fs::exists(region_path(number, key))) return std::nullopt;
+  const KeptFile file(region_path(number, key));
+  if (!file.is(kRegionSchema)) return std::nullopt;
+  if (file.key("key") != key) file.refuse("it is of another training than its name says");
   RegionModel model;
   model.region = region_weights(file, "");
   model.features = file.list<std::uint32_t>("features");
@@ -387,7 +466,6 @@ std::optional<RegionModel> TrainingStore::region(std::size_t number, std::uint64
 
 void TrainingStore::keep(std::size_t number, std::uint64_t key, const RegionModel& model) const {
   if (!keeps()) return;
-  fs::create_directories(folder_);
   Safetensors file = new_file(kRegionSchema, key);
   put(file, "", model.region);
   put(file, "features", model.features);
@@ -395,7 +473,17 @@ void TrainingStore::keep(std::size_t number, std::uint64_t key, const RegionMode
   put(file, model.components);
   for (std::size_t f = 0; f < model.fits.size(); ++f) put(file, fit_prefix(f), model.fits[f]);
   put(file, model.contradictions, model.strays);
-  write(std::move(file), region_path(number));
+  write(std::move(file), region_path(number, key));
+}
+
+void TrainingStore::forget_other_regions(std::uint64_t key) const {
+  if (!keeps()) return;
+  std::vector<fs::path> others;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("region_") && name.find(hexadecimal(key)) == std::string::npos) others.push_back(entry.path());
+  }
+  for (const fs::path& other : others) fs::remove(other);
 }
 
 }  // namespace bodyopt

@@ -17,7 +17,9 @@ namespace bodyopt {
 // What a training learns from.
 struct TrainingKeys {
   std::uint64_t subject = 0;          // character, muscles, painted regions, and the options that shape what is fitted
-  std::vector<std::uint64_t> frames;  // of every training frame: take, pose and shape
+  std::vector<std::uint64_t> frames;  // of every training frame: pose and shape
+  std::uint64_t takes = 0;            // where a take ends and the next begins
+  std::vector<std::uint64_t> heldout;
 };
 
 // Reads every shape. Shows progress. Throws Error(file) where a shape cannot be read.
@@ -27,9 +29,12 @@ struct KeptLayout {
   std::uint64_t key = 0;  // of the training whose regions belong to it
   TrainingKeys from;
   double smoothing_radius = 0;  // metres
+  std::vector<Muscle> curves;   // on the surface
   RawFeatures features;         // of every frame
   Layout layout;
 };
+
+std::uint64_t muscles_hash(const std::vector<Muscle>& muscles);
 
 // The key of a training from the start, and of one that brings an earlier training to other frames.
 std::uint64_t training_key(const TrainingKeys& keys, double smoothing_radius);
@@ -38,18 +43,21 @@ std::uint64_t updated_key(std::uint64_t earlier, const TrainingKeys& keys);
 class TrainingStore {
  public:
   // `folder` is made with the first file. None: nothing is kept, nothing found.
-  explicit TrainingStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  // Throws Error(file) where `folder` is something else.
+  explicit TrainingStore(std::filesystem::path folder);
 
   bool keeps() const { return !folder_.empty(); }
-  // None where there is no file. Throws Error(file) where it is damaged.
+  // None where there is no file, or it is of another version. Throws Error(file) where it is damaged.
   std::optional<KeptLayout> layout() const;
   std::optional<RegionModel> region(std::size_t number, std::uint64_t key) const;
-  // Throw Error(file).
+  // Throw Error(file). A layout is kept in place of any other; regions of other keys stay until they are forgotten.
   void keep(const KeptLayout& layout) const;
   void keep(std::size_t number, std::uint64_t key, const RegionModel& model) const;
+  void forget_other_regions(std::uint64_t key) const;
 
  private:
-  std::filesystem::path region_path(std::size_t number) const;
+  std::filesystem::path layout_path() const;
+  std::filesystem::path region_path(std::size_t number, std::uint64_t key) const;
   std::filesystem::path folder_;
 };
 
