@@ -36,8 +36,10 @@ TEST(Ablation, EachPartIsWorthSomething) {
   const double full = rms("full: DDM + strains, kernels, dynamic");
   for (const char* name : {"DDM + joints, linear, dense", "DDM + joints, linear, local",
                            "LBS + joints, linear, dense"}) {  // kernels of joints tell all there is of this limb
-    EXPECT_LT(full, rms(name)) << name;
+    EXPECT_LT(full, 0.5 * rms(name)) << name;
   }
+  EXPECT_LT(full, 0.1 * rms("DDM"));
+  EXPECT_LT(rms("DDM + strains, kernels, static"), 0.8 * rms("DDM + strains, kernels, dense"));
 }
 
 TEST(Ablation, SaysWhatEachCosts) {
