@@ -19,13 +19,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-MatrixXd squared_distances(const MatrixXd& a, const MatrixXd& b) {
-  MatrixXd distances = -2 * a * b.transpose();
-  distances.colwise() += a.rowwise().squaredNorm();
-  distances.rowwise() += b.rowwise().squaredNorm().transpose();
-  return distances.cwiseMax(0);
-}
-
 double mean_nearest(const MatrixXd& points) {
   MatrixXd squared = squared_distances(points, points);
   squared.diagonal().setConstant(std::numeric_limits<double>::infinity());

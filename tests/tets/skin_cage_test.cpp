@@ -9,17 +9,12 @@
 #include "runtime/basis/error.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"
+#include "tests/support/tet_volume.h"
 #include "trainer/tets/closed_skin.h"
 #include "trainer/tets/thickness.h"
 
 namespace bodyopt {
 namespace {
-
-double volume(const TetMesh& mesh) {
-  double sum = 0;
-  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) sum += tet_edges(mesh, t).determinant() / 6;
-  return sum;
-}
 
 TEST(SkinCage, FillsWhatTheSkinEncloses) {
   const Character& character = arm().character;

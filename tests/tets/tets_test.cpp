@@ -7,16 +7,11 @@
 #include "runtime/basis/error.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/shared_data.h"
+#include "tests/support/tet_volume.h"
 #include "trainer/tets/closed_skin.h"
 
 namespace bodyopt {
 namespace {
-
-double total_volume(const TetMesh& mesh) {
-  double sum = 0;
-  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) sum += tet_edges(mesh, t).determinant() / 6;
-  return sum;
-}
 
 void expect_refused(const Positions& vertices, const Triangles& triangles, const std::string& defect) {
   try {
@@ -32,7 +27,7 @@ TEST(Tets, FillTheSkinAndKeepItsVertices) {
   const Character limb = make_limb();
   const TetMesh mesh = tetrahedralise(limb.vertices, limb.triangles, 0.05);
   EXPECT_EQ(mesh.nodes.topRows(limb.vertices.rows()), limb.vertices);
-  EXPECT_NEAR(total_volume(mesh), enclosed_volume(limb.vertices, limb.triangles), 1e-12);
+  EXPECT_NEAR(volume(mesh), enclosed_volume(limb.vertices, limb.triangles), 1e-12);
   for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) EXPECT_GT(tet_edges(mesh, t).determinant(), 0);
   EXPECT_GT(mesh.worst_quality, 0.1);
   EXPECT_LE(mesh.worst_quality, 1);
@@ -59,7 +54,7 @@ TEST(Tets, FillASkinThatWindsInwards) {
   Character limb = make_limb();
   limb.triangles.col(1).swap(limb.triangles.col(2));
   const TetMesh mesh = tetrahedralise(limb.vertices, limb.triangles, 0.05);
-  EXPECT_NEAR(total_volume(mesh), -enclosed_volume(limb.vertices, limb.triangles), 1e-12);
+  EXPECT_NEAR(volume(mesh), -enclosed_volume(limb.vertices, limb.triangles), 1e-12);
 }
 
 TEST(Tets, RefuseDefectsByName) {
@@ -92,7 +87,7 @@ TEST(Tets, FillARealCharacter) {
   if (!path) GTEST_SKIP() << "shared data not present";
   const Character man = read_character(*path);
   const TetMesh mesh = tetrahedralise(man.vertices, man.triangles, 0.1);
-  EXPECT_NEAR(total_volume(mesh), std::abs(enclosed_volume(man.vertices, man.triangles)), 1e-9);
+  EXPECT_NEAR(volume(mesh), std::abs(enclosed_volume(man.vertices, man.triangles)), 1e-9);
   EXPECT_GT(mesh.worst_quality, 0.05);
 }
 

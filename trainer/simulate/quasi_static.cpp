@@ -11,6 +11,7 @@
 #include "trainer/simulate/body_hash.h"
 #include "trainer/simulate/lbfgs.h"
 #include "trainer/simulate/node_weights.h"
+#include "trainer/tets/closed_skin.h"
 
 namespace bodyopt {
 namespace {
@@ -42,17 +43,6 @@ constexpr double kLeastFilled = 0.1;  // of a cage's tet: emptier ones would hav
 // A strain that counts as none: residuals are relative to the forces of this strain at least. The energy at rest is not
 // zero, so that its rounding hides the last digits of smaller strains and a body at rest could never converge.
 constexpr double kStrainFloor = 1e-4;
-
-double mean_edge(const Character& character) {
-  double sum = 0;
-  for (Eigen::Index t = 0; t < character.triangles.rows(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const auto a = character.triangles(t, k), b = character.triangles(t, (k + 1) % 3);
-      sum += (character.vertices.row(a) - character.vertices.row(b)).norm();
-    }
-  }
-  return sum / (3.0 * static_cast<double>(std::max<Eigen::Index>(character.triangles.rows(), 1)));
-}
 
 void require_fit(const Character& character, const std::vector<Muscle>& muscles) {
   if (character.skeleton.size() == 0) throw Error(ErrorKind::mismatch, "the character has no joints to drive it");
@@ -152,7 +142,8 @@ void move_all(const Affine& motion, Positions& nodes) {
 bool is_converged(const FrameStatus& status) { return status.residual < kTolerance && status.inverted_tets == 0; }
 
 TetMesh fill_skin(const Character& character, double size) {
-  return tetrahedralise(character.vertices, character.triangles, size > 0 ? size : kDefaultSize * mean_edge(character));
+  return tetrahedralise(character.vertices, character.triangles,
+                        size > 0 ? size : kDefaultSize * mean_edge(character.vertices, character.triangles));
 }
 
 QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,

@@ -1,6 +1,7 @@
 #include "trainer/tets/closed_skin.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -56,6 +57,14 @@ double enclosed_volume(const Positions& vertices, const Triangles& triangles) {
     six_volumes += a.cross(b).dot(c);
   }
   return six_volumes / 6;
+}
+
+double mean_edge(const Positions& vertices, const Triangles& triangles) {
+  double sum = 0;
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    for (int k = 0; k < 3; ++k) sum += (vertices.row(triangles(t, k)) - vertices.row(triangles(t, (k + 1) % 3))).norm();
+  }
+  return sum / (3.0 * static_cast<double>(std::max<Eigen::Index>(triangles.rows(), 1)));
 }
 
 }  // namespace bodyopt

@@ -37,14 +37,6 @@ double hit(const Corners& triangle, const Eigen::Vector3d& origin, const Eigen::
   return inside && distance > 0 ? distance : kNone;
 }
 
-double mean_edge(const Positions& vertices, const Triangles& triangles) {
-  double sum = 0;
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    for (int k = 0; k < 3; ++k) sum += (vertices.row(triangles(t, k)) - vertices.row(triangles(t, (k + 1) % 3))).norm();
-  }
-  return sum / (3.0 * static_cast<double>(triangles.rows()));
-}
-
 // Each round averages over a vertex and its neighbours and so widens the average by about an edge's square.
 void smooth(const Triangles& triangles, int rounds, Eigen::VectorXd& values) {
   for (int k = 0; k < rounds; ++k) {

@@ -20,13 +20,6 @@ constexpr double kWidths[] = {1, 2, 4};
 constexpr double kLinearPenalties[] = {1e-4, 1e-3, 1e-2, 1e-1};
 constexpr double kKernelPenalties[] = {1e-5, 1e-4, 1e-3, 1e-2};
 
-MatrixXd squared_distances(const MatrixXd& a, const MatrixXd& b) {
-  MatrixXd distances = -2 * a * b.transpose();
-  distances.colwise() += a.rowwise().squaredNorm();
-  distances.rowwise() += b.rowwise().squaredNorm().transpose();
-  return distances.cwiseMax(0);
-}
-
 // As the basis stores it, so that the weights are fitted to the centres that will run.
 double as_half(double value) {
   const double largest{float_from_half(kLargestHalf)}, smallest{float_from_half(kSmallestNormalHalf)};
@@ -192,6 +185,13 @@ void finish(const KernelRidge& ridge, const Penalty& penalty, Regression& regres
 }
 
 }  // namespace
+
+MatrixXd squared_distances(const MatrixXd& a, const MatrixXd& b) {
+  MatrixXd distances = -2 * a * b.transpose();
+  distances.colwise() += a.rowwise().squaredNorm();
+  distances.rowwise() += b.rowwise().squaredNorm().transpose();
+  return distances.cwiseMax(0);
+}
 
 double trial_error(const RegressionData& data, int centre_count) {
   const MatrixXd centres = choose_centres(data, centre_count).points;

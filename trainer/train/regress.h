@@ -30,6 +30,9 @@ struct Regression {
   double validation_error = 0;     // root mean square of the held-out folds' error, summed over the targets
 };
 
+// A x B: between the rows of `a` and those of `b`.
+Eigen::MatrixXd squared_distances(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+
 // Chooses width and penalties by cross-validation over the folds, then fits all frames. At most `centre_count` centres:
 // the rest pose, then the training frames furthest from those chosen before, rounded. Deterministic.
 Regression fit_regression(const RegressionData& data, int centre_count);
