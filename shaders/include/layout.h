@@ -73,6 +73,63 @@ BODYOPT_CHECK_SIZE(BlendEntry, 52)
 // the subnormal halves, which a device may read as 0.
 const float kBlendFraction = 1.0f / 128.0f;
 
+// Rows of a dense matrix of a block inverse (runtime/basis/block_inverse.h), kBlockSize of them (the last may be less:
+// its other rows hold zeros). Column c of the panel's rows stands at value first_value + c * kBlockSize.
+struct InversePanel {
+  uint first_slot, row_count;     // slots that the rows give
+  uint first_input, input_count;  // slots that the columns take
+  uint first_value;
+};
+BODYOPT_CHECK_SIZE(InversePanel, 20)
+
+// No boundary slot of a child hands up to this one.
+const uint kNoSlot = 0xffffffffu;
+
+// A row times a vector is summed in four parts, columns 0 4 8.., 1 5 9.., and so on; then (0 + 1) + (2 + 3).
+const uint kSumParts = 4u;
+
+// A tet at rest: D^-1 (row-major), D the edges from corner 0 to the others as columns, 1/m; its volume, m^3.
+struct TetShape {
+  float inverse_edges[9];
+  float volume;
+};
+BODYOPT_CHECK_SIZE(TetShape, 40)
+
+// A node that lies on the skin: barycentric over three skin vertices.
+struct SurfacePoint {
+  uint a, b, c;
+  float wa, wb, wc;
+};
+BODYOPT_CHECK_SIZE(SurfacePoint, 24)
+
+// A skin vertex in a tet: barycentric over its corners (below 0 where the vertex lies a little outside), and how much
+// of the tet's displacement it takes.
+struct TetPoint {
+  uint tet;
+  float w0, w1, w2, w3;
+  float amount;
+};
+BODYOPT_CHECK_SIZE(TetPoint, 24)
+
+// A node of the jiggle step. A muscle that is active holds its nodes by springs of their own.
+struct JiggleNode {
+  float mass;                     // kg, lumped: a quarter of each tet's
+  float inertia;                  // mass / d^2 + alpha mass / d, kg/s^2
+  uint first_fibre, fibre_count;  // of the muscle the node is in, in the strain table; 0: none
+  uint control;                   // that flexes the muscle, or kNoControl
+  float stiffening;               // squared angular frequency of the springs at full activation, 1/s^2
+};
+BODYOPT_CHECK_SIZE(JiggleNode, 24)
+const uint kNoControl = 0xffffffffu;
+
+// A fibre shorter by this share of its rest length is fully active.
+const float kFullActivationStrain = 0.2f;
+
+struct TetElasticity {
+  float lambda, mu;  // Lame's parameters times (1 + beta / d), Pa
+};
+BODYOPT_CHECK_SIZE(TetElasticity, 8)
+
 // Push constants, one record per kernel. Every kernel runs over (element, frame) = (x, y).
 struct StrainSkinPush {
   uint strain_vertex_count, joint_count;  // strain_vertex_count: length of the strain table's vertex list
@@ -101,6 +158,60 @@ struct PoseSkinPush {
 };
 struct OutputNormalsPush {
   uint vertex_count;
+};
+struct DiffuseSurfacePush {
+  uint surface_count, vertex_count, node_count;
+};
+struct DiffuseGatherPush {
+  uint surface_count, node_count;
+};
+// Of the block inverse, elements are slots (gather) or rows of panels (up, down), "frames" are right sides.
+struct BlockGatherPush {
+  uint first_slot, own_end, end_slot;  // of the level
+  uint slot_count, unknown_count, interleave;
+};
+struct BlockUpPush {
+  uint first_panel, panel_count;  // of the level
+  uint own_end, slot_count;
+};
+struct BlockDownPush {
+  uint first_panel, panel_count;  // of the level
+  uint slot_count, unknown_count, interleave;
+};
+struct JiggleRotatePush {
+  uint node_count;
+};
+// The kernels of a jiggle step run over one frame, the one of this number in arrays that hold a batch.
+struct JiggleKickPush {
+  uint node_count, frame;
+  uint start;              // frames before that are known: 0, 1, or 2 for all that are needed
+  float inverse_interval;  // 1/s
+  float origin_step_x, origin_step_y, origin_step_z;  // of the origin since the frame before, metres
+};
+struct JiggleStepPush {
+  uint node_count, frame;
+  uint fibre_count, control_count;
+  float length;                                // h, seconds
+  float stage;                                 // d, seconds
+  float gravity_x, gravity_y, gravity_z;       // change of gravity against that of the shapes, m/s^2
+  float velocity_weight, displacement_weight;  // of the next right side: 1/s, 1
+  float u_from_u, u_from_z;
+  float v_from_u, v_from_z, v_from_v;
+};
+struct JiggleSkinPush {
+  uint vertex_count, frame;
+};
+struct JiggleTetRotatePush {
+  uint tet_count, node_count, frame;
+};
+struct JiggleStressPush {
+  uint tet_count, node_count, frame;
+};
+struct JiggleForcePush {
+  uint node_count, frame;
+};
+struct ConjugatePush {
+  uint count;
 };
 
 #ifdef __cplusplus

@@ -1,0 +1,84 @@
+// The tables of diffuse and jiggle: an optional second file beside the basis. Made by the trainer, constant afterwards.
+// N nodes of T tetrahedra fill the body; the first B nodes lie on the skin. Rest space, metres, unless a name says
+// otherwise. Skin vertices are in the basis' runtime order.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/basis.h"
+#include "runtime/basis/block_inverse.h"
+
+namespace bodyopt {
+
+struct TetTable {
+  std::vector<float> nodes;                 // N x 3
+  std::vector<std::uint32_t> tets;          // T x 4, positive volume
+  std::vector<TetShape> shapes;             // T
+  std::vector<std::uint32_t> corner_begin;  // N + 1, into corners
+  std::vector<std::uint32_t> corners;       // 4T: 4 x tet + corner of every corner at a node, ascending per node
+  std::vector<SurfacePoint> surface;        // B: where the skin carries each node that lies on it
+  std::vector<TetPoint> skin;               // V: which tet carries each skin vertex, and how much of it
+
+  std::uint32_t node_count() const { return static_cast<std::uint32_t>(nodes.size() / 3); }
+  std::uint32_t tet_count() const { return static_cast<std::uint32_t>(shapes.size()); }
+  std::uint32_t surface_count() const { return static_cast<std::uint32_t>(surface.size()); }
+};
+
+// X_I = L_II^-1 (-L_IB X_B), L the finite-element (cotangent) Laplacian of the rest tets: rotations are carried
+// exactly.
+struct DiffuseTable {
+  std::vector<std::uint32_t> row_begin;  // N + 1, into columns; no entries for the first B nodes
+  std::vector<std::uint32_t> columns;    // nodes on the skin
+  std::vector<float> values;             // -L_IB
+  BlockInverse inverse;                  // of L_II: unknowns are nodes
+};
+
+// How the time step is taken, and what of the material is the same everywhere.
+struct JiggleStep {
+  float frames_per_second = 24;
+  std::uint32_t substeps = 1;   // steps a frame
+  bool implicit_euler = false;  // instead of TR-BDF2
+  float stiffness_damping = 0;  // beta of C = alpha M + beta K, seconds
+
+  float length() const { return 1 / (frames_per_second * static_cast<float>(substeps)); }  // h, seconds
+  // d: the system is A = M/d^2 + C/d + K. TR-BDF2 with gamma = 2 - sqrt(2) (Bank et al. 1985): d = gamma h / 2 in both
+  // its stages; implicit Euler: d = h.
+  float stage() const { return implicit_euler ? length() : 0.29289321881345254f * length(); }
+};
+
+// One linear finite-element step of the displacement from the quasi-static tets (docs/pipeline/jiggle.md).
+struct JiggleTable {
+  JiggleStep step;
+  std::vector<JiggleNode> nodes;  // N
+  BlockInverse inverse;           // of A: unknowns are 3 x node + axis, in the nodes' rotated frames
+  // For the quality mode alone, which solves with the corotated operator.
+  std::vector<TetElasticity> elasticity;    // T
+  std::vector<std::uint32_t> held_begin;    // N + 1, into held_columns
+  std::vector<std::uint32_t> held_columns;  // nodes, ascending per row
+  std::vector<float> held_values;           // A without the tets' stiffness: inertia and springs, kg/s^2
+};
+
+struct Dynamics {
+  TetTable tets;
+  DiffuseTable diffuse;
+  JiggleTable jiggle;
+  Metadata metadata;  // topology_hash and skeleton_hash of the basis it belongs to, provenance, report
+};
+
+// Checks every count, offset, index and number, and that it belongs to the basis. Throws Error(file) or
+// Error(mismatch) whose text starts with `origin`.
+void validate(const Dynamics& dynamics, const Basis& basis, const std::string& origin);
+
+// Safetensors, as save_basis. Throws Error(file).
+void save_dynamics(const Dynamics& dynamics, const std::filesystem::path& path);
+// Checked against the basis. Throws Error(file), Error(mismatch).
+Dynamics load_dynamics(const std::filesystem::path& path, const Basis& basis);
+
+// Bytes of the tables a frame needs, by stage: "diffuse", "jiggle" (the tets count with diffuse).
+std::map<std::string, std::size_t> table_bytes(const Dynamics& dynamics);
+
+}  // namespace bodyopt
