@@ -24,9 +24,9 @@ auto part(Values& values, std::size_t f, std::size_t frames) {
 
 CpuDynamics::CpuDynamics(const JiggleModel& model)
     : dynamics_(*model.dynamics), options_(model.options), numbers_(dynamics_.tets.nodes.size()) {
-  for (std::vector<float>* values : {&motion.displacement, &motion.velocity, &motion.nodes, &motion.node_velocity,
-                                     &next_.displacement, &next_.velocity, &next_.nodes, &next_.node_velocity, &u_, &v_,
-                                     &next_u_, &next_v_, &right_side_, &solution_}) {
+  for (std::vector<float>* values :
+       {&motion.displacement, &motion.velocity, &motion.nodes, &motion.node_velocity, &next_.displacement,
+        &next_.velocity, &next_.nodes, &next_.node_velocity, &u_, &v_, &next_u_, &next_v_, &right_side_, &solution_}) {
     values->assign(numbers_, 0.0f);
   }
   if (options_.iterations > 0) tet_rotations_.resize(std::size_t{9} * dynamics_.tets.tet_count());
@@ -104,7 +104,8 @@ void CpuDynamics::solve(const JiggleStepPush& stage, std::span<const float> node
     cpu::block_solve(dynamics_.jiggle.inverse, right_side_, 1, 1, scratch_, solution_);
     return;
   }
-  static_cast<void>(nodes), static_cast<void>(stage), static_cast<void>(rotations), static_cast<void>(u), static_cast<void>(v);
+  static_cast<void>(nodes), static_cast<void>(stage), static_cast<void>(rotations), static_cast<void>(u),
+      static_cast<void>(v);
 }
 
 }  // namespace bodyopt

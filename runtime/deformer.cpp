@@ -117,8 +117,8 @@ Evaluation Deformer::evaluate(std::span<const Pose> poses) { return run(poses, {
 Evaluation Deformer::jiggle(std::span<const Pose> poses, std::span<const int> frames) {
   if (!dynamics_) throw Error(ErrorKind::usage, "the character was loaded without dynamics: it cannot jiggle");
   if (frames.size() != poses.size()) {
-    throw Error(ErrorKind::usage, std::to_string(poses.size()) + " poses have " + std::to_string(frames.size()) +
-                                      " frame numbers");
+    throw Error(ErrorKind::usage,
+                std::to_string(poses.size()) + " poses have " + std::to_string(frames.size()) + " frame numbers");
   }
   const JiggleState before = state();
   try {

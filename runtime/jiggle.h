@@ -30,9 +30,9 @@ struct NodeMotion {
 
 // All that the frames before have to say. Empty vectors, and `known` 0: nothing.
 struct JiggleState {
-  int frame = 0;            // the last one
-  std::uint32_t known = 0;  // frames that are known: 0, 1 (no velocity yet), 2 (all that is needed)
-  double origin[3] = {};    // of the last frame, metres, world
+  int frame = 0;                               // the last one
+  std::uint32_t known = 0;                     // frames that are known: 0, 1 (no velocity yet), 2 (all that is needed)
+  double origin[3] = {};                       // of the last frame, metres, world
   std::vector<double> joints, joint_velocity;  // J x 3, world: metres, m/s
   NodeMotion motion;
 };

@@ -35,12 +35,17 @@ JiggleStart start_of(int frame, bool jumps, const JiggleStep& step, const Jiggle
 std::optional<std::string> describe(JiggleStart start, int frame) {
   const std::string at = "frame " + std::to_string(frame) + ": ";
   switch (start) {
-    case JiggleStart::cut: return at + "a cut, as declared: the jiggle starts anew";
-    case JiggleStart::jump: return at + "the body jumps as at a cut: the jiggle starts anew";
-    case JiggleStart::gap: return at + "more than a second after the frame before: the jiggle starts anew";
-    case JiggleStart::back: return at + "before the frame before: the jiggle starts anew";
+    case JiggleStart::cut:
+      return at + "a cut, as declared: the jiggle starts anew";
+    case JiggleStart::jump:
+      return at + "the body jumps as at a cut: the jiggle starts anew";
+    case JiggleStart::gap:
+      return at + "more than a second after the frame before: the jiggle starts anew";
+    case JiggleStart::back:
+      return at + "before the frame before: the jiggle starts anew";
     case JiggleStart::goes_on:
-    case JiggleStart::first: break;
+    case JiggleStart::first:
+      break;
   }
   return std::nullopt;
 }
