@@ -21,7 +21,7 @@ constexpr double kCloseEnough = 0.92;  // of what the limit allows
 constexpr double kLittleFiner = 0.97;  // after a skin that cannot be filled
 constexpr double kOnSkin = 0.8;        // about this share of the nodes
 constexpr double kInside = 1.5;        // longest edges inside the body over those of the skin
-constexpr double kTetsPerNode = 4;     // about
+constexpr double kTetsPerNode = 3.2;   // about
 
 Triangles wound_outwards(const Positions& vertices, const Triangles& triangles) {
   require_closed(vertices, triangles);
