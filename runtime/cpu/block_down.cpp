@@ -13,11 +13,11 @@ void block_down(const BlockInverse& inverse, const InverseLevel& level, std::spa
     for (std::uint32_t r = 0; r < right_side_count; ++r) {
       const RightSide at(r, interleave, inverse.unknown_count);
       const float* from = results.data() + std::size_t{r} * inverse.slot_count();
-      const PanelSums sums =
+      const PanelRows sums =
           panel_product(panel, inverse.values.data(), [&](std::uint32_t c) { return solutions[at(unknown[c])]; });
       for (std::uint32_t row = 0; row < panel.row_count; ++row) {
         const std::uint32_t slot = panel.first_slot + row;
-        solutions[at(inverse.slot_unknown[slot])] = from[slot] - sums.rows[row];
+        solutions[at(inverse.slot_unknown[slot])] = from[slot] - sums[row];
       }
     }
   }

@@ -8,8 +8,7 @@ namespace bodyopt::cpu {
 
 struct RightSide {
   RightSide(std::uint32_t number, std::uint32_t interleave, std::uint32_t unknown_count)
-      : step(interleave),
-        begin(std::size_t{number / interleave} * unknown_count * interleave + number % interleave) {}
+      : step(interleave), begin(std::size_t{number / interleave} * unknown_count * interleave + number % interleave) {}
 
   std::size_t operator()(std::uint32_t unknown) const { return begin + std::size_t{unknown} * step; }
 
