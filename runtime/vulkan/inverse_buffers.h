@@ -8,16 +8,18 @@
 
 namespace bodyopt::vulkan {
 
-// Consecutive panels whose values fit one binding.
+// Consecutive panels, or strips, whose values fit one binding.
 struct InverseWindow {
-  std::uint32_t first_panel, panel_count;
-  std::uint32_t first_value;  // value at which the bound values begin
-  std::uint64_t end_value;
+  std::uint32_t first, count;  // panels or strips
+  std::uint32_t first_value;   // value at which the bound values begin
+  std::uint64_t end_value;     // 0: they have no values
 };
 
-// Windows over panels [begin, end). `limits`: storage range, offset alignment and groups of the device. Throws
-// Error(device) when a single panel is larger than one binding.
+// Windows over panels, or strips, [begin, end). `limits`: storage range, offset alignment and groups of the device.
+// Throws Error(device) when a single one reaches over more than one binding.
 std::vector<InverseWindow> inverse_windows(const std::vector<InversePanel>& panels, std::uint32_t begin,
+                                           std::uint32_t end, const DeviceInfo& limits);
+std::vector<InverseWindow> inverse_windows(const std::vector<InverseStrip>& strips, std::uint32_t begin,
                                            std::uint32_t end, const DeviceInfo& limits);
 
 struct InverseBuffers {
@@ -33,7 +35,7 @@ struct InverseBuffers {
 
   std::uint32_t unknown_count, slot_count;
   Buffer slot_unknown, child_slots, up, down, values;
-  std::vector<Level> levels;
+  std::vector<Level> levels;  // leaves first
 };
 
 }  // namespace bodyopt::vulkan
