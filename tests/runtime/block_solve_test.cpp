@@ -99,7 +99,7 @@ void expect_windows(const std::vector<Panel>& panels, const vulkan::DeviceInfo& 
 TEST_F(BlockSolve, WindowsGiveTheSameBits) {
   const Case c(90, {3, 3});
   const std::vector<float> whole = c.on_gpu(*device_, device_->info());
-  std::uint64_t longest = 0;  // of a strip
+  std::uint64_t longest = 0;                              // of a strip
   const auto strip_end = [](const InverseStrip& strip) {  // of the last row's last panel
     const std::uint32_t panels = (strip.input_count + kBlockSize - 1) / kBlockSize;
     return strip.first_value + (panels - 1) * strip.panel_step + strip.row_count * kBlockSize;

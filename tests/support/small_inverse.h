@@ -158,7 +158,8 @@ struct SmallInverse {
 
   // Of W, the panels of whose transpose come next.
   void add_strips(const SmallFront& front) {
-    const auto own = static_cast<std::uint32_t>(front.own.size()), values = static_cast<std::uint32_t>(inverse.values.size());
+    const auto own = static_cast<std::uint32_t>(front.own.size()),
+               values = static_cast<std::uint32_t>(inverse.values.size());
     for (std::uint32_t first = 0; first < own; first += kBlockSize) {
       inverse.down.push_back({front.own_slot + first, std::min(kBlockSize, own - first), front.boundary_slot,
                               static_cast<std::uint32_t>(front.boundary.size()), values + first * kBlockSize,
