@@ -43,11 +43,11 @@ JiggleStages jiggle_stages(const JiggleStep& step, const JiggleStepPush& frame) 
   }
   stage.set_right_side(2, stages.begin);
   // The trapezoidal rule ends at u_g = (1 - 2 / b) u + z, v_g = (u_g - u) / d - v; BDF2 starts from c1 u_g - c0 u and
-  // c1 v_g - c0 v.
-  const double gamma = 2 - std::sqrt(2.0);
-  const double c1 = 1 / (gamma * (2 - gamma)), c0 = (1 - gamma) * (1 - gamma) * c1;
+  // c1 v_g - c0 v, c1 = 1 / (gamma (2 - gamma)) and c0 = c1 - 1. c1 is rounded first: 1 - 2 c1 then is a float, too,
+  // and an undamped mode does not grow by roundings.
+  const double c1 = static_cast<float>((1 + std::sqrt(2.0)) / 2), c0 = c1 - 1;
   stages.advance = push;
-  set_result(c1 * (1 - 2 / stage.b) - c0, c1, -2 * c1 / (stage.b * d), c1 / d, -c1 - c0, *stages.advance);
+  set_result(1 - 2 * c1 / stage.b, c1, -2 * c1 / (stage.b * d), c1 / d, -c1 - c0, *stages.advance);
   stage.set_right_side(1, *stages.advance);
   return stages;
 }
