@@ -171,11 +171,13 @@ struct BlockGatherPush {
   uint slot_count, unknown_count, interleave;
 };
 struct BlockUpPush {
-  uint first_panel, panel_count;  // of the level
+  uint first_panel, panel_count;  // of the window of the level
+  uint first_value;               // value at which the bound values begin
   uint own_end, slot_count;
 };
 struct BlockDownPush {
-  uint first_panel, panel_count;  // of the level
+  uint first_strip, strip_count;  // of the window of the level
+  uint first_value;               // value at which the bound values begin
   uint slot_count, unknown_count, interleave;
 };
 struct JiggleRotatePush {

@@ -1,0 +1,294 @@
+#include "trainer/dynamics/block_inverse.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <numeric>
+#include <string>
+
+#include "runtime/basis/error.h"
+#include "trainer/dynamics/dissection.h"
+
+namespace bodyopt {
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+
+// Columns that one thread solves or multiplies at a time: products do not depend on the number of threads.
+constexpr Eigen::Index kColumns = 64;
+
+template <typename Work>
+void for_columns(Eigen::Index count, const Work& work) {
+#pragma omp parallel for schedule(dynamic)
+  for (Eigen::Index begin = 0; begin < count; begin += kColumns) work(begin, std::min(kColumns, count - begin));
+}
+
+std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+// Dense blocks of one front: its own n1 unknowns, its nb boundary unknowns.
+struct Front {
+  Matrix inverse;    // P, n1 x n1
+  Matrix to_own;     // W, n1 x nb
+  Matrix handed_up;  // nb x nb, freed when the parent has it
+};
+
+class Factorisation {
+ public:
+  Factorisation(const Eigen::SparseMatrix<double>& matrix, const std::vector<DissectedFront>& tree, int components)
+      : matrix_(matrix), tree_(tree), components_(components), fronts_(tree.size()) {
+    int top = 0;
+    for (const DissectedFront& front : tree) top = std::max(top, front.level);
+    for (int level = 0; level <= top; ++level) {
+      std::vector<int> numbers;
+      for (std::size_t f = 0; f < tree.size(); ++f) {
+        if (tree[f].level == level) numbers.push_back(static_cast<int>(f));
+      }
+      factorise(numbers);
+    }
+    if (!positive_) {
+      throw Error(ErrorKind::mismatch,
+                  "the system is not positive definite: a part of it is held by nothing, or a number is not sound");
+    }
+  }
+
+  const Front& front(std::size_t number) const { return fronts_[number]; }
+
+ private:
+  void factorise(const std::vector<int>& numbers) {
+    // Many small fronts side by side; few large ones one after the other, each on all threads.
+    if (numbers.size() >= 8) {
+#pragma omp parallel for schedule(dynamic)
+      for (std::size_t k = 0; k < numbers.size(); ++k) factorise(numbers[k]);
+    } else {
+      for (const int number : numbers) factorise(number);
+    }
+  }
+
+  void factorise(int number) {
+    const DissectedFront& front = tree_[at(number)];
+    const Eigen::Index own = components_ * static_cast<Eigen::Index>(front.own.size());
+    const Eigen::Index boundary = components_ * static_cast<Eigen::Index>(front.boundary.size());
+    Matrix whole = assemble(front, own + boundary);
+    Front& result = fronts_[at(number)];
+    const Eigen::LLT<Matrix> factor(whole.topLeftCorner(own, own));
+    if (own > 0 && factor.info() != Eigen::Success) {
+#pragma omp atomic write
+      positive_ = false;
+    }
+    result.inverse.resize(own, own);
+    for_columns(own, [&](Eigen::Index begin, Eigen::Index count) {
+      result.inverse.middleCols(begin, count) = factor.solve(Matrix::Identity(own, own).middleCols(begin, count));
+    });
+    result.to_own.resize(own, boundary);
+    result.handed_up = whole.bottomRightCorner(boundary, boundary);
+    for_columns(boundary, [&](Eigen::Index begin, Eigen::Index count) {
+      result.to_own.middleCols(begin, count) = factor.solve(whole.block(0, own + begin, own, count));
+      result.handed_up.middleCols(begin, count).noalias() -=
+          whole.topRightCorner(own, boundary).transpose() * result.to_own.middleCols(begin, count);
+    });
+    for (const int child : front.children) {
+      if (child >= 0) fronts_[at(child)].handed_up.resize(0, 0);
+    }
+  }
+
+  // The matrix's rows of the front's own unknowns, and what the children hand up.
+  Matrix assemble(const DissectedFront& front, Eigen::Index size) {
+    std::vector<int> nodes = front.own;
+    nodes.insert(nodes.end(), front.boundary.begin(), front.boundary.end());
+    std::vector<std::pair<int, Eigen::Index>> places;  // of each node, by node
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      places.emplace_back(nodes[k], components_ * static_cast<Eigen::Index>(k));
+    }
+    std::sort(places.begin(), places.end());
+    const auto place = [&](int node) {
+      const auto found = std::lower_bound(places.begin(), places.end(), std::pair<int, Eigen::Index>(node, -1));
+      return found != places.end() && found->first == node ? found->second : -1;
+    };
+    Matrix whole = Matrix::Zero(size, size);
+    for (std::size_t k = 0; k < front.own.size(); ++k) {
+      for (int c = 0; c < components_; ++c) {
+        const Eigen::Index column = components_ * static_cast<Eigen::Index>(k) + c;
+        for (Eigen::SparseMatrix<double>::InnerIterator entry(matrix_, components_ * front.own[k] + c); entry;
+             ++entry) {
+          const int node = static_cast<int>(entry.row()) / components_;
+          const Eigen::Index row = place(node);
+          if (row < 0) continue;  // eliminated below
+          const Eigen::Index at_row = row + entry.row() % components_;
+          whole(at_row, column) = entry.value();
+          whole(column, at_row) = entry.value();
+        }
+      }
+    }
+    for (const int child : front.children) {
+      if (child >= 0) add_handed_up(child, place, whole);
+    }
+    return whole;
+  }
+
+  template <typename Place>
+  void add_handed_up(int child, const Place& place, Matrix& whole) const {
+    const Matrix& handed = fronts_[at(child)].handed_up;
+    const std::vector<int>& nodes = tree_[at(child)].boundary;
+    std::vector<Eigen::Index> to;
+    for (const int node : nodes) {
+      for (int c = 0; c < components_; ++c) to.push_back(place(node) + c);
+    }
+    for (Eigen::Index j = 0; j < handed.cols(); ++j) {
+      for (Eigen::Index i = 0; i < handed.rows(); ++i) {
+        whole(to[static_cast<std::size_t>(i)], to[static_cast<std::size_t>(j)]) += handed(i, j);
+      }
+    }
+  }
+
+  const Eigen::SparseMatrix<double>& matrix_;
+  const std::vector<DissectedFront>& tree_;
+  Eigen::Index components_;
+  std::vector<Front> fronts_;
+  bool positive_ = true;
+};
+
+// Lays the fronts out as the run time reads them.
+class Layout {
+ public:
+  Layout(const std::vector<DissectedFront>& tree, const InverseNodes& nodes, int components)
+      : tree_(tree),
+        nodes_(nodes),
+        components_(static_cast<std::uint32_t>(components)),
+        own_begin_(tree.size()),
+        boundary_begin_(tree.size()) {
+    inverse_.unknown_count = components_ * static_cast<std::uint32_t>(nodes.node_count);
+    int levels = 0;
+    for (const DissectedFront& front : tree) levels = std::max(levels, front.level + 1);
+    for (int level = 0; level < levels; ++level) add_slots(level);
+    link_children();
+  }
+
+  void add_panels(const Factorisation& factors) {
+    for (std::size_t level = 0; level < inverse_.levels.size(); ++level) {
+      InverseLevel& range = inverse_.levels[level];
+      range.up_begin = static_cast<std::uint32_t>(inverse_.up.size());
+      range.down_begin = static_cast<std::uint32_t>(inverse_.down.size());
+      for (const std::size_t f : fronts_of(static_cast<int>(level))) {
+        const Front& front = factors.front(f);
+        add(front.inverse, own_begin_[f], own_begin_[f], inverse_.up);
+        add(front.to_own.transpose(), boundary_begin_[f], own_begin_[f], inverse_.up);
+      }
+      for (const std::size_t f : fronts_of(static_cast<int>(level))) {
+        add(factors.front(f).to_own, own_begin_[f], boundary_begin_[f], inverse_.down);
+      }
+      range.up_end = static_cast<std::uint32_t>(inverse_.up.size());
+      range.down_end = static_cast<std::uint32_t>(inverse_.down.size());
+    }
+  }
+
+  BlockInverse take() { return std::move(inverse_); }
+
+ private:
+  std::vector<std::size_t> fronts_of(int level) const {
+    std::vector<std::size_t> numbers;
+    for (std::size_t f = 0; f < tree_.size(); ++f) {
+      if (tree_[f].level == level) numbers.push_back(f);
+    }
+    return numbers;
+  }
+
+  void add_slots(int level) {
+    InverseLevel range{};
+    range.first_slot = inverse_.slot_count();
+    for (const std::size_t f : fronts_of(level)) own_begin_[f] = add_slots(tree_[f].own);
+    range.own_end = inverse_.slot_count();
+    for (const std::size_t f : fronts_of(level)) boundary_begin_[f] = add_slots(tree_[f].boundary);
+    range.end_slot = inverse_.slot_count();
+    inverse_.levels.push_back(range);
+  }
+
+  std::uint32_t add_slots(const std::vector<int>& nodes) {
+    const std::uint32_t begin = inverse_.slot_count();
+    for (const int node : nodes) {
+      for (std::uint32_t c = 0; c < components_; ++c) {
+        inverse_.slot_unknown.push_back(components_ * static_cast<std::uint32_t>(nodes_.nodes[at(node)]) + c);
+      }
+    }
+    return begin;
+  }
+
+  void link_children() {
+    inverse_.child_slots.assign(2 * inverse_.slot_unknown.size(), kNoSlot);
+    std::vector<std::uint32_t> slot_of(tree_.empty() ? 0 : nodes_.nodes.size());
+    for (std::size_t f = 0; f < tree_.size(); ++f) {
+      mark(tree_[f].own, own_begin_[f], slot_of);
+      mark(tree_[f].boundary, boundary_begin_[f], slot_of);
+      for (std::size_t k = 0; k < 2; ++k) {
+        if (tree_[f].children[k] < 0) continue;
+        const auto child = at(tree_[f].children[k]);
+        for (std::size_t b = 0; b < tree_[child].boundary.size(); ++b) {
+          for (std::uint32_t c = 0; c < components_; ++c) {
+            const std::size_t slot = slot_of[at(tree_[child].boundary[b])] + c;
+            inverse_.child_slots[2 * slot + k] =
+                boundary_begin_[child] + components_ * static_cast<std::uint32_t>(b) + c;
+          }
+        }
+      }
+    }
+  }
+
+  void mark(const std::vector<int>& nodes, std::uint32_t begin, std::vector<std::uint32_t>& slot_of) const {
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      slot_of[at(nodes[k])] = begin + components_ * static_cast<std::uint32_t>(k);
+    }
+  }
+
+  void add(const Matrix& matrix, std::uint32_t first_slot, std::uint32_t first_input,
+           std::vector<InversePanel>& panels) {
+    constexpr Eigen::Index kRows = kBlockSize;
+    for (Eigen::Index begin = 0; begin < matrix.rows(); begin += kRows) {
+      const Eigen::Index rows = std::min(kRows, matrix.rows() - begin);
+      panels.push_back({first_slot + static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(rows), first_input,
+                        static_cast<std::uint32_t>(matrix.cols()), static_cast<std::uint32_t>(inverse_.values.size())});
+      for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
+        for (Eigen::Index row = 0; row < kRows; ++row) {
+          inverse_.values.push_back(row < rows ? static_cast<float>(matrix(begin + row, column)) : 0.0f);
+        }
+      }
+    }
+  }
+
+  const std::vector<DissectedFront>& tree_;
+  const InverseNodes& nodes_;
+  std::uint32_t components_;
+  std::vector<std::uint32_t> own_begin_, boundary_begin_;  // slots, by front
+  BlockInverse inverse_;
+};
+
+Graph graph_of(const Eigen::SparseMatrix<double>& matrix, int components) {
+  Graph graph(static_cast<std::size_t>(matrix.cols() / components));
+  for (int node = 0; node < static_cast<int>(graph.size()); ++node) {
+    std::vector<int>& near = graph[at(node)];
+    for (int c = 0; c < components; ++c) {
+      for (Eigen::SparseMatrix<double>::InnerIterator entry(matrix, components * node + c); entry; ++entry) {
+        const int other = static_cast<int>(entry.row()) / components;
+        if (other != node) near.push_back(other);
+      }
+    }
+    std::sort(near.begin(), near.end());
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+  }
+  return graph;
+}
+
+}  // namespace
+
+BlockInverse invert(const Eigen::SparseMatrix<double>& matrix, const InverseNodes& nodes, int components) {
+  const std::vector<DissectedFront> tree = dissect(graph_of(matrix, components), nodes.points);
+  const Factorisation factors(matrix, tree, components);
+  Layout layout(tree, nodes, components);
+  layout.add_panels(factors);
+  return layout.take();
+}
+
+BlockInverse invert(const Eigen::SparseMatrix<double>& matrix, const Positions& points, int components) {
+  InverseNodes all{points, std::vector<int>(static_cast<std::size_t>(points.rows())), static_cast<int>(points.rows())};
+  std::iota(all.nodes.begin(), all.nodes.end(), 0);
+  return invert(matrix, all, components);
+}
+
+}  // namespace bodyopt
