@@ -2,7 +2,6 @@
 
 #include <chrono>
 
-#include "runtime/cpu/corotated_solve.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/jiggle_stages.h"
 
