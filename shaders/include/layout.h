@@ -205,7 +205,7 @@ struct JiggleKickPush {
 struct JiggleStepPush {
   uint node_count, frame;
   uint fibre_count, control_count;
-  float length;                                // h, seconds
+  float duration;                              // h, seconds
   float stage;                                 // d, seconds
   float gravity_x, gravity_y, gravity_z;       // change of gravity against that of the shapes, m/s^2
   float velocity_weight, displacement_weight;  // of the next right side: 1/s, 1
