@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "runtime/cpu/corotated_solve.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/jiggle_stages.h"
 
@@ -86,25 +87,25 @@ void CpuDynamics::step(const Batch& batch, std::uint32_t f, std::span<const floa
   for (std::uint32_t s = 0; s < frame.steps; ++s) {
     cpu::jiggle_begin(jiggle, stages.begin, rotations, strains, controls, motion.displacement, motion.velocity, u_, v_,
                       right_side_);
-    solve(stages.begin, nodes, rotations, u_, v_);
+    solve(stages.begin, rotations);
     if (stages.advance) {
       cpu::jiggle_advance(jiggle, *stages.advance, rotations, solution_, u_, v_, next_u_, next_v_, right_side_);
       u_.swap(next_u_);
       v_.swap(next_v_);
-      solve(*stages.advance, nodes, rotations, u_, v_);
+      solve(*stages.advance, rotations);
     }
     cpu::jiggle_end(stages.end, rotations, solution_, u_, motion.displacement, motion.velocity);
   }
 }
 
-void CpuDynamics::solve(const JiggleStepPush& stage, std::span<const float> nodes, std::span<const float> rotations,
-                        std::span<const float> u, std::span<const float> v) {
+void CpuDynamics::solve(const JiggleStepPush& stage, std::span<const float> rotations) {
   if (options_.iterations == 0) {
     cpu::block_solve(dynamics_.jiggle.inverse, right_side_, 1, 1, scratch_, solution_);
     return;
   }
-  static_cast<void>(nodes), static_cast<void>(stage), static_cast<void>(rotations), static_cast<void>(u),
-      static_cast<void>(v);
+  cpu::corotated_start(stage, u_, v_, solution_);
+  cpu::corotated_solve({dynamics_.tets, dynamics_.jiggle, rotations, tet_rotations_}, right_side_, options_.iterations,
+                       corotated_scratch_, solution_);
 }
 
 }  // namespace bodyopt

@@ -1,6 +1,7 @@
 // Diffuse and jiggle on the CPU: their kernels one after the other.
 #pragma once
 
+#include "runtime/cpu/corotated_solve.h"
 #include "runtime/deformer.h"
 
 namespace bodyopt {
@@ -20,8 +21,7 @@ class CpuDynamics {
   void diffuse(const Batch& batch, std::span<const float> positions);
   void step(const Batch& batch, std::uint32_t frame, std::span<const float> strains);
   void begin_frame(const JiggleFrame& frame, std::span<const float> nodes);
-  void solve(const JiggleStepPush& stage, std::span<const float> nodes, std::span<const float> rotations,
-             std::span<const float> u, std::span<const float> v);
+  void solve(const JiggleStepPush& stage, std::span<const float> rotations);
 
   const Dynamics& dynamics_;
   const JiggleOptions options_;
@@ -30,6 +30,7 @@ class CpuDynamics {
   std::vector<float> u_, v_, next_u_, next_v_;                  // of a stage, in the nodes' frames
   std::vector<float> right_side_, solution_, scratch_;
   std::vector<float> tet_rotations_;
+  cpu::CorotatedScratch corotated_scratch_;
   NodeMotion next_;
 };
 
