@@ -1,51 +1,18 @@
 // A basis as safetensors: one tensor per array of basis.h, named <table>.<array>; names and other strings as metadata.
 #include <xxhash.h>
 
-#include <cstring>
 #include <nlohmann/json.hpp>
-#include <set>
-#include <type_traits>
 
 #include "runtime/basis/basis.h"
 #include "runtime/basis/error.h"
-#include "runtime/basis/safetensors.h"
 #include "runtime/basis/strict_json.h"
+#include "runtime/basis/table_file.h"
 
 namespace bodyopt {
 namespace {
 
 constexpr const char* kSchema = "bodyopt-basis-2";
 constexpr std::size_t kJointNumbers = 10 + 10 + 12;  // bind, default local, inverse bind
-
-// A record of 4-byte scalars is stored as rows of U32 or F32 words; mixed records as U32.
-template <typename T>
-constexpr const char* dtype_of() {
-  if constexpr (std::is_same_v<T, float> || std::is_same_v<T, FeatureRange>) return "F32";
-  if constexpr (std::is_same_v<T, double>) return "F64";
-  return "U32";
-}
-
-template <typename T>
-constexpr std::uint64_t words_of() {
-  return sizeof(T) / (std::is_same_v<T, double> ? 8 : 4);
-}
-
-// The shape of `count` values, `width` of them to a row: count, or rows x words.
-template <typename T>
-std::vector<std::uint64_t> shape_of(std::size_t count, std::uint64_t width) {
-  const std::uint64_t words = width * words_of<T>();
-  if (words == 1) return {count};
-  return {count / width, words};
-}
-
-template <typename T>
-Tensor tensor_from(const std::vector<T>& values, std::uint64_t width) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  Tensor tensor{dtype_of<T>(), shape_of<T>(values.size(), width), {}};
-  tensor.bytes.resize(values.size() * sizeof(T));
-  if (!values.empty()) std::memcpy(tensor.bytes.data(), values.data(), tensor.bytes.size());
-  return tensor;
-}
 
 // Applies `visit(name, array, values to a row)` to every array of the tables.
 template <typename BasisType, typename Visit>
@@ -108,64 +75,20 @@ std::string list_text(const std::vector<std::string>& names, const std::filesyst
   }
 }
 
-class BasisReader {
- public:
-  BasisReader(const Safetensors& file, const std::filesystem::path& path) : file_(file), path_(path) {}
-
-  template <typename T>
-  void read(const std::string& name, std::vector<T>& values, std::uint64_t width) {
-    const auto found = file_.tensors.find(name);
-    if (found == file_.tensors.end()) refuse("tensor '" + name + "' is missing");
-    const Tensor& tensor = found->second;
-    if (tensor.dtype != dtype_of<T>()) {
-      refuse("tensor '" + name + "' has type " + tensor.dtype + ", expected " + dtype_of<T>());
-    }
-    const std::size_t count = tensor.bytes.size() / sizeof(T);
-    if (tensor.shape != shape_of<T>(count, width)) {
-      refuse("tensor '" + name + "' has a shape of " + std::to_string(tensor.shape.size()) +
-             " dimensions whose rows are not of " + std::to_string(width * words_of<T>()) + " values");
-    }
-    known_.insert(name);
-    values.resize(count);
-    if (!values.empty()) std::memcpy(static_cast<void*>(values.data()), tensor.bytes.data(), tensor.bytes.size());
+std::vector<std::string> strings(const TableReader& reader, const std::string& key, const std::filesystem::path& path) {
+  const auto list = parse_strict_json<nlohmann::json>(reader.metadata(key), path.string() + ", metadata '" + key + "'");
+  std::vector<std::string> values;
+  if (!list.is_array()) reader.refuse("its metadata '" + key + "' is not a list of strings");
+  for (const auto& value : list) {
+    if (!value.is_string()) reader.refuse("its metadata '" + key + "' is not a list of strings");
+    values.push_back(value.get<std::string>());
   }
+  return values;
+}
 
-  std::string metadata(const std::string& key) const {
-    const auto found = file_.metadata.find(key);
-    if (found == file_.metadata.end()) refuse("its metadata lacks '" + key + "'");
-    return found->second;
-  }
-
-  std::vector<std::string> strings(const std::string& key) const {
-    const auto list = parse_strict_json<nlohmann::json>(metadata(key), path_.string() + ", metadata '" + key + "'");
-    std::vector<std::string> values;
-    if (!list.is_array()) refuse("its metadata '" + key + "' is not a list of strings");
-    for (const auto& value : list) {
-      if (!value.is_string()) refuse("its metadata '" + key + "' is not a list of strings");
-      values.push_back(value.get<std::string>());
-    }
-    return values;
-  }
-
-  void refuse_unknown_tensors() const {
-    for (const auto& [name, tensor] : file_.tensors) {
-      if (!known_.contains(name)) refuse("tensor '" + name + "' is not one of a basis");
-    }
-  }
-
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw Error(ErrorKind::file, path_.string() + ": " + what + " (not a basis, or one of another version)");
-  }
-
- private:
-  const Safetensors& file_;
-  const std::filesystem::path& path_;
-  std::set<std::string> known_;  // tensors read so far
-};
-
-Skeleton read_skeleton(BasisReader& reader) {
+Skeleton read_skeleton(TableReader& reader, const std::filesystem::path& path) {
   Skeleton skeleton;
-  const std::vector<std::string> names = reader.strings("joint_names");
+  const std::vector<std::string> names = strings(reader, "joint_names", path);
   std::vector<double> numbers;
   std::vector<std::uint32_t> parents;
   reader.read("skeleton.joints", numbers, kJointNumbers);
@@ -218,17 +141,14 @@ void save_basis(const Basis& basis, const std::filesystem::path& path) {
 
 Basis load_basis(const std::filesystem::path& path) {
   const Safetensors file = read_safetensors(path);
-  BasisReader reader(file, path);
-  if (reader.metadata("schema") != kSchema) {
-    reader.refuse("its schema is '" + reader.metadata("schema") + "', expected '" + kSchema + "'");
-  }
-  reader.metadata("checksum");
+  TableReader reader(file, path, "a basis");
+  reader.require_schema(kSchema);
   Basis basis;
-  basis.skeleton = read_skeleton(reader);
+  basis.skeleton = read_skeleton(reader, path);
   for_each_array(basis, [&](const char* name, auto& values, std::uint64_t width) { reader.read(name, values, width); });
   reader.refuse_unknown_tensors();
-  basis.strain.names = reader.strings("fibre_names");
-  basis.residual.controls = reader.strings("controls");
+  basis.strain.names = strings(reader, "fibre_names", path);
+  basis.residual.controls = strings(reader, "controls", path);
   basis.metadata = file.metadata;
   for (const char* own : {"schema", "joint_names", "fibre_names", "controls", "checksum"}) basis.metadata.erase(own);
   validate(basis, path.string());

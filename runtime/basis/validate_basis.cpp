@@ -4,25 +4,19 @@
 #include <span>
 
 #include "runtime/basis/basis.h"
-#include "runtime/basis/error.h"
+#include "runtime/basis/table_checks.h"
 
 namespace bodyopt {
 namespace {
 
-// Products and sums of numbers up to this size stay finite in every kernel's single precision.
-constexpr double kLargest = 1e9;
-constexpr double kLargestFeature = 1e6;    // standardised: standard deviations of training
-constexpr float kShortestFibre = 1e-6f;    // metres
-constexpr double kUnitTolerance = 1e-3;    // of a quaternion's length
-constexpr float kWeightTolerance = 1e-4f;  // of a sum of barycentric weights
+constexpr double kLargestFeature = 1e6;  // standardised: standard deviations of training
+constexpr float kShortestFibre = 1e-6f;  // metres
+constexpr double kUnitTolerance = 1e-3;  // of a quaternion's length
 constexpr std::size_t kMostCoefficients = 65536;
 
-std::string element(const char* name, std::size_t k) { return std::string(name) + "[" + std::to_string(k) + "]"; }
-
-// Checks of one basis; every refusal names the array, what was expected and what was found.
-class Validator {
+class Validator : TableChecks {
  public:
-  Validator(const Basis& basis, const std::string& origin) : basis_(basis), origin_(origin) {}
+  Validator(const Basis& basis, const std::string& origin) : TableChecks(origin), basis_(basis) {}
 
   void run() const {
     check_skeleton();
@@ -35,48 +29,6 @@ class Validator {
   }
 
  private:
-  using Indices = std::vector<std::uint32_t>;
-
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw Error(ErrorKind::file, origin_ + ": " + what + " (damaged, or made by a defective program)");
-  }
-
-  void expect_size(const char* name, std::size_t found, std::size_t expected) const {
-    if (found != expected) {
-      refuse(std::string(name) + " has " + std::to_string(found) + " entries, expected " + std::to_string(expected));
-    }
-  }
-
-  void expect_below(const char* name, std::span<const std::uint32_t> indices, std::size_t limit) const {
-    for (std::size_t k = 0; k < indices.size(); ++k) {
-      if (indices[k] < limit) continue;
-      refuse(element(name, k) + " is " + std::to_string(indices[k]) + ", expected an index below " +
-             std::to_string(limit));
-    }
-  }
-
-  void expect_offsets(const char* name, const Indices& begin, std::size_t rows, std::size_t end) const {
-    expect_size(name, begin.size(), rows + 1);
-    if (begin[0] != 0) refuse(std::string(name) + " starts at " + std::to_string(begin[0]) + ", expected 0");
-    for (std::size_t k = 0; k < rows; ++k) {
-      if (begin[k] <= begin[k + 1]) continue;
-      refuse(element(name, k + 1) + " is " + std::to_string(begin[k + 1]) + ", expected at least " +
-             std::to_string(begin[k]));
-    }
-    if (begin[rows] != end) {
-      refuse(std::string(name) + " ends at " + std::to_string(begin[rows]) + ", expected " + std::to_string(end));
-    }
-  }
-
-  void expect_number(const char* name, std::size_t k, double value) const {
-    if (std::abs(value) <= kLargest) return;  // false for NaN
-    refuse(element(name, k) + " is " + std::to_string(value) + ", expected a number of at most 1e9");
-  }
-
-  void expect_numbers(const char* name, std::span<const float> values) const {
-    for (std::size_t k = 0; k < values.size(); ++k) expect_number(name, k, static_cast<double>(values[k]));
-  }
-
   static bool finite_halves(std::uint32_t word) {
     return (word & 0x7c00u) != 0x7c00u && ((word >> 16) & 0x7c00u) != 0x7c00u;
   }
@@ -311,7 +263,6 @@ class Validator {
   }
 
   const Basis& basis_;
-  const std::string& origin_;
 };
 
 }  // namespace

@@ -15,7 +15,7 @@ void BlockDown::record(Commands& commands, const Buffers& buffers, const Inverse
     if (&window != &level.down.front()) commands.barrier();  // all windows write into one buffer
     const std::array bindings = {BufferRange(inverse.down), inverse.values_of(window),
                                  BufferRange(inverse.slot_unknown), buffers.results, buffers.solutions};
-    const BlockDownPush push{window.first, window.count,    window.first_value,
+    const BlockDownPush push{window.first,       window.count,          window.first_value,
                              inverse.slot_count, inverse.unknown_count, interleave};
     commands.dispatch(kernel_, bindings, push, window.count * kWorkgroupSize, right_side_count);
   }

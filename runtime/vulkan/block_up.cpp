@@ -14,8 +14,7 @@ void BlockUp::record(Commands& commands, const Buffers& buffers, const InverseBu
   for (const InverseWindow& window : level.up) {
     if (&window != &level.up.front()) commands.barrier();  // all windows write into one buffer
     const std::array bindings = {BufferRange(inverse.up), inverse.values_of(window), buffers.gathered, buffers.results};
-    const BlockUpPush push{window.first, window.count, window.first_value, level.slots.own_end,
-                           inverse.slot_count};
+    const BlockUpPush push{window.first, window.count, window.first_value, level.slots.own_end, inverse.slot_count};
     commands.dispatch(kernel_, bindings, push, window.count * kWorkgroupSize, right_side_count);
   }
 }

@@ -69,7 +69,7 @@ TEST_F(BlockSolve, ReferenceSolvesTheSystem) {
         const bool nobodys = c.small.matrix(k, k) == 0;
         x[k] = static_cast<double>(solutions[at]);
         b[k] = nobodys ? 0 : static_cast<double>(c.right_sides[at]);
-        if (nobodys) EXPECT_EQ(solutions[at], kBefore);
+        EXPECT_EQ(nobodys, solutions[at] == kBefore);
       }
       EXPECT_LE((c.small.matrix * x - b).norm(), 1e-5 * b.norm()) << own << " unknowns a front";
     }
@@ -99,7 +99,7 @@ void expect_windows(const std::vector<Panel>& panels, const vulkan::DeviceInfo& 
 TEST_F(BlockSolve, WindowsGiveTheSameBits) {
   const Case c(90, {3, 3});
   const std::vector<float> whole = c.on_gpu(*device_, device_->info());
-  std::uint64_t longest = 0;  // of a strip
+  std::uint64_t longest = 0;                              // of a strip
   const auto strip_end = [](const InverseStrip& strip) {  // of the last row's last panel
     const std::uint32_t panels = (strip.input_count + kBlockSize - 1) / kBlockSize;
     return strip.first_value + (panels - 1) * strip.panel_step + strip.row_count * kBlockSize;

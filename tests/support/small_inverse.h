@@ -18,7 +18,7 @@ struct SmallFront {
 
 // Seven fronts, a perfect binary tree in heap order: 0 is the root, 2 f + 1 and 2 f + 2 are f's children. Front f owns
 // `own` + f % 3 unknowns (none when `own` is 0), those under one front are joined to about a third of what fronts above
-// own, and three unknowns are nobody's.
+// own, and four unknowns are nobody's.
 struct SmallInverse {
   static constexpr std::size_t kFronts = 7;
 
@@ -44,7 +44,7 @@ struct SmallInverse {
     std::vector<int> order;
     const auto size_of = [&](std::size_t f) { return own == 0 ? 0 : own + f % 3; };
     for (std::size_t f = 0; f < kFronts; ++f) inverse.unknown_count += static_cast<std::uint32_t>(size_of(f));
-    inverse.unknown_count += 3;
+    inverse.unknown_count += 4;
     for (std::uint32_t q = 0; q < inverse.unknown_count; ++q) order.push_back(static_cast<int>(q));
     for (std::uint32_t q = inverse.unknown_count; q > 1; --q) std::swap(order[q - 1], order[random.below(q)]);
     auto next = order.begin();
@@ -158,7 +158,8 @@ struct SmallInverse {
 
   // Of W, the panels of whose transpose come next.
   void add_strips(const SmallFront& front) {
-    const auto own = static_cast<std::uint32_t>(front.own.size()), values = static_cast<std::uint32_t>(inverse.values.size());
+    const auto own = static_cast<std::uint32_t>(front.own.size()),
+               values = static_cast<std::uint32_t>(inverse.values.size());
     for (std::uint32_t first = 0; first < own; first += kBlockSize) {
       inverse.down.push_back({front.own_slot + first, std::min(kBlockSize, own - first), front.boundary_slot,
                               static_cast<std::uint32_t>(front.boundary.size()), values + first * kBlockSize,

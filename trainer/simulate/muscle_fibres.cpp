@@ -137,15 +137,18 @@ std::vector<double> activations(const std::vector<Muscle>& muscles, std::span<co
   return result;
 }
 
+bool matches_pattern(const std::string& pattern, const std::string& name) {
+  if (!pattern.ends_with('*')) return name == pattern;
+  return name.starts_with(std::string_view(pattern).substr(0, pattern.size() - 1));
+}
+
 std::vector<std::vector<std::size_t>> flexed_muscles(const std::vector<std::string>& controls,
                                                      const std::vector<Muscle>& muscles) {
   std::vector<std::vector<std::size_t>> flexed;
   for (const std::string& control : controls) {
-    const bool many = control.ends_with('*');
-    const std::string name = control.substr(0, control.size() - (many ? 1 : 0));
     std::vector<std::size_t>& found = flexed.emplace_back();
     for (std::size_t m = 0; m < muscles.size(); ++m) {
-      if (many ? muscles[m].name.starts_with(name) : muscles[m].name == name) found.push_back(m);
+      if (matches_pattern(control, muscles[m].name)) found.push_back(m);
     }
     if (found.empty()) {
       throw Error(ErrorKind::mismatch, "the control '" + control + "' flexes none of the " +

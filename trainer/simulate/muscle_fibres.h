@@ -26,6 +26,9 @@ double path_length(const Muscle& muscle, std::span<const Affine> skinning);
 // stretched, full when shortened by a fifth.
 std::vector<double> activations(const std::vector<Muscle>& muscles, std::span<const Affine> skinning);
 
+// Whether a pattern means a name: it is the name or, where it ends with '*', how the name begins.
+bool matches_pattern(const std::string& pattern, const std::string& name);
+
 // The muscles that each control flexes: the one of its name or, where it ends with '*', all whose names begin like it.
 // Throws Error(mismatch) for a control that flexes none.
 std::vector<std::vector<std::size_t>> flexed_muscles(const std::vector<std::string>& controls,

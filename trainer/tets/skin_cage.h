@@ -2,6 +2,7 @@
 #pragma once
 
 #include "trainer/tets/cage.h"
+#include "trainer/tets/coarse_skin.h"
 
 namespace bodyopt {
 
@@ -13,5 +14,8 @@ namespace bodyopt {
 // Throws Error(mismatch) when the skin is not closed or no coarser skin can be filled with tets of a mean-ratio quality
 // of 0.05 at least.
 Cage skin_cage(const Positions& vertices, const Triangles& triangles, Eigen::Index max_nodes);
+
+// The cage that the tets of a coarser skin make: where they carry every vertex of the fine one, and their samples.
+Cage cage_in(const FineSkin& fine, const FilledSkin& filled);
 
 }  // namespace bodyopt

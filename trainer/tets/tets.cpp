@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -96,15 +97,6 @@ TetMesh read_volume(nglib::Ng_Mesh* mesh) {
   return result;
 }
 
-// Mean ratio: 12 (3 volume)^(2/3) over the sum of squared edges (Liu and Joe 1994).
-double mean_ratio(double volume, const Eigen::Vector3d corner[4]) {
-  double squares = 0;
-  for (int a = 0; a < 4; ++a) {
-    for (int b = a + 1; b < 4; ++b) squares += (corner[a] - corner[b]).squaredNorm();
-  }
-  return squares > 0 ? 12 * std::cbrt(9 * volume * volume) / squares : 0;
-}
-
 [[noreturn]] void refuse(const std::string& reason) {
   throw Error(ErrorKind::mismatch,
               "the skin cannot be filled with tetrahedra: " + reason +
@@ -116,12 +108,20 @@ double mean_ratio(double volume, const Eigen::Vector3d corner[4]) {
 void orient(TetMesh& mesh) {
   mesh.worst_quality = 1;
   for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
-    Eigen::Vector3d corner[4];
-    for (int k = 0; k < 4; ++k) corner[k] = mesh.nodes.row(mesh.tets(t, k));
-    const double volume = (corner[1] - corner[0]).cross(corner[2] - corner[0]).dot(corner[3] - corner[0]) / 6;
-    if (volume < 0) std::swap(mesh.tets(t, 2), mesh.tets(t, 3));
-    mesh.worst_quality = std::min(mesh.worst_quality, mean_ratio(std::abs(volume), corner));
+    if (tet_edges(mesh, t).determinant() < 0) std::swap(mesh.tets(t, 2), mesh.tets(t, 3));
+    mesh.worst_quality = std::min(mesh.worst_quality, mean_ratio(mesh, t));
   }
+}
+
+double mean_ratio(const TetMesh& mesh, Eigen::Index tet) {
+  Eigen::Vector3d corner[4];
+  for (int k = 0; k < 4; ++k) corner[k] = mesh.nodes.row(mesh.tets(tet, k));
+  const double volume = (corner[1] - corner[0]).cross(corner[2] - corner[0]).dot(corner[3] - corner[0]) / 6;
+  double squares = 0;
+  for (int a = 0; a < 4; ++a) {
+    for (int b = a + 1; b < 4; ++b) squares += (corner[a] - corner[b]).squaredNorm();
+  }
+  return squares > 0 ? 12 * std::cbrt(9 * volume * volume) / squares : 0;
 }
 
 Eigen::Matrix3d tet_edges(const TetMesh& mesh, Eigen::Index tet) {

@@ -1,0 +1,109 @@
+// bodyopt dynamics: the tables of diffuse and jiggle for a trained basis.
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "cli/common.h"
+#include "runtime/basis/error.h"
+#include "trainer/dataset/dataset.h"
+#include "trainer/dataset/regions_file.h"
+#include "trainer/dynamics/build_dynamics.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct DynamicsArguments {
+  std::string dataset, basis, out, jiggle, integrator = "tr-bdf2";
+  DynamicsOptions options;
+  JsonOption json;
+};
+
+bool is_character(const std::string& path) { return path.ends_with(".glb") || path.ends_with(".gltf"); }
+
+Dynamics build(DynamicsArguments& arguments, const Basis& basis) {
+  DynamicsOptions& options = arguments.options;
+  if (is_character(arguments.dataset)) {
+    const Character character = read_character(arguments.dataset, kept_unit(basis));
+    say(character.notes);
+    return build_dynamics(character, {}, basis, options);
+  }
+  std::filesystem::path path = arguments.dataset;
+  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  const Dataset dataset = read_dataset(path);
+  const Character character = read_character(dataset.folder / dataset.character, dataset.unit);
+  say(character.notes);
+  std::vector<Muscle> muscles;
+  if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, character.skeleton);
+  if (!dataset.materials.empty()) options.materials = read_materials(dataset.folder / dataset.materials);
+  options.painted = read_regions(dataset, character);
+  return build_dynamics(character, muscles, basis, options);
+}
+
+void run(DynamicsArguments arguments) {
+  require_writable(arguments.out);
+  arguments.json.require_writable();
+  refuse_overwriting(arguments.out, arguments.basis);
+  const auto start = std::chrono::steady_clock::now();
+  const Basis basis = load_basis(arguments.basis);
+  if (!arguments.jiggle.empty()) arguments.options.settings = read_jiggle(arguments.jiggle);
+  arguments.options.step.implicit_euler = arguments.integrator == "euler";
+  const Dynamics dynamics = build(arguments, basis);
+  validate(dynamics, basis, "the dynamics to be saved");
+  save_dynamics(dynamics, arguments.out);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  say(dynamics_notes(dynamics));
+  const Json report = Json::parse(dynamics.metadata.at("report"));
+  Json result = {{"dynamics", arguments.out}};
+  result.update(report);
+  for (const auto& [stage, bytes] : table_bytes(dynamics)) result["bytes"][stage] = bytes;
+  result["seconds"] = seconds;
+  const Json& quality = report.at("quality");
+  const auto megabytes = [&](const char* stage) { return result["bytes"][stage].get<double>() / 1e6; };
+  arguments.json.emit(
+      result,
+      format("%u tetrahedra, %u nodes, %u of them on the skin; quality %.2f at worst, first percentile %.2f, median "
+             "%.2f\n%zu springs hold them to the bones of %zu joints\n",
+             dynamics.tets.tet_count(), dynamics.tets.node_count(), dynamics.tets.surface_count(),
+             quality.at("worst").get<double>(), quality.at("first_percentile").get<double>(),
+             quality.at("median").get<double>(), report.at("bone_springs").get<std::size_t>(),
+             report.at("joints_with_bones").get<std::size_t>()) +
+          format("wrote %s: diffuse %.1f MB, jiggle %.1f MB, in %.1f s\n", arguments.out.c_str(), megabytes("diffuse"),
+                 megabytes("jiggle"), seconds));
+}
+
+}  // namespace
+
+void add_dynamics(CLI::App& app) {
+  auto arguments = std::make_shared<DynamicsArguments>();
+  DynamicsOptions& options = arguments->options;
+  CLI::App& verb =
+      *app.add_subcommand("dynamics", "What lets a trained character's tissue jiggle: a second file beside its basis");
+  verb.add_option("dataset", arguments->dataset,
+                  "dataset.json, or its folder; or the character alone, whose muscles then do not stiffen")
+      ->required()
+      ->type_name("DATASET");
+  verb.add_option("--basis", arguments->basis, "The basis trained from it")->required()->type_name("BASIS");
+  add_output(verb, arguments->out, ".safetensors", "Dynamics to write");
+  verb.add_option("--jiggle", arguments->jiggle, "How soft, damped and free tissue is, and where (jiggle.json)")
+      ->type_name("FILE")
+      ->check(refuse_empty);
+  verb.add_option("--dynamics-resolution", options.resolution, "Tetrahedra at most")
+      ->capture_default_str()
+      ->check(CLI::Range(100, 1000000));
+  verb.add_option("--fps", options.step.frames_per_second, "Frames a second of the clips to come")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-3, 1e5));
+  verb.add_option("--substeps", options.step.substeps, "Steps a frame")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 64));
+  verb.add_option("--integrator", arguments->integrator,
+                  "tr-bdf2: keeps oscillations; euler: damps them strongly, for comparison")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"tr-bdf2", "euler"}));
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli

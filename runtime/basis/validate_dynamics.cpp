@@ -1,0 +1,354 @@
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/basis/dynamics.h"
+#include "runtime/basis/hexadecimal.h"
+#include "runtime/basis/table_checks.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr std::size_t kMostNodes = std::size_t{1} << 24;
+// Of the basis' extent: a node on the skin stands no further from where the rest skin carries it.
+constexpr double kSamePlace = 1e-4;
+
+struct InverseName {
+  const char *levels, *slots, *children, *up, *down, *values;
+};
+constexpr InverseName kDiffuse = {"diffuse.inverse.levels",      "diffuse.inverse.slot_unknown",
+                                  "diffuse.inverse.child_slots", "diffuse.inverse.up",
+                                  "diffuse.inverse.down",        "diffuse.inverse.values"};
+constexpr InverseName kJiggle = {"jiggle.inverse.levels", "jiggle.inverse.slot_unknown", "jiggle.inverse.child_slots",
+                                 "jiggle.inverse.up",     "jiggle.inverse.down",         "jiggle.inverse.values"};
+
+// A solve reads only what is there and was made before, and makes every unknown from `first` on once.
+class InverseValidator : TableChecks {
+ public:
+  InverseValidator(const BlockInverse& inverse, const InverseName& name, std::size_t first, std::size_t unknowns,
+                   const std::string& origin)
+      : TableChecks(origin), inverse_(inverse), name_(name), first_(first), unknowns_(unknowns) {}
+
+  void run() const {
+    if (inverse_.unknown_count != unknowns_) {
+      refuse(std::string(name_.slots) + " is of " + std::to_string(inverse_.unknown_count) + " unknowns, expected " +
+             std::to_string(unknowns_));
+    }
+    expect_below(name_.slots, inverse_.slot_unknown, unknowns_);
+    expect_size(name_.children, inverse_.child_slots.size(), 2 * inverse_.slot_unknown.size());
+    expect_numbers(name_.values, inverse_.values);
+    check_levels();
+    check_owners();
+    for (const InverseLevel& level : inverse_.levels) {
+      check_children(level);
+      check_panels(name_.up, inverse_.up, {level.up_begin, level.up_end}, {level.first_slot, level.end_slot},
+                   {level.first_slot, level.own_end});
+      check_panels(name_.down, inverse_.down, {level.down_begin, level.down_end}, {level.first_slot, level.own_end},
+                   {level.own_end, level.end_slot});
+    }
+  }
+
+ private:
+  struct Range {
+    std::uint32_t begin, end;
+  };
+
+  void check_levels() const {
+    std::uint32_t slots = 0, up = 0, down = 0;
+    for (std::size_t k = 0; k < inverse_.levels.size(); ++k) {
+      const InverseLevel& level = inverse_.levels[k];
+      if (level.first_slot != slots || level.own_end < slots || level.end_slot < level.own_end ||
+          level.up_begin != up || level.up_end < up || level.down_begin != down || level.down_end < down) {
+        refuse(element(name_.levels, k) + " has ranges that do not follow the level before it");
+      }
+      slots = level.end_slot;
+      up = level.up_end;
+      down = level.down_end;
+    }
+    expect_size(name_.slots, inverse_.slot_unknown.size(), slots);
+    expect_size(name_.up, inverse_.up.size(), up);
+    expect_size(name_.down, inverse_.down.size(), down);
+  }
+
+  // Every unknown from first_ on is solved by one level, no other by any; boundary unknowns by a level above theirs.
+  void check_owners() const {
+    const std::size_t nobody = inverse_.levels.size();
+    std::vector<std::size_t> owner(unknowns_, nobody);
+    for (std::size_t k = 0; k < inverse_.levels.size(); ++k) {
+      for (std::uint32_t slot = inverse_.levels[k].first_slot; slot < inverse_.levels[k].own_end; ++slot) {
+        const std::uint32_t unknown = inverse_.slot_unknown[slot];
+        if (unknown < first_ || owner[unknown] != nobody) {
+          refuse(element(name_.slots, slot) + " is " + std::to_string(unknown) +
+                 ", expected an unknown that is solved for, once");
+        }
+        owner[unknown] = k;
+      }
+    }
+    const auto missing =
+        std::find(owner.begin() + static_cast<std::ptrdiff_t>(std::min(first_, unknowns_)), owner.end(), nobody);
+    if (missing != owner.end()) {
+      refuse(std::string(name_.slots) + " does not hold unknown " + std::to_string(missing - owner.begin()) +
+             " as any front's own");
+    }
+    for (std::size_t k = 0; k < inverse_.levels.size(); ++k) {
+      for (std::uint32_t slot = inverse_.levels[k].own_end; slot < inverse_.levels[k].end_slot; ++slot) {
+        const std::size_t solved = owner[inverse_.slot_unknown[slot]];
+        if (solved > k && solved != nobody) continue;
+        refuse(element(name_.slots, slot) + " is " + std::to_string(inverse_.slot_unknown[slot]) +
+               ", expected an unknown that a level above solves");
+      }
+    }
+  }
+
+  void check_children(const InverseLevel& level) const {
+    for (std::size_t k = 2 * std::size_t{level.first_slot}; k < 2 * std::size_t{level.end_slot}; ++k) {
+      const std::uint32_t child = inverse_.child_slots[k];
+      if (child == kNoSlot) continue;
+      if (child < level.first_slot && inverse_.slot_unknown[child] == inverse_.slot_unknown[k / 2]) continue;
+      refuse(element(name_.children, k) + " is " + std::to_string(child) +
+             ", expected a slot of the same unknown of a level below");
+    }
+  }
+
+  static std::uint64_t end_value(const InversePanel& panel) {
+    return panel.first_value + std::uint64_t{panel.input_count} * kBlockSize;
+  }
+  static std::uint64_t end_value(const InverseStrip& strip) {
+    if (strip.input_count == 0) return 0;
+    return strip.first_value + (strip.input_count - 1) / kBlockSize * std::uint64_t{strip.panel_step} +
+           std::uint64_t{strip.row_count} * kBlockSize;
+  }
+
+  // Panels, or strips, give every slot of `rows` once, by ascending slot and from `inputs` alone.
+  template <typename Panel>
+  void check_panels(const char* name, const std::vector<Panel>& panels, Range of_level, Range rows,
+                    Range inputs) const {
+    std::vector<bool> given(rows.end - rows.begin, false);
+    std::size_t count = 0;
+    for (std::size_t k = of_level.begin; k < of_level.end; ++k) {
+      const Panel& panel = panels[k];
+      const auto within = [](std::uint64_t first, std::uint64_t size, Range range) {
+        return first >= range.begin && first + size <= range.end;
+      };
+      if (panel.row_count == 0 || panel.row_count > kBlockSize || !within(panel.first_slot, panel.row_count, rows) ||
+          (panel.input_count > 0 && !within(panel.first_input, panel.input_count, inputs))) {
+        refuse(element(name, k) + " has rows or columns that are not slots of its level");
+      }
+      if (panel.first_slot < inputs.end && inputs.begin == rows.begin &&
+          panel.first_slot + panel.row_count > inputs.end) {
+        refuse(element(name, k) + " has rows of own and of boundary slots, expected one kind");
+      }
+      if (end_value(panel) > inverse_.values.size()) {
+        refuse(element(name, k) + " needs numbers up to " + std::to_string(end_value(panel)) + ", there are " +
+               std::to_string(inverse_.values.size()));
+      }
+      for (std::uint32_t row = 0; row < panel.row_count; ++row) {
+        auto slot = given[panel.first_slot + row - rows.begin];
+        if (slot) refuse(element(name, k) + " gives slot " + std::to_string(panel.first_slot + row) + " once more");
+        slot = true;
+        ++count;
+      }
+    }
+    if (count == given.size()) return;
+    refuse(std::string(name) + " gives " + std::to_string(count) + " of the " + std::to_string(given.size()) +
+           " slots of the level that begins at slot " + std::to_string(rows.begin));
+  }
+
+  const BlockInverse& inverse_;
+  const InverseName& name_;
+  std::size_t first_, unknowns_;
+};
+
+class Validator : TableChecks {
+ public:
+  Validator(const Dynamics& dynamics, const Basis& basis, const std::string& origin)
+      : TableChecks(origin),
+        dynamics_(dynamics),
+        basis_(basis),
+        origin_(origin),
+        nodes_(dynamics.tets.node_count()),
+        tets_(dynamics.tets.tet_count()) {}
+
+  void run() const {
+    check_owner();
+    check_tets();
+    check_corners();
+    check_surface();
+    check_skin();
+    check_diffuse();
+    check_step();
+    check_jiggle();
+  }
+
+ private:
+  [[noreturn]] void refuse_basis(const std::string& what) const {
+    throw Error(ErrorKind::mismatch, origin_ + ": these dynamics are not of this basis: " + what +
+                                         " (made for another character, or before it was edited?)");
+  }
+
+  void check_owner() const {
+    const auto expect = [&](const char* key, std::uint64_t hash, const char* what) {
+      const auto found = dynamics_.metadata.find(key);
+      if (found == dynamics_.metadata.end()) refuse(std::string("its metadata lack '") + key + "'");
+      if (found->second != hexadecimal(hash)) refuse_basis(std::string("the ") + what + " is another");
+    };
+    expect("topology_hash", topology_hash(basis_.mesh), "mesh");
+    expect("skeleton_hash", skeleton_hash(basis_.skeleton), "skeleton");
+  }
+
+  void check_tets() const {
+    const TetTable& tets = dynamics_.tets;
+    if (tets.nodes.size() % 3 != 0 || tets.nodes.empty() || nodes_ > kMostNodes) {
+      refuse("tets.nodes has " + std::to_string(tets.nodes.size()) +
+             " entries, expected three to a node, of 1 to 2^24");
+    }
+    expect_size("tets.tets", tets.tets.size(), 4 * tets_);
+    expect_numbers("tets.nodes", tets.nodes);
+    expect_below("tets.tets", tets.tets, nodes_);
+    for (std::size_t t = 0; t < tets_; ++t) {
+      const TetShape& shape = tets.shapes[t];
+      for (const float x : shape.inverse_edges) expect_number("tets.shapes", t, static_cast<double>(x));
+      expect_number("tets.shapes", t, static_cast<double>(shape.volume));
+      if (!(shape.volume > 0)) {
+        refuse(element("tets.shapes", t) + " has a volume of " + std::to_string(shape.volume) + ", expected above 0");
+      }
+    }
+  }
+
+  void check_corners() const {
+    const TetTable& tets = dynamics_.tets;
+    expect_offsets("tets.corner_begin", tets.corner_begin, nodes_, tets.corners.size());
+    expect_size("tets.corners", tets.corners.size(), tets.tets.size());
+    Indices next = tets.corner_begin;  // where the next corner of each node must stand
+    for (std::size_t c = 0; c < tets.tets.size(); ++c) {
+      const std::uint32_t node = tets.tets[c], k = next[node]++;
+      if (k < tets.corner_begin[node + 1] && tets.corners[k] == c) continue;
+      refuse("tets.corners does not list corner " + std::to_string(c) + " at node " + std::to_string(node) +
+             " in ascending order, expected at " + std::to_string(k));
+    }
+    for (std::size_t n = 0; n < nodes_; ++n) {
+      if (tets.corner_begin[n] == tets.corner_begin[n + 1]) {
+        refuse("tets.nodes: node " + std::to_string(n) + " belongs to no tetrahedron");
+      }
+    }
+  }
+
+  void check_surface() const {
+    const TetTable& tets = dynamics_.tets;
+    if (tets.surface.empty() || tets.surface.size() > nodes_) {
+      refuse("tets.surface has " + std::to_string(tets.surface.size()) + " entries, expected 1 to " +
+             std::to_string(nodes_));
+    }
+    const std::vector<float>& rest = basis_.mesh.rest;
+    const auto [low, high] = std::minmax_element(rest.begin(), rest.end());
+    const double tolerance = kSamePlace * static_cast<double>(*high - *low);
+    for (std::size_t n = 0; n < tets.surface.size(); ++n) {
+      const SurfacePoint& point = tets.surface[n];
+      const Indices vertices = {point.a, point.b, point.c};
+      const float weights[3] = {point.wa, point.wb, point.wc};
+      expect_below("tets.surface", vertices, basis_.mesh.vertex_count());
+      expect_weights("tets.surface", n, weights);
+      for (std::size_t i = 0; i < 3; ++i) {
+        double x = -static_cast<double>(tets.nodes[3 * n + i]);
+        for (std::size_t k = 0; k < 3; ++k) {
+          x += static_cast<double>(weights[k]) * static_cast<double>(rest[3 * std::size_t{vertices[k]} + i]);
+        }
+        if (!(std::abs(x) <= tolerance)) refuse_basis("its skin stands elsewhere at rest");
+      }
+    }
+  }
+
+  void check_skin() const {
+    const TetTable& tets = dynamics_.tets;
+    expect_size("tets.skin", tets.skin.size(), basis_.mesh.vertex_count());
+    for (std::size_t v = 0; v < tets.skin.size(); ++v) {
+      const TetPoint& point = tets.skin[v];
+      if (point.tet >= tets_) {
+        refuse(element("tets.skin", v) + " names tetrahedron " + std::to_string(point.tet) +
+               ", expected an index below " + std::to_string(tets_));
+      }
+      expect_weights("tets.skin", v, std::array{point.w0, point.w1, point.w2, point.w3});
+      expect_number("tets.skin", v, static_cast<double>(point.amount));
+      if (point.amount < 0) {
+        refuse(element("tets.skin", v) + " takes an amount of " + std::to_string(point.amount) +
+               ", expected 0 or more");
+      }
+    }
+  }
+
+  // Barycentric: rounding grows with weights of points far outside.
+  void expect_weights(const char* name, std::size_t k, std::span<const float> weights) const {
+    float sum = 0, size = 1;
+    for (const float w : weights) {
+      expect_number(name, k, static_cast<double>(w));
+      sum += w;
+      size = std::max(size, std::abs(w));
+    }
+    if (std::abs(sum - 1) <= kWeightTolerance * size) return;
+    refuse(element(name, k) + " has weights that sum to " + std::to_string(sum) + ", expected 1");
+  }
+
+  void check_diffuse() const {
+    const DiffuseTable& diffuse = dynamics_.diffuse;
+    const std::size_t surface = dynamics_.tets.surface.size();
+    expect_offsets("diffuse.row_begin", diffuse.row_begin, nodes_, diffuse.columns.size());
+    if (diffuse.row_begin[surface] != 0) refuse("diffuse.row_begin has entries for nodes on the skin, expected none");
+    expect_below("diffuse.columns", diffuse.columns, surface);
+    expect_size("diffuse.values", diffuse.values.size(), diffuse.columns.size());
+    expect_numbers("diffuse.values", diffuse.values);
+    InverseValidator(diffuse.inverse, kDiffuse, surface, nodes_, origin_).run();
+  }
+
+  void check_step() const {
+    constexpr float kMostFrames = 1e6f;
+    const JiggleStep& step = dynamics_.jiggle.step;
+    if (!(step.frames_per_second > 0 && step.frames_per_second <= kMostFrames) || step.substeps == 0) {
+      refuse("jiggle.step has " + std::to_string(step.frames_per_second) + " frames a second of " +
+             std::to_string(step.substeps) + " substeps, expected numbers above 0");
+    }
+    expect_number("jiggle.step", 3, static_cast<double>(step.stiffness_damping));
+    if (step.stiffness_damping < 0) refuse("jiggle.step has a damping below 0");
+  }
+
+  void check_jiggle() const {
+    const JiggleTable& jiggle = dynamics_.jiggle;
+    expect_size("jiggle.nodes", jiggle.nodes.size(), nodes_);
+    for (std::size_t n = 0; n < nodes_; ++n) check_node(n);
+    InverseValidator(jiggle.inverse, kJiggle, 0, 3 * nodes_, origin_).run();
+    expect_size("jiggle.elasticity", jiggle.elasticity.size(), tets_);
+    for (std::size_t t = 0; t < tets_; ++t) {
+      expect_number("jiggle.elasticity", t, static_cast<double>(jiggle.elasticity[t].lambda));
+      expect_number("jiggle.elasticity", t, static_cast<double>(jiggle.elasticity[t].mu));
+    }
+    expect_offsets("jiggle.held_begin", jiggle.held_begin, nodes_, jiggle.held_columns.size());
+    expect_below("jiggle.held_columns", jiggle.held_columns, nodes_);
+    expect_size("jiggle.held_values", jiggle.held_values.size(), jiggle.held_columns.size());
+    expect_numbers("jiggle.held_values", jiggle.held_values);
+  }
+
+  void check_node(std::size_t n) const {
+    const JiggleNode& node = dynamics_.jiggle.nodes[n];
+    for (const float x : {node.mass, node.inertia, node.stiffening}) {
+      expect_number("jiggle.nodes", n, static_cast<double>(x));
+      if (x < 0) refuse(element("jiggle.nodes", n) + " has a number of " + std::to_string(x) + ", expected 0 or more");
+    }
+    if (std::uint64_t{node.first_fibre} + node.fibre_count > basis_.strain.fibre_count()) {
+      refuse_basis(element("jiggle.nodes", n) + " is of fibres that its strain table does not have");
+    }
+    if (node.control != kNoControl && node.control >= basis_.residual.controls.size()) {
+      refuse_basis(element("jiggle.nodes", n) + " is flexed by a control that it does not have");
+    }
+  }
+
+  const Dynamics& dynamics_;
+  const Basis& basis_;
+  const std::string& origin_;
+  std::size_t nodes_, tets_;
+};
+
+}  // namespace
+
+void validate(const Dynamics& dynamics, const Basis& basis, const std::string& origin) {
+  Validator(dynamics, basis, origin).run();
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,100 @@
+#include "trainer/dynamics/build_dynamics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "runtime/basis/error.h"
+#include "runtime/basis/hexadecimal.h"
+#include "trainer/dynamics/diffuse.h"
+#include "trainer/dynamics/jiggle.h"
+#include "trainer/dynamics/tet_quality.h"
+#include "trainer/single_threaded_products.h"
+#include "trainer/train/mesh_table.h"
+
+namespace bodyopt {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kSamePlace = 1e-5;  // metres
+
+void require_same(const MeshTable& mesh, const Skeleton& skeleton, const Basis& basis) {
+  const auto refuse = [](const std::string& what) {
+    throw Error(ErrorKind::mismatch, "the basis is not of this character: " + what +
+                                         "; was the character edited since the training, or is it another one?");
+  };
+  if (topology_hash(mesh) != topology_hash(basis.mesh)) refuse("its vertices or triangles are others");
+  if (skeleton_hash(skeleton) != skeleton_hash(basis.skeleton)) refuse("its skeleton is another");
+  for (std::size_t k = 0; k < mesh.rest.size(); ++k) {
+    if (std::abs(static_cast<double>(mesh.rest[k] - basis.mesh.rest[k])) <= kSamePlace) continue;
+    refuse("its vertices stand elsewhere at rest");
+  }
+}
+
+std::vector<RegionWeights> in_runtime_order(const std::vector<RegionWeights>& regions,
+                                            const std::vector<std::uint32_t>& order) {
+  std::vector<std::uint32_t> number(order.size());
+  for (std::size_t v = 0; v < order.size(); ++v) number[order[v]] = static_cast<std::uint32_t>(v);
+  return renumbered(regions, number);
+}
+
+Json report_of(const Dynamics& dynamics, const TetMesh& mesh, const JiggleAnatomy& anatomy,
+               const std::vector<std::string>& notes) {
+  const TetQuality quality = tet_quality(mesh);
+  std::set<int> joints;
+  for (const BonePoint& bone : anatomy.bones) joints.insert(bone.joint);
+  return {{"tets", dynamics.tets.tet_count()},
+          {"nodes", dynamics.tets.node_count()},
+          {"surface_nodes", dynamics.tets.surface_count()},
+          {"quality",
+           {{"worst", quality.worst}, {"first_percentile", quality.first_percentile}, {"median", quality.median}}},
+          {"bone_springs", anatomy.bones.size()},
+          {"joints_with_bones", joints.size()},
+          {"notes", notes}};
+}
+
+Json provenance_of(const Character& character, const DynamicsOptions& options) {
+  return {{"character", character.name},         {"resolution", options.resolution},
+          {"jiggle", options.settings.origin},   {"softness", options.settings.softness},
+          {"damping", options.settings.damping}, {"amount", options.settings.amount},
+          {"poisson", options.settings.poisson}, {"density", options.settings.density},
+          {"tension", options.settings.tension}, {"regions", options.settings.regions.size()}};
+}
+
+}  // namespace
+
+Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
+                        const DynamicsOptions& options) {
+  const SingleThreadedProducts single_threaded;
+  const std::vector<std::uint32_t> order = morton_order(character.vertices);
+  const Character ordered = in_order(character, order);
+  require_same(make_mesh_table(ordered), ordered.skeleton, basis);
+
+  const DynamicsTets tets = make_dynamics_tets(ordered.vertices, ordered.triangles, options.resolution);
+  const TetMesh& mesh = tets.cage.mesh;
+  const JiggleAnatomy anatomy = find_anatomy(ordered, muscles, tets.cage, options.materials);
+  const JiggleFields fields =
+      spread_settings(options.settings, ordered, muscles, in_runtime_order(options.painted, order), tets, anatomy);
+  std::vector<std::string> notes;
+  const JiggleSystem system =
+      make_jiggle_system(options.settings, fields, ordered.skeleton, mesh, anatomy, options.materials, notes);
+  Dynamics dynamics;
+  dynamics.tets = make_tet_table(tets, fields.skin_amount);
+  dynamics.diffuse = make_diffuse_table(mesh, static_cast<Eigen::Index>(tets.surface.size()));
+  dynamics.jiggle = make_jiggle_table(mesh, system, options.step);
+  set_muscles(anatomy, muscles, basis, options.settings.tension, dynamics.jiggle.nodes);
+  dynamics.metadata["topology_hash"] = hexadecimal(topology_hash(basis.mesh));
+  dynamics.metadata["skeleton_hash"] = hexadecimal(skeleton_hash(basis.skeleton));
+  const auto text = [](const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); };
+  dynamics.metadata["report"] = text(report_of(dynamics, mesh, anatomy, notes));
+  dynamics.metadata["provenance"] = text(provenance_of(character, options));
+  return dynamics;
+}
+
+std::vector<std::string> dynamics_notes(const Dynamics& dynamics) {
+  return Json::parse(dynamics.metadata.at("report")).at("notes").get<std::vector<std::string>>();
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,30 @@
+// From a character and its trained basis to its dynamics.
+#pragma once
+
+#include "runtime/basis/dynamics.h"
+#include "trainer/dataset/character.h"
+#include "trainer/dataset/muscles.h"
+#include "trainer/dataset/region_weights.h"
+#include "trainer/dynamics/jiggle_settings.h"
+#include "trainer/simulate/materials.h"
+
+namespace bodyopt {
+
+struct DynamicsOptions {
+  Eigen::Index resolution = 25000;  // tets at most
+  JiggleStep step{};                // stiffness_damping is found from the settings
+  JiggleSettings settings{};
+  Materials materials{};               // fat, muscle and bone springs
+  std::vector<RegionWeights> painted;  // of welded vertices, as read_regions gives them: what settings may name
+};
+
+// Tets, diffuse and jiggle, with a report in the metadata (tets, nodes, quality, springs, notes). Throws
+// Error(mismatch) where the basis is of another character, the skin cannot be filled or the settings name what is not
+// there, Error(usage) for settings or steps that make no sense.
+Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
+                        const DynamicsOptions& options);
+
+// What of it the user should know, one sentence each.
+std::vector<std::string> dynamics_notes(const Dynamics& dynamics);
+
+}  // namespace bodyopt

@@ -1,0 +1,115 @@
+#include "trainer/dynamics/dynamics_tets.h"
+
+#include <Eigen/LU>
+#include <optional>
+
+#include "runtime/basis/error.h"
+#include "trainer/dynamics/tet_quality.h"
+#include "trainer/tets/closed_skin.h"
+#include "trainer/tets/skin_cage.h"
+
+namespace bodyopt {
+namespace {
+
+// A skin's own filling has about four tets a vertex. More than this many vertices per tet allowed need not be tried.
+constexpr double kMostVerticesPerTet = 0.35;
+constexpr double kLeastQuality = 0.05;  // of the skin's own filling; fill_coarser asks for as much
+constexpr double kInside = 3;           // longest edges inside the body over the mean of the skin's
+
+// The skin itself, filled; nothing where that takes too many tets or comes out badly.
+std::optional<FilledSkin> fill_as_it_is(const FineSkin& fine, Eigen::Index most_tets) {
+  if (static_cast<double>(fine.vertices.rows()) > kMostVerticesPerTet * static_cast<double>(most_tets)) return {};
+  try {
+    FilledSkin filled{{fine.vertices, fine.triangles}, {}};
+    filled.mesh = tetrahedralise(fine.vertices, fine.triangles, kInside * mean_edge(fine.vertices, fine.triangles));
+    const bool good = filled.mesh.tets.rows() <= most_tets && filled.mesh.worst_quality >= kLeastQuality;
+    return good ? std::optional(std::move(filled)) : std::nullopt;
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::mismatch) throw;
+    return {};
+  }
+}
+
+// A corner of every node, tet * 4 + corner, the first.
+std::vector<int> first_corners(const TetMesh& mesh) {
+  std::vector<int> corner(static_cast<std::size_t>(mesh.nodes.rows()));
+  for (Eigen::Index k = mesh.tets.size(); k-- > 0;) {
+    corner[static_cast<std::size_t>(mesh.tets.data()[k])] = static_cast<int>(k);
+  }
+  return corner;
+}
+
+// Vertices that are nodes are carried by these alone.
+void embed_own_nodes(DynamicsTets& tets) {
+  const std::vector<int> corner = first_corners(tets.cage.mesh);
+  for (std::size_t v = 0; v < tets.cage.skin.size(); ++v) {
+    tets.cage.skin[v] = {corner[v] / 4, Eigen::Vector4d::Unit(corner[v] % 4)};
+    const auto vertex = static_cast<std::uint32_t>(v);
+    tets.surface[v].vertices = {vertex, vertex, vertex};
+    tets.surface[v].weights = {1, 0, 0};
+  }
+}
+
+TetShape shape_of(const TetMesh& mesh, Eigen::Index tet) {
+  const Eigen::Matrix3d edges = tet_edges(mesh, tet), inverse = edges.inverse();
+  TetShape shape{};
+  for (int i = 0; i < 9; ++i) shape.inverse_edges[i] = static_cast<float>(inverse(i / 3, i % 3));
+  shape.volume = static_cast<float>(edges.determinant() / 6);
+  return shape;
+}
+
+SurfacePoint packed(const SkinPoint& point) {
+  const auto f = [](double x) { return static_cast<float>(x); };
+  return {point.vertices[0],   point.vertices[1],   point.vertices[2],
+          f(point.weights[0]), f(point.weights[1]), f(point.weights[2])};
+}
+
+TetPoint packed(const EmbeddedPoint& point, double amount) {
+  const auto f = [](double x) { return static_cast<float>(x); };
+  return {static_cast<std::uint32_t>(point.tet),
+          f(point.weights[0]),
+          f(point.weights[1]),
+          f(point.weights[2]),
+          f(point.weights[3]),
+          f(amount)};
+}
+
+}  // namespace
+
+DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& triangles, Eigen::Index most_tets) {
+  const FineSkin fine(vertices, triangles);
+  std::optional<FilledSkin> own = fill_as_it_is(fine, most_tets);
+  FilledSkin filled = own ? std::move(*own) : fill_coarser(fine, {.tets = most_tets}, [](CoarseSkin&) {});
+  // What the runtime has; everything is computed from it.
+  filled.mesh.nodes = filled.mesh.nodes.cast<float>().cast<double>().eval();
+  filled.skin.vertices = filled.mesh.nodes.topRows(filled.skin.vertices.rows());
+  require_sound(filled.mesh);
+  DynamicsTets tets{cage_in(fine, filled), {}};
+  for (Eigen::Index n = 0; n < filled.skin.vertices.rows(); ++n) {
+    tets.surface.push_back(fine.nearest(filled.skin.vertices.row(n)));
+  }
+  if (own) embed_own_nodes(tets);
+  return tets;
+}
+
+TetTable make_tet_table(const DynamicsTets& tets, const std::vector<double>& amounts) {
+  const TetMesh& mesh = tets.cage.mesh;
+  TetTable table;
+  table.nodes.assign(mesh.nodes.data(), mesh.nodes.data() + mesh.nodes.size());
+  table.tets.assign(mesh.tets.data(), mesh.tets.data() + mesh.tets.size());
+  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) table.shapes.push_back(shape_of(mesh, t));
+  std::vector<std::vector<std::uint32_t>> corners(static_cast<std::size_t>(mesh.nodes.rows()));
+  for (std::uint32_t k = 0; k < table.tets.size(); ++k) corners[table.tets[k]].push_back(k);
+  table.corner_begin.push_back(0);
+  for (const std::vector<std::uint32_t>& at_node : corners) {
+    table.corners.insert(table.corners.end(), at_node.begin(), at_node.end());
+    table.corner_begin.push_back(static_cast<std::uint32_t>(table.corners.size()));
+  }
+  for (const SkinPoint& point : tets.surface) table.surface.push_back(packed(point));
+  for (std::size_t v = 0; v < tets.cage.skin.size(); ++v) {
+    table.skin.push_back(packed(tets.cage.skin[v], amounts[v]));
+  }
+  return table;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,25 @@
+// The tetrahedra of diffuse and jiggle: they fill the skin, and their surface nodes lie on it.
+#pragma once
+
+#include <vector>
+
+#include "runtime/basis/dynamics.h"
+#include "trainer/tets/cage.h"
+#include "trainer/tets/nearest_skin.h"
+
+namespace bodyopt {
+
+struct DynamicsTets {
+  Cage cage;                       // its first B nodes lie on the skin
+  std::vector<SkinPoint> surface;  // B: where
+};
+
+// The skin filled with `most_tets` or fewer: as it is where that takes no more and comes out well, otherwise remeshed
+// with longer edges (fill_coarser), never finer than it is. Nodes are rounded to single precision. Throws
+// Error(mismatch) naming the cause where no filling is found: a skin with holes or overlapping parts.
+DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& triangles, Eigen::Index most_tets);
+
+// amounts: V, how much of its tet's displacement every skin vertex takes.
+TetTable make_tet_table(const DynamicsTets& tets, const std::vector<double>& amounts);
+
+}  // namespace bodyopt

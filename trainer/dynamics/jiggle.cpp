@@ -1,0 +1,195 @@
+#include "trainer/dynamics/jiggle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "runtime/basis/error.h"
+#include "trainer/dataset/notes.h"
+#include "trainer/dynamics/block_inverse.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kDampedFrequency = 3;  // Hz: at which damping ratios are met
+// Of the least damping ratio, this share comes from the stiffness: it grows with the frequency, as it does in tissue.
+constexpr double kStiffnessShare = 0.2;
+constexpr double kHeldFrequency = 30;  // Hz, of the springs of nodes that are held
+constexpr double kHeldBelow = 0.1;     // amounts: nodes of less are held, the more the less they have
+constexpr double kPinFrequency = 0.5;  // Hz, of the springs of a piece that no bone holds
+
+double angular(double hertz) { return 2 * std::numbers::pi * hertz; }
+
+void require(bool good, const JiggleSettings& settings, const std::string& what) {
+  if (!good) throw Error(ErrorKind::usage, settings.origin + ": " + what);
+}
+
+void require_physical(const JiggleSettings& settings, const JiggleFields& fields) {
+  require(settings.poisson > -1 && settings.poisson < 0.5, settings,
+          "Poisson's ratio is " + std::to_string(settings.poisson) +
+              ", expected a number above -1 and below 0.5 (0.5 would be incompressible)");
+  require(settings.density > 0 && std::isfinite(settings.density), settings,
+          "the density is " + std::to_string(settings.density) + " kg/m^3, expected a number above 0");
+  require(settings.tension >= 0 && std::isfinite(settings.tension), settings,
+          "the tension is " + std::to_string(settings.tension) + " Hz, expected 0 or more");
+  require(fields.softness.minCoeff() > 0 && fields.softness.allFinite(), settings,
+          "a softness is not a number above 0");
+  require(fields.damping.minCoeff() >= 0 && fields.damping.allFinite(), settings,
+          "a damping is not a number from 0 on");
+  require(fields.amount.minCoeff() >= 0 && fields.amount.allFinite(), settings, "an amount is not a number from 0 on");
+}
+
+std::vector<TetMaterial> tet_materials(const JiggleSettings& settings, const Eigen::VectorXd& softness,
+                                       const TetMesh& mesh, const JiggleAnatomy& anatomy, const Materials& materials) {
+  std::vector<TetMaterial> result;
+  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
+    double log_softness = 0;
+    for (int a = 0; a < 4; ++a) log_softness += std::log(softness[mesh.tets(t, a)]) / 4;
+    const double muscle = anatomy.muscle_of_tets[static_cast<std::size_t>(t)];
+    const double mu = std::lerp(materials.fat.mu, materials.muscle.mu, muscle) / std::exp(log_softness);
+    result.push_back({mu, 2 * mu * settings.poisson / (1 - 2 * settings.poisson)});
+  }
+  return result;
+}
+
+// The piece of the body that each node is in: its lowest node.
+std::vector<int> pieces_of(const TetMesh& mesh) {
+  std::vector<int> root(static_cast<std::size_t>(mesh.nodes.rows()));
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int n) {
+    auto k = static_cast<std::size_t>(n);
+    while (root[k] != static_cast<int>(k)) {
+      root[k] = root[static_cast<std::size_t>(root[k])];
+      k = static_cast<std::size_t>(root[k]);
+    }
+    return static_cast<int>(k);
+  };
+  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
+    for (int a = 1; a < 4; ++a) {
+      const int x = find(mesh.tets(t, 0)), y = find(mesh.tets(t, a));
+      root[static_cast<std::size_t>(std::max(x, y))] = std::min(x, y);
+    }
+  }
+  for (std::size_t n = 0; n < root.size(); ++n) root[n] = find(static_cast<int>(n));
+  return root;
+}
+
+// Squared angular frequency of every node's own springs: of those that are held, and of pieces without any.
+Eigen::VectorXd own_springs(const JiggleFields& fields, const Skeleton& skeleton, const TetMesh& mesh,
+                            const JiggleAnatomy& anatomy, std::vector<std::string>& notes) {
+  const Eigen::Index nodes = mesh.nodes.rows();
+  Eigen::VectorXd springs(nodes);
+  for (Eigen::Index n = 0; n < nodes; ++n) {
+    const double held = std::clamp(1 - fields.amount[n] / kHeldBelow, 0.0, 1.0);
+    springs[n] = std::pow(angular(kHeldFrequency) * held, 2);
+  }
+  const std::vector<int> piece = pieces_of(mesh);
+  std::vector<bool> has_springs(piece.size(), false);
+  std::vector<std::size_t> size(piece.size(), 0);
+  for (Eigen::Index n = 0; n < nodes; ++n) {
+    const auto p = static_cast<std::size_t>(piece[static_cast<std::size_t>(n)]);
+    ++size[p];
+    if (springs[n] > 0 || anatomy.bone_springs.coeff(n, n) > 0) has_springs[p] = true;
+  }
+  for (Eigen::Index n = 0; n < nodes; ++n) {
+    const auto p = static_cast<std::size_t>(piece[static_cast<std::size_t>(n)]);
+    if (has_springs[p]) continue;
+    springs[n] = std::pow(angular(kPinFrequency), 2);
+    if (static_cast<Eigen::Index>(p) != n) continue;
+    Eigen::Index joint = 0;
+    anatomy.joint_share.row(n).maxCoeff(&joint);
+    notes.push_back("a piece of " + count_of(size[p], "node", "nodes") + " near the joint '" +
+                    skeleton.joints[static_cast<std::size_t>(joint)].name +
+                    "' has no bone inside: it is held by soft springs of 0.5 Hz");
+  }
+  return springs;
+}
+
+void require_step(const JiggleStep& step) {
+  if (!(step.frames_per_second > 0 && std::isfinite(step.frames_per_second))) {
+    throw Error(ErrorKind::usage, "the dynamics are for " + std::to_string(step.frames_per_second) +
+                                      " frames a second, expected a number above 0");
+  }
+  if (step.substeps == 0) throw Error(ErrorKind::usage, "a frame has 0 substeps, expected 1 or more");
+}
+
+}  // namespace
+
+JiggleSystem make_jiggle_system(const JiggleSettings& settings, const JiggleFields& fields, const Skeleton& skeleton,
+                                const TetMesh& mesh, const JiggleAnatomy& anatomy, const Materials& materials,
+                                std::vector<std::string>& notes) {
+  require_physical(settings, fields);
+  JiggleSystem system;
+  system.materials = tet_materials(settings, fields.softness, mesh, anatomy, materials);
+  system.mass = lumped_mass(mesh, settings.density);
+  // A mode of angular frequency w is damped by alpha / (2 w) + beta w / 2.
+  const double w = angular(kDampedFrequency), by_stiffness = kStiffnessShare * fields.damping.minCoeff();
+  system.stiffness_damping = 2 * by_stiffness / w;
+  system.mass_damping = 2 * w * (fields.damping.array() - by_stiffness);
+  const Eigen::VectorXd own = own_springs(fields, skeleton, mesh, anatomy, notes).cwiseProduct(system.mass);
+  system.springs = anatomy.bone_springs + SparseMatrix(own.asDiagonal());
+  return system;
+}
+
+JiggleTable make_jiggle_table(const TetMesh& mesh, const JiggleSystem& system, JiggleStep step) {
+  require_step(step);
+  step.stiffness_damping = static_cast<float>(system.stiffness_damping);
+  JiggleTable table;
+  table.step = step;
+  const double d = step.stage(), b = 1 + system.stiffness_damping / d;
+  const Eigen::VectorXd inertia = system.mass.array() * (1 / (d * d) + system.mass_damping.array() / d);
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> held = b * system.springs + SparseMatrix(inertia.asDiagonal());
+
+  table.held_begin.push_back(0);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index n = 0; n < held.rows(); ++n) {
+    table.nodes.push_back({static_cast<float>(system.mass[n]), static_cast<float>(inertia[n]), 0, 0, kNoControl, 0});
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator entry(held, n); entry; ++entry) {
+      table.held_columns.push_back(static_cast<std::uint32_t>(entry.col()));
+      table.held_values.push_back(static_cast<float>(entry.value()));
+      for (Eigen::Index i = 0; i < 3; ++i) entries.emplace_back(3 * n + i, 3 * entry.col() + i, entry.value());
+    }
+    table.held_begin.push_back(static_cast<std::uint32_t>(table.held_columns.size()));
+  }
+  SparseMatrix matrix(3 * held.rows(), 3 * held.rows());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  matrix += b * elastic_stiffness(mesh, system.materials);
+  table.inverse = invert(matrix, mesh.nodes, 3);
+  for (const TetMaterial& material : system.materials) {
+    table.elasticity.push_back({static_cast<float>(b * material.lambda), static_cast<float>(b * material.mu)});
+  }
+  return table;
+}
+
+void set_muscles(const JiggleAnatomy& anatomy, const std::vector<Muscle>& muscles, const Basis& basis, double tension,
+                 std::vector<JiggleNode>& nodes) {
+  struct Source {
+    std::uint32_t first_fibre = 0, fibre_count = 0, control = kNoControl;
+  };
+  std::vector<Source> sources(muscles.size());
+  for (std::size_t m = 0; m < muscles.size(); ++m) {
+    Source& source = sources[m];
+    for (std::uint32_t f = basis.strain.fibre_count(); f-- > 0;) {
+      const std::string& name = basis.strain.names[f];
+      if (name.substr(0, name.rfind('/')) != muscles[m].name) continue;
+      source.first_fibre = f;  // they stand side by side
+      ++source.fibre_count;
+    }
+    for (std::size_t c = basis.residual.controls.size(); c-- > 0;) {
+      if (matches_pattern(basis.residual.controls[c], muscles[m].name)) source.control = static_cast<std::uint32_t>(c);
+    }
+  }
+  for (std::size_t n = 0; n < nodes.size() && !muscles.empty(); ++n) {
+    Eigen::Index muscle = 0;
+    const double share = anatomy.muscle_share.row(static_cast<Eigen::Index>(n)).maxCoeff(&muscle);
+    const Source& source = sources[static_cast<std::size_t>(muscle)];
+    if (!(share > 0) || (source.fibre_count == 0 && source.control == kNoControl)) continue;
+    nodes[n].first_fibre = source.first_fibre;
+    nodes[n].fibre_count = source.fibre_count;
+    nodes[n].control = source.control;
+    nodes[n].stiffening = static_cast<float>(std::pow(angular(tension), 2) * share);
+  }
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,151 @@
+#include "trainer/dynamics/jiggle_fields.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/basis/error.h"
+#include "trainer/dataset/notes.h"
+#include "trainer/dynamics/diffuse.h"
+
+namespace bodyopt {
+namespace {
+
+// Skin that takes less than this of the motion is held.
+constexpr double kLeastAmount = 1e-3;
+
+// How much of every node and skin vertex is in a region, 0 to 1.
+struct Share {
+  Eigen::VectorXd nodes, skin;
+};
+
+// Indices of the names that a pattern means.
+std::vector<std::size_t> matches(const std::vector<std::string>& names, const JiggleRegion& region, const char* kind,
+                                 const JiggleSettings& settings) {
+  std::vector<std::size_t> found;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (matches_pattern(region.name, names[k])) found.push_back(k);
+  }
+  if (!found.empty()) return found;
+  throw Error(ErrorKind::mismatch, settings.origin + ": names the " + kind + " '" + region.name +
+                                       "', which is not there; there are " + list_names(names) +
+                                       ": misspelt, or made for another character?");
+}
+
+template <typename List>
+std::vector<std::string> names_of(const List& list) {
+  std::vector<std::string> names;
+  for (const auto& entry : list) names.push_back(entry.name);
+  return names;
+}
+
+class ShareFinder {
+ public:
+  ShareFinder(const JiggleSettings& settings, const Character& character, const std::vector<Muscle>& muscles,
+              const std::vector<RegionWeights>& painted, const DynamicsTets& tets, const JiggleAnatomy& anatomy)
+      : settings_(settings),
+        character_(character),
+        muscles_(muscles),
+        painted_(painted),
+        tets_(tets),
+        anatomy_(anatomy) {}
+
+  Share operator()(const JiggleRegion& region) const {
+    Share share{Eigen::VectorXd::Zero(tets_.cage.mesh.nodes.rows()), Eigen::VectorXd::Zero(character_.vertices.rows())};
+    switch (region.by) {
+      case JiggleRegion::By::joint:
+        add_joints(region, share);
+        break;
+      case JiggleRegion::By::muscle:
+        add_muscles(region, share);
+        break;
+      case JiggleRegion::By::painted:
+        add_painted(region, share);
+        break;
+    }
+    share.nodes = share.nodes.cwiseMax(0).cwiseMin(1);
+    share.skin = share.skin.cwiseMax(0).cwiseMin(1);
+    return share;
+  }
+
+ private:
+  void add_joints(const JiggleRegion& region, Share& share) const {
+    std::vector<bool> wanted(character_.skeleton.size(), false);
+    for (const std::size_t j : matches(names_of(character_.skeleton.joints), region, "joint", settings_)) {
+      wanted[j] = true;
+      share.nodes += anatomy_.joint_share.col(static_cast<Eigen::Index>(j));
+    }
+    for (std::size_t v = 0; v < character_.weights.size(); ++v) {
+      for (const JointWeight& w : character_.weights[v]) {
+        if (wanted[w.joint]) share.skin[static_cast<Eigen::Index>(v)] += w.weight;
+      }
+    }
+  }
+
+  void add_muscles(const JiggleRegion& region, Share& share) const {
+    for (const std::size_t m : matches(names_of(muscles_), region, "muscle", settings_)) {
+      share.nodes += anatomy_.muscle_share.col(static_cast<Eigen::Index>(m));
+    }
+    for (std::size_t v = 0; v < tets_.cage.skin.size(); ++v) {
+      const EmbeddedPoint& point = tets_.cage.skin[v];
+      for (int a = 0; a < 4; ++a) {
+        share.skin[static_cast<Eigen::Index>(v)] += point.weights[a] * share.nodes[tets_.cage.mesh.tets(point.tet, a)];
+      }
+    }
+  }
+
+  void add_painted(const JiggleRegion& region, Share& share) const {
+    for (const std::size_t r : matches(names_of(painted_), region, "painted region", settings_)) {
+      for (std::size_t k = 0; k < painted_[r].vertices.size(); ++k) {
+        share.skin[painted_[r].vertices[k]] += painted_[r].weights[k];
+      }
+    }
+    Eigen::VectorXd on_surface = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(tets_.surface.size()));
+    for (std::size_t n = 0; n < tets_.surface.size(); ++n) {
+      const SkinPoint& point = tets_.surface[n];
+      for (std::size_t k = 0; k < 3; ++k) {
+        on_surface[static_cast<Eigen::Index>(n)] +=
+            point.weights[static_cast<Eigen::Index>(k)] * share.skin[point.vertices[k]];
+      }
+    }
+    share.nodes = diffuse(tets_.cage.mesh, on_surface);
+  }
+
+  const JiggleSettings& settings_;
+  const Character& character_;
+  const std::vector<Muscle>& muscles_;
+  const std::vector<RegionWeights>& painted_;
+  const DynamicsTets& tets_;
+  const JiggleAnatomy& anatomy_;
+};
+
+void blend(Eigen::VectorXd& values, double value, const Eigen::VectorXd& share) {
+  values += share.cwiseProduct(Eigen::VectorXd::Constant(values.size(), value) - values);
+}
+
+}  // namespace
+
+JiggleFields spread_settings(const JiggleSettings& settings, const Character& character,
+                             const std::vector<Muscle>& muscles, const std::vector<RegionWeights>& painted,
+                             const DynamicsTets& tets, const JiggleAnatomy& anatomy) {
+  const Eigen::Index nodes = tets.cage.mesh.nodes.rows();
+  Eigen::VectorXd log_softness = Eigen::VectorXd::Constant(nodes, std::log(settings.softness));
+  Eigen::VectorXd skin_amount = Eigen::VectorXd::Constant(character.vertices.rows(), settings.amount);
+  JiggleFields fields;
+  fields.damping = Eigen::VectorXd::Constant(nodes, settings.damping);
+  fields.amount = Eigen::VectorXd::Constant(nodes, settings.amount);
+  const ShareFinder share_of(settings, character, muscles, painted, tets, anatomy);
+  for (const JiggleRegion& region : settings.regions) {
+    const Share share = share_of(region);
+    if (region.softness) blend(log_softness, std::log(*region.softness), share.nodes);
+    if (region.damping) blend(fields.damping, *region.damping, share.nodes);
+    if (region.amount) {
+      blend(fields.amount, *region.amount, share.nodes);
+      blend(skin_amount, *region.amount, share.skin);
+    }
+  }
+  fields.softness = log_softness.array().exp();
+  for (const double amount : skin_amount) fields.skin_amount.push_back(amount < kLeastAmount ? 0 : amount);
+  return fields;
+}
+
+}  // namespace bodyopt

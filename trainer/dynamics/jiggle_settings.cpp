@@ -1,0 +1,65 @@
+#include "trainer/dynamics/jiggle_settings.h"
+
+#include <array>
+#include <utility>
+
+#include "trainer/dataset/json_file.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr const char* kSchema = "bodyopt-jiggle-1";
+constexpr double kSoftest = 1e4, kMostDamping = 10, kMostAmount = 10;
+constexpr double kLeastPoisson = -0.99, kMostPoisson = 0.495;  // at -1 and 0.5 a material cannot be computed with
+constexpr double kLightest = 1, kHeaviest = 1e5, kMostTension = 1e3;
+
+double softness(const JsonObject& object) { return object.number("softness", 1 / kSoftest, kSoftest); }
+double damping(const JsonObject& object) { return object.number("damping", 0, kMostDamping); }
+double amount(const JsonObject& object) { return object.number("amount", 0, kMostAmount); }
+
+JiggleRegion read_region(const JsonObject& object) {
+  object.allow({"joint", "muscle", "region", "softness", "damping", "amount"});
+  constexpr std::array kinds = {std::pair("joint", JiggleRegion::By::joint),
+                                std::pair("muscle", JiggleRegion::By::muscle),
+                                std::pair("region", JiggleRegion::By::painted)};
+  JiggleRegion region;
+  int named = 0;
+  for (const auto& [key, by] : kinds) {
+    if (!object.has(key)) continue;
+    region.by = by;
+    region.name = object.name(key);
+    ++named;
+  }
+  if (named != 1) object.refuse("has " + std::to_string(named) + " of 'joint', 'muscle' and 'region', expected one");
+  if (object.has("softness")) region.softness = softness(object);
+  if (object.has("damping")) region.damping = damping(object);
+  if (object.has("amount")) region.amount = amount(object);
+  if (!region.softness && !region.damping && !region.amount) {
+    object.refuse("says nothing of softness, damping or amount");
+  }
+  return region;
+}
+
+}  // namespace
+
+JiggleSettings read_jiggle(const std::filesystem::path& path) {
+  const Json json = read_json(path, kSchema);
+  const JsonObject top(json, path, "the file");
+  top.allow({"schema", "softness", "damping", "amount", "poisson", "density", "tension", "regions"});
+  JiggleSettings settings;
+  settings.origin = path.string();
+  if (top.has("softness")) settings.softness = softness(top);
+  if (top.has("damping")) settings.damping = damping(top);
+  if (top.has("amount")) settings.amount = amount(top);
+  if (top.has("poisson")) settings.poisson = top.number("poisson", kLeastPoisson, kMostPoisson);
+  if (top.has("density")) settings.density = top.number("density", kLightest, kHeaviest);
+  if (top.has("tension")) settings.tension = top.number("tension", 0, kMostTension);
+  if (!top.has("regions")) return settings;
+  const Json& list = top.array("regions");
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    settings.regions.push_back(read_region(JsonObject(list[k], path, "regions[" + std::to_string(k) + "]")));
+  }
+  return settings;
+}
+
+}  // namespace bodyopt
