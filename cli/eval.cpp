@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "cli/common.h"
+#include "cli/jiggle_arguments.h"
 #include "runtime/basis/error.h"
 #include "trainer/dataset/controls.h"
 #include "trainer/dataset/frame_range.h"
@@ -20,6 +21,7 @@ struct EvalArguments {
   double unit = 0;
   ClipArguments clip;
   DeviceArguments device;
+  JiggleArguments jiggle;
   JsonOption json;
 };
 
@@ -43,7 +45,8 @@ Expectation expectation(const Basis& basis, const std::vector<Pose>& poses, cons
 
 void run(const EvalArguments& arguments) {
   arguments.json.require_writable();
-  Deformer deformer(load_basis(arguments.basis), arguments.device.choice);
+  const std::unique_ptr<Deformer> owned = arguments.jiggle.deformer(arguments.basis, arguments.device.choice);
+  Deformer& deformer = *owned;
   std::vector<int> frames;
   const double unit = arguments.unit > 0 ? arguments.unit : kept_unit(deformer.basis());
   Clip clip = arguments.clip.read(deformer.basis().skeleton, unit, frames);
@@ -51,6 +54,9 @@ void run(const EvalArguments& arguments) {
     spdlog::warn("control '{}' is none that the basis was trained with: it has no effect", name);
   }
   const std::vector<Pose> poses = poses_of(clip, frames);
+  arguments.jiggle.check_frames(deformer, clip, frames);
+  const std::vector<int> before = arguments.jiggle.preroll_frames(clip, frames);
+  if (!before.empty()) deformer.jiggle(poses_of(clip, before), before);
 
   const std::uint32_t points = deformer.basis().mesh.output_count();
   Pc2Writer writer(arguments.out, points, static_cast<std::uint32_t>(frames.size()),
@@ -60,12 +66,18 @@ void run(const EvalArguments& arguments) {
   std::vector<int> outside_frames;
   double worst_outside = 0;
   Json per_frame = Json::array();
+  std::vector<std::string> notes, states;
   std::uint32_t worst_feature = 0;
   const auto start = std::chrono::steady_clock::now();
   constexpr std::size_t kStep = 64;  // frames held in memory at once
-  for (std::size_t begin = 0; begin < poses.size(); begin += kStep) {
-    const std::size_t count = std::min(kStep, poses.size() - begin);
-    const Evaluation part = deformer.evaluate(std::span(poses).subspan(begin, count));
+  for (std::size_t begin = 0, next = 0; begin < poses.size(); begin = next) {
+    const std::size_t count = arguments.jiggle.frames_to_state(begin, std::min(kStep, poses.size() - begin));
+    const Evaluation part = arguments.jiggle.jiggle ? deformer.jiggle(std::span(poses).subspan(begin, count),
+                                                                      std::span(frames).subspan(begin, count))
+                                                    : deformer.evaluate(std::span(poses).subspan(begin, count));
+    for (std::size_t k = 0; k < part.starts.size(); ++k) {
+      if (const auto note = describe(part.starts[k], frames[begin + k])) notes.push_back(*note);
+    }
     for (std::size_t k = 0; k < count; ++k) {
       writer.append(std::span(part.positions).subspan(3 * k * points, 3 * std::size_t{points}));
       per_frame.push_back({{"frame", frames[begin + k]}, {"outside", part.outside[k]}});
@@ -76,6 +88,10 @@ void run(const EvalArguments& arguments) {
       }
     }
     for (const auto& [stage, seconds] : part.stage_seconds) stage_seconds[stage] += seconds;
+    next = begin + count;
+    for (const std::string& file : arguments.jiggle.write_states(deformer, next, next == poses.size())) {
+      states.push_back(file);
+    }
     progress.advance(count);
   }
   writer.close();
@@ -88,7 +104,8 @@ void run(const EvalArguments& arguments) {
   Json milliseconds = Json::object();
   std::string text = format("%zu frames of %u points on %s in %.2f s\n", frames.size(), points,
                             deformer.device_name().c_str(), seconds);
-  for (const char* stage : {"rig", "strain", "residual", "pose", "output"}) {
+  for (const char* stage : {"rig", "strain", "residual", "pose", "diffuse", "jiggle", "output"}) {
+    if (!stage_seconds.contains(stage)) continue;
     milliseconds[stage] = 1e3 * stage_seconds[stage] / frame_count;
     text += format("  %-8s %8.3f ms a frame\n", stage, 1e3 * stage_seconds[stage] / frame_count);
   }
@@ -101,7 +118,9 @@ void run(const EvalArguments& arguments) {
         format_frame_range(outside_frames) + "\n";
   }
   text += expected.line;
+  for (const std::string& note : notes) text += note + "\n";
   text += "wrote " + arguments.out + "\n";
+  for (const std::string& file : states) text += "wrote " + file + "\n";
   arguments.json.emit({{"cache", arguments.out},
                        {"frames", frames.size()},
                        {"points", points},
@@ -111,6 +130,9 @@ void run(const EvalArguments& arguments) {
                        {"outside_frames", format_frame_range(outside_frames)},
                        {"worst_outside", worst_outside},
                        {"worst_outside_feature", worst_name},
+                       {"jiggle", arguments.jiggle.jiggle},
+                       {"notes", notes},
+                       {"states", states},
                        {"per_frame", per_frame}},
                       text);
 }
@@ -127,6 +149,7 @@ void add_eval(CLI::App& app) {
                   "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(CLI::PositiveNumber);
   add_output(verb, arguments->out, ".pc2", "Point cache to write");
+  arguments->jiggle.add(verb);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

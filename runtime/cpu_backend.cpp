@@ -2,6 +2,7 @@
 #include <chrono>
 
 #include "runtime/cpu/kernels.h"
+#include "runtime/cpu_dynamics.h"
 #include "runtime/deformer.h"
 
 namespace bodyopt {
@@ -9,11 +10,16 @@ namespace {
 
 class CpuBackend final : public Backend {
  public:
-  explicit CpuBackend(const Basis& basis) : basis_(basis), rest_coefficients_(basis.residual.coefficient_count(), 0) {}
+  CpuBackend(const Basis& basis, const JiggleModel& jiggle)
+      : basis_(basis), rest_coefficients_(basis.residual.coefficient_count(), 0) {
+    if (jiggle.dynamics) dynamics_.emplace(jiggle);
+  }
 
   std::string name() const override { return "cpu"; }
   std::uint32_t batch_limit() const override { return 64; }
   void set_rest_coefficients(std::span<const float> c) override { rest_coefficients_.assign(c.begin(), c.end()); }
+  void set_motion(const NodeMotion& motion) override { dynamics_->motion = motion; }
+  NodeMotion motion() const override { return dynamics_->motion; }
 
   BatchResult run(const Batch& batch) override {
     const std::size_t frames = batch.frame_count;
@@ -24,11 +30,13 @@ class CpuBackend final : public Backend {
     result.strains.resize(frames * basis_.strain.fibre_count());
     result.excess.resize(frames * basis_.residual.feature_count());
     result.coefficients.resize(frames * basis_.residual.coefficient_count());
-    double seconds[4] = {};
-#pragma omp parallel for schedule(dynamic) reduction(+ : seconds[:4])
+    double seconds[3] = {};
+#pragma omp parallel for schedule(dynamic) reduction(+ : seconds[:3])
     for (std::size_t f = 0; f < frames; ++f) run_frame(batch, f, result, seconds);
-    const char* const stages[4] = {"strain", "residual", "pose", "output"};
-    for (int s = 0; s < 4; ++s) result.stage_seconds[stages[s]] = seconds[s];
+    const char* const stages[3] = {"strain", "residual", "pose"};
+    for (int s = 0; s < 3; ++s) result.stage_seconds[stages[s]] = seconds[s];
+    if (!batch.jiggle.empty()) dynamics_->run(batch, result.strains, result.positions, result.stage_seconds);
+    add_normals(frames, result);
     return result;
   }
 
@@ -62,16 +70,30 @@ class CpuBackend final : public Backend {
     cpu::pose_skin(basis_.ddm, joints, frame(batch.skinning), frame(batch.origins), displacements,
                    frame(result.positions));
     lap(2);
-    cpu::output_normals(basis_.mesh, frame(result.positions), frame(result.normals));
-    lap(3);
+  }
+
+  void add_normals(std::size_t frames, BatchResult& result) const {
+    double seconds = 0;
+#pragma omp parallel for schedule(dynamic) reduction(+ : seconds)
+    for (std::size_t f = 0; f < frames; ++f) {
+      const auto start = std::chrono::steady_clock::now();
+      const std::size_t size = result.positions.size() / frames;
+      cpu::output_normals(basis_.mesh, std::span(result.positions).subspan(f * size, size),
+                          std::span(result.normals).subspan(f * size, size));
+      seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+    result.stage_seconds["output"] = seconds;
   }
 
   const Basis& basis_;
   std::vector<float> rest_coefficients_;
+  std::optional<CpuDynamics> dynamics_;
 };
 
 }  // namespace
 
-std::unique_ptr<Backend> make_cpu_backend(const Basis& basis) { return std::make_unique<CpuBackend>(basis); }
+std::unique_ptr<Backend> make_cpu_backend(const Basis& basis, const JiggleModel& jiggle) {
+  return std::make_unique<CpuBackend>(basis, jiggle);
+}
 
 }  // namespace bodyopt

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "runtime/basis/error.h"
 #include "runtime/rig.h"
@@ -9,16 +10,16 @@
 namespace bodyopt {
 namespace {
 
-std::unique_ptr<Backend> make_backend(const Basis& basis, const DeviceChoice& choice) {
+std::unique_ptr<Backend> make_backend(const Basis& basis, const DeviceChoice& choice, const JiggleModel& jiggle) {
   if (choice.name == "cpu") {
     if (choice.require_device) {
       throw Error(ErrorKind::device, "the device 'cpu' was asked for together with a required Vulkan device");
     }
-    return make_cpu_backend(basis);
+    return make_cpu_backend(basis, jiggle);
   }
-  if (choice.name != "auto" || choice.require_device) return make_vulkan_backend(basis, choice);
-  if (!has_vulkan_device()) return make_cpu_backend(basis);
-  return make_vulkan_backend(basis, choice);
+  if (choice.name != "auto" || choice.require_device) return make_vulkan_backend(basis, choice, jiggle);
+  if (!has_vulkan_device()) return make_cpu_backend(basis, jiggle);
+  return make_vulkan_backend(basis, choice, jiggle);
 }
 
 Batch make_batch(const Basis& basis, std::span<const Pose> poses) {
@@ -52,6 +53,31 @@ void append_output(const MeshTable& mesh, std::span<const float> values, std::ve
   }
 }
 
+// Of each of `frames` frames the feature that lies furthest outside its trained range.
+void append_outside(const BatchResult& result, std::size_t frames, Evaluation& evaluation) {
+  const std::size_t features = result.excess.size() / std::max<std::size_t>(1, frames);
+  for (std::size_t f = 0; f < frames; ++f) {
+    const auto begin = result.excess.begin() + static_cast<std::ptrdiff_t>(f * features);
+    const auto worst = std::max_element(begin, begin + static_cast<std::ptrdiff_t>(features));
+    evaluation.outside.push_back(features > 0 ? *worst : 0.0f);
+    evaluation.outside_feature.push_back(static_cast<std::uint32_t>(worst - begin));
+  }
+}
+
+// Diagonal of the box around the rest skin, metres.
+double size_of(const MeshTable& mesh) {
+  double squared = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    float low = mesh.rest.empty() ? 0 : mesh.rest[axis], high = low;
+    for (std::size_t k = axis; k < mesh.rest.size(); k += 3) {
+      low = std::min(low, mesh.rest[k]);
+      high = std::max(high, mesh.rest[k]);
+    }
+    squared += static_cast<double>(high - low) * static_cast<double>(high - low);
+  }
+  return std::sqrt(squared);
+}
+
 }  // namespace
 
 std::string feature_name(const Basis& basis, std::uint32_t feature) {
@@ -64,8 +90,20 @@ std::string feature_name(const Basis& basis, std::uint32_t feature) {
 
 Deformer::Deformer(Basis basis, const DeviceChoice& choice) : basis_(std::move(basis)) {
   validate(basis_, "the basis");
-  backend_ = make_backend(basis_, choice);
-  // The rest coefficients come from the kernels that will run, so that rest gives rest exactly.
+  backend_ = make_backend(basis_, choice, {});
+  set_rest();
+}
+
+Deformer::Deformer(Basis basis, Dynamics dynamics, const JiggleOptions& options, const DeviceChoice& choice)
+    : basis_(std::move(basis)), dynamics_(std::move(dynamics)), options_(options), size_(size_of(basis_.mesh)) {
+  validate(basis_, "the basis");
+  validate(*dynamics_, basis_, "the dynamics");
+  backend_ = make_backend(basis_, choice, {&*dynamics_, options_});
+  set_rest();
+}
+
+// The rest coefficients come from the kernels that will run, so that rest gives rest exactly.
+void Deformer::set_rest() {
   const Pose rest = bind_pose(basis_.skeleton);
   backend_->set_rest_coefficients(backend_->run(make_batch(basis_, {&rest, 1})).coefficients);
 }
@@ -74,28 +112,69 @@ Deformer::~Deformer() = default;
 
 std::string Deformer::device_name() const { return backend_->name(); }
 
-Evaluation Deformer::evaluate(std::span<const Pose> poses) {
+Evaluation Deformer::evaluate(std::span<const Pose> poses) { return run(poses, {}); }
+
+Evaluation Deformer::jiggle(std::span<const Pose> poses, std::span<const int> frames) {
+  if (!dynamics_) throw Error(ErrorKind::usage, "the character was loaded without dynamics: it cannot jiggle");
+  if (frames.size() != poses.size()) {
+    throw Error(ErrorKind::usage,
+                std::to_string(poses.size()) + " poses have " + std::to_string(frames.size()) + " frame numbers");
+  }
+  const JiggleState before = state();
+  try {
+    return run(poses, frames);
+  } catch (const Error&) {
+    set_state(before);
+    throw;
+  }
+}
+
+JiggleState Deformer::state() const {
+  JiggleState state = state_;
+  if (dynamics_ && state.known > 0) state.motion = backend_->motion();
+  return state;
+}
+
+void Deformer::set_state(const JiggleState& state) {
+  state_ = state;
+  if (dynamics_ && state.known > 0) backend_->set_motion(state.motion);
+  state_.motion = {};
+}
+
+Evaluation Deformer::run(std::span<const Pose> poses, std::span<const int> frames) {
   Evaluation evaluation;
   const std::size_t limit = std::max<std::size_t>(1, backend_->batch_limit());
-  const std::size_t features = basis_.residual.feature_count();
   for (std::size_t begin = 0; begin < poses.size(); begin += limit) {
     const auto part = poses.subspan(begin, std::min(limit, poses.size() - begin));
     const auto start = std::chrono::steady_clock::now();
-    const Batch batch = make_batch(basis_, part);
+    Batch batch = make_batch(basis_, part);
+    if (!frames.empty()) batch.jiggle = plan(part, frames.subspan(begin, part.size()));
     evaluation.stage_seconds["rig"] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const BatchResult result = backend_->run(batch);
     append_output(basis_.mesh, result.positions, evaluation.positions);
     append_output(basis_.mesh, result.normals, evaluation.normals);
     evaluation.strains.insert(evaluation.strains.end(), result.strains.begin(), result.strains.end());
-    for (std::size_t f = 0; f < part.size(); ++f) {
-      const auto begin_excess = result.excess.begin() + static_cast<std::ptrdiff_t>(f * features);
-      const auto worst = std::max_element(begin_excess, begin_excess + static_cast<std::ptrdiff_t>(features));
-      evaluation.outside.push_back(features > 0 ? *worst : 0.0f);
-      evaluation.outside_feature.push_back(static_cast<std::uint32_t>(worst - begin_excess));
-    }
+    append_outside(result, part.size(), evaluation);
+    for (const JiggleFrame& frame : batch.jiggle) evaluation.starts.push_back(frame.start);
     for (const auto& [stage, seconds] : result.stage_seconds) evaluation.stage_seconds[stage] += seconds;
   }
   return evaluation;
+}
+
+std::vector<JiggleFrame> Deformer::plan(std::span<const Pose> poses, std::span<const int> frames) {
+  std::vector<JiggleFrame> plans;
+  for (std::size_t f = 0; f < poses.size(); ++f) {
+    std::vector<double> joints;
+    for (const Affine& joint : posed_joints(basis_.skeleton, poses[f].joints)) {
+      for (const auto& row : joint.m) joints.push_back(row[3]);
+    }
+    double origin[3] = {};
+    for (std::size_t axis = 0; axis < std::min<std::size_t>(3, joints.size()); ++axis) {
+      origin[axis] = static_cast<double>(static_cast<float>(joints[axis]));  // as pose_rig rounds it
+    }
+    plans.push_back(plan_frame(frames[f], joints, origin, size_, dynamics_->jiggle.step, options_, state_));
+  }
+  return plans;
 }
 
 }  // namespace bodyopt

@@ -1,13 +1,16 @@
-// The runtime: runs rig, strain, residual, pose and output for a batch of poses, on the CPU or on a Vulkan device.
+// The runtime: runs rig, strain, residual, pose, diffuse, jiggle and output for a batch of poses, on the CPU or on a
+// Vulkan device.
 #pragma once
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "runtime/basis/basis.h"
+#include "runtime/jiggle.h"
 
 namespace bodyopt {
 
@@ -28,6 +31,7 @@ struct Evaluation {
   std::vector<float> outside;    // F: how far the worst feature lies outside its trained range, in standard
                                  // deviations of training; 0 when the frame is covered
   std::vector<std::uint32_t> outside_feature;   // F: that feature, see feature_name
+  std::vector<JiggleStart> starts;              // F where frames jiggle: how each began
   std::map<std::string, double> stage_seconds;  // by stage name, summed over the batch
 };
 
@@ -41,6 +45,7 @@ struct Batch {
   std::vector<float> origins;         // F x 4 (the fourth is padding)
   std::vector<float> joint_features;  // F x joint feature count
   std::vector<float> controls;        // F x control count
+  std::vector<JiggleFrame> jiggle;    // F; empty: the skin is quasi-static
 };
 
 // What a backend gives back, frame-major, vertices in runtime order.
@@ -62,29 +67,56 @@ class Backend {
   virtual BatchResult run(const Batch& batch) = 0;
   // Coefficients at rest, subtracted from then on. Zero until set.
   virtual void set_rest_coefficients(std::span<const float> coefficients) = 0;
+  // What batches that jiggle start from, and leave behind. Zero until set.
+  virtual void set_motion(const NodeMotion& motion) = 0;
+  virtual NodeMotion motion() const = 0;
 };
 
-std::unique_ptr<Backend> make_cpu_backend(const Basis& basis);
+// The dynamics, where there are any, must outlive the backend.
+struct JiggleModel {
+  const Dynamics* dynamics = nullptr;
+  JiggleOptions options;
+};
+
+std::unique_ptr<Backend> make_cpu_backend(const Basis& basis, const JiggleModel& jiggle);
 // True when "auto" would find a Vulkan device. Does not throw: a machine without a Vulkan driver has none.
 bool has_vulkan_device();
 // Throws Error(device) when there is no such device, or the tables do not fit it.
-std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, const DeviceChoice& choice);
+std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, const DeviceChoice& choice, const JiggleModel& jiggle);
 
 class Deformer {
  public:
   // Validates the basis, takes the device, uploads the tables, records the coefficients at rest.
   Deformer(Basis basis, const DeviceChoice& choice);
+  // With dynamics, which must belong to the basis (load_dynamics sees to it).
+  Deformer(Basis basis, Dynamics dynamics, const JiggleOptions& options, const DeviceChoice& choice);
   ~Deformer();
 
-  // Any number of poses; split into batches as the device allows. Throws Error(mismatch) when a pose does not fit the
-  // skeleton, Error(device) when the device fails.
+  // Quasi-static skin. Any number of poses; split into batches as the device allows. Throws Error(mismatch) when a pose
+  // does not fit the skeleton, Error(device) when the device fails.
   Evaluation evaluate(std::span<const Pose> poses);
+  // The skin with jiggle, in the order given; frames: number of each pose, JiggleStep::frames_per_second apart. It goes
+  // on from the frames of earlier calls, however they are cut into calls: the bits are the same. Throws as above, and
+  // Error(usage) without dynamics; the state is then that of before.
+  Evaluation jiggle(std::span<const Pose> poses, std::span<const int> frames);
+
+  JiggleState state() const;
+  void set_state(const JiggleState& state);  // of the same dynamics
 
   const Basis& basis() const { return basis_; }
+  const Dynamics* dynamics() const { return dynamics_ ? &*dynamics_ : nullptr; }
   std::string device_name() const;
 
  private:
+  void set_rest();
+  Evaluation run(std::span<const Pose> poses, std::span<const int> frames);
+  std::vector<JiggleFrame> plan(std::span<const Pose> poses, std::span<const int> frames);
+
   Basis basis_;
+  std::optional<Dynamics> dynamics_;
+  JiggleOptions options_;
+  double size_ = 0;    // of the character, metres
+  JiggleState state_;  // its motion is the backend's
   std::unique_ptr<Backend> backend_;
 };
 

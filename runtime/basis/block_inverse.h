@@ -30,7 +30,7 @@ struct BlockInverse {
   std::vector<std::uint32_t>
       child_slots;                 // S x 2: boundary slots, of lower levels, that hand up to this slot, or kNoSlot
   std::vector<InversePanel> up;    // rows of P (to own slots) and of W^T (to boundary slots), from own slots
-  std::vector<InversePanel> down;  // rows of W, from boundary slots to own ones
+  std::vector<InverseStrip> down;  // rows of W, from boundary slots to own ones
   std::vector<float> values;       // the panels' numbers
 
   std::uint32_t slot_count() const { return static_cast<std::uint32_t>(slot_unknown.size()); }

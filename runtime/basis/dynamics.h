@@ -78,6 +78,9 @@ void save_dynamics(const Dynamics& dynamics, const std::filesystem::path& path);
 // Checked against the basis. Throws Error(file), Error(mismatch).
 Dynamics load_dynamics(const std::filesystem::path& path, const Basis& basis);
 
+// Of all its tables and metadata, as its file has it: 16 hexadecimal digits.
+std::string checksum(const Dynamics& dynamics);
+
 // Bytes of the tables a frame needs, by stage: "diffuse", "jiggle" (the tets count with diffuse).
 std::map<std::string, std::size_t> table_bytes(const Dynamics& dynamics);
 

@@ -66,9 +66,7 @@ JiggleStep read_step(TableReader& reader) {
   return step;
 }
 
-}  // namespace
-
-void save_dynamics(const Dynamics& dynamics, const std::filesystem::path& path) {
+Safetensors container(const Dynamics& dynamics) {
   Safetensors file;
   file.metadata = dynamics.metadata;
   for_each_array(dynamics, [&](const std::string& name, const auto& values, std::uint64_t width) {
@@ -76,9 +74,18 @@ void save_dynamics(const Dynamics& dynamics, const std::filesystem::path& path) 
   });
   file.tensors["jiggle.step"] = tensor_from(step_numbers(dynamics.jiggle.step), 4);
   file.metadata["schema"] = kSchema;
+  return file;
+}
+
+}  // namespace
+
+void save_dynamics(const Dynamics& dynamics, const std::filesystem::path& path) {
+  Safetensors file = container(dynamics);
   file.metadata["checksum"] = content_checksum(file);
   write_safetensors(file, path);
 }
+
+std::string checksum(const Dynamics& dynamics) { return content_checksum(container(dynamics)); }
 
 Dynamics load_dynamics(const std::filesystem::path& path, const Basis& basis) {
   const Safetensors file = read_safetensors(path);

@@ -109,13 +109,23 @@ class InverseValidator : TableChecks {
     }
   }
 
-  // Panels give every slot of `rows` once, by ascending slot and from `inputs` alone.
-  void check_panels(const char* name, const std::vector<InversePanel>& panels, Range of_level, Range rows,
+  static std::uint64_t end_value(const InversePanel& panel) {
+    return panel.first_value + std::uint64_t{panel.input_count} * kBlockSize;
+  }
+  static std::uint64_t end_value(const InverseStrip& strip) {
+    if (strip.input_count == 0) return 0;
+    return strip.first_value + (strip.input_count - 1) / kBlockSize * std::uint64_t{strip.panel_step} +
+           std::uint64_t{strip.row_count} * kBlockSize;
+  }
+
+  // Panels, or strips, give every slot of `rows` once, by ascending slot and from `inputs` alone.
+  template <typename Panel>
+  void check_panels(const char* name, const std::vector<Panel>& panels, Range of_level, Range rows,
                     Range inputs) const {
     std::vector<bool> given(rows.end - rows.begin, false);
     std::size_t count = 0;
     for (std::size_t k = of_level.begin; k < of_level.end; ++k) {
-      const InversePanel& panel = panels[k];
+      const Panel& panel = panels[k];
       const auto within = [](std::uint64_t first, std::uint64_t size, Range range) {
         return first >= range.begin && first + size <= range.end;
       };
@@ -127,10 +137,9 @@ class InverseValidator : TableChecks {
           panel.first_slot + panel.row_count > inputs.end) {
         refuse(element(name, k) + " has rows of own and of boundary slots, expected one kind");
       }
-      if (std::uint64_t{panel.first_value} + std::uint64_t{panel.input_count} * kBlockSize > inverse_.values.size()) {
-        refuse(element(name, k) + " needs numbers up to " +
-               std::to_string(std::uint64_t{panel.first_value} + std::uint64_t{panel.input_count} * kBlockSize) +
-               ", there are " + std::to_string(inverse_.values.size()));
+      if (end_value(panel) > inverse_.values.size()) {
+        refuse(element(name, k) + " needs numbers up to " + std::to_string(end_value(panel)) + ", there are " +
+               std::to_string(inverse_.values.size()));
       }
       for (std::uint32_t row = 0; row < panel.row_count; ++row) {
         auto slot = given[panel.first_slot + row - rows.begin];

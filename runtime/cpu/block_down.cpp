@@ -6,18 +6,24 @@ namespace bodyopt::cpu {
 
 void block_down(const BlockInverse& inverse, const InverseLevel& level, std::span<const float> results,
                 std::uint32_t right_side_count, std::uint32_t interleave, std::span<float> solutions) {
-#pragma omp parallel for schedule(static)
-  for (std::uint32_t p = level.down_begin; p < level.down_end; ++p) {
-    const InversePanel& panel = inverse.down[p];
-    const std::uint32_t* unknown = inverse.slot_unknown.data() + panel.first_input;
-    for (std::uint32_t r = 0; r < right_side_count; ++r) {
-      const RightSide at(r, interleave, inverse.unknown_count);
-      const float* from = results.data() + std::size_t{r} * inverse.slot_count();
-      const PanelSums sums =
-          panel_product(panel, inverse.values.data(), [&](std::uint32_t c) { return solutions[at(unknown[c])]; });
-      for (std::uint32_t row = 0; row < panel.row_count; ++row) {
-        const std::uint32_t slot = panel.first_slot + row;
-        solutions[at(inverse.slot_unknown[slot])] = from[slot] - sums.rows[row];
+#pragma omp parallel
+  {
+    std::vector<float> inputs;  // of the strip's boundary slots
+#pragma omp for schedule(static)
+    for (std::uint32_t p = level.down_begin; p < level.down_end; ++p) {
+      const InverseStrip& strip = inverse.down[p];
+      const std::uint32_t* unknown = inverse.slot_unknown.data() + strip.first_input;
+      inputs.assign((strip.input_count + kBlockSize - 1) / kBlockSize * kBlockSize, 0.0f);
+      for (std::uint32_t r = 0; r < right_side_count; ++r) {
+        const RightSide at(r, interleave, inverse.unknown_count);
+        for (std::uint32_t k = 0; k < strip.input_count; ++k) inputs[k] = solutions[at(unknown[k])];
+        float sums[kBlockSize];
+        strip_product(strip, inverse.values.data(), inputs.data(), sums);
+        const float* from = results.data() + std::size_t{r} * inverse.slot_count();
+        for (std::uint32_t row = 0; row < strip.row_count; ++row) {
+          const std::uint32_t slot = strip.first_slot + row;
+          solutions[at(inverse.slot_unknown[slot])] = from[slot] - sums[row];
+        }
       }
     }
   }

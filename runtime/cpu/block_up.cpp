@@ -11,12 +11,12 @@ void block_up(const BlockInverse& inverse, const InverseLevel& level, std::span<
     for (std::uint32_t r = 0; r < right_side_count; ++r) {
       const float* from = gathered.data() + std::size_t{r} * inverse.slot_count();
       float* to = results.data() + std::size_t{r} * inverse.slot_count();
-      const float* input = from + panel.first_input;
-      const PanelSums sums = panel_product(panel, inverse.values.data(), [&](std::uint32_t c) { return input[c]; });
+      float sums[kBlockSize];
+      panel_product(panel, inverse.values.data(), from + panel.first_input, sums);
       const bool is_boundary = panel.first_slot >= level.own_end;
       for (std::uint32_t row = 0; row < panel.row_count; ++row) {
         const std::uint32_t slot = panel.first_slot + row;
-        to[slot] = is_boundary ? from[slot] + sums.rows[row] : sums.rows[row];
+        to[slot] = is_boundary ? from[slot] + sums[row] : sums[row];
       }
     }
   }

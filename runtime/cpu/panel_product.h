@@ -1,35 +1,16 @@
-// The dense product of the block inverse: a panel's rows times a vector, as block_up and block_down need it.
+// The dense products of the block inverse, on the way up (rows of panels) and down (the same numbers by columns). Made
+// for wider registers, too, which the processor chooses when the program starts: all give the same bits.
 #pragma once
 
 #include "runtime/basis/block_inverse.h"
 
 namespace bodyopt::cpu {
 
-// Sums of kBlockSize rows; the order is that of kSumParts. input(c): what column c is multiplied with.
-struct PanelSums {
-  float rows[kBlockSize];
-};
+// Sums of a panel's rows, in the order of kSumParts. inputs: of every column.
+void panel_product(const InversePanel& panel, const float* values, const float* inputs, float (&sums)[kBlockSize]);
 
-template <typename Input>
-inline PanelSums panel_product(const InversePanel& panel, const float* values, const Input& input) {
-  float parts[kSumParts][kBlockSize] = {};
-  const float* column = values + panel.first_value;
-  std::uint32_t c = 0;
-  for (; c + kSumParts <= panel.input_count; c += kSumParts) {
-    for (std::uint32_t part = 0; part < kSumParts; ++part, column += kBlockSize) {
-      const float x = input(c + part);
-      for (std::uint32_t row = 0; row < kBlockSize; ++row) parts[part][row] += column[row] * x;
-    }
-  }
-  for (std::uint32_t part = 0; c < panel.input_count; ++c, ++part, column += kBlockSize) {
-    const float x = input(c);
-    for (std::uint32_t row = 0; row < kBlockSize; ++row) parts[part][row] += column[row] * x;
-  }
-  PanelSums sums;
-  for (std::uint32_t row = 0; row < kBlockSize; ++row) {
-    sums.rows[row] = (parts[0][row] + parts[1][row]) + (parts[2][row] + parts[3][row]);
-  }
-  return sums;
-}
+// Sums of a strip's rows, in the order said at kSumParts. inputs: at its boundary slots, up to the next multiple of
+// kBlockSize (with zeros).
+void strip_product(const InverseStrip& strip, const float* values, const float* inputs, float (&sums)[kBlockSize]);
 
 }  // namespace bodyopt::cpu

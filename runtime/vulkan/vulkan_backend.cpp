@@ -142,6 +142,9 @@ class VulkanBackend final : public Backend {
     recorded_frames_ = 0;
   }
 
+  void set_motion(const NodeMotion&) override {}
+  NodeMotion motion() const override { return {}; }
+
   BatchResult run(const Batch& batch) override {
     if (failed_) {
       throw Error(ErrorKind::device, "the Vulkan device '" + name() + "' failed earlier and is not used again");
@@ -315,7 +318,7 @@ bool has_vulkan_device() {
   }
 }
 
-std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, const DeviceChoice& choice) {
+std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, const DeviceChoice& choice, const JiggleModel&) {
   return std::make_unique<vulkan::VulkanBackend>(basis, choice);
 }
 

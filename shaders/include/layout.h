@@ -82,11 +82,23 @@ struct InversePanel {
 };
 BODYOPT_CHECK_SIZE(InversePanel, 20)
 
+// The same numbers of W read the other way, on the way down: kBlockSize own slots (the last strip of a front may have
+// less), which take the panels of W^T one after the other, panel_step values apart.
+struct InverseStrip {
+  uint first_slot, row_count;     // own slots that get a solution
+  uint first_input, input_count;  // boundary slots
+  uint first_value, panel_step;   // of the first panel's column of first_slot
+};
+BODYOPT_CHECK_SIZE(InverseStrip, 24)
+
 // No boundary slot of a child hands up to this one.
 const uint kNoSlot = 0xffffffffu;
 
-// A row times a vector is summed in four parts, columns 0 4 8.., 1 5 9.., and so on; then (0 + 1) + (2 + 3).
+// On the way up a row times a vector is summed in four parts, columns 0 4 8.., 1 5 9.., and so on; then (0 + 1) + (2 +
+// 3).
 const uint kSumParts = 4u;
+// On the way down it is summed in kBlockSize parts, one per row of the panels; then halves are added: 0 + 8, 1 + 9, ..,
+// 0 + 4, .., 0 + 2, .., 0 + 1.
 
 // A tet at rest: D^-1 (row-major), D the edges from corner 0 to the others as columns, 1/m; its volume, m^3.
 struct TetShape {
@@ -171,11 +183,13 @@ struct BlockGatherPush {
   uint slot_count, unknown_count, interleave;
 };
 struct BlockUpPush {
-  uint first_panel, panel_count;  // of the level
+  uint first_panel, panel_count;  // of the window of the level
+  uint first_value;               // value at which the bound values begin
   uint own_end, slot_count;
 };
 struct BlockDownPush {
-  uint first_panel, panel_count;  // of the level
+  uint first_strip, strip_count;  // of the window of the level
+  uint first_value;               // value at which the bound values begin
   uint slot_count, unknown_count, interleave;
 };
 struct JiggleRotatePush {
@@ -191,7 +205,7 @@ struct JiggleKickPush {
 struct JiggleStepPush {
   uint node_count, frame;
   uint fibre_count, control_count;
-  float length;                                // h, seconds
+  float duration;                              // h, seconds
   float stage;                                 // d, seconds
   float gravity_x, gravity_y, gravity_z;       // change of gravity against that of the shapes, m/s^2
   float velocity_weight, displacement_weight;  // of the next right side: 1/s, 1

@@ -6,20 +6,13 @@
 #ifndef BODYOPT_ROTATION_H
 #define BODYOPT_ROTATION_H
 
+#include "one_source.h"
+
 #ifdef __cplusplus
 #include <cmath>
 namespace bodyopt {
-#define BODYOPT_IN_ARRAY(name, count) const float(&name)[count]
-#define BODYOPT_OUT_ARRAY(name, count) float(&name)[count]
-#define BODYOPT_INOUT_ARRAY(name, count) float(&name)[count]
-#define BODYOPT_FUNCTION inline
 using std::abs;
 using std::sqrt;
-#else
-#define BODYOPT_IN_ARRAY(name, count) in float name[count]
-#define BODYOPT_OUT_ARRAY(name, count) out float name[count]
-#define BODYOPT_INOUT_ARRAY(name, count) inout float name[count]
-#define BODYOPT_FUNCTION
 #endif
 
 // Row-major rotation matrix of a quaternion that need not have unit length (but must not be zero).
@@ -149,10 +142,6 @@ BODYOPT_FUNCTION void rot(BODYOPT_IN_ARRAY(matrix, 9), BODYOPT_OUT_ARRAY(r, 9)) 
   refine_rotation(a, r);
 }
 
-#undef BODYOPT_IN_ARRAY
-#undef BODYOPT_OUT_ARRAY
-#undef BODYOPT_INOUT_ARRAY
-#undef BODYOPT_FUNCTION
 #ifdef __cplusplus
 }  // namespace bodyopt
 #endif

@@ -169,11 +169,9 @@ class Layout {
       range.down_begin = static_cast<std::uint32_t>(inverse_.down.size());
       for (const std::size_t f : fronts_of(static_cast<int>(level))) {
         const Front& front = factors.front(f);
-        add(front.inverse, own_begin_[f], own_begin_[f], inverse_.up);
-        add(front.to_own.transpose(), boundary_begin_[f], own_begin_[f], inverse_.up);
-      }
-      for (const std::size_t f : fronts_of(static_cast<int>(level))) {
-        add(factors.front(f).to_own, own_begin_[f], boundary_begin_[f], inverse_.down);
+        add_panels(front.inverse, own_begin_[f], own_begin_[f]);
+        add_strips(front.to_own, own_begin_[f], boundary_begin_[f]);
+        add_panels(front.to_own.transpose(), boundary_begin_[f], own_begin_[f]);
       }
       range.up_end = static_cast<std::uint32_t>(inverse_.up.size());
       range.down_end = static_cast<std::uint32_t>(inverse_.down.size());
@@ -237,13 +235,23 @@ class Layout {
     }
   }
 
-  void add(const Matrix& matrix, std::uint32_t first_slot, std::uint32_t first_input,
-           std::vector<InversePanel>& panels) {
+  // Of a matrix whose panels come next.
+  void add_strips(const Matrix& to_own, std::uint32_t first_slot, std::uint32_t first_input) {
+    const auto own = static_cast<std::uint32_t>(to_own.rows()), boundary = static_cast<std::uint32_t>(to_own.cols());
+    const auto first_value = static_cast<std::uint32_t>(inverse_.values.size());
+    for (std::uint32_t begin = 0; begin < own; begin += kBlockSize) {
+      inverse_.down.push_back({first_slot + begin, std::min(kBlockSize, own - begin), first_input, boundary,
+                               first_value + begin * kBlockSize, own * kBlockSize});
+    }
+  }
+
+  void add_panels(const Matrix& matrix, std::uint32_t first_slot, std::uint32_t first_input) {
     constexpr Eigen::Index kRows = kBlockSize;
     for (Eigen::Index begin = 0; begin < matrix.rows(); begin += kRows) {
       const Eigen::Index rows = std::min(kRows, matrix.rows() - begin);
-      panels.push_back({first_slot + static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(rows), first_input,
-                        static_cast<std::uint32_t>(matrix.cols()), static_cast<std::uint32_t>(inverse_.values.size())});
+      inverse_.up.push_back({first_slot + static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(rows),
+                             first_input, static_cast<std::uint32_t>(matrix.cols()),
+                             static_cast<std::uint32_t>(inverse_.values.size())});
       for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
         for (Eigen::Index row = 0; row < kRows; ++row) {
           inverse_.values.push_back(row < rows ? static_cast<float>(matrix(begin + row, column)) : 0.0f);

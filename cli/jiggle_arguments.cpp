@@ -1,0 +1,148 @@
+#include "cli/jiggle_arguments.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "runtime/basis/error.h"
+#include "trainer/dataset/frame_range.h"
+
+namespace bodyopt::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// `shot.state` and 1050: `shot.1050.state`.
+std::string with_frame(const std::string& path, int frame) {
+  const fs::path whole(path);
+  return (whole.parent_path() / (whole.stem().string() + "." + std::to_string(frame) + whole.extension().string()))
+      .string();
+}
+
+}  // namespace
+
+void JiggleArguments::add(CLI::App& verb) {
+  const std::string group = "Jiggle";
+  verb.add_flag("--jiggle", jiggle, "Step the dynamics that 'bodyopt dynamics' made: flesh that moves by inertia")
+      ->group(group);
+  verb.add_option("--dynamics", dynamics, "Dynamics (default: BASIS.dynamics.safetensors beside the basis)")
+      ->type_name("FILE")
+      ->check(refuse_empty)
+      ->group(group);
+  verb.add_option("--state-in", state_in, "Go on from a state that an earlier part of the shot left")
+      ->type_name("FILE")
+      ->check(refuse_empty)
+      ->group(group);
+  verb.add_option("--state-out", state_out, "Leave the state after the last frame")
+      ->type_name("FILE.state")
+      ->check(must_end_in(".state"))
+      ->group(group);
+  verb.add_option("--state-every", state_every, "And after every so many frames, as FILE.<frame>.state")
+      ->check(CLI::PositiveNumber)
+      ->group(group);
+  verb.add_option("--preroll", preroll, "Step so many frames of the clip before the first without writing them")
+      ->check(CLI::PositiveNumber)
+      ->group(group);
+  verb.add_option("--cuts", cuts, "Frames at which a new shot begins (jumps are found without)")
+      ->type_name("R")
+      ->check(refuse_empty)
+      ->group(group);
+  verb.add_option("--gravity-change", gravity_change,
+                  "Change of gravity against that of the shapes, m/s^2, world (0 9.81 0: weightless)")
+      ->expected(3)
+      ->type_name("X Y Z")
+      ->group(group);
+  verb.add_option("--iterations", options.iterations,
+                  "Quality: so many conjugate gradient steps on the corotated operator per solve (8: bends, too, to a "
+                  "thousandth)")
+      ->check(CLI::Range(0, 1000))
+      ->group(group);
+}
+
+void JiggleArguments::check() const {
+  const bool any = !dynamics.empty() || !state_in.empty() || !state_out.empty() || state_every > 0 || preroll > 0 ||
+                   !cuts.empty() || !gravity_change.empty() || options.iterations > 0;
+  if (!jiggle && any) throw Error(ErrorKind::usage, "options of the jiggle need --jiggle");
+  if (state_every > 0 && state_out.empty()) throw Error(ErrorKind::usage, "--state-every needs --state-out");
+  if (preroll > 0 && !state_in.empty()) {
+    throw Error(ErrorKind::usage,
+                "--preroll and --state-in exclude each other: the state is what a pre-roll would find");
+  }
+  for (const double g : gravity_change) {
+    if (!std::isfinite(g)) throw Error(ErrorKind::usage, "--gravity-change expects three finite numbers");
+  }
+}
+
+std::unique_ptr<Deformer> JiggleArguments::deformer(const std::string& basis, const DeviceChoice& device) const {
+  check();
+  Basis loaded = load_basis(basis);
+  if (!jiggle) return std::make_unique<Deformer>(std::move(loaded), device);
+  const std::string file =
+      dynamics.empty() ? fs::path(basis).replace_extension(".dynamics.safetensors").string() : dynamics;
+  if (dynamics.empty() && !fs::exists(file)) {
+    throw Error(ErrorKind::file, file +
+                                     ": not there; --jiggle needs the dynamics of the basis: make them with 'bodyopt "
+                                     "dynamics', or name them with --dynamics");
+  }
+  JiggleOptions chosen = options;
+  if (!gravity_change.empty()) std::copy(gravity_change.begin(), gravity_change.end(), chosen.gravity_change.begin());
+  if (!cuts.empty()) chosen.cuts = parse_frame_range(cuts);
+  std::sort(chosen.cuts.begin(), chosen.cuts.end());
+  Dynamics tables = load_dynamics(file, loaded);
+  auto result = std::make_unique<Deformer>(std::move(loaded), std::move(tables), chosen, device);
+  if (!state_in.empty()) result->set_state(load_state(state_in, *result->dynamics()));
+  return result;
+}
+
+void JiggleArguments::check_frames(const Deformer& deformer, const Clip& clip, const std::vector<int>& frames) const {
+  if (!jiggle) return;
+  const double rate = static_cast<double>(deformer.dynamics()->jiggle.step.frames_per_second);
+  if (std::abs(clip.fps - rate) > 1e-3 * rate) {
+    throw Error(ErrorKind::mismatch,
+                format("the dynamics step %g frames a second, the clip has %g: sample it with --fps %g, or make the "
+                       "dynamics anew with 'bodyopt dynamics --fps %g'",
+                       rate, clip.fps, rate, clip.fps));
+  }
+  if (!std::is_sorted(frames.begin(), frames.end())) {
+    throw Error(ErrorKind::usage, "--jiggle needs frames in rising order");
+  }
+  const JiggleState state = deformer.state();
+  if (state.known > 0 && !frames.empty() && frames.front() <= state.frame) {
+    throw Error(ErrorKind::usage, format("%s is the state after frame %d; the frames begin at %d, expected %d",
+                                         state_in.c_str(), state.frame, frames.front(), state.frame + 1));
+  }
+}
+
+std::vector<int> JiggleArguments::preroll_frames(const Clip& clip, const std::vector<int>& frames) const {
+  if (preroll == 0 || frames.empty()) return {};
+  const int begin = std::max(clip.first_frame, frames.front() - preroll);
+  if (frames.front() - begin < preroll) {
+    spdlog::warn("the clip has {} frames before frame {}: the pre-roll is that short", frames.front() - begin,
+                 frames.front());
+  }
+  std::vector<int> before(static_cast<std::size_t>(frames.front() - begin));
+  std::iota(before.begin(), before.end(), begin);
+  return before;
+}
+
+std::size_t JiggleArguments::frames_to_state(std::size_t begin, std::size_t limit) const {
+  if (state_every == 0) return limit;
+  const auto every = static_cast<std::size_t>(state_every);
+  return std::min(limit, every - begin % every);
+}
+
+std::vector<std::string> JiggleArguments::write_states(const Deformer& deformer, std::size_t done, bool last) const {
+  std::vector<std::string> files;
+  if (state_out.empty()) return files;
+  const JiggleState state = deformer.state();
+  if (state_every > 0 && done % static_cast<std::size_t>(state_every) == 0) {
+    files.push_back(with_frame(state_out, state.frame));
+  }
+  if (last) files.push_back(state_out);
+  for (const std::string& file : files) save_state(state, *deformer.dynamics(), file);
+  return files;
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,35 @@
+// The options of `eval` for skin that jiggles, and the state files between chunks of a shot.
+#pragma once
+
+#include <optional>
+
+#include "cli/common.h"
+
+namespace bodyopt::cli {
+
+struct JiggleArguments {
+  bool jiggle = false;
+  std::string dynamics, state_in, state_out, cuts;
+  int state_every = 0;  // frames; 0: at the end alone
+  int preroll = 0;      // frames
+  std::vector<double> gravity_change;
+  JiggleOptions options;
+
+  void add(CLI::App& verb);
+  // Throws Error(usage) for options that do not go together or need --jiggle.
+  void check() const;
+  // A deformer with the dynamics beside the basis file (BASIS with .dynamics before .safetensors), or those named; it
+  // starts from --state-in. Without --jiggle a quasi-static one.
+  std::unique_ptr<Deformer> deformer(const std::string& basis, const DeviceChoice& device) const;
+  // Throws Error(mismatch) when the clip has another rate than the dynamics, Error(usage) when the frames begin before
+  // the state that was read, or are not in order.
+  void check_frames(const Deformer& deformer, const Clip& clip, const std::vector<int>& frames) const;
+  // Of the clip: those before the first frame that are stepped and not written.
+  std::vector<int> preroll_frames(const Clip& clip, const std::vector<int>& frames) const;
+  // Number of frames from `begin` on after which a state is due, `limit` at most.
+  std::size_t frames_to_state(std::size_t begin, std::size_t limit) const;
+  // Writes the state files that are due after `done` of all frames. Returns the files written.
+  std::vector<std::string> write_states(const Deformer& deformer, std::size_t done, bool last) const;
+};
+
+}  // namespace bodyopt::cli

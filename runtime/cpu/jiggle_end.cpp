@@ -1,0 +1,27 @@
+#include <algorithm>
+
+#include "runtime/cpu/dynamics_kernels.h"
+#include "shaders/include/jiggle.h"
+
+namespace bodyopt::cpu {
+
+void jiggle_end(const JiggleStepPush& step, std::span<const float> rotations, std::span<const float> solution,
+                std::span<const float> local_displacement, std::span<float> displacement, std::span<float> velocity) {
+  const std::size_t nodes = displacement.size() / 3;
+#pragma omp parallel for schedule(static)
+  for (std::size_t n = 0; n < nodes; ++n) {
+    float r[9], u[3], v[3], world_u[3], world_v[3];
+    std::copy_n(&rotations[9 * n], 9, r);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t k = 3 * n + i;
+      u[i] = step.u_from_u * local_displacement[k] + step.u_from_z * solution[k];
+      v[i] = step.v_from_u * local_displacement[k] + step.v_from_z * solution[k];
+    }
+    turn(r, u, world_u);
+    turn(r, v, world_v);
+    std::copy_n(world_u, 3, &displacement[3 * n]);
+    std::copy_n(world_v, 3, &velocity[3 * n]);
+  }
+}
+
+}  // namespace bodyopt::cpu

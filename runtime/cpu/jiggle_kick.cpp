@@ -1,0 +1,25 @@
+#include "runtime/cpu/dynamics_kernels.h"
+
+namespace bodyopt::cpu {
+
+void jiggle_kick(const JiggleKickPush& kick, std::span<const float> nodes, const JiggleMotion& before,
+                 const JiggleMotionOut& after) {
+  const float origin_step[3] = {kick.origin_step_x, kick.origin_step_y, kick.origin_step_z};
+#pragma omp parallel for schedule(static)
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const float x = nodes[k];
+    float u = 0, v = 0, node_velocity = 0;
+    if (kick.start > 0) {
+      u = before.displacement[k];
+      v = before.velocity[k];
+      node_velocity = (x - before.nodes[k] + origin_step[k % 3]) * kick.inverse_interval;
+      if (kick.start > 1) v -= node_velocity - before.node_velocity[k];
+    }
+    after.displacement[k] = u;
+    after.velocity[k] = v;
+    after.nodes[k] = x;
+    after.node_velocity[k] = node_velocity;
+  }
+}
+
+}  // namespace bodyopt::cpu

@@ -1,0 +1,71 @@
+// The jiggle over the frames of a shot: what it knows of the frames before, and how each frame is to be stepped.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/dynamics.h"
+#include "runtime/basis/skeleton.h"
+
+namespace bodyopt {
+
+struct JiggleOptions {
+  // Change of gravity against that of the shapes, m/s^2, world: the shapes have gravity in them already.
+  Vec3 gravity_change{};
+  // Conjugate gradient iterations on the corotated operator per solve; 0: one solve in the nodes' frames.
+  std::uint32_t iterations = 0;
+  // Frames at which a new shot begins, ascending. Jumps that no body makes are found without.
+  std::vector<int> cuts{};
+};
+
+// Where nodes are and how they move, world axes, N x 3 each: see cpu::JiggleMotion.
+struct NodeMotion {
+  std::vector<float> displacement, velocity;  // from the quasi-static nodes, metres; its rate, m/s
+  std::vector<float> nodes, node_velocity;    // quasi-static, relative to the frame's origin, metres; m/s
+};
+
+// All that the frames before have to say. Empty vectors, and `known` 0: nothing.
+struct JiggleState {
+  int frame = 0;                               // the last one
+  std::uint32_t known = 0;                     // frames that are known: 0, 1 (no velocity yet), 2 (all that is needed)
+  double origin[3] = {};                       // of the last frame, metres, world
+  std::vector<double> joints, joint_velocity;  // J x 3, world: metres, m/s
+  NodeMotion motion;
+};
+
+enum class JiggleStart {
+  goes_on,  // from the frame before
+  first,    // nothing is known
+  cut,      // declared
+  jump,     // the joints jump as no body does
+  gap,      // more than a second after the frame before
+  back,     // before the frame before
+};
+// "frame 12: ..." for the user; nothing of `goes_on` and `first`.
+std::optional<std::string> describe(JiggleStart start, int frame);
+
+// How one frame is stepped.
+struct JiggleFrame {
+  JiggleStart start = JiggleStart::first;
+  bool repeats = false;     // the frame before again: nothing moves
+  std::uint32_t steps = 0;  // of JiggleStep::length()
+  JiggleKickPush kick{};    // without the counts
+};
+
+// Decides by frame number and joints (J x 3, world, metres) alone, so that every device does the same, and brings
+// `state` (all but its motion) to the frame. A frame that starts anew has displacement 0; a jump is a change of the
+// joints' velocity by more than 2 sqrt(9.81 m/s^2 x size) in the mean square, `size` the diagonal of the rest skin:
+// 8 m/s for a person, where landing from a leap is 3 or 4.
+JiggleFrame plan_frame(int frame, std::span<const double> joints, const double (&origin)[3], double size,
+                       const JiggleStep& step, const JiggleOptions& options, JiggleState& state);
+
+// Safetensors with a checksum and the hash of the dynamics it belongs to. Written to a temporary name, then renamed.
+// Throws Error(file); on loading Error(mismatch) where it is of other dynamics.
+void save_state(const JiggleState& state, const Dynamics& dynamics, const std::filesystem::path& path);
+JiggleState load_state(const std::filesystem::path& path, const Dynamics& dynamics);
+
+}  // namespace bodyopt

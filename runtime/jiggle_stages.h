@@ -1,0 +1,22 @@
+// How one step of the jiggle is taken: the numbers that jiggle_begin, jiggle_advance and jiggle_end work with.
+#pragma once
+
+#include <optional>
+
+#include "runtime/basis/dynamics.h"
+
+namespace bodyopt {
+
+// A step is: begin, solve; where there is advance: advance, solve; end.
+struct JiggleStages {
+  JiggleStepPush begin;
+  std::optional<JiggleStepPush> advance;  // of TR-BDF2; implicit Euler has one stage
+  JiggleStepPush end;
+};
+
+// TR-BDF2 (Bank et al. 1985) is the trapezoidal rule to gamma h, then BDF2 to h. Both stages share one system
+// A = inertia + b K with b = 1 + beta / d, so that K u = (A - inertia) u / b: no product with K is needed.
+// `frame` has the counts, the frame's number and gravity; the rest of it is not looked at.
+JiggleStages jiggle_stages(const JiggleStep& step, const JiggleStepPush& frame);
+
+}  // namespace bodyopt

@@ -1,0 +1,119 @@
+#include <cmath>
+#include <cstring>
+
+#include "runtime/basis/error.h"
+#include "runtime/basis/safetensors.h"
+#include "runtime/jiggle.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr const char* kSchema = "bodyopt-jiggle-state-1";
+
+template <typename T>
+Tensor rows_of_three(const std::vector<T>& values) {
+  Tensor tensor{sizeof(T) == 8 ? "F64" : "F32", {values.size() / 3, 3}, {}};
+  tensor.bytes.resize(values.size() * sizeof(T));
+  if (!values.empty()) std::memcpy(tensor.bytes.data(), values.data(), tensor.bytes.size());
+  return tensor;
+}
+
+// Applies `visit(name, array)` to every array of a state.
+template <typename State, typename Visit>
+void for_each_array(State& state, Visit visit) {
+  visit("joints", state.joints);
+  visit("joint_velocity", state.joint_velocity);
+  visit("displacement", state.motion.displacement);
+  visit("velocity", state.motion.velocity);
+  visit("nodes", state.motion.nodes);
+  visit("node_velocity", state.motion.node_velocity);
+}
+
+class StateReader {
+ public:
+  explicit StateReader(const std::filesystem::path& path) : path_(path), file_(read_safetensors(path)) {
+    if (metadata("schema") != kSchema) {
+      refuse("it is not a state of the jiggle (schema '" + metadata("schema") + "', expected '" + kSchema + "')");
+    }
+  }
+
+  const std::string& metadata(const std::string& key) const {
+    const auto found = file_.metadata.find(key);
+    if (found == file_.metadata.end()) refuse("its metadata lacks '" + key + "'");
+    return found->second;
+  }
+
+  int integer(const std::string& key) const {
+    try {
+      std::size_t end = 0;
+      const int value = std::stoi(metadata(key), &end);
+      if (end == metadata(key).size()) return value;
+    } catch (const std::exception&) {
+    }
+    refuse("its '" + key + "' is not a whole number: '" + metadata(key) + "'");
+  }
+
+  template <typename T>
+  void read(const std::string& name, std::vector<T>& values) const {
+    const auto found = file_.tensors.find(name);
+    if (found == file_.tensors.end()) refuse("tensor '" + name + "' is missing");
+    const Tensor& tensor = found->second;
+    if (tensor.dtype != (sizeof(T) == 8 ? "F64" : "F32") || tensor.shape.size() != 2 || tensor.shape[1] != 3) {
+      refuse("tensor '" + name + "' is not rows of three numbers");
+    }
+    values.resize(tensor.bytes.size() / sizeof(T));
+    if (!values.empty()) std::memcpy(values.data(), tensor.bytes.data(), tensor.bytes.size());
+    for (const T value : values) {
+      if (!std::isfinite(value)) refuse("tensor '" + name + "' has a number that is not finite");
+    }
+  }
+
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw Error(ErrorKind::file, path_.string() + ": " + what);
+  }
+
+ private:
+  const std::filesystem::path& path_;
+  Safetensors file_;
+};
+
+}  // namespace
+
+void save_state(const JiggleState& state, const Dynamics& dynamics, const std::filesystem::path& path) {
+  Safetensors file;
+  for_each_array(state, [&](const char* name, const auto& values) { file.tensors[name] = rows_of_three(values); });
+  file.tensors["origin"] = rows_of_three(std::vector<double>(state.origin, state.origin + 3));
+  file.metadata = {{"schema", kSchema},
+                   {"dynamics", checksum(dynamics)},
+                   {"frame", std::to_string(state.frame)},
+                   {"known", std::to_string(state.known)}};
+  file.metadata["checksum"] = content_checksum(file);
+  write_safetensors(file, path);
+}
+
+JiggleState load_state(const std::filesystem::path& path, const Dynamics& dynamics) {
+  const StateReader reader(path);
+  if (reader.metadata("dynamics") != checksum(dynamics)) {
+    throw Error(ErrorKind::mismatch, path.string() + ": it is a state of other dynamics (checksum " +
+                                         reader.metadata("dynamics") + ", these have " + checksum(dynamics) +
+                                         "): made again since, or of another character");
+  }
+  JiggleState state;
+  for_each_array(state, [&](const char* name, auto& values) { reader.read(name, values); });
+  std::vector<double> origin;
+  reader.read("origin", origin);
+  const int known = reader.integer("known");
+  const std::size_t numbers = known == 0 ? 0 : dynamics.tets.nodes.size();
+  const NodeMotion& motion = state.motion;
+  if (known < 0 || known > 2 || origin.size() != 3 || state.joints.size() != state.joint_velocity.size() ||
+      motion.displacement.size() != numbers || motion.velocity.size() != numbers || motion.nodes.size() != numbers ||
+      motion.node_velocity.size() != numbers) {
+    reader.refuse("its arrays do not fit the dynamics' " + std::to_string(dynamics.tets.node_count()) + " nodes");
+  }
+  std::copy(origin.begin(), origin.end(), state.origin);
+  state.frame = reader.integer("frame");
+  state.known = static_cast<std::uint32_t>(known);
+  return state;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,78 @@
+#include "runtime/vulkan/jiggle_advance.h"
+
+#include "runtime/cpu/dynamics_kernels.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/random_jiggle.h"
+
+namespace bodyopt::testing {
+namespace {
+
+constexpr std::uint32_t kBatch = 3;
+
+struct Case {
+  explicit Case(std::uint32_t count)
+      : random(count),
+        frame(random.below(kBatch)),
+        step(random_step(random, count, frame, 1, 0)),
+        rotations(random_rotations(random, kBatch * count, 3)),
+        solution(random.floats(std::size_t{3} * count, -1, 1)),
+        displacement(random.floats(std::size_t{3} * count, -1, 1)),
+        velocity(random.floats(std::size_t{3} * count, -1, 1)),
+        next_displacement(solution.size()),
+        next_velocity(solution.size()),
+        right_side(solution.size()) {
+    jiggle.nodes = random_jiggle_nodes(random, count, 1, 0);
+    cpu::jiggle_advance(jiggle, step, of_frame(rotations, 9 * jiggle.nodes.size(), frame), solution, displacement,
+                        velocity, next_displacement, next_velocity, right_side);
+  }
+
+  Random random;
+  std::uint32_t frame;
+  JiggleStepPush step;
+  JiggleTable jiggle;
+  std::vector<float> rotations, solution, displacement, velocity;
+  std::vector<float> next_displacement, next_velocity, right_side;  // by the reference
+};
+
+class JiggleAdvance : public GpuTest {};
+
+TEST_F(JiggleAdvance, EqualsTheReference) {
+  const vulkan::JiggleAdvance kernel(*device_);
+  for (const std::uint32_t count : kSizes) {
+    SCOPED_TRACE(std::to_string(count) + " nodes");
+    const Case c(count);
+    const auto nodes = vulkan::upload(*device_, c.jiggle.nodes, "nodes"),
+               rotations = vulkan::upload(*device_, c.rotations, "rotations"),
+               z = vulkan::upload(*device_, c.solution, "solution"),
+               u = vulkan::upload(*device_, c.displacement, "displacement"),
+               v = vulkan::upload(*device_, c.velocity, "velocity");
+    const std::size_t size = c.solution.size();
+    const auto outputs = run_kernel(*device_, {size, size, size}, [&](auto& commands, const auto& out) {
+      kernel.record(commands, {nodes, rotations, z, u, v, out[0], out[1], out[2]}, c.step);
+    });
+    expect_close(outputs[0], c.next_displacement, 0);  // sums and products in one order
+    expect_close(outputs[1], c.next_velocity, 0);
+    expect_close(outputs[2], c.right_side, 0);
+  }
+}
+
+TEST(JiggleAdvanceReference, EqualsTheTextbook) {
+  const Case c(200);
+  const JiggleStepPush& s = c.step;
+  for (std::size_t n = 0; n < 200; ++n) {
+    const JiggleNode& node = c.jiggle.nodes[n];
+    const Eigen::Matrix3d r = matrix_of(of_frame(c.rotations, 9 * 200, c.frame), n);
+    const Eigen::Vector3d z = vector_of(c.solution, n), u = vector_of(c.displacement, n), v = vector_of(c.velocity, n);
+    const Eigen::Vector3d g(s.gravity_x, s.gravity_y, s.gravity_z);
+    const Eigen::Vector3d next_u = s.u_from_u * u + s.u_from_z * z;
+    const Eigen::Vector3d next_v = s.v_from_u * u + s.v_from_z * z + s.v_from_v * v;
+    const Eigen::Vector3d right = s.velocity_weight * node.mass * (next_v + s.stage * r.transpose() * g) +
+                                  s.displacement_weight * node.inertia * next_u;
+    ASSERT_LT((vector_of(c.next_displacement, n) - next_u).norm(), 1e-6);
+    ASSERT_LT((vector_of(c.next_velocity, n) - next_v).norm(), 2e-6);
+    ASSERT_LT((vector_of(c.right_side, n) - right).norm(), 1e-5);
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt::testing

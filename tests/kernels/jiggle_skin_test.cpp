@@ -1,0 +1,98 @@
+#include "runtime/vulkan/jiggle_skin.h"
+
+#include "runtime/cpu/dynamics_kernels.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/random_tets.h"
+
+namespace bodyopt::testing {
+namespace {
+
+constexpr std::uint32_t kNodes = 50;
+
+struct Case {
+  explicit Case(std::uint32_t vertices)
+      : random(vertices),
+        tets(random_tets(random, kNodes)),
+        positions(random.floats(std::size_t{3} * vertices, -1, 1)),
+        displacement(random.floats(std::size_t{3} * kNodes, -0.1, 0.1)),
+        moved(positions.size()) {
+    tets.skin = random_tet_points(random, tets.tet_count(), vertices);
+    cpu::jiggle_skin(tets, positions, displacement, moved);
+  }
+
+  Random random;
+  TetTable tets;
+  std::vector<float> positions, displacement;
+  std::vector<float> moved;  // by the reference
+};
+
+class JiggleSkin : public GpuTest {};
+
+// One frame of a batch of three; the others are left.
+TEST_F(JiggleSkin, EqualsTheReference) {
+  const vulkan::JiggleSkin kernel(*device_);
+  for (const std::uint32_t vertices : kSizes) {
+    for (const std::uint32_t frame : {0u, 2u}) {
+      SCOPED_TRACE(std::to_string(vertices) + " vertices, frame " + std::to_string(frame));
+      Case c(vertices);
+      const auto begin = static_cast<std::ptrdiff_t>(frame * c.positions.size());
+      std::vector<float> batch = c.random.floats(3 * c.positions.size(), -1, 1),
+                         expected = c.random.floats(batch.size(), -1, 1);
+      const auto tets = vulkan::upload(*device_, c.tets.tets, "tets"),
+                 skin = vulkan::upload(*device_, c.tets.skin, "skin"),
+                 displacement = vulkan::upload(*device_, c.displacement, "displacement"),
+                 before = vulkan::upload(*device_, expected, "before");
+      std::ranges::copy(c.positions, batch.begin() + begin);
+      std::ranges::copy(c.moved, expected.begin() + begin);
+      const auto positions = vulkan::upload(*device_, batch, "positions");
+      const auto outputs = run_kernel(*device_, {batch.size()}, [&](auto& commands, const auto& out) {
+        commands.copy({before, 0, sizeof(float) * expected.size()}, out[0]);
+        commands.barrier();
+        kernel.record(commands, {tets, skin, positions, displacement, out[0]}, {vertices, frame});
+      });
+      expect_close(outputs[0], expected, 0);  // sums and products in one order
+    }
+  }
+}
+
+TEST_F(JiggleSkin, NoAmountChangesNoBit) {
+  const vulkan::JiggleSkin kernel(*device_);
+  Case c(100);
+  for (TetPoint& point : c.tets.skin) point.amount = 0;
+  c.positions[0] = -0.0f;
+  c.positions[4] = 1e-42f;
+  std::fill(c.displacement.begin(), c.displacement.end(), std::nanf(""));
+  cpu::jiggle_skin(c.tets, c.positions, c.displacement, c.moved);
+  EXPECT_EQ(std::memcmp(c.moved.data(), c.positions.data(), sizeof(float) * c.moved.size()), 0);
+  const auto tets = vulkan::upload(*device_, c.tets.tets, "tets"), skin = vulkan::upload(*device_, c.tets.skin, "skin"),
+             displacement = vulkan::upload(*device_, c.displacement, "displacement"),
+             positions = vulkan::upload(*device_, c.positions, "positions");
+  const auto outputs = run_kernel(*device_, {c.moved.size()}, [&](auto& commands, const auto& out) {
+    kernel.record(commands, {tets, skin, positions, displacement, out[0]}, {100, 0});
+  });
+  EXPECT_EQ(std::memcmp(outputs[0].data(), c.positions.data(), sizeof(float) * c.moved.size()), 0);
+}
+
+// Nodes displaced by an affine field displace the skin by what each vertex takes of it.
+TEST_F(JiggleSkin, ReproducesAnAffineDisplacement) {
+  Case c(500);
+  const Eigen::Matrix3d map = Eigen::Matrix3d::NullaryExpr([&] { return c.random.uniform(-0.1, 0.1); });
+  const Eigen::Vector3d offset(0.03, -0.02, 0.05);
+  const auto field = [&](const Eigen::Vector3d& at) -> Eigen::Vector3d { return map * at + offset; };
+  c.displacement.clear();
+  for (std::size_t n = 0; n < kNodes; ++n) append_point(c.displacement, field(point_of(c.tets.nodes, n)));
+  cpu::jiggle_skin(c.tets, c.positions, c.displacement, c.moved);
+  for (std::size_t v = 0; v < 500; ++v) {
+    const TetPoint& p = c.tets.skin[v];
+    const float weights[4] = {p.w0, p.w1, p.w2, p.w3};
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < 4; ++k) {
+      at += static_cast<double>(weights[k]) * point_of(c.tets.nodes, c.tets.tets[4 * p.tet + k]);
+    }
+    const Eigen::Vector3d expected = point_of(c.positions, v) + static_cast<double>(p.amount) * field(at);
+    ASSERT_LT((point_of(c.moved, v) - expected).cwiseAbs().maxCoeff(), 2e-7);
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt::testing
