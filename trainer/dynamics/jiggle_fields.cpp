@@ -127,6 +127,7 @@ void blend(Eigen::VectorXd& values, double value, const Eigen::VectorXd& share) 
 JiggleFields spread_settings(const JiggleSettings& settings, const Character& character,
                              const std::vector<Muscle>& muscles, const std::vector<RegionWeights>& painted,
                              const DynamicsTets& tets, const JiggleAnatomy& anatomy) {
+  require_possible(settings);
   const Eigen::Index nodes = tets.cage.mesh.nodes.rows();
   Eigen::VectorXd log_softness = Eigen::VectorXd::Constant(nodes, std::log(settings.softness));
   Eigen::VectorXd skin_amount = Eigen::VectorXd::Constant(character.vertices.rows(), settings.amount);

@@ -15,7 +15,8 @@ struct JiggleFields {
 
 // Where a region of the settings is: joints by their weights, muscles by their share of the tissue, painted regions of
 // the skin by their weights, carried inwards as diffuse carries positions. Softness is blended by its logarithm.
-// Throws Error(mismatch) where the settings name what the character, its muscles or `painted` lack.
+// Throws as require_possible, and Error(mismatch) where the settings name what the character, its muscles or `painted`
+// lack.
 JiggleFields spread_settings(const JiggleSettings& settings, const Character& character,
                              const std::vector<Muscle>& muscles, const std::vector<RegionWeights>& painted,
                              const DynamicsTets& tets, const JiggleAnatomy& anatomy);

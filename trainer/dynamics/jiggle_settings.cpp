@@ -1,8 +1,11 @@
 #include "trainer/dynamics/jiggle_settings.h"
 
 #include <array>
+#include <cmath>
+#include <sstream>
 #include <utility>
 
+#include "runtime/basis/error.h"
 #include "trainer/dataset/json_file.h"
 
 namespace bodyopt {
@@ -40,7 +43,46 @@ JiggleRegion read_region(const JsonObject& object) {
   return region;
 }
 
+class Limits {
+ public:
+  explicit Limits(const JiggleSettings& settings) : settings_(settings) {}
+  void above(const char* what, double value, double low) const {
+    if (!(value > low && std::isfinite(value))) refuse(what, value, "above", low);
+  }
+  void below(const char* what, double value, double high) const {
+    if (!(value < high && std::isfinite(value))) refuse(what, value, "below", high);
+  }
+  void at_least_0(const char* what, double value) const {
+    if (!(value >= 0 && std::isfinite(value))) refuse(what, value, "of at least", 0);
+  }
+
+ private:
+  [[noreturn]] void refuse(const char* what, double value, const char* relation, double limit) const {
+    std::ostringstream message;
+    message << settings_.origin << ": " << what << " is " << value << ", expected a number " << relation << " "
+            << limit;
+    throw Error(ErrorKind::usage, message.str());
+  }
+  const JiggleSettings& settings_;
+};
+
 }  // namespace
+
+void require_possible(const JiggleSettings& settings) {
+  const Limits limits(settings);
+  limits.above("Poisson's ratio", settings.poisson, -1);
+  limits.below("Poisson's ratio", settings.poisson, 0.5);
+  limits.above("the density", settings.density, 0);
+  limits.at_least_0("the tension", settings.tension);
+  limits.above("the softness", settings.softness, 0);
+  limits.at_least_0("the damping", settings.damping);
+  limits.at_least_0("the amount", settings.amount);
+  for (const JiggleRegion& region : settings.regions) {
+    limits.above("a region's softness", region.softness.value_or(1), 0);
+    limits.at_least_0("a region's damping", region.damping.value_or(0));
+    limits.at_least_0("a region's amount", region.amount.value_or(0));
+  }
+}
 
 JiggleSettings read_jiggle(const std::filesystem::path& path) {
   const Json json = read_json(path, kSchema);

@@ -27,6 +27,9 @@ struct JiggleSettings {
   std::string origin = "the settings of jiggle";  // the file's name, for messages
 };
 
+// Throws Error(usage), naming the number, for settings that no tissue can have.
+void require_possible(const JiggleSettings& settings);
+
 // jiggle.json (docs/formats.md). What the file leaves out keeps its default. Throws Error(file).
 JiggleSettings read_jiggle(const std::filesystem::path& path);
 
