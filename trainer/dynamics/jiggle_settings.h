@@ -13,7 +13,7 @@ struct JiggleRegion {
   enum class By { joint, muscle, painted };
   By by = By::joint;
   std::string name;  // of a joint, a muscle or a painted region; with '*' at its end all whose names begin like it
-  std::optional<double> softness, damping, amount, flesh;
+  std::optional<double> softness{}, damping{}, amount{}, flesh{};
 };
 
 // Of the longest extent of the skin at rest: 5 cm of a person of 1.8 m.
