@@ -4,6 +4,7 @@
 
 #include "cli/common.h"
 #include "runtime/basis/error.h"
+#include "runtime/basis/safetensors.h"
 #include "trainer/dataset/bvh.h"
 #include "trainer/dataset/character.h"
 #include "trainer/dataset/dataset.h"
@@ -114,6 +115,35 @@ Json basis_info(const std::string& path) {
   return result;
 }
 
+// What can be told without the basis they belong to.
+Json dynamics_info(const std::string& path, const Safetensors& file) {
+  const auto rows = [&](const char* name) {
+    const auto found = file.tensors.find(name);
+    if (found == file.tensors.end()) {
+      throw Error(ErrorKind::file, path + ": tensor '" + name + "' is missing: damaged dynamics");
+    }
+    return found->second.shape.at(0);
+  };
+  Json result = {{"kind", "dynamics"},
+                 {"tets", rows("tets.tets")},
+                 {"nodes", rows("tets.nodes")},
+                 {"surface_nodes", rows("tets.surface")},
+                 {"vertices", rows("tets.skin")}};
+  std::map<std::string, std::size_t> bytes;
+  for (const auto& [name, tensor] : file.tensors) bytes[name.substr(0, name.find('.'))] += tensor.bytes.size();
+  result["bytes"] = bytes;
+  result["metadata"] = file.metadata;
+  return result;
+}
+
+// A basis, or dynamics.
+Json trained_info(const std::string& path) {
+  const Safetensors file = read_safetensors(path);
+  const auto schema = file.metadata.find("schema");
+  const bool is_dynamics = schema != file.metadata.end() && schema->second.starts_with("bodyopt-dynamics-");
+  return is_dynamics ? dynamics_info(path, file) : basis_info(path);
+}
+
 Json cache_info(const std::string& path) {
   const Pc2Reader reader(path);
   return {{"kind", "point cache"},
@@ -160,7 +190,7 @@ Json info(std::string path, double unit) {
     if (!has_skin(path)) return {{"kind", "motion"}, {"clips", clip_names(path)}};
     return character_info(path, unit);
   }
-  if (extension == ".safetensors") return basis_info(path);
+  if (extension == ".safetensors") return trained_info(path);
   if (extension == ".pc2") return cache_info(path);
   if (extension == ".nodes") return nodes_info(path);
   if (extension == ".bvh") return bvh_info(path);
@@ -180,7 +210,7 @@ void add_info(CLI::App& app) {
   };
   auto arguments = std::make_shared<InfoArguments>();
   CLI::App& verb = *app.add_subcommand("info", "What a file holds");
-  verb.add_option("file", arguments->path, "Character, clip, basis, point cache or dataset.json")
+  verb.add_option("file", arguments->path, "Character, clip, basis, dynamics, point cache or dataset.json")
       ->required()
       ->type_name("FILE");
   add_unit(verb, arguments->unit);

@@ -38,6 +38,8 @@ void CpuDynamics::run(const Batch& batch, std::span<const float> strains, std::v
   diffuse(batch, positions);
   stage_seconds["diffuse"] += seconds_since(start);
   const auto jiggle_start = std::chrono::steady_clock::now();
+  rotations_.resize(3 * nodes_.size());
+  cpu::jiggle_rotate(dynamics_.tets, nodes_, batch.frame_count, rotations_);
   std::vector<float> moved(positions.size());
   for (std::uint32_t f = 0; f < batch.frame_count; ++f) {
     step(batch, f, part(strains, f, batch.frame_count));
@@ -52,11 +54,9 @@ void CpuDynamics::diffuse(const Batch& batch, std::span<const float> positions) 
   const std::uint32_t frames = batch.frame_count;
   nodes_.resize(numbers_ * frames);
   diffuse_right_sides_.resize(nodes_.size());
-  rotations_.resize(3 * nodes_.size());
   cpu::diffuse_surface(dynamics_.tets, positions, batch.origins, frames, nodes_);
   cpu::diffuse_gather(dynamics_.diffuse, dynamics_.tets.surface_count(), nodes_, frames, diffuse_right_sides_);
   cpu::block_solve(dynamics_.diffuse.inverse, diffuse_right_sides_, 3 * frames, 3, scratch_, nodes_);
-  cpu::jiggle_rotate(dynamics_.tets, nodes_, frames, rotations_);
 }
 
 void CpuDynamics::begin_frame(const JiggleFrame& frame, std::span<const float> nodes) {

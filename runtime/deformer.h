@@ -78,11 +78,12 @@ struct JiggleModel {
   JiggleOptions options;
 };
 
-std::unique_ptr<Backend> make_cpu_backend(const Basis& basis, const JiggleModel& jiggle);
+std::unique_ptr<Backend> make_cpu_backend(const Basis& basis, const JiggleModel& jiggle = {});
 // True when "auto" would find a Vulkan device. Does not throw: a machine without a Vulkan driver has none.
 bool has_vulkan_device();
 // Throws Error(device) when there is no such device, or the tables do not fit it.
-std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, const DeviceChoice& choice, const JiggleModel& jiggle);
+std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, const DeviceChoice& choice,
+                                             const JiggleModel& jiggle = {});
 
 class Deformer {
  public:

@@ -9,7 +9,7 @@ build_packages=(
 )
 run_packages=(mesa-vulkan-drivers)
 test_packages=(vulkan-validationlayers)
-bench_packages=(libbenchmark-dev)
+bench_packages=(libbenchmark-dev libsuitesparse-dev)
 other_program_packages=(blender python3-numpy)
 # Node.js from elsewhere brings its own npm, and Debian's would clash with it.
 command -v npm >/dev/null || other_program_packages+=(nodejs npm)

@@ -107,12 +107,13 @@ void jiggle_force(const TetTable& tets, const JiggleTable& jiggle, std::span<con
 // ..; 0 + 16, ..). -> one value.
 void conjugate_dot(std::span<const float> a, std::span<const float> b, std::span<float> sum);
 
-// alpha = rho / pq (0 where pq is not above 0): x' = x + alpha p, r' = r - alpha q.
+// alpha = rho / pq (0 where that means nothing: shaders/include/conjugate.h): x' = x + alpha p, r' = r - alpha q. x'
+// may be x, and r' r.
 void conjugate_step(std::span<const float> rho, std::span<const float> pq, std::span<const float> direction,
                     std::span<const float> product, std::span<const float> solution, std::span<const float> residual,
                     std::span<float> next_solution, std::span<float> next_residual);
 
-// beta = rho' / rho (0 where rho is not above 0): p' = y + beta p.
+// beta = rho' / rho (0 likewise): p' = y + beta p. p' may be p.
 void conjugate_direction(std::span<const float> rho, std::span<const float> next_rho, std::span<const float> y,
                          std::span<const float> direction, std::span<float> next_direction);
 

@@ -62,15 +62,15 @@ TEST(JiggleAdvanceReference, EqualsTheTextbook) {
   for (std::size_t n = 0; n < 200; ++n) {
     const JiggleNode& node = c.jiggle.nodes[n];
     const Eigen::Matrix3d r = matrix_of(of_frame(c.rotations, 9 * 200, c.frame), n);
-    const Eigen::Vector3d z = vector_of(c.solution, n), u = vector_of(c.displacement, n), v = vector_of(c.velocity, n);
+    const Eigen::Vector3d z = point_of(c.solution, n), u = point_of(c.displacement, n), v = point_of(c.velocity, n);
     const Eigen::Vector3d g(s.gravity_x, s.gravity_y, s.gravity_z);
     const Eigen::Vector3d next_u = s.u_from_u * u + s.u_from_z * z;
     const Eigen::Vector3d next_v = s.v_from_u * u + s.v_from_z * z + s.v_from_v * v;
     const Eigen::Vector3d right = s.velocity_weight * node.mass * (next_v + s.stage * r.transpose() * g) +
                                   s.displacement_weight * node.inertia * next_u;
-    ASSERT_LT((vector_of(c.next_displacement, n) - next_u).norm(), 1e-6);
-    ASSERT_LT((vector_of(c.next_velocity, n) - next_v).norm(), 2e-6);
-    ASSERT_LT((vector_of(c.right_side, n) - right).norm(), 1e-5);
+    ASSERT_LT((point_of(c.next_displacement, n) - next_u).norm(), 1e-6);
+    ASSERT_LT((point_of(c.next_velocity, n) - next_v).norm(), 2e-6);
+    ASSERT_LT((point_of(c.right_side, n) - right).norm(), 1e-5);
   }
 }
 

@@ -81,13 +81,13 @@ TEST(JiggleBeginReference, EqualsTheTextbook) {
     const Eigen::Matrix3d r = matrix_of(of_frame(c.rotations, 9 * 200, c.frame), n);
     const double h = c.step.duration, w2 = activation * node.stiffening;
     const Eigen::Vector3d g(c.step.gravity_x, c.step.gravity_y, c.step.gravity_z);
-    const Eigen::Vector3d u = r.transpose() * vector_of(c.displacement, n);
-    const Eigen::Vector3d v = (r.transpose() * vector_of(c.velocity, n) - h * w2 * u) / (1 + h * h * w2);
+    const Eigen::Vector3d u = r.transpose() * point_of(c.displacement, n);
+    const Eigen::Vector3d v = (r.transpose() * point_of(c.velocity, n) - h * w2 * u) / (1 + h * h * w2);
     const Eigen::Vector3d right = c.step.velocity_weight * node.mass * (v + c.step.stage * r.transpose() * g) +
                                   c.step.displacement_weight * node.inertia * u;
-    ASSERT_LT((vector_of(c.local_displacement, n) - u).norm(), 1e-6);
-    ASSERT_LT((vector_of(c.local_velocity, n) - v).norm(), 1e-5) << "activation " << activation;
-    ASSERT_LT((vector_of(c.right_side, n) - right).norm(), 5e-5);
+    ASSERT_LT((point_of(c.local_displacement, n) - u).norm(), 1e-6);
+    ASSERT_LT((point_of(c.local_velocity, n) - v).norm(), 1e-5) << "activation " << activation;
+    ASSERT_LT((point_of(c.right_side, n) - right).norm(), 5e-5);
   }
   EXPECT_GT(active, 20u);
   EXPECT_GT(passive, 20u);

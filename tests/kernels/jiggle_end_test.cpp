@@ -53,9 +53,9 @@ TEST(JiggleEndReference, EqualsTheTextbook) {
   const Case c(200);
   for (std::size_t n = 0; n < 200; ++n) {
     const Eigen::Matrix3d r = matrix_of(of_frame(c.rotations, 9 * 200, c.frame), n);
-    const Eigen::Vector3d z = vector_of(c.solution, n), u = vector_of(c.local_displacement, n);
-    ASSERT_LT((vector_of(c.displacement, n) - r * (c.step.u_from_u * u + c.step.u_from_z * z)).norm(), 2e-6);
-    ASSERT_LT((vector_of(c.velocity, n) - r * (c.step.v_from_u * u + c.step.v_from_z * z)).norm(), 2e-6);
+    const Eigen::Vector3d z = point_of(c.solution, n), u = point_of(c.local_displacement, n);
+    ASSERT_LT((point_of(c.displacement, n) - r * (c.step.u_from_u * u + c.step.u_from_z * z)).norm(), 2e-6);
+    ASSERT_LT((point_of(c.velocity, n) - r * (c.step.v_from_u * u + c.step.v_from_z * z)).norm(), 2e-6);
   }
 }
 

@@ -92,7 +92,7 @@ TEST(JiggleForceReference, LinearDisplacementPullsAtTheSurface) {
   std::size_t inside = 0;
   for (std::size_t n = 0; n < nodes; ++n) {
     const Eigen::Vector3d x = point_of(block.tets.nodes, n),
-                          force = matrix_of(block.rotations, n) * vector_of(product, n);
+                          force = matrix_of(block.rotations, n) * point_of(product, n);
     moment += force * x.transpose();
     if ((x.array() < 0.5).any() || (x.array() > Eigen::Array3d(1.5, 1.5, 2.5)).any()) continue;
     ++inside;

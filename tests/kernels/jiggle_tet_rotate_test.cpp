@@ -3,7 +3,6 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_jiggle.h"
-#include "tests/support/random_tets.h"
 #include "tests/support/textbook_ddm.h"
 
 namespace bodyopt::testing {
@@ -26,7 +25,7 @@ struct Case {
   Eigen::Matrix3d gradient(std::size_t tet) const {
     const std::span<const float> x = of_frame(nodes, tets.nodes.size(), frame);
     const std::uint32_t* corners = tets.tets.data() + 4 * tet;
-    return tet_edges({x.begin(), x.end()}, corners) * tet_edges(tets.nodes, corners).inverse();
+    return tet_edges(x, corners) * tet_edges(tets.nodes, corners).inverse();
   }
 
   Random random;

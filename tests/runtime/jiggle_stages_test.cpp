@@ -135,15 +135,15 @@ TEST(JiggleStages, StepEqualsTheTextbook) {
       body.displacement = random.floats(3, -1, 1);
       body.velocity = random.floats(3, -20, 20);
       const Eigen::Vector3d gravity(random.uniform(-10, 10), random.uniform(-10, 10), random.uniform(-10, 10));
-      const Eigen::Vector3d u = vector_of(body.displacement, 0), v = vector_of(body.velocity, 0);
+      const Eigen::Vector3d u = point_of(body.displacement, 0), v = point_of(body.velocity, 0);
       body.advance(gravity);
       const double h = 1 / (24.0 * step.substeps);
       const Eigen::Matrix2d f = rates(o, step);
       for (int i = 0; i < 3; ++i) {
         const State y(u[i], v[i]), force(0, gravity[i]);
         const State expected = euler ? implicit_euler(f, force, y, h) : tr_bdf2(f, force, y, h);
-        ASSERT_NEAR(vector_of(body.displacement, 0)[i], expected[0], 3e-6) << "case " << k;
-        ASSERT_NEAR(vector_of(body.velocity, 0)[i], expected[1], 3e-6 * 400) << "case " << k;
+        ASSERT_NEAR(point_of(body.displacement, 0)[i], expected[0], 3e-6) << "case " << k;
+        ASSERT_NEAR(point_of(body.velocity, 0)[i], expected[1], 3e-6 * 400) << "case " << k;
       }
     }
   }

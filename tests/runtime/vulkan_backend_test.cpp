@@ -48,7 +48,7 @@ TEST(VulkanBackend, EqualsTheCpuBackend) {
   for (const auto& [fibres, coefficients] : {std::pair(20u, 70u), {0u, 70u}, {20u, 0u}, {0u, 0u}}) {
     SCOPED_TRACE(std::to_string(fibres) + " fibres, " + std::to_string(coefficients) + " coefficients");
     const Basis basis = random_basis(fibres, coefficients);
-    const auto cpu = make_cpu_backend(basis, {}), gpu = make_vulkan_backend(basis, test_device(), {});
+    const auto cpu = make_cpu_backend(basis), gpu = make_vulkan_backend(basis, test_device());
     EXPECT_GE(gpu->batch_limit(), 64u);
     // Recorded for one frame, again for three, submitted again, and again for one.
     for (const std::uint32_t frames : {1u, 3u, 3u, 1u}) {
@@ -65,7 +65,7 @@ TEST(VulkanBackend, EqualsTheCpuBackend) {
 
 TEST(VulkanBackend, RestCoefficientsAreTakenOutExactly) {
   const Basis basis = random_basis(20, 70);
-  const auto gpu = make_vulkan_backend(basis, test_device(), {});
+  const auto gpu = make_vulkan_backend(basis, test_device());
   const Batch batch = random_batch(basis, 1);
   gpu->set_rest_coefficients(gpu->run(batch).coefficients);
   const BatchResult rest = gpu->run(batch);

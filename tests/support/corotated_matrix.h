@@ -5,7 +5,6 @@
 
 #include "tests/simulate/tet_block.h"
 #include "tests/support/random_jiggle.h"
-#include "tests/support/random_tets.h"
 
 namespace bodyopt::testing {
 

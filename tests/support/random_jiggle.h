@@ -1,10 +1,8 @@
 // Seeded random inputs of the jiggle's kernels.
 #pragma once
 
-#include <Eigen/Dense>
-
 #include "runtime/basis/dynamics.h"
-#include "tests/support/random_tables.h"
+#include "tests/support/random_tets.h"
 
 namespace bodyopt::testing {
 
@@ -63,10 +61,7 @@ inline std::span<const float> of_frame(const std::vector<float>& batch, std::siz
   return std::span(batch).subspan(count * frame, count);
 }
 
-// Node n of N x 3 and N x 9 arrays, in double precision.
-inline Eigen::Vector3d vector_of(std::span<const float> values, std::size_t n) {
-  return Eigen::Map<const Eigen::Vector3f>(values.data() + 3 * n).cast<double>();
-}
+// Matrix n of N x 9.
 inline Eigen::Matrix3d matrix_of(std::span<const float> values, std::size_t n) {
   return Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(values.data() + 9 * n).cast<double>();
 }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <array>
+#include <span>
 #include <utility>
 
 #include "runtime/basis/dynamics.h"
@@ -11,7 +12,7 @@
 namespace bodyopt::testing {
 
 // Point k of an array of points.
-inline Eigen::Vector3d point_of(const std::vector<float>& values, std::size_t k) {
+inline Eigen::Vector3d point_of(std::span<const float> values, std::size_t k) {
   return Eigen::Map<const Eigen::Vector3f>(values.data() + 3 * k).cast<double>();
 }
 
@@ -20,7 +21,7 @@ inline void append_point(std::vector<float>& values, const Eigen::Vector3d& poin
 }
 
 // Columns: the edges from corner 0 to the others.
-inline Eigen::Matrix3d tet_edges(const std::vector<float>& nodes, const std::uint32_t* corners) {
+inline Eigen::Matrix3d tet_edges(std::span<const float> nodes, const std::uint32_t* corners) {
   Eigen::Matrix3d edges;
   for (int k = 0; k < 3; ++k) edges.col(k) = point_of(nodes, corners[k + 1]) - point_of(nodes, corners[0]);
   return edges;

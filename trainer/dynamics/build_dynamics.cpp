@@ -7,6 +7,7 @@
 
 #include "runtime/basis/error.h"
 #include "runtime/basis/hexadecimal.h"
+#include "trainer/dynamics/core_springs.h"
 #include "trainer/dynamics/diffuse.h"
 #include "trainer/dynamics/jiggle.h"
 #include "trainer/dynamics/tet_quality.h"
@@ -56,11 +57,17 @@ Json report_of(const Dynamics& dynamics, const TetMesh& mesh, const JiggleAnatom
 }
 
 Json provenance_of(const Character& character, const DynamicsOptions& options) {
-  return {{"character", character.name},         {"resolution", options.resolution},
-          {"jiggle", options.settings.origin},   {"softness", options.settings.softness},
-          {"damping", options.settings.damping}, {"amount", options.settings.amount},
-          {"poisson", options.settings.poisson}, {"density", options.settings.density},
-          {"tension", options.settings.tension}, {"regions", options.settings.regions.size()}};
+  return {{"character", character.name},
+          {"resolution", options.resolution},
+          {"jiggle", options.settings.origin},
+          {"softness", options.settings.softness},
+          {"damping", options.settings.damping},
+          {"amount", options.settings.amount},
+          {"poisson", options.settings.poisson},
+          {"density", options.settings.density},
+          {"tension", options.settings.tension},
+          {"flesh", options.settings.flesh},
+          {"regions", options.settings.regions.size()}};
 }
 
 }  // namespace
@@ -74,9 +81,11 @@ Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& m
 
   const DynamicsTets tets = make_dynamics_tets(ordered.vertices, ordered.triangles, options.resolution);
   const TetMesh& mesh = tets.cage.mesh;
-  const JiggleAnatomy anatomy = find_anatomy(ordered, muscles, tets.cage, options.materials);
+  JiggleAnatomy anatomy = find_anatomy(ordered, muscles, tets.cage, options.materials);
   const JiggleFields fields =
       spread_settings(options.settings, ordered, muscles, in_runtime_order(options.painted, order), tets, anatomy);
+  anatomy.bone_springs +=
+      core_springs(ordered.vertices, ordered.triangles, tets.cage, fields.flesh, options.materials.bone_springs);
   std::vector<std::string> notes;
   const JiggleSystem system =
       make_jiggle_system(options.settings, fields, ordered.skeleton, mesh, anatomy, options.materials, notes);

@@ -14,8 +14,8 @@ struct DynamicsOptions {
   Eigen::Index resolution = 25000;  // tets at most
   JiggleStep step{};                // stiffness_damping is found from the settings
   JiggleSettings settings{};
-  Materials materials{};               // fat, muscle and bone springs
-  std::vector<RegionWeights> painted;  // of welded vertices, as read_regions gives them: what settings may name
+  Materials materials{};                 // fat, muscle and bone springs
+  std::vector<RegionWeights> painted{};  // of welded vertices, as read_regions gives them: what settings may name
 };
 
 // Tets, diffuse and jiggle, with a report in the metadata (tets, nodes, quality, springs, notes). Throws

@@ -21,25 +21,6 @@ constexpr double kPinFrequency = 0.5;  // Hz, of the springs of a piece that no 
 
 double angular(double hertz) { return 2 * std::numbers::pi * hertz; }
 
-void require(bool good, const JiggleSettings& settings, const std::string& what) {
-  if (!good) throw Error(ErrorKind::usage, settings.origin + ": " + what);
-}
-
-void require_physical(const JiggleSettings& settings, const JiggleFields& fields) {
-  require(settings.poisson > -1 && settings.poisson < 0.5, settings,
-          "Poisson's ratio is " + std::to_string(settings.poisson) +
-              ", expected a number above -1 and below 0.5 (0.5 would be incompressible)");
-  require(settings.density > 0 && std::isfinite(settings.density), settings,
-          "the density is " + std::to_string(settings.density) + " kg/m^3, expected a number above 0");
-  require(settings.tension >= 0 && std::isfinite(settings.tension), settings,
-          "the tension is " + std::to_string(settings.tension) + " Hz, expected 0 or more");
-  require(fields.softness.minCoeff() > 0 && fields.softness.allFinite(), settings,
-          "a softness is not a number above 0");
-  require(fields.damping.minCoeff() >= 0 && fields.damping.allFinite(), settings,
-          "a damping is not a number from 0 on");
-  require(fields.amount.minCoeff() >= 0 && fields.amount.allFinite(), settings, "an amount is not a number from 0 on");
-}
-
 std::vector<TetMaterial> tet_materials(const JiggleSettings& settings, const Eigen::VectorXd& softness,
                                        const TetMesh& mesh, const JiggleAnatomy& anatomy, const Materials& materials) {
   std::vector<TetMaterial> result;
@@ -119,7 +100,6 @@ void require_step(const JiggleStep& step) {
 JiggleSystem make_jiggle_system(const JiggleSettings& settings, const JiggleFields& fields, const Skeleton& skeleton,
                                 const TetMesh& mesh, const JiggleAnatomy& anatomy, const Materials& materials,
                                 std::vector<std::string>& notes) {
-  require_physical(settings, fields);
   JiggleSystem system;
   system.materials = tet_materials(settings, fields.softness, mesh, anatomy, materials);
   system.mass = lumped_mass(mesh, settings.density);

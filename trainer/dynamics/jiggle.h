@@ -18,7 +18,7 @@ struct JiggleSystem {
 
 // The settings in numbers: stiffness is that of fat and muscle, by their shares, over the softness. Damping ratios are
 // met at 3 Hz. Nodes that are held, and pieces of the body that no bone holds, get springs of their own, which `notes`
-// tells of. Throws Error(usage) for settings no material can have.
+// tells of.
 JiggleSystem make_jiggle_system(const JiggleSettings& settings, const JiggleFields& fields, const Skeleton& skeleton,
                                 const TetMesh& mesh, const JiggleAnatomy& anatomy, const Materials& materials,
                                 std::vector<std::string>& notes);

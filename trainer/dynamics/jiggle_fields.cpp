@@ -6,6 +6,7 @@
 #include "runtime/basis/error.h"
 #include "trainer/dataset/notes.h"
 #include "trainer/dynamics/diffuse.h"
+#include "trainer/train/mesh_table.h"
 
 namespace bodyopt {
 namespace {
@@ -127,8 +128,11 @@ void blend(Eigen::VectorXd& values, double value, const Eigen::VectorXd& share) 
 JiggleFields spread_settings(const JiggleSettings& settings, const Character& character,
                              const std::vector<Muscle>& muscles, const std::vector<RegionWeights>& painted,
                              const DynamicsTets& tets, const JiggleAnatomy& anatomy) {
+  require_possible(settings);
   const Eigen::Index nodes = tets.cage.mesh.nodes.rows();
   Eigen::VectorXd log_softness = Eigen::VectorXd::Constant(nodes, std::log(settings.softness));
+  const double flesh = settings.flesh > 0 ? settings.flesh : kFleshOfSize * longest_extent(character.vertices);
+  Eigen::VectorXd log_flesh = Eigen::VectorXd::Constant(nodes, std::log(flesh));
   Eigen::VectorXd skin_amount = Eigen::VectorXd::Constant(character.vertices.rows(), settings.amount);
   JiggleFields fields;
   fields.damping = Eigen::VectorXd::Constant(nodes, settings.damping);
@@ -137,6 +141,7 @@ JiggleFields spread_settings(const JiggleSettings& settings, const Character& ch
   for (const JiggleRegion& region : settings.regions) {
     const Share share = share_of(region);
     if (region.softness) blend(log_softness, std::log(*region.softness), share.nodes);
+    if (region.flesh) blend(log_flesh, std::log(*region.flesh), share.nodes);
     if (region.damping) blend(fields.damping, *region.damping, share.nodes);
     if (region.amount) {
       blend(fields.amount, *region.amount, share.nodes);
@@ -144,6 +149,7 @@ JiggleFields spread_settings(const JiggleSettings& settings, const Character& ch
     }
   }
   fields.softness = log_softness.array().exp();
+  fields.flesh = log_flesh.array().exp();
   for (const double amount : skin_amount) fields.skin_amount.push_back(amount < kLeastAmount ? 0 : amount);
   return fields;
 }

@@ -1,24 +1,28 @@
 #include "trainer/dynamics/jiggle_settings.h"
 
 #include <array>
+#include <cmath>
+#include <sstream>
 #include <utility>
 
+#include "runtime/basis/error.h"
 #include "trainer/dataset/json_file.h"
 
 namespace bodyopt {
 namespace {
 
 constexpr const char* kSchema = "bodyopt-jiggle-1";
-constexpr double kSoftest = 1e4, kMostDamping = 10, kMostAmount = 10;
+constexpr double kSoftest = 1e4, kMostDamping = 10, kMostAmount = 10, kThinnestFlesh = 1e-6, kMostFlesh = 1e3;
 constexpr double kLeastPoisson = -0.99, kMostPoisson = 0.495;  // at -1 and 0.5 a material cannot be computed with
 constexpr double kLightest = 1, kHeaviest = 1e5, kMostTension = 1e3;
 
 double softness(const JsonObject& object) { return object.number("softness", 1 / kSoftest, kSoftest); }
 double damping(const JsonObject& object) { return object.number("damping", 0, kMostDamping); }
 double amount(const JsonObject& object) { return object.number("amount", 0, kMostAmount); }
+double flesh(const JsonObject& object) { return object.number("flesh", kThinnestFlesh, kMostFlesh); }
 
 JiggleRegion read_region(const JsonObject& object) {
-  object.allow({"joint", "muscle", "region", "softness", "damping", "amount"});
+  object.allow({"joint", "muscle", "region", "softness", "damping", "amount", "flesh"});
   constexpr std::array kinds = {std::pair("joint", JiggleRegion::By::joint),
                                 std::pair("muscle", JiggleRegion::By::muscle),
                                 std::pair("region", JiggleRegion::By::painted)};
@@ -34,18 +38,60 @@ JiggleRegion read_region(const JsonObject& object) {
   if (object.has("softness")) region.softness = softness(object);
   if (object.has("damping")) region.damping = damping(object);
   if (object.has("amount")) region.amount = amount(object);
-  if (!region.softness && !region.damping && !region.amount) {
-    object.refuse("says nothing of softness, damping or amount");
+  if (object.has("flesh")) region.flesh = flesh(object);
+  if (!region.softness && !region.damping && !region.amount && !region.flesh) {
+    object.refuse("says nothing of softness, damping, amount or flesh");
   }
   return region;
 }
 
+class Limits {
+ public:
+  explicit Limits(const JiggleSettings& settings) : settings_(settings) {}
+  void above(const char* what, double value, double low) const {
+    if (!(value > low && std::isfinite(value))) refuse(what, value, "above", low);
+  }
+  void below(const char* what, double value, double high) const {
+    if (!(value < high && std::isfinite(value))) refuse(what, value, "below", high);
+  }
+  void at_least_0(const char* what, double value) const {
+    if (!(value >= 0 && std::isfinite(value))) refuse(what, value, "of at least", 0);
+  }
+
+ private:
+  [[noreturn]] void refuse(const char* what, double value, const char* relation, double limit) const {
+    std::ostringstream message;
+    message << settings_.origin << ": " << what << " is " << value << ", expected a number " << relation << " "
+            << limit;
+    throw Error(ErrorKind::usage, message.str());
+  }
+  const JiggleSettings& settings_;
+};
+
 }  // namespace
+
+void require_possible(const JiggleSettings& settings) {
+  const Limits limits(settings);
+  limits.above("Poisson's ratio", settings.poisson, -1);
+  limits.below("Poisson's ratio", settings.poisson, 0.5);
+  limits.above("the density", settings.density, 0);
+  limits.at_least_0("the tension", settings.tension);
+  limits.above("the softness", settings.softness, 0);
+  limits.at_least_0("the damping", settings.damping);
+  limits.at_least_0("the amount", settings.amount);
+  limits.at_least_0("the flesh", settings.flesh);
+  for (const JiggleRegion& region : settings.regions) {
+    limits.above("a region's softness", region.softness.value_or(1), 0);
+    limits.at_least_0("a region's damping", region.damping.value_or(0));
+    limits.at_least_0("a region's amount", region.amount.value_or(0));
+    limits.above("a region's flesh", region.flesh.value_or(1), 0);
+  }
+}
 
 JiggleSettings read_jiggle(const std::filesystem::path& path) {
   const Json json = read_json(path, kSchema);
   const JsonObject top(json, path, "the file");
-  top.allow({"schema", "softness", "damping", "amount", "poisson", "density", "tension", "regions"});
+  top.allow({"schema", "softness", "damping", "amount", "poisson", "density", "tension", "flesh", "regions"});
   JiggleSettings settings;
   settings.origin = path.string();
   if (top.has("softness")) settings.softness = softness(top);
@@ -54,6 +100,7 @@ JiggleSettings read_jiggle(const std::filesystem::path& path) {
   if (top.has("poisson")) settings.poisson = top.number("poisson", kLeastPoisson, kMostPoisson);
   if (top.has("density")) settings.density = top.number("density", kLightest, kHeaviest);
   if (top.has("tension")) settings.tension = top.number("tension", 0, kMostTension);
+  if (top.has("flesh")) settings.flesh = flesh(top);
   if (!top.has("regions")) return settings;
   const Json& list = top.array("regions");
   for (std::size_t k = 0; k < list.size(); ++k) {

@@ -1,0 +1,207 @@
+// The solves of diffuse and jiggle beside sparse direct ones, on the same systems and threads; and a whole step.
+#include <benchmark/benchmark.h>
+#include <omp.h>
+
+#include <Eigen/CholmodSupport>
+#include <Eigen/SparseCholesky>
+#include <map>
+#include <memory>
+
+#include "bench/subdivide.h"
+#include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/jiggle_stages.h"
+#include "trainer/builtin/arm.h"
+#include "trainer/dynamics/block_inverse.h"
+#include "trainer/dynamics/build_dynamics.h"
+#include "trainer/dynamics/elasticity.h"
+#include "trainer/train/train.h"
+
+namespace bodyopt::bench {
+namespace {
+
+// The built-in arm, its skin made finer where so many tets need it.
+struct Body {
+  explicit Body(std::int64_t tets) {
+    Character arm = build_arm().character;
+    // Its own skin makes about 25,000, one of halved edges 50,000.
+    for (std::int64_t made = 25000; made < tets; made *= 2) arm = halve_all_edges(arm).character;
+    basis = build_ddm_basis(arm, {});
+    DynamicsOptions options;
+    options.resolution = tets;
+    dynamics = build_dynamics(arm, {}, basis, options);
+    nodes = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(dynamics.tets.nodes.data(),
+                                                                                       dynamics.tets.node_count(), 3)
+                .cast<double>();
+    matrix = jiggle_matrix();
+    right_side = Eigen::VectorXf::Random(matrix.rows());
+  }
+
+  // What the block inverse of jiggle is the inverse of, from the tables of the quality mode.
+  SparseMatrix jiggle_matrix() const {
+    TetMesh mesh;
+    mesh.nodes = nodes;
+    mesh.tets.resize(dynamics.tets.tet_count(), 4);
+    std::vector<TetMaterial> materials;
+    for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
+      for (Eigen::Index k = 0; k < 4; ++k) {
+        mesh.tets(t, k) = static_cast<int>(dynamics.tets.tets[static_cast<std::size_t>(4 * t + k)]);
+      }
+      const TetElasticity& e = dynamics.jiggle.elasticity[static_cast<std::size_t>(t)];
+      materials.push_back({static_cast<double>(e.mu), static_cast<double>(e.lambda)});
+    }
+    std::vector<Eigen::Triplet<double>> held;
+    const JiggleTable& jiggle = dynamics.jiggle;
+    for (std::uint32_t n = 0; n < dynamics.tets.node_count(); ++n) {
+      for (std::uint32_t e = jiggle.held_begin[n]; e < jiggle.held_begin[n + 1]; ++e) {
+        for (std::uint32_t i = 0; i < 3; ++i) {
+          held.emplace_back(3 * n + i, 3 * jiggle.held_columns[e] + i, static_cast<double>(jiggle.held_values[e]));
+        }
+      }
+    }
+    SparseMatrix result(3 * nodes.rows(), 3 * nodes.rows());
+    result.setFromTriplets(held.begin(), held.end());
+    return result + elastic_stiffness(mesh, materials);
+  }
+
+  Basis basis;
+  Dynamics dynamics;
+  Positions nodes;
+  SparseMatrix matrix;
+  Eigen::VectorXf right_side;
+};
+
+const Body& body(std::int64_t tets) {
+  static std::map<std::int64_t, std::unique_ptr<Body>> bodies;
+  std::unique_ptr<Body>& entry = bodies[tets];
+  if (!entry) entry = std::make_unique<Body>(tets);
+  return *entry;
+}
+
+double megabytes(const BlockInverse& inverse) {
+  const auto bytes = [](const auto& values) { return static_cast<double>(values.size() * sizeof(values[0])); };
+  return 1e-6 * (bytes(inverse.values) + bytes(inverse.up) + bytes(inverse.down) + bytes(inverse.slot_unknown) +
+                 bytes(inverse.child_slots));
+}
+
+void describe(benchmark::State& state, const Body& b) {
+  state.counters["tets"] = b.dynamics.tets.tet_count();
+  state.counters["unknowns"] = static_cast<double>(b.matrix.rows());
+}
+
+std::span<const float> span_of(const Eigen::VectorXf& values) {
+  return {values.data(), static_cast<std::size_t>(values.size())};
+}
+
+// Arguments of all: tets, threads.
+void BM_Precompute(benchmark::State& state) {
+  const Body& b = body(state.range(0));
+  omp_set_num_threads(static_cast<int>(state.range(1)));
+  for (auto _ : state) benchmark::DoNotOptimize(invert(b.matrix, b.nodes, 3).values.data());
+  describe(state, b);
+}
+
+void BM_BlockInverse(benchmark::State& state) {
+  const Body& b = body(state.range(0));
+  omp_set_num_threads(static_cast<int>(state.range(1)));
+  const BlockInverse& inverse = b.dynamics.jiggle.inverse;
+  Eigen::VectorXf solution(b.matrix.rows());
+  std::vector<float> scratch;
+  const std::span<float> to(solution.data(), static_cast<std::size_t>(solution.size()));
+  for (auto _ : state) {
+    cpu::block_solve(inverse, span_of(b.right_side), 1, 1, scratch, to);
+    benchmark::DoNotOptimize(solution.data());
+  }
+  describe(state, b);
+  state.counters["MB"] = megabytes(inverse);
+  const Eigen::VectorXd exact = Eigen::SimplicialLDLT<SparseMatrix>(b.matrix).solve(b.right_side.cast<double>());
+  state.counters["relative_error"] = (solution.cast<double>() - exact).norm() / exact.norm();
+}
+
+template <typename Solver>
+void direct_solve(benchmark::State& state) {
+  const Body& b = body(state.range(0));
+  omp_set_num_threads(static_cast<int>(state.range(1)));
+  const Solver solver(b.matrix);
+  const Eigen::VectorXd right_side = b.right_side.cast<double>();
+  Eigen::VectorXd solution(right_side.size());
+  for (auto _ : state) {
+    solution = solver.solve(right_side);
+    benchmark::DoNotOptimize(solution.data());
+  }
+  describe(state, b);
+}
+void BM_SimplicialLdlt(benchmark::State& state) { direct_solve<Eigen::SimplicialLDLT<SparseMatrix>>(state); }
+void BM_Cholmod(benchmark::State& state) { direct_solve<Eigen::CholmodSupernodalLLT<SparseMatrix>>(state); }
+
+// What a frame's buffers hold.
+struct Frame {
+  explicit Frame(const Body& b)
+      : positions(b.basis.mesh.rest),
+        origins(4),
+        nodes(b.dynamics.tets.nodes),
+        rotations(3 * nodes.size()),
+        right_side(nodes.size()),
+        solution(nodes.size()),
+        u(nodes.size(), 0.01f),
+        v(nodes.size(), 0.1f),
+        own_u(nodes.size()),
+        own_v(nodes.size()),
+        next_u(nodes.size()),
+        next_v(nodes.size()),
+        moved(positions.size()) {}
+
+  std::vector<float> positions, origins, nodes, rotations, right_side, solution, u, v, own_u, own_v, next_u, next_v;
+  std::vector<float> moved, scratch;
+};
+
+void BM_Diffuse(benchmark::State& state) {
+  const Body& b = body(state.range(0));
+  omp_set_num_threads(static_cast<int>(state.range(1)));
+  Frame f(b);
+  for (auto _ : state) {
+    cpu::diffuse_surface(b.dynamics.tets, f.positions, f.origins, 1, f.nodes);
+    cpu::diffuse_gather(b.dynamics.diffuse, b.dynamics.tets.surface_count(), f.nodes, 1, f.right_side);
+    cpu::block_solve(b.dynamics.diffuse.inverse, f.right_side, 3, 3, f.scratch, f.nodes);
+  }
+  describe(state, b);
+  state.counters["MB"] = megabytes(b.dynamics.diffuse.inverse);
+}
+
+void BM_JiggleStep(benchmark::State& state) {
+  const Body& b = body(state.range(0));
+  omp_set_num_threads(static_cast<int>(state.range(1)));
+  const JiggleTable& jiggle = b.dynamics.jiggle;
+  Frame f(b);
+  const JiggleStages stages = jiggle_stages(jiggle.step, {});
+  for (auto _ : state) {
+    cpu::jiggle_rotate(b.dynamics.tets, f.nodes, 1, f.rotations);
+    cpu::jiggle_begin(jiggle, stages.begin, f.rotations, {}, {}, f.u, f.v, f.own_u, f.own_v, f.right_side);
+    cpu::block_solve(jiggle.inverse, f.right_side, 1, 1, f.scratch, f.solution);
+    cpu::jiggle_advance(jiggle, *stages.advance, f.rotations, f.solution, f.own_u, f.own_v, f.next_u, f.next_v,
+                        f.right_side);
+    cpu::block_solve(jiggle.inverse, f.right_side, 1, 1, f.scratch, f.solution);
+    cpu::jiggle_end(stages.end, f.rotations, f.solution, f.next_u, f.u, f.v);
+    cpu::jiggle_skin(b.dynamics.tets, f.positions, f.u, f.moved);
+    benchmark::DoNotOptimize(f.moved.data());
+  }
+  describe(state, b);
+}
+
+void arguments(benchmark::internal::Benchmark* benchmark) {
+  benchmark->ArgNames({"tets", "threads"})->Unit(benchmark::kMillisecond)->UseRealTime();
+  for (const std::int64_t tets : {25000, 100000}) {
+    for (const std::int64_t threads : {1, 2}) benchmark->Args({tets, threads});
+  }
+}
+
+BENCHMARK(BM_Precompute)->Apply(arguments);
+BENCHMARK(BM_BlockInverse)->Apply(arguments);
+BENCHMARK(BM_SimplicialLdlt)->Apply(arguments);
+BENCHMARK(BM_Cholmod)->Apply(arguments);
+BENCHMARK(BM_Diffuse)->Apply(arguments);
+BENCHMARK(BM_JiggleStep)->Apply(arguments);
+
+}  // namespace
+}  // namespace bodyopt::bench
+
+BENCHMARK_MAIN();

@@ -1,0 +1,176 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "runtime/basis/safetensors.h"
+#include "runtime/cpu/dynamics_kernels.h"
+#include "tests/support/hostile_bytes.h"
+#include "tests/support/small_dynamics.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bodyopt {
+namespace {
+
+using namespace testing;
+
+Reader reader_of(const Basis& basis) {
+  return [&](const std::filesystem::path& path) { load_dynamics(path, basis); };
+}
+
+TEST(DynamicsFile, RoundTripIsBitExact) {
+  const TemporaryFolder folder;
+  const SmallDynamics& small = small_dynamics();
+  Dynamics dynamics = small.dynamics;
+  dynamics.jiggle.step = {29.97f, 3, true, dynamics.jiggle.step.stiffness_damping};
+  save_dynamics(dynamics, folder / "a.safetensors");
+  const Dynamics loaded = load_dynamics(folder / "a.safetensors", small.basis);
+  EXPECT_EQ(loaded.jiggle.step.frames_per_second, 29.97f);
+  EXPECT_EQ(loaded.jiggle.step.substeps, 3u);
+  EXPECT_TRUE(loaded.jiggle.step.implicit_euler);
+  EXPECT_GT(loaded.jiggle.step.stiffness_damping, 0);
+  EXPECT_EQ(loaded.metadata, dynamics.metadata);
+  EXPECT_EQ(loaded.diffuse.inverse.unknown_count, dynamics.diffuse.inverse.unknown_count);
+  EXPECT_EQ(loaded.jiggle.inverse.unknown_count, dynamics.jiggle.inverse.unknown_count);
+  save_dynamics(loaded, folder / "b.safetensors");
+  EXPECT_EQ(read_bytes(folder / "a.safetensors"), read_bytes(folder / "b.safetensors"));
+  EXPECT_EQ(loaded.jiggle.held_values, dynamics.jiggle.held_values);
+  EXPECT_EQ(loaded.tets.nodes, dynamics.tets.nodes);
+}
+
+TEST(DynamicsFile, EveryTruncationIsRefused) {
+  const TemporaryFolder folder;
+  const OneTet one;
+  save_dynamics(one.dynamics, folder / "a.safetensors");
+  EXPECT_NO_THROW(load_dynamics(folder / "a.safetensors", one.basis));
+  expect_every_truncation_refused(reader_of(one.basis), folder / "b.safetensors", read_bytes(folder / "a.safetensors"));
+}
+
+TEST(DynamicsFile, DamagedBytesAreRefused) {
+  const TemporaryFolder folder;
+  const OneTet one;
+  save_dynamics(one.dynamics, folder / "a.safetensors");
+  EXPECT_EQ(damage_bytes(reader_of(one.basis), folder / "b.safetensors", read_bytes(folder / "a.safetensors"), 1000),
+            1000u);
+}
+
+TEST(DynamicsFile, AnotherCharactersAreRefused) {
+  const TemporaryFolder folder;
+  const SmallDynamics& small = small_dynamics();
+  save_dynamics(small.dynamics, folder / "a.safetensors");
+  const std::string bytes = read_bytes(folder / "a.safetensors");
+  const auto expect = [&](const char* named, const std::function<void(Basis&)>& change) {
+    Basis other = small.basis;
+    change(other);
+    expect_refused(reader_of(other), folder / "b.safetensors", bytes, named);
+    EXPECT_THROW(validate(small.dynamics, other, "here"), Error);
+  };
+  expect("the mesh is another", [](Basis& b) { std::swap(b.mesh.triangles[0], b.mesh.triangles[1]); });
+  expect("the skeleton is another", [](Basis& b) { b.skeleton.joints[1].name = "else"; });
+  expect("its skin stands elsewhere at rest", [](Basis& b) {
+    for (float& x : b.mesh.rest) x *= 1.01f;
+  });
+  expect("is of fibres that its strain table does not have", [](Basis& b) {
+    b.strain.rest_length.pop_back();
+    b.strain.names.pop_back();
+  });
+}
+
+// Words of the tables replaced by the worst there are, under a checksum that fits: refused, or harmless to a solve.
+TEST(DynamicsFile, ForgedTablesAreRefusedOrSolved) {
+  const TemporaryFolder folder;
+  const SmallDynamics& small = small_dynamics();
+  save_dynamics(small.dynamics, folder / "a.safetensors");
+  const Safetensors file = read_safetensors(folder / "a.safetensors");
+  const std::uint32_t worst[] = {0,           1,           0xffffffffu, 0x7fffffffu, 0x80000000u,
+                                 0x7f800000u, 0xff800000u, 0x7fc00000u, 0x4e6e6b28u, 0x00000001u};
+  std::mt19937 random(13);
+  int accepted = 0, refused_indices = 0;
+  for (int k = 0; k < 150; ++k) {
+    Safetensors forged = file;
+    auto tensor = forged.tensors.begin();
+    do {
+      tensor = std::next(forged.tensors.begin(), static_cast<std::ptrdiff_t>(random() % forged.tensors.size()));
+    } while (tensor->second.bytes.empty());
+    const std::size_t at = 4 * (random() % (tensor->second.bytes.size() / 4));
+    std::uint32_t word = worst[random() % std::size(worst)];
+    if (random() % 2 == 0) {
+      std::memcpy(&word, tensor->second.bytes.data() + at, 4);
+      word ^= 1u << random() % 32;
+    }
+    std::memcpy(tensor->second.bytes.data() + at, &word, 4);
+    forged.metadata["checksum"] = content_checksum(forged);
+    write_safetensors(forged, folder / "b.safetensors");
+    const auto solve = [&](const auto& path) {
+      const Dynamics loaded = load_dynamics(path, small.basis);
+      std::vector<float> scratch;
+      for (const auto* inverse : {&loaded.diffuse.inverse, &loaded.jiggle.inverse}) {
+        const std::vector<float> right(inverse->unknown_count, 1e-20f);
+        std::vector<float> solution(right.size());
+        cpu::block_solve(*inverse, right, 1, 1, scratch, solution);
+        for (const float value : solution) ASSERT_TRUE(std::isfinite(value)) << tensor->first << " byte " << at;
+      }
+    };
+    const bool refused = refuses(solve, folder / "b.safetensors", tensor->first);
+    accepted += refused ? 0 : 1;
+    refused_indices += refused && tensor->second.dtype == "U32" ? 1 : 0;
+  }
+  EXPECT_GT(accepted, 20);
+  EXPECT_GT(refused_indices, 20);
+}
+
+TEST(DynamicsFile, ForgedPartsAreRefusedByName) {
+  const TemporaryFolder folder;
+  const OneTet one;
+  save_dynamics(one.dynamics, folder / "a.safetensors");
+  const Safetensors file = read_safetensors(folder / "a.safetensors");
+  const auto expect = [&](const std::string& named, const std::function<void(Safetensors&)>& change) {
+    Safetensors forged = file;
+    change(forged);
+    if (forged.metadata.contains("checksum")) forged.metadata["checksum"] = content_checksum(forged);
+    write_safetensors(forged, folder / "b.safetensors");
+    expect_refused(reader_of(one.basis), folder / "b.safetensors", read_bytes(folder / "b.safetensors"), named);
+  };
+  const auto set_step = [](std::size_t k, float value) {
+    return [k, value](Safetensors& f) { std::memcpy(f.tensors["jiggle.step"].bytes.data() + 4 * k, &value, 4); };
+  };
+  expect("schema is 'bodyopt-dynamics-2', expected 'bodyopt-dynamics-1'",
+         [](Safetensors& f) { f.metadata["schema"] = "bodyopt-dynamics-2"; });
+  expect("lacks 'checksum'", [](Safetensors& f) { f.metadata.erase("checksum"); });
+  expect("lack 'topology_hash'", [](Safetensors& f) { f.metadata.erase("topology_hash"); });
+  expect("'tets.nodes' is missing", [](Safetensors& f) { f.tensors.erase("tets.nodes"); });
+  expect("'mesh.rest' is not one of dynamics",
+         [](Safetensors& f) { f.tensors["mesh.rest"] = f.tensors["tets.nodes"]; });
+  expect("'jiggle.elasticity' has type U32", [](Safetensors& f) { f.tensors["jiggle.elasticity"].dtype = "U32"; });
+  expect("jiggle.step", set_step(0, 0));
+  expect("jiggle.step", set_step(0, std::nanf("")));
+  expect("jiggle.step", set_step(1, 0));
+  expect("jiggle.step", set_step(1, 1.5f));
+  expect("jiggle.step", set_step(2, 2));
+  expect("jiggle.step", set_step(3, -1));
+  expect("jiggle.step has 2 rows", [](Safetensors& f) {
+    Tensor& step = f.tensors["jiggle.step"];
+    step.bytes.insert(step.bytes.end(), step.bytes.begin(), step.bytes.end());
+    step.shape = {2, 4};
+  });
+}
+
+TEST(DynamicsFile, BytesAreCountedByStage) {
+  const Dynamics& dynamics = small_dynamics().dynamics;
+  const auto of_inverse = [](const BlockInverse& inverse) {
+    return 28 * inverse.levels.size() + 12 * std::size_t{inverse.slot_count()} +
+           20 * inverse.up.size() + 24 * inverse.down.size() + 4 * inverse.values.size();
+  };
+  const std::size_t nodes = dynamics.tets.node_count(), tets = dynamics.tets.tet_count();
+  const std::map<std::string, std::size_t> bytes = table_bytes(dynamics);
+  ASSERT_EQ(bytes.size(), 2u);
+  EXPECT_EQ(bytes.at("diffuse"), 12 * nodes + (16 + 40 + 16) * tets + 4 * (nodes + 1) +
+                                     24 * (dynamics.tets.surface.size() + dynamics.tets.skin.size()) + 4 * (nodes + 1) +
+                                     8 * dynamics.diffuse.values.size() + of_inverse(dynamics.diffuse.inverse));
+  EXPECT_EQ(bytes.at("jiggle"), 24 * nodes + 8 * tets + 4 * (nodes + 1) + 8 * dynamics.jiggle.held_values.size() +
+                                    of_inverse(dynamics.jiggle.inverse));
+}
+
+}  // namespace
+}  // namespace bodyopt

@@ -1,0 +1,81 @@
+// The verb that makes dynamics.
+#include "runtime/basis/dynamics.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/limb_files.h"
+#include "tests/support/hostile_bytes.h"
+#include "tests/support/run_program.h"
+
+namespace bodyopt {
+namespace {
+
+// A limb in centimetres with its basis of Direct Delta Mush.
+struct LimbBasis {
+  LimbBasis() : files(folder, 100) {
+    const ProgramResult made = run_bodyopt("train --ddm-only " + files.character + " --unit 0.01 --out " + basis);
+    EXPECT_EQ(made.exit_code, 0) << made.output;
+  }
+  ProgramResult dynamics(const std::string& more) const {
+    return run_bodyopt("dynamics " + files.character + " --basis " + basis + " --out " + out + more);
+  }
+  testing::TemporaryFolder folder;
+  LimbFiles files;
+  std::string basis = (folder / "limb.safetensors").string(), out = (folder / "limb.dynamics.safetensors").string();
+};
+
+TEST(DynamicsVerb, WritesWhatTheOptionsSayAndInfoReadsIt) {
+  const LimbBasis limb;
+  testing::write_bytes(limb.folder / "jiggle.json",
+                       R"({"schema": "bodyopt-jiggle-1", "regions": [{"joint": "lower", "amount": 0}]})");
+  const ProgramResult made = limb.dynamics(" --jiggle " + (limb.folder / "jiggle.json").string() +
+                                           " --fps 30 --substeps 2 --integrator euler --json " + limb.out + ".json");
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  const Dynamics dynamics = load_dynamics(limb.out, load_basis(limb.basis));
+  EXPECT_EQ(dynamics.jiggle.step.frames_per_second, 30);
+  EXPECT_EQ(dynamics.jiggle.step.substeps, 2u);
+  EXPECT_TRUE(dynamics.jiggle.step.implicit_euler);
+  float least = 1, most = 0;
+  for (const TetPoint& point : dynamics.tets.skin) {
+    least = std::min(least, point.amount);
+    most = std::max(most, point.amount);
+  }
+  EXPECT_EQ(least, 0);
+  EXPECT_EQ(most, 1);
+  const auto json = nlohmann::json::parse(std::ifstream(limb.out + ".json"));
+  EXPECT_EQ(json["tets"], dynamics.tets.tet_count());
+  EXPECT_EQ(json["bytes"]["jiggle"], table_bytes(dynamics).at("jiggle"));
+  EXPECT_GT(json["bone_springs"], 0);
+  const ProgramResult info = run_bodyopt("info " + limb.out + " --json -");
+  ASSERT_EQ(info.exit_code, 0) << info.output;
+  const auto told = nlohmann::json::parse(info.output);
+  EXPECT_EQ(told["kind"], "dynamics");
+  EXPECT_EQ(told["nodes"], dynamics.tets.node_count());
+}
+
+TEST(DynamicsVerb, MistakesEndWithTheCauseAndWriteNothing) {
+  const LimbBasis limb;
+  const std::string jiggle = (limb.folder / "jiggle.json").string();
+  const auto expect = [&](const std::string& content, int code, const char* named) {
+    testing::write_bytes(jiggle, content);
+    const ProgramResult result = limb.dynamics(" --jiggle " + jiggle);
+    EXPECT_EQ(result.exit_code, code) << result.output;
+    EXPECT_NE(result.output.find(named), std::string::npos) << result.output;
+    EXPECT_NE(result.output.find(jiggle), std::string::npos) << result.output;
+  };
+  expect(R"({"schema": "bodyopt-jiggle-1", "poisson": 0.5})", 4, "'poisson' is 0.5");
+  expect(R"({"schema": "bodyopt-jiggle-1", "regions": [{"joint": "tail", "softness": 2}]})", 3, "'upper', 'lower'");
+  EXPECT_EQ(limb.dynamics(" --fps 0").exit_code, 64);
+  EXPECT_EQ(limb.dynamics(" --substeps 0").exit_code, 64);
+  EXPECT_EQ(limb.dynamics(" --integrator rk4").exit_code, 64);
+  EXPECT_FALSE(std::filesystem::exists(limb.out));
+  EXPECT_EQ(
+      run_bodyopt("dynamics " + limb.files.character + " --basis " + limb.basis + " --out " + limb.basis).exit_code,
+      64);
+}
+
+}  // namespace
+}  // namespace bodyopt

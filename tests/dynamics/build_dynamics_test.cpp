@@ -1,0 +1,75 @@
+#include "trainer/dynamics/build_dynamics.h"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <functional>
+
+#include "runtime/basis/error.h"
+#include "tests/simulate/limb.h"
+#include "trainer/train/train.h"
+
+namespace bodyopt {
+namespace {
+
+TEST(BuildDynamics, IsAFunctionOfItsArgumentsWhateverTheThreads) {
+  const Character limb = make_limb();
+  const Basis basis = build_ddm_basis(limb, {});
+  const auto built = [&](int threads) {
+    omp_set_num_threads(threads);
+    return build_dynamics(limb, {make_flexor()}, basis, {});
+  };
+  const int threads = omp_get_max_threads();
+  const Dynamics one = built(1), three = built(3);
+  omp_set_num_threads(threads);
+  EXPECT_NO_THROW(validate(one, basis, "built"));
+  EXPECT_EQ(one.tets.nodes, three.tets.nodes);
+  EXPECT_EQ(one.tets.tets, three.tets.tets);
+  EXPECT_EQ(one.diffuse.inverse.values, three.diffuse.inverse.values);
+  EXPECT_EQ(one.jiggle.inverse.values, three.jiggle.inverse.values);
+  EXPECT_EQ(one.jiggle.held_values, three.jiggle.held_values);
+  EXPECT_EQ(one.metadata, three.metadata);
+}
+
+// Rest positions of the nodes come out of the diffuse tables, and skin of the tets, in the basis' own vertex order.
+TEST(BuildDynamics, IsInTheBasisOrder) {
+  const Character limb = make_limb();
+  const Basis basis = build_ddm_basis(limb, {});
+  const Dynamics dynamics = build_dynamics(limb, {}, basis, {});
+  const TetTable& tets = dynamics.tets;
+  ASSERT_EQ(tets.skin.size(), basis.mesh.vertex_count());
+  for (std::size_t v = 0; v < tets.skin.size(); ++v) {
+    const TetPoint& point = tets.skin[v];
+    const float weights[4] = {point.w0, point.w1, point.w2, point.w3};
+    for (std::size_t i = 0; i < 3; ++i) {
+      float x = 0;
+      for (std::size_t a = 0; a < 4; ++a) {
+        x += weights[a] * tets.nodes[3 * std::size_t{tets.tets[4 * std::size_t{point.tet} + a]} + i];
+      }
+      EXPECT_NEAR(x, basis.mesh.rest[3 * v + i], 1e-6f);
+    }
+  }
+  EXPECT_TRUE(dynamics_notes(dynamics).empty());
+}
+
+TEST(BuildDynamics, AnotherCharactersBasisIsRefused) {
+  const Character limb = make_limb();
+  const Basis basis = build_ddm_basis(limb, {});
+  const auto expect = [&](const char* named, const std::function<void(Character&)>& change) {
+    Character other = limb;
+    change(other);
+    try {
+      build_dynamics(other, {}, basis, {});
+      ADD_FAILURE() << "accepted: " << named;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::mismatch);
+      EXPECT_NE(std::string(error.what()).find(named), std::string::npos) << error.what();
+    }
+  };
+  expect("triangles are others", [](Character& c) { c.triangles.row(0).reverseInPlace(); });
+  expect("skeleton is another", [](Character& c) { c.skeleton.joints[1].name = "else"; });
+  expect("stand elsewhere", [](Character& c) { c.vertices.rowwise() += Eigen::RowVector3d(0.01, 0, 0); });
+}
+
+}  // namespace
+}  // namespace bodyopt
