@@ -68,6 +68,17 @@ void write_flex(const fs::path& path, int frames) {
   write_json({{"schema", "bodyopt-controls-1"}, {"controls", controls}}, path);
 }
 
+// Soft flesh down to the bone on upper arm and forearm, little of it at the wrist, none on the hand.
+void write_jiggle(const fs::path& path) {
+  Json regions = Json::array();
+  for (const char* fleshy : {"shoulder", "forearm"}) {
+    regions.push_back({{"joint", fleshy}, {"softness", 3}, {"flesh", 0.06}});
+  }
+  regions.push_back({{"joint", "forearm_twist"}, {"amount", 0.3}});
+  for (const char* held : {"wrist", "finger*", "thumb"}) regions.push_back({{"joint", held}, {"amount", 0}});
+  write_json({{"schema", "bodyopt-jiggle-1"}, {"regions", regions}}, path);
+}
+
 // The files a user would bring: character, muscles, limits, three clips and how muscles flex in one of them.
 void write_inputs(const fs::path& folder, const DemoSize& size) {
   const BuiltinArm arm = build_arm();
@@ -81,6 +92,7 @@ void write_inputs(const fs::path& folder, const DemoSize& size) {
   write_flex(folder / "flex.json", size.rom_frames);
   write_clip(arm_heldout(skeleton, size.heldout_frames), skeleton, folder / "heldout.glb");
   write_clip(arm_stop(skeleton), skeleton, folder / "stop.glb");
+  write_jiggle(folder / "jiggle.json");
 }
 
 std::vector<int> every(int step, int last) {

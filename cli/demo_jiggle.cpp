@@ -6,6 +6,7 @@
 
 #include "cli/common.h"
 #include "cli/report/flip_book.h"
+#include "cli/report/plots.h"
 #include "proxy_viewer/render/animation.h"
 #include "runtime/basis/atomic_file.h"
 #include "trainer/builtin/arm.h"
@@ -57,12 +58,14 @@ void describe_tables(const Dynamics& dynamics, JiggleReport& report) {
   report.jiggle_mb = static_cast<double>(bytes.at("jiggle")) / 1e6;
 }
 
-// Vertices that move with the upper arm or what hangs on it.
-std::vector<std::size_t> arm_vertices(const Character& character) {
-  const auto shoulder = static_cast<std::uint32_t>(character.skeleton.find("shoulder"));
+// Vertices that go with the joints from one to another, in the skeleton's order, more than with any other.
+std::vector<std::size_t> vertices_between(const Character& character, const char* first, const char* last) {
+  const auto begin = static_cast<std::uint32_t>(character.skeleton.find(first));
+  const auto end = static_cast<std::uint32_t>(character.skeleton.find(last));
   std::vector<std::size_t> vertices;
   for (std::size_t v = 0; v < character.weights.size(); ++v) {
-    if (character.weights[v].front().joint >= shoulder) vertices.push_back(v);
+    const std::uint32_t joint = character.weights[v].front().joint;
+    if (joint >= begin && joint <= end) vertices.push_back(v);
   }
   return vertices;
 }
@@ -80,7 +83,7 @@ Panel panel_of(const Skins& skins, std::size_t begin, const std::vector<std::siz
 // Around the stop: close together where flesh moves fastest.
 std::vector<std::size_t> strip_frames() {
   std::vector<std::size_t> frames;
-  for (const int after : {-2, 0, 1, 2, 3, 4, 6, 9}) frames.push_back(static_cast<std::size_t>(kStopEnds + after - 1));
+  for (const int after : {-1, 0, 1, 2, 3, 4, 6, 9}) frames.push_back(static_cast<std::size_t>(kStopEnds + after - 1));
   return frames;
 }
 
@@ -90,13 +93,17 @@ void draw(const Character& character, const Skins& still, const Skins& jiggling,
   const std::span<const std::uint32_t> triangles(character.triangles.data(),
                                                  static_cast<std::size_t>(character.triangles.size()));
   const FlipBook book{triangles, still, jiggling};
-  const std::vector<std::size_t> arm = arm_vertices(character), frames = strip_frames();
+  const std::vector<std::size_t> frames = strip_frames();
+  const std::vector<std::size_t> arm = vertices_between(character, "shoulder", "thumb"),
+                                 flesh = vertices_between(character, "shoulder", "forearm");
   JiggleReport::Pictures pictures;
-  pictures.strip = flip_book_strip(renderer, book, frames, panel_of(jiggling, frames.front(), arm, 400, 300));
+  pictures.heat_scale_mm = heat_scale(*std::max_element(report.max_mm.begin(), report.max_mm.end()));
+  pictures.strip = flip_book_strip(renderer, book, frames, pictures.heat_scale_mm,
+                                   panel_of(jiggling, frames.front(), flesh, 400, 260));
   for (const std::size_t k : frames) pictures.strip_frames.push_back(report.frames[k]);
   write_png(pictures.strip, folder / "stop_strip.png");
 
-  const std::vector<Image> animated = flip_book_frames(renderer, book, panel_of(jiggling, 0, arm, 480, 560));
+  const std::vector<Image> animated = flip_book_frames(renderer, book, panel_of(jiggling, 0, arm, 560, 600));
   pictures.width = animated.front().width;
   pictures.height = animated.front().height;
   pictures.animation = encode_animation(animated, 1000 / report.frames_per_second);
@@ -109,7 +116,8 @@ void draw(const Character& character, const Skins& still, const Skins& jiggling,
 JiggleReport demo_jiggle(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
                          const DeviceChoice& device, const std::string& pictures_on, const fs::path& folder) {
   JiggleReport report;
-  const Dynamics dynamics = build_dynamics(character, muscles, basis, {});
+  const Dynamics dynamics =
+      build_dynamics(character, muscles, basis, {.settings = read_jiggle(folder / "jiggle.json")});
   save_dynamics(dynamics, folder / "basis.dynamics.safetensors");
   describe_tables(dynamics, report);
 

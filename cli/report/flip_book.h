@@ -23,8 +23,9 @@ struct Panel {
 // A picture per frame: still on the left, jiggling on the right. Throws what Renderer::draw throws.
 std::vector<Image> flip_book_frames(Renderer& renderer, const FlipBook& book, const Panel& panel);
 
-// Chosen frames from left to right: still above, jiggling below. Throws as above.
-Image flip_book_strip(Renderer& renderer, const FlipBook& book, std::span<const std::size_t> frames,
+// Chosen frames from left to right: still above, jiggling below, coloured by its distance from the still one,
+// heat_colour() from 0 to scale_mm (> 0). Throws as above.
+Image flip_book_strip(Renderer& renderer, const FlipBook& book, std::span<const std::size_t> frames, double scale_mm,
                       const Panel& panel);
 
 }  // namespace bodyopt

@@ -13,9 +13,11 @@ void add_flip_book(const JiggleReport& jiggle, const JiggleReport::Pictures& pic
                  "All frames of the motion, in time.");
   std::vector<std::string> frames;
   for (const int frame : pictures.strip_frames) frames.push_back("frame " + std::to_string(frame));
-  page.picture(pictures.strip, frames, "Around the stop",
-               "Static above, jiggling below; the pose is held from frame " + std::to_string(jiggle.stops) + " on.",
-               "");
+  page.picture(
+      pictures.strip, frames, "Around the stop",
+      "Static above; jiggling below, coloured by the distance from the static skin. The pose is held from frame " +
+          std::to_string(jiggle.stops) + " on.",
+      colour_bar(pictures.heat_scale_mm));
 }
 
 // The frame from which on the largest displacement stays below a tenth of its peak, as an index.

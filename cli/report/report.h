@@ -108,10 +108,11 @@ struct JiggleReport {
   double diffuse_ms = 0, jiggle_ms = 0;  // a frame
   std::string device;
   struct Pictures {
-    Image strip;  // still above, jiggling below, a column for each of these frames
+    Image strip;  // still above, jiggling below, coloured by the displacement; a column for each of strip_frames
     std::vector<int> strip_frames;
+    double heat_scale_mm = 1;
     std::vector<std::uint8_t> animation;  // WebP of all frames: still on the left, jiggling on the right
-    std::uint32_t width, height;          // its size in pixels
+    std::uint32_t width = 0, height = 0;  // its size in pixels
   };
   std::optional<Pictures> pictures;  // none without a Vulkan device
 };

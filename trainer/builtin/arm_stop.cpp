@@ -11,8 +11,8 @@ namespace {
 constexpr int kFrames = 60;  // 2.5 s
 
 // Degrees, in the order of ArmDof: the arm hangs and is thrown up to the side, nearly straight.
-constexpr std::array<double, kArmDofCount> kBefore = {0, 0, 26, 0, 0, 70, -10, 10, 0, 35};
-constexpr std::array<double, kArmDofCount> kAfter = {12, 0, 92, 8, 0, 15, 0, 0, 0, 12};
+constexpr std::array<double, kArmDofCount> kBefore = {-4, 0, 24, 0, 0, 80, -10, 20, 0, 35};
+constexpr std::array<double, kArmDofCount> kAfter = {14, 0, 104, 8, 0, 15, 0, 0, 0, 12};
 
 // Speed rises evenly through the swing and falls to nothing in its last frame and a half.
 double share_at(int frame) {
