@@ -75,13 +75,8 @@ void CpuDynamics::step(const Batch& batch, std::uint32_t f, std::span<const floa
   const std::span<const float> rotations = part(rotations_, f, batch.frame_count);
   const std::span<const float> controls = part(batch.controls, f, batch.frame_count);
   begin_frame(frame, nodes);
-  JiggleStepPush push{};
-  push.node_count = dynamics_.tets.node_count();
-  push.fibre_count = static_cast<std::uint32_t>(strains.size());
-  push.control_count = static_cast<std::uint32_t>(controls.size());
-  push.gravity_x = static_cast<float>(options_.gravity_change[0]);
-  push.gravity_y = static_cast<float>(options_.gravity_change[1]);
-  push.gravity_z = static_cast<float>(options_.gravity_change[2]);
+  const JiggleStepPush push = jiggle_frame(dynamics_, static_cast<std::uint32_t>(strains.size()),
+                                           static_cast<std::uint32_t>(controls.size()), 0, options_.gravity_change);
   const JiggleTable& jiggle = dynamics_.jiggle;
   const JiggleStages stages = jiggle_stages(jiggle.step, push);
   for (std::uint32_t s = 0; s < frame.steps; ++s) {

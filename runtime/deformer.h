@@ -45,7 +45,7 @@ struct Batch {
   std::vector<float> origins;         // F x 4 (the fourth is padding)
   std::vector<float> joint_features;  // F x joint feature count
   std::vector<float> controls;        // F x control count
-  std::vector<JiggleFrame> jiggle;    // F; empty: the skin is quasi-static
+  std::vector<JiggleFrame> jiggle{};  // F; empty: the skin is quasi-static
 };
 
 // What a backend gives back, frame-major, vertices in runtime order.

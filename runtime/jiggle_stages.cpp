@@ -27,6 +27,19 @@ void set_result(double u_from_u, double u_from_z, double v_from_u, double v_from
 
 }  // namespace
 
+JiggleStepPush jiggle_frame(const Dynamics& dynamics, std::uint32_t fibre_count, std::uint32_t control_count,
+                            std::uint32_t frame, const Vec3& gravity_change) {
+  JiggleStepPush push{};
+  push.node_count = dynamics.tets.node_count();
+  push.frame = frame;
+  push.fibre_count = fibre_count;
+  push.control_count = control_count;
+  push.gravity_x = static_cast<float>(gravity_change[0]);
+  push.gravity_y = static_cast<float>(gravity_change[1]);
+  push.gravity_z = static_cast<float>(gravity_change[2]);
+  return push;
+}
+
 JiggleStages jiggle_stages(const JiggleStep& step, const JiggleStepPush& frame) {
   const double d = step.stage();
   const Coefficients stage{d, 1 + step.stiffness_damping / d};

@@ -14,6 +14,11 @@ struct JiggleStages {
   JiggleStepPush end;
 };
 
+// What jiggle_stages takes of a frame: its number in the arrays of the batch, their counts, and the change of gravity,
+// m/s^2.
+JiggleStepPush jiggle_frame(const Dynamics& dynamics, std::uint32_t fibre_count, std::uint32_t control_count,
+                            std::uint32_t frame, const Vec3& gravity_change);
+
 // TR-BDF2 (Bank et al. 1985) is the trapezoidal rule to gamma h, then BDF2 to h. Both stages share one system
 // A = inertia + b K with b = 1 + beta / d, so that K u = (A - inertia) u / b: no product with K is needed.
 // `frame` has the counts, the frame's number and gravity; the rest of it is not looked at.

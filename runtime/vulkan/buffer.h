@@ -2,6 +2,7 @@
 // that what works where all memory is shared also works on a discrete GPU.
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <span>
 #include <type_traits>
@@ -30,11 +31,17 @@ class Buffer {
   std::byte* mapped_ = nullptr;
 };
 
+// A device buffer of `count` floats.
+inline Buffer floats(const Device& device, std::uint64_t count, const char* name) {
+  return {device, count * sizeof(float), Memory::device, name};
+}
+
 // What a kernel sees of a buffer, in bytes.
 struct BufferRange {
   BufferRange(const Buffer& whole) : buffer(whole.handle()), offset(0), size(whole.size()) {}
   BufferRange(const Buffer& b, VkDeviceSize offset_, VkDeviceSize size_)
       : buffer(b.handle()), offset(offset_), size(size_) {}
+  auto operator<=>(const BufferRange&) const = default;
 
   VkBuffer buffer;
   VkDeviceSize offset, size;

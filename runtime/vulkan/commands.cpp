@@ -47,6 +47,7 @@ Commands::~Commands() {
 void Commands::begin() {
   check(vkResetCommandPool(device_.handle(), pool_.get(), 0), "vkResetCommandPool");
   sets_.clear();
+  pools_.clear();
   timestamp_count_ = 0;
   const auto info = structure<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
   check(vkBeginCommandBuffer(commands_, &info), "vkBeginCommandBuffer");
@@ -73,6 +74,13 @@ void Commands::barrier() {
 }
 
 VkDescriptorSet Commands::bind(const Kernel& kernel, std::span<const BufferRange> bindings) {
+  const std::pair key(kernel.set_layout(), std::vector<BufferRange>(bindings.begin(), bindings.end()));
+  const auto bound = sets_.find(key);
+  if (bound != sets_.end()) return bound->second;
+  return sets_.emplace(key, make_set(kernel, bindings)).first->second;
+}
+
+VkDescriptorSet Commands::make_set(const Kernel& kernel, std::span<const BufferRange> bindings) {
   const VkDevice handle = device_.handle();
   const std::uint32_t count = kernel.binding_count();
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count};
@@ -82,7 +90,7 @@ VkDescriptorSet Commands::bind(const Kernel& kernel, std::span<const BufferRange
   pool_info.pPoolSizes = &size;
   VkDescriptorPool pool = VK_NULL_HANDLE;
   check(vkCreateDescriptorPool(handle, &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
-  sets_.emplace_back(handle, pool);
+  pools_.emplace_back(handle, pool);
 
   auto info = structure<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
   const VkDescriptorSetLayout layout = kernel.set_layout();

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "runtime/vulkan/buffer.h"
@@ -45,12 +47,15 @@ class Commands {
   void record_dispatch(const Kernel& kernel, std::span<const BufferRange> bindings, std::span<const std::byte> push,
                        std::uint32_t elements, std::uint32_t frames);
   VkDescriptorSet bind(const Kernel& kernel, std::span<const BufferRange> bindings);
+  VkDescriptorSet make_set(const Kernel& kernel, std::span<const BufferRange> bindings);
 
   const Device& device_;
   Owned<VkCommandPool, vkDestroyCommandPool> pool_;
   Owned<VkQueryPool, vkDestroyQueryPool> queries_;
   Owned<VkFence, vkDestroyFence> fence_;
-  std::vector<Owned<VkDescriptorPool, vkDestroyDescriptorPool>> sets_;  // one set each
+  std::vector<Owned<VkDescriptorPool, vkDestroyDescriptorPool>> pools_;  // one set each
+  // What was bound before is bound again: the steps of many frames need few sets.
+  std::map<std::pair<VkDescriptorSetLayout, std::vector<BufferRange>>, VkDescriptorSet> sets_;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   std::uint32_t timestamp_count_ = 0;
   bool pending_ = false;

@@ -7,10 +7,6 @@
 namespace bodyopt::vulkan {
 namespace {
 
-Buffer floats(const Device& device, std::uint64_t count, const char* name) {
-  return {device, count * sizeof(float), Memory::device, name};
-}
-
 Buffer number(const Device& device, float value) {
   return upload(device, std::vector<float>{value}, "a number of the conjugate gradients");
 }

@@ -1,7 +1,9 @@
-// A Vulkan device as a backend: tables uploaded once; one command buffer per batch, recorded when the number of frames
-// changes and submitted again otherwise.
+// A Vulkan device as a backend: tables uploaded once; one command buffer per batch. That of the quasi-static skin is
+// recorded when the number of frames changes and submitted again otherwise; batches that jiggle are each a plan of
+// their own.
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "runtime/basis/error.h"
@@ -13,6 +15,7 @@
 #include "runtime/vulkan/residual_kernels.h"
 #include "runtime/vulkan/strain_measure.h"
 #include "runtime/vulkan/strain_skin.h"
+#include "runtime/vulkan/vulkan_dynamics.h"
 
 namespace bodyopt {
 namespace vulkan {
@@ -73,8 +76,9 @@ struct Values {
 };
 
 struct BatchBuffers {
-  BatchBuffers(const Device& device, const Counts& n, std::uint32_t frames)
-      : skinning(device, frames, std::uint64_t{12} * n.joints, "the skinning matrices"),
+  BatchBuffers(const Device& device, const Counts& n, std::uint32_t frames_)
+      : frames(frames_),
+        skinning(device, frames, std::uint64_t{12} * n.joints, "the skinning matrices"),
         origins(device, frames, 4, "the origins"),
         joint_features(device, frames, n.joint_features, "the joint features"),
         controls(device, frames, n.controls, "the controls"),
@@ -97,6 +101,7 @@ struct BatchBuffers {
     return sum;
   }
 
+  std::uint32_t frames;
   Values skinning, origins, joint_features, controls;
   Values strain_positions, strains, features, excess, kernels, coefficients, displacements, positions, normals;
   Buffer staging_in, staging_out;
@@ -104,7 +109,7 @@ struct BatchBuffers {
 
 class VulkanBackend final : public Backend {
  public:
-  VulkanBackend(const Basis& basis, const DeviceChoice& choice)
+  VulkanBackend(const Basis& basis, const DeviceChoice& choice, const JiggleModel& jiggle)
       : device_(choice),
         counts_(basis),
         tables_(device_, basis),
@@ -118,6 +123,7 @@ class VulkanBackend final : public Backend {
         pose_skin_(device_),
         output_normals_(device_),
         commands_(device_) {
+    if (jiggle.dynamics) dynamics_.emplace(device_, jiggle);
     set_rest_coefficients(std::vector<float>(counts_.coefficients, 0.0f));
   }
 
@@ -128,30 +134,37 @@ class VulkanBackend final : public Backend {
     const std::uint64_t skin = std::uint64_t{3} * n.vertices, skinning = std::uint64_t{12} * n.joints;
     const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
     const std::uint64_t largest = std::max<std::uint64_t>({skin, skinning, strain, n.centres, n.features});
-    const std::uint64_t all = 3 * skin + skinning + strain + n.centres + 3 * n.features;
+    const std::uint64_t all =
+        3 * skin + skinning + strain + n.centres + 3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
     const std::uint64_t by_range =
         device_.info().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
     const std::uint64_t by_memory =
         std::min(kBatchBytes, device_.info().memory_bytes / 8) / (sizeof(float) * std::max<std::uint64_t>(1, all));
     const std::uint64_t by_groups = device_.info().max_groups_y;
-    return static_cast<std::uint32_t>(std::max<std::uint64_t>(1, std::min({by_range, by_memory, by_groups})));
+    const std::uint64_t by_dynamics = dynamics_ ? dynamics_->batch_limit() : by_groups;
+    return static_cast<std::uint32_t>(
+        std::max<std::uint64_t>(1, std::min({by_range, by_memory, by_groups, by_dynamics})));
   }
 
   void set_rest_coefficients(std::span<const float> coefficients) override {
     rest_coefficients_ = upload_bytes(device_, std::as_bytes(coefficients), "the coefficients at rest");
-    recorded_frames_ = 0;
+    recorded_ = false;
   }
 
-  void set_motion(const NodeMotion&) override {}
-  NodeMotion motion() const override { return {}; }
+  void set_motion(const NodeMotion& motion) override {
+    if (!failed_) dynamics_->set_motion(motion);  // so that what failed is what is told
+  }
+
+  NodeMotion motion() const override {
+    refuse_failed();
+    return dynamics_->motion();
+  }
 
   BatchResult run(const Batch& batch) override {
-    if (failed_) {
-      throw Error(ErrorKind::device, "the Vulkan device '" + name() + "' failed earlier and is not used again");
-    }
+    refuse_failed();
     if (batch.frame_count == 0) return {};
     failed_ = true;  // until this batch went well
-    if (batch.frame_count != recorded_frames_) record(batch.frame_count);
+    if (!recorded_ || buffers_->frames != batch.frame_count || !batch.jiggle.empty()) record(batch);
     send(batch);
     commands_.run();
     BatchResult result = receive();
@@ -161,35 +174,56 @@ class VulkanBackend final : public Backend {
   }
 
  private:
-  void record(std::uint32_t frames) {
-    recorded_frames_ = 0;
-    buffers_.reset();  // before the next ones are allocated
-    buffers_ = std::make_unique<BatchBuffers>(device_, counts_, frames);
+  void record(const Batch& batch) {
+    const std::uint32_t frames = batch.frame_count;
+    recorded_ = false;
+    allocate(frames);
+    stages_.clear();
     commands_.begin();
     record_upload();
     commands_.barrier();
     commands_.timestamp();
     record_strain(frames);
-    commands_.barrier();
-    commands_.timestamp();
+    end_stage("strain");
     record_residual(frames);
-    commands_.barrier();
-    commands_.timestamp();
+    end_stage("residual");
     const BatchBuffers& b = *buffers_;
     pose_skin_.record(commands_,
                       {tables_.ddm, b.skinning.buffer, b.origins.buffer, b.displacements.buffer, b.positions.buffer},
                       counts_.vertices, counts_.joints, frames);
-    commands_.barrier();
-    commands_.timestamp();
-    output_normals_.record(commands_,
-                           {tables_.triangles, tables_.vertex_triangle_begin, tables_.vertex_triangles,
-                            b.positions.buffer, b.normals.buffer},
-                           {counts_.vertices}, frames);
-    commands_.barrier();
-    commands_.timestamp();
-    record_download();
+    end_stage("pose");
+    if (!batch.jiggle.empty()) record_dynamics(batch);
+    const Buffer& skin = batch.jiggle.empty() ? b.positions.buffer : dynamics_->moved();
+    output_normals_.record(
+        commands_, {tables_.triangles, tables_.vertex_triangle_begin, tables_.vertex_triangles, skin, b.normals.buffer},
+        {counts_.vertices}, frames);
+    end_stage("output");
+    record_download(skin);
     commands_.end();
-    recorded_frames_ = frames;
+    recorded_ = batch.jiggle.empty();
+  }
+
+  void allocate(std::uint32_t frames) {
+    if (buffers_ && buffers_->frames == frames) return;
+    buffers_.reset();  // before the next ones are allocated
+    buffers_ = std::make_unique<BatchBuffers>(device_, counts_, frames);
+  }
+
+  void end_stage(const char* name) {
+    commands_.barrier();
+    commands_.timestamp();
+    stages_.push_back(name);
+  }
+
+  void record_dynamics(const Batch& batch) {
+    const BatchBuffers& b = *buffers_;
+    const VulkanDynamics::Inputs inputs{b.positions.buffer, b.origins.buffer, b.strains.buffer,
+                                        b.controls.buffer,  counts_.fibres,   counts_.controls};
+    dynamics_->prepare(batch.frame_count);
+    dynamics_->record_diffuse(commands_, inputs);
+    end_stage("diffuse");
+    dynamics_->record_jiggle(commands_, inputs, batch.jiggle);
+    end_stage("jiggle");
   }
 
   void record_upload() {
@@ -237,10 +271,11 @@ class VulkanBackend final : public Backend {
                            {n.vertices, n.coefficients}, frames);
   }
 
-  void record_download() {
+  void record_download(const Buffer& skin) {
     const BatchBuffers& b = *buffers_;
-    VkDeviceSize offset = 0;
-    for (const Values* values : {&b.positions, &b.normals, &b.strains, &b.excess, &b.coefficients}) {
+    commands_.copy({skin, 0, b.positions.bytes}, {b.staging_out, 0, b.positions.bytes});
+    VkDeviceSize offset = b.positions.bytes;
+    for (const Values* values : {&b.normals, &b.strains, &b.excess, &b.coefficients}) {
       commands_.copy({values->buffer, 0, values->bytes}, {b.staging_out, offset, values->bytes});
       offset += values->bytes;
     }
@@ -274,10 +309,14 @@ class VulkanBackend final : public Backend {
       if (values.bytes > 0) std::memcpy(to.data(), from, values.bytes);
       from += values.bytes;
     }
-    const char* const stages[] = {"strain", "residual", "pose", "output"};
     const std::vector<double> seconds = commands_.seconds();
-    for (std::size_t s = 0; s < seconds.size(); ++s) result.stage_seconds[stages[s]] = seconds[s];
+    for (std::size_t s = 0; s < seconds.size(); ++s) result.stage_seconds[stages_[s]] = seconds[s];
     return result;
+  }
+
+  void refuse_failed() const {
+    if (!failed_) return;
+    throw Error(ErrorKind::device, "the Vulkan device '" + name() + "' failed earlier and is not used again");
   }
 
   void refuse_validation_messages() const {
@@ -301,8 +340,10 @@ class VulkanBackend final : public Backend {
   OutputNormals output_normals_;
   Buffer rest_coefficients_;
   std::unique_ptr<BatchBuffers> buffers_;
+  std::optional<VulkanDynamics> dynamics_;
   Commands commands_;
-  std::uint32_t recorded_frames_ = 0;
+  std::vector<const char*> stages_;  // recorded
+  bool recorded_ = false;            // the quasi-static skin, for as many frames as there are buffers
   bool failed_ = false;
 };
 
@@ -318,8 +359,9 @@ bool has_vulkan_device() {
   }
 }
 
-std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, const DeviceChoice& choice, const JiggleModel&) {
-  return std::make_unique<vulkan::VulkanBackend>(basis, choice);
+std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, const DeviceChoice& choice,
+                                             const JiggleModel& jiggle) {
+  return std::make_unique<vulkan::VulkanBackend>(basis, choice, jiggle);
 }
 
 }  // namespace bodyopt

@@ -22,7 +22,7 @@ struct LimbBasis {
   ProgramResult dynamics(const std::string& more) const {
     return run_bodyopt("dynamics " + files.character + " --basis " + basis + " --out " + out + more);
   }
-  testing::TemporaryFolder folder;
+  TemporaryFolder folder;
   LimbFiles files;
   std::string basis = (folder / "limb.safetensors").string(), out = (folder / "limb.dynamics.safetensors").string();
 };

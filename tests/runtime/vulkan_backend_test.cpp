@@ -73,14 +73,14 @@ TEST(VulkanBackend, RestCoefficientsAreTakenOutExactly) {
   // Without coefficients the residual moves nothing: the same bits as without a residual.
   Basis without = basis;
   without.residual = random_basis(20, 0).residual;
-  EXPECT_EQ(make_vulkan_backend(without, test_device())->run(batch).positions, rest.positions);
+  EXPECT_EQ(make_vulkan_backend(without, test_device(), {})->run(batch).positions, rest.positions);
 }
 
 TEST(VulkanBackend, TimesEveryStage) {
   const vulkan::Device device(test_device());
   if (device.timestamp_mask() == 0) GTEST_SKIP() << "the device has no timestamps";
   const Basis basis = random_basis(20, 70);
-  const BatchResult result = make_vulkan_backend(basis, test_device())->run(random_batch(basis, 2));
+  const BatchResult result = make_vulkan_backend(basis, test_device(), {})->run(random_batch(basis, 2));
   std::vector<std::string> stages;
   for (const auto& [stage, seconds] : result.stage_seconds) {
     stages.push_back(stage);
@@ -92,7 +92,7 @@ TEST(VulkanBackend, TimesEveryStage) {
 TEST(VulkanBackend, RefusesUnknownDevices) {
   DeviceChoice choice = test_device();
   choice.name = "no such device";
-  EXPECT_THROW(make_vulkan_backend(random_basis(0, 0), choice), Error);
+  EXPECT_THROW(make_vulkan_backend(random_basis(0, 0), choice, {}), Error);
 }
 
 }  // namespace

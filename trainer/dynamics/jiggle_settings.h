@@ -13,7 +13,7 @@ struct JiggleRegion {
   enum class By { joint, muscle, painted };
   By by = By::joint;
   std::string name;  // of a joint, a muscle or a painted region; with '*' at its end all whose names begin like it
-  std::optional<double> softness, damping, amount, flesh;
+  std::optional<double> softness{}, damping{}, amount{}, flesh{};
 };
 
 // Of the longest extent of the skin at rest: 5 cm of a person of 1.8 m.
@@ -21,7 +21,7 @@ constexpr double kFleshOfSize = 0.028;
 
 struct JiggleSettings {
   double softness = 1;    // divides the stiffness of tissue
-  double damping = 0.15;  // damping ratio at 3 Hz
+  double damping = 0.2;   // damping ratio at 3 Hz
   double amount = 1;      // what the skin takes of the motion; 0: held still
   double flesh = 0;       // metres under the skin that move; what is deeper is held; 0: kFleshOfSize x the body
   double poisson = 0.45;

@@ -1,0 +1,117 @@
+// eval --jiggle: chunks of a shot, pre-roll, cuts, what is refused.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/capsule_limb.h"
+#include "tests/support/run_program.h"
+#include "tests/support/temporary_folder.h"
+#include "trainer/dataset/pc2.h"
+
+namespace bodyopt {
+namespace {
+
+// A limb, its basis and dynamics, and a clip of 30 frames: it rests, swings, and stops dead after frame 16.
+class Jiggle : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const Character limb = limb_character();
+    write_character(limb, path("limb.glb"));
+    Clip clip;
+    clip.name = "swing";
+    for (int f = 0; f < 30; ++f) {
+      const double t = std::clamp((f - 3) / 24.0, 0.0, 0.5);
+      Pose pose = bind_pose(limb.skeleton);
+      pose.joints[0].translation[0] += 0.4 * t;
+      pose.joints[1].rotation = axis_angle({1, 0, 0}, 4 * t * t);
+      clip.poses.push_back(pose);
+    }
+    write_clip(clip, limb.skeleton, path("swing.glb"));
+    ASSERT_EQ(run("train --ddm-only " + path("limb.glb") + " --out " + path("limb.safetensors")).exit_code, 0);
+    ASSERT_EQ(run("dynamics " + path("limb.glb") + " --basis " + path("limb.safetensors") + " --out " +
+                  path("limb.dynamics.safetensors") + " --dynamics-resolution 2500")
+                  .exit_code,
+              0);
+  }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  static ProgramResult run(const std::string& arguments) { return run_bodyopt(arguments); }
+  ProgramResult eval(const std::string& options, const std::string& out) const {
+    return run("eval " + path("limb.safetensors") + " --clip " + path("swing.glb") + " --device cpu --out " +
+               path(out) + " " + options);
+  }
+  std::vector<float> frame(const std::string& cache, std::uint32_t sample) const {
+    const Pc2Reader reader(path(cache));
+    const std::span<const float> values = reader.sample(sample);
+    return {values.begin(), values.end()};
+  }
+  void expect_refused(int exit_code, const std::string& options, const std::string& named) const {
+    const ProgramResult result = eval(options, "refused.pc2");
+    EXPECT_EQ(result.exit_code, exit_code) << options << "\n" << result.output;
+    EXPECT_NE(result.output.find(named), std::string::npos) << options << "\n" << result.output;
+    EXPECT_FALSE(std::filesystem::exists(path("refused.pc2"))) << options;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Jiggle, ChunksOfAShotGiveTheSameBits) {
+  ASSERT_EQ(eval("--jiggle --state-out " + path("end.state") + " --state-every 10", "whole.pc2").exit_code, 0);
+  for (const char* state : {"end.state", "end.10.state", "end.20.state", "end.30.state"}) {
+    EXPECT_TRUE(std::filesystem::exists(path(state))) << state;
+  }
+  ASSERT_EQ(eval("--jiggle --frames 21-30 --state-in " + path("end.20.state"), "third.pc2").exit_code, 0);
+  ASSERT_EQ(eval("--jiggle --frames 1-13 --state-out " + path("own.state"), "first.pc2").exit_code, 0);
+  ASSERT_EQ(eval("--jiggle --frames 14-20 --state-in " + path("own.state"), "second.pc2").exit_code, 0);
+  for (std::uint32_t f = 0; f < 30; ++f) {
+    const std::vector<float> whole = frame("whole.pc2", f);
+    EXPECT_EQ(whole, f < 13   ? frame("first.pc2", f)
+                     : f < 20 ? frame("second.pc2", f - 13)
+                              : frame("third.pc2", f - 20))
+        << f + 1;
+  }
+  ASSERT_EQ(eval("", "still.pc2").exit_code, 0);
+  EXPECT_EQ(frame("still.pc2", 2), frame("whole.pc2", 2));  // nothing has moved
+  EXPECT_NE(frame("still.pc2", 17), frame("whole.pc2", 17));
+}
+
+TEST_F(Jiggle, PrerollStepsFramesThatAreNotWritten) {
+  ASSERT_EQ(eval("--jiggle", "whole.pc2").exit_code, 0);
+  ASSERT_EQ(eval("--jiggle --frames 18-20 --preroll 17", "rolled.pc2").exit_code, 0);
+  EXPECT_EQ(Pc2Reader(path("rolled.pc2")).sample_count(), 3u);
+  EXPECT_EQ(frame("rolled.pc2", 0), frame("whole.pc2", 17));
+  const ProgramResult shorter = eval("--jiggle --frames 18-20 --preroll 40", "short.pc2");
+  EXPECT_EQ(shorter.exit_code, 0);
+  EXPECT_NE(shorter.output.find("pre-roll is that short"), std::string::npos) << shorter.output;
+}
+
+TEST_F(Jiggle, ACutStartsAnewAndIsSaid) {
+  const ProgramResult result = eval("--jiggle --cuts 18 --json " + path("eval.json"), "cut.pc2");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("frame 18: a cut, as declared"), std::string::npos) << result.output;
+  ASSERT_EQ(eval("", "still.pc2").exit_code, 0);
+  EXPECT_EQ(frame("cut.pc2", 17), frame("still.pc2", 17));
+  std::ifstream file(path("eval.json"));
+  const auto json = nlohmann::json::parse(file);
+  EXPECT_EQ(json.at("notes").size(), 1u);
+  EXPECT_GT(json.at("milliseconds_per_frame").at("jiggle").get<double>(), 0);
+}
+
+TEST_F(Jiggle, RefusesWhatDoesNotGoTogether) {
+  expect_refused(64, "--preroll 3", "--jiggle");
+  expect_refused(64, "--jiggle --state-every 3", "--state-out");
+  expect_refused(64, "--jiggle --preroll 2 --state-in x.state", "--preroll");
+  expect_refused(64, "--jiggle --gravity-change 1 nan 0", "finite");
+  expect_refused(3, "--jiggle --fps 30", "24");
+  expect_refused(4, "--jiggle --dynamics " + path("none.safetensors"), "none.safetensors");
+  expect_refused(4, "--jiggle --dynamics " + path("limb.safetensors"), "limb.safetensors");
+  expect_refused(4, "--jiggle --state-in " + path("limb.safetensors"), "not a state of the jiggle");
+  ASSERT_EQ(eval("--jiggle --frames 1-12 --state-out " + path("at12.state"), "first.pc2").exit_code, 0);
+  expect_refused(64, "--jiggle --frames 5-9 --state-in " + path("at12.state"), "after frame 12");
+  std::filesystem::remove(path("limb.dynamics.safetensors"));
+  expect_refused(4, "--jiggle", "bodyopt dynamics");
+}
+
+}  // namespace
+}  // namespace bodyopt
