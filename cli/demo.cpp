@@ -10,6 +10,7 @@
 #include <set>
 
 #include "cli/common.h"
+#include "cli/demo_jiggle.h"
 #include "cli/measure.h"
 #include "cli/provenance.h"
 #include "cli/report_pictures.h"
@@ -67,7 +68,18 @@ void write_flex(const fs::path& path, int frames) {
   write_json({{"schema", "bodyopt-controls-1"}, {"controls", controls}}, path);
 }
 
-// The files a user would bring: character, muscles, limits, two clips and how muscles flex in one of them.
+// Soft flesh down to the bone on upper arm and forearm, little of it at the wrist, none on the hand.
+void write_jiggle(const fs::path& path) {
+  Json regions = Json::array();
+  for (const char* fleshy : {"shoulder", "forearm"}) {
+    regions.push_back({{"joint", fleshy}, {"softness", 3}, {"flesh", 0.06}});
+  }
+  regions.push_back({{"joint", "forearm_twist"}, {"amount", 0.3}});
+  for (const char* held : {"wrist", "finger*", "thumb"}) regions.push_back({{"joint", held}, {"amount", 0}});
+  write_json({{"schema", "bodyopt-jiggle-1"}, {"regions", regions}}, path);
+}
+
+// The files a user would bring: character, muscles, limits, three clips and how muscles flex in one of them.
 void write_inputs(const fs::path& folder, const DemoSize& size) {
   const BuiltinArm arm = build_arm();
   const Skeleton& skeleton = arm.character.skeleton;
@@ -79,6 +91,8 @@ void write_inputs(const fs::path& folder, const DemoSize& size) {
   write_clip(clip_of(motion, limits, skeleton), skeleton, folder / "rom.glb");
   write_flex(folder / "flex.json", size.rom_frames);
   write_clip(arm_heldout(skeleton, size.heldout_frames), skeleton, folder / "heldout.glb");
+  write_clip(arm_stop(skeleton), skeleton, folder / "stop.glb");
+  write_jiggle(folder / "jiggle.json");
 }
 
 std::vector<int> every(int step, int last) {
@@ -259,6 +273,7 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
   const std::string pictures_on = has_pictures ? arguments.device.choice.name : "";
   ReportData report = report_of(set, {}, training, shapes, pictures_on);
   if (has_pictures) add_chosen_pictures(set, shapes, pictures_on, report);
+  report.jiggle = demo_jiggle(set.character, set.muscles, training.basis, arguments.device.choice, pictures_on, folder);
   report.character.name = "built-in arm";
   report.device = device.device_name();
   report.provenance = provenance_of(dataset, dataset.folder / "dataset.json", set, {}, basis_file);

@@ -4,7 +4,7 @@ build_packages=(
   cmake ninja-build g++
   libvulkan-dev glslang-tools
   libeigen3-dev libnglib-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev libpugixml-dev
-  libnanoflann-dev libstb-dev
+  libnanoflann-dev libstb-dev libwebp-dev
   libgtest-dev
 )
 run_packages=(mesa-vulkan-drivers)

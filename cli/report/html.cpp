@@ -108,14 +108,33 @@ void Page::chart(const std::string& svg, const std::string& caption) {
   body_ += "<figure class=\"chart\">\n" + svg + "<figcaption>" + escape_html(caption) + "</figcaption></figure>\n";
 }
 
+struct Page::Figure {
+  const char* type;  // of the bytes
+  std::span<const std::uint8_t> bytes;
+  std::uint32_t width, height;
+  std::span<const std::string> column_labels;
+  const std::string &title, &caption, &legend_svg;
+};
+
+void Page::figure(const Figure& figure) {
+  body_ += "<figure>\n<div class=\"columns\">";
+  for (const std::string& label : figure.column_labels) body_ += "<span>" + escape_html(label) + "</span>";
+  body_ += "</div>\n<img alt=\"" + escape_html(figure.title) + "\" width=\"" + std::to_string(figure.width) +
+           "\" height=\"" + std::to_string(figure.height) + "\" src=\"data:" + figure.type + ";base64," +
+           encode_base64(figure.bytes) + "\">\n<div class=\"under\"><figcaption><b>" + escape_html(figure.title) +
+           "</b>" + escape_html(figure.caption) + "</figcaption><div class=\"legend\">" + figure.legend_svg +
+           "</div></div></figure>\n";
+}
+
 void Page::picture(const Image& image, std::span<const std::string> column_labels, const std::string& title,
                    const std::string& caption, const std::string& legend_svg) {
-  body_ += "<figure>\n<div class=\"columns\">";
-  for (const std::string& label : column_labels) body_ += "<span>" + escape_html(label) + "</span>";
-  body_ += "</div>\n<img alt=\"" + escape_html(title) + "\" width=\"" + std::to_string(image.width) + "\" height=\"" +
-           std::to_string(image.height) + "\" src=\"data:image/png;base64," + encode_base64(encode_png(image)) +
-           "\">\n<div class=\"under\"><figcaption><b>" + escape_html(title) + "</b>" + escape_html(caption) +
-           "</figcaption><div class=\"legend\">" + legend_svg + "</div></div></figure>\n";
+  const std::vector<std::uint8_t> png = encode_png(image);
+  figure({"image/png", png, image.width, image.height, column_labels, title, caption, legend_svg});
+}
+
+void Page::animation(std::span<const std::uint8_t> webp, std::uint32_t width, std::uint32_t height,
+                     std::span<const std::string> column_labels, const std::string& title, const std::string& caption) {
+  figure({"image/webp", webp, width, height, column_labels, title, caption, ""});
 }
 
 std::string Page::text() const {

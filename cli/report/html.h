@@ -44,10 +44,15 @@ class Page {
   // A picture with labels above its equal columns, a title, a caption, and an SVG legend below.
   void picture(const Image& image, std::span<const std::string> column_labels, const std::string& title,
                const std::string& caption, const std::string& legend_svg);
+  // The same of an animated WebP of width x height pixels, without a legend.
+  void animation(std::span<const std::uint8_t> webp, std::uint32_t width, std::uint32_t height,
+                 std::span<const std::string> column_labels, const std::string& title, const std::string& caption);
 
   std::string text() const;
 
  private:
+  struct Figure;
+  void figure(const Figure& figure);
   std::string title_, body_;
 };
 

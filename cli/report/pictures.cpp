@@ -24,6 +24,8 @@ void check_pair(const PosePair& pose) {
   }
 }
 
+}  // namespace
+
 std::vector<float> heat_map(const PosePair& pose, double scale_mm) {
   std::vector<float> colours;
   colours.reserve(pose.truth.size());
@@ -38,8 +40,6 @@ std::vector<float> heat_map(const PosePair& pose, double scale_mm) {
   }
   return colours;
 }
-
-}  // namespace
 
 std::vector<float> smooth_normals(std::span<const std::uint32_t> triangles, std::span<const float> positions) {
   std::vector<double> sums(positions.size(), 0.0);

@@ -16,6 +16,9 @@ struct PosePair {
   std::span<const float> truth, result;      // V x 3, metres, posed
 };
 
+// V x 3, linear RGB: how far the result is from the truth, heat_colour() from 0 to scale_mm (> 0).
+std::vector<float> heat_map(const PosePair& pose, double scale_mm);
+
 // Three pictures side by side, 3 panel_width x panel_height: truth in clay, result in clay, and the result coloured by
 // its distance from the truth, heat_colour() from 0 to scale_mm (> 0). Throws Error(mismatch) when the arrays do not
 // fit, and what Renderer::draw throws.

@@ -33,6 +33,14 @@ void require_curves(const ReportData& data) {
   }
 }
 
+void require_jiggle(const JiggleReport& jiggle) {
+  const std::size_t frames = jiggle.frames.size();
+  if (frames > 0 && jiggle.rms_mm.size() == frames && jiggle.max_mm.size() == frames) return;
+  throw Error(ErrorKind::mismatch, "report: the jiggle has displacements of " + std::to_string(jiggle.rms_mm.size()) +
+                                       " and " + std::to_string(jiggle.max_mm.size()) + " frames, expected " +
+                                       std::to_string(frames));
+}
+
 void write_text(const std::filesystem::path& path, const std::string& text) {
   write_file_atomically(path, std::as_bytes(std::span(text)));
 }
@@ -41,6 +49,7 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
 
 void write_report(const ReportData& data, const std::filesystem::path& folder) {
   require_curves(data);
+  if (data.jiggle) require_jiggle(*data.jiggle);
   const Json json = report_json(data);
   require_finite(json, "");
   // A name may hold bytes that are no UTF-8: they are replaced, not refused.

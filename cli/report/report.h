@@ -96,6 +96,27 @@ struct DemoReport {
   } seconds;
 };
 
+// A motion that stops suddenly: how far the jiggling skin is from the quasi-static one.
+struct JiggleReport {
+  std::uint32_t tets = 0, nodes = 0;
+  double worst_quality = 0;              // of the tets: 1 regular, 0 flat
+  double diffuse_mb = 0, jiggle_mb = 0;  // of their tables
+  int moves_after = 0, stops = 0;        // the pose is held up to the one frame and from the other on
+  double frames_per_second = 24;
+  std::vector<int> frames;               // one at least
+  std::vector<double> rms_mm, max_mm;    // per frame, over the skin
+  double diffuse_ms = 0, jiggle_ms = 0;  // a frame
+  std::string device;
+  struct Pictures {
+    Image strip;  // still above, jiggling below, coloured by the displacement; a column for each of strip_frames
+    std::vector<int> strip_frames;
+    double heat_scale_mm = 1;
+    std::vector<std::uint8_t> animation;  // WebP of all frames: still on the left, jiggling on the right
+    std::uint32_t width = 0, height = 0;  // its size in pixels
+  };
+  std::optional<Pictures> pictures;  // none without a Vulkan device
+};
+
 struct ReportData {
   struct {
     std::string name;
@@ -124,6 +145,7 @@ struct ReportData {
   std::vector<PictureReport> pictures;  // in the order in which they are shown; none without a Vulkan device
   std::optional<MeanErrorReport> mean_error;
   ProvenanceReport provenance;
+  std::optional<JiggleReport> jiggle;
   std::optional<DemoReport> demo;
 };
 

@@ -108,6 +108,23 @@ Json provenance(const ProvenanceReport& provenance) {
           {"takes", takes}};
 }
 
+Json jiggle(const JiggleReport& jiggle) {
+  return {{"tets", jiggle.tets},
+          {"nodes", jiggle.nodes},
+          {"worst_quality", jiggle.worst_quality},
+          {"diffuse_mb", jiggle.diffuse_mb},
+          {"jiggle_mb", jiggle.jiggle_mb},
+          {"moves_after", jiggle.moves_after},
+          {"stops", jiggle.stops},
+          {"frames_per_second", jiggle.frames_per_second},
+          {"frames", jiggle.frames},
+          {"frame_rms_mm", jiggle.rms_mm},
+          {"frame_max_mm", jiggle.max_mm},
+          {"diffuse_ms", jiggle.diffuse_ms},
+          {"jiggle_ms", jiggle.jiggle_ms},
+          {"device", jiggle.device}};
+}
+
 void add_demo(const DemoReport& demo, Json& json) {
   json["quick"] = demo.quick;
   json["cpu_gpu_max_difference_m"] = demo.cpu_gpu_max_difference_m;
@@ -155,6 +172,7 @@ Json report_json(const ReportData& data) {
     json["mean_error"] = {{"largest_mm", data.mean_error->largest_mm},
                           {"heat_scale_mm", data.mean_error->heat_scale_mm}};
   }
+  if (data.jiggle) json["jiggle"] = jiggle(*data.jiggle);
   json["provenance"] = provenance(data.provenance);
   if (data.demo) add_demo(*data.demo, json);
   return json;

@@ -22,6 +22,7 @@ std::string report_page(const ReportData& data) {
   add_pictures(data, page);
   add_methods(data, page);
   add_curves(data, page);
+  add_jiggle(data, page);
   add_regions(data, page);
   add_muscles(data, page);
   add_coverage(data, page);

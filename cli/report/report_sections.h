@@ -18,6 +18,8 @@ void add_unposing(const ReportData& data, Page& page);
 void add_trade_off(const ReportData& data, Page& page);
 // coverage_section.cpp
 void add_coverage(const ReportData& data, Page& page);
+// jiggle_section.cpp
+void add_jiggle(const ReportData& data, Page& page);
 // details_sections.cpp
 void add_warnings(const ReportData& data, Page& page);
 void add_details(const ReportData& data, Page& page);

@@ -27,8 +27,7 @@ const JointLimits& limits() {
 
 Clip range_of_motion_clip(int frames, std::uint64_t seed) {
   static const BuiltinArm arm = build_arm();
-  return clip_of(range_of_motion(arm.character, limits(), {.frames = frames, .seed = seed}), limits(),
-                 skeleton());
+  return clip_of(range_of_motion(arm.character, limits(), {.frames = frames, .seed = seed}), limits(), skeleton());
 }
 
 // Degrees between two poses of one joint.
@@ -124,6 +123,32 @@ TEST(Heldout, MovesSmoothlyWithinLimits) {
   EXPECT_GT(most[skeleton().find("wrist")], 25);
 }
 
+Vec3 joint_position(const Pose& pose, const char* joint) {
+  const Affine at = posed_joints(skeleton(), pose.joints)[skeleton().find(joint)];
+  return {at.m[0][3], at.m[1][3], at.m[2][3]};
+}
+
+TEST(Stop, IsHeldThenAsFastAsAVigorousArmThenHeld) {
+  const Clip clip = arm_stop(skeleton());
+  ASSERT_EQ(clip.fps, 24);
+  ASSERT_EQ(clip.first_frame, 1);
+  ASSERT_GE(clip.poses.size(), static_cast<std::size_t>(kStopEnds + 36));  // a second and a half
+  std::vector<double> speed(clip.poses.size());                            // of the fingers, m/s
+  for (std::size_t k = 1; k < clip.poses.size(); ++k) {
+    speed[k] =
+        24 * length(joint_position(clip.poses[k], "fingertips") - joint_position(clip.poses[k - 1], "fingertips"));
+    const bool moves = k >= kStopBegins && k < kStopEnds;
+    EXPECT_EQ(speed[k] > 0, moves) << "frame " << k + 1;
+    if (!moves) EXPECT_EQ(largest_angle(clip.poses[k], clip.poses[k - 1]), 0) << "frame " << k + 1;
+  }
+  const double peak = *std::max_element(speed.begin(), speed.end());
+  EXPECT_GT(peak, 4);
+  EXPECT_LT(peak, 6);
+  EXPECT_EQ(speed[kStopEnds - 2], peak);  // full speed until two frames before the end
+  EXPECT_LT(speed[kStopEnds - 1], 0.5 * peak);
+  EXPECT_THROW(arm_stop(Skeleton{}), Error);
+}
+
 // Read back from the pose itself: bones of the limb as lines, the torso as the ellipse of its ribs.
 double deepest_in_ribs(const Pose& pose) {
   const std::vector<Affine> joints = posed_joints(skeleton(), pose.joints);
@@ -143,6 +168,7 @@ double deepest_in_ribs(const Pose& pose) {
 
 TEST(Motions, KeepForearmAndHandOutOfTheRibs) {
   for (const Pose& pose : arm_heldout(skeleton(), 200).poses) EXPECT_EQ(deepest_in_ribs(pose), 0);
+  for (const Pose& pose : arm_stop(skeleton()).poses) EXPECT_EQ(deepest_in_ribs(pose), 0);
   for (const Pose& pose : range_of_motion_clip(480, 5).poses) EXPECT_EQ(deepest_in_ribs(pose), 0);
 }
 

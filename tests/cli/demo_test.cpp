@@ -1,10 +1,12 @@
 // The whole path by the program itself, small: `bodyopt demo --quick`, and the other verbs on what it leaves.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/decoded_animation.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/dataset/compare.h"
@@ -14,6 +16,11 @@
 
 namespace bodyopt {
 namespace {
+
+std::string read_bytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
 
 // A row of the ablation in a report.
 const nlohmann::json& method(const nlohmann::json& report, const std::string& name) {
@@ -57,6 +64,29 @@ void expect_draft(const std::filesystem::path& demo, const nlohmann::json& repor
   EXPECT_GT(report["seconds"]["draft"], 0);
 }
 
+// A pose that is held has no displacement at all; after the stop the flesh swings, and comes to rest.
+void expect_jiggle(const std::filesystem::path& demo, const nlohmann::json& report) {
+  const nlohmann::json& jiggle = report["jiggle"];
+  const auto largest = jiggle["frame_max_mm"].get<std::vector<double>>();
+  const auto moves_after = jiggle["moves_after"].get<std::size_t>(), stops = jiggle["stops"].get<std::size_t>();
+  ASSERT_GT(largest.size(), stops + 24);
+  for (std::size_t frame = 1; frame <= moves_after; ++frame) EXPECT_EQ(largest[frame - 1], 0) << frame;
+  EXPECT_GT(largest[moves_after], 0);
+  const double peak = *std::max_element(largest.begin(), largest.end());
+  EXPECT_GT(peak, 5);  // seen
+  EXPECT_LT(peak, 30);
+  EXPECT_EQ(largest[stops - 1], peak);
+  for (std::size_t frame = stops + 24; frame <= largest.size(); ++frame) EXPECT_LT(largest[frame - 1], 0.05 * peak);
+  EXPECT_GT(jiggle["tets"], 10000);
+  EXPECT_GT(jiggle["worst_quality"], 0);
+
+  const std::string animation = read_bytes(demo / "stop.webp");
+  const DecodedAnimation decoded = decode_animation({animation.begin(), animation.end()});
+  ASSERT_FALSE(decoded.ends.empty());
+  EXPECT_EQ(decoded.ends.back(), std::lround(1000.0 * static_cast<double>(largest.size()) / 24));
+  EXPECT_GT(decoded.ends.size(), stops - moves_after);
+}
+
 TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
 #ifdef BODYOPT_SANITIZED
   GTEST_SKIP() << "the sanitizers make a simulation of 60 frames take most of an hour; its parts are tested alone";
@@ -68,7 +98,8 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   for (const char* name :
        {"character.glb", "muscles.json", "rom.glb", "heldout.glb", "dataset/dataset.json", "dataset/rom.pc2",
         "dataset/rom.status.json", "draft/dataset.json", "draft/heldout.nodes", "draft/heldout.status.json",
-        "basis.safetensors", "heldout.pc2", "report.html", "report.json"}) {
+        "basis.safetensors", "heldout.pc2", "report.html", "report.json", "stop.glb", "jiggle.json",
+        "basis.dynamics.safetensors", "stop_strip.png", "stop.webp"}) {
     EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
   }
 
@@ -104,6 +135,7 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
     EXPECT_EQ(run_bodyopt("info " + out + "/" + name).exit_code, 0) << name;
   }
   expect_draft(folder.path(), report);
+  expect_jiggle(folder.path(), report);
   // What `eval` makes of the stored basis on the CPU is what the demo got from its device.
   const ProgramResult eval =
       run_bodyopt("eval " + out + "/basis.safetensors --clip " + out +

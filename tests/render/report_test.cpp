@@ -65,6 +65,32 @@ void add_provenance(ReportData& data) {
   data.provenance.takes = {{"rom", "1-440", "", "7-9"}, {"shot", "", "1-5x2,11,13", ""}};
 }
 
+void add_jiggle(ReportData& data) {
+  JiggleReport& jiggle = data.jiggle.emplace();
+  jiggle = {20000,
+            6000,
+            0.25,
+            3,
+            24.5,
+            2,
+            3,
+            24,
+            {1, 2, 3, 4, 5, 6, 7},
+            {0, 0, 4, 0.25, 1, 0.1, 0.1},
+            {0, 0, 8, 0.5, 2, 0.75, 0.25},
+            0.5,
+            6.25,
+            "A device",
+            {}};
+  JiggleReport::Pictures& pictures = jiggle.pictures.emplace();
+  pictures.strip = some_picture();
+  pictures.strip_frames = {3, 5};
+  pictures.heat_scale_mm = 8;
+  pictures.animation = {'R', 'I', 'F', 'F'};
+  pictures.width = 6;
+  pictures.height = 2;
+}
+
 // As bodyopt demo makes it: with everything.
 ReportData example() {
   ReportData data;
@@ -103,6 +129,7 @@ ReportData example() {
     data.pictures.push_back(picture);
   }
   data.mean_error = MeanErrorReport{2, 1.5, some_picture()};
+  add_jiggle(data);
   add_provenance(data);
   return data;
 }
@@ -224,6 +251,7 @@ TEST(Report, NeedsNoHeldOutFrames) {
   data.mean_error.reset();
   data.region_picture.reset();
   data.pictures.clear();
+  data.jiggle.reset();
   data.demo.reset();
   write_report(data, folder.path());
   const std::string page = read(folder / "report.html");
@@ -241,10 +269,46 @@ TEST(Report, WithoutADeviceThePageSaysSo) {
   data.pictures.clear();
   data.mean_error.reset();
   data.region_picture.reset();
+  data.jiggle->pictures.reset();
   write_report(data, folder.path());
   const std::string page = read(folder / "report.html");
   EXPECT_TRUE(contains(page, "need a Vulkan device"));
   EXPECT_EQ(count(page, "src=\""), 0u);
+}
+
+// 8 mm at the stop; below 0.8 mm from frame 6 on, three frames later: frame 4 does not count, frame 5 is above again.
+TEST(Report, SaysHowFleshSwings) {
+  const TemporaryFolder folder;
+  ReportData data = example();
+  write_report(data, folder.path());
+  const auto json = nlohmann::json::parse(read(folder / "report.json")).at("jiggle");
+  EXPECT_EQ(json.at("tets"), 20000);
+  EXPECT_EQ(json.at("nodes"), 6000);
+  EXPECT_EQ(json.at("worst_quality"), 0.25);
+  EXPECT_EQ(json.at("diffuse_mb"), 3);
+  EXPECT_EQ(json.at("jiggle_mb"), 24.5);
+  EXPECT_EQ(json.at("moves_after"), 2);
+  EXPECT_EQ(json.at("stops"), 3);
+  EXPECT_EQ(json.at("frames_per_second"), 24);
+  EXPECT_EQ(json.at("frames"), nlohmann::json({1, 2, 3, 4, 5, 6, 7}));
+  EXPECT_EQ(json.at("frame_max_mm")[2], 8);
+  EXPECT_EQ(json.at("frame_rms_mm")[2], 4);
+  EXPECT_EQ(json.at("diffuse_ms"), 0.5);
+  EXPECT_EQ(json.at("jiggle_ms"), 6.25);
+  EXPECT_EQ(json.at("device"), "A device");
+  std::string page = read(folder / "report.html");
+  EXPECT_TRUE(
+      contains(page, "up to 8 mm from where it would be at rest in its pose, in frame 3; from frame 6 on, 0.12 s"));
+  EXPECT_TRUE(contains(page, "width=\"6\" height=\"2\" src=\"data:image/webp;base64,UklGRg==\""));
+  EXPECT_TRUE(contains(page, "<span>frame 3</span><span>frame 5</span>"));
+  data.jiggle->max_mm.back() = 3;
+  write_report(data, folder.path());
+  EXPECT_TRUE(contains(read(folder / "report.html"), "it is still moving when the clip ends"));
+  data.jiggle->max_mm.pop_back();
+  EXPECT_THROW(write_report(data, folder.path()), Error);
+  data.jiggle.reset();
+  write_report(data, folder.path());
+  EXPECT_FALSE(contains(read(folder / "report.html"), "Jiggle"));
 }
 
 // What was not simulated here has no draft to tell of.
@@ -276,8 +340,9 @@ TEST(Report, PageIsSelfContainedAndEscaped) {
   for (const char* outside : {"http", "<script", "<link", "@import", "url(", "file:"}) {
     EXPECT_FALSE(contains(page, outside)) << outside;
   }
-  EXPECT_EQ(count(page, "src=\""), 6u);
-  EXPECT_EQ(count(page, "src=\"data:image/png;base64,"), 6u);
+  EXPECT_EQ(count(page, "src=\""), 8u);
+  EXPECT_EQ(count(page, "src=\"data:image/png;base64,"), 7u);
+  EXPECT_EQ(count(page, "src=\"data:image/webp;base64,"), 1u);
   EXPECT_EQ(count(page, "href"), 1u);  // the cells of the heat strip
   EXPECT_EQ(count(page, "href=\"data:image/png;base64,"), 1u);
   EXPECT_FALSE(contains(page, "nan"));

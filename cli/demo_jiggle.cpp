@@ -1,0 +1,144 @@
+#include "cli/demo_jiggle.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "cli/common.h"
+#include "cli/report/flip_book.h"
+#include "cli/report/plots.h"
+#include "proxy_viewer/render/animation.h"
+#include "runtime/basis/atomic_file.h"
+#include "trainer/builtin/arm.h"
+#include "trainer/dataset/clip.h"
+#include "trainer/dynamics/build_dynamics.h"
+
+namespace bodyopt::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Skins = std::vector<std::vector<float>>;  // per frame V x 3, world, metres
+
+// Of all frames, welded: seams would show as edges.
+Skins skins_of(const Character& character, const Evaluation& evaluation) {
+  const std::size_t stride = 3 * std::size_t{character.output_count()};
+  Skins skins;
+  for (std::size_t begin = 0; begin < evaluation.positions.size(); begin += stride) {
+    const Positions welded = welded_from_output(character, evaluation.positions.data() + begin);
+    skins.emplace_back(welded.data(), welded.data() + welded.size());
+  }
+  return skins;
+}
+
+// How far the jiggling skins are from the still ones.
+void measure_displacements(const Skins& still, const Skins& jiggling, JiggleReport& report) {
+  for (std::size_t f = 0; f < still.size(); ++f) {
+    double sum = 0, largest = 0;
+    for (std::size_t v = 0; v < still[f].size(); v += 3) {
+      double squared = 0;
+      for (std::size_t k = v; k < v + 3; ++k) {
+        const double difference = static_cast<double>(jiggling[f][k]) - static_cast<double>(still[f][k]);
+        squared += difference * difference;
+      }
+      sum += squared;
+      largest = std::max(largest, squared);
+    }
+    report.rms_mm.push_back(1000 * std::sqrt(3 * sum / static_cast<double>(still[f].size())));
+    report.max_mm.push_back(1000 * std::sqrt(largest));
+  }
+}
+
+void describe_tables(const Dynamics& dynamics, JiggleReport& report) {
+  const std::map<std::string, std::size_t> bytes = table_bytes(dynamics);
+  report.tets = dynamics.tets.tet_count();
+  report.nodes = dynamics.tets.node_count();
+  report.worst_quality = Json::parse(dynamics.metadata.at("report")).at("quality").at("worst");
+  report.diffuse_mb = static_cast<double>(bytes.at("diffuse")) / 1e6;
+  report.jiggle_mb = static_cast<double>(bytes.at("jiggle")) / 1e6;
+}
+
+// Vertices that go with the joints from one to another, in the skeleton's order, more than with any other.
+std::vector<std::size_t> vertices_between(const Character& character, const char* first, const char* last) {
+  const auto begin = static_cast<std::uint32_t>(character.skeleton.find(first));
+  const auto end = static_cast<std::uint32_t>(character.skeleton.find(last));
+  std::vector<std::size_t> vertices;
+  for (std::size_t v = 0; v < character.weights.size(); ++v) {
+    const std::uint32_t joint = character.weights[v].front().joint;
+    if (joint >= begin && joint <= end) vertices.push_back(v);
+  }
+  return vertices;
+}
+
+Panel panel_of(const Skins& skins, std::size_t begin, const std::vector<std::size_t>& vertices, std::uint32_t width,
+               std::uint32_t height) {
+  std::vector<float> points;
+  for (std::size_t f = begin; f < skins.size(); ++f) {
+    for (const std::size_t v : vertices) points.insert(points.end(), &skins[f][3 * v], &skins[f][3 * v] + 3);
+  }
+  constexpr std::array<float, 3> kDirection = {0.0f, 0.1f, 1.0f};
+  return {frame_points(points, kDirection, static_cast<float>(width) / static_cast<float>(height)), width, height};
+}
+
+// Around the stop: close together where flesh moves fastest.
+std::vector<std::size_t> strip_frames() {
+  std::vector<std::size_t> frames;
+  for (const int after : {-1, 0, 1, 2, 3, 4, 6, 9}) frames.push_back(static_cast<std::size_t>(kStopEnds + after - 1));
+  return frames;
+}
+
+void draw(const Character& character, const Skins& still, const Skins& jiggling, const std::string& device,
+          const fs::path& folder, JiggleReport& report) {
+  Renderer renderer(device);
+  const std::span<const std::uint32_t> triangles(character.triangles.data(),
+                                                 static_cast<std::size_t>(character.triangles.size()));
+  const FlipBook book{triangles, still, jiggling};
+  const std::vector<std::size_t> frames = strip_frames();
+  const std::vector<std::size_t> arm = vertices_between(character, "shoulder", "thumb"),
+                                 flesh = vertices_between(character, "shoulder", "forearm");
+  JiggleReport::Pictures pictures;
+  pictures.heat_scale_mm = heat_scale(*std::max_element(report.max_mm.begin(), report.max_mm.end()));
+  pictures.strip = flip_book_strip(renderer, book, frames, pictures.heat_scale_mm,
+                                   panel_of(jiggling, frames.front(), flesh, 400, 260));
+  for (const std::size_t k : frames) pictures.strip_frames.push_back(report.frames[k]);
+  write_png(pictures.strip, folder / "stop_strip.png");
+
+  const std::vector<Image> animated = flip_book_frames(renderer, book, panel_of(jiggling, 0, arm, 560, 600));
+  pictures.width = animated.front().width;
+  pictures.height = animated.front().height;
+  pictures.animation = encode_animation(animated, 1000 / report.frames_per_second);
+  write_file_atomically(folder / "stop.webp", std::as_bytes(std::span(pictures.animation)));
+  report.pictures = std::move(pictures);
+}
+
+}  // namespace
+
+JiggleReport demo_jiggle(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
+                         const DeviceChoice& device, const std::string& pictures_on, const fs::path& folder) {
+  JiggleReport report;
+  const Dynamics dynamics =
+      build_dynamics(character, muscles, basis, {.settings = read_jiggle(folder / "jiggle.json")});
+  save_dynamics(dynamics, folder / "basis.dynamics.safetensors");
+  describe_tables(dynamics, report);
+
+  const Clip clip = read_clip((folder / "stop.glb").string(), basis.skeleton, {});
+  report.moves_after = kStopBegins;
+  report.stops = kStopEnds;
+  report.frames_per_second = clip.fps;
+  for (int frame = clip.first_frame; frame <= clip.last_frame(); ++frame) report.frames.push_back(frame);
+  Deformer deformer(basis, dynamics, {}, device);
+  const Skins still = skins_of(character, deformer.evaluate(clip.poses));
+  const Evaluation evaluated = deformer.jiggle(clip.poses, report.frames);
+  const Skins jiggling = skins_of(character, evaluated);
+  const auto milliseconds = [&](const char* stage) {
+    return 1000 * evaluated.stage_seconds.at(stage) / static_cast<double>(clip.poses.size());
+  };
+  report.diffuse_ms = milliseconds("diffuse");
+  report.jiggle_ms = milliseconds("jiggle");
+  report.device = deformer.device_name();
+  measure_displacements(still, jiggling, report);
+  if (!pictures_on.empty()) draw(character, still, jiggling, pictures_on, folder, report);
+  return report;
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,18 @@
+// Pictures in time: animated WebP, which browsers play by themselves.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "proxy_viewer/render/renderer.h"
+
+namespace bodyopt {
+
+// Frames of one size, shown so many milliseconds each (on average, where that is no whole number), over and over.
+// Opaque and slightly lossy; frames that look alike become one that lasts longer. Throws Error(usage) for frames that
+// are none, differ in size, are larger than WebP allows or last less than a millisecond, Error(file) when they cannot
+// be encoded.
+std::vector<std::uint8_t> encode_animation(std::span<const Image> frames, double milliseconds);
+
+}  // namespace bodyopt
