@@ -50,6 +50,17 @@ void embed_own_nodes(DynamicsTets& tets) {
   }
 }
 
+// Beyond its tet a vertex would swing further than what carries it: outside a flat tet many times as far. Weights that
+// are lower than this are raised to it, and all are scaled to a sum of 1.
+constexpr double kLeastWeight = -0.3;
+
+void bring_near(std::vector<EmbeddedPoint>& skin) {
+  for (EmbeddedPoint& point : skin) {
+    point.weights = point.weights.cwiseMax(kLeastWeight);
+    point.weights /= point.weights.sum();
+  }
+}
+
 TetShape shape_of(const TetMesh& mesh, Eigen::Index tet) {
   const Eigen::Matrix3d edges = tet_edges(mesh, tet), inverse = edges.inverse();
   TetShape shape{};
@@ -89,6 +100,7 @@ DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& tria
     tets.surface.push_back(fine.nearest(filled.skin.vertices.row(n)));
   }
   if (own) embed_own_nodes(tets);
+  bring_near(tets.cage.skin);
   return tets;
 }
 
