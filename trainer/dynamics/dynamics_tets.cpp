@@ -50,14 +50,16 @@ void embed_own_nodes(DynamicsTets& tets) {
   }
 }
 
-// Beyond its tet a vertex would swing further than what carries it: outside a flat tet many times as far. Weights that
-// are lower than this are raised to it, and all are scaled to a sum of 1.
+// Beyond its tet a vertex would swing further than what carries it, outside a flat one many times as far. It is carried
+// from the point on the line to the tet's middle where no weight is lower than this.
 constexpr double kLeastWeight = -0.3;
 
 void bring_near(std::vector<EmbeddedPoint>& skin) {
+  constexpr double kMiddle = 0.25;
   for (EmbeddedPoint& point : skin) {
-    point.weights = point.weights.cwiseMax(kLeastWeight);
-    point.weights /= point.weights.sum();
+    const double least = point.weights.minCoeff();
+    if (least >= kLeastWeight) continue;
+    point.weights = (point.weights.array() - kMiddle) * (kMiddle - kLeastWeight) / (kMiddle - least) + kMiddle;
   }
 }
 
