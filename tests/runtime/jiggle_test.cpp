@@ -3,14 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/SparseCholesky>
 #include <bit>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <numeric>
 
 #include "runtime/basis/error.h"
 #include "tests/support/limb_dynamics.h"
 #include "tests/support/temporary_folder.h"
+#include "trainer/dynamics/elasticity.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -57,6 +60,39 @@ bool same_bits(const JiggleState& a, const JiggleState& b) {
   return a.frame == b.frame && a.known == b.known && a.joints == b.joints && a.joint_velocity == b.joint_velocity &&
          same_bits(a.motion.displacement, b.motion.displacement) && same_bits(a.motion.velocity, b.motion.velocity) &&
          same_bits(a.motion.nodes, b.motion.nodes) && same_bits(a.motion.node_velocity, b.motion.node_velocity);
+}
+
+// Where the limb at rest comes to rest under accelerations of its nodes, m/s^2: by a direct solve in double precision
+// of the system that the tables of the quality mode hold, less its inertia.
+std::vector<float> static_displacement(const Dynamics& dynamics, const std::function<Vec3(std::size_t)>& acceleration) {
+  const TetTable& tets = dynamics.tets;
+  const JiggleTable& jiggle = dynamics.jiggle;
+  TetMesh mesh;
+  mesh.nodes.resize(tets.node_count(), 3);
+  for (std::size_t k = 0; k < tets.nodes.size(); ++k) mesh.nodes.data()[k] = static_cast<double>(tets.nodes[k]);
+  mesh.tets.resize(tets.tet_count(), 4);
+  for (std::size_t k = 0; k < tets.tets.size(); ++k) mesh.tets.data()[k] = static_cast<int>(tets.tets[k]);
+  std::vector<TetMaterial> materials;
+  for (const TetElasticity& e : jiggle.elasticity) {
+    materials.push_back({static_cast<double>(e.mu), static_cast<double>(e.lambda)});
+  }
+  SparseMatrix matrix = elastic_stiffness(mesh, materials);
+  Eigen::VectorXd force(matrix.rows());
+  const double b = 1 + static_cast<double>(jiggle.step.stiffness_damping / jiggle.step.stage());
+  for (std::size_t n = 0; n < jiggle.nodes.size(); ++n) {
+    const Vec3 a = acceleration(n);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto row = static_cast<Eigen::Index>(3 * n + i);
+      for (std::uint32_t e = jiggle.held_begin[n]; e < jiggle.held_begin[n + 1]; ++e) {
+        matrix.coeffRef(row, static_cast<Eigen::Index>(3 * jiggle.held_columns[e] + i)) +=
+            static_cast<double>(jiggle.held_values[e]);
+      }
+      matrix.coeffRef(row, row) -= static_cast<double>(jiggle.nodes[n].inertia);
+      force[row] = b * static_cast<double>(jiggle.nodes[n].mass) * a[i];
+    }
+  }
+  const Eigen::VectorXf solved = Eigen::SimplicialLDLT<SparseMatrix>(matrix).solve(force).cast<float>();
+  return {solved.data(), solved.data() + solved.size()};
 }
 
 TEST(Jiggle, AHeldPoseStaysHeldForAThousandFrames) {
@@ -171,6 +207,75 @@ TEST(Jiggle, RefusesStatesThatAreDamagedOrOfOtherDynamics) {
   }
 }
 
+TEST(Jiggle, RefusesStatesThatDoNotFitTheCharacter) {
+  Deformer limb = limb_deformer();
+  limb.jiggle(swing(3), frames_from(1, 3));
+  const JiggleState good = limb.state();
+  const auto refuses = [&](const auto& damage) {
+    JiggleState bad = good;
+    damage(bad);
+    EXPECT_THROW(limb.set_state(bad), Error);
+    EXPECT_TRUE(same_bits(limb.state(), good));
+  };
+  refuses([](JiggleState& s) { s.joints.clear(), s.joint_velocity.clear(); });
+  refuses([](JiggleState& s) { s.joint_velocity.pop_back(); });
+  refuses([](JiggleState& s) { s.motion.displacement.pop_back(); });
+  refuses([](JiggleState& s) { s.motion.velocity.push_back(0); });
+  refuses([](JiggleState& s) { s.motion.nodes.clear(); });
+  refuses([](JiggleState& s) { s.motion.node_velocity[1] = std::numeric_limits<float>::infinity(); });
+  refuses([](JiggleState& s) { s.origin[2] = std::numeric_limits<double>::quiet_NaN(); });
+  Deformer still(limb_model().basis, {.name = "cpu"});
+  EXPECT_THROW(still.set_state(good), Error);
+}
+
+// A joint that stands, then is elsewhere: what a plan says of it.
+TEST(JigglePlan, CountsStepsAndIntervals) {
+  const JiggleStep step{.frames_per_second = 24, .substeps = 3};
+  JiggleState state;
+  const auto plan = [&](int frame, double x) {
+    const double joint[3] = {x, 0, 0};
+    return plan_frame(frame, joint, {x, 1, 2}, 1.8, step, {}, state);
+  };
+  EXPECT_EQ(plan(10, 0).steps, 0u);
+  const JiggleFrame second = plan(11, 0.01);
+  EXPECT_EQ(second.kick.start, 1u);
+  const JiggleFrame third = plan(15, 0.05);
+  EXPECT_EQ(third.start, JiggleStart::goes_on);
+  EXPECT_EQ(third.steps, 12u);
+  EXPECT_EQ(third.kick.start, 2u);
+  EXPECT_FLOAT_EQ(third.kick.inverse_interval, 6);
+  EXPECT_FLOAT_EQ(third.kick.origin_step_x, 0.04f);
+  EXPECT_EQ(third.kick.origin_step_y, 0);
+  EXPECT_TRUE(plan(15, 0.05).repeats);
+  EXPECT_EQ(plan(39, 0.05).start, JiggleStart::goes_on);  // a second
+  EXPECT_EQ(plan(64, 0.05).start, JiggleStart::gap);
+}
+
+TEST(JigglePlan, FindsJumpsByTheChangeOfVelocityOverTheSize) {
+  for (const double size : {1.8, 0.45}) {
+    const double limit = 2 * std::sqrt(9.81 * size) / 24;  // metres in a frame
+    for (const double share : {0.95, 1.05}) {
+      JiggleState state;
+      const auto plan = [&](int frame, double x) {
+        const double joints[6] = {x, 0, 0, 5 + x, 5, 5};
+        return plan_frame(frame, joints, {x, 0, 0}, size, {}, {}, state).start;
+      };
+      plan(1, 0);
+      EXPECT_EQ(plan(2, 0.5 * limit), JiggleStart::goes_on);
+      EXPECT_EQ(plan(3, limit), JiggleStart::goes_on);  // fast, and steadily
+      EXPECT_EQ(plan(4, (1.5 + share) * limit), share < 1 ? JiggleStart::goes_on : JiggleStart::jump);
+    }
+  }
+}
+
+TEST(JigglePlan, OfAFewFramesASecondIsNotAllGaps) {
+  JiggleState state;
+  const double joint[3] = {};
+  const JiggleStep slow{.frames_per_second = 0.5f};
+  plan_frame(1, joint, {0, 0, 0}, 1.8, slow, {}, state);
+  EXPECT_EQ(plan_frame(2, joint, {0, 0, 0}, 1.8, slow, {}, state).start, JiggleStart::goes_on);
+}
+
 TEST(Jiggle, StartsAnewAtCutsJumpsGapsAndGoingBack) {
   const std::vector<Pose> poses = swing(20);
   const Pose far = limb_pose({{30, 0, 0}, 0, 0});
@@ -205,15 +310,16 @@ TEST(Jiggle, ARepeatedFrameChangesNothing) {
 
 TEST(Jiggle, AFrameThatFailsLeavesTheState) {
   Deformer limb = limb_deformer();
-  std::vector<Pose> poses = swing(30);
+  std::vector<Pose> poses = swing(100);
   limb.jiggle(std::span(poses).first(17), frames_from(1, 17));
   const JiggleState before = limb.state();
-  std::vector<Pose> broken(poses.begin() + 17, poses.begin() + 20);
-  broken[2].joints[1].rotation[0] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(limb.jiggle(broken, frames_from(18, 3)), Error);
+  // More frames than a batch: those of the first are stepped before the bad one is met.
+  std::vector<Pose> broken(poses.begin() + 17, poses.end());
+  broken[80].joints[1].rotation[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(limb.jiggle(broken, frames_from(18, broken.size())), Error);
   EXPECT_TRUE(same_bits(limb.state(), before));
   EXPECT_GT(largest(limb.state().motion.displacement), 1e-4);
-  limb.jiggle(std::span(poses).subspan(17), frames_from(18, 13));
+  limb.jiggle(std::span(poses).subspan(17), frames_from(18, 83));
   EXPECT_LT(largest(limb.state().motion.displacement), 0.1);
 }
 
@@ -225,7 +331,8 @@ TEST(Jiggle, NeedsDynamicsAndAFrameNumberForEveryPose) {
   EXPECT_THROW(limb.jiggle(poses, frames_from(1, 3)), Error);
 }
 
-// At 60, 120 and 240 frames a second the same times give the same shape, the finer the nearer: second order.
+// At 60 and 120 frames a second the same times give the same shape as at 480, the finer the nearer: second order would
+// be a ratio of 0.24, first order one of 0.43.
 TEST(Jiggle, ConvergesAsFramesGetShorter) {
   const auto at_times = [](float fps) {
     Deformer limb(limb_model().basis, limb_dynamics({.frames_per_second = fps}), {}, {.name = "cpu"});
@@ -249,7 +356,7 @@ TEST(Jiggle, ConvergesAsFramesGetShorter) {
   const double coarse = largest_difference(at_times(60), finest), fine = largest_difference(at_times(120), finest);
   EXPECT_GT(largest(finest), 3e-4);
   EXPECT_LT(coarse, 0.2 * largest(finest));
-  EXPECT_LT(fine, 0.4 * coarse);
+  EXPECT_LT(fine, 0.33 * coarse);
 }
 
 TEST(Jiggle, FallsByGravityAndHangsStill) {
@@ -257,15 +364,37 @@ TEST(Jiggle, FallsByGravityAndHangsStill) {
   const std::vector<Pose> poses(240, limb_pose({}));
   limb.jiggle(poses, frames_from(1, 240));
   const NodeMotion motion = limb.state().motion;
-  double lowest = 0;
-  for (std::size_t k = 1; k < motion.displacement.size(); k += 3) {
-    lowest = std::min(lowest, static_cast<double>(motion.displacement[k]));
-  }
-  EXPECT_LT(lowest, -1e-4);
-  EXPECT_LT(largest(motion.velocity), 1e-4 * -lowest);
+  const std::vector<float> expected = static_displacement(limb_model().dynamics, [](std::size_t) {
+    return Vec3{0, -9.81, 0};
+  });
+  EXPECT_GT(largest(expected), 1e-4);
+  EXPECT_LT(largest_difference(motion.displacement, expected), 1e-3 * largest(expected));
+  EXPECT_LT(largest(motion.velocity), 1e-4 * largest(expected));
 }
 
-// A kilometre away the same motion gives the same jiggle, as exactly as single precision has it there.
+// A body that is turned steadily is pulled outwards, as in its own axes by a force of mass x rate^2 x distance; the
+// kicks of many frames a second are as good as a force.
+TEST(Jiggle, ATurningBodyIsPulledOutwards) {
+  constexpr double kRate = 3;  // radians a second
+  const Dynamics often = limb_dynamics({.frames_per_second = 480});
+  Deformer limb(limb_model().basis, often, {}, {.name = "cpu"});
+  std::vector<Pose> poses;
+  for (int f = 0; f < 960; ++f) poses.push_back(limb_pose({{}, kRate * f / 480, 0}));
+  limb.jiggle(poses, frames_from(1, poses.size()));
+  std::vector<float> own = limb.state().motion.displacement;
+  const Quat back = axis_angle({0, 1, 0}, -kRate * 959 / 480);
+  for (std::size_t k = 0; k < own.size(); k += 3) {
+    const Vec3 u = rotate(back, {own[k], own[k + 1], own[k + 2]});
+    for (std::size_t i = 0; i < 3; ++i) own[k + i] = static_cast<float>(u[i]);
+  }
+  const std::vector<float> expected = static_displacement(often, [&](std::size_t n) {
+    return Vec3{kRate * kRate * often.tets.nodes[3 * n], 0, kRate * kRate * often.tets.nodes[3 * n + 2]};
+  });
+  EXPECT_GT(largest(expected), 1e-4);
+  EXPECT_LT(largest_difference(own, expected), 0.05 * largest(expected));
+}
+
+// Far away the same motion gives the same jiggle, as exactly as single precision has positions there: 4 um at 64 m.
 TEST(Jiggle, DoesNotDependOnThePlaceInTheWorld) {
   const auto run = [](double x) {
     Deformer limb = limb_deformer();
