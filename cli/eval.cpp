@@ -55,8 +55,7 @@ void run(const EvalArguments& arguments) {
   }
   const std::vector<Pose> poses = poses_of(clip, frames);
   arguments.jiggle.check_frames(deformer, clip, frames);
-  const std::vector<int> before = arguments.jiggle.preroll_frames(clip, frames);
-  if (!before.empty()) deformer.jiggle(poses_of(clip, before), before);
+  arguments.jiggle.preroll_to(clip, frames, deformer);
 
   const std::uint32_t points = deformer.basis().mesh.output_count();
   Pc2Writer writer(arguments.out, points, static_cast<std::uint32_t>(frames.size()),
@@ -89,12 +88,11 @@ void run(const EvalArguments& arguments) {
     }
     for (const auto& [stage, seconds] : part.stage_seconds) stage_seconds[stage] += seconds;
     next = begin + count;
-    for (const std::string& file : arguments.jiggle.write_states(deformer, next, next == poses.size())) {
-      states.push_back(file);
-    }
+    if (const auto file = arguments.jiggle.write_state_after(deformer, next)) states.push_back(*file);
     progress.advance(count);
   }
   writer.close();
+  if (const auto file = arguments.jiggle.write_last_state(deformer)) states.push_back(*file);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   const Expectation expected = expectation(deformer.basis(), poses, frames);

@@ -8,6 +8,7 @@
 
 #include "runtime/basis/error.h"
 #include "trainer/dataset/frame_range.h"
+#include "trainer/progress.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -70,6 +71,13 @@ void JiggleArguments::check() const {
     throw Error(ErrorKind::usage,
                 "--preroll and --state-in exclude each other: the state is what a pre-roll would find");
   }
+  if (!state_out.empty()) {
+    std::error_code ignored;
+    if (!state_in.empty() && fs::equivalent(state_in, state_out, ignored)) {
+      throw Error(ErrorKind::usage, "--state-out " + state_out + " would write over --state-in");
+    }
+    require_writable(state_out);
+  }
   for (const double g : gravity_change) {
     if (!std::isfinite(g)) throw Error(ErrorKind::usage, "--gravity-change expects three finite numbers");
   }
@@ -115,16 +123,21 @@ void JiggleArguments::check_frames(const Deformer& deformer, const Clip& clip, c
   }
 }
 
-std::vector<int> JiggleArguments::preroll_frames(const Clip& clip, const std::vector<int>& frames) const {
-  if (preroll == 0 || frames.empty()) return {};
+void JiggleArguments::preroll_to(const Clip& clip, const std::vector<int>& frames, Deformer& deformer) const {
+  if (preroll == 0 || frames.empty()) return;
   const int begin = std::max(clip.first_frame, frames.front() - preroll);
   if (frames.front() - begin < preroll) {
     spdlog::warn("the clip has {} frames before frame {}: the pre-roll is that short", frames.front() - begin,
                  frames.front());
   }
-  std::vector<int> before(static_cast<std::size_t>(frames.front() - begin));
-  std::iota(before.begin(), before.end(), begin);
-  return before;
+  constexpr int kStep = 16;  // frames held in memory at once
+  Progress progress("pre-roll", static_cast<std::size_t>(frames.front() - begin));
+  for (int first = begin; first < frames.front(); first += kStep) {
+    std::vector<int> part(static_cast<std::size_t>(std::min(kStep, frames.front() - first)));
+    std::iota(part.begin(), part.end(), first);
+    deformer.jiggle(poses_of(clip, part), part);
+    progress.advance(part.size());
+  }
 }
 
 std::size_t JiggleArguments::frames_to_state(std::size_t begin, std::size_t limit) const {
@@ -133,16 +146,18 @@ std::size_t JiggleArguments::frames_to_state(std::size_t begin, std::size_t limi
   return std::min(limit, every - begin % every);
 }
 
-std::vector<std::string> JiggleArguments::write_states(const Deformer& deformer, std::size_t done, bool last) const {
-  std::vector<std::string> files;
-  if (state_out.empty()) return files;
+std::optional<std::string> JiggleArguments::write_state_after(const Deformer& deformer, std::size_t done) const {
+  if (state_every == 0 || done % static_cast<std::size_t>(state_every) != 0) return std::nullopt;
   const JiggleState state = deformer.state();
-  if (state_every > 0 && done % static_cast<std::size_t>(state_every) == 0) {
-    files.push_back(with_frame(state_out, state.frame));
-  }
-  if (last) files.push_back(state_out);
-  for (const std::string& file : files) save_state(state, *deformer.dynamics(), file);
-  return files;
+  const std::string file = with_frame(state_out, state.frame);
+  save_state(state, *deformer.dynamics(), file);
+  return file;
+}
+
+std::optional<std::string> JiggleArguments::write_last_state(const Deformer& deformer) const {
+  if (state_out.empty()) return std::nullopt;
+  save_state(deformer.state(), *deformer.dynamics(), state_out);
+  return state_out;
 }
 
 }  // namespace bodyopt::cli

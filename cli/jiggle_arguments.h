@@ -24,12 +24,14 @@ struct JiggleArguments {
   // Throws Error(mismatch) when the clip has another rate than the dynamics, Error(usage) when the frames begin before
   // the state that was read, or are not in order.
   void check_frames(const Deformer& deformer, const Clip& clip, const std::vector<int>& frames) const;
-  // Of the clip: those before the first frame that are stepped and not written.
-  std::vector<int> preroll_frames(const Clip& clip, const std::vector<int>& frames) const;
+  // Steps the frames of the clip before the first that the options ask for. Shows progress.
+  void preroll_to(const Clip& clip, const std::vector<int>& frames, Deformer& deformer) const;
   // Number of frames from `begin` on after which a state is due, `limit` at most.
   std::size_t frames_to_state(std::size_t begin, std::size_t limit) const;
-  // Writes the state files that are due after `done` of all frames. Returns the files written.
-  std::vector<std::string> write_states(const Deformer& deformer, std::size_t done, bool last) const;
+  // Writes the state where one is due: after `done` frames, and, once the result is written, at the end. Returns its
+  // file.
+  std::optional<std::string> write_state_after(const Deformer& deformer, std::size_t done) const;
+  std::optional<std::string> write_last_state(const Deformer& deformer) const;
 };
 
 }  // namespace bodyopt::cli

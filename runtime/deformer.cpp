@@ -22,6 +22,18 @@ std::unique_ptr<Backend> make_backend(const Basis& basis, const DeviceChoice& ch
   return make_vulkan_backend(basis, choice, jiggle);
 }
 
+void check_controls(const Basis& basis, const Pose& pose) {
+  const std::size_t controls = basis.residual.controls.size();
+  if (!pose.controls.empty() && pose.controls.size() != controls) {
+    throw Error(ErrorKind::mismatch, "a pose has " + std::to_string(pose.controls.size()) +
+                                         " control values, the basis has " + std::to_string(controls) + " controls");
+  }
+  for (std::size_t c = 0; c < pose.controls.size(); ++c) {
+    if (std::isfinite(pose.controls[c])) continue;
+    throw Error(ErrorKind::mismatch, "the control '" + basis.residual.controls[c] + "' is not a finite number");
+  }
+}
+
 Batch make_batch(const Basis& basis, std::span<const Pose> poses) {
   Batch batch;
   batch.frame_count = static_cast<std::uint32_t>(poses.size());
@@ -31,10 +43,8 @@ Batch make_batch(const Basis& basis, std::span<const Pose> poses) {
     batch.skinning.insert(batch.skinning.end(), rig.skinning.begin(), rig.skinning.end());
     batch.origins.insert(batch.origins.end(), {rig.origin[0], rig.origin[1], rig.origin[2], 0.0f});
     batch.joint_features.insert(batch.joint_features.end(), rig.joint_features.begin(), rig.joint_features.end());
-    if (!pose.controls.empty() && pose.controls.size() != controls) {
-      throw Error(ErrorKind::mismatch, "a pose has " + std::to_string(pose.controls.size()) +
-                                           " control values, the basis has " + std::to_string(controls) + " controls");
-    }
+    batch.joints.insert(batch.joints.end(), rig.joints.begin(), rig.joints.end());
+    check_controls(basis, pose);
     std::vector<float> values = pose.controls;
     values.resize(controls, 0.0f);
     batch.controls.insert(batch.controls.end(), values.begin(), values.end());
@@ -62,6 +72,29 @@ void append_outside(const BatchResult& result, std::size_t frames, Evaluation& e
     evaluation.outside.push_back(features > 0 ? *worst : 0.0f);
     evaluation.outside_feature.push_back(static_cast<std::uint32_t>(worst - begin));
   }
+}
+
+void check_state(const JiggleState& state, const Basis& basis, const Dynamics* dynamics) {
+  const auto refuse = [](const std::string& what) {
+    throw Error(ErrorKind::mismatch, "the state of the jiggle " + what + ": it is of another character, or damaged");
+  };
+  if (dynamics == nullptr) refuse("was given to a character without dynamics");
+  const auto check = [&](const auto& values, std::size_t count, const char* name) {
+    if (values.size() != count) {
+      refuse("has " + std::to_string(values.size()) + " numbers of '" + name + "', expected " + std::to_string(count));
+    }
+    for (const auto value : values) {
+      if (!std::isfinite(value)) refuse(std::string("has a number of '") + name + "' that is not finite");
+    }
+  };
+  check(state.joints, 3 * basis.skeleton.size(), "joints");
+  check(state.joint_velocity, 3 * basis.skeleton.size(), "joint_velocity");
+  check(std::span(state.origin), 3, "origin");
+  const std::size_t numbers = dynamics->tets.nodes.size();
+  check(state.motion.displacement, numbers, "displacement");
+  check(state.motion.velocity, numbers, "velocity");
+  check(state.motion.nodes, numbers, "nodes");
+  check(state.motion.node_velocity, numbers, "node_velocity");
 }
 
 // Diagonal of the box around the rest skin, metres.
@@ -123,7 +156,7 @@ Evaluation Deformer::jiggle(std::span<const Pose> poses, std::span<const int> fr
   const JiggleState before = state();
   try {
     return run(poses, frames);
-  } catch (const Error&) {
+  } catch (...) {
     set_state(before);
     throw;
   }
@@ -136,6 +169,7 @@ JiggleState Deformer::state() const {
 }
 
 void Deformer::set_state(const JiggleState& state) {
+  if (state.known > 0) check_state(state, basis_, dynamics());
   state_ = state;
   if (dynamics_ && state.known > 0) backend_->set_motion(state.motion);
   state_.motion = {};
@@ -148,7 +182,7 @@ Evaluation Deformer::run(std::span<const Pose> poses, std::span<const int> frame
     const auto part = poses.subspan(begin, std::min(limit, poses.size() - begin));
     const auto start = std::chrono::steady_clock::now();
     Batch batch = make_batch(basis_, part);
-    if (!frames.empty()) batch.jiggle = plan(part, frames.subspan(begin, part.size()));
+    if (!frames.empty()) batch.jiggle = plan(batch, frames.subspan(begin, part.size()));
     evaluation.stage_seconds["rig"] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const BatchResult result = backend_->run(batch);
     append_output(basis_.mesh, result.positions, evaluation.positions);
@@ -161,18 +195,13 @@ Evaluation Deformer::run(std::span<const Pose> poses, std::span<const int> frame
   return evaluation;
 }
 
-std::vector<JiggleFrame> Deformer::plan(std::span<const Pose> poses, std::span<const int> frames) {
+std::vector<JiggleFrame> Deformer::plan(const Batch& batch, std::span<const int> frames) {
   std::vector<JiggleFrame> plans;
-  for (std::size_t f = 0; f < poses.size(); ++f) {
-    std::vector<double> joints;
-    for (const Affine& joint : posed_joints(basis_.skeleton, poses[f].joints)) {
-      for (const auto& row : joint.m) joints.push_back(row[3]);
-    }
-    double origin[3] = {};
-    for (std::size_t axis = 0; axis < std::min<std::size_t>(3, joints.size()); ++axis) {
-      origin[axis] = static_cast<double>(static_cast<float>(joints[axis]));  // as pose_rig rounds it
-    }
-    plans.push_back(plan_frame(frames[f], joints, origin, size_, dynamics_->jiggle.step, options_, state_));
+  const std::size_t numbers = 3 * basis_.skeleton.size();
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    const double origin[3] = {batch.origins[4 * f], batch.origins[4 * f + 1], batch.origins[4 * f + 2]};
+    plans.push_back(plan_frame(frames[f], std::span(batch.joints).subspan(f * numbers, numbers), origin, size_,
+                               dynamics_->jiggle.step, options_, state_));
   }
   return plans;
 }

@@ -45,6 +45,7 @@ struct Batch {
   std::vector<float> origins;         // F x 4 (the fourth is padding)
   std::vector<float> joint_features;  // F x joint feature count
   std::vector<float> controls;        // F x control count
+  std::vector<double> joints{};       // F x J x 3, metres, world: for the plan of the jiggle
   std::vector<JiggleFrame> jiggle{};  // F; empty: the skin is quasi-static
 };
 
@@ -102,7 +103,8 @@ class Deformer {
   Evaluation jiggle(std::span<const Pose> poses, std::span<const int> frames);
 
   JiggleState state() const;
-  void set_state(const JiggleState& state);  // of the same dynamics
+  // Throws Error(mismatch) where the state does not fit the character or holds a number that is not finite.
+  void set_state(const JiggleState& state);
 
   const Basis& basis() const { return basis_; }
   const Dynamics* dynamics() const { return dynamics_ ? &*dynamics_ : nullptr; }
@@ -111,7 +113,7 @@ class Deformer {
  private:
   void set_rest();
   Evaluation run(std::span<const Pose> poses, std::span<const int> frames);
-  std::vector<JiggleFrame> plan(std::span<const Pose> poses, std::span<const int> frames);
+  std::vector<JiggleFrame> plan(const Batch& batch, std::span<const int> frames);
 
   Basis basis_;
   std::optional<Dynamics> dynamics_;

@@ -65,6 +65,7 @@ JiggleFrame plan_frame(int frame, std::span<const double> joints, const double (
 
 // Safetensors with a checksum and the hash of the dynamics it belongs to. Written to a temporary name, then renamed.
 // Throws Error(file); on loading Error(mismatch) where it is of other dynamics.
+// Whether a state fits the character is looked at by Deformer::set_state.
 void save_state(const JiggleState& state, const Dynamics& dynamics, const std::filesystem::path& path);
 JiggleState load_state(const std::filesystem::path& path, const Dynamics& dynamics);
 

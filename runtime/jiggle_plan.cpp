@@ -26,7 +26,8 @@ JiggleStart start_of(int frame, bool jumps, const JiggleStep& step, const Jiggle
   // A declared cut stands before its frame, also where that frame itself is skipped.
   const auto cut = std::upper_bound(options.cuts.begin(), options.cuts.end(), state.frame);
   if (cut != options.cuts.end() && *cut <= frame) return JiggleStart::cut;
-  if (static_cast<double>(frame) - state.frame > static_cast<double>(step.frames_per_second)) return JiggleStart::gap;
+  const double second = std::max(1.0, static_cast<double>(step.frames_per_second));  // in frames, one at least
+  if (static_cast<double>(frame) - state.frame > second) return JiggleStart::gap;
   return jumps ? JiggleStart::jump : JiggleStart::goes_on;
 }
 

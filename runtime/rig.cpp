@@ -71,6 +71,7 @@ RigFrame pose_rig(const Skeleton& skeleton, const Pose& pose) {
   for (int i = 0; i < 3; ++i) frame.origin[i] = world.empty() ? 0.0f : static_cast<float>(world[0].m[i][3]);
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
     Affine relative = world[j];
+    for (const auto& row : relative.m) frame.joints.push_back(row[3]);
     for (int i = 0; i < 3; ++i) relative.m[i][3] -= static_cast<double>(frame.origin[i]);
     relative = relative * skeleton.joints[j].inverse_bind;
     for (const auto& row : relative.m) {

@@ -16,6 +16,7 @@ struct RigFrame {
   // Posed position of the first root joint, metres, world. Subtracted from the matrices before they are rounded to
   // single precision and added back by the pose stage, so that the skin is as exact at 100 m as at the origin.
   float origin[3];
+  std::vector<double> joints;  // J x 3: posed positions of the joints, metres, world
   // 9 values per non-root joint, in joint order: R_k - I, row-major, where R_k is the joint's rotation relative to its
   // parent, away from the bind pose, in rest axes. Made of local rotations only: a turn of the root changes no bit.
   std::vector<float> joint_features;

@@ -26,7 +26,7 @@ void main() {
   turn(r, u, world_u);
   turn(r, v, world_v);
   for (uint i = 0; i < 3; ++i) {
-    displacement[3 * n + i] = world_u[i];
-    velocity[3 * n + i] = world_v[i];
+    displacement[3 * n + i] = abs(world_u[i]) < kStill ? 0.0 : world_u[i];
+    velocity[3 * n + i] = abs(world_v[i]) < kStill ? 0.0 : world_v[i];
   }
 }

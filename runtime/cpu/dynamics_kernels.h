@@ -80,7 +80,8 @@ void jiggle_advance(const JiggleTable& jiggle, const JiggleStepPush& step, std::
                     std::span<const float> local_velocity, std::span<float> next_displacement,
                     std::span<float> next_velocity, std::span<float> right_side);
 
-// Jiggle stage, end of a step: u = R (u_from_u u + u_from_z z), v = R (v_from_u u + v_from_z z), world.
+// Jiggle stage, end of a step: u = R (u_from_u u + u_from_z z), v = R (v_from_u u + v_from_z z), world; numbers below
+// kStill become 0.
 void jiggle_end(const JiggleStepPush& step, std::span<const float> rotations, std::span<const float> solution,
                 std::span<const float> local_displacement, std::span<float> displacement, std::span<float> velocity);
 

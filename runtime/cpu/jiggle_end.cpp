@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "runtime/cpu/dynamics_kernels.h"
 #include "shaders/include/jiggle.h"
@@ -19,8 +20,10 @@ void jiggle_end(const JiggleStepPush& step, std::span<const float> rotations, st
     }
     turn(r, u, world_u);
     turn(r, v, world_v);
-    std::copy_n(world_u, 3, &displacement[3 * n]);
-    std::copy_n(world_v, 3, &velocity[3 * n]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      displacement[3 * n + i] = std::abs(world_u[i]) < kStill ? 0.0f : world_u[i];
+      velocity[3 * n + i] = std::abs(world_v[i]) < kStill ? 0.0f : world_v[i];
+    }
   }
 }
 

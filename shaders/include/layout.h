@@ -134,6 +134,10 @@ struct JiggleNode {
 BODYOPT_CHECK_SIZE(JiggleNode, 24)
 const uint kNoControl = 0xffffffffu;
 
+// Metres and metres a second below which a node stands still: what swings out for ever slower would end in subnormal
+// numbers, with which processors are slow.
+const float kStill = 1e-15f;
+
 // A fibre shorter by this share of its rest length is fully active.
 const float kFullActivationStrain = 0.2f;
 

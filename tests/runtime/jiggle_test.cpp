@@ -247,7 +247,7 @@ TEST(Jiggle, ConvergesAsFramesGetShorter) {
   };
   const std::vector<float> finest = at_times(480);
   const double coarse = largest_difference(at_times(60), finest), fine = largest_difference(at_times(120), finest);
-  EXPECT_GT(largest(finest), 5e-4);
+  EXPECT_GT(largest(finest), 3e-4);
   EXPECT_LT(coarse, 0.2 * largest(finest));
   EXPECT_LT(fine, 0.4 * coarse);
 }

@@ -107,7 +107,7 @@ TEST(VulkanDynamics, EqualsTheCpu) {
     SCOPED_TRACE(name);
     Deformer cpu = on({.name = "cpu"}, options, *of), gpu = on(test_device(), options, *of);
     const Evaluation expected = shot.run(cpu), actual = shot.run(gpu);
-    EXPECT_GT(distance(expected.positions, cpu.evaluate(shot.poses).positions), 2e-3);
+    EXPECT_GT(distance(expected.positions, cpu.evaluate(shot.poses).positions), 1e-3);
     EXPECT_LT(distance(actual.positions, expected.positions), 6e-7);  // a millionth of the limb
     expect_close(actual.normals, expected.normals, 1e-4);
     EXPECT_EQ(actual.starts, expected.starts);

@@ -45,8 +45,7 @@ class Factorisation {
       factorise(numbers);
     }
     if (!positive_) {
-      throw Error(ErrorKind::mismatch,
-                  "the system is not positive definite: a part of it is held by nothing, or a number is not sound");
+      throw Error(ErrorKind::mismatch, "the system is not positive definite: a part of it is held by nothing");
     }
   }
 
@@ -246,6 +245,10 @@ class Layout {
   }
 
   void add_panels(const Matrix& matrix, std::uint32_t first_slot, std::uint32_t first_input) {
+    if (inverse_.values.size() + static_cast<std::uint64_t>((matrix.rows() + kBlockSize) * matrix.cols()) >
+        UINT32_MAX) {
+      throw Error(ErrorKind::mismatch, "the inverse has more than 2^32 numbers: fewer tets are needed");
+    }
     constexpr Eigen::Index kRows = kBlockSize;
     for (Eigen::Index begin = 0; begin < matrix.rows(); begin += kRows) {
       const Eigen::Index rows = std::min(kRows, matrix.rows() - begin);
@@ -286,6 +289,10 @@ Graph graph_of(const Eigen::SparseMatrix<double>& matrix, int components) {
 }  // namespace
 
 BlockInverse invert(const Eigen::SparseMatrix<double>& matrix, const InverseNodes& nodes, int components) {
+  // A factorisation takes a NaN for a positive number.
+  if (!Eigen::Map<const Eigen::ArrayXd>(matrix.valuePtr(), matrix.nonZeros()).allFinite()) {
+    throw Error(ErrorKind::mismatch, "the system holds a number that is not finite");
+  }
   const std::vector<DissectedFront> tree = dissect(graph_of(matrix, components), nodes.points);
   const Factorisation factors(matrix, tree, components);
   Layout layout(tree, nodes, components);

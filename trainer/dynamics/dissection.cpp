@@ -1,6 +1,7 @@
 #include "trainer/dynamics/dissection.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <numeric>
 
 namespace bodyopt {
@@ -24,12 +25,17 @@ std::vector<Eigen::Vector3d> directions() {
 
 // The smallest set of nodes that all edges between two sides touch: Koenig's theorem on a largest matching, which is
 // found by augmenting paths (Hopcroft and Karp's problem, Kuhn's algorithm: cuts are small).
-class Cover {
+class CoverFinder {
  public:
-  // side: 0 or 1 for the nodes looked at, -1 for others.
-  Cover(const Graph& graph, const std::vector<int>& nodes, const std::vector<signed char>& side)
-      : graph_(graph), side_(side), partner_(graph.size(), -1), seen_(graph.size(), 0) {
+  explicit CoverFinder(const Graph& graph) : graph_(graph), partner_(graph.size(), -1), seen_(graph.size(), 0) {}
+
+  // side: 0 or 1 for the nodes looked at, -1 for others. Ascending.
+  std::vector<int> operator()(const std::vector<int>& nodes, const std::vector<signed char>& side) {
+    side_ = side.data();
+    left_.clear();
+    reached_.clear();
     for (const int node : nodes) {
+      partner_[at(node)] = -1;
       if (side_[at(node)] == 0 && crosses(node)) left_.push_back(node);
     }
     for (const int node : left_) {
@@ -42,14 +48,13 @@ class Cover {
     for (const int node : left_) {
       if (partner_[at(node)] < 0) reach(node);
     }
+    std::vector<int> cover = reached_;
     for (const int node : left_) {
-      if (seen_[at(node)] != stamp_) nodes_.push_back(node);
+      if (seen_[at(node)] != stamp_) cover.push_back(node);
     }
-    nodes_.insert(nodes_.end(), reached_.begin(), reached_.end());
-    std::sort(nodes_.begin(), nodes_.end());
+    std::sort(cover.begin(), cover.end());
+    return cover;
   }
-
-  const std::vector<int>& nodes() const { return nodes_; }
 
  private:
   static std::size_t at(int node) { return static_cast<std::size_t>(node); }
@@ -79,16 +84,17 @@ class Cover {
   }
 
   const Graph& graph_;
-  const std::vector<signed char>& side_;
-  std::vector<int> partner_, seen_;
-  int stamp_ = 0;
-  std::vector<int> left_, reached_, nodes_;
+  const signed char* side_ = nullptr;
+  std::vector<int> partner_;
+  std::vector<std::uint64_t> seen_;  // stamps
+  std::uint64_t stamp_ = 0;
+  std::vector<int> left_, reached_;
 };
 
 class Dissection {
  public:
   Dissection(const Graph& graph, const Positions& points)
-      : graph_(graph), points_(points), side_(graph.size(), -1), front_of_(graph.size(), -1) {
+      : graph_(graph), points_(points), find_cover_(graph), side_(graph.size(), -1), front_of_(graph.size(), -1) {
     std::vector<int> all(graph.size());
     std::iota(all.begin(), all.end(), 0);
     if (!all.empty()) split(all);
@@ -122,7 +128,7 @@ class Dissection {
     for (const Eigen::Vector3d& direction : kDirections) {
       const std::vector<int> low = lower_half(nodes, direction);
       mark(nodes, low);
-      std::vector<int> cover = Cover(graph_, nodes, side_).nodes();
+      std::vector<int> cover = find_cover_(nodes, side_);
       if (!best_low.empty() && cover.size() >= best.size()) continue;
       best = std::move(cover);
       best_low = low;
@@ -174,6 +180,7 @@ class Dissection {
   const Graph& graph_;
   const Positions& points_;
   const std::vector<Eigen::Vector3d> kDirections = directions();
+  CoverFinder find_cover_;
   std::vector<signed char> side_;  // of the nodes being split
   std::vector<int> front_of_;
   std::vector<DissectedFront> fronts_;

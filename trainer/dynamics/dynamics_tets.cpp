@@ -50,6 +50,19 @@ void embed_own_nodes(DynamicsTets& tets) {
   }
 }
 
+// Beyond its tet a vertex would swing further than what carries it, outside a flat one many times as far. It is carried
+// from the point on the line to the tet's middle where no weight is lower than this.
+constexpr double kLeastWeight = -0.3;
+
+void bring_near(std::vector<EmbeddedPoint>& skin) {
+  constexpr double kMiddle = 0.25;
+  for (EmbeddedPoint& point : skin) {
+    const double least = point.weights.minCoeff();
+    if (least >= kLeastWeight) continue;
+    point.weights = (point.weights.array() - kMiddle) * (kMiddle - kLeastWeight) / (kMiddle - least) + kMiddle;
+  }
+}
+
 TetShape shape_of(const TetMesh& mesh, Eigen::Index tet) {
   const Eigen::Matrix3d edges = tet_edges(mesh, tet), inverse = edges.inverse();
   TetShape shape{};
@@ -89,6 +102,7 @@ DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& tria
     tets.surface.push_back(fine.nearest(filled.skin.vertices.row(n)));
   }
   if (own) embed_own_nodes(tets);
+  bring_near(tets.cage.skin);
   return tets;
 }
 
