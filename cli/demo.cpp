@@ -68,14 +68,14 @@ void write_flex(const fs::path& path, int frames) {
   write_json({{"schema", "bodyopt-controls-1"}, {"controls", controls}}, path);
 }
 
-// Soft flesh down to the bone on upper arm and forearm, little of it at the wrist, none on the hand.
+// Flesh that moves down to the bone on the upper arm and the forearm, firm at the elbow, held from the wrist on.
 void write_jiggle(const fs::path& path) {
-  Json regions = Json::array();
-  for (const char* fleshy : {"shoulder", "forearm"}) {
-    regions.push_back({{"joint", fleshy}, {"softness", 3}, {"flesh", 0.06}});
+  Json regions = {{{"joint", "shoulder"}, {"softness", 1.2}, {"flesh", 0.06}},
+                  {{"joint", "elbow"}, {"softness", 0.4}},
+                  {{"joint", "forearm"}, {"softness", 0.8}, {"flesh", 0.06}}};
+  for (const char* held : {"forearm_twist", "wrist", "finger*", "thumb"}) {
+    regions.push_back({{"joint", held}, {"amount", 0}});
   }
-  regions.push_back({{"joint", "forearm_twist"}, {"amount", 0.3}});
-  for (const char* held : {"wrist", "finger*", "thumb"}) regions.push_back({{"joint", held}, {"amount", 0}});
   write_json({{"schema", "bodyopt-jiggle-1"}, {"regions", regions}}, path);
 }
 

@@ -12,7 +12,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kQuality = 90;  // of 100: a level or two of 255 on a shaded skin, at a tenth of the lossless size
+constexpr float kQuality = 90;  // of 100: a level or two of 255 on a shaded skin, at a fraction of the lossless size
 
 [[noreturn]] void fail(const std::string& why) {
   throw Error(ErrorKind::file, "frames could not be encoded as WebP: " + why);
@@ -60,6 +60,7 @@ Encoder make_encoder(const Image& frame) {
   WebPAnimEncoderOptions options;
   if (WebPAnimEncoderOptionsInit(&options) == 0) fail("the library is of another version than its header");
   options.anim_params.loop_count = 0;  // for ever
+  options.kmax = 1;                    // every frame whole: what changes slowly would be left standing in blocks
   Encoder encoder(WebPAnimEncoderNew(static_cast<int>(frame.width), static_cast<int>(frame.height), &options),
                   WebPAnimEncoderDelete);
   if (!encoder) fail("out of memory");
