@@ -15,6 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kMostGravity = 1000;  // m/s^2: a hundred times the earth's
+
 // `shot.state` and 1050: `shot.1050.state`.
 std::string with_frame(const std::string& path, int frame) {
   const fs::path whole(path);
@@ -79,7 +81,10 @@ void JiggleArguments::check() const {
     require_writable(state_out);
   }
   for (const double g : gravity_change) {
-    if (!std::isfinite(g)) throw Error(ErrorKind::usage, "--gravity-change expects three finite numbers");
+    if (!(std::abs(g) <= kMostGravity)) {
+      throw Error(ErrorKind::usage,
+                  format("--gravity-change expects three finite numbers, of %g m/s^2 at most", kMostGravity));
+    }
   }
 }
 
@@ -120,6 +125,18 @@ void JiggleArguments::check_frames(const Deformer& deformer, const Clip& clip, c
   if (state.known > 0 && !frames.empty() && frames.front() <= state.frame) {
     throw Error(ErrorKind::usage, format("%s is the state after frame %d; the frames begin at %d, expected %d",
                                          state_in.c_str(), state.frame, frames.front(), state.frame + 1));
+  }
+  if (state.known > 0 && !frames.empty() && frames.front() > state.frame + 1) {
+    spdlog::warn(
+        "{} is the state after frame {}, the frames begin at {}: those between are stepped over in a straight "
+        "line",
+        state_in, state.frame, frames.front());
+  }
+  if (frames.empty()) return;
+  for (const int cut : deformer.jiggle_options().cuts) {
+    if (cut < frames.front() || cut > frames.back()) {
+      spdlog::warn("the cut at frame {} is not among the frames {} to {}", cut, frames.front(), frames.back());
+    }
   }
 }
 

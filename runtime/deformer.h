@@ -107,6 +107,7 @@ class Deformer {
   void set_state(const JiggleState& state);
 
   const Basis& basis() const { return basis_; }
+  const JiggleOptions& jiggle_options() const { return options_; }
   const Dynamics* dynamics() const { return dynamics_ ? &*dynamics_ : nullptr; }
   std::string device_name() const;
 

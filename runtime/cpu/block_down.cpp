@@ -1,12 +1,13 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/cpu/panel_product.h"
+#include "runtime/cpu/parallel.h"
 #include "runtime/cpu/right_side.h"
 
 namespace bodyopt::cpu {
 
 void block_down(const BlockInverse& inverse, const InverseLevel& level, std::span<const float> results,
                 std::uint32_t right_side_count, std::uint32_t interleave, std::span<float> solutions) {
-#pragma omp parallel
+#pragma omp parallel if (work_of(inverse.down, level.down_begin, level.down_end) * right_side_count > kParallelWork)
   {
     std::vector<float> inputs;  // of the strip's boundary slots
 #pragma omp for schedule(static)

@@ -1,4 +1,5 @@
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/cpu/parallel.h"
 #include "runtime/cpu/right_side.h"
 
 namespace bodyopt::cpu {
@@ -10,7 +11,7 @@ void block_gather(const BlockInverse& inverse, const InverseLevel& level, std::s
     const RightSide at(r, interleave, inverse.unknown_count);
     const float* handed = results.data() + std::size_t{r} * inverse.slot_count();
     float* to = gathered.data() + std::size_t{r} * inverse.slot_count();
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (8 * std::size_t{level.end_slot - level.first_slot} > kParallelWork)
     for (std::uint32_t slot = level.first_slot; slot < level.end_slot; ++slot) {
       float sum = 0;
       for (std::uint32_t k = 0; k < 2; ++k) {

@@ -1,4 +1,5 @@
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/cpu/parallel.h"
 
 namespace bodyopt::cpu {
 
@@ -8,7 +9,7 @@ void diffuse_gather(const DiffuseTable& diffuse, std::uint32_t surface_count, st
   for (std::size_t f = 0; f < frame_count; ++f) {
     const float* x = nodes.data() + 3 * f * count;
     float* to = right_sides.data() + 3 * f * count;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (3 * diffuse.values.size() > kParallelWork)
     for (std::size_t node = surface_count; node < count; ++node) {
       float sum[3] = {};
       for (std::uint32_t e = diffuse.row_begin[node]; e < diffuse.row_begin[node + 1]; ++e) {

@@ -1,4 +1,5 @@
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/cpu/parallel.h"
 
 namespace bodyopt::cpu {
 
@@ -9,7 +10,7 @@ void diffuse_surface(const TetTable& tets, std::span<const float> positions, std
     const float* x = positions.data() + 3 * f * vertices;
     const float* origin = origins.data() + 4 * f;
     float* to = nodes.data() + 3 * f * tets.node_count();
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (16 * tets.surface.size() > kParallelWork)
     for (std::size_t node = 0; node < tets.surface.size(); ++node) {
       const SurfacePoint& point = tets.surface[node];
       const float *a = x + std::size_t{3} * point.a, *b = x + std::size_t{3} * point.b,

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/cpu/parallel.h"
 #include "shaders/include/jiggle.h"
 
 namespace bodyopt::cpu {
@@ -9,7 +10,7 @@ void jiggle_advance(const JiggleTable& jiggle, const JiggleStepPush& step, std::
                     std::span<const float> solution, std::span<const float> local_displacement,
                     std::span<const float> local_velocity, std::span<float> next_displacement,
                     std::span<float> next_velocity, std::span<float> right_side) {
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (32 * jiggle.nodes.size() > kParallelWork)
   for (std::size_t n = 0; n < jiggle.nodes.size(); ++n) {
     float r[9], u[3], v[3], b[3];
     std::copy_n(&rotations[9 * n], 9, r);

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/cpu/parallel.h"
 #include "shaders/include/jiggle.h"
 
 namespace bodyopt::cpu {
@@ -25,7 +26,7 @@ void jiggle_begin(const JiggleTable& jiggle, const JiggleStepPush& step, std::sp
                   std::span<const float> strains, std::span<const float> controls, std::span<const float> displacement,
                   std::span<const float> velocity, std::span<float> local_displacement, std::span<float> local_velocity,
                   std::span<float> right_side) {
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (64 * jiggle.nodes.size() > kParallelWork)
   for (std::size_t n = 0; n < jiggle.nodes.size(); ++n) {
     const JiggleNode& node = jiggle.nodes[n];
     float r[9], world_u[3], world_v[3], u[3], v[3], b[3];

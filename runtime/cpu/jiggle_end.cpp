@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/cpu/parallel.h"
 #include "shaders/include/jiggle.h"
 
 namespace bodyopt::cpu {
@@ -9,7 +10,7 @@ namespace bodyopt::cpu {
 void jiggle_end(const JiggleStepPush& step, std::span<const float> rotations, std::span<const float> solution,
                 std::span<const float> local_displacement, std::span<float> displacement, std::span<float> velocity) {
   const std::size_t nodes = displacement.size() / 3;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (32 * nodes > kParallelWork)
   for (std::size_t n = 0; n < nodes; ++n) {
     float r[9], u[3], v[3], world_u[3], world_v[3];
     std::copy_n(&rotations[9 * n], 9, r);

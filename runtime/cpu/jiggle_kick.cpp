@@ -1,11 +1,12 @@
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/cpu/parallel.h"
 
 namespace bodyopt::cpu {
 
 void jiggle_kick(const JiggleKickPush& kick, std::span<const float> nodes, const JiggleMotion& before,
                  const JiggleMotionOut& after) {
   const float origin_step[3] = {kick.origin_step_x, kick.origin_step_y, kick.origin_step_z};
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (16 * nodes.size() > kParallelWork)
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const float x = nodes[k];
     float u = 0, v = 0, node_velocity = 0;

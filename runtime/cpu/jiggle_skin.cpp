@@ -1,10 +1,11 @@
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/cpu/parallel.h"
 
 namespace bodyopt::cpu {
 
 void jiggle_skin(const TetTable& tets, std::span<const float> positions, std::span<const float> displacement,
                  std::span<float> moved) {
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (16 * tets.skin.size() > kParallelWork)
   for (std::size_t vertex = 0; vertex < tets.skin.size(); ++vertex) {
     const TetPoint& point = tets.skin[vertex];
     const float* x = positions.data() + 3 * vertex;

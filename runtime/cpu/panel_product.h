@@ -13,4 +13,12 @@ void panel_product(const InversePanel& panel, const float* values, const float* 
 // kBlockSize (with zeros).
 void strip_product(const InverseStrip& strip, const float* values, const float* inputs, float (&sums)[kBlockSize]);
 
+// Multiply-adds of panels, or strips, [begin, end).
+template <typename Panel>
+std::size_t work_of(const std::vector<Panel>& panels, std::uint32_t begin, std::uint32_t end) {
+  std::size_t work = 0;
+  for (std::uint32_t p = begin; p < end; ++p) work += std::size_t{panels[p].row_count} * panels[p].input_count;
+  return work;
+}
+
 }  // namespace bodyopt::cpu

@@ -103,6 +103,7 @@ TEST_F(Jiggle, RefusesWhatDoesNotGoTogether) {
   expect_refused(64, "--jiggle --state-every 3", "--state-out");
   expect_refused(64, "--jiggle --preroll 2 --state-in x.state", "--preroll");
   expect_refused(64, "--jiggle --gravity-change 1 nan 0", "finite");
+  expect_refused(64, "--jiggle --gravity-change 0 -1e30 0", "1000 m/s^2");
   expect_refused(3, "--jiggle --fps 30", "24");
   expect_refused(4, "--jiggle --dynamics " + path("none.safetensors"), "none.safetensors");
   expect_refused(4, "--jiggle --dynamics " + path("limb.safetensors"), "limb.safetensors");

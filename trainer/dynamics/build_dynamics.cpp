@@ -11,6 +11,7 @@
 #include "trainer/dynamics/diffuse.h"
 #include "trainer/dynamics/jiggle.h"
 #include "trainer/dynamics/tet_quality.h"
+#include "trainer/progress.h"
 #include "trainer/single_threaded_products.h"
 #include "trainer/train/mesh_table.h"
 
@@ -79,20 +80,25 @@ Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& m
   const Character ordered = in_order(character, order);
   require_same(make_mesh_table(ordered), ordered.skeleton, basis);
 
+  Progress progress("dynamics", 4);
   const DynamicsTets tets = make_dynamics_tets(ordered.vertices, ordered.triangles, options.resolution);
   const TetMesh& mesh = tets.cage.mesh;
+  progress.advance();
   JiggleAnatomy anatomy = find_anatomy(ordered, muscles, tets.cage, options.materials);
   const JiggleFields fields =
       spread_settings(options.settings, ordered, muscles, in_runtime_order(options.painted, order), tets, anatomy);
   anatomy.bone_springs +=
       core_springs(ordered.vertices, ordered.triangles, tets.cage, fields.flesh, options.materials.bone_springs);
+  progress.advance();
   std::vector<std::string> notes;
   const JiggleSystem system =
       make_jiggle_system(options.settings, fields, ordered.skeleton, mesh, anatomy, options.materials, notes);
   Dynamics dynamics;
   dynamics.tets = make_tet_table(tets, fields.skin_amount);
   dynamics.diffuse = make_diffuse_table(mesh, static_cast<Eigen::Index>(tets.surface.size()));
+  progress.advance();
   dynamics.jiggle = make_jiggle_table(mesh, system, options.step);
+  progress.advance();
   set_muscles(anatomy, muscles, basis, options.settings.tension, dynamics.jiggle.nodes);
   dynamics.metadata["topology_hash"] = hexadecimal(topology_hash(basis.mesh));
   dynamics.metadata["skeleton_hash"] = hexadecimal(skeleton_hash(basis.skeleton));

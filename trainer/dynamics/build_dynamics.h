@@ -20,7 +20,8 @@ struct DynamicsOptions {
 
 // Tets, diffuse and jiggle, with a report in the metadata (tets, nodes, quality, springs, notes). Throws
 // Error(mismatch) where the basis is of another character, the skin cannot be filled or the settings name what is not
-// there, Error(usage) for settings or steps that make no sense.
+// there, Error(usage) for settings or steps that make no sense. Shows
+// progress; throws Error(interrupted) after SIGINT, at the end of a step.
 Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
                         const DynamicsOptions& options);
 

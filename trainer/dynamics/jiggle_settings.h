@@ -20,10 +20,10 @@ struct JiggleRegion {
 constexpr double kFleshOfSize = 0.028;
 
 struct JiggleSettings {
-  double softness = 1;    // divides the stiffness of tissue
-  double damping = 0.2;   // damping ratio at 3 Hz
-  double amount = 1;      // what the skin takes of the motion; 0: held still
-  double flesh = 0;       // metres under the skin that move; what is deeper is held; 0: kFleshOfSize x the body
+  double softness = 1;   // divides the stiffness of tissue
+  double damping = 0.2;  // damping ratio at 3 Hz
+  double amount = 1;     // what the skin takes of the motion; 0: held still
+  double flesh = 0;      // metres under the skin that move; what is deeper is held; 0: kFleshOfSize x the body
   double poisson = 0.45;
   double density = 1000;  // kg/m^3
   double tension = 4;     // Hz that a fully active muscle's tissue gains: its springs alone would swing so fast
