@@ -109,14 +109,14 @@ void VulkanDynamics::record_diffuse(Commands& commands, const Inputs& inputs) co
                          frames);
   commands.barrier();
   block_solve_.record(commands, {t.diffuse_inverse, right_sides, gathered, results, nodes}, 3 * frames, 3);
-  commands.barrier();
-  jiggle_rotate_.record(commands, {t.tets, t.shapes, t.corner_begin, t.corners, nodes, rotations}, {node_count_},
-                        frames);
 }
 
 void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std::span<const JiggleFrame> frames) {
+  const Tables& t = tables_;
+  jiggle_rotate_.record(commands, {t.tets, t.shapes, t.corner_begin, t.corners, batch_->nodes, batch_->rotations},
+                        {node_count_}, batch_->frames);
   for (std::uint32_t f = 0; f < frames.size(); ++f) {
-    if (f > 0) commands.barrier();
+    commands.barrier();
     if (!frames[f].repeats) {
       record_kick(commands, frames[f], f);
       commands.barrier();
@@ -128,8 +128,7 @@ void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std
         commands.barrier();
       }
     }
-    jiggle_skin_.record(commands,
-                        {tables_.tets, tables_.skin, inputs.positions, motions_[current_].displacement, batch_->moved},
+    jiggle_skin_.record(commands, {t.tets, t.skin, inputs.positions, motions_[current_].displacement, batch_->moved},
                         {vertex_count_, f});
   }
 }
