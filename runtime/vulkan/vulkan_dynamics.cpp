@@ -8,8 +8,7 @@
 namespace bodyopt::vulkan {
 namespace {
 
-// Solves of a submission, so that a software device on a busy machine ends well before the time-out also where frames
-// are a second apart.
+// Solves of a batch where no frame is left out: an interrupted shot ends soon.
 constexpr std::uint32_t kBatchSolves = 128;
 
 NodeMotion rest(std::size_t numbers) {
@@ -125,7 +124,7 @@ void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std
                         jiggle_frame(dynamics_, inputs.fibre_count, inputs.control_count, f, options_.gravity_change));
       for (std::uint32_t s = 0; s < frames[f].steps; ++s) {
         record_step(commands, inputs, stages);
-        commands.barrier();
+        commands.cut();
       }
     }
     jiggle_skin_.record(commands, {t.tets, t.skin, inputs.positions, motions_[current_].displacement, batch_->moved},
