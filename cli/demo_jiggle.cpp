@@ -131,7 +131,9 @@ JiggleReport demo_jiggle(const Character& character, const std::vector<Muscle>& 
   const Evaluation evaluated = deformer.jiggle(clip.poses, report.frames);
   const Skins jiggling = skins_of(character, evaluated);
   const auto milliseconds = [&](const char* stage) {
-    return 1000 * evaluated.stage_seconds.at(stage) / static_cast<double>(clip.poses.size());
+    const auto found = evaluated.stage_seconds.find(stage);
+    if (found == evaluated.stage_seconds.end()) return 0.0;  // a device without timestamps
+    return 1000 * found->second / static_cast<double>(clip.poses.size());
   };
   report.diffuse_ms = milliseconds("diffuse");
   report.jiggle_ms = milliseconds("jiggle");

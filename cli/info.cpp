@@ -122,7 +122,11 @@ Json dynamics_info(const std::string& path, const Safetensors& file) {
     if (found == file.tensors.end()) {
       throw Error(ErrorKind::file, path + ": tensor '" + name + "' is missing: damaged dynamics");
     }
-    return found->second.shape.at(0);
+    if (found->second.shape.empty()) {
+      throw Error(ErrorKind::file,
+                  path + ": tensor '" + name + "' is a single number, expected an array: damaged dynamics");
+    }
+    return found->second.shape.front();
   };
   Json result = {{"kind", "dynamics"},
                  {"tets", rows("tets.tets")},

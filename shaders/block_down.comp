@@ -10,7 +10,9 @@ layout(set = 0, binding = 0) readonly buffer B0 { InverseStrip strips[]; };
 layout(set = 0, binding = 1) readonly buffer B1 { float values[]; };
 layout(set = 0, binding = 2) readonly buffer B2 { uint slot_unknown[]; };
 layout(set = 0, binding = 3) readonly buffer B3 { float results[]; };
-layout(set = 0, binding = 4) buffer B4 { float solutions[]; };
+// Two bindings of one buffer: a level reads unknowns of the levels above it alone, and writes its own.
+layout(set = 0, binding = 4) readonly buffer B4 { float solutions_above[]; };
+layout(set = 0, binding = 5) writeonly buffer B5 { float solutions[]; };
 
 #include "right_side.glsl"
 
@@ -29,7 +31,7 @@ void main() {
   precise float parts[kLaneRows];
   for (uint r = 0; r < kLaneRows; ++r) parts[r] = 0.0;
   for (uint k = part; k < strip.input_count; k += kBlockSize) {
-    float boundary = solutions[right_side_at(gl_WorkGroupID.y, slot_unknown[strip.first_input + k])];
+    float boundary = solutions_above[right_side_at(gl_WorkGroupID.y, slot_unknown[strip.first_input + k])];
     for (uint r = 0; r < kLaneRows; ++r) {
       uint row = first_row + r * kRowStep;
       if (row < strip.row_count) parts[r] += values[from + row * kBlockSize] * boundary;

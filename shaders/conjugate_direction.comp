@@ -10,6 +10,7 @@ layout(set = 0, binding = 0) readonly buffer B0 { float rho[]; };
 layout(set = 0, binding = 1) readonly buffer B1 { float next_rho[]; };
 layout(set = 0, binding = 2) readonly buffer B2 { float y[]; };
 layout(set = 0, binding = 3) readonly buffer B3 { float direction[]; };
+// May be the buffer of binding 3: a lane reads the number that it writes, no other.
 layout(set = 0, binding = 4) writeonly buffer B4 { float next_direction[]; };
 
 void main() {

@@ -12,6 +12,7 @@ layout(set = 0, binding = 2) readonly buffer B2 { float direction[]; };
 layout(set = 0, binding = 3) readonly buffer B3 { float product[]; };
 layout(set = 0, binding = 4) readonly buffer B4 { float solution[]; };
 layout(set = 0, binding = 5) readonly buffer B5 { float residual[]; };
+// May be the buffers of the bindings above: a lane reads the numbers that it writes, no others.
 layout(set = 0, binding = 6) writeonly buffer B6 { float next_solution[]; };
 layout(set = 0, binding = 7) writeonly buffer B7 { float next_residual[]; };
 

@@ -41,12 +41,17 @@ std::string motion_text(const JiggleReport& jiggle) {
          " s after the stop, less than a tenth of that is left.";
 }
 
+std::string time_text(const JiggleReport& jiggle) {
+  if (jiggle.diffuse_ms == 0 && jiggle.jiggle_ms == 0)
+    return "Computed on " + jiggle.device + ", which tells no times.";
+  return "A frame on " + jiggle.device + ": diffuse " + number_text(jiggle.diffuse_ms) + " ms, jiggle " +
+         number_text(jiggle.jiggle_ms) + " ms.";
+}
+
 std::string cost_text(const JiggleReport& jiggle) {
   return "The flesh is " + std::to_string(jiggle.tets) + " tetrahedra of " + std::to_string(jiggle.nodes) +
          " nodes, quality " + number_text(jiggle.worst_quality, 2) + " at worst (1: regular). Tables: diffuse " +
-         number_text(jiggle.diffuse_mb) + " MB, jiggle " + number_text(jiggle.jiggle_mb) + " MB. A frame on " +
-         jiggle.device + ": diffuse " + number_text(jiggle.diffuse_ms) + " ms, jiggle " +
-         number_text(jiggle.jiggle_ms) + " ms.";
+         number_text(jiggle.diffuse_mb) + " MB, jiggle " + number_text(jiggle.jiggle_mb) + " MB. " + time_text(jiggle);
 }
 
 }  // namespace

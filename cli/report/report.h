@@ -105,7 +105,7 @@ struct JiggleReport {
   double frames_per_second = 24;
   std::vector<int> frames;               // one at least
   std::vector<double> rms_mm, max_mm;    // per frame, over the skin
-  double diffuse_ms = 0, jiggle_ms = 0;  // a frame
+  double diffuse_ms = 0, jiggle_ms = 0;  // a frame; 0 where the device tells no times
   std::string device;
   struct Pictures {
     Image strip;  // still above, jiggling below, coloured by the displacement; a column for each of strip_frames

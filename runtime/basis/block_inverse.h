@@ -36,4 +36,14 @@ struct BlockInverse {
   std::uint32_t slot_count() const { return static_cast<std::uint32_t>(slot_unknown.size()); }
 };
 
+// The value after the last that a panel, or a strip, takes. A strip without inputs takes none, wherever it begins: 0.
+inline std::uint64_t end_value(const InversePanel& panel) {
+  return panel.first_value + std::uint64_t{panel.input_count} * kBlockSize;
+}
+inline std::uint64_t end_value(const InverseStrip& strip) {
+  if (strip.input_count == 0) return 0;
+  return strip.first_value + (strip.input_count - 1) / kBlockSize * std::uint64_t{strip.panel_step} +
+         std::uint64_t{strip.row_count} * kBlockSize;
+}
+
 }  // namespace bodyopt

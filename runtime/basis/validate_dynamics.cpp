@@ -109,15 +109,6 @@ class InverseValidator : TableChecks {
     }
   }
 
-  static std::uint64_t end_value(const InversePanel& panel) {
-    return panel.first_value + std::uint64_t{panel.input_count} * kBlockSize;
-  }
-  static std::uint64_t end_value(const InverseStrip& strip) {
-    if (strip.input_count == 0) return 0;
-    return strip.first_value + (strip.input_count - 1) / kBlockSize * std::uint64_t{strip.panel_step} +
-           std::uint64_t{strip.row_count} * kBlockSize;
-  }
-
   // Panels, or strips, give every slot of `rows` once, by ascending slot and from `inputs` alone.
   template <typename Panel>
   void check_panels(const char* name, const std::vector<Panel>& panels, Range of_level, Range rows,

@@ -12,7 +12,8 @@ constexpr std::uint64_t kTimeout = 300'000'000'000;  // nanoseconds; a software 
 
 }  // namespace
 
-Commands::Commands(const Device& device) : device_(device) {
+Commands::Commands(const Device& device, std::uint32_t most_dispatches)
+    : device_(device), most_dispatches_(most_dispatches) {
   const VkDevice handle = device.handle();
   auto pool_info = structure<VkCommandPoolCreateInfo>(VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO);
   pool_info.queueFamilyIndex = device.queue_family();
@@ -45,13 +46,19 @@ Commands::~Commands() {
 }
 
 void Commands::begin() {
-  check(vkResetCommandPool(device_.handle(), pool_.get(), 0), "vkResetCommandPool");
+  open();
   sets_.clear();
   pools_.clear();
+  submission_count_ = 0;
   timestamp_count_ = 0;
+  if (queries_.get() != VK_NULL_HANDLE) vkCmdResetQueryPool(commands_, queries_.get(), 0, kMaxTimestamps);
+}
+
+void Commands::open() {
+  check(vkResetCommandPool(device_.handle(), pool_.get(), 0), "vkResetCommandPool");
+  dispatch_count_ = 0;
   const auto info = structure<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
   check(vkBeginCommandBuffer(commands_, &info), "vkBeginCommandBuffer");
-  if (queries_.get() != VK_NULL_HANDLE) vkCmdResetQueryPool(commands_, queries_.get(), 0, kMaxTimestamps);
 }
 
 void Commands::copy(const BufferRange& from, const BufferRange& to) {
@@ -71,6 +78,15 @@ void Commands::barrier() {
                          VK_ACCESS_TRANSFER_WRITE_BIT;
   const VkPipelineStageFlags stages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
   vkCmdPipelineBarrier(commands_, stages, stages, 0, 1, &memory, 0, nullptr, 0, nullptr);
+}
+
+void Commands::cut() {
+  if (dispatch_count_ >= most_dispatches_) {
+    end();
+    run();
+    open();
+  }
+  barrier();  // also after a submission: its end alone does not make what it wrote seen
 }
 
 VkDescriptorSet Commands::bind(const Kernel& kernel, std::span<const BufferRange> bindings) {
@@ -134,6 +150,7 @@ void Commands::record_dispatch(const Kernel& kernel, std::span<const BufferRange
   vkCmdPushConstants(commands_, kernel.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
                      static_cast<std::uint32_t>(push.size()), push.data());
   vkCmdDispatch(commands_, groups, frames, 1);
+  ++dispatch_count_;
 }
 
 void Commands::timestamp() {
@@ -159,6 +176,7 @@ void Commands::run() {
   submit.pCommandBuffers = &commands_;
   check(vkQueueSubmit(device_.queue(), 1, &submit, fence), "vkQueueSubmit");
   pending_ = true;
+  ++submission_count_;
   check(vkWaitForFences(handle, 1, &fence, VK_TRUE, kTimeout), "vkWaitForFences");
   pending_ = false;
 }

@@ -1,4 +1,4 @@
-// Work for the device: recorded once, run any number of times.
+// Work for the device: recorded once, run any number of times; long work is run piece by piece as it is recorded.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,10 @@ namespace bodyopt::vulkan {
 
 class Commands {
  public:
-  explicit Commands(const Device& device);
+  // Dispatches of a submission, so that a software device on a busy machine ends well before the time-out.
+  static constexpr std::uint32_t kMostDispatches = 4096;
+
+  explicit Commands(const Device& device, std::uint32_t most_dispatches = kMostDispatches);
   ~Commands();
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
@@ -25,6 +28,9 @@ class Commands {
   void fill(const BufferRange& range, std::uint32_t word);
   // What stands before is finished and seen by what comes after.
   void barrier();
+  // A barrier in work of any length: once kMostDispatches are recorded they run, and recording goes on after them. What
+  // was recorded before is then not run again. Throws as run().
+  void cut();
   // Runs a kernel over (elements, frames). Throws Error(device) when the device cannot run as many workgroups at once.
   template <typename Push>
   void dispatch(const Kernel& kernel, std::span<const BufferRange> bindings, const Push& push, std::uint32_t elements,
@@ -36,14 +42,19 @@ class Commands {
   VkCommandBuffer handle() const { return commands_; }  // to record what is not here: drawing
   void end();
 
-  // Submits and waits; afterwards the host sees what was copied to staging buffers. Throws Error(device) when the
-  // device is lost or does not finish.
+  // Submits what cut() has not, and waits; afterwards the host sees what was copied to staging buffers. Throws
+  // Error(device) when the device is lost or does not finish.
   void run();
 
-  // Seconds between consecutive timestamps of the last run(); empty when the device has none.
+  // Submissions since begin().
+  std::uint32_t submission_count() const { return submission_count_; }
+
+  // Seconds between consecutive timestamps of the last run(), those between its submissions included; empty when the
+  // device has none.
   std::vector<double> seconds() const;
 
  private:
+  void open();
   void record_dispatch(const Kernel& kernel, std::span<const BufferRange> bindings, std::span<const std::byte> push,
                        std::uint32_t elements, std::uint32_t frames);
   VkDescriptorSet bind(const Kernel& kernel, std::span<const BufferRange> bindings);
@@ -57,6 +68,9 @@ class Commands {
   // What was bound before is bound again: the steps of many frames need few sets.
   std::map<std::pair<VkDescriptorSetLayout, std::vector<BufferRange>>, VkDescriptorSet> sets_;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
+  const std::uint32_t most_dispatches_;
+  std::uint32_t dispatch_count_ = 0;  // since the last submission
+  std::uint32_t submission_count_ = 0;
   std::uint32_t timestamp_count_ = 0;
   bool pending_ = false;
 };

@@ -74,7 +74,7 @@ void CorotatedSolve::record(Commands& commands, const BufferRange& rotations, st
   step_.record(commands, {one_, one_, solution, product_, zeros_, right_side, solution, residual_}, push);
   const Buffer *rho = &rho_, *next_rho = &next_rho_;
   for (std::uint32_t i = 0; i < iterations; ++i) {
-    commands.barrier();
+    commands.cut();
     block_.record(commands, {tables_.inverse, residual_, gathered_, results_, y_}, 1, 1);
     commands.barrier();
     dot_.record(commands, {residual_, y_, *next_rho}, push);

@@ -34,7 +34,8 @@ class CorotatedSolve {
   void record_start(Commands& commands, std::size_t stage, const BufferRange& local_displacement,
                     const BufferRange& local_velocity, const BufferRange& start) const;
 
-  // cpu::corotated_solve: `solution`, z0 before, is z afterwards. rotations: of the nodes, of the batch.
+  // cpu::corotated_solve, the commands cut between iterations: `solution`, z0 before, is z afterwards. rotations: of
+  // the nodes, of the batch.
   void record(Commands& commands, const BufferRange& rotations, std::uint32_t frame, const BufferRange& right_side,
               std::uint32_t iterations, const BufferRange& solution) const;
 

@@ -7,16 +7,6 @@
 namespace bodyopt::vulkan {
 namespace {
 
-// Value after the last that it takes.
-std::uint64_t end_value(const InversePanel& panel) {
-  return panel.first_value + std::uint64_t{panel.input_count} * kBlockSize;
-}
-
-std::uint64_t end_value(const InverseStrip& strip) {
-  return strip.first_value + std::uint64_t{(strip.input_count - 1) / kBlockSize} * strip.panel_step +
-         std::uint64_t{strip.row_count} * kBlockSize;
-}
-
 // Adds the panel that follows the window's last; false, and the window as it was, where it does not fit.
 template <typename Panel>
 bool add_panel(InverseWindow& window, const Panel& panel, const DeviceInfo& limits) {

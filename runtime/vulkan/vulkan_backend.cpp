@@ -164,8 +164,10 @@ class VulkanBackend final : public Backend {
     refuse_failed();
     if (batch.frame_count == 0) return {};
     failed_ = true;  // until this batch went well
-    if (!recorded_ || buffers_->frames != batch.frame_count || !batch.jiggle.empty()) record(batch);
-    send(batch);
+    const bool recorded = recorded_ && buffers_->frames == batch.frame_count && batch.jiggle.empty();
+    if (!recorded) allocate(batch.frame_count);
+    send(batch);  // first: recording runs what is long
+    if (!recorded) record(batch);
     commands_.run();
     BatchResult result = receive();
     refuse_validation_messages();
@@ -176,8 +178,6 @@ class VulkanBackend final : public Backend {
  private:
   void record(const Batch& batch) {
     const std::uint32_t frames = batch.frame_count;
-    recorded_ = false;
-    allocate(frames);
     stages_.clear();
     commands_.begin();
     record_upload();
@@ -204,6 +204,7 @@ class VulkanBackend final : public Backend {
   }
 
   void allocate(std::uint32_t frames) {
+    recorded_ = false;
     if (buffers_ && buffers_->frames == frames) return;
     buffers_.reset();  // before the next ones are allocated
     buffers_ = std::make_unique<BatchBuffers>(device_, counts_, frames);

@@ -8,8 +8,7 @@
 namespace bodyopt::vulkan {
 namespace {
 
-// Solves of a submission, so that a software device on a busy machine ends well before the time-out also where frames
-// are a second apart.
+// Solves of a batch where no frame is left out: an interrupted shot ends soon.
 constexpr std::uint32_t kBatchSolves = 128;
 
 NodeMotion rest(std::size_t numbers) {
@@ -109,14 +108,14 @@ void VulkanDynamics::record_diffuse(Commands& commands, const Inputs& inputs) co
                          frames);
   commands.barrier();
   block_solve_.record(commands, {t.diffuse_inverse, right_sides, gathered, results, nodes}, 3 * frames, 3);
-  commands.barrier();
-  jiggle_rotate_.record(commands, {t.tets, t.shapes, t.corner_begin, t.corners, nodes, rotations}, {node_count_},
-                        frames);
 }
 
 void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std::span<const JiggleFrame> frames) {
+  const Tables& t = tables_;
+  jiggle_rotate_.record(commands, {t.tets, t.shapes, t.corner_begin, t.corners, batch_->nodes, batch_->rotations},
+                        {node_count_}, batch_->frames);
   for (std::uint32_t f = 0; f < frames.size(); ++f) {
-    if (f > 0) commands.barrier();
+    commands.barrier();
     if (!frames[f].repeats) {
       record_kick(commands, frames[f], f);
       commands.barrier();
@@ -125,11 +124,10 @@ void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std
                         jiggle_frame(dynamics_, inputs.fibre_count, inputs.control_count, f, options_.gravity_change));
       for (std::uint32_t s = 0; s < frames[f].steps; ++s) {
         record_step(commands, inputs, stages);
-        commands.barrier();
+        commands.cut();
       }
     }
-    jiggle_skin_.record(commands,
-                        {tables_.tets, tables_.skin, inputs.positions, motions_[current_].displacement, batch_->moved},
+    jiggle_skin_.record(commands, {t.tets, t.skin, inputs.positions, motions_[current_].displacement, batch_->moved},
                         {vertex_count_, f});
   }
 }

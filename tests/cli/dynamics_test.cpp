@@ -56,6 +56,19 @@ TEST(DynamicsVerb, WritesWhatTheOptionsSayAndInfoReadsIt) {
   EXPECT_EQ(told["nodes"], dynamics.tets.node_count());
 }
 
+TEST(DynamicsVerb, InfoNamesATensorOfOneNumber) {
+  const LimbBasis limb;
+  ASSERT_EQ(limb.dynamics("").exit_code, 0);
+  Safetensors file = read_safetensors(limb.out);
+  file.tensors.at("tets.surface") = {"U32", {}, std::vector<std::byte>(4)};
+  file.metadata["checksum"] = content_checksum(file);
+  write_safetensors(file, limb.out);
+  const ProgramResult info = run_bodyopt("info " + limb.out);
+  EXPECT_EQ(info.exit_code, 4) << info.output;
+  EXPECT_NE(info.output.find(limb.out + ": tensor 'tets.surface' is a single number"), std::string::npos)
+      << info.output;
+}
+
 TEST(DynamicsVerb, MistakesEndWithTheCauseAndWriteNothing) {
   const LimbBasis limb;
   const std::string jiggle = (limb.folder / "jiggle.json").string();

@@ -299,11 +299,15 @@ TEST(Report, SaysHowFleshSwings) {
   std::string page = read(folder / "report.html");
   EXPECT_TRUE(
       contains(page, "up to 8 mm from where it would be at rest in its pose, in frame 3; from frame 6 on, 0.12 s"));
+  EXPECT_TRUE(contains(page, "A frame on A device: diffuse 0.5 ms, jiggle 6.2"));
   EXPECT_TRUE(contains(page, "width=\"6\" height=\"2\" src=\"data:image/webp;base64,UklGRg==\""));
   EXPECT_TRUE(contains(page, "<span>frame 3</span><span>frame 5</span>"));
+  data.jiggle->diffuse_ms = data.jiggle->jiggle_ms = 0;
   data.jiggle->max_mm.back() = 3;
   write_report(data, folder.path());
-  EXPECT_TRUE(contains(read(folder / "report.html"), "it is still moving when the clip ends"));
+  page = read(folder / "report.html");
+  EXPECT_TRUE(contains(page, "it is still moving when the clip ends"));
+  EXPECT_TRUE(contains(page, "Computed on A device, which tells no times."));
   data.jiggle->max_mm.pop_back();
   EXPECT_THROW(write_report(data, folder.path()), Error);
   data.jiggle.reset();

@@ -1,4 +1,6 @@
 // Diffuse and jiggle on a Vulkan device: as on the CPU, and the same bits however a shot is cut.
+#include "runtime/vulkan/vulkan_dynamics.h"
+
 #include <numeric>
 
 #include "runtime/basis/error.h"
@@ -148,6 +150,71 @@ TEST(VulkanDynamics, LimitsBatches) {
   EXPECT_EQ(limit(many_steps, 0), 1u);
   EXPECT_GE(limit(limb().dynamics, 0), 24u);
   EXPECT_LT(limit(limb().dynamics, 4), 24u);
+}
+
+// Frames 1, 2 and 22 of a limb that is pushed sideways, in submissions of so many dispatches.
+struct PushedLimb {
+  PushedLimb(const vulkan::Device& device, std::uint32_t iterations, std::uint32_t most_dispatches) {
+    const auto& [basis, dynamics] = limb();
+    JiggleOptions options;
+    options.iterations = iterations;
+    std::vector<float> positions;
+    std::vector<JiggleFrame> frames;
+    JiggleState state;
+    const double origin[3] = {};
+    for (const auto& [frame, x] : {std::pair(1, 0.0f), {2, 0.1f}, {22, 8.0f}}) {
+      const double joint[3] = {static_cast<double>(x), 0, 0};
+      frames.push_back(plan_frame(frame, joint, origin, 10, dynamics.jiggle.step, options, state));
+      for (std::size_t k = 0; k < basis.mesh.rest.size(); ++k) {
+        positions.push_back(basis.mesh.rest[k] + (k % 3 == 0 ? x : 0));
+      }
+    }
+    const std::uint32_t fibres = basis.strain.fibre_count();
+    const vulkan::Buffer skin = upload(device, positions, "the skin");
+    const vulkan::Buffer zeros = upload(device, std::vector<float>(3 * (4 + fibres)), "zeros");
+    vulkan::VulkanDynamics device_dynamics(device, {&dynamics, options});
+    device_dynamics.prepare(3);
+    vulkan::Commands commands(device, most_dispatches);
+    commands.begin();
+    const vulkan::VulkanDynamics::Inputs inputs{skin, zeros, zeros, zeros, fibres, 0};
+    device_dynamics.record_diffuse(commands, inputs);
+    commands.barrier();
+    device_dynamics.record_jiggle(commands, inputs, frames);
+    commands.end();
+    commands.run();
+    submissions = commands.submission_count();
+    motion = device_dynamics.motion();
+  }
+
+  std::uint32_t submissions;
+  NodeMotion motion;
+};
+
+TEST(VulkanDynamics, LongFramesAreManySubmissionsOfTheSameBits) {
+  const vulkan::Device device(test_device());
+  for (const std::uint32_t iterations : {0u, 3u}) {
+    SCOPED_TRACE(iterations);
+    const PushedLimb whole(device, iterations, ~0u), cut(device, iterations, 1);
+    // What 20 frames of damping leave of the push.
+    EXPECT_GT(distance(whole.motion.displacement, std::vector<float>(whole.motion.displacement.size())), 1e-7);
+    expect_same_motion(cut.motion, whole.motion);
+    EXPECT_EQ(whole.submissions, 1u);
+    EXPECT_EQ(cut.submissions, 1 + 21 * (1 + 2 * iterations));  // 21 steps of two solves
+  }
+  EXPECT_EQ(device.validation_messages(), std::vector<std::string>());
+}
+
+// As many dispatches as no submission takes: what the host sends must be there when the first one runs.
+TEST(VulkanDynamics, LongFramesEqualTheCpu) {
+  JiggleOptions options;
+  options.iterations = 16;
+  ASSERT_GT(20 * 2 * 16 * 3 * limb().dynamics.jiggle.inverse.levels.size(), vulkan::Commands::kMostDispatches);
+  const Shot shot({1, 2, 22});
+  Deformer cpu = on({.name = "cpu"}, options), gpu = on(test_device(), options);
+  const Evaluation expected = shot.run(cpu), actual = shot.run(gpu);
+  EXPECT_EQ(actual.starts.back(), JiggleStart::goes_on);
+  EXPECT_LT(distance(actual.positions, expected.positions), 6e-7);
+  EXPECT_GT(actual.stage_seconds.at("jiggle"), 0);
 }
 
 TEST(VulkanDynamics, GoesOnFromAState) {
