@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "runtime/basis/safetensors.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/run_program.h"
