@@ -189,7 +189,7 @@ void BM_JiggleStep(benchmark::State& state) {
                         f.right_side);
     cpu::block_solve(jiggle.inverse, f.right_side, 1, 1, f.scratch, f.solution);
     cpu::jiggle_end(stages.end, f.rotations, f.solution, f.next_u, f.u, f.v);
-    cpu::jiggle_skin(b.dynamics.tets, f.positions, f.u, f.moved);
+    cpu::jiggle_skin(b.dynamics.tets, f.positions, f.u, 1, f.moved);
     benchmark::DoNotOptimize(f.moved.data());
   }
   describe(state, b);

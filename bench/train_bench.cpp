@@ -155,7 +155,7 @@ double left_by_basis_mm() {
   const RowMajorMatrix identity = RowMajorMatrix::Identity(rank(), rank());
   RowMajorMatrix components(rank(), unposed().cols());
   cpu::residual_blend(residual, {identity.data(), static_cast<std::size_t>(identity.size())},
-                      static_cast<std::uint32_t>(rank()),
+                      static_cast<std::uint32_t>(rank()), 1,
                       {components.data(), static_cast<std::size_t>(components.size())});
   const Eigen::MatrixXd gram = (components * components.transpose()).cast<double>();
   const Eigen::MatrixXd products = (components * unposed().transpose()).cast<double>();

@@ -18,6 +18,7 @@ class CpuBackend final : public Backend {
   std::string name() const override { return "cpu"; }
   std::uint32_t batch_limit() const override { return 64; }
   void set_rest_coefficients(std::span<const float> c) override { rest_coefficients_.assign(c.begin(), c.end()); }
+  void set_weights(const Weights& weights) override { weights_ = weights; }
   void set_motion(const NodeMotion& motion) override { dynamics_->motion = motion; }
   NodeMotion motion() const override { return dynamics_->motion; }
 
@@ -35,7 +36,7 @@ class CpuBackend final : public Backend {
     for (std::size_t f = 0; f < frames; ++f) run_frame(batch, f, result, seconds);
     const char* const stages[3] = {"strain", "residual", "pose"};
     for (int s = 0; s < 3; ++s) result.stage_seconds[stages[s]] = seconds[s];
-    if (!batch.jiggle.empty()) dynamics_->run(batch, result.strains, result.positions, result.stage_seconds);
+    if (!batch.jiggle.empty()) dynamics_->run(batch, weights_.jiggle, result.strains, result.positions, result.stage_seconds);
     add_normals(frames, result);
     return result;
   }
@@ -65,7 +66,7 @@ class CpuBackend final : public Backend {
                            features, frame(result.excess));
     cpu::residual_kernels(residual, features, 1, kernels);
     cpu::residual_coefficients(residual, features, kernels, rest_coefficients_, 1, frame(result.coefficients));
-    cpu::residual_blend(residual, frame(result.coefficients), 1, displacements);
+    cpu::residual_blend(residual, frame(result.coefficients), 1, weights_.correction, displacements);
     lap(1);
     cpu::pose_skin(basis_.ddm, joints, frame(batch.skinning), frame(batch.origins), displacements,
                    frame(result.positions));
@@ -87,6 +88,7 @@ class CpuBackend final : public Backend {
 
   const Basis& basis_;
   std::vector<float> rest_coefficients_;
+  Weights weights_;
   std::optional<CpuDynamics> dynamics_;
 };
 

@@ -32,7 +32,7 @@ CpuDynamics::CpuDynamics(const JiggleModel& model)
   if (options_.iterations > 0) tet_rotations_.resize(std::size_t{9} * dynamics_.tets.tet_count());
 }
 
-void CpuDynamics::run(const Batch& batch, std::span<const float> strains, std::vector<float>& positions,
+void CpuDynamics::run(const Batch& batch, float weight, std::span<const float> strains, std::vector<float>& positions,
                       std::map<std::string, double>& stage_seconds) {
   const auto start = std::chrono::steady_clock::now();
   diffuse(batch, positions);
@@ -43,7 +43,7 @@ void CpuDynamics::run(const Batch& batch, std::span<const float> strains, std::v
   std::vector<float> moved(positions.size());
   for (std::uint32_t f = 0; f < batch.frame_count; ++f) {
     step(batch, f, part(strains, f, batch.frame_count));
-    cpu::jiggle_skin(dynamics_.tets, part(positions, f, batch.frame_count), motion.displacement,
+    cpu::jiggle_skin(dynamics_.tets, part(positions, f, batch.frame_count), motion.displacement, weight,
                      part(moved, f, batch.frame_count));
   }
   positions.swap(moved);

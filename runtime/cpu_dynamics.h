@@ -11,8 +11,8 @@ class CpuDynamics {
   explicit CpuDynamics(const JiggleModel& model);
 
   // Steps the frames of a batch in their order. positions: F x V x 3, of the quasi-static skin; replaced by those of
-  // the skin that jiggles. strains: F x S. Adds the stages' seconds.
-  void run(const Batch& batch, std::span<const float> strains, std::vector<float>& positions,
+  // the skin that jiggles, of which `weight` is shown. strains: F x S. Adds the stages' seconds.
+  void run(const Batch& batch, float weight, std::span<const float> strains, std::vector<float>& positions,
            std::map<std::string, double>& stage_seconds);
 
   NodeMotion motion;

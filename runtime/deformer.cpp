@@ -6,6 +6,7 @@
 
 #include "runtime/basis/error.h"
 #include "runtime/rig.h"
+#include "runtime/vulkan/device.h"
 
 namespace bodyopt {
 namespace {
@@ -17,9 +18,8 @@ std::unique_ptr<Backend> make_backend(const Basis& basis, const DeviceChoice& ch
     }
     return make_cpu_backend(basis, jiggle);
   }
-  if (choice.name != "auto" || choice.require_device) return make_vulkan_backend(basis, choice, jiggle);
-  if (!has_vulkan_device()) return make_cpu_backend(basis, jiggle);
-  return make_vulkan_backend(basis, choice, jiggle);
+  if (choice.name == "auto" && !choice.require_device && !has_vulkan_device()) return make_cpu_backend(basis, jiggle);
+  return make_vulkan_backend(basis, std::make_shared<const vulkan::Device>(choice), jiggle);
 }
 
 void check_controls(const Basis& basis, const Pose& pose) {
@@ -135,6 +135,15 @@ Deformer::Deformer(Basis basis, Dynamics dynamics, const JiggleOptions& options,
   set_rest();
 }
 
+Deformer::Deformer(Basis basis, std::optional<Dynamics> dynamics, const JiggleOptions& options,
+                   std::shared_ptr<const vulkan::Device> device)
+    : basis_(std::move(basis)), dynamics_(std::move(dynamics)), options_(options), size_(size_of(basis_.mesh)) {
+  validate(basis_, "the basis");
+  if (dynamics_) validate(*dynamics_, basis_, "the dynamics");
+  backend_ = make_vulkan_backend(basis_, std::move(device), {this->dynamics(), options_});
+  set_rest();
+}
+
 // The rest coefficients come from the kernels that will run, so that rest gives rest exactly.
 void Deformer::set_rest() {
   const Pose rest = bind_pose(basis_.skeleton);
@@ -145,9 +154,29 @@ Deformer::~Deformer() = default;
 
 std::string Deformer::device_name() const { return backend_->name(); }
 
-Evaluation Deformer::evaluate(std::span<const Pose> poses) { return run(poses, {}); }
+Evaluation Deformer::evaluate(std::span<const Pose> poses) { return run(poses, {}, false); }
+
+Evaluation Deformer::evaluate_on_device(std::span<const Pose> poses) {
+  require_one_batch(poses);
+  return run(poses, {}, true);
+}
 
 Evaluation Deformer::jiggle(std::span<const Pose> poses, std::span<const int> frames) {
+  return step(poses, frames, false);
+}
+
+Evaluation Deformer::jiggle_on_device(std::span<const Pose> poses, std::span<const int> frames) {
+  require_one_batch(poses);
+  return step(poses, frames, true);
+}
+
+void Deformer::require_one_batch(std::span<const Pose> poses) const {
+  if (poses.size() <= batch_limit()) return;
+  throw Error(ErrorKind::usage, std::to_string(poses.size()) + " poses at once are more than the " +
+                                    std::to_string(batch_limit()) + " that fit on '" + device_name() + "'");
+}
+
+Evaluation Deformer::step(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device) {
   if (!dynamics_) throw Error(ErrorKind::usage, "the character was loaded without dynamics: it cannot jiggle");
   if (frames.size() != poses.size()) {
     throw Error(ErrorKind::usage,
@@ -155,7 +184,7 @@ Evaluation Deformer::jiggle(std::span<const Pose> poses, std::span<const int> fr
   }
   const JiggleState before = state();
   try {
-    return run(poses, frames);
+    return run(poses, frames, stays_on_device);
   } catch (...) {
     set_state(before);
     throw;
@@ -175,13 +204,14 @@ void Deformer::set_state(const JiggleState& state) {
   state_.motion = {};
 }
 
-Evaluation Deformer::run(std::span<const Pose> poses, std::span<const int> frames) {
+Evaluation Deformer::run(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device) {
   Evaluation evaluation;
   const std::size_t limit = std::max<std::size_t>(1, backend_->batch_limit());
   for (std::size_t begin = 0; begin < poses.size(); begin += limit) {
     const auto part = poses.subspan(begin, std::min(limit, poses.size() - begin));
     const auto start = std::chrono::steady_clock::now();
     Batch batch = make_batch(basis_, part);
+    batch.stays_on_device = stays_on_device;
     if (!frames.empty()) batch.jiggle = plan(batch, frames.subspan(begin, part.size()));
     evaluation.stage_seconds["rig"] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const BatchResult result = backend_->run(batch);

@@ -14,6 +14,11 @@
 
 namespace bodyopt {
 
+namespace vulkan {
+class Buffer;
+class Device;
+}  // namespace vulkan
+
 // Which backend runs. "auto" prefers a discrete GPU, then any Vulkan device, then the CPU; "cpu"; an index or (part of)
 // a name as listed by `bodyopt devices`. With require_device, "auto" throws instead of taking the CPU. A device that
 // exists but fails is an error, never a reason to fall back.
@@ -38,6 +43,18 @@ struct Evaluation {
 // "joint LeftArm", "strain biceps/1" or "control breath": what a feature of the residual is of.
 std::string feature_name(const Basis& basis, std::uint32_t feature);
 
+// How much is shown of what was learned, and of the jiggle: to compare by eye. 1, as trained, changes no bit; a weight
+// changes no state.
+struct Weights {
+  float correction = 1, jiggle = 1;
+};
+
+// A skin on the device, F x V x 3 each, world, metres, vertices in runtime order.
+struct DeviceSkin {
+  const vulkan::Buffer* positions = nullptr;
+  const vulkan::Buffer* normals = nullptr;
+};
+
 // One batch as the backends see it: plain arrays, frame-major.
 struct Batch {
   std::uint32_t frame_count = 0;
@@ -47,6 +64,7 @@ struct Batch {
   std::vector<float> controls;        // F x control count
   std::vector<double> joints{};       // F x J x 3, metres, world: for the plan of the jiggle
   std::vector<JiggleFrame> jiggle{};  // F; empty: the skin is quasi-static
+  bool stays_on_device = false;       // positions and normals are wanted there, and not in the result
 };
 
 // What a backend gives back, frame-major, vertices in runtime order.
@@ -68,6 +86,9 @@ class Backend {
   virtual BatchResult run(const Batch& batch) = 0;
   // Coefficients at rest, subtracted from then on. Zero until set.
   virtual void set_rest_coefficients(std::span<const float> coefficients) = 0;
+  virtual void set_weights(const Weights& weights) = 0;
+  // Of the last batch that stays on the device; nothing of a backend without one.
+  virtual DeviceSkin device_skin() const { return {}; }
   // What batches that jiggle start from, and leave behind. Zero until set.
   virtual void set_motion(const NodeMotion& motion) = 0;
   virtual NodeMotion motion() const = 0;
@@ -82,8 +103,8 @@ struct JiggleModel {
 std::unique_ptr<Backend> make_cpu_backend(const Basis& basis, const JiggleModel& jiggle = {});
 // True when "auto" would find a Vulkan device. Does not throw: a machine without a Vulkan driver has none.
 bool has_vulkan_device();
-// Throws Error(device) when there is no such device, or the tables do not fit it.
-std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, const DeviceChoice& choice,
+// Throws Error(device) when the tables do not fit the device.
+std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, std::shared_ptr<const vulkan::Device> device,
                                              const JiggleModel& jiggle = {});
 
 class Deformer {
@@ -92,6 +113,9 @@ class Deformer {
   Deformer(Basis basis, const DeviceChoice& choice);
   // With dynamics, which must belong to the basis (load_dynamics sees to it).
   Deformer(Basis basis, Dynamics dynamics, const JiggleOptions& options, const DeviceChoice& choice);
+  // On a device that others use as well, to draw the skin where it is. Without dynamics, options have no effect.
+  Deformer(Basis basis, std::optional<Dynamics> dynamics, const JiggleOptions& options,
+           std::shared_ptr<const vulkan::Device> device);
   ~Deformer();
 
   // Quasi-static skin. Any number of poses; split into batches as the device allows. Throws Error(mismatch) when a pose
@@ -101,6 +125,16 @@ class Deformer {
   // on from the frames of earlier calls, however they are cut into calls: the bits are the same. Throws as above, and
   // Error(usage) without dynamics; the state is then that of before.
   Evaluation jiggle(std::span<const Pose> poses, std::span<const int> frames);
+
+  // As these two, with the same bits, for a deformer on a device of others: positions and normals stay there and are
+  // none of the result. One batch: throws Error(usage) for more than batch_limit() poses.
+  Evaluation evaluate_on_device(std::span<const Pose> poses);
+  Evaluation jiggle_on_device(std::span<const Pose> poses, std::span<const int> frames);
+  // Theirs; its buffers live until the next call of any of the four.
+  DeviceSkin device_skin() const { return backend_->device_skin(); }
+  std::uint32_t batch_limit() const { return backend_->batch_limit(); }
+
+  void set_weights(const Weights& weights) { backend_->set_weights(weights); }
 
   JiggleState state() const;
   // Throws Error(mismatch) where the state does not fit the character or holds a number that is not finite.
@@ -113,7 +147,9 @@ class Deformer {
 
  private:
   void set_rest();
-  Evaluation run(std::span<const Pose> poses, std::span<const int> frames);
+  Evaluation run(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device);
+  Evaluation step(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device);
+  void require_one_batch(std::span<const Pose> poses) const;
   std::vector<JiggleFrame> plan(const Batch& batch, std::span<const int> frames);
 
   Basis basis_;

@@ -16,7 +16,8 @@ void main() {
   if (vertex >= push.vertex_count) return;
   uint at = 3 * (push.frame * push.vertex_count + vertex);
   TetPoint point = skin[vertex];
-  if (point.amount == 0.0) {
+  precise float amount = push.weight * point.amount;
+  if (amount == 0.0) {
     for (uint i = 0; i < 3; ++i) moved[at + i] = positions[at + i];
     return;
   }
@@ -25,7 +26,7 @@ void main() {
   for (uint i = 0; i < 3; ++i) {
     precise float u = point.w0 * displacement[a + i] + point.w1 * displacement[b + i] +
                       point.w2 * displacement[c + i] + point.w3 * displacement[d + i];
-    precise float x = positions[at + i] + point.amount * u;
+    precise float x = positions[at + i] + amount * u;
     moved[at + i] = x;
   }
 }

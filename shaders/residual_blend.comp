@@ -30,7 +30,7 @@ void main() {
     z += weight * number(e, 2, lane);
   }
   uint at = 3 * (frame * push.vertex_count + vertex);
-  displacements[at] = x;
-  displacements[at + 1] = y;
-  displacements[at + 2] = z;
+  displacements[at] = push.weight * x;
+  displacements[at + 1] = push.weight * y;
+  displacements[at + 2] = push.weight * z;
 }

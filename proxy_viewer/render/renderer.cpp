@@ -56,18 +56,6 @@ std::array<float, 4> projection(std::span<const DrawMesh> meshes, const std::arr
           static_cast<float>(f / (n - f)), static_cast<float>(n * f / (n - f))};
 }
 
-// The device that `name` means, among those that can draw.
-DeviceChoice drawing_device(const std::string& name, bool validation) {
-  std::vector<vulkan::DeviceInfo> devices = vulkan::list_devices();
-  for (vulkan::DeviceInfo& device : devices) {
-    if (device.problem.empty() && !device.draws) device.problem = "cannot draw, only compute";
-  }
-  DeviceChoice choice;
-  choice.name = std::to_string(vulkan::choose_device(devices, name));
-  choice.validation = validation;
-  return choice;
-}
-
 // What the host wrote before is seen by the vertex shader.
 void await_uploads(VkCommandBuffer commands) {
   auto memory = vulkan::structure<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
@@ -86,7 +74,7 @@ struct MeshBuffers {
 
 struct Renderer::Impl {
   explicit Impl(const DeviceChoice& choice)
-      : device(choice), render_pass(make_render_pass(device)), pipeline(device, render_pass.get()) {}
+      : device(choice, {.draws = true}), render_pass(make_render_pass(device)), pipeline(device, render_pass.get()) {}
 
   MeshBuffers upload(const DrawMesh& mesh, SurfaceSets& sets) const {
     MeshBuffers buffers;
@@ -104,7 +92,7 @@ struct Renderer::Impl {
 };
 
 Renderer::Renderer(const std::string& device, bool validation)
-    : impl_(std::make_unique<Impl>(drawing_device(device, validation))) {}
+    : impl_(std::make_unique<Impl>(DeviceChoice{.name = device, .validation = validation})) {}
 
 Renderer::~Renderer() = default;
 

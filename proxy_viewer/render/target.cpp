@@ -10,82 +10,29 @@ using vulkan::structure;
 
 namespace {
 
-VkAttachmentDescription attachment(VkFormat format, VkSampleCountFlagBits samples, bool clear, VkImageLayout layout) {
-  VkAttachmentDescription a{};
-  a.format = format;
-  a.samples = samples;
-  a.loadOp = clear ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-  a.storeOp = clear ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE;
-  a.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-  a.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-  a.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
-  a.finalLayout = layout;
-  return a;
-}
-
-VkImageAspectFlags aspect_of(VkFormat format) {
-  return format == kDepthFormat ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
-}
-
-Attachment make_attachment(const vulkan::Device& device, VkExtent2D size, VkFormat format,
-                           VkSampleCountFlagBits samples, VkImageUsageFlags usage) {
-  auto info = structure<VkImageCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO);
-  info.imageType = VK_IMAGE_TYPE_2D;
-  info.format = format;
-  info.extent = {size.width, size.height, 1};
-  info.mipLevels = 1;
-  info.arrayLayers = 1;
-  info.samples = samples;
-  info.tiling = VK_IMAGE_TILING_OPTIMAL;
-  info.usage = usage;
-  Attachment result;
-  VkImage image = VK_NULL_HANDLE;
-  check(vkCreateImage(device.handle(), &info, nullptr, &image), "vkCreateImage");
-  result.image = {device.handle(), image};
-
-  VkMemoryRequirements needs{};
-  vkGetImageMemoryRequirements(device.handle(), image, &needs);
-  auto allocation = structure<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
-  allocation.allocationSize = needs.size;
-  allocation.memoryTypeIndex = device.memory_type(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-  VkDeviceMemory memory = VK_NULL_HANDLE;
-  check(vkAllocateMemory(device.handle(), &allocation, nullptr, &memory), "vkAllocateMemory for a picture");
-  result.memory = {device.handle(), memory};
-  check(vkBindImageMemory(device.handle(), image, memory, 0), "vkBindImageMemory");
-
-  auto view_info = structure<VkImageViewCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO);
-  view_info.image = image;
-  view_info.viewType = VK_IMAGE_VIEW_TYPE_2D;
-  view_info.format = format;
-  view_info.subresourceRange = {aspect_of(format), 0, 1, 0, 1};
-  VkImageView view = VK_NULL_HANDLE;
-  check(vkCreateImageView(device.handle(), &view_info, nullptr, &view), "vkCreateImageView");
-  result.view = {device.handle(), view};
-  return result;
-}
-
-// The picture's layout changes between the copies of its making.
-void pass_on(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to, VkAccessFlags after,
-             VkAccessFlags before) {
-  auto barrier = structure<VkImageMemoryBarrier>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER);
-  barrier.srcAccessMask = after;
-  barrier.dstAccessMask = before;
-  barrier.oldLayout = from;
-  barrier.newLayout = to;
-  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-  barrier.image = image;
-  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0,
-                       nullptr, 1, &barrier);
-}
+constexpr ImagePassage kClearAway{VK_IMAGE_LAYOUT_UNDEFINED,
+                                  VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                                  VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                  VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                  0,
+                                  VK_ACCESS_TRANSFER_WRITE_BIT};
+constexpr ImagePassage kWriteToRead{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                    VK_PIPELINE_STAGE_TRANSFER_BIT,       VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                    VK_ACCESS_TRANSFER_WRITE_BIT,         VK_ACCESS_TRANSFER_READ_BIT};
 
 }  // namespace
 
 RenderPass make_render_pass(const vulkan::Device& device) {
   const std::array attachments = {
-      attachment(kColourFormat, kSamples, true, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL),
-      attachment(kDepthFormat, kSamples, true, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL),
-      attachment(kColourFormat, VK_SAMPLE_COUNT_1_BIT, false, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL)};
+      PassAttachment{kColourFormat, kSamples, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                     VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL}
+          .description(),
+      PassAttachment{kDepthFormat, kSamples, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                     VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL}
+          .description(),
+      PassAttachment{kColourFormat, VK_SAMPLE_COUNT_1_BIT, VK_ATTACHMENT_LOAD_OP_DONT_CARE,
+                     VK_ATTACHMENT_STORE_OP_STORE, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL}
+          .description()};
   const VkAttachmentReference colour{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
   const VkAttachmentReference depth{1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
   const VkAttachmentReference resolved{2, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
@@ -126,28 +73,19 @@ Target::Target(const vulkan::Device& device, VkRenderPass render_pass, std::uint
     : size_{width, height},
       drawn_{kOversampling * width, kOversampling * height},
       render_pass_(render_pass),
-      colour_(make_attachment(device, drawn_, kColourFormat, kSamples,
-                              VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT)),
-      depth_(make_attachment(device, drawn_, kDepthFormat, kSamples,
-                             VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT)),
-      resolved_(make_attachment(device, drawn_, kColourFormat, VK_SAMPLE_COUNT_1_BIT,
-                                VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT)),
-      shrunk_(make_attachment(
-          device, size_, kColourFormat, VK_SAMPLE_COUNT_1_BIT,
-          VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT)),
-      readback_(device, VkDeviceSize{width} * height * 4, vulkan::Memory::staging, "the picture") {
-  const std::array views = {colour_.view.get(), depth_.view.get(), resolved_.view.get()};
-  auto info = structure<VkFramebufferCreateInfo>(VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO);
-  info.renderPass = render_pass;
-  info.attachmentCount = views.size();
-  info.pAttachments = views.data();
-  info.width = drawn_.width;
-  info.height = drawn_.height;
-  info.layers = 1;
-  VkFramebuffer framebuffer = VK_NULL_HANDLE;
-  check(vkCreateFramebuffer(device.handle(), &info, nullptr, &framebuffer), "vkCreateFramebuffer");
-  framebuffer_ = {device.handle(), framebuffer};
-}
+      colour_(make_attachment(device, {drawn_, kColourFormat, kSamples,
+                                       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT})),
+      depth_(make_attachment(device,
+                             {drawn_, kDepthFormat, kSamples,
+                              VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT})),
+      resolved_(make_attachment(device, {drawn_, kColourFormat, VK_SAMPLE_COUNT_1_BIT,
+                                         VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT})),
+      shrunk_(make_attachment(device, {size_, kColourFormat, VK_SAMPLE_COUNT_1_BIT,
+                                       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                                           VK_IMAGE_USAGE_TRANSFER_DST_BIT})),
+      framebuffer_(
+          make_framebuffer(device, render_pass, drawn_, {colour_.view.get(), depth_.view.get(), resolved_.view.get()})),
+      readback_(device, VkDeviceSize{width} * height * 4, vulkan::Memory::staging, "the picture") {}
 
 void Target::begin(VkCommandBuffer commands) const {
   std::array<VkClearValue, 2> clear{};
@@ -177,8 +115,7 @@ void Target::end(VkCommandBuffer commands) const {
 
 void Target::shrink(VkCommandBuffer commands) const {
   const VkImage from = resolved_.image.get(), to = shrunk_.image.get();
-  pass_on(commands, to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 0,
-          VK_ACCESS_TRANSFER_WRITE_BIT);
+  pass_on(commands, to, kClearAway);
   const auto corner = [](VkExtent2D size) {
     return VkOffset3D{static_cast<std::int32_t>(size.width), static_cast<std::int32_t>(size.height), 1};
   };
@@ -189,8 +126,7 @@ void Target::shrink(VkCommandBuffer commands) const {
   // Halved, the linear filter is the mean of four pixels.
   vkCmdBlitImage(commands, from, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
                  &blit, VK_FILTER_LINEAR);
-  pass_on(commands, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-          VK_ACCESS_TRANSFER_WRITE_BIT, VK_ACCESS_TRANSFER_READ_BIT);
+  pass_on(commands, to, kWriteToRead);
 }
 
 Image Target::picture() const {

@@ -2,26 +2,15 @@
 // copied out.
 #pragma once
 
+#include "proxy_viewer/render/attachment.h"
 #include "proxy_viewer/render/renderer.h"
-#include "runtime/vulkan/buffer.h"
 
 namespace bodyopt {
 
-constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_SRGB;
-constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr std::uint32_t kOversampling = 2;  // a side, on top of the samples
-constexpr VkSampleCountFlagBits kSamples = VK_SAMPLE_COUNT_4_BIT;
-
-using RenderPass = vulkan::Owned<VkRenderPass, vkDestroyRenderPass>;
 
 // Clears, draws, averages the samples, and leaves the picture ready to be copied.
 RenderPass make_render_pass(const vulkan::Device& device);
-
-struct Attachment {
-  vulkan::Owned<VkDeviceMemory, vkFreeMemory> memory;
-  vulkan::Owned<VkImage, vkDestroyImage> image;
-  vulkan::Owned<VkImageView, vkDestroyImageView> view;
-};
 
 class Target {
  public:
@@ -39,7 +28,7 @@ class Target {
   VkExtent2D size_, drawn_;  // pixels of the picture, and of what is drawn
   VkRenderPass render_pass_;
   Attachment colour_, depth_, resolved_, shrunk_;
-  vulkan::Owned<VkFramebuffer, vkDestroyFramebuffer> framebuffer_;
+  Framebuffer framebuffer_;
   vulkan::Buffer readback_;
 };
 

@@ -85,10 +85,10 @@ void jiggle_advance(const JiggleTable& jiggle, const JiggleStepPush& step, std::
 void jiggle_end(const JiggleStepPush& step, std::span<const float> rotations, std::span<const float> solution,
                 std::span<const float> local_displacement, std::span<float> displacement, std::span<float> velocity);
 
-// Jiggle stage: the skin goes along: x + amount x what its tet has of u. Of a vertex whose amount is 0 no bit changes.
-// positions V x 3, displacement N x 3 -> moved V x 3.
+// Jiggle stage: the skin goes along: x + weight x amount x what its tet has of u. Of a vertex whose amount is 0 no bit
+// changes. positions V x 3, displacement N x 3 -> moved V x 3.
 void jiggle_skin(const TetTable& tets, std::span<const float> positions, std::span<const float> displacement,
-                 std::span<float> moved);
+                 float weight, std::span<float> moved);
 
 // Quality mode: conjugate gradients on the corotated operator (docs/pipeline/jiggle.md), in the nodes' frames.
 

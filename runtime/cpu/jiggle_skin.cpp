@@ -4,13 +4,14 @@
 namespace bodyopt::cpu {
 
 void jiggle_skin(const TetTable& tets, std::span<const float> positions, std::span<const float> displacement,
-                 std::span<float> moved) {
+                 float weight, std::span<float> moved) {
 #pragma omp parallel for schedule(static) if (16 * tets.skin.size() > kParallelWork)
   for (std::size_t vertex = 0; vertex < tets.skin.size(); ++vertex) {
     const TetPoint& point = tets.skin[vertex];
     const float* x = positions.data() + 3 * vertex;
     float* to = moved.data() + 3 * vertex;
-    if (point.amount == 0) {
+    const float amount = weight * point.amount;
+    if (amount == 0) {
       for (std::size_t i = 0; i < 3; ++i) to[i] = x[i];
       continue;
     }
@@ -19,7 +20,7 @@ void jiggle_skin(const TetTable& tets, std::span<const float> positions, std::sp
     const float *a = corner(0), *b = corner(1), *c = corner(2), *d = corner(3);
     for (std::size_t i = 0; i < 3; ++i) {
       const float u = point.w0 * a[i] + point.w1 * b[i] + point.w2 * c[i] + point.w3 * d[i];
-      to[i] = x[i] + point.amount * u;
+      to[i] = x[i] + amount * u;
     }
   }
 }

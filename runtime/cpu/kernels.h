@@ -33,9 +33,9 @@ void residual_coefficients(const ResidualTable& residual, std::span<const float>
                            std::span<const float> kernels, std::span<const float> rest_coefficients,
                            std::uint32_t frame_count, std::span<float> coefficients);
 
-// Residual stage: un-posed displacement of every vertex. coefficients -> displacements F x V x 3, metres.
+// Residual stage: weight x un-posed displacement of every vertex. coefficients -> displacements F x V x 3, metres.
 void residual_blend(const ResidualTable& residual, std::span<const float> coefficients, std::uint32_t frame_count,
-                    std::span<float> displacements);
+                    float weight, std::span<float> displacements);
 
 // Pose stage: x_i = t_i + R_i (d_i + delta d_i) + origin. -> positions F x V x 3, metres, posed (world).
 void pose_skin(const DdmTable& ddm, std::uint32_t joint_count, std::span<const float> skinning,

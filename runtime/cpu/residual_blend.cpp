@@ -21,7 +21,7 @@ void add_entry(const BlendEntry& entry, float coefficient, Sums& sums) {
 }  // namespace
 
 void residual_blend(const ResidualTable& residual, std::span<const float> coefficients, std::uint32_t frame_count,
-                    std::span<float> displacements) {
+                    float weight, std::span<float> displacements) {
   const std::size_t count = residual.coefficient_count(), blocks = residual.blend_begin.size() - 1;
   const std::size_t vertices = frame_count == 0 ? 0 : displacements.size() / (std::size_t{3} * frame_count);
   for (std::size_t f = 0; f < frame_count; ++f) {
@@ -33,7 +33,7 @@ void residual_blend(const ResidualTable& residual, std::span<const float> coeffi
       }
       const std::size_t first = block * kBlockSize, lanes = std::min<std::size_t>(kBlockSize, vertices - first);
       float* to = displacements.data() + 3 * (f * vertices + first);
-      for (std::size_t k = 0; k < 3 * lanes; ++k) to[k] = sums[k % 3][k / 3];
+      for (std::size_t k = 0; k < 3 * lanes; ++k) to[k] = weight * sums[k % 3][k / 3];
     }
   }
 }

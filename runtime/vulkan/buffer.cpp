@@ -22,8 +22,8 @@ Buffer::Buffer(const Device& device, VkDeviceSize bytes, Memory memory, const ch
   }
   auto info = structure<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
   info.size = size_;
-  info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  if (memory == Memory::device) info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+  info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+  if (memory == Memory::device) info.usage |= VK_BUFFER_USAGE_INDEX_BUFFER_BIT;  // triangles are drawn where they are
   const VkDevice handle = device.handle();
   const auto require = [&](VkResult result, const char* call) {
     if (result == VK_SUCCESS) return;

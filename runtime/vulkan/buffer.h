@@ -12,7 +12,10 @@
 
 namespace bodyopt::vulkan {
 
-enum class Memory { device, staging };  // staging: mapped for as long as the buffer lives, coherent
+enum class Memory {
+  device,
+  staging  // mapped for as long as the buffer lives, coherent; small things of one frame may be read where they are
+};
 
 class Buffer {
  public:

@@ -150,7 +150,7 @@ bool device_extension_offered(VkPhysicalDevice physical, const char* name) {
                      [&](const VkExtensionProperties& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
-VkDevice open_device(VkPhysicalDevice physical, std::uint32_t family) {
+VkDevice open_device(VkPhysicalDevice physical, std::uint32_t family, std::vector<const char*> extensions) {
   const float priority = 1.0f;
   auto queue = structure<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
   queue.queueFamilyIndex = family;
@@ -161,13 +161,21 @@ VkDevice open_device(VkPhysicalDevice physical, std::uint32_t family) {
   info.pQueueCreateInfos = &queue;
   // A device that offers this extension (Vulkan on Metal) insists on it.
   const char* const portability = "VK_KHR_portability_subset";
-  if (device_extension_offered(physical, portability)) {
-    info.enabledExtensionCount = 1;
-    info.ppEnabledExtensionNames = &portability;
-  }
+  if (device_extension_offered(physical, portability)) extensions.push_back(portability);
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   VkDevice device = VK_NULL_HANDLE;
   check(vkCreateDevice(physical, &info, nullptr, &device), "vkCreateDevice");
   return device;
+}
+
+// Says what a device lacks for a use, as its problem.
+void find_unfit(VkPhysicalDevice physical, const DeviceUse& use, DeviceInfo& device) {
+  if (!device.problem.empty()) return;
+  if (use.draws && !device.draws) device.problem = "cannot draw, only compute";
+  for (const char* extension : use.extensions) {
+    if (!device_extension_offered(physical, extension)) device.problem = std::string("does not offer ") + extension;
+  }
 }
 
 }  // namespace
@@ -187,22 +195,24 @@ std::uint32_t choose_device(const std::vector<DeviceInfo>& devices, const std::s
   return found->index;
 }
 
-Device::Device(const DeviceChoice& choice) : instance_(choice.validation) {
+Device::Device(const DeviceChoice& choice, const DeviceUse& use)
+    : instance_(choice.validation, use.instance_extensions) {
   const std::vector<VkPhysicalDevice> physical_devices = instance_.physical_devices();
-  const std::vector<DeviceInfo> devices = describe_all(physical_devices);
+  std::vector<DeviceInfo> devices = describe_all(physical_devices);
+  for (DeviceInfo& device : devices) find_unfit(physical_devices[device.index], use, device);
   info_ = devices[choose_device(devices, choice.name)];
-  const VkPhysicalDevice physical = physical_devices[info_.index];
-  vkGetPhysicalDeviceMemoryProperties(physical, &memory_);
-  queue_family_ = *compute_family(physical);
+  physical_ = physical_devices[info_.index];
+  vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+  queue_family_ = *compute_family(physical_);
 
-  const std::uint32_t bits = queue_families(physical)[queue_family_].timestampValidBits;
+  const std::uint32_t bits = queue_families(physical_)[queue_family_].timestampValidBits;
   if (bits > 0) {
     VkPhysicalDeviceProperties properties{};
-    vkGetPhysicalDeviceProperties(physical, &properties);
+    vkGetPhysicalDeviceProperties(physical_, &properties);
     timestamp_period_ = 1e-9 * static_cast<double>(properties.limits.timestampPeriod);
     timestamp_mask_ = bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
   }
-  device_ = open_device(physical, queue_family_);
+  device_ = open_device(physical_, queue_family_, use.extensions);
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
 }
 

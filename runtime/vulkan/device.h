@@ -32,14 +32,23 @@ std::vector<DeviceInfo> list_devices();
 // a name in any case (the first that matches). Throws Error(device) that names what exists.
 std::uint32_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& name);
 
+// What a device is for, beside computing.
+struct DeviceUse {
+  bool draws = false;
+  std::vector<const char*> instance_extensions{}, extensions{};  // of a window
+};
+
 // An open device with one queue that computes, and draws where the device can.
 class Device {
  public:
-  explicit Device(const DeviceChoice& choice);
+  // Throws Error(device) when there is no such device, or none for this use.
+  explicit Device(const DeviceChoice& choice, const DeviceUse& use = {});
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
+  VkInstance instance() const { return instance_.handle(); }
+  VkPhysicalDevice physical() const { return physical_; }
   VkDevice handle() const { return device_; }
   VkQueue queue() const { return queue_; }
   std::uint32_t queue_family() const { return queue_family_; }
@@ -63,6 +72,7 @@ class Device {
   std::uint32_t queue_family_ = 0;
   double timestamp_period_ = 0;
   std::uint64_t timestamp_mask_ = 0;
+  VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   VkDevice device_ = VK_NULL_HANDLE;
   VkQueue queue_ = VK_NULL_HANDLE;
 };

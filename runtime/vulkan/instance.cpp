@@ -84,7 +84,7 @@ std::vector<std::string> ValidationLog::messages() const {
   return messages_;
 }
 
-Instance::Instance(bool validation) : log_(std::make_shared<ValidationLog>()) {
+Instance::Instance(bool validation, const std::vector<const char*>& wanted) : log_(std::make_shared<ValidationLog>()) {
   if (validation && !layer_installed()) {
     throw Error(ErrorKind::device, std::string("Vulkan validation was asked for, but the layer ") + kValidationLayer +
                                        " is not installed (Debian package: vulkan-validationlayers)");
@@ -107,7 +107,7 @@ Instance::Instance(bool validation) : log_(std::make_shared<ValidationLog>()) {
   features.enabledValidationFeatureCount = 1;
   features.pEnabledValidationFeatures = &synchronization;
 
-  std::vector<const char*> extensions;
+  std::vector<const char*> extensions = wanted;
   auto info = structure<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
   info.pApplicationInfo = &application;
   if (validation) {

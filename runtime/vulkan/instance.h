@@ -27,13 +27,15 @@ class ValidationLog {
 class Instance {
  public:
   // With validation, turns on the Khronos layer and synchronization validation; throws Error(device) when the layer is
-  // not installed. A machine without any Vulkan driver gives an instance without devices.
-  explicit Instance(bool validation);
+  // not installed, or an extension is not offered. A machine without any Vulkan driver gives an instance without
+  // devices.
+  explicit Instance(bool validation, const std::vector<const char*>& extensions = {});
   ~Instance();
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
 
   std::vector<VkPhysicalDevice> physical_devices() const;
+  VkInstance handle() const { return handle_; }
   std::shared_ptr<const ValidationLog> log() const { return log_; }
 
  private:

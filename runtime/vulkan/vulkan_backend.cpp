@@ -109,8 +109,9 @@ struct BatchBuffers {
 
 class VulkanBackend final : public Backend {
  public:
-  VulkanBackend(const Basis& basis, const DeviceChoice& choice, const JiggleModel& jiggle)
-      : device_(choice),
+  VulkanBackend(const Basis& basis, std::shared_ptr<const Device> device, const JiggleModel& jiggle)
+      : owned_device_(std::move(device)),
+        device_(*owned_device_),
         counts_(basis),
         tables_(device_, basis),
         has_blend_(!basis.residual.blend.empty()),
@@ -151,6 +152,16 @@ class VulkanBackend final : public Backend {
     recorded_ = false;
   }
 
+  void set_weights(const Weights& weights) override {
+    weights_ = weights;
+    recorded_ = false;
+  }
+
+  DeviceSkin device_skin() const override {
+    if (!stays_on_device_) return {};
+    return {skin_, &buffers_->normals.buffer};
+  }
+
   void set_motion(const NodeMotion& motion) override {
     if (!failed_) dynamics_->set_motion(motion);  // so that what failed is what is told
   }
@@ -164,7 +175,8 @@ class VulkanBackend final : public Backend {
     refuse_failed();
     if (batch.frame_count == 0) return {};
     failed_ = true;  // until this batch went well
-    const bool recorded = recorded_ && buffers_->frames == batch.frame_count && batch.jiggle.empty();
+    const bool recorded = recorded_ && buffers_->frames == batch.frame_count && batch.jiggle.empty() &&
+                          batch.stays_on_device == stays_on_device_;
     if (!recorded) allocate(batch.frame_count);
     send(batch);  // first: recording runs what is long
     if (!recorded) record(batch);
@@ -193,12 +205,13 @@ class VulkanBackend final : public Backend {
                       counts_.vertices, counts_.joints, frames);
     end_stage("pose");
     if (!batch.jiggle.empty()) record_dynamics(batch);
-    const Buffer& skin = batch.jiggle.empty() ? b.positions.buffer : dynamics_->moved();
+    stays_on_device_ = batch.stays_on_device;
+    skin_ = batch.jiggle.empty() ? &b.positions.buffer : &dynamics_->moved();
     output_normals_.record(
-        commands_, {tables_.triangles, tables_.vertex_triangle_begin, tables_.vertex_triangles, skin, b.normals.buffer},
+        commands_, {tables_.triangles, tables_.vertex_triangle_begin, tables_.vertex_triangles, *skin_, b.normals.buffer},
         {counts_.vertices}, frames);
     end_stage("output");
-    record_download(skin);
+    record_download();
     commands_.end();
     recorded_ = batch.jiggle.empty();
   }
@@ -223,7 +236,7 @@ class VulkanBackend final : public Backend {
     dynamics_->prepare(batch.frame_count);
     dynamics_->record_diffuse(commands_, inputs);
     end_stage("diffuse");
-    dynamics_->record_jiggle(commands_, inputs, batch.jiggle);
+    dynamics_->record_jiggle(commands_, inputs, batch.jiggle, weights_.jiggle);
     end_stage("jiggle");
   }
 
@@ -269,16 +282,35 @@ class VulkanBackend final : public Backend {
     commands_.barrier();
     if (!has_blend_) return;
     residual_blend_.record(commands_, {t.blend_begin, t.blend, b.coefficients.buffer, b.displacements.buffer},
-                           {n.vertices, n.coefficients}, frames);
+                           {n.vertices, n.coefficients, weights_.correction}, frames);
   }
 
-  void record_download(const Buffer& skin) {
+  // What goes to the host, in this order.
+  struct Download {
+    BufferRange from;
+    std::vector<float> BatchResult::* to;
+  };
+  std::vector<Download> downloads() const {
     const BatchBuffers& b = *buffers_;
-    commands_.copy({skin, 0, b.positions.bytes}, {b.staging_out, 0, b.positions.bytes});
-    VkDeviceSize offset = b.positions.bytes;
-    for (const Values* values : {&b.normals, &b.strains, &b.excess, &b.coefficients}) {
-      commands_.copy({values->buffer, 0, values->bytes}, {b.staging_out, offset, values->bytes});
-      offset += values->bytes;
+    std::vector<Download> all;
+    const auto add = [&](const Buffer& buffer, const Values& values, std::vector<float> BatchResult::* to) {
+      all.push_back({{buffer, 0, values.bytes}, to});
+    };
+    if (!stays_on_device_) {
+      add(*skin_, b.positions, &BatchResult::positions);
+      add(b.normals.buffer, b.normals, &BatchResult::normals);
+    }
+    add(b.strains.buffer, b.strains, &BatchResult::strains);
+    add(b.excess.buffer, b.excess, &BatchResult::excess);
+    add(b.coefficients.buffer, b.coefficients, &BatchResult::coefficients);
+    return all;
+  }
+
+  void record_download() {
+    VkDeviceSize offset = 0;
+    for (const Download& download : downloads()) {
+      commands_.copy(download.from, {buffers_->staging_out, offset, download.from.size});
+      offset += download.from.size;
     }
   }
 
@@ -297,18 +329,13 @@ class VulkanBackend final : public Backend {
   }
 
   BatchResult receive() const {
-    const BatchBuffers& b = *buffers_;
     BatchResult result;
-    const std::byte* from = b.staging_out.mapped();
-    const std::pair<const Values&, std::vector<float>&> parts[] = {{b.positions, result.positions},
-                                                                   {b.normals, result.normals},
-                                                                   {b.strains, result.strains},
-                                                                   {b.excess, result.excess},
-                                                                   {b.coefficients, result.coefficients}};
-    for (const auto& [values, to] : parts) {
-      to.resize(values.bytes / sizeof(float));
-      if (values.bytes > 0) std::memcpy(to.data(), from, values.bytes);
-      from += values.bytes;
+    const std::byte* from = buffers_->staging_out.mapped();
+    for (const Download& download : downloads()) {
+      std::vector<float>& to = result.*download.to;
+      to.resize(download.from.size / sizeof(float));
+      if (!to.empty()) std::memcpy(to.data(), from, download.from.size);
+      from += download.from.size;
     }
     const std::vector<double> seconds = commands_.seconds();
     for (std::size_t s = 0; s < seconds.size(); ++s) result.stage_seconds[stages_[s]] = seconds[s];
@@ -327,7 +354,8 @@ class VulkanBackend final : public Backend {
                                        name() + "', first: " + messages.front());
   }
 
-  Device device_;
+  std::shared_ptr<const Device> owned_device_;
+  const Device& device_;
   Counts counts_;
   Tables tables_;
   bool has_blend_;
@@ -345,6 +373,9 @@ class VulkanBackend final : public Backend {
   Commands commands_;
   std::vector<const char*> stages_;  // recorded
   bool recorded_ = false;            // the quasi-static skin, for as many frames as there are buffers
+  Weights weights_;
+  const Buffer* skin_ = nullptr;  // of the last batch
+  bool stays_on_device_ = false;  // as recorded
   bool failed_ = false;
 };
 
@@ -360,9 +391,9 @@ bool has_vulkan_device() {
   }
 }
 
-std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, const DeviceChoice& choice,
+std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, std::shared_ptr<const vulkan::Device> device,
                                              const JiggleModel& jiggle) {
-  return std::make_unique<vulkan::VulkanBackend>(basis, choice, jiggle);
+  return std::make_unique<vulkan::VulkanBackend>(basis, std::move(device), jiggle);
 }
 
 }  // namespace bodyopt

@@ -110,7 +110,8 @@ void VulkanDynamics::record_diffuse(Commands& commands, const Inputs& inputs) co
   block_solve_.record(commands, {t.diffuse_inverse, right_sides, gathered, results, nodes}, 3 * frames, 3);
 }
 
-void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std::span<const JiggleFrame> frames) {
+void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std::span<const JiggleFrame> frames,
+                                   float weight) {
   const Tables& t = tables_;
   jiggle_rotate_.record(commands, {t.tets, t.shapes, t.corner_begin, t.corners, batch_->nodes, batch_->rotations},
                         {node_count_}, batch_->frames);
@@ -128,7 +129,7 @@ void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std
       }
     }
     jiggle_skin_.record(commands, {t.tets, t.skin, inputs.positions, motions_[current_].displacement, batch_->moved},
-                        {vertex_count_, f});
+                        {vertex_count_, f, weight});
   }
 }
 

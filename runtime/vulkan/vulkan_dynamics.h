@@ -45,8 +45,8 @@ class VulkanDynamics {
   // These record barriers between their kernels; before and after are the caller's.
   void record_diffuse(Commands& commands, const Inputs& inputs) const;
   // Cuts the commands: what they read from the host must be there already. The motion is that of the last frame from
-  // here on, as if the commands had run.
-  void record_jiggle(Commands& commands, const Inputs& inputs, std::span<const JiggleFrame> frames);
+  // here on, as if the commands had run. `weight`: how much of it the skin shows.
+  void record_jiggle(Commands& commands, const Inputs& inputs, std::span<const JiggleFrame> frames, float weight);
   // F x V x 3: the skin that jiggles.
   const Buffer& moved() const { return batch_->moved; }
 

@@ -166,6 +166,7 @@ struct ResidualCoefficientsPush {
 };
 struct ResidualBlendPush {
   uint vertex_count, coefficient_count;
+  float weight;  // of the displacement; 1: as trained
 };
 struct PoseSkinPush {
   uint vertex_count, joint_count;
@@ -218,6 +219,7 @@ struct JiggleStepPush {
 };
 struct JiggleSkinPush {
   uint vertex_count, frame;
+  float weight;  // of the displacement; 1: as it is
 };
 struct JiggleTetRotatePush {
   uint tet_count, node_count, frame;

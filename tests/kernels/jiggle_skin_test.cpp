@@ -8,6 +8,7 @@ namespace bodyopt::testing {
 namespace {
 
 constexpr std::uint32_t kNodes = 50;
+constexpr float kWeight = 0.7f;
 
 struct Case {
   explicit Case(std::uint32_t vertices)
@@ -17,7 +18,7 @@ struct Case {
         displacement(random.floats(std::size_t{3} * kNodes, -0.1, 0.1)),
         moved(positions.size()) {
     tets.skin = random_tet_points(random, tets.tet_count(), vertices);
-    cpu::jiggle_skin(tets, positions, displacement, moved);
+    cpu::jiggle_skin(tets, positions, displacement, kWeight, moved);
   }
 
   Random random;
@@ -48,7 +49,7 @@ TEST_F(JiggleSkin, EqualsTheReference) {
       const auto outputs = run_kernel(*device_, {batch.size()}, [&](auto& commands, const auto& out) {
         commands.copy({before, 0, sizeof(float) * expected.size()}, out[0]);
         commands.barrier();
-        kernel.record(commands, {tets, skin, positions, displacement, out[0]}, {vertices, frame});
+        kernel.record(commands, {tets, skin, positions, displacement, out[0]}, {vertices, frame, kWeight});
       });
       expect_close(outputs[0], expected, 0);  // sums and products in one order
     }
@@ -62,13 +63,13 @@ TEST_F(JiggleSkin, NoAmountChangesNoBit) {
   c.positions[0] = -0.0f;
   c.positions[4] = 1e-42f;
   std::fill(c.displacement.begin(), c.displacement.end(), std::nanf(""));
-  cpu::jiggle_skin(c.tets, c.positions, c.displacement, c.moved);
+  cpu::jiggle_skin(c.tets, c.positions, c.displacement, kWeight, c.moved);
   EXPECT_EQ(std::memcmp(c.moved.data(), c.positions.data(), sizeof(float) * c.moved.size()), 0);
   const auto tets = vulkan::upload(*device_, c.tets.tets, "tets"), skin = vulkan::upload(*device_, c.tets.skin, "skin"),
              displacement = vulkan::upload(*device_, c.displacement, "displacement"),
              positions = vulkan::upload(*device_, c.positions, "positions");
   const auto outputs = run_kernel(*device_, {c.moved.size()}, [&](auto& commands, const auto& out) {
-    kernel.record(commands, {tets, skin, positions, displacement, out[0]}, {100, 0});
+    kernel.record(commands, {tets, skin, positions, displacement, out[0]}, {100, 0, kWeight});
   });
   EXPECT_EQ(std::memcmp(outputs[0].data(), c.positions.data(), sizeof(float) * c.moved.size()), 0);
 }
@@ -81,7 +82,7 @@ TEST_F(JiggleSkin, ReproducesAnAffineDisplacement) {
   const auto field = [&](const Eigen::Vector3d& at) -> Eigen::Vector3d { return map * at + offset; };
   c.displacement.clear();
   for (std::size_t n = 0; n < kNodes; ++n) append_point(c.displacement, field(point_of(c.tets.nodes, n)));
-  cpu::jiggle_skin(c.tets, c.positions, c.displacement, c.moved);
+  cpu::jiggle_skin(c.tets, c.positions, c.displacement, kWeight, c.moved);
   for (std::size_t v = 0; v < 500; ++v) {
     const TetPoint& p = c.tets.skin[v];
     const float weights[4] = {p.w0, p.w1, p.w2, p.w3};
@@ -89,7 +90,7 @@ TEST_F(JiggleSkin, ReproducesAnAffineDisplacement) {
     for (std::size_t k = 0; k < 4; ++k) {
       at += static_cast<double>(weights[k]) * point_of(c.tets.nodes, c.tets.tets[4 * p.tet + k]);
     }
-    const Eigen::Vector3d expected = point_of(c.positions, v) + static_cast<double>(p.amount) * field(at);
+    const Eigen::Vector3d expected = point_of(c.positions, v) + static_cast<double>(kWeight * p.amount) * field(at);
     ASSERT_LT((point_of(c.moved, v) - expected).cwiseAbs().maxCoeff(), 2e-7);
   }
 }

@@ -8,6 +8,7 @@ namespace bodyopt::testing {
 namespace {
 
 constexpr std::uint32_t kCoefficients = 300;
+constexpr float kWeight = 0.7f;
 
 struct Case {
   Case(std::uint32_t vertices, std::uint32_t frame_count)
@@ -16,7 +17,7 @@ struct Case {
         residual(random_residual(random, 10, 100, kCoefficients, vertices)),
         coefficients(random.floats(std::size_t{kCoefficients} * frames, -2, 2)),
         displacements(std::size_t{3} * vertices * frames) {
-    cpu::residual_blend(residual, coefficients, frames, displacements);
+    cpu::residual_blend(residual, coefficients, frames, kWeight, displacements);
   }
 
   Random random;
@@ -51,7 +52,7 @@ TEST_F(ResidualBlend, EqualsTheReference) {
                  blend = vulkan::upload(*device_, c.residual.blend, "blend"),
                  coefficients = vulkan::upload(*device_, c.coefficients, "coefficients");
       const auto outputs = run_kernel(*device_, {c.displacements.size()}, [&](auto& commands, const auto& out) {
-        kernel.record(commands, {begin, blend, coefficients, out[0]}, {vertices, kCoefficients}, frames);
+        kernel.record(commands, {begin, blend, coefficients, out[0]}, {vertices, kCoefficients, kWeight}, frames);
       });
       expect_close(outputs[0], c.displacements, 0);  // sums and products in one order; numbers convert exactly
     }
@@ -70,7 +71,7 @@ TEST_F(ResidualBlend, ReferenceEqualsTheTextbook) {
       const double coefficient = c.coefficients[kCoefficients * frame + entry.scale_coefficient / 65536];
       for (std::size_t i = 0; i < 3; ++i) sum[i] += coefficient * scale * byte_value(entry, 16 * i + lane) / 128;
     }
-    for (std::size_t i = 0; i < 3; ++i) ASSERT_NEAR(c.displacements[3 * k + i], sum[i], 2e-8);
+    for (std::size_t i = 0; i < 3; ++i) ASSERT_NEAR(c.displacements[3 * k + i], static_cast<double>(kWeight) * sum[i], 2e-8);
   }
 }
 

@@ -162,7 +162,7 @@ TEST(Validation, SeesAMissingBarrier) {
     const vulkan::OutputNormals read(device);
     vulkan::Commands commands(device);
     commands.begin();
-    write.record(commands, {begin, blend, coefficients, between}, {64, 20}, 1);
+    write.record(commands, {begin, blend, coefficients, between}, {64, 20, 1}, 1);
     if (with_barrier) commands.barrier();
     read.record(commands, {triangles, around_begin, around, between, normals}, {64}, 1);
     commands.end();

@@ -143,7 +143,7 @@ TEST(VulkanDynamics, LimitsBatches) {
   const auto limit = [](const Dynamics& dynamics, std::uint32_t iterations) {
     JiggleOptions options;
     options.iterations = iterations;
-    return make_vulkan_backend(limb().basis, test_device(), {&dynamics, options})->batch_limit();
+    return make_vulkan_backend(limb().basis, open_test_device(), {&dynamics, options})->batch_limit();
   };
   Dynamics many_steps = limb().dynamics;
   many_steps.jiggle.step.substeps = 1000;
@@ -179,7 +179,7 @@ struct PushedLimb {
     const vulkan::VulkanDynamics::Inputs inputs{skin, zeros, zeros, zeros, fibres, 0};
     device_dynamics.record_diffuse(commands, inputs);
     commands.barrier();
-    device_dynamics.record_jiggle(commands, inputs, frames);
+    device_dynamics.record_jiggle(commands, inputs, frames, 1);
     commands.end();
     commands.run();
     submissions = commands.submission_count();

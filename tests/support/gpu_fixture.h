@@ -37,6 +37,10 @@ inline DeviceChoice test_device() {
   return choice;
 }
 
+inline std::shared_ptr<const vulkan::Device> open_test_device() {
+  return std::make_shared<const vulkan::Device>(test_device());
+}
+
 class GpuTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { device_ = std::make_unique<vulkan::Device>(test_device()); }

@@ -71,7 +71,7 @@ Regression random_regression(testing::Random& random, Eigen::Index features) {
 std::vector<float> unpacked_column(const ResidualTable& table, std::uint32_t coefficient) {
   std::vector<float> coefficients(table.coefficient_count()), column(3 * kVertices);
   coefficients[coefficient] = 1;
-  cpu::residual_blend(table, coefficients, 1, column);
+  cpu::residual_blend(table, coefficients, 1, 1, column);
   return column;
 }
 

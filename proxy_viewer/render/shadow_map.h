@@ -1,0 +1,31 @@
+// How near the ground skins are, seen from above: their soft shadow.
+#pragma once
+
+#include "proxy_viewer/render/graphics_pipeline.h"
+#include "proxy_viewer/render/view.h"
+
+namespace bodyopt {
+
+class ShadowMap {
+ public:
+  explicit ShadowMap(const vulkan::Device& device);
+
+  // Recording, outside of a render pass: what the skins of the view leave on its ground.
+  void record(VkCommandBuffer commands, PictureSets& sets, const View& view) const;
+
+  SampledImage image() const { return {soft_.view.get(), sampler_.get()}; }
+
+ private:
+  void begin(VkCommandBuffer commands, VkFramebuffer framebuffer) const;
+
+  RenderPass pass_;
+  Attachment hard_, soft_;
+  Framebuffer hard_framebuffer_, soft_framebuffer_;
+  vulkan::Owned<VkSampler, vkDestroySampler> sampler_;
+  GraphicsPipeline draw_, blur_;
+};
+
+// A sampler that blends neighbouring pixels, and goes on as the edge does.
+vulkan::Owned<VkSampler, vkDestroySampler> make_sampler(const vulkan::Device& device);
+
+}  // namespace bodyopt

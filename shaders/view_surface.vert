@@ -1,0 +1,39 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// The corners of a skin's triangles where the deformer left them: nothing is copied.
+#include "view.glsl"
+
+layout(push_constant) uniform Push {
+  View view;
+  vec4 offset_alpha;     // offset: world, metres
+  vec4 tint_heat;        // linear RGB; one over the top of the colour bar (1/m), 0: no heat
+  uint style, wire, orthographic;
+  uint first_vertex, first_reference;  // of the frame to draw, in vertices
+};
+
+layout(std430, set = 0, binding = 0) readonly buffer Triangles { uint triangles[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Positions { float positions[]; };
+layout(std430, set = 0, binding = 2) readonly buffer Normals { float normals[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Reference { float reference[]; };  // positions to measure against
+
+layout(location = 0) out vec3 out_position;  // camera space
+layout(location = 1) out vec3 out_normal;    // camera space
+layout(location = 2) out vec3 out_corner;    // barycentric
+layout(location = 3) out float out_heat;     // 0..1 on the colour bar
+
+void main() {
+  // Edges need to know their corner; otherwise every vertex is shaded once.
+  const uint vertex = wire != 0 ? triangles[gl_VertexIndex] : gl_VertexIndex;
+  const uint at = 3 * (first_vertex + vertex);
+  const vec3 position = vec3(positions[at], positions[at + 1], positions[at + 2]);
+  out_heat = 0;
+  if (tint_heat.w > 0) {
+    const uint to = 3 * (first_reference + vertex);
+    out_heat = tint_heat.w * distance(position, vec3(reference[to], reference[to + 1], reference[to + 2]));
+  }
+  out_position = to_camera(view, position + offset_alpha.xyz);
+  out_normal = turn_to_camera(view, vec3(normals[at], normals[at + 1], normals[at + 2]));
+  const uint corner = gl_VertexIndex % 3;
+  out_corner = vec3(corner == 0, corner == 1, corner == 2);
+  gl_Position = to_picture(view, out_position, orthographic != 0);
+}
