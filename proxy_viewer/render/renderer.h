@@ -23,6 +23,7 @@ struct Image {
 struct Camera {
   std::array<float, 3> eye{}, target{};  // metres, world
   float vertical_angle = 0.5f;           // radians
+  float orthographic_height = 0;         // metres seen vertically, whatever the distance; 0: perspective
 };
 
 // A camera that sees all points (V x 3, world, at least one) as large as it can, from the direction given (world,
