@@ -7,6 +7,7 @@ layout(push_constant) uniform Push {
   vec4 view[3];
   vec4 projection;
   uint kind;
+  uint orthographic;
 };
 const uint kColoured = 1;
 const uint kBackdrop = 2;
@@ -21,7 +22,7 @@ void main() {
     out_colour = vec4(backdrop(in_position.xy), 1);
     return;
   }
-  const vec3 eye = normalize(-in_position);
+  const vec3 eye = orthographic != 0 ? vec3(0, 0, 1) : normalize(-in_position);
   const vec3 up = vec3(view[0].y, view[1].y, view[2].y);
   const float size = length(in_normal);
   vec3 n = size > 1e-6 ? in_normal / size : eye;

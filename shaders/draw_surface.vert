@@ -3,8 +3,9 @@
 
 layout(push_constant) uniform Push {
   vec4 view[3];      // world to camera space, rows: x right, y up, z towards the camera
-  vec4 projection;   // x and y scale; depth = (z * projection.z + projection.w) / -z
+  vec4 projection;   // x and y scale; depth = (z * projection.z + projection.w) / w
   uint kind;
+  uint orthographic;  // w is 1; otherwise it is -z
 };
 const uint kBackdrop = 2;
 
@@ -35,5 +36,5 @@ void main() {
   out_normal = vec3(dot(view[0].xyz, normal), dot(view[1].xyz, normal), dot(view[2].xyz, normal));
   if (kind == kColoured) out_colour = vec3(colours[at], colours[at + 1], colours[at + 2]);
   gl_Position = vec4(projection.x * out_position.x, -projection.y * out_position.y,
-                     projection.z * out_position.z + projection.w, -out_position.z);
+                     projection.z * out_position.z + projection.w, orthographic != 0 ? 1 : -out_position.z);
 }

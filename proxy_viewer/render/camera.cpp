@@ -8,8 +8,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kVerticalAngle = 0.45f;  // about the 50 mm lens of a portrait: little perspective distortion
-constexpr double kMargin = 1.08;         // of the box's extent
+constexpr double kMargin = 1.08;  // of the box's extent
 
 Vec3 normalised(const Vec3& v, const Vec3& otherwise) {
   const double size = length(v);
@@ -42,6 +41,11 @@ std::array<std::array<float, 4>, 3> view_matrix(const Camera& camera) {
       !(camera.vertical_angle < 3.1f)) {
     throw Error(ErrorKind::usage,
                 "a camera must have a finite eye and target and a vertical angle between 0 and 3.1 radians");
+  }
+  if (!(camera.orthographic_height >= 0 && camera.orthographic_height <= kMaxCoordinate)) {
+    throw Error(ErrorKind::usage, "the height that an orthographic camera sees is " +
+                                      std::to_string(camera.orthographic_height) +
+                                      " m, expected a finite height of 0 (perspective) or more");
   }
   const Vec3 eye = to_double(camera.eye), target = to_double(camera.target);
   const ViewAxes axes = view_axes(eye - target);

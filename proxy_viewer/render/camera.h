@@ -8,7 +8,8 @@
 
 namespace bodyopt {
 
-constexpr float kMaxCoordinate = 1e9f;  // metres; beyond it single precision overflows on the way to the screen
+constexpr float kVerticalAngle = 0.45f;  // about the 50 mm lens of a portrait: little perspective distortion
+constexpr float kMaxCoordinate = 1e9f;   // metres; beyond it single precision overflows on the way to the screen
 
 struct ViewAxes {
   Vec3 right, up, back;  // orthonormal, world

@@ -37,23 +37,39 @@ void check_mesh(const DrawMesh& mesh, std::size_t index) {
   }
 }
 
-// Scales and depth terms for the camera and what it sees. The near and far planes enclose the meshes as tightly as
-// they can, so that depth is exact from a thimble to a house.
-std::array<float, 4> projection(std::span<const DrawMesh> meshes, const std::array<std::array<float, 4>, 3>& view,
-                                float vertical_angle, float aspect) {
-  double nearest = 1e30, farthest = 0;
+struct DepthRange {
+  double nearest = 1e30, farthest = -1e30;  // metres before the camera
+};
+
+DepthRange depth_range(std::span<const DrawMesh> meshes, const std::array<float, 4>& back) {
+  DepthRange range;
   for (const DrawMesh& mesh : meshes) {
     for (std::size_t i = 0; i < mesh.positions.size(); i += 3) {
-      const double z = view[2][0] * mesh.positions[i] + view[2][1] * mesh.positions[i + 1] +
-                       view[2][2] * mesh.positions[i + 2] + view[2][3];
-      nearest = std::min(nearest, -z);
-      farthest = std::max(farthest, -z);
+      const double z =
+          back[0] * mesh.positions[i] + back[1] * mesh.positions[i + 1] + back[2] * mesh.positions[i + 2] + back[3];
+      range.nearest = std::min(range.nearest, -z);
+      range.farthest = std::max(range.farthest, -z);
     }
   }
-  const double f = std::max(1.01 * farthest, 1e-3), n = std::clamp(0.99 * nearest, 1e-3 * f, 0.9 * f);
-  const double scale = 1 / std::tan(0.5 * static_cast<double>(vertical_angle));
-  return {static_cast<float>(scale / static_cast<double>(aspect)), static_cast<float>(scale),
-          static_cast<float>(f / (n - f)), static_cast<float>(n * f / (n - f))};
+  return range;
+}
+
+// Scales and depth terms for the camera and what it sees. The near and far planes enclose the meshes as tightly as
+// they can, so that depth is exact from a thimble to a house.
+std::array<float, 4> projection(const DepthRange& seen, const Camera& camera, double aspect) {
+  const double f = std::max(1.01 * seen.farthest, 1e-3), n = std::clamp(0.99 * seen.nearest, 1e-3 * f, 0.9 * f);
+  const double scale = 1 / std::tan(0.5 * static_cast<double>(camera.vertical_angle));
+  return {static_cast<float>(scale / aspect), static_cast<float>(scale), static_cast<float>(f / (n - f)),
+          static_cast<float>(n * f / (n - f))};
+}
+
+// The same for an orthographic camera, which also sees what lies behind its eye.
+std::array<float, 4> orthographic_projection(const DepthRange& seen, const Camera& camera, double aspect) {
+  const double margin = 0.01 * std::max(seen.farthest - seen.nearest, 0.0) + 1e-3;
+  const double n = seen.nearest - margin, f = seen.farthest + margin;
+  const double scale = 2 / static_cast<double>(camera.orthographic_height);
+  return {static_cast<float>(scale / aspect), static_cast<float>(scale), static_cast<float>(1 / (n - f)),
+          static_cast<float>(n / (n - f))};
 }
 
 // What the host wrote before is seen by the vertex shader.
@@ -107,8 +123,9 @@ Image Renderer::draw(std::span<const DrawMesh> meshes, const Camera& camera, std
   for (std::size_t m = 0; m < meshes.size(); ++m) check_mesh(meshes[m], m);
   SurfacePush push;
   push.view = view_matrix(camera);
-  push.projection =
-      projection(meshes, push.view, camera.vertical_angle, static_cast<float>(width) / static_cast<float>(height));
+  push.orthographic = camera.orthographic_height > 0;
+  push.projection = (push.orthographic ? orthographic_projection : projection)(
+      depth_range(meshes, push.view[2]), camera, static_cast<float>(width) / static_cast<float>(height));
 
   const vulkan::Device& device = impl_->device;
   const SurfacePipeline& pipeline = impl_->pipeline;

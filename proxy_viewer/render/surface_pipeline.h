@@ -12,10 +12,11 @@ enum class SurfaceKind : std::uint32_t { clay = 0, coloured = 1, backdrop = 2 };
 
 struct SurfacePush {
   std::array<std::array<float, 4>, 3> view;  // world to camera space, rows
-  std::array<float, 4> projection;           // x and y scale; depth = (z projection[2] + projection[3]) / -z
+  std::array<float, 4> projection;           // x and y scale; depth = (z projection[2] + projection[3]) / w
   SurfaceKind kind;
+  std::uint32_t orthographic;  // w is 1; otherwise (0) it is -z
 };
-static_assert(sizeof(SurfacePush) == 68);
+static_assert(sizeof(SurfacePush) == 72);
 
 class SurfacePipeline {
  public:

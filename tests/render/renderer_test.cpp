@@ -99,6 +99,40 @@ TEST_F(RendererTest, SilhouetteOfASphereIsSymmetricAndOfTheRightSize) {
   EXPECT_NEAR(static_cast<double>(area), 3.14159265 * radius * radius, 0.03 * 3.14159265 * radius * radius);
 }
 
+// Rows that a white sphere of radius 0.5 covers in the middle of the picture.
+int sphere_rows(const Image& image) {
+  int rows = 0;
+  for (std::uint32_t y = 0; y < image.height; ++y) rows += covered(image, image.width / 2, y) ? 1 : 0;
+  return rows;
+}
+
+TEST_F(RendererTest, OrthographicCameraShowsTheSameSizeFromAnyDistance) {
+  Sphere sphere(0.5f, 96, 64);
+  sphere.colours.assign(sphere.positions.size(), 1.0f);
+  const DrawMesh mesh = sphere.mesh();
+  for (const float distance : {-3.0f, 0.2f, 4.0f, 1000.0f}) {  // also behind the eye, and around it
+    Camera camera{{0, 0, distance}, {0, 0, distance - 1}, 0.45f, 2.0f};
+    const Image image = renderer_->draw(std::span(&mesh, 1), camera, 128, 64);
+    EXPECT_NEAR(sphere_rows(image), 32, 1) << distance;
+    int columns = 0;
+    for (std::uint32_t x = 0; x < image.width; ++x) columns += covered(image, x, 32) ? 1 : 0;
+    EXPECT_NEAR(columns, 32, 1) << distance;
+  }
+}
+
+TEST_F(RendererTest, OrthographicCameraKeepsTheNearerMeshBeforeTheOther) {
+  Sphere red(0.5f), blue(0.5f);
+  red.colours.assign(red.positions.size(), 0.0f);
+  blue.colours = red.colours;
+  for (std::size_t i = 0; i < red.colours.size(); i += 3) red.colours[i] = blue.colours[i + 2] = 1;
+  for (std::size_t i = 2; i < red.positions.size(); i += 3) red.positions[i] += 0.01f;
+  const DrawMesh meshes[] = {red.mesh(), blue.mesh()};
+  const auto front = pixel(renderer_->draw(meshes, {{0, 0, 3}, {0, 0, 0}, 0.45f, 2.0f}, 64, 64), 32, 32);
+  EXPECT_GT(front[0], front[2] + 100);
+  const auto back = pixel(renderer_->draw(meshes, {{0, 0, -3}, {0, 0, 0}, 0.45f, 2.0f}, 64, 64), 32, 32);
+  EXPECT_GT(back[2], back[0] + 100);
+}
+
 TEST_F(RendererTest, SameInputGivesTheSameBits) {
   const Sphere sphere(1);
   EXPECT_EQ(draw({sphere.mesh()}).rgba, draw({sphere.mesh()}).rgba);
@@ -196,6 +230,11 @@ TEST_F(RendererTest, RefusesWhatItCannotDraw) {
   Camera camera;
   camera.eye[0] = std::numeric_limits<float>::infinity();
   EXPECT_EQ(kind_of([&] { renderer_->draw({}, camera, 8, 8); }), ErrorKind::usage);
+  for (const float height : {-1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    Camera orthographic;
+    orthographic.orthographic_height = height;
+    EXPECT_EQ(kind_of([&] { renderer_->draw({}, orthographic, 8, 8); }), ErrorKind::usage);
+  }
   EXPECT_EQ(kind_of([] { Renderer unknown("no such device"); }), ErrorKind::device);
 }
 

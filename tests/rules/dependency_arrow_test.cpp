@@ -56,6 +56,10 @@ TEST(DependencyArrow, TrainerKnowsNoProgramOrWindow) {
   expect_none("trainer", {"cli/", "proxy_viewer/", "GLFW", "CLI"});
 }
 
-TEST(DependencyArrow, RendererKnowsNoTrainerOrProgram) { expect_none("proxy_viewer", {"trainer/", "cli/", "Eigen"}); }
+TEST(DependencyArrow, RendererKnowsNoTrainerOrProgram) {
+  expect_none("proxy_viewer/render", {"trainer/", "cli/", "Eigen"});
+}
+
+TEST(DependencyArrow, ViewerKnowsNoProgram) { expect_none("proxy_viewer", {"cli/", "CLI"}); }
 
 }  // namespace

@@ -1,0 +1,60 @@
+// The viewport's camera: a turntable around a point, upright always.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "proxy_viewer/render/renderer.h"
+#include "runtime/basis/transform.h"
+
+namespace bodyopt {
+
+// Where an OrbitCamera stands.
+struct OrbitView {
+  Vec3 target{0, 0, 0};       // metres, world
+  double distance = 3;        // metres, from the eye to the target
+  double azimuth = 0;         // radians: 0 from the front (+z), pi / 2 from the character's left (+x)
+  double elevation = 0;       // radians above the horizon
+  bool orthographic = false;  // at the target things look as large as in perspective
+
+  bool operator==(const OrbitView&) const = default;
+};
+
+enum class AxisView { front, side, top };
+
+class OrbitCamera {
+ public:
+  static constexpr double kSteepest = 1.52;                  // radians: nearer to the pole the turntable has no side
+  static constexpr double kNearest = 0.01, kFarthest = 1e5;  // metres
+
+  OrbitCamera() = default;
+  // Numbers beyond the limits are brought within; above kSteepest it is the view from the top. Throws Error(usage) for
+  // numbers that are not finite.
+  explicit OrbitCamera(const OrbitView& view);
+
+  const OrbitView& view() const { return view_; }
+  Camera camera() const;
+
+  // Radians: the eye moves to the right and up around the target. Only view_axis() reaches the pole.
+  void orbit(double right, double up);
+  // Pixels that the cursor moved to the right and down, of a picture of `height` pixels (0: a window without a
+  // picture, nothing moves): what is as deep as the target follows the cursor.
+  void pan(double right, double down, double height);
+  // Notches of a wheel: each goes a tenth of the way to the target; negative ones go back as far.
+  void dolly(double notches);
+  // Moves along the direction of view and across it until all points (V x 3, world, metres, at least one) are seen, as
+  // large as can be. `aspect`: width over height. Throws Error(usage) as frame_points().
+  void frame(std::span<const float> points, float aspect);
+  void view_axis(AxisView axis);
+  void toggle_orthographic() { view_.orthographic = !view_.orthographic; }
+
+  // `count` cameras that go once around the target to the right, beginning here; the last is one step short of the
+  // first.
+  std::vector<Camera> turntable(std::size_t count) const;
+
+ private:
+  OrbitView view_;
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,91 @@
+// The viewport's playhead: which frame is shown when.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace bodyopt {
+
+// The frames first, first + step, ... up to last.
+struct PlayFrames {
+  int first = 1, last = 1, step = 1;
+};
+
+enum class PlayMode { loop, ping_pong, once };
+
+// Knows no clock: advance() is told how much time has passed, and gives the same frames for the same times. Frames
+// stand for times: 1001-1100x2 shows half the frames of 1001-1100, each for twice as long. A frame that is asked for
+// and not there means the last one before it.
+class Playback {
+ public:
+  static constexpr double kSlowest = 0.1, kFastest = 2;  // speeds
+  static constexpr double kLongestGap =
+      1;  // seconds; of a longer gap (a stall, a sleeping laptop) the rest is not played
+
+  // `fps`: frames a second, counted in numbers. Throws Error(usage) for frames that end before they begin, a step below
+  // 1, and an fps that is not above 0 and at most 1,000.
+  Playback(const PlayFrames& frames, double fps);
+
+  // Lets time pass and gives the frame to show. What is no positive number of seconds is no time.
+  int advance(double seconds);
+
+  void play();  // at the end of a range that is played once: from its beginning
+  void pause();
+  void toggle();
+  void step(int frames);  // pauses; beyond the range, too, as far as the clip has frames
+  // The others play on if they were playing.
+  void go_to_in();
+  void go_to_out();
+  void go_to_previous_key();  // stays where there is none
+  void go_to_next_key();
+  void scrub(int frame);
+
+  // Plays only frames from `in` to `out`. The frame shown stays; where it lies outside, playing enters the range at its
+  // beginning. Throws Error(usage) when there is no frame of the clip within.
+  void set_range(int in, int out);
+  void set_keys(const std::vector<int>& frames);  // in any order; those outside the clip are left out
+  void set_mode(PlayMode mode) { mode_ = mode; }
+  void set_speed(double speed);  // throws Error(usage) unless from kSlowest to kFastest
+  void set_backwards(bool backwards) { backwards_ = backwards; }
+  // In real time frames are dropped when advance() is called late; otherwise every frame is shown, however long it
+  // takes.
+  void set_real_time(bool real_time) { real_time_ = real_time; }
+
+  int frame() const { return frame_at(shown_); }
+  int first() const { return frame_at(0); }
+  int last() const { return frame_at(count_ - 1); }
+  int in() const { return frame_at(in_); }
+  int out() const { return frame_at(out_); }
+  std::vector<int> keys() const;  // rising
+  bool playing() const { return playing_; }
+  PlayMode mode() const { return mode_; }
+  double speed() const { return speed_; }
+  bool backwards() const { return backwards_; }  // in ping-pong: as it goes now
+  bool real_time() const { return real_time_; }
+  std::int64_t dropped() const { return dropped_; }  // frames that were not shown since play()
+
+ private:
+  using Index = std::int64_t;  // of a frame among those of the clip
+
+  int frame_at(Index index) const { return static_cast<int>(first_ + index * step_); }
+  Index index_of(std::int64_t frame) const;
+  void show(Index index);
+  Index start() const { return backwards_ ? out_ : in_; }
+  Index end() const { return backwards_ ? in_ : out_; }
+  void move(Index frames);
+  Index move_once(Index frames);
+  void move_looping(Index frames);
+  void move_ping_pong(Index frames);
+
+  Index first_, step_, count_;
+  Index in_ = 0, out_, shown_ = 0;
+  double fps_;
+  double waited_ = 0;  // frames; since the one shown was due
+  std::vector<Index> keys_;
+  PlayMode mode_ = PlayMode::loop;
+  double speed_ = 1;
+  bool playing_ = false, backwards_ = false, real_time_ = true;
+  std::int64_t dropped_ = 0;
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,42 @@
+// Which files have changed on disk: for the viewport to read them again.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace bodyopt {
+
+// Asks the file system each time (which works on network folders, too). A file has changed when its modification time
+// or size is another, or when it was away and is back; it is reported once nothing has happened to it for kQuiet, so
+// that nobody reads one that is still being written.
+class WatchedFiles {
+ public:
+  static constexpr double kQuiet = 0.3;  // seconds
+
+  // What the files are like now is what they are compared with; a file that is not there is reported when it comes.
+  explicit WatchedFiles(const std::vector<std::filesystem::path>& files);
+
+  // The files that have changed since they were reported last, in the order given. `now`: seconds of a clock that does
+  // not go back.
+  std::vector<std::filesystem::path> changed(double now);
+
+ private:
+  struct Stamp {
+    std::filesystem::file_time_type time;
+    std::uintmax_t size;
+    bool operator==(const Stamp&) const = default;
+  };
+  struct File {
+    std::filesystem::path path;
+    std::optional<Stamp> known, latest;  // as reported last, and as seen last; empty while it is away
+    double since = 0;                    // when `latest` was seen first
+  };
+
+  static std::optional<Stamp> stamp(const std::filesystem::path& path);
+
+  std::vector<File> files_;
+};
+
+}  // namespace bodyopt
