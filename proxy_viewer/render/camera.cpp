@@ -59,6 +59,20 @@ std::array<std::array<float, 4>, 3> view_matrix(const Camera& camera) {
   return rows;
 }
 
+std::array<float, 4> projection(const Camera& camera, const DepthRange& seen, double aspect) {
+  if (camera.orthographic_height > 0) {
+    const double margin = 0.01 * std::max(seen.farthest - seen.nearest, 0.0) + 1e-3;
+    const double n = seen.nearest - margin, f = seen.farthest + margin;
+    const double scale = 2 / static_cast<double>(camera.orthographic_height);
+    return {static_cast<float>(scale / aspect), static_cast<float>(scale), static_cast<float>(1 / (n - f)),
+            static_cast<float>(n / (n - f))};
+  }
+  const double f = std::max(1.01 * seen.farthest, 1e-3), n = std::clamp(0.99 * seen.nearest, 1e-3 * f, 0.9 * f);
+  const double scale = 1 / std::tan(0.5 * static_cast<double>(camera.vertical_angle));
+  return {static_cast<float>(scale / aspect), static_cast<float>(scale), static_cast<float>(f / (n - f)),
+          static_cast<float>(n * f / (n - f))};
+}
+
 Camera frame_points(std::span<const float> points, const std::array<float, 3>& direction, float aspect) {
   if (points.empty() || points.size() % 3 != 0 || !all_in_range(points) || !(aspect > 0) || !std::isfinite(aspect)) {
     throw Error(ErrorKind::usage, "points to frame must be three finite numbers each, and the aspect ratio positive");

@@ -22,4 +22,13 @@ ViewAxes view_axes(const Vec3& direction);
 // kMaxCoordinate.
 std::array<std::array<float, 4>, 3> view_matrix(const Camera& camera);
 
+struct DepthRange {
+  double nearest = 1e30, farthest = -1e30;  // metres before the camera
+};
+
+// x and y scale, and depth terms a, b: depth = (z a + b) / w with w = -z, or 1 of an orthographic camera. The near and
+// far planes enclose what is seen as tightly as they can, so that depth is exact from a thimble to a house; an
+// orthographic camera also sees what lies behind its eye. aspect: width over height.
+std::array<float, 4> projection(const Camera& camera, const DepthRange& seen, double aspect);
+
 }  // namespace bodyopt

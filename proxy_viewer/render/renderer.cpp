@@ -3,14 +3,27 @@
 #include <algorithm>
 #include <cmath>
 
+#include "draw_surface.frag.spv.h"
+#include "draw_surface.vert.spv.h"
 #include "proxy_viewer/render/camera.h"
-#include "proxy_viewer/render/surface_pipeline.h"
+#include "proxy_viewer/render/graphics_pipeline.h"
 #include "proxy_viewer/render/target.h"
 #include "runtime/basis/error.h"
 #include "runtime/vulkan/commands.h"
 
 namespace bodyopt {
 namespace {
+
+enum class SurfaceKind : std::uint32_t { clay = 0, coloured = 1, backdrop = 2 };
+
+// That of draw_surface.
+struct SurfacePush {
+  std::array<std::array<float, 4>, 3> view;
+  std::array<float, 4> projection;
+  SurfaceKind kind;
+  std::uint32_t orthographic;
+};
+static_assert(sizeof(SurfacePush) == 72);
 
 [[noreturn]] void refuse_mesh(std::size_t index, const std::string& what) {
   throw Error(ErrorKind::mismatch, "mesh " + std::to_string(index) + " to draw: " + what);
@@ -37,10 +50,6 @@ void check_mesh(const DrawMesh& mesh, std::size_t index) {
   }
 }
 
-struct DepthRange {
-  double nearest = 1e30, farthest = -1e30;  // metres before the camera
-};
-
 DepthRange depth_range(std::span<const DrawMesh> meshes, const std::array<float, 4>& back) {
   DepthRange range;
   for (const DrawMesh& mesh : meshes) {
@@ -52,24 +61,6 @@ DepthRange depth_range(std::span<const DrawMesh> meshes, const std::array<float,
     }
   }
   return range;
-}
-
-// Scales and depth terms for the camera and what it sees. The near and far planes enclose the meshes as tightly as
-// they can, so that depth is exact from a thimble to a house.
-std::array<float, 4> projection(const DepthRange& seen, const Camera& camera, double aspect) {
-  const double f = std::max(1.01 * seen.farthest, 1e-3), n = std::clamp(0.99 * seen.nearest, 1e-3 * f, 0.9 * f);
-  const double scale = 1 / std::tan(0.5 * static_cast<double>(camera.vertical_angle));
-  return {static_cast<float>(scale / aspect), static_cast<float>(scale), static_cast<float>(f / (n - f)),
-          static_cast<float>(n * f / (n - f))};
-}
-
-// The same for an orthographic camera, which also sees what lies behind its eye.
-std::array<float, 4> orthographic_projection(const DepthRange& seen, const Camera& camera, double aspect) {
-  const double margin = 0.01 * std::max(seen.farthest - seen.nearest, 0.0) + 1e-3;
-  const double n = seen.nearest - margin, f = seen.farthest + margin;
-  const double scale = 2 / static_cast<double>(camera.orthographic_height);
-  return {static_cast<float>(scale / aspect), static_cast<float>(scale), static_cast<float>(1 / (n - f)),
-          static_cast<float>(n / (n - f))};
 }
 
 // What the host wrote before is seen by the vertex shader.
@@ -90,21 +81,27 @@ struct MeshBuffers {
 
 struct Renderer::Impl {
   explicit Impl(const DeviceChoice& choice)
-      : device(choice, {.draws = true}), render_pass(make_render_pass(device)), pipeline(device, render_pass.get()) {}
+      : device(choice, {.draws = true}),
+        render_pass(make_render_pass(device)),
+        pipeline(device, render_pass.get(),
+                 {.vertex = draw_surface_vert_spv,
+                  .fragment = draw_surface_frag_spv,
+                  .storage_buffers = 4,
+                  .push_bytes = sizeof(SurfacePush)}) {}
 
-  MeshBuffers upload(const DrawMesh& mesh, SurfaceSets& sets) const {
+  MeshBuffers upload(const DrawMesh& mesh, PictureSets& sets) const {
     MeshBuffers buffers;
     buffers.triangles = vulkan::upload_bytes(device, std::as_bytes(mesh.triangles), "triangles");
     buffers.positions = vulkan::upload_bytes(device, std::as_bytes(mesh.positions), "positions");
     buffers.normals = vulkan::upload_bytes(device, std::as_bytes(mesh.normals), "normals");
     buffers.colours = vulkan::upload_bytes(device, std::as_bytes(mesh.colours), "colours");
-    buffers.set = sets.make({&buffers.triangles, &buffers.positions, &buffers.normals, &buffers.colours});
+    buffers.set = sets.make(pipeline, {&buffers.triangles, &buffers.positions, &buffers.normals, &buffers.colours});
     return buffers;
   }
 
   vulkan::Device device;
   RenderPass render_pass;
-  SurfacePipeline pipeline;
+  GraphicsPipeline pipeline;
 };
 
 Renderer::Renderer(const std::string& device, bool validation)
@@ -124,12 +121,11 @@ Image Renderer::draw(std::span<const DrawMesh> meshes, const Camera& camera, std
   SurfacePush push;
   push.view = view_matrix(camera);
   push.orthographic = camera.orthographic_height > 0;
-  push.projection = (push.orthographic ? orthographic_projection : projection)(
-      depth_range(meshes, push.view[2]), camera, static_cast<float>(width) / static_cast<float>(height));
+  push.projection = projection(camera, depth_range(meshes, push.view[2]), static_cast<double>(width) / height);
 
   const vulkan::Device& device = impl_->device;
-  const SurfacePipeline& pipeline = impl_->pipeline;
-  SurfaceSets sets(device, pipeline, static_cast<std::uint32_t>(meshes.size() + 1));
+  const GraphicsPipeline& pipeline = impl_->pipeline;
+  PictureSets sets(device, static_cast<std::uint32_t>(meshes.size() + 1));
   const MeshBuffers nothing = impl_->upload({}, sets);
   std::vector<MeshBuffers> buffers;
   for (const DrawMesh& mesh : meshes) buffers.push_back(impl_->upload(mesh, sets));

@@ -71,18 +71,8 @@ ViewPush view_push(const View& view) {
   const auto& back = push.rows[2];
   const double z = -(static_cast<double>(back[0]) * view.middle[0] + static_cast<double>(back[1]) * view.middle[1] +
                      static_cast<double>(back[2]) * view.middle[2] + static_cast<double>(back[3]));
-  const double radius = std::max(1e-6, static_cast<double>(view.radius));
-  const double aspect = static_cast<double>(view.area.width) / view.area.height;
-  if (view.camera.orthographic_height > 0) {
-    const double n = z - radius, f = z + radius, scale = 2 / static_cast<double>(view.camera.orthographic_height);
-    push.projection = {static_cast<float>(scale / aspect), static_cast<float>(scale), static_cast<float>(1 / (n - f)),
-                       static_cast<float>(n / (n - f))};
-    return push;
-  }
-  const double f = std::max(z + radius, 1e-3), n = std::clamp(z - radius, 1e-3 * f, 0.9 * f);
-  const double scale = 1 / std::tan(0.5 * static_cast<double>(view.camera.vertical_angle));
-  push.projection = {static_cast<float>(scale / aspect), static_cast<float>(scale), static_cast<float>(f / (n - f)),
-                     static_cast<float>(n * f / (n - f))};
+  push.projection = projection(view.camera, {z - view.radius, z + view.radius},
+                               static_cast<double>(view.area.width) / view.area.height);
   return push;
 }
 

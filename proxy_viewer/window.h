@@ -1,0 +1,60 @@
+// The window: events, and the picture of the viewport on the screen. GLFW and Vulkan; nothing here knows the scene.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "proxy_viewer/render/viewport.h"
+#include "runtime/vulkan/device.h"
+
+struct GLFWwindow;
+
+namespace bodyopt {
+
+struct WindowOptions {
+  std::string title = "Bodyopt";
+  std::uint32_t width = 1280, height = 720;  // pixels
+  bool vsync = true;
+};
+
+class Window {
+ public:
+  // Throws Error(device) where there is no display, or no window can be had: it says so and names --headless.
+  explicit Window(const WindowOptions& options);
+  ~Window();
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  // What a device must offer to show a picture here.
+  vulkan::DeviceUse device_use() const;
+  // Before the first show(). The device must outlive the window's use of it: see release().
+  void attach(const vulkan::Device& device);
+  // Lets go of the device, before it is destroyed.
+  void release();
+
+  // Shows the viewport's picture. Where the surface has changed its size meanwhile, what fits is shown.
+  void show(const Viewport& viewport);
+
+  // Calls back for what has happened; waits for it at most so long (seconds; 0: not at all).
+  void poll(double seconds);
+  bool closed() const;
+  void close();
+  void set_title(const std::string& title);
+  std::array<std::uint32_t, 2> size() const;  // pixels; 0 while minimised
+  GLFWwindow* handle() const { return window_; }
+
+  std::function<void(const std::vector<std::string>& files)> on_drop;
+
+ private:
+  struct Swapchain;
+
+  GLFWwindow* window_ = nullptr;
+  bool vsync_;
+  std::unique_ptr<Swapchain> swapchain_;
+};
+
+}  // namespace bodyopt
