@@ -107,13 +107,14 @@ bool JsonObject::is_null(const char* key) const { return at(key).is_null(); }
 
 int JsonObject::integer(const char* key, double low, double high) const {
   const double value = number(key, low, high);
-  if (value != std::floor(value)) refuse(std::string("'") + key + "' is not a whole number");
+  if (value != std::floor(value))
+    refuse(std::string("'") + key + "' is " + at(key).dump() + ", expected a whole number");
   return static_cast<int>(value);
 }
 
 bool JsonObject::boolean(const char* key) const {
   const Json& value = at(key);
-  if (!value.is_boolean()) refuse(std::string("'") + key + "' is neither true nor false");
+  if (!value.is_boolean()) refuse(std::string("'") + key + "' is " + value.dump() + ", expected true or false");
   return value.get<bool>();
 }
 

@@ -1,0 +1,131 @@
+#include "proxy_viewer/view_settings.h"
+
+#include <array>
+#include <numbers>
+#include <utility>
+
+#include "proxy_viewer/json_fields.h"
+#include "runtime/basis/error.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr const char* kSchema = "bodyopt-view-1";
+constexpr double kLargest = 1e6;      // metres, and of what has no limit of its own
+constexpr double kLatestFrame = 1e9;  // either way
+constexpr double kTurn = 360;         // degrees
+constexpr double kMostAmount = 10;    // as in jiggle.json
+constexpr double kMostGhosts = 50, kLongestStep = 1000;
+constexpr double kFinestHeat = 0.001, kCoarsestHeat = 1e4;  // mm
+
+constexpr std::array kPlayModes{"loop", "ping_pong", "once"};
+constexpr std::array kStyles{"clay", "matcap", "flat", "normals"};
+constexpr std::array kComparisons{"none", "lbs", "ddm", "linear", "full", "jiggle", "truth", "proxy"};
+constexpr std::array kLayouts{"side_by_side", "overlay", "wipe", "hold"};
+
+// What names the fields of a structure (const or not) to a FieldReader or a FieldWriter.
+
+constexpr auto kPlayingFields = [](auto& list, auto& playing) {
+  list.choice("mode", playing.mode, kPlayModes);
+  list.number("speed", playing.speed, Playback::kSlowest, Playback::kFastest);
+  list.boolean("backwards", playing.backwards);
+  list.boolean("real_time", playing.real_time);
+  list.integer("in", playing.in, -kLatestFrame, kLatestFrame);
+  list.integer("out", playing.out, -kLatestFrame, kLatestFrame);
+};
+
+constexpr auto kViewFields = [](auto& list, auto& view) {
+  list.vector("target", view.target, -kLargest, kLargest);
+  list.number("distance", view.distance, OrbitCamera::kNearest, OrbitCamera::kFarthest);
+  list.number("azimuth", view.azimuth, -std::numbers::pi, std::numbers::pi);
+  list.number("elevation", view.elevation, -std::numbers::pi / 2, std::numbers::pi / 2);
+  list.boolean("orthographic", view.orthographic);
+};
+
+constexpr auto kLookFields = [](auto& list, auto& look) {
+  list.choice("style", look.style, kStyles);
+  list.boolean("wire", look.wire);
+  list.boolean("grid", look.grid);
+  list.boolean("axes", look.axes);
+  list.boolean("skeleton", look.skeleton);
+  list.boolean("fibres", look.fibres);
+  list.boolean("tets", look.tets);
+  list.number("tet_cut", look.tet_cut, 0, 1);
+  list.boolean("shadow", look.shadow);
+  list.boolean("smooth_background", look.smooth_background);
+};
+
+constexpr auto kCompareFields = [](auto& list, auto& compare) {
+  list.choice("with", compare.with, kComparisons);
+  list.choice("layout", compare.layout, kLayouts);
+  list.number("wipe", compare.wipe, 0, 1);
+  list.boolean("heat", compare.heat);
+  list.number("heat_scale_mm", compare.heat_scale_mm, kFinestHeat, kCoarsestHeat);
+  list.boolean("activation", compare.activation);
+  list.boolean("coverage", compare.coverage);
+};
+
+constexpr auto kPosingFields = [](auto& list, auto& pose) {
+  list.number("correction", pose.correction, 0, 1);
+  list.named("joints", pose.joints,
+             [](auto& joints, const char* name, auto& angles) { joints.vector(name, angles, -kTurn, kTurn); });
+  list.named("controls", pose.controls,
+             [](auto& controls, const char* name, auto& value) { controls.number(name, value, -kLargest, kLargest); });
+};
+
+constexpr auto kJigglingFields = [](auto& list, auto& jiggle) {
+  list.boolean("on", jiggle.on);
+  list.number("amount", jiggle.amount, 0, kMostAmount);
+};
+
+constexpr auto kGhostsFields = [](auto& list, auto& ghosts) {
+  list.integer("before", ghosts.before, 0, kMostGhosts);
+  list.integer("after", ghosts.after, 0, kMostGhosts);
+  list.integer("step", ghosts.step, 1, kLongestStep);
+  list.number("opacity", ghosts.opacity, 0, 1);
+};
+
+constexpr auto kHudFields = [](auto& list, auto& hud) {
+  list.boolean("on", hud.on);
+  list.named("panels", hud.panels, [](auto& panels, const char* name, auto& open) { panels.boolean(name, open); });
+};
+
+constexpr auto kSettingsFields = [](auto& list, auto& settings) {
+  list.structure("playback", settings.playback, kPlayingFields);
+  list.structure("camera", settings.camera, kViewFields);
+  list.named("cameras", settings.cameras,
+             [](auto& cameras, const char* name, auto& view) { cameras.structure(name, view, kViewFields); });
+  list.structure("look", settings.look, kLookFields);
+  list.structure("compare", settings.compare, kCompareFields);
+  list.structure("pose", settings.pose, kPosingFields);
+  list.structure("jiggle", settings.jiggle, kJigglingFields);
+  list.structure("ghosts", settings.ghosts, kGhostsFields);
+  list.structure("hud", settings.hud, kHudFields);
+};
+
+}  // namespace
+
+ViewSettings read_view_settings(const std::filesystem::path& path) {
+  Json json = read_json(path, kSchema);
+  json.erase("schema");
+  ViewSettings settings;
+  FieldReader reader(json, path, "the file");
+  kSettingsFields(reader, settings);
+  reader.finish();
+  const auto& [in, out] = std::pair(settings.playback.in, settings.playback.out);
+  if (in && out && *in > *out) {
+    throw Error(ErrorKind::file, path.string() + ": 'playback' has 'in' " + std::to_string(*in) + " after 'out' " +
+                                     std::to_string(*out) + ", expected a range: the other way round?");
+  }
+  return settings;
+}
+
+void write_view_settings(const ViewSettings& settings, const std::filesystem::path& path) {
+  FieldWriter writer;
+  kSettingsFields(writer, settings);
+  Json json = {{"schema", kSchema}};
+  json.update(writer.json());
+  write_json(json, path);
+}
+
+}  // namespace bodyopt

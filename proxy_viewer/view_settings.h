@@ -1,0 +1,88 @@
+// Everything that can be set in the viewport, and its state file (docs/formats.md, view.json).
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "proxy_viewer/orbit_camera.h"
+#include "proxy_viewer/playback.h"
+
+namespace bodyopt {
+
+enum class LookStyle { clay, matcap, flat, normals };
+enum class CompareWith { none, lbs, ddm, linear, full, jiggle, truth, proxy };
+enum class CompareLayout { side_by_side, overlay, wipe, hold };
+
+struct ViewSettings {
+  struct Playing {
+    PlayMode mode = PlayMode::loop;
+    double speed = 1;
+    bool backwards = false, real_time = true;
+    std::optional<int> in, out;  // frames; the clip's first and last where they are left out
+    bool operator==(const Playing&) const = default;
+  };
+
+  struct Look {
+    LookStyle style = LookStyle::clay;
+    bool wire = false, grid = true, axes = true, skeleton = false, fibres = false, tets = false;
+    double tet_cut = 0;  // share of the tets that is cut away, from the front
+    bool shadow = true, smooth_background = true;
+    bool operator==(const Look&) const = default;
+  };
+
+  struct Compare {
+    CompareWith with = CompareWith::none;
+    CompareLayout layout = CompareLayout::side_by_side;
+    double wipe = 0.5;  // where, of the picture's width
+    bool heat = false;
+    double heat_scale_mm = 10;  // the hottest colour
+    bool activation = false, coverage = false;
+    bool operator==(const Compare&) const = default;
+  };
+
+  struct Posing {
+    double correction = 1;               // of what is learned; 0: none of it
+    std::map<std::string, Vec3> joints;  // Euler angles about x, y, z in degrees, on top of the clip, by joint
+    std::map<std::string, double> controls;
+    bool operator==(const Posing&) const = default;
+  };
+
+  struct Jiggling {
+    bool on = false;
+    double amount = 1;
+    bool operator==(const Jiggling&) const = default;
+  };
+
+  struct Ghosts {
+    int before = 0, after = 0;  // how many
+    int step = 1;               // frames from one to the next
+    double opacity = 0.3;
+    bool operator==(const Ghosts&) const = default;
+  };
+
+  struct Hud {
+    bool on = true;
+    std::map<std::string, bool> panels;  // whether they are open, by name
+    bool operator==(const Hud&) const = default;
+  };
+
+  Playing playback;
+  OrbitView camera;
+  std::map<std::string, OrbitView> cameras;  // saved, by name
+  Look look;
+  Compare compare;
+  Posing pose;
+  Jiggling jiggle;
+  Ghosts ghosts;
+  Hud hud;
+
+  bool operator==(const ViewSettings&) const = default;
+};
+
+// What the file leaves out keeps its default. Throws Error(file).
+ViewSettings read_view_settings(const std::filesystem::path& path);
+void write_view_settings(const ViewSettings& settings, const std::filesystem::path& path);  // throws Error(file)
+
+}  // namespace bodyopt
