@@ -93,6 +93,7 @@ void add_eval(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_coverage(CLI::App& app);
 void add_regions(CLI::App& app);
+void add_view(CLI::App& app);
 void add_export(CLI::App& app);
 void add_picture(CLI::App& app);
 void add_info(CLI::App& app);

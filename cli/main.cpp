@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   add_eval(app);
   add_compare(app);
   add_coverage(app);
+  add_view(app);
   add_export(app);
   add_picture(app);
   add_info(app);

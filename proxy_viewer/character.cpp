@@ -73,7 +73,7 @@ Basis linear_part(Basis basis) {
   for (const Region& region : residual.regions) {
     const std::size_t columns = std::size_t{1} + region.feature_count + region.centre_count;
     for (std::uint32_t k = 0; k < region.coefficient_count; ++k) {
-      const auto row = residual.weights.begin() + static_cast<std::ptrdiff_t>(region.first_weight + k * columns);
+      const auto row = residual.weights.begin() + static_cast<std::ptrdiff_t>(region.weight_values + k * columns);
       std::fill(row + 1 + region.feature_count, row + static_cast<std::ptrdiff_t>(columns), 0.0f);
     }
   }
@@ -149,8 +149,8 @@ Pose Character::pose(int frame, const ViewSettings::Posing& posing) const {
   return pose;
 }
 
-Deformer& Character::deformer(Method method) {
-  std::unique_ptr<Deformer>& made = deformers_[method];
+Deformer& Character::deformer(Method method, Use use) {
+  std::unique_ptr<Deformer>& made = deformers_[{method, use}];
   if (made) return *made;
   made = std::make_unique<Deformer>(method == Method::linear ? linear_part(basis_) : basis_,
                                     method == Method::jiggle ? dynamics_ : std::nullopt, JiggleOptions{}, device_);
@@ -163,7 +163,7 @@ const Evaluation& Character::evaluate(Method method, std::span<const Pose> poses
     show_truth(frame);
     return result;
   }
-  Deformer& d = deformer(method);
+  Deformer& d = deformer(method, Use::show);
   d.set_weights({method == Method::ddm ? 0.0f : weights.correction, weights.jiggle});
   if (method == Method::jiggle) {
     result = d.jiggle_on_device(poses.first(1), {&frame, 1});
@@ -173,14 +173,19 @@ const Evaluation& Character::evaluate(Method method, std::span<const Pose> poses
   return result;
 }
 
+void Character::reset_jiggle() {
+  const auto found = deformers_.find({Method::jiggle, Use::show});
+  if (found != deformers_.end()) found->second->set_state({});
+}
+
 ShownSkin Character::skin(Method method) const {
   if (method == Method::truth) return {&truth_->positions, &truth_->normals};
-  const DeviceSkin skin = deformers_.at(method)->device_skin();
+  const DeviceSkin skin = deformers_.at({method, Use::show})->device_skin();
   return {skin.positions, skin.normals};
 }
 
 std::vector<float> Character::measure(Method method, const Pose& pose, int frame) {
-  if (method != Method::truth) return deformer(method).evaluate({&pose, 1}).positions;
+  if (method != Method::truth) return deformer(method, Use::measure).evaluate({&pose, 1}).positions;
   const std::optional<std::uint32_t> sample = truth_sample(frame);
   if (!sample) return {};
   const std::span<const float> points = truth_->reader.sample(*sample);

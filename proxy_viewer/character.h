@@ -53,10 +53,12 @@ class Character {
 
   // Poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
   const Evaluation& evaluate(Method method, std::span<const Pose> poses, int frame, const Weights& weights);
+  void reset_jiggle();  // the next frame starts anew
   // Of the last evaluation by the method.
   ShownSkin skin(Method method) const;
 
-  // The result of a method on the host, output vertex order: of one pose, for figures.
+  // The result of a method on the host, output vertex order: of one pose, for figures; nothing where the truth has no
+  // such frame. Quasi-static.
   std::vector<float> measure(Method method, const Pose& pose, int frame);
 
   const vulkan::Buffer& triangles() const { return triangles_; }
@@ -74,7 +76,9 @@ class Character {
     vulkan::Buffer positions, normals;
   };
 
-  Deformer& deformer(Method method);
+  enum class Use { show, measure };  // what is measured must not take the place of what is shown
+
+  Deformer& deformer(Method method, Use use);
   void show_truth(int frame);
   std::optional<std::uint32_t> truth_sample(int frame) const;
   void measure_ground();
@@ -88,7 +92,7 @@ class Character {
   double size_ = 1, ground_ = 0;
   vulkan::Buffer triangles_, fibre_segments_, fibre_points_;
   std::uint32_t fibre_segment_count_ = 0;
-  std::map<Method, std::unique_ptr<Deformer>> deformers_;  // made when they are first wanted
+  std::map<std::pair<Method, Use>, std::unique_ptr<Deformer>> deformers_;  // made when they are first wanted
   std::map<Method, Evaluation> evaluations_;
   std::optional<Truth> truth_;
 };

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "proxy_viewer/key_names.h"
+#include "proxy_viewer/render/attachment.h"
 #include "runtime/basis/error.h"
 #include "runtime/vulkan/object.h"
 
@@ -198,6 +200,10 @@ Window::Window(const WindowOptions& options) : vsync_(options.vsync) {
   glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
     const auto& drop = static_cast<Window*>(glfwGetWindowUserPointer(window))->on_drop;
     if (drop) drop({paths, paths + count});
+  });
+  glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int scancode, int action, int modifiers) {
+    const auto& heard = static_cast<Window*>(glfwGetWindowUserPointer(window))->on_key;
+    if (heard) heard(key_name(key, scancode, modifiers), action != GLFW_RELEASE);
   });
 }
 

@@ -47,7 +47,9 @@ class Window {
   std::array<std::uint32_t, 2> size() const;  // pixels; 0 while minimised
   GLFWwindow* handle() const { return window_; }
 
+  // Before Gui::attach(), which passes on what it hears.
   std::function<void(const std::vector<std::string>& files)> on_drop;
+  std::function<void(const std::string& key, bool down)> on_key;  // see key_names.h; also while a key repeats
 
  private:
   struct Swapchain;

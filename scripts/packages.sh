@@ -4,11 +4,11 @@ build_packages=(
   cmake ninja-build g++
   libvulkan-dev glslang-tools
   libeigen3-dev libnglib-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev libpugixml-dev
-  libnanoflann-dev libstb-dev libwebp-dev
+  libnanoflann-dev libstb-dev libwebp-dev libglfw3-dev libimgui-dev pkg-config
   libgtest-dev
 )
-run_packages=(mesa-vulkan-drivers)
-test_packages=(vulkan-validationlayers)
+run_packages=(mesa-vulkan-drivers fonts-dejavu-core)
+test_packages=(vulkan-validationlayers xvfb xauth xdotool)
 bench_packages=(libbenchmark-dev libsuitesparse-dev)
 other_program_packages=(blender python3-numpy)
 # Node.js from elsewhere brings its own npm, and Debian's would clash with it.

@@ -1,0 +1,67 @@
+// bodyopt view: the animators' viewport.
+#include "cli/common.h"
+#include "proxy_viewer/viewer.h"
+#include "runtime/basis/error.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct ViewArguments {
+  ViewerOptions options;
+  std::string basis, truth, commands_file;
+  std::vector<std::string> files;
+  std::vector<std::uint32_t> size;
+  bool no_vsync = false;
+};
+
+void run(const ViewArguments& arguments) {
+  ViewerOptions options = arguments.options;
+  options.files = {arguments.basis};
+  options.files.insert(options.files.end(), arguments.files.begin(), arguments.files.end());
+  if (!arguments.truth.empty()) options.files.push_back(arguments.truth);
+  if (!arguments.size.empty()) {
+    options.width = arguments.size[0];
+    options.height = arguments.size[1];
+  }
+  options.vsync = !arguments.no_vsync;
+  if (!options.out.empty() && !options.headless) {
+    throw Error(ErrorKind::usage, "-o writes pictures without a window: it needs --headless");
+  }
+  options.device.require_device = true;
+  run_viewer(options);
+}
+
+}  // namespace
+
+void add_view(CLI::App& app) {
+  auto arguments = std::make_shared<ViewArguments>();
+  ViewerOptions& options = arguments->options;
+  CLI::App& verb = *app.add_subcommand("view", "The animators' viewport");
+  verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
+  verb.add_option("files", arguments->files, "Its clip and point cache; more bases, each followed by its own")
+      ->type_name("CLIP");
+  verb.add_option("--truth", arguments->truth, "Point cache to compare with")->type_name("CACHE")->check(refuse_empty);
+  verb.add_option("--ff", options.first, "First frame of the range that is played")->type_name("FRAME");
+  verb.add_option("--lf", options.last, "Last frame")->type_name("FRAME");
+  verb.add_option("--cf", options.current, "Frame to begin at")->type_name("FRAME");
+  verb.add_option("--fps", options.clip.fps, "Frames a second that clips are sampled at (default: 24)")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--size", arguments->size, "Width and height of the picture, pixels")
+      ->expected(2)
+      ->check(CLI::Range(1, 2048));
+  verb.add_option("--state", options.state, "Cameras and settings that the viewport saved")->type_name("FILE");
+  verb.add_option("--do", options.commands, "Commands of the viewport, parted by ';'")->type_name("COMMANDS");
+  verb.add_option("--live", options.live_port, "Show poses that another program sends to this UDP port of 127.0.0.1")
+      ->type_name("PORT");
+  verb.add_flag("--no-vsync", arguments->no_vsync, "As many pictures a second as there can be");
+  verb.add_option("--seconds", options.seconds, "Close after so long")->check(CLI::PositiveNumber);
+  verb.add_flag("--headless", options.headless, "Without a window");
+  verb.add_option("-o,--out", options.out,
+                  "With --headless: a picture (.png), or one per frame where the name has ####")
+      ->type_name("FILE.png")
+      ->check(refuse_empty);
+  verb.add_option("--device", options.device.name, "Vulkan device: auto, an index or part of a name (default: auto)");
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli

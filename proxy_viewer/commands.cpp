@@ -1,0 +1,352 @@
+#include "proxy_viewer/commands.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <vector>
+
+#include "runtime/basis/error.h"
+
+namespace bodyopt {
+namespace {
+
+[[noreturn]] void refuse(const std::string& argument, const std::string& expected) {
+  throw Error(ErrorKind::usage, "'" + argument + "' is not " + expected);
+}
+
+double number(const std::string& text) {
+  double value = 0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (problem != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) refuse(text, "a number");
+  return value;
+}
+
+double number_within(const std::string& text, double low, double high) {
+  const double value = number(text);
+  if (value < low || value > high) {
+    std::ostringstream expected;
+    expected << "a number from " << low << " to " << high;
+    refuse(text, expected.str());
+  }
+  return value;
+}
+
+int integer(const std::string& text) {
+  int value = 0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (problem != std::errc{} || end != text.data() + text.size()) refuse(text, "a whole number");
+  return value;
+}
+
+std::vector<std::string> words(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> all;
+  for (std::string word; stream >> word;) all.push_back(word);
+  return all;
+}
+
+std::vector<std::string> words(const std::string& text, std::size_t count, const std::string& expected) {
+  const std::vector<std::string> all = words(text);
+  if (all.size() != count) refuse(text, expected);
+  return all;
+}
+
+template <typename Value>
+struct Named {
+  const char* name;
+  Value value;
+};
+
+template <typename Value, std::size_t N>
+Value choose(const std::string& text, const Named<Value> (&choices)[N]) {
+  std::string expected = "one of";
+  for (const Named<Value>& choice : choices) {
+    if (text == choice.name) return choice.value;
+    expected += std::string(" ") + choice.name;
+  }
+  refuse(text, expected);
+}
+
+constexpr Named<bool> kSwitch[] = {{"on", true}, {"off", false}};
+constexpr Named<PlayMode> kModes[] = {
+    {"loop", PlayMode::loop}, {"ping-pong", PlayMode::ping_pong}, {"once", PlayMode::once}};
+constexpr Named<LookStyle> kStyles[] = {{"clay", LookStyle::clay},
+                                        {"matcap", LookStyle::matcap},
+                                        {"flat", LookStyle::flat},
+                                        {"normals", LookStyle::normals}};
+constexpr Named<CompareWith> kMethods[] = {{"none", CompareWith::none},   {"lbs", CompareWith::lbs},
+                                           {"ddm", CompareWith::ddm},     {"linear", CompareWith::linear},
+                                           {"full", CompareWith::full},   {"jiggle", CompareWith::jiggle},
+                                           {"truth", CompareWith::truth}, {"proxy", CompareWith::proxy}};
+constexpr Named<CompareLayout> kLayouts[] = {{"side-by-side", CompareLayout::side_by_side},
+                                             {"overlay", CompareLayout::overlay},
+                                             {"wipe", CompareLayout::wipe},
+                                             {"hold", CompareLayout::hold}};
+
+// Without an argument the other way round.
+void toggle(bool& value, const std::string& argument) { value = argument.empty() ? !value : choose(argument, kSwitch); }
+
+constexpr double kTurn = std::numbers::pi / 36;  // 5 degrees
+
+const Command kCommands[] = {
+    {"play", "", "Space", "Playback", "play or pause",
+     [](Controls& c, const std::string&) { c.playback.toggle(); }},
+    {"step", "[FRAMES]", "Right", "Playback", "one frame on",
+     [](Controls& c, const std::string& a) { c.playback.step(a.empty() ? 1 : integer(a)); }},
+    {"step-back", "", "Left", "Playback", "one frame back",
+     [](Controls& c, const std::string&) { c.playback.step(-1); }},
+    {"first", "", "Home", "Playback", "to the first frame of the range",
+     [](Controls& c, const std::string&) { c.playback.go_to_in(); }},
+    {"last", "", "End", "Playback", "to the last frame of the range",
+     [](Controls& c, const std::string&) { c.playback.go_to_out(); }},
+    {"next-key", "", "Up", "Playback", "to the next key",
+     [](Controls& c, const std::string&) { c.playback.go_to_next_key(); }},
+    {"previous-key", "", "Down", "Playback", "to the key before",
+     [](Controls& c, const std::string&) { c.playback.go_to_previous_key(); }},
+    {"frame", "FRAME", "", "", "to a frame", [](Controls& c, const std::string& a) { c.playback.scrub(integer(a)); }},
+    {"backwards", "[on|off]", "B", "Playback", "play backwards",
+     [](Controls& c, const std::string& a) {
+       toggle(c.settings.playback.backwards, a);
+       c.playback.set_backwards(c.settings.playback.backwards);
+     }},
+    {"mode", "loop|ping-pong|once", "", "", "what happens at the end of the range",
+     [](Controls& c, const std::string& a) { c.playback.set_mode(c.settings.playback.mode = choose(a, kModes)); }},
+    {"speed", "0.1-2", "", "", "of playing; 1: as it is",
+     [](Controls& c, const std::string& a) {
+       const double speed = number_within(a, Playback::kSlowest, Playback::kFastest);
+       c.playback.set_speed(c.settings.playback.speed = speed);
+     }},
+    {"every-frame", "[on|off]", "", "Playback", "drop no frame, however long it takes",
+     [](Controls& c, const std::string& a) {
+       bool every = !c.settings.playback.real_time;
+       toggle(every, a);
+       c.playback.set_real_time(c.settings.playback.real_time = !every);
+     }},
+    {"in", "[FRAME]", "I", "Playback", "the range begins here",
+     [](Controls& c, const std::string& a) {
+       const int in = a.empty() ? c.playback.frame() : integer(a);
+       c.playback.set_range(in, std::max(in, c.playback.out()));
+       c.settings.playback.in = c.playback.in();
+     }},
+    {"out", "[FRAME]", "O", "Playback", "the range ends here",
+     [](Controls& c, const std::string& a) {
+       const int out = a.empty() ? c.playback.frame() : integer(a);
+       c.playback.set_range(std::min(c.playback.in(), out), out);
+       c.settings.playback.out = c.playback.out();
+     }},
+    {"whole-range", "", "Alt+I", "Playback", "play all frames",
+     [](Controls& c, const std::string&) {
+       c.playback.set_range(c.playback.first(), c.playback.last());
+       c.settings.playback.in = c.settings.playback.out = std::nullopt;
+     }},
+
+    {"frame-selection", "", "F", "Camera", "see all of the character, or of the joint that is selected",
+     [](Controls& c, const std::string&) { c.requests.frame_selection = true; }},
+    {"front", "", "1", "Camera", "from the front",
+     [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::front); }},
+    {"side", "", "3", "Camera", "from the side",
+     [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::side); }},
+    {"top", "", "7", "Camera", "from above", [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::top); }},
+    {"orthographic", "", "5", "Camera", "without perspective, or with it",
+     [](Controls& c, const std::string&) { c.camera.toggle_orthographic(); }},
+    {"orbit", "DEGREES DEGREES", "", "", "around the target, to the right and up",
+     [](Controls& c, const std::string& a) {
+       const auto w = words(a, 2, "two angles in degrees");
+       c.camera.orbit(number(w[0]) * std::numbers::pi / 180, number(w[1]) * std::numbers::pi / 180);
+     }},
+    {"orbit-left", "", "Shift+Left", "Camera", "5 degrees to the left",
+     [](Controls& c, const std::string&) { c.camera.orbit(-kTurn, 0); }},
+    {"orbit-right", "", "Shift+Right", "Camera", "5 degrees to the right",
+     [](Controls& c, const std::string&) { c.camera.orbit(kTurn, 0); }},
+    {"dolly", "NOTCHES", "", "", "towards the target",
+     [](Controls& c, const std::string& a) { c.camera.dolly(number_within(a, -100, 100)); }},
+    {"save-camera", "NAME", "", "", "keeps the camera by a name",
+     [](Controls& c, const std::string& a) {
+       if (a.empty()) refuse(a, "a name");
+       c.settings.cameras[a] = c.camera.view();
+     }},
+    {"camera", "NAME", "", "", "to a camera that was kept",
+     [](Controls& c, const std::string& a) {
+       const auto found = c.settings.cameras.find(a);
+       if (found == c.settings.cameras.end()) refuse(a, "a camera that was kept");
+       c.camera = OrbitCamera(found->second);
+     }},
+
+    {"style", "clay|matcap|flat|normals", "", "", "how skin looks",
+     [](Controls& c, const std::string& a) { c.settings.look.style = choose(a, kStyles); }},
+    {"next-style", "", "S", "Look", "clay, matcap, flat, normals",
+     [](Controls& c, const std::string&) {
+       c.settings.look.style = static_cast<LookStyle>((static_cast<int>(c.settings.look.style) + 1) % 4);
+     }},
+    {"wire", "[on|off]", "W", "Look", "edges over the surface",
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.wire, a); }},
+    {"skeleton", "[on|off]", "K", "Look", "joints and bones, seen through the skin",
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.skeleton, a); }},
+    {"fibres", "[on|off]", "M", "Look", "muscle fibres, coloured by strain",
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.fibres, a); }},
+    {"tets", "[on|off]", "T", "Look", "the tetrahedra of the jiggle, cut open",
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.tets, a); }},
+    {"grid", "[on|off]", "D", "Look", "the grid on the ground",
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.grid, a); }},
+    {"axes", "[on|off]", "A", "Look", "the world's axes",
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.axes, a); }},
+    {"shadow", "[on|off]", "", "Look", "on the ground",
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.shadow, a); }},
+
+    {"compare", "none|lbs|ddm|linear|full|jiggle|truth|proxy", "", "", "with what",
+     [](Controls& c, const std::string& a) { c.settings.compare.with = choose(a, kMethods); }},
+    {"layout", "side-by-side|overlay|wipe|hold", "", "", "of a comparison",
+     [](Controls& c, const std::string& a) { c.settings.compare.layout = choose(a, kLayouts); }},
+    {"next-layout", "", "L", "Compare", "side by side, overlay, wipe, hold",
+     [](Controls& c, const std::string&) {
+       c.settings.compare.layout = static_cast<CompareLayout>((static_cast<int>(c.settings.compare.layout) + 1) % 4);
+     }},
+    {"wipe", "0-1", "", "", "where, of the picture's width",
+     [](Controls& c, const std::string& a) { c.settings.compare.wipe = number_within(a, 0, 1); }},
+    {"heat", "[on|off]", "E", "Compare", "colour by the distance, in millimetres",
+     [](Controls& c, const std::string& a) { toggle(c.settings.compare.heat, a); }},
+    {"heat-scale", "MM", "", "", "the hottest colour",
+     [](Controls& c, const std::string& a) { c.settings.compare.heat_scale_mm = number_within(a, 0.001, 1000); }},
+    {"activation", "[on|off]", "", "Compare", "colour by what was learned: the distance to Direct Delta Mush",
+     [](Controls& c, const std::string& a) { toggle(c.settings.compare.activation, a); }},
+    {"coverage", "[on|off]", "", "Compare", "tint what the basis was not trained for",
+     [](Controls& c, const std::string& a) { toggle(c.settings.compare.coverage, a); }},
+
+    {"select", "[JOINT]", "", "", "a joint; nothing: none", [](Controls& c, const std::string& a) { c.joint = a; }},
+    {"turn", "JOINT X Y Z", "", "", "a joint on top of the clip, degrees",
+     [](Controls& c, const std::string& a) {
+       const auto w = words(a, 4, "a joint and three angles in degrees");
+       c.settings.pose.joints[w[0]] = {number_within(w[1], -360, 360), number_within(w[2], -360, 360),
+                                       number_within(w[3], -360, 360)};
+     }},
+    {"control", "NAME VALUE", "", "", "a control of the basis, as a muscle's activation",
+     [](Controls& c, const std::string& a) {
+       const auto w = words(a, 2, "a control and a number");
+       c.settings.pose.controls[w[0]] = number_within(w[1], -10, 10);
+     }},
+    {"reset-pose", "", "R", "Pose", "as the clip has it",
+     [](Controls& c, const std::string&) {
+       c.settings.pose.joints.clear();
+       c.settings.pose.controls.clear();
+     }},
+    {"correction", "0-1", "", "", "how much is shown of what was learned",
+     [](Controls& c, const std::string& a) { c.settings.pose.correction = number_within(a, 0, 1); }},
+    {"jiggle", "[on|off]", "J", "Pose", "flesh that moves by inertia",
+     [](Controls& c, const std::string& a) { toggle(c.settings.jiggle.on, a); }},
+    {"jiggle-amount", "0-4", "", "", "how much is shown of the jiggle",
+     [](Controls& c, const std::string& a) { c.settings.jiggle.amount = number_within(a, 0, 4); }},
+    {"reset-jiggle", "", "", "Pose", "the jiggle begins anew",
+     [](Controls& c, const std::string&) { c.requests.reset_jiggle = true; }},
+
+    {"ghosts", "BEFORE AFTER", "", "", "frames before and after, see-through",
+     [](Controls& c, const std::string& a) {
+       const auto w = words(a, 2, "two counts");
+       c.settings.ghosts.before = static_cast<int>(number_within(w[0], 0, 12));
+       c.settings.ghosts.after = static_cast<int>(number_within(w[1], 0, 12));
+     }},
+    {"ghost-step", "FRAMES", "", "", "from one ghost to the next",
+     [](Controls& c, const std::string& a) { c.settings.ghosts.step = static_cast<int>(number_within(a, 1, 1000)); }},
+    {"toggle-ghosts", "", "G", "Look", "two ghosts before and two after",
+     [](Controls& c, const std::string&) {
+       ViewSettings::Ghosts& ghosts = c.settings.ghosts;
+       const int count = ghosts.before + ghosts.after > 0 ? 0 : 2;
+       ghosts.before = ghosts.after = count;
+       if (count > 0 && ghosts.step == 1) ghosts.step = 4;
+     }},
+
+    {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",
+     [](Controls& c, const std::string& a) { c.requests.screenshot = a; }},
+    {"turntable", "FILE.####.png", "", "", "once around, 72 pictures",
+     [](Controls& c, const std::string& a) { c.requests.turntable = a; }},
+    {"sequence", "FILE.####.png", "", "", "a picture of every frame of the range; .webp: one that moves",
+     [](Controls& c, const std::string& a) { c.requests.sequence = a; }},
+    {"open", "FILE", "", "", "a basis, clip or point cache",
+     [](Controls& c, const std::string& a) { c.requests.open.push_back(a); }},
+    {"reload", "", "F5", "File", "read all files again", [](Controls& c, const std::string&) { c.requests.reload = true; }},
+    {"save-state", "FILE.json", "", "", "cameras and settings",
+     [](Controls& c, const std::string& a) { c.requests.save_state = a; }},
+    {"load-state", "FILE.json", "", "", "cameras and settings",
+     [](Controls& c, const std::string& a) { c.requests.load_state = a; }},
+    {"panels", "[on|off]", "Tab", "View", "panels, or the picture alone",
+     [](Controls& c, const std::string& a) { toggle(c.panels, a); }},
+    {"hud", "[on|off]", "Z", "View", "figures over the picture",
+     [](Controls& c, const std::string& a) { toggle(c.settings.hud.on, a); }},
+    {"cheat-sheet", "[on|off]", "H", "View", "all keys",
+     [](Controls& c, const std::string& a) { toggle(c.cheat_sheet, a); }},
+    {"quit", "", "Ctrl+Q", "File", "close the viewport", [](Controls& c, const std::string&) { c.requests.quit = true; }},
+};
+
+// Letters that must change to make one of the other.
+std::size_t difference(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row[b.size()];
+}
+
+void run_command(Controls& controls, const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r");
+  if (begin == std::string::npos || text[begin] == '#') return;
+  const std::size_t end = std::min(text.find_first_of(" \t\r", begin), text.size());
+  const std::string name = text.substr(begin, end - begin);
+  const std::size_t argument = text.find_first_not_of(" \t\r", end);
+  const std::size_t last = text.find_last_not_of(" \t\r");
+  const Command* command = find_command(name);
+  if (!command) {
+    const auto nearest = std::min_element(
+        std::begin(kCommands), std::end(kCommands),
+        [&](const auto& a, const auto& b) { return difference(a.name, name) < difference(b.name, name); });
+    throw Error(ErrorKind::usage,
+                "there is no command '" + name + "' in the viewport; the nearest is '" + nearest->name + "'");
+  }
+  const std::string rest = argument == std::string::npos ? "" : text.substr(argument, last - argument + 1);
+  if (rest.empty() && *command->argument != 0 && *command->argument != '[') {
+    throw Error(ErrorKind::usage, name + ": expected " + command->argument);
+  }
+  if (!rest.empty() && *command->argument == 0) {
+    throw Error(ErrorKind::usage, name + ": takes no argument, found '" + rest + "'");
+  }
+  try {
+    command->run(controls, rest);
+  } catch (const Error& error) {
+    throw Error(error.kind(), name + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+std::span<const Command> commands() { return kCommands; }
+
+const Command* find_command(const std::string& name) {
+  const auto found =
+      std::find_if(std::begin(kCommands), std::end(kCommands), [&](const Command& c) { return name == c.name; });
+  return found == std::end(kCommands) ? nullptr : found;
+}
+
+const Command* find_command_by_key(const std::string& key) {
+  if (key.empty()) return nullptr;
+  const auto found =
+      std::find_if(std::begin(kCommands), std::end(kCommands), [&](const Command& c) { return key == c.key; });
+  return found == std::end(kCommands) ? nullptr : found;
+}
+
+void run_commands(Controls& controls, const std::string& text) {
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t end = std::min(text.find_first_of(";\n", begin), text.size());
+    run_command(controls, text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,41 @@
+// What the animator drives. Keys, menus, panels, scripts and command lines all write here; the application reads it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "proxy_viewer/orbit_camera.h"
+#include "proxy_viewer/playback.h"
+#include "proxy_viewer/view_settings.h"
+
+namespace bodyopt {
+
+// Asked for, and done by the application once a picture is drawn.
+struct Requests {
+  bool quit = false, reload = false, frame_selection = false, reset_jiggle = false;
+  std::optional<std::string> screenshot, turntable, sequence, save_state, load_state;  // file names
+  std::vector<std::string> open;                                                       // files, by what they hold
+};
+
+struct Message {
+  bool error = false;
+  std::string text;
+};
+
+struct Controls {
+  ViewSettings settings;
+  Playback playback{{1, 1, 1}, 24};
+  OrbitCamera camera;
+  std::string joint;     // selected; empty: none
+  bool flipped = false;  // while the key of "hold to flip" is down
+  bool cheat_sheet = false;
+  bool panels = true;
+  Requests requests;
+  std::vector<Message> messages;  // newest last
+
+  void say(const std::string& text) { messages.push_back({false, text}); }
+  void warn(const std::string& text) { messages.push_back({true, text}); }
+};
+
+}  // namespace bodyopt

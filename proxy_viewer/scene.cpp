@@ -1,0 +1,331 @@
+#include "proxy_viewer/scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/rig.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr std::array<float, 3> kBeforeColour = {0.12f, 0.30f, 0.75f}, kAfterColour = {0.80f, 0.33f, 0.10f};
+constexpr std::array<float, 3> kOtherColour = {0.25f, 0.47f, 0.62f};  // of what is compared with
+constexpr std::uint32_t kBone = 0xd0f0e4c8, kJoint = 0xffffffff, kSelected = 0xff2fb4ff;
+constexpr double kSpacing = 0.7;      // between characters, of their size
+constexpr double kSkinAround = 0.12;  // of joints, of the character's size
+constexpr float kSphere = 0.75f;      // around the joints, of the character's size
+
+std::uint32_t packed(double red, double green, double blue) {
+  const auto byte = [](double value) {
+    return static_cast<std::uint32_t>(std::lround(255 * std::clamp(value, 0.0, 1.0)));
+  };
+  return byte(red) | byte(green) << 8 | byte(blue) << 16 | 0xff000000u;
+}
+
+std::vector<Vec3> centres_of(const Character& character, const Pose& pose) {
+  std::vector<Vec3> centres;
+  for (const Affine& joint : posed_joints(character.basis().skeleton, pose.joints)) {
+    centres.push_back({joint.m[0][3], joint.m[1][3], joint.m[2][3]});
+  }
+  return centres;
+}
+
+// A round number of metres, about a tenth of the size.
+float grid_spacing(double size) {
+  const double power = std::pow(10, std::floor(std::log10(std::max(1e-3, size / 10))));
+  const double share = size / 10 / power;
+  return static_cast<float>(power * (share < 2 ? 1 : share < 5 ? 2 : 5));
+}
+
+SurfaceStyle surface_style(LookStyle style) {
+  switch (style) {
+    case LookStyle::matcap:
+      return SurfaceStyle::matcap;
+    case LookStyle::flat:
+      return SurfaceStyle::flat;
+    case LookStyle::normals:
+      return SurfaceStyle::normals;
+    default:
+      return SurfaceStyle::clay;
+  }
+}
+
+Rectangle left_half(const Rectangle& r) { return {r.x, r.y, r.width / 2, r.height}; }
+Rectangle right_half(const Rectangle& r) {
+  const std::uint32_t left = r.width / 2;
+  return {r.x + static_cast<std::int32_t>(left), r.y, r.width - left, r.height};
+}
+
+}  // namespace
+
+std::uint32_t strain_colour(float strain) {
+  const double t = std::clamp(static_cast<double>(strain) * 3, -1.0, 1.0), s = std::abs(t);
+  return t < 0 ? packed(0.75 - 0.60 * s, 0.75 - 0.20 * s, 0.75 + 0.25 * s)
+               : packed(0.75 + 0.25 * s, 0.75 - 0.45 * s, 0.75 - 0.65 * s);
+}
+
+Method shown_method(const Character& character, const ViewSettings& settings) {
+  return settings.jiggle.on && character.has(Method::jiggle) ? Method::jiggle : Method::full;
+}
+
+std::optional<Method> compared_method(const Character& character, const ViewSettings& settings) {
+  const auto wanted = [&]() -> std::optional<Method> {
+    if (settings.compare.activation) return Method::ddm;
+    switch (settings.compare.with) {
+      case CompareWith::ddm:
+        return Method::ddm;
+      case CompareWith::linear:
+        return Method::linear;
+      case CompareWith::full:
+        return Method::full;
+      case CompareWith::jiggle:
+        return Method::jiggle;
+      case CompareWith::truth:
+        return Method::truth;
+      default:
+        return std::nullopt;
+    }
+  }();
+  if (!wanted || !character.has(*wanted) || *wanted == shown_method(character, settings)) return std::nullopt;
+  return wanted;
+}
+
+void Scene::add(const CharacterFiles& files, const ClipOptions& options) {
+  cast_.push_back(std::make_unique<Character>(device_, files, options));
+}
+
+void Scene::replace(std::size_t index, const CharacterFiles& files, const ClipOptions& options) {
+  cast_[index] = std::make_unique<Character>(device_, files, options);
+  lead_evaluation_ = nullptr;
+}
+
+std::array<float, 3> Scene::place(std::size_t index) const {
+  // In a row: to the right, to the left, further to the right...
+  const double step = kSpacing * cast_[index]->size();
+  const double side = index % 2 == 1 ? static_cast<double>(index + 1) / 2 : -static_cast<double>(index) / 2;
+  return {static_cast<float>(step * side), static_cast<float>(cast_.front()->ground() - cast_[index]->ground()), 0};
+}
+
+void Scene::reset_jiggle() {
+  for (const auto& character : cast_) character->reset_jiggle();
+}
+
+Pose Scene::pose_at(const Character& character, int frame, const Controls& controls) const {
+  if (live_pose_ && &character == cast_.front().get()) return *live_pose_;
+  return character.pose(frame, controls.settings.pose);
+}
+
+std::vector<Pose> Scene::poses_of(const Character& character, const Controls& controls) const {
+  const ViewSettings& s = controls.settings;
+  const int frame = controls.playback.frame();
+  std::vector<Pose> poses = {pose_at(character, frame, controls)};
+  for (int k = 1; k <= s.ghosts.before; ++k) poses.push_back(pose_at(character, frame - k * s.ghosts.step, controls));
+  for (int k = 1; k <= s.ghosts.after; ++k) poses.push_back(pose_at(character, frame + k * s.ghosts.step, controls));
+  return poses;
+}
+
+Scene::Shown Scene::evaluate(Character& character, Method method, std::span<const Pose> poses,
+                             const Controls& controls) {
+  const Weights weights{static_cast<float>(controls.settings.pose.correction),
+                        static_cast<float>(controls.settings.jiggle.amount)};
+  const Evaluation& evaluation = character.evaluate(method, poses, controls.playback.frame(), weights);
+  for (const auto& [stage, seconds] : evaluation.stage_seconds) stage_seconds_[stage] += seconds;
+  return {method, &evaluation, character.skin(method)};
+}
+
+std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
+  stage_seconds_.clear();
+  lines_.clear();
+  colours_.clear();
+  View view;
+  view.camera = controls.camera.camera();
+  view.area = view.part = area;
+  const ViewSettings::Look& look = controls.settings.look;
+  view.ground.grid = look.grid;
+  view.ground.axes = look.axes;
+  view.ground.shadow = look.shadow ? 0.75f : 0.0f;
+  if (!cast_.empty()) {
+    view.ground.height = static_cast<float>(lead().ground());
+    view.ground.spacing = grid_spacing(lead().size());
+  }
+  // The sphere of all that is seen.
+  Vec3 low{1e30, 1e30, 1e30}, high{-1e30, -1e30, -1e30};
+  double largest = 0.1;
+  for (std::size_t c = 0; c < cast_.size(); ++c) {
+    const std::array<float, 3> offset = place(c);
+    const Pose pose = pose_at(*cast_[c], controls.playback.frame(), controls);
+    for (const Vec3& centre : centres_of(*cast_[c], pose)) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        low[i] = std::min(low[i], centre[i] + static_cast<double>(offset[i]));
+        high[i] = std::max(high[i], centre[i] + static_cast<double>(offset[i]));
+      }
+    }
+    largest = std::max(largest, cast_[c]->size());
+  }
+  if (!cast_.empty()) {
+    for (std::size_t i = 0; i < 3; ++i) view.middle[i] = static_cast<float>(0.5 * (low[i] + high[i]));
+    view.radius = static_cast<float>(0.5 * length(high - low) + static_cast<double>(kSphere) * largest);
+  }
+
+  std::vector<View> views = {view};
+  const ViewSettings::Compare& compare = controls.settings.compare;
+  const bool compares = !cast_.empty() && compared_method(lead(), controls.settings) && !compare.activation;
+  if (compares && (compare.layout == CompareLayout::side_by_side || compare.layout == CompareLayout::wipe)) {
+    views.push_back(view);
+    if (compare.layout == CompareLayout::side_by_side) {
+      views[0].area = views[0].part = left_half(area);
+      views[1].area = views[1].part = right_half(area);
+    } else {
+      const auto wipe = static_cast<std::uint32_t>(std::lround(compare.wipe * area.width));
+      views[0].part.width = wipe;
+      views[1].part.x += static_cast<std::int32_t>(wipe);
+      views[1].part.width = area.width - wipe;
+    }
+  }
+  for (std::size_t c = 0; c < cast_.size(); ++c) add_character(c, controls, views);
+  return views;
+}
+
+void Scene::add_character(std::size_t index, const Controls& controls, std::vector<View>& views) {
+  Character& character = *cast_[index];
+  const ViewSettings& s = controls.settings;
+  const std::vector<Pose> poses = poses_of(character, controls);
+  const Method method = shown_method(character, s);
+  const std::optional<Method> other = compared_method(character, s);
+  const bool has_ghosts = poses.size() > 1;
+  const Shown shown = evaluate(character, method, poses, controls);
+  if (index == 0) lead_evaluation_ = shown.evaluation;
+  std::optional<Shown> compared;
+  if (other) compared = evaluate(character, *other, std::span(poses).first(1), controls);
+
+  SkinDraw skin;
+  skin.triangles = &character.triangles();
+  skin.triangle_count = static_cast<std::uint32_t>(character.basis().mesh.triangles.size() / 3);
+  skin.positions = shown.skin.positions;
+  skin.normals = shown.skin.normals;
+  skin.offset = place(index);
+  skin.style = surface_style(s.look.style);
+  skin.wire = s.look.wire;
+  skin.shadow = s.look.shadow;
+  skin.heat_range = static_cast<float>(1e-3 * s.compare.heat_scale_mm);
+  SkinDraw second = skin;
+  if (compared) {
+    second.positions = compared->skin.positions;
+    second.normals = compared->skin.normals;
+    second.colour = kOtherColour;
+    if (s.compare.heat || s.compare.activation) skin.reference = second.positions;
+  }
+
+  const bool flips = compared && s.compare.layout == CompareLayout::hold && controls.flipped;
+  views[0].skins.push_back(flips ? second : skin);
+  if (views.size() > 1) {
+    views[1].skins.push_back(compared ? second : skin);
+  } else if (compared && s.compare.layout == CompareLayout::overlay && !s.compare.activation) {
+    second.alpha = 0.6f;
+    second.shadow = false;
+    views[0].skins.push_back(second);
+  }
+  for (View& view : views) {
+    if (s.look.skeleton) add_skeleton(character, poses[0], skin.offset, controls, view);
+    if (s.look.fibres) add_fibres(character, shown, skin.offset, view);
+  }
+  if (!has_ghosts) return;
+  // Ghosts are quasi-static: they have no past.
+  const Shown ghosts = method == Method::full ? shown : evaluate(character, Method::full, poses, controls);
+  for (std::size_t g = 1; g < poses.size(); ++g) {
+    SkinDraw ghost = skin;
+    ghost.positions = ghosts.skin.positions;
+    ghost.normals = ghosts.skin.normals;
+    ghost.first_vertex = static_cast<std::uint32_t>(g) * character.basis().mesh.vertex_count();
+    ghost.reference = nullptr;
+    ghost.wire = ghost.shadow = false;
+    const bool before = g <= static_cast<std::size_t>(s.ghosts.before);
+    const std::size_t away = before ? g : g - static_cast<std::size_t>(s.ghosts.before);
+    const int count = before ? s.ghosts.before : s.ghosts.after;
+    ghost.colour = before ? kBeforeColour : kAfterColour;
+    const double fades = 1 - 0.6 * static_cast<double>(away - 1) / std::max(1, count);
+    ghost.alpha = static_cast<float>(std::clamp(s.ghosts.opacity * fades, 0.0, 0.99));
+    for (View& view : views) view.skins.push_back(ghost);
+  }
+}
+
+void Scene::add_skeleton(const Character& character, const Pose& pose, const std::array<float, 3>& offset,
+                         const Controls& controls, View& view) {
+  const Skeleton& skeleton = character.basis().skeleton;
+  const std::vector<Vec3> centres = centres_of(character, pose);
+  const auto point = [](const Vec3& at, std::uint32_t colour) {
+    return LinePoint{static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2]), colour};
+  };
+  std::vector<LinePoint> bones, joints;
+  const double cross = 0.008 * character.size();
+  for (std::size_t j = 0; j < centres.size(); ++j) {
+    const bool selected = skeleton.joints[j].name == controls.joint;
+    const int parent = skeleton.joints[j].parent;
+    if (parent >= 0) {
+      bones.push_back(point(centres[static_cast<std::size_t>(parent)], kBone));
+      bones.push_back(point(centres[j], kBone));
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      Vec3 along{};
+      along[i] = selected ? 2 * cross : cross;
+      joints.push_back(point(centres[j] - along, selected ? kSelected : kJoint));
+      joints.push_back(point(centres[j] + along, selected ? kSelected : kJoint));
+    }
+  }
+  lines_.push_back(std::move(bones));
+  view.lines.push_back({lines_.back(), offset, 3, true});
+  lines_.push_back(std::move(joints));
+  view.lines.push_back({lines_.back(), offset, 1.5f, true});
+}
+
+void Scene::add_fibres(const Character& character, const Shown& shown, const std::array<float, 3>& offset, View& view) {
+  if (character.fibre_segment_count() == 0 || shown.method == Method::truth) return;
+  std::vector<std::uint32_t> colours;
+  const std::uint32_t fibres = character.basis().strain.fibre_count();
+  for (std::uint32_t f = 0; f < fibres; ++f) colours.push_back(strain_colour(shown.evaluation->strains[f]));
+  colours_.push_back(std::move(colours));
+  FibreDraw draw;
+  draw.segments = &character.fibre_segments();
+  draw.segment_count = character.fibre_segment_count();
+  draw.points = &character.fibre_points();
+  draw.positions = shown.skin.positions;
+  draw.normals = shown.skin.normals;
+  draw.colours = colours_.back();
+  draw.offset = offset;
+  draw.lift = static_cast<float>(0.0015 * character.size());
+  view.fibres.push_back(draw);
+}
+
+std::vector<Vec3> Scene::joint_centres(const Controls& controls) const {
+  if (cast_.empty()) return {};
+  const Character& lead = *cast_.front();
+  return centres_of(lead, pose_at(lead, controls.playback.frame(), controls));
+}
+
+std::vector<float> Scene::points_to_frame(const Controls& controls) const {
+  std::vector<float> points;
+  const auto add = [&](const Vec3& centre, const std::array<float, 3>& offset, double around) {
+    for (const double side : {-around, around}) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        Vec3 at = centre;
+        at[i] += side;
+        for (std::size_t k = 0; k < 3; ++k) points.push_back(static_cast<float>(at[k]) + offset[k]);
+      }
+    }
+  };
+  for (std::size_t c = 0; c < cast_.size(); ++c) {
+    const Character& character = *cast_[c];
+    const Skeleton& skeleton = character.basis().skeleton;
+    const int selected = c == 0 && !controls.joint.empty() ? skeleton.find(controls.joint) : -1;
+    const std::vector<Vec3> centres = centres_of(character, pose_at(character, controls.playback.frame(), controls));
+    if (selected >= 0) {
+      points.clear();
+      add(centres[static_cast<std::size_t>(selected)], place(c), 1.2 * kSkinAround * character.size());
+      return points;
+    }
+    for (const Vec3& centre : centres) add(centre, place(c), kSkinAround * 0.5 * character.size());
+  }
+  return points;
+}
+
+}  // namespace bodyopt

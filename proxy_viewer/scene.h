@@ -1,0 +1,75 @@
+// The characters, and what of them is to be seen at a frame.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "proxy_viewer/character.h"
+#include "proxy_viewer/controls.h"
+#include "proxy_viewer/render/view.h"
+
+namespace bodyopt {
+
+class Scene {
+ public:
+  explicit Scene(std::shared_ptr<const vulkan::Device> device) : device_(std::move(device)) {}
+
+  void add(const CharacterFiles& files, const ClipOptions& options);
+  void replace(std::size_t index, const CharacterFiles& files, const ClipOptions& options);
+  // In place of the lead's clip, from now on.
+  void set_live_pose(Pose pose) { live_pose_ = std::move(pose); }
+  void reset_jiggle();
+  bool empty() const { return cast_.empty(); }
+  std::vector<std::unique_ptr<Character>>& cast() { return cast_; }
+  const std::vector<std::unique_ptr<Character>>& cast() const { return cast_; }
+  Character& lead() { return *cast_.front(); }  // whom panels speak of
+
+  // The views of a frame in a picture whose part `area` is free of panels: evaluates what is not yet. Buffers stay
+  // until the next call. Throws Error(device), Error(file) of a truth that went away.
+  std::vector<View> look(const Controls& controls, const Rectangle& area);
+
+  // Joints of the characters at the frame, or the joint that is selected, with skin around them: V x 3, for framing.
+  std::vector<float> points_to_frame(const Controls& controls) const;
+  // Where joint centres of the lead are at the frame, J, metres, world.
+  std::vector<Vec3> joint_centres(const Controls& controls) const;
+
+  // Of the last look: seconds by stage, summed over the cast; strains and outside of the lead.
+  const std::map<std::string, double>& stage_seconds() const { return stage_seconds_; }
+  const Evaluation* lead_evaluation() const { return lead_evaluation_; }
+
+ private:
+  struct Shown {
+    Method method;
+    const Evaluation* evaluation;
+    ShownSkin skin;
+  };
+
+  Shown evaluate(Character& character, Method method, std::span<const Pose> poses, const Controls& controls);
+  Pose pose_at(const Character& character, int frame, const Controls& controls) const;
+  std::vector<Pose> poses_of(const Character& character, const Controls& controls) const;
+  void add_character(std::size_t index, const Controls& controls, std::vector<View>& views);
+  void add_skeleton(const Character& character, const Pose& pose, const std::array<float, 3>& offset,
+                    const Controls& controls, View& view);
+  void add_fibres(const Character& character, const Shown& shown, const std::array<float, 3>& offset, View& view);
+  std::array<float, 3> place(std::size_t index) const;
+
+  std::shared_ptr<const vulkan::Device> device_;
+  std::vector<std::unique_ptr<Character>> cast_;
+  std::optional<Pose> live_pose_;
+  std::map<std::string, double> stage_seconds_;
+  const Evaluation* lead_evaluation_ = nullptr;
+  // What views point to.
+  std::vector<std::vector<LinePoint>> lines_;
+  std::vector<std::vector<std::uint32_t>> colours_;
+};
+
+// The method that settings choose, and what it is compared with: none where the character has no such skin.
+Method shown_method(const Character& character, const ViewSettings& settings);
+std::optional<Method> compared_method(const Character& character, const ViewSettings& settings);
+
+// The colour of a strain: blue where shorter, grey at rest, red where longer; full at a third.
+std::uint32_t strain_colour(float strain);
+
+}  // namespace bodyopt

@@ -1,0 +1,480 @@
+#include "proxy_viewer/viewer.h"
+
+#include <imgui.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "proxy_viewer/commands.h"
+#include "proxy_viewer/frame_sequence_name.h"
+#include "proxy_viewer/gui.h"
+#include "proxy_viewer/live_pose.h"
+#include "proxy_viewer/panels.h"
+#include "proxy_viewer/render/camera.h"
+#include "proxy_viewer/render/viewport.h"
+#include "proxy_viewer/scene.h"
+#include "proxy_viewer/watched_files.h"
+#include "proxy_viewer/window.h"
+#include "runtime/basis/error.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kIdle = 0.25;          // seconds between looks at files while nothing happens
+constexpr float kClick = 4;             // pixels: less is no drag
+constexpr double kPickRadius = 14;      // pixels
+constexpr int kTurntablePictures = 72;  // of once around
+const char* const kNewScreenshot = "bodyopt.####.png";
+
+double seconds_between(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+double resident_mib() {
+  std::ifstream file("/proc/self/statm");
+  double pages = 0, resident = 0;
+  file >> pages >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
+}
+
+bool has_extension(const std::string& path, std::initializer_list<const char*> extensions) {
+  const std::string own = fs::path(path.substr(0, path.find('#'))).extension().string();
+  return std::any_of(extensions.begin(), extensions.end(), [&](const char* e) { return own == e; });
+}
+
+class Viewer {
+ public:
+  explicit Viewer(const ViewerOptions& options)
+      : options_(options),
+        window_(options.headless ? nullptr : std::make_unique<Window>(window_options(options))),
+        device_(std::make_shared<const vulkan::Device>(
+            options.device, window_ ? window_->device_use() : vulkan::DeviceUse{.draws = true})),
+        viewport_(*device_),
+        gui_(std::make_unique<Gui>(options.files)),
+        scene_(device_) {
+    if (window_) {
+      window_->attach(*device_);
+      window_->on_drop = [this](const auto& files) { std::ranges::copy(files, std::back_inserter(dropped_)); };
+      window_->on_key = [this](const std::string& key, bool down) { on_key(key, down); };
+    }
+    gui_->attach(*device_, viewport_.panel_pass(), window_ ? window_->handle() : nullptr);
+    controls_.panels = controls_.settings.hud.on = !options.headless;
+    if (gui_->problem()) warn(*gui_->problem());
+    for (const std::string& file : options.files) attempt([&] { open(file); });
+    if (scene_.empty()) throw Error(ErrorKind::usage, "no basis (.safetensors) was given, or none could be read");
+    begin();
+  }
+
+  ~Viewer() {
+    scene_.cast().clear();
+    gui_.reset();
+    if (window_) window_->release();
+  }
+
+  void run_window() {
+    const Clock::time_point started = Clock::now();
+    last_ = started;
+    while (!window_->closed() && !controls_.requests.quit) {
+      const Clock::time_point before = Clock::now();
+      const double wait = std::min(kIdle, controls_.playback.playing() ? 0.004 : kIdle);
+      window_->poll(pending_pictures_ > 0 || !options_.vsync ? 0 : wait);
+      if (options_.seconds > 0 && seconds_between(started, Clock::now()) > options_.seconds) break;
+      const bool woken = seconds_between(before, Clock::now()) < 0.9 * wait;
+      attempt([&] { turn(woken); });
+    }
+  }
+
+  void run_headless() {
+    if (options_.out.empty()) {
+      draw(options_.width, options_.height, Edges::smooth);
+      fulfil();
+    } else {
+      write_sequence(options_.out);
+    }
+  }
+
+ private:
+  static WindowOptions window_options(const ViewerOptions& options) {
+    return {.width = options.width, .height = options.height, .vsync = options.vsync};
+  }
+
+  // What fails is said, and the session goes on; without a window nobody would see it.
+  template <typename Action>
+  void attempt(const Action& action) {
+    if (!window_) {
+      action();
+      return;
+    }
+    try {
+      action();
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::device) throw;
+      warn(error.what());
+    }
+  }
+
+  void warn(const std::string& text) {
+    std::cerr << "warning: " << text << "\n";
+    controls_.warn(text);
+    pending_pictures_ = 2;
+  }
+
+  void open(const std::string& file) {
+    if (has_extension(file, {".safetensors"})) {
+      scene_.add({file, {}, {}}, options_.clip);
+    } else if (scene_.empty()) {
+      throw Error(ErrorKind::usage, file + ": a basis (.safetensors) must come before its clips and caches");
+    } else if (has_extension(file, {".glb", ".gltf", ".bvh"})) {
+      scene_.cast().back()->open_clip(file);
+      for (const std::string& note : scene_.cast().back()->clip().notes) warn(note);
+      if (scene_.cast().size() == 1) play_clip();
+    } else if (has_extension(file, {".pc2"})) {
+      scene_.cast().back()->open_truth(file);
+      controls_.settings.compare.with = CompareWith::truth;
+    } else if (has_extension(file, {".json"})) {
+      load_state(file);
+    } else {
+      throw Error(ErrorKind::usage, file +
+                                        ": expected a basis (.safetensors), a clip (.glb, .gltf, .bvh), a point "
+                                        "cache (.pc2) or a state (.json)");
+    }
+    describe_cast();
+    watch();
+  }
+
+  // The playhead over the lead's clip.
+  void play_clip() {
+    const Clip& clip = scene_.lead().clip();
+    controls_.playback = Playback({clip.first_frame, clip.last_frame(), 1}, clip.fps);
+    apply_settings();
+  }
+
+  void apply_settings() {
+    Playback& playback = controls_.playback;
+    const ViewSettings::Playing& s = controls_.settings.playback;
+    playback.set_mode(s.mode);
+    playback.set_speed(s.speed);
+    playback.set_backwards(s.backwards);
+    playback.set_real_time(s.real_time);
+    if (s.in || s.out) playback.set_range(s.in.value_or(playback.first()), s.out.value_or(playback.last()));
+  }
+
+  void begin() {
+    play_clip();
+    controls_.camera.orbit(0.45, 0.18);
+    controls_.requests.frame_selection = true;
+    if (!options_.state.empty()) load_state(options_.state);
+    Playback& playback = controls_.playback;
+    if (options_.first || options_.last) {
+      playback.set_range(options_.first.value_or(playback.first()), options_.last.value_or(playback.last()));
+    }
+    playback.scrub(options_.current.value_or(playback.in()));
+    if (options_.live_port) {
+      const Basis& basis = scene_.lead().basis();
+      live_ = std::make_unique<LivePose>(*options_.live_port, basis.skeleton.size(), basis.residual.controls.size());
+      controls_.say("listening for poses on 127.0.0.1:" + std::to_string(live_->port()));
+    }
+    frame_selection(options_.width, options_.height);
+    run_commands(controls_, options_.commands);
+  }
+
+  void watch() {
+    std::vector<fs::path> files;
+    for (const auto& character : scene_.cast()) {
+      const CharacterFiles& f = character->files();
+      for (const std::string& file : {f.basis, f.clip.substr(0, f.clip.find('#')), f.truth}) {
+        if (!file.empty()) files.emplace_back(file);
+      }
+    }
+    watched_ = std::make_unique<WatchedFiles>(files);
+  }
+
+  void reload() {
+    for (std::size_t c = 0; c < scene_.cast().size(); ++c) {
+      scene_.replace(c, CharacterFiles(scene_.cast()[c]->files()), options_.clip);
+    }
+    const int frame = controls_.playback.frame();
+    play_clip();
+    controls_.playback.scrub(frame);
+    describe_cast();
+  }
+
+  void load_state(const std::string& file) {
+    controls_.settings = read_view_settings(file);
+    controls_.camera = OrbitCamera(controls_.settings.camera);
+    apply_settings();
+    controls_.requests.frame_selection = false;
+  }
+
+  void on_key(const std::string& key, bool down) {
+    pending_pictures_ = 2;
+    if (ImGui::GetIO().WantTextInput) return;
+    if (key == "X") {
+      controls_.flipped = down;
+      return;
+    }
+    const Command* command = down ? find_command_by_key(key) : nullptr;
+    if (command) attempt([&] { command->run(controls_, ""); });
+  }
+
+  // One turn of the loop: time passes, and what changed is drawn.
+  void turn(bool woken) {
+    const Clock::time_point now = Clock::now();
+    const double passed = seconds_between(last_, now);
+    last_ = now;
+    for (const std::string& file : std::exchange(dropped_, {})) attempt([&] { open(file); });
+    const int shown = controls_.playback.frame();
+    controls_.playback.advance(passed);
+    if (live_) {
+      if (auto pose = live_->poll()) {
+        scene_.set_live_pose(std::move(*pose));
+        pending_pictures_ = std::max(pending_pictures_, 1);
+      }
+    }
+    look_at_files(now);
+    if (woken) pending_pictures_ = 2;  // panels answer events a picture late
+    const bool moves = controls_.playback.frame() != shown || !options_.vsync;
+    if (!moves && pending_pictures_ == 0) return;
+    pending_pictures_ = std::max(0, pending_pictures_ - 1);
+    const auto [width, height] = window_->size();
+    if (width == 0 || height == 0) return;  // minimised
+    const bool busy =
+        controls_.playback.playing() || ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2);
+    const bool software = device_->info().type == "cpu";
+    const Edges edges = software && busy ? Edges::quick : Edges::smooth;
+    draw(std::min(width, kMaxPictureSize), std::min(height, kMaxPictureSize), edges);
+    window_->show(viewport_);
+    if (edges == Edges::quick) pending_pictures_ = std::max(pending_pictures_, busy ? 0 : 1);
+    was_busy_ = busy;
+    fulfil();
+  }
+
+  void look_at_files(Clock::time_point now) {
+    const double at = seconds_between(Clock::time_point{}, now);
+    if (at < next_look_) return;
+    next_look_ = at + kIdle;
+    if (was_busy_ && !controls_.playback.playing()) pending_pictures_ = std::max(pending_pictures_, 1);
+    const std::vector<fs::path> changed = watched_->changed(at);
+    if (changed.empty()) return;
+    controls_.requests.reload = true;
+    pending_pictures_ = 2;
+    controls_.say(changed.front().filename().string() + " has changed and was read again");
+  }
+
+  void draw(std::uint32_t width, std::uint32_t height, Edges edges) {
+    const Clock::time_point start = Clock::now();
+    gui_->begin(width, height, std::max(1e-4, seconds_between(last_picture_, start)));
+    steer(height);
+    const Rectangle area = draw_panels(snapshot_, controls_, width, height);
+    gui_->end();
+    if (controls_.requests.frame_selection) frame_selection(area.width, area.height);
+    const std::vector<View> views = scene_.look(controls_, area);
+    area_ = area;
+    viewport_.draw(views, width, height, edges, [this](VkCommandBuffer commands) { gui_->record(commands); });
+    measure(start);
+  }
+
+  void frame_selection(std::uint32_t width, std::uint32_t height) {
+    controls_.requests.frame_selection = false;
+    const std::vector<float> points = scene_.points_to_frame(controls_);
+    if (!points.empty()) {
+      controls_.camera.frame(points, static_cast<float>(width) / static_cast<float>(std::max(1u, height)));
+    }
+  }
+
+  // The mouse over the picture: left turns, middle or shift pans, right and the wheel go nearer; a click picks a joint.
+  void steer(std::uint32_t height) {
+    const ImGuiIO& io = ImGui::GetIO();
+    if (io.WantCaptureMouse) return;
+    const double per_pixel = 3.2 / std::max(1u, height);  // half a turn across the window's height
+    const double x = static_cast<double>(io.MouseDelta.x), y = static_cast<double>(io.MouseDelta.y);
+    const bool pans = ImGui::IsMouseDown(2) || (ImGui::IsMouseDown(0) && io.KeyShift);
+    if (pans) {
+      controls_.camera.pan(x, y, static_cast<double>(area_.height));
+    } else if (ImGui::IsMouseDown(0)) {
+      controls_.camera.orbit(-x * per_pixel, y * per_pixel);
+    } else if (ImGui::IsMouseDown(1)) {
+      controls_.camera.dolly(0.03 * (x - y));
+    }
+    if (io.MouseWheel != 0) controls_.camera.dolly(static_cast<double>(io.MouseWheel));
+    const ImVec2 drag = ImGui::GetMouseDragDelta(0, 0);
+    if (ImGui::IsMouseReleased(0) && std::abs(drag.x) + std::abs(drag.y) < kClick) pick(io.MousePos.x, io.MousePos.y);
+  }
+
+  void pick(float x, float y) {
+    if (!controls_.settings.look.skeleton) return;
+    const Camera camera = controls_.camera.camera();
+    const auto rows = view_matrix(camera);
+    const auto scale = projection(camera, {0, 1}, static_cast<double>(area_.width) / std::max(1u, area_.height));
+    const std::vector<Vec3> centres = scene_.joint_centres(controls_);
+    double nearest = kPickRadius;
+    controls_.joint.clear();
+    for (std::size_t j = 0; j < centres.size(); ++j) {
+      double at[3];
+      for (std::size_t r = 0; r < 3; ++r) {
+        at[r] = static_cast<double>(rows[r][3]);
+        for (std::size_t i = 0; i < 3; ++i) at[r] += static_cast<double>(rows[r][i]) * centres[j][i];
+      }
+      const double w = camera.orthographic_height > 0 ? 1 : -at[2];
+      if (w <= 0) continue;
+      const double px = area_.x + 0.5 * area_.width * (1 + static_cast<double>(scale[0]) * at[0] / w);
+      const double py = area_.y + 0.5 * area_.height * (1 - static_cast<double>(scale[1]) * at[1] / w);
+      const double distance = std::hypot(px - static_cast<double>(x), py - static_cast<double>(y));
+      if (distance >= nearest) continue;
+      nearest = distance;
+      controls_.joint = scene_.lead().basis().skeleton.joints[j].name;
+    }
+  }
+
+  void measure(Clock::time_point start) {
+    const Clock::time_point now = Clock::now();
+    const double interval = seconds_between(last_picture_, now);
+    last_picture_ = now;
+    snapshot_.shown_fps += 0.1 * ((interval > 0 && interval < 1 ? 1 / interval : 0) - snapshot_.shown_fps);
+    snapshot_.frame_ms = 1e3 * seconds_between(start, now);
+    snapshot_.draw_ms = 1e3 * viewport_.seconds();
+    snapshot_.stage_ms.clear();
+    for (const auto& [stage, seconds] : scene_.stage_seconds()) snapshot_.stage_ms[stage] = 1e3 * seconds;
+    snapshot_.memory_mib = resident_mib();
+    const Evaluation* evaluation = scene_.lead_evaluation();
+    if (!evaluation || evaluation->outside.empty()) return;
+    snapshot_.strains = evaluation->strains;
+    snapshot_.outside = evaluation->outside[0];
+    snapshot_.outside_feature =
+        snapshot_.outside > 0 ? feature_name(scene_.lead().basis(), evaluation->outside_feature[0]) : "";
+  }
+
+  void describe_cast() {
+    snapshot_.cast.clear();
+    for (const auto& character : scene_.cast()) {
+      const Basis& basis = character->basis();
+      snapshot_.cast.push_back({character->name(), character->files().basis,
+                                character->files().clip.empty() ? "" : character->clip().name, character->files().truth,
+                                basis.mesh.vertex_count(), static_cast<std::uint32_t>(basis.mesh.triangles.size() / 3),
+                                total_bytes(basis), character->has(Method::jiggle)});
+    }
+    const Character& lead = scene_.lead();
+    snapshot_.joints.clear();
+    for (const Joint& joint : lead.basis().skeleton.joints) {
+      JointRow row;
+      row.name = joint.name;
+      row.parent = joint.parent;
+      row.depth = joint.parent < 0 ? 0 : snapshot_.joints[static_cast<std::size_t>(joint.parent)].depth + 1;
+      snapshot_.joints.push_back(row);
+    }
+    snapshot_.controls = lead.basis().residual.controls;
+    snapshot_.fibres = lead.basis().strain.names;
+    snapshot_.clip_fps = lead.clip().fps;
+    snapshot_.device = device_->info().name;
+    snapshot_.error_mm.clear();
+    if (window_) window_->set_title(lead.name() + " \xe2\x80\x93 Bodyopt");
+  }
+
+  // What was asked for meanwhile, now that there is a picture.
+  void fulfil() {
+    Requests requests = std::exchange(controls_.requests, {});
+    controls_.requests.quit = requests.quit;
+    for (const std::string& file : requests.open) attempt([&] { open(file); });
+    if (requests.screenshot) attempt([&] { write_screenshot(*requests.screenshot); });
+    if (requests.sequence) attempt([&] { write_sequence(*requests.sequence); });
+    if (requests.turntable) attempt([&] { write_turntable(*requests.turntable); });
+    if (requests.save_state) attempt([&] { save_state(*requests.save_state); });
+    if (requests.load_state) attempt([&] { load_state(*requests.load_state); });
+    if (requests.reload) attempt([&] { reload(); });
+    if (requests.reset_jiggle) scene_.reset_jiggle();
+  }
+
+  void save_state(const std::string& file) {
+    controls_.settings.camera = controls_.camera.view();
+    write_view_settings(controls_.settings, file);
+    controls_.say("wrote " + file);
+  }
+
+  void write_screenshot(std::string file) {
+    for (int k = 1; file.empty(); ++k) {
+      const fs::path next = FrameSequenceName(kNewScreenshot, 2)(k);
+      if (!fs::exists(next)) file = next.string();
+    }
+    write_png(viewport_.picture(), file);
+    controls_.say("wrote " + file);
+  }
+
+  std::array<std::uint32_t, 2> picture_size() const {
+    return window_ ? window_->size() : std::array<std::uint32_t, 2>{options_.width, options_.height};
+  }
+
+  void write_picture(const fs::path& file) {
+    const auto [width, height] = picture_size();
+    draw(width, height, Edges::smooth);
+    write_png(viewport_.picture(), file);
+  }
+
+  void write_sequence(const std::string& pattern) {
+    Playback& playback = controls_.playback;
+    const bool moves = pattern.find_first_of("#%") != std::string::npos;
+    const std::size_t count = moves ? static_cast<std::size_t>(playback.out() - playback.in() + 1) : 1;
+    const FrameSequenceName name(pattern, count);
+    playback.pause();
+    const int shown = playback.frame();
+    if (!moves) {
+      write_picture(name(shown));
+    }
+    for (int frame = playback.in(); moves && frame <= playback.out(); ++frame) {
+      playback.scrub(frame);
+      write_picture(name(frame));
+    }
+    playback.scrub(shown);
+    controls_.say("wrote " + std::to_string(count) + " pictures, " + name(shown).string());
+  }
+
+  void write_turntable(const std::string& pattern) {
+    const FrameSequenceName name(pattern, kTurntablePictures);
+    const OrbitCamera camera = controls_.camera;
+    for (int k = 0; k < kTurntablePictures; ++k) {
+      write_picture(name(k + 1));
+      controls_.camera.orbit(2 * std::numbers::pi / kTurntablePictures, 0);
+    }
+    controls_.camera = camera;
+    controls_.say("wrote " + std::to_string(kTurntablePictures) + " pictures, " + name(1).string());
+  }
+
+  const ViewerOptions options_;
+  std::unique_ptr<Window> window_;  // none when headless
+  std::shared_ptr<const vulkan::Device> device_;
+  Viewport viewport_;
+  std::unique_ptr<Gui> gui_;
+  Scene scene_;
+  Controls controls_;
+  Snapshot snapshot_;
+  std::unique_ptr<WatchedFiles> watched_;
+  std::unique_ptr<LivePose> live_;
+  std::vector<std::string> dropped_;  // files, onto the window
+  Rectangle area_;                    // of the characters in the last picture
+  int pending_pictures_ = 2;          // to be drawn although nothing moves
+  bool was_busy_ = false;
+  double next_look_ = 0;  // at files
+  Clock::time_point last_ = Clock::now(), last_picture_ = last_;
+};
+
+}  // namespace
+
+void run_viewer(const ViewerOptions& options) {
+  Viewer viewer(options);
+  if (options.headless) {
+    viewer.run_headless();
+  } else {
+    viewer.run_window();
+  }
+}
+
+}  // namespace bodyopt
