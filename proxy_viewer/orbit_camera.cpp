@@ -12,12 +12,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-std::array<float, 3> to_float(const Vec3& v) {
-  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
-}
-
-Vec3 to_double(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
-
 // From the target towards the eye, unit.
 Vec3 direction(const OrbitView& view) {
   return {std::cos(view.elevation) * std::sin(view.azimuth), std::sin(view.elevation),

@@ -19,8 +19,7 @@ enum class PlayMode { loop, ping_pong, once };
 class Playback {
  public:
   static constexpr double kSlowest = 0.1, kFastest = 2;  // speeds
-  static constexpr double kLongestGap =
-      1;  // seconds; of a longer gap (a stall, a sleeping laptop) the rest is not played
+  static constexpr double kLongestGap = 1;               // seconds; the rest of a longer gap (a stall) is not played
 
   // `fps`: frames a second, counted in numbers. Throws Error(usage) for frames that end before they begin, a step below
   // 1, and an fps that is not above 0 and at most 1,000.

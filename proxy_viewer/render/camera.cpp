@@ -15,12 +15,6 @@ Vec3 normalised(const Vec3& v, const Vec3& otherwise) {
   return std::isfinite(size) && size > 1e-12 ? (1 / size) * v : otherwise;
 }
 
-Vec3 to_double(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
-
-std::array<float, 3> to_float(const Vec3& v) {
-  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
-}
-
 bool all_in_range(std::span<const float> v) {
   return std::all_of(v.begin(), v.end(), [](float x) { return std::abs(x) <= kMaxCoordinate; });
 }

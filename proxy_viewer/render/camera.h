@@ -11,6 +11,12 @@ namespace bodyopt {
 constexpr float kVerticalAngle = 0.45f;  // about the 50 mm lens of a portrait: little perspective distortion
 constexpr float kMaxCoordinate = 1e9f;   // metres; beyond it single precision overflows on the way to the screen
 
+inline Vec3 to_double(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
+
+inline std::array<float, 3> to_float(const Vec3& v) {
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
+
 struct ViewAxes {
   Vec3 right, up, back;  // orthonormal, world
 };

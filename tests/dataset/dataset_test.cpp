@@ -138,7 +138,7 @@ TEST(DatasetFile, WrongPartsAreRefusedByName) {
   expect("takes[0] lacks 'clip'", [](Json& j) { j["takes"][0].erase("clip"); });
   expect("takes[0] lacks 'shapes'", [](Json& j) { j["takes"][0].erase("shapes"); });
   expect("takes[0] 'fps' is 0", [](Json& j) { j["takes"][0]["fps"] = 0; });
-  expect("takes[0] 'first_frame' is not a whole", [](Json& j) { j["takes"][0]["first_frame"] = 1.5; });
+  expect("takes[0] 'first_frame' is 1.5, expected a whole number", [](Json& j) { j["takes"][0]["first_frame"] = 1.5; });
   expect("takes[0] 'first_frame' is 1e+300", [](Json& j) { j["takes"][0]["first_frame"] = 1e300; });
   expect("takes[0] 'frames'", [](Json& j) { j["takes"][0]["frames"] = "1:5"; });
   expect("takes[0] 'frames'", [](Json& j) { j["takes"][0]["frames"] = "1-2000000000"; });

@@ -6,6 +6,7 @@
 #include "cli/report/pictures.h"
 #include "runtime/basis/error.h"
 #include "tests/render/sphere.h"
+#include "tests/support/error_kind.h"
 #include "tests/support/gpu_fixture.h"
 
 namespace bodyopt::testing {
@@ -45,16 +46,6 @@ int brightness(const std::array<int, 3>& p) { return p[0] + p[1] + p[2]; }
 
 // Whether a pixel shows something: the backdrop is darker.
 bool covered(const Image& image, std::uint32_t x, std::uint32_t y) { return brightness(pixel(image, x, y)) > 3 * 50; }
-
-ErrorKind kind_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.kind();
-  }
-  ADD_FAILURE() << "no error";
-  return ErrorKind::quality;
-}
 
 TEST_F(RendererTest, SphereIsClayOnADarkGround) {
   const Sphere sphere(1);

@@ -193,6 +193,7 @@ TEST(OrbitCamera, TakesViewsFromOutsideWithinItsLimits) {
   OrbitCamera top(some_view());
   top.view_axis(AxisView::top);
   EXPECT_EQ(OrbitCamera(top.view()).view(), top.view());
+  EXPECT_EQ(OrbitCamera({.azimuth = 0.7, .elevation = 1.55}).view().azimuth, 0);  // by the pole: from the top
   for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     EXPECT_THROW(OrbitCamera({.target = {0, wrong, 0}}), Error);
     EXPECT_THROW(OrbitCamera({.distance = wrong}), Error);

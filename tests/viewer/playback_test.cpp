@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <random>
 #include <set>
 
-#include "runtime/basis/error.h"
+#include "tests/support/error_kind.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -30,17 +29,6 @@ std::vector<int> next(Playback& playback, int count) {
   std::vector<int> frames;
   for (int k = 0; k < count; ++k) frames.push_back(playback.advance(kFrameTime));
   return frames;
-}
-
-ErrorKind kind_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_GT(std::string(error.what()).size(), 20u);
-    return error.kind();
-  }
-  ADD_FAILURE() << "no error";
-  return ErrorKind::quality;
 }
 
 TEST(Playback, ShowsTheFirstFrameUntilItPlays) {
