@@ -59,6 +59,17 @@ Quat euler(const Vec3& degrees) {
          axis_angle({1, 0, 0}, radians * degrees[0]);
 }
 
+bool same(const JointTransform& a, const JointTransform& b) {
+  return a.translation == b.translation && a.rotation == b.rotation && a.scale == b.scale;
+}
+
+bool same(std::span<const Pose> a, std::span<const Pose> b) {
+  return std::ranges::equal(a, b, [](const Pose& p, const Pose& q) {
+    return p.controls == q.controls &&
+           std::ranges::equal(p.joints, q.joints, [](const auto& s, const auto& t) { return same(s, t); });
+  });
+}
+
 Clip bind_clip(const Basis& basis) {
   Clip clip;
   clip.name = "bind pose";
@@ -158,24 +169,27 @@ Deformer& Character::deformer(Method method, Use use) {
 }
 
 const Evaluation& Character::evaluate(Method method, std::span<const Pose> poses, int frame, const Weights& weights) {
-  Evaluation& result = evaluations_[method];
+  Evaluated& last = evaluated_[method];
   if (method == Method::truth) {
     show_truth(frame);
-    return result;
+    return last.result;
   }
+  if (method == Method::jiggle) poses = poses.first(1);
+  if (frame == last.frame && weights == last.weights && same(poses, last.poses)) return last.result;
+  last.poses.clear();  // should it throw
   Deformer& d = deformer(method, Use::show);
   d.set_weights({method == Method::ddm ? 0.0f : weights.correction, weights.jiggle});
-  if (method == Method::jiggle) {
-    result = d.jiggle_on_device(poses.first(1), {&frame, 1});
-  } else {
-    result = d.evaluate_on_device(poses);
-  }
-  return result;
+  last.result = method == Method::jiggle ? d.jiggle_on_device(poses, {&frame, 1}) : d.evaluate_on_device(poses);
+  last.poses.assign(poses.begin(), poses.end());
+  last.frame = frame;
+  last.weights = weights;
+  return last.result;
 }
 
 void Character::reset_jiggle() {
   const auto found = deformers_.find({Method::jiggle, Use::show});
   if (found != deformers_.end()) found->second->set_state({});
+  evaluated_.erase(Method::jiggle);
 }
 
 ShownSkin Character::skin(Method method) const {

@@ -53,7 +53,7 @@ class Character {
 
   // Poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
   const Evaluation& evaluate(Method method, std::span<const Pose> poses, int frame, const Weights& weights);
-  void reset_jiggle();  // the next frame starts anew
+  void reset_jiggle();  // which starts anew with the next frame
   // Of the last evaluation by the method.
   ShownSkin skin(Method method) const;
 
@@ -93,7 +93,14 @@ class Character {
   vulkan::Buffer triangles_, fibre_segments_, fibre_points_;
   std::uint32_t fibre_segment_count_ = 0;
   std::map<std::pair<Method, Use>, std::unique_ptr<Deformer>> deformers_;  // made when they are first wanted
-  std::map<Method, Evaluation> evaluations_;
+  // What a method has evaluated last, and of what: the same is not evaluated again.
+  struct Evaluated {
+    std::vector<Pose> poses;
+    int frame = 0;
+    Weights weights;
+    Evaluation result;
+  };
+  std::map<Method, Evaluated> evaluated_;
   std::optional<Truth> truth_;
 };
 

@@ -151,6 +151,8 @@ const Command kCommands[] = {
     {"top", "", "7", "Camera", "from above", [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::top); }},
     {"orthographic", "", "5", "Camera", "without perspective, or with it",
      [](Controls& c, const std::string&) { c.camera.toggle_orthographic(); }},
+    {"follow", "[on|off]", "V", "Camera", "go along with the character",
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.follow, a); }},
     {"orbit", "DEGREES DEGREES", "", "", "around the target, to the right and up",
      [](Controls& c, const std::string& a) {
        const auto w = words(a, 2, "two angles in degrees");

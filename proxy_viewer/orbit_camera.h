@@ -46,6 +46,8 @@ class OrbitCamera {
   // Moves along the direction of view and across it until all points (V x 3, world, metres, at least one) are seen, as
   // large as can be. `aspect`: width over height. Throws Error(usage) as frame_points().
   void frame(std::span<const float> points, float aspect);
+  // Eye and target, metres, world.
+  void move(const Vec3& by) { view_.target = view_.target + by; }
   void view_axis(AxisView axis);
   void toggle_orthographic() { view_.orthographic = !view_.orthographic; }
 

@@ -302,6 +302,20 @@ std::vector<Vec3> Scene::joint_centres(const Controls& controls) const {
   return centres_of(lead, pose_at(lead, controls.playback.frame(), controls));
 }
 
+Vec3 Scene::whereabouts(int frame) const {
+  const Character& lead = *cast_.front();
+  const Clip& clip = lead.clip();
+  const int around = static_cast<int>(std::lround(0.5 * clip.fps));
+  Vec3 sum{0, 0, 0};
+  for (int k = -around; k <= around; ++k) {
+    const int at = std::clamp(frame + k, clip.first_frame, clip.last_frame());
+    const Pose& pose = clip.poses[static_cast<std::size_t>(at - clip.first_frame)];
+    sum = sum + pose.joints.front().translation;
+  }
+  const double share = 1.0 / (2 * around + 1);
+  return {share * sum[0], 0, share * sum[2]};
+}
+
 std::vector<float> Scene::points_to_frame(const Controls& controls) const {
   std::vector<float> points;
   const auto add = [&](const Vec3& centre, const std::array<float, 3>& offset, double around) {

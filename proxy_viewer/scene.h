@@ -30,6 +30,9 @@ class Scene {
   // until the next call. Throws Error(device), Error(file) of a truth that went away.
   std::vector<View> look(const Controls& controls, const Rectangle& area);
 
+  // Where the lead is over the ground, whichever way it leaps: its root, the mean of half a second before and after
+  // the frame.
+  Vec3 whereabouts(int frame) const;
   // Joints of the characters at the frame, or the joint that is selected, with skin around them: V x 3, for framing.
   std::vector<float> points_to_frame(const Controls& controls) const;
   // Where joint centres of the lead are at the frame, J, metres, world.

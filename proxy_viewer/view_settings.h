@@ -28,7 +28,8 @@ struct ViewSettings {
     LookStyle style = LookStyle::clay;
     bool wire = false, grid = true, axes = true, skeleton = false, fibres = false, tets = false;
     double tet_cut = 0;  // share of the tets that is cut away, from the front
-    bool shadow = true, smooth_background = true;
+    bool shadow = true;
+    bool follow = true;  // the camera goes along with the character
     bool operator==(const Look&) const = default;
   };
 

@@ -95,6 +95,7 @@ class Viewer {
   }
 
   void run_headless() {
+    draw(options_.width, options_.height, Edges::smooth);  // panels find their places
     if (options_.out.empty()) {
       draw(options_.width, options_.height, Edges::smooth);
       fulfil();
@@ -212,6 +213,7 @@ class Viewer {
   void load_state(const std::string& file) {
     controls_.settings = read_view_settings(file);
     controls_.camera = OrbitCamera(controls_.settings.camera);
+    followed_.reset();
     apply_settings();
     controls_.requests.frame_selection = false;
   }
@@ -277,11 +279,18 @@ class Viewer {
     steer(height);
     const Rectangle area = draw_panels(snapshot_, controls_, width, height);
     gui_->end();
+    follow();
     if (controls_.requests.frame_selection) frame_selection(area.width, area.height);
     const std::vector<View> views = scene_.look(controls_, area);
     area_ = area;
     viewport_.draw(views, width, height, edges, [this](VkCommandBuffer commands) { gui_->record(commands); });
     measure(start);
+  }
+
+  void follow() {
+    const Vec3 at = scene_.whereabouts(controls_.playback.frame());
+    if (followed_ && controls_.settings.look.follow) controls_.camera.move(at - *followed_);
+    followed_ = at;
   }
 
   void frame_selection(std::uint32_t width, std::uint32_t height) {
@@ -459,6 +468,7 @@ class Viewer {
   std::unique_ptr<WatchedFiles> watched_;
   std::unique_ptr<LivePose> live_;
   std::vector<std::string> dropped_;  // files, onto the window
+  std::optional<Vec3> followed_;      // where the lead was in the last picture
   Rectangle area_;                    // of the characters in the last picture
   int pending_pictures_ = 2;          // to be drawn although nothing moves
   bool was_busy_ = false;

@@ -47,6 +47,7 @@ std::string feature_name(const Basis& basis, std::uint32_t feature);
 // changes no state.
 struct Weights {
   float correction = 1, jiggle = 1;
+  bool operator==(const Weights&) const = default;
 };
 
 // A skin on the device, F x V x 3 each, world, metres, vertices in runtime order.

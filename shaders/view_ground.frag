@@ -40,8 +40,8 @@ void main() {
     }
     if (ground.w > 0) {
       const vec2 axis = (1 - smoothstep(0.5 * width, 1.5 * width, abs(at.xz))) * reach;
-      colour = mix(colour, vec3(0.30, 0.030, 0.035), 0.8 * axis.y);
-      colour = mix(colour, vec3(0.030, 0.075, 0.35), 0.8 * axis.x);
+      colour = mix(colour, vec3(0.22, 0.030, 0.032), 0.55 * axis.y);
+      colour = mix(colour, vec3(0.035, 0.070, 0.24), 0.55 * axis.x);
     }
     if (shadow.w > 0) colour *= 1 - shadow.w * texture(shade, 0.5 + 0.5 * (at.xz - shadow.xy) * shadow.z).r;
   }

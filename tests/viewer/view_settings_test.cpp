@@ -108,7 +108,7 @@ TEST_F(ViewSettingsTest, AreReadAsWritten) {
   // No field was left out, here or in the file.
   for (const auto& [place, found] : values) EXPECT_TRUE(place == "/schema" || found.size() > 1) << place;
   for (const char* key : {"/playback/in", "/playback/out", "/playback/real_time", "/camera/target", "/cameras/x",
-                          "/look/tet_cut", "/look/smooth_background", "/compare/heat_scale_mm", "/compare/coverage",
+                          "/look/tet_cut", "/look/follow", "/compare/heat_scale_mm", "/compare/coverage",
                           "/pose/joints/LeftArm", "/pose/controls/x", "/jiggle/amount", "/ghosts/opacity", "/hud/on"}) {
     EXPECT_TRUE(values.contains(key)) << key;
   }
