@@ -52,7 +52,7 @@ constexpr auto kLookFields = [](auto& list, auto& look) {
   list.boolean("tets", look.tets);
   list.number("tet_cut", look.tet_cut, 0, 1);
   list.boolean("shadow", look.shadow);
-  list.boolean("follow", look.smooth_background);
+  list.boolean("follow", look.follow);
 };
 
 constexpr auto kCompareFields = [](auto& list, auto& compare) {
