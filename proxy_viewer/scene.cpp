@@ -60,8 +60,8 @@ Rectangle right_half(const Rectangle& r) {
 
 std::uint32_t strain_colour(float strain) {
   const double t = std::clamp(static_cast<double>(strain) * 3, -1.0, 1.0), s = std::abs(t);
-  return t < 0 ? packed(0.75 - 0.60 * s, 0.75 - 0.20 * s, 0.75 + 0.25 * s)
-               : packed(0.75 + 0.25 * s, 0.75 - 0.45 * s, 0.75 - 0.65 * s);
+  return t < 0 ? packed(0.93 - 0.80 * s, 0.82 - 0.25 * s, 0.45 + 0.55 * s)
+               : packed(0.93 + 0.07 * s, 0.82 - 0.60 * s, 0.45 - 0.30 * s);
 }
 
 Method shown_method(const Character& character, const ViewSettings& settings) {

@@ -72,7 +72,7 @@ class Scene {
 Method shown_method(const Character& character, const ViewSettings& settings);
 std::optional<Method> compared_method(const Character& character, const ViewSettings& settings);
 
-// The colour of a strain: blue where shorter, grey at rest, red where longer; full at a third.
+// The colour of a strain: blue where shorter, yellow at rest, red where longer; full at a third.
 std::uint32_t strain_colour(float strain);
 
 }  // namespace bodyopt

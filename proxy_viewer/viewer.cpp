@@ -95,7 +95,7 @@ class Viewer {
   }
 
   void run_headless() {
-    draw(options_.width, options_.height, Edges::smooth);  // panels find their places
+    for (int k = 0; k < 2; ++k) draw(options_.width, options_.height, Edges::smooth);  // panels find their places
     if (options_.out.empty()) {
       draw(options_.width, options_.height, Edges::smooth);
       fulfil();
