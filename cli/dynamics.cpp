@@ -1,11 +1,15 @@
 // bodyopt dynamics: the tables of diffuse and jiggle for a trained basis.
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <iterator>
+#include <set>
 
 #include "cli/common.h"
 #include "runtime/basis/error.h"
+#include "trainer/dataset/controls.h"
 #include "trainer/dataset/dataset.h"
 #include "trainer/dataset/regions_file.h"
 #include "trainer/dynamics/build_dynamics.h"
@@ -20,6 +24,22 @@ struct DynamicsArguments {
 };
 
 bool is_character(const std::string& path) { return path.ends_with(".glb") || path.ends_with(".gltf"); }
+
+// Of the frames that the basis may know.
+std::vector<Pose> training_poses(const Dataset& dataset, const Basis& basis) {
+  std::vector<Pose> poses;
+  for (const DatasetTake& take : dataset.takes) {
+    Clip clip = read_clip(dataset, take, basis.skeleton);
+    arrange_controls(basis.residual.controls, clip);
+    const std::set<int> heldout(take.heldout.begin(), take.heldout.end());
+    std::vector<int> frames;
+    std::copy_if(take.frames.begin(), take.frames.end(), std::back_inserter(frames),
+                 [&](int frame) { return !heldout.contains(frame); });
+    const std::vector<Pose> more = poses_of(clip, frames);
+    poses.insert(poses.end(), more.begin(), more.end());
+  }
+  return poses;
+}
 
 Dynamics build(DynamicsArguments& arguments, const Basis& basis) {
   DynamicsOptions& options = arguments.options;
@@ -37,6 +57,7 @@ Dynamics build(DynamicsArguments& arguments, const Basis& basis) {
   if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, character.skeleton);
   if (!dataset.materials.empty()) options.materials = read_materials(dataset.folder / dataset.materials);
   options.painted = read_regions(dataset, character);
+  options.poses = training_poses(dataset, basis);
   return build_dynamics(character, muscles, basis, options);
 }
 
