@@ -1,10 +1,8 @@
 // bodyopt dynamics: the tables of diffuse and jiggle for a trained basis.
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <iterator>
 #include <set>
 
 #include "cli/common.h"
@@ -33,8 +31,15 @@ std::vector<Pose> training_poses(const Dataset& dataset, const Basis& basis) {
     arrange_controls(basis.residual.controls, clip);
     const std::set<int> heldout(take.heldout.begin(), take.heldout.end());
     std::vector<int> frames;
-    std::copy_if(take.frames.begin(), take.frames.end(), std::back_inserter(frames),
-                 [&](int frame) { return !heldout.contains(frame); });
+    for (const int frame : take.frames) {
+      if (frame < clip.first_frame || frame > clip.last_frame()) {
+        throw Error(ErrorKind::mismatch,
+                    format("take '%s': frame %d is not in the clip %s, which has frames %d to %d: first_frame or fps "
+                           "may be wrong",
+                           take.name.c_str(), frame, take.clip.c_str(), clip.first_frame, clip.last_frame()));
+      }
+      if (!heldout.contains(frame)) frames.push_back(frame);
+    }
     const std::vector<Pose> more = poses_of(clip, frames);
     poses.insert(poses.end(), more.begin(), more.end());
   }
@@ -115,7 +120,7 @@ void add_dynamics(CLI::App& app) {
       ->check(CLI::Range(100, 1000000));
   verb.add_option("--fps", options.step.frames_per_second, "Frames a second of the clips to come")
       ->capture_default_str()
-      ->check(CLI::Range(1e-3, 1e5));
+      ->check(number_from(kLeastRate, kMostRate));
   verb.add_option("--substeps", options.step.substeps, "Steps a frame")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));

@@ -10,6 +10,7 @@
 #include "trainer/dataset/controls.h"
 #include "trainer/dataset/frame_range.h"
 #include "trainer/dataset/pc2.h"
+#include "trainer/dynamics/measure_jiggle.h"
 #include "trainer/progress.h"
 #include "trainer/train/coverage.h"
 
@@ -43,6 +44,39 @@ Expectation expectation(const Basis& basis, const std::vector<Pose>& poses, cons
   return result;
 }
 
+// What the jiggle did: of every frame in its JSON, of all in a line or two.
+class JiggleLog {
+ public:
+  void add(const Deformer& deformer, int frame, Json& entry) {
+    const JiggleMeasure measure = measure_jiggle(*deformer.dynamics(), deformer.state().motion);
+    entry["jiggle_rms_mm"] = measure.rms_mm;
+    entry["jiggle_max_mm"] = measure.max_mm;
+    entry["inverted_tets"] = measure.inverted_tets;
+    if (measure.inverted_tets > 0) inverted_frames_.push_back(frame);
+    most_inverted_ = std::max(most_inverted_, measure.inverted_tets);
+    if (measure.max_mm > max_mm_) max_frame_ = frame;
+    max_mm_ = std::max(max_mm_, measure.max_mm);
+    tets_ = deformer.dynamics()->tets.tet_count();
+  }
+
+  std::string text() const {
+    std::string text = max_mm_ > 0
+                           ? format("the jiggle moves the skin by %.2f mm at most, in frame %d\n", max_mm_, max_frame_)
+                           : std::string();
+    if (inverted_frames_.empty()) return text;
+    return text +
+           format("%zu frames have tetrahedra that are inside out before they jiggle, %u of %u at most: ",
+                  inverted_frames_.size(), most_inverted_, tets_) +
+           format_frame_range(inverted_frames_) + "\n";
+  }
+
+ private:
+  std::vector<int> inverted_frames_;
+  std::uint32_t most_inverted_ = 0, tets_ = 0;
+  double max_mm_ = 0;
+  int max_frame_ = 0;
+};
+
 void run(const EvalArguments& arguments) {
   arguments.json.require_writable();
   const std::unique_ptr<Deformer> owned = arguments.jiggle.deformer(arguments.basis, arguments.device.choice);
@@ -68,9 +102,11 @@ void run(const EvalArguments& arguments) {
   std::vector<std::string> notes, states;
   std::uint32_t worst_feature = 0;
   const auto start = std::chrono::steady_clock::now();
-  constexpr std::size_t kStep = 64;  // frames held in memory at once
-  for (std::size_t begin = 0, next = 0; begin < poses.size(); begin = next) {
-    const std::size_t count = arguments.jiggle.frames_to_state(begin, std::min(kStep, poses.size() - begin));
+  JiggleLog jiggle;
+  // Frames held in memory at once. Of the jiggle each is measured, and it may be slow.
+  const std::size_t step = arguments.jiggle.jiggle ? 1 : 64;
+  for (std::size_t begin = 0; begin < poses.size(); begin += step) {
+    const std::size_t count = std::min(step, poses.size() - begin);
     const Evaluation part = arguments.jiggle.jiggle ? deformer.jiggle(std::span(poses).subspan(begin, count),
                                                                       std::span(frames).subspan(begin, count))
                                                     : deformer.evaluate(std::span(poses).subspan(begin, count));
@@ -80,6 +116,7 @@ void run(const EvalArguments& arguments) {
     for (std::size_t k = 0; k < count; ++k) {
       writer.append(std::span(part.positions).subspan(3 * k * points, 3 * std::size_t{points}));
       per_frame.push_back({{"frame", frames[begin + k]}, {"outside", part.outside[k]}});
+      if (arguments.jiggle.jiggle) jiggle.add(deformer, frames[begin + k], per_frame.back());
       if (part.outside[k] > 0) outside_frames.push_back(frames[begin + k]);
       if (static_cast<double>(part.outside[k]) > worst_outside) {
         worst_outside = static_cast<double>(part.outside[k]);
@@ -87,8 +124,7 @@ void run(const EvalArguments& arguments) {
       }
     }
     for (const auto& [stage, seconds] : part.stage_seconds) stage_seconds[stage] += seconds;
-    next = begin + count;
-    if (const auto file = arguments.jiggle.write_state_after(deformer, next)) states.push_back(*file);
+    if (const auto file = arguments.jiggle.write_state_after(deformer, begin + count)) states.push_back(*file);
     progress.advance(count);
   }
   writer.close();
@@ -115,7 +151,7 @@ void run(const EvalArguments& arguments) {
                outside_frames.size(), worst_name.c_str(), worst_outside) +
         format_frame_range(outside_frames) + "\n";
   }
-  text += expected.line;
+  text += expected.line + jiggle.text();
   for (const std::string& note : notes) text += note + "\n";
   text += "wrote " + arguments.out + "\n";
   for (const std::string& file : states) text += "wrote " + file + "\n";

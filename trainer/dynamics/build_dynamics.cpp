@@ -22,7 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kSamePlace = 1e-5;  // metres
-constexpr std::size_t kMostPoses = 400;
+constexpr std::size_t kMostPoses = 800;
 
 void require_same(const MeshTable& mesh, const Skeleton& skeleton, const Basis& basis) {
   const auto refuse = [](const std::string& what) {
@@ -78,7 +78,22 @@ Json report_of(const Dynamics& dynamics, const DynamicsTets& tets, const JiggleA
           {"notes", notes}};
 }
 
+Json to_json(const JiggleRegion& region) {
+  const char* const kinds[] = {"joint", "muscle", "region"};
+  Json json = {{kinds[static_cast<std::size_t>(region.by)], region.name}};
+  const auto add = [&](const char* name, const std::optional<double>& value) {
+    if (value) json[name] = *value;
+  };
+  add("softness", region.softness);
+  add("damping", region.damping);
+  add("amount", region.amount);
+  add("flesh", region.flesh);
+  return json;
+}
+
 Json provenance_of(const Character& character, const DynamicsOptions& options) {
+  Json regions = Json::array();
+  for (const JiggleRegion& region : options.settings.regions) regions.push_back(to_json(region));
   return {{"character", character.name},
           {"resolution", options.resolution},
           {"jiggle", options.settings.origin},
@@ -89,7 +104,7 @@ Json provenance_of(const Character& character, const DynamicsOptions& options) {
           {"density", options.settings.density},
           {"tension", options.settings.tension},
           {"flesh", options.settings.flesh},
-          {"regions", options.settings.regions.size()}};
+          {"regions", regions}};
 }
 
 }  // namespace
@@ -100,10 +115,12 @@ Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& m
   const std::vector<std::uint32_t> order = morton_order(character.vertices);
   const Character ordered = in_order(character, order);
   require_same(make_mesh_table(ordered), ordered.skeleton, basis);
+  require_possible(options.settings);
+  require_names(options.settings, character, muscles, options.painted);
 
   Progress progress("dynamics", 4);
-  const DynamicsTets tets = make_dynamics_tets(ordered.vertices, ordered.triangles, options.resolution,
-                                               posed_skins(basis, options.poses));
+  const DynamicsTets tets =
+      make_dynamics_tets(ordered.vertices, ordered.triangles, options.resolution, posed_skins(basis, options.poses));
   const TetMesh& mesh = tets.cage.mesh;
   progress.advance();
   JiggleAnatomy anatomy = find_anatomy(ordered, muscles, tets.cage, options.materials);
