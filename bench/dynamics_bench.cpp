@@ -49,7 +49,8 @@ struct Body {
   Dynamics refined(std::int64_t coarse) const {
     const FineSkin skin(arm.vertices, arm.triangles);
     const DynamicsTets before = make_dynamics_tets(arm.vertices, arm.triangles, coarse);
-    const FilledSkin fine = refine_tets(before.cage.mesh, static_cast<Eigen::Index>(before.surface.size()));
+    FilledSkin fine = refine_tets(before.cage.mesh, static_cast<Eigen::Index>(before.surface.size()));
+    fine.mesh.nodes = fine.mesh.nodes.cast<float>().cast<double>().eval();  // what the tables have
     DynamicsTets tets{cage_in(skin, fine), {}, {}};
     for (Eigen::Index n = 0; n < fine.skin.vertices.rows(); ++n) {
       tets.surface.push_back(skin.nearest(fine.skin.vertices.row(n)));

@@ -61,6 +61,9 @@ void JiggleArguments::add(CLI::App& verb) {
                   "Quality: so many conjugate gradient steps on the corotated operator per solve (8: bends, too, to a "
                   "thousandth)")
       ->check(CLI::Range(0, 1000))
+      ->check([](const std::string& count) {
+        return count == "1" ? "expected 0 or 2 at least: after one step alone, energy may grow" : std::string();
+      })
       ->group(group);
 }
 
