@@ -16,7 +16,7 @@ struct DynamicsOptions {
   JiggleSettings settings{};
   Materials materials{};                 // fat, muscle and bone springs
   std::vector<RegionWeights> painted{};  // of welded vertices, as read_regions gives them: what settings may name
-  // With the basis' controls: the tets are made such that diffuse does not turn them inside out in these. Of many, some.
+  // With the basis' controls. Diffuse is not to turn tets inside out in these; of many, some are looked at.
   std::vector<Pose> poses{};
 };
 
