@@ -35,6 +35,17 @@ TEST(BindMesh, EveryPieceByItself) {
   expect_bound(joined(eye, button), "1 piece fixed to joint 'joint0', 1 piece fixed to the skin");
 }
 
+TEST(BindMesh, SmallPiecesInsideOrAroundGoWithTheJoint) {
+  expect_bound(sphere_at("tooth", {0.035, 0, 0.4}, 0.006), "1 piece fixed to joint 'joint1'");  // under one side
+  Character finger = limb_character();
+  finger.vertices.leftCols(2) *= 0.1;
+  const Basis basis = build_ddm_basis(finger, {});
+  LooseMesh ring = sleeve(0);
+  for (Vec3& p : ring.vertices) p = {0.16 * p[0], 0.16 * p[1], 0.4 + 0.02 * (p[2] - 0.3)};
+  const AttachedMesh mesh = bind_mesh(ring, RestSkin(basis), {});
+  EXPECT_EQ(mesh.bound.rfind("1 piece fixed to joint 'joint1'", 0), 0u) << mesh.bound;
+}
+
 TEST(BindMesh, WhatHangsOnAJointStaysThere) {
   LooseMesh mesh = sleeve(0.008);
   mesh.joint = 1;
