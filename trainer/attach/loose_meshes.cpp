@@ -13,11 +13,6 @@
 namespace bodyopt {
 namespace {
 
-double determinant(const Affine& a) {
-  return dot({a.m[0][0], a.m[0][1], a.m[0][2]},
-             cross({a.m[1][0], a.m[1][1], a.m[1][2]}, {a.m[2][0], a.m[2][1], a.m[2][2]}));
-}
-
 class LooseMeshReader {
  public:
   LooseMeshReader(const std::filesystem::path& path, const Basis& basis, double unit, std::vector<std::string>& notes)

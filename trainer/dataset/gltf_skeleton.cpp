@@ -9,11 +9,6 @@
 namespace bodyopt {
 namespace {
 
-double determinant(const Affine& a) {
-  const Vec3 x{a.m[0][0], a.m[0][1], a.m[0][2]}, y{a.m[1][0], a.m[1][1], a.m[1][2]}, z{a.m[2][0], a.m[2][1], a.m[2][2]};
-  return dot(x, cross(y, z));
-}
-
 // Skin joints in skeleton order.
 std::vector<std::size_t> parents_first(const JointFold& fold, const std::vector<int>& nodes) {
   std::vector<std::size_t> order;
@@ -67,6 +62,11 @@ std::vector<std::string> set_binds(const GltfFile& file, Skeleton& skeleton) {
 }
 
 }  // namespace
+
+double determinant(const Affine& a) {
+  const Vec3 x{a.m[0][0], a.m[0][1], a.m[0][2]}, y{a.m[1][0], a.m[1][1], a.m[1][2]}, z{a.m[2][0], a.m[2][1], a.m[2][2]};
+  return dot(x, cross(y, z));
+}
 
 std::vector<Affine> read_inverse_binds(const GltfFile& file, int skin, std::size_t joint_count, double unit) {
   const int accessor = file.model().skins[static_cast<std::size_t>(skin)].inverseBindMatrices;
