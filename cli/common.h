@@ -95,6 +95,7 @@ void add_dataset(CLI::App& app);
 void add_check(CLI::App& app);
 void add_train(CLI::App& app);
 void add_dynamics(CLI::App& app);
+void add_attach(CLI::App& app);
 void add_eval(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_coverage(CLI::App& app);

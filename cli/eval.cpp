@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "cli/attachments.h"
 #include "cli/common.h"
 #include "cli/jiggle_arguments.h"
 #include "runtime/basis/error.h"
@@ -18,7 +19,7 @@ namespace bodyopt::cli {
 namespace {
 
 struct EvalArguments {
-  std::string basis, out;
+  std::string basis, out, attached;
   double unit = 0;
   ClipArguments clip;
   DeviceArguments device;
@@ -81,6 +82,7 @@ void run(const EvalArguments& arguments) {
   arguments.json.require_writable();
   const std::unique_ptr<Deformer> owned = arguments.jiggle.deformer(arguments.basis, arguments.device.choice);
   Deformer& deformer = *owned;
+  AttachedCaches attached(arguments.attached, arguments.basis, deformer.basis());
   std::vector<int> frames;
   const double unit = arguments.unit > 0 ? arguments.unit : kept_unit(deformer.basis());
   Clip clip = arguments.clip.read(deformer.basis().skeleton, unit, frames);
@@ -94,6 +96,7 @@ void run(const EvalArguments& arguments) {
   const std::uint32_t points = deformer.basis().mesh.output_count();
   Pc2Writer writer(arguments.out, points, static_cast<std::uint32_t>(frames.size()),
                    frames.empty() ? 1.0f : static_cast<float>(frames.front()), frame_spacing(frames));
+  attached.open(arguments.out, frames);
   Progress progress("eval", frames.size());
   std::map<std::string, double> stage_seconds;
   std::vector<int> outside_frames;
@@ -114,7 +117,9 @@ void run(const EvalArguments& arguments) {
       if (const auto note = describe(part.starts[k], frames[begin + k])) notes.push_back(*note);
     }
     for (std::size_t k = 0; k < count; ++k) {
-      writer.append(std::span(part.positions).subspan(3 * k * points, 3 * std::size_t{points}));
+      const auto skin = std::span(part.positions).subspan(3 * k * points, 3 * std::size_t{points});
+      writer.append(skin);
+      attached.append(skin, poses[begin + k]);
       per_frame.push_back({{"frame", frames[begin + k]}, {"outside", part.outside[k]}});
       if (arguments.jiggle.jiggle) jiggle.add(deformer, frames[begin + k], per_frame.back());
       if (part.outside[k] > 0) outside_frames.push_back(frames[begin + k]);
@@ -127,6 +132,7 @@ void run(const EvalArguments& arguments) {
     if (const auto file = arguments.jiggle.write_state_after(deformer, begin + count)) states.push_back(*file);
     progress.advance(count);
   }
+  attached.close();
   writer.close();
   if (const auto file = arguments.jiggle.write_last_state(deformer)) states.push_back(*file);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -154,6 +160,8 @@ void run(const EvalArguments& arguments) {
   text += expected.line + jiggle.text();
   for (const std::string& note : notes) text += note + "\n";
   text += "wrote " + arguments.out + "\n";
+  const Json caches = attached.written();
+  for (const Json& cache : caches) text += "wrote " + cache.at("cache").get<std::string>() + "\n";
   for (const std::string& file : states) text += "wrote " + file + "\n";
   arguments.json.emit({{"cache", arguments.out},
                        {"frames", frames.size()},
@@ -167,6 +175,7 @@ void run(const EvalArguments& arguments) {
                        {"jiggle", arguments.jiggle.jiggle},
                        {"notes", notes},
                        {"states", states},
+                       {"attached", caches},
                        {"per_frame", per_frame}},
                       text);
 }
@@ -183,6 +192,11 @@ void add_eval(CLI::App& app) {
                   "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(CLI::PositiveNumber);
   add_output(verb, arguments->out, ".pc2", "Point cache to write");
+  verb.add_option("--attached", arguments->attached,
+                  "Geometry that rides on the skin (default: BASIS.attached.safetensors beside the basis, where it is "
+                  "there); each mesh is written as FILE.<mesh>.pc2")
+      ->type_name("FILE")
+      ->check(refuse_empty);
   arguments->jiggle.add(verb);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "cli/attachments.h"
 #include "cli/common.h"
 #include "runtime/basis/error.h"
 #include "runtime/basis/safetensors.h"
@@ -112,6 +113,9 @@ Json basis_info(const std::string& path) {
                  {"joints", joint_names(basis.skeleton)},
                  {"metadata", metadata}};
   for (const TradeOffPoint& point : read_curve(basis)) result["curve"].push_back(to_json(point));
+  if (const std::filesystem::path beside = attachments_beside(path); std::filesystem::exists(beside)) {
+    result["attached"] = cli::to_json(load_attachments(beside, basis).meshes);
+  }
   return result;
 }
 
@@ -168,12 +172,20 @@ Json state_info(const std::string& path) {
           {"dynamics", file.dynamics}};
 }
 
-// A basis, or dynamics.
+Json attachments_info(const std::string& path) {
+  const Attachments attachments = load_attachments(path);
+  return {
+      {"kind", "attached geometry"}, {"meshes", cli::to_json(attachments.meshes)}, {"metadata", attachments.metadata}};
+}
+
+// A basis, dynamics, or attached geometry.
 Json trained_info(const std::string& path) {
   const Safetensors file = read_safetensors(path);
-  const auto schema = file.metadata.find("schema");
-  const bool is_dynamics = schema != file.metadata.end() && schema->second.starts_with("bodyopt-dynamics-");
-  return is_dynamics ? dynamics_info(path, file) : basis_info(path);
+  const auto found = file.metadata.find("schema");
+  const std::string schema = found == file.metadata.end() ? "" : found->second;
+  if (schema.starts_with("bodyopt-dynamics-")) return dynamics_info(path, file);
+  if (schema.starts_with("bodyopt-attached-")) return attachments_info(path);
+  return basis_info(path);
 }
 
 Json cache_info(const std::string& path) {
@@ -243,7 +255,8 @@ void add_info(CLI::App& app) {
   };
   auto arguments = std::make_shared<InfoArguments>();
   CLI::App& verb = *app.add_subcommand("info", "What a file holds");
-  verb.add_option("file", arguments->path, "Character, clip, basis, dynamics, state, point cache or dataset.json")
+  verb.add_option("file", arguments->path,
+                  "Character, clip, basis, dynamics, attached geometry, state, point cache or dataset.json")
       ->required()
       ->type_name("FILE");
   add_unit(verb, arguments->unit);
