@@ -7,33 +7,67 @@
 #include <map>
 #include <memory>
 
-#include "bench/subdivide.h"
+#include "bench/refine_tets.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/jiggle_stages.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/dynamics/block_inverse.h"
 #include "trainer/dynamics/build_dynamics.h"
-#include "trainer/dynamics/elasticity.h"
+#include "trainer/dynamics/core_springs.h"
+#include "trainer/dynamics/diffuse.h"
+#include "trainer/dynamics/jiggle.h"
+#include "trainer/tets/skin_cage.h"
+#include "trainer/train/mesh_table.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt::bench {
 namespace {
 
-// The built-in arm, its skin made finer where so many tets need it.
+// The built-in arm.
 struct Body {
-  explicit Body(std::int64_t tets) {
-    Character arm = build_arm().character;
-    // Its own skin makes about 25,000, one of halved edges 50,000.
-    for (std::int64_t made = 25000; made < tets; made *= 2) arm = halve_all_edges(arm).character;
-    basis = build_ddm_basis(arm, {});
-    DynamicsOptions options;
-    options.resolution = tets;
-    dynamics = build_dynamics(arm, {}, basis, options);
+  explicit Body(std::int64_t tets) : arm(ordered_arm()), basis(build_ddm_basis(arm, {})) {
+    dynamics = tets > kMostFilled ? refined(tets / 8) : filled(tets);
     nodes = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(dynamics.tets.nodes.data(),
                                                                                        dynamics.tets.node_count(), 3)
                 .cast<double>();
     matrix = jiggle_matrix();
     right_side = Eigen::VectorXf::Random(matrix.rows());
+  }
+
+  static Character ordered_arm() {
+    const Character character = build_arm().character;
+    return in_order(character, morton_order(character.vertices));
+  }
+
+  Dynamics filled(std::int64_t tets) const {
+    DynamicsOptions options;
+    options.resolution = tets;
+    return build_dynamics(arm, {}, basis, options);
+  }
+
+  // Eight tets of every one. As build_dynamics.
+  Dynamics refined(std::int64_t coarse) const {
+    const FineSkin skin(arm.vertices, arm.triangles);
+    const DynamicsTets before = make_dynamics_tets(arm.vertices, arm.triangles, coarse);
+    FilledSkin fine = refine_tets(before.cage.mesh, static_cast<Eigen::Index>(before.surface.size()));
+    fine.mesh.nodes = fine.mesh.nodes.cast<float>().cast<double>().eval();  // what the tables have
+    DynamicsTets tets{cage_in(skin, fine), {}, {}};
+    for (Eigen::Index n = 0; n < fine.skin.vertices.rows(); ++n) {
+      tets.surface.push_back(skin.nearest(fine.skin.vertices.row(n)));
+    }
+    const TetMesh& mesh = tets.cage.mesh;
+    const JiggleSettings settings;
+    const Materials materials;
+    JiggleAnatomy anatomy = find_anatomy(arm, {}, tets.cage, materials);
+    const JiggleFields fields = spread_settings(settings, arm, {}, {}, tets, anatomy);
+    anatomy.bone_springs += core_springs(arm.vertices, arm.triangles, tets.cage, fields.flesh, materials.bone_springs);
+    std::vector<std::string> notes;
+    Dynamics result;
+    result.tets = make_tet_table(tets, fields.skin_amount);
+    result.diffuse = make_diffuse_table(mesh, static_cast<Eigen::Index>(tets.surface.size()));
+    result.jiggle = make_jiggle_table(
+        mesh, make_jiggle_system(settings, fields, arm.skeleton, mesh, anatomy, materials, notes), {});
+    return result;
   }
 
   // What the block inverse of jiggle is the inverse of, from the tables of the quality mode.
@@ -63,6 +97,9 @@ struct Body {
     return result + elastic_stiffness(mesh, materials);
   }
 
+  static constexpr std::int64_t kMostFilled = 50000;  // its own skin, remeshed, takes about 31,000
+
+  Character arm;
   Basis basis;
   Dynamics dynamics;
   Positions nodes;

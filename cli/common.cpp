@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <cstdlib>
 
 #include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
@@ -35,15 +36,19 @@ void JsonOption::emit(const Json& result, const std::string& text) const {
 void ClipArguments::add(CLI::App& verb) {
   verb.add_option("--clip", source, "Motion: FILE.glb#name, FILE.glb (its only or first clip) or FILE.bvh")
       ->required()
-      ->type_name("CLIP");
+      ->type_name("CLIP")
+      ->check(refuse_empty);
   verb.add_option("--frames", frames, "Frames, as 1-100, 1-100x2 or comma lists of them (default: all)")
       ->type_name("R")
       ->check(refuse_empty);
-  verb.add_option("--fps", options.fps, "Frames a second at which the clip is sampled")->capture_default_str();
+  verb.add_option("--fps", options.fps, "Frames a second at which the clip is sampled")
+      ->capture_default_str()
+      ->check(number_from(kLeastRate, kMostRate));
   verb.add_option("--first-frame", options.first_frame, "Number of the clip's first frame")->capture_default_str();
   verb.add_option("--controls", options.controls,
                   "Controls over the clip's frames, such as muscles flexed (controls.json)")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(refuse_empty);
 }
 
 Clip ClipArguments::read(const Skeleton& skeleton, double unit, std::vector<int>& frame_numbers) const {
@@ -79,6 +84,18 @@ void add_unit(CLI::App& verb, double& unit) {
 
 std::string refuse_empty(const std::string& value) {
   return value.empty() ? "expected a value, found an empty one: a shell variable that is not set?" : "";
+}
+
+std::function<std::string(const std::string&)> number_from(double low, double high) {
+  return [low, high](const std::string& text) {
+    const char* begin = text.c_str();
+    char* end = nullptr;
+    const double value = std::strtod(begin, &end);
+    const bool is_number = end == begin + text.size() && !text.empty();
+    return is_number && value >= low && value <= high
+               ? std::string()
+               : format("expected a number from %g to %g, found '%s'", low, high, begin);
+  };
 }
 
 void keep_unit(Basis& basis, double unit) {

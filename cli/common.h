@@ -16,6 +16,9 @@ namespace bodyopt::cli {
 
 using Json = nlohmann::ordered_json;
 
+// Frames a second that clips and dynamics may have.
+constexpr double kLeastRate = 1e-3, kMostRate = 1e5;
+
 // --json FILE; '-' is standard output, which then holds nothing else.
 struct JsonOption {
   std::string path;
@@ -47,6 +50,9 @@ void add_unit(CLI::App& verb, double& unit);
 
 // A check of options: an empty value is most likely a shell variable that is not set, and must not mean the default.
 std::string refuse_empty(const std::string& value);
+
+// A check of options: a number, finite, within these ends.
+std::function<std::string(const std::string&)> number_from(double low, double high);
 
 // The unit that a basis' character was read with, kept in the basis so that its clips are read alike; 0: metres.
 void keep_unit(Basis& basis, double unit);
@@ -89,6 +95,7 @@ void add_dataset(CLI::App& app);
 void add_check(CLI::App& app);
 void add_train(CLI::App& app);
 void add_dynamics(CLI::App& app);
+void add_attach(CLI::App& app);
 void add_eval(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_coverage(CLI::App& app);

@@ -273,7 +273,7 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
   const std::string pictures_on = has_pictures ? arguments.device.choice.name : "";
   ReportData report = report_of(set, {}, training, shapes, pictures_on);
   if (has_pictures) add_chosen_pictures(set, shapes, pictures_on, report);
-  report.jiggle = demo_jiggle(set.character, set.muscles, training.basis, arguments.device.choice, pictures_on, folder);
+  report.jiggle = demo_jiggle(set, training.basis, arguments.device.choice, pictures_on, folder);
   report.character.name = "built-in arm";
   report.device = device.device_name();
   report.provenance = provenance_of(dataset, dataset.folder / "dataset.json", set, {}, basis_file);

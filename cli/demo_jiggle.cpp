@@ -1,8 +1,7 @@
 #include "cli/demo_jiggle.h"
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
+#include <map>
 
 #include "cli/common.h"
 #include "cli/report/flip_book.h"
@@ -12,6 +11,7 @@
 #include "trainer/builtin/arm.h"
 #include "trainer/dataset/clip.h"
 #include "trainer/dynamics/build_dynamics.h"
+#include "trainer/dynamics/measure_jiggle.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -31,22 +31,30 @@ Skins skins_of(const Character& character, const Evaluation& evaluation) {
   return skins;
 }
 
-// How far the jiggling skins are from the still ones.
-void measure_displacements(const Skins& still, const Skins& jiggling, JiggleReport& report) {
-  for (std::size_t f = 0; f < still.size(); ++f) {
-    double sum = 0, largest = 0;
-    for (std::size_t v = 0; v < still[f].size(); v += 3) {
-      double squared = 0;
-      for (std::size_t k = v; k < v + 3; ++k) {
-        const double difference = static_cast<double>(jiggling[f][k]) - static_cast<double>(still[f][k]);
-        squared += difference * difference;
-      }
-      sum += squared;
-      largest = std::max(largest, squared);
-    }
-    report.rms_mm.push_back(1000 * std::sqrt(3 * sum / static_cast<double>(still[f].size())));
-    report.max_mm.push_back(1000 * std::sqrt(largest));
+// Frame by frame: the state that each leaves is what is measured.
+Skins jiggle(const Character& character, const Clip& clip, Deformer& deformer, JiggleReport& report) {
+  Skins skins;
+  std::map<std::string, double> seconds;
+  for (std::size_t f = 0; f < report.frames.size(); ++f) {
+    const Evaluation frame = deformer.jiggle({&clip.poses[f], 1}, {&report.frames[f], 1});
+    skins.push_back(skins_of(character, frame).front());
+    const JiggleMeasure measure = measure_jiggle(*deformer.dynamics(), deformer.state().motion);
+    report.rms_mm.push_back(measure.rms_mm);
+    report.max_mm.push_back(measure.max_mm);
+    report.inverted_tets.push_back(measure.inverted_tets);
+    for (const auto& [stage, more] : frame.stage_seconds) seconds[stage] += more;
   }
+  // Not there: a device without timestamps.
+  const double per_frame = 1000 / static_cast<double>(report.frames.size());
+  report.diffuse_ms = per_frame * seconds["diffuse"];
+  report.jiggle_ms = per_frame * seconds["jiggle"];
+  return skins;
+}
+
+std::vector<Pose> training_poses(const SampleSet& set) {
+  std::vector<Pose> poses;
+  for (const Sample& sample : set.train) poses.push_back(sample.pose);
+  return poses;
 }
 
 void describe_tables(const Dynamics& dynamics, JiggleReport& report) {
@@ -113,11 +121,12 @@ void draw(const Character& character, const Skins& still, const Skins& jiggling,
 
 }  // namespace
 
-JiggleReport demo_jiggle(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
-                         const DeviceChoice& device, const std::string& pictures_on, const fs::path& folder) {
+JiggleReport demo_jiggle(const SampleSet& set, const Basis& basis, const DeviceChoice& device,
+                         const std::string& pictures_on, const fs::path& folder) {
   JiggleReport report;
   const Dynamics dynamics =
-      build_dynamics(character, muscles, basis, {.settings = read_jiggle(folder / "jiggle.json")});
+      build_dynamics(set.character, set.muscles, basis,
+                     {.settings = read_jiggle(folder / "jiggle.json"), .poses = training_poses(set)});
   save_dynamics(dynamics, folder / "basis.dynamics.safetensors");
   describe_tables(dynamics, report);
 
@@ -127,19 +136,10 @@ JiggleReport demo_jiggle(const Character& character, const std::vector<Muscle>& 
   report.frames_per_second = clip.fps;
   for (int frame = clip.first_frame; frame <= clip.last_frame(); ++frame) report.frames.push_back(frame);
   Deformer deformer(basis, dynamics, {}, device);
-  const Skins still = skins_of(character, deformer.evaluate(clip.poses));
-  const Evaluation evaluated = deformer.jiggle(clip.poses, report.frames);
-  const Skins jiggling = skins_of(character, evaluated);
-  const auto milliseconds = [&](const char* stage) {
-    const auto found = evaluated.stage_seconds.find(stage);
-    if (found == evaluated.stage_seconds.end()) return 0.0;  // a device without timestamps
-    return 1000 * found->second / static_cast<double>(clip.poses.size());
-  };
-  report.diffuse_ms = milliseconds("diffuse");
-  report.jiggle_ms = milliseconds("jiggle");
+  const Skins still = skins_of(set.character, deformer.evaluate(clip.poses));
+  const Skins jiggling = jiggle(set.character, clip, deformer, report);
   report.device = deformer.device_name();
-  measure_displacements(still, jiggling, report);
-  if (!pictures_on.empty()) draw(character, still, jiggling, pictures_on, folder, report);
+  if (!pictures_on.empty()) draw(set.character, still, jiggling, pictures_on, folder, report);
   return report;
 }
 

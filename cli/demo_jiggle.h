@@ -5,16 +5,14 @@
 
 #include "cli/report/report.h"
 #include "runtime/deformer.h"
-#include "trainer/dataset/character.h"
-#include "trainer/dataset/muscles.h"
+#include "trainer/train/train.h"
 
 namespace bodyopt::cli {
 
-// Makes the dynamics of the built-in arm and evaluates the clip `stop.glb` in `folder` with and without them. Writes
-// basis.dynamics.safetensors and, where `pictures_on` names a Vulkan device (empty: none), stop_strip.png and
-// stop.webp. Throws Error(file), Error(device).
-JiggleReport demo_jiggle(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
-                         const DeviceChoice& device, const std::string& pictures_on,
-                         const std::filesystem::path& folder);
+// Makes the dynamics of the built-in arm, from which `set` is, and evaluates the clip `stop.glb` in `folder` with and
+// without them. Writes basis.dynamics.safetensors and, where `pictures_on` names a Vulkan device (empty: none),
+// stop_strip.png and stop.webp. Throws Error(file), Error(device).
+JiggleReport demo_jiggle(const SampleSet& set, const Basis& basis, const DeviceChoice& device,
+                         const std::string& pictures_on, const std::filesystem::path& folder);
 
 }  // namespace bodyopt::cli

@@ -3,9 +3,11 @@
 
 #include <chrono>
 #include <filesystem>
+#include <set>
 
 #include "cli/common.h"
 #include "runtime/basis/error.h"
+#include "trainer/dataset/controls.h"
 #include "trainer/dataset/dataset.h"
 #include "trainer/dataset/regions_file.h"
 #include "trainer/dynamics/build_dynamics.h"
@@ -20,6 +22,29 @@ struct DynamicsArguments {
 };
 
 bool is_character(const std::string& path) { return path.ends_with(".glb") || path.ends_with(".gltf"); }
+
+// Of the frames that the basis may know.
+std::vector<Pose> training_poses(const Dataset& dataset, const Basis& basis) {
+  std::vector<Pose> poses;
+  for (const DatasetTake& take : dataset.takes) {
+    Clip clip = read_clip(dataset, take, basis.skeleton);
+    arrange_controls(basis.residual.controls, clip);
+    const std::set<int> heldout(take.heldout.begin(), take.heldout.end());
+    std::vector<int> frames;
+    for (const int frame : take.frames) {
+      if (frame < clip.first_frame || frame > clip.last_frame()) {
+        throw Error(ErrorKind::mismatch,
+                    format("take '%s': frame %d is not in the clip %s, which has frames %d to %d: first_frame or fps "
+                           "may be wrong",
+                           take.name.c_str(), frame, take.clip.c_str(), clip.first_frame, clip.last_frame()));
+      }
+      if (!heldout.contains(frame)) frames.push_back(frame);
+    }
+    const std::vector<Pose> more = poses_of(clip, frames);
+    poses.insert(poses.end(), more.begin(), more.end());
+  }
+  return poses;
+}
 
 Dynamics build(DynamicsArguments& arguments, const Basis& basis) {
   DynamicsOptions& options = arguments.options;
@@ -37,6 +62,7 @@ Dynamics build(DynamicsArguments& arguments, const Basis& basis) {
   if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, character.skeleton);
   if (!dataset.materials.empty()) options.materials = read_materials(dataset.folder / dataset.materials);
   options.painted = read_regions(dataset, character);
+  options.poses = training_poses(dataset, basis);
   return build_dynamics(character, muscles, basis, options);
 }
 
@@ -94,7 +120,7 @@ void add_dynamics(CLI::App& app) {
       ->check(CLI::Range(100, 1000000));
   verb.add_option("--fps", options.step.frames_per_second, "Frames a second of the clips to come")
       ->capture_default_str()
-      ->check(CLI::Range(1e-3, 1e5));
+      ->check(number_from(kLeastRate, kMostRate));
   verb.add_option("--substeps", options.step.substeps, "Steps a frame")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));

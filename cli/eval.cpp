@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <chrono>
 
+#include "cli/attachments.h"
 #include "cli/common.h"
 #include "cli/jiggle_arguments.h"
 #include "runtime/basis/error.h"
 #include "trainer/dataset/controls.h"
 #include "trainer/dataset/frame_range.h"
 #include "trainer/dataset/pc2.h"
+#include "trainer/dynamics/measure_jiggle.h"
 #include "trainer/progress.h"
 #include "trainer/train/coverage.h"
 
@@ -17,7 +19,7 @@ namespace bodyopt::cli {
 namespace {
 
 struct EvalArguments {
-  std::string basis, out;
+  std::string basis, out, attached;
   double unit = 0;
   ClipArguments clip;
   DeviceArguments device;
@@ -43,10 +45,44 @@ Expectation expectation(const Basis& basis, const std::vector<Pose>& poses, cons
   return result;
 }
 
+// What the jiggle did: of every frame in its JSON, of all in a line or two.
+class JiggleLog {
+ public:
+  void add(const Deformer& deformer, int frame, Json& entry) {
+    const JiggleMeasure measure = measure_jiggle(*deformer.dynamics(), deformer.state().motion);
+    entry["jiggle_rms_mm"] = measure.rms_mm;
+    entry["jiggle_max_mm"] = measure.max_mm;
+    entry["inverted_tets"] = measure.inverted_tets;
+    if (measure.inverted_tets > 0) inverted_frames_.push_back(frame);
+    most_inverted_ = std::max(most_inverted_, measure.inverted_tets);
+    if (measure.max_mm > max_mm_) max_frame_ = frame;
+    max_mm_ = std::max(max_mm_, measure.max_mm);
+    tets_ = deformer.dynamics()->tets.tet_count();
+  }
+
+  std::string text() const {
+    std::string text = max_mm_ > 0
+                           ? format("the jiggle moves the skin by %.2f mm at most, in frame %d\n", max_mm_, max_frame_)
+                           : std::string();
+    if (inverted_frames_.empty()) return text;
+    return text +
+           format("%zu frames have tetrahedra that are inside out before they jiggle, %u of %u at most: ",
+                  inverted_frames_.size(), most_inverted_, tets_) +
+           format_frame_range(inverted_frames_) + "\n";
+  }
+
+ private:
+  std::vector<int> inverted_frames_;
+  std::uint32_t most_inverted_ = 0, tets_ = 0;
+  double max_mm_ = 0;
+  int max_frame_ = 0;
+};
+
 void run(const EvalArguments& arguments) {
   arguments.json.require_writable();
   const std::unique_ptr<Deformer> owned = arguments.jiggle.deformer(arguments.basis, arguments.device.choice);
   Deformer& deformer = *owned;
+  AttachedCaches attached(arguments.attached, arguments.basis, deformer.basis());
   std::vector<int> frames;
   const double unit = arguments.unit > 0 ? arguments.unit : kept_unit(deformer.basis());
   Clip clip = arguments.clip.read(deformer.basis().skeleton, unit, frames);
@@ -60,6 +96,7 @@ void run(const EvalArguments& arguments) {
   const std::uint32_t points = deformer.basis().mesh.output_count();
   Pc2Writer writer(arguments.out, points, static_cast<std::uint32_t>(frames.size()),
                    frames.empty() ? 1.0f : static_cast<float>(frames.front()), frame_spacing(frames));
+  attached.open(arguments.out, frames);
   Progress progress("eval", frames.size());
   std::map<std::string, double> stage_seconds;
   std::vector<int> outside_frames;
@@ -68,9 +105,11 @@ void run(const EvalArguments& arguments) {
   std::vector<std::string> notes, states;
   std::uint32_t worst_feature = 0;
   const auto start = std::chrono::steady_clock::now();
-  constexpr std::size_t kStep = 64;  // frames held in memory at once
-  for (std::size_t begin = 0, next = 0; begin < poses.size(); begin = next) {
-    const std::size_t count = arguments.jiggle.frames_to_state(begin, std::min(kStep, poses.size() - begin));
+  JiggleLog jiggle;
+  // Frames held in memory at once. Of the jiggle each is measured, and it may be slow.
+  const std::size_t step = arguments.jiggle.jiggle ? 1 : 64;
+  for (std::size_t begin = 0; begin < poses.size(); begin += step) {
+    const std::size_t count = std::min(step, poses.size() - begin);
     const Evaluation part = arguments.jiggle.jiggle ? deformer.jiggle(std::span(poses).subspan(begin, count),
                                                                       std::span(frames).subspan(begin, count))
                                                     : deformer.evaluate(std::span(poses).subspan(begin, count));
@@ -78,8 +117,11 @@ void run(const EvalArguments& arguments) {
       if (const auto note = describe(part.starts[k], frames[begin + k])) notes.push_back(*note);
     }
     for (std::size_t k = 0; k < count; ++k) {
-      writer.append(std::span(part.positions).subspan(3 * k * points, 3 * std::size_t{points}));
+      const auto skin = std::span(part.positions).subspan(3 * k * points, 3 * std::size_t{points});
+      writer.append(skin);
+      attached.append(skin, poses[begin + k]);
       per_frame.push_back({{"frame", frames[begin + k]}, {"outside", part.outside[k]}});
+      if (arguments.jiggle.jiggle) jiggle.add(deformer, frames[begin + k], per_frame.back());
       if (part.outside[k] > 0) outside_frames.push_back(frames[begin + k]);
       if (static_cast<double>(part.outside[k]) > worst_outside) {
         worst_outside = static_cast<double>(part.outside[k]);
@@ -87,10 +129,10 @@ void run(const EvalArguments& arguments) {
       }
     }
     for (const auto& [stage, seconds] : part.stage_seconds) stage_seconds[stage] += seconds;
-    next = begin + count;
-    if (const auto file = arguments.jiggle.write_state_after(deformer, next)) states.push_back(*file);
+    if (const auto file = arguments.jiggle.write_state_after(deformer, begin + count)) states.push_back(*file);
     progress.advance(count);
   }
+  attached.close();
   writer.close();
   if (const auto file = arguments.jiggle.write_last_state(deformer)) states.push_back(*file);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -115,9 +157,11 @@ void run(const EvalArguments& arguments) {
                outside_frames.size(), worst_name.c_str(), worst_outside) +
         format_frame_range(outside_frames) + "\n";
   }
-  text += expected.line;
+  text += expected.line + jiggle.text();
   for (const std::string& note : notes) text += note + "\n";
   text += "wrote " + arguments.out + "\n";
+  const Json caches = attached.written();
+  for (const Json& cache : caches) text += "wrote " + cache.at("cache").get<std::string>() + "\n";
   for (const std::string& file : states) text += "wrote " + file + "\n";
   arguments.json.emit({{"cache", arguments.out},
                        {"frames", frames.size()},
@@ -131,6 +175,7 @@ void run(const EvalArguments& arguments) {
                        {"jiggle", arguments.jiggle.jiggle},
                        {"notes", notes},
                        {"states", states},
+                       {"attached", caches},
                        {"per_frame", per_frame}},
                       text);
 }
@@ -147,6 +192,11 @@ void add_eval(CLI::App& app) {
                   "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(CLI::PositiveNumber);
   add_output(verb, arguments->out, ".pc2", "Point cache to write");
+  verb.add_option("--attached", arguments->attached,
+                  "Geometry that rides on the skin (default: BASIS.attached.safetensors beside the basis, where it is "
+                  "there); each mesh is written as FILE.<mesh>.pc2")
+      ->type_name("FILE")
+      ->check(refuse_empty);
   arguments->jiggle.add(verb);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

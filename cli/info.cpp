@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "cli/attachments.h"
 #include "cli/common.h"
 #include "runtime/basis/error.h"
 #include "runtime/basis/safetensors.h"
@@ -112,6 +113,9 @@ Json basis_info(const std::string& path) {
                  {"joints", joint_names(basis.skeleton)},
                  {"metadata", metadata}};
   for (const TradeOffPoint& point : read_curve(basis)) result["curve"].push_back(to_json(point));
+  if (const std::filesystem::path beside = attachments_beside(path); std::filesystem::exists(beside)) {
+    result["attached"] = cli::to_json(load_attachments(beside, basis).meshes);
+  }
   return result;
 }
 
@@ -133,19 +137,55 @@ Json dynamics_info(const std::string& path, const Safetensors& file) {
                  {"nodes", rows("tets.nodes")},
                  {"surface_nodes", rows("tets.surface")},
                  {"vertices", rows("tets.skin")}};
+  const JiggleStep step = read_step(file, path);
+  result["frames_per_second"] = step.frames_per_second;
+  result["substeps"] = step.substeps;
+  result["integrator"] = step.implicit_euler ? "euler" : "tr-bdf2";
   std::map<std::string, std::size_t> bytes;
   for (const auto& [name, tensor] : file.tensors) bytes[name.substr(0, name.find('.'))] += tensor.bytes.size();
   result["bytes"] = bytes;
-  result["metadata"] = file.metadata;
+  Metadata metadata = file.metadata;
+  // What the trainer wrote of them is JSON: the report's entries stand among the others.
+  for (const char* own : {"report", "provenance"}) {
+    const Json told = Json::parse(metadata[own], nullptr, false);
+    if (!told.is_object()) {
+      throw Error(ErrorKind::file, path + ": its " + own + " is not a JSON object: damaged dynamics");
+    }
+    metadata.erase(own);
+    if (own == std::string("report")) {
+      result.update(told);
+    } else {
+      result[own] = told;
+    }
+  }
+  result["metadata"] = metadata;
   return result;
 }
 
-// A basis, or dynamics.
+Json state_info(const std::string& path) {
+  const StateFile file = read_state(path);
+  return {{"kind", "state of the jiggle"},
+          {"frame", file.state.frame},
+          {"known", file.state.known},
+          {"joints", file.state.joints.size() / 3},
+          {"nodes", file.state.motion.nodes.size() / 3},
+          {"dynamics", file.dynamics}};
+}
+
+Json attachments_info(const std::string& path) {
+  const Attachments attachments = load_attachments(path);
+  return {
+      {"kind", "attached geometry"}, {"meshes", cli::to_json(attachments.meshes)}, {"metadata", attachments.metadata}};
+}
+
+// A basis, dynamics, or attached geometry.
 Json trained_info(const std::string& path) {
   const Safetensors file = read_safetensors(path);
-  const auto schema = file.metadata.find("schema");
-  const bool is_dynamics = schema != file.metadata.end() && schema->second.starts_with("bodyopt-dynamics-");
-  return is_dynamics ? dynamics_info(path, file) : basis_info(path);
+  const auto found = file.metadata.find("schema");
+  const std::string schema = found == file.metadata.end() ? "" : found->second;
+  if (schema.starts_with("bodyopt-dynamics-")) return dynamics_info(path, file);
+  if (schema.starts_with("bodyopt-attached-")) return attachments_info(path);
+  return basis_info(path);
 }
 
 Json cache_info(const std::string& path) {
@@ -195,13 +235,14 @@ Json info(std::string path, double unit) {
     return character_info(path, unit);
   }
   if (extension == ".safetensors") return trained_info(path);
+  if (extension == ".state") return state_info(path);
   if (extension == ".pc2") return cache_info(path);
   if (extension == ".nodes") return nodes_info(path);
   if (extension == ".bvh") return bvh_info(path);
   if (extension == ".json") return dataset_info(path);
-  throw Error(
-      ErrorKind::file,
-      path + ": expected .glb, .gltf, .bvh, .safetensors, .pc2, .nodes or dataset .json, found '" + extension + "'");
+  throw Error(ErrorKind::file,
+              path + ": expected .glb, .gltf, .bvh, .safetensors, .state, .pc2, .nodes or dataset .json, found '" +
+                  extension + "'");
 }
 
 }  // namespace
@@ -214,7 +255,8 @@ void add_info(CLI::App& app) {
   };
   auto arguments = std::make_shared<InfoArguments>();
   CLI::App& verb = *app.add_subcommand("info", "What a file holds");
-  verb.add_option("file", arguments->path, "Character, clip, basis, dynamics, point cache or dataset.json")
+  verb.add_option("file", arguments->path,
+                  "Character, clip, basis, dynamics, attached geometry, state, point cache or dataset.json")
       ->required()
       ->type_name("FILE");
   add_unit(verb, arguments->unit);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "runtime/basis/error.h"
 #include "trainer/dataset/frame_range.h"
@@ -15,6 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kMostFrames = 1000000;
 constexpr double kMostGravity = 1000;  // m/s^2: a hundred times the earth's
 
 // `shot.state` and 1050: `shot.1050.state`.
@@ -43,10 +43,10 @@ void JiggleArguments::add(CLI::App& verb) {
       ->check(must_end_in(".state"))
       ->group(group);
   verb.add_option("--state-every", state_every, "And after every so many frames, as FILE.<frame>.state")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1, kMostFrames))
       ->group(group);
   verb.add_option("--preroll", preroll, "Step so many frames of the clip before the first without writing them")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1, kMostFrames))
       ->group(group);
   verb.add_option("--cuts", cuts, "Frames at which a new shot begins (jumps are found without)")
       ->type_name("R")
@@ -61,6 +61,9 @@ void JiggleArguments::add(CLI::App& verb) {
                   "Quality: so many conjugate gradient steps on the corotated operator per solve (8: bends, too, to a "
                   "thousandth)")
       ->check(CLI::Range(0, 1000))
+      ->check([](const std::string& count) {
+        return count == "1" ? "expected 0 or 2 at least: after one step alone, energy may grow" : std::string();
+      })
       ->group(group);
 }
 
@@ -147,20 +150,11 @@ void JiggleArguments::preroll_to(const Clip& clip, const std::vector<int>& frame
     spdlog::warn("the clip has {} frames before frame {}: the pre-roll is that short", frames.front() - begin,
                  frames.front());
   }
-  constexpr int kStep = 16;  // frames held in memory at once
   Progress progress("pre-roll", static_cast<std::size_t>(frames.front() - begin));
-  for (int first = begin; first < frames.front(); first += kStep) {
-    std::vector<int> part(static_cast<std::size_t>(std::min(kStep, frames.front() - first)));
-    std::iota(part.begin(), part.end(), first);
-    deformer.jiggle(poses_of(clip, part), part);
-    progress.advance(part.size());
+  for (int frame = begin; frame < frames.front(); ++frame) {
+    deformer.jiggle(poses_of(clip, {frame}), {&frame, 1});
+    progress.advance();
   }
-}
-
-std::size_t JiggleArguments::frames_to_state(std::size_t begin, std::size_t limit) const {
-  if (state_every == 0) return limit;
-  const auto every = static_cast<std::size_t>(state_every);
-  return std::min(limit, every - begin % every);
 }
 
 std::optional<std::string> JiggleArguments::write_state_after(const Deformer& deformer, std::size_t done) const {

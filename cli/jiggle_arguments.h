@@ -26,8 +26,6 @@ struct JiggleArguments {
   void check_frames(const Deformer& deformer, const Clip& clip, const std::vector<int>& frames) const;
   // Steps the frames of the clip before the first that the options ask for. Shows progress.
   void preroll_to(const Clip& clip, const std::vector<int>& frames, Deformer& deformer) const;
-  // Number of frames from `begin` on after which a state is due, `limit` at most.
-  std::size_t frames_to_state(std::size_t begin, std::size_t limit) const;
   // Writes the state where one is due: after `done` frames, and, once the result is written, at the end. Returns its
   // file.
   std::optional<std::string> write_state_after(const Deformer& deformer, std::size_t done) const;

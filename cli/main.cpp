@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
   add_regions(app);
   add_train(app);
   add_dynamics(app);
+  add_attach(app);
   add_eval(app);
   add_compare(app);
   add_coverage(app);

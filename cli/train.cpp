@@ -6,6 +6,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "cli/attachments.h"
 #include "cli/common.h"
 #include "cli/measure.h"
 #include "cli/provenance.h"
@@ -32,11 +33,15 @@ void run_ddm_only(const TrainArguments& arguments) {
   Basis basis = build_ddm_basis(character, arguments.options);
   keep_unit(basis, arguments.unit);
   save_basis(basis, arguments.out);
+  const std::vector<AttachedMesh> attached =
+      attach_own_meshes(arguments.ddm_only, arguments.unit, basis, arguments.out);
   const double per_vertex = bytes_per_vertex(basis);
-  arguments.json.emit(
-      {{"basis", arguments.out}, {"vertices", basis.mesh.vertex_count()}, {"bytes_per_vertex", per_vertex}},
-      format("wrote %s: Direct Delta Mush of %u vertices, %.0f bytes per vertex\n", arguments.out.c_str(),
-             basis.mesh.vertex_count(), per_vertex));
+  arguments.json.emit({{"basis", arguments.out},
+                       {"vertices", basis.mesh.vertex_count()},
+                       {"bytes_per_vertex", per_vertex},
+                       {"attached", to_json(attached)}},
+                      describe(attached) + format("wrote %s: Direct Delta Mush of %u vertices, %.0f bytes per vertex\n",
+                                                  arguments.out.c_str(), basis.mesh.vertex_count(), per_vertex));
 }
 
 Json errors_of(const MethodReport& method) {
@@ -100,6 +105,8 @@ void run(TrainArguments arguments) {
   const double preparing = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Training training = train_and_measure(set, arguments.options, arguments.ablate, dataset.unit, arguments.out);
   const Basis& basis = training.basis;
+  const std::vector<AttachedMesh> attached =
+      attach_own_meshes(dataset.folder / dataset.character, dataset.unit, basis, arguments.out);
   const double seconds = preparing + training.seconds;
 
   const double per_vertex = bytes_per_vertex(basis);
@@ -112,6 +119,7 @@ void run(TrainArguments arguments) {
                  {"expected_rms_mm", expected},
                  {"warnings", training_warnings(basis)},
                  {"unposing_residual_mm", {{"lbs", training.unposing.lbs}, {"ddm", training.unposing.ddm}}},
+                 {"attached", to_json(attached)},
                  {"seconds", seconds}};
   std::string text =
       format("trained on %zu frames (%d unconverged left out) in %.1f s: %.0f bytes per vertex, %.3f mm RMS expected\n",
@@ -133,7 +141,7 @@ void run(TrainArguments arguments) {
     report(arguments, dataset, path, set, training);
     text += "wrote " + (std::filesystem::path(arguments.report) / "report.html").string() + "\n";
   }
-  text += "wrote " + arguments.out + "\n";
+  text += describe(attached) + "wrote " + arguments.out + "\n";
   arguments.json.emit(result, text);
   const double tolerance = arguments.options.tolerance_mm;
   if (tolerance > 0 && expected > tolerance) {

@@ -63,10 +63,16 @@ struct JiggleFrame {
 JiggleFrame plan_frame(int frame, std::span<const double> joints, const double (&origin)[3], double size,
                        const JiggleStep& step, const JiggleOptions& options, JiggleState& state);
 
+struct StateFile {
+  JiggleState state;
+  std::string dynamics;  // checksum of those it belongs to
+};
+
 // Safetensors with a checksum and the hash of the dynamics it belongs to. Written to a temporary name, then renamed.
-// Throws Error(file); on loading Error(mismatch) where it is of other dynamics.
-// Whether a state fits the character is looked at by Deformer::set_state.
+// Throws Error(file); load_state: Error(mismatch)
+// where it is of other dynamics. Whether a state fits the character is looked at by Deformer::set_state.
 void save_state(const JiggleState& state, const Dynamics& dynamics, const std::filesystem::path& path);
+StateFile read_state(const std::filesystem::path& path);
 JiggleState load_state(const std::filesystem::path& path, const Dynamics& dynamics);
 
 }  // namespace bodyopt

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "runtime/basis/error.h"
 #include "runtime/basis/safetensors.h"
@@ -92,14 +93,10 @@ void save_state(const JiggleState& state, const Dynamics& dynamics, const std::f
   write_safetensors(file, path);
 }
 
-JiggleState load_state(const std::filesystem::path& path, const Dynamics& dynamics) {
+StateFile read_state(const std::filesystem::path& path) {
   const StateReader reader(path);
-  if (reader.metadata("dynamics") != checksum(dynamics)) {
-    throw Error(ErrorKind::mismatch, path.string() + ": it is a state of other dynamics (checksum " +
-                                         reader.metadata("dynamics") + ", these have " + checksum(dynamics) +
-                                         "): made again since, or of another character");
-  }
-  JiggleState state;
+  StateFile file{{}, reader.metadata("dynamics")};
+  JiggleState& state = file.state;
   for_each_array(state, [&](const char* name, auto& values) { reader.read(name, values); });
   std::vector<double> origin;
   reader.read("origin", origin);
@@ -108,7 +105,15 @@ JiggleState load_state(const std::filesystem::path& path, const Dynamics& dynami
   std::copy(origin.begin(), origin.end(), state.origin);
   state.frame = reader.integer("frame");
   state.known = static_cast<std::uint32_t>(known);
-  return state;
+  return file;
+}
+
+JiggleState load_state(const std::filesystem::path& path, const Dynamics& dynamics) {
+  StateFile file = read_state(path);
+  if (file.dynamics == checksum(dynamics)) return std::move(file.state);
+  throw Error(ErrorKind::mismatch, path.string() + ": it is a state of other dynamics (checksum " + file.dynamics +
+                                       ", these have " + checksum(dynamics) +
+                                       "): made again since, or of another character");
 }
 
 }  // namespace bodyopt

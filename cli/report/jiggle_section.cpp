@@ -48,10 +48,20 @@ std::string time_text(const JiggleReport& jiggle) {
          number_text(jiggle.jiggle_ms) + " ms.";
 }
 
+std::string inverted_text(const JiggleReport& jiggle) {
+  const std::uint32_t most = *std::max_element(jiggle.inverted_tets.begin(), jiggle.inverted_tets.end());
+  if (most == 0) return "None of them is turned inside out. ";
+  const auto frames = std::count_if(jiggle.inverted_tets.begin(), jiggle.inverted_tets.end(),
+                                    [](std::uint32_t inverted) { return inverted > 0; });
+  return "In " + std::to_string(frames) + " of the frames some are turned inside out, " + std::to_string(most) +
+         " at most. ";
+}
+
 std::string cost_text(const JiggleReport& jiggle) {
   return "The flesh is " + std::to_string(jiggle.tets) + " tetrahedra of " + std::to_string(jiggle.nodes) +
-         " nodes, quality " + number_text(jiggle.worst_quality, 2) + " at worst (1: regular). Tables: diffuse " +
-         number_text(jiggle.diffuse_mb) + " MB, jiggle " + number_text(jiggle.jiggle_mb) + " MB. " + time_text(jiggle);
+         " nodes, quality " + number_text(jiggle.worst_quality, 2) + " at worst (1: regular). " +
+         inverted_text(jiggle) + "Tables: diffuse " + number_text(jiggle.diffuse_mb) + " MB, jiggle " +
+         number_text(jiggle.jiggle_mb) + " MB. " + time_text(jiggle);
 }
 
 }  // namespace

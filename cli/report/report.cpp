@@ -35,10 +35,14 @@ void require_curves(const ReportData& data) {
 
 void require_jiggle(const JiggleReport& jiggle) {
   const std::size_t frames = jiggle.frames.size();
-  if (frames > 0 && jiggle.rms_mm.size() == frames && jiggle.max_mm.size() == frames) return;
+  if (frames > 0 && jiggle.rms_mm.size() == frames && jiggle.max_mm.size() == frames &&
+      jiggle.inverted_tets.size() == frames) {
+    return;
+  }
   throw Error(ErrorKind::mismatch, "report: the jiggle has displacements of " + std::to_string(jiggle.rms_mm.size()) +
-                                       " and " + std::to_string(jiggle.max_mm.size()) + " frames, expected " +
-                                       std::to_string(frames));
+                                       " and " + std::to_string(jiggle.max_mm.size()) +
+                                       " frames and inverted tets of " + std::to_string(jiggle.inverted_tets.size()) +
+                                       ", expected " + std::to_string(frames));
 }
 
 void write_text(const std::filesystem::path& path, const std::string& text) {

@@ -103,9 +103,10 @@ struct JiggleReport {
   double diffuse_mb = 0, jiggle_mb = 0;  // of their tables
   int moves_after = 0, stops = 0;        // the pose is held up to the one frame and from the other on
   double frames_per_second = 24;
-  std::vector<int> frames;               // one at least
-  std::vector<double> rms_mm, max_mm;    // per frame, over the skin
-  double diffuse_ms = 0, jiggle_ms = 0;  // a frame; 0 where the device tells no times
+  std::vector<int> frames;                   // one at least
+  std::vector<double> rms_mm, max_mm;        // per frame, over the skin
+  std::vector<std::uint32_t> inverted_tets;  // per frame: inside out where diffuse carries them
+  double diffuse_ms = 0, jiggle_ms = 0;      // a frame; 0 where the device tells no times
   std::string device;
   struct Pictures {
     Image strip;  // still above, jiggling below, coloured by the displacement; a column for each of strip_frames

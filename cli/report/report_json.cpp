@@ -120,6 +120,7 @@ Json jiggle(const JiggleReport& jiggle) {
           {"frames", jiggle.frames},
           {"frame_rms_mm", jiggle.rms_mm},
           {"frame_max_mm", jiggle.max_mm},
+          {"frame_inverted_tets", jiggle.inverted_tets},
           {"diffuse_ms", jiggle.diffuse_ms},
           {"jiggle_ms", jiggle.jiggle_ms},
           {"device", jiggle.device}};

@@ -11,6 +11,7 @@
 
 #include "runtime/basis/basis.h"
 #include "runtime/basis/block_inverse.h"
+#include "runtime/basis/safetensors.h"
 
 namespace bodyopt {
 
@@ -77,6 +78,9 @@ void validate(const Dynamics& dynamics, const Basis& basis, const std::string& o
 void save_dynamics(const Dynamics& dynamics, const std::filesystem::path& path);
 // Checked against the basis. Throws Error(file), Error(mismatch).
 Dynamics load_dynamics(const std::filesystem::path& path, const Basis& basis);
+
+// How a file of dynamics is stepped, without the basis it belongs to. Throws Error(file).
+JiggleStep read_step(const Safetensors& file, const std::filesystem::path& path);
 
 // Of all its tables and metadata, as its file has it: 16 hexadecimal digits.
 std::string checksum(const Dynamics& dynamics);

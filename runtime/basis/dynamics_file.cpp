@@ -79,6 +79,11 @@ Safetensors container(const Dynamics& dynamics) {
 
 }  // namespace
 
+JiggleStep read_step(const Safetensors& file, const std::filesystem::path& path) {
+  TableReader reader(file, path, "dynamics");
+  return read_step(reader);
+}
+
 void save_dynamics(const Dynamics& dynamics, const std::filesystem::path& path) {
   Safetensors file = container(dynamics);
   file.metadata["checksum"] = content_checksum(file);

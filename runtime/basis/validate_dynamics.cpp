@@ -291,10 +291,12 @@ class Validator : TableChecks {
 
   void check_step() const {
     constexpr float kMostFrames = 1e6f;
+    constexpr std::uint32_t kMostSubsteps = 1024;  // the steps of a second, the longest gap, are 32 bits
     const JiggleStep& step = dynamics_.jiggle.step;
-    if (!(step.frames_per_second > 0 && step.frames_per_second <= kMostFrames) || step.substeps == 0) {
+    if (!(step.frames_per_second > 0 && step.frames_per_second <= kMostFrames) || step.substeps == 0 ||
+        step.substeps > kMostSubsteps) {
       refuse("jiggle.step has " + std::to_string(step.frames_per_second) + " frames a second of " +
-             std::to_string(step.substeps) + " substeps, expected numbers above 0");
+             std::to_string(step.substeps) + " substeps, expected numbers above 0, of at most 1000000 and 1024");
     }
     expect_number("jiggle.step", 3, static_cast<double>(step.stiffness_damping));
     if (step.stiffness_damping < 0) refuse("jiggle.step has a damping below 0");

@@ -142,6 +142,7 @@ TEST(ValidateDynamics, Jiggle) {
       {"jiggle.step has 0.0", [](Dynamics& d) { d.jiggle.step.frames_per_second = 0; }},
       {"jiggle.step has nan", [](Dynamics& d) { d.jiggle.step.frames_per_second = kNan; }},
       {"of 0 substeps", [](Dynamics& d) { d.jiggle.step.substeps = 0; }},
+      {"of 1025 substeps", [](Dynamics& d) { d.jiggle.step.substeps = 1025; }},
       {"damping below 0", [](Dynamics& d) { d.jiggle.step.stiffness_damping = -1; }},
       {"jiggle.nodes has", [](Dynamics& d) { d.jiggle.nodes.pop_back(); }},
       {"jiggle.nodes[4] is nan", [](Dynamics& d) { d.jiggle.nodes[4].inertia = kNan; }},

@@ -55,6 +55,12 @@ TEST(DynamicsVerb, WritesWhatTheOptionsSayAndInfoReadsIt) {
   const auto told = nlohmann::json::parse(info.output);
   EXPECT_EQ(told["kind"], "dynamics");
   EXPECT_EQ(told["nodes"], dynamics.tets.node_count());
+  EXPECT_EQ(told["frames_per_second"], 30);
+  EXPECT_EQ(told["substeps"], 2);
+  EXPECT_EQ(told["integrator"], "euler");
+  EXPECT_EQ(told["quality"], json["quality"]);
+  EXPECT_EQ(told["inverted_tets"]["poses"], 0);
+  EXPECT_EQ(told["provenance"]["regions"], nlohmann::json::parse(R"([{"joint": "lower", "amount": 0}])"));
 }
 
 TEST(DynamicsVerb, InfoNamesATensorOfOneNumber) {
@@ -83,6 +89,7 @@ TEST(DynamicsVerb, MistakesEndWithTheCauseAndWriteNothing) {
   expect(R"({"schema": "bodyopt-jiggle-1", "poisson": 0.5})", 4, "'poisson' is 0.5");
   expect(R"({"schema": "bodyopt-jiggle-1", "regions": [{"joint": "tail", "softness": 2}]})", 3, "'upper', 'lower'");
   EXPECT_EQ(limb.dynamics(" --fps 0").exit_code, 64);
+  EXPECT_EQ(limb.dynamics(" --fps nan").exit_code, 64);
   EXPECT_EQ(limb.dynamics(" --substeps 0").exit_code, 64);
   EXPECT_EQ(limb.dynamics(" --integrator rk4").exit_code, 64);
   EXPECT_FALSE(std::filesystem::exists(limb.out));

@@ -1,6 +1,8 @@
 // eval --jiggle: chunks of a shot, pre-roll, cuts, what is refused.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -96,10 +98,48 @@ TEST_F(Jiggle, ACutStartsAnewAndIsSaid) {
   const auto json = nlohmann::json::parse(file);
   EXPECT_EQ(json.at("notes").size(), 1u);
   EXPECT_GT(json.at("milliseconds_per_frame").at("jiggle").get<double>(), 0);
+  for (std::uint32_t f = 0; f < 30; ++f) {
+    const std::vector<float> moved = frame("cut.pc2", f), still = frame("still.pc2", f);
+    double largest = 0;
+    for (std::size_t k = 0; k < moved.size(); k += 3) {
+      largest = std::max(largest, std::hypot(static_cast<double>(moved[k] - still[k]),
+                                             static_cast<double>(moved[k + 1] - still[k + 1]),
+                                             static_cast<double>(moved[k + 2] - still[k + 2])));
+    }
+    const auto& told = json.at("per_frame")[f];
+    EXPECT_NEAR(told.at("jiggle_max_mm").get<double>(), 1e3 * largest, 1e-3) << f;
+    EXPECT_LE(told.at("jiggle_rms_mm").get<double>(), told.at("jiggle_max_mm").get<double>());
+    EXPECT_EQ(told.at("inverted_tets"), 0) << f;
+  }
+  EXPECT_NE(result.output.find("the jiggle moves the skin by"), std::string::npos) << result.output;
+}
+
+TEST_F(Jiggle, InfoReadsAState) {
+  ASSERT_EQ(eval("--jiggle --frames 1-12 --state-out " + path("at12.state"), "first.pc2").exit_code, 0);
+  const ProgramResult told = run("info " + path("at12.state") + " --json -");
+  ASSERT_EQ(told.exit_code, 0) << told.output;
+  const auto json = nlohmann::json::parse(told.output);
+  EXPECT_EQ(json.at("kind"), "state of the jiggle");
+  EXPECT_EQ(json.at("frame"), 12);
+  EXPECT_EQ(json.at("known"), 2);
+  const auto dynamics = nlohmann::json::parse(run("info " + path("limb.dynamics.safetensors") + " --json -").output);
+  EXPECT_EQ(json.at("nodes"), dynamics.at("nodes"));
+  EXPECT_EQ(json.at("dynamics"), dynamics.at("metadata").at("checksum"));
+  std::filesystem::copy_file(path("swing.glb"), path("wrong.state"));
+  EXPECT_EQ(run("info " + path("wrong.state")).exit_code, 4);
+}
+
+TEST_F(Jiggle, AnEmptyClipIsNamedForWhatItIs) {
+  const ProgramResult result = run("eval " + path("limb.safetensors") + " --clip '' --out " + path("none.pc2"));
+  EXPECT_EQ(result.exit_code, 64);
+  EXPECT_NE(result.output.find("--clip: expected a value, found an empty one"), std::string::npos) << result.output;
 }
 
 TEST_F(Jiggle, RefusesWhatDoesNotGoTogether) {
   expect_refused(64, "--preroll 3", "--jiggle");
+  expect_refused(64, "--jiggle --preroll 0", "not in range 1 to 1000000");
+  expect_refused(64, "--jiggle --iterations 1", "expected 0 or 2 at least");
+  expect_refused(64, "--jiggle --fps nan", "expected a number from 0.001 to 100000, found 'nan'");
   expect_refused(64, "--jiggle --state-every 3", "--state-out");
   expect_refused(64, "--jiggle --preroll 2 --state-in x.state", "--preroll");
   expect_refused(64, "--jiggle --gravity-change 1 nan 0", "finite");

@@ -71,5 +71,21 @@ TEST(BuildDynamics, AnotherCharactersBasisIsRefused) {
   expect("stand elsewhere", [](Character& c) { c.vertices.rowwise() += Eigen::RowVector3d(0.01, 0, 0); });
 }
 
+// Before tets are looked for, of which there would be none so few.
+TEST(BuildDynamics, NamesThatAreNotThereAreRefusedFirst) {
+  const Character limb = make_limb();
+  const Basis basis = build_ddm_basis(limb, {});
+  DynamicsOptions options;
+  options.resolution = 1;
+  options.settings.regions = {{JiggleRegion::By::joint, "tail", 2.0}};
+  try {
+    build_dynamics(limb, {}, basis, options);
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::mismatch);
+    EXPECT_NE(std::string(error.what()).find("the joint 'tail'"), std::string::npos) << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace bodyopt

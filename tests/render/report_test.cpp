@@ -78,6 +78,7 @@ void add_jiggle(ReportData& data) {
             {1, 2, 3, 4, 5, 6, 7},
             {0, 0, 4, 0.25, 1, 0.1, 0.1},
             {0, 0, 8, 0.5, 2, 0.75, 0.25},
+            {0, 0, 5, 2, 0, 0, 0},
             0.5,
             6.25,
             "A device",
@@ -293,6 +294,7 @@ TEST(Report, SaysHowFleshSwings) {
   EXPECT_EQ(json.at("frames"), nlohmann::json({1, 2, 3, 4, 5, 6, 7}));
   EXPECT_EQ(json.at("frame_max_mm")[2], 8);
   EXPECT_EQ(json.at("frame_rms_mm")[2], 4);
+  EXPECT_EQ(json.at("frame_inverted_tets")[3], 2);
   EXPECT_EQ(json.at("diffuse_ms"), 0.5);
   EXPECT_EQ(json.at("jiggle_ms"), 6.25);
   EXPECT_EQ(json.at("device"), "A device");
@@ -302,12 +304,15 @@ TEST(Report, SaysHowFleshSwings) {
   EXPECT_TRUE(contains(page, "A frame on A device: diffuse 0.5 ms, jiggle 6.2"));
   EXPECT_TRUE(contains(page, "width=\"6\" height=\"2\" src=\"data:image/webp;base64,UklGRg==\""));
   EXPECT_TRUE(contains(page, "<span>frame 3</span><span>frame 5</span>"));
+  EXPECT_TRUE(contains(page, "In 2 of the frames some are turned inside out, 5 at most."));
+  data.jiggle->inverted_tets = {0, 0, 0, 0, 0, 0, 0};
   data.jiggle->diffuse_ms = data.jiggle->jiggle_ms = 0;
   data.jiggle->max_mm.back() = 3;
   write_report(data, folder.path());
   page = read(folder / "report.html");
   EXPECT_TRUE(contains(page, "it is still moving when the clip ends"));
   EXPECT_TRUE(contains(page, "Computed on A device, which tells no times."));
+  EXPECT_TRUE(contains(page, "None of them is turned inside out."));
   data.jiggle->max_mm.pop_back();
   EXPECT_THROW(write_report(data, folder.path()), Error);
   data.jiggle.reset();

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+#include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 #include <bit>
 #include <fstream>
@@ -11,7 +13,9 @@
 #include <numeric>
 
 #include "runtime/basis/error.h"
+#include "tests/support/hostile_bytes.h"
 #include "tests/support/limb_dynamics.h"
+#include "tests/support/random_tables.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/dynamics/elasticity.h"
 
@@ -198,6 +202,23 @@ TEST(Jiggle, RefusesStatesThatAreDamagedOrOfOtherDynamics) {
     EXPECT_EQ(error.kind(), ErrorKind::mismatch);
     EXPECT_NE(std::string(error.what()).find("other dynamics"), std::string::npos) << error.what();
   }
+  const auto refused = [&](const std::string& named, const std::function<void(Safetensors&)>& change) {
+    Safetensors file = read_safetensors(path);
+    change(file);
+    file.metadata["checksum"] = content_checksum(file);
+    const std::filesystem::path changed = folder.path() / "changed.state";
+    write_safetensors(file, changed);
+    expect_refused([&](const auto& from) { load_state(from, *limb.dynamics()); }, changed, read_bytes(changed), named);
+  };
+  for (const char* name :
+       {"joints", "joint_velocity", "displacement", "velocity", "nodes", "node_velocity", "origin"}) {
+    refused(std::string("tensor '") + name + "' is missing", [&](Safetensors& f) { f.tensors.erase(name); });
+    refused(std::string("tensor '") + name + "' has a number that is not finite", [&](Safetensors& f) {
+      Tensor& tensor = f.tensors.at(name);
+      std::fill(tensor.bytes.end() - static_cast<std::ptrdiff_t>(dtype_size(tensor.dtype)), tensor.bytes.end(),
+                std::byte{0xff});
+    });
+  }
   const auto size = std::filesystem::file_size(path);
   for (const double part : {0.0, 0.1, 0.5, 0.99}) {
     const std::filesystem::path cut = folder.path() / "cut.state";
@@ -226,6 +247,72 @@ TEST(Jiggle, RefusesStatesThatDoNotFitTheCharacter) {
   refuses([](JiggleState& s) { s.origin[2] = std::numeric_limits<double>::quiet_NaN(); });
   Deformer still(limb_model().basis, {.name = "cpu"});
   EXPECT_THROW(still.set_state(good), Error);
+}
+
+// Of motion, springs and strain, joules; strain as the quality mode has it, small in the axes of every tet.
+double energy(const Dynamics& dynamics, const NodeMotion& motion) {
+  const TetTable& tets = dynamics.tets;
+  const JiggleTable& jiggle = dynamics.jiggle;
+  const auto at = [](const std::vector<float>& values, std::size_t n) {
+    return Eigen::Map<const Eigen::Vector3f>(values.data() + 3 * n).cast<double>().eval();
+  };
+  double sum = 0;
+  for (std::size_t n = 0; n < jiggle.nodes.size(); ++n) {
+    const Eigen::Vector3d u = at(motion.displacement, n);
+    sum += static_cast<double>(jiggle.nodes[n].mass) * at(motion.velocity, n).squaredNorm() / 2;
+    sum -= static_cast<double>(jiggle.nodes[n].inertia) * u.squaredNorm() / 2;
+    for (std::uint32_t e = jiggle.held_begin[n]; e < jiggle.held_begin[n + 1]; ++e) {
+      sum += static_cast<double>(jiggle.held_values[e]) * u.dot(at(motion.displacement, jiggle.held_columns[e])) / 2;
+    }
+  }
+  for (std::size_t t = 0; t < tets.shapes.size(); ++t) {
+    const std::uint32_t* corner = tets.tets.data() + 4 * t;
+    const auto edges = [&](const std::vector<float>& values) {
+      Eigen::Matrix3d result;
+      for (int k = 0; k < 3; ++k) result.col(k) = at(values, corner[k + 1]) - at(values, corner[0]);
+      return result;
+    };
+    const Eigen::Matrix3d inverse = edges(tets.nodes).inverse();
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(edges(motion.nodes) * inverse,
+                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
+    const Eigen::Matrix3d slope = rotation.transpose() * edges(motion.displacement) * inverse;
+    const Eigen::Matrix3d strain = (slope + slope.transpose()) / 2;
+    const double lambda = static_cast<double>(jiggle.elasticity[t].lambda),
+                 mu = static_cast<double>(jiggle.elasticity[t].mu);
+    sum += static_cast<double>(tets.shapes[t].volume) *
+           (lambda * strain.trace() * strain.trace() / 2 + mu * strain.squaredNorm());
+  }
+  return sum;
+}
+
+// A bent limb without damping, from random states: what the default mode's own tests hold of the single solve.
+TEST(Jiggle, EnergyNeverGrowsInTheQualityMode) {
+  JiggleSettings undamped;
+  undamped.damping = 0;
+  Deformer limb(limb_model().basis, limb_dynamics({}, undamped), {.iterations = 8}, {.name = "cpu"});
+  const Pose bent = limb_pose({{}, 0.5, 1.5});
+  Random random(3);
+  double worst = 0;
+  for (int round = 0; round < 6; ++round) {
+    limb.set_state({});
+    limb.jiggle({&bent, 1}, std::vector<int>{0});
+    JiggleState state = limb.state();
+    state.known = 2;
+    state.motion.displacement = random.floats(state.motion.displacement.size(), -0.01f, 0.01f);
+    state.motion.velocity = random.floats(state.motion.velocity.size(), -0.5f, 0.5f);
+    limb.set_state(state);
+    double before = energy(*limb.dynamics(), state.motion);
+    for (int frame = 1; frame <= 10; ++frame) {
+      limb.jiggle({&bent, 1}, std::vector<int>{frame});
+      const double after = energy(*limb.dynamics(), limb.state().motion);
+      ASSERT_GT(after, 0);
+      worst = std::max(worst, after / before - 1);
+      ASSERT_LE(after, before * (1 + 1e-5)) << "round " << round << ", frame " << frame;
+      before = after;
+    }
+  }
+  RecordProperty("worst_growth", std::to_string(1e6 * worst) + " millionths");
 }
 
 // A joint that stands, then is elsewhere: what a plan says of it.

@@ -9,32 +9,6 @@
 namespace bodyopt {
 namespace {
 
-double determinant(const Affine& a) {
-  const Vec3 x{a.m[0][0], a.m[0][1], a.m[0][2]}, y{a.m[1][0], a.m[1][1], a.m[1][2]}, z{a.m[2][0], a.m[2][1], a.m[2][2]};
-  return dot(x, cross(y, z));
-}
-
-std::vector<Affine> read_inverse_binds(const GltfFile& file, int skin, std::size_t joint_count, double unit) {
-  const int accessor = file.model().skins[static_cast<std::size_t>(skin)].inverseBindMatrices;
-  std::vector<Affine> binds(joint_count);
-  if (accessor < 0) return binds;  // the specification's default: identity
-  const std::vector<double> columns = file.numbers(accessor, TINYGLTF_TYPE_MAT4, "inverse bind matrices");
-  if (columns.size() < 16 * joint_count) {
-    file.fail("has " + std::to_string(columns.size() / 16) + " inverse bind matrices for " +
-              std::to_string(joint_count) + " joints");
-  }
-  for (std::size_t j = 0; j < joint_count; ++j) {
-    const double* m = columns.data() + 16 * j;
-    for (std::size_t r = 0; r < 3; ++r) {
-      for (std::size_t c = 0; c < 4; ++c) binds[j].m[r][c] = m[4 * c + r] * (c == 3 ? unit : 1);
-    }
-    if (std::abs(m[3]) + std::abs(m[7]) + std::abs(m[11]) + std::abs(m[15] - 1) > 1e-4) {
-      file.fail("inverse bind matrix " + std::to_string(j) + " is no affine matrix (its last row is not 0 0 0 1)");
-    }
-  }
-  return binds;
-}
-
 // Skin joints in skeleton order.
 std::vector<std::size_t> parents_first(const JointFold& fold, const std::vector<int>& nodes) {
   std::vector<std::size_t> order;
@@ -88,6 +62,32 @@ std::vector<std::string> set_binds(const GltfFile& file, Skeleton& skeleton) {
 }
 
 }  // namespace
+
+double determinant(const Affine& a) {
+  const Vec3 x{a.m[0][0], a.m[0][1], a.m[0][2]}, y{a.m[1][0], a.m[1][1], a.m[1][2]}, z{a.m[2][0], a.m[2][1], a.m[2][2]};
+  return dot(x, cross(y, z));
+}
+
+std::vector<Affine> read_inverse_binds(const GltfFile& file, int skin, std::size_t joint_count, double unit) {
+  const int accessor = file.model().skins[static_cast<std::size_t>(skin)].inverseBindMatrices;
+  std::vector<Affine> binds(joint_count);
+  if (accessor < 0) return binds;  // the specification's default: identity
+  const std::vector<double> columns = file.numbers(accessor, TINYGLTF_TYPE_MAT4, "inverse bind matrices");
+  if (columns.size() < 16 * joint_count) {
+    file.fail("has " + std::to_string(columns.size() / 16) + " inverse bind matrices for " +
+              std::to_string(joint_count) + " joints");
+  }
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const double* m = columns.data() + 16 * j;
+    for (std::size_t r = 0; r < 3; ++r) {
+      for (std::size_t c = 0; c < 4; ++c) binds[j].m[r][c] = m[4 * c + r] * (c == 3 ? unit : 1);
+    }
+    if (std::abs(m[3]) + std::abs(m[7]) + std::abs(m[11]) + std::abs(m[15] - 1) > 1e-4) {
+      file.fail("inverse bind matrix " + std::to_string(j) + " is no affine matrix (its last row is not 0 0 0 1)");
+    }
+  }
+  return binds;
+}
 
 SkinSkeleton read_skin_skeleton(const GltfFile& file, int skin, double unit, std::vector<std::string>& notes) {
   const NodeTree tree = read_nodes(file, unit, notes);

@@ -21,4 +21,10 @@ struct SkinSkeleton {
 // per file unit. Throws Error(file).
 SkinSkeleton read_skin_skeleton(const GltfFile& file, int skin, double unit, std::vector<std::string>& notes);
 
+// Of the linear part.
+double determinant(const Affine& a);
+
+// Of each joint of a skin, in its order; translations in metres. Throws Error(file).
+std::vector<Affine> read_inverse_binds(const GltfFile& file, int skin, std::size_t joint_count, double unit);
+
 }  // namespace bodyopt

@@ -99,14 +99,20 @@ void normalize(std::vector<JointWeight>& weights, Repairs& repairs) {
   for (JointWeight& w : weights) w.weight /= sum;
 }
 
-void append_primitive(const GltfFile& file, const tinygltf::Primitive& primitive, std::size_t joint_count,
-                      const std::string& what, SkinGeometry& geometry, Repairs& repairs) {
+// Returns the number of vertices.
+std::size_t append_primitive(const GltfFile& file, const tinygltf::Primitive& primitive, const std::string& what,
+                             SkinGeometry& geometry, Repairs& repairs) {
   const auto numbers = file.numbers(attribute(primitive, "POSITION"), TINYGLTF_TYPE_VEC3, what + " POSITION");
   const std::size_t count = numbers.size() / 3;
   append_triangles(file, primitive, count, what, geometry);
   for (std::size_t i = 0; i < count; ++i)
     geometry.positions.push_back({numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]});
+  if (!primitive.targets.empty()) ++repairs.morphed;
+  return count;
+}
 
+void append_weights(const GltfFile& file, const tinygltf::Primitive& primitive, std::size_t count,
+                    std::size_t joint_count, const std::string& what, SkinGeometry& geometry, Repairs& repairs) {
   std::vector<std::vector<JointWeight>> weights(count);
   if (attribute(primitive, "JOINTS_0") < 0) file.fail(what + ": has no skin weights (JOINTS_0, WEIGHTS_0)");
   for (int set = 0; attribute(primitive, "JOINTS_" + std::to_string(set)) >= 0; ++set) {
@@ -116,7 +122,6 @@ void append_primitive(const GltfFile& file, const tinygltf::Primitive& primitive
     normalize(w, repairs);
     geometry.weights.push_back(std::move(w));
   }
-  if (!primitive.targets.empty()) ++repairs.morphed;
 }
 
 void add_notes(const Repairs& repairs, std::vector<std::string>& notes) {
@@ -131,7 +136,7 @@ void add_notes(const Repairs& repairs, std::vector<std::string>& notes) {
   if (repairs.unskinned_meshes > 0) {
     notes.push_back(
         count_of(repairs.unskinned_meshes, "mesh that is not on the skin is", "meshes that are not on the skin are") +
-        " left out.");
+        " no part of it (bodyopt attach: what rides on the skin).");
   }
 }
 
@@ -140,16 +145,22 @@ struct SkinPrimitive {
   std::string what;  // how messages call it
 };
 
+void append_primitives(const GltfFile& file, const tinygltf::Node& node, std::vector<SkinPrimitive>& primitives) {
+  const tinygltf::Model& model = file.model();
+  if (node.mesh >= std::ssize(model.meshes)) {
+    file.fail("a node uses mesh " + std::to_string(node.mesh) + " of " + std::to_string(model.meshes.size()));
+  }
+  const tinygltf::Mesh& mesh = model.meshes[static_cast<std::size_t>(node.mesh)];
+  for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
+    primitives.push_back({mesh.primitives[p], "mesh " + std::to_string(node.mesh) + " primitive " + std::to_string(p)});
+  }
+}
+
 // In output order.
-std::vector<SkinPrimitive> skin_primitives(const tinygltf::Model& model, int skin) {
+std::vector<SkinPrimitive> skin_primitives(const GltfFile& file, int skin) {
   std::vector<SkinPrimitive> primitives;
-  for (const tinygltf::Node& node : model.nodes) {
-    if (node.mesh < 0 || node.skin != skin) continue;
-    const tinygltf::Mesh& mesh = model.meshes[static_cast<std::size_t>(node.mesh)];
-    for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
-      primitives.push_back(
-          {mesh.primitives[p], "mesh " + std::to_string(node.mesh) + " primitive " + std::to_string(p)});
-    }
+  for (const tinygltf::Node& node : file.model().nodes) {
+    if (node.mesh >= 0 && node.skin == skin) append_primitives(file, node, primitives);
   }
   return primitives;
 }
@@ -189,8 +200,30 @@ SkinGeometry read_skin_geometry(const GltfFile& file, int skin, std::vector<std:
     const tinygltf::Mesh& mesh = model.meshes[static_cast<std::size_t>(node.mesh)];
     if (geometry.name.empty()) geometry.name = node.name.empty() ? mesh.name : node.name;
   }
-  for (const auto& [primitive, what] : skin_primitives(model, skin)) {
-    append_primitive(file, primitive, joint_count, what, geometry, repairs);
+  for (const auto& [primitive, what] : skin_primitives(file, skin)) {
+    const std::size_t count = append_primitive(file, primitive, what, geometry, repairs);
+    append_weights(file, primitive, count, joint_count, what, geometry, repairs);
+  }
+  add_notes(repairs, notes);
+  return geometry;
+}
+
+SkinGeometry read_node_geometry(const GltfFile& file, std::size_t index, std::vector<std::string>& notes) {
+  const tinygltf::Model& model = file.model();
+  const tinygltf::Node& node = model.nodes[index];
+  if (node.skin >= std::ssize(model.skins)) {
+    file.fail("a node uses skin " + std::to_string(node.skin) + " of " + std::to_string(model.skins.size()));
+  }
+  SkinGeometry geometry;
+  Repairs repairs;
+  std::vector<SkinPrimitive> primitives;
+  append_primitives(file, node, primitives);
+  geometry.name = node.name.empty() ? model.meshes[static_cast<std::size_t>(node.mesh)].name : node.name;
+  for (const auto& [primitive, what] : primitives) {
+    const std::size_t count = append_primitive(file, primitive, what, geometry, repairs);
+    if (node.skin < 0) continue;
+    const std::size_t joints = model.skins[static_cast<std::size_t>(node.skin)].joints.size();
+    append_weights(file, primitive, count, joints, what, geometry, repairs);
   }
   add_notes(repairs, notes);
   return geometry;
@@ -203,7 +236,7 @@ std::vector<double> read_vertex_colours(const std::filesystem::path& character, 
   std::set<std::string> known;
   const int skin = choose_skin(file, unused);
   if (skin < 0) file.fail("has no skinned mesh");
-  for (const auto& [primitive, what] : skin_primitives(file.model(), skin)) {
+  for (const auto& [primitive, what] : skin_primitives(file, skin)) {
     for (const auto& [key, accessor] : primitive.attributes) {
       if (key.starts_with("COLOR_")) known.insert(key);
     }

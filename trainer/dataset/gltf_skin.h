@@ -21,6 +21,9 @@ struct SkinGeometry {
 // Throws Error(file): attributes missing, of different counts, indices or joints out of range, points or lines.
 SkinGeometry read_skin_geometry(const GltfFile& file, int skin, std::vector<std::string>& notes);
 
+// The mesh of one node, which has one; without weights where the node has no skin. Throws as above.
+SkinGeometry read_node_geometry(const GltfFile& file, std::size_t node, std::vector<std::string>& notes);
+
 // O x 3 in output order: red, green and blue of an attribute of a character's skin, COLOR_0 say, from 0 to 1; 0 where
 // only other parts of the skin have it. Throws Error(file), also where no part has it.
 std::vector<double> read_vertex_colours(const std::filesystem::path& character, const std::string& name);

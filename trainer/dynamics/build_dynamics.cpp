@@ -7,6 +7,7 @@
 
 #include "runtime/basis/error.h"
 #include "runtime/basis/hexadecimal.h"
+#include "runtime/deformer.h"
 #include "trainer/dynamics/core_springs.h"
 #include "trainer/dynamics/diffuse.h"
 #include "trainer/dynamics/jiggle.h"
@@ -21,6 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kSamePlace = 1e-5;  // metres
+constexpr std::size_t kMostPoses = 800;
 
 void require_same(const MeshTable& mesh, const Skeleton& skeleton, const Basis& basis) {
   const auto refuse = [](const std::string& what) {
@@ -42,9 +44,27 @@ std::vector<RegionWeights> in_runtime_order(const std::vector<RegionWeights>& re
   return renumbered(regions, number);
 }
 
-Json report_of(const Dynamics& dynamics, const TetMesh& mesh, const JiggleAnatomy& anatomy,
+// The quasi-static skin, V x 3 in runtime order, in poses spread over those given.
+std::vector<Positions> posed_skins(const Basis& basis, const std::vector<Pose>& poses) {
+  const std::size_t count = std::min(kMostPoses, poses.size());
+  if (count == 0) return {};
+  Deformer deformer(basis, {.name = "cpu"});
+  std::vector<Positions> skins;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Evaluation frame = deformer.evaluate({&poses[k * poses.size() / count], 1});
+    skins.emplace_back(basis.mesh.vertex_count(), 3);
+    for (std::size_t o = 0; o < basis.mesh.output_count(); ++o) {
+      const float* x = frame.positions.data() + 3 * o;
+      skins.back().row(basis.mesh.output_vertex[o]) << x[0], x[1], x[2];
+    }
+  }
+  return skins;
+}
+
+Json report_of(const Dynamics& dynamics, const DynamicsTets& tets, const JiggleAnatomy& anatomy,
                const std::vector<std::string>& notes) {
-  const TetQuality quality = tet_quality(mesh);
+  const TetQuality quality = tet_quality(tets.cage.mesh);
+  const Unfolding& unfolding = tets.unfolding;
   std::set<int> joints;
   for (const BonePoint& bone : anatomy.bones) joints.insert(bone.joint);
   return {{"tets", dynamics.tets.tet_count()},
@@ -52,12 +72,28 @@ Json report_of(const Dynamics& dynamics, const TetMesh& mesh, const JiggleAnatom
           {"surface_nodes", dynamics.tets.surface_count()},
           {"quality",
            {{"worst", quality.worst}, {"first_percentile", quality.first_percentile}, {"median", quality.median}}},
+          {"inverted_tets", {{"poses", unfolding.poses}, {"before", unfolding.before}, {"after", unfolding.after}}},
           {"bone_springs", anatomy.bones.size()},
           {"joints_with_bones", joints.size()},
           {"notes", notes}};
 }
 
+Json to_json(const JiggleRegion& region) {
+  const char* const kinds[] = {"joint", "muscle", "region"};
+  Json json = {{kinds[static_cast<std::size_t>(region.by)], region.name}};
+  const auto add = [&](const char* name, const std::optional<double>& value) {
+    if (value) json[name] = *value;
+  };
+  add("softness", region.softness);
+  add("damping", region.damping);
+  add("amount", region.amount);
+  add("flesh", region.flesh);
+  return json;
+}
+
 Json provenance_of(const Character& character, const DynamicsOptions& options) {
+  Json regions = Json::array();
+  for (const JiggleRegion& region : options.settings.regions) regions.push_back(to_json(region));
   return {{"character", character.name},
           {"resolution", options.resolution},
           {"jiggle", options.settings.origin},
@@ -68,7 +104,7 @@ Json provenance_of(const Character& character, const DynamicsOptions& options) {
           {"density", options.settings.density},
           {"tension", options.settings.tension},
           {"flesh", options.settings.flesh},
-          {"regions", options.settings.regions.size()}};
+          {"regions", regions}};
 }
 
 }  // namespace
@@ -79,9 +115,12 @@ Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& m
   const std::vector<std::uint32_t> order = morton_order(character.vertices);
   const Character ordered = in_order(character, order);
   require_same(make_mesh_table(ordered), ordered.skeleton, basis);
+  require_possible(options.settings);
+  require_names(options.settings, character, muscles, options.painted);
 
   Progress progress("dynamics", 4);
-  const DynamicsTets tets = make_dynamics_tets(ordered.vertices, ordered.triangles, options.resolution);
+  const DynamicsTets tets =
+      make_dynamics_tets(ordered.vertices, ordered.triangles, options.resolution, posed_skins(basis, options.poses));
   const TetMesh& mesh = tets.cage.mesh;
   progress.advance();
   JiggleAnatomy anatomy = find_anatomy(ordered, muscles, tets.cage, options.materials);
@@ -103,7 +142,7 @@ Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& m
   dynamics.metadata["topology_hash"] = hexadecimal(topology_hash(basis.mesh));
   dynamics.metadata["skeleton_hash"] = hexadecimal(skeleton_hash(basis.skeleton));
   const auto text = [](const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); };
-  dynamics.metadata["report"] = text(report_of(dynamics, mesh, anatomy, notes));
+  dynamics.metadata["report"] = text(report_of(dynamics, tets, anatomy, notes));
   dynamics.metadata["provenance"] = text(provenance_of(character, options));
   return dynamics;
 }

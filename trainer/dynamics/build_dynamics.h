@@ -16,9 +16,11 @@ struct DynamicsOptions {
   JiggleSettings settings{};
   Materials materials{};                 // fat, muscle and bone springs
   std::vector<RegionWeights> painted{};  // of welded vertices, as read_regions gives them: what settings may name
+  // With the basis' controls. Diffuse is not to turn tets inside out in these; of many, some are looked at.
+  std::vector<Pose> poses{};
 };
 
-// Tets, diffuse and jiggle, with a report in the metadata (tets, nodes, quality, springs, notes). Throws
+// Tets, diffuse and jiggle, with a report in the metadata (tets, nodes, quality, unfolding, springs, notes). Throws
 // Error(mismatch) where the basis is of another character, the skin cannot be filled or the settings name what is not
 // there, Error(usage) for settings or steps that make no sense. Shows
 // progress; throws Error(interrupted) after SIGINT, at the end of a step.

@@ -89,15 +89,18 @@ TetPoint packed(const EmbeddedPoint& point, double amount) {
 
 }  // namespace
 
-DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& triangles, Eigen::Index most_tets) {
+DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& triangles, Eigen::Index most_tets,
+                                const std::vector<Positions>& poses) {
   const FineSkin fine(vertices, triangles);
   std::optional<FilledSkin> own = fill_as_it_is(fine, most_tets);
   FilledSkin filled = own ? std::move(*own) : fill_coarser(fine, {.tets = most_tets}, [](CoarseSkin&) {});
+  // The nodes of a skin that is taken as it is are its vertices.
+  const Unfolding unfolding = unfold_tets(fine.nearest, poses, filled.skin.vertices.rows(), !own, filled.mesh);
   // What the runtime has; everything is computed from it.
   filled.mesh.nodes = filled.mesh.nodes.cast<float>().cast<double>().eval();
   filled.skin.vertices = filled.mesh.nodes.topRows(filled.skin.vertices.rows());
   require_sound(filled.mesh);
-  DynamicsTets tets{cage_in(fine, filled), {}};
+  DynamicsTets tets{cage_in(fine, filled), {}, unfolding};
   for (Eigen::Index n = 0; n < filled.skin.vertices.rows(); ++n) {
     tets.surface.push_back(fine.nearest(filled.skin.vertices.row(n)));
   }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "runtime/basis/dynamics.h"
+#include "trainer/dynamics/unfold_tets.h"
 #include "trainer/tets/cage.h"
 #include "trainer/tets/nearest_skin.h"
 
@@ -12,12 +13,15 @@ namespace bodyopt {
 struct DynamicsTets {
   Cage cage;                       // its first B nodes lie on the skin
   std::vector<SkinPoint> surface;  // B: where
+  Unfolding unfolding;
 };
 
 // The skin filled with `most_tets` or fewer: as it is where that takes no more and comes out well, otherwise remeshed
-// with longer edges (fill_coarser), never finer than it is. Nodes are rounded to single precision. Throws
-// Error(mismatch) naming the cause where no filling is found: a skin with holes or overlapping parts.
-DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& triangles, Eigen::Index most_tets);
+// with longer edges (fill_coarser), never finer than it is. Then unfolded in the poses of the skin (V x 3 each). Nodes
+// are rounded to single precision. Throws Error(mismatch) naming the cause where no filling is found: a skin with holes
+// or overlapping parts.
+DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& triangles, Eigen::Index most_tets,
+                                const std::vector<Positions>& poses = {});
 
 // amounts: V, how much of its tet's displacement every skin vertex takes.
 TetTable make_tet_table(const DynamicsTets& tets, const std::vector<double>& amounts);

@@ -39,6 +39,21 @@ std::vector<std::string> names_of(const List& list) {
   return names;
 }
 
+std::vector<std::size_t> joints_of(const JiggleRegion& region, const Character& character,
+                                   const JiggleSettings& settings) {
+  return matches(names_of(character.skeleton.joints), region, "joint", settings);
+}
+
+std::vector<std::size_t> muscles_of(const JiggleRegion& region, const std::vector<Muscle>& muscles,
+                                    const JiggleSettings& settings) {
+  return matches(names_of(muscles), region, "muscle", settings);
+}
+
+std::vector<std::size_t> painted_of(const JiggleRegion& region, const std::vector<RegionWeights>& painted,
+                                    const JiggleSettings& settings) {
+  return matches(names_of(painted), region, "painted region", settings);
+}
+
 class ShareFinder {
  public:
   ShareFinder(const JiggleSettings& settings, const Character& character, const std::vector<Muscle>& muscles,
@@ -71,7 +86,7 @@ class ShareFinder {
  private:
   void add_joints(const JiggleRegion& region, Share& share) const {
     std::vector<bool> wanted(character_.skeleton.size(), false);
-    for (const std::size_t j : matches(names_of(character_.skeleton.joints), region, "joint", settings_)) {
+    for (const std::size_t j : joints_of(region, character_, settings_)) {
       wanted[j] = true;
       share.nodes += anatomy_.joint_share.col(static_cast<Eigen::Index>(j));
     }
@@ -83,7 +98,7 @@ class ShareFinder {
   }
 
   void add_muscles(const JiggleRegion& region, Share& share) const {
-    for (const std::size_t m : matches(names_of(muscles_), region, "muscle", settings_)) {
+    for (const std::size_t m : muscles_of(region, muscles_, settings_)) {
       share.nodes += anatomy_.muscle_share.col(static_cast<Eigen::Index>(m));
     }
     for (std::size_t v = 0; v < tets_.cage.skin.size(); ++v) {
@@ -95,7 +110,7 @@ class ShareFinder {
   }
 
   void add_painted(const JiggleRegion& region, Share& share) const {
-    for (const std::size_t r : matches(names_of(painted_), region, "painted region", settings_)) {
+    for (const std::size_t r : painted_of(region, painted_, settings_)) {
       for (std::size_t k = 0; k < painted_[r].vertices.size(); ++k) {
         share.skin[painted_[r].vertices[k]] += painted_[r].weights[k];
       }
@@ -124,6 +139,23 @@ void blend(Eigen::VectorXd& values, double value, const Eigen::VectorXd& share) 
 }
 
 }  // namespace
+
+void require_names(const JiggleSettings& settings, const Character& character, const std::vector<Muscle>& muscles,
+                   const std::vector<RegionWeights>& painted) {
+  for (const JiggleRegion& region : settings.regions) {
+    switch (region.by) {
+      case JiggleRegion::By::joint:
+        joints_of(region, character, settings);
+        break;
+      case JiggleRegion::By::muscle:
+        muscles_of(region, muscles, settings);
+        break;
+      case JiggleRegion::By::painted:
+        painted_of(region, painted, settings);
+        break;
+    }
+  }
+}
 
 JiggleFields spread_settings(const JiggleSettings& settings, const Character& character,
                              const std::vector<Muscle>& muscles, const std::vector<RegionWeights>& painted,

@@ -13,11 +13,14 @@ struct JiggleFields {
   std::vector<double> skin_amount;                   // V; exactly 0 where the skin is held
 };
 
+// Throws Error(mismatch) where the settings name what the character, its muscles or `painted` lack.
+void require_names(const JiggleSettings& settings, const Character& character, const std::vector<Muscle>& muscles,
+                   const std::vector<RegionWeights>& painted);
+
 // Where a region of the settings is: joints by their weights, muscles by their share of the tissue, painted regions of
 // the skin by their weights, carried inwards as diffuse carries positions. Softness and flesh are blended by their
 // logarithms.
-// Throws as require_possible, and Error(mismatch) where the settings name what the character, its muscles or `painted`
-// lack.
+// Throws as require_possible and require_names.
 JiggleFields spread_settings(const JiggleSettings& settings, const Character& character,
                              const std::vector<Muscle>& muscles, const std::vector<RegionWeights>& painted,
                              const DynamicsTets& tets, const JiggleAnatomy& anatomy);

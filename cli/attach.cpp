@@ -1,0 +1,119 @@
+// bodyopt attach: meshes that ride on the skin of a basis.
+#include <algorithm>
+
+#include "cli/attachments.h"
+#include "cli/common.h"
+#include "runtime/basis/error.h"
+#include "trainer/dataset/notes.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct AttachArguments {
+  std::string mesh, basis, out, mode = "auto", joint;
+  std::vector<std::string> only;
+  double unit = 0;
+  JsonOption json;
+};
+
+int named_joint(const std::string& name, const Skeleton& skeleton) {
+  const int joint = skeleton.find(name);
+  if (joint >= 0) return joint;
+  std::vector<std::string> known;
+  for (const Joint& own : skeleton.joints) known.push_back(own.name);
+  throw Error(ErrorKind::usage, "--joint: the character has no joint '" + name + "'; the nearest names are " +
+                                    list_names(nearest_names(known, name)));
+}
+
+AttachOptions options_of(const AttachArguments& arguments, const Skeleton& skeleton) {
+  AttachOptions options;
+  if (arguments.mode == "skin") options.mode = AttachMode::skin;
+  if (arguments.mode == "piece") options.mode = AttachMode::piece;
+  if (arguments.mode == "joint") options.mode = AttachMode::joint;
+  if (arguments.joint.empty()) return options;
+  if (arguments.mode != "auto" && arguments.mode != "joint") {
+    throw Error(ErrorKind::usage, "--joint fixes a mesh to a joint: it does not go with --mode " + arguments.mode);
+  }
+  options.mode = AttachMode::joint;
+  options.joint = named_joint(arguments.joint, skeleton);
+  return options;
+}
+
+// Those asked for.
+std::vector<LooseMesh> chosen(std::vector<LooseMesh> meshes, const AttachArguments& arguments) {
+  std::vector<std::string> names;
+  for (const LooseMesh& mesh : meshes) names.push_back(mesh.name);
+  for (const std::string& name : arguments.only) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    throw Error(ErrorKind::file,
+                arguments.mesh + ": has no mesh '" + name + "' to attach; it has " + list_names(names));
+  }
+  if (!arguments.only.empty()) {
+    std::erase_if(meshes, [&](const LooseMesh& mesh) {
+      return std::find(arguments.only.begin(), arguments.only.end(), mesh.name) == arguments.only.end();
+    });
+  }
+  if (meshes.empty()) {
+    throw Error(ErrorKind::file, arguments.mesh +
+                                     ": has no mesh to attach, expected one besides the character's skin "
+                                     "(meshes on that same skin are a part of it)");
+  }
+  return meshes;
+}
+
+void run(AttachArguments arguments) {
+  const Basis basis = load_basis(arguments.basis);
+  AttachOptions options = options_of(arguments, basis.skeleton);
+  if (arguments.out.empty()) arguments.out = attachments_beside(arguments.basis).string();
+  refuse_overwriting(arguments.out, arguments.basis);
+  require_writable(arguments.out);
+  arguments.json.require_writable();
+  const double kept = kept_unit(basis);
+  options.unit = arguments.unit > 0 ? arguments.unit : kept > 0 ? kept : 1;
+
+  Attachments attachments = attachments_in(arguments.out, basis);
+  std::vector<std::string> notes;
+  std::vector<LooseMesh> meshes = read_loose_meshes(arguments.mesh, basis, options.unit, notes);
+  say(notes);
+  const std::vector<AttachedMesh> bound = attach(chosen(std::move(meshes), arguments), basis, options, attachments);
+  save_attachments(attachments, arguments.out);
+  arguments.json.emit({{"attachments", arguments.out}, {"meshes", to_json(attachments.meshes)}},
+                      describe(bound) + format("wrote %s: %s\n", arguments.out.c_str(),
+                                               count_of(attachments.meshes.size(), "mesh", "meshes").c_str()));
+}
+
+}  // namespace
+
+void add_attach(CLI::App& app) {
+  auto arguments = std::make_shared<AttachArguments>();
+  CLI::App& verb =
+      *app.add_subcommand("attach", "Meshes that ride on a trained skin: eyes, teeth, nails, props, clothes");
+  verb.add_option("mesh", arguments->mesh,
+                  "glTF file with the meshes, where they are at rest; of the character's own file those that are not "
+                  "its skin")
+      ->required()
+      ->type_name("MESH");
+  verb.add_option("basis", arguments->basis, "Basis that they ride on")->required()->type_name("BASIS");
+  verb.add_option("--mode", arguments->mode,
+                  "skin: every vertex follows the skin (clothes); piece: each connected piece is fixed to the skin "
+                  "under it (nails, buttons); joint: to a joint (eyes, teeth, props); auto: what suits each piece")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"auto", "skin", "piece", "joint"}));
+  verb.add_option("--joint", arguments->joint, "Fix them to this joint (default: the one that moves the skin there)")
+      ->type_name("NAME")
+      ->check(refuse_empty);
+  verb.add_option("--only", arguments->only, "Of the file's meshes those of these names alone")
+      ->type_name("NAME")
+      ->check(refuse_empty);
+  verb.add_option("--unit", arguments->unit, "Metres per unit of the file (default: that of the character)")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--out", arguments->out,
+                  "Attachments to write, or to add to: a mesh takes the place of one of its name (default: "
+                  "BASIS.attached.safetensors beside the basis)")
+      ->type_name("FILE.safetensors")
+      ->check(must_end_in(".safetensors"));
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,203 @@
+#include "trainer/attach/loose_meshes.h"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+#include "runtime/basis/attachments.h"
+#include "runtime/basis/error.h"
+#include "trainer/dataset/gltf_skeleton.h"
+#include "trainer/dataset/gltf_skin.h"
+#include "trainer/dataset/notes.h"
+
+namespace bodyopt {
+namespace {
+
+class LooseMeshReader {
+ public:
+  LooseMeshReader(const std::filesystem::path& path, const Basis& basis, double unit, std::vector<std::string>& notes)
+      : file_(path), skeleton_(basis.skeleton), unit_(unit), notes_(notes), tree_(read_nodes(file_, unit, notes)) {
+    std::vector<std::string> unused;  // said when the character was read
+    const int first_skin = choose_skin(file_, unused);
+    for (int skin = 0; skin < std::ssize(file_.model().skins); ++skin) {
+      if (vertex_count(skin) == basis.mesh.output_count()) character_skin_ = skin;
+    }
+    set_world();
+    set_joints(is_character() ? character_skin_ : first_skin);
+  }
+
+  std::vector<LooseMesh> read() {
+    const auto& nodes = file_.model().nodes;
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      if (nodes[n].mesh < 0 || (is_character() && nodes[n].skin == character_skin_)) continue;
+      if (!is_character()) {
+        add(n);
+        continue;
+      }
+      if (nodes[n].skin < 0 && joint_above(n) < 0) {
+        notes_.push_back("Mesh '" + nodes[n].name + "' hangs on no joint: it is not attached.");
+        continue;
+      }
+      try {
+        add(n);
+      } catch (const Error& error) {
+        notes_.push_back("Mesh '" + nodes[n].name + "' is not attached: " + error.what());
+      }
+    }
+    return std::move(meshes_);
+  }
+
+ private:
+  bool is_character() const { return character_skin_ >= 0; }
+
+  // Of a skin's meshes; choose_skin() has checked the indices.
+  std::size_t vertex_count(int skin) const {
+    const tinygltf::Model& model = file_.model();
+    std::size_t count = 0;
+    for (const tinygltf::Node& node : model.nodes) {
+      if (node.mesh < 0 || node.skin != skin) continue;
+      for (const auto& primitive : model.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
+        count += model.accessors[static_cast<std::size_t>(primitive.attributes.at("POSITION"))].count;
+      }
+    }
+    return count;
+  }
+
+  void set_world() {
+    world_.resize(tree_.parent.size());
+    for (const std::size_t n : tree_.order) {
+      const Affine own = affine_from(tree_.local[n]);
+      world_[n] = tree_.parent[n] < 0 ? own : world_[static_cast<std::size_t>(tree_.parent[n])] * own;
+    }
+  }
+
+  // Which nodes are joints of the character: those of the file's skins (another node may have a joint's name), or, in a
+  // file without, bones that came along with a mesh.
+  void set_joints(int first_skin) {
+    const tinygltf::Model& model = file_.model();
+    joint_of_node_.assign(model.nodes.size(), -1);
+    std::vector<std::string> unused;
+    const auto add_skin = [&](int skin) {
+      const SkinJoints joints = read_skin_joints(file_, skin, unused);
+      for (std::size_t k = 0; k < joints.nodes.size(); ++k) {
+        int& joint = joint_of_node_[static_cast<std::size_t>(joints.nodes[k])];
+        if (joint < 0) joint = skeleton_.find(joints.names[k]);
+      }
+    };
+    if (first_skin >= 0) add_skin(first_skin);
+    for (int skin = 0; skin < std::ssize(model.skins); ++skin) add_skin(skin);
+    if (!model.skins.empty()) return;
+    for (std::size_t n = 0; n < model.nodes.size(); ++n) {
+      if (model.nodes[n].mesh < 0) joint_of_node_[n] = skeleton_.find(model.nodes[n].name);
+    }
+  }
+
+  // The node, or the nearest above it, that is a joint; -1 for none.
+  int joint_node(std::size_t node) const {
+    int n = static_cast<int>(node);
+    while (n >= 0 && joint_of_node_[static_cast<std::size_t>(n)] < 0) n = tree_.parent[static_cast<std::size_t>(n)];
+    return n;
+  }
+  int joint_above(std::size_t node) const {
+    const int n = joint_node(node);
+    return n < 0 ? -1 : joint_of_node_[static_cast<std::size_t>(n)];
+  }
+
+  // A node's space to the character's rest space.
+  Affine rest_of(std::size_t node) const {
+    const int above = joint_node(node);
+    if (above < 0) return world_[node];
+    const auto n = static_cast<std::size_t>(above);
+    const Joint& joint = skeleton_.joints[static_cast<std::size_t>(joint_of_node_[n])];
+    try {
+      return inverse(joint.inverse_bind) * inverse(world_[n]) * world_[node];
+    } catch (const std::domain_error&) {
+      file_.fail("the transform of joint '" + joint.name + "' is singular (a scale of 0?)");
+    }
+  }
+
+  void add(std::size_t node) {
+    SkinGeometry geometry = read_node_geometry(file_, node, notes_);
+    if (geometry.triangles.empty()) file_.fail("mesh '" + geometry.name + "' has no triangles");
+    LooseMesh mesh;
+    mesh.name = unique_name(geometry.name.empty() ? "mesh_" + std::to_string(node) : geometry.name);
+    mesh.triangles = std::move(geometry.triangles);
+    for (Vec3& p : geometry.positions) p = unit_ * p;
+    if (const int skin = file_.model().nodes[node].skin; skin >= 0) {
+      place_skinned(skin, geometry, mesh);
+    } else {
+      place(node, geometry, mesh);
+    }
+    meshes_.push_back(std::move(mesh));
+  }
+
+  void place(std::size_t node, const SkinGeometry& geometry, LooseMesh& mesh) const {
+    const Affine to_rest = rest_of(node);
+    for (const Vec3& p : geometry.positions) mesh.vertices.push_back(to_rest * p);
+    mesh.joint = joint_above(node);
+    if (determinant(to_rest) > 0) return;
+    for (auto& [a, b, c] : mesh.triangles) std::swap(b, c);  // mirrored: the outside stays outside
+  }
+
+  void place_skinned(int skin, const SkinGeometry& geometry, LooseMesh& mesh) {
+    std::vector<std::string> unused;
+    const SkinJoints joints = read_skin_joints(file_, skin, unused);
+    const std::vector<Affine> binds = read_inverse_binds(file_, skin, joints.nodes.size(), unit_);
+    std::vector<Affine> to_rest;
+    for (std::size_t k = 0; k < joints.nodes.size(); ++k) {
+      to_rest.push_back(rest_of(static_cast<std::size_t>(joints.nodes[k])) * binds[k]);
+    }
+    for (std::size_t v = 0; v < geometry.positions.size(); ++v) {
+      Vec3 rest{0, 0, 0};
+      std::vector<JointWeight> weights = geometry.weights[v];
+      if (weights.empty()) weights.push_back({0, 1});
+      for (JointWeight& w : weights) {
+        rest = rest + w.weight * (to_rest[w.joint] * geometry.positions[v]);
+        w.joint = character_joint(joints, w.joint);
+      }
+      mesh.vertices.push_back(rest);
+      mesh.weights.push_back(std::move(weights));
+    }
+  }
+
+  std::uint32_t character_joint(const SkinJoints& joints, std::uint32_t k) const {
+    const int joint = joint_above(static_cast<std::size_t>(joints.nodes[k]));
+    if (joint >= 0) return static_cast<std::uint32_t>(joint);
+    std::vector<std::string> known;
+    for (const Joint& own : skeleton_.joints) known.push_back(own.name);
+    throw Error(ErrorKind::mismatch, file_.path().string() + ": a mesh is skinned to joint '" + joints.names[k] +
+                                         "', which the character does not have, nor one above it; the nearest names "
+                                         "are " +
+                                         list_names(nearest_names(known, joints.names[k])) +
+                                         ": a mesh of another character?");
+  }
+
+  std::string unique_name(const std::string& wanted) {
+    std::string name = attachment_name(wanted);
+    for (int copy = 2; !names_.insert(name).second; ++copy) {
+      const std::string suffix = "_" + std::to_string(copy);
+      name = attachment_name(wanted.substr(0, kLongestAttachedName - suffix.size())) + suffix;
+    }
+    return name;
+  }
+
+  GltfFile file_;
+  const Skeleton& skeleton_;
+  double unit_;
+  std::vector<std::string>& notes_;
+  NodeTree tree_;
+  int character_skin_ = -1;  // the character's own, where the file is its
+  std::vector<Affine> world_;
+  std::vector<int> joint_of_node_;  // the character's, -1 for none
+  std::set<std::string> names_;
+  std::vector<LooseMesh> meshes_;
+};
+
+}  // namespace
+
+std::vector<LooseMesh> read_loose_meshes(const std::filesystem::path& path, const Basis& basis, double unit,
+                                         std::vector<std::string>& notes) {
+  return LooseMeshReader(path, basis, unit, notes).read();
+}
+
+}  // namespace bodyopt

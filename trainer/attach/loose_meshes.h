@@ -1,0 +1,30 @@
+// Meshes of a glTF file that are to ride on a character's skin, brought to its rest space.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/basis.h"
+#include "trainer/dataset/character.h"
+
+namespace bodyopt {
+
+struct LooseMesh {
+  std::string name;            // of its node or mesh, as attachment_name; each once
+  std::vector<Vec3> vertices;  // N, rest space of the character, metres, in the file's order
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  int joint = -1;                                 // the character's joint that its node hangs on, or -1
+  std::vector<std::vector<JointWeight>> weights;  // N where it has a skin of its own: by joint of the character
+};
+
+// A mesh below a joint's node stands where that joint has it in the bind pose, a skinned one where its own bind pose
+// brings it, any other where the file's nodes put it. Joints are matched by name. `unit`: metres per file unit.
+// Where a skin of the file has as many vertices as the basis puts out, the file is the character's own: that skin is
+// left out, and so is, with a note, what hangs on no joint (floors, lights) or cannot be used. Throws Error(file), and
+// Error(mismatch) for skins on joints that the character does not have.
+std::vector<LooseMesh> read_loose_meshes(const std::filesystem::path& path, const Basis& basis, double unit,
+                                         std::vector<std::string>& notes);
+
+}  // namespace bodyopt

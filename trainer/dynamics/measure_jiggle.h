@@ -1,0 +1,16 @@
+// What diffuse and jiggle do in a frame.
+#pragma once
+
+#include "runtime/jiggle.h"
+
+namespace bodyopt {
+
+struct JiggleMeasure {
+  std::uint32_t inverted_tets = 0;  // inside out where diffuse carries them
+  double rms_mm = 0, max_mm = 0;    // of the skin's vertices, from the quasi-static skin
+};
+
+// motion: after the frame, as JiggleState holds it.
+JiggleMeasure measure_jiggle(const Dynamics& dynamics, const NodeMotion& motion);
+
+}  // namespace bodyopt
