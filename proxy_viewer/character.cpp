@@ -101,6 +101,10 @@ Character::Character(std::shared_ptr<const vulkan::Device> device, const Charact
       size_(diagonal(basis_.mesh.rest)) {
   const fs::path beside = fs::path(files.basis).replace_extension(".dynamics.safetensors");
   if (fs::exists(beside)) dynamics_ = load_dynamics(beside, basis_);
+  const fs::path attached = fs::path(files.basis).replace_extension(".attached.safetensors");
+  if (fs::exists(attached)) {
+    worn_ = std::make_unique<WornMeshes>(*device_, basis_, load_attachments(attached, basis_));
+  }
   triangles_ = vulkan::upload(*device_, basis_.mesh.triangles, "the triangles");
   const std::vector<Segment> segments = segments_of(basis_.strain);
   fibre_segments_ = vulkan::upload(*device_, segments, "the fibres");
@@ -179,7 +183,13 @@ const Evaluation& Character::evaluate(Method method, std::span<const Pose> poses
   last.poses.clear();  // should it throw
   Deformer& d = deformer(method, Use::show);
   d.set_weights({method == Method::ddm ? 0.0f : weights.correction, weights.jiggle});
-  last.result = method == Method::jiggle ? d.jiggle_on_device(poses, {&frame, 1}) : d.evaluate_on_device(poses);
+  const bool carries = worn_ && (method == Method::full || method == Method::jiggle);
+  if (carries) {  // the host needs the skin, too
+    last.result = method == Method::jiggle ? d.jiggle(poses, {&frame, 1}) : d.evaluate(poses);
+    worn_->carry(std::span(last.result.positions).first(std::size_t{3} * basis_.mesh.output_count()), poses[0].joints);
+  } else {
+    last.result = method == Method::jiggle ? d.jiggle_on_device(poses, {&frame, 1}) : d.evaluate_on_device(poses);
+  }
   last.poses.assign(poses.begin(), poses.end());
   last.frame = frame;
   last.weights = weights;

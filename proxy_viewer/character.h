@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "proxy_viewer/view_settings.h"
+#include "proxy_viewer/worn_meshes.h"
 #include "runtime/deformer.h"
 #include "runtime/vulkan/buffer.h"
 #include "trainer/dataset/clip.h"
@@ -22,7 +23,8 @@ namespace bodyopt {
 // in joints and strains; truth: a point cache.
 enum class Method { ddm, linear, full, jiggle, truth };
 
-// The files of a character; what is empty is none. Dynamics: those beside the basis, where there are any.
+// The files of a character; what is empty is none. Dynamics and attached geometry: those beside the basis, where there
+// are any.
 struct CharacterFiles {
   std::string basis, clip, truth;
 };
@@ -54,6 +56,8 @@ class Character {
   // Poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
   const Evaluation& evaluate(Method method, std::span<const Pose> poses, int frame, const Weights& weights);
   void reset_jiggle();  // which starts anew with the next frame
+  // What it wears, on the skin evaluated last by the method that is carried along: full or jiggle; null: nothing.
+  const WornMeshes* worn() const { return worn_.get(); }
   // Of the last evaluation by the method.
   ShownSkin skin(Method method) const;
 
@@ -102,6 +106,7 @@ class Character {
   };
   std::map<Method, Evaluated> evaluated_;
   std::optional<Truth> truth_;
+  std::unique_ptr<WornMeshes> worn_;
 };
 
 // The basis without its kernels: what a linear map of joints and strains makes of it.

@@ -9,6 +9,7 @@ namespace bodyopt {
 namespace {
 
 constexpr std::array<float, 3> kBeforeColour = {0.12f, 0.30f, 0.75f}, kAfterColour = {0.80f, 0.33f, 0.10f};
+constexpr std::array<float, 3> kWornColour = {0.16f, 0.19f, 0.23f};
 constexpr std::array<float, 3> kOtherColour = {0.25f, 0.47f, 0.62f};  // of what is compared with
 constexpr std::uint32_t kBone = 0xd0f0e4c8, kJoint = 0xffffffff, kSelected = 0xff2fb4ff;
 constexpr double kSpacing = 0.7;      // between characters, of their size
@@ -224,6 +225,18 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     second.alpha = 0.6f;
     second.shadow = false;
     views[0].skins.push_back(second);
+  }
+  if (character.worn()) {
+    for (const WornMeshes::Mesh& mesh : character.worn()->meshes()) {
+      SkinDraw worn = skin;
+      worn.triangles = &mesh.triangles;
+      worn.triangle_count = mesh.triangle_count;
+      worn.positions = &mesh.positions;
+      worn.normals = &mesh.normals;
+      worn.reference = nullptr;
+      worn.colour = kWornColour;
+      for (View& view : views) view.skins.push_back(worn);
+    }
   }
   for (View& view : views) {
     if (s.look.skeleton) add_skeleton(character, poses[0], skin.offset, controls, view);
