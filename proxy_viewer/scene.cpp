@@ -329,28 +329,21 @@ Vec3 Scene::whereabouts(int frame) const {
   return {share * sum[0], 0, share * sum[2]};
 }
 
-std::vector<float> Scene::points_to_frame(const Controls& controls) const {
+std::vector<float> Scene::points_to_frame(const Controls& controls) {
+  const int frame = controls.playback.frame();
+  const int selected = controls.joint.empty() ? -1 : lead().basis().skeleton.find(controls.joint);
   std::vector<float> points;
-  const auto add = [&](const Vec3& centre, const std::array<float, 3>& offset, double around) {
-    for (const double side : {-around, around}) {
-      for (std::size_t i = 0; i < 3; ++i) {
-        Vec3 at = centre;
-        at[i] += side;
-        for (std::size_t k = 0; k < 3; ++k) points.push_back(static_cast<float>(at[k]) + offset[k]);
-      }
+  if (selected >= 0) {
+    const Vec3 centre = joint_centres(controls)[static_cast<std::size_t>(selected)];
+    for (const double around : {-kSkinAround * lead().size(), kSkinAround * lead().size()}) {
+      for (const double x : centre) points.push_back(static_cast<float>(x + around));
     }
-  };
+    return points;
+  }
   for (std::size_t c = 0; c < cast_.size(); ++c) {
-    const Character& character = *cast_[c];
-    const Skeleton& skeleton = character.basis().skeleton;
-    const int selected = c == 0 && !controls.joint.empty() ? skeleton.find(controls.joint) : -1;
-    const std::vector<Vec3> centres = centres_of(character, pose_at(character, controls.playback.frame(), controls));
-    if (selected >= 0) {
-      points.clear();
-      add(centres[static_cast<std::size_t>(selected)], place(c), 1.2 * kSkinAround * character.size());
-      return points;
-    }
-    for (const Vec3& centre : centres) add(centre, place(c), kSkinAround * 0.5 * character.size());
+    const std::array<float, 3> offset = place(c);
+    const std::vector<float> skin = cast_[c]->measure(Method::full, pose_at(*cast_[c], frame, controls), frame);
+    for (std::size_t k = 0; k < skin.size(); ++k) points.push_back(skin[k] + offset[k % 3]);
   }
   return points;
 }
