@@ -31,7 +31,7 @@ JiggleMeasure measure_jiggle(const Dynamics& dynamics, const NodeMotion& motion)
   // What the skin is given is the same wherever it is.
   const std::vector<float> nowhere(3 * tets.skin.size(), 0.0f);
   std::vector<float> moved(nowhere.size());
-  cpu::jiggle_skin(tets, nowhere, motion.displacement, moved);
+  cpu::jiggle_skin(tets, nowhere, motion.displacement, 1, moved);
   double sum = 0, largest = 0;
   for (std::size_t k = 0; k < moved.size(); k += 3) {
     const double squared = Eigen::Map<const Eigen::Vector3f>(moved.data() + k).cast<double>().squaredNorm();
