@@ -214,7 +214,7 @@ std::vector<float> Character::measure(Method method, const Pose& pose, int frame
 std::optional<std::uint32_t> Character::truth_sample(int frame) const {
   const double at = (frame - static_cast<double>(truth_->reader.start_frame())) /
                     std::max(1e-6, static_cast<double>(truth_->reader.sample_rate()));
-  if (at < -0.5 || at >= truth_->reader.sample_count() - 0.5) return std::nullopt;
+  if (at <= -0.5 || at >= truth_->reader.sample_count() - 0.5) return std::nullopt;
   return static_cast<std::uint32_t>(std::lround(at));
 }
 

@@ -141,6 +141,7 @@ TEST(Pc2, NanIsNamed) {
   writer.close();
   const Pc2Reader reader(folder / "a.pc2");
   EXPECT_NO_THROW(reader.require_finite(0));
+  EXPECT_THROW(reader.read_sample(1), Error);
   try {
     reader.require_finite(1);
     FAIL();
