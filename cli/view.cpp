@@ -8,7 +8,7 @@ namespace {
 
 struct ViewArguments {
   ViewerOptions options;
-  std::string basis, truth, commands_file;
+  std::string basis, truth;
   std::vector<std::string> files;
   std::vector<std::uint32_t> size;
   bool no_vsync = false;
@@ -61,6 +61,7 @@ void add_view(CLI::App& app) {
       ->type_name("FILE.png")
       ->check(refuse_empty);
   verb.add_option("--device", options.device.name, "Vulkan device: auto, an index or part of a name (default: auto)");
+  verb.add_flag("--validate", options.device.validation, "With Vulkan's validation layers: any message is an error");
   verb.callback([arguments] { run(*arguments); });
 }
 

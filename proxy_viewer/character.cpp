@@ -141,6 +141,7 @@ void Character::open_truth(const std::string& path) {
                                          " points, the character " + std::to_string(basis_.mesh.output_count()) +
                                          " vertices: it is of another character, or another level of it");
   }
+  if (reader.sample_count() == 0) throw Error(ErrorKind::file, path + ": the cache has no sample");
   truth_.emplace(Truth{std::move(reader), -1, {}, {}});
   files_.truth = path;
 }
@@ -175,7 +176,12 @@ Deformer& Character::deformer(Method method, Use use) {
 const Evaluation& Character::evaluate(Method method, std::span<const Pose> poses, int frame, const Weights& weights) {
   Evaluated& last = evaluated_[method];
   if (method == Method::truth) {
-    show_truth(frame);
+    try {
+      show_truth(frame);
+    } catch (...) {
+      truth_.reset();  // until it is read again
+      throw;
+    }
     return last.result;
   }
   if (method == Method::jiggle) poses = poses.first(1);
@@ -212,14 +218,13 @@ std::vector<float> Character::measure(Method method, const Pose& pose, int frame
   if (method != Method::truth) return deformer(method, Use::measure).evaluate({&pose, 1}).positions;
   const std::optional<std::uint32_t> sample = truth_sample(frame);
   if (!sample) return {};
-  const std::span<const float> points = truth_->reader.sample(*sample);
-  return {points.begin(), points.end()};
+  return truth_->reader.read_sample(*sample);
 }
 
 std::optional<std::uint32_t> Character::truth_sample(int frame) const {
   const double at = (frame - static_cast<double>(truth_->reader.start_frame())) /
                     std::max(1e-6, static_cast<double>(truth_->reader.sample_rate()));
-  if (at < -0.5 || at >= truth_->reader.sample_count() - 0.5) return std::nullopt;
+  if (at <= -0.5 || at >= truth_->reader.sample_count() - 0.5) return std::nullopt;
   return static_cast<std::uint32_t>(std::lround(at));
 }
 
@@ -229,8 +234,7 @@ void Character::show_truth(int frame) {
                     std::max(1e-6, static_cast<double>(truth_->reader.sample_rate()));
   const int sample = static_cast<int>(std::lround(std::clamp(at, 0.0, last)));
   if (sample == truth_->shown) return;
-  truth_->reader.require_finite(static_cast<std::uint32_t>(sample));
-  const std::span<const float> points = truth_->reader.sample(static_cast<std::uint32_t>(sample));
+  const std::vector<float> points = truth_->reader.read_sample(static_cast<std::uint32_t>(sample));
   std::vector<float> positions(basis_.mesh.rest.size()), normals(positions.size());
   for (std::size_t o = 0; o < basis_.mesh.output_vertex.size(); ++o) {
     std::copy_n(points.begin() + static_cast<std::ptrdiff_t>(3 * o), 3,

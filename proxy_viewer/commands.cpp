@@ -16,6 +16,35 @@ namespace {
   throw Error(ErrorKind::usage, "'" + argument + "' is not " + expected);
 }
 
+// Letters that must change to make one of the other.
+std::size_t difference(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row[b.size()];
+}
+
+const std::string& nearest(const std::vector<std::string>& names, const std::string& name) {
+  return *std::min_element(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
+    return difference(a, name) < difference(b, name);
+  });
+}
+
+// Throws Error(usage) for a name that is none of these.
+const std::string& known(const std::string& name, const std::vector<std::string>& names, const char* what) {
+  if (names.empty()) refuse(name, std::string("a ") + what + ": there is none");
+  if (std::find(names.begin(), names.end(), name) != names.end()) return name;
+  refuse(name, std::string("a ") + what + "; the nearest is '" + nearest(names, name) + "'");
+}
+
 double number(const std::string& text) {
   double value = 0;
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -89,6 +118,7 @@ constexpr Named<CompareLayout> kLayouts[] = {{"side-by-side", CompareLayout::sid
 void toggle(bool& value, const std::string& argument) { value = argument.empty() ? !value : choose(argument, kSwitch); }
 
 constexpr double kTurn = std::numbers::pi / 36;  // 5 degrees
+constexpr const char* kBlank = " \t\r";
 
 const Command kCommands[] = {
     {"play", "", "Space", "Playback", "play or pause",
@@ -216,17 +246,18 @@ const Command kCommands[] = {
     {"coverage", "[on|off]", "", "Compare", "tint what the basis was not trained for",
      [](Controls& c, const std::string& a) { toggle(c.settings.compare.coverage, a); }},
 
-    {"select", "[JOINT]", "", "", "a joint; nothing: none", [](Controls& c, const std::string& a) { c.joint = a; }},
+    {"select", "[JOINT]", "", "", "a joint; nothing: none",
+     [](Controls& c, const std::string& a) { c.joint = a.empty() ? a : known(a, c.joint_names, "joint"); }},
     {"turn", "JOINT X Y Z", "", "", "a joint on top of the clip, degrees",
      [](Controls& c, const std::string& a) {
        const auto w = words(a, 4, "a joint and three angles in degrees");
-       c.settings.pose.joints[w[0]] = {number_within(w[1], -360, 360), number_within(w[2], -360, 360),
+       c.settings.pose.joints[known(w[0], c.joint_names, "joint")] = {number_within(w[1], -360, 360), number_within(w[2], -360, 360),
                                        number_within(w[3], -360, 360)};
      }},
     {"control", "NAME VALUE", "", "", "a control of the basis, as a muscle's activation",
      [](Controls& c, const std::string& a) {
        const auto w = words(a, 2, "a control and a number");
-       c.settings.pose.controls[w[0]] = number_within(w[1], -10, 10);
+       c.settings.pose.controls[known(w[0], c.control_names, "control of the basis")] = number_within(w[1], -10, 10);
      }},
     {"reset-pose", "", "R", "Pose", "as the clip has it",
      [](Controls& c, const std::string&) {
@@ -280,51 +311,6 @@ const Command kCommands[] = {
     {"quit", "", "Ctrl+Q", "File", "close the viewport", [](Controls& c, const std::string&) { c.requests.quit = true; }},
 };
 
-// Letters that must change to make one of the other.
-std::size_t difference(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row[b.size()];
-}
-
-void run_command(Controls& controls, const std::string& text) {
-  const std::size_t begin = text.find_first_not_of(" \t\r");
-  if (begin == std::string::npos || text[begin] == '#') return;
-  const std::size_t end = std::min(text.find_first_of(" \t\r", begin), text.size());
-  const std::string name = text.substr(begin, end - begin);
-  const std::size_t argument = text.find_first_not_of(" \t\r", end);
-  const std::size_t last = text.find_last_not_of(" \t\r");
-  const Command* command = find_command(name);
-  if (!command) {
-    const auto nearest = std::min_element(
-        std::begin(kCommands), std::end(kCommands),
-        [&](const auto& a, const auto& b) { return difference(a.name, name) < difference(b.name, name); });
-    throw Error(ErrorKind::usage,
-                "there is no command '" + name + "' in the viewport; the nearest is '" + nearest->name + "'");
-  }
-  const std::string rest = argument == std::string::npos ? "" : text.substr(argument, last - argument + 1);
-  if (rest.empty() && *command->argument != 0 && *command->argument != '[') {
-    throw Error(ErrorKind::usage, name + ": expected " + command->argument);
-  }
-  if (!rest.empty() && *command->argument == 0) {
-    throw Error(ErrorKind::usage, name + ": takes no argument, found '" + rest + "'");
-  }
-  try {
-    command->run(controls, rest);
-  } catch (const Error& error) {
-    throw Error(error.kind(), name + ": " + error.what());
-  }
-}
-
 }  // namespace
 
 std::span<const Command> commands() { return kCommands; }
@@ -342,13 +328,44 @@ const Command* find_command_by_key(const std::string& key) {
   return found == std::end(kCommands) ? nullptr : found;
 }
 
-void run_commands(Controls& controls, const std::string& text) {
-  std::size_t begin = 0;
-  while (begin <= text.size()) {
-    const std::size_t end = std::min(text.find_first_of(";\n", begin), text.size());
-    run_command(controls, text.substr(begin, end - begin));
+void run_command(Controls& controls, const std::string& text) {
+  const std::size_t begin = std::min(text.find_first_not_of(kBlank), text.size());
+  const std::size_t end = std::min(text.find_first_of(kBlank, begin), text.size());
+  const std::string name = text.substr(begin, end - begin);
+  const std::size_t argument = text.find_first_not_of(kBlank, end);
+  const std::size_t last = text.find_last_not_of(kBlank);
+  const Command* command = find_command(name);
+  if (!command) {
+    std::vector<std::string> names;
+    for (const Command& c : kCommands) names.emplace_back(c.name);
+    throw Error(ErrorKind::usage,
+                "there is no command '" + name + "' in the viewport; the nearest is '" + nearest(names, name) + "'");
+  }
+  const std::string rest = argument == std::string::npos ? "" : text.substr(argument, last - argument + 1);
+  if (rest.empty() && *command->argument != 0 && *command->argument != '[') {
+    throw Error(ErrorKind::usage, name + ": expected " + command->argument);
+  }
+  if (!rest.empty() && *command->argument == 0) {
+    throw Error(ErrorKind::usage, name + ": takes no argument, found '" + rest + "'");
+  }
+  try {
+    command->run(controls, rest);
+  } catch (const Error& error) {
+    throw Error(error.kind(), name + ": " + error.what());
+  }
+}
+
+std::vector<std::string> script_commands(const std::string& text) {
+  std::vector<std::string> found;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t first = text.find_first_not_of(kBlank, begin);
+    const bool remark = first != std::string::npos && text[first] == '#';
+    const std::size_t end = std::min(text.find_first_of(remark ? "\n" : ";\n", begin), text.size());
+    const std::string command = text.substr(begin, end - begin);
+    if (!remark && command.find_first_not_of(kBlank) != std::string::npos) found.push_back(command);
     begin = end + 1;
   }
+  return found;
 }
 
 }  // namespace bodyopt

@@ -4,6 +4,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "proxy_viewer/controls.h"
 
@@ -24,8 +25,12 @@ std::span<const Command> commands();
 const Command* find_command(const std::string& name);
 const Command* find_command_by_key(const std::string& key);
 
-// Runs "frame 12", or several, parted by ';' or line ends; '#' begins a remark. Throws Error(usage) that names what is
-// not known (and what is like it), or the argument that is wrong; those before it have run.
-void run_commands(Controls& controls, const std::string& text);
+// Runs "frame 12". Throws Error(usage) that names what is not known (and what is like it), or the argument that is
+// wrong.
+void run_command(Controls& controls, const std::string& text);
+
+// The commands of a script, parted by ';' or line ends; a command that begins with '#' is a remark up to the line's
+// end.
+std::vector<std::string> script_commands(const std::string& text);
 
 }  // namespace bodyopt

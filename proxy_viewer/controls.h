@@ -16,6 +16,7 @@ struct Requests {
   bool quit = false, reload = false, frame_selection = false, reset_jiggle = false;
   std::optional<std::string> screenshot, turntable, sequence, save_state, load_state;  // file names
   std::vector<std::string> open;                                                       // files, by what they hold
+  bool operator==(const Requests&) const = default;
 };
 
 struct Message {
@@ -27,8 +28,9 @@ struct Controls {
   ViewSettings settings;
   Playback playback{{1, 1, 1}, 24};
   OrbitCamera camera;
-  std::string joint;     // selected; empty: none
-  bool flipped = false;  // while the key of "hold to flip" is down
+  std::vector<std::string> joint_names, control_names;  // of the lead: what commands may name
+  std::string joint;                                    // selected; empty: none
+  bool flipped = false;                                 // while the key of "hold to flip" is down
   bool cheat_sheet = false;
   bool panels = true;
   Requests requests;

@@ -129,7 +129,9 @@ Scene::Shown Scene::evaluate(Character& character, Method method, std::span<cons
                              const Controls& controls) {
   const Weights weights{static_cast<float>(controls.settings.pose.correction),
                         static_cast<float>(controls.settings.jiggle.amount)};
-  const Evaluation& evaluation = character.evaluate(method, poses, controls.playback.frame(), weights);
+  // Ghosts are quasi-static: they have no past.
+  const auto wanted = method == Method::full ? poses : poses.first(1);
+  const Evaluation& evaluation = character.evaluate(method, wanted, controls.playback.frame(), weights);
   for (const auto& [stage, seconds] : evaluation.stage_seconds) stage_seconds_[stage] += seconds;
   return {method, &evaluation, character.skin(method)};
 }
@@ -197,7 +199,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   const Shown shown = evaluate(character, method, poses, controls);
   if (index == 0) lead_evaluation_ = shown.evaluation;
   std::optional<Shown> compared;
-  if (other) compared = evaluate(character, *other, std::span(poses).first(1), controls);
+  if (other) compared = evaluate(character, *other, poses, controls);
 
   SkinDraw skin;
   skin.triangles = &character.triangles();
@@ -243,7 +245,6 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     if (s.look.fibres) add_fibres(character, shown, skin.offset, view);
   }
   if (!has_ghosts) return;
-  // Ghosts are quasi-static: they have no past.
   const Shown ghosts = method == Method::full ? shown : evaluate(character, Method::full, poses, controls);
   for (std::size_t g = 1; g < poses.size(); ++g) {
     SkinDraw ghost = skin;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -23,6 +24,7 @@
 #include "proxy_viewer/watched_files.h"
 #include "proxy_viewer/window.h"
 #include "runtime/basis/error.h"
+#include "trainer/progress.h"
 
 namespace bodyopt {
 namespace {
@@ -35,6 +37,7 @@ constexpr float kClick = 4;             // pixels: less is no drag
 constexpr double kPickRadius = 14;      // pixels
 constexpr int kTurntablePictures = 72;  // of once around
 const char* const kNewScreenshot = "bodyopt.####.png";
+const char* const kKept = "the pictures that were written are kept";
 
 double seconds_between(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
@@ -63,28 +66,23 @@ class Viewer {
         gui_(std::make_unique<Gui>(options.files)),
         scene_(device_) {
     if (window_) {
-      window_->attach(*device_);
+      window_->attach(device_);
       window_->on_drop = [this](const auto& files) { std::ranges::copy(files, std::back_inserter(dropped_)); };
       window_->on_key = [this](const std::string& key, bool down) { on_key(key, down); };
     }
     gui_->attach(*device_, viewport_.panel_pass(), window_ ? window_->handle() : nullptr);
     controls_.panels = controls_.settings.hud.on = !options.headless;
     if (gui_->problem()) warn(*gui_->problem());
-    for (const std::string& file : options.files) attempt([&] { open(file); });
-    if (scene_.empty()) throw Error(ErrorKind::usage, "no basis (.safetensors) was given, or none could be read");
+    open(options.files.at(0));  // without it there is nothing to see
+    for (std::size_t k = 1; k < options.files.size(); ++k) attempt([&] { open(options.files[k]); });
     begin();
-  }
-
-  ~Viewer() {
-    scene_.cast().clear();
-    gui_.reset();
-    if (window_) window_->release();
   }
 
   void run_window() {
     const Clock::time_point started = Clock::now();
     last_ = started;
     while (!window_->closed() && !controls_.requests.quit) {
+      if (interrupted()) throw Error(ErrorKind::interrupted, "interrupted: the window was closed");
       const Clock::time_point before = Clock::now();
       const double wait = std::min(kIdle, controls_.playback.playing() ? 0.004 : kIdle);
       window_->poll(pending_pictures_ > 0 || !options_.vsync ? 0 : wait);
@@ -95,14 +93,15 @@ class Viewer {
   }
 
   void run_headless() {
-    for (int k = 0; k < 2; ++k) draw(options_.width, options_.height, Edges::smooth);  // panels find their places
-    if (options_.out.empty()) {
-      draw(options_.width, options_.height, Edges::smooth);
+    do {
+      run_script();
+      draw(options_.width, options_.height, Edges::smooth);  // panels find their places
       fulfil();
-    } else {
-      write_sequence(options_.out);
-    }
+    } while (!script_.empty() && !controls_.requests.quit);
+    if (!options_.out.empty()) write_sequence(options_.out);
   }
+
+  std::shared_ptr<const vulkan::ValidationLog> validation_log() const { return device_->validation_log(); }
 
  private:
   static WindowOptions window_options(const ViewerOptions& options) {
@@ -125,6 +124,8 @@ class Viewer {
   }
 
   void warn(const std::string& text) {
+    const std::vector<Message>& messages = controls_.messages;
+    if (!messages.empty() && messages.back().text == text) return;  // of every picture: once is enough
     std::cerr << "warning: " << text << "\n";
     controls_.warn(text);
     pending_pictures_ = 2;
@@ -186,7 +187,18 @@ class Viewer {
       controls_.say("listening for poses on 127.0.0.1:" + std::to_string(live_->port()));
     }
     frame_selection(options_.width, options_.height);
-    run_commands(controls_, options_.commands);
+    const std::vector<std::string> commands = script_commands(options_.commands);
+    script_.assign(commands.begin(), commands.end());
+  }
+
+  // Up to the next command that asks for something: the picture is drawn, and it is done, before the others run.
+  void run_script() {
+    while (!script_.empty() && controls_.requests == Requests{}) {
+      const std::string command = std::move(script_.front());
+      script_.pop_front();
+      attempt([&] { run_command(controls_, command); });
+      pending_pictures_ = 2;
+    }
   }
 
   void watch() {
@@ -204,10 +216,11 @@ class Viewer {
     for (std::size_t c = 0; c < scene_.cast().size(); ++c) {
       scene_.replace(c, CharacterFiles(scene_.cast()[c]->files()), options_.clip);
     }
+    describe_cast();
+    controls_.say("the files were read again");
     const int frame = controls_.playback.frame();
     play_clip();
     controls_.playback.scrub(frame);
-    describe_cast();
   }
 
   void load_state(const std::string& file) {
@@ -244,17 +257,18 @@ class Viewer {
       }
     }
     look_at_files(now);
+    run_script();
     if (woken) pending_pictures_ = 2;  // panels answer events a picture late
     const bool moves = controls_.playback.frame() != shown || !options_.vsync;
     if (!moves && pending_pictures_ == 0) return;
     pending_pictures_ = std::max(0, pending_pictures_ - 1);
-    const auto [width, height] = window_->size();
+    const auto [width, height] = picture_size();
     if (width == 0 || height == 0) return;  // minimised
     const bool busy =
         controls_.playback.playing() || ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2);
     const bool software = device_->info().type == "cpu";
     const Edges edges = software && busy ? Edges::quick : Edges::smooth;
-    draw(std::min(width, kMaxPictureSize), std::min(height, kMaxPictureSize), edges);
+    draw(width, height, edges);
     window_->show(viewport_);
     if (edges == Edges::quick) pending_pictures_ = std::max(pending_pictures_, busy ? 0 : 1);
     was_busy_ = busy;
@@ -270,7 +284,6 @@ class Viewer {
     if (changed.empty()) return;
     controls_.requests.reload = true;
     pending_pictures_ = 2;
-    controls_.say(changed.front().filename().string() + " has changed and was read again");
   }
 
   void draw(std::uint32_t width, std::uint32_t height, Edges edges) {
@@ -381,7 +394,9 @@ class Viewer {
       row.depth = joint.parent < 0 ? 0 : snapshot_.joints[static_cast<std::size_t>(joint.parent)].depth + 1;
       snapshot_.joints.push_back(row);
     }
-    snapshot_.controls = lead.basis().residual.controls;
+    controls_.joint_names.clear();
+    for (const JointRow& row : snapshot_.joints) controls_.joint_names.push_back(row.name);
+    snapshot_.controls = controls_.control_names = lead.basis().residual.controls;
     snapshot_.fibres = lead.basis().strain.names;
     snapshot_.clip_fps = lead.clip().fps;
     snapshot_.device = device_->info().name;
@@ -414,17 +429,22 @@ class Viewer {
       const fs::path next = FrameSequenceName(kNewScreenshot, 2)(k);
       if (!fs::exists(next)) file = next.string();
     }
-    write_png(viewport_.picture(), file);
+    write_picture(file);
     controls_.say("wrote " + file);
   }
 
   std::array<std::uint32_t, 2> picture_size() const {
-    return window_ ? window_->size() : std::array<std::uint32_t, 2>{options_.width, options_.height};
+    const auto [width, height] =
+        window_ ? window_->size() : std::array<std::uint32_t, 2>{options_.width, options_.height};
+    return {std::min(width, kMaxPictureSize), std::min(height, kMaxPictureSize)};
   }
 
+  // Drawn once more, at its best, and without messages.
   void write_picture(const fs::path& file) {
     const auto [width, height] = picture_size();
+    std::vector<Message> messages = std::exchange(controls_.messages, {});
     draw(width, height, Edges::smooth);
+    controls_.messages = std::move(messages);
     write_png(viewport_.picture(), file);
   }
 
@@ -438,9 +458,11 @@ class Viewer {
     if (!moves) {
       write_picture(name(shown));
     }
+    Progress progress("pictures", count, kKept);
     for (int frame = playback.in(); moves && frame <= playback.out(); ++frame) {
       playback.scrub(frame);
       write_picture(name(frame));
+      progress.advance();
     }
     playback.scrub(shown);
     controls_.say("wrote " + std::to_string(count) + " pictures, " + name(shown).string());
@@ -449,8 +471,10 @@ class Viewer {
   void write_turntable(const std::string& pattern) {
     const FrameSequenceName name(pattern, kTurntablePictures);
     const OrbitCamera camera = controls_.camera;
+    Progress progress("pictures", kTurntablePictures, kKept);
     for (int k = 0; k < kTurntablePictures; ++k) {
       write_picture(name(k + 1));
+      progress.advance();
       controls_.camera.orbit(2 * std::numbers::pi / kTurntablePictures, 0);
     }
     controls_.camera = camera;
@@ -458,7 +482,7 @@ class Viewer {
   }
 
   const ViewerOptions options_;
-  std::unique_ptr<Window> window_;  // none when headless
+  std::unique_ptr<Window> window_;  // none when headless; outlives all that draws
   std::shared_ptr<const vulkan::Device> device_;
   Viewport viewport_;
   std::unique_ptr<Gui> gui_;
@@ -467,6 +491,7 @@ class Viewer {
   Snapshot snapshot_;
   std::unique_ptr<WatchedFiles> watched_;
   std::unique_ptr<LivePose> live_;
+  std::deque<std::string> script_;    // commands that have not run
   std::vector<std::string> dropped_;  // files, onto the window
   std::optional<Vec3> followed_;      // where the lead was in the last picture
   Rectangle area_;                    // of the characters in the last picture
@@ -479,12 +504,20 @@ class Viewer {
 }  // namespace
 
 void run_viewer(const ViewerOptions& options) {
-  Viewer viewer(options);
-  if (options.headless) {
-    viewer.run_headless();
-  } else {
-    viewer.run_window();
+  std::shared_ptr<const vulkan::ValidationLog> log;
+  {
+    Viewer viewer(options);
+    log = viewer.validation_log();
+    if (options.headless) {
+      viewer.run_headless();
+    } else {
+      viewer.run_window();
+    }
   }
+  const std::vector<std::string> messages = log->messages();  // those of its end, too
+  if (messages.empty()) return;
+  throw Error(ErrorKind::device, "Vulkan validation reported " + std::to_string(messages.size()) +
+                                     " messages, first: " + messages.front());
 }
 
 }  // namespace bodyopt

@@ -16,18 +16,19 @@ struct ViewerOptions {
   ClipOptions clip;
   std::optional<int> first, last, current;  // frames
   std::string state;                        // cameras and settings to begin with
-  std::string commands;                     // see run_commands: run once all is loaded
+  std::string commands;                     // a script, run once all is loaded
   std::optional<std::uint16_t> live_port;   // of a pose stream
   std::uint32_t width = 1280, height = 720;
   bool vsync = true;
   bool headless = false;
   std::string out;      // headless: a picture, or a sequence of all frames of the range where it has ####
   double seconds = 0;   // close after so long; 0: when the user does
-  DeviceChoice device;  // of a Vulkan device
+  DeviceChoice device;  // of a Vulkan device; with validation every message is an error
 };
 
 // Returns when the window is closed, or the pictures are written. What fails while it is open is said in the window and
-// on the terminal. Throws Error when it cannot begin, and, headless, for whatever fails.
+// on the terminal. Throws Error when it cannot begin, Error(device) when the device fails, Error(interrupted) after
+// SIGINT or SIGTERM, and, headless, for whatever fails.
 void run_viewer(const ViewerOptions& options);
 
 }  // namespace bodyopt

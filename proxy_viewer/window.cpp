@@ -76,7 +76,8 @@ VkPresentModeKHR choose_mode(VkPhysicalDevice physical, VkSurfaceKHR surface, bo
 
 // The images of the screen, and what copies the picture into them.
 struct Window::Swapchain {
-  Swapchain(const vulkan::Device& d, GLFWwindow* window, bool vsync_) : device(d), vsync(vsync_) {
+  Swapchain(std::shared_ptr<const vulkan::Device> d, GLFWwindow* window, bool vsync_)
+      : owned_device(std::move(d)), device(*owned_device), vsync(vsync_) {
     check(glfwCreateWindowSurface(device.instance(), window, nullptr, &surface), "glfwCreateWindowSurface");
     VkBool32 shows = VK_FALSE;
     check(vkGetPhysicalDeviceSurfaceSupportKHR(device.physical(), device.queue_family(), surface, &shows),
@@ -169,6 +170,7 @@ struct Window::Swapchain {
     check(vkEndCommandBuffer(commands), "vkEndCommandBuffer");
   }
 
+  std::shared_ptr<const vulkan::Device> owned_device;  // must outlive the surface
   const vulkan::Device& device;
   bool vsync;
   VkSurfaceKHR surface = VK_NULL_HANDLE;
@@ -208,7 +210,7 @@ Window::Window(const WindowOptions& options) : vsync_(options.vsync) {
 }
 
 Window::~Window() {
-  release();
+  swapchain_.reset();
   glfwDestroyWindow(window_);
   glfwTerminate();
 }
@@ -226,9 +228,9 @@ vulkan::DeviceUse Window::device_use() const {
   return use;
 }
 
-void Window::attach(const vulkan::Device& device) { swapchain_ = std::make_unique<Swapchain>(device, window_, vsync_); }
-
-void Window::release() { swapchain_.reset(); }
+void Window::attach(std::shared_ptr<const vulkan::Device> device) {
+  swapchain_ = std::make_unique<Swapchain>(std::move(device), window_, vsync_);
+}
 
 void Window::show(const Viewport& viewport) {
   Swapchain& s = *swapchain_;

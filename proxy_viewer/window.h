@@ -31,10 +31,8 @@ class Window {
 
   // What a device must offer to show a picture here.
   vulkan::DeviceUse device_use() const;
-  // Before the first show(). The device must outlive the window's use of it: see release().
-  void attach(const vulkan::Device& device);
-  // Lets go of the device, before it is destroyed.
-  void release();
+  // Before the first show().
+  void attach(std::shared_ptr<const vulkan::Device> device);
 
   // Shows the viewport's picture. Where the surface has changed its size meanwhile, what fits is shown.
   void show(const Viewport& viewport);

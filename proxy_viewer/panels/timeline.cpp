@@ -113,7 +113,7 @@ void draw_timeline(const Snapshot& snapshot, Controls& controls, const Layout& l
   const char* const modes[] = {"loop", "ping-pong", "once"};
   int mode = static_cast<int>(playback.mode());
   ImGui::SetNextItemWidth(76);
-  if (ImGui::Combo("##mode", &mode, modes, 3)) run_commands(controls, std::string("mode ") + modes[mode]);
+  if (ImGui::Combo("##mode", &mode, modes, 3)) run_command(controls, std::string("mode ") + modes[mode]);
   ImGui::SameLine(0, 3);
   float speed = static_cast<float>(playback.speed());
   ImGui::SetNextItemWidth(82);

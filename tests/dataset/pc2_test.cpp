@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -55,6 +56,22 @@ TEST(Pc2, RoundTripIsBitExact) {
   EXPECT_EQ(reader.sample_rate(), 0.5f);
   EXPECT_EQ(std::memcmp(reader.sample(0).data(), kFirst.data(), 24), 0);
   EXPECT_EQ(std::memcmp(reader.sample(1).data(), kSecond.data(), 24), 0);
+}
+
+TEST(Pc2, SampleOfAFileThatIsCutOffOrTakenAwayIsRefused) {
+  const TemporaryFolder folder;
+  write_small(folder / "a.pc2");
+  const Pc2Reader reader(folder / "a.pc2");
+  for (const std::uint32_t k : {0u, 1u}) {
+    const std::span<const float> mapped = reader.sample(k);
+    EXPECT_TRUE(std::ranges::equal(reader.read_sample(k), mapped)) << k;
+  }
+  EXPECT_THROW(reader.read_sample(2), Error);
+  std::filesystem::resize_file(folder / "a.pc2", 32 + 24 + 23);
+  EXPECT_EQ(reader.read_sample(0).size(), 6u);
+  EXPECT_THROW(reader.read_sample(1), Error);
+  std::filesystem::remove(folder / "a.pc2");
+  EXPECT_THROW(reader.read_sample(0), Error);
 }
 
 TEST(Pc2, BytesAreThoseOfTheFormat) {
@@ -124,6 +141,7 @@ TEST(Pc2, NanIsNamed) {
   writer.close();
   const Pc2Reader reader(folder / "a.pc2");
   EXPECT_NO_THROW(reader.require_finite(0));
+  EXPECT_THROW(reader.read_sample(1), Error);
   try {
     reader.require_finite(1);
     FAIL();

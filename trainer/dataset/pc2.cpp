@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <string>
 #include <utility>
@@ -28,6 +29,14 @@ constexpr char kMagic[12] = "POINTCACHE2";
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what) {
   throw Error(ErrorKind::file, path.string() + ": " + what + " (not a PC2 point cache, or a damaged or cut-off one)");
+}
+
+void refuse_infinite(const std::filesystem::path& path, std::uint32_t sample, std::span<const float> values) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::isfinite(values[i])) continue;
+    throw Error(ErrorKind::file, path.string() + ": sample " + std::to_string(sample) + ", point " +
+                                     std::to_string(i / 3) + " is not a finite number: the simulation blew up?");
+  }
 }
 
 }  // namespace
@@ -110,14 +119,20 @@ std::span<const float> Pc2Reader::sample(std::uint32_t k) const {
   return {reinterpret_cast<const float*>(first) + k * stride, stride};
 }
 
-void Pc2Reader::require_finite(std::uint32_t k) const {
-  const std::span<const float> values = sample(k);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (std::isfinite(values[i])) continue;
-    throw Error(ErrorKind::file, mapping_->path.string() + ": sample " + std::to_string(k) + ", point " +
-                                     std::to_string(i / 3) + " is not a finite number: the simulation blew up?");
+std::vector<float> Pc2Reader::read_sample(std::uint32_t k) const {
+  std::vector<float> values(sample(k).size());
+  const std::size_t bytes = 4 * values.size();
+  std::ifstream file(mapping_->path, std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(sizeof(Header) + k * bytes));
+  if (!file.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(bytes))) {
+    throw Error(ErrorKind::file, mapping_->path.string() + ": sample " + std::to_string(k) +
+                                     " can no longer be read: the file was taken away or cut off, or is being written");
   }
+  refuse_infinite(mapping_->path, k, values);
+  return values;
 }
+
+void Pc2Reader::require_finite(std::uint32_t k) const { refuse_infinite(mapping_->path, k, sample(k)); }
 
 struct Pc2Writer::File {
   File(const std::filesystem::path& where, std::uint32_t points, std::uint32_t samples)

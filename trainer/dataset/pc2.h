@@ -25,6 +25,9 @@ class Pc2Reader {
   std::span<const float> sample(std::uint32_t k) const;
   // Throws Error(file) naming sample and point when sample k holds a NaN or infinity.
   void require_finite(std::uint32_t k) const;
+  // Sample k of a file that may be written anew meanwhile: not by the mapping, which would be fatal where the file was
+  // cut off. Throws Error(file) where it was, and as require_finite().
+  std::vector<float> read_sample(std::uint32_t k) const;
 
  private:
   struct Mapping;

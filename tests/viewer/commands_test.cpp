@@ -1,0 +1,275 @@
+#include "proxy_viewer/commands.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <numbers>
+#include <optional>
+#include <set>
+
+#include "tests/support/error_kind.h"
+
+namespace bodyopt::testing {
+namespace {
+
+// Frames 1 to 40 with keys, a range within, and names of joints and controls.
+Controls controls_of_a_session() {
+  Controls controls;
+  controls.playback = Playback({1, 40, 1}, 24);
+  controls.playback.set_keys({5, 15});
+  controls.playback.set_range(3, 30);
+  controls.playback.scrub(10);
+  controls.joint_names = {"Hips", "LeftArm", "LeftForeArm"};
+  controls.control_names = {"biceps", "breath"};
+  controls.settings.cameras["close"] = {{1, 2, 3}, 0.5, 0.1, 0.2, true};
+  controls.settings.pose.joints["Hips"] = {1, 2, 3};
+  controls.camera.orbit(0.4, 0.2);
+  return controls;
+}
+
+// What a command does with an argument that is right, and arguments that it refuses.
+struct Case {
+  std::string argument;
+  bool (*done)(const Controls& before, const Controls& after);
+  std::vector<std::string> refused{};
+};
+
+// Nothing where there is no such name.
+template <typename Value>
+std::optional<Value> valued(const std::map<std::string, Value>& values, const std::string& name) {
+  const auto found = values.find(name);
+  return found == values.end() ? std::nullopt : std::optional(found->second);
+}
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+const std::map<std::string, Case>& cases() {
+  using C = const Controls&;
+  static const std::map<std::string, Case> all = {
+      {"play", {"", [](C, C c) { return c.playback.playing(); }, {"fast"}}},
+      {"step", {"3", [](C, C c) { return c.playback.frame() == 13; }, {"x", "1.5", "1 2", "99999999999"}}},
+      {"step-back", {"", [](C, C c) { return c.playback.frame() == 9; }, {"2"}}},
+      {"first", {"", [](C, C c) { return c.playback.frame() == 3; }, {"1"}}},
+      {"last", {"", [](C, C c) { return c.playback.frame() == 30; }, {"1"}}},
+      {"next-key", {"", [](C, C c) { return c.playback.frame() == 15; }, {"1"}}},
+      {"previous-key", {"", [](C, C c) { return c.playback.frame() == 5; }, {"1"}}},
+      {"frame", {"17", [](C, C c) { return c.playback.frame() == 17; }, {"", "seven", "1-2", "0x3"}}},
+      {"backwards",
+       {"on", [](C, C c) { return c.playback.backwards() && c.settings.playback.backwards; }, {"yes", "on off"}}},
+      {"mode",
+       {"ping-pong",
+        [](C, C c) {
+          return c.playback.mode() == PlayMode::ping_pong && c.settings.playback.mode == PlayMode::ping_pong;
+        },
+        {"", "pingpong", "once loop"}}},
+      {"speed",
+       {"0.5",
+        [](C, C c) { return c.playback.speed() == 0.5 && c.settings.playback.speed == 0.5; },
+        {"", "0.05", "2.1", "-1", "nan", "inf", "1x"}}},
+      {"every-frame", {"on", [](C, C c) { return !c.playback.real_time() && !c.settings.playback.real_time; }, {"1"}}},
+      {"in",
+       {"7",
+        [](C, C c) { return c.playback.in() == 7 && c.playback.out() == 30 && c.settings.playback.in == 7; },
+        {"x"}}},
+      {"out",
+       {"20",
+        [](C, C c) { return c.playback.out() == 20 && c.playback.in() == 3 && c.settings.playback.out == 20; },
+        {"x"}}},
+      {"whole-range", {"", [](C, C c) { return c.playback.in() == 1 && c.playback.out() == 40; }, {"1"}}},
+      {"frame-selection", {"", [](C, C c) { return c.requests.frame_selection; }, {"all"}}},
+      {"front", {"", [](C, C c) { return c.camera.view().azimuth == 0 && c.camera.view().elevation == 0; }, {"1"}}},
+      {"side", {"", [](C, C c) { return std::abs(c.camera.view().azimuth - 90 * kDegree) < 1e-12; }, {"1"}}},
+      {"top", {"", [](C, C c) { return c.camera.view().elevation > 80 * kDegree; }, {"1"}}},
+      {"orthographic",
+       {"", [](C b, C c) { return c.camera.view().orthographic != b.camera.view().orthographic; }, {"on"}}},
+      {"follow", {"off", [](C, C c) { return !c.settings.look.follow; }, {"no"}}},
+      {"orbit",
+       {"10 -20",
+        [](C b, C c) {
+          return std::abs(c.camera.view().azimuth - b.camera.view().azimuth - 10 * kDegree) < 1e-9 &&
+                 std::abs(c.camera.view().elevation - b.camera.view().elevation + 20 * kDegree) < 1e-9;
+        },
+        {"", "10", "10 20 30", "a b", "1e999 0"}}},
+      {"orbit-left", {"", [](C b, C c) { return c.camera.view().azimuth < b.camera.view().azimuth; }, {"5"}}},
+      {"orbit-right", {"", [](C b, C c) { return c.camera.view().azimuth > b.camera.view().azimuth; }, {"5"}}},
+      {"dolly",
+       {"2", [](C b, C c) { return c.camera.view().distance < b.camera.view().distance; }, {"", "near", "101"}}},
+      {"save-camera",
+       {"from the left", [](C, C c) { return valued(c.settings.cameras, "from the left") == c.camera.view(); }, {""}}},
+      {"camera",
+       {"close", [](C, C c) { return c.camera.view() == c.settings.cameras.at("close"); }, {"", "far", "close up"}}},
+      {"style", {"matcap", [](C, C c) { return c.settings.look.style == LookStyle::matcap; }, {"", "gold"}}},
+      {"next-style", {"", [](C, C c) { return c.settings.look.style == LookStyle::matcap; }, {"1"}}},
+      {"wire", {"on", [](C, C c) { return c.settings.look.wire; }, {"yes"}}},
+      {"skeleton", {"on", [](C, C c) { return c.settings.look.skeleton; }, {"yes"}}},
+      {"fibres", {"on", [](C, C c) { return c.settings.look.fibres; }, {"yes"}}},
+      {"tets", {"on", [](C, C c) { return c.settings.look.tets; }, {"yes"}}},
+      {"grid", {"off", [](C, C c) { return !c.settings.look.grid; }, {"no"}}},
+      {"axes", {"off", [](C, C c) { return !c.settings.look.axes; }, {"no"}}},
+      {"shadow", {"off", [](C, C c) { return !c.settings.look.shadow; }, {"no"}}},
+      {"compare", {"ddm", [](C, C c) { return c.settings.compare.with == CompareWith::ddm; }, {"", "itself"}}},
+      {"layout", {"wipe", [](C, C c) { return c.settings.compare.layout == CompareLayout::wipe; }, {"", "side"}}},
+      {"next-layout", {"", [](C, C c) { return c.settings.compare.layout == CompareLayout::overlay; }, {"1"}}},
+      {"wipe", {"0.25", [](C, C c) { return c.settings.compare.wipe == 0.25; }, {"", "-0.1", "1.1", "half"}}},
+      {"heat", {"on", [](C, C c) { return c.settings.compare.heat; }, {"hot"}}},
+      {"heat-scale", {"2.5", [](C, C c) { return c.settings.compare.heat_scale_mm == 2.5; }, {"", "0", "-1", "1001"}}},
+      {"activation", {"on", [](C, C c) { return c.settings.compare.activation; }, {"yes"}}},
+      {"coverage", {"on", [](C, C c) { return c.settings.compare.coverage; }, {"yes"}}},
+      {"select", {"LeftArm", [](C, C c) { return c.joint == "LeftArm"; }, {"LeftArn", "Left Arm"}}},
+      {"turn",
+       {"LeftArm 10 -20 30",
+        [](C, C c) {
+          return valued(c.settings.pose.joints, "LeftArm") == Vec3{10, -20, 30};
+        },
+        {"", "LeftArm", "LeftArm 1 2", "LeftArm 1 2 361", "LeftArm 1 2 x", "Tail 1 2 3"}}},
+      {"control",
+       {"breath 0.5",
+        [](C, C c) { return valued(c.settings.pose.controls, "breath") == 0.5; },
+        {"", "breath", "breath x", "breath 11", "breathe 1"}}},
+      {"reset-pose",
+       {"", [](C, C c) { return c.settings.pose.joints.empty() && c.settings.pose.controls.empty(); }, {"1"}}},
+      {"correction", {"0.5", [](C, C c) { return c.settings.pose.correction == 0.5; }, {"", "1.01", "-0.01"}}},
+      {"jiggle", {"on", [](C, C c) { return c.settings.jiggle.on; }, {"yes"}}},
+      {"jiggle-amount", {"2", [](C, C c) { return c.settings.jiggle.amount == 2; }, {"", "4.1", "-1"}}},
+      {"reset-jiggle", {"", [](C, C c) { return c.requests.reset_jiggle; }, {"1"}}},
+      {"ghosts",
+       {"3 1",
+        [](C, C c) { return c.settings.ghosts.before == 3 && c.settings.ghosts.after == 1; },
+        {"", "3", "13 0", "0 13", "-1 0", "a b"}}},
+      {"ghost-step", {"6", [](C, C c) { return c.settings.ghosts.step == 6; }, {"", "0", "1001", "x"}}},
+      {"toggle-ghosts",
+       {"",
+        [](C, C c) {
+          return c.settings.ghosts.before == 2 && c.settings.ghosts.after == 2 && c.settings.ghosts.step == 4;
+        },
+        {"1"}}},
+      {"screenshot", {"a b.png", [](C, C c) { return c.requests.screenshot == "a b.png"; }}},
+      {"turntable", {"t.####.png", [](C, C c) { return c.requests.turntable == "t.####.png"; }, {""}}},
+      {"sequence", {"s.####.png", [](C, C c) { return c.requests.sequence == "s.####.png"; }, {""}}},
+      {"open", {"a.bvh", [](C, C c) { return c.requests.open == std::vector<std::string>{"a.bvh"}; }, {""}}},
+      {"reload", {"", [](C, C c) { return c.requests.reload; }, {"1"}}},
+      {"save-state", {"s.json", [](C, C c) { return c.requests.save_state == "s.json"; }, {""}}},
+      {"load-state", {"s.json", [](C, C c) { return c.requests.load_state == "s.json"; }, {""}}},
+      {"panels", {"off", [](C, C c) { return !c.panels; }, {"no"}}},
+      {"hud", {"off", [](C, C c) { return !c.settings.hud.on; }, {"no"}}},
+      {"cheat-sheet", {"on", [](C, C c) { return c.cheat_sheet; }, {"yes"}}},
+      {"quit", {"", [](C, C c) { return c.requests.quit; }, {"now"}}},
+  };
+  return all;
+}
+
+std::string message_of(Controls controls, const std::string& command) {
+  try {
+    run_command(controls, command);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::usage) << command;
+    return error.what();
+  }
+  ADD_FAILURE() << "not refused: " << command;
+  return {};
+}
+
+TEST(Commands, EachIsTriedHere) {
+  for (const Command& command : commands()) EXPECT_TRUE(cases().contains(command.name)) << command.name;
+}
+
+TEST(Commands, DoWhatTheySay) {
+  for (const auto& [name, c] : cases()) {
+    if (!find_command(name)) continue;
+    const Controls before = controls_of_a_session();
+    Controls after = before;
+    run_command(after, name + " " + c.argument);
+    EXPECT_TRUE(c.done(before, after)) << name << " " << c.argument;
+    EXPECT_FALSE(c.done(before, before)) << name << " changes nothing";
+  }
+}
+
+TEST(Commands, RefuseWhatIsNoArgumentOfTheirsByName) {
+  for (const auto& [name, c] : cases()) {
+    if (!find_command(name)) continue;
+    for (const std::string& argument : c.refused) {
+      const std::string message = message_of(controls_of_a_session(), name + " " + argument);
+      EXPECT_EQ(message.rfind(name + ": ", 0), 0u) << message;
+      EXPECT_GT(message.size(), name.size() + 15) << message;
+    }
+  }
+}
+
+// What a toggle sets is set twice by "on", and turned twice by no argument.
+TEST(Commands, TogglesTurnRoundWithoutAnArgument) {
+  int count = 0;
+  for (const Command& command : commands()) {
+    if (std::string(command.argument) != "[on|off]") continue;
+    ++count;
+    const Case& c = cases().at(command.name);
+    const Controls before = controls_of_a_session();
+    Controls controls = before;
+    for (const bool changed : {true, false, true}) {
+      run_command(controls, command.name);
+      EXPECT_EQ(c.done(before, controls), changed) << command.name;
+    }
+    for (int k = 0; k < 2; ++k) {
+      run_command(controls, command.name + std::string(" ") + c.argument);
+      EXPECT_TRUE(c.done(before, controls)) << command.name;
+    }
+  }
+  EXPECT_GT(count, 10);
+}
+
+// A menu and a key give no argument.
+TEST(Commands, InMenusAndOnKeysNeedNoArgument) {
+  for (const Command& command : commands()) {
+    if (*command.menu == 0 && *command.key == 0) continue;
+    Controls controls = controls_of_a_session();
+    EXPECT_NO_THROW(command.run(controls, "")) << command.name;
+  }
+}
+
+TEST(Commands, NamesAndKeysAreUniqueAndFound) {
+  std::set<std::string> names, keys;
+  for (const Command& command : commands()) {
+    EXPECT_TRUE(names.insert(command.name).second) << command.name;
+    EXPECT_EQ(find_command(command.name), &command);
+    EXPECT_GT(std::string(command.help).size(), 4u) << command.name;
+    if (*command.key == 0) continue;
+    EXPECT_TRUE(keys.insert(command.key).second) << command.key;
+    EXPECT_EQ(find_command_by_key(command.key), &command);
+    EXPECT_STRNE(command.key, "X") << "is held to flip";
+  }
+  EXPECT_EQ(find_command("Play"), nullptr);
+  EXPECT_EQ(find_command_by_key(""), nullptr);
+  EXPECT_EQ(find_command_by_key("Ctrl+Alt+Q"), nullptr);
+}
+
+TEST(Commands, NearestNameIsProposed) {
+  const Controls controls = controls_of_a_session();
+  for (const auto& [wrong, right] : std::map<std::string, std::string>{
+           {"plya", "play"}, {"skeletn on", "skeleton"}, {"Frame 3", "frame"}, {"heatscale 3", "heat-scale"}}) {
+    EXPECT_NE(message_of(controls, wrong).find("the nearest is '" + right + "'"), std::string::npos) << wrong;
+  }
+  EXPECT_NE(message_of(controls, "select LeftForeArn").find("'LeftForeArm'"), std::string::npos);
+  EXPECT_NE(message_of(controls, "control breathe 1").find("'breath'"), std::string::npos);
+  EXPECT_NE(message_of({}, "control breath 1").find("there is none"), std::string::npos);
+}
+
+TEST(Commands, BlanksAroundThemDoNotCount) {
+  Controls controls = controls_of_a_session();
+  run_command(controls, " \tstyle   flat \r");
+  EXPECT_EQ(controls.settings.look.style, LookStyle::flat);
+  run_command(controls, "turn  Hips  1 2\t3");
+  EXPECT_EQ(controls.settings.pose.joints.at("Hips"), (Vec3{1, 2, 3}));
+}
+
+TEST(Commands, ScriptsArePartedBySemicolonsAndLineEnds) {
+  using Commands = std::vector<std::string>;
+  EXPECT_EQ(script_commands("frame 12;style flat\nplay"), (Commands{"frame 12", "style flat", "play"}));
+  EXPECT_EQ(script_commands(";; \r\n ;play;\n\n"), (Commands{"play"}));
+  EXPECT_EQ(script_commands("# a remark; play\nfront # not one"), (Commands{"front # not one"}));
+  EXPECT_EQ(script_commands("play; # the rest; too"), (Commands{"play"}));
+  EXPECT_EQ(script_commands("sequence a.####.png"), (Commands{"sequence a.####.png"}));
+  EXPECT_EQ(script_commands(""), Commands());
+  EXPECT_EQ(script_commands("#"), Commands());
+}
+
+}  // namespace
+}  // namespace bodyopt::testing
