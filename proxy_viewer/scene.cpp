@@ -81,6 +81,8 @@ std::optional<Method> compared_method(const Character& character, const ViewSett
         return Method::full;
       case CompareWith::jiggle:
         return Method::jiggle;
+      case CompareWith::proxy:
+        return Method::proxy;
       case CompareWith::truth:
         return Method::truth;
       default:
@@ -202,7 +204,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   if (other) compared = evaluate(character, *other, poses, controls);
 
   SkinDraw skin;
-  skin.triangles = &character.triangles();
+  skin.triangles = &character.shown().triangles();
   skin.triangle_count = static_cast<std::uint32_t>(character.basis().mesh.triangles.size() / 3);
   skin.positions = shown.skin.positions;
   skin.normals = shown.skin.normals;
@@ -293,15 +295,15 @@ void Scene::add_skeleton(const Character& character, const Pose& pose, const std
 }
 
 void Scene::add_fibres(const Character& character, const Shown& shown, const std::array<float, 3>& offset, View& view) {
-  if (character.fibre_segment_count() == 0 || shown.method == Method::truth) return;
+  if (character.shown().fibre_segment_count() == 0 || shown.method == Method::truth) return;
   std::vector<std::uint32_t> colours;
   const std::uint32_t fibres = character.basis().strain.fibre_count();
   for (std::uint32_t f = 0; f < fibres; ++f) colours.push_back(strain_colour(shown.evaluation->strains[f]));
   colours_.push_back(std::move(colours));
   FibreDraw draw;
-  draw.segments = &character.fibre_segments();
-  draw.segment_count = character.fibre_segment_count();
-  draw.points = &character.fibre_points();
+  draw.segments = &character.shown().fibre_segments();
+  draw.segment_count = character.shown().fibre_segment_count();
+  draw.points = &character.shown().fibre_points();
   draw.positions = shown.skin.positions;
   draw.normals = shown.skin.normals;
   draw.colours = colours_.back();
