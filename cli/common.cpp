@@ -3,8 +3,6 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
-#include <charconv>
-#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -96,23 +94,6 @@ std::function<std::string(const std::string&)> number_from(double low, double hi
                ? std::string()
                : format("expected a number from %g to %g, found '%s'", low, high, begin);
   };
-}
-
-void keep_unit(Basis& basis, double unit) {
-  if (unit > 0) basis.metadata["character_unit_m"] = format("%.17g", unit);
-}
-
-double kept_unit(const Basis& basis) {
-  const auto entry = basis.metadata.find("character_unit_m");
-  if (entry == basis.metadata.end()) return 0;
-  double unit = 0;
-  const char* end = entry->second.data() + entry->second.size();
-  const auto [stop, failure] = std::from_chars(entry->second.data(), end, unit);
-  if (failure != std::errc() || stop != end || !(unit > 0 && std::isfinite(unit))) {
-    throw Error(ErrorKind::file, "the basis says that its character's unit is '" + entry->second +
-                                     "', expected metres above 0: the file is damaged");
-  }
-  return unit;
 }
 
 std::function<std::string(const std::string&)> must_end_in(const std::string& extension) {

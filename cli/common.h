@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/basis/character_unit.h"
 #include "runtime/deformer.h"
 #include "trainer/dataset/clip.h"
 #include "trainer/dataset/compare.h"
@@ -53,10 +54,6 @@ std::string refuse_empty(const std::string& value);
 
 // A check of options: a number, finite, within these ends.
 std::function<std::string(const std::string&)> number_from(double low, double high);
-
-// The unit that a basis' character was read with, kept in the basis so that its clips are read alike; 0: metres.
-void keep_unit(Basis& basis, double unit);
-double kept_unit(const Basis& basis);
 
 // A check of options: the file's name ends as said.
 std::function<std::string(const std::string&)> must_end_in(const std::string& extension);
