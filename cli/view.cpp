@@ -41,6 +41,9 @@ void add_view(CLI::App& app) {
   verb.add_option("files", arguments->files, "Its clip and point cache; more bases, each followed by its own")
       ->type_name("CLIP");
   verb.add_option("--truth", arguments->truth, "Point cache to compare with")->type_name("CACHE")->check(refuse_empty);
+  verb.add_option("--proxy", options.proxy, "Lighter levels of the first basis, which `proxy` made of it")
+      ->type_name("BASIS")
+      ->check(refuse_empty);
   verb.add_option("--ff", options.first, "First frame of the range that is played")->type_name("FRAME");
   verb.add_option("--lf", options.last, "Last frame")->type_name("FRAME");
   verb.add_option("--cf", options.current, "Frame to begin at")->type_name("FRAME");

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <utility>
 
 #include "runtime/basis/error.h"
+#include "runtime/carry_skin.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/device.h"
 #include "trainer/dataset/controls.h"
@@ -14,31 +16,6 @@ namespace bodyopt {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Segment {
-  std::uint32_t from, to, fibre;
-};
-
-// Fibre points name strain vertices; drawing needs those of the skin.
-std::vector<FibrePoint> points_on_skin(const StrainTable& strain) {
-  std::vector<FibrePoint> points = strain.points;
-  for (FibrePoint& point : points) {
-    point.a = strain.vertices[point.a];
-    point.b = strain.vertices[point.b];
-    point.c = strain.vertices[point.c];
-  }
-  return points;
-}
-
-std::vector<Segment> segments_of(const StrainTable& strain) {
-  std::vector<Segment> segments;
-  for (std::uint32_t fibre = 0; fibre < strain.fibre_count(); ++fibre) {
-    for (std::uint32_t p = strain.fibre_begin[fibre] + 1; p < strain.fibre_begin[fibre + 1]; ++p) {
-      segments.push_back({p - 1, p, fibre});
-    }
-  }
-  return segments;
-}
 
 double diagonal(std::span<const float> points) {
   double squared = 0;
@@ -59,17 +36,6 @@ Quat euler(const Vec3& degrees) {
          axis_angle({1, 0, 0}, radians * degrees[0]);
 }
 
-bool same(const JointTransform& a, const JointTransform& b) {
-  return a.translation == b.translation && a.rotation == b.rotation && a.scale == b.scale;
-}
-
-bool same(std::span<const Pose> a, std::span<const Pose> b) {
-  return std::ranges::equal(a, b, [](const Pose& p, const Pose& q) {
-    return p.controls == q.controls &&
-           std::ranges::equal(p.joints, q.joints, [](const auto& s, const auto& t) { return same(s, t); });
-  });
-}
-
 Clip bind_clip(const Basis& basis) {
   Clip clip;
   clip.name = "bind pose";
@@ -79,33 +45,23 @@ Clip bind_clip(const Basis& basis) {
 
 }  // namespace
 
-Basis linear_part(Basis basis) {
-  ResidualTable& residual = basis.residual;
-  for (const Region& region : residual.regions) {
-    const std::size_t columns = std::size_t{1} + region.feature_count + region.centre_count;
-    for (std::uint32_t k = 0; k < region.coefficient_count; ++k) {
-      const auto row = residual.weights.begin() + static_cast<std::ptrdiff_t>(region.weight_values + k * columns);
-      std::fill(row + 1 + region.feature_count, row + static_cast<std::ptrdiff_t>(columns), 0.0f);
-    }
-  }
-  return basis;
-}
-
 Character::Character(std::shared_ptr<const vulkan::Device> device, const CharacterFiles& files,
                      const ClipOptions& options)
-    : device_(std::move(device)),
-      files_(files),
-      clip_options_(options),
-      basis_(load_basis(files.basis)),
-      clip_(bind_clip(basis_)),
-      size_(diagonal(basis_.mesh.rest)) {
+    : device_(std::move(device)), files_(files), clip_options_(options) {
+  std::vector<Level> levels = load_levels(files.basis);
   const fs::path beside = fs::path(files.basis).replace_extension(".dynamics.safetensors");
-  if (fs::exists(beside)) dynamics_ = load_dynamics(beside, basis_);
-  triangles_ = vulkan::upload(*device_, basis_.mesh.triangles, "the triangles");
-  const std::vector<Segment> segments = segments_of(basis_.strain);
-  fibre_segments_ = vulkan::upload(*device_, segments, "the fibres");
-  fibre_points_ = vulkan::upload(*device_, points_on_skin(basis_.strain), "the fibre points");
-  fibre_segment_count_ = static_cast<std::uint32_t>(segments.size());
+  std::optional<Dynamics> dynamics;
+  if (fs::exists(beside)) dynamics = load_dynamics(beside, levels.front().basis);
+  for (Level& level : levels) {
+    details_.push_back(std::make_unique<Detail>(device_, std::move(level), std::exchange(dynamics, std::nullopt)));
+  }
+  if (!files.proxy.empty()) add_proxy(files.proxy);
+  const fs::path attached = fs::path(files.basis).replace_extension(".attached.safetensors");
+  if (fs::exists(attached)) {
+    worn_ = std::make_unique<WornMeshes>(*device_, finest().basis(), load_attachments(attached, finest().basis()));
+  }
+  clip_ = bind_clip(finest().basis());
+  size_ = diagonal(finest().basis().mesh.rest);
   if (!files.truth.empty()) open_truth(files.truth);
   if (files.clip.empty()) {
     measure_ground();
@@ -114,16 +70,33 @@ Character::Character(std::shared_ptr<const vulkan::Device> device, const Charact
   }
 }
 
+// Coarser levels of the same character.
+void Character::add_proxy(const std::string& path) {
+  const Basis& full = finest().basis();
+  for (Level& level : load_levels(path)) {
+    if (skeleton_hash(level.basis.skeleton) != skeleton_hash(full.skeleton) ||
+        level.carried.size() != full.mesh.output_count()) {
+      throw Error(ErrorKind::mismatch, path + ": is no proxy of " + files_.basis + ": it carries " +
+                                           std::to_string(level.carried.size()) + " vertices of " +
+                                           std::to_string(level.basis.skeleton.size()) + " joints, the character has " +
+                                           std::to_string(full.mesh.output_count()) + " and " +
+                                           std::to_string(full.skeleton.size()) + " (was it made of another basis?)");
+    }
+    details_.push_back(std::make_unique<Detail>(device_, std::move(level), std::nullopt));
+  }
+}
+
 std::string Character::name() const { return fs::path(files_.basis).stem().string(); }
 
 bool Character::has(Method method) const {
-  if (method == Method::jiggle) return dynamics_.has_value();
-  return method != Method::truth || truth_.has_value();
+  if (method == Method::jiggle) return shown().jiggles();
+  if (method == Method::proxy) return level_ == 0 && details_.size() > 1 && !details_[1]->level().carried.empty();
+  return method != Method::truth || (level_ == 0 && truth_.has_value());
 }
 
 void Character::open_clip(const std::string& source) {
-  Clip clip = read_clip(source, basis_.skeleton, clip_options_);
-  arrange_controls(basis_.residual.controls, clip);
+  Clip clip = read_clip(source, basis().skeleton, clip_options_);
+  arrange_controls(basis().residual.controls, clip);
   if (clip.poses.empty()) throw Error(ErrorKind::file, source + ": the clip has no frame");
   clip_ = std::move(clip);
   files_.clip = source;
@@ -132,13 +105,13 @@ void Character::open_clip(const std::string& source) {
 
 void Character::open_truth(const std::string& path) {
   Pc2Reader reader(path);
-  if (reader.point_count() != basis_.mesh.output_count()) {
+  if (reader.point_count() != basis().mesh.output_count()) {
     throw Error(ErrorKind::mismatch, path + ": the cache has " + std::to_string(reader.point_count()) +
-                                         " points, the character " + std::to_string(basis_.mesh.output_count()) +
+                                         " points, the character " + std::to_string(basis().mesh.output_count()) +
                                          " vertices: it is of another character, or another level of it");
   }
   if (reader.sample_count() == 0) throw Error(ErrorKind::file, path + ": the cache has no sample");
-  truth_.emplace(Truth{std::move(reader), -1, {}, {}});
+  truth_.emplace(Truth{std::move(reader), -1, {}});
   files_.truth = path;
 }
 
@@ -146,12 +119,12 @@ Pose Character::pose(int frame, const ViewSettings::Posing& posing) const {
   const int number = std::clamp(frame, clip_.first_frame, clip_.last_frame());
   Pose pose = clip_.poses[static_cast<std::size_t>(number - clip_.first_frame)];
   for (const auto& [joint, degrees] : posing.joints) {
-    const int index = basis_.skeleton.find(joint);
+    const int index = basis().skeleton.find(joint);
     if (index < 0) continue;
     Quat& rotation = pose.joints[static_cast<std::size_t>(index)].rotation;
     rotation = normalized(rotation * euler(degrees));
   }
-  const std::vector<std::string>& controls = basis_.residual.controls;
+  const std::vector<std::string>& controls = basis().residual.controls;
   for (const auto& [control, value] : posing.controls) {
     const auto at = std::find(controls.begin(), controls.end(), control);
     if (at == controls.end()) continue;
@@ -161,16 +134,7 @@ Pose Character::pose(int frame, const ViewSettings::Posing& posing) const {
   return pose;
 }
 
-Deformer& Character::deformer(Method method, Use use) {
-  std::unique_ptr<Deformer>& made = deformers_[{method, use}];
-  if (made) return *made;
-  made = std::make_unique<Deformer>(method == Method::linear ? linear_part(basis_) : basis_,
-                                    method == Method::jiggle ? dynamics_ : std::nullopt, JiggleOptions{}, device_);
-  return *made;
-}
-
 const Evaluation& Character::evaluate(Method method, std::span<const Pose> poses, int frame, const Weights& weights) {
-  Evaluated& last = evaluated_[method];
   if (method == Method::truth) {
     try {
       show_truth(frame);
@@ -178,34 +142,44 @@ const Evaluation& Character::evaluate(Method method, std::span<const Pose> poses
       truth_.reset();  // until it is read again
       throw;
     }
-    return last.result;
+    return hosted_;
   }
-  if (method == Method::jiggle) poses = poses.first(1);
-  if (frame == last.frame && weights == last.weights && same(poses, last.poses)) return last.result;
-  last.poses.clear();  // should it throw
-  Deformer& d = deformer(method, Use::show);
-  d.set_weights({method == Method::ddm ? 0.0f : weights.correction, weights.jiggle});
-  last.result = method == Method::jiggle ? d.jiggle_on_device(poses, {&frame, 1}) : d.evaluate_on_device(poses);
-  last.poses.assign(poses.begin(), poses.end());
-  last.frame = frame;
-  last.weights = weights;
-  return last.result;
+  if (method == Method::proxy) return carry_proxy(poses.first(1), frame, weights);
+  const bool carries = worn_ && (method == Method::full || method == Method::jiggle);
+  const Evaluation& result = details_[level_]->evaluate(method, poses, frame, weights, carries);
+  if (carries) worn_->carry(full_skin(shown(), result), poses[0].joints);
+  return result;
+}
+
+// O x 3 of the finest level, of the first frame.
+std::vector<float> Character::full_skin(const Detail& detail, const Evaluation& evaluation) const {
+  const Level& level = detail.level();
+  const std::size_t count = std::size_t{3} * level.basis.mesh.output_count();
+  const std::span<const float> positions = std::span(evaluation.positions).first(count);
+  if (&detail == details_.front().get() || level.carried.empty()) return {positions.begin(), positions.end()};
+  return carry_skin(level.basis.mesh, level.carried, positions, std::span(evaluation.normals).first(count));
+}
+
+const Evaluation& Character::carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights) {
+  Detail& proxy = *details_[1];
+  const Evaluation& result = proxy.evaluate(Method::full, poses, frame, weights, true);
+  carried_ = upload_output(full_skin(proxy, result));
+  return result;
 }
 
 void Character::reset_jiggle() {
-  const auto found = deformers_.find({Method::jiggle, Use::show});
-  if (found != deformers_.end()) found->second->set_state({});
-  evaluated_.erase(Method::jiggle);
+  for (const auto& detail : details_) detail->reset_jiggle();
 }
 
 ShownSkin Character::skin(Method method) const {
-  if (method == Method::truth) return {&truth_->positions, &truth_->normals};
-  const DeviceSkin skin = deformers_.at({method, Use::show})->device_skin();
-  return {skin.positions, skin.normals};
+  if (method == Method::truth) return {&truth_->skin.positions, &truth_->skin.normals};
+  if (method == Method::proxy) return {&carried_.positions, &carried_.normals};
+  return shown().skin(method);
 }
 
 std::vector<float> Character::measure(Method method, const Pose& pose, int frame) {
-  if (method != Method::truth) return deformer(method, Use::measure).evaluate({&pose, 1}).positions;
+  if (method == Method::proxy) return full_skin(*details_[1], details_[1]->measure(Method::full, pose));
+  if (method != Method::truth) return finest().measure(method, pose).positions;
   const std::optional<std::uint32_t> sample = truth_sample(frame);
   if (!sample) return {};
   return truth_->reader.read_sample(*sample);
@@ -224,16 +198,19 @@ void Character::show_truth(int frame) {
                     std::max(1e-6, static_cast<double>(truth_->reader.sample_rate()));
   const int sample = static_cast<int>(std::lround(std::clamp(at, 0.0, last)));
   if (sample == truth_->shown) return;
-  const std::vector<float> points = truth_->reader.read_sample(static_cast<std::uint32_t>(sample));
-  std::vector<float> positions(basis_.mesh.rest.size()), normals(positions.size());
-  for (std::size_t o = 0; o < basis_.mesh.output_vertex.size(); ++o) {
-    std::copy_n(points.begin() + static_cast<std::ptrdiff_t>(3 * o), 3,
-                positions.begin() + static_cast<std::ptrdiff_t>(3 * basis_.mesh.output_vertex[o]));
-  }
-  cpu::output_normals(basis_.mesh, positions, normals);
-  truth_->positions = vulkan::upload(*device_, positions, "the truth");
-  truth_->normals = vulkan::upload(*device_, normals, "the truth's normals");
+  truth_->skin = upload_output(truth_->reader.read_sample(static_cast<std::uint32_t>(sample)));
   truth_->shown = sample;
+}
+
+Character::HostedSkin Character::upload_output(std::span<const float> points) const {
+  const MeshTable& mesh = finest().basis().mesh;
+  std::vector<float> positions(mesh.rest.size()), normals(positions.size());
+  for (std::size_t o = 0; o < mesh.output_vertex.size(); ++o) {
+    std::copy_n(points.begin() + static_cast<std::ptrdiff_t>(3 * o), 3,
+                positions.begin() + static_cast<std::ptrdiff_t>(3 * mesh.output_vertex[o]));
+  }
+  cpu::output_normals(mesh, positions, normals);
+  return {vulkan::upload(*device_, positions, "a skin"), vulkan::upload(*device_, normals, "its normals")};
 }
 
 void Character::measure_ground() {

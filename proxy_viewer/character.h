@@ -1,6 +1,7 @@
 // A character of the scene: its basis, the clip it plays, and its skin by several methods, each on the device.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
@@ -10,7 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "proxy_viewer/detail.h"
 #include "proxy_viewer/view_settings.h"
+#include "proxy_viewer/worn_meshes.h"
 #include "runtime/deformer.h"
 #include "runtime/vulkan/buffer.h"
 #include "trainer/dataset/clip.h"
@@ -18,19 +21,10 @@
 
 namespace bodyopt {
 
-// What makes the skin. Direct Delta Mush: what is learned left out; linear: of what is learned the part that is linear
-// in joints and strains; truth: a point cache.
-enum class Method { ddm, linear, full, jiggle, truth };
-
-// The files of a character; what is empty is none. Dynamics: those beside the basis, where there are any.
+// The files of a character; what is empty is none. Dynamics and attached geometry: those beside the basis, where there
+// are any.
 struct CharacterFiles {
-  std::string basis, clip, truth;
-};
-
-// A skin where it is: one or more frames of the same vertices.
-struct ShownSkin {
-  const vulkan::Buffer* positions = nullptr;  // F x V x 3, metres, world
-  const vulkan::Buffer* normals = nullptr;
+  std::string basis, clip{}, truth{}, proxy{};
 };
 
 class Character {
@@ -40,7 +34,13 @@ class Character {
 
   const CharacterFiles& files() const { return files_; }
   std::string name() const;
-  const Basis& basis() const { return basis_; }
+  // Of the level that is shown. Joints and controls are the same for all.
+  const Detail& shown() const { return *details_[level_]; }
+  const Basis& basis() const { return shown().basis(); }
+  std::size_t level_count() const { return details_.size(); }
+  std::size_t level() const { return level_; }
+  void set_level(std::size_t level) { level_ = std::min(level, details_.size() - 1); }
+  bool has_proxy() const { return details_.size() > 1; }
   const Clip& clip() const { return clip_; }  // one frame, the bind pose, where there is no file
   bool has(Method method) const;
 
@@ -54,6 +54,8 @@ class Character {
   // Poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
   const Evaluation& evaluate(Method method, std::span<const Pose> poses, int frame, const Weights& weights);
   void reset_jiggle();  // which starts anew with the next frame
+  // What it wears, on the skin evaluated last by the method that is carried along: full or jiggle; null: nothing.
+  const WornMeshes* worn() const { return worn_.get(); }
   // Of the last evaluation by the method.
   ShownSkin skin(Method method) const;
 
@@ -61,24 +63,26 @@ class Character {
   // such frame. Quasi-static.
   std::vector<float> measure(Method method, const Pose& pose, int frame);
 
-  const vulkan::Buffer& triangles() const { return triangles_; }
-  const vulkan::Buffer& fibre_segments() const { return fibre_segments_; }
-  const vulkan::Buffer& fibre_points() const { return fibre_points_; }
-  std::uint32_t fibre_segment_count() const { return fibre_segment_count_; }
-
   double size() const { return size_; }      // diagonal of the rest skin, metres
   double ground() const { return ground_; }  // height of its lowest point as the clip begins, metres
 
  private:
+  // A skin of the finest level that comes from the host.
+  struct HostedSkin {
+    vulkan::Buffer positions, normals;
+  };
   struct Truth {
     Pc2Reader reader;
     int shown = -1;  // sample that is on the device
-    vulkan::Buffer positions, normals;
+    HostedSkin skin;
   };
 
-  enum class Use { show, measure };  // what is measured must not take the place of what is shown
-
-  Deformer& deformer(Method method, Use use);
+  Detail& finest() { return *details_.front(); }
+  const Detail& finest() const { return *details_.front(); }
+  void add_proxy(const std::string& path);
+  std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation) const;
+  const Evaluation& carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights);
+  HostedSkin upload_output(std::span<const float> points) const;
   void show_truth(int frame);
   std::optional<std::uint32_t> truth_sample(int frame) const;
   void measure_ground();
@@ -86,25 +90,14 @@ class Character {
   std::shared_ptr<const vulkan::Device> device_;
   CharacterFiles files_;
   ClipOptions clip_options_;
-  Basis basis_;
-  std::optional<Dynamics> dynamics_;
+  std::vector<std::unique_ptr<Detail>> details_;  // finest first; all but the first are proxies
+  std::size_t level_ = 0;
   Clip clip_;
   double size_ = 1, ground_ = 0;
-  vulkan::Buffer triangles_, fibre_segments_, fibre_points_;
-  std::uint32_t fibre_segment_count_ = 0;
-  std::map<std::pair<Method, Use>, std::unique_ptr<Deformer>> deformers_;  // made when they are first wanted
-  // What a method has evaluated last, and of what: the same is not evaluated again.
-  struct Evaluated {
-    std::vector<Pose> poses;
-    int frame = 0;
-    Weights weights;
-    Evaluation result;
-  };
-  std::map<Method, Evaluated> evaluated_;
+  Evaluation hosted_;  // of a truth: nothing
+  HostedSkin carried_;
   std::optional<Truth> truth_;
+  std::unique_ptr<WornMeshes> worn_;
 };
-
-// The basis without its kernels: what a linear map of joints and strains makes of it.
-Basis linear_part(Basis basis);
 
 }  // namespace bodyopt

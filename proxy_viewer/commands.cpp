@@ -220,6 +220,14 @@ const Command kCommands[] = {
      [](Controls& c, const std::string& a) { toggle(c.settings.look.fibres, a); }},
     {"tets", "[on|off]", "T", "Look", "the tetrahedra of the jiggle, cut open",
      [](Controls& c, const std::string& a) { toggle(c.settings.look.tets, a); }},
+    {"level", "auto|0|1|2...", "", "", "of detail, 0 the finest; auto: the one that keeps up",
+     [](Controls& c, const std::string& a) {
+       if (a == "auto") {
+         c.settings.look.level = std::nullopt;
+       } else {
+         c.settings.look.level = static_cast<int>(number_within(a, 0, 15));
+       }
+     }},
     {"grid", "[on|off]", "D", "Look", "the grid on the ground",
      [](Controls& c, const std::string& a) { toggle(c.settings.look.grid, a); }},
     {"axes", "[on|off]", "A", "Look", "the world's axes",

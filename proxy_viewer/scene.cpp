@@ -9,6 +9,7 @@ namespace bodyopt {
 namespace {
 
 constexpr std::array<float, 3> kBeforeColour = {0.12f, 0.30f, 0.75f}, kAfterColour = {0.80f, 0.33f, 0.10f};
+constexpr std::array<float, 3> kWornColour = {0.16f, 0.19f, 0.23f};
 constexpr std::array<float, 3> kOtherColour = {0.25f, 0.47f, 0.62f};  // of what is compared with
 constexpr std::uint32_t kBone = 0xd0f0e4c8, kJoint = 0xffffffff, kSelected = 0xff2fb4ff;
 constexpr double kSpacing = 0.7;      // between characters, of their size
@@ -80,6 +81,8 @@ std::optional<Method> compared_method(const Character& character, const ViewSett
         return Method::full;
       case CompareWith::jiggle:
         return Method::jiggle;
+      case CompareWith::proxy:
+        return Method::proxy;
       case CompareWith::truth:
         return Method::truth;
       default:
@@ -201,7 +204,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   if (other) compared = evaluate(character, *other, poses, controls);
 
   SkinDraw skin;
-  skin.triangles = &character.triangles();
+  skin.triangles = &character.shown().triangles();
   skin.triangle_count = static_cast<std::uint32_t>(character.basis().mesh.triangles.size() / 3);
   skin.positions = shown.skin.positions;
   skin.normals = shown.skin.normals;
@@ -226,6 +229,18 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     second.alpha = 0.6f;
     second.shadow = false;
     views[0].skins.push_back(second);
+  }
+  if (character.worn()) {
+    for (const WornMeshes::Mesh& mesh : character.worn()->meshes()) {
+      SkinDraw worn = skin;
+      worn.triangles = &mesh.triangles;
+      worn.triangle_count = mesh.triangle_count;
+      worn.positions = &mesh.positions;
+      worn.normals = &mesh.normals;
+      worn.reference = nullptr;
+      worn.colour = kWornColour;
+      for (View& view : views) view.skins.push_back(worn);
+    }
   }
   for (View& view : views) {
     if (s.look.skeleton) add_skeleton(character, poses[0], skin.offset, controls, view);
@@ -280,15 +295,15 @@ void Scene::add_skeleton(const Character& character, const Pose& pose, const std
 }
 
 void Scene::add_fibres(const Character& character, const Shown& shown, const std::array<float, 3>& offset, View& view) {
-  if (character.fibre_segment_count() == 0 || shown.method == Method::truth) return;
+  if (character.shown().fibre_segment_count() == 0 || shown.method == Method::truth) return;
   std::vector<std::uint32_t> colours;
   const std::uint32_t fibres = character.basis().strain.fibre_count();
   for (std::uint32_t f = 0; f < fibres; ++f) colours.push_back(strain_colour(shown.evaluation->strains[f]));
   colours_.push_back(std::move(colours));
   FibreDraw draw;
-  draw.segments = &character.fibre_segments();
-  draw.segment_count = character.fibre_segment_count();
-  draw.points = &character.fibre_points();
+  draw.segments = &character.shown().fibre_segments();
+  draw.segment_count = character.shown().fibre_segment_count();
+  draw.points = &character.shown().fibre_points();
   draw.positions = shown.skin.positions;
   draw.normals = shown.skin.normals;
   draw.colours = colours_.back();
@@ -317,28 +332,21 @@ Vec3 Scene::whereabouts(int frame) const {
   return {share * sum[0], 0, share * sum[2]};
 }
 
-std::vector<float> Scene::points_to_frame(const Controls& controls) const {
+std::vector<float> Scene::points_to_frame(const Controls& controls) {
+  const int frame = controls.playback.frame();
+  const int selected = controls.joint.empty() ? -1 : lead().basis().skeleton.find(controls.joint);
   std::vector<float> points;
-  const auto add = [&](const Vec3& centre, const std::array<float, 3>& offset, double around) {
-    for (const double side : {-around, around}) {
-      for (std::size_t i = 0; i < 3; ++i) {
-        Vec3 at = centre;
-        at[i] += side;
-        for (std::size_t k = 0; k < 3; ++k) points.push_back(static_cast<float>(at[k]) + offset[k]);
-      }
+  if (selected >= 0) {
+    const Vec3 centre = joint_centres(controls)[static_cast<std::size_t>(selected)];
+    for (const double around : {-kSkinAround * lead().size(), kSkinAround * lead().size()}) {
+      for (const double x : centre) points.push_back(static_cast<float>(x + around));
     }
-  };
+    return points;
+  }
   for (std::size_t c = 0; c < cast_.size(); ++c) {
-    const Character& character = *cast_[c];
-    const Skeleton& skeleton = character.basis().skeleton;
-    const int selected = c == 0 && !controls.joint.empty() ? skeleton.find(controls.joint) : -1;
-    const std::vector<Vec3> centres = centres_of(character, pose_at(character, controls.playback.frame(), controls));
-    if (selected >= 0) {
-      points.clear();
-      add(centres[static_cast<std::size_t>(selected)], place(c), 1.2 * kSkinAround * character.size());
-      return points;
-    }
-    for (const Vec3& centre : centres) add(centre, place(c), kSkinAround * 0.5 * character.size());
+    const std::array<float, 3> offset = place(c);
+    const std::vector<float> skin = cast_[c]->measure(Method::full, pose_at(*cast_[c], frame, controls), frame);
+    for (std::size_t k = 0; k < skin.size(); ++k) points.push_back(skin[k] + offset[k % 3]);
   }
   return points;
 }

@@ -33,8 +33,8 @@ class Scene {
   // Where the lead is over the ground, whichever way it leaps: its root, the mean of half a second before and after
   // the frame.
   Vec3 whereabouts(int frame) const;
-  // Joints of the characters at the frame, or the joint that is selected, with skin around them: V x 3, for framing.
-  std::vector<float> points_to_frame(const Controls& controls) const;
+  // The skin of all at the frame, or what is around the joint that is selected: V x 3, for framing.
+  std::vector<float> points_to_frame(const Controls& controls);
   // Where joint centres of the lead are at the frame, J, metres, world.
   std::vector<Vec3> joint_centres(const Controls& controls) const;
 

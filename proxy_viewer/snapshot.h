@@ -33,6 +33,7 @@ struct Snapshot {
   float outside = 0;           // standard deviations beyond what was trained; 0: covered
   std::string outside_feature;
   double clip_fps = 24;
+  std::size_t level = 0, level_count = 1;  // of detail
   std::vector<float>
       error_mm;  // per frame of the clip, RMS to what it is compared with; not a number: not yet measured
 

@@ -53,6 +53,7 @@ constexpr auto kLookFields = [](auto& list, auto& look) {
   list.number("tet_cut", look.tet_cut, 0, 1);
   list.boolean("shadow", look.shadow);
   list.boolean("follow", look.follow);
+  list.integer("level", look.level, 0, 15);
 };
 
 constexpr auto kCompareFields = [](auto& list, auto& compare) {

@@ -29,7 +29,8 @@ struct ViewSettings {
     bool wire = false, grid = true, axes = true, skeleton = false, fibres = false, tets = false;
     double tet_cut = 0;  // share of the tets that is cut away, from the front
     bool shadow = true;
-    bool follow = true;  // the camera goes along with the character
+    bool follow = true;        // the camera goes along with the character
+    std::optional<int> level;  // of detail, 0 the finest; otherwise the one that keeps up
     bool operator==(const Look&) const = default;
   };
 

@@ -133,7 +133,7 @@ class Viewer {
 
   void open(const std::string& file) {
     if (has_extension(file, {".safetensors"})) {
-      scene_.add({file, {}, {}}, options_.clip);
+      scene_.add({.basis = file, .proxy = scene_.empty() ? options_.proxy : ""}, options_.clip);
     } else if (scene_.empty()) {
       throw Error(ErrorKind::usage, file + ": a basis (.safetensors) must come before its clips and caches");
     } else if (has_extension(file, {".glb", ".gltf", ".bvh"})) {
@@ -294,10 +294,23 @@ class Viewer {
     gui_->end();
     follow();
     if (controls_.requests.frame_selection) frame_selection(area.width, area.height);
+    choose_level();
     const std::vector<View> views = scene_.look(controls_, area);
     area_ = area;
     viewport_.draw(views, width, height, edges, [this](VkCommandBuffer commands) { gui_->record(commands); });
     measure(start);
+  }
+
+  // While it plays, a level of detail that keeps up.
+  void choose_level() {
+    const std::size_t automatic =
+        detail_.choose(1e-3 * snapshot_.frame_ms, controls_.playback.playing(), scene_.lead().level_count());
+    const std::optional<int>& wanted = controls_.settings.look.level;
+    for (const auto& character : scene_.cast()) {
+      character->set_level(wanted ? static_cast<std::size_t>(*wanted) : automatic);
+    }
+    snapshot_.level = scene_.lead().level();
+    snapshot_.level_count = scene_.lead().level_count();
   }
 
   void follow() {
@@ -494,8 +507,9 @@ class Viewer {
   std::deque<std::string> script_;    // commands that have not run
   std::vector<std::string> dropped_;  // files, onto the window
   std::optional<Vec3> followed_;      // where the lead was in the last picture
-  Rectangle area_;                    // of the characters in the last picture
-  int pending_pictures_ = 2;          // to be drawn although nothing moves
+  DetailChoice detail_;
+  Rectangle area_;            // of the characters in the last picture
+  int pending_pictures_ = 2;  // to be drawn although nothing moves
   bool was_busy_ = false;
   double next_look_ = 0;  // at files
   Clock::time_point last_ = Clock::now(), last_picture_ = last_;

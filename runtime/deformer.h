@@ -88,7 +88,7 @@ class Backend {
   // Coefficients at rest, subtracted from then on. Zero until set.
   virtual void set_rest_coefficients(std::span<const float> coefficients) = 0;
   virtual void set_weights(const Weights& weights) = 0;
-  // Of the last batch that stays on the device; nothing of a backend without one.
+  // Of the last batch; nothing of a backend without a device.
   virtual DeviceSkin device_skin() const { return {}; }
   // What batches that jiggle start from, and leave behind. Zero until set.
   virtual void set_motion(const NodeMotion& motion) = 0;
@@ -131,7 +131,7 @@ class Deformer {
   // none of the result. One batch: throws Error(usage) for more than batch_limit() poses.
   Evaluation evaluate_on_device(std::span<const Pose> poses);
   Evaluation jiggle_on_device(std::span<const Pose> poses, std::span<const int> frames);
-  // Theirs; its buffers live until the next call of any of the four.
+  // Of the last batch of any of the four; its buffers live until the next call of one.
   DeviceSkin device_skin() const { return backend_->device_skin(); }
   std::uint32_t batch_limit() const { return backend_->batch_limit(); }
 

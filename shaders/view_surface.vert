@@ -36,4 +36,5 @@ void main() {
   const uint corner = gl_VertexIndex % 3;
   out_corner = vec3(corner == 0, corner == 1, corner == 2);
   gl_Position = to_picture(view, out_position, orthographic != 0);
+  if (offset_alpha.w < 1) gl_Position.z += 1e-3 * gl_Position.w;  // a ghost in the same place lies behind
 }

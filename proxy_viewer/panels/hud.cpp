@@ -20,6 +20,7 @@ void draw_hud(const Snapshot& snapshot, const Controls& controls, const Layout& 
     const auto found = snapshot.stage_ms.find(stage);
     if (found != snapshot.stage_ms.end()) ImGui::TextDisabled("%6.2f ms %s", found->second, stage);
   }
+  if (snapshot.level_count > 1) ImGui::TextDisabled("level %zu of %zu", snapshot.level, snapshot.level_count - 1);
   ImGui::TextDisabled("%6.0f MiB", snapshot.memory_mib);
   ImGui::TextDisabled("%s", snapshot.device.c_str());
   if (snapshot.outside > 0) {

@@ -158,7 +158,7 @@ class VulkanBackend final : public Backend {
   }
 
   DeviceSkin device_skin() const override {
-    if (!stays_on_device_) return {};
+    if (!buffers_) return {};
     return {skin_, &buffers_->normals.buffer};
   }
 

@@ -1,0 +1,129 @@
+#include "proxy_viewer/detail.h"
+
+#include <algorithm>
+
+namespace bodyopt {
+namespace {
+
+struct Segment {
+  std::uint32_t from, to, fibre;
+};
+
+// Fibre points name strain vertices; drawing needs those of the skin.
+std::vector<FibrePoint> points_on_skin(const StrainTable& strain) {
+  std::vector<FibrePoint> points = strain.points;
+  for (FibrePoint& point : points) {
+    point.a = strain.vertices[point.a];
+    point.b = strain.vertices[point.b];
+    point.c = strain.vertices[point.c];
+  }
+  return points;
+}
+
+std::vector<Segment> segments_of(const StrainTable& strain) {
+  std::vector<Segment> segments;
+  for (std::uint32_t fibre = 0; fibre < strain.fibre_count(); ++fibre) {
+    for (std::uint32_t p = strain.fibre_begin[fibre] + 1; p < strain.fibre_begin[fibre + 1]; ++p) {
+      segments.push_back({p - 1, p, fibre});
+    }
+  }
+  return segments;
+}
+
+bool same(const JointTransform& a, const JointTransform& b) {
+  return a.translation == b.translation && a.rotation == b.rotation && a.scale == b.scale;
+}
+
+bool same(std::span<const Pose> a, std::span<const Pose> b) {
+  return std::ranges::equal(a, b, [](const Pose& p, const Pose& q) {
+    return p.controls == q.controls &&
+           std::ranges::equal(p.joints, q.joints, [](const auto& s, const auto& t) { return same(s, t); });
+  });
+}
+
+}  // namespace
+
+Basis linear_part(Basis basis) {
+  ResidualTable& residual = basis.residual;
+  for (const Region& region : residual.regions) {
+    const std::size_t columns = std::size_t{1} + region.feature_count + region.centre_count;
+    for (std::uint32_t k = 0; k < region.coefficient_count; ++k) {
+      const auto row = residual.weights.begin() + static_cast<std::ptrdiff_t>(region.weight_values + k * columns);
+      std::fill(row + 1 + region.feature_count, row + static_cast<std::ptrdiff_t>(columns), 0.0f);
+    }
+  }
+  return basis;
+}
+
+Detail::Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::optional<Dynamics> dynamics)
+    : device_(std::move(device)), level_(std::move(level)), dynamics_(std::move(dynamics)) {
+  triangles_ = vulkan::upload(*device_, basis().mesh.triangles, "the triangles");
+  const std::vector<Segment> segments = segments_of(basis().strain);
+  fibre_segments_ = vulkan::upload(*device_, segments, "the fibres");
+  fibre_points_ = vulkan::upload(*device_, points_on_skin(basis().strain), "the fibre points");
+  fibre_segment_count_ = static_cast<std::uint32_t>(segments.size());
+}
+
+Deformer& Detail::deformer(Method method, Use use) {
+  std::unique_ptr<Deformer>& made = deformers_[{method, use}];
+  if (made) return *made;
+  made = std::make_unique<Deformer>(method == Method::linear ? linear_part(basis()) : basis(),
+                                    method == Method::jiggle ? dynamics_ : std::nullopt, JiggleOptions{}, device_);
+  return *made;
+}
+
+const Evaluation& Detail::evaluate(Method method, std::span<const Pose> poses, int frame, const Weights& weights,
+                                   bool host) {
+  Evaluated& last = evaluated_[method];
+  if (method == Method::jiggle) poses = poses.first(1);
+  const bool again = frame == last.frame && weights == last.weights && host <= last.host && same(poses, last.poses);
+  if (again) return last.result;
+  last.poses.clear();  // should it throw
+  Deformer& d = deformer(method, Use::show);
+  d.set_weights({method == Method::ddm ? 0.0f : weights.correction, weights.jiggle});
+  if (method == Method::jiggle) {
+    last.result = host ? d.jiggle(poses, {&frame, 1}) : d.jiggle_on_device(poses, {&frame, 1});
+  } else {
+    last.result = host ? d.evaluate(poses) : d.evaluate_on_device(poses);
+  }
+  last.poses.assign(poses.begin(), poses.end());
+  last.frame = frame;
+  last.weights = weights;
+  last.host = host;
+  return last.result;
+}
+
+ShownSkin Detail::skin(Method method) const {
+  const DeviceSkin skin = deformers_.at({method, Use::show})->device_skin();
+  return {skin.positions, skin.normals};
+}
+
+void Detail::reset_jiggle() {
+  const auto found = deformers_.find({Method::jiggle, Use::show});
+  if (found != deformers_.end()) found->second->set_state({});
+  evaluated_.erase(Method::jiggle);
+}
+
+Evaluation Detail::measure(Method method, const Pose& pose) {
+  Deformer& d = deformer(method == Method::jiggle ? Method::full : method, Use::measure);
+  d.set_weights({method == Method::ddm ? 0.0f : 1.0f, 1.0f});
+  return d.evaluate({&pose, 1});
+}
+
+std::size_t DetailChoice::choose(double seconds, bool playing, std::size_t count) {
+  if (!playing || count <= 1) {
+    sum_ = pictures_ = 0;
+    return 0;
+  }
+  level_ = std::min(level_, count - 1);
+  sum_ += seconds;
+  ++pictures_;
+  if (sum_ < kPatience) return level_;
+  const double mean = sum_ / pictures_;
+  sum_ = pictures_ = 0;
+  if (mean > 1 / kRate && level_ + 1 < count) ++level_;
+  if (mean < 0.5 / kRate && level_ > 0) --level_;
+  return level_;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,93 @@
+// One level of detail of a character: its basis, what drawing needs of it, and its skin by several methods, each on the
+// device.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "runtime/basis/levels.h"
+#include "runtime/deformer.h"
+#include "runtime/vulkan/buffer.h"
+
+namespace bodyopt {
+
+// What makes the skin. Direct Delta Mush: what is learned left out; linear: of what is learned the part that is linear
+// in joints and strains; proxy: the full skin as the next coarser level carries it; truth: a point cache.
+enum class Method { ddm, linear, full, jiggle, proxy, truth };
+
+// A skin where it is: one or more frames of the same vertices.
+struct ShownSkin {
+  const vulkan::Buffer* positions = nullptr;  // F x V x 3, metres, world
+  const vulkan::Buffer* normals = nullptr;
+};
+
+class Detail {
+ public:
+  // `dynamics`: of the same basis, where there are any. Throws Error(device).
+  Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::optional<Dynamics> dynamics);
+
+  const Basis& basis() const { return level_.basis; }
+  const Level& level() const { return level_; }
+  bool jiggles() const { return dynamics_.has_value(); }
+
+  // By ddm, linear, full or jiggle. Poses of one frame, then of ghosts; `frame`: of the first. The jiggle steps only
+  // with that. The same as the last time is not evaluated again. On the host, too, when `host` asks for it.
+  const Evaluation& evaluate(Method method, std::span<const Pose> poses, int frame, const Weights& weights, bool host);
+  // Of the last evaluation by the method.
+  ShownSkin skin(Method method) const;
+  void reset_jiggle();  // which starts anew with the next frame
+
+  // The quasi-static result on the host, of one pose: does not touch what is shown.
+  Evaluation measure(Method method, const Pose& pose);
+
+  const vulkan::Buffer& triangles() const { return triangles_; }
+  const vulkan::Buffer& fibre_segments() const { return fibre_segments_; }
+  const vulkan::Buffer& fibre_points() const { return fibre_points_; }
+  std::uint32_t fibre_segment_count() const { return fibre_segment_count_; }
+
+ private:
+  enum class Use { show, measure };
+
+  // What a method has evaluated last, and of what.
+  struct Evaluated {
+    std::vector<Pose> poses;
+    int frame = 0;
+    Weights weights;
+    bool host = false;
+    Evaluation result;
+  };
+
+  Deformer& deformer(Method method, Use use);
+
+  std::shared_ptr<const vulkan::Device> device_;
+  Level level_;
+  std::optional<Dynamics> dynamics_;
+  vulkan::Buffer triangles_, fibre_segments_, fibre_points_;
+  std::uint32_t fibre_segment_count_ = 0;
+  std::map<std::pair<Method, Use>, std::unique_ptr<Deformer>> deformers_;  // made when they are first wanted
+  std::map<Method, Evaluated> evaluated_;
+};
+
+// The basis without its kernels: what a linear map of joints and strains makes of it.
+Basis linear_part(Basis basis);
+
+// Chooses the level that holds a rate: coarser when pictures are late, finer again when there is twice the time; the
+// finest while nothing plays.
+class DetailChoice {
+ public:
+  static constexpr double kRate = 24;       // pictures a second
+  static constexpr double kPatience = 0.5;  // seconds of pictures before it changes its mind
+
+  // `seconds`: what the last picture took. Gives the level to show, 0 to count - 1.
+  std::size_t choose(double seconds, bool playing, std::size_t count);
+
+ private:
+  std::size_t level_ = 0;
+  double sum_ = 0;
+  int pictures_ = 0;
+};
+
+}  // namespace bodyopt
