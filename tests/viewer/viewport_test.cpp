@@ -56,7 +56,7 @@ class ViewportTest : public ::testing::Test {
   }
   static void TearDownTestSuite() {
     viewport_.reset();
-    positions_ = normals_ = triangles_ = {};
+    for (vulkan::Buffer* buffer : {&positions_, &normals_, &triangles_}) *buffer = {};
     const auto log = device_->validation_log();
     device_.reset();
     EXPECT_EQ(log->messages(), std::vector<std::string>());

@@ -1,14 +1,14 @@
 // A display without a screen (Xvfb), and hands for it (xdotool). To be included last: Xlib's macros are everywhere.
 #pragma once
 
+#include <X11/Xlib.h>
+
 #include <memory>
 #include <string>
 
 #include "tests/support/background_program.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
-
-#include <X11/Xlib.h>
 
 namespace bodyopt::testing {
 
@@ -17,7 +17,8 @@ class XDisplay {
   // What is missing for it to work here; empty: nothing.
   static std::string missing() {
     for (const char* program : {"Xvfb", "xdotool"}) {
-      if (run_program(std::string("command -v ") + program).exit_code != 0) return std::string(program) + " is not installed";
+      if (run_program(std::string("command -v ") + program).exit_code != 0)
+        return std::string(program) + " is not installed";
     }
     return {};
   }
