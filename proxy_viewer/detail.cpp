@@ -64,24 +64,24 @@ Detail::Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::o
   fibre_segment_count_ = static_cast<std::uint32_t>(segments.size());
 }
 
-Deformer& Detail::deformer(Method method, Use use) {
+Deformer& Detail::deformer(SkinMethod method, Use use) {
   std::unique_ptr<Deformer>& made = deformers_[{method, use}];
   if (made) return *made;
-  made = std::make_unique<Deformer>(method == Method::linear ? linear_part(basis()) : basis(),
-                                    method == Method::jiggle ? dynamics_ : std::nullopt, JiggleOptions{}, device_);
+  made = std::make_unique<Deformer>(method == SkinMethod::linear ? linear_part(basis()) : basis(),
+                                    method == SkinMethod::jiggle ? dynamics_ : std::nullopt, JiggleOptions{}, device_);
   return *made;
 }
 
-const Evaluation& Detail::evaluate(Method method, std::span<const Pose> poses, int frame, const Weights& weights,
+const Evaluation& Detail::evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
                                    bool host) {
   Evaluated& last = evaluated_[method];
-  if (method == Method::jiggle) poses = poses.first(1);
+  if (method == SkinMethod::jiggle) poses = poses.first(1);
   const bool again = frame == last.frame && weights == last.weights && host <= last.host && same(poses, last.poses);
   if (again) return last.result;
   last.poses.clear();  // should it throw
   Deformer& d = deformer(method, Use::show);
-  d.set_weights({method == Method::ddm ? 0.0f : weights.correction, weights.jiggle});
-  if (method == Method::jiggle) {
+  d.set_weights({method == SkinMethod::ddm ? 0.0f : weights.correction, weights.jiggle});
+  if (method == SkinMethod::jiggle) {
     last.result = host ? d.jiggle(poses, {&frame, 1}) : d.jiggle_on_device(poses, {&frame, 1});
   } else {
     last.result = host ? d.evaluate(poses) : d.evaluate_on_device(poses);
@@ -93,20 +93,20 @@ const Evaluation& Detail::evaluate(Method method, std::span<const Pose> poses, i
   return last.result;
 }
 
-ShownSkin Detail::skin(Method method) const {
+ShownSkin Detail::skin(SkinMethod method) const {
   const DeviceSkin skin = deformers_.at({method, Use::show})->device_skin();
   return {skin.positions, skin.normals};
 }
 
 void Detail::reset_jiggle() {
-  const auto found = deformers_.find({Method::jiggle, Use::show});
+  const auto found = deformers_.find({SkinMethod::jiggle, Use::show});
   if (found != deformers_.end()) found->second->set_state({});
-  evaluated_.erase(Method::jiggle);
+  evaluated_.erase(SkinMethod::jiggle);
 }
 
-Evaluation Detail::measure(Method method, const Pose& pose) {
-  Deformer& d = deformer(method == Method::jiggle ? Method::full : method, Use::measure);
-  d.set_weights({method == Method::ddm ? 0.0f : 1.0f, 1.0f});
+Evaluation Detail::measure(SkinMethod method, const Pose& pose) {
+  Deformer& d = deformer(method == SkinMethod::jiggle ? SkinMethod::full : method, Use::measure);
+  d.set_weights({method == SkinMethod::ddm ? 0.0f : 1.0f, 1.0f});
   return d.evaluate({&pose, 1});
 }
 

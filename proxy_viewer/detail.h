@@ -16,7 +16,7 @@ namespace bodyopt {
 
 // What makes the skin. Direct Delta Mush: what is learned left out; linear: of what is learned the part that is linear
 // in joints and strains; proxy: the full skin as the next coarser level carries it; truth: a point cache.
-enum class Method { ddm, linear, full, jiggle, proxy, truth };
+enum class SkinMethod { ddm, linear, full, jiggle, proxy, truth };
 
 // A skin where it is: one or more frames of the same vertices.
 struct ShownSkin {
@@ -35,13 +35,14 @@ class Detail {
 
   // By ddm, linear, full or jiggle. Poses of one frame, then of ghosts; `frame`: of the first. The jiggle steps only
   // with that. The same as the last time is not evaluated again. On the host, too, when `host` asks for it.
-  const Evaluation& evaluate(Method method, std::span<const Pose> poses, int frame, const Weights& weights, bool host);
+  const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
+                             bool host);
   // Of the last evaluation by the method.
-  ShownSkin skin(Method method) const;
+  ShownSkin skin(SkinMethod method) const;
   void reset_jiggle();  // which starts anew with the next frame
 
   // The quasi-static result on the host, of one pose: does not touch what is shown.
-  Evaluation measure(Method method, const Pose& pose);
+  Evaluation measure(SkinMethod method, const Pose& pose);
 
   const vulkan::Buffer& triangles() const { return triangles_; }
   const vulkan::Buffer& fibre_segments() const { return fibre_segments_; }
@@ -60,15 +61,15 @@ class Detail {
     Evaluation result;
   };
 
-  Deformer& deformer(Method method, Use use);
+  Deformer& deformer(SkinMethod method, Use use);
 
   std::shared_ptr<const vulkan::Device> device_;
   Level level_;
   std::optional<Dynamics> dynamics_;
   vulkan::Buffer triangles_, fibre_segments_, fibre_points_;
   std::uint32_t fibre_segment_count_ = 0;
-  std::map<std::pair<Method, Use>, std::unique_ptr<Deformer>> deformers_;  // made when they are first wanted
-  std::map<Method, Evaluated> evaluated_;
+  std::map<std::pair<SkinMethod, Use>, std::unique_ptr<Deformer>> deformers_;  // made when they are first wanted
+  std::map<SkinMethod, Evaluated> evaluated_;
 };
 
 // The basis without its kernels: what a linear map of joints and strains makes of it.

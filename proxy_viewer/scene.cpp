@@ -23,7 +23,7 @@ std::uint32_t packed(double red, double green, double blue) {
   return byte(red) | byte(green) << 8 | byte(blue) << 16 | 0xff000000u;
 }
 
-std::vector<Vec3> centres_of(const Character& character, const Pose& pose) {
+std::vector<Vec3> centres_of(const Actor& character, const Pose& pose) {
   std::vector<Vec3> centres;
   for (const Affine& joint : posed_joints(character.basis().skeleton, pose.joints)) {
     centres.push_back({joint.m[0][3], joint.m[1][3], joint.m[2][3]});
@@ -65,26 +65,26 @@ std::uint32_t strain_colour(float strain) {
                : packed(0.93 + 0.07 * s, 0.82 - 0.60 * s, 0.45 - 0.30 * s);
 }
 
-Method shown_method(const Character& character, const ViewSettings& settings) {
-  return settings.jiggle.on && character.has(Method::jiggle) ? Method::jiggle : Method::full;
+SkinMethod shown_method(const Actor& character, const ViewSettings& settings) {
+  return settings.jiggle.on && character.has(SkinMethod::jiggle) ? SkinMethod::jiggle : SkinMethod::full;
 }
 
-std::optional<Method> compared_method(const Character& character, const ViewSettings& settings) {
-  const auto wanted = [&]() -> std::optional<Method> {
-    if (settings.compare.activation) return Method::ddm;
+std::optional<SkinMethod> compared_method(const Actor& character, const ViewSettings& settings) {
+  const auto wanted = [&]() -> std::optional<SkinMethod> {
+    if (settings.compare.activation) return SkinMethod::ddm;
     switch (settings.compare.with) {
       case CompareWith::ddm:
-        return Method::ddm;
+        return SkinMethod::ddm;
       case CompareWith::linear:
-        return Method::linear;
+        return SkinMethod::linear;
       case CompareWith::full:
-        return Method::full;
+        return SkinMethod::full;
       case CompareWith::jiggle:
-        return Method::jiggle;
+        return SkinMethod::jiggle;
       case CompareWith::proxy:
-        return Method::proxy;
+        return SkinMethod::proxy;
       case CompareWith::truth:
-        return Method::truth;
+        return SkinMethod::truth;
       default:
         return std::nullopt;
     }
@@ -93,12 +93,12 @@ std::optional<Method> compared_method(const Character& character, const ViewSett
   return wanted;
 }
 
-void Scene::add(const CharacterFiles& files, const ClipOptions& options) {
-  cast_.push_back(std::make_unique<Character>(device_, files, options));
+void Scene::add(const ActorFiles& files, const ClipOptions& options) {
+  cast_.push_back(std::make_unique<Actor>(device_, files, options));
 }
 
-void Scene::replace(std::size_t index, const CharacterFiles& files, const ClipOptions& options) {
-  cast_[index] = std::make_unique<Character>(device_, files, options);
+void Scene::replace(std::size_t index, const ActorFiles& files, const ClipOptions& options) {
+  cast_[index] = std::make_unique<Actor>(device_, files, options);
   lead_evaluation_ = nullptr;
 }
 
@@ -113,12 +113,12 @@ void Scene::reset_jiggle() {
   for (const auto& character : cast_) character->reset_jiggle();
 }
 
-Pose Scene::pose_at(const Character& character, int frame, const Controls& controls) const {
+Pose Scene::pose_at(const Actor& character, int frame, const Controls& controls) const {
   if (live_pose_ && &character == cast_.front().get()) return *live_pose_;
   return character.pose(frame, controls.settings.pose);
 }
 
-std::vector<Pose> Scene::poses_of(const Character& character, const Controls& controls) const {
+std::vector<Pose> Scene::poses_of(const Actor& character, const Controls& controls) const {
   const ViewSettings& s = controls.settings;
   const int frame = controls.playback.frame();
   std::vector<Pose> poses = {pose_at(character, frame, controls)};
@@ -127,12 +127,12 @@ std::vector<Pose> Scene::poses_of(const Character& character, const Controls& co
   return poses;
 }
 
-Scene::Shown Scene::evaluate(Character& character, Method method, std::span<const Pose> poses,
+Scene::Shown Scene::evaluate(Actor& character, SkinMethod method, std::span<const Pose> poses,
                              const Controls& controls) {
   const Weights weights{static_cast<float>(controls.settings.pose.correction),
                         static_cast<float>(controls.settings.jiggle.amount)};
   // Ghosts are quasi-static: they have no past.
-  const auto wanted = method == Method::full ? poses : poses.first(1);
+  const auto wanted = method == SkinMethod::full ? poses : poses.first(1);
   const Evaluation& evaluation = character.evaluate(method, wanted, controls.playback.frame(), weights);
   for (const auto& [stage, seconds] : evaluation.stage_seconds) stage_seconds_[stage] += seconds;
   return {method, &evaluation, character.skin(method)};
@@ -192,11 +192,11 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
 }
 
 void Scene::add_character(std::size_t index, const Controls& controls, std::vector<View>& views) {
-  Character& character = *cast_[index];
+  Actor& character = *cast_[index];
   const ViewSettings& s = controls.settings;
   const std::vector<Pose> poses = poses_of(character, controls);
-  const Method method = shown_method(character, s);
-  const std::optional<Method> other = compared_method(character, s);
+  const SkinMethod method = shown_method(character, s);
+  const std::optional<SkinMethod> other = compared_method(character, s);
   const bool has_ghosts = poses.size() > 1;
   const Shown shown = evaluate(character, method, poses, controls);
   if (index == 0) lead_evaluation_ = shown.evaluation;
@@ -247,7 +247,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     if (s.look.fibres) add_fibres(character, shown, skin.offset, view);
   }
   if (!has_ghosts) return;
-  const Shown ghosts = method == Method::full ? shown : evaluate(character, Method::full, poses, controls);
+  const Shown ghosts = method == SkinMethod::full ? shown : evaluate(character, SkinMethod::full, poses, controls);
   for (std::size_t g = 1; g < poses.size(); ++g) {
     SkinDraw ghost = skin;
     ghost.positions = ghosts.skin.positions;
@@ -265,7 +265,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   }
 }
 
-void Scene::add_skeleton(const Character& character, const Pose& pose, const std::array<float, 3>& offset,
+void Scene::add_skeleton(const Actor& character, const Pose& pose, const std::array<float, 3>& offset,
                          const Controls& controls, View& view) {
   const Skeleton& skeleton = character.basis().skeleton;
   const std::vector<Vec3> centres = centres_of(character, pose);
@@ -294,8 +294,8 @@ void Scene::add_skeleton(const Character& character, const Pose& pose, const std
   view.lines.push_back({lines_.back(), offset, 1.5f, true});
 }
 
-void Scene::add_fibres(const Character& character, const Shown& shown, const std::array<float, 3>& offset, View& view) {
-  if (character.shown().fibre_segment_count() == 0 || shown.method == Method::truth) return;
+void Scene::add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view) {
+  if (character.shown().fibre_segment_count() == 0 || shown.method == SkinMethod::truth) return;
   std::vector<std::uint32_t> colours;
   const std::uint32_t fibres = character.basis().strain.fibre_count();
   for (std::uint32_t f = 0; f < fibres; ++f) colours.push_back(strain_colour(shown.evaluation->strains[f]));
@@ -314,12 +314,12 @@ void Scene::add_fibres(const Character& character, const Shown& shown, const std
 
 std::vector<Vec3> Scene::joint_centres(const Controls& controls) const {
   if (cast_.empty()) return {};
-  const Character& lead = *cast_.front();
+  const Actor& lead = *cast_.front();
   return centres_of(lead, pose_at(lead, controls.playback.frame(), controls));
 }
 
 Vec3 Scene::whereabouts(int frame) const {
-  const Character& lead = *cast_.front();
+  const Actor& lead = *cast_.front();
   const Clip& clip = lead.clip();
   const int around = static_cast<int>(std::lround(0.5 * clip.fps));
   Vec3 sum{0, 0, 0};
@@ -345,7 +345,7 @@ std::vector<float> Scene::points_to_frame(const Controls& controls) {
   }
   for (std::size_t c = 0; c < cast_.size(); ++c) {
     const std::array<float, 3> offset = place(c);
-    const std::vector<float> skin = cast_[c]->measure(Method::full, pose_at(*cast_[c], frame, controls), frame);
+    const std::vector<float> skin = cast_[c]->measure(SkinMethod::full, pose_at(*cast_[c], frame, controls), frame);
     for (std::size_t k = 0; k < skin.size(); ++k) points.push_back(skin[k] + offset[k % 3]);
   }
   return points;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "proxy_viewer/character.h"
+#include "proxy_viewer/actor.h"
 #include "proxy_viewer/controls.h"
 #include "proxy_viewer/render/view.h"
 
@@ -16,15 +16,15 @@ class Scene {
  public:
   explicit Scene(std::shared_ptr<const vulkan::Device> device) : device_(std::move(device)) {}
 
-  void add(const CharacterFiles& files, const ClipOptions& options);
-  void replace(std::size_t index, const CharacterFiles& files, const ClipOptions& options);
+  void add(const ActorFiles& files, const ClipOptions& options);
+  void replace(std::size_t index, const ActorFiles& files, const ClipOptions& options);
   // In place of the lead's clip, from now on.
   void set_live_pose(Pose pose) { live_pose_ = std::move(pose); }
   void reset_jiggle();
   bool empty() const { return cast_.empty(); }
-  std::vector<std::unique_ptr<Character>>& cast() { return cast_; }
-  const std::vector<std::unique_ptr<Character>>& cast() const { return cast_; }
-  Character& lead() { return *cast_.front(); }  // whom panels speak of
+  std::vector<std::unique_ptr<Actor>>& cast() { return cast_; }
+  const std::vector<std::unique_ptr<Actor>>& cast() const { return cast_; }
+  Actor& lead() { return *cast_.front(); }  // whom panels speak of
 
   // The views of a frame in a picture whose part `area` is free of panels: evaluates what is not yet. Buffers stay
   // until the next call. Throws Error(device), Error(file) of a truth that went away.
@@ -44,22 +44,22 @@ class Scene {
 
  private:
   struct Shown {
-    Method method;
+    SkinMethod method;
     const Evaluation* evaluation;
     ShownSkin skin;
   };
 
-  Shown evaluate(Character& character, Method method, std::span<const Pose> poses, const Controls& controls);
-  Pose pose_at(const Character& character, int frame, const Controls& controls) const;
-  std::vector<Pose> poses_of(const Character& character, const Controls& controls) const;
+  Shown evaluate(Actor& character, SkinMethod method, std::span<const Pose> poses, const Controls& controls);
+  Pose pose_at(const Actor& character, int frame, const Controls& controls) const;
+  std::vector<Pose> poses_of(const Actor& character, const Controls& controls) const;
   void add_character(std::size_t index, const Controls& controls, std::vector<View>& views);
-  void add_skeleton(const Character& character, const Pose& pose, const std::array<float, 3>& offset,
+  void add_skeleton(const Actor& character, const Pose& pose, const std::array<float, 3>& offset,
                     const Controls& controls, View& view);
-  void add_fibres(const Character& character, const Shown& shown, const std::array<float, 3>& offset, View& view);
+  void add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view);
   std::array<float, 3> place(std::size_t index) const;
 
   std::shared_ptr<const vulkan::Device> device_;
-  std::vector<std::unique_ptr<Character>> cast_;
+  std::vector<std::unique_ptr<Actor>> cast_;
   std::optional<Pose> live_pose_;
   std::map<std::string, double> stage_seconds_;
   const Evaluation* lead_evaluation_ = nullptr;
@@ -69,8 +69,8 @@ class Scene {
 };
 
 // The method that settings choose, and what it is compared with: none where the character has no such skin.
-Method shown_method(const Character& character, const ViewSettings& settings);
-std::optional<Method> compared_method(const Character& character, const ViewSettings& settings);
+SkinMethod shown_method(const Actor& character, const ViewSettings& settings);
+std::optional<SkinMethod> compared_method(const Actor& character, const ViewSettings& settings);
 
 // The colour of a strain: blue where shorter, yellow at rest, red where longer; full at a third.
 std::uint32_t strain_colour(float strain);

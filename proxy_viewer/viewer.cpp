@@ -204,7 +204,7 @@ class Viewer {
   void watch() {
     std::vector<fs::path> files;
     for (const auto& character : scene_.cast()) {
-      const CharacterFiles& f = character->files();
+      const ActorFiles& f = character->files();
       for (const std::string& file : {f.basis, f.clip.substr(0, f.clip.find('#')), f.truth}) {
         if (!file.empty()) files.emplace_back(file);
       }
@@ -214,7 +214,7 @@ class Viewer {
 
   void reload() {
     for (std::size_t c = 0; c < scene_.cast().size(); ++c) {
-      scene_.replace(c, CharacterFiles(scene_.cast()[c]->files()), options_.clip);
+      scene_.replace(c, ActorFiles(scene_.cast()[c]->files()), options_.clip);
     }
     describe_cast();
     controls_.say("the files were read again");
@@ -396,9 +396,9 @@ class Viewer {
       snapshot_.cast.push_back({character->name(), character->files().basis,
                                 character->files().clip.empty() ? "" : character->clip().name, character->files().truth,
                                 basis.mesh.vertex_count(), static_cast<std::uint32_t>(basis.mesh.triangles.size() / 3),
-                                total_bytes(basis), character->has(Method::jiggle)});
+                                total_bytes(basis), character->has(SkinMethod::jiggle)});
     }
-    const Character& lead = scene_.lead();
+    const Actor& lead = scene_.lead();
     snapshot_.joints.clear();
     for (const Joint& joint : lead.basis().skeleton.joints) {
       JointRow row;

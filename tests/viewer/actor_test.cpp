@@ -1,4 +1,4 @@
-#include "proxy_viewer/character.h"
+#include "proxy_viewer/actor.h"
 
 #include "runtime/cpu/kernels.h"
 #include "tests/support/error_kind.h"
@@ -9,7 +9,7 @@ namespace bodyopt::testing {
 namespace {
 
 // Device and files shared by the tests; validation stays silent.
-class CharacterTest : public ::testing::Test {
+class ActorTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     device_ = open_test_device();
@@ -49,13 +49,13 @@ class CharacterTest : public ::testing::Test {
     return out;
   }
 
-  static std::vector<float> shown_positions(const Character& character, Method method) {
+  static std::vector<float> shown_positions(const Actor& character, SkinMethod method) {
     return in_output_order(character.basis().mesh, download(*character.skin(method).positions));
   }
 
-  static Character small_character() { return {device_, {small_->basis, small_->clip, small_->truth}, {}}; }
+  static Actor small_character() { return {device_, {small_->basis, small_->clip, small_->truth}, {}}; }
 
-  static std::vector<float> evaluate(Character& character, Method method, const Pose& pose, const Weights& weights) {
+  static std::vector<float> evaluate(Actor& character, SkinMethod method, const Pose& pose, const Weights& weights) {
     character.evaluate(method, {&pose, 1}, 1, weights);
     return shown_positions(character, method);
   }
@@ -76,38 +76,38 @@ double distance(const std::vector<float>& a, const std::vector<float>& b) {
   return largest;
 }
 
-TEST_F(CharacterTest, SkinOnTheDeviceHasTheBitsOfEval) {
-  Character character = small_character();
+TEST_F(ActorTest, SkinOnTheDeviceHasTheBitsOfEval) {
+  Actor character = small_character();
   Deformer deformer(small_->made, test_device());
   for (const std::size_t count : {1u, 4u, 4u, 1u, 9u}) {  // ghosts come and go
     std::vector<Pose> poses;
     for (std::size_t k = 0; k < count; ++k) poses.push_back(character.pose(static_cast<int>(3 + k), {}));
-    const Evaluation& evaluation = character.evaluate(Method::full, poses, 3, {});
+    const Evaluation& evaluation = character.evaluate(SkinMethod::full, poses, 3, {});
     const Evaluation expected = deformer.evaluate(poses);
-    EXPECT_EQ(shown_positions(character, Method::full), expected.positions) << count;
-    EXPECT_EQ(in_output_order(character.basis().mesh, download(*character.skin(Method::full).normals)),
+    EXPECT_EQ(shown_positions(character, SkinMethod::full), expected.positions) << count;
+    EXPECT_EQ(in_output_order(character.basis().mesh, download(*character.skin(SkinMethod::full).normals)),
               expected.normals);
     EXPECT_EQ(evaluation.strains, expected.strains);
     EXPECT_EQ(evaluation.outside, expected.outside);
     EXPECT_TRUE(evaluation.positions.empty());
     EXPECT_EQ(
-        character.measure(Method::full, poses.back(), 3),
+        character.measure(SkinMethod::full, poses.back(), 3),
         std::vector<float>(expected.positions.end() - static_cast<std::ptrdiff_t>(expected.positions.size() / count),
                            expected.positions.end()));
   }
 }
 
-TEST_F(CharacterTest, MeasuringLeavesWhatIsShown) {
-  Character character = small_character();
-  const std::vector<float> shown = evaluate(character, Method::full, character.pose(2, {}), {});
+TEST_F(ActorTest, MeasuringLeavesWhatIsShown) {
+  Actor character = small_character();
+  const std::vector<float> shown = evaluate(character, SkinMethod::full, character.pose(2, {}), {});
   const Pose other = character.pose(9, {});
-  EXPECT_GT(distance(character.measure(Method::full, other, 9), shown), 0.01);
-  EXPECT_EQ(shown_positions(character, Method::full), shown);
+  EXPECT_GT(distance(character.measure(SkinMethod::full, other, 9), shown), 0.01);
+  EXPECT_EQ(shown_positions(character, SkinMethod::full), shown);
 }
 
-TEST_F(CharacterTest, JiggleStepsOncePerFrameAsEvalDoes) {
-  Character character(device_, {jiggling_->basis, jiggling_->clip, {}}, {});
-  ASSERT_TRUE(character.has(Method::jiggle));
+TEST_F(ActorTest, JiggleStepsOncePerFrameAsEvalDoes) {
+  Actor character(device_, {jiggling_->basis, jiggling_->clip, {}}, {});
+  ASSERT_TRUE(character.has(SkinMethod::jiggle));
   const auto run = [&] {
     Deformer deformer(jiggling_->made.basis, jiggling_->made.dynamics, {}, test_device());
     for (int frame = 1; frame <= 6; ++frame) {
@@ -115,9 +115,9 @@ TEST_F(CharacterTest, JiggleStepsOncePerFrameAsEvalDoes) {
       const std::vector<Pose> with_ghosts(3, pose);
       const std::vector<float> expected = deformer.jiggle({&pose, 1}, {&frame, 1}).positions;
       for (int again = 0; again < 2; ++again) {
-        character.evaluate(Method::jiggle, with_ghosts, frame, {});
-        character.evaluate(Method::full, with_ghosts, frame, {});
-        EXPECT_EQ(shown_positions(character, Method::jiggle), expected) << frame;
+        character.evaluate(SkinMethod::jiggle, with_ghosts, frame, {});
+        character.evaluate(SkinMethod::full, with_ghosts, frame, {});
+        EXPECT_EQ(shown_positions(character, SkinMethod::jiggle), expected) << frame;
       }
     }
   };
@@ -126,31 +126,31 @@ TEST_F(CharacterTest, JiggleStepsOncePerFrameAsEvalDoes) {
   run();
 }
 
-TEST_F(CharacterTest, JiggleAmountScalesWhatIsShownAndChangesNoState) {
-  Character character(device_, {jiggling_->basis, jiggling_->clip, {}}, {});
+TEST_F(ActorTest, JiggleAmountScalesWhatIsShownAndChangesNoState) {
+  Actor character(device_, {jiggling_->basis, jiggling_->clip, {}}, {});
   for (int frame = 1; frame < 6; ++frame) {
     const Pose pose = character.pose(frame, {});
-    character.evaluate(Method::jiggle, {&pose, 1}, frame, {1, frame % 2 == 0 ? 2.0f : 0.0f});
+    character.evaluate(SkinMethod::jiggle, {&pose, 1}, frame, {1, frame % 2 == 0 ? 2.0f : 0.0f});
   }
-  Character plain(device_, {jiggling_->basis, jiggling_->clip, {}}, {});
+  Actor plain(device_, {jiggling_->basis, jiggling_->clip, {}}, {});
   Pose pose;
   for (int frame = 1; frame <= 6; ++frame) {
     pose = plain.pose(frame, {});
-    plain.evaluate(Method::jiggle, {&pose, 1}, frame, {});
+    plain.evaluate(SkinMethod::jiggle, {&pose, 1}, frame, {});
   }
-  character.evaluate(Method::jiggle, {&pose, 1}, 6, {});
-  const std::vector<float> jiggled = shown_positions(plain, Method::jiggle);
-  EXPECT_EQ(shown_positions(character, Method::jiggle), jiggled);
-  EXPECT_GT(distance(evaluate(plain, Method::full, pose, {}), jiggled), 1e-4);
+  character.evaluate(SkinMethod::jiggle, {&pose, 1}, 6, {});
+  const std::vector<float> jiggled = shown_positions(plain, SkinMethod::jiggle);
+  EXPECT_EQ(shown_positions(character, SkinMethod::jiggle), jiggled);
+  EXPECT_GT(distance(evaluate(plain, SkinMethod::full, pose, {}), jiggled), 1e-4);
 }
 
-TEST_F(CharacterTest, CorrectionGoesFromDirectDeltaMushToTheFull) {
-  Character character = small_character();
+TEST_F(ActorTest, CorrectionGoesFromDirectDeltaMushToTheFull) {
+  Actor character = small_character();
   const Pose pose = character.pose(8, {});
-  const std::vector<float> none = evaluate(character, Method::full, pose, {0, 1});
-  const std::vector<float> half = evaluate(character, Method::full, pose, {0.5f, 1});
-  const std::vector<float> full = evaluate(character, Method::full, pose, {1, 1});
-  EXPECT_EQ(none, evaluate(character, Method::ddm, pose, {1, 1}));
+  const std::vector<float> none = evaluate(character, SkinMethod::full, pose, {0, 1});
+  const std::vector<float> half = evaluate(character, SkinMethod::full, pose, {0.5f, 1});
+  const std::vector<float> full = evaluate(character, SkinMethod::full, pose, {1, 1});
+  EXPECT_EQ(none, evaluate(character, SkinMethod::ddm, pose, {1, 1}));
   Basis plain = small_->made;
   std::fill(plain.residual.weights.begin(), plain.residual.weights.end(), 0.0f);
   EXPECT_EQ(none, Deformer(plain, test_device()).evaluate({&pose, 1}).positions);
@@ -161,7 +161,7 @@ TEST_F(CharacterTest, CorrectionGoesFromDirectDeltaMushToTheFull) {
   EXPECT_LT(distance(half, middle), 1e-6);
 }
 
-TEST_F(CharacterTest, LinearPartIsLinearInFeatures) {
+TEST_F(ActorTest, LinearPartIsLinearInFeatures) {
   const Basis linear = linear_part(small_->made);
   ASSERT_EQ(linear.residual.weights.size(), small_->made.residual.weights.size());
   for (const Region& region : linear.residual.regions) {
@@ -172,8 +172,8 @@ TEST_F(CharacterTest, LinearPartIsLinearInFeatures) {
     }
   }
   // The control is one of the features: half of it moves every vertex half as far, which kernels do not.
-  Character character = small_character();
-  const auto bow = [&](Method method) {
+  Actor character = small_character();
+  const auto bow = [&](SkinMethod method) {
     std::vector<float> at[3];
     for (int k = 0; k < 3; ++k) {
       ViewSettings::Posing posing;
@@ -184,19 +184,19 @@ TEST_F(CharacterTest, LinearPartIsLinearInFeatures) {
     for (std::size_t k = 0; k < at[0].size(); ++k) at[0][k] = 0.5f * (at[0][k] + at[2][k]);
     return distance(at[0], at[1]);
   };
-  EXPECT_LT(bow(Method::linear), 1e-6);
-  EXPECT_GT(bow(Method::full), 1e-5);
+  EXPECT_LT(bow(SkinMethod::linear), 1e-6);
+  EXPECT_GT(bow(SkinMethod::full), 1e-5);
 }
 
-TEST_F(CharacterTest, MorePosesThanABatchTakesAreRefused) {
+TEST_F(ActorTest, MorePosesThanABatchTakesAreRefused) {
   Deformer deformer(small_->made, std::nullopt, {}, device_);
   const std::vector<Pose> poses(deformer.batch_limit() + std::size_t{1}, bind_pose(small_->made.skeleton));
   EXPECT_EQ(kind_of([&] { deformer.evaluate_on_device(poses); }), ErrorKind::usage);
   EXPECT_NO_THROW(deformer.evaluate_on_device(std::span(poses).first(2)));
 }
 
-TEST_F(CharacterTest, PoseOfAFrameBeyondTheClipIsTheNearest) {
-  const Character character = small_character();
+TEST_F(ActorTest, PoseOfAFrameBeyondTheClipIsTheNearest) {
+  const Actor character = small_character();
   const Clip clip = read_clip(small_->clip, small_->made.skeleton, {});
   const auto same = [](const Pose& a, const Pose& b) {
     return a.joints[0].translation == b.joints[0].translation && a.joints[1].rotation == b.joints[1].rotation;
@@ -206,8 +206,8 @@ TEST_F(CharacterTest, PoseOfAFrameBeyondTheClipIsTheNearest) {
   EXPECT_TRUE(same(character.pose(1000, {}), clip.poses.back()));
 }
 
-TEST_F(CharacterTest, PoseTurnsJointsAndSetsControls) {
-  const Character character = small_character();
+TEST_F(ActorTest, PoseTurnsJointsAndSetsControls) {
+  const Actor character = small_character();
   ViewSettings::Posing posing;
   posing.joints["upper"] = {0, 90, 0};
   posing.joints["of another character"] = {1, 2, 3};
@@ -220,7 +220,7 @@ TEST_F(CharacterTest, PoseTurnsJointsAndSetsControls) {
 }
 
 // Samples 0, 1, 2 of frames 10, 12, 14: every point its own place.
-TEST_F(CharacterTest, TruthIsThatOfTheFrameInTheOrderOfTheFile) {
+TEST_F(ActorTest, TruthIsThatOfTheFrameInTheOrderOfTheFile) {
   const MeshTable& mesh = small_->made.mesh;
   const std::string path = (*folder_ / "thirds.pc2").string();
   Pc2Writer writer(path, mesh.output_count(), 3, 10, 2);
@@ -233,25 +233,26 @@ TEST_F(CharacterTest, TruthIsThatOfTheFrameInTheOrderOfTheFile) {
     writer.append(samples[s]);
   }
   writer.close();
-  Character character = small_character();
-  EXPECT_TRUE(character.has(Method::truth));
+  Actor character = small_character();
+  EXPECT_TRUE(character.has(SkinMethod::truth));
   character.open_truth(path);
   const Pose pose = character.pose(1, {});
   const std::pair<int, int> shown[] = {{10, 0}, {12, 1}, {13, 2}, {14, 2}, {9, 0}, {-50, 0}, {11, 1}, {5000, 2}};
   for (const auto& [frame, sample] : shown) {
-    character.evaluate(Method::truth, {&pose, 1}, frame, {});
-    EXPECT_EQ(shown_positions(character, Method::truth), samples[static_cast<std::size_t>(sample)]) << frame;
+    character.evaluate(SkinMethod::truth, {&pose, 1}, frame, {});
+    EXPECT_EQ(shown_positions(character, SkinMethod::truth), samples[static_cast<std::size_t>(sample)]) << frame;
   }
   std::vector<float> normals(mesh.rest.size());
-  cpu::output_normals(mesh, download(*character.skin(Method::truth).positions), normals);
-  EXPECT_EQ(download(*character.skin(Method::truth).normals), normals);
+  cpu::output_normals(mesh, download(*character.skin(SkinMethod::truth).positions), normals);
+  EXPECT_EQ(download(*character.skin(SkinMethod::truth).normals), normals);
   // Figures are of frames that are there.
-  EXPECT_EQ(character.measure(Method::truth, pose, 12), samples[1]);
-  for (const int frame : {8, 9, 15, 100}) EXPECT_TRUE(character.measure(Method::truth, pose, frame).empty()) << frame;
+  EXPECT_EQ(character.measure(SkinMethod::truth, pose, 12), samples[1]);
+  for (const int frame : {8, 9, 15, 100})
+    EXPECT_TRUE(character.measure(SkinMethod::truth, pose, frame).empty()) << frame;
 }
 
-TEST_F(CharacterTest, TruthOfAnotherCharacterIsRefusedAndTheOldOneStays) {
-  Character character = small_character();
+TEST_F(ActorTest, TruthOfAnotherCharacterIsRefusedAndTheOldOneStays) {
+  Actor character = small_character();
   const std::string other = (*folder_ / "other.pc2").string(), empty = (*folder_ / "empty.pc2").string();
   Pc2Writer writer(other, 7, 1);
   writer.append(std::vector<float>(21));
@@ -261,53 +262,50 @@ TEST_F(CharacterTest, TruthOfAnotherCharacterIsRefusedAndTheOldOneStays) {
   EXPECT_EQ(kind_of([&] { character.open_truth(empty); }), ErrorKind::file);
   EXPECT_EQ(kind_of([&] { character.open_truth((*folder_ / "none.pc2").string()); }), ErrorKind::file);
   EXPECT_EQ(character.files().truth, small_->truth);
-  EXPECT_FALSE(character.measure(Method::truth, character.pose(1, {}), 1).empty());
+  EXPECT_FALSE(character.measure(SkinMethod::truth, character.pose(1, {}), 1).empty());
 }
 
-TEST_F(CharacterTest, TruthThatIsCutOffOrTakenAwayIsLeftOut) {
+TEST_F(ActorTest, TruthThatIsCutOffOrTakenAwayIsLeftOut) {
   for (const bool removed : {false, true}) {
     const std::string path = (*folder_ / "goes_away.pc2").string();
     std::filesystem::copy_file(small_->truth, path);
-    Character character = small_character();
+    Actor character = small_character();
     character.open_truth(path);
     const Pose pose = character.pose(1, {});
-    character.evaluate(Method::truth, {&pose, 1}, 1, {});
+    character.evaluate(SkinMethod::truth, {&pose, 1}, 1, {});
     if (removed) {
       std::filesystem::remove(path);
     } else {
       std::filesystem::resize_file(path, 100);
     }
-    character.evaluate(Method::truth, {&pose, 1}, 1, {});  // what is on the device needs no file
-    EXPECT_EQ(kind_of([&] { character.evaluate(Method::truth, {&pose, 1}, 7, {}); }), ErrorKind::file);
-    EXPECT_FALSE(character.has(Method::truth));
-    character.evaluate(Method::full, {&pose, 1}, 7, {});
+    character.evaluate(SkinMethod::truth, {&pose, 1}, 1, {});  // what is on the device needs no file
+    EXPECT_EQ(kind_of([&] { character.evaluate(SkinMethod::truth, {&pose, 1}, 7, {}); }), ErrorKind::file);
+    EXPECT_FALSE(character.has(SkinMethod::truth));
+    character.evaluate(SkinMethod::full, {&pose, 1}, 7, {});
     std::filesystem::remove(path);
   }
 }
 
-TEST_F(CharacterTest, ClipOfAnotherSkeletonIsRefusedAndTheOldOneStays) {
-  Character character = small_character();
+TEST_F(ActorTest, ClipOfAnotherSkeletonIsRefusedAndTheOldOneStays) {
+  Actor character = small_character();
   EXPECT_EQ(kind_of([&] { character.open_clip(jiggling_->clip); }), ErrorKind::mismatch);
   EXPECT_EQ(kind_of([&] { character.open_clip((*folder_ / "none.bvh").string()); }), ErrorKind::file);
   EXPECT_EQ(character.clip().last_frame(), kClipFrames);
   EXPECT_EQ(character.files().clip, small_->clip);
 }
 
-TEST_F(CharacterTest, DynamicsOfAnotherBasisAreRefused) {
+TEST_F(ActorTest, DynamicsOfAnotherBasisAreRefused) {
   const TemporaryFolder folder;
   std::filesystem::copy_file(small_->basis, folder / "a.safetensors");
   std::filesystem::copy_file(*folder_ / "limb.dynamics.safetensors", folder / "a.dynamics.safetensors");
-  EXPECT_EQ(kind_of([&] {
-              Character(device_, {(folder / "a.safetensors").string(), {}, {}}, {});
-            }),
-            ErrorKind::mismatch);
+  EXPECT_EQ(kind_of([&] { Actor(device_, {(folder / "a.safetensors").string(), {}, {}}, {}); }), ErrorKind::mismatch);
 }
 
-TEST_F(CharacterTest, WithoutAClipItStandsInTheBindPose) {
-  Character character(device_, {small_->basis, {}, {}}, {});
+TEST_F(ActorTest, WithoutAClipItStandsInTheBindPose) {
+  Actor character(device_, {small_->basis, {}, {}}, {});
   EXPECT_EQ(character.clip().poses.size(), 1u);
-  EXPECT_FALSE(character.has(Method::truth));
-  EXPECT_FALSE(character.has(Method::jiggle));
+  EXPECT_FALSE(character.has(SkinMethod::truth));
+  EXPECT_FALSE(character.has(SkinMethod::jiggle));
   // A cylinder of 1 m between caps 5 cm out.
   EXPECT_NEAR(character.ground(), -0.05, 0.02);
   EXPECT_NEAR(character.size(), std::hypot(1.1, 0.2, 0.2), 0.02);

@@ -23,16 +23,16 @@ namespace bodyopt {
 
 // The files of a character; what is empty is none. Dynamics and attached geometry: those beside the basis, where there
 // are any.
-struct CharacterFiles {
+struct ActorFiles {
   std::string basis, clip{}, truth{}, proxy{};
 };
 
-class Character {
+class Actor {
  public:
   // Throws Error(file), Error(mismatch), Error(device).
-  Character(std::shared_ptr<const vulkan::Device> device, const CharacterFiles& files, const ClipOptions& options);
+  Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& files, const ClipOptions& options);
 
-  const CharacterFiles& files() const { return files_; }
+  const ActorFiles& files() const { return files_; }
   std::string name() const;
   // Of the level that is shown. Joints and controls are the same for all.
   const Detail& shown() const { return *details_[level_]; }
@@ -42,7 +42,7 @@ class Character {
   void set_level(std::size_t level) { level_ = std::min(level, details_.size() - 1); }
   bool has_proxy() const { return details_.size() > 1; }
   const Clip& clip() const { return clip_; }  // one frame, the bind pose, where there is no file
-  bool has(Method method) const;
+  bool has(SkinMethod method) const;
 
   // These throw as the constructor, and leave what was there.
   void open_clip(const std::string& source);
@@ -52,16 +52,16 @@ class Character {
   Pose pose(int frame, const ViewSettings::Posing& posing) const;
 
   // Poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
-  const Evaluation& evaluate(Method method, std::span<const Pose> poses, int frame, const Weights& weights);
+  const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights);
   void reset_jiggle();  // which starts anew with the next frame
   // What it wears, on the skin evaluated last by the method that is carried along: full or jiggle; null: nothing.
   const WornMeshes* worn() const { return worn_.get(); }
   // Of the last evaluation by the method.
-  ShownSkin skin(Method method) const;
+  ShownSkin skin(SkinMethod method) const;
 
   // The result of a method on the host, output vertex order: of one pose, for figures; nothing where the truth has no
   // such frame. Quasi-static.
-  std::vector<float> measure(Method method, const Pose& pose, int frame);
+  std::vector<float> measure(SkinMethod method, const Pose& pose, int frame);
 
   double size() const { return size_; }      // diagonal of the rest skin, metres
   double ground() const { return ground_; }  // height of its lowest point as the clip begins, metres
@@ -88,7 +88,7 @@ class Character {
   void measure_ground();
 
   std::shared_ptr<const vulkan::Device> device_;
-  CharacterFiles files_;
+  ActorFiles files_;
   ClipOptions clip_options_;
   std::vector<std::unique_ptr<Detail>> details_;  // finest first; all but the first are proxies
   std::size_t level_ = 0;

@@ -1,4 +1,4 @@
-#include "proxy_viewer/character.h"
+#include "proxy_viewer/actor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,8 +45,7 @@ Clip bind_clip(const Basis& basis) {
 
 }  // namespace
 
-Character::Character(std::shared_ptr<const vulkan::Device> device, const CharacterFiles& files,
-                     const ClipOptions& options)
+Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& files, const ClipOptions& options)
     : device_(std::move(device)), files_(files), clip_options_(options) {
   std::vector<Level> levels = load_levels(files.basis);
   const fs::path beside = fs::path(files.basis).replace_extension(".dynamics.safetensors");
@@ -71,7 +70,7 @@ Character::Character(std::shared_ptr<const vulkan::Device> device, const Charact
 }
 
 // Coarser levels of the same character.
-void Character::add_proxy(const std::string& path) {
+void Actor::add_proxy(const std::string& path) {
   const Basis& full = finest().basis();
   for (Level& level : load_levels(path)) {
     if (skeleton_hash(level.basis.skeleton) != skeleton_hash(full.skeleton) ||
@@ -86,15 +85,15 @@ void Character::add_proxy(const std::string& path) {
   }
 }
 
-std::string Character::name() const { return fs::path(files_.basis).stem().string(); }
+std::string Actor::name() const { return fs::path(files_.basis).stem().string(); }
 
-bool Character::has(Method method) const {
-  if (method == Method::jiggle) return shown().jiggles();
-  if (method == Method::proxy) return level_ == 0 && details_.size() > 1 && !details_[1]->level().carried.empty();
-  return method != Method::truth || (level_ == 0 && truth_.has_value());
+bool Actor::has(SkinMethod method) const {
+  if (method == SkinMethod::jiggle) return shown().jiggles();
+  if (method == SkinMethod::proxy) return level_ == 0 && details_.size() > 1 && !details_[1]->level().carried.empty();
+  return method != SkinMethod::truth || (level_ == 0 && truth_.has_value());
 }
 
-void Character::open_clip(const std::string& source) {
+void Actor::open_clip(const std::string& source) {
   Clip clip = read_clip(source, basis().skeleton, clip_options_);
   arrange_controls(basis().residual.controls, clip);
   if (clip.poses.empty()) throw Error(ErrorKind::file, source + ": the clip has no frame");
@@ -103,7 +102,7 @@ void Character::open_clip(const std::string& source) {
   measure_ground();
 }
 
-void Character::open_truth(const std::string& path) {
+void Actor::open_truth(const std::string& path) {
   Pc2Reader reader(path);
   if (reader.point_count() != basis().mesh.output_count()) {
     throw Error(ErrorKind::mismatch, path + ": the cache has " + std::to_string(reader.point_count()) +
@@ -115,7 +114,7 @@ void Character::open_truth(const std::string& path) {
   files_.truth = path;
 }
 
-Pose Character::pose(int frame, const ViewSettings::Posing& posing) const {
+Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
   const int number = std::clamp(frame, clip_.first_frame, clip_.last_frame());
   Pose pose = clip_.poses[static_cast<std::size_t>(number - clip_.first_frame)];
   for (const auto& [joint, degrees] : posing.joints) {
@@ -134,8 +133,8 @@ Pose Character::pose(int frame, const ViewSettings::Posing& posing) const {
   return pose;
 }
 
-const Evaluation& Character::evaluate(Method method, std::span<const Pose> poses, int frame, const Weights& weights) {
-  if (method == Method::truth) {
+const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights) {
+  if (method == SkinMethod::truth) {
     try {
       show_truth(frame);
     } catch (...) {
@@ -144,15 +143,15 @@ const Evaluation& Character::evaluate(Method method, std::span<const Pose> poses
     }
     return hosted_;
   }
-  if (method == Method::proxy) return carry_proxy(poses.first(1), frame, weights);
-  const bool carries = worn_ && (method == Method::full || method == Method::jiggle);
+  if (method == SkinMethod::proxy) return carry_proxy(poses.first(1), frame, weights);
+  const bool carries = worn_ && (method == SkinMethod::full || method == SkinMethod::jiggle);
   const Evaluation& result = details_[level_]->evaluate(method, poses, frame, weights, carries);
   if (carries) worn_->carry(full_skin(shown(), result), poses[0].joints);
   return result;
 }
 
 // O x 3 of the finest level, of the first frame.
-std::vector<float> Character::full_skin(const Detail& detail, const Evaluation& evaluation) const {
+std::vector<float> Actor::full_skin(const Detail& detail, const Evaluation& evaluation) const {
   const Level& level = detail.level();
   const std::size_t count = std::size_t{3} * level.basis.mesh.output_count();
   const std::span<const float> positions = std::span(evaluation.positions).first(count);
@@ -160,39 +159,39 @@ std::vector<float> Character::full_skin(const Detail& detail, const Evaluation& 
   return carry_skin(level.basis.mesh, level.carried, positions, std::span(evaluation.normals).first(count));
 }
 
-const Evaluation& Character::carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights) {
+const Evaluation& Actor::carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights) {
   Detail& proxy = *details_[1];
-  const Evaluation& result = proxy.evaluate(Method::full, poses, frame, weights, true);
+  const Evaluation& result = proxy.evaluate(SkinMethod::full, poses, frame, weights, true);
   carried_ = upload_output(full_skin(proxy, result));
   return result;
 }
 
-void Character::reset_jiggle() {
+void Actor::reset_jiggle() {
   for (const auto& detail : details_) detail->reset_jiggle();
 }
 
-ShownSkin Character::skin(Method method) const {
-  if (method == Method::truth) return {&truth_->skin.positions, &truth_->skin.normals};
-  if (method == Method::proxy) return {&carried_.positions, &carried_.normals};
+ShownSkin Actor::skin(SkinMethod method) const {
+  if (method == SkinMethod::truth) return {&truth_->skin.positions, &truth_->skin.normals};
+  if (method == SkinMethod::proxy) return {&carried_.positions, &carried_.normals};
   return shown().skin(method);
 }
 
-std::vector<float> Character::measure(Method method, const Pose& pose, int frame) {
-  if (method == Method::proxy) return full_skin(*details_[1], details_[1]->measure(Method::full, pose));
-  if (method != Method::truth) return finest().measure(method, pose).positions;
+std::vector<float> Actor::measure(SkinMethod method, const Pose& pose, int frame) {
+  if (method == SkinMethod::proxy) return full_skin(*details_[1], details_[1]->measure(SkinMethod::full, pose));
+  if (method != SkinMethod::truth) return finest().measure(method, pose).positions;
   const std::optional<std::uint32_t> sample = truth_sample(frame);
   if (!sample) return {};
   return truth_->reader.read_sample(*sample);
 }
 
-std::optional<std::uint32_t> Character::truth_sample(int frame) const {
+std::optional<std::uint32_t> Actor::truth_sample(int frame) const {
   const double at = (frame - static_cast<double>(truth_->reader.start_frame())) /
                     std::max(1e-6, static_cast<double>(truth_->reader.sample_rate()));
   if (at <= -0.5 || at >= truth_->reader.sample_count() - 0.5) return std::nullopt;
   return static_cast<std::uint32_t>(std::lround(at));
 }
 
-void Character::show_truth(int frame) {
+void Actor::show_truth(int frame) {
   const double last = truth_->reader.sample_count() - 1.0;
   const double at = (frame - static_cast<double>(truth_->reader.start_frame())) /
                     std::max(1e-6, static_cast<double>(truth_->reader.sample_rate()));
@@ -202,7 +201,7 @@ void Character::show_truth(int frame) {
   truth_->shown = sample;
 }
 
-Character::HostedSkin Character::upload_output(std::span<const float> points) const {
+Actor::HostedSkin Actor::upload_output(std::span<const float> points) const {
   const MeshTable& mesh = finest().basis().mesh;
   std::vector<float> positions(mesh.rest.size()), normals(positions.size());
   for (std::size_t o = 0; o < mesh.output_vertex.size(); ++o) {
@@ -213,8 +212,8 @@ Character::HostedSkin Character::upload_output(std::span<const float> points) co
   return {vulkan::upload(*device_, positions, "a skin"), vulkan::upload(*device_, normals, "its normals")};
 }
 
-void Character::measure_ground() {
-  const std::vector<float> positions = measure(Method::full, clip_.poses.front(), clip_.first_frame);
+void Actor::measure_ground() {
+  const std::vector<float> positions = measure(SkinMethod::full, clip_.poses.front(), clip_.first_frame);
   double low = positions.empty() ? 0 : static_cast<double>(positions[1]);
   for (std::size_t k = 1; k < positions.size(); k += 3) low = std::min(low, static_cast<double>(positions[k]));
   ground_ = low;

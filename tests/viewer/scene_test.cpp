@@ -1,0 +1,227 @@
+#include "proxy_viewer/scene.h"
+
+#include <set>
+
+#include "runtime/basis/error.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/viewer/small_character.h"
+
+namespace bodyopt::testing {
+namespace {
+
+constexpr Rectangle kArea = {10, 20, 301, 200};
+
+class SceneTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    device_ = open_test_device();
+    folder_ = std::make_unique<TemporaryFolder>();
+    small_ = std::make_unique<SmallCharacter>(*folder_);
+    jiggling_ = std::make_unique<JigglingCharacter>(*folder_);
+  }
+  static void TearDownTestSuite() {
+    small_.reset();
+    jiggling_.reset();
+    folder_.reset();
+    device_.reset();
+  }
+  void SetUp() override {
+    controls_.playback = Playback({1, kClipFrames, 1}, 24);
+    controls_.playback.scrub(5);
+  }
+  void TearDown() override { EXPECT_EQ(device_->validation_messages(), std::vector<std::string>()); }
+
+  void add_small() { scene_.add({small_->basis, small_->clip, small_->truth}, {}); }
+  void add_jiggling() { scene_.add({jiggling_->basis, jiggling_->clip, {}}, {}); }
+
+  // Every skin that is to be drawn is what a method has on the device now.
+  void expect_skins_are_there(const std::vector<View>& views) {
+    for (const View& view : views) {
+      for (const SkinDraw& skin : view.skins) {
+        const auto lives = [&](const vulkan::Buffer* buffer) {
+          for (const auto& character : scene_.cast()) {
+            for (const SkinMethod method :
+                 {SkinMethod::ddm, SkinMethod::linear, SkinMethod::full, SkinMethod::jiggle, SkinMethod::truth}) {
+              if (shown_.contains(method) && character->has(method) && character->skin(method).positions == buffer) {
+                return true;
+              }
+            }
+          }
+          return false;
+        };
+        EXPECT_TRUE(lives(skin.positions));
+        EXPECT_TRUE(!skin.reference || lives(skin.reference));
+      }
+    }
+  }
+
+  static inline std::shared_ptr<const vulkan::Device> device_;
+  static inline std::unique_ptr<TemporaryFolder> folder_;
+  static inline std::unique_ptr<SmallCharacter> small_;
+  static inline std::unique_ptr<JigglingCharacter> jiggling_;
+  Scene scene_{device_};
+  Controls controls_;
+  std::set<SkinMethod> shown_;  // what has been evaluated
+};
+
+TEST_F(SceneTest, NothingToCompareWithIsOneView) {
+  add_small();
+  for (const CompareWith with : {CompareWith::none, CompareWith::full, CompareWith::jiggle}) {
+    controls_.settings.compare.with = with;
+    const std::vector<View> views = scene_.look(controls_, kArea);
+    ASSERT_EQ(views.size(), 1u);
+    EXPECT_EQ(views[0].skins.size(), 1u);
+    EXPECT_EQ(views[0].skins[0].reference, nullptr);
+  }
+}
+
+TEST_F(SceneTest, SideBySideHalvesTheAreaAndAWipeSplitsIt) {
+  add_small();
+  ViewSettings::Compare& compare = controls_.settings.compare;
+  compare.with = CompareWith::truth;
+  std::vector<View> views = scene_.look(controls_, kArea);
+  ASSERT_EQ(views.size(), 2u);
+  EXPECT_EQ(views[0].area.width + views[1].area.width, kArea.width);
+  EXPECT_EQ(views[1].area.x, views[0].area.x + static_cast<std::int32_t>(views[0].area.width));
+  EXPECT_NE(views[0].skins[0].positions, views[1].skins[0].positions);
+  compare.layout = CompareLayout::wipe;
+  for (const double at : {0.0, 0.3, 1.0}) {
+    compare.wipe = at;
+    views = scene_.look(controls_, kArea);
+    ASSERT_EQ(views.size(), 2u);
+    EXPECT_EQ(views[0].area.width, kArea.width);
+    EXPECT_NEAR(views[0].part.width, at * kArea.width, 0.51);
+    EXPECT_EQ(views[0].part.width + views[1].part.width, kArea.width);
+    EXPECT_EQ(views[1].part.x, kArea.x + static_cast<std::int32_t>(views[0].part.width));
+  }
+}
+
+TEST_F(SceneTest, HoldFlipsAndOverlayLaysBothOverEachOther) {
+  add_small();
+  ViewSettings::Compare& compare = controls_.settings.compare;
+  compare.with = CompareWith::ddm;
+  compare.layout = CompareLayout::hold;
+  const auto shown = [&] { return scene_.look(controls_, kArea).at(0).skins.at(0).positions; };
+  const vulkan::Buffer* full = shown();
+  EXPECT_EQ(full, scene_.lead().skin(SkinMethod::full).positions);
+  controls_.flipped = true;
+  EXPECT_EQ(shown(), scene_.lead().skin(SkinMethod::ddm).positions);
+  controls_.flipped = false;
+  compare.layout = CompareLayout::overlay;
+  const std::vector<View> views = scene_.look(controls_, kArea);
+  ASSERT_EQ(views.size(), 1u);
+  ASSERT_EQ(views[0].skins.size(), 2u);
+  EXPECT_LT(views[0].skins[1].alpha, 1);
+}
+
+TEST_F(SceneTest, HeatIsTheDistanceToWhatIsComparedWith) {
+  add_small();
+  controls_.settings.compare.with = CompareWith::truth;
+  controls_.settings.compare.heat = true;
+  controls_.settings.compare.heat_scale_mm = 4;
+  const SkinDraw skin = scene_.look(controls_, kArea).at(0).skins.at(0);
+  EXPECT_EQ(skin.reference, scene_.lead().skin(SkinMethod::truth).positions);
+  EXPECT_FLOAT_EQ(skin.heat_range, 0.004f);
+}
+
+// Ghosts of a character that jiggles are quasi-static skins: with the quasi-static skin to compare with, both are of
+// one evaluation, whose buffers are replaced when the number of ghosts changes.
+TEST_F(SceneTest, GhostsTakeNoBufferAwayFromWhatIsCompared) {
+  add_jiggling();
+  controls_.settings.jiggle.on = true;
+  controls_.settings.compare.with = CompareWith::full;
+  controls_.settings.compare.heat = true;
+  shown_ = {SkinMethod::full, SkinMethod::jiggle};
+  for (const auto& [before, after] : {std::pair(0, 0), {2, 1}, {4, 0}, {0, 0}}) {
+    controls_.settings.ghosts = {before, after, 2, 0.3};
+    const std::vector<View> views = scene_.look(controls_, kArea);
+    ASSERT_EQ(views.size(), 2u);
+    expect_skins_are_there(views);
+    EXPECT_EQ(views[0].skins.size(), 1u + static_cast<std::size_t>(before + after));
+    EXPECT_EQ(views[0].skins[0].reference, scene_.lead().skin(SkinMethod::full).positions);
+    EXPECT_EQ(views[0].skins[0].positions, scene_.lead().skin(SkinMethod::jiggle).positions);
+    std::set<std::uint32_t> first;
+    for (std::size_t g = 1; g < views[0].skins.size(); ++g) {
+      EXPECT_TRUE(first.insert(views[0].skins[g].first_vertex).second);
+      EXPECT_LT(views[0].skins[g].alpha, 1);
+    }
+    EXPECT_FALSE(first.contains(0));
+  }
+}
+
+TEST_F(SceneTest, CharactersStandBesideEachOtherOnOneGround) {
+  add_small();
+  add_jiggling();
+  add_small();
+  const std::vector<View> views = scene_.look(controls_, kArea);
+  ASSERT_EQ(views.at(0).skins.size(), 3u);
+  std::vector<float> places;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const SkinDraw& skin = views[0].skins[c];
+    places.push_back(skin.offset[0]);
+    EXPECT_NEAR(static_cast<double>(skin.offset[1]) + scene_.cast()[c]->ground(), views[0].ground.height, 1e-6);
+  }
+  EXPECT_EQ(places[0], 0);
+  EXPECT_GT(places[1], 0.2f);
+  EXPECT_LT(places[2], -0.2f);
+}
+
+TEST_F(SceneTest, AllJointsLieInTheSphereThatIsSeen) {
+  add_small();
+  add_jiggling();
+  const View view = scene_.look(controls_, kArea).at(0);
+  const std::vector<float> points = scene_.points_to_frame(controls_);
+  ASSERT_FALSE(points.empty());
+  for (std::size_t k = 0; k < points.size(); k += 3) {
+    double squared = 0;
+    for (std::size_t i = 0; i < 3; ++i) squared += std::pow(static_cast<double>(points[k + i] - view.middle[i]), 2);
+    EXPECT_LT(std::sqrt(squared), static_cast<double>(view.radius));
+  }
+}
+
+TEST_F(SceneTest, SelectedJointIsWhatIsFramed) {
+  add_small();
+  controls_.joint = "upper";
+  const std::vector<float> points = scene_.points_to_frame(controls_);
+  Vec3 mean{};
+  for (std::size_t k = 0; k < points.size(); ++k)
+    mean[k % 3] += static_cast<double>(points[k]) * 3 / static_cast<double>(points.size());
+  const Vec3 joint = scene_.joint_centres(controls_).at(1);
+  EXPECT_LT(length(mean - joint), 1e-6);
+}
+
+TEST_F(SceneTest, LivePosesTakeThePlaceOfTheLeadsClip) {
+  add_small();
+  add_small();
+  Pose pose = bind_pose(small_->made.skeleton);
+  pose.joints[0].translation = {0, 3, 0};
+  scene_.set_live_pose(pose);
+  EXPECT_NEAR(scene_.joint_centres(controls_).at(0)[1], 3, 1e-12);
+  scene_.look(controls_, kArea);
+  ASSERT_NE(scene_.lead_evaluation(), nullptr);
+  EXPECT_EQ(scene_.lead_evaluation()->strains.size(), small_->made.strain.fibre_count());
+}
+
+// A character that cannot be read again stays.
+TEST_F(SceneTest, ReplacingByAFileThatIsDamagedLeavesTheOldOne) {
+  add_small();
+  const std::string damaged = (*folder_ / "damaged.safetensors").string();
+  std::filesystem::copy_file(small_->basis, damaged, std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::resize_file(damaged, std::filesystem::file_size(damaged) / 2);
+  EXPECT_THROW(scene_.replace(0, {damaged, small_->clip, {}}, {}), Error);
+  EXPECT_EQ(scene_.lead().files().basis, small_->basis);
+  EXPECT_EQ(scene_.look(controls_, kArea).at(0).skins.size(), 1u);
+}
+
+TEST(StrainColour, IsBlueWhereShorterAndRedWhereLonger) {
+  const auto channel = [](float strain, int k) { return static_cast<int>(strain_colour(strain) >> (8 * k) & 255); };
+  EXPECT_GT(channel(-0.33f, 2), channel(-0.33f, 0) + 100);
+  EXPECT_GT(channel(0.33f, 0), channel(0.33f, 2) + 100);
+  EXPECT_EQ(strain_colour(0.34f), strain_colour(5));  // full at a third
+  EXPECT_EQ(strain_colour(-0.34f), strain_colour(-5));
+  EXPECT_NE(strain_colour(0.1f), strain_colour(0.2f));
+  for (const float strain : {-1.0f, 0.0f, 1.0f}) EXPECT_EQ(channel(strain, 3), 255);
+}
+
+}  // namespace
+}  // namespace bodyopt::testing

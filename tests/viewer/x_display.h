@@ -1,0 +1,71 @@
+// A display without a screen (Xvfb), and hands for it (xdotool). To be included last: Xlib's macros are everywhere.
+#pragma once
+
+#include <X11/Xlib.h>
+
+#include <memory>
+#include <string>
+
+#include "tests/support/background_program.h"
+#include "tests/support/run_program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bodyopt::testing {
+
+class XDisplay {
+ public:
+  // What is missing for it to work here; empty: nothing.
+  static std::string missing() {
+    for (const char* program : {"Xvfb", "xdotool"}) {
+      if (run_program(std::string("command -v ") + program).exit_code != 0)
+        return std::string(program) + " is not installed";
+    }
+    return {};
+  }
+
+  XDisplay() : number_(folder_ / "number"), xvfb_(start()) {
+    comes_true([this] { return !read_number().empty(); }, 20);
+    name_ = ":" + read_number();
+  }
+
+  const std::string& name() const { return name_; }
+  // A chain of xdotool's commands.
+  ProgramResult hands(const std::string& commands) const {
+    return run_program("DISPLAY=" + name_ + " xdotool " + commands);
+  }
+  // Of the window whose title has these words; empty: there is none.
+  std::string window(const std::string& title) const {
+    const ProgramResult found = hands("search --onlyvisible --name '" + title + "'");
+    return found.exit_code == 0 ? found.output.substr(0, found.output.find('\n')) : "";
+  }
+  // As a window manager does when the cross is clicked.
+  void ask_to_close(const std::string& window) const {
+    Display* display = XOpenDisplay(name_.c_str());
+    XEvent event{};
+    event.xclient.type = ClientMessage;
+    event.xclient.window = std::stoul(window);
+    event.xclient.message_type = XInternAtom(display, "WM_PROTOCOLS", True);
+    event.xclient.format = 32;
+    event.xclient.data.l[0] = static_cast<long>(XInternAtom(display, "WM_DELETE_WINDOW", True));
+    XSendEvent(display, event.xclient.window, False, NoEventMask, &event);
+    XCloseDisplay(display);
+  }
+
+ private:
+  BackgroundProgram* start() {
+    return new BackgroundProgram("Xvfb -displayfd 3 -screen 0 1000x800x24 -nolisten tcp 3>" + number_.string(),
+                                 folder_ / "xvfb.log");
+  }
+  std::string read_number() const {
+    std::ifstream file(number_);
+    std::string number;
+    return std::getline(file, number) && !file.eof() ? number : "";
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path number_;
+  std::unique_ptr<BackgroundProgram> xvfb_;
+  std::string name_;
+};
+
+}  // namespace bodyopt::testing
