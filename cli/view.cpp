@@ -44,6 +44,10 @@ void add_view(CLI::App& app) {
   verb.add_option("--proxy", options.proxy, "Lighter levels of the first basis, which `proxy` made of it")
       ->type_name("BASIS")
       ->check(refuse_empty);
+  verb.add_option("--character", options.character,
+                  "File of the first basis' character, to compare with linear blending")
+      ->type_name("CHARACTER")
+      ->check(refuse_empty);
   verb.add_option("--ff", options.first, "First frame of the range that is played")->type_name("FRAME");
   verb.add_option("--lf", options.last, "Last frame")->type_name("FRAME");
   verb.add_option("--cf", options.current, "Frame to begin at")->type_name("FRAME");

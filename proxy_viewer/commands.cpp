@@ -297,6 +297,11 @@ const Command kCommands[] = {
        if (count > 0 && ghosts.step == 1) ghosts.step = 4;
      }},
 
+    {"copies", "COUNT", "", "", "of the first character on the stage",
+     [](Controls& c, const std::string& a) { c.settings.cast.copies = static_cast<int>(number_within(a, 1, 100)); }},
+    {"copy-delay", "FRAMES", "", "", "from one copy to the next",
+     [](Controls& c, const std::string& a) { c.settings.cast.delay = static_cast<int>(number_within(a, 0, 1000)); }},
+
     {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",
      [](Controls& c, const std::string& a) { c.requests.screenshot = a; }},
     {"turntable", "FILE.####.png", "", "", "once around, 72 pictures",
