@@ -1,10 +1,12 @@
 // A basis as safetensors: one tensor per array of basis.h, named <table>.<array>; names and other strings as metadata.
+// Of further levels of detail, both with "level1." and so on before their names.
 #include <xxhash.h>
 
 #include <nlohmann/json.hpp>
 
 #include "runtime/basis/basis.h"
 #include "runtime/basis/error.h"
+#include "runtime/basis/levels.h"
 #include "runtime/basis/strict_json.h"
 #include "runtime/basis/table_file.h"
 
@@ -12,6 +14,7 @@ namespace bodyopt {
 namespace {
 
 constexpr const char* kSchema = "bodyopt-basis-2";
+constexpr const char* kCarried = "carried.points";
 constexpr std::size_t kJointNumbers = 10 + 10 + 12;  // bind, default local, inverse bind
 
 // Applies `visit(name, array, values to a row)` to every array of the tables.
@@ -114,44 +117,103 @@ Skeleton read_skeleton(TableReader& reader, const std::filesystem::path& path) {
   return skeleton;
 }
 
+std::string prefix_of(std::size_t level) { return level == 0 ? "" : "level" + std::to_string(level) + "."; }
+
+// Those whose tensors follow each other by number; a file without further levels has one.
+std::size_t level_count(const Safetensors& file) {
+  std::size_t count = 1;
+  while (count < kMostLevels && file.tensors.contains(prefix_of(count) + "mesh.rest")) ++count;
+  return count;
+}
+
+void add_skeleton(Safetensors& file, const Skeleton& skeleton, const std::filesystem::path& path) {
+  std::vector<std::string> names;
+  std::vector<std::uint32_t> parents;  // plus one, so that a root is 0
+  for (const Joint& joint : skeleton.joints) {
+    names.push_back(joint.name);
+    parents.push_back(static_cast<std::uint32_t>(joint.parent + 1));
+  }
+  file.tensors["skeleton.joints"] = tensor_from(joint_numbers(skeleton), kJointNumbers);
+  file.tensors["skeleton.parents"] = tensor_from(parents, 1);
+  file.metadata["joint_names"] = list_text(names, path);
+}
+
+// All but the skeleton, which levels share.
+void add_tables(Safetensors& file, const Basis& basis, const std::string& prefix, const std::filesystem::path& path) {
+  for (const auto& [key, text] : basis.metadata) file.metadata[prefix + key] = text;
+  for_each_array(basis, [&](const char* name, const auto& values, std::uint64_t width) {
+    file.tensors[prefix + name] = tensor_from(values, width);
+  });
+  file.metadata[prefix + "fibre_names"] = list_text(basis.strain.names, path);
+  file.metadata[prefix + "controls"] = list_text(basis.residual.controls, path);
+}
+
+void write(Safetensors& file, const std::filesystem::path& path) {
+  file.metadata["schema"] = kSchema;
+  file.metadata["checksum"] = content_checksum(file);
+  write_safetensors(file, path);
+}
+
+// The metadata of one of `count` levels, by the names they have in an ordinary basis; what the file says of itself is
+// left out.
+Metadata metadata_of(const Safetensors& file, std::size_t level, std::size_t count) {
+  Metadata metadata;
+  for (const auto& [key, text] : file.metadata) {
+    std::size_t owner = 0;
+    for (std::size_t k = 1; k < count; ++k) owner = key.starts_with(prefix_of(k)) ? k : owner;
+    if (owner == level) metadata[key.substr(prefix_of(level).size())] = text;
+  }
+  for (const char* own : {"schema", "joint_names", "fibre_names", "controls", "checksum"}) metadata.erase(own);
+  return metadata;
+}
+
 }  // namespace
 
 void save_basis(const Basis& basis, const std::filesystem::path& path) {
   validate(basis, "the basis to be saved");
   Safetensors file;
-  file.metadata = basis.metadata;
-  std::vector<std::string> names;
-  std::vector<std::uint32_t> parents;  // plus one, so that a root is 0
-  for (const Joint& joint : basis.skeleton.joints) {
-    names.push_back(joint.name);
-    parents.push_back(static_cast<std::uint32_t>(joint.parent + 1));
-  }
-  file.tensors["skeleton.joints"] = tensor_from(joint_numbers(basis.skeleton), kJointNumbers);
-  file.tensors["skeleton.parents"] = tensor_from(parents, 1);
-  for_each_array(basis, [&](const char* name, const auto& values, std::uint64_t width) {
-    file.tensors[name] = tensor_from(values, width);
-  });
-  file.metadata["schema"] = kSchema;
-  file.metadata["joint_names"] = list_text(names, path);
-  file.metadata["fibre_names"] = list_text(basis.strain.names, path);
-  file.metadata["controls"] = list_text(basis.residual.controls, path);
-  file.metadata["checksum"] = content_checksum(file);
-  write_safetensors(file, path);
+  add_skeleton(file, basis.skeleton, path);
+  add_tables(file, basis, "", path);
+  write(file, path);
 }
 
-Basis load_basis(const std::filesystem::path& path) {
+void save_levels(const std::vector<Level>& levels, const std::filesystem::path& path) {
+  validate(levels, "the levels to be saved");
+  Safetensors file;
+  add_skeleton(file, levels.front().basis.skeleton, path);
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    add_tables(file, levels[k].basis, prefix_of(k), path);
+    file.tensors[prefix_of(k) + kCarried] = tensor_from(levels[k].carried, 1);
+  }
+  write(file, path);
+}
+
+std::vector<Level> load_levels(const std::filesystem::path& path) {
   const Safetensors file = read_safetensors(path);
   TableReader reader(file, path, "a basis");
   reader.require_schema(kSchema);
-  Basis basis;
-  basis.skeleton = read_skeleton(reader, path);
-  for_each_array(basis, [&](const char* name, auto& values, std::uint64_t width) { reader.read(name, values, width); });
+  std::vector<Level> levels(level_count(file));
+  levels.front().basis.skeleton = read_skeleton(reader, path);
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    const std::string prefix = prefix_of(k);
+    Basis& basis = levels[k].basis;
+    if (k > 0) basis.skeleton = levels.front().basis.skeleton;
+    for_each_array(
+        basis, [&](const char* name, auto& values, std::uint64_t width) { reader.read(prefix + name, values, width); });
+    basis.strain.names = strings(reader, prefix + "fibre_names", path);
+    basis.residual.controls = strings(reader, prefix + "controls", path);
+    basis.metadata = metadata_of(file, k, levels.size());
+    if (file.tensors.contains(prefix + kCarried)) reader.read(prefix + kCarried, levels[k].carried, 1);
+  }
   reader.refuse_unknown_tensors();
-  basis.strain.names = strings(reader, "fibre_names", path);
-  basis.residual.controls = strings(reader, "controls", path);
-  basis.metadata = file.metadata;
-  for (const char* own : {"schema", "joint_names", "fibre_names", "controls", "checksum"}) basis.metadata.erase(own);
-  validate(basis, path.string());
+  validate(levels, path.string());
+  return levels;
+}
+
+// On its own the first level has no others to tell of.
+Basis load_basis(const std::filesystem::path& path) {
+  Basis basis = std::move(load_levels(path).front().basis);
+  basis.metadata.erase("levels");
   return basis;
 }
 

@@ -1,0 +1,60 @@
+#include <cmath>
+
+#include "runtime/basis/levels.h"
+#include "runtime/basis/table_checks.h"
+
+namespace bodyopt {
+namespace {
+
+class LevelValidator : TableChecks {
+ public:
+  explicit LevelValidator(const std::string& origin) : TableChecks(origin) {}
+
+  void check_count(std::size_t count) const {
+    if (count >= 1 && count <= kMostLevels) return;
+    refuse("it has " + std::to_string(count) + " levels, expected 1 to " + std::to_string(kMostLevels));
+  }
+
+  void check_carried(const Level& level) const {
+    const std::size_t triangles = level.basis.mesh.output_triangles.size() / 3;
+    for (std::size_t k = 0; k < level.carried.size(); ++k) {
+      const CarriedPoint& point = level.carried[k];
+      if (point.triangle >= triangles) {
+        refuse(element("carried.points", k) + " lies on triangle " + std::to_string(point.triangle) +
+               ", expected an index below " + std::to_string(triangles));
+      }
+      if (!(point.b >= 0 && point.c >= 0 && point.b + point.c <= 1 + kWeightTolerance)) {
+        refuse(element("carried.points", k) + " has the barycentric weights " + std::to_string(point.b) + " and " +
+               std::to_string(point.c) + ", expected 0 or more, 1 at most in all");
+      }
+      for (const float x : {point.along_normal, point.along_edge, point.across}) {
+        expect_number("carried.points", k, static_cast<double>(x));
+      }
+    }
+  }
+
+  // `first`: the finest level.
+  void check_kinship(const Level& first, const Level& level) const {
+    if (skeleton_hash(first.basis.skeleton) != skeleton_hash(level.basis.skeleton) ||
+        first.basis.residual.controls != level.basis.residual.controls) {
+      refuse("its skeleton or its controls are others than those of the first level");
+    }
+    if (first.carried.empty()) refuse("the first level does not say where it carries the full skin");
+    expect_size("carried.points", level.carried.size(), first.carried.size());
+  }
+};
+
+}  // namespace
+
+void validate(const std::vector<Level>& levels, const std::string& origin) {
+  LevelValidator(origin).check_count(levels.size());
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    const std::string where = k == 0 ? origin : origin + ", level " + std::to_string(k);
+    const LevelValidator validator(where);
+    validate(levels[k].basis, where);
+    validator.check_carried(levels[k]);
+    if (k > 0) validator.check_kinship(levels.front(), levels[k]);
+  }
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,27 @@
+// The full skin from a level's: what a proxy shows, in the topology of the full character.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "runtime/basis/levels.h"
+
+namespace bodyopt {
+
+// Where a point of a triangle lies: its position, and the interpolated normal, the triangle's first edge at right
+// angles to it, and the normal times that. Unit vectors; zero where the triangle has no extent.
+struct CarryFrame {
+  float position[3], normal[3], edge[3], across[3];
+};
+
+// `positions`, `normals`: O x 3 of one frame, the mesh's output vertices.
+CarryFrame carry_frame(const MeshTable& mesh, std::span<const float> positions, std::span<const float> normals,
+                       const CarriedPoint& point);
+
+// positions, normals F x O x 3 of a level's output vertices, as an Evaluation has them; its mesh, and where it carries
+// the full skin (Level::carried) -> F x P x 3, metres, posed: every output vertex of the full character. Exact at rest
+// and under rigid motion.
+std::vector<float> carry_skin(const MeshTable& mesh, std::span<const CarriedPoint> carried,
+                              std::span<const float> positions, std::span<const float> normals);
+
+}  // namespace bodyopt
