@@ -6,24 +6,48 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/basis/levels.h"
-#include "tests/cli/limb_files.h"
+#include "tests/support/capsule_limb.h"
 #include "tests/support/run_program.h"
+#include "tests/support/temporary_folder.h"
 #include "trainer/dataset/pc2.h"
 
 namespace bodyopt {
 namespace {
 
-// A limb in centimetres and its simulated motion, once for all tests.
+// A limb in centimetres that moves, with shapes from elsewhere, and its full basis and proxy: once for all tests.
 class Proxy : public ::testing::Test {
  protected:
   struct Data {
+    Data() {
+      const SampleSet set = limb_samples(60, 0);
+      Character centimetres = set.character;
+      centimetres.vertices *= 100;
+      Clip motion;
+      motion.name = "motion";
+      Pc2Writer writer(folder / "shapes.pc2", set.character.output_count(), 60);
+      for (const Sample& sample : set.train) {
+        motion.poses.push_back(sample.pose);
+        for (JointTransform& joint : motion.poses.back().joints) joint.translation = 100.0 * joint.translation;
+        writer.append(output_from_welded(set.character, sample.shape.read()));
+      }
+      writer.close();
+      for (Joint& joint : centimetres.skeleton.joints) {
+        joint.bind.translation = 100.0 * joint.bind.translation;
+        joint.default_local = joint.bind;
+        for (auto& row : joint.inverse_bind.m) row[3] *= 100;
+      }
+      write_character(centimetres, character);
+      write_clip(motion, centimetres.skeleton, folder / "motion.glb");
+      added = run_bodyopt("dataset add " + data + clip + " --shapes " + (folder / "shapes.pc2").string() +
+                          " --character " + character + " --unit 0.01");
+      trained = run_bodyopt("train " + data + " --out " + basis);
+      made = run_bodyopt("proxy " + data + " --error 1 0.3 --out " + proxy + " --json " + proxy + ".json");
+    }
     TemporaryFolder folder;
-    LimbFiles files{folder, 100};
-    std::string data = (folder / "data").string(), proxy = (folder / "proxy.safetensors").string(),
-                basis = (folder / "full.safetensors").string(), clip = " --clip " + files.motion + " --fps 120";
-    ProgramResult simulated = run_bodyopt("simulate " + files.character + clip + " --unit 0.01 --draft --out " + data);
-    ProgramResult trained = run_bodyopt("train " + data + " --out " + basis);
-    ProgramResult made = run_bodyopt("proxy " + data + " --error 4 1.5 --out " + proxy + " --json " + proxy + ".json");
+    std::string character = (folder / "limb.glb").string(), clip = " --clip " + (folder / "motion.glb").string(),
+                data = (folder / "data").string(), basis = (folder / "full.safetensors").string(),
+                proxy = (folder / "proxy.safetensors").string();
+    ProgramResult added, trained, made;
   };
   static const Data& data() {
     static const Data made;
@@ -33,11 +57,12 @@ class Proxy : public ::testing::Test {
 };
 
 TEST_F(Proxy, LevelsOfADatasetAreABasisAndCarryTheFullSkin) {
-  ASSERT_EQ(data().simulated.exit_code, 0) << data().simulated.output;
+  ASSERT_EQ(data().added.exit_code, 0) << data().added.output;
+  ASSERT_EQ(data().trained.exit_code, 0) << data().trained.output;
   ASSERT_EQ(data().made.exit_code, 0) << data().made.output;
   const auto result = nlohmann::json::parse(std::ifstream(data().proxy + ".json"));
   ASSERT_EQ(result["levels"].size(), 2u);
-  EXPECT_EQ(result["levels"][0]["error_mm"], 1.5);  // finest first
+  EXPECT_EQ(result["levels"][0]["error_mm"], 0.3);  // finest first
   EXPECT_GT(result["levels"][0]["bytes"], result["levels"][1]["bytes"]);
   EXPECT_GT(result["levels"][1]["microseconds"], 0);
 
@@ -69,8 +94,8 @@ TEST_F(Proxy, InfoTellsTheLevels) {
 
 TEST_F(Proxy, ABasisTeachesOne) {
   const std::string out = at("taught.safetensors");
-  const std::string command = "proxy " + data().basis + data().clip + " --error 2 --out " + out;
-  const ProgramResult taught = run_bodyopt(command + " --character " + data().files.character);
+  const std::string command = "proxy " + data().basis + data().clip + " --error 1 --out " + out;
+  const ProgramResult taught = run_bodyopt(command + " --character " + data().character);
   ASSERT_EQ(taught.exit_code, 0) << taught.output;
   EXPECT_EQ(load_levels(out).size(), 1u);
   // It remembers the unit: its clips are read as the basis' are.
@@ -86,11 +111,11 @@ TEST_F(Proxy, WrongArgumentsAreSaid) {
   };
   const std::string out = " --out " + at("never.safetensors");
   expect("proxy " + data().basis + out, 64, "--character");
-  expect("proxy " + data().basis + out + " --character " + data().files.character, 64, "--clip");
+  expect("proxy " + data().basis + out + " --character " + data().character, 64, "--clip");
   expect("proxy " + data().data + out + data().clip, 64, "a dataset");
   expect("proxy " + data().data + out + " --error 300", 64, "300 mm leaves");
-  expect("proxy " + data().basis + data().clip + " --character " + data().files.character + " --out " + data().basis,
-         64, "write over");
+  expect("proxy " + data().basis + data().clip + " --character " + data().character + " --out " + data().basis, 64,
+         "write over");
   expect("proxy " + data().data + " --out " + at("never.glb"), 64, ".safetensors");
   expect("eval " + data().proxy + data().clip + " --level 2 --out " + at("a.pc2"), 64, "levels 0 to 1");
   expect("eval " + data().basis + data().clip + " --full-skin --out " + at("a.pc2"), 64, "no proxy");
