@@ -56,6 +56,9 @@ void add_view(CLI::App& app) {
   verb.add_option("--size", arguments->size, "Width and height of the picture, pixels")
       ->expected(2)
       ->check(CLI::Range(1, 2048));
+  verb.add_option("--limits", options.limits, "Joint limits (limits.json): how far the sliders of joints go")
+      ->type_name("FILE")
+      ->check(refuse_empty);
   verb.add_option("--state", options.state, "Cameras and settings that the viewport saved")->type_name("FILE");
   verb.add_option("--do", options.commands, "Commands of the viewport, parted by ';'")->type_name("COMMANDS");
   verb.add_option("--live", options.live_port, "Show poses that another program sends to this UDP port of 127.0.0.1")

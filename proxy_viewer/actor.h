@@ -62,8 +62,8 @@ class Actor {
   ShownSkin skin(SkinMethod method) const;
 
   // The result of a method on the host, output vertex order: of one pose, for figures; nothing where the truth has no
-  // such frame. Quasi-static.
-  std::vector<float> measure(SkinMethod method, const Pose& pose, int frame);
+  // such frame. Quasi-static, of the finest level. `correction`: see Weights.
+  std::vector<float> measure(SkinMethod method, const Pose& pose, int frame, float correction = 1);
 
   double size() const { return size_; }      // diagonal of the rest skin, metres
   double ground() const { return ground_; }  // height of its lowest point as the clip begins, metres

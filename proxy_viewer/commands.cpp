@@ -7,6 +7,8 @@
 #include <sstream>
 #include <vector>
 
+#include "proxy_viewer/mirrored_joint.h"
+#include "proxy_viewer/sections.h"
 #include "runtime/basis/error.h"
 
 namespace bodyopt {
@@ -43,6 +45,17 @@ const std::string& known(const std::string& name, const std::vector<std::string>
   if (names.empty()) refuse(name, std::string("a ") + what + ": there is none");
   if (std::find(names.begin(), names.end(), name) != names.end()) return name;
   refuse(name, std::string("a ") + what + "; the nearest is '" + nearest(names, name) + "'");
+}
+
+std::vector<std::string> section_names() {
+  std::vector<std::string> names;
+  for (const Section& section : kSections) names.emplace_back(section.name);
+  return names;
+}
+
+const std::string& selected(const Controls& controls) {
+  if (controls.joint.empty()) refuse("", "the name of a joint, and none is selected");
+  return controls.joint;
 }
 
 double number(const std::string& text) {
@@ -114,6 +127,13 @@ constexpr Named<CompareLayout> kLayouts[] = {{"side-by-side", CompareLayout::sid
                                              {"wipe", CompareLayout::wipe},
                                              {"hold", CompareLayout::hold}};
 
+template <typename Value, std::size_t N>
+std::string name_of(Value value, const Named<Value> (&choices)[N]) {
+  return std::find_if(choices, choices + N, [&](const auto& choice) { return choice.value == value; })->name;
+}
+
+std::string name_of(bool on) { return name_of(on, kSwitch); }
+
 // Without an argument the other way round.
 void toggle(bool& value, const std::string& argument) { value = argument.empty() ? !value : choose(argument, kSwitch); }
 
@@ -122,7 +142,8 @@ constexpr const char* kBlank = " \t\r";
 
 const Command kCommands[] = {
     {"play", "", "Space", "Playback", "play or pause",
-     [](Controls& c, const std::string&) { c.playback.toggle(); }},
+     [](Controls& c, const std::string&) { c.playback.toggle(); },
+     [](const Controls& c) { return name_of(c.playback.playing()); }},
     {"step", "[FRAMES]", "Right", "Playback", "one frame on",
      [](Controls& c, const std::string& a) { c.playback.step(a.empty() ? 1 : integer(a)); }},
     {"step-back", "", "Left", "Playback", "one frame back",
@@ -135,15 +156,17 @@ const Command kCommands[] = {
      [](Controls& c, const std::string&) { c.playback.go_to_next_key(); }},
     {"previous-key", "", "Down", "Playback", "to the key before",
      [](Controls& c, const std::string&) { c.playback.go_to_previous_key(); }},
-    {"frame", "FRAME", "", "", "to a frame", [](Controls& c, const std::string& a) { c.playback.scrub(integer(a)); }},
+    {"frame", "FRAME", "", "Playback", "to a frame", [](Controls& c, const std::string& a) { c.playback.scrub(integer(a)); }},
     {"backwards", "[on|off]", "B", "Playback", "play backwards",
      [](Controls& c, const std::string& a) {
        toggle(c.settings.playback.backwards, a);
        c.playback.set_backwards(c.settings.playback.backwards);
-     }},
-    {"mode", "loop|ping-pong|once", "", "", "what happens at the end of the range",
-     [](Controls& c, const std::string& a) { c.playback.set_mode(c.settings.playback.mode = choose(a, kModes)); }},
-    {"speed", "0.1-2", "", "", "of playing; 1: as it is",
+     },
+     [](const Controls& c) { return name_of(c.settings.playback.backwards); }},
+    {"mode", "loop|ping-pong|once", "", "Playback", "what happens at the end of the range",
+     [](Controls& c, const std::string& a) { c.playback.set_mode(c.settings.playback.mode = choose(a, kModes)); },
+     [](const Controls& c) { return name_of(c.settings.playback.mode, kModes); }},
+    {"speed", "0.1-2", "", "Playback", "of playing; 1: as it is",
      [](Controls& c, const std::string& a) {
        const double speed = number_within(a, Playback::kSlowest, Playback::kFastest);
        c.playback.set_speed(c.settings.playback.speed = speed);
@@ -153,7 +176,8 @@ const Command kCommands[] = {
        bool every = !c.settings.playback.real_time;
        toggle(every, a);
        c.playback.set_real_time(c.settings.playback.real_time = !every);
-     }},
+     },
+     [](const Controls& c) { return name_of(!c.settings.playback.real_time); }},
     {"in", "[FRAME]", "I", "Playback", "the range begins here",
      [](Controls& c, const std::string& a) {
        const int in = a.empty() ? c.playback.frame() : integer(a);
@@ -179,11 +203,17 @@ const Command kCommands[] = {
     {"side", "", "3", "Camera", "from the side",
      [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::side); }},
     {"top", "", "7", "Camera", "from above", [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::top); }},
-    {"orthographic", "", "5", "Camera", "without perspective, or with it",
-     [](Controls& c, const std::string&) { c.camera.toggle_orthographic(); }},
+    {"orthographic", "[on|off]", "5", "Camera", "without perspective, or with it",
+     [](Controls& c, const std::string& a) {
+       bool wanted = c.camera.view().orthographic;
+       toggle(wanted, a);
+       if (wanted != c.camera.view().orthographic) c.camera.toggle_orthographic();
+     },
+     [](const Controls& c) { return name_of(c.camera.view().orthographic); }},
     {"follow", "[on|off]", "V", "Camera", "go along with the character",
-     [](Controls& c, const std::string& a) { toggle(c.settings.look.follow, a); }},
-    {"orbit", "DEGREES DEGREES", "", "", "around the target, to the right and up",
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.follow, a); },
+     [](const Controls& c) { return name_of(c.settings.look.follow); }},
+    {"orbit", "DEGREES DEGREES", "", "Camera", "around the target, to the right and up",
      [](Controls& c, const std::string& a) {
        const auto w = words(a, 2, "two angles in degrees");
        c.camera.orbit(number(w[0]) * std::numbers::pi / 180, number(w[1]) * std::numbers::pi / 180);
@@ -192,35 +222,44 @@ const Command kCommands[] = {
      [](Controls& c, const std::string&) { c.camera.orbit(-kTurn, 0); }},
     {"orbit-right", "", "Shift+Right", "Camera", "5 degrees to the right",
      [](Controls& c, const std::string&) { c.camera.orbit(kTurn, 0); }},
-    {"dolly", "NOTCHES", "", "", "towards the target",
+    {"dolly", "NOTCHES", "", "Camera", "towards the target",
      [](Controls& c, const std::string& a) { c.camera.dolly(number_within(a, -100, 100)); }},
-    {"save-camera", "NAME", "", "", "keeps the camera by a name",
+    {"save-camera", "NAME", "", "Camera", "keeps the camera by a name",
      [](Controls& c, const std::string& a) {
        if (a.empty()) refuse(a, "a name");
        c.settings.cameras[a] = c.camera.view();
      }},
-    {"camera", "NAME", "", "", "to a camera that was kept",
+    {"camera", "NAME", "", "Camera", "to a camera that was kept",
      [](Controls& c, const std::string& a) {
        const auto found = c.settings.cameras.find(a);
        if (found == c.settings.cameras.end()) refuse(a, "a camera that was kept");
        c.camera = OrbitCamera(found->second);
      }},
+    {"forget-camera", "NAME", "", "Camera", "a camera that was kept",
+     [](Controls& c, const std::string& a) {
+       if (c.settings.cameras.erase(a) == 0) refuse(a, "a camera that was kept");
+     }},
 
-    {"style", "clay|matcap|flat|normals", "", "", "how skin looks",
-     [](Controls& c, const std::string& a) { c.settings.look.style = choose(a, kStyles); }},
+    {"style", "clay|matcap|flat|normals", "", "Look", "how skin looks",
+     [](Controls& c, const std::string& a) { c.settings.look.style = choose(a, kStyles); },
+     [](const Controls& c) { return name_of(c.settings.look.style, kStyles); }},
     {"next-style", "", "S", "Look", "clay, matcap, flat, normals",
      [](Controls& c, const std::string&) {
        c.settings.look.style = static_cast<LookStyle>((static_cast<int>(c.settings.look.style) + 1) % 4);
      }},
     {"wire", "[on|off]", "W", "Look", "edges over the surface",
-     [](Controls& c, const std::string& a) { toggle(c.settings.look.wire, a); }},
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.wire, a); },
+     [](const Controls& c) { return name_of(c.settings.look.wire); }},
     {"skeleton", "[on|off]", "K", "Look", "joints and bones, seen through the skin",
-     [](Controls& c, const std::string& a) { toggle(c.settings.look.skeleton, a); }},
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.skeleton, a); },
+     [](const Controls& c) { return name_of(c.settings.look.skeleton); }},
     {"fibres", "[on|off]", "M", "Look", "muscle fibres, coloured by strain",
-     [](Controls& c, const std::string& a) { toggle(c.settings.look.fibres, a); }},
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.fibres, a); },
+     [](const Controls& c) { return name_of(c.settings.look.fibres); }},
     {"tets", "[on|off]", "T", "Look", "the tetrahedra of the jiggle, cut open",
-     [](Controls& c, const std::string& a) { toggle(c.settings.look.tets, a); }},
-    {"level", "auto|0|1|2...", "", "", "of detail, 0 the finest; auto: the one that keeps up",
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.tets, a); },
+     [](const Controls& c) { return name_of(c.settings.look.tets); }},
+    {"level", "auto|0|1|2...", "", "Look", "of detail, 0 the finest; auto: the one that keeps up",
      [](Controls& c, const std::string& a) {
        if (a == "auto") {
          c.settings.look.level = std::nullopt;
@@ -229,40 +268,65 @@ const Command kCommands[] = {
        }
      }},
     {"grid", "[on|off]", "D", "Look", "the grid on the ground",
-     [](Controls& c, const std::string& a) { toggle(c.settings.look.grid, a); }},
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.grid, a); },
+     [](const Controls& c) { return name_of(c.settings.look.grid); }},
     {"axes", "[on|off]", "A", "Look", "the world's axes",
-     [](Controls& c, const std::string& a) { toggle(c.settings.look.axes, a); }},
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.axes, a); },
+     [](const Controls& c) { return name_of(c.settings.look.axes); }},
     {"shadow", "[on|off]", "", "Look", "on the ground",
-     [](Controls& c, const std::string& a) { toggle(c.settings.look.shadow, a); }},
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.shadow, a); },
+     [](const Controls& c) { return name_of(c.settings.look.shadow); }},
 
-    {"compare", "none|lbs|ddm|linear|full|jiggle|truth|proxy", "", "", "with what",
-     [](Controls& c, const std::string& a) { c.settings.compare.with = choose(a, kMethods); }},
-    {"layout", "side-by-side|overlay|wipe|hold", "", "", "of a comparison",
-     [](Controls& c, const std::string& a) { c.settings.compare.layout = choose(a, kLayouts); }},
+    {"compare", "none|lbs|ddm|linear|full|jiggle|truth|proxy", "", "Compare", "with what",
+     [](Controls& c, const std::string& a) { c.settings.compare.with = choose(a, kMethods); },
+     [](const Controls& c) { return name_of(c.settings.compare.with, kMethods); }},
+    {"layout", "side-by-side|overlay|wipe|hold", "", "Compare", "of a comparison",
+     [](Controls& c, const std::string& a) { c.settings.compare.layout = choose(a, kLayouts); },
+     [](const Controls& c) { return name_of(c.settings.compare.layout, kLayouts); }},
     {"next-layout", "", "L", "Compare", "side by side, overlay, wipe, hold",
      [](Controls& c, const std::string&) {
        c.settings.compare.layout = static_cast<CompareLayout>((static_cast<int>(c.settings.compare.layout) + 1) % 4);
      }},
-    {"wipe", "0-1", "", "", "where, of the picture's width",
+    {"wipe", "0-1", "", "Compare", "where, of the picture's width",
      [](Controls& c, const std::string& a) { c.settings.compare.wipe = number_within(a, 0, 1); }},
     {"heat", "[on|off]", "E", "Compare", "colour by the distance, in millimetres",
-     [](Controls& c, const std::string& a) { toggle(c.settings.compare.heat, a); }},
-    {"heat-scale", "MM", "", "", "the hottest colour",
+     [](Controls& c, const std::string& a) { toggle(c.settings.compare.heat, a); },
+     [](const Controls& c) { return name_of(c.settings.compare.heat); }},
+    {"heat-scale", "MM", "", "Compare", "the hottest colour",
      [](Controls& c, const std::string& a) { c.settings.compare.heat_scale_mm = number_within(a, 0.001, 1000); }},
     {"activation", "[on|off]", "", "Compare", "colour by what was learned: the distance to Direct Delta Mush",
-     [](Controls& c, const std::string& a) { toggle(c.settings.compare.activation, a); }},
+     [](Controls& c, const std::string& a) { toggle(c.settings.compare.activation, a); },
+     [](const Controls& c) { return name_of(c.settings.compare.activation); }},
     {"coverage", "[on|off]", "", "Compare", "tint what the basis was not trained for",
-     [](Controls& c, const std::string& a) { toggle(c.settings.compare.coverage, a); }},
+     [](Controls& c, const std::string& a) { toggle(c.settings.compare.coverage, a); },
+     [](const Controls& c) { return name_of(c.settings.compare.coverage); }},
+    {"worst-frame", "", "N", "Compare", "to the frame that is furthest from what it is compared with",
+     [](Controls& c, const std::string&) { c.requests.worst_frame = true; }},
+    {"worst-vertex", "", "Shift+N", "Compare", "to the vertex that is furthest off in this frame",
+     [](Controls& c, const std::string&) { c.requests.worst_vertex = true; }},
 
-    {"select", "[JOINT]", "", "", "a joint; nothing: none",
+    {"select", "[JOINT]", "", "Pose", "a joint; nothing: none",
      [](Controls& c, const std::string& a) { c.joint = a.empty() ? a : known(a, c.joint_names, "joint"); }},
-    {"turn", "JOINT X Y Z", "", "", "a joint on top of the clip, degrees",
+    {"turn", "JOINT X Y Z", "", "Pose", "a joint on top of the clip, degrees",
      [](Controls& c, const std::string& a) {
        const auto w = words(a, 4, "a joint and three angles in degrees");
        c.settings.pose.joints[known(w[0], c.joint_names, "joint")] = {number_within(w[1], -360, 360), number_within(w[2], -360, 360),
                                        number_within(w[3], -360, 360)};
      }},
-    {"control", "NAME VALUE", "", "", "a control of the basis, as a muscle's activation",
+    {"mirror", "[JOINT]", "P", "Pose", "turns the other side's joint as the one that is selected",
+     [](Controls& c, const std::string& a) {
+       const std::string joint = a.empty() ? selected(c) : known(a, c.joint_names, "joint");
+       const std::string other = mirrored_joint(joint, c.joint_names);
+       if (other.empty()) refuse(joint, "a joint that another side has, too");
+       const auto turned = c.settings.pose.joints.find(joint);
+       const Vec3 angles = turned == c.settings.pose.joints.end() ? Vec3{} : turned->second;
+       c.settings.pose.joints[other] = mirrored_angles(angles);
+     }},
+    {"reset-joint", "[JOINT]", "Shift+R", "Pose", "the joint that is selected as the clip has it",
+     [](Controls& c, const std::string& a) {
+       c.settings.pose.joints.erase(a.empty() ? selected(c) : known(a, c.joint_names, "joint"));
+     }},
+    {"control", "NAME VALUE", "", "Pose", "a control of the basis, as a muscle's activation",
      [](Controls& c, const std::string& a) {
        const auto w = words(a, 2, "a control and a number");
        c.settings.pose.controls[known(w[0], c.control_names, "control of the basis")] = number_within(w[1], -10, 10);
@@ -272,30 +336,35 @@ const Command kCommands[] = {
        c.settings.pose.joints.clear();
        c.settings.pose.controls.clear();
      }},
-    {"correction", "0-1", "", "", "how much is shown of what was learned",
+    {"correction", "0-1", "", "Pose", "how much is shown of what was learned",
      [](Controls& c, const std::string& a) { c.settings.pose.correction = number_within(a, 0, 1); }},
     {"jiggle", "[on|off]", "J", "Pose", "flesh that moves by inertia",
-     [](Controls& c, const std::string& a) { toggle(c.settings.jiggle.on, a); }},
-    {"jiggle-amount", "0-4", "", "", "how much is shown of the jiggle",
+     [](Controls& c, const std::string& a) { toggle(c.settings.jiggle.on, a); },
+     [](const Controls& c) { return name_of(c.settings.jiggle.on); }},
+    {"jiggle-amount", "0-4", "", "Pose", "how much is shown of the jiggle",
      [](Controls& c, const std::string& a) { c.settings.jiggle.amount = number_within(a, 0, 4); }},
     {"reset-jiggle", "", "", "Pose", "the jiggle begins anew",
      [](Controls& c, const std::string&) { c.requests.reset_jiggle = true; }},
 
-    {"ghosts", "BEFORE AFTER", "", "", "frames before and after, see-through",
+    {"ghosts", "BEFORE AFTER", "", "Look", "frames before and after, see-through",
      [](Controls& c, const std::string& a) {
        const auto w = words(a, 2, "two counts");
        c.settings.ghosts.before = static_cast<int>(number_within(w[0], 0, 12));
        c.settings.ghosts.after = static_cast<int>(number_within(w[1], 0, 12));
      }},
-    {"ghost-step", "FRAMES", "", "", "from one ghost to the next",
+    {"ghost-step", "FRAMES", "", "Look", "from one ghost to the next",
      [](Controls& c, const std::string& a) { c.settings.ghosts.step = static_cast<int>(number_within(a, 1, 1000)); }},
-    {"toggle-ghosts", "", "G", "Look", "two ghosts before and two after",
-     [](Controls& c, const std::string&) {
+    {"toggle-ghosts", "[on|off]", "G", "Look", "two ghosts before and two after",
+     [](Controls& c, const std::string& a) {
        ViewSettings::Ghosts& ghosts = c.settings.ghosts;
-       const int count = ghosts.before + ghosts.after > 0 ? 0 : 2;
-       ghosts.before = ghosts.after = count;
-       if (count > 0 && ghosts.step == 1) ghosts.step = 4;
-     }},
+       const bool had = ghosts.before + ghosts.after > 0;
+       bool has = had;
+       toggle(has, a);
+       if (has == had) return;
+       ghosts.before = ghosts.after = has ? 2 : 0;
+       if (has && ghosts.step == 1) ghosts.step = 4;
+     },
+     [](const Controls& c) { return name_of(c.settings.ghosts.before + c.settings.ghosts.after > 0); }},
 
     {"copies", "COUNT", "", "", "of the first character on the stage",
      [](Controls& c, const std::string& a) { c.settings.cast.copies = static_cast<int>(number_within(a, 1, 100)); }},
@@ -304,27 +373,50 @@ const Command kCommands[] = {
 
     {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",
      [](Controls& c, const std::string& a) { c.requests.screenshot = a; }},
-    {"turntable", "FILE.####.png", "", "", "once around, 72 pictures",
+    {"turntable", "FILE.####.png", "", "File", "once around, 72 pictures",
      [](Controls& c, const std::string& a) { c.requests.turntable = a; }},
-    {"sequence", "FILE.####.png", "", "", "a picture of every frame of the range; .webp: one that moves",
+    {"sequence", "FILE.####.png", "", "File", "a picture of every frame of the range; .webp: one that moves",
      [](Controls& c, const std::string& a) { c.requests.sequence = a; }},
-    {"open", "FILE", "", "", "a basis, clip or point cache",
+    {"open", "FILE", "", "File", "a basis, clip or point cache",
      [](Controls& c, const std::string& a) { c.requests.open.push_back(a); }},
     {"reload", "", "F5", "File", "read all files again", [](Controls& c, const std::string&) { c.requests.reload = true; }},
-    {"save-state", "FILE.json", "", "", "cameras and settings",
+    {"save-state", "FILE.json", "", "File", "cameras and settings",
      [](Controls& c, const std::string& a) { c.requests.save_state = a; }},
-    {"load-state", "FILE.json", "", "", "cameras and settings",
+    {"load-state", "FILE.json", "", "File", "cameras and settings",
      [](Controls& c, const std::string& a) { c.requests.load_state = a; }},
     {"panels", "[on|off]", "Tab", "View", "panels, or the picture alone",
-     [](Controls& c, const std::string& a) { toggle(c.panels, a); }},
+     [](Controls& c, const std::string& a) { toggle(c.panels, a); },
+     [](const Controls& c) { return name_of(c.panels); }},
     {"hud", "[on|off]", "Z", "View", "figures over the picture",
-     [](Controls& c, const std::string& a) { toggle(c.settings.hud.on, a); }},
+     [](Controls& c, const std::string& a) { toggle(c.settings.hud.on, a); },
+     [](const Controls& c) { return name_of(c.settings.hud.on); }},
     {"cheat-sheet", "[on|off]", "H", "View", "all keys",
-     [](Controls& c, const std::string& a) { toggle(c.cheat_sheet, a); }},
+     [](Controls& c, const std::string& a) { toggle(c.cheat_sheet, a); },
+     [](const Controls& c) { return name_of(c.cheat_sheet); }},
+    {"prompt", "[on|off]", "Enter", "View", "type a command",
+     [](Controls& c, const std::string& a) { toggle(c.prompt, a); },
+     [](const Controls& c) { return name_of(c.prompt); }},
+    {"side-panel", "[on|off]", "Q", "View", "the panel on the right",
+     [](Controls& c, const std::string& a) { toggle(c.settings.hud.panels.try_emplace(kSidePanel, true).first->second, a); },
+     [](const Controls& c) { return name_of(shows_side_panel(c.settings)); }},
+    {"section", "look|cameras|compare|pose|muscles|jiggle|ghosts|cast|output", "", "View",
+     "opens a section of the side panel, and closes the others",
+     [](Controls& c, const std::string& a) { open_section(c.settings, known(a, section_names(), "section of the side panel")); }},
     {"quit", "", "Ctrl+Q", "File", "close the viewport", [](Controls& c, const std::string&) { c.requests.quit = true; }},
 };
 
 }  // namespace
+
+std::vector<std::string> choices_of(const Command& command) {
+  const std::string all = command.argument;
+  std::vector<std::string> choices;
+  if (all.find('|') == std::string::npos || all.find_first_not_of("abcdefghijklmnopqrstuvwxyz|-") < all.size()) {
+    return choices;
+  }
+  std::istringstream stream(all);
+  for (std::string choice; std::getline(stream, choice, '|');) choices.push_back(choice);
+  return choices;
+}
 
 std::span<const Command> commands() { return kCommands; }
 

@@ -14,10 +14,17 @@ struct Command {
   const char* name;      // "play": as typed
   const char* argument;  // "FRAME"; empty: none
   const char* key;       // "Ctrl+Left"; empty: none
-  const char* menu;      // "Playback"; empty: only typed
+  const char* menu;      // "Playback"
   const char* help;      // a line
   void (*run)(Controls& controls, const std::string& argument);
+  // What is set: "on", "off", or one of the words of `argument`; null where nothing lasts.
+  std::string (*value)(const Controls& controls) = nullptr;
 };
+
+// The words of an argument "loop|ping-pong|once"; none of any other argument.
+std::vector<std::string> choices_of(const Command& command);
+
+constexpr const char* kMenus[] = {"File", "Playback", "Camera", "Look", "Compare", "Pose", "View"};
 
 std::span<const Command> commands();
 

@@ -14,9 +14,23 @@ namespace bodyopt {
 // Asked for, and done by the application once a picture is drawn.
 struct Requests {
   bool quit = false, reload = false, frame_selection = false, reset_jiggle = false;
+  bool worst_frame = false, worst_vertex = false;
   std::optional<std::string> screenshot, turntable, sequence, save_state, load_state;  // file names
   std::vector<std::string> open;                                                       // files, by what they hold
   bool operator==(const Requests&) const = default;
+};
+
+// A point of the picture, for as long as its frame is shown.
+struct Marker {
+  int frame;
+  Vec3 at;  // metres, world
+};
+
+// What is being typed into panels.
+struct PanelTexts {
+  std::string prompt, joint_filter, camera, open;
+  std::string screenshot = "bodyopt.png", sequence = "bodyopt.####.png", turntable = "turntable.####.png";
+  std::string state = "view.json";
 };
 
 struct Message {
@@ -33,6 +47,9 @@ struct Controls {
   bool flipped = false;                                 // while the key of "hold to flip" is down
   bool cheat_sheet = false;
   bool panels = true;
+  bool prompt = false;  // a command is being typed
+  std::optional<Marker> marker;
+  PanelTexts texts;
   Requests requests;
   std::vector<Message> messages;  // newest last
 

@@ -104,9 +104,9 @@ void Detail::reset_jiggle() {
   evaluated_.erase(SkinMethod::jiggle);
 }
 
-Evaluation Detail::measure(SkinMethod method, const Pose& pose) {
+Evaluation Detail::measure(SkinMethod method, const Pose& pose, float correction) {
   Deformer& d = deformer(method == SkinMethod::jiggle ? SkinMethod::full : method, Use::measure);
-  d.set_weights({method == SkinMethod::ddm ? 0.0f : 1.0f, 1.0f});
+  d.set_weights({method == SkinMethod::ddm ? 0.0f : correction, 1.0f});
   return d.evaluate({&pose, 1});
 }
 

@@ -33,6 +33,7 @@ class Detail {
   const Basis& basis() const { return level_.basis; }
   const Level& level() const { return level_; }
   bool jiggles() const { return dynamics_.has_value(); }
+  std::uint32_t tet_count() const { return dynamics_ ? dynamics_->tets.tet_count() : 0; }
 
   // By ddm, linear, full or jiggle. Poses of one frame, then of ghosts; `frame`: of the first. The jiggle steps only
   // with that. The same as the last time is not evaluated again. On the host, too, when `host` asks for it.
@@ -42,8 +43,8 @@ class Detail {
   ShownSkin skin(SkinMethod method) const;
   void reset_jiggle();  // which starts anew with the next frame
 
-  // The quasi-static result on the host, of one pose: does not touch what is shown.
-  Evaluation measure(SkinMethod method, const Pose& pose);
+  // The quasi-static result on the host, of one pose: does not touch what is shown. `correction`: see Weights.
+  Evaluation measure(SkinMethod method, const Pose& pose, float correction = 1);
 
   const vulkan::Buffer& triangles() const { return triangles_; }
   const vulkan::Buffer& fibre_segments() const { return fibre_segments_; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "proxy_viewer/strain_colour.h"
 #include "runtime/rig.h"
 
 namespace bodyopt {
@@ -12,17 +13,11 @@ constexpr std::array<float, 3> kBeforeColour = {0.12f, 0.30f, 0.75f}, kAfterColo
 constexpr std::array<float, 3> kWornColour = {0.16f, 0.19f, 0.23f};
 constexpr std::array<float, 3> kOtherColour = {0.25f, 0.47f, 0.62f};  // of what is compared with
 constexpr std::uint32_t kBone = 0xd0f0e4c8, kJoint = 0xffffffff, kSelected = 0xff2fb4ff;
-constexpr std::size_t kColumns = 7;   // of copies
+constexpr std::size_t kColumns = 7;  // of copies
+constexpr std::uint32_t kMarked = 0xff5a40ff;
 constexpr double kSpacing = 0.7;      // between characters, of their size
 constexpr double kSkinAround = 0.12;  // of joints, of the character's size
 constexpr float kSphere = 0.75f;      // around the joints, of the character's size
-
-std::uint32_t packed(double red, double green, double blue) {
-  const auto byte = [](double value) {
-    return static_cast<std::uint32_t>(std::lround(255 * std::clamp(value, 0.0, 1.0)));
-  };
-  return byte(red) | byte(green) << 8 | byte(blue) << 16 | 0xff000000u;
-}
 
 std::vector<Vec3> centres_of(const Actor& character, const Pose& pose) {
   std::vector<Vec3> centres;
@@ -52,6 +47,16 @@ SurfaceStyle surface_style(LookStyle style) {
   }
 }
 
+// Clay where training went; the further outside, the more violet.
+std::array<float, 3> covered_colour(float outside) {
+  constexpr std::array<float, 3> kOutside = {0.22f, 0.06f, 0.50f};
+  constexpr float kFarOutside = 4;  // standard deviations
+  const float t = std::min(1.0f, outside / kFarOutside);
+  std::array<float, 3> colour;
+  for (std::size_t i = 0; i < 3; ++i) colour[i] = (1 - t) * kClayColour[i] + t * kOutside[i];
+  return colour;
+}
+
 Rectangle left_half(const Rectangle& r) { return {r.x, r.y, r.width / 2, r.height}; }
 Rectangle right_half(const Rectangle& r) {
   const std::uint32_t left = r.width / 2;
@@ -59,12 +64,6 @@ Rectangle right_half(const Rectangle& r) {
 }
 
 }  // namespace
-
-std::uint32_t strain_colour(float strain) {
-  const double t = std::clamp(static_cast<double>(strain) * 3, -1.0, 1.0), s = std::abs(t);
-  return t < 0 ? packed(0.93 - 0.80 * s, 0.82 - 0.25 * s, 0.45 + 0.55 * s)
-               : packed(0.93 + 0.07 * s, 0.82 - 0.60 * s, 0.45 - 0.30 * s);
-}
 
 SkinMethod shown_method(const Actor& character, const ViewSettings& settings) {
   return settings.jiggle.on && character.has(SkinMethod::jiggle) ? SkinMethod::jiggle : SkinMethod::full;
@@ -127,6 +126,10 @@ void Scene::reset_jiggle() {
 Pose Scene::pose_at(const Actor& character, int frame, const Controls& controls) const {
   if (live_pose_ && &character == cast_.front().get()) return *live_pose_;
   return character.pose(frame, controls.settings.pose);
+}
+
+Pose Scene::lead_pose(const Controls& controls) const {
+  return pose_at(*cast_.front(), controls.playback.frame(), controls);
 }
 
 std::vector<Pose> Scene::poses_of(const Actor& character, const Controls& controls) const {
@@ -210,7 +213,24 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
     }
   }
   for (std::size_t c = 0; c < cast_.size(); ++c) add_character(c, controls, views);
+  if (controls.marker && controls.marker->frame == controls.playback.frame()) {
+    for (View& v : views) add_marker(controls.marker->at, v);
+  }
   return views;
+}
+
+void Scene::add_marker(const Vec3& at, View& view) {
+  const double reach = 0.012 * lead().size();
+  std::vector<LinePoint> cross;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const double side : {-reach, reach}) {
+      Vec3 end = at;
+      end[axis] += side;
+      cross.push_back({static_cast<float>(end[0]), static_cast<float>(end[1]), static_cast<float>(end[2]), kMarked});
+    }
+  }
+  lines_.push_back(std::move(cross));
+  view.lines.push_back({lines_.back(), {}, 2, true});
 }
 
 void Scene::add_character(std::size_t index, const Controls& controls, std::vector<View>& views) {
@@ -231,6 +251,9 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   skin.normals = shown.skin.normals;
   skin.offset = place(index);
   skin.style = surface_style(s.look.style);
+  if (s.compare.coverage && !shown.evaluation->outside.empty()) {
+    skin.colour = covered_colour(shown.evaluation->outside[0]);
+  }
   skin.wire = s.look.wire;
   skin.shadow = s.look.shadow;
   skin.heat_range = static_cast<float>(1e-3 * s.compare.heat_scale_mm);

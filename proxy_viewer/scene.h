@@ -25,6 +25,7 @@ class Scene {
   std::vector<std::unique_ptr<Actor>>& cast() { return cast_; }
   const std::vector<std::unique_ptr<Actor>>& cast() const { return cast_; }
   Actor& lead() { return *cast_.front(); }  // whom panels speak of
+  const Actor& lead() const { return *cast_.front(); }
 
   // The views of a frame in a picture whose part `area` is free of panels: evaluates what is not yet. Buffers stay
   // until the next call. Throws Error(device), Error(file) of a truth that went away.
@@ -35,6 +36,8 @@ class Scene {
   Vec3 whereabouts(int frame) const;
   // The skin of all at the frame, or what is around the joint that is selected: V x 3, for framing.
   std::vector<float> points_to_frame(const Controls& controls);
+  // As it is shown: of the clip, turned as settings say, or live.
+  Pose lead_pose(const Controls& controls) const;
   // Where joint centres of the lead are at the frame, J, metres, world.
   std::vector<Vec3> joint_centres(const Controls& controls) const;
 
@@ -56,6 +59,7 @@ class Scene {
   void add_skeleton(const Actor& character, const Pose& pose, const std::array<float, 3>& offset,
                     const Controls& controls, View& view);
   void add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view);
+  void add_marker(const Vec3& at, View& view);
   std::array<float, 3> place(std::size_t index) const;
   std::array<float, 3> place_copy(std::size_t copy) const;
 
@@ -72,8 +76,5 @@ class Scene {
 // The method that settings choose, and what it is compared with: none where the character has no such skin.
 SkinMethod shown_method(const Actor& character, const ViewSettings& settings);
 std::optional<SkinMethod> compared_method(const Actor& character, const ViewSettings& settings);
-
-// The colour of a strain: blue where shorter, yellow at rest, red where longer; full at a third.
-std::uint32_t strain_colour(float strain);
 
 }  // namespace bodyopt

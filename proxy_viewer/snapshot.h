@@ -1,9 +1,10 @@
 // What panels read: plain values of one picture. They hold nothing that lives longer, and no panel computes.
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,28 +15,44 @@ namespace bodyopt {
 struct JointRow {
   std::string name;
   int parent = -1;
-  int depth = 0;                                    // of the tree
-  Vec3 low{-180, -180, -180}, high{180, 180, 180};  // limits of what is added to the clip, degrees
+  int depth = 0;                              // of the tree
+  Vec3 low{-90, -90, -90}, high{90, 90, 90};  // limits of what is added to the clip, degrees
+};
+
+struct ControlRow {
+  std::string name;
+  double low = 0, high = 1;  // in training
 };
 
 struct CharacterRow {
   std::string name, basis, clip, truth;
-  std::uint32_t vertices = 0, triangles = 0;
-  std::uint64_t bytes = 0;  // of the static tables
-  bool jiggles = false;
+  std::uint32_t vertices = 0, triangles = 0, tets = 0;  // no tets: it does not jiggle
+  std::uint64_t bytes = 0;                              // of the static tables
+  std::string method;                                   // that is shown
+};
+
+// How far the lead is from what it is compared with at a frame, mm; not a number: not measured.
+struct ErrorRow {
+  float rms = std::numeric_limits<float>::quiet_NaN(), max = rms;
 };
 
 struct Snapshot {
   std::vector<CharacterRow> cast;  // the first is the lead, of whom the rest speaks
   std::vector<JointRow> joints;
-  std::vector<std::string> controls, fibres;
+  std::vector<ControlRow> controls;
+  std::vector<std::string> fibres;
   std::vector<float> strains;  // of the fibres
   float outside = 0;           // standard deviations beyond what was trained; 0: covered
   std::string outside_feature;
+  std::optional<double> expected_mm;  // error of the frame, where coverage is looked at
   double clip_fps = 24;
   std::size_t level = 0, level_count = 1;  // of detail
-  std::vector<float>
-      error_mm;  // per frame of the clip, RMS to what it is compared with; not a number: not yet measured
+
+  std::vector<std::string> comparisons;  // with what it can be compared
+  std::string compared;                  // with what it is; empty: nothing
+  int first_frame = 1;                   // of the clip
+  std::vector<ErrorRow> errors;          // per frame of the clip; empty where nothing is compared
+  double measured = 1;                   // share of them
 
   std::string device;
   double shown_fps = 0;                    // pictures a second, over the last second

@@ -14,8 +14,10 @@
 #include <optional>
 
 #include "proxy_viewer/commands.h"
+#include "proxy_viewer/describe_scene.h"
 #include "proxy_viewer/frame_sequence_name.h"
 #include "proxy_viewer/gui.h"
+#include "proxy_viewer/joint_ranges.h"
 #include "proxy_viewer/live_pose.h"
 #include "proxy_viewer/panels.h"
 #include "proxy_viewer/render/animation.h"
@@ -27,6 +29,7 @@
 #include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
 #include "trainer/progress.h"
+#include "trainer/train/coverage.h"
 
 namespace bodyopt {
 namespace {
@@ -35,6 +38,8 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr double kIdle = 0.25;          // seconds between looks at files while nothing happens
+constexpr double kMeasuring = 0.02;     // seconds of measuring errors between events
+constexpr double kNearVertex = 0.3;     // distance of the camera from a vertex, of the character's size
 constexpr float kClick = 4;             // pixels: less is no drag
 constexpr double kPickRadius = 14;      // pixels
 constexpr int kTurntablePictures = 72;  // of once around
@@ -65,18 +70,18 @@ class Viewer {
         device_(std::make_shared<const vulkan::Device>(
             options.device, window_ ? window_->device_use() : vulkan::DeviceUse{.draws = true})),
         viewport_(*device_),
-        gui_(std::make_unique<Gui>(options.files)),
         scene_(device_) {
     if (window_) {
       window_->attach(device_);
       window_->on_drop = [this](const auto& files) { std::ranges::copy(files, std::back_inserter(dropped_)); };
       window_->on_key = [this](const std::string& key, bool down) { on_key(key, down); };
     }
-    gui_->attach(*device_, viewport_.panel_pass(), window_ ? window_->handle() : nullptr);
     controls_.panels = controls_.settings.hud.on = !options.headless;
-    if (gui_->problem()) warn(*gui_->problem());
     open(options.files.at(0));  // without it there is nothing to see
     for (std::size_t k = 1; k < options.files.size(); ++k) attempt([&] { open(options.files[k]); });
+    gui_ = std::make_unique<Gui>(names());
+    gui_->attach(*device_, viewport_.panel_pass(), window_ ? window_->handle() : nullptr);
+    if (gui_->problem()) warn(*gui_->problem());
     begin();
   }
 
@@ -87,7 +92,7 @@ class Viewer {
       if (interrupted()) throw Error(ErrorKind::interrupted, "interrupted: the window was closed");
       const Clock::time_point before = Clock::now();
       const double wait = std::min(kIdle, controls_.playback.playing() ? 0.004 : kIdle);
-      window_->poll(pending_pictures_ > 0 || !options_.vsync ? 0 : wait);
+      window_->poll(pending_pictures_ > 0 || !options_.vsync || can_measure() ? 0 : wait);
       if (options_.seconds > 0 && seconds_between(started, Clock::now()) > options_.seconds) break;
       const bool woken = seconds_between(before, Clock::now()) < 0.9 * wait;
       attempt([&] { turn(woken); });
@@ -262,6 +267,7 @@ class Viewer {
     }
     look_at_files(now);
     run_script();
+    measure_errors();
     if (woken) pending_pictures_ = 2;  // panels answer events a picture late
     const bool moves = controls_.playback.frame() != shown || !options_.vsync;
     if (!moves && pending_pictures_ == 0) return;
@@ -294,6 +300,7 @@ class Viewer {
     const Clock::time_point start = Clock::now();
     gui_->begin(width, height, std::max(1e-4, seconds_between(last_picture_, start)));
     steer(height);
+    describe_comparison(scene_, controls_, curve_, snapshot_);
     const Rectangle area = draw_panels(snapshot_, controls_, width, height);
     gui_->end();
     follow();
@@ -391,34 +398,92 @@ class Viewer {
     snapshot_.outside = evaluation->outside[0];
     snapshot_.outside_feature =
         snapshot_.outside > 0 ? feature_name(scene_.lead().basis(), evaluation->outside_feature[0]) : "";
+    snapshot_.expected_mm = expected_error();
+  }
+
+  // Of the frame, mm, where coverage is looked at.
+  std::optional<double> expected_error() const {
+    if (!controls_.settings.compare.coverage || regions_.empty() || scene_.lead().level() != 0) return std::nullopt;
+    return expected_errors(scene_.lead().basis(), regions_, {scene_.lead_pose(controls_)}).front().rms_mm;
   }
 
   void describe_cast() {
-    snapshot_.cast.clear();
-    for (const auto& character : scene_.cast()) {
-      const Basis& basis = character->basis();
-      snapshot_.cast.push_back({character->name(), character->files().basis,
-                                character->files().clip.empty() ? "" : character->clip().name, character->files().truth,
-                                basis.mesh.vertex_count(), static_cast<std::uint32_t>(basis.mesh.triangles.size() / 3),
-                                total_bytes(basis), character->has(SkinMethod::jiggle)});
-    }
-    const Actor& lead = scene_.lead();
-    snapshot_.joints.clear();
-    for (const Joint& joint : lead.basis().skeleton.joints) {
-      JointRow row;
-      row.name = joint.name;
-      row.parent = joint.parent;
-      row.depth = joint.parent < 0 ? 0 : snapshot_.joints[static_cast<std::size_t>(joint.parent)].depth + 1;
-      snapshot_.joints.push_back(row);
+    bodyopt::describe_cast(scene_, snapshot_);
+    const Basis& basis = scene_.lead().basis();
+    if (!options_.limits.empty()) {
+      limit_joints(read_joint_limits(options_.limits, basis.skeleton), basis.skeleton, snapshot_.joints);
     }
     controls_.joint_names.clear();
     for (const JointRow& row : snapshot_.joints) controls_.joint_names.push_back(row.name);
-    snapshot_.controls = controls_.control_names = lead.basis().residual.controls;
-    snapshot_.fibres = lead.basis().strain.names;
-    snapshot_.clip_fps = lead.clip().fps;
+    controls_.control_names = basis.residual.controls;
     snapshot_.device = device_->info().name;
-    snapshot_.error_mm.clear();
-    if (window_) window_->set_title(lead.name() + " \xe2\x80\x93 Bodyopt");
+    regions_ = has_coverage(basis) ? read_coverage(basis) : std::vector<RegionCoverage>{};
+    curve_.forget();
+    if (window_) window_->set_title(scene_.lead().name() + " \xe2\x80\x93 Bodyopt");
+  }
+
+  // Names that panels show in their own script.
+  std::vector<std::string> names() const {
+    std::vector<std::string> all = options_.files;
+    std::ranges::copy(controls_.joint_names, std::back_inserter(all));
+    std::ranges::copy(controls_.control_names, std::back_inserter(all));
+    std::ranges::copy(snapshot_.fibres, std::back_inserter(all));
+    for (const CharacterRow& row : snapshot_.cast) all.push_back(row.clip);
+    return all;
+  }
+
+  // Live poses are of no frame, and coarser levels are there to keep up: neither is measured.
+  void look_at_errors() {
+    if (live_ || scene_.lead().level() != 0) return;
+    if (curve_.look_at(scene_.lead(), controls_.settings)) controls_.marker.reset();
+  }
+
+  bool can_measure() const { return !curve_.is_complete() && !controls_.playback.playing(); }
+
+  // For as long as nobody notices.
+  void measure_errors() {
+    look_at_errors();
+    if (!can_measure() || ImGui::IsAnyMouseDown()) return;
+    const Clock::time_point start = Clock::now();
+    while (curve_.measure_next(scene_.lead(), controls_.playback.frame())) {
+      if (seconds_between(start, Clock::now()) > kMeasuring) break;
+    }
+    const bool is_late = seconds_between(last_picture_, Clock::now()) > kIdle;
+    if (is_late || curve_.is_complete()) pending_pictures_ = std::max(pending_pictures_, 1);
+  }
+
+  void require_comparison() const {
+    if (curve_.errors().empty()) throw Error(ErrorKind::usage, "nothing is compared: begin with 'compare truth'");
+  }
+
+  // In a window the measuring goes on between pictures, and the request stays until it is done.
+  void go_to_worst_frame() {
+    look_at_errors();
+    require_comparison();
+    controls_.playback.pause();
+    if (window_ && !curve_.is_complete()) {
+      controls_.requests.worst_frame = true;
+      return;
+    }
+    while (curve_.measure_next(scene_.lead(), controls_.playback.frame())) {
+    }
+    const std::optional<std::size_t> worst = curve_.worst();
+    if (worst) controls_.playback.scrub(snapshot_.first_frame + static_cast<int>(*worst));
+  }
+
+  void go_to_worst_vertex() {
+    look_at_errors();
+    require_comparison();
+    controls_.playback.pause();
+    const int frame = controls_.playback.frame();
+    curve_.measure_next(scene_.lead(), frame);
+    const FrameError& error = curve_.errors().at(static_cast<std::size_t>(frame - snapshot_.first_frame));
+    if (!std::isfinite(error.rms)) throw Error(ErrorKind::usage, "there is nothing to compare with in this frame");
+    controls_.marker = Marker{frame, error.worst};
+    OrbitView view = controls_.camera.view();
+    view.target = error.worst;
+    view.distance = kNearVertex * scene_.lead().size();
+    controls_.camera = OrbitCamera(view);
   }
 
   // What was asked for meanwhile, now that there is a picture.
@@ -433,6 +498,8 @@ class Viewer {
     if (requests.load_state) attempt([&] { load_state(*requests.load_state); });
     if (requests.reload) attempt([&] { reload(); });
     if (requests.reset_jiggle) scene_.reset_jiggle();
+    if (requests.worst_frame) attempt([&] { go_to_worst_frame(); });
+    if (requests.worst_vertex) attempt([&] { go_to_worst_vertex(); });
   }
 
   void save_state(const std::string& file) {
@@ -520,8 +587,10 @@ class Viewer {
   std::vector<std::string> dropped_;  // files, onto the window
   std::optional<Vec3> followed_;      // where the lead was in the last picture
   DetailChoice detail_;
-  Rectangle area_;            // of the characters in the last picture
-  int pending_pictures_ = 2;  // to be drawn although nothing moves
+  ErrorCurve curve_;
+  std::vector<RegionCoverage> regions_;  // of the lead
+  Rectangle area_;                       // of the characters in the last picture
+  int pending_pictures_ = 2;             // to be drawn although nothing moves
   bool was_busy_ = false;
   double next_look_ = 0;  // at files
   Clock::time_point last_ = Clock::now(), last_picture_ = last_;

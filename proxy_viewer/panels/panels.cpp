@@ -4,21 +4,41 @@
 
 #include <algorithm>
 
+#include "proxy_viewer/sections.h"
+
 namespace bodyopt {
+namespace {
+
+constexpr float kSide = 272, kNarrowSide = 216;     // width of the side panel
+constexpr float kNarrow = 900, kNarrowest = 560;    // windows: below, it is narrower, or there is no room for it
+constexpr float kTimeline = 84, kLowest = 240;      // height; below that of windows there is no room for it
+
+Layout layout_of(const Controls& controls, float width, float height) {
+  Layout layout{width, height, 0, 0, 0};
+  if (!controls.panels) return layout;
+  layout.menu = ImGui::GetFrameHeight();
+  if (height >= kLowest) layout.timeline = kTimeline;
+  if (width >= kNarrowest && shows_side_panel(controls.settings)) layout.side = width < kNarrow ? kNarrowSide : kSide;
+  return layout;
+}
+
+}  // namespace
 
 Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_t width, std::uint32_t height) {
-  Layout layout{static_cast<float>(width), static_cast<float>(height), 0, 0, 0};
-  if (controls.panels) {
-    draw_menu_bar(snapshot, controls);
-    layout.menu = ImGui::GetFrameHeight();
-    layout.timeline = 74;
-    draw_timeline(snapshot, controls, layout);
+  const Layout layout = layout_of(controls, static_cast<float>(width), static_cast<float>(height));
+  if (controls.panels) draw_menu_bar(snapshot, controls);
+  if (layout.timeline > 0) draw_timeline(snapshot, controls, layout);
+  if (layout.side > 0) draw_side_panel(snapshot, controls, layout);
+  if (controls.settings.hud.on) {
+    draw_comparison(snapshot, controls, layout);
+    draw_colour_bar(snapshot, controls, layout);
+    draw_hud(snapshot, controls, layout);
   }
-  if (controls.settings.hud.on) draw_hud(snapshot, controls, layout);
   draw_messages(controls, layout);
+  if (controls.prompt) draw_prompt(controls, layout);
+  if (controls.cheat_sheet) draw_cheat_sheet(controls, layout);
   const auto pixels = [](float value) { return static_cast<std::uint32_t>(std::max(1.0f, value)); };
-  return {0, static_cast<std::int32_t>(layout.menu), pixels(layout.width - layout.side),
-          pixels(layout.height - layout.menu - layout.timeline)};
+  return {0, static_cast<std::int32_t>(layout.menu), pixels(layout.right()), pixels(layout.bottom() - layout.menu)};
 }
 
 }  // namespace bodyopt

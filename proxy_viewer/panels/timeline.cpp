@@ -1,28 +1,19 @@
 // The frame in large digits, buttons, and the bar: click or drag to scrub, also while playing; the range; keys; the
 // error of every frame.
-#include <imgui.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
+#include <utility>
 
-#include "proxy_viewer/commands.h"
 #include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/widgets.h"
 
 namespace bodyopt {
 namespace {
 
 constexpr ImU32 kBar = IM_COL32(38, 38, 41, 255), kRange = IM_COL32(62, 62, 66, 255);
-constexpr ImU32 kTick = IM_COL32(110, 110, 116, 255), kHead = IM_COL32(242, 158, 64, 255);
-constexpr ImU32 kKey = IM_COL32(120, 170, 220, 255), kError = IM_COL32(220, 90, 70, 255);
-
-void button(const char* text, const char* command, Controls& controls) {
-  if (ImGui::Button(text, {30, 24})) find_command(command)->run(controls, "");
-  if (ImGui::IsItemHovered()) {
-    ImGui::SetTooltip("%s (%s)", find_command(command)->help, find_command(command)->key);
-  }
-  ImGui::SameLine(0, 3);
-}
+constexpr ImU32 kTick = IM_COL32(110, 110, 116, 255), kKey = IM_COL32(120, 170, 220, 255);
 
 struct Bar {
   ImVec2 at, size;
@@ -56,83 +47,159 @@ void draw_ticks(ImDrawList& list, const Bar& bar) {
   }
 }
 
-void draw_errors(ImDrawList& list, const Bar& bar, const std::vector<float>& errors) {
-  float highest = 0;
-  for (const float error : errors) highest = std::isfinite(error) ? std::max(highest, error) : highest;
-  if (highest <= 0) return;
-  for (std::size_t k = 0; k < errors.size(); ++k) {
-    if (!std::isfinite(errors[k])) continue;
-    const float x = bar.x(bar.first + static_cast<double>(k));
-    const float height = (bar.size.y - 4) * errors[k] / highest;
-    list.AddLine({x, bar.at.y + bar.size.y}, {x, bar.at.y + bar.size.y - height}, kError);
-  }
+std::string text_of(float error) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.2f mm", static_cast<double>(error));
+  return text;
 }
 
-void draw_bar(const Snapshot& snapshot, Controls& controls) {
+// Of the frames that were measured.
+std::optional<std::size_t> worst_of(const std::vector<ErrorRow>& errors) {
+  std::optional<std::size_t> worst;
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    if (std::isfinite(errors[k].rms) && (!worst || errors[k].rms > errors[*worst].rms)) worst = k;
+  }
+  return worst;
+}
+
+// RMS of the frames that were measured, from the bottom; the largest is marked.
+void draw_errors(ImDrawList& list, const Bar& bar, const std::vector<ErrorRow>& errors) {
+  const std::optional<std::size_t> worst = worst_of(errors);
+  if (!worst || errors[*worst].rms <= 0) return;
+  const float bottom = bar.at.y + bar.size.y;
+  const auto height = [&](float error) { return (bar.size.y - 2) * error / errors[*worst].rms; };
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    if (!std::isfinite(errors[k].rms)) continue;
+    const double frame = bar.first + static_cast<double>(k);
+    const float left = bar.x(frame - 0.5), right = std::max(left + 1, bar.x(frame + 0.5));
+    list.AddRectFilled({left, bottom - height(errors[k].rms)}, {right, bottom}, kErrorColour);
+  }
+  const float x = bar.x(bar.first + static_cast<double>(*worst));
+  const std::string text = text_of(errors[*worst].rms);
+  const float width = ImGui::CalcTextSize(text.c_str()).x * 12 / ImGui::GetFontSize();
+  const bool fits = x + 6 + width < bar.at.x + bar.size.x;
+  list.AddCircleFilled({x, bar.at.y + 2}, 2.5f, kAccent);
+  list.AddText(nullptr, 12, {fits ? x + 6 : x - 6 - width, bar.at.y - 3}, kAccent, text.c_str());
+}
+
+void explain_frame(const Bar& bar, const Snapshot& snapshot, const char* rest) {
+  const int frame = bar.frame(ImGui::GetIO().MousePos.x);
+  const auto index = static_cast<std::size_t>(frame - snapshot.first_frame);
+  const bool measured = index < snapshot.errors.size() && std::isfinite(snapshot.errors[index].rms);
+  const std::string error = measured ? ": " + text_of(snapshot.errors[index].rms) + " RMS" : "";
+  ImGui::SetTooltip("frame %d%s%s", frame, error.c_str(), rest);
+}
+
+void draw_frames(const Snapshot& snapshot, Controls& controls, const Bar& bar) {
   Playback& playback = controls.playback;
-  const Bar bar{ImGui::GetCursorScreenPos(), {ImGui::GetContentRegionAvail().x, 34}, playback.first(), playback.last()};
+  ImGui::SetCursorScreenPos(bar.at);
   ImGui::InvisibleButton("frames", bar.size);
   if (ImGui::IsItemActive()) playback.scrub(bar.frame(ImGui::GetIO().MousePos.x));
+  if (ImGui::IsItemHovered()) explain_frame(bar, snapshot, "");
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const ImVec2 end{bar.at.x + bar.size.x, bar.at.y + bar.size.y};
   list.AddRectFilled(bar.at, end, kBar, 3);
   list.AddRectFilled({bar.x(playback.in()), bar.at.y}, {bar.x(playback.out()), end.y}, kRange, 3);
-  draw_errors(list, bar, snapshot.error_mm);
   draw_ticks(list, bar);
   for (const int key : playback.keys()) list.AddCircleFilled({bar.x(key), bar.at.y + 6}, 3, kKey, 4);
-  const float head = bar.x(playback.frame());
-  list.AddLine({head, bar.at.y - 2}, {head, end.y}, kHead, 2);
-  list.AddTriangleFilled({head - 5, bar.at.y - 4}, {head + 5, bar.at.y - 4}, {head, bar.at.y + 4}, kHead);
-  if (ImGui::IsItemHovered()) {
-    const int frame = bar.frame(ImGui::GetIO().MousePos.x);
-    const std::size_t index = static_cast<std::size_t>(frame - bar.first);
-    if (index < snapshot.error_mm.size() && std::isfinite(snapshot.error_mm[index])) {
-      ImGui::SetTooltip("%d: %.2f mm", frame, static_cast<double>(snapshot.error_mm[index]));
-    } else {
-      ImGui::SetTooltip("%d", frame);
-    }
-  }
 }
 
-}  // namespace
+// Under the bar: a click goes to the worst frame, and from there to its worst vertex.
+void draw_sparkline(const Snapshot& snapshot, Controls& controls, const Bar& bar) {
+  ImGui::SetCursorScreenPos(bar.at);
+  const bool clicked = ImGui::InvisibleButton("errors", bar.size);
+  if (ImGui::IsItemHovered()) explain_frame(bar, snapshot, "\nclick: to the worst frame, then to its worst vertex");
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(bar.at, {bar.at.x + bar.size.x, bar.at.y + bar.size.y}, kBar, 3);
+  draw_errors(list, bar, snapshot.errors);
+  if (!clicked) return;
+  const std::optional<std::size_t> worst = worst_of(snapshot.errors);
+  const bool is_there = worst && snapshot.first_frame + static_cast<int>(*worst) == controls.playback.frame();
+  attempt(controls, is_there ? "worst-vertex" : "worst-frame");
+}
 
-void draw_timeline(const Snapshot& snapshot, Controls& controls, const Layout& layout) {
-  ImGui::SetNextWindowPos({0, layout.height - layout.timeline});
-  ImGui::SetNextWindowSize({layout.width, layout.timeline});
-  constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
-                                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus;
-  ImGui::Begin("Timeline", nullptr, kFixed);
-  Playback& playback = controls.playback;
-  ImGui::BeginGroup();
-  button("|<", "first", controls);
-  button("<", "step-back", controls);
-  button(playback.playing() ? "||" : "\xe2\x96\xb6", "play", controls);
-  button(">", "step", controls);
-  button(">|", "last", controls);
-  ImGui::NewLine();
-  const char* const modes[] = {"loop", "ping-pong", "once"};
-  int mode = static_cast<int>(playback.mode());
-  ImGui::SetNextItemWidth(76);
-  if (ImGui::Combo("##mode", &mode, modes, 3)) run_command(controls, std::string("mode ") + modes[mode]);
-  ImGui::SameLine(0, 3);
-  float speed = static_cast<float>(playback.speed());
-  ImGui::SetNextItemWidth(82);
-  if (ImGui::SliderFloat("##speed", &speed, static_cast<float>(Playback::kSlowest),
-                         static_cast<float>(Playback::kFastest), "%.2f x")) {
-    controls.settings.playback.speed = std::clamp(static_cast<double>(speed), Playback::kSlowest, Playback::kFastest);
-    playback.set_speed(controls.settings.playback.speed);
+void draw_head(const Bar& bar, float bottom, int frame) {
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const float x = bar.x(frame);
+  list.AddLine({x, bar.at.y - 2}, {x, bottom}, kAccent, 2);
+  list.AddTriangleFilled({x - 5, bar.at.y - 4}, {x + 5, bar.at.y - 4}, {x, bar.at.y + 4}, kAccent);
+}
+
+void draw_bars(const Snapshot& snapshot, Controls& controls, float bottom) {
+  constexpr float kSparkline = 20, kGap = 4;
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = std::max(1.0f, ImGui::GetContentRegionAvail().x);
+  const float below = snapshot.errors.empty() ? 0 : kSparkline + kGap;
+  const Bar frames{at, {width, bottom - at.y - below}, controls.playback.first(), controls.playback.last()};
+  draw_frames(snapshot, controls, frames);
+  if (!snapshot.errors.empty()) {
+    draw_sparkline(snapshot, controls, {{at.x, bottom - kSparkline}, {width, kSparkline}, frames.first, frames.last});
   }
+  draw_head(frames, bottom, controls.playback.frame());
+}
+
+void draw_buttons(Controls& controls) {
+  Playback& playback = controls.playback;
+  const float left = ImGui::GetCursorPosX();
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {3, 6});
+  ImGui::BeginGroup();
+  for (const auto& [command, text] : {std::pair{"first", "|<"}, std::pair{"step-back", "<"},
+                                      std::pair{"play", playback.playing() ? "||" : "\xe2\x96\xb6"},
+                                      std::pair{"step", ">"}, std::pair{"last", ">|"}}) {
+    command_button(controls, command, text, 30);
+    ImGui::SameLine();
+  }
+  const float width = ImGui::GetCursorPosX() - left - 3;
+  ImGui::NewLine();
+  const Command& mode = *find_command("mode");
+  const std::string current = mode.value(controls);
+  ImGui::SetNextItemWidth(0.5f * width - 2);
+  if (ImGui::BeginCombo("##mode", current.c_str())) {
+    for (const std::string& choice : choices_of(mode)) {
+      if (ImGui::Selectable(choice.c_str(), choice == current)) attempt(controls, "mode " + choice);
+    }
+    ImGui::EndCombo();
+  }
+  explain(mode);
+  ImGui::SameLine();
+  double speed = playback.speed();
+  const double low = Playback::kSlowest, high = Playback::kFastest;
+  ImGui::SetNextItemWidth(0.5f * width - 1);
+  if (ImGui::SliderScalar("##speed", ImGuiDataType_Double, &speed, &low, &high, "%.2f x",
+                          ImGuiSliderFlags_AlwaysClamp)) {
+    playback.set_speed(controls.settings.playback.speed = speed);
+  }
+  explain("speed");
   ImGui::EndGroup();
-  ImGui::SameLine(0, 12);
+  ImGui::PopStyleVar();
+}
+
+void draw_frame_number(const Snapshot& snapshot, const Playback& playback) {
   ImGui::BeginGroup();
   ImGui::SetWindowFontScale(2.1f);
   ImGui::Text("%5d", playback.frame());
   ImGui::SetWindowFontScale(1);
   ImGui::TextDisabled("%d\xe2\x80\x93%d  %g fps", playback.in(), playback.out(), snapshot.clip_fps);
   ImGui::EndGroup();
-  ImGui::SameLine(0, 12);
-  ImGui::SetCursorPosY(20);
-  draw_bar(snapshot, controls);
+}
+
+}  // namespace
+
+void draw_timeline(const Snapshot& snapshot, Controls& controls, const Layout& layout) {
+  constexpr float kNumberWidth = 420, kButtonsWidth = 260;  // windows below have no room for the number, the buttons
+  ImGui::SetNextWindowPos({0, layout.bottom()});
+  ImGui::SetNextWindowSize({layout.width, layout.timeline});
+  ImGui::Begin("Timeline", nullptr, kFixedWindow | ImGuiWindowFlags_NoScrollbar);
+  if (layout.width >= kButtonsWidth) {
+    draw_buttons(controls);
+    ImGui::SameLine(0, 14);
+  }
+  if (layout.width >= kNumberWidth) {
+    draw_frame_number(snapshot, controls.playback);
+    ImGui::SameLine(0, 14);
+  }
+  ImGui::SetCursorPosY(14);
+  draw_bars(snapshot, controls, layout.height - 10);
   ImGui::End();
 }
 

@@ -1,0 +1,103 @@
+#include "proxy_viewer/describe_scene.h"
+
+#include "proxy_viewer/commands.h"
+
+namespace bodyopt {
+namespace {
+
+const char* name_of(SkinMethod method) {
+  switch (method) {
+    case SkinMethod::ddm:
+      return "Direct Delta Mush";
+    case SkinMethod::linear:
+      return "linear";
+    case SkinMethod::full:
+      return "full";
+    case SkinMethod::jiggle:
+      return "jiggle";
+    case SkinMethod::proxy:
+      return "proxy";
+    case SkinMethod::truth:
+      return "truth";
+  }
+  return "";
+}
+
+CharacterRow describe(const Actor& character) {
+  const MeshTable& mesh = character.basis().mesh;
+  CharacterRow row;
+  row.name = character.name();
+  row.basis = character.files().basis;
+  row.clip = character.files().clip.empty() ? "" : character.clip().name;
+  row.truth = character.files().truth;
+  row.vertices = mesh.vertex_count();
+  row.triangles = static_cast<std::uint32_t>(mesh.triangles.size() / 3);
+  row.tets = character.shown().tet_count();
+  row.bytes = total_bytes(character.basis());
+  return row;
+}
+
+std::vector<JointRow> describe(const Skeleton& skeleton) {
+  std::vector<JointRow> rows;
+  for (const Joint& joint : skeleton.joints) {
+    JointRow row;
+    row.name = joint.name;
+    row.parent = joint.parent;
+    row.depth = joint.parent < 0 ? 0 : rows[static_cast<std::size_t>(joint.parent)].depth + 1;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+// Controls are the last of the features.
+std::vector<ControlRow> describe_controls(const ResidualTable& residual) {
+  const std::size_t count = residual.controls.size();
+  std::vector<ControlRow> rows;
+  for (std::size_t k = 0; k < count; ++k) {
+    const FeatureRange& range = residual.features[residual.features.size() - count + k];
+    const bool varies = range.low < range.high;
+    rows.push_back({residual.controls[k], varies ? static_cast<double>(range.low) : 0,
+                    varies ? static_cast<double>(range.high) : 1});
+  }
+  return rows;
+}
+
+// As the command "compare" names them.
+std::vector<std::string> possible_comparisons(const Actor& lead, ViewSettings settings) {
+  std::vector<std::string> possible;
+  settings.compare.activation = false;
+  const std::vector<std::string> names = choices_of(*find_command("compare"));
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    settings.compare.with = static_cast<CompareWith>(k);
+    if (settings.compare.with == CompareWith::none || compared_method(lead, settings)) possible.push_back(names[k]);
+  }
+  return possible;
+}
+
+}  // namespace
+
+void describe_cast(const Scene& scene, Snapshot& snapshot) {
+  snapshot.cast.clear();
+  for (const auto& character : scene.cast()) snapshot.cast.push_back(describe(*character));
+  const Actor& lead = *scene.cast().front();
+  snapshot.joints = describe(lead.basis().skeleton);
+  snapshot.controls = describe_controls(lead.basis().residual);
+  snapshot.fibres = lead.basis().strain.names;
+  snapshot.clip_fps = lead.clip().fps;
+  snapshot.first_frame = lead.clip().first_frame;
+}
+
+void describe_comparison(const Scene& scene, const Controls& controls, const ErrorCurve& curve, Snapshot& snapshot) {
+  for (std::size_t c = 0; c < snapshot.cast.size(); ++c) {
+    snapshot.cast[c].method = name_of(shown_method(*scene.cast()[c], controls.settings));
+  }
+  const Actor& lead = *scene.cast().front();
+  const std::optional<SkinMethod> compared = compared_method(lead, controls.settings);
+  snapshot.compared = compared ? name_of(*compared) : "";
+  snapshot.comparisons = possible_comparisons(lead, controls.settings);
+  snapshot.errors.clear();
+  for (const FrameError& error : curve.errors()) snapshot.errors.push_back({error.rms, error.max});
+  snapshot.measured = curve.share_measured();
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,16 @@
+// What panels are told of a scene.
+#pragma once
+
+#include "proxy_viewer/error_curve.h"
+#include "proxy_viewer/scene.h"
+#include "proxy_viewer/snapshot.h"
+
+namespace bodyopt {
+
+// What stays as it is until files are read: the cast, and the lead's joints, controls, fibres and clip.
+void describe_cast(const Scene& scene, Snapshot& snapshot);
+
+// What is shown and compared now, and how far apart it is.
+void describe_comparison(const Scene& scene, const Controls& controls, const ErrorCurve& curve, Snapshot& snapshot);
+
+}  // namespace bodyopt

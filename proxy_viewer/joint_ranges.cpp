@@ -1,0 +1,41 @@
+#include "proxy_viewer/joint_ranges.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bodyopt {
+namespace {
+
+// World to the joint's own axes, in the bind pose.
+Vec3 own_axis(const Joint& joint, const Vec3& axis) { return rotate(decompose(joint.inverse_bind).rotation, axis); }
+
+std::size_t nearest_axis(const Vec3& direction) {
+  std::size_t nearest = 0;
+  for (std::size_t k = 1; k < 3; ++k) {
+    if (std::abs(direction[k]) > std::abs(direction[nearest])) nearest = k;
+  }
+  return nearest;
+}
+
+}  // namespace
+
+void limit_joints(const JointLimits& limits, const Skeleton& skeleton, std::vector<JointRow>& rows) {
+  std::vector<bool> is_held(rows.size(), false);
+  for (const DegreeOfFreedom& dof : limits.dofs) {
+    for (const JointTurn& turn : dof.turns) {
+      const Joint& joint = skeleton.joints[turn.joint];
+      if (joint.parent < 0) continue;
+      JointRow& row = rows[turn.joint];
+      if (!is_held[turn.joint]) row.low = row.high = {};
+      is_held[turn.joint] = true;
+      const Vec3 direction = own_axis(joint, turn.axis);
+      const std::size_t axis = nearest_axis(direction);
+      const double sign = direction[axis] < 0 ? -turn.share : turn.share;
+      const auto [low, high] = std::minmax({sign * (dof.min - dof.rest), sign * (dof.max - dof.rest)});
+      row.low[axis] = std::min(row.low[axis], low);
+      row.high[axis] = std::max(row.high[axis], high);
+    }
+  }
+}
+
+}  // namespace bodyopt

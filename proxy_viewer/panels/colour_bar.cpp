@@ -1,0 +1,73 @@
+// What the colours of a heat map mean, in millimetres, and the largest distance of the frame.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/widgets.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr float kWidth = 14, kHeight = 176, kMargin = 16;
+constexpr int kLabels = 5, kSteps = 44;
+
+ImU32 colour_at(float share) {
+  const std::array<float, 3> linear = heat_colour(share);
+  const auto byte = [](float value) {
+    const float v = std::clamp(value, 0.0f, 1.0f);
+    return static_cast<int>(std::lround(255 * (v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f)));
+  };
+  return IM_COL32(byte(linear[0]), byte(linear[1]), byte(linear[2]), 255);
+}
+
+// Of the frame that is shown; not a number where it was not measured.
+float largest(const Snapshot& snapshot, int frame) {
+  const auto index = static_cast<std::size_t>(frame - snapshot.first_frame);
+  return index < snapshot.errors.size() ? snapshot.errors[index].max : ErrorRow{}.max;
+}
+
+std::string millimetres(double value, int digits) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.*g", digits, value);
+  return text;
+}
+
+// Ends at `right`; its middle is at y.
+void draw_text(ImDrawList& list, float right, float y, ImU32 colour, const std::string& text) {
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  list.AddText({right - size.x, y - 0.5f * size.y}, colour, text.c_str());
+}
+
+}  // namespace
+
+void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const Layout& layout) {
+  const ViewSettings::Compare& compare = controls.settings.compare;
+  if (snapshot.compared.empty() || !(compare.heat || compare.activation)) return;
+  const float line = ImGui::GetTextLineHeight();
+  const float height = std::min(kHeight, layout.bottom() - layout.menu - 4 * line - 2 * kMargin);
+  if (height < 40) return;
+  const float right = layout.right() - kMargin, bottom = layout.bottom() - kMargin - 0.5f * line;
+  const float left = right - kWidth, top = bottom - height;
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  for (int k = 0; k < kSteps; ++k) {
+    const float low = static_cast<float>(k) / kSteps, high = static_cast<float>(k + 1) / kSteps;
+    const ImU32 a = colour_at(low), b = colour_at(high);
+    list.AddRectFilledMultiColor({left, bottom - high * height}, {right, bottom - low * height}, b, b, a, a);
+  }
+  for (int k = 0; k < kLabels; ++k) {
+    const float share = static_cast<float>(k) / (kLabels - 1);
+    draw_text(list, left - 7, bottom - share * height, ImGui::GetColorU32(ImGuiCol_Text), 
+              millimetres(static_cast<double>(share) * compare.heat_scale_mm, 3));
+  }
+  draw_text(list, right, top - 1.3f * line, ImGui::GetColorU32(ImGuiCol_Text),
+            compare.activation ? "learned, mm" : "distance, mm");
+  const float most = largest(snapshot, controls.playback.frame());
+  if (!std::isfinite(most)) return;
+  const float share = std::min(1.0f, most / static_cast<float>(compare.heat_scale_mm));
+  list.AddTriangleFilled({right + 8, bottom - share * height - 4}, {right + 8, bottom - share * height + 4},
+                         {right + 1, bottom - share * height}, kAccent);
+  draw_text(list, right, top - 2.4f * line, kAccent, "largest " + millimetres(static_cast<double>(most), 3));
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,53 @@
+// With what the character is compared, how both are shown, and how far they are apart.
+#include <algorithm>
+#include <cmath>
+
+#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/widgets.h"
+
+namespace bodyopt {
+namespace {
+
+void draw_error(const char* what, float millimetres) {
+  ImGui::TextDisabled("%s", what);
+  ImGui::SameLine(0.62f * ImGui::GetWindowContentRegionMax().x);
+  ImGui::Text("%8.2f mm", static_cast<double>(millimetres));
+}
+
+void draw_errors(const Snapshot& snapshot, Controls& controls) {
+  const auto index = static_cast<std::size_t>(controls.playback.frame() - snapshot.first_frame);
+  if (index < snapshot.errors.size() && std::isfinite(snapshot.errors[index].rms)) {
+    draw_error("RMS of this frame", snapshot.errors[index].rms);
+    draw_error("largest", snapshot.errors[index].max);
+  }
+  const float width = share_of_line(2);
+  command_button(controls, "worst-frame", nullptr, width);
+  ImGui::SameLine();
+  command_button(controls, "worst-vertex", nullptr, width);
+  if (snapshot.measured < 1) ImGui::TextDisabled("measured: %.0f %% of the frames", 100 * snapshot.measured);
+}
+
+}  // namespace
+
+void draw_compare(const Snapshot& snapshot, Controls& controls) {
+  ViewSettings::Compare& compare = controls.settings.compare;
+  command_choice(controls, "compare", &snapshot.comparisons);
+  const bool compares = !snapshot.compared.empty() && !compare.activation;
+  ImGui::BeginDisabled(!compares);
+  command_choice(controls, "layout");
+  ImGui::EndDisabled();
+  if (compares && compare.layout == CompareLayout::wipe) {
+    slide("Wipe", compare.wipe, 0, 1, "%.2f", "where, of the picture's width; or drag the line in the picture");
+  }
+  if (compares && compare.layout == CompareLayout::hold) ImGui::TextDisabled("hold X to see the other");
+  command_tick(controls, "heat", "Heat of the distance");
+  command_tick(controls, "activation", "Heat of what was learned");
+  if (compare.heat || compare.activation) {
+    slide("Hottest", compare.heat_scale_mm, 0.1, 100, "%.3g mm", find_command("heat-scale")->help,
+          ImGuiSliderFlags_Logarithmic);
+  }
+  command_tick(controls, "coverage", "Tint what was not trained for");
+  if (!snapshot.compared.empty()) draw_errors(snapshot, controls);
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,34 @@
+// How the character looks, and what is shown of its inside.
+#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/widgets.h"
+
+namespace bodyopt {
+namespace {
+
+struct Tick {
+  const char* command;
+  bool available;
+};
+
+}  // namespace
+
+void draw_look(const Snapshot& snapshot, Controls& controls) {
+  const bool has_tets = !snapshot.cast.empty() && snapshot.cast.front().tets > 0;
+  command_choice(controls, "style");
+  const float half = ImGui::GetCursorPosX() + 0.5f * ImGui::GetContentRegionAvail().x;
+  bool left = true;
+  for (const Tick& tick : {Tick{"wire", true}, Tick{"skeleton", true}, Tick{"fibres", !snapshot.fibres.empty()},
+                           Tick{"tets", has_tets}, Tick{"grid", true}, Tick{"axes", true}, Tick{"shadow", true},
+                           Tick{"follow", true}}) {
+    if (!left) ImGui::SameLine(half);
+    left = !left;
+    ImGui::BeginDisabled(!tick.available);
+    command_tick(controls, tick.command);
+    ImGui::EndDisabled();
+  }
+  if (has_tets && controls.settings.look.tets) {
+    slide("Cut", controls.settings.look.tet_cut, 0, 1, "%.2f", "share of the body that is cut away, from the front");
+  }
+}
+
+}  // namespace bodyopt

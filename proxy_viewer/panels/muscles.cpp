@@ -1,0 +1,62 @@
+// How far every muscle fibre is shortened or stretched, the most at the top, in the colours that fibres have.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/widgets.h"
+#include "proxy_viewer/strain_colour.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr float kRow = 18, kMostRows = 12;
+constexpr float kFull = 1.0f / 3;  // strain of a full bar, as of a full colour
+
+void draw_row(const std::string& name, float strain) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, middle = at.x + 0.78f * width;
+  const float half = 0.21f * width;
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const float end = middle + half * std::clamp(strain / kFull, -1.0f, 1.0f);
+  list.AddRectFilled({middle - half, at.y + 3}, {middle + half, at.y + kRow - 3}, ImGui::GetColorU32(ImGuiCol_FrameBg));
+  list.AddRectFilled({std::min(middle, end), at.y + 3}, {std::max(middle, end), at.y + kRow - 3},
+                     strain_colour(strain));
+  list.PushClipRect(at, {middle - half - 48, at.y + kRow}, true);
+  list.AddText({at.x, at.y + 1}, ImGui::GetColorU32(ImGuiCol_Text), name.c_str());
+  list.PopClipRect();
+  char percent[16];
+  std::snprintf(percent, sizeof(percent), "%+.0f %%", 100 * static_cast<double>(strain));
+  const float text = ImGui::CalcTextSize(percent).x;
+  list.AddText({middle - half - 6 - text, at.y + 1}, kQuiet, percent);
+  ImGui::Dummy({width, kRow});
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s: %+.1f %%", name.c_str(), 100 * static_cast<double>(strain));
+}
+
+}  // namespace
+
+void draw_muscles(const Snapshot& snapshot, Controls& controls) {
+  const std::size_t count = std::min(snapshot.fibres.size(), snapshot.strains.size());
+  if (count == 0) {
+    ImGui::TextDisabled("it was trained without muscles");
+    return;
+  }
+  command_tick(controls, "fibres", "Fibres in the picture");
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t f) { return std::abs(snapshot.strains[f]); });
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
+  ImGui::BeginChild("strains", {0, kRow * std::min(kMostRows, static_cast<float>(count))});
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(count), kRow);
+  while (clipper.Step()) {
+    for (int k = clipper.DisplayStart; k < clipper.DisplayEnd; ++k) {
+      const std::size_t fibre = order[static_cast<std::size_t>(k)];
+      draw_row(snapshot.fibres[fibre], snapshot.strains[fibre]);
+    }
+  }
+  ImGui::EndChild();
+  ImGui::PopStyleVar();
+}
+
+}  // namespace bodyopt

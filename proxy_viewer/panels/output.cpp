@@ -1,0 +1,37 @@
+// Files that are written, and read.
+#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/widgets.h"
+
+namespace bodyopt {
+namespace {
+
+// A file's name, and buttons of commands that take it.
+void draw_file(Controls& controls, std::string& name, const char* hint,
+               std::initializer_list<std::pair<const char*, const char*>> commands) {
+  constexpr float kButton = 74;
+  ImGui::PushID(hint);
+  const float space = ImGui::GetStyle().ItemSpacing.x;
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - static_cast<float>(commands.size()) * (kButton + space));
+  ImGui::InputTextWithHint("##name", hint, &name);
+  for (const auto& [command, text] : commands) {
+    ImGui::SameLine();
+    ImGui::BeginDisabled(name.empty());
+    if (ImGui::Button(text, {kButton, 0})) attempt(controls, std::string(command) + " " + name);
+    explain(command);
+    ImGui::EndDisabled();
+  }
+  ImGui::PopID();
+}
+
+}  // namespace
+
+void draw_output(const Snapshot&, Controls& controls) {
+  PanelTexts& texts = controls.texts;
+  draw_file(controls, texts.screenshot, "picture.png", {{"screenshot", "Picture"}});
+  draw_file(controls, texts.sequence, "frames.####.png", {{"sequence", "Sequence"}});
+  draw_file(controls, texts.turntable, "turntable.####.png", {{"turntable", "Turntable"}});
+  draw_file(controls, texts.state, "view.json", {{"save-state", "Save"}, {"load-state", "Load"}});
+  draw_file(controls, texts.open, "a basis, clip or cache", {{"open", "Open"}});
+}
+
+}  // namespace bodyopt

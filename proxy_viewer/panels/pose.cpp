@@ -1,0 +1,109 @@
+// The pose on top of the clip: a list of joints, three angles of the one that is selected, controls of the basis.
+#include <algorithm>
+#include <cctype>
+
+#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/widgets.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr float kListHeight = 132, kIndent = 9;
+constexpr int kDeepest = 8;  // of what is indented
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool is_turned(const Controls& controls, const std::string& joint) {
+  const auto found = controls.settings.pose.joints.find(joint);
+  return found != controls.settings.pose.joints.end() && found->second != Vec3{};
+}
+
+void draw_row(const JointRow& row, bool indented, Controls& controls) {
+  ImGui::PushID(&row);
+  const bool selected = row.name == controls.joint;
+  if (ImGui::Selectable("##row", selected)) controls.joint = selected ? "" : row.name;
+  ImGui::SameLine(6 + (indented ? kIndent * static_cast<float>(std::min(row.depth, kDeepest)) : 0));
+  ImGui::PushStyleColor(ImGuiCol_Text, is_turned(controls, row.name) ? kAccent : ImGui::GetColorU32(ImGuiCol_Text));
+  ImGui::TextUnformatted(row.name.c_str());
+  ImGui::PopStyleColor();
+  ImGui::PopID();
+}
+
+void draw_list(const Snapshot& snapshot, Controls& controls) {
+  ImGui::SetNextItemWidth(-1);
+  ImGui::InputTextWithHint("##filter", "find a joint", &controls.texts.joint_filter);
+  const std::string wanted = lower(controls.texts.joint_filter);
+  std::vector<const JointRow*> rows;
+  for (const JointRow& row : snapshot.joints) {
+    if (lower(row.name).find(wanted) != std::string::npos) rows.push_back(&row);
+  }
+  ImGui::PushStyleColor(ImGuiCol_ChildBg, ImGui::GetColorU32(ImGuiCol_FrameBg, 0.5f));
+  ImGui::BeginChild("joints", {0, kListHeight});
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(rows.size()));
+  while (clipper.Step()) {
+    for (int k = clipper.DisplayStart; k < clipper.DisplayEnd; ++k) {
+      draw_row(*rows[static_cast<std::size_t>(k)], wanted.empty(), controls);
+    }
+  }
+  ImGui::EndChild();
+  ImGui::PopStyleColor();
+}
+
+void draw_angles(const JointRow& row, Controls& controls) {
+  std::map<std::string, Vec3>& turned = controls.settings.pose.joints;
+  const auto found = turned.find(row.name);
+  Vec3 angles = found == turned.end() ? Vec3{} : found->second;
+  bool moved = false;
+  const char* const names[] = {"Turn X", "Turn Y", "Turn Z"};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const bool free = row.low[axis] < row.high[axis];
+    ImGui::BeginDisabled(!free);
+    moved |= slide(names[axis], angles[axis], row.low[axis], row.high[axis], free ? "%.1f\xc2\xb0" : "held",
+                   "on top of the clip, within the joint's limits");
+    ImGui::EndDisabled();
+  }
+  if (moved) turned[row.name] = angles;
+}
+
+void draw_joint(const Snapshot& snapshot, Controls& controls) {
+  const auto row = std::ranges::find(snapshot.joints, controls.joint, &JointRow::name);
+  if (row == snapshot.joints.end()) {
+    ImGui::TextDisabled("select a joint, here or in the picture");
+  } else {
+    draw_angles(*row, controls);
+  }
+  const float width = share_of_line(3);
+  ImGui::BeginDisabled(row == snapshot.joints.end());
+  command_button(controls, "mirror", nullptr, width);
+  ImGui::SameLine();
+  command_button(controls, "reset-joint", "Reset", width);
+  ImGui::EndDisabled();
+  ImGui::SameLine();
+  command_button(controls, "reset-pose", "Reset all", width);
+}
+
+void draw_controls(const Snapshot& snapshot, Controls& controls) {
+  std::map<std::string, double>& values = controls.settings.pose.controls;
+  for (const ControlRow& row : snapshot.controls) {
+    const auto found = values.find(row.name);
+    double value = found == values.end() ? 0 : found->second;
+    if (slide(row.name.c_str(), value, row.low, row.high, "%.2f", find_command("control")->help)) {
+      values[row.name] = value;
+    }
+  }
+}
+
+}  // namespace
+
+void draw_pose(const Snapshot& snapshot, Controls& controls) {
+  draw_list(snapshot, controls);
+  draw_joint(snapshot, controls);
+  draw_controls(snapshot, controls);
+  slide("Learned", controls.settings.pose.correction, 0, 1, "%.2f", find_command("correction")->help);
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,39 @@
+// The panel on the right, its sections one above the other.
+#include <algorithm>
+#include <array>
+
+#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/widgets.h"
+#include "proxy_viewer/sections.h"
+
+namespace bodyopt {
+namespace {
+
+using Draw = void (*)(const Snapshot&, Controls&);
+
+// As kSections.
+constexpr std::array<Draw, kSections.size()> kDraw = {draw_look,   draw_cameras, draw_compare, draw_pose, draw_muscles,
+                                                      draw_jiggle, draw_ghosts,  draw_cast,    draw_output};
+
+}  // namespace
+
+void draw_side_panel(const Snapshot& snapshot, Controls& controls, const Layout& layout) {
+  ImGui::SetNextWindowPos({layout.right(), layout.menu});
+  ImGui::SetNextWindowSize({layout.side, std::max(1.0f, layout.bottom() - layout.menu)});
+  ImGui::Begin("Side", nullptr, kFixedWindow);
+  for (std::size_t k = 0; k < kSections.size(); ++k) {
+    const Section& section = kSections[k];
+    const bool was_open = is_open(controls.settings, section);
+    ImGui::SetNextItemOpen(was_open, ImGuiCond_Always);
+    const bool open = ImGui::CollapsingHeader(section.title);
+    if (open != was_open) controls.settings.hud.panels[section.name] = open;
+    if (!open) continue;
+    ImGui::PushID(section.name);
+    kDraw[k](snapshot, controls);
+    ImGui::PopID();
+    ImGui::Spacing();
+  }
+  ImGui::End();
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,118 @@
+#include "proxy_viewer/panels/widgets.h"
+
+#include <algorithm>
+
+#include "runtime/basis/error.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr float kLabelShare = 0.36f;  // of a line
+
+// After it the item before is hovered for long enough to be asked about.
+void show_tooltip(const std::string& text) {
+  if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(320);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
+}  // namespace
+
+std::string label_of(const Command& command) {
+  std::string text = command.name;
+  std::replace(text.begin(), text.end(), '-', ' ');
+  text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text;
+}
+
+void attempt(Controls& controls, const std::string& line) {
+  try {
+    run_command(controls, line);
+  } catch (const Error& error) {
+    controls.warn(error.what());
+  }
+}
+
+void explain(const Command& command) {
+  const std::string help = command.help;
+  show_tooltip(*command.key == 0 ? help : help + "  (" + command.key + ")");
+}
+
+void explain(const char* command) { explain(*find_command(command)); }
+
+void command_button(Controls& controls, const char* command, const char* text, float width) {
+  const Command& c = *find_command(command);
+  ImGui::PushID(command);
+  if (ImGui::Button(text ? text : label_of(c).c_str(), {width, 0})) attempt(controls, command);
+  explain(c);
+  ImGui::PopID();
+}
+
+void command_tick(Controls& controls, const char* command, const char* text) {
+  const Command& c = *find_command(command);
+  bool on = c.value(controls) == "on";
+  ImGui::PushID(command);
+  if (ImGui::Checkbox(text ? text : label_of(c).c_str(), &on)) {
+    attempt(controls, std::string(command) + (on ? " on" : " off"));
+  }
+  explain(c);
+  ImGui::PopID();
+}
+
+void command_choice(Controls& controls, const char* command, const std::vector<std::string>* available) {
+  const Command& c = *find_command(command);
+  const std::string current = c.value(controls);
+  ImGui::PushID(command);
+  label_before(label_of(c).c_str());
+  if (ImGui::BeginCombo("##choice", current.c_str())) {
+    for (const std::string& choice : choices_of(c)) {
+      const bool missing = available && std::ranges::find(*available, choice) == available->end();
+      const ImGuiSelectableFlags flags = missing ? ImGuiSelectableFlags_Disabled : ImGuiSelectableFlags_None;
+      if (ImGui::Selectable(choice.c_str(), choice == current, flags)) {
+        attempt(controls, std::string(command) + " " + choice);
+      }
+    }
+    ImGui::EndCombo();
+  }
+  explain(c);
+  ImGui::PopID();
+}
+
+void label_before(const char* text) {
+  const float width = ImGui::GetContentRegionAvail().x;
+  const float left = ImGui::GetCursorPosX();
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(text);
+  ImGui::SameLine(left + kLabelShare * width);
+  ImGui::SetNextItemWidth(-1);
+}
+
+float share_of_line(int count) {
+  const float spaces = static_cast<float>(count - 1) * ImGui::GetStyle().ItemSpacing.x;
+  return std::max(1.0f, (ImGui::GetContentRegionAvail().x - spaces) / static_cast<float>(count));
+}
+
+bool slide(const char* label, double& value, double low, double high, const char* format, const char* help,
+           ImGuiSliderFlags flags) {
+  ImGui::PushID(label);
+  label_before(label);
+  const bool moved = ImGui::SliderScalar("##bar", ImGuiDataType_Double, &value, &low, &high, format,
+                                         flags | ImGuiSliderFlags_AlwaysClamp);
+  if (help) show_tooltip(help);
+  ImGui::PopID();
+  return moved;
+}
+
+bool slide(const char* label, int& value, int low, int high, const char* format, const char* help) {
+  ImGui::PushID(label);
+  label_before(label);
+  const bool moved = ImGui::SliderInt("##bar", &value, low, high, format, ImGuiSliderFlags_AlwaysClamp);
+  if (help) show_tooltip(help);
+  ImGui::PopID();
+  return moved;
+}
+
+}  // namespace bodyopt
