@@ -51,6 +51,7 @@ void add_view(CLI::App& app) {
       ->check(CLI::PositiveNumber);
   verb.add_option("--size", arguments->size, "Width and height of the picture, pixels")
       ->expected(2)
+      ->allow_extra_args(false)
       ->check(CLI::Range(1, 2048));
   verb.add_option("--state", options.state, "Cameras and settings that the viewport saved")->type_name("FILE");
   verb.add_option("--do", options.commands, "Commands of the viewport, parted by ';'")->type_name("COMMANDS");

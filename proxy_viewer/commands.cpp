@@ -69,6 +69,14 @@ int integer(const std::string& text) {
   return value;
 }
 
+int integer_within(const std::string& text, int low, int high) {
+  const int value = integer(text);
+  if (value < low || value > high) {
+    refuse(text, "a whole number from " + std::to_string(low) + " to " + std::to_string(high));
+  }
+  return value;
+}
+
 std::vector<std::string> words(const std::string& text) {
   std::istringstream stream(text);
   std::vector<std::string> all;
@@ -225,7 +233,7 @@ const Command kCommands[] = {
        if (a == "auto") {
          c.settings.look.level = std::nullopt;
        } else {
-         c.settings.look.level = static_cast<int>(number_within(a, 0, 15));
+         c.settings.look.level = integer_within(a, 0, 15);
        }
      }},
     {"grid", "[on|off]", "D", "Look", "the grid on the ground",
@@ -284,11 +292,11 @@ const Command kCommands[] = {
     {"ghosts", "BEFORE AFTER", "", "", "frames before and after, see-through",
      [](Controls& c, const std::string& a) {
        const auto w = words(a, 2, "two counts");
-       c.settings.ghosts.before = static_cast<int>(number_within(w[0], 0, 12));
-       c.settings.ghosts.after = static_cast<int>(number_within(w[1], 0, 12));
+       c.settings.ghosts.before = integer_within(w[0], 0, 12);
+       c.settings.ghosts.after = integer_within(w[1], 0, 12);
      }},
     {"ghost-step", "FRAMES", "", "", "from one ghost to the next",
-     [](Controls& c, const std::string& a) { c.settings.ghosts.step = static_cast<int>(number_within(a, 1, 1000)); }},
+     [](Controls& c, const std::string& a) { c.settings.ghosts.step = integer_within(a, 1, 1000); }},
     {"toggle-ghosts", "", "G", "Look", "two ghosts before and two after",
      [](Controls& c, const std::string&) {
        ViewSettings::Ghosts& ghosts = c.settings.ghosts;
