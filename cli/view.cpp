@@ -55,6 +55,7 @@ void add_view(CLI::App& app) {
       ->check(CLI::PositiveNumber);
   verb.add_option("--size", arguments->size, "Width and height of the picture, pixels")
       ->expected(2)
+      ->allow_extra_args(false)
       ->check(CLI::Range(1, 2048));
   verb.add_option("--limits", options.limits, "Joint limits (limits.json): how far the sliders of joints go")
       ->type_name("FILE")

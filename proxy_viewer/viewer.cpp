@@ -195,7 +195,8 @@ class Viewer {
       live_ = std::make_unique<LivePose>(*options_.live_port, basis.skeleton.size(), basis.residual.controls.size());
       controls_.say("listening for poses on 127.0.0.1:" + std::to_string(live_->port()));
     }
-    frame_selection(options_.width, options_.height);
+    if (controls_.requests.frame_selection) frame_selection(options_.width, options_.height);
+    followed_ = scene_.whereabouts(playback.frame());
     const std::vector<std::string> commands = script_commands(options_.commands);
     script_.assign(commands.begin(), commands.end());
   }
@@ -344,12 +345,13 @@ class Viewer {
     if (io.WantCaptureMouse) return;
     const double per_pixel = 3.2 / std::max(1u, height);  // half a turn across the window's height
     const double x = static_cast<double>(io.MouseDelta.x), y = static_cast<double>(io.MouseDelta.y);
-    const bool pans = ImGui::IsMouseDown(2) || (ImGui::IsMouseDown(0) && io.KeyShift);
-    if (pans) {
+    // Not with what moved before the button went down.
+    const auto drags = [&](int button) { return io.MouseDown[button] && io.MouseDownDuration[button] > 0; };
+    if (drags(2) || (drags(0) && io.KeyShift)) {
       controls_.camera.pan(x, y, static_cast<double>(area_.height));
-    } else if (ImGui::IsMouseDown(0)) {
+    } else if (drags(0)) {
       controls_.camera.orbit(-x * per_pixel, y * per_pixel);
-    } else if (ImGui::IsMouseDown(1)) {
+    } else if (drags(1)) {
       controls_.camera.dolly(0.03 * (x - y));
     }
     if (io.MouseWheel != 0) controls_.camera.dolly(static_cast<double>(io.MouseWheel));
