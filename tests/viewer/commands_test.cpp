@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "proxy_viewer/sections.h"
 #include "tests/support/error_kind.h"
 
 namespace bodyopt::testing {
@@ -20,10 +21,12 @@ Controls controls_of_a_session() {
   controls.playback.set_keys({5, 15});
   controls.playback.set_range(3, 30);
   controls.playback.scrub(10);
-  controls.joint_names = {"Hips", "LeftArm", "LeftForeArm"};
+  controls.joint_names = {"Hips", "LeftArm", "LeftForeArm", "RightArm"};
   controls.control_names = {"biceps", "breath"};
   controls.settings.cameras["close"] = {{1, 2, 3}, 0.5, 0.1, 0.2, true};
   controls.settings.pose.joints["Hips"] = {1, 2, 3};
+  controls.settings.pose.joints["LeftArm"] = {4, 5, 6};
+  controls.joint = "LeftArm";
   controls.camera.orbit(0.4, 0.2);
   return controls;
 }
@@ -82,7 +85,7 @@ const std::map<std::string, Case>& cases() {
       {"side", {"", [](C, C c) { return std::abs(c.camera.view().azimuth - 90 * kDegree) < 1e-12; }, {"1"}}},
       {"top", {"", [](C, C c) { return c.camera.view().elevation > 80 * kDegree; }, {"1"}}},
       {"orthographic",
-       {"", [](C b, C c) { return c.camera.view().orthographic != b.camera.view().orthographic; }, {"on"}}},
+       {"on", [](C, C c) { return c.camera.view().orthographic; }, {"yes"}}},
       {"follow", {"off", [](C, C c) { return !c.settings.look.follow; }, {"no"}}},
       {"orbit",
        {"10 -20",
@@ -99,6 +102,7 @@ const std::map<std::string, Case>& cases() {
        {"from the left", [](C, C c) { return valued(c.settings.cameras, "from the left") == c.camera.view(); }, {""}}},
       {"camera",
        {"close", [](C, C c) { return c.camera.view() == c.settings.cameras.at("close"); }, {"", "far", "close up"}}},
+      {"forget-camera", {"close", [](C, C c) { return c.settings.cameras.empty(); }, {"", "far"}}},
       {"style", {"matcap", [](C, C c) { return c.settings.look.style == LookStyle::matcap; }, {"", "gold"}}},
       {"next-style", {"", [](C, C c) { return c.settings.look.style == LookStyle::matcap; }, {"1"}}},
       {"wire", {"on", [](C, C c) { return c.settings.look.wire; }, {"yes"}}},
@@ -117,7 +121,14 @@ const std::map<std::string, Case>& cases() {
       {"heat-scale", {"2.5", [](C, C c) { return c.settings.compare.heat_scale_mm == 2.5; }, {"", "0", "-1", "1001"}}},
       {"activation", {"on", [](C, C c) { return c.settings.compare.activation; }, {"yes"}}},
       {"coverage", {"on", [](C, C c) { return c.settings.compare.coverage; }, {"yes"}}},
-      {"select", {"LeftArm", [](C, C c) { return c.joint == "LeftArm"; }, {"LeftArn", "Left Arm"}}},
+      {"worst-frame", {"", [](C, C c) { return c.requests.worst_frame; }, {"1"}}},
+      {"worst-vertex", {"", [](C, C c) { return c.requests.worst_vertex; }, {"1"}}},
+      {"mirror",
+       {"LeftArm",
+        [](C, C c) { return valued(c.settings.pose.joints, "RightArm") == Vec3{4, -5, -6}; },
+        {"Hips", "Tail"}}},
+      {"reset-joint", {"Hips", [](C, C c) { return !c.settings.pose.joints.contains("Hips"); }, {"Tail"}}},
+      {"select", {"Hips", [](C, C c) { return c.joint == "Hips"; }, {"LeftArn", "Left Arm"}}},
       {"turn",
        {"LeftArm 10 -20 30",
         [](C, C c) {
@@ -140,11 +151,13 @@ const std::map<std::string, Case>& cases() {
         {"", "3", "13 0", "0 13", "-1 0", "a b", "1.5 1"}}},
       {"ghost-step", {"6", [](C, C c) { return c.settings.ghosts.step == 6; }, {"", "0", "1001", "x"}}},
       {"toggle-ghosts",
-       {"",
+       {"on",
         [](C, C c) {
           return c.settings.ghosts.before == 2 && c.settings.ghosts.after == 2 && c.settings.ghosts.step == 4;
         },
         {"1"}}},
+      {"copies", {"12", [](C, C c) { return c.settings.cast.copies == 12; }, {"", "0", "101", "1.5"}}},
+      {"copy-delay", {"5", [](C, C c) { return c.settings.cast.delay == 5; }, {"", "-1", "1001"}}},
       {"screenshot", {"a b.png", [](C, C c) { return c.requests.screenshot == "a b.png"; }}},
       {"turntable", {"t.####.png", [](C, C c) { return c.requests.turntable == "t.####.png"; }, {""}}},
       {"sequence", {"s.####.png", [](C, C c) { return c.requests.sequence == "s.####.png"; }, {""}}},
@@ -155,6 +168,14 @@ const std::map<std::string, Case>& cases() {
       {"panels", {"off", [](C, C c) { return !c.panels; }, {"no"}}},
       {"hud", {"off", [](C, C c) { return !c.settings.hud.on; }, {"no"}}},
       {"cheat-sheet", {"on", [](C, C c) { return c.cheat_sheet; }, {"yes"}}},
+      {"prompt", {"on", [](C, C c) { return c.prompt; }, {"yes"}}},
+      {"side-panel", {"off", [](C, C c) { return !shows_side_panel(c.settings); }, {"no"}}},
+      {"section",
+       {"pose",
+        [](C, C c) {
+          return valued(c.settings.hud.panels, "pose") == true && valued(c.settings.hud.panels, "look") == false;
+        },
+        {"", "feet"}}},
       {"quit", {"", [](C, C c) { return c.requests.quit; }, {"now"}}},
   };
   return all;
@@ -226,10 +247,12 @@ TEST(Commands, TogglesTurnRoundWithoutAnArgument) {
   EXPECT_GT(count, 10);
 }
 
-// A menu and a key give no argument.
+// A key gives no argument; a menu asks for one that is needed.
 TEST(Commands, InMenusAndOnKeysNeedNoArgument) {
   for (const Command& command : commands()) {
-    if (*command.menu == 0 && *command.key == 0) continue;
+    const bool needs_argument = *command.argument != 0 && *command.argument != '[';
+    EXPECT_FALSE(needs_argument && *command.key != 0) << command.name;
+    if (needs_argument) continue;
     Controls controls = controls_of_a_session();
     EXPECT_NO_THROW(command.run(controls, "")) << command.name;
   }
