@@ -177,7 +177,8 @@ ShownSkin Actor::skin(SkinMethod method) const {
 }
 
 std::vector<float> Actor::measure(SkinMethod method, const Pose& pose, int frame, float correction) {
-  if (method == SkinMethod::proxy) return full_skin(*details_[1], details_[1]->measure(SkinMethod::full, pose, correction));
+  if (method == SkinMethod::proxy)
+    return full_skin(*details_[1], details_[1]->measure(SkinMethod::full, pose, correction));
   if (method != SkinMethod::truth) return finest().measure(method, pose, correction).positions;
   const std::optional<std::uint32_t> sample = truth_sample(frame);
   if (!sample) return {};

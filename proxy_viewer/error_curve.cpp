@@ -59,7 +59,8 @@ std::optional<std::size_t> ErrorCurve::next(std::optional<std::size_t> wanted) {
 bool ErrorCurve::measure_next(Actor& character, int frame) {
   const std::int64_t offset = std::int64_t{frame} - character.clip().first_frame;
   const bool within = offset >= 0 && offset < static_cast<std::int64_t>(errors_.size());
-  const std::optional<std::size_t> index = next(within ? std::optional(static_cast<std::size_t>(offset)) : std::nullopt);
+  const std::optional<std::size_t> index =
+      next(within ? std::optional(static_cast<std::size_t>(offset)) : std::nullopt);
   if (!index) return false;
   is_measured_[*index] = true;
   ++measured_;

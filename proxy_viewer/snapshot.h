@@ -15,8 +15,8 @@ namespace bodyopt {
 struct JointRow {
   std::string name;
   int parent = -1;
-  int depth = 0;                                 // of the tree
-  Vec3 low{-90, -90, -90}, high{90, 90, 90};     // limits of what is added to the clip, degrees
+  int depth = 0;                              // of the tree
+  Vec3 low{-90, -90, -90}, high{90, 90, 90};  // limits of what is added to the clip, degrees
 };
 
 struct ControlRow {

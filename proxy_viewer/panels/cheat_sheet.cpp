@@ -9,9 +9,9 @@ namespace {
 
 constexpr float kColumn = 318, kKey = 88;  // widths
 constexpr std::pair<const char*, const char*> kMouse[] = {
-    {"left", "turn around the character"}, {"middle, Shift+left", "move across"}, {"right, wheel", "nearer, further"},
-    {"click", "select a joint, with the skeleton shown"}, {"Ctrl+click", "type the number of a slider"},
-    {"drop a file", "open it"}};
+    {"left", "turn around the character"},         {"middle, Shift+left", "move across"},
+    {"right, wheel", "nearer, further"},           {"click", "select a joint, with the skeleton shown"},
+    {"Ctrl+click", "type the number of a slider"}, {"drop a file", "open it"}};
 
 void draw_title(const char* title) {
   ImGui::Spacing();
@@ -44,8 +44,7 @@ void draw_cheat_sheet(Controls& controls, const Layout& layout) {
   const int columns = std::clamp(static_cast<int>((layout.width - 60) / kColumn), 1, 3);
   ImGui::SetNextWindowPos({0.5f * layout.width, 0.5f * layout.height}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {layout.width, layout.height});
-  ImGui::Begin("Keys", nullptr,
-               kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing);
+  ImGui::Begin("Keys", nullptr, kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing);
   int total = 2 + static_cast<int>(std::size(kMouse));
   for (const char* menu : kMenus) total += lines_of(menu);
   int lines = 0, column = 0;

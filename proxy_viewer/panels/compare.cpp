@@ -31,10 +31,10 @@ void draw_errors(const Snapshot& snapshot, Controls& controls) {
 
 void draw_compare(const Snapshot& snapshot, Controls& controls) {
   ViewSettings::Compare& compare = controls.settings.compare;
-  command_choice(controls, "compare", &snapshot.comparisons);
+  command_choice(controls, "compare", "With", &snapshot.comparisons);
   const bool compares = !snapshot.compared.empty() && !compare.activation;
   ImGui::BeginDisabled(!compares);
-  command_choice(controls, "layout");
+  command_choice(controls, "layout", "Layout");
   ImGui::EndDisabled();
   if (compares && compare.layout == CompareLayout::wipe) {
     slide("Wipe", compare.wipe, 0, 1, "%.2f", "where, of the picture's width; or drag the line in the picture");

@@ -32,8 +32,9 @@ void explain(const Command& command);
 // Of a command by its name. `text`: instead of its label.
 void command_button(Controls& controls, const char* command, const char* text = nullptr, float width = 0);
 void command_tick(Controls& controls, const char* command, const char* text = nullptr);
-// One of the words of its argument; `available`: those that can be had now (null: all).
-void command_choice(Controls& controls, const char* command, const std::vector<std::string>* available = nullptr);
+// One of the words of its argument, after a label; `available`: those that can be had now (null: all).
+void command_choice(Controls& controls, const char* command, const char* text,
+                    const std::vector<std::string>* available = nullptr);
 
 // A number with a label before it, as a bar to drag; Ctrl and a click to type. `help` may be null.
 bool slide(const char* label, double& value, double low, double high, const char* format, const char* help,
