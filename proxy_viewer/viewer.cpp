@@ -37,7 +37,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kIdle = 0.25;          // seconds between looks at files while nothing happens
 constexpr double kMeasuring = 0.02;     // seconds of measuring errors between events
-constexpr double kNearVertex = 0.3;     // distance of the camera from a vertex, of the character's size
+constexpr double kNearVertex = 0.5;     // distance of the camera from a vertex, of the character's size
 constexpr float kClick = 4;             // pixels: less is no drag
 constexpr double kPickRadius = 14;      // pixels
 constexpr int kTurntablePictures = 72;  // of once around

@@ -14,9 +14,9 @@ class Lines {
  public:
   Lines(float x, float y) : at_{x, y} {}
 
-  void add(const std::string& text, ImU32 colour = IM_COL32(150, 150, 154, 255)) {
+  void add(const std::string& text, ImU32 colour = IM_COL32(190, 190, 194, 255)) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    list.AddText({at_.x + 1, at_.y + 1}, IM_COL32(0, 0, 0, 160), text.c_str());
+    list.AddText({at_.x + 1, at_.y + 1}, IM_COL32(0, 0, 0, 210), text.c_str());
     list.AddText(at_, colour, text.c_str());
     at_.y += ImGui::GetTextLineHeight() + 3;
   }

@@ -39,7 +39,7 @@ void draw_prompt(Controls& controls, const Layout& layout) {
   const float width = std::min(kWidth, layout.width - 16);
   ImGui::SetNextWindowPos({0.5f * layout.right(), layout.menu + 24}, ImGuiCond_Always, {0.5f, 0});
   ImGui::SetNextWindowSize({std::max(80.0f, width), 0});
-  ImGui::Begin("Prompt", nullptr, kFixedWindow | ImGuiWindowFlags_NoScrollbar);
+  ImGui::Begin("Prompt", nullptr, kOverWindow | ImGuiWindowFlags_NoScrollbar);
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
   std::string& text = controls.typed.prompt;
