@@ -14,6 +14,7 @@ namespace fs = std::filesystem;
 
 Attachments found_attachments(const std::string& file, const fs::path& basis_path, const Basis& basis) {
   if (!file.empty()) return load_attachments(file, basis);
+  if (basis_path.empty()) return {};
   return attachments_in(attachments_beside(basis_path), basis);
 }
 

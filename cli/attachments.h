@@ -33,7 +33,8 @@ std::vector<AttachedMesh> attach_own_meshes(const std::filesystem::path& charact
 // What rides on the skin, frame by frame, as one point cache per mesh: shot.pc2, shot.<mesh>.pc2.
 class AttachedCaches {
  public:
-  // `file`: the attachments, empty for those beside the basis, where there are any.
+  // `file`: the attachments, empty for those beside the basis, where there are any. `basis_path`: empty where what lies
+  // beside the file is not of this basis.
   AttachedCaches(const std::string& file, const std::filesystem::path& basis_path, const Basis& basis);
 
   void open(const std::filesystem::path& skin_cache, const std::vector<int>& frames);

@@ -8,6 +8,7 @@
 #include "cli/common.h"
 #include "cli/jiggle_arguments.h"
 #include "runtime/basis/error.h"
+#include "runtime/carry_skin.h"
 #include "trainer/dataset/controls.h"
 #include "trainer/dataset/frame_range.h"
 #include "trainer/dataset/pc2.h"
@@ -21,6 +22,8 @@ namespace {
 struct EvalArguments {
   std::string basis, out, attached;
   double unit = 0;
+  std::size_t level = 0;
+  bool full_skin = false;
   ClipArguments clip;
   DeviceArguments device;
   JiggleArguments jiggle;
@@ -78,11 +81,28 @@ class JiggleLog {
   int max_frame_ = 0;
 };
 
+// The level of detail that the options ask for.
+Level chosen_level(const EvalArguments& arguments) {
+  std::vector<Level> levels = load_levels(arguments.basis);
+  if (arguments.level >= levels.size()) {
+    throw Error(ErrorKind::usage, format("--level asks for level %zu; %s has levels 0 to %zu", arguments.level,
+                                         arguments.basis.c_str(), levels.size() - 1));
+  }
+  Level level = std::move(levels[arguments.level]);
+  if (arguments.full_skin && level.carried.empty()) {
+    throw Error(ErrorKind::usage, arguments.basis + " is no proxy: --full-skin has nothing to carry; leave it out");
+  }
+  return level;
+}
+
 void run(const EvalArguments& arguments) {
   arguments.json.require_writable();
-  const std::unique_ptr<Deformer> owned = arguments.jiggle.deformer(arguments.basis, arguments.device.choice);
+  arguments.jiggle.check();
+  Level level = chosen_level(arguments);
+  const std::unique_ptr<Deformer> owned =
+      arguments.jiggle.deformer(std::move(level.basis), arguments.basis, arguments.device.choice);
   Deformer& deformer = *owned;
-  AttachedCaches attached(arguments.attached, arguments.basis, deformer.basis());
+  AttachedCaches attached(arguments.attached, arguments.level == 0 ? arguments.basis : "", deformer.basis());
   std::vector<int> frames;
   const double unit = arguments.unit > 0 ? arguments.unit : kept_unit(deformer.basis());
   Clip clip = arguments.clip.read(deformer.basis().skeleton, unit, frames);
@@ -93,7 +113,9 @@ void run(const EvalArguments& arguments) {
   arguments.jiggle.check_frames(deformer, clip, frames);
   arguments.jiggle.preroll_to(clip, frames, deformer);
 
-  const std::uint32_t points = deformer.basis().mesh.output_count();
+  const MeshTable& mesh = deformer.basis().mesh;
+  const auto points = arguments.full_skin ? static_cast<std::uint32_t>(level.carried.size()) : mesh.output_count();
+  const std::size_t own = 3 * std::size_t{mesh.output_count()};  // numbers of a frame, without carrying
   Pc2Writer writer(arguments.out, points, static_cast<std::uint32_t>(frames.size()),
                    frames.empty() ? 1.0f : static_cast<float>(frames.front()), frame_spacing(frames));
   attached.open(arguments.out, frames);
@@ -116,10 +138,12 @@ void run(const EvalArguments& arguments) {
     for (std::size_t k = 0; k < part.starts.size(); ++k) {
       if (const auto note = describe(part.starts[k], frames[begin + k])) notes.push_back(*note);
     }
+    std::vector<float> carried;
+    if (arguments.full_skin) carried = carry_skin(mesh, level.carried, part.positions, part.normals);
+    const std::span<const float> skin = arguments.full_skin ? carried : part.positions;
     for (std::size_t k = 0; k < count; ++k) {
-      const auto skin = std::span(part.positions).subspan(3 * k * points, 3 * std::size_t{points});
-      writer.append(skin);
-      attached.append(skin, poses[begin + k]);
+      writer.append(skin.subspan(3 * k * points, 3 * std::size_t{points}));
+      attached.append(std::span(part.positions).subspan(k * own, own), poses[begin + k]);
       per_frame.push_back({{"frame", frames[begin + k]}, {"outside", part.outside[k]}});
       if (arguments.jiggle.jiggle) jiggle.add(deformer, frames[begin + k], per_frame.back());
       if (part.outside[k] > 0) outside_frames.push_back(frames[begin + k]);
@@ -186,6 +210,11 @@ void add_eval(CLI::App& app) {
   auto arguments = std::make_shared<EvalArguments>();
   CLI::App& verb = *app.add_subcommand("eval", "Deform a character through a clip");
   verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
+  verb.add_option("--level", arguments->level, "Level of detail of a proxy: 0 is the finest")
+      ->capture_default_str()
+      ->type_name("N");
+  verb.add_flag("--full-skin", arguments->full_skin,
+                "Write the skin of the full character, carried by that of the proxy");
   arguments->clip.add(verb);
   arguments->device.add(verb);
   verb.add_option("--unit", arguments->unit,

@@ -4,6 +4,7 @@
 
 #include "cli/attachments.h"
 #include "cli/common.h"
+#include "cli/level_table.h"
 #include "runtime/basis/error.h"
 #include "runtime/basis/safetensors.h"
 #include "trainer/dataset/bvh.h"
@@ -40,9 +41,10 @@ std::string curve_table(const Json& curve) {
 std::string lines(const Json& result) {
   std::string text;
   for (const auto& [key, value] : result.items()) {
-    if (key == "curve") continue;
+    if (key == "curve" || key == "levels") continue;
     text += format("%-18s %s\n", key.c_str(), (value.is_string() ? value.get<std::string>() : value.dump()).c_str());
   }
+  if (result.contains("levels")) text += "\n" + level_table(result.at("levels"));
   return result.contains("curve") ? text + curve_table(result.at("curve")) : text;
 }
 
@@ -93,13 +95,15 @@ Json character_info(const std::string& path, double unit) {
 }
 
 Json basis_info(const std::string& path) {
-  const Basis basis = load_basis(path);
+  const std::vector<Level> levels = load_levels(path);
+  const Basis& basis = levels.front().basis;
   Json bytes = Json::object();
   for (const auto& [stage, size] : table_bytes(basis)) {
     bytes[stage] = static_cast<double>(size) / std::max(1u, basis.mesh.vertex_count());
   }
   Metadata metadata = basis.metadata;
   metadata.erase("curve");
+  metadata.erase("levels");
   metadata.erase("coverage");  // numbers per kernel centre: for `coverage`, not for people
   Json result = {{"kind", "basis"},
                  {"vertices", basis.mesh.vertex_count()},
@@ -112,6 +116,7 @@ Json basis_info(const std::string& path) {
                  {"bytes_per_vertex", bytes},
                  {"joints", joint_names(basis.skeleton)},
                  {"metadata", metadata}};
+  if (const Json table = levels_info(levels); !table.empty()) result["levels"] = table;
   for (const TradeOffPoint& point : read_curve(basis)) result["curve"].push_back(to_json(point));
   if (const std::filesystem::path beside = attachments_beside(path); std::filesystem::exists(beside)) {
     result["attached"] = cli::to_json(load_attachments(beside, basis).meshes);

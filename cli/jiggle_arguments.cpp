@@ -91,9 +91,8 @@ void JiggleArguments::check() const {
   }
 }
 
-std::unique_ptr<Deformer> JiggleArguments::deformer(const std::string& basis, const DeviceChoice& device) const {
-  check();
-  Basis loaded = load_basis(basis);
+std::unique_ptr<Deformer> JiggleArguments::deformer(Basis loaded, const std::string& basis,
+                                                    const DeviceChoice& device) const {
   if (!jiggle) return std::make_unique<Deformer>(std::move(loaded), device);
   const std::string file =
       dynamics.empty() ? fs::path(basis).replace_extension(".dynamics.safetensors").string() : dynamics;

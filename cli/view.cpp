@@ -44,6 +44,10 @@ void add_view(CLI::App& app) {
   verb.add_option("--proxy", options.proxy, "Lighter levels of the first basis, which `proxy` made of it")
       ->type_name("BASIS")
       ->check(refuse_empty);
+  verb.add_option("--character", options.character,
+                  "File of the first basis' character, to compare with linear blending")
+      ->type_name("CHARACTER")
+      ->check(refuse_empty);
   verb.add_option("--ff", options.first, "First frame of the range that is played")->type_name("FRAME");
   verb.add_option("--lf", options.last, "Last frame")->type_name("FRAME");
   verb.add_option("--cf", options.current, "Frame to begin at")->type_name("FRAME");
@@ -51,6 +55,7 @@ void add_view(CLI::App& app) {
       ->check(CLI::PositiveNumber);
   verb.add_option("--size", arguments->size, "Width and height of the picture, pixels")
       ->expected(2)
+      ->allow_extra_args(false)
       ->check(CLI::Range(1, 2048));
   verb.add_option("--limits", options.limits, "Joint limits (limits.json): how far the sliders of joints go")
       ->type_name("FILE")

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "runtime/basis/character_unit.h"
 #include "runtime/basis/error.h"
 #include "runtime/carry_skin.h"
 #include "runtime/cpu/kernels.h"
@@ -55,6 +56,9 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
     details_.push_back(std::make_unique<Detail>(device_, std::move(level), std::exchange(dynamics, std::nullopt)));
   }
   if (!files.proxy.empty()) add_proxy(files.proxy);
+  if (!files.character.empty()) {
+    linear_blend_ = std::make_unique<LinearBlend>(files.character, finest().basis(), kept_unit(finest().basis()));
+  }
   const fs::path attached = fs::path(files.basis).replace_extension(".attached.safetensors");
   if (fs::exists(attached)) {
     worn_ = std::make_unique<WornMeshes>(*device_, finest().basis(), load_attachments(attached, finest().basis()));
@@ -90,11 +94,14 @@ std::string Actor::name() const { return fs::path(files_.basis).stem().string();
 bool Actor::has(SkinMethod method) const {
   if (method == SkinMethod::jiggle) return shown().jiggles();
   if (method == SkinMethod::proxy) return level_ == 0 && details_.size() > 1 && !details_[1]->level().carried.empty();
+  if (method == SkinMethod::lbs) return level_ == 0 && linear_blend_;
   return method != SkinMethod::truth || (level_ == 0 && truth_.has_value());
 }
 
 void Actor::open_clip(const std::string& source) {
-  Clip clip = read_clip(source, basis().skeleton, clip_options_);
+  ClipOptions options = clip_options_;
+  options.unit = clip_unit(source, kept_unit(basis()));
+  Clip clip = read_clip(source, basis().skeleton, options);
   arrange_controls(basis().residual.controls, clip);
   if (clip.poses.empty()) throw Error(ErrorKind::file, source + ": the clip has no frame");
   clip_ = std::move(clip);
@@ -143,6 +150,10 @@ const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses
     }
     return hosted_;
   }
+  if (method == SkinMethod::lbs) {
+    carried_ = upload_output(linear_blend_->skin(poses[0]));
+    return hosted_;
+  }
   if (method == SkinMethod::proxy) return carry_proxy(poses.first(1), frame, weights);
   const bool carries = worn_ && (method == SkinMethod::full || method == SkinMethod::jiggle);
   const Evaluation& result = details_[level_]->evaluate(method, poses, frame, weights, carries);
@@ -172,13 +183,15 @@ void Actor::reset_jiggle() {
 
 ShownSkin Actor::skin(SkinMethod method) const {
   if (method == SkinMethod::truth) return {&truth_->skin.positions, &truth_->skin.normals};
-  if (method == SkinMethod::proxy) return {&carried_.positions, &carried_.normals};
+  if (method == SkinMethod::proxy || method == SkinMethod::lbs) return {&carried_.positions, &carried_.normals};
   return shown().skin(method);
 }
 
 std::vector<float> Actor::measure(SkinMethod method, const Pose& pose, int frame, float correction) {
-  if (method == SkinMethod::proxy)
+  if (method == SkinMethod::proxy) {
     return full_skin(*details_[1], details_[1]->measure(SkinMethod::full, pose, correction));
+  }
+  if (method == SkinMethod::lbs) return linear_blend_->skin(pose);
   if (method != SkinMethod::truth) return finest().measure(method, pose, correction).positions;
   const std::optional<std::uint32_t> sample = truth_sample(frame);
   if (!sample) return {};

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "proxy_viewer/detail.h"
+#include "proxy_viewer/linear_blend.h"
 #include "proxy_viewer/view_settings.h"
 #include "proxy_viewer/worn_meshes.h"
 #include "runtime/deformer.h"
@@ -25,6 +26,7 @@ namespace bodyopt {
 // are any.
 struct ActorFiles {
   std::string basis, clip{}, truth{}, proxy{};
+  std::string character{};  // for linear blending
 };
 
 class Actor {
@@ -94,10 +96,11 @@ class Actor {
   std::size_t level_ = 0;
   Clip clip_;
   double size_ = 1, ground_ = 0;
-  Evaluation hosted_;  // of a truth: nothing
+  Evaluation hosted_;  // of skins that come from the host: nothing
   HostedSkin carried_;
   std::optional<Truth> truth_;
   std::unique_ptr<WornMeshes> worn_;
+  std::unique_ptr<LinearBlend> linear_blend_;
 };
 
 }  // namespace bodyopt

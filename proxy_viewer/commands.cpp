@@ -82,6 +82,14 @@ int integer(const std::string& text) {
   return value;
 }
 
+int integer_within(const std::string& text, int low, int high) {
+  const int value = integer(text);
+  if (value < low || value > high) {
+    refuse(text, "a whole number from " + std::to_string(low) + " to " + std::to_string(high));
+  }
+  return value;
+}
+
 std::vector<std::string> words(const std::string& text) {
   std::istringstream stream(text);
   std::vector<std::string> all;
@@ -264,7 +272,7 @@ const Command kCommands[] = {
        if (a == "auto") {
          c.settings.look.level = std::nullopt;
        } else {
-         c.settings.look.level = static_cast<int>(number_within(a, 0, 15));
+         c.settings.look.level = integer_within(a, 0, 15);
        }
      }},
     {"grid", "[on|off]", "D", "Look", "the grid on the ground",
@@ -349,11 +357,11 @@ const Command kCommands[] = {
     {"ghosts", "BEFORE AFTER", "", "Look", "frames before and after, see-through",
      [](Controls& c, const std::string& a) {
        const auto w = words(a, 2, "two counts");
-       c.settings.ghosts.before = static_cast<int>(number_within(w[0], 0, 12));
-       c.settings.ghosts.after = static_cast<int>(number_within(w[1], 0, 12));
+       c.settings.ghosts.before = integer_within(w[0], 0, 12);
+       c.settings.ghosts.after = integer_within(w[1], 0, 12);
      }},
     {"ghost-step", "FRAMES", "", "Look", "from one ghost to the next",
-     [](Controls& c, const std::string& a) { c.settings.ghosts.step = static_cast<int>(number_within(a, 1, 1000)); }},
+     [](Controls& c, const std::string& a) { c.settings.ghosts.step = integer_within(a, 1, 1000); }},
     {"toggle-ghosts", "[on|off]", "G", "Look", "two ghosts before and two after",
      [](Controls& c, const std::string& a) {
        ViewSettings::Ghosts& ghosts = c.settings.ghosts;
@@ -365,6 +373,11 @@ const Command kCommands[] = {
        if (has && ghosts.step == 1) ghosts.step = 4;
      },
      [](const Controls& c) { return name_of(c.settings.ghosts.before + c.settings.ghosts.after > 0); }},
+
+    {"copies", "COUNT", "", "", "of the first character on the stage",
+     [](Controls& c, const std::string& a) { c.settings.cast.copies = integer_within(a, 1, 100); }},
+    {"copy-delay", "FRAMES", "", "", "from one copy to the next",
+     [](Controls& c, const std::string& a) { c.settings.cast.delay = integer_within(a, 0, 1000); }},
 
     {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",
      [](Controls& c, const std::string& a) { c.requests.screenshot = a; }},

@@ -7,6 +7,8 @@ namespace {
 
 const char* name_of(SkinMethod method) {
   switch (method) {
+    case SkinMethod::lbs:
+      return "linear blending";
     case SkinMethod::ddm:
       return "Direct Delta Mush";
     case SkinMethod::linear:

@@ -14,9 +14,10 @@
 
 namespace bodyopt {
 
-// What makes the skin. Direct Delta Mush: what is learned left out; linear: of what is learned the part that is linear
-// in joints and strains; proxy: the full skin as the next coarser level carries it; truth: a point cache.
-enum class SkinMethod { ddm, linear, full, jiggle, proxy, truth };
+// What makes the skin. lbs: linear blending; ddm: Direct Delta Mush, what is learned left out; linear: of what is
+// learned the part that is linear in joints and strains; proxy: the full skin as the next coarser level carries it;
+// truth: a point cache.
+enum class SkinMethod { lbs, ddm, linear, full, jiggle, proxy, truth };
 
 // A skin where it is: one or more frames of the same vertices.
 struct ShownSkin {

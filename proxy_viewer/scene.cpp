@@ -13,6 +13,7 @@ constexpr std::array<float, 3> kBeforeColour = {0.12f, 0.30f, 0.75f}, kAfterColo
 constexpr std::array<float, 3> kWornColour = {0.16f, 0.19f, 0.23f};
 constexpr std::array<float, 3> kOtherColour = {0.25f, 0.47f, 0.62f};  // of what is compared with
 constexpr std::uint32_t kBone = 0xd0f0e4c8, kJoint = 0xffffffff, kSelected = 0xff2fb4ff;
+constexpr std::size_t kColumns = 7;  // of copies
 constexpr std::uint32_t kMarked = 0xff5a40ff;
 constexpr double kSpacing = 0.7;      // between characters, of their size
 constexpr double kSkinAround = 0.12;  // of joints, of the character's size
@@ -72,6 +73,8 @@ std::optional<SkinMethod> compared_method(const Actor& character, const ViewSett
   const auto wanted = [&]() -> std::optional<SkinMethod> {
     if (settings.compare.activation) return SkinMethod::ddm;
     switch (settings.compare.with) {
+      case CompareWith::lbs:
+        return SkinMethod::lbs;
       case CompareWith::ddm:
         return SkinMethod::ddm;
       case CompareWith::linear:
@@ -108,6 +111,14 @@ std::array<float, 3> Scene::place(std::size_t index) const {
   return {static_cast<float>(step * side), static_cast<float>(cast_.front()->ground() - cast_[index]->ground()), 0};
 }
 
+// Of the lead: in rows behind it.
+std::array<float, 3> Scene::place_copy(std::size_t copy) const {
+  const std::size_t column = copy % kColumns, row = copy / kColumns;
+  const double side = column % 2 == 1 ? static_cast<double>(column + 1) / 2 : -static_cast<double>(column) / 2;
+  const double step = kSpacing * cast_.front()->size();
+  return {static_cast<float>(step * side), 0, static_cast<float>(-step * static_cast<double>(row))};
+}
+
 void Scene::reset_jiggle() {
   for (const auto& character : cast_) character->reset_jiggle();
 }
@@ -127,6 +138,13 @@ std::vector<Pose> Scene::poses_of(const Actor& character, const Controls& contro
   std::vector<Pose> poses = {pose_at(character, frame, controls)};
   for (int k = 1; k <= s.ghosts.before; ++k) poses.push_back(pose_at(character, frame - k * s.ghosts.step, controls));
   for (int k = 1; k <= s.ghosts.after; ++k) poses.push_back(pose_at(character, frame + k * s.ghosts.step, controls));
+  if (&character != cast_.front().get()) return poses;
+  const Playback& playback = controls.playback;
+  const int length = playback.out() - playback.in() + 1;
+  for (int k = 1; k < s.cast.copies; ++k) {  // goes round and round, as they do
+    const int ahead = (frame - playback.in() + k * s.cast.delay) % length;
+    poses.push_back(pose_at(character, playback.in() + (ahead + length) % length, controls));
+  }
   return poses;
 }
 
@@ -160,12 +178,16 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   Vec3 low{1e30, 1e30, 1e30}, high{-1e30, -1e30, -1e30};
   double largest = 0.1;
   for (std::size_t c = 0; c < cast_.size(); ++c) {
-    const std::array<float, 3> offset = place(c);
     const Pose pose = pose_at(*cast_[c], controls.playback.frame(), controls);
-    for (const Vec3& centre : centres_of(*cast_[c], pose)) {
-      for (std::size_t i = 0; i < 3; ++i) {
-        low[i] = std::min(low[i], centre[i] + static_cast<double>(offset[i]));
-        high[i] = std::max(high[i], centre[i] + static_cast<double>(offset[i]));
+    const std::vector<Vec3> centres = centres_of(*cast_[c], pose);
+    const int copies = c == 0 ? controls.settings.cast.copies : 1;
+    for (int copy = 0; copy < copies; ++copy) {
+      const std::array<float, 3> offset = copy == 0 ? place(c) : place_copy(static_cast<std::size_t>(copy));
+      for (const Vec3& centre : centres) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          low[i] = std::min(low[i], centre[i] + static_cast<double>(offset[i]));
+          high[i] = std::max(high[i], centre[i] + static_cast<double>(offset[i]));
+        }
       }
     }
     largest = std::max(largest, cast_[c]->size());
@@ -217,7 +239,6 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   const std::vector<Pose> poses = poses_of(character, controls);
   const SkinMethod method = shown_method(character, s);
   const std::optional<SkinMethod> other = compared_method(character, s);
-  const bool has_ghosts = poses.size() > 1;
   const Shown shown = evaluate(character, method, poses, controls);
   if (index == 0) lead_evaluation_ = shown.evaluation;
   std::optional<Shown> compared;
@@ -269,22 +290,30 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     if (s.look.skeleton) add_skeleton(character, poses[0], skin.offset, controls, view);
     if (s.look.fibres) add_fibres(character, shown, skin.offset, view);
   }
-  if (!has_ghosts) return;
-  const Shown ghosts = method == SkinMethod::full ? shown : evaluate(character, SkinMethod::full, poses, controls);
-  for (std::size_t g = 1; g < poses.size(); ++g) {
-    SkinDraw ghost = skin;
-    ghost.positions = ghosts.skin.positions;
-    ghost.normals = ghosts.skin.normals;
-    ghost.first_vertex = static_cast<std::uint32_t>(g) * character.basis().mesh.vertex_count();
-    ghost.reference = nullptr;
-    ghost.wire = ghost.shadow = false;
+  if (poses.size() == 1) return;
+  // Ghosts and copies are quasi-static: they have no past.
+  const Shown others = method == SkinMethod::full ? shown : evaluate(character, SkinMethod::full, poses, controls);
+  SkinDraw extra = skin;
+  extra.positions = others.skin.positions;
+  extra.normals = others.skin.normals;
+  extra.reference = nullptr;
+  const std::size_t ghosts = static_cast<std::size_t>(s.ghosts.before + s.ghosts.after);
+  for (std::size_t k = ghosts + 1; k < poses.size(); ++k) {
+    extra.first_vertex = static_cast<std::uint32_t>(k) * character.basis().mesh.vertex_count();
+    extra.offset = place_copy(k - ghosts);
+    for (View& view : views) view.skins.push_back(extra);
+  }
+  extra.offset = skin.offset;
+  extra.wire = extra.shadow = false;
+  for (std::size_t g = 1; g <= ghosts; ++g) {
+    extra.first_vertex = static_cast<std::uint32_t>(g) * character.basis().mesh.vertex_count();
     const bool before = g <= static_cast<std::size_t>(s.ghosts.before);
     const std::size_t away = before ? g : g - static_cast<std::size_t>(s.ghosts.before);
     const int count = before ? s.ghosts.before : s.ghosts.after;
-    ghost.colour = before ? kBeforeColour : kAfterColour;
+    extra.colour = before ? kBeforeColour : kAfterColour;
     const double fades = 1 - 0.6 * static_cast<double>(away - 1) / std::max(1, count);
-    ghost.alpha = static_cast<float>(std::clamp(s.ghosts.opacity * fades, 0.0, 0.99));
-    for (View& view : views) view.skins.push_back(ghost);
+    extra.alpha = static_cast<float>(std::clamp(s.ghosts.opacity * fades, 0.0, 0.99));
+    for (View& view : views) view.skins.push_back(extra);
   }
 }
 

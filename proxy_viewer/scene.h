@@ -61,6 +61,7 @@ class Scene {
   void add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view);
   void add_marker(const Vec3& at, View& view);
   std::array<float, 3> place(std::size_t index) const;
+  std::array<float, 3> place_copy(std::size_t copy) const;
 
   std::shared_ptr<const vulkan::Device> device_;
   std::vector<std::unique_ptr<Actor>> cast_;

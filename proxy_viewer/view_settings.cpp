@@ -15,6 +15,7 @@ constexpr double kLargest = 1e6;      // metres, and of what has no limit of its
 constexpr double kLatestFrame = 1e9;  // either way
 constexpr double kTurn = 360;         // degrees
 constexpr double kMostAmount = 10;    // as in jiggle.json
+constexpr double kMostCopies = 100;
 constexpr double kMostGhosts = 50, kLongestStep = 1000;
 constexpr double kFinestHeat = 0.001, kCoarsestHeat = 1e4;  // mm
 
@@ -86,6 +87,11 @@ constexpr auto kGhostsFields = [](auto& list, auto& ghosts) {
   list.number("opacity", ghosts.opacity, 0, 1);
 };
 
+constexpr auto kCastFields = [](auto& list, auto& cast) {
+  list.integer("copies", cast.copies, 1, kMostCopies);
+  list.integer("delay", cast.delay, 0, kLongestStep);
+};
+
 constexpr auto kHudFields = [](auto& list, auto& hud) {
   list.boolean("on", hud.on);
   list.named("panels", hud.panels, [](auto& panels, const char* name, auto& open) { panels.boolean(name, open); });
@@ -101,6 +107,7 @@ constexpr auto kSettingsFields = [](auto& list, auto& settings) {
   list.structure("pose", settings.pose, kPosingFields);
   list.structure("jiggle", settings.jiggle, kJigglingFields);
   list.structure("ghosts", settings.ghosts, kGhostsFields);
+  list.structure("cast", settings.cast, kCastFields);
   list.structure("hud", settings.hud, kHudFields);
 };
 

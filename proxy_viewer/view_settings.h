@@ -64,6 +64,12 @@ struct ViewSettings {
     bool operator==(const Ghosts&) const = default;
   };
 
+  struct Cast {
+    int copies = 1;  // of the lead on the stage
+    int delay = 8;   // frames from one to the next
+    bool operator==(const Cast&) const = default;
+  };
+
   struct Hud {
     bool on = true;
     std::map<std::string, bool> panels;  // whether they are open, by name
@@ -78,6 +84,7 @@ struct ViewSettings {
   Posing pose;
   Jiggling jiggle;
   Ghosts ghosts;
+  Cast cast;
   Hud hud;
 
   bool operator==(const ViewSettings&) const = default;

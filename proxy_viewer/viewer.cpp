@@ -20,11 +20,13 @@
 #include "proxy_viewer/joint_ranges.h"
 #include "proxy_viewer/live_pose.h"
 #include "proxy_viewer/panels.h"
+#include "proxy_viewer/render/animation.h"
 #include "proxy_viewer/render/camera.h"
 #include "proxy_viewer/render/viewport.h"
 #include "proxy_viewer/scene.h"
 #include "proxy_viewer/watched_files.h"
 #include "proxy_viewer/window.h"
+#include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
 #include "trainer/progress.h"
 #include "trainer/train/coverage.h"
@@ -138,7 +140,9 @@ class Viewer {
 
   void open(const std::string& file) {
     if (has_extension(file, {".safetensors"})) {
-      scene_.add({.basis = file, .proxy = scene_.empty() ? options_.proxy : ""}, options_.clip);
+      const bool first = scene_.empty();
+      scene_.add({.basis = file, .proxy = first ? options_.proxy : "", .character = first ? options_.character : ""},
+                 options_.clip);
     } else if (scene_.empty()) {
       throw Error(ErrorKind::usage, file + ": a basis (.safetensors) must come before its clips and caches");
     } else if (has_extension(file, {".glb", ".gltf", ".bvh"})) {
@@ -191,7 +195,8 @@ class Viewer {
       live_ = std::make_unique<LivePose>(*options_.live_port, basis.skeleton.size(), basis.residual.controls.size());
       controls_.say("listening for poses on 127.0.0.1:" + std::to_string(live_->port()));
     }
-    frame_selection(options_.width, options_.height);
+    if (controls_.requests.frame_selection) frame_selection(options_.width, options_.height);
+    followed_ = scene_.whereabouts(playback.frame());
     const std::vector<std::string> commands = script_commands(options_.commands);
     script_.assign(commands.begin(), commands.end());
   }
@@ -341,12 +346,13 @@ class Viewer {
     if (io.WantCaptureMouse) return;
     const double per_pixel = 3.2 / std::max(1u, height);  // half a turn across the window's height
     const double x = static_cast<double>(io.MouseDelta.x), y = static_cast<double>(io.MouseDelta.y);
-    const bool pans = ImGui::IsMouseDown(2) || (ImGui::IsMouseDown(0) && io.KeyShift);
-    if (pans) {
+    // Not with what moved before the button went down.
+    const auto drags = [&](int button) { return io.MouseDown[button] && io.MouseDownDuration[button] > 0; };
+    if (drags(2) || (drags(0) && io.KeyShift)) {
       controls_.camera.pan(x, y, static_cast<double>(area_.height));
-    } else if (ImGui::IsMouseDown(0)) {
+    } else if (drags(0)) {
       controls_.camera.orbit(-x * per_pixel, y * per_pixel);
-    } else if (ImGui::IsMouseDown(1)) {
+    } else if (drags(1)) {
       controls_.camera.dolly(0.03 * (x - y));
     }
     if (io.MouseWheel != 0) controls_.camera.dolly(static_cast<double>(io.MouseWheel));
@@ -509,7 +515,7 @@ class Viewer {
       const fs::path next = FrameSequenceName(kNewScreenshot, 2)(k);
       if (!fs::exists(next)) file = next.string();
     }
-    write_picture(file);
+    write_png(draw_still(), file);
     controls_.say("wrote " + file);
   }
 
@@ -520,29 +526,37 @@ class Viewer {
   }
 
   // Drawn once more, at its best, and without messages.
-  void write_picture(const fs::path& file) {
+  Image draw_still() {
     const auto [width, height] = picture_size();
     std::vector<Message> messages = std::exchange(controls_.messages, {});
     draw(width, height, Edges::smooth);
     controls_.messages = std::move(messages);
-    write_png(viewport_.picture(), file);
+    return viewport_.picture();
   }
 
+  // The range in pictures, or in one that moves.
   void write_sequence(const std::string& pattern) {
     Playback& playback = controls_.playback;
-    const bool moves = pattern.find_first_of("#%") != std::string::npos;
-    const std::size_t count = moves ? static_cast<std::size_t>(playback.out() - playback.in() + 1) : 1;
-    const FrameSequenceName name(pattern, count);
+    const bool flip_book = fs::path(pattern).extension() == ".webp";
+    const bool moves = flip_book || pattern.find_first_of("#%") != std::string::npos;
     playback.pause();
-    const int shown = playback.frame();
-    if (!moves) {
-      write_picture(name(shown));
-    }
+    const int shown = playback.frame(), first = moves ? playback.in() : shown, last = moves ? playback.out() : shown;
+    const std::size_t count = static_cast<std::size_t>(last - first + 1);
+    const FrameSequenceName name(pattern, flip_book ? 1 : count);
+    std::vector<Image> pictures;
     Progress progress("pictures", count, kKept);
-    for (int frame = playback.in(); moves && frame <= playback.out(); ++frame) {
+    for (int frame = first; frame <= last; ++frame) {
       playback.scrub(frame);
-      write_picture(name(frame));
+      if (flip_book) {
+        pictures.push_back(draw_still());
+      } else {
+        write_png(draw_still(), name(frame));
+      }
       progress.advance();
+    }
+    if (flip_book) {
+      const auto bytes = encode_animation(pictures, 1e3 / scene_.lead().clip().fps / playback.speed());
+      write_file_atomically(pattern, std::as_bytes(std::span(bytes)));
     }
     playback.scrub(shown);
     controls_.say("wrote " + std::to_string(count) + " pictures, " + name(shown).string());
@@ -553,7 +567,7 @@ class Viewer {
     const OrbitCamera camera = controls_.camera;
     Progress progress("pictures", kTurntablePictures, kKept);
     for (int k = 0; k < kTurntablePictures; ++k) {
-      write_picture(name(k + 1));
+      write_png(draw_still(), name(k + 1));
       progress.advance();
       controls_.camera.orbit(2 * std::numbers::pi / kTurntablePictures, 0);
     }

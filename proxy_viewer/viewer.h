@@ -16,6 +16,7 @@ struct ViewerOptions {
   ClipOptions clip;
   std::optional<int> first, last, current;  // frames
   std::string proxy;                        // of the first basis: its coarser levels of detail
+  std::string character;                    // of the first basis: for linear blending
   std::string limits;                       // of joints, for their sliders
   std::string state;                        // cameras and settings to begin with
   std::string commands;                     // a script, run once all is loaded

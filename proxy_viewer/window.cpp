@@ -220,8 +220,9 @@ vulkan::DeviceUse Window::device_use() const {
   std::uint32_t count = 0;
   const char** names = glfwGetRequiredInstanceExtensions(&count);
   if (!names) {
-    throw Error(ErrorKind::device, "this machine's Vulkan cannot show pictures in a window (" + glfw_problem() +
-                                       "); --headless -o FILE.png draws without one");
+    throw Error(ErrorKind::device,
+                "no Vulkan device here can show pictures in a window (" + glfw_problem() +
+                    "): is there a driver (Debian package with a software one: mesa-vulkan-drivers)?");
   }
   use.instance_extensions.assign(names, names + count);
   use.extensions = {VK_KHR_SWAPCHAIN_EXTENSION_NAME};

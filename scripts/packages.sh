@@ -5,7 +5,7 @@ build_packages=(
   libvulkan-dev glslang-tools
   libeigen3-dev libnglib-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev libpugixml-dev
   libnanoflann-dev libstb-dev libwebp-dev libglfw3-dev libimgui-dev pkg-config
-  libgtest-dev
+  libgtest-dev libx11-dev
 )
 run_packages=(mesa-vulkan-drivers fonts-dejavu-core)
 test_packages=(vulkan-validationlayers xvfb xauth xdotool)

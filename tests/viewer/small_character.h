@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "runtime/deformer.h"
 #include "tests/support/small_basis.h"
 #include "tests/support/small_dynamics.h"
 #include "tests/support/temporary_folder.h"
@@ -13,13 +14,13 @@ namespace bodyopt::testing {
 
 constexpr int kClipFrames = 12;
 
-// A bend of the second joint, and a step to the side.
+// A bend of the second joint, shaken sideways.
 inline Clip bending_clip(const Skeleton& skeleton) {
   Clip clip;
   clip.name = "bend";
   for (int k = 0; k < kClipFrames; ++k) {
     Pose pose = bind_pose(skeleton);
-    pose.joints[0].translation[0] += 0.02 * k;
+    pose.joints[0].translation[0] += 0.03 * std::sin(2.0 * k);
     pose.joints[1].rotation = normalized(pose.joints[1].rotation * axis_angle({1, 0, 0}, 0.1 * k));
     clip.poses.push_back(pose);
   }

@@ -39,6 +39,7 @@ class RandomSettings {
     }
     s.jiggle = {yes(), number(0, 10)};
     s.ghosts = {integer(0, 50), integer(0, 50), integer(1, 1000), number(0, 1)};
+    s.cast = {integer(1, 100), integer(0, 1000)};
     s.hud.on = yes();
     for (std::uint32_t k = random_.below(3); k > 0; --k) s.hud.panels[name()] = yes();
     return s;
@@ -108,9 +109,10 @@ TEST_F(ViewSettingsTest, AreReadAsWritten) {
   }
   // No field was left out, here or in the file.
   for (const auto& [place, found] : values) EXPECT_TRUE(place == "/schema" || found.size() > 1) << place;
-  for (const char* key : {"/playback/in", "/playback/out", "/playback/real_time", "/camera/target", "/cameras/x",
-                          "/look/tet_cut", "/look/follow", "/look/level", "/compare/heat_scale_mm", "/compare/coverage",
-                          "/pose/joints/LeftArm", "/pose/controls/x", "/jiggle/amount", "/ghosts/opacity", "/hud/on"}) {
+  for (const char* key :
+       {"/playback/in", "/playback/out", "/playback/real_time", "/camera/target", "/cameras/x", "/look/tet_cut",
+        "/look/follow", "/look/level", "/compare/heat_scale_mm", "/compare/coverage", "/pose/joints/LeftArm",
+        "/pose/controls/x", "/jiggle/amount", "/ghosts/opacity", "/cast/copies", "/hud/on"}) {
     EXPECT_TRUE(values.contains(key)) << key;
   }
 }

@@ -1,4 +1,4 @@
-// A display without a screen (Xvfb), and hands for it (xdotool). To be included last: Xlib's macros are everywhere.
+// A display without a screen (Xvfb), and hands for it (xdotool).
 #pragma once
 
 #include <X11/Xlib.h>

@@ -1,11 +1,9 @@
 #include "trainer/dynamics/build_dynamics.h"
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "runtime/basis/error.h"
 #include "runtime/basis/hexadecimal.h"
 #include "runtime/deformer.h"
 #include "trainer/dynamics/core_springs.h"
@@ -15,27 +13,14 @@
 #include "trainer/progress.h"
 #include "trainer/single_threaded_products.h"
 #include "trainer/train/mesh_table.h"
+#include "trainer/train/same_character.h"
 
 namespace bodyopt {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kSamePlace = 1e-5;  // metres
 constexpr std::size_t kMostPoses = 800;
-
-void require_same(const MeshTable& mesh, const Skeleton& skeleton, const Basis& basis) {
-  const auto refuse = [](const std::string& what) {
-    throw Error(ErrorKind::mismatch, "the basis is not of this character: " + what +
-                                         "; was the character edited since the training, or is it another one?");
-  };
-  if (topology_hash(mesh) != topology_hash(basis.mesh)) refuse("its vertices or triangles are others");
-  if (skeleton_hash(skeleton) != skeleton_hash(basis.skeleton)) refuse("its skeleton is another");
-  for (std::size_t k = 0; k < mesh.rest.size(); ++k) {
-    if (std::abs(static_cast<double>(mesh.rest[k] - basis.mesh.rest[k])) <= kSamePlace) continue;
-    refuse("its vertices stand elsewhere at rest");
-  }
-}
 
 std::vector<RegionWeights> in_runtime_order(const std::vector<RegionWeights>& regions,
                                             const std::vector<std::uint32_t>& order) {
@@ -114,7 +99,7 @@ Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& m
   const SingleThreadedProducts single_threaded;
   const std::vector<std::uint32_t> order = morton_order(character.vertices);
   const Character ordered = in_order(character, order);
-  require_same(make_mesh_table(ordered), ordered.skeleton, basis);
+  require_same_character(make_mesh_table(ordered), ordered.skeleton, basis);
   require_possible(options.settings);
   require_names(options.settings, character, muscles, options.painted);
 

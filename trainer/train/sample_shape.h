@@ -1,7 +1,9 @@
 // The shape of one frame, fetched when it is needed.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "trainer/dataset/character.h"
 #include "trainer/dataset/shape_reader.h"
@@ -14,23 +16,42 @@ struct ShapeCache {
   std::shared_ptr<const Character> character;
 };
 
-// In memory, or a sample of a cache.
+// Welded vertices, of a skin whose others are left out.
+using VertexRows = std::vector<std::uint32_t>;
+
+// In memory, or a sample of a cache; of the whole skin or of some of its vertices.
 class SampleShape {
  public:
   SampleShape() = default;
-  SampleShape(Positions positions) : positions_(std::move(positions)) {}
+  SampleShape(Positions positions) : positions_(std::make_shared<const Positions>(std::move(positions))) {}
   SampleShape(std::shared_ptr<const ShapeCache> cache, std::uint32_t sample)
       : cache_(std::move(cache)), sample_(sample) {}
 
+  // The same shape at some of the vertices, in that order.
+  SampleShape at(std::shared_ptr<const VertexRows> rows) const {
+    SampleShape result = *this;
+    result.rows_ = std::move(rows);
+    return result;
+  }
+
   // Welded, V x 3, posed, metres. Throws Error(file) at a damaged sample.
   Positions read() const {
-    if (!cache_) return positions_;
-    return welded_from_output(*cache_->character, cache_->reader.sample(sample_).data());
+    if (!rows_) return whole();
+    const Positions all = whole();
+    Positions some(static_cast<Eigen::Index>(rows_->size()), 3);
+    for (std::size_t k = 0; k < rows_->size(); ++k) some.row(static_cast<Eigen::Index>(k)) = all.row((*rows_)[k]);
+    return some;
   }
 
  private:
-  Positions positions_;
+  Positions whole() const {
+    if (cache_) return welded_from_output(*cache_->character, cache_->reader.sample(sample_).data());
+    return positions_ ? *positions_ : Positions();
+  }
+
+  std::shared_ptr<const Positions> positions_;
   std::shared_ptr<const ShapeCache> cache_;
+  std::shared_ptr<const VertexRows> rows_;  // none: the whole skin
   std::uint32_t sample_ = 0;
 };
 

@@ -46,6 +46,7 @@ UnposedFrames UnposedShapes::operator()(const std::string& title, std::span<cons
         Eigen::Map<const Eigen::RowVectorXd>(delta.data(), delta.size()).cast<float>();
     progress.advance();
   });
+  if (set_.sparse) return {std::move(displacements), {}};
   std::vector<StrayVertex> strays = neighbours_.mend(displacements, frames, vertices);
   return {std::move(displacements), std::move(strays)};
 }

@@ -1,0 +1,109 @@
+// bodyopt proxy: light twins of a character, for many at once or far away.
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
+#include "cli/common.h"
+#include "cli/level_table.h"
+#include "runtime/basis/error.h"
+#include "trainer/dataset/check.h"
+#include "trainer/dataset/controls.h"
+#include "trainer/proxy/build_proxy.h"
+#include "trainer/proxy/taught_samples.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct ProxyArguments {
+  std::string source, character, muscles, out;
+  std::vector<double> errors_mm;
+  ClipArguments clip;
+  ProxyOptions options;
+  JsonOption json;
+};
+
+struct Source {
+  SampleSet set;
+  double unit = 0;  // that the character was read with
+};
+
+Source dataset_source(const ProxyArguments& arguments) {
+  if (!arguments.character.empty() || !arguments.muscles.empty() || !arguments.clip.source.empty()) {
+    throw Error(ErrorKind::usage,
+                "--character, --muscles and --clip go with a basis; a dataset (" + arguments.source + ") has its own");
+  }
+  std::filesystem::path path = arguments.source;
+  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  const Dataset dataset = read_dataset(path);
+  const std::string mismatch = first_problem(check_dataset(dataset), path);
+  if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
+  return {read_samples(dataset), dataset.unit};
+}
+
+Source basis_source(const ProxyArguments& arguments) {
+  if (arguments.character.empty() || arguments.clip.source.empty()) {
+    throw Error(ErrorKind::usage, "a proxy of a basis needs its --character, and a --clip to show how it moves");
+  }
+  refuse_overwriting(arguments.out, arguments.source);
+  const Basis teacher = load_basis(arguments.source);
+  const double unit = kept_unit(teacher);
+  const Character character = read_character(arguments.character, unit);
+  std::vector<Muscle> muscles;
+  if (!arguments.muscles.empty()) muscles = read_muscles(arguments.muscles, character.skeleton);
+  std::vector<int> frames;
+  Clip clip = arguments.clip.read(teacher.skeleton, unit, frames);
+  for (const std::string& name : arrange_controls(teacher.residual.controls, clip)) {
+    spdlog::warn("control '{}' is none that the basis was trained with: it has no effect", name);
+  }
+  SampleSet set = taught_samples(character, muscles, teacher, poses_of(clip, frames), frames);
+  set.notes = character.notes;
+  return {std::move(set), unit};
+}
+
+void run(ProxyArguments arguments) {
+  require_writable(arguments.out);
+  arguments.json.require_writable();
+  std::sort(arguments.errors_mm.begin(), arguments.errors_mm.end());
+  for (const double error : arguments.errors_mm) arguments.options.errors.push_back(1e-3 * error);
+  const auto start = std::chrono::steady_clock::now();
+  const bool of_basis = arguments.source.ends_with(".safetensors");
+  const Source source = of_basis ? basis_source(arguments) : dataset_source(arguments);
+  say(source.set.notes);
+  std::vector<std::string> notes;
+  std::vector<Level> levels = build_proxy(source.set, arguments.options, notes);
+  say(notes);
+  for (Level& level : levels) keep_unit(level.basis, source.unit);
+  save_levels(levels, arguments.out);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Json table = levels_info(levels);
+  arguments.json.emit({{"proxy", arguments.out}, {"seconds", seconds}, {"levels", table}, {"notes", notes}},
+                      level_table(table) + format("wrote %s in %.1f s\n", arguments.out.c_str(), seconds));
+}
+
+}  // namespace
+
+void add_proxy(CLI::App& app) {
+  auto arguments = std::make_shared<ProxyArguments>();
+  CLI::App& verb = *app.add_subcommand("proxy", "Light twins of a character: levels of detail, trained as it is");
+  verb.add_option("source", arguments->source,
+                  "Dataset (dataset.json, or its folder), or a trained basis (.safetensors)")
+      ->required()
+      ->type_name("DATASET|BASIS");
+  add_output(verb, arguments->out, ".safetensors", "Levels to write: a basis, the first level, and the others");
+  verb.add_option("--error", arguments->errors_mm,
+                  "What the skin of each level may be off, mm (default: 1/600, 1/300 and 1/150 of the size)")
+      ->type_name("MM")
+      ->check(CLI::PositiveNumber)
+      ->expected(1, static_cast<int>(kMostLevels));
+  verb.add_option("--character", arguments->character, "The basis' character (.glb, .gltf)")->type_name("CHARACTER");
+  verb.add_option("--muscles", arguments->muscles, "The basis' muscles (muscles.json)")->type_name("FILE");
+  arguments->clip.add(verb);
+  verb.get_option("--clip")->required(false);
+  verb.add_option("--seed", arguments->options.train.seed, "Seed of every random choice")->capture_default_str();
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,126 @@
+// Levels of detail, on the command line.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "runtime/basis/levels.h"
+#include "tests/support/capsule_limb.h"
+#include "tests/support/run_program.h"
+#include "tests/support/temporary_folder.h"
+#include "trainer/dataset/pc2.h"
+
+namespace bodyopt {
+namespace {
+
+// A limb in centimetres that moves, with shapes from elsewhere, and its full basis and proxy: once for all tests.
+class Proxy : public ::testing::Test {
+ protected:
+  struct Data {
+    Data() {
+      const SampleSet set = limb_samples(60, 0);
+      Character centimetres = set.character;
+      centimetres.vertices *= 100;
+      Clip motion;
+      motion.name = "motion";
+      Pc2Writer writer(folder / "shapes.pc2", set.character.output_count(), 60);
+      for (const Sample& sample : set.train) {
+        motion.poses.push_back(sample.pose);
+        for (JointTransform& joint : motion.poses.back().joints) joint.translation = 100.0 * joint.translation;
+        writer.append(output_from_welded(set.character, sample.shape.read()));
+      }
+      writer.close();
+      for (Joint& joint : centimetres.skeleton.joints) {
+        joint.bind.translation = 100.0 * joint.bind.translation;
+        joint.default_local = joint.bind;
+        for (auto& row : joint.inverse_bind.m) row[3] *= 100;
+      }
+      write_character(centimetres, character);
+      write_clip(motion, centimetres.skeleton, folder / "motion.glb");
+      added = run_bodyopt("dataset add " + data + clip + " --shapes " + (folder / "shapes.pc2").string() +
+                          " --character " + character + " --unit 0.01");
+      trained = run_bodyopt("train " + data + " --out " + basis);
+      made = run_bodyopt("proxy " + data + " --error 1 0.3 --out " + proxy + " --json " + proxy + ".json");
+    }
+    TemporaryFolder folder;
+    std::string character = (folder / "limb.glb").string(), clip = " --clip " + (folder / "motion.glb").string(),
+                data = (folder / "data").string(), basis = (folder / "full.safetensors").string(),
+                proxy = (folder / "proxy.safetensors").string();
+    ProgramResult added, trained, made;
+  };
+  static const Data& data() {
+    static const Data made;
+    return made;
+  }
+  static std::string at(const std::string& name) { return (data().folder / name).string(); }
+};
+
+TEST_F(Proxy, LevelsOfADatasetAreABasisAndCarryTheFullSkin) {
+  ASSERT_EQ(data().added.exit_code, 0) << data().added.output;
+  ASSERT_EQ(data().trained.exit_code, 0) << data().trained.output;
+  ASSERT_EQ(data().made.exit_code, 0) << data().made.output;
+  const auto result = nlohmann::json::parse(std::ifstream(data().proxy + ".json"));
+  ASSERT_EQ(result["levels"].size(), 2u);
+  EXPECT_EQ(result["levels"][0]["error_mm"], 0.3);  // finest first
+  EXPECT_GT(result["levels"][0]["bytes"], result["levels"][1]["bytes"]);
+  EXPECT_GT(result["levels"][1]["microseconds"], 0);
+
+  const auto levels = load_levels(data().proxy);
+  const auto points = [&](const std::string& options) {
+    const ProgramResult run = run_bodyopt("eval " + data().proxy + data().clip + options + " --out " + at("a.pc2"));
+    EXPECT_EQ(run.exit_code, 0) << run.output;
+    return Pc2Reader(at("a.pc2")).point_count();
+  };
+  EXPECT_EQ(points(""), levels[0].basis.mesh.output_count());
+  EXPECT_EQ(points(" --level 1"), levels[1].basis.mesh.output_count());
+  EXPECT_EQ(points(" --level 1 --full-skin"), levels[0].carried.size());
+
+  ASSERT_EQ(run_bodyopt("eval " + data().basis + data().clip + " --out " + at("full.pc2")).exit_code, 0);
+  ASSERT_EQ(points(" --full-skin"), Pc2Reader(at("full.pc2")).point_count());
+  const ProgramResult compared = run_bodyopt("compare " + at("a.pc2") + " " + at("full.pc2") + " --json -");
+  ASSERT_EQ(compared.exit_code, 0) << compared.output;
+  const std::size_t begin = compared.output.find('{');
+  EXPECT_LT(nlohmann::json::parse(compared.output.substr(begin, compared.output.rfind('}') + 1 - begin))["rms"], 2.0);
+}
+
+TEST_F(Proxy, InfoTellsTheLevels) {
+  const ProgramResult info = run_bodyopt("info " + data().proxy);
+  ASSERT_EQ(info.exit_code, 0) << info.output;
+  EXPECT_NE(info.output.find("us a frame"), std::string::npos) << info.output;
+  EXPECT_NE(info.output.find("training frames"), std::string::npos) << info.output;
+  EXPECT_EQ(run_bodyopt("info " + data().basis).output.find("us a frame"), std::string::npos);
+}
+
+TEST_F(Proxy, ABasisTeachesOne) {
+  const std::string out = at("taught.safetensors");
+  const std::string command = "proxy " + data().basis + data().clip + " --error 1 --out " + out;
+  const ProgramResult taught = run_bodyopt(command + " --character " + data().character);
+  ASSERT_EQ(taught.exit_code, 0) << taught.output;
+  EXPECT_EQ(load_levels(out).size(), 1u);
+  // It remembers the unit: its clips are read as the basis' are.
+  EXPECT_EQ(run_bodyopt("eval " + out + data().clip + " --out " + at("b.pc2")).exit_code, 0);
+  EXPECT_EQ(load_basis(out).metadata.at("character_unit_m"), load_basis(data().basis).metadata.at("character_unit_m"));
+}
+
+TEST_F(Proxy, WrongArgumentsAreSaid) {
+  const auto expect = [](const std::string& command, int code, const std::string& named) {
+    const ProgramResult run = run_bodyopt(command);
+    EXPECT_EQ(run.exit_code, code) << command << "\n" << run.output;
+    EXPECT_NE(run.output.find(named), std::string::npos) << run.output;
+  };
+  const std::string out = " --out " + at("never.safetensors");
+  expect("proxy " + data().basis + out, 64, "--character");
+  expect("proxy " + data().basis + out + " --character " + data().character, 64, "--clip");
+  expect("proxy " + data().data + out + data().clip, 64, "a dataset");
+  expect("proxy " + data().data + out + " --error 300", 64, "300 mm leaves");
+  expect("proxy " + data().basis + data().clip + " --character " + data().character + " --out " + data().basis, 64,
+         "write over");
+  expect("proxy " + data().data + " --out " + at("never.glb"), 64, ".safetensors");
+  expect("eval " + data().proxy + data().clip + " --level 2 --out " + at("a.pc2"), 64, "levels 0 to 1");
+  expect("eval " + data().basis + data().clip + " --full-skin --out " + at("a.pc2"), 64, "no proxy");
+  EXPECT_FALSE(std::filesystem::exists(at("never.safetensors")));
+}
+
+}  // namespace
+}  // namespace bodyopt

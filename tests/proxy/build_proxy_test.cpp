@@ -1,0 +1,187 @@
+#include "trainer/proxy/build_proxy.h"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include "runtime/basis/error.h"
+#include "runtime/carry_skin.h"
+#include "runtime/deformer.h"
+#include "tests/support/capsule_limb.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/same_basis.h"
+#include "tests/support/temporary_folder.h"
+#include "trainer/proxy/frame_time.h"
+#include "trainer/proxy/taught_samples.h"
+#include "trainer/train/heldout.h"
+
+namespace bodyopt {
+namespace {
+
+using namespace testing;
+
+const SampleSet& samples() {
+  static const SampleSet set = limb_samples(160, 60);
+  return set;
+}
+
+const std::vector<Level>& levels() {
+  static const std::vector<Level> built = [] {
+    std::vector<std::string> notes;
+    return build_proxy(samples(), {.errors = {3e-4, 1e-3}}, notes);
+  }();
+  return built;
+}
+
+// RMS distance of a level, carried, from the held-out shapes, mm; by a loop of its own.
+double carried_error(const Level& level, const std::string& device) {
+  DeviceChoice choice = device == "cpu" ? DeviceChoice{.name = "cpu"} : test_device();
+  Deformer deformer(level.basis, choice);
+  double sum = 0, count = 0;
+  for (const Sample& sample : samples().heldout) {
+    const Evaluation frame = deformer.evaluate({&sample.pose, 1});
+    const std::vector<float> full = carry_skin(level.basis.mesh, level.carried, frame.positions, frame.normals);
+    const Positions truth = sample.shape.read();
+    for (Eigen::Index v = 0; v < truth.rows(); ++v) {
+      const Eigen::Vector3f x(full.data() + 3 * v);
+      sum += (x.cast<double>().transpose() - truth.row(v)).squaredNorm();
+      count += 1;
+    }
+  }
+  return 1e3 * std::sqrt(sum / count);
+}
+
+TEST(BuildProxy, LevelsAreSmallerAndNearTheFullSkin) {
+  ASSERT_EQ(levels().size(), 2u);
+  const Level &fine = levels()[0], &coarse = levels()[1];
+  EXPECT_LT(fine.basis.mesh.vertex_count(), 450u);
+  EXPECT_LT(coarse.basis.mesh.vertex_count(), fine.basis.mesh.vertex_count() * 3 / 4);
+  EXPECT_LT(total_bytes(coarse.basis), total_bytes(fine.basis));
+  // Without anything learned the full skin is 3 mm off.
+  Deformer bare(build_ddm_basis(samples().character, {}), {.name = "cpu"});
+  const double ddm = heldout_errors(samples(), heldout_by_basis(samples(), bare)).rms;
+  EXPECT_LT(carried_error(fine, "cpu"), 0.3 * ddm);
+  EXPECT_LT(carried_error(coarse, "cpu"), 0.6 * ddm);
+  EXPECT_LT(carried_error(fine, "cpu"), carried_error(coarse, "cpu"));
+}
+
+TEST(BuildProxy, TheReportSaysWhatIsTrue) {
+  const ProxyReport report = read_proxy_report(levels()[0].basis);
+  ASSERT_EQ(report.levels.size(), 2u);
+  EXPECT_EQ(report.full_vertices, 578u);
+  EXPECT_EQ(report.measured_on, "60 held-out frames");
+  for (std::size_t k = 0; k < 2; ++k) {
+    const LevelReport& level = report.levels[k];
+    EXPECT_EQ(level.vertices, levels()[k].basis.mesh.vertex_count());
+    EXPECT_EQ(level.bytes, static_cast<double>(total_bytes(levels()[k].basis)));
+    EXPECT_NEAR(level.rms, carried_error(levels()[k], "cpu"), 1e-3);
+    EXPECT_LT(level.skin_rms, 1.1 * level.rms);  // exact vertices carry it better, on other frames
+    EXPECT_GT(level.skin_rms, 0.3 * level.rms);
+    EXPECT_LT(level.distance_rms, level.error);
+  }
+  EXPECT_TRUE(read_proxy_report(levels()[1].basis).levels.empty());
+  Basis damaged = levels()[0].basis;
+  damaged.metadata["levels"] = "{\"levels\": 3}";
+  EXPECT_THROW(read_proxy_report(damaged), Error);
+}
+
+TEST(BuildProxy, RestIsRest) {
+  for (const Level& level : levels()) {
+    Deformer deformer(level.basis, {.name = "cpu"});
+    const Pose rest = bind_pose(level.basis.skeleton);
+    const Evaluation frame = deformer.evaluate({&rest, 1});
+    const std::vector<float> full = carry_skin(level.basis.mesh, level.carried, frame.positions, frame.normals);
+    for (Eigen::Index k = 0; k < samples().character.vertices.size(); ++k) {
+      EXPECT_NEAR(static_cast<double>(full[static_cast<std::size_t>(k)]), samples().character.vertices.data()[k], 5e-6);
+    }
+  }
+}
+
+TEST(BuildProxy, RunsOnADeviceAsOnTheCpu) {
+  const TemporaryFolder folder;
+  save_levels(levels(), folder / "limb.safetensors");
+  Deformer cpu(load_basis(folder / "limb.safetensors"), {.name = "cpu"});
+  Deformer device(load_basis(folder / "limb.safetensors"), test_device());
+  const std::vector<Pose> poses = {samples().heldout[3].pose, samples().heldout[40].pose};
+  const Evaluation a = cpu.evaluate(poses), b = device.evaluate(poses);
+  ASSERT_EQ(a.positions.size(), b.positions.size());
+  for (std::size_t k = 0; k < a.positions.size(); ++k) EXPECT_NEAR(a.positions[k], b.positions[k], 1e-5f);
+  EXPECT_NEAR(carried_error(levels()[1], "device"), carried_error(levels()[1], "cpu"), 1e-3);
+}
+
+TEST(BuildProxy, IsTheSameOnAnyNumberOfThreads) {
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(threads == 1 ? 3 : 1);
+  std::vector<std::string> notes;
+  const std::vector<Level> again = build_proxy(samples(), {.errors = {3e-4, 1e-3}}, notes);
+  omp_set_num_threads(threads);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(difference(levels()[k].basis, again[k].basis), "") << k;
+    EXPECT_TRUE(same_bits(levels()[k].carried, again[k].carried)) << k;
+  }
+}
+
+void expect_refused(const SampleSet& set, const std::vector<double>& errors, ErrorKind kind, const std::string& named) {
+  std::vector<std::string> notes;
+  try {
+    build_proxy(set, {.errors = errors}, notes);
+    ADD_FAILURE() << "not refused, expected '" << named << "'";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), kind) << error.what();
+    EXPECT_NE(std::string(error.what()).find(named), std::string::npos) << error.what();
+  }
+}
+
+TEST(BuildProxy, RefusesErrorsThatMakeNoLevel) {
+  expect_refused(samples(), {0.5}, ErrorKind::usage, "500 mm leaves");
+  expect_refused(samples(), {0.5}, ErrorKind::usage, "too large for this character");
+  expect_refused(samples(), {1e-9}, ErrorKind::usage, "no fewer than the 578 before");
+  expect_refused(samples(), {2e-3, 2e-3}, ErrorKind::usage, "errors that differ more");
+  SampleSet none = samples();
+  none.train.clear();
+  expect_refused(none, {2e-3}, ErrorKind::mismatch, "12 frames at least");
+}
+
+TEST(BuildProxy, MusclesThatReachNoSkinAreSaid) {
+  SampleSet set = limb_samples(24, 0);
+  Muscle& tiny = set.muscles.emplace_back(set.muscles[0]);
+  tiny.name = "tiny";
+  for (MusclePoint& point : tiny.path) point.position = {0, 0.02, 0.1};
+  std::vector<std::string> notes;
+  const std::vector<Level> level = build_proxy(set, {.errors = {2e-3}}, notes);
+  EXPECT_EQ(read_proxy_report(level[0].basis).measured_on, "24 training frames");
+  const bool said = std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+    return note.find("1 muscle has no fibre on the skin: 'tiny'") != std::string::npos;
+  });
+  EXPECT_TRUE(said);
+}
+
+TEST(TaughtSamples, AreTheTeachersShapes) {
+  const Basis teacher = build_ddm_basis(samples().character, {});
+  std::vector<Pose> poses;
+  std::vector<int> frames;
+  for (int k = 0; k < 14; ++k) {
+    poses.push_back(samples().heldout[static_cast<std::size_t>(k)].pose);
+    frames.push_back(100 + 2 * k);
+  }
+  const SampleSet taught = taught_samples(samples().character, limb_muscles(), teacher, poses, frames);
+  Deformer deformer(teacher, {.name = "cpu"});
+  const Evaluation fifth = deformer.evaluate({&poses[5], 1});
+  EXPECT_EQ(taught.train[5].frame, 110);
+  EXPECT_EQ(taught.train[5].shape.read(), welded_from_output(samples().character, fifth.positions.data()));
+  std::vector<std::string> notes;
+  EXPECT_EQ(build_proxy(taught, {.errors = {1e-3}}, notes).size(), 1u);
+
+  Character other = samples().character;
+  other.vertices(7, 2) += 0.01;
+  EXPECT_THROW(taught_samples(other, {}, teacher, poses, frames), Error);
+}
+
+TEST(FrameTime, IsThatOfAFrame) {
+  const FrameTime fine = frame_time(levels()[0].basis);
+  EXPECT_GT(fine.microseconds, 1);
+  EXPECT_LT(fine.microseconds, 1e5);
+  EXPECT_EQ(fine.threads, omp_get_max_threads());
+}
+
+}  // namespace
+}  // namespace bodyopt

@@ -1,0 +1,325 @@
+// The program as people use it: in a window of a display without a screen, by keys and mouse, and by scripts.
+#include <gtest/gtest.h>
+
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/png_file.h"
+#include "tests/support/random_tables.h"
+#include "tests/viewer/small_character.h"
+#include "tests/viewer/x_display.h"
+
+namespace bodyopt::testing {
+namespace {
+
+const std::string kPlain = "panels off; hud off";
+constexpr double kPatience = 60;  // seconds: machines are slow under sanitizers and beside other work
+
+// Runs `view` with a character in a folder of its own, on lavapipe unless BODYOPT_TEST_DEVICE names another device.
+class WindowTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { test_device(); }  // the driver, for the programs
+
+  void SetUp() override {
+    if (const std::string missing = XDisplay::missing(); !missing.empty()) GTEST_SKIP() << missing;
+    display_ = std::make_unique<XDisplay>();
+    ASSERT_NE(display_->name(), ":");
+  }
+
+  std::string command(const std::string& arguments, const std::string& environment = "") const {
+    const char* device = std::getenv("BODYOPT_TEST_DEVICE");
+    const bool chosen = !device || arguments.find("--device") != std::string::npos;
+    return "env -C " + folder_.path().string() + " DISPLAY=" + display_->name() + " " + environment + " " +
+           BODYOPT_PROGRAM + " view --size 320 180 " + (chosen ? "" : "--device " + std::string(device)) + " " +
+           arguments;
+  }
+  std::string small(const std::string& arguments) const { return small_.basis + " " + small_.clip + " " + arguments; }
+
+  // Opens the window; returns once its first picture is written.
+  std::unique_ptr<BackgroundProgram> open(const std::string& arguments, const std::string& script = kPlain) {
+    auto program = std::make_unique<BackgroundProgram>(
+        command(arguments + " --do '" + script + "; screenshot ready.png'"), folder_ / "output.txt");
+    comes_true([&] { return std::filesystem::exists(folder_ / "ready.png") || !program->runs(); }, kPatience);
+    EXPECT_TRUE(program->runs()) << program->output();
+    window_ = display_->window("Bodyopt");
+    EXPECT_NE(window_, "");
+    display_->hands("windowfocus " + window_ + " mousemove --window " + window_ + " 160 90");
+    return program;
+  }
+  bool written(const std::string& file) const {
+    return comes_true([&] { return std::filesystem::exists(folder_ / file); }, kPatience);
+  }
+  Image picture(const std::string& file) const { return read_png(folder_ / file); }
+  // By F12, which numbers its files.
+  Image screenshot() {
+    char name[32];
+    std::snprintf(name, sizeof(name), "bodyopt.%04d.png", ++screenshots_);
+    display_->hands("key F12");
+    EXPECT_TRUE(written(name));
+    return picture(name);
+  }
+  Image headless(const std::string& script) {
+    const ProgramResult result =
+        run_program(command(small("--headless --do '" + kPlain + "; " + script + "' -o headless.png")));
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return picture("headless.png");
+  }
+  void expect_end(BackgroundProgram& program, int exit_code) {
+    EXPECT_EQ(program.wait(kPatience), exit_code) << program.output();
+  }
+
+  TemporaryFolder folder_;
+  SmallCharacter small_{folder_};
+  std::unique_ptr<XDisplay> display_;
+  std::string window_;
+  int screenshots_ = 0;
+};
+
+TEST_F(WindowTest, ScriptsWriteTheSamePicturesWithAWindowAndWithout) {
+  const std::string script =
+      "frame 4; style matcap; screenshot a.png; frame 9; skeleton on; fibres on; orbit 30 10; screenshot b.png; "
+      "compare ddm; layout wipe; ghosts 1 1; ghost-step 3; panels on; screenshot c.png; quit";
+  std::vector<Image> images[2];
+  for (const bool headless : {false, true}) {
+    const ProgramResult result = run_program(command(
+        small("--validate --do '" + kPlain + "; " + script + "'" + (headless ? " --headless" : " --seconds 60"))));
+    ASSERT_EQ(result.exit_code, 0) << result.output;
+    for (const char* file : {"a.png", "b.png", "c.png"}) {
+      images[headless].push_back(picture(file));
+      EXPECT_EQ(images[headless].back().width, 320u);
+      std::filesystem::remove(folder_ / file);
+    }
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_TRUE(images[0][k].rgba == images[1][k].rgba) << "picture " << k;
+    EXPECT_GT(spot_difference(images[0][k], images[0][(k + 1) % 3]), 0.3) << k;
+  }
+}
+
+TEST_F(WindowTest, WhatIsOnTheScreenIsTheScreenshot) {
+  if (run_program("command -v import").exit_code != 0) GTEST_SKIP() << "ImageMagick's import is not installed";
+  const auto program = open(small(""));
+  display_->hands("mousemove --window " + window_ + " 40 165 sleep 0.3 click 1");  // the message goes
+  ASSERT_TRUE(comes_true(
+      [&] {
+        run_program("DISPLAY=" + display_->name() + " import -depth 8 -window " + window_ + " " +
+                    (folder_ / "screen.png").string());
+        return picture("screen.png").rgba == picture("ready.png").rgba;
+      },
+      kPatience));
+  display_->hands("key ctrl+q");
+  expect_end(*program, 0);
+}
+
+TEST_F(WindowTest, KeysDoWhatTheirCommandsDo) {
+  const auto program = open(small("--validate"));
+  const Image first = picture("ready.png");
+  EXPECT_TRUE(first.rgba == headless("frame 1").rgba);
+  display_->hands("key w");
+  EXPECT_TRUE(screenshot().rgba == headless("wire on").rgba);
+  display_->hands("key w key Right key Right");
+  EXPECT_TRUE(screenshot().rgba == headless("frame 3").rgba);
+  display_->hands("key End");
+  EXPECT_TRUE(screenshot().rgba == headless("last").rgba);
+  display_->hands("key Home");
+  EXPECT_TRUE(screenshot().rgba == first.rgba);
+  display_->hands("key shift+Left key k");
+  EXPECT_TRUE(screenshot().rgba == headless("orbit-left; skeleton on").rgba);
+  display_->hands("key shift+Right key k key h");
+  EXPECT_TRUE(screenshot().rgba == headless("cheat-sheet on").rgba);
+  display_->hands("key h key Tab");
+  EXPECT_TRUE(screenshot().rgba == headless("panels on").rgba);
+  display_->hands("key Tab key space sleep 0.4");
+  const Image playing = screenshot();
+  EXPECT_TRUE(comes_true([&] { return screenshot().rgba != playing.rgba; }, kPatience));
+  display_->hands("key space key Home");
+  EXPECT_TRUE(screenshot().rgba == first.rgba);
+  display_->hands("key ctrl+q");
+  expect_end(*program, 0);
+}
+
+TEST_F(WindowTest, MouseTurnsMovesAndGoesNearer) {
+  const auto program = open(small("--validate"));
+  const Image first = picture("ready.png");
+  const auto drag = [&](const std::string& button, int x, int y) {
+    const std::string at = "mousemove --window " + window_ + " ";
+    display_->hands(at + "160 60 mousedown " + button + " sleep 0.1 " + at + std::to_string(160 + x) + " " +
+                    std::to_string(60 + y) + " sleep 0.1 mouseup " + button + " sleep 0.1");
+  };
+  drag("1", 45, 0);
+  // 45 pixels of 180, 3.2 radians across them, to the left.
+  EXPECT_LT(spot_difference(screenshot(), headless("orbit -45.8366 0")), 0.05);
+  drag("1", -45, 0);
+  EXPECT_LT(spot_difference(screenshot(), first), 0.05);
+  drag("2", 30, 10);
+  const Image moved = screenshot();
+  EXPECT_GT(spot_difference(moved, first), 1);
+  drag("2", -30, -10);
+  EXPECT_LT(spot_difference(screenshot(), first), 0.05);
+  display_->hands("click 4");
+  EXPECT_LT(spot_difference(screenshot(), headless("dolly 1")), 0.05);
+  drag("3", 30, 0);
+  EXPECT_GT(spot_difference(screenshot(), headless("dolly 1")), 1);
+  // A click picks the nearest joint where they are seen, a drag does not.
+  display_->hands("key f key k");
+  drag("1", 1, 0);
+  EXPECT_GT(spot_difference(screenshot(), headless("skeleton on")), 0.02);
+  display_->ask_to_close(window_);
+  expect_end(*program, 0);
+}
+
+TEST_F(WindowTest, StateBringsCameraAndSettingsBack) {
+  const Image saved = headless("frame 6; orbit 50 20; dolly 2; wire on; save-state s.json");
+  std::filesystem::rename(folder_ / "headless.png", folder_ / "saved.png");
+  EXPECT_GT(spot_difference(saved, headless("frame 6")), 0.5);
+  const ProgramResult result =
+      run_program(command(small("--headless --cf 6 --state s.json --do 'panels off' -o again.png")));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_TRUE(picture("again.png").rgba == saved.rgba);
+  EXPECT_TRUE(headless("frame 6; load-state s.json").rgba == saved.rgba);
+}
+
+TEST_F(WindowTest, ResizedHiddenAndShownAgainItGoesOn) {
+  const auto program = open(small("--validate"));
+  for (const auto& [width, height] : {std::pair(200, 150), {640, 400}, {37, 20}, {1, 1}, {900, 700}, {320, 180}}) {
+    display_->hands("windowsize --sync " + window_ + " " + std::to_string(width) + " " + std::to_string(height));
+    EXPECT_TRUE(comes_true(
+        [&, w = width, h = height] {
+          const Image image = screenshot();
+          return image.width == static_cast<std::uint32_t>(w) && image.height == static_cast<std::uint32_t>(h);
+        },
+        kPatience))
+        << width << " x " << height;
+  }
+  display_->hands("key space windowunmap " + window_ + " sleep 0.5 windowmap --sync " + window_);
+  display_->hands("windowfocus " + window_ + " key space key Home");
+  EXPECT_TRUE(screenshot().rgba == picture("ready.png").rgba);
+  display_->hands("key ctrl+q");
+  expect_end(*program, 0);
+}
+
+TEST_F(WindowTest, EndsWhileItLoadsOrPlays) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const auto program = open(small(""), kPlain + "; play");
+    program->send(signal);
+    expect_end(*program, 75);
+    EXPECT_NE(program->output().find("interrupted"), std::string::npos);
+    std::filesystem::remove(folder_ / "ready.png");
+  }
+  BackgroundProgram early(command(small("")), folder_ / "early.txt");
+  ASSERT_TRUE(comes_true([&] { return !(window_ = display_->window("Bodyopt")).empty(); }, kPatience));
+  display_->ask_to_close(window_);
+  expect_end(early, 0);
+  const ProgramResult brief = run_program(command(small("--seconds 0.5 --do play")));
+  EXPECT_EQ(brief.exit_code, 0) << brief.output;
+}
+
+// Keys, clicks, drags and sizes in any order, for some seconds, under Vulkan's validation.
+TEST_F(WindowTest, RandomInputDoesNoHarm) {
+  const auto program = open(small(small_.truth + " --validate"), "panels on; hud on");
+  Random random(20260101);
+  const std::vector<std::string> keys = {
+      "space", "Left", "Right", "Home", "End", "Up",         "Down",        "b",  "i",   "o", "alt+i", "f",
+      "1",     "3",    "5",     "7",    "v",   "shift+Left", "shift+Right", "s",  "w",   "k", "m",     "t",
+      "d",     "a",    "l",     "e",    "r",   "j",          "g",           "F5", "Tab", "z", "h",     "x"};
+  const auto start = std::chrono::steady_clock::now();
+  std::string log;
+  while (std::chrono::steady_clock::now() - start < std::chrono::seconds(10)) {
+    std::string commands;
+    for (int k = 0; k < 12; ++k) {
+      const auto below = [&](std::uint32_t count) { return std::to_string(random.below(count)); };
+      const std::uint32_t what = random.below(10);
+      if (what < 5) {
+        commands += "key " + keys[random.below(static_cast<std::uint32_t>(keys.size()))];
+      } else if (what < 8) {
+        const std::string button = std::to_string(1 + random.below(5));
+        commands += "mousemove --window " + window_ + " " + below(320) + " " + below(180) + " mousedown " + button +
+                    " mousemove --window " + window_ + " " + below(320) + " " + below(180) + " mouseup " + button;
+      } else if (what == 8) {
+        commands += "windowsize " + window_ + " " + std::to_string(1 + random.below(700)) + " " +
+                    std::to_string(1 + random.below(500));
+      } else {
+        commands += "sleep 0." + below(10);
+      }
+      commands += " ";
+    }
+    log = commands;
+    display_->hands(commands);
+    ASSERT_TRUE(program->runs()) << program->output() << "\nafter: " << log;
+  }
+  display_->hands("windowfocus " + window_ + " key Escape key ctrl+q");
+  expect_end(*program, 0);
+}
+
+TEST_F(WindowTest, WhatCannotBeReadIsSaidAndTheSessionGoesOn) {
+  const JigglingCharacter other(folder_);
+  const std::string of_another = (folder_ / "of another.pc2").string();
+  Pc2Writer writer(of_another, 5, 1);
+  writer.append(std::vector<float>(15));
+  writer.close();
+  const auto program = open(
+      small("'" + of_another + "' " + other.clip + " none.bvh notes.txt"),
+      kPlain + "; open missing.pc2; frmae 3; wire maybe; load-state none.json; screenshot /nowhere/a.png; frame 5");
+  EXPECT_TRUE(picture("ready.png").rgba == headless("frame 5").rgba);
+  const std::string output = program->output();
+  for (const char* said :
+       {"of another.pc2: the cache has 5 points", "joint0", "none.bvh", "notes.txt: expected a basis", "missing.pc2",
+        "nearest is 'frame'", "'maybe' is not one of on off", "none.json", "/nowhere/a.png"}) {
+    EXPECT_NE(output.find(said), std::string::npos) << said << " is not in\n" << output;
+  }
+  display_->hands("key ctrl+q");
+  expect_end(*program, 0);
+}
+
+// Files that change, are cut off, and go away while they are played.
+TEST_F(WindowTest, FilesAreReadAgainAndDamagedOnesLeaveWhatWasThere) {
+  const std::string& basis = small_.basis;
+  const auto program = open(small(small_.truth + " --validate"), kPlain + "; compare truth; layout overlay");
+  const Image before = picture("ready.png"), third = headless("frame 3");
+  const auto says = [&](const std::string& text) {
+    return comes_true([&] { return program->output().find(text) != std::string::npos; }, kPatience);
+  };
+  std::filesystem::resize_file(basis, std::filesystem::file_size(basis) / 2);
+  EXPECT_TRUE(says("small.safetensors"));
+  EXPECT_TRUE(screenshot().rgba == before.rgba);
+  // The truth is cut off: frames beyond are gone, it is said, and it is compared no longer.
+  std::filesystem::resize_file(small_.truth, 100);
+  display_->hands("key Right key Right");
+  EXPECT_TRUE(says("truth.pc2"));
+  EXPECT_TRUE(screenshot().rgba == third.rgba);
+  EXPECT_TRUE(program->runs());
+  display_->hands("key ctrl+q");
+  expect_end(*program, 0);
+}
+
+TEST_F(WindowTest, WithoutADisplayItSaysWhatToDo) {
+  for (const char* display : {"DISPLAY=", "DISPLAY=:987"}) {
+    const ProgramResult result = run_program(command(small(""), display));
+    EXPECT_EQ(result.exit_code, 5) << result.output;
+    EXPECT_NE(result.output.find("--headless"), std::string::npos) << result.output;
+  }
+}
+
+TEST_F(WindowTest, WithoutADeviceItSaysWhatToInstall) {
+  const std::string no_driver = "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json";
+  for (const char* how : {"", "--headless -o a.png"}) {
+    const ProgramResult result = run_program(command(small(how), no_driver));
+    EXPECT_EQ(result.exit_code, 5) << result.output;
+    EXPECT_NE(result.output.find("mesa-vulkan-drivers"), std::string::npos) << result.output;
+  }
+}
+
+TEST_F(WindowTest, WhatCannotBeginHasTheExitCodeOfItsReason) {
+  const std::pair<std::string, int> cases[] = {{"none.safetensors", 4},
+                                               {small_.clip, 64},
+                                               {small("--do 'frmae 3' --headless"), 64},
+                                               {small("--state none.json"), 4},
+                                               {small("none.bvh --headless -o a.png"), 4},
+                                               {small("--device 'no such device'"), 5}};
+  for (const auto& [arguments, exit_code] : cases) {
+    const ProgramResult result = run_program(command(arguments));
+    EXPECT_EQ(result.exit_code, exit_code) << arguments << "\n" << result.output;
+    EXPECT_EQ(result.output.find("defect"), std::string::npos) << result.output;
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt::testing

@@ -1,0 +1,193 @@
+#include "trainer/proxy/build_proxy.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "runtime/basis/error.h"
+#include "runtime/basis/strict_json.h"
+#include "trainer/dataset/notes.h"
+#include "trainer/proxy/level_errors.h"
+#include "trainer/proxy/proxy_samples.h"
+#include "trainer/proxy/skin_map.h"
+#include "trainer/train/mesh_table.h"
+#include "trainer/train/strain.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kFinestError = 1.0 / 600;  // of the longest extent
+constexpr std::size_t kDefaultLevels = 3;
+constexpr std::size_t kShapesOfSkin = 16;  // more give the same skins
+constexpr std::size_t kMostMeasured = 200;
+constexpr std::size_t kFewestVertices = 100;
+
+std::string millimetres(double metres) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g mm", 1e3 * metres);
+  return text;
+}
+
+// The rest skin, then shapes spread over the training frames.
+std::vector<Positions> shapes_of_skin(const SampleSet& set) {
+  std::vector<Positions> shapes = {set.character.vertices};
+  for (const Sample& sample : some_samples(set.train, kShapesOfSkin)) shapes.push_back(sample.shape.read());
+  return shapes;
+}
+
+void check_vertices(std::size_t vertices, std::size_t before, double error) {
+  const std::string what =
+      "an error of " + millimetres(error) + " leaves " + std::to_string(vertices) + " vertices of the skin, ";
+  if (vertices < kFewestVertices) {
+    throw Error(ErrorKind::usage, what + "expected " + std::to_string(kFewestVertices) +
+                                      " at least: the error is too large for this character");
+  }
+  if (vertices >= before) {
+    throw Error(ErrorKind::usage, what + "no fewer than the " + std::to_string(before) +
+                                      " before: levels need errors that differ more, or larger ones");
+  }
+}
+
+// Muscles of which no fibre lies on the skin.
+std::vector<std::string> lost_muscles(const Basis& basis, const std::vector<Muscle>& muscles) {
+  const StrainTable strain = make_strain_table(basis, muscles);
+  const std::vector<std::size_t> kept = fibre_muscles(strain, muscles);
+  const std::set<std::size_t> there(kept.begin(), kept.end());
+  std::vector<std::string> lost;
+  for (std::size_t m = 0; m < muscles.size(); ++m) {
+    if (!there.contains(m)) lost.push_back(muscles[m].name);
+  }
+  return lost;
+}
+
+class ProxyBuilder {
+ public:
+  ProxyBuilder(const SampleSet& set, const ProxyOptions& options, std::vector<std::string>& notes)
+      : set_(set), options_(options), notes_(notes), shapes_(shapes_of_skin(set)) {
+    const bool heldout = !set.heldout.empty();
+    measured_ = some_samples(heldout ? set.heldout : set.train, kMostMeasured);
+    report_.full_vertices = static_cast<std::uint32_t>(set.character.vertices.rows());
+    report_.measured_on = std::to_string(measured_.size()) + (heldout ? " held-out frames" : " training frames");
+  }
+
+  void add(double error) {
+    const SimplifiedSkin skin = simplify_skin(set_.character, shapes_, error);
+    const std::string name = "level " + std::to_string(levels_.size());
+    check_vertices(skin.vertices.size(), levels_.empty() ? report_.full_vertices : report_.levels.back().vertices,
+                   error);
+    const SampleSet samples = proxy_samples(set_, skin);
+    for (const std::string& note : samples.notes) notes_.push_back(name + ": " + note);
+
+    Level level;
+    level.basis.mesh = make_mesh_table(in_order(samples.character, morton_order(samples.character.vertices)));
+    level.carried = map_skin(set_.character, level.basis.mesh);
+    LevelReport report = measured_skin(samples, level, error);
+    level.basis = train(samples, options_.train);
+    say_of(level.basis, name);
+    measure_result(level, report);
+    levels_.push_back(std::move(level));
+    report_.levels.push_back(report);
+  }
+
+  std::vector<Level> take();
+
+ private:
+  LevelReport measured_skin(const SampleSet& samples, const Level& level, double error) const {
+    LevelReport report;
+    report.vertices = level.basis.mesh.vertex_count();
+    report.error = 1e3 * error;
+    const SkinDistance distance = skin_distance(set_.character, samples.character);
+    report.distance_rms = distance.rms;
+    report.distance_max = distance.max;
+    report.skin_rms = carried_rms_mm(level, set_.character, some_samples(set_.train, kMostMeasured),
+                                     some_samples(samples.train, kMostMeasured));
+    return report;
+  }
+
+  void say_of(const Basis& basis, const std::string& name) {
+    if (levels_.empty()) {  // of the data, which all levels share
+      for (const std::string& warning : training_warnings(basis)) notes_.push_back(warning);
+    }
+    if (const std::vector<std::string> lost = lost_muscles(basis, set_.muscles); !lost.empty()) {
+      notes_.push_back(name + ": " + count_of(lost.size(), "muscle has", "muscles have") +
+                       " no fibre on the skin: " + list_names(lost, 6));
+    }
+  }
+
+  void measure_result(const Level& level, LevelReport& report) const {
+    const ErrorStatistics errors = level_errors(level, set_.character, measured_);
+    report.rms = errors.rms;
+    report.p99 = errors.p99;
+    report.max = errors.max;
+    report.bytes = static_cast<double>(total_bytes(level.basis));
+  }
+
+  const SampleSet& set_;
+  const ProxyOptions& options_;
+  std::vector<std::string>& notes_;
+  std::vector<Positions> shapes_;
+  std::vector<Sample> measured_;
+  ProxyReport report_;
+  std::vector<Level> levels_;
+};
+
+nlohmann::json to_json(const ProxyReport& report) {
+  nlohmann::json levels = nlohmann::json::array();
+  for (const LevelReport& level : report.levels) {
+    levels.push_back({{"vertices", level.vertices},
+                      {"error_mm", level.error},
+                      {"distance_rms_mm", level.distance_rms},
+                      {"distance_max_mm", level.distance_max},
+                      {"skin_rms_mm", level.skin_rms},
+                      {"rms_mm", level.rms},
+                      {"p99_mm", level.p99},
+                      {"max_mm", level.max},
+                      {"bytes", level.bytes}});
+  }
+  return {{"full_vertices", report.full_vertices}, {"measured_on", report.measured_on}, {"levels", levels}};
+}
+
+std::vector<Level> ProxyBuilder::take() {
+  levels_.front().basis.metadata["levels"] = to_json(report_).dump();
+  return std::move(levels_);
+}
+
+}  // namespace
+
+std::vector<double> default_errors(const Character& character) {
+  std::vector<double> errors = {kFinestError * longest_extent(character.vertices)};
+  while (errors.size() < kDefaultLevels) errors.push_back(2 * errors.back());
+  return errors;
+}
+
+ProxyReport read_proxy_report(const Basis& basis) {
+  ProxyReport report;
+  const auto text = basis.metadata.find("levels");
+  if (text == basis.metadata.end()) return report;
+  const std::string where = "the basis' metadata 'levels'";
+  const auto json = parse_strict_json<nlohmann::json>(text->second, where);
+  try {
+    report.full_vertices = json.at("full_vertices");
+    report.measured_on = json.at("measured_on");
+    for (const auto& level : json.at("levels")) {
+      report.levels.push_back({level.at("vertices"), level.at("error_mm"), level.at("distance_rms_mm"),
+                               level.at("distance_max_mm"), level.at("skin_rms_mm"), level.at("rms_mm"),
+                               level.at("p99_mm"), level.at("max_mm"), level.at("bytes")});
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(ErrorKind::file, where + " is damaged: " + error.what());
+  }
+  return report;
+}
+
+std::vector<Level> build_proxy(const SampleSet& set, const ProxyOptions& options, std::vector<std::string>& notes) {
+  check_samples(set);
+  ProxyBuilder builder(set, options, notes);
+  for (const double error : options.errors.empty() ? default_errors(set.character) : options.errors) {
+    builder.add(error);
+  }
+  return builder.take();
+}
+
+}  // namespace bodyopt

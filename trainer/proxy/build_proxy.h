@@ -1,0 +1,44 @@
+// Levels of detail of a character, trained on its own shapes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "runtime/basis/levels.h"
+#include "trainer/train/train.h"
+
+namespace bodyopt {
+
+struct ProxyOptions {
+  // Of the skin of each level (simplify_skin), metres, rising. Empty: three, see default_errors.
+  std::vector<double> errors;
+  TrainOptions train{.centres =
+                         64};  // on so few vertices 256 cost a third more bytes and gain a hundredth of the error
+};
+
+// 1/600 of the character's longest extent, and twice and four times that: 2.9, 5.8 and 11.7 mm for 1.75 m.
+std::vector<double> default_errors(const Character& character);
+
+// What was measured of a level, errors in mm: kept in the file as metadata "levels".
+struct LevelReport {
+  std::uint32_t vertices = 0;                 // welded
+  double error = 0;                           // that was asked of its skin
+  double distance_rms = 0, distance_max = 0;  // of the full rest skin's vertices from its own
+  double skin_rms = 0;               // what carrying the full skin leaves where every vertex of its own is exact
+  double rms = 0, p99 = 0, max = 0;  // of its result, carried to the full skin, from the shapes
+  double bytes = 0;                  // of its tables, without what carries the full skin
+};
+struct ProxyReport {
+  std::uint32_t full_vertices = 0;
+  std::string measured_on;  // "72 held-out frames"
+  std::vector<LevelReport> levels;
+};
+// Of the first level's metadata; without levels where there is none. Throws Error(file) where it is damaged.
+ProxyReport read_proxy_report(const Basis& basis);
+
+// Simplifies the skin for each error, carries weights, painted regions and shapes over, and trains each as train()
+// does. Shows progress. `notes`: gets what the user should know. Throws as train(), and Error(usage) where an error
+// leaves too few vertices, or no fewer than the level before it.
+std::vector<Level> build_proxy(const SampleSet& set, const ProxyOptions& options, std::vector<std::string>& notes);
+
+}  // namespace bodyopt

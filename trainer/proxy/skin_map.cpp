@@ -1,0 +1,85 @@
+#include "trainer/proxy/skin_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/carry_skin.h"
+#include "runtime/cpu/kernels.h"
+#include "trainer/dataset/vertex_normals.h"
+#include "trainer/parallel.h"
+#include "trainer/tets/nearest_skin.h"
+
+namespace bodyopt {
+namespace {
+
+Positions rows_of(const std::vector<float>& values) {
+  return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
+             values.data(), static_cast<Eigen::Index>(values.size() / 3), 3)
+      .cast<double>();
+}
+
+Triangles rows_of(const std::vector<std::uint32_t>& corners) {
+  return Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+}
+
+std::vector<float> in_output_order(const MeshTable& mesh, std::span<const float> values) {
+  std::vector<float> result;
+  for (const std::uint32_t v : mesh.output_vertex) {
+    result.insert(result.end(), values.begin() + 3 * std::ptrdiff_t{v}, values.begin() + 3 * std::ptrdiff_t{v} + 3);
+  }
+  return result;
+}
+
+CarriedPoint carried_at(const Eigen::Vector3d& place, const SkinPoint& nearest, const MeshTable& mesh,
+                        const ShownSkin& rest) {
+  CarriedPoint point;
+  point.triangle = static_cast<std::uint32_t>(nearest.triangle);
+  point.b = static_cast<float>(nearest.weights[1]);
+  point.c = static_cast<float>(nearest.weights[2]);
+  const CarryFrame frame = carry_frame(mesh, rest.positions, rest.normals, point);
+  const auto vector = [](const float* v) { return Eigen::Vector3f(v).cast<double>().eval(); };
+  const Eigen::Vector3d offset = place - vector(frame.position);
+  point.along_normal = static_cast<float>(offset.dot(vector(frame.normal)));
+  point.along_edge = static_cast<float>(offset.dot(vector(frame.edge)));
+  point.across = static_cast<float>(offset.dot(vector(frame.across)));
+  return point;
+}
+
+}  // namespace
+
+ShownSkin show_skin(const MeshTable& mesh, std::span<const float> vertices) {
+  std::vector<float> normals(vertices.size());
+  cpu::output_normals(mesh, vertices, normals);
+  return {in_output_order(mesh, vertices), in_output_order(mesh, normals)};
+}
+
+std::vector<CarriedPoint> map_skin(const Character& full, const MeshTable& mesh) {
+  const ShownSkin rest = show_skin(mesh, mesh.rest);
+  const Positions vertices = rows_of(rest.positions), normals = vertex_normals(full.vertices, full.triangles);
+  const Triangles triangles = rows_of(mesh.output_triangles);
+  const NearestSkin nearest(vertices, triangles);
+  std::vector<CarriedPoint> welded(static_cast<std::size_t>(full.vertices.rows()));
+  parallel_for(welded.size(), [&](std::size_t v) {
+    const auto row = static_cast<Eigen::Index>(v);
+    const Eigen::Vector3d place = full.vertices.row(row);
+    SkinPoint on_skin = nearest.facing(place, normals.row(row));
+    if (on_skin.triangle < 0) on_skin = nearest(place);
+    welded[v] = carried_at(place, on_skin, mesh, rest);
+  });
+  std::vector<CarriedPoint> points;
+  for (const std::uint32_t v : full.output_vertex) points.push_back(welded[v]);
+  return points;
+}
+
+SkinDistance skin_distance(const Character& full, const Character& proxy) {
+  const NearestSkin nearest(proxy.vertices, proxy.triangles);
+  Eigen::VectorXd distances(full.vertices.rows());
+  parallel_for(static_cast<std::size_t>(distances.size()), [&](std::size_t v) {
+    const Eigen::Vector3d place = full.vertices.row(static_cast<Eigen::Index>(v));
+    distances[static_cast<Eigen::Index>(v)] = (nearest(place).position - place).norm();
+  });
+  const double count = static_cast<double>(distances.size());
+  return {1e3 * std::sqrt(distances.squaredNorm() / count), 1e3 * distances.maxCoeff()};
+}
+
+}  // namespace bodyopt

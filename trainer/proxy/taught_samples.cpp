@@ -1,0 +1,29 @@
+#include "trainer/proxy/taught_samples.h"
+
+#include "runtime/deformer.h"
+#include "trainer/progress.h"
+#include "trainer/train/mesh_table.h"
+#include "trainer/train/same_character.h"
+
+namespace bodyopt {
+
+SampleSet taught_samples(const Character& character, const std::vector<Muscle>& muscles, const Basis& teacher,
+                         std::span<const Pose> poses, std::span<const int> frames) {
+  require_same_character(make_mesh_table(in_order(character, morton_order(character.vertices))), character.skeleton,
+                         teacher);
+  SampleSet set;
+  set.character = character;
+  set.muscles = muscles;
+  set.takes = {"clip"};
+  set.controls = teacher.residual.controls;
+  Deformer deformer(teacher, {.name = "cpu"});
+  Progress progress("proxy: shapes of the basis", poses.size());
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    const Evaluation frame = deformer.evaluate(poses.subspan(k, 1));
+    set.train.push_back({0, frames[k], poses[k], SampleShape(welded_from_output(character, frame.positions.data()))});
+    progress.advance();
+  }
+  return set;
+}
+
+}  // namespace bodyopt
