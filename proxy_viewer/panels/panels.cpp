@@ -9,9 +9,9 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kSide = 272, kNarrowSide = 216;     // width of the side panel
-constexpr float kNarrow = 900, kNarrowest = 560;    // windows: below, it is narrower, or there is no room for it
-constexpr float kTimeline = 84, kLowest = 240;      // height; below that of windows there is no room for it
+constexpr float kSide = 272, kNarrowSide = 216;   // width of the side panel
+constexpr float kNarrow = 900, kNarrowest = 560;  // windows: below, it is narrower, or there is no room for it
+constexpr float kTimeline = 84, kLowest = 240;    // height; below that of windows there is no room for it
 
 Layout layout_of(const Controls& controls, float width, float height) {
   Layout layout{width, height, 0, 0, 0};

@@ -12,7 +12,7 @@ namespace {
 using Draw = void (*)(const Snapshot&, Controls&);
 
 // As kSections.
-constexpr std::array<Draw, kSections.size()> kDraw = {draw_look,   draw_cameras, draw_compare, draw_pose, draw_muscles,
+constexpr std::array<Draw, kSections.size()> kDraw = {draw_look,   draw_cameras, draw_compare, draw_pose,  draw_muscles,
                                                       draw_jiggle, draw_ghosts,  draw_cast,    draw_output};
 
 }  // namespace
