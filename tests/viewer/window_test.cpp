@@ -48,12 +48,17 @@ class WindowTest : public ::testing::Test {
     return comes_true([&] { return std::filesystem::exists(folder_ / file); }, kPatience);
   }
   Image picture(const std::string& file) const { return read_png(folder_ / file); }
-  // By F12, which numbers its files.
+  void click_messages_away() const {
+    display_->hands("mousemove --window " + window_ + " 40 165 sleep 0.3 click 1 sleep 0.3 mousemove --window " +
+                    window_ + " 160 20");
+  }
+  // By F12, which numbers its files. Clicks the message away: the mouse shall not be over it.
   Image screenshot() {
     char name[32];
     std::snprintf(name, sizeof(name), "bodyopt.%04d.png", ++screenshots_);
     display_->hands("key F12");
     EXPECT_TRUE(written(name));
+    click_messages_away();
     return picture(name);
   }
   Image headless(const std::string& script) {
@@ -97,7 +102,7 @@ TEST_F(WindowTest, ScriptsWriteTheSamePicturesWithAWindowAndWithout) {
 TEST_F(WindowTest, WhatIsOnTheScreenIsTheScreenshot) {
   if (run_program("command -v import").exit_code != 0) GTEST_SKIP() << "ImageMagick's import is not installed";
   const auto program = open(small(""));
-  display_->hands("mousemove --window " + window_ + " 40 165 sleep 0.3 click 1");  // the message goes
+  click_messages_away();
   ASSERT_TRUE(comes_true(
       [&] {
         run_program("DISPLAY=" + display_->name() + " import -depth 8 -window " + window_ + " " +
@@ -141,8 +146,8 @@ TEST_F(WindowTest, MouseTurnsMovesAndGoesNearer) {
   const Image first = picture("ready.png");
   const auto drag = [&](const std::string& button, int x, int y) {
     const std::string at = "mousemove --window " + window_ + " ";
-    display_->hands(at + "160 60 mousedown " + button + " sleep 0.1 " + at + std::to_string(160 + x) + " " +
-                    std::to_string(60 + y) + " sleep 0.1 mouseup " + button + " sleep 0.1");
+    display_->hands(at + "160 60 mousedown " + button + " sleep 0.5 " + at + std::to_string(160 + x) + " " +
+                    std::to_string(60 + y) + " sleep 0.5 mouseup " + button + " sleep 0.5");
   };
   drag("1", 45, 0);
   // 45 pixels of 180, 3.2 radians across them, to the left.
