@@ -82,8 +82,7 @@ const std::map<std::string, Case>& cases() {
       {"front", {"", [](C, C c) { return c.camera.view().azimuth == 0 && c.camera.view().elevation == 0; }, {"1"}}},
       {"side", {"", [](C, C c) { return std::abs(c.camera.view().azimuth - 90 * kDegree) < 1e-12; }, {"1"}}},
       {"top", {"", [](C, C c) { return c.camera.view().elevation > 80 * kDegree; }, {"1"}}},
-      {"orthographic",
-       {"on", [](C, C c) { return c.camera.view().orthographic; }, {"yes"}}},
+      {"orthographic", {"on", [](C, C c) { return c.camera.view().orthographic; }, {"yes"}}},
       {"follow", {"off", [](C, C c) { return !c.settings.look.follow; }, {"no"}}},
       {"orbit",
        {"10 -20",
@@ -156,6 +155,8 @@ const std::map<std::string, Case>& cases() {
           return c.settings.ghosts.before == 2 && c.settings.ghosts.after == 2 && c.settings.ghosts.step == 4;
         },
         {"1"}}},
+      {"copies", {"9", [](C, C c) { return c.settings.cast.copies == 9; }, {"", "0", "101", "x"}}},
+      {"copy-delay", {"5", [](C, C c) { return c.settings.cast.delay == 5; }, {"", "x"}}},
       {"screenshot", {"a b.png", [](C, C c) { return c.requests.screenshot == "a b.png"; }}},
       {"turntable", {"t.####.png", [](C, C c) { return c.requests.turntable == "t.####.png"; }, {""}}},
       {"sequence", {"s.####.png", [](C, C c) { return c.requests.sequence == "s.####.png"; }, {""}}},
