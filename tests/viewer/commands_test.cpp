@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "proxy_viewer/sections.h"
 #include "tests/support/error_kind.h"
 
 namespace bodyopt::testing {
@@ -20,10 +21,11 @@ Controls controls_of_a_session() {
   controls.playback.set_keys({5, 15});
   controls.playback.set_range(3, 30);
   controls.playback.scrub(10);
-  controls.joint_names = {"Hips", "LeftArm", "LeftForeArm"};
+  controls.joint_names = {"Hips", "LeftArm", "LeftForeArm", "RightForeArm"};
   controls.control_names = {"biceps", "breath"};
   controls.settings.cameras["close"] = {{1, 2, 3}, 0.5, 0.1, 0.2, true};
   controls.settings.pose.joints["Hips"] = {1, 2, 3};
+  controls.settings.pose.joints["LeftForeArm"] = {10, 20, 30};
   controls.camera.orbit(0.4, 0.2);
   return controls;
 }
@@ -81,8 +83,7 @@ const std::map<std::string, Case>& cases() {
       {"front", {"", [](C, C c) { return c.camera.view().azimuth == 0 && c.camera.view().elevation == 0; }, {"1"}}},
       {"side", {"", [](C, C c) { return std::abs(c.camera.view().azimuth - 90 * kDegree) < 1e-12; }, {"1"}}},
       {"top", {"", [](C, C c) { return c.camera.view().elevation > 80 * kDegree; }, {"1"}}},
-      {"orthographic",
-       {"", [](C b, C c) { return c.camera.view().orthographic != b.camera.view().orthographic; }, {"on"}}},
+      {"orthographic", {"on", [](C, C c) { return c.camera.view().orthographic; }, {"1"}}},
       {"follow", {"off", [](C, C c) { return !c.settings.look.follow; }, {"no"}}},
       {"orbit",
        {"10 -20",
@@ -99,6 +100,7 @@ const std::map<std::string, Case>& cases() {
        {"from the left", [](C, C c) { return valued(c.settings.cameras, "from the left") == c.camera.view(); }, {""}}},
       {"camera",
        {"close", [](C, C c) { return c.camera.view() == c.settings.cameras.at("close"); }, {"", "far", "close up"}}},
+      {"forget-camera", {"close", [](C, C c) { return c.settings.cameras.empty(); }, {"", "far"}}},
       {"style", {"matcap", [](C, C c) { return c.settings.look.style == LookStyle::matcap; }, {"", "gold"}}},
       {"next-style", {"", [](C, C c) { return c.settings.look.style == LookStyle::matcap; }, {"1"}}},
       {"wire", {"on", [](C, C c) { return c.settings.look.wire; }, {"yes"}}},
@@ -117,6 +119,8 @@ const std::map<std::string, Case>& cases() {
       {"heat-scale", {"2.5", [](C, C c) { return c.settings.compare.heat_scale_mm == 2.5; }, {"", "0", "-1", "1001"}}},
       {"activation", {"on", [](C, C c) { return c.settings.compare.activation; }, {"yes"}}},
       {"coverage", {"on", [](C, C c) { return c.settings.compare.coverage; }, {"yes"}}},
+      {"worst-frame", {"", [](C, C c) { return c.requests.worst_frame; }, {"1"}}},
+      {"worst-vertex", {"", [](C, C c) { return c.requests.worst_vertex; }, {"1"}}},
       {"select", {"LeftArm", [](C, C c) { return c.joint == "LeftArm"; }, {"LeftArn", "Left Arm"}}},
       {"turn",
        {"LeftArm 10 -20 30",
@@ -124,6 +128,13 @@ const std::map<std::string, Case>& cases() {
           return valued(c.settings.pose.joints, "LeftArm") == Vec3{10, -20, 30};
         },
         {"", "LeftArm", "LeftArm 1 2", "LeftArm 1 2 361", "LeftArm 1 2 x", "Tail 1 2 3"}}},
+      {"mirror",
+       {"LeftForeArm",
+        [](C, C c) {
+          return valued(c.settings.pose.joints, "RightForeArm") == Vec3{10, -20, -30};
+        },
+        {"", "Hips", "LeftLeg"}}},
+      {"reset-joint", {"Hips", [](C, C c) { return !c.settings.pose.joints.contains("Hips"); }, {"", "Tail"}}},
       {"control",
        {"breath 0.5",
         [](C, C c) { return valued(c.settings.pose.controls, "breath") == 0.5; },
@@ -140,11 +151,13 @@ const std::map<std::string, Case>& cases() {
         {"", "3", "13 0", "0 13", "-1 0", "a b", "1.5 1"}}},
       {"ghost-step", {"6", [](C, C c) { return c.settings.ghosts.step == 6; }, {"", "0", "1001", "x"}}},
       {"toggle-ghosts",
-       {"",
+       {"on",
         [](C, C c) {
           return c.settings.ghosts.before == 2 && c.settings.ghosts.after == 2 && c.settings.ghosts.step == 4;
         },
         {"1"}}},
+      {"copies", {"7", [](C, C c) { return c.settings.cast.copies == 7; }, {"", "0", "101", "1.5"}}},
+      {"copy-delay", {"3", [](C, C c) { return c.settings.cast.delay == 3; }, {"", "-1", "1001", "x"}}},
       {"screenshot", {"a b.png", [](C, C c) { return c.requests.screenshot == "a b.png"; }}},
       {"turntable", {"t.####.png", [](C, C c) { return c.requests.turntable == "t.####.png"; }, {""}}},
       {"sequence", {"s.####.png", [](C, C c) { return c.requests.sequence == "s.####.png"; }, {""}}},
@@ -155,6 +168,10 @@ const std::map<std::string, Case>& cases() {
       {"panels", {"off", [](C, C c) { return !c.panels; }, {"no"}}},
       {"hud", {"off", [](C, C c) { return !c.settings.hud.on; }, {"no"}}},
       {"cheat-sheet", {"on", [](C, C c) { return c.cheat_sheet; }, {"yes"}}},
+      {"prompt", {"on", [](C, C c) { return c.prompt; }, {"yes"}}},
+      {"side-panel", {"off", [](C, C c) { return !shows_side_panel(c.settings); }, {"no"}}},
+      {"section",
+       {"ghosts", [](C, C c) { return valued(c.settings.hud.panels, "ghosts") == true; }, {"", "everything"}}},
       {"quit", {"", [](C, C c) { return c.requests.quit; }, {"now"}}},
   };
   return all;
@@ -226,13 +243,33 @@ TEST(Commands, TogglesTurnRoundWithoutAnArgument) {
   EXPECT_GT(count, 10);
 }
 
-// A menu and a key give no argument.
-TEST(Commands, InMenusAndOnKeysNeedNoArgument) {
+TEST(Commands, OnKeysNeedNoArgument) {
   for (const Command& command : commands()) {
-    if (*command.menu == 0 && *command.key == 0) continue;
+    if (*command.key == 0) continue;
     Controls controls = controls_of_a_session();
-    EXPECT_NO_THROW(command.run(controls, "")) << command.name;
+    controls.joint = "LeftForeArm";
+    EXPECT_NO_THROW(run_command(controls, command.name)) << command.name;
   }
+}
+
+// What a menu ticks.
+TEST(Commands, ValueIsTheArgumentThatWasGiven) {
+  int count = 0;
+  for (const Command& command : commands()) {
+    if (!command.value) continue;
+    ++count;
+    Controls controls = controls_of_a_session();
+    for (const std::string& choice : {std::string("on"), std::string("off")}) {
+      if (std::string(command.argument) != "[on|off]") continue;
+      run_command(controls, command.name + (" " + choice));
+      EXPECT_EQ(command.value(controls), choice) << command.name;
+    }
+    for (const std::string& choice : choices_of(command)) {
+      run_command(controls, command.name + (" " + choice));
+      EXPECT_EQ(command.value(controls), choice) << command.name;
+    }
+  }
+  EXPECT_GT(count, 15);
 }
 
 TEST(Commands, NamesAndKeysAreUniqueAndFound) {
