@@ -54,7 +54,7 @@ std::vector<std::string> section_names() {
 }
 
 const std::string& selected(const Controls& controls) {
-  if (controls.joint.empty()) refuse("", "the name of a joint, and none is selected");
+  if (controls.joint.empty()) throw Error(ErrorKind::usage, "no joint is selected, nor was one named");
   return controls.joint;
 }
 

@@ -26,9 +26,9 @@ struct Marker {
   Vec3 at;  // metres, world
 };
 
-// What is being typed into panels.
-struct PanelTexts {
-  std::string prompt, joint_filter, camera, open;
+// What is being typed into panels, and the joint that the list of joints was last scrolled to.
+struct PanelState {
+  std::string prompt, joint_filter, listed_joint, camera, open;
   std::string screenshot = "bodyopt.png", sequence = "bodyopt.####.png", turntable = "turntable.####.png";
   std::string state = "view.json";
 };
@@ -49,7 +49,7 @@ struct Controls {
   bool panels = true;
   bool prompt = false;  // a command is being typed
   std::optional<Marker> marker;
-  PanelTexts texts;
+  PanelState typed;
   Requests requests;
   std::vector<Message> messages;  // newest last
 

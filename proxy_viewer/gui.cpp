@@ -17,7 +17,7 @@ using vulkan::structure;
 
 namespace {
 
-constexpr float kFontSize = 15;
+constexpr float kFontSize = 15, kLargeFontSize = 30;
 
 // Fonts of Debian's packages, the first that is there; the others lend what it lacks.
 constexpr const char* kFonts[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
@@ -88,19 +88,24 @@ void Gui::load_fonts(const std::vector<std::string>& texts) {
   static ImVector<ImWchar> ranges;  // the atlas reads them when it is built
   ranges.clear();
   builder.BuildRanges(&ranges);
+  static constexpr ImWchar kDigits[] = {' ', '9', 0};
   ImFontConfig config;
-  bool found = false;
+  const char* first = nullptr;
   for (const char* font : kFonts) {
     if (!std::filesystem::exists(font)) continue;
-    config.MergeMode = found;
-    found = atlas.AddFontFromFileTTF(font, kFontSize, &config, ranges.Data) != nullptr || found;
+    config.MergeMode = first != nullptr;
+    if (atlas.AddFontFromFileTTF(font, kFontSize, &config, ranges.Data) && !first) first = font;
   }
-  if (!found) {
+  if (first) {
+    atlas.AddFontFromFileTTF(first, kLargeFontSize, nullptr, kDigits);
+  } else {
     atlas.AddFontDefault();
     problem_ = "no font was found: only Latin letters can be shown (Debian package: fonts-dejavu-core)";
   }
   atlas.Build();
 }
+
+ImFont* large_font() { return ImGui::GetIO().Fonts->Fonts.back(); }
 
 void Gui::attach(const vulkan::Device& device, VkRenderPass pass, GLFWwindow* window) {
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 16};

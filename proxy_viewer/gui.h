@@ -11,6 +11,7 @@
 #include "runtime/vulkan/object.h"
 
 struct GLFWwindow;
+struct ImFont;
 
 namespace bodyopt {
 
@@ -40,5 +41,8 @@ class Gui {
   bool has_device_ = false, has_window_ = false;
   vulkan::Owned<VkDescriptorPool, vkDestroyDescriptorPool> pool_;
 };
+
+// Of digits alone.
+ImFont* large_font();
 
 }  // namespace bodyopt

@@ -9,13 +9,7 @@ namespace {
 // World to the joint's own axes, in the bind pose.
 Vec3 own_axis(const Joint& joint, const Vec3& axis) { return rotate(decompose(joint.inverse_bind).rotation, axis); }
 
-std::size_t nearest_axis(const Vec3& direction) {
-  std::size_t nearest = 0;
-  for (std::size_t k = 1; k < 3; ++k) {
-    if (std::abs(direction[k]) > std::abs(direction[nearest])) nearest = k;
-  }
-  return nearest;
-}
+constexpr double kAcross = 0.2;  // an axis of which a turn has less than this is not turned about
 
 }  // namespace
 
@@ -29,11 +23,13 @@ void limit_joints(const JointLimits& limits, const Skeleton& skeleton, std::vect
       if (!is_held[turn.joint]) row.low = row.high = {};
       is_held[turn.joint] = true;
       const Vec3 direction = own_axis(joint, turn.axis);
-      const std::size_t axis = nearest_axis(direction);
-      const double sign = direction[axis] < 0 ? -turn.share : turn.share;
-      const auto [low, high] = std::minmax({sign * (dof.min - dof.rest), sign * (dof.max - dof.rest)});
-      row.low[axis] = std::min(row.low[axis], low);
-      row.high[axis] = std::max(row.high[axis], high);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (std::abs(direction[axis]) < kAcross) continue;
+        const double part = direction[axis] * turn.share;
+        const auto [low, high] = std::minmax({part * (dof.min - dof.rest), part * (dof.max - dof.rest)});
+        row.low[axis] = std::min(row.low[axis], low);
+        row.high[axis] = std::max(row.high[axis], high);
+      }
     }
   }
 }

@@ -8,9 +8,9 @@
 
 namespace bodyopt {
 
-// Of every joint of the skeleton, about its own axes and away from the bind pose: what its degrees of freedom allow,
-// each about the axis that it is nearest to. Axes that no degree of freedom turns about are held; joints that have
-// none, and roots, keep what they have.
+// Of every joint of the skeleton, about its own axes and away from the bind pose: as far as one of its degrees of
+// freedom goes, and of one that is oblique to the axes the part along each. Axes that none turns about are held; roots
+// and joints without any keep what they have.
 void limit_joints(const JointLimits& limits, const Skeleton& skeleton, std::vector<JointRow>& rows);
 
 }  // namespace bodyopt

@@ -39,7 +39,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kIdle = 0.25;          // seconds between looks at files while nothing happens
 constexpr double kMeasuring = 0.02;     // seconds of measuring errors between events
-constexpr double kNearVertex = 0.3;     // distance of the camera from a vertex, of the character's size
+constexpr double kNearVertex = 0.5;     // distance of the camera from a vertex, of the character's size
 constexpr float kClick = 4;             // pixels: less is no drag
 constexpr double kPickRadius = 14;      // pixels
 constexpr int kTurntablePictures = 72;  // of once around
@@ -301,6 +301,7 @@ class Viewer {
     const Clock::time_point start = Clock::now();
     gui_->begin(width, height, std::max(1e-4, seconds_between(last_picture_, start)));
     steer(height);
+    if (!window_ && look_at_errors()) curve_.measure_next(scene_.lead(), controls_.playback.frame());
     describe_comparison(scene_, controls_, curve_, snapshot_);
     const Rectangle area = draw_panels(snapshot_, controls_, width, height);
     gui_->end();
@@ -406,7 +407,7 @@ class Viewer {
   // Of the frame, mm, where coverage is looked at.
   std::optional<double> expected_error() const {
     if (!controls_.settings.compare.coverage || regions_.empty() || scene_.lead().level() != 0) return std::nullopt;
-    return expected_errors(scene_.lead().basis(), regions_, {scene_.lead_pose(controls_)}).front().rms_mm;
+    return bodyopt::expected_error(scene_.lead().basis(), regions_, scene_.lead_pose(controls_)).rms_mm;
   }
 
   void describe_cast() {
@@ -434,18 +435,18 @@ class Viewer {
     return all;
   }
 
-  // Live poses are of no frame, and coarser levels are there to keep up: neither is measured.
-  void look_at_errors() {
-    if (live_ || scene_.lead().level() != 0) return;
+  // False where there is nothing to measure: live poses are of no frame, and coarser levels are there to keep up.
+  bool look_at_errors() {
+    if (live_ || scene_.lead().level() != 0) return false;
     if (curve_.look_at(scene_.lead(), controls_.settings)) controls_.marker.reset();
+    return true;
   }
 
   bool can_measure() const { return !curve_.is_complete() && !controls_.playback.playing(); }
 
   // For as long as nobody notices.
   void measure_errors() {
-    look_at_errors();
-    if (!can_measure() || ImGui::IsAnyMouseDown()) return;
+    if (!look_at_errors() || !can_measure() || ImGui::IsAnyMouseDown()) return;
     const Clock::time_point start = Clock::now();
     while (curve_.measure_next(scene_.lead(), controls_.playback.frame())) {
       if (seconds_between(start, Clock::now()) > kMeasuring) break;
@@ -454,13 +455,13 @@ class Viewer {
     if (is_late || curve_.is_complete()) pending_pictures_ = std::max(pending_pictures_, 1);
   }
 
-  void require_comparison() const {
-    if (curve_.errors().empty()) throw Error(ErrorKind::usage, "nothing is compared: begin with 'compare truth'");
+  void require_comparison() {
+    if (!look_at_errors() || curve_.errors().empty())
+      throw Error(ErrorKind::usage, "nothing is compared: begin with 'compare truth'");
   }
 
   // In a window the measuring goes on between pictures, and the request stays until it is done.
   void go_to_worst_frame() {
-    look_at_errors();
     require_comparison();
     controls_.playback.pause();
     if (window_ && !curve_.is_complete()) {
@@ -474,7 +475,6 @@ class Viewer {
   }
 
   void go_to_worst_vertex() {
-    look_at_errors();
     require_comparison();
     controls_.playback.pause();
     const int frame = controls_.playback.frame();

@@ -48,9 +48,8 @@ void draw_cameras(const Snapshot&, Controls& controls) {
   const std::string name = free_name(controls);
   const float button = 56;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - button - ImGui::GetStyle().ItemSpacing.x);
-  std::string& typed = controls.texts.camera;
-  const bool entered =
-      ImGui::InputTextWithHint("##name", name.c_str(), &typed, ImGuiInputTextFlags_EnterReturnsTrue);
+  std::string& typed = controls.typed.camera;
+  const bool entered = ImGui::InputTextWithHint("##name", name.c_str(), &typed, ImGuiInputTextFlags_EnterReturnsTrue);
   ImGui::SameLine();
   const bool keeps = ImGui::Button("Keep", {button, 0});
   explain("save-camera");

@@ -7,28 +7,31 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kColumn = 318, kKey = 88;  // widths
+constexpr float kNarrowestColumn = 318, kKey = 92, kMouseKey = 132;  // widths
 constexpr std::pair<const char*, const char*> kMouse[] = {
-    {"left", "turn around the character"}, {"middle, Shift+left", "move across"}, {"right, wheel", "nearer, further"},
-    {"click", "select a joint, with the skeleton shown"}, {"Ctrl+click", "type the number of a slider"},
-    {"drop a file", "open it"}};
+    {"left", "turn around the character"},         {"middle, Shift+left", "move across"},
+    {"right, wheel", "nearer, further"},           {"click", "select a joint, with the skeleton shown"},
+    {"Ctrl+click", "type the number of a slider"}, {"drop a file", "open it"}};
 
 void draw_title(const char* title) {
   ImGui::Spacing();
   ImGui::TextColored({0.95f, 0.62f, 0.25f, 1}, "%s", title);
 }
 
-void draw_line(const char* key, const char* help, float key_width) {
+void draw_line(const char* key, const char* help, float key_width, float width) {
   const float left = ImGui::GetCursorPosX();
   ImGui::TextUnformatted(key);
-  ImGui::SameLine(left + key_width);
+  ImGui::SameLine();
+  ImGui::SetCursorPosX(left + key_width);
+  ImGui::PushTextWrapPos(left + width - 16);
   ImGui::TextDisabled("%s", help);
+  ImGui::PopTextWrapPos();
 }
 
-void draw_menu(const char* menu) {
+void draw_menu(const char* menu, float width) {
   draw_title(menu);
   for (const Command& command : commands()) {
-    if (*command.key != 0 && std::string(menu) == command.menu) draw_line(command.key, command.help, kKey);
+    if (*command.key != 0 && std::string(menu) == command.menu) draw_line(command.key, command.help, kKey, width);
   }
 }
 
@@ -38,35 +41,41 @@ int lines_of(const char* menu) {
          }));
 }
 
+void draw_mouse(float width) {
+  draw_title("Mouse");
+  for (const auto& [key, help] : kMouse) draw_line(key, help, kMouseKey, width);
+}
+
 }  // namespace
 
-void draw_cheat_sheet(Controls& controls, const Layout& layout) {
-  const int columns = std::clamp(static_cast<int>((layout.width - 60) / kColumn), 1, 3);
+void draw_cheat_sheet(Controls& controls, const PanelLayout& layout) {
+  const int columns = std::clamp(static_cast<int>((layout.width - 40) / kNarrowestColumn), 1, 3);
+  const float width = std::min(400.0f, (layout.width - 40) / static_cast<float>(columns));
   ImGui::SetNextWindowPos({0.5f * layout.width, 0.5f * layout.height}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {layout.width, layout.height});
-  ImGui::Begin("Keys", nullptr,
-               kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing);
-  int total = 2 + static_cast<int>(std::size(kMouse));
+  ImGui::Begin("Keys", nullptr, kOverWindow | ImGuiWindowFlags_AlwaysAutoResize);
+  const int mouse_lines = 2 + static_cast<int>(std::size(kMouse));
+  int total = mouse_lines;
   for (const char* menu : kMenus) total += lines_of(menu);
   int lines = 0, column = 0;
   ImGui::BeginGroup();
-  const auto next = [&](int count) {
-    const bool full = lines > 0 && lines + count / 2 > total * (column + 1) / columns;
-    if (full && column + 1 < columns) {
+  // The next part, of so many lines: in this column or the next.
+  const auto begin_part = [&](int count) {
+    if (column + 1 < columns && lines + count / 2 > total * (column + 1) / columns) {
       ImGui::EndGroup();
-      ImGui::SameLine(static_cast<float>(++column) * kColumn + ImGui::GetStyle().WindowPadding.x);
+      ++column;
+      ImGui::SameLine();
+      ImGui::SetCursorPosX(ImGui::GetStyle().WindowPadding.x + static_cast<float>(column) * width);
       ImGui::BeginGroup();
     }
     lines += count;
   };
   for (const char* menu : kMenus) {
-    next(lines_of(menu));
-    draw_menu(menu);
+    begin_part(lines_of(menu));
+    draw_menu(menu, width);
   }
-  next(2 + static_cast<int>(std::size(kMouse)));
-  draw_title("Mouse");
-  for (const auto& [key, help] : kMouse) draw_line(key, help, kKey + 36);
-  draw_line("hold X", "see what is compared with", kKey + 36);
+  begin_part(mouse_lines);
+  draw_mouse(width);
   ImGui::EndGroup();
   const bool clicked = ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !ImGui::IsWindowAppearing();
   if (clicked || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) controls.cheat_sheet = false;

@@ -16,7 +16,8 @@ ImU32 colour_at(float share) {
   const std::array<float, 3> linear = heat_colour(share);
   const auto byte = [](float value) {
     const float v = std::clamp(value, 0.0f, 1.0f);
-    return static_cast<int>(std::lround(255 * (v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f)));
+    return static_cast<int>(
+        std::lround(255 * (v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f)));
   };
   return IM_COL32(byte(linear[0]), byte(linear[1]), byte(linear[2]), 255);
 }
@@ -41,7 +42,7 @@ void draw_text(ImDrawList& list, float right, float y, ImU32 colour, const std::
 
 }  // namespace
 
-void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const Layout& layout) {
+void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
   const ViewSettings::Compare& compare = controls.settings.compare;
   if (snapshot.compared.empty() || !(compare.heat || compare.activation)) return;
   const float line = ImGui::GetTextLineHeight();
@@ -57,7 +58,7 @@ void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const L
   }
   for (int k = 0; k < kLabels; ++k) {
     const float share = static_cast<float>(k) / (kLabels - 1);
-    draw_text(list, left - 7, bottom - share * height, ImGui::GetColorU32(ImGuiCol_Text), 
+    draw_text(list, left - 7, bottom - share * height, ImGui::GetColorU32(ImGuiCol_Text),
               millimetres(static_cast<double>(share) * compare.heat_scale_mm, 3));
   }
   draw_text(list, right, top - 1.3f * line, ImGui::GetColorU32(ImGuiCol_Text),
@@ -67,7 +68,7 @@ void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const L
   const float share = std::min(1.0f, most / static_cast<float>(compare.heat_scale_mm));
   list.AddTriangleFilled({right + 8, bottom - share * height - 4}, {right + 8, bottom - share * height + 4},
                          {right + 1, bottom - share * height}, kAccent);
-  draw_text(list, right, top - 2.4f * line, kAccent, "largest " + millimetres(static_cast<double>(most), 3));
+  draw_text(list, right, top - 2.4f * line, kAccent, "largest " + millimetres(static_cast<double>(most), 3) + " mm");
 }
 
 }  // namespace bodyopt

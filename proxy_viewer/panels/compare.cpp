@@ -1,6 +1,7 @@
 // With what the character is compared, how both are shown, and how far they are apart.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "proxy_viewer/panels.h"
 #include "proxy_viewer/panels/widgets.h"
@@ -9,16 +10,18 @@ namespace bodyopt {
 namespace {
 
 void draw_error(const char* what, float millimetres) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.2f mm", static_cast<double>(millimetres));
   ImGui::TextDisabled("%s", what);
-  ImGui::SameLine(0.62f * ImGui::GetWindowContentRegionMax().x);
-  ImGui::Text("%8.2f mm", static_cast<double>(millimetres));
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(text).x);
+  ImGui::TextUnformatted(text);
 }
 
 void draw_errors(const Snapshot& snapshot, Controls& controls) {
   const auto index = static_cast<std::size_t>(controls.playback.frame() - snapshot.first_frame);
   if (index < snapshot.errors.size() && std::isfinite(snapshot.errors[index].rms)) {
     draw_error("RMS of this frame", snapshot.errors[index].rms);
-    draw_error("largest", snapshot.errors[index].max);
+    draw_error("Largest", snapshot.errors[index].max);
   }
   const float width = share_of_line(2);
   command_button(controls, "worst-frame", nullptr, width);
@@ -31,10 +34,10 @@ void draw_errors(const Snapshot& snapshot, Controls& controls) {
 
 void draw_compare(const Snapshot& snapshot, Controls& controls) {
   ViewSettings::Compare& compare = controls.settings.compare;
-  command_choice(controls, "compare", &snapshot.comparisons);
+  command_choice(controls, "compare", "With", &snapshot.comparisons);
   const bool compares = !snapshot.compared.empty() && !compare.activation;
   ImGui::BeginDisabled(!compares);
-  command_choice(controls, "layout");
+  command_choice(controls, "layout", "PanelLayout");
   ImGui::EndDisabled();
   if (compares && compare.layout == CompareLayout::wipe) {
     slide("Wipe", compare.wipe, 0, 1, "%.2f", "where, of the picture's width; or drag the line in the picture");

@@ -1,43 +1,63 @@
 // Figures over the picture: how fast, what of it the stages take, on which device, how much memory, what was dropped,
 // and how far from what was trained.
+#include <cstdio>
+#include <string>
+
 #include "proxy_viewer/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 
 namespace bodyopt {
 namespace {
 
-void draw_time(double milliseconds, const char* what) { ImGui::TextDisabled("%7.2f ms  %s", milliseconds, what); }
+// Lines of text from the top left corner, on no window of their own.
+class Lines {
+ public:
+  Lines(float x, float y) : at_{x, y} {}
 
-void draw_coverage(const Snapshot& snapshot) {
-  const ImVec4 kOutside{0.76f, 0.55f, 1, 1};
-  if (snapshot.outside > 0) {
-    ImGui::TextColored(kOutside, "not trained for: %s", snapshot.outside_feature.c_str());
-    ImGui::TextColored(kOutside, "%.1f standard deviations beyond", static_cast<double>(snapshot.outside));
+  void add(const std::string& text, ImU32 colour = IM_COL32(190, 190, 194, 255)) {
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    list.AddText({at_.x + 1, at_.y + 1}, IM_COL32(0, 0, 0, 210), text.c_str());
+    list.AddText(at_, colour, text.c_str());
+    at_.y += ImGui::GetTextLineHeight() + 3;
   }
-  if (snapshot.expected_mm) ImGui::TextDisabled("%7.2f mm  expected error", *snapshot.expected_mm);
+
+  void add(double value, const char* unit, const std::string& what) {
+    char number[32];
+    std::snprintf(number, sizeof(number), "%.*f %s", value < 100 ? 2 : 0, value, unit);
+    add(std::string(number) + "  " + what);
+  }
+
+ private:
+  ImVec2 at_;
+};
+
+void add_coverage(const Snapshot& snapshot, Lines& lines) {
+  constexpr ImU32 kOutside = IM_COL32(194, 140, 255, 255);
+  if (snapshot.outside > 0) {
+    char by[48];
+    std::snprintf(by, sizeof(by), " (%.1f standard deviations beyond)", static_cast<double>(snapshot.outside));
+    lines.add("not trained for: " + snapshot.outside_feature + by, kOutside);
+  }
+  if (snapshot.expected_mm) lines.add(*snapshot.expected_mm, "mm", "expected error");
 }
 
 }  // namespace
 
-void draw_hud(const Snapshot& snapshot, const Controls& controls, const Layout& layout) {
-  ImGui::SetNextWindowPos({layout.right() - 12, layout.menu + 10}, ImGuiCond_Always, {1, 0});
-  ImGui::SetNextWindowBgAlpha(0);
-  ImGui::Begin("HUD", nullptr,
-               kFixedWindow | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_AlwaysAutoResize |
-                   ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoScrollbar);
-  ImGui::TextDisabled("%7.1f fps, %lld dropped", snapshot.shown_fps,
-                      static_cast<long long>(controls.playback.dropped()));
-  draw_time(snapshot.frame_ms, "picture");
-  draw_time(snapshot.draw_ms, "draw");
+void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
+  Lines lines(14, layout.menu + 12);
+  lines.add(snapshot.shown_fps, "fps", std::to_string(controls.playback.dropped()) + " dropped");
+  lines.add(snapshot.frame_ms, "ms", "picture");
+  lines.add(snapshot.draw_ms, "ms", "draw");
   for (const char* stage : {"rig", "strain", "residual", "pose", "diffuse", "jiggle", "output"}) {
     const auto found = snapshot.stage_ms.find(stage);
-    if (found != snapshot.stage_ms.end()) draw_time(found->second, stage);
+    if (found != snapshot.stage_ms.end()) lines.add(found->second, "ms", stage);
   }
-  if (snapshot.level_count > 1) ImGui::TextDisabled("level %zu of %zu", snapshot.level, snapshot.level_count - 1);
-  ImGui::TextDisabled("%7.0f MiB", snapshot.memory_mib);
-  ImGui::TextDisabled("%s", snapshot.device.c_str());
-  draw_coverage(snapshot);
-  ImGui::End();
+  if (snapshot.level_count > 1) {
+    lines.add("level " + std::to_string(snapshot.level) + " of " + std::to_string(snapshot.level_count - 1));
+  }
+  lines.add(snapshot.memory_mib, "MiB", "memory");
+  lines.add(snapshot.device);
+  add_coverage(snapshot, lines);
 }
 
 }  // namespace bodyopt

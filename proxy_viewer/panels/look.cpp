@@ -14,12 +14,12 @@ struct Tick {
 
 void draw_look(const Snapshot& snapshot, Controls& controls) {
   const bool has_tets = !snapshot.cast.empty() && snapshot.cast.front().tets > 0;
-  command_choice(controls, "style");
+  command_choice(controls, "style", "Style");
   const float half = ImGui::GetCursorPosX() + 0.5f * ImGui::GetContentRegionAvail().x;
   bool left = true;
-  for (const Tick& tick : {Tick{"wire", true}, Tick{"skeleton", true}, Tick{"fibres", !snapshot.fibres.empty()},
-                           Tick{"tets", has_tets}, Tick{"grid", true}, Tick{"axes", true}, Tick{"shadow", true},
-                           Tick{"follow", true}}) {
+  for (const Tick& tick :
+       {Tick{"wire", true}, Tick{"skeleton", true}, Tick{"fibres", !snapshot.fibres.empty()}, Tick{"tets", has_tets},
+        Tick{"grid", true}, Tick{"axes", true}, Tick{"shadow", true}, Tick{"follow", true}}) {
     if (!left) ImGui::SameLine(half);
     left = !left;
     ImGui::BeginDisabled(!tick.available);

@@ -28,7 +28,7 @@ void draw_item(const Command& command, Controls& controls) {
   const std::string label = label_of(command) + (types ? "\xe2\x80\xa6" : "");
   if (ImGui::MenuItem(label.c_str(), command.key, on)) {
     if (types) {
-      controls.texts.prompt = std::string(command.name) + " ";
+      controls.typed.prompt = std::string(command.name) + " ";
       controls.prompt = true;
     } else {
       attempt(controls, command.name);

@@ -26,12 +26,12 @@ void draw_file(Controls& controls, std::string& name, const char* hint,
 }  // namespace
 
 void draw_output(const Snapshot&, Controls& controls) {
-  PanelTexts& texts = controls.texts;
-  draw_file(controls, texts.screenshot, "picture.png", {{"screenshot", "Picture"}});
-  draw_file(controls, texts.sequence, "frames.####.png", {{"sequence", "Sequence"}});
-  draw_file(controls, texts.turntable, "turntable.####.png", {{"turntable", "Turntable"}});
-  draw_file(controls, texts.state, "view.json", {{"save-state", "Save"}, {"load-state", "Load"}});
-  draw_file(controls, texts.open, "a basis, clip or cache", {{"open", "Open"}});
+  PanelState& typed = controls.typed;
+  draw_file(controls, typed.screenshot, "picture.png", {{"screenshot", "Picture"}});
+  draw_file(controls, typed.sequence, "frames.####.png", {{"sequence", "Sequence"}});
+  draw_file(controls, typed.turntable, "turntable.####.png", {{"turntable", "Turntable"}});
+  draw_file(controls, typed.state, "view.json", {{"save-state", "Save"}, {"load-state", "Load"}});
+  draw_file(controls, typed.open, "a basis, clip or cache", {{"open", "Open"}});
 }
 
 }  // namespace bodyopt

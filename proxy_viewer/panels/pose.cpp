@@ -32,16 +32,27 @@ void draw_row(const JointRow& row, bool indented, Controls& controls) {
   ImGui::PopID();
 }
 
+// Once, when another joint was selected: it may have been in the picture.
+void scroll_to_selected(const std::vector<const JointRow*>& rows, Controls& controls) {
+  if (controls.typed.listed_joint == controls.joint) return;
+  controls.typed.listed_joint = controls.joint;
+  const auto at = std::ranges::find(rows, controls.joint, &JointRow::name);
+  if (at == rows.end()) return;
+  const float middle = static_cast<float>(at - rows.begin()) * ImGui::GetTextLineHeightWithSpacing();
+  ImGui::SetScrollY(middle - 0.45f * kListHeight);
+}
+
 void draw_list(const Snapshot& snapshot, Controls& controls) {
   ImGui::SetNextItemWidth(-1);
-  ImGui::InputTextWithHint("##filter", "find a joint", &controls.texts.joint_filter);
-  const std::string wanted = lower(controls.texts.joint_filter);
+  ImGui::InputTextWithHint("##filter", "find a joint", &controls.typed.joint_filter);
+  const std::string wanted = lower(controls.typed.joint_filter);
   std::vector<const JointRow*> rows;
   for (const JointRow& row : snapshot.joints) {
     if (lower(row.name).find(wanted) != std::string::npos) rows.push_back(&row);
   }
   ImGui::PushStyleColor(ImGuiCol_ChildBg, ImGui::GetColorU32(ImGuiCol_FrameBg, 0.5f));
   ImGui::BeginChild("joints", {0, kListHeight});
+  scroll_to_selected(rows, controls);
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(rows.size()));
   while (clipper.Step()) {

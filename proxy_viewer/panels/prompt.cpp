@@ -21,7 +21,8 @@ void draw_hints(std::string& text) {
                              : std::string(command.name).find(name) != std::string::npos;
     if (!matches || ++count > kMostHints) continue;
     ImGui::PushID(command.name);
-    if (ImGui::Selectable("##take", false, ImGuiSelectableFlags_DontClosePopups)) text = std::string(command.name) + " ";
+    if (ImGui::Selectable("##take", false, ImGuiSelectableFlags_DontClosePopups))
+      text = std::string(command.name) + " ";
     ImGui::SameLine(14);
     ImGui::Text("%s", command.name);
     ImGui::SameLine();
@@ -34,16 +35,16 @@ void draw_hints(std::string& text) {
 
 }  // namespace
 
-void draw_prompt(Controls& controls, const Layout& layout) {
+void draw_prompt(Controls& controls, const PanelLayout& layout) {
   const float width = std::min(kWidth, layout.width - 16);
   ImGui::SetNextWindowPos({0.5f * layout.right(), layout.menu + 24}, ImGuiCond_Always, {0.5f, 0});
   ImGui::SetNextWindowSize({std::max(80.0f, width), 0});
-  ImGui::Begin("Prompt", nullptr, kFixedWindow | ImGuiWindowFlags_NoScrollbar);
+  ImGui::Begin("Prompt", nullptr, kOverWindow | ImGuiWindowFlags_NoScrollbar);
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
-  std::string& text = controls.texts.prompt;
-  const bool entered = ImGui::InputTextWithHint("##command", "a command, as: frame 12", &text,
-                                                ImGuiInputTextFlags_EnterReturnsTrue);
+  std::string& text = controls.typed.prompt;
+  const bool entered =
+      ImGui::InputTextWithHint("##command", "a command, as: frame 12", &text, ImGuiInputTextFlags_EnterReturnsTrue);
   const bool left = ImGui::IsItemDeactivated() && !entered && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
   draw_hints(text);
   ImGui::End();

@@ -12,12 +12,12 @@ namespace {
 using Draw = void (*)(const Snapshot&, Controls&);
 
 // As kSections.
-constexpr std::array<Draw, kSections.size()> kDraw = {draw_look,   draw_cameras, draw_compare, draw_pose, draw_muscles,
+constexpr std::array<Draw, kSections.size()> kDraw = {draw_look,   draw_cameras, draw_compare, draw_pose,  draw_muscles,
                                                       draw_jiggle, draw_ghosts,  draw_cast,    draw_output};
 
 }  // namespace
 
-void draw_side_panel(const Snapshot& snapshot, Controls& controls, const Layout& layout) {
+void draw_side_panel(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout) {
   ImGui::SetNextWindowPos({layout.right(), layout.menu});
   ImGui::SetNextWindowSize({layout.side, std::max(1.0f, layout.bottom() - layout.menu)});
   ImGui::Begin("Side", nullptr, kFixedWindow);

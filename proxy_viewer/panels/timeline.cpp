@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "proxy_viewer/gui.h"
 #include "proxy_viewer/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 
@@ -176,16 +177,16 @@ void draw_buttons(Controls& controls) {
 
 void draw_frame_number(const Snapshot& snapshot, const Playback& playback) {
   ImGui::BeginGroup();
-  ImGui::SetWindowFontScale(2.1f);
-  ImGui::Text("%5d", playback.frame());
-  ImGui::SetWindowFontScale(1);
+  ImGui::PushFont(large_font());
+  ImGui::Text("%4d", playback.frame());
+  ImGui::PopFont();
   ImGui::TextDisabled("%d\xe2\x80\x93%d  %g fps", playback.in(), playback.out(), snapshot.clip_fps);
   ImGui::EndGroup();
 }
 
 }  // namespace
 
-void draw_timeline(const Snapshot& snapshot, Controls& controls, const Layout& layout) {
+void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout) {
   constexpr float kNumberWidth = 420, kButtonsWidth = 260;  // windows below have no room for the number, the buttons
   ImGui::SetNextWindowPos({0, layout.bottom()});
   ImGui::SetNextWindowSize({layout.width, layout.timeline});

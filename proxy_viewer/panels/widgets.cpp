@@ -62,11 +62,12 @@ void command_tick(Controls& controls, const char* command, const char* text) {
   ImGui::PopID();
 }
 
-void command_choice(Controls& controls, const char* command, const std::vector<std::string>* available) {
+void command_choice(Controls& controls, const char* command, const char* text,
+                    const std::vector<std::string>* available) {
   const Command& c = *find_command(command);
   const std::string current = c.value(controls);
   ImGui::PushID(command);
-  label_before(label_of(c).c_str());
+  label_before(text);
   if (ImGui::BeginCombo("##choice", current.c_str())) {
     for (const std::string& choice : choices_of(c)) {
       const bool missing = available && std::ranges::find(*available, choice) == available->end();

@@ -15,9 +15,11 @@ namespace bodyopt {
 constexpr ImU32 kAccent = IM_COL32(242, 158, 64, 255), kQuiet = IM_COL32(122, 122, 126, 255);
 constexpr ImU32 kErrorColour = IM_COL32(220, 90, 70, 255);
 
-constexpr ImGuiWindowFlags kFixedWindow = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
-                                          ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
-                                          ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus;
+// Of what lies over everything, and of panels that are always there.
+constexpr ImGuiWindowFlags kOverWindow = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                                         ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
+                                         ImGuiWindowFlags_NoSavedSettings;
+constexpr ImGuiWindowFlags kFixedWindow = kOverWindow | ImGuiWindowFlags_NoBringToFrontOnFocus;
 
 // "step-back": "Step back".
 std::string label_of(const Command& command);
@@ -32,8 +34,9 @@ void explain(const Command& command);
 // Of a command by its name. `text`: instead of its label.
 void command_button(Controls& controls, const char* command, const char* text = nullptr, float width = 0);
 void command_tick(Controls& controls, const char* command, const char* text = nullptr);
-// One of the words of its argument; `available`: those that can be had now (null: all).
-void command_choice(Controls& controls, const char* command, const std::vector<std::string>* available = nullptr);
+// One of the words of its argument, after a label; `available`: those that can be had now (null: all).
+void command_choice(Controls& controls, const char* command, const char* text,
+                    const std::vector<std::string>* available = nullptr);
 
 // A number with a label before it, as a bar to drag; Ctrl and a click to type. `help` may be null.
 bool slide(const char* label, double& value, double low, double high, const char* format, const char* help,

@@ -1,4 +1,5 @@
 #include "proxy_viewer/scene.h"
+#include "proxy_viewer/strain_colour.h"
 
 #include <set>
 

@@ -101,7 +101,7 @@ void collect(const Json& json, const std::string& place, std::map<std::string, s
 TEST_F(ViewSettingsTest, AreReadAsWritten) {
   RandomSettings random(42);
   std::map<std::string, std::set<std::string>> values;
-  for (int k = 0; k < 60; ++k) {
+  for (int k = 0; k < 120; ++k) {
     const ViewSettings settings = random.make();
     write_view_settings(settings, path_);
     EXPECT_EQ(read_view_settings(path_), settings) << read_bytes(path_);

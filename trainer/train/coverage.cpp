@@ -233,27 +233,44 @@ double expected_energy(const ResidualTable& residual, const Region& region, cons
   return local.value() + expected.distance * std::max(0.0, nearest + outside - expected.usual);
 }
 
-}  // namespace
+using Watched = std::vector<std::set<std::uint32_t>>;  // per region
 
-std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector<RegionCoverage>& regions,
-                                           const std::vector<Pose>& poses) {
-  std::vector<std::set<std::uint32_t>> watched;
+Watched watched_features(const Basis& basis, const std::vector<RegionCoverage>& regions) {
+  Watched watched;
   for (std::size_t r = 0; r < regions.size(); ++r) {
     watched.push_back(watched_features(basis, basis.residual.regions[r], regions[r]));
   }
+  return watched;
+}
+
+ExpectedError expected_error(const Basis& basis, const std::vector<RegionCoverage>& regions, const Watched& watched,
+                             const Pose& pose) {
+  const Features features = features_of(basis, pose);
+  ExpectedError result;
+  double sum = 0;
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    const double energy =
+        expected_energy(basis.residual, basis.residual.regions[r], regions[r].expected, watched[r], features);
+    sum += energy;
+    result.region_mm.push_back(1e3 * std::sqrt(energy / regions[r].size));
+  }
+  result.rms_mm = 1e3 * std::sqrt(sum / basis.mesh.vertex_count());
+  return result;
+}
+
+}  // namespace
+
+ExpectedError expected_error(const Basis& basis, const std::vector<RegionCoverage>& regions, const Pose& pose) {
+  return expected_error(basis, regions, watched_features(basis, regions), pose);
+}
+
+std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector<RegionCoverage>& regions,
+                                           const std::vector<Pose>& poses) {
+  const Watched watched = watched_features(basis, regions);
   std::vector<ExpectedError> results(poses.size());
   Progress progress("coverage", poses.size());
   parallel_for(poses.size(), [&](std::size_t n) {
-    const Features features = features_of(basis, poses[n]);
-    ExpectedError& result = results[n];
-    double sum = 0;
-    for (std::size_t r = 0; r < regions.size(); ++r) {
-      const double energy =
-          expected_energy(basis.residual, basis.residual.regions[r], regions[r].expected, watched[r], features);
-      sum += energy;
-      result.region_mm.push_back(1e3 * std::sqrt(energy / regions[r].size));
-    }
-    result.rms_mm = 1e3 * std::sqrt(sum / basis.mesh.vertex_count());
+    results[n] = expected_error(basis, regions, watched, poses[n]);
     progress.advance();
   });
   return results;

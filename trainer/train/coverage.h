@@ -50,6 +50,7 @@ struct ExpectedError {
   std::vector<double> region_mm;  // per region, RMS over its vertices
 };
 
+ExpectedError expected_error(const Basis& basis, const std::vector<RegionCoverage>& regions, const Pose& pose);
 // Of every pose.
 std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector<RegionCoverage>& regions,
                                            const std::vector<Pose>& poses);

@@ -1,0 +1,293 @@
+#include "proxy_viewer/panels.h"
+
+#include <gtest/gtest.h>
+#include <imgui.h>
+#include <imgui_internal.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "proxy_viewer/commands.h"
+#include "proxy_viewer/gui.h"
+#include "proxy_viewer/mirrored_joint.h"
+#include "proxy_viewer/sections.h"
+#include "tests/support/error_kind.h"
+
+namespace bodyopt::testing {
+namespace {
+
+Snapshot small_character() {
+  Snapshot s;
+  s.cast = {{"arm", "arm.safetensors", "bend", "truth.pc2", 100, 180, 400, 123456, "full"}};
+  s.joints = {{"Hips", -1, 0}, {"LeftArm", 0, 1}, {"RightArm", 0, 1}};
+  s.controls = {{"flex", 0, 1}};
+  s.fibres = {"biceps/1", "biceps/2"};
+  s.strains = {-0.2f, 0.1f};
+  s.comparisons = {"none", "ddm", "truth"};
+  s.compared = "truth";
+  s.errors = {{1, 2}, {3, 4}, {}};
+  s.measured = 0.6;
+  s.device = "a device";
+  return s;
+}
+
+// 500 joints and 1,000 fibres with long names of other scripts, numbers that are none.
+Snapshot huge_character() {
+  Snapshot s;
+  const std::string greek =
+      "\xce\xb1\xcf\x81\xce\xb9\xcf\x83\xcf\x84\xce\xb5\xcf\x81\xcf\x8c\xcf\x82 \xcf\x8e\xce\xbc\xce\xbf\xcf\x82";
+  const std::string japanese =
+      "\xe5\xb7\xa6\xe8\x85\x95%s##\xe3\x83\xbb\xe4\xb8\x8a\xe8\x85\x95\xe4\xba\x8c\xe9\xa0\xad\xe7\xad\x8b";
+  for (int c = 0; c < 20; ++c) {
+    s.cast.push_back({japanese, greek, greek, greek, 4000000000u, 4000000000u, 98456, 1ull << 40, "jiggle"});
+  }
+  for (int j = 0; j < 500; ++j) s.joints.push_back({j % 3 == 0 ? greek : japanese, j - 1, j});
+  for (int c = 0; c < 60; ++c) s.controls.push_back({greek, 0, 1});
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  for (int f = 0; f < 1000; ++f) {
+    s.fibres.push_back(japanese);
+    s.strains.push_back(f == 7 ? inf : static_cast<float>(f % 200) / 100 - 1);
+  }
+  s.errors.assign(20000, {1e9f, inf});
+  s.errors[3] = {nan, nan};
+  s.outside = 12;
+  s.outside_feature = greek;
+  s.expected_mm = 1e6;
+  s.level_count = 9;
+  s.compared = greek;
+  s.device = japanese;
+  return s;
+}
+
+Controls controls_with_all_open(const Snapshot& snapshot) {
+  Controls controls;
+  const int count = static_cast<int>(std::max<std::size_t>(3, snapshot.errors.size()));
+  controls.playback = Playback({1, count, 1}, 24);
+  controls.playback.set_keys({2});
+  for (const JointRow& row : snapshot.joints) controls.joint_names.push_back(row.name);
+  controls.joint = snapshot.joints.back().name;
+  for (const Section& section : kSections) controls.settings.hud.panels[section.name] = true;
+  controls.settings.look.tets = controls.settings.compare.heat = true;
+  controls.settings.compare.with = CompareWith::truth;
+  controls.settings.cameras["close"] = {};
+  controls.prompt = controls.cheat_sheet = true;
+  controls.warn("a long text of a warning that names a file, what was expected and what was found instead of it");
+  return controls;
+}
+
+Snapshot lone_joint() {
+  Snapshot snapshot;
+  snapshot.joints.emplace_back().name = "root";
+  return snapshot;
+}
+
+class PanelsTest : public ::testing::Test {
+ protected:
+  // One picture of the panels, as the application makes them.
+  Rectangle draw(const Snapshot& snapshot, Controls& controls, std::uint32_t width = 1280, std::uint32_t height = 720) {
+    gui_.begin(width, height, 1.0 / 60);
+    const Rectangle area = draw_panels(snapshot, controls, width, height);
+    gui_.end();
+    return area;
+  }
+
+  static int vertices() { return ImGui::GetDrawData()->TotalVtxCount; }
+
+  static ImRect rectangle_of(const char* window) { return ImGui::FindWindowByName(window)->Rect(); }
+
+  // The mouse goes there, presses, and lets go, each in a picture of its own.
+  void click(const Snapshot& snapshot, Controls& controls, ImVec2 at) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.MousePos = at;
+    for (const bool down : {false, true, false}) {
+      io.MouseDown[0] = down;
+      draw(snapshot, controls);
+    }
+  }
+
+  Gui gui_{{"\xce\xb1", "\xe5\xb7\xa6"}};
+};
+
+TEST_F(PanelsTest, EverySizeOfWindowAndCharacterIsDrawn) {
+  for (const Snapshot& snapshot : {small_character(), huge_character(), lone_joint()}) {
+    for (const auto& [width, height] : {std::pair{200u, 150u}, std::pair{1u, 1u}, std::pair{640u, 360u},
+                                        std::pair{1280u, 720u}, std::pair{4096u, 2160u}}) {
+      for (int layout = 0; layout < 4; ++layout) {
+        Controls controls = controls_with_all_open(snapshot);
+        controls.settings.compare.layout = static_cast<CompareLayout>(layout);
+        for (int k = 0; k < 3; ++k) {
+          const Rectangle area = draw(snapshot, controls, width, height);
+          EXPECT_GE(area.width, 1u);
+          EXPECT_LE(area.x + area.width, width);
+          EXPECT_GE(area.height, 1u);
+        }
+        EXPECT_GT(vertices(), 0);
+        const ImDrawData& data = *ImGui::GetDrawData();
+        for (int l = 0; l < data.CmdListsCount; ++l) {
+          for (const ImDrawVert& v : data.CmdLists[l]->VtxBuffer) {
+            ASSERT_TRUE(std::isfinite(v.pos.x) && std::isfinite(v.pos.y)) << width << " x " << height;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_F(PanelsTest, EverySectionDrawsSomething) {
+  const Snapshot snapshot = small_character();
+  Controls controls = controls_with_all_open(snapshot);
+  controls.prompt = controls.cheat_sheet = false;
+  for (const Section& section : kSections) controls.settings.hud.panels[section.name] = false;
+  for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+  const int closed = vertices();
+  for (const Section& section : kSections) {
+    run_command(controls, std::string("section ") + section.name);
+    for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+    EXPECT_GT(vertices(), closed + 40) << section.name;
+  }
+}
+
+TEST_F(PanelsTest, HiddenPanelsLeaveAllToThePicture) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  const Rectangle with = draw(snapshot, controls);
+  EXPECT_LT(with.width, 1280u);
+  EXPECT_GT(with.y, 0);
+  run_command(controls, "side-panel off");
+  EXPECT_EQ(draw(snapshot, controls).width, 1280u);
+  run_command(controls, "panels off");
+  const Rectangle without = draw(snapshot, controls);
+  EXPECT_EQ(without.y, 0);
+  EXPECT_EQ(without.width, 1280u);
+  EXPECT_EQ(without.height, 720u);
+}
+
+TEST_F(PanelsTest, ClicksPlayScrubAndFindTheWorstFrame) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  controls.playback = Playback({1, 3, 1}, 24);
+  for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+  const ImRect timeline = rectangle_of("Timeline");
+  click(snapshot, controls, {timeline.Min.x + 10 + 2 * 33 + 15, timeline.Min.y + 18});  // the third of the buttons
+  EXPECT_TRUE(controls.playback.playing());
+  click(snapshot, controls, {timeline.Min.x + 10 + 2 * 33 + 15, timeline.Min.y + 18});
+  EXPECT_FALSE(controls.playback.playing());
+
+  const float bar = timeline.Min.y + 26;
+  click(snapshot, controls, {timeline.Max.x - 12, bar});
+  EXPECT_EQ(controls.playback.frame(), 3);
+  ImGuiIO& io = ImGui::GetIO();
+  io.MouseDown[0] = true;
+  for (const float x : {timeline.Max.x - 12, 0.5f * timeline.Max.x, 300.0f}) {
+    io.MousePos = {x, bar};
+    draw(snapshot, controls);
+  }
+  io.MouseDown[0] = false;
+  draw(snapshot, controls);
+  EXPECT_EQ(controls.playback.frame(), 1);
+
+  const float sparkline = timeline.Max.y - 16;
+  click(snapshot, controls, {timeline.Max.x - 12, sparkline});
+  EXPECT_TRUE(controls.requests.worst_frame);
+  EXPECT_FALSE(controls.requests.worst_vertex);
+  controls.playback.scrub(2);  // the worst of them
+  click(snapshot, controls, {timeline.Max.x - 12, sparkline});
+  EXPECT_TRUE(controls.requests.worst_vertex);
+}
+
+TEST_F(PanelsTest, TheLineOfAWipeIsDragged) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  controls.settings.compare.layout = CompareLayout::wipe;
+  const Rectangle area = draw(snapshot, controls);
+  ImGuiIO& io = ImGui::GetIO();
+  for (const auto& [share, down] : {std::pair{0.5f, false}, std::pair{0.5f, true}, std::pair{0.5f, true},
+                                    std::pair{0.25f, true}, std::pair{0.25f, false}}) {
+    io.MousePos = {share * static_cast<float>(area.width), 400};
+    io.MouseDown[0] = down;
+    draw(snapshot, controls);
+  }
+  EXPECT_NEAR(controls.settings.compare.wipe, 0.25, 0.01);
+}
+
+TEST_F(PanelsTest, PanelsThatAreOnlyLookedAtChangeNothing) {
+  const Snapshot snapshot = small_character();
+  Controls controls = controls_with_all_open(snapshot);
+  const ViewSettings before = controls.settings;
+  for (int k = 0; k < 5; ++k) draw(snapshot, controls);
+  EXPECT_EQ(controls.settings, before);
+  EXPECT_EQ(controls.requests, Requests{});
+  EXPECT_FALSE(controls.playback.playing());
+}
+
+TEST(Menus, HoldEveryCommandOnce) {
+  std::map<std::string, int> commands_of;
+  for (const Command& command : commands()) ++commands_of[command.menu];
+  int total = 0;
+  for (const char* menu : kMenus) {
+    EXPECT_GT(commands_of[menu], 0) << menu;
+    total += commands_of[menu];
+  }
+  EXPECT_EQ(total, static_cast<int>(commands().size()));
+  EXPECT_EQ(std::set<std::string>(std::begin(kMenus), std::end(kMenus)).size(), std::size(kMenus));
+}
+
+// What a command says to be set is what it sets.
+TEST(Commands, TellWhatIsSet) {
+  for (const Command& command : commands()) {
+    if (!command.value || *command.argument == 0) continue;
+    std::vector<std::string> choices = choices_of(command);
+    if (choices.empty()) choices = {"on", "off", "on"};
+    for (const std::string& choice : choices) {
+      Controls controls;
+      run_command(controls, std::string(command.name) + " " + choice);
+      EXPECT_EQ(command.value(controls), choice) << command.name;
+    }
+  }
+}
+
+TEST(Commands, OfTheSidePanelKnowItsSections) {
+  std::vector<std::string> names;
+  for (const Section& section : kSections) names.emplace_back(section.name);
+  EXPECT_EQ(choices_of(*find_command("section")), names);
+  Controls controls;
+  run_command(controls, "section ghosts");
+  for (const Section& section : kSections) {
+    EXPECT_EQ(is_open(controls.settings, section), section.name == std::string("ghosts"));
+  }
+}
+
+TEST(MirroredJoint, IsFoundByItsName) {
+  const std::vector<std::string> names = {"LeftArm", "RightArm", "LThumb", "RThumb", "arm_l",
+                                          "arm_r",   "Legs",     "R",      "Spine"};
+  EXPECT_EQ(mirrored_joint("LeftArm", names), "RightArm");
+  EXPECT_EQ(mirrored_joint("RightArm", names), "LeftArm");
+  EXPECT_EQ(mirrored_joint("RThumb", names), "LThumb");
+  EXPECT_EQ(mirrored_joint("arm_r", names), "arm_l");
+  for (const char* alone : {"Spine", "Legs", "R", "", "LeftLeg"}) EXPECT_EQ(mirrored_joint(alone, names), "") << alone;
+}
+
+// A rotation by mirrored angles is the mirror image of the rotation.
+TEST(MirroredJoint, TurnsTheOtherWay) {
+  Controls controls;
+  controls.joint_names = {"LeftArm", "RightArm", "Spine"};
+  controls.joint = "LeftArm";
+  controls.settings.pose.joints["LeftArm"] = {10, 20, -30};
+  run_command(controls, "mirror");
+  const Vec3 a = controls.settings.pose.joints.at("LeftArm"), b = controls.settings.pose.joints.at("RightArm");
+  const auto rotation = [](const Vec3& degrees) {
+    const double radians = 3.14159265358979 / 180;
+    return axis_angle({0, 0, 1}, radians * degrees[2]) * axis_angle({0, 1, 0}, radians * degrees[1]) *
+           axis_angle({1, 0, 0}, radians * degrees[0]);
+  };
+  for (const Vec3& point : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
+    Vec3 expected = rotate(rotation(a), {-point[0], point[1], point[2]});
+    expected[0] = -expected[0];
+    EXPECT_LT(length(rotate(rotation(b), point) - expected), 1e-12);
+  }
+  EXPECT_EQ(kind_of([&] { run_command(controls, "mirror Spine"); }), ErrorKind::usage);
+}
+
+}  // namespace
+}  // namespace bodyopt::testing
