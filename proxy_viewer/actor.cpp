@@ -181,7 +181,7 @@ void Actor::reset_jiggle() {
   for (const auto& detail : details_) detail->reset_jiggle();
 }
 
-ShownSkin Actor::skin(SkinMethod method) const {
+DeviceSkin Actor::skin(SkinMethod method) const {
   if (method == SkinMethod::truth) return {&truth_->skin.positions, &truth_->skin.normals};
   if (method == SkinMethod::proxy || method == SkinMethod::lbs) return {&carried_.positions, &carried_.normals};
   return shown().skin(method);

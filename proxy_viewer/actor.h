@@ -59,7 +59,7 @@ class Actor {
   // What it wears, on the skin evaluated last by the method that is carried along: full or jiggle; null: nothing.
   const WornMeshes* worn() const { return worn_.get(); }
   // Of the last evaluation by the method.
-  ShownSkin skin(SkinMethod method) const;
+  DeviceSkin skin(SkinMethod method) const;
 
   // The result of a method on the host, output vertex order: of one pose, for figures; nothing where the truth has no
   // such frame. Quasi-static, of the finest level. `correction`: see Weights.

@@ -93,10 +93,7 @@ const Evaluation& Detail::evaluate(SkinMethod method, std::span<const Pose> pose
   return last.result;
 }
 
-ShownSkin Detail::skin(SkinMethod method) const {
-  const DeviceSkin skin = deformers_.at({method, Use::show})->device_skin();
-  return {skin.positions, skin.normals};
-}
+DeviceSkin Detail::skin(SkinMethod method) const { return deformers_.at({method, Use::show})->device_skin(); }
 
 void Detail::reset_jiggle() {
   const auto found = deformers_.find({SkinMethod::jiggle, Use::show});

@@ -19,12 +19,6 @@ namespace bodyopt {
 // truth: a point cache.
 enum class SkinMethod { lbs, ddm, linear, full, jiggle, proxy, truth };
 
-// A skin where it is: one or more frames of the same vertices.
-struct ShownSkin {
-  const vulkan::Buffer* positions = nullptr;  // F x V x 3, metres, world
-  const vulkan::Buffer* normals = nullptr;
-};
-
 class Detail {
  public:
   // `dynamics`: of the same basis, where there are any. Throws Error(device).
@@ -40,7 +34,7 @@ class Detail {
   const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
                              bool host);
   // Of the last evaluation by the method.
-  ShownSkin skin(SkinMethod method) const;
+  DeviceSkin skin(SkinMethod method) const;
   void reset_jiggle();  // which starts anew with the next frame
 
   // The quasi-static result on the host, of one pose: does not touch what is shown. `correction`: see Weights.

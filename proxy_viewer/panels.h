@@ -13,7 +13,7 @@ namespace bodyopt {
 Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_t width, std::uint32_t height);
 
 // Where panels stand, pixels. What they leave free is the picture's area.
-struct Layout {
+struct PanelLayout {
   float width, height;   // of the window
   float menu, timeline;  // heights
   float side;            // width
@@ -23,16 +23,16 @@ struct Layout {
 };
 
 void draw_menu_bar(const Snapshot& snapshot, Controls& controls);
-void draw_timeline(const Snapshot& snapshot, Controls& controls, const Layout& layout);
-void draw_side_panel(const Snapshot& snapshot, Controls& controls, const Layout& layout);
-void draw_cheat_sheet(Controls& controls, const Layout& layout);
-void draw_prompt(Controls& controls, const Layout& layout);
+void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout);
+void draw_side_panel(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout);
+void draw_cheat_sheet(Controls& controls, const PanelLayout& layout);
+void draw_prompt(Controls& controls, const PanelLayout& layout);
 
 // Over the picture.
-void draw_comparison(const Snapshot& snapshot, Controls& controls, const Layout& layout);
-void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const Layout& layout);
-void draw_hud(const Snapshot& snapshot, const Controls& controls, const Layout& layout);
-void draw_messages(Controls& controls, const Layout& layout);
+void draw_comparison(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout);
+void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
+void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
+void draw_messages(Controls& controls, const PanelLayout& layout);
 
 // Sections of the side panel.
 void draw_look(const Snapshot& snapshot, Controls& controls);

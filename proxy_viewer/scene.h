@@ -49,7 +49,7 @@ class Scene {
   struct Shown {
     SkinMethod method;
     const Evaluation* evaluation;
-    ShownSkin skin;
+    DeviceSkin skin;
   };
 
   Shown evaluate(Actor& character, SkinMethod method, std::span<const Pose> poses, const Controls& controls);

@@ -249,7 +249,7 @@ class Viewer {
       return;
     }
     const Command* command = down ? find_command_by_key(key) : nullptr;
-    if (command) attempt([&] { command->run(controls_, ""); });
+    if (command) attempt([&] { run_command(controls_, command->name); });
   }
 
   // One turn of the loop: time passes, and what changed is drawn.

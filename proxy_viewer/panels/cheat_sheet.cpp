@@ -48,7 +48,7 @@ void draw_mouse(float width) {
 
 }  // namespace
 
-void draw_cheat_sheet(Controls& controls, const Layout& layout) {
+void draw_cheat_sheet(Controls& controls, const PanelLayout& layout) {
   const int columns = std::clamp(static_cast<int>((layout.width - 40) / kNarrowestColumn), 1, 3);
   const float width = std::min(400.0f, (layout.width - 40) / static_cast<float>(columns));
   ImGui::SetNextWindowPos({0.5f * layout.width, 0.5f * layout.height}, ImGuiCond_Always, {0.5f, 0.5f});

@@ -42,7 +42,7 @@ void draw_text(ImDrawList& list, float right, float y, ImU32 colour, const std::
 
 }  // namespace
 
-void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const Layout& layout) {
+void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
   const ViewSettings::Compare& compare = controls.settings.compare;
   if (snapshot.compared.empty() || !(compare.heat || compare.activation)) return;
   const float line = ImGui::GetTextLineHeight();

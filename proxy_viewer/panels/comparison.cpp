@@ -16,7 +16,7 @@ void draw_name(const std::string& name, float middle, float low, float high, flo
   list.AddText({x, top}, IM_COL32(225, 225, 228, 255), name.c_str());
 }
 
-void draw_wipe(Controls& controls, const Layout& layout) {
+void draw_wipe(Controls& controls, const PanelLayout& layout) {
   constexpr float kGrip = 5;  // pixels to either side
   double& wipe = controls.settings.compare.wipe;
   const float x = static_cast<float>(wipe) * layout.right();
@@ -37,7 +37,7 @@ void draw_wipe(Controls& controls, const Layout& layout) {
 
 }  // namespace
 
-void draw_comparison(const Snapshot& snapshot, Controls& controls, const Layout& layout) {
+void draw_comparison(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout) {
   const ViewSettings::Compare& compare = controls.settings.compare;
   if (snapshot.compared.empty() || compare.activation || snapshot.cast.empty()) return;
   const std::string& shown = snapshot.cast.front().method;

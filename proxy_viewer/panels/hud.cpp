@@ -43,7 +43,7 @@ void add_coverage(const Snapshot& snapshot, Lines& lines) {
 
 }  // namespace
 
-void draw_hud(const Snapshot& snapshot, const Controls& controls, const Layout& layout) {
+void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
   Lines lines(14, layout.menu + 12);
   lines.add(snapshot.shown_fps, "fps", std::to_string(controls.playback.dropped()) + " dropped");
   lines.add(snapshot.frame_ms, "ms", "picture");

@@ -7,7 +7,7 @@
 
 namespace bodyopt {
 
-void draw_messages(Controls& controls, const Layout& layout) {
+void draw_messages(Controls& controls, const PanelLayout& layout) {
   constexpr std::size_t kShown = 4;
   if (controls.messages.empty()) return;
   if (controls.messages.size() > kShown) {

@@ -13,8 +13,8 @@ constexpr float kSide = 272, kNarrowSide = 216;   // width of the side panel
 constexpr float kNarrow = 900, kNarrowest = 560;  // windows: below, it is narrower, or there is no room for it
 constexpr float kTimeline = 84, kLowest = 240;    // height; below that of windows there is no room for it
 
-Layout layout_of(const Controls& controls, float width, float height) {
-  Layout layout{width, height, 0, 0, 0};
+PanelLayout layout_of(const Controls& controls, float width, float height) {
+  PanelLayout layout{width, height, 0, 0, 0};
   if (!controls.panels) return layout;
   layout.menu = ImGui::GetFrameHeight();
   if (height >= kLowest) layout.timeline = kTimeline;
@@ -25,7 +25,7 @@ Layout layout_of(const Controls& controls, float width, float height) {
 }  // namespace
 
 Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_t width, std::uint32_t height) {
-  const Layout layout = layout_of(controls, static_cast<float>(width), static_cast<float>(height));
+  const PanelLayout layout = layout_of(controls, static_cast<float>(width), static_cast<float>(height));
   if (controls.panels) draw_menu_bar(snapshot, controls);
   if (layout.timeline > 0) draw_timeline(snapshot, controls, layout);
   if (layout.side > 0) draw_side_panel(snapshot, controls, layout);

@@ -35,7 +35,7 @@ void draw_hints(std::string& text) {
 
 }  // namespace
 
-void draw_prompt(Controls& controls, const Layout& layout) {
+void draw_prompt(Controls& controls, const PanelLayout& layout) {
   const float width = std::min(kWidth, layout.width - 16);
   ImGui::SetNextWindowPos({0.5f * layout.right(), layout.menu + 24}, ImGuiCond_Always, {0.5f, 0});
   ImGui::SetNextWindowSize({std::max(80.0f, width), 0});

@@ -17,7 +17,7 @@ constexpr std::array<Draw, kSections.size()> kDraw = {draw_look,   draw_cameras,
 
 }  // namespace
 
-void draw_side_panel(const Snapshot& snapshot, Controls& controls, const Layout& layout) {
+void draw_side_panel(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout) {
   ImGui::SetNextWindowPos({layout.right(), layout.menu});
   ImGui::SetNextWindowSize({layout.side, std::max(1.0f, layout.bottom() - layout.menu)});
   ImGui::Begin("Side", nullptr, kFixedWindow);

@@ -188,7 +188,7 @@ void draw_frame_number(const Snapshot& snapshot, const Playback& playback) {
 
 }  // namespace
 
-void draw_timeline(const Snapshot& snapshot, Controls& controls, const Layout& layout) {
+void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout) {
   constexpr float kNumberWidth = 420, kButtonsWidth = 260;  // windows below have no room for the number, the buttons
   ImGui::SetNextWindowPos({0, layout.bottom()});
   ImGui::SetNextWindowSize({layout.width, layout.timeline});

@@ -254,8 +254,25 @@ TEST(Commands, InMenusAndOnKeysNeedNoArgument) {
     EXPECT_FALSE(needs_argument && *command.key != 0) << command.name;
     if (needs_argument) continue;
     Controls controls = controls_of_a_session();
-    EXPECT_NO_THROW(command.run(controls, "")) << command.name;
+    EXPECT_NO_THROW(run_command(controls, command.name)) << command.name;
   }
+}
+
+// What a menu ticks.
+TEST(Commands, ValueIsTheArgumentThatWasGiven) {
+  int count = 0;
+  for (const Command& command : commands()) {
+    if (!command.value) continue;
+    std::vector<std::string> arguments = choices_of(command);
+    if (std::string(command.argument) == "[on|off]") arguments = {"on", "off"};
+    Controls controls = controls_of_a_session();
+    for (const std::string& argument : arguments) {
+      run_command(controls, command.name + (" " + argument));
+      EXPECT_EQ(command.value(controls), argument) << command.name;
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 40);
 }
 
 TEST(Commands, NamesAndKeysAreUniqueAndFound) {
