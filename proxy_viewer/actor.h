@@ -38,6 +38,7 @@ class Actor {
   std::string name() const;
   // Of the level that is shown. Joints and controls are the same for all.
   const Detail& shown() const { return *details_[level_]; }
+  Detail& shown() { return *details_[level_]; }
   const Basis& basis() const { return shown().basis(); }
   std::size_t level_count() const { return details_.size(); }
   std::size_t level() const { return level_; }

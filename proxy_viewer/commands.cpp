@@ -267,6 +267,8 @@ const Command kCommands[] = {
     {"tets", "[on|off]", "T", "Look", "the tetrahedra of the jiggle, cut open",
      [](Controls& c, const std::string& a) { toggle(c.settings.look.tets, a); },
      [](const Controls& c) { return name_of(c.settings.look.tets); }},
+    {"tet-cut", "0-1", "", "Look", "share of the body that is cut away, from the front",
+     [](Controls& c, const std::string& a) { c.settings.look.tet_cut = number_within(a, 0, 1); }},
     {"level", "auto|0|1|2...", "", "Look", "of detail, 0 the finest; auto: the one that keeps up",
      [](Controls& c, const std::string& a) {
        if (a == "auto") {
@@ -281,7 +283,7 @@ const Command kCommands[] = {
     {"axes", "[on|off]", "A", "Look", "the world's axes",
      [](Controls& c, const std::string& a) { toggle(c.settings.look.axes, a); },
      [](const Controls& c) { return name_of(c.settings.look.axes); }},
-    {"shadow", "[on|off]", "", "Look", "on the ground",
+    {"shadow", "[on|off]", "", "Look", "the shadow on the ground",
      [](Controls& c, const std::string& a) { toggle(c.settings.look.shadow, a); },
      [](const Controls& c) { return name_of(c.settings.look.shadow); }},
 
@@ -339,7 +341,7 @@ const Command kCommands[] = {
        const auto w = words(a, 2, "a control and a number");
        c.settings.pose.controls[known(w[0], c.control_names, "control of the basis")] = number_within(w[1], -10, 10);
      }},
-    {"reset-pose", "", "R", "Pose", "as the clip has it",
+    {"reset-pose", "", "R", "Pose", "the pose as the clip has it",
      [](Controls& c, const std::string&) {
        c.settings.pose.joints.clear();
        c.settings.pose.controls.clear();

@@ -107,6 +107,30 @@ Evaluation Detail::measure(SkinMethod method, const Pose& pose, float correction
   return d.evaluate({&pose, 1});
 }
 
+// N x 3, metres, world.
+std::vector<float> Detail::tet_nodes(const Pose& pose, std::optional<float> jiggle) {
+  Deformer& d = deformer(SkinMethod::jiggle, jiggle ? Use::show : Use::measure);
+  if (!jiggle && !same(tet_poses_, {&pose, 1})) {  // without a past: where the skin takes them
+    const int frame = 0;
+    d.set_state({});
+    d.jiggle({&pose, 1}, {&frame, 1});
+    tet_poses_ = {pose};
+  }
+  const JiggleState state = d.state();
+  std::vector<float> nodes(state.motion.nodes.size());
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const float away = jiggle.value_or(0) * state.motion.displacement[k];
+    nodes[k] = static_cast<float>(state.origin[k % 3] + static_cast<double>(state.motion.nodes[k] + away));
+  }
+  return nodes;
+}
+
+const CutTets& Detail::cut_tets(const Pose& pose, std::optional<float> jiggle, const Vec3& towards, double share) {
+  if (!cut_tets_) cut_tets_ = std::make_unique<CutTets>(*device_, *dynamics_);
+  cut_tets_->cut(tet_nodes(pose, jiggle), towards, share);
+  return *cut_tets_;
+}
+
 std::size_t DetailChoice::choose(double seconds, bool playing, std::size_t count) {
   if (!playing || count <= 1) {
     sum_ = pictures_ = 0;

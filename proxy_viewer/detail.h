@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "proxy_viewer/cut_tets.h"
 #include "runtime/basis/levels.h"
 #include "runtime/deformer.h"
 #include "runtime/vulkan/buffer.h"
@@ -28,6 +29,9 @@ class Detail {
   const Level& level() const { return level_; }
   bool jiggles() const { return dynamics_.has_value(); }
   std::uint32_t tet_count() const { return dynamics_ ? dynamics_->tets.tet_count() : 0; }
+  // The tets at a pose, or, where `jiggle` says how much is shown of it, where the jiggle that is shown has them. The
+  // level must have dynamics.
+  const CutTets& cut_tets(const Pose& pose, std::optional<float> jiggle, const Vec3& towards, double share);
 
   // By ddm, linear, full or jiggle. Poses of one frame, then of ghosts; `frame`: of the first. The jiggle steps only
   // with that. The same as the last time is not evaluated again. On the host, too, when `host` asks for it.
@@ -58,6 +62,7 @@ class Detail {
   };
 
   Deformer& deformer(SkinMethod method, Use use);
+  std::vector<float> tet_nodes(const Pose& pose, std::optional<float> jiggle);
 
   std::shared_ptr<const vulkan::Device> device_;
   Level level_;
@@ -66,6 +71,8 @@ class Detail {
   std::uint32_t fibre_segment_count_ = 0;
   std::map<std::pair<SkinMethod, Use>, std::unique_ptr<Deformer>> deformers_;  // made when they are first wanted
   std::map<SkinMethod, Evaluated> evaluated_;
+  std::unique_ptr<CutTets> cut_tets_;  // made when they are first wanted
+  std::vector<Pose> tet_poses_;        // of which the tets were measured last; none, or one
 };
 
 // The basis without its kernels: what a linear map of joints and strains makes of it.

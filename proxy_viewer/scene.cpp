@@ -17,7 +17,8 @@ constexpr std::size_t kColumns = 7;  // of copies
 constexpr std::uint32_t kMarked = 0xff5a40ff;
 constexpr double kSpacing = 0.7;      // between characters, of their size
 constexpr double kSkinAround = 0.12;  // of joints, of the character's size
-constexpr float kSphere = 0.75f;      // around the joints, of the character's size
+constexpr float kSkinOverTets = 0.12f;
+constexpr float kSphere = 0.75f;  // around the joints, of the character's size
 
 std::vector<Vec3> centres_of(const Actor& character, const Pose& pose) {
   std::vector<Vec3> centres;
@@ -265,6 +266,11 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     if (s.compare.heat || s.compare.activation) skin.reference = second.positions;
   }
 
+  if (s.look.tets && character.shown().tet_count() > 0) {
+    add_tets(character, poses[0], skin, controls, views);
+    skin.alpha = kSkinOverTets;
+    skin.shadow = skin.wire = false;
+  }
   const bool flips = compared && s.compare.layout == CompareLayout::hold && controls.flipped;
   views[0].skins.push_back(flips ? second : skin);
   if (views.size() > 1) {
@@ -314,6 +320,28 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     const double fades = 1 - 0.6 * static_cast<double>(away - 1) / std::max(1, count);
     extra.alpha = static_cast<float>(std::clamp(s.ghosts.opacity * fades, 0.0, 0.99));
     for (View& view : views) view.skins.push_back(extra);
+  }
+}
+
+void Scene::add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, const Controls& controls,
+                     std::vector<View>& views) {
+  const ViewSettings& s = controls.settings;
+  const Camera camera = controls.camera.camera();
+  Vec3 towards;
+  for (std::size_t i = 0; i < 3; ++i) towards[i] = static_cast<double>(camera.eye[i] - camera.target[i]);
+  towards = 1 / length(towards) * towards;
+  const bool jiggles = shown_method(character, s) == SkinMethod::jiggle;
+  const auto amount = jiggles ? std::optional(static_cast<float>(s.jiggle.amount)) : std::nullopt;
+  const CutTets& tets = character.shown().cut_tets(pose, amount, towards, s.look.tet_cut);
+  SkinDraw draw = skin;
+  draw.positions = draw.normals = &tets.positions();  // facets need no normals
+  draw.style = SurfaceStyle::flat;
+  draw.reference = nullptr;
+  for (const CutTets::Part& part : tets.parts()) {
+    draw.triangles = &part.triangles;
+    draw.triangle_count = part.triangle_count;
+    draw.colour = part.colour;
+    for (View& view : views) view.skins.push_back(draw);
   }
 }
 

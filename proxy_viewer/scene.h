@@ -59,6 +59,8 @@ class Scene {
   void add_skeleton(const Actor& character, const Pose& pose, const std::array<float, 3>& offset,
                     const Controls& controls, View& view);
   void add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view);
+  void add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, const Controls& controls,
+                std::vector<View>& views);
   void add_marker(const Vec3& at, View& view);
   std::array<float, 3> place(std::size_t index) const;
   std::array<float, 3> place_copy(std::size_t copy) const;

@@ -27,7 +27,7 @@ struct ViewSettings {
   struct Look {
     LookStyle style = LookStyle::clay;
     bool wire = false, grid = true, axes = true, skeleton = false, fibres = false, tets = false;
-    double tet_cut = 0;  // share of the tets that is cut away, from the front
+    double tet_cut = 0.5;  // share of the tets that is cut away, from the front
     bool shadow = true;
     bool follow = true;        // the camera goes along with the character
     std::optional<int> level;  // of detail, 0 the finest; otherwise the one that keeps up

@@ -15,7 +15,7 @@ std::string with_commas(std::uint32_t number) {
 
 void draw_line(const char* what, const std::string& text) {
   ImGui::TextDisabled("%s", what);
-  ImGui::SameLine(0.36f * ImGui::GetWindowContentRegionMax().x);
+  ImGui::SameLine(0.42f * ImGui::GetWindowContentRegionMax().x);
   ImGui::TextUnformatted(text.c_str());
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text.c_str());
 }

@@ -27,7 +27,7 @@ void draw_look(const Snapshot& snapshot, Controls& controls) {
     ImGui::EndDisabled();
   }
   if (has_tets && controls.settings.look.tets) {
-    slide("Cut", controls.settings.look.tet_cut, 0, 1, "%.2f", "share of the body that is cut away, from the front");
+    slide("Cut", controls.settings.look.tet_cut, 0, 1, "%.2f", find_command("tet-cut")->help);
   }
 }
 

@@ -8,7 +8,7 @@ namespace {
 // A file's name, and buttons of commands that take it.
 void draw_file(Controls& controls, std::string& name, const char* hint,
                std::initializer_list<std::pair<const char*, const char*>> commands) {
-  constexpr float kButton = 74;
+  constexpr float kButton = 80;
   ImGui::PushID(hint);
   const float space = ImGui::GetStyle().ItemSpacing.x;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - static_cast<float>(commands.size()) * (kButton + space));

@@ -311,5 +311,30 @@ TEST_F(ActorTest, WithoutAClipItStandsInTheBindPose) {
   EXPECT_NEAR(character.size(), std::hypot(1.1, 0.2, 0.2), 0.02);
 }
 
+// Nodes on the skin are where the skin carries them, without the jiggle and as it begins.
+TEST_F(ActorTest, TetsLieUnderTheSkin) {
+  Actor character(device_, {jiggling_->basis, jiggling_->clip}, {});
+  const std::vector<SurfacePoint>& surface = jiggling_->made.dynamics.tets.surface;
+  ASSERT_FALSE(surface.empty());
+  for (const int frame : {2, 9}) {
+    const Pose pose = character.pose(frame, {});
+    character.evaluate(SkinMethod::full, {&pose, 1}, frame, {});
+    const std::vector<float> skin = download(*character.skin(SkinMethod::full).positions);
+    character.reset_jiggle();
+    character.evaluate(SkinMethod::jiggle, {&pose, 1}, frame, {});
+    for (const std::optional<float> jiggle : {std::optional<float>(), std::optional(1.0f)}) {
+      const std::vector<float> nodes = download(character.shown().cut_tets(pose, jiggle, {0, 0, 1}, 0.4).positions());
+      EXPECT_EQ(nodes.size(), jiggling_->made.dynamics.tets.nodes.size());
+      for (std::size_t b = 0; b < surface.size(); ++b) {
+        const SurfacePoint& p = surface[b];
+        for (std::size_t i = 0; i < 3; ++i) {
+          const float expected = p.wa * skin[3 * p.a + i] + p.wb * skin[3 * p.b + i] + p.wc * skin[3 * p.c + i];
+          ASSERT_NEAR(nodes[3 * b + i], expected, 1e-5f) << b;
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace bodyopt::testing

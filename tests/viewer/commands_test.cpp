@@ -110,6 +110,7 @@ const std::map<std::string, Case>& cases() {
       {"fibres", {"on", [](C, C c) { return c.settings.look.fibres; }, {"yes"}}},
       {"tets", {"on", [](C, C c) { return c.settings.look.tets; }, {"yes"}}},
       {"level", {"2", [](C, C c) { return c.settings.look.level == 2; }, {"", "finest", "-1", "1.5", "16"}}},
+      {"tet-cut", {"0.25", [](C, C c) { return c.settings.look.tet_cut == 0.25; }, {"", "-0.1", "1.1"}}},
       {"grid", {"off", [](C, C c) { return !c.settings.look.grid; }, {"no"}}},
       {"axes", {"off", [](C, C c) { return !c.settings.look.axes; }, {"no"}}},
       {"shadow", {"off", [](C, C c) { return !c.settings.look.shadow; }, {"no"}}},
