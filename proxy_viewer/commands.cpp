@@ -374,9 +374,9 @@ const Command kCommands[] = {
      },
      [](const Controls& c) { return name_of(c.settings.ghosts.before + c.settings.ghosts.after > 0); }},
 
-    {"copies", "COUNT", "", "", "of the first character on the stage",
+    {"copies", "COUNT", "", "Look", "of the first character on the stage",
      [](Controls& c, const std::string& a) { c.settings.cast.copies = integer_within(a, 1, 100); }},
-    {"copy-delay", "FRAMES", "", "", "from one copy to the next",
+    {"copy-delay", "FRAMES", "", "Look", "from one copy to the next",
      [](Controls& c, const std::string& a) { c.settings.cast.delay = integer_within(a, 0, 1000); }},
 
     {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",

@@ -68,6 +68,8 @@ Gui::Gui(const std::vector<std::string>& texts) {
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // settings are kept in the state file
   ImGui::GetIO().LogFilename = nullptr;
+  // As the Vulkan backend can: long lists have more corners than 16 bits count.
+  ImGui::GetIO().BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
   set_style();
   load_fonts(texts);
 }

@@ -22,7 +22,7 @@ void draw_line(const char* what, const std::string& text) {
 
 }  // namespace
 
-void draw_cast(const Snapshot& snapshot, Controls&) {
+void draw_cast(const Snapshot& snapshot, Controls& controls) {
   for (const CharacterRow& row : snapshot.cast) {
     ImGui::TextUnformatted(row.name.c_str());
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", row.basis.c_str());
@@ -37,6 +37,9 @@ void draw_cast(const Snapshot& snapshot, Controls&) {
     if (!row.truth.empty()) draw_line("truth", std::filesystem::path(row.truth).filename().string());
     ImGui::Separator();
   }
+  ViewSettings::Cast& cast = controls.settings.cast;
+  slide("Copies", cast.copies, 1, 100, "%d", find_command("copies")->help);
+  slide("Delay", cast.delay, 0, 48, cast.delay == 1 ? "%d frame" : "%d frames", find_command("copy-delay")->help);
   ImGui::TextDisabled("drop files onto the window to add them");
 }
 

@@ -2,6 +2,7 @@
 // error of every frame.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <optional>
 #include <utility>
@@ -33,17 +34,14 @@ struct Bar {
 // Numbers at round distances, as many as there is room for.
 void draw_ticks(ImDrawList& list, const Bar& bar) {
   const double per_pixel = static_cast<double>(bar.last - bar.first) / static_cast<double>(std::max(1.0f, bar.size.x));
-  int distance = 1;
-  for (const int factor : {5, 2, 5, 2, 5, 2, 5, 2}) {
-    if (distance > 60 * per_pixel) break;
-    distance *= factor;
-  }
-  char text[16];
-  for (int frame = bar.first / distance * distance; frame <= bar.last; frame += distance) {
+  std::int64_t distance = 1;
+  for (int k = 0; static_cast<double>(distance) <= 60 * per_pixel; ++k) distance *= k % 2 == 0 ? 5 : 2;
+  char text[24];
+  for (std::int64_t frame = bar.first / distance * distance; frame <= bar.last; frame += distance) {
     if (frame < bar.first) continue;
-    const float x = bar.x(frame);
+    const float x = bar.x(static_cast<double>(frame));
     list.AddLine({x, bar.at.y + bar.size.y - 6}, {x, bar.at.y + bar.size.y}, kTick);
-    std::snprintf(text, sizeof(text), "%d", frame);
+    std::snprintf(text, sizeof(text), "%lld", static_cast<long long>(frame));
     list.AddText(nullptr, 12, {x + 3, bar.at.y + bar.size.y - 14}, kTick, text);
   }
 }
@@ -69,11 +67,15 @@ void draw_errors(ImDrawList& list, const Bar& bar, const std::vector<ErrorRow>& 
   if (!worst || errors[*worst].rms <= 0) return;
   const float bottom = bar.at.y + bar.size.y;
   const auto height = [&](float error) { return (bar.size.y - 2) * error / errors[*worst].rms; };
+  // One bar per pixel at most, as high as the worst of its frames.
+  float drawn = bar.at.x, highest = 0;
   for (std::size_t k = 0; k < errors.size(); ++k) {
-    if (!std::isfinite(errors[k].rms)) continue;
-    const double frame = bar.first + static_cast<double>(k);
-    const float left = bar.x(frame - 0.5), right = std::max(left + 1, bar.x(frame + 0.5));
-    list.AddRectFilled({left, bottom - height(errors[k].rms)}, {right, bottom}, kErrorColour);
+    if (std::isfinite(errors[k].rms)) highest = std::max(highest, height(errors[k].rms));
+    const float right = bar.x(bar.first + static_cast<double>(k) + 0.5);
+    if (right < drawn + 1 && k + 1 < errors.size()) continue;
+    if (highest > 0) list.AddRectFilled({drawn, bottom - highest}, {right, bottom}, kErrorColour);
+    drawn = right;
+    highest = 0;
   }
   const float x = bar.x(bar.first + static_cast<double>(*worst));
   const std::string text = text_of(errors[*worst].rms);

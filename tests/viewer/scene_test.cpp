@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "proxy_viewer/strain_colour.h"
 #include "runtime/basis/error.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/viewer/small_character.h"
