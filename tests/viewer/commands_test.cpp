@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -309,6 +310,23 @@ TEST(Commands, BlanksAroundThemDoNotCount) {
   EXPECT_EQ(controls.settings.look.style, LookStyle::flat);
   run_command(controls, "turn  Hips  1 2\t3");
   EXPECT_EQ(controls.settings.pose.joints.at("Hips"), (Vec3{1, 2, 3}));
+}
+
+// docs/view.md has a row for every command, in the table's order, and no other.
+TEST(Commands, AreThoseOfTheDocs) {
+  std::vector<std::string> expected, found;
+  for (const Command& command : commands()) {
+    std::string call = command.name + std::string(*command.argument ? " " : "") + command.argument;
+    for (std::size_t at = 0; (at = call.find('|', at)) != std::string::npos; at += 2) call.insert(at, "\\");
+    expected.push_back("| `" + call + "` | " + command.key + " | " + command.menu + " | " + command.help + " |");
+  }
+  std::ifstream page(BODYOPT_SOURCE_DIR "/docs/view.md");
+  std::string line;
+  while (std::getline(page, line) && line != "| command | key | menu | does |") continue;
+  std::getline(page, line);
+  while (std::getline(page, line) && !line.empty()) found.push_back(line);
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t k = 0; k < found.size(); ++k) EXPECT_EQ(found[k], expected[k]);
 }
 
 TEST(Commands, ScriptsArePartedBySemicolonsAndLineEnds) {

@@ -95,7 +95,7 @@ TEST_F(WindowTest, ScriptsWriteTheSamePicturesWithAWindowAndWithout) {
   }
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_TRUE(images[0][k].rgba == images[1][k].rgba) << "picture " << k;
-    EXPECT_GT(spot_difference(images[0][k], images[0][(k + 1) % 3]), 0.3) << k;
+    EXPECT_GT(spot_difference(images[0][k], images[0][(k + 1) % 3]).mean, 0.3) << k;
   }
 }
 
@@ -136,8 +136,7 @@ TEST_F(WindowTest, KeysDoWhatTheirCommandsDo) {
   display_->hands("key space key Home");
   EXPECT_TRUE(screenshot().rgba == first.rgba);
   display_->hands("key h");
-  EXPECT_FALSE(screenshot().rgba == first.rgba);
-  display_->hands("key h");
+  EXPECT_FALSE(screenshot().rgba == first.rgba);  // and clicks the sheet away
   EXPECT_TRUE(screenshot().rgba == first.rgba);
   display_->hands("key ctrl+q");
   expect_end(*program, 0);
@@ -153,22 +152,22 @@ TEST_F(WindowTest, MouseTurnsMovesAndGoesNearer) {
   };
   drag("1", 45, 0);
   // 45 pixels of 180, 3.2 radians across them, to the left.
-  EXPECT_LT(spot_difference(screenshot(), headless("orbit -45.8366 0")), 0.05);
+  EXPECT_LT(spot_difference(screenshot(), headless("orbit -45.8366 0")).mean, 0.05);
   drag("1", -45, 0);
-  EXPECT_LT(spot_difference(screenshot(), first), 0.05);
+  EXPECT_LT(spot_difference(screenshot(), first).mean, 0.05);
   drag("2", 30, 10);
   const Image moved = screenshot();
-  EXPECT_GT(spot_difference(moved, first), 1);
+  EXPECT_GT(spot_difference(moved, first).mean, 1);
   drag("2", -30, -10);
-  EXPECT_LT(spot_difference(screenshot(), first), 0.05);
+  EXPECT_LT(spot_difference(screenshot(), first).mean, 0.05);
   display_->hands("click 4");
-  EXPECT_LT(spot_difference(screenshot(), headless("dolly 1")), 0.05);
+  EXPECT_LT(spot_difference(screenshot(), headless("dolly 1")).mean, 0.05);
   drag("3", 30, 0);
-  EXPECT_GT(spot_difference(screenshot(), headless("dolly 1")), 1);
+  EXPECT_GT(spot_difference(screenshot(), headless("dolly 1")).mean, 1);
   // A click picks the nearest joint where they are seen, a drag does not.
   display_->hands("key f key k");
   drag("1", 1, 0);
-  EXPECT_GT(spot_difference(screenshot(), headless("skeleton on")), 0.02);
+  EXPECT_GT(spot_difference(screenshot(), headless("skeleton on")).mean, 0.02);
   display_->ask_to_close(window_);
   expect_end(*program, 0);
 }
@@ -176,7 +175,7 @@ TEST_F(WindowTest, MouseTurnsMovesAndGoesNearer) {
 TEST_F(WindowTest, StateBringsCameraAndSettingsBack) {
   const Image saved = headless("frame 6; orbit 50 20; dolly 2; wire on; save-state s.json");
   std::filesystem::rename(folder_ / "headless.png", folder_ / "saved.png");
-  EXPECT_GT(spot_difference(saved, headless("frame 6")), 0.5);
+  EXPECT_GT(spot_difference(saved, headless("frame 6")).mean, 0.5);
   const ProgramResult result =
       run_program(command(small("--headless --cf 6 --state s.json --do 'panels off' -o again.png")));
   EXPECT_EQ(result.exit_code, 0) << result.output;

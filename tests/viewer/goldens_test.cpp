@@ -1,0 +1,65 @@
+// Pictures of the program against those that were looked at once (tests/viewer/goldens, made by the program): as eyes
+// compare them, so that another device or driver passes, and a lost shadow does not.
+#include <gtest/gtest.h>
+
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/png_file.h"
+#include "tests/support/run_program.h"
+#include "tests/viewer/small_character.h"
+
+namespace bodyopt::testing {
+namespace {
+
+constexpr double kBound = 2;  // largest spot, of 255
+
+class GoldensTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { test_device(); }  // the driver, for the programs
+
+  Image picture(const std::string& script) {
+    const char* device = std::getenv("BODYOPT_TEST_DEVICE");
+    const std::string out = (folder_ / "picture.png").string();
+    const ProgramResult result =
+        run_bodyopt("view " + small_.basis + " " + small_.clip + " --size 320 180 --headless -o " + out +
+                    " --do 'panels off; hud off; " + script + "'" + (device ? " --device " + std::string(device) : ""));
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return read_png(out);
+  }
+
+  void expect_golden(const std::string& name, const std::string& script) {
+    const Image golden = read_png(std::string(BODYOPT_SOURCE_DIR) + "/tests/viewer/goldens/" + name);
+    const Image now = picture(script);
+    const double difference = spot_difference(golden, now).largest;
+    if (difference <= kBound) return;
+    const std::filesystem::path kept = std::filesystem::temp_directory_path() / name;
+    write_png(now, kept);
+    ADD_FAILURE() << "differs by " << difference << ": look at " << kept
+                  << ", and copy it over the golden if it is right";
+  }
+
+  TemporaryFolder folder_;
+  SmallCharacter small_{folder_};
+};
+
+const std::string kClay = "frame 7; orbit 15 40; turn upper 60 0 0; frame-selection";
+const std::string kCompared =
+    "frame 9; compare ddm; heat on; heat-scale 20; skeleton on; fibres on; ghosts 1 0; ghost-step 5; wire on";
+
+TEST_F(GoldensTest, Clay) { expect_golden("clay.png", kClay); }
+TEST_F(GoldensTest, Compared) { expect_golden("compared.png", kCompared); }
+
+// What must not pass.
+TEST_F(GoldensTest, LossesAreSeen) {
+  const Image clay = picture(kClay), compared = picture(kCompared);
+  for (const char* loss : {"shadow off", "orbit 180 0", "orbit 10 0", "style flat", "style matcap", "grid off",
+                           "axes off", "frame 9", "correction 0", "turn upper 10 0 0", "orthographic", "dolly 0.5"}) {
+    EXPECT_GT(spot_difference(clay, picture(kClay + "; " + loss)).largest, 2 * kBound) << loss;
+  }
+  for (const char* loss : {"heat off", "heat-scale 40", "skeleton off", "fibres off", "ghosts 0 0", "wire off",
+                           "compare none", "layout wipe"}) {
+    EXPECT_GT(spot_difference(compared, picture(kCompared + "; " + loss)).largest, 2 * kBound) << loss;
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt::testing
