@@ -102,10 +102,12 @@ class Viewer {
   void run_headless() {
     do {
       run_script();
-      draw(options_.width, options_.height, Edges::smooth);  // panels find their places
+      draw(options_.width, options_.height, Edges::smooth);
       fulfil();
     } while (!script_.empty() && !controls_.requests.quit);
-    if (!options_.out.empty()) write_sequence(options_.out);
+    if (options_.out.empty()) return;
+    settle();
+    write_sequence(options_.out);
   }
 
   std::shared_ptr<const vulkan::ValidationLog> validation_log() const { return device_->validation_log(); }
@@ -514,6 +516,7 @@ class Viewer {
       const fs::path next = FrameSequenceName(kNewScreenshot, 2)(k);
       if (!fs::exists(next)) file = next.string();
     }
+    settle();
     write_png(draw_still(), file);
     controls_.say("wrote " + file);
   }
@@ -525,6 +528,11 @@ class Viewer {
   }
 
   // Drawn once more, at its best, and without messages.
+  // Panels take their sizes from the picture before.
+  void settle() {
+    for (int k = 0; k < 3; ++k) draw_still();
+  }
+
   Image draw_still() {
     const auto [width, height] = picture_size();
     std::vector<Message> messages = std::exchange(controls_.messages, {});

@@ -37,7 +37,7 @@ void draw_compare(const Snapshot& snapshot, Controls& controls) {
   command_choice(controls, "compare", "With", &snapshot.comparisons);
   const bool compares = !snapshot.compared.empty() && !compare.activation;
   ImGui::BeginDisabled(!compares);
-  command_choice(controls, "layout", "PanelLayout");
+  command_choice(controls, "layout", "Layout");
   ImGui::EndDisabled();
   if (compares && compare.layout == CompareLayout::wipe) {
     slide("Wipe", compare.wipe, 0, 1, "%.2f", "where, of the picture's width; or drag the line in the picture");

@@ -1,5 +1,4 @@
 #include "proxy_viewer/scene.h"
-#include "proxy_viewer/strain_colour.h"
 
 #include <set>
 
