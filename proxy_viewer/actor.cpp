@@ -46,12 +46,23 @@ Clip bind_clip(const Basis& basis) {
 
 }  // namespace
 
+fs::path ActorFiles::dynamics() const { return fs::path(basis).replace_extension(".dynamics.safetensors"); }
+
+fs::path ActorFiles::attached() const { return fs::path(basis).replace_extension(".attached.safetensors"); }
+
+std::vector<fs::path> ActorFiles::paths() const {
+  std::vector<fs::path> all = {dynamics(), attached()};
+  for (const std::string& file : {basis, clip.substr(0, clip.find('#')), truth, proxy, character}) {
+    if (!file.empty()) all.emplace_back(file);
+  }
+  return all;
+}
+
 Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& files, const ClipOptions& options)
     : device_(std::move(device)), files_(files), clip_options_(options) {
   std::vector<Level> levels = load_levels(files.basis);
-  const fs::path beside = fs::path(files.basis).replace_extension(".dynamics.safetensors");
   std::optional<Dynamics> dynamics;
-  if (fs::exists(beside)) dynamics = load_dynamics(beside, levels.front().basis);
+  if (fs::exists(files.dynamics())) dynamics = load_dynamics(files.dynamics(), levels.front().basis);
   for (Level& level : levels) {
     details_.push_back(std::make_unique<Detail>(device_, std::move(level), std::exchange(dynamics, std::nullopt)));
   }
@@ -59,9 +70,9 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
   if (!files.character.empty()) {
     linear_blend_ = std::make_unique<LinearBlend>(files.character, finest().basis(), kept_unit(finest().basis()));
   }
-  const fs::path attached = fs::path(files.basis).replace_extension(".attached.safetensors");
-  if (fs::exists(attached)) {
-    worn_ = std::make_unique<WornMeshes>(*device_, finest().basis(), load_attachments(attached, finest().basis()));
+  if (fs::exists(files.attached())) {
+    worn_ =
+        std::make_unique<WornMeshes>(*device_, finest().basis(), load_attachments(files.attached(), finest().basis()));
   }
   clip_ = bind_clip(finest().basis());
   size_ = diagonal(finest().basis().mesh.rest);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -27,6 +28,11 @@ namespace bodyopt {
 struct ActorFiles {
   std::string basis, clip{}, truth{}, proxy{};
   std::string character{};  // for linear blending
+
+  std::filesystem::path dynamics() const;
+  std::filesystem::path attached() const;
+  // All of them, those beside the basis whether they are there or not: to be watched.
+  std::vector<std::filesystem::path> paths() const;
 };
 
 class Actor {

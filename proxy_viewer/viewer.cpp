@@ -216,10 +216,7 @@ class Viewer {
   void watch() {
     std::vector<fs::path> files;
     for (const auto& character : scene_.cast()) {
-      const ActorFiles& f = character->files();
-      for (const std::string& file : {f.basis, f.clip.substr(0, f.clip.find('#')), f.truth}) {
-        if (!file.empty()) files.emplace_back(file);
-      }
+      std::ranges::copy(character->files().paths(), std::back_inserter(files));
     }
     watched_ = std::make_unique<WatchedFiles>(files);
   }
@@ -438,13 +435,15 @@ class Viewer {
   }
 
   // False where there is nothing to measure: live poses are of no frame, and coarser levels are there to keep up.
+  bool measures_errors() const { return !live_ && scene_.lead().level() == 0; }
+
   bool look_at_errors() {
-    if (live_ || scene_.lead().level() != 0) return false;
+    if (!measures_errors()) return false;
     if (curve_.look_at(scene_.lead(), controls_.settings)) controls_.marker.reset();
     return true;
   }
 
-  bool can_measure() const { return !curve_.is_complete() && !controls_.playback.playing(); }
+  bool can_measure() const { return measures_errors() && !curve_.is_complete() && !controls_.playback.playing(); }
 
   // For as long as nobody notices.
   void measure_errors() {

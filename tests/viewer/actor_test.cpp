@@ -301,6 +301,13 @@ TEST_F(ActorTest, DynamicsOfAnotherBasisAreRefused) {
   EXPECT_EQ(kind_of([&] { Actor(device_, {(folder / "a.safetensors").string(), {}, {}}, {}); }), ErrorKind::mismatch);
 }
 
+TEST_F(ActorTest, WatchesWhatLiesBesideTheBasisEvenBeforeItIsThere) {
+  const ActorFiles files{.basis = "a/hero.safetensors", .clip = "shot.glb#walk", .proxy = "p.safetensors"};
+  EXPECT_EQ(files.paths(),
+            (std::vector<std::filesystem::path>{"a/hero.dynamics.safetensors", "a/hero.attached.safetensors",
+                                                "a/hero.safetensors", "shot.glb", "p.safetensors"}));
+}
+
 TEST_F(ActorTest, WithoutAClipItStandsInTheBindPose) {
   Actor character(device_, {small_->basis, {}, {}}, {});
   EXPECT_EQ(character.clip().poses.size(), 1u);

@@ -275,6 +275,20 @@ TEST_F(WindowTest, WhatCannotBeReadIsSaidAndTheSessionGoesOn) {
   expect_end(*program, 0);
 }
 
+TEST_F(WindowTest, FilesThatChangeAreReadAgain) {
+  const auto program = open(small("--validate"), kPlain + "; frame 8");
+  const Image before = picture("ready.png"), without = headless("frame 8; correction 0");
+  EXPECT_GT(spot_difference(before, without).mean, 0.05);
+  Basis changed = small_.made;
+  std::fill(changed.residual.weights.begin(), changed.residual.weights.end(), 0.0f);
+  save_basis(changed, small_.basis);
+  EXPECT_TRUE(comes_true([&] { return screenshot().rgba == without.rgba; }, kPatience));
+  save_basis(small_.made, small_.basis);
+  EXPECT_TRUE(comes_true([&] { return screenshot().rgba == before.rgba; }, kPatience));
+  display_->hands("key ctrl+q");
+  expect_end(*program, 0);
+}
+
 // Files that change, are cut off, and go away while they are played.
 TEST_F(WindowTest, FilesAreReadAgainAndDamagedOnesLeaveWhatWasThere) {
   const std::string& basis = small_.basis;
