@@ -36,7 +36,8 @@ class CpuBackend final : public Backend {
     for (std::size_t f = 0; f < frames; ++f) run_frame(batch, f, result, seconds);
     const char* const stages[3] = {"strain", "residual", "pose"};
     for (int s = 0; s < 3; ++s) result.stage_seconds[stages[s]] = seconds[s];
-    if (!batch.jiggle.empty()) dynamics_->run(batch, weights_.jiggle, result.strains, result.positions, result.stage_seconds);
+    if (!batch.jiggle.empty())
+      dynamics_->run(batch, weights_.jiggle, result.strains, result.positions, result.stage_seconds);
     add_normals(frames, result);
     return result;
   }

@@ -208,7 +208,8 @@ class VulkanBackend final : public Backend {
     stays_on_device_ = batch.stays_on_device;
     skin_ = batch.jiggle.empty() ? &b.positions.buffer : &dynamics_->moved();
     output_normals_.record(
-        commands_, {tables_.triangles, tables_.vertex_triangle_begin, tables_.vertex_triangles, *skin_, b.normals.buffer},
+        commands_,
+        {tables_.triangles, tables_.vertex_triangle_begin, tables_.vertex_triangles, *skin_, b.normals.buffer},
         {counts_.vertices}, frames);
     end_stage("output");
     record_download();
@@ -288,12 +289,12 @@ class VulkanBackend final : public Backend {
   // What goes to the host, in this order.
   struct Download {
     BufferRange from;
-    std::vector<float> BatchResult::* to;
+    std::vector<float> BatchResult::*to;
   };
   std::vector<Download> downloads() const {
     const BatchBuffers& b = *buffers_;
     std::vector<Download> all;
-    const auto add = [&](const Buffer& buffer, const Values& values, std::vector<float> BatchResult::* to) {
+    const auto add = [&](const Buffer& buffer, const Values& values, std::vector<float> BatchResult::*to) {
       all.push_back({{buffer, 0, values.bytes}, to});
     };
     if (!stays_on_device_) {

@@ -71,7 +71,8 @@ TEST_F(ResidualBlend, ReferenceEqualsTheTextbook) {
       const double coefficient = c.coefficients[kCoefficients * frame + entry.scale_coefficient / 65536];
       for (std::size_t i = 0; i < 3; ++i) sum[i] += coefficient * scale * byte_value(entry, 16 * i + lane) / 128;
     }
-    for (std::size_t i = 0; i < 3; ++i) ASSERT_NEAR(c.displacements[3 * k + i], static_cast<double>(kWeight) * sum[i], 2e-8);
+    for (std::size_t i = 0; i < 3; ++i)
+      ASSERT_NEAR(c.displacements[3 * k + i], static_cast<double>(kWeight) * sum[i], 2e-8);
   }
 }
 
