@@ -11,6 +11,7 @@
 
 #include "proxy_viewer/sections.h"
 #include "tests/support/error_kind.h"
+#include "tests/support/paths.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -320,7 +321,7 @@ TEST(Commands, AreThoseOfTheDocs) {
     for (std::size_t at = 0; (at = call.find('|', at)) != std::string::npos; at += 2) call.insert(at, "\\");
     expected.push_back("| `" + call + "` | " + command.key + " | " + command.menu + " | " + command.help + " |");
   }
-  std::ifstream page(BODYOPT_SOURCE_DIR "/docs/view.md");
+  std::ifstream page(kSourceFolder + "/docs/view.md");
   std::string line;
   while (std::getline(page, line) && line != "| command | key | menu | does |") continue;
   std::getline(page, line);

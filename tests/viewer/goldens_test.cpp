@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/gpu_fixture.h"
+#include "tests/support/paths.h"
 #include "tests/support/png_file.h"
 #include "tests/support/run_program.h"
 #include "tests/viewer/small_character.h"
@@ -27,7 +28,7 @@ class GoldensTest : public ::testing::Test {
   }
 
   void expect_golden(const std::string& name, const std::string& script) {
-    const Image golden = read_png(std::string(BODYOPT_SOURCE_DIR) + "/tests/viewer/goldens/" + name);
+    const Image golden = read_png(kSourceFolder + "/tests/viewer/goldens/" + name);
     const Image now = picture(script);
     const double difference = spot_difference(golden, now).largest;
     if (difference <= kBound) return;
