@@ -11,6 +11,8 @@
 #include "runtime/carry_skin.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/device.h"
+#include "trainer/dataset/clip_keys.h"
+#include "trainer/dataset/clip_source.h"
 #include "trainer/dataset/controls.h"
 
 namespace bodyopt {
@@ -52,7 +54,7 @@ fs::path ActorFiles::attached() const { return fs::path(basis).replace_extension
 
 std::vector<fs::path> ActorFiles::paths() const {
   std::vector<fs::path> all = {dynamics(), attached()};
-  for (const std::string& file : {basis, clip.substr(0, clip.find('#')), truth, proxy, character}) {
+  for (const std::string& file : {basis, split_source(clip).path.string(), truth, proxy, character}) {
     if (!file.empty()) all.emplace_back(file);
   }
   return all;
@@ -109,6 +111,7 @@ bool Actor::has(SkinMethod method) const {
   return method != SkinMethod::truth || (level_ == 0 && truth_.has_value());
 }
 
+  keys_ = clip_keys(source, options);
 void Actor::open_clip(const std::string& source) {
   ClipOptions options = clip_options_;
   options.unit = clip_unit(source, kept_unit(basis()));

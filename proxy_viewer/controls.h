@@ -40,7 +40,7 @@ struct Message {
 
 struct Controls {
   ViewSettings settings;
-  Playback playback{{1, 1, 1}, 24};
+  Playback playback{{1, 1}, 24};
   OrbitCamera camera;
   std::vector<std::string> joint_names, control_names;  // of the lead: what commands may name
   std::string joint;                                    // selected; empty: none

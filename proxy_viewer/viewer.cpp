@@ -27,6 +27,7 @@
 #include "proxy_viewer/watched_files.h"
 #include "proxy_viewer/window.h"
 #include "runtime/basis/atomic_file.h"
+#include "trainer/dataset/clip_source.h"
 #include "runtime/basis/error.h"
 #include "trainer/progress.h"
 #include "trainer/train/coverage.h"
@@ -57,8 +58,8 @@ double resident_mib() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
 }
 
-bool has_extension(const std::string& path, std::initializer_list<const char*> extensions) {
-  const std::string own = fs::path(path.substr(0, path.find('#'))).extension().string();
+bool has_extension(const std::string& file, std::initializer_list<const char*> extensions) {
+  const std::string own = lower_case_extension(split_source(file).path);
   return std::any_of(extensions.begin(), extensions.end(), [&](const char* e) { return own == e; });
 }
 
@@ -168,7 +169,9 @@ class Viewer {
   // The playhead over the lead's clip.
   void play_clip() {
     const Clip& clip = scene_.lead().clip();
-    controls_.playback = Playback({clip.first_frame, clip.last_frame(), 1}, clip.fps);
+    controls_.playback = Playback({clip.first_frame, clip.last_frame()}, clip.fps);
+    const std::vector<int>& keys = scene_.lead().keys();
+    if (2 * keys.size() <= clip.poses.size()) controls_.playback.set_keys(keys);  // otherwise it was baked
     apply_settings();
   }
 

@@ -283,7 +283,6 @@ void Window::poll(double seconds) {
 }
 
 bool Window::closed() const { return glfwWindowShouldClose(window_); }
-void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
 void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 
 std::array<std::uint32_t, 2> Window::size() const {

@@ -40,7 +40,6 @@ class Window {
   // Calls back for what has happened; waits for it at most so long (seconds; 0: not at all).
   void poll(double seconds);
   bool closed() const;
-  void close();
   void set_title(const std::string& title);
   std::array<std::uint32_t, 2> size() const;  // pixels; 0 while minimised
   GLFWwindow* handle() const { return window_; }

@@ -18,7 +18,7 @@ namespace {
 // Frames 1 to 40 with keys, a range within, and names of joints and controls.
 Controls controls_of_a_session() {
   Controls controls;
-  controls.playback = Playback({1, 40, 1}, 24);
+  controls.playback = Playback({1, 40}, 24);
   controls.playback.set_keys({5, 15});
   controls.playback.set_range(3, 30);
   controls.playback.scrub(10);

@@ -70,7 +70,7 @@ Snapshot bare_character() {
 Controls controls_with_all_open(const Snapshot& snapshot) {
   Controls controls;
   const int count = static_cast<int>(std::max<std::size_t>(3, snapshot.errors.size()));
-  controls.playback = Playback({1, count, 1}, 24);
+  controls.playback = Playback({1, count}, 24);
   controls.playback.set_keys({2});
   for (const JointRow& row : snapshot.joints) controls.joint_names.push_back(row.name);
   controls.joint = snapshot.joints.back().name;
@@ -167,7 +167,7 @@ TEST_F(PanelsTest, HiddenPanelsLeaveAllToThePicture) {
 TEST_F(PanelsTest, ClicksPlayScrubAndFindTheWorstFrame) {
   const Snapshot snapshot = small_character();
   Controls controls;
-  controls.playback = Playback({1, 3, 1}, 24);
+  controls.playback = Playback({1, 3}, 24);
   for (int k = 0; k < 3; ++k) draw(snapshot, controls);
   const ImRect timeline = rectangle_of("Timeline");
   click(snapshot, controls, {timeline.Min.x + 10 + 2 * 33 + 15, timeline.Min.y + 18});  // the third of the buttons
