@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <utility>
 
+#include "proxy_viewer/euler_angles.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/error.h"
 #include "runtime/carry_skin.h"
@@ -31,12 +31,6 @@ double diagonal(std::span<const float> points) {
     squared += static_cast<double>(high - low) * static_cast<double>(high - low);
   }
   return std::sqrt(squared);
-}
-
-Quat euler(const Vec3& degrees) {
-  const double radians = std::numbers::pi / 180;
-  return axis_angle({0, 0, 1}, radians * degrees[2]) * axis_angle({0, 1, 0}, radians * degrees[1]) *
-         axis_angle({1, 0, 0}, radians * degrees[0]);
 }
 
 Clip bind_clip(const Basis& basis) {
@@ -111,13 +105,13 @@ bool Actor::has(SkinMethod method) const {
   return method != SkinMethod::truth || (level_ == 0 && truth_.has_value());
 }
 
-  keys_ = clip_keys(source, options);
 void Actor::open_clip(const std::string& source) {
   ClipOptions options = clip_options_;
   options.unit = clip_unit(source, kept_unit(basis()));
   Clip clip = read_clip(source, basis().skeleton, options);
   arrange_controls(basis().residual.controls, clip);
   if (clip.poses.empty()) throw Error(ErrorKind::file, source + ": the clip has no frame");
+  keys_ = clip_keys(source, options);
   clip_ = std::move(clip);
   files_.clip = source;
   measure_ground();
@@ -142,7 +136,7 @@ Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
     const int index = basis().skeleton.find(joint);
     if (index < 0) continue;
     Quat& rotation = pose.joints[static_cast<std::size_t>(index)].rotation;
-    rotation = normalized(rotation * euler(degrees));
+    rotation = normalized(rotation * turn_of(degrees));
   }
   const std::vector<std::string>& controls = basis().residual.controls;
   for (const auto& [control, value] : posing.controls) {

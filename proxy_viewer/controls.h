@@ -47,6 +47,8 @@ struct Controls {
   bool flipped = false;                                 // while the key of "hold to flip" is down
   bool cheat_sheet = false;
   bool panels = true;
+  std::vector<Quat> joint_axes;                         // of the lead's joints in the bind pose, joint to world
+  std::optional<bool> live;                             // poses are shown as they are sent; none: nobody listens
   bool prompt = false;  // a command is being typed
   std::optional<Marker> marker;
   PanelState typed;

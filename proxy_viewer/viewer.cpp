@@ -43,6 +43,7 @@ constexpr double kMeasuring = 0.02;     // seconds of measuring errors between e
 constexpr double kNearVertex = 0.5;     // distance of the camera from a vertex, of the character's size
 constexpr float kClick = 4;             // pixels: less is no drag
 constexpr double kPickRadius = 14;      // pixels
+const char* const kFlipKey = "X";       // while it is down, what is compared with is shown
 constexpr int kTurntablePictures = 72;  // of once around
 const char* const kNewScreenshot = "bodyopt.####.png";
 const char* const kKept = "the pictures that were written are kept";
@@ -75,7 +76,7 @@ class Viewer {
     if (window_) {
       window_->attach(device_);
       window_->on_drop = [this](const auto& files) { std::ranges::copy(files, std::back_inserter(dropped_)); };
-      window_->on_key = [this](const std::string& key, bool down) { on_key(key, down); };
+      window_->on_key = [this](const std::string& key, KeyEvent event) { on_key(key, event); };
     }
     controls_.panels = controls_.settings.hud.on = !options.headless;
     open(options.files.at(0));  // without it there is nothing to see
@@ -243,15 +244,18 @@ class Viewer {
     controls_.requests.frame_selection = false;
   }
 
-  void on_key(const std::string& key, bool down) {
+  void on_key(const std::string& key, KeyEvent event) {
     pending_pictures_ = 2;
-    if (ImGui::GetIO().WantTextInput) return;
-    if (key == "X") {
-      controls_.flipped = down;
+    if (event == KeyEvent::released) {
+      // Shift and the like may have gone down meanwhile.
+      if (key.substr(key.rfind('+') + 1) == kFlipKey) controls_.flipped = false;
       return;
     }
-    const Command* command = down ? find_command_by_key(key) : nullptr;
-    if (command) attempt([&] { run_command(controls_, command->name); });
+    if (ImGui::GetIO().WantTextInput) return;
+    if (key == kFlipKey) controls_.flipped = true;
+    const Command* command = find_command_by_key(key);
+    if (!command || (event == KeyEvent::repeated && !command->repeats)) return;
+    attempt([&] { run_command(controls_, command->name); });
   }
 
   // One turn of the loop: time passes, and what changed is drawn.
@@ -419,7 +423,11 @@ class Viewer {
       limit_joints(read_joint_limits(options_.limits, basis.skeleton), basis.skeleton, snapshot_.joints);
     }
     controls_.joint_names.clear();
-    for (const JointRow& row : snapshot_.joints) controls_.joint_names.push_back(row.name);
+    controls_.joint_axes.clear();
+    for (const Joint& joint : basis.skeleton.joints) {
+      controls_.joint_names.push_back(joint.name);
+      controls_.joint_axes.push_back(conjugate(decompose(joint.inverse_bind).rotation));
+    }
     controls_.control_names = basis.residual.controls;
     snapshot_.device = device_->info().name;
     regions_ = has_coverage(basis) ? read_coverage(basis) : std::vector<RegionCoverage>{};

@@ -21,6 +21,8 @@ struct WindowOptions {
   bool vsync = true;
 };
 
+enum class KeyEvent { pressed, repeated, released };
+
 class Window {
  public:
   // Throws Error(device) where there is no display, or no window can be had: it says so and names --headless.
@@ -46,7 +48,7 @@ class Window {
 
   // Before Gui::attach(), which passes on what it hears.
   std::function<void(const std::vector<std::string>& files)> on_drop;
-  std::function<void(const std::string& key, bool down)> on_key;  // see key_names.h; also while a key repeats
+  std::function<void(const std::string& key, KeyEvent event)> on_key;  // see key_names.h
 
  private:
   struct Swapchain;
