@@ -9,7 +9,6 @@
 #include <deque>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <memory>
 #include <optional>
 
@@ -135,9 +134,6 @@ class Viewer {
   }
 
   void warn(const std::string& text) {
-    const std::vector<Message>& messages = controls_.messages;
-    if (!messages.empty() && messages.back().text == text) return;  // of every picture: once is enough
-    std::cerr << "warning: " << text << "\n";
     controls_.warn(text);
     pending_pictures_ = 2;
   }
@@ -202,6 +198,7 @@ class Viewer {
       controls_.say("listening for poses on 127.0.0.1:" + std::to_string(live_->port()));
     }
     if (controls_.requests.frame_selection) frame_selection(options_.width, options_.height);
+    if (window_) controls_.say("H: all keys");
     followed_ = scene_.whereabouts(playback.frame());
     const std::vector<std::string> commands = script_commands(options_.commands);
     script_.assign(commands.begin(), commands.end());
@@ -296,7 +293,8 @@ class Viewer {
     const double at = seconds_between(Clock::time_point{}, now);
     if (at < next_look_) return;
     next_look_ = at + kIdle;
-    if (was_busy_ && !controls_.playback.playing()) pending_pictures_ = std::max(pending_pictures_, 1);
+    const bool passes = std::ranges::any_of(controls_.messages, [](const Message& m) { return !m.error; });
+    if (passes || (was_busy_ && !controls_.playback.playing())) pending_pictures_ = std::max(pending_pictures_, 1);
     const std::vector<fs::path> changed = watched_->changed(at);
     if (changed.empty()) return;
     controls_.requests.reload = true;
