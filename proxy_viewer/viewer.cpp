@@ -195,6 +195,7 @@ class Viewer {
     if (options_.live_port) {
       const Basis& basis = scene_.lead().basis();
       live_ = std::make_unique<LivePose>(*options_.live_port, basis.skeleton.size(), basis.residual.controls.size());
+      controls_.live = true;
       controls_.say("listening for poses on 127.0.0.1:" + std::to_string(live_->port()));
     }
     if (controls_.requests.frame_selection) frame_selection(options_.width, options_.height);
@@ -263,12 +264,7 @@ class Viewer {
     for (const std::string& file : std::exchange(dropped_, {})) attempt([&] { open(file); });
     const int shown = controls_.playback.frame();
     controls_.playback.advance(passed);
-    if (live_) {
-      if (auto pose = live_->poll()) {
-        scene_.set_live_pose(std::move(*pose));
-        pending_pictures_ = std::max(pending_pictures_, 1);
-      }
-    }
+    poll_live();
     look_at_files(now);
     run_script();
     measure_errors();
@@ -287,6 +283,21 @@ class Viewer {
     if (edges == Edges::quick) pending_pictures_ = std::max(pending_pictures_, busy ? 0 : 1);
     was_busy_ = busy;
     fulfil();
+  }
+
+  // The newest of the poses that are sent, for as long as they are wanted.
+  void poll_live() {
+    if (!live_) return;
+    if (!*controls_.live) {
+      scene_.leave_live_pose();
+      snapshot_.live.reset();
+      return;
+    }
+    const std::size_t rejected = live_->rejected();
+    std::optional<Pose> pose = live_->poll();
+    if (pose || live_->rejected() > rejected) pending_pictures_ = std::max(pending_pictures_, 1);
+    if (pose) scene_.set_live_pose(std::move(*pose));
+    snapshot_.live = LiveRow{live_->frame(), live_->rejected(), live_->last_rejection()};
   }
 
   void look_at_files(Clock::time_point now) {
@@ -444,7 +455,7 @@ class Viewer {
   }
 
   // False where there is nothing to measure: live poses are of no frame, and coarser levels are there to keep up.
-  bool measures_errors() const { return !live_ && scene_.lead().level() == 0; }
+  bool measures_errors() const { return !controls_.live.value_or(false) && scene_.lead().level() == 0; }
 
   bool look_at_errors() {
     if (!measures_errors()) return false;
