@@ -26,8 +26,8 @@
 #include "proxy_viewer/watched_files.h"
 #include "proxy_viewer/window.h"
 #include "runtime/basis/atomic_file.h"
-#include "trainer/dataset/clip_source.h"
 #include "runtime/basis/error.h"
+#include "trainer/dataset/clip_source.h"
 #include "trainer/progress.h"
 #include "trainer/train/coverage.h"
 
@@ -42,8 +42,8 @@ constexpr double kMeasuring = 0.02;     // seconds of measuring errors between e
 constexpr double kNearVertex = 0.5;     // distance of the camera from a vertex, of the character's size
 constexpr float kClick = 4;             // pixels: less is no drag
 constexpr double kPickRadius = 14;      // pixels
-const char* const kFlipKey = "X";       // while it is down, what is compared with is shown
 constexpr int kTurntablePictures = 72;  // of once around
+const char* const kFlipKey = "X";       // while it is down, what is compared with is shown
 const char* const kNewScreenshot = "bodyopt.####.png";
 const char* const kKept = "the pictures that were written are kept";
 
@@ -198,8 +198,8 @@ class Viewer {
       controls_.live = true;
       controls_.say("listening for poses on 127.0.0.1:" + std::to_string(live_->port()));
     }
-    if (controls_.requests.frame_selection) frame_selection(options_.width, options_.height);
     if (window_) controls_.say("H: all keys");
+    if (controls_.requests.frame_selection) frame_selection(options_.width, options_.height);
     followed_ = scene_.whereabouts(playback.frame());
     const std::vector<std::string> commands = script_commands(options_.commands);
     script_.assign(commands.begin(), commands.end());
@@ -371,8 +371,8 @@ class Viewer {
       controls_.camera.dolly(0.03 * (x - y));
     }
     if (io.MouseWheel != 0) controls_.camera.dolly(static_cast<double>(io.MouseWheel));
-    const ImVec2 drag = ImGui::GetMouseDragDelta(0, 0);
-    if (ImGui::IsMouseReleased(0) && std::abs(drag.x) + std::abs(drag.y) < kClick) pick(io.MousePos.x, io.MousePos.y);
+    const bool dragged = io.MouseDragMaxDistanceSqr[0] >= kClick * kClick;  // and be it back again
+    if (ImGui::IsMouseReleased(0) && !dragged) pick(io.MousePos.x, io.MousePos.y);
   }
 
   void pick(float x, float y) {
