@@ -20,9 +20,9 @@ class GoldensTest : public ::testing::Test {
   Image picture(const std::string& script) {
     const char* device = std::getenv("BODYOPT_TEST_DEVICE");
     const std::string out = (folder_ / "picture.png").string();
-    const ProgramResult result =
-        run_bodyopt("view " + small_.basis + " " + small_.clip + " --size 320 180 --headless -o " + out +
-                    " --do 'panels off; hud off; " + script + "'" + (device ? " --device " + std::string(device) : ""));
+    const ProgramResult result = run_bodyopt(
+        "view " + small_.basis + " " + small_.clip + " --size 320 180 --headless -o " + out +
+        " --do 'panels off; hud off; legend off; " + script + "'" + (device ? " --device " + std::string(device) : ""));
     EXPECT_EQ(result.exit_code, 0) << result.output;
     return read_png(out);
   }

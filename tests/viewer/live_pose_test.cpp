@@ -62,7 +62,7 @@ class LivePoseTest : public ::testing::Test {
     if (!pose) return -1;
     EXPECT_EQ(pose->joints.size(), kJoints);
     EXPECT_EQ(pose->joints[0].translation[0], live_.frame());
-    return live_.frame();
+    return live_.frame().value();
   }
 
   LivePose live_{0, kJoints, kControls};
