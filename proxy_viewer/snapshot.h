@@ -38,9 +38,9 @@ struct ErrorRow {
 
 // Poses that another program sends.
 struct LiveRow {
-  std::optional<int> frame;  // of the newest; none: nothing has come
+  std::optional<int> frame{};  // of the newest; none: nothing has come
   std::size_t rejected = 0;
-  std::string last_rejection;
+  std::string last_rejection{};
 };
 
 struct Snapshot {

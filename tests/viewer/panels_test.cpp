@@ -77,7 +77,8 @@ Controls controls_with_all_open(const Snapshot& snapshot) {
   controls.settings.compare.with = CompareWith::truth;
   controls.settings.cameras["close"] = {};
   controls.prompt = controls.cheat_sheet = true;
-  controls.warn("a long text of a warning that names a file, what was expected and what was found instead of it");
+  controls.messages.push_back(
+      {.error = true, .text = "a long text that names a file, what was expected and what was found instead of it"});
   return controls;
 }
 
@@ -254,13 +255,15 @@ TEST_F(PanelsTest, TheFrameNumberIsTypedInto) {
   click(snapshot, controls, {timeline.Min.x + 10 + 7 * 33 + 40, timeline.Min.y + 24});
   ImGuiIO& io = ImGui::GetIO();
   EXPECT_TRUE(io.WantTextInput);
+  constexpr int kEnter = 13;  // any number will do
+  io.KeyMap[ImGuiKey_Enter] = kEnter;
   for (const char* digit : {"3", "7"}) {
     io.AddInputCharactersUTF8(digit);
     draw(snapshot, controls);
   }
   EXPECT_EQ(controls.playback.frame(), 1);
   for (const bool down : {true, false}) {
-    io.AddKeyEvent(ImGuiKey_Enter, down);
+    io.KeysDown[kEnter] = down;
     draw(snapshot, controls);
   }
   EXPECT_EQ(controls.playback.frame(), 37);
@@ -326,7 +329,7 @@ TEST_F(PanelsTest, LivePosesAndWhatWasRejectedAreSaid) {
     return vertices();
   };
   const int without = drawn();
-  snapshot.live = LiveRow{12};
+  snapshot.live = LiveRow{12, 0, ""};
   const int with = drawn();
   EXPECT_GT(with, without + 40);
   snapshot.live->rejected = 3;

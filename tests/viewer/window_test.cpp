@@ -210,7 +210,8 @@ TEST_F(WindowTest, AClickPicksAJointAndADragDoesNot) {
     return "mousemove --window " + window_ + " " + std::to_string(x + dx) + " " + std::to_string(y) + " sleep 0.4 ";
   };
   click_messages_away();
-  display_->hands(at(0) + "mousedown 1 " + at(60) + at(0) + "mouseup 1 sleep 0.4");  // the camera is back, too
+  // There and back: so is the camera.
+  display_->hands(at(0) + "mousedown 1 sleep 0.5 " + at(60) + at(0) + "mouseup 1 sleep 0.4");
   const Image dragged = screenshot();
   EXPECT_LT(spot_difference(dragged, none).largest, 0.5 * spot_difference(picked, none).largest);
   display_->hands(at(0) + "click 1 sleep 0.4");
