@@ -15,6 +15,7 @@
 
 #include "proxy_viewer/commands.h"
 #include "proxy_viewer/describe_scene.h"
+#include "proxy_viewer/error_measuring.h"
 #include "proxy_viewer/frame_sequence_name.h"
 #include "proxy_viewer/gui.h"
 #include "proxy_viewer/joint_ranges.h"
@@ -38,8 +39,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr double kIdle = 0.25;          // seconds between looks at files while nothing happens
-constexpr double kMeasuring = 0.02;     // seconds of measuring errors between events
-constexpr double kNearVertex = 0.5;     // distance of the camera from a vertex, of the character's size
+constexpr double kBusy = 0.004;         // and at the clock or a stream of poses
 constexpr float kClick = 4;             // pixels: less is no drag
 constexpr double kPickRadius = 14;      // pixels
 constexpr int kTurntablePictures = 72;  // of once around
@@ -90,11 +90,9 @@ class Viewer {
     last_ = started;
     while (!window_->closed() && !controls_.requests.quit) {
       if (interrupted()) throw Error(ErrorKind::interrupted, "interrupted: the window was closed");
-      const Clock::time_point before = Clock::now();
-      const double wait = std::min(kIdle, controls_.playback.playing() ? 0.004 : kIdle);
-      window_->poll(pending_pictures_ > 0 || !options_.vsync || can_measure() ? 0 : wait);
+      const double wait = controls_.playback.playing() || live_ ? kBusy : kIdle;
+      const bool woken = window_->poll(pending_pictures_ > 0 || !options_.vsync || errors_.has_work() ? 0 : wait);
       if (options_.seconds > 0 && seconds_between(started, Clock::now()) > options_.seconds) break;
-      const bool woken = seconds_between(before, Clock::now()) < 0.9 * wait;
       attempt([&] { turn(woken); });
     }
   }
@@ -115,6 +113,11 @@ class Viewer {
  private:
   static WindowOptions window_options(const ViewerOptions& options) {
     return {.width = options.width, .height = options.height, .vsync = options.vsync};
+  }
+
+  // A software device draws no slower for it where nothing plays.
+  MeasuringOptions measuring_options() const {
+    return {.has_clip = !options_.live_port, .while_playing = device_->info().type != "cpu"};
   }
 
   // What fails is said, and the session goes on; without a window nobody would see it.
@@ -209,6 +212,7 @@ class Viewer {
       const std::string command = std::move(script_.front());
       script_.pop_front();
       attempt([&] { run_command(controls_, command); });
+      script_waits_ = !(controls_.requests == Requests{});
       pending_pictures_ = 2;
     }
   }
@@ -300,8 +304,8 @@ class Viewer {
     const Clock::time_point start = Clock::now();
     gui_->begin(width, height, std::max(1e-4, seconds_between(last_picture_, start)));
     steer(height);
-    if (!window_ && look_at_errors()) curve_.measure_next(scene_.lead(), controls_.playback.frame());
-    describe_comparison(scene_, controls_, curve_, snapshot_);
+    if (!window_) errors_.measure_shown_frame();
+    describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
     const Rectangle area = draw_panels(snapshot_, controls_, width, height);
     gui_->end();
     follow();
@@ -420,7 +424,7 @@ class Viewer {
     controls_.control_names = basis.residual.controls;
     snapshot_.device = device_->info().name;
     regions_ = has_coverage(basis) ? read_coverage(basis) : std::vector<RegionCoverage>{};
-    curve_.forget();
+    errors_.forget();
     if (window_) window_->set_title(scene_.lead().name() + " \xe2\x80\x93 Bodyopt");
   }
 
@@ -434,59 +438,23 @@ class Viewer {
     return all;
   }
 
-  // False where there is nothing to measure: live poses are of no frame, and coarser levels are there to keep up.
-  bool measures_errors() const { return !live_ && scene_.lead().level() == 0; }
-
-  bool look_at_errors() {
-    if (!measures_errors()) return false;
-    if (curve_.look_at(scene_.lead(), controls_.settings)) controls_.marker.reset();
-    return true;
-  }
-
-  bool can_measure() const { return measures_errors() && !curve_.is_complete() && !controls_.playback.playing(); }
-
-  // For as long as nobody notices.
   void measure_errors() {
-    if (!look_at_errors() || !can_measure() || ImGui::IsAnyMouseDown()) return;
-    const Clock::time_point start = Clock::now();
-    while (curve_.measure_next(scene_.lead(), controls_.playback.frame())) {
-      if (seconds_between(start, Clock::now()) > kMeasuring) break;
-    }
+    errors_.look();
+    if (!errors_.has_work() || ImGui::IsAnyMouseDown()) return;
+    errors_.measure_some();
     const bool is_late = seconds_between(last_picture_, Clock::now()) > kIdle;
-    if (is_late || curve_.is_complete()) pending_pictures_ = std::max(pending_pictures_, 1);
+    if (is_late || !errors_.has_work()) pending_pictures_ = std::max(pending_pictures_, 1);
   }
 
-  void require_comparison() {
-    if (!look_at_errors() || curve_.errors().empty())
-      throw Error(ErrorKind::usage, "nothing is compared: begin with 'compare truth'");
-  }
-
-  // In a window the measuring goes on between pictures, and the request stays until it is done.
+  // A script waits until all are measured, by and by where there is a window.
   void go_to_worst_frame() {
-    require_comparison();
     controls_.playback.pause();
-    if (window_ && !curve_.is_complete()) {
+    if (!window_) errors_.measure_all();
+    if (window_ && script_waits_ && errors_.has_work()) {
       controls_.requests.worst_frame = true;
-      return;
+    } else {
+      errors_.go_to_worst_frame();
     }
-    while (curve_.measure_next(scene_.lead(), controls_.playback.frame())) {
-    }
-    const std::optional<std::size_t> worst = curve_.worst();
-    if (worst) controls_.playback.scrub(snapshot_.first_frame + static_cast<int>(*worst));
-  }
-
-  void go_to_worst_vertex() {
-    require_comparison();
-    controls_.playback.pause();
-    const int frame = controls_.playback.frame();
-    curve_.measure_next(scene_.lead(), frame);
-    const FrameError& error = curve_.errors().at(static_cast<std::size_t>(frame - snapshot_.first_frame));
-    if (!std::isfinite(error.rms)) throw Error(ErrorKind::usage, "there is nothing to compare with in this frame");
-    controls_.marker = Marker{frame, error.worst};
-    OrbitView view = controls_.camera.view();
-    view.target = error.worst;
-    view.distance = kNearVertex * scene_.lead().size();
-    controls_.camera = OrbitCamera(view);
   }
 
   // What was asked for meanwhile, now that there is a picture.
@@ -502,7 +470,8 @@ class Viewer {
     if (requests.reload) attempt([&] { reload(); });
     if (requests.reset_jiggle) scene_.reset_jiggle();
     if (requests.worst_frame) attempt([&] { go_to_worst_frame(); });
-    if (requests.worst_vertex) attempt([&] { go_to_worst_vertex(); });
+    if (requests.worst_vertex) attempt([&] { errors_.go_to_worst_vertex(); });
+    if (controls_.requests == Requests{}) script_waits_ = false;
   }
 
   void save_state(const std::string& file) {
@@ -590,13 +559,14 @@ class Viewer {
   Scene scene_;
   Controls controls_;
   Snapshot snapshot_;
+  ErrorMeasuring errors_{scene_, controls_, measuring_options()};
   std::unique_ptr<WatchedFiles> watched_;
   std::unique_ptr<LivePose> live_;
   std::deque<std::string> script_;    // commands that have not run
+  bool script_waits_ = false;         // for what its last command asked for
   std::vector<std::string> dropped_;  // files, onto the window
   std::optional<Vec3> followed_;      // where the lead was in the last picture
   DetailChoice detail_;
-  ErrorCurve curve_;
   std::vector<RegionCoverage> regions_;  // of the lead
   Rectangle area_;                       // of the characters in the last picture
   int pending_pictures_ = 2;             // to be drawn although nothing moves
