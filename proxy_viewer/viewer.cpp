@@ -25,6 +25,7 @@
 #include "proxy_viewer/render/camera.h"
 #include "proxy_viewer/render/viewport.h"
 #include "proxy_viewer/scene.h"
+#include "proxy_viewer/shown_texts.h"
 #include "proxy_viewer/watched_files.h"
 #include "proxy_viewer/window.h"
 #include "runtime/basis/atomic_file.h"
@@ -79,9 +80,7 @@ class Viewer {
     controls_.panels = controls_.settings.hud.on = !options.headless;
     open(options.files.at(0));  // without it there is nothing to see
     for (std::size_t k = 1; k < options.files.size(); ++k) attempt([&] { open(options.files[k]); });
-    gui_ = std::make_unique<Gui>(names());
-    gui_->attach(*device_, viewport_.panel_pass(), window_ ? window_->handle() : nullptr);
-    if (gui_->problem()) warn(*gui_->problem());
+    gui_.attach(*device_, viewport_.panel_pass(), window_ ? window_->handle() : nullptr);
     begin();
   }
 
@@ -302,19 +301,21 @@ class Viewer {
 
   void draw(std::uint32_t width, std::uint32_t height, Edges edges) {
     const Clock::time_point start = Clock::now();
-    gui_->begin(width, height, std::max(1e-4, seconds_between(last_picture_, start)));
+    visit_texts(snapshot_, controls_, [this](const std::string& text) { gui_.fonts().show(text); });
+    gui_.begin(width, height, std::max(1e-4, seconds_between(last_picture_, start)));
     steer(height);
     if (!window_) errors_.measure_shown_frame();
     describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
     const Rectangle area = draw_panels(snapshot_, controls_, width, height);
-    gui_->end();
+    gui_.end();
     follow();
     if (controls_.requests.frame_selection) frame_selection(area.width, area.height);
     choose_level();
     const std::vector<View> views = scene_.look(controls_, area);
     area_ = area;
-    viewport_.draw(views, width, height, edges, [this](VkCommandBuffer commands) { gui_->record(commands); });
+    viewport_.draw(views, width, height, edges, [this](VkCommandBuffer commands) { gui_.record(commands); });
     measure(start);
+    if (const auto problem = gui_.fonts().take_problem()) warn(*problem);
   }
 
   // While it plays, a level of detail that keeps up.
@@ -426,16 +427,6 @@ class Viewer {
     regions_ = has_coverage(basis) ? read_coverage(basis) : std::vector<RegionCoverage>{};
     errors_.forget();
     if (window_) window_->set_title(scene_.lead().name() + " \xe2\x80\x93 Bodyopt");
-  }
-
-  // Names that panels show in their own script.
-  std::vector<std::string> names() const {
-    std::vector<std::string> all = options_.files;
-    std::ranges::copy(controls_.joint_names, std::back_inserter(all));
-    std::ranges::copy(controls_.control_names, std::back_inserter(all));
-    std::ranges::copy(snapshot_.fibres, std::back_inserter(all));
-    for (const CharacterRow& row : snapshot_.cast) all.push_back(row.clip);
-    return all;
   }
 
   void measure_errors() {
@@ -555,7 +546,7 @@ class Viewer {
   std::unique_ptr<Window> window_;  // none when headless; outlives all that draws
   std::shared_ptr<const vulkan::Device> device_;
   Viewport viewport_;
-  std::unique_ptr<Gui> gui_;
+  Gui gui_;
   Scene scene_;
   Controls controls_;
   Snapshot snapshot_;

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "proxy_viewer/gui.h"
+#include "proxy_viewer/fonts.h"
 #include "proxy_viewer/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 

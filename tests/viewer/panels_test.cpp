@@ -12,6 +12,7 @@
 #include "proxy_viewer/gui.h"
 #include "proxy_viewer/mirrored_joint.h"
 #include "proxy_viewer/sections.h"
+#include "proxy_viewer/shown_texts.h"
 #include "tests/support/error_kind.h"
 
 namespace bodyopt::testing {
@@ -91,6 +92,7 @@ class PanelsTest : public ::testing::Test {
  protected:
   // One picture of the panels, as the application makes them.
   Rectangle draw(const Snapshot& snapshot, Controls& controls, std::uint32_t width = 1280, std::uint32_t height = 720) {
+    visit_texts(snapshot, controls, [this](const std::string& text) { gui_.fonts().show(text); });
     gui_.begin(width, height, 1.0 / 60);
     const Rectangle area = draw_panels(snapshot, controls, width, height);
     gui_.end();
@@ -111,7 +113,7 @@ class PanelsTest : public ::testing::Test {
     }
   }
 
-  Gui gui_{{"\xce\xb1", "\xe5\xb7\xa6"}};
+  Gui gui_;
 };
 
 TEST_F(PanelsTest, EverySizeOfWindowAndCharacterIsDrawn) {
