@@ -245,9 +245,16 @@ const Command kCommands[] = {
      [](Controls& c, const std::string&) { c.requests.frame_selection = true; }},
     {"front", "", "1", "Camera", "from the front",
      [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::front); }},
-    {"side", "", "3", "Camera", "from the side",
-     [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::side); }},
-    {"top", "", "7", "Camera", "from above", [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::top); }},
+    {"back", "", "Ctrl+1", "Camera", "from behind",
+     [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::back); }},
+    {"right", "", "3", "Camera", "from the right of the picture: the character's left side",
+     [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::right); }},
+    {"left", "", "Ctrl+3", "Camera", "from the left of the picture: the character's right side",
+     [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::left); }},
+    {"top", "", "7", "Camera", "from above",
+     [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::top); }},
+    {"bottom", "", "Ctrl+7", "Camera", "from below",
+     [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::bottom); }},
     {"orthographic", "[on|off]", "5", "Camera", "without perspective, or with it",
      [](Controls& c, const std::string& a) {
        bool wanted = c.camera.view().orthographic;
@@ -404,6 +411,8 @@ const Command kCommands[] = {
      }},
     {"ghost-step", "FRAMES", "", "Look", "from one ghost to the next",
      [](Controls& c, const std::string& a) { c.settings.ghosts.step = integer_within(a, 1, kLongestGhostStep); }},
+    {"ghost-opacity", "0-1", "", "Look", "of the ghost that is next; those beyond fade",
+     [](Controls& c, const std::string& a) { c.settings.ghosts.opacity = number_within(a, 0, 1); }},
     {"toggle-ghosts", "[on|off]", "G", "Look", "two ghosts before and two after",
      [](Controls& c, const std::string& a) {
        ViewSettings::Ghosts& ghosts = c.settings.ghosts;

@@ -98,8 +98,11 @@ void describe_comparison(const Scene& scene, const Controls& controls, const Err
   snapshot.compared = compared ? name_of(*compared) : "";
   snapshot.comparisons = possible_comparisons(lead, controls.settings);
   snapshot.errors.clear();
-  for (const FrameError& error : curve.errors()) snapshot.errors.push_back({error.rms, error.max});
-  snapshot.measured = curve.share_measured();
+  for (std::size_t k = 0; k < curve.errors().size(); ++k) {
+    snapshot.errors.push_back({curve.errors()[k].rms, curve.errors()[k].max, curve.is_measured(k)});
+  }
+  snapshot.measured = curve.measured_count();
+  snapshot.worst = curve.worst();
 }
 
 }  // namespace bodyopt

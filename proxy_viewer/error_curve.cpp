@@ -79,10 +79,6 @@ bool ErrorCurve::measure_next(Actor& character, int frame) {
   return true;
 }
 
-double ErrorCurve::share_measured() const {
-  return errors_.empty() ? 1 : static_cast<double>(measured_) / static_cast<double>(errors_.size());
-}
-
 std::optional<std::size_t> ErrorCurve::worst() const {
   std::optional<std::size_t> worst;
   for (std::size_t k = 0; k < errors_.size(); ++k) {

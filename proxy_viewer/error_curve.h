@@ -33,9 +33,10 @@ class ErrorCurve {
 
   // Per frame of the clip; none where nothing is compared.
   const std::vector<FrameError>& errors() const { return errors_; }
-  double share_measured() const;
+  bool is_measured(std::size_t index) const { return is_measured_[index]; }
+  std::size_t measured_count() const { return measured_; }
   bool is_complete() const { return measured_ == errors_.size(); }
-  std::optional<std::size_t> worst() const;  // index
+  std::optional<std::size_t> worst() const;  // of those that were measured: its index
 
  private:
   // Jiggle has a past that a single frame does not: measured is what it swings about.

@@ -5,8 +5,6 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <array>
-#include <filesystem>
 
 #include "runtime/vulkan/commands.h"
 
@@ -16,14 +14,6 @@ using vulkan::check;
 using vulkan::structure;
 
 namespace {
-
-constexpr float kFontSize = 15, kLargeFontSize = 30;
-
-// Fonts of Debian's packages, the first that is there; the others lend what it lacks.
-constexpr const char* kFonts[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
-                                  "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf",
-                                  "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
-                                  "/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf"};
 
 ImVec4 grey(float value, float alpha = 1) { return {value, value, value * 1.03f, alpha}; }
 
@@ -63,53 +53,33 @@ void set_style() {
 
 }  // namespace
 
-Gui::Gui(const std::vector<std::string>& texts) {
+Gui::Gui() {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // settings are kept in the state file
   ImGui::GetIO().LogFilename = nullptr;
   // As the Vulkan backend can: long lists have more corners than 16 bits count.
   ImGui::GetIO().BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
+  ImGui::GetIO().ConfigInputTextCursorBlink = false;  // nothing is drawn while nothing happens
   set_style();
-  load_fonts(texts);
+  fonts_.emplace();
 }
 
 Gui::~Gui() {
-  if (has_device_) ImGui_ImplVulkan_Shutdown();
+  stop_backend();
   if (has_window_) ImGui_ImplGlfw_Shutdown();
   ImGui::DestroyContext();
 }
 
-// Only the characters that are needed: the atlas stays small, and the start quick.
-void Gui::load_fonts(const std::vector<std::string>& texts) {
-  ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
-  ImFontGlyphRangesBuilder builder;
-  builder.AddRanges(atlas.GetGlyphRangesDefault());
-  for (const ImWchar symbol : {0x2013, 0x2026, 0x25b6, 0x25c0, 0x23f8, 0x00b0, 0x00b5}) builder.AddChar(symbol);
-  for (const std::string& text : texts) builder.AddText(text.c_str());
-  static ImVector<ImWchar> ranges;  // the atlas reads them when it is built
-  ranges.clear();
-  builder.BuildRanges(&ranges);
-  static constexpr ImWchar kDigits[] = {' ', '9', 0};
-  ImFontConfig config;
-  const char* first = nullptr;
-  for (const char* font : kFonts) {
-    if (!std::filesystem::exists(font)) continue;
-    config.MergeMode = first != nullptr;
-    if (atlas.AddFontFromFileTTF(font, kFontSize, &config, ranges.Data) && !first) first = font;
-  }
-  if (first) {
-    atlas.AddFontFromFileTTF(first, kLargeFontSize, nullptr, kDigits);
-  } else {
-    atlas.AddFontDefault();
-    problem_ = "no font was found: only Latin letters can be shown (Debian package: fonts-dejavu-core)";
-  }
-  atlas.Build();
+void Gui::attach(const vulkan::Device& device, VkRenderPass pass, GLFWwindow* window) {
+  device_ = &device;
+  pass_ = pass;
+  if (window) has_window_ = ImGui_ImplGlfw_InitForVulkan(window, true);
 }
 
-ImFont* large_font() { return ImGui::GetIO().Fonts->Fonts.back(); }
-
-void Gui::attach(const vulkan::Device& device, VkRenderPass pass, GLFWwindow* window) {
+// Anew for every atlas: a backend takes one in its life.
+void Gui::start_backend() {
+  stop_backend();
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 16};
   auto pool_info = structure<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
   pool_info.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
@@ -117,22 +87,21 @@ void Gui::attach(const vulkan::Device& device, VkRenderPass pass, GLFWwindow* wi
   pool_info.poolSizeCount = 1;
   pool_info.pPoolSizes = &size;
   VkDescriptorPool pool = VK_NULL_HANDLE;
-  check(vkCreateDescriptorPool(device.handle(), &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
-  pool_ = {device.handle(), pool};
-  if (window) has_window_ = ImGui_ImplGlfw_InitForVulkan(window, true);
+  check(vkCreateDescriptorPool(device_->handle(), &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
+  pool_ = {device_->handle(), pool};
 
   ImGui_ImplVulkan_InitInfo info{};
-  info.Instance = device.instance();
-  info.PhysicalDevice = device.physical();
-  info.Device = device.handle();
-  info.QueueFamily = device.queue_family();
-  info.Queue = device.queue();
+  info.Instance = device_->instance();
+  info.PhysicalDevice = device_->physical();
+  info.Device = device_->handle();
+  info.QueueFamily = device_->queue_family();
+  info.Queue = device_->queue();
   info.DescriptorPool = pool;
   info.MinImageCount = info.ImageCount = 2;  // each picture is waited for
   info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
   info.CheckVkResultFn = [](VkResult result) { check(result, "a call of Dear ImGui"); };
-  has_device_ = ImGui_ImplVulkan_Init(&info, pass);
-  vulkan::Commands commands(device);
+  has_backend_ = ImGui_ImplVulkan_Init(&info, pass_);
+  vulkan::Commands commands(*device_);
   commands.begin();
   ImGui_ImplVulkan_CreateFontsTexture(commands.handle());
   commands.end();
@@ -140,8 +109,15 @@ void Gui::attach(const vulkan::Device& device, VkRenderPass pass, GLFWwindow* wi
   ImGui_ImplVulkan_DestroyFontUploadObjects();
 }
 
+void Gui::stop_backend() {
+  if (has_backend_) ImGui_ImplVulkan_Shutdown();
+  has_backend_ = false;
+}
+
 void Gui::begin(std::uint32_t width, std::uint32_t height, double seconds) {
-  if (has_device_) ImGui_ImplVulkan_NewFrame();
+  const bool has_new_letters = fonts_->load_new();
+  if (device_ && (has_new_letters || !has_backend_)) start_backend();
+  if (has_backend_) ImGui_ImplVulkan_NewFrame();
   if (has_window_) ImGui_ImplGlfw_NewFrame();
   ImGuiIO& io = ImGui::GetIO();
   io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};

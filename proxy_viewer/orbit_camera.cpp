@@ -45,8 +45,8 @@ OrbitCamera::OrbitCamera(const OrbitView& view) : view_(view) {
   }
   view_.distance = std::clamp(view.distance, kNearest, kFarthest);
   view_.azimuth = std::remainder(view.azimuth, 2 * kPi);
-  view_.elevation = std::max(view.elevation, -kSteepest);
   if (view.elevation > kSteepest) view_axis(AxisView::top);
+  if (view.elevation < -kSteepest) view_axis(AxisView::bottom);
 }
 
 Camera OrbitCamera::camera() const {
@@ -84,8 +84,14 @@ void OrbitCamera::frame(std::span<const float> points, float aspect) {
 }
 
 void OrbitCamera::view_axis(AxisView axis) {
-  view_.azimuth = axis == AxisView::side ? 0.5 * kPi : 0;
-  view_.elevation = axis == AxisView::top ? 0.5 * kPi : 0;
+  struct Angles {
+    double azimuth, elevation;
+  };
+  static constexpr Angles kAngles[] = {{0, 0},          {kPi, 0},       {0.5 * kPi, 0},
+                                       {-0.5 * kPi, 0}, {0, 0.5 * kPi}, {0, -0.5 * kPi}};
+  const Angles& angles = kAngles[static_cast<std::size_t>(axis)];
+  view_.azimuth = angles.azimuth;
+  view_.elevation = angles.elevation;
 }
 
 }  // namespace bodyopt

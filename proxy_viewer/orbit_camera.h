@@ -19,7 +19,8 @@ struct OrbitView {
   bool operator==(const OrbitView&) const = default;
 };
 
-enum class AxisView { front, side, top };
+// Seen from +z (the character's front), -z, +x (its left), -x, +y, -y.
+enum class AxisView { front, back, right, left, top, bottom };
 
 class OrbitCamera {
  public:
@@ -27,8 +28,8 @@ class OrbitCamera {
   static constexpr double kNearest = 0.01, kFarthest = 1e5;  // metres
 
   OrbitCamera() = default;
-  // Numbers beyond the limits are brought within; above kSteepest it is the view from the top. Throws Error(usage) for
-  // numbers that are not finite.
+  // Numbers beyond the limits are brought within; beyond kSteepest it is the view from the top or the bottom. Throws
+  // Error(usage) for numbers that are not finite.
   explicit OrbitCamera(const OrbitView& view);
 
   const OrbitView& view() const { return view_; }

@@ -31,9 +31,10 @@ struct CharacterRow {
   std::string method;                                   // that is shown
 };
 
-// How far the lead is from what it is compared with at a frame, mm; not a number: not measured.
+// How far the lead is from what it is compared with at a frame, mm; not a number: not measured, or nothing to measure.
 struct ErrorRow {
   float rms = std::numeric_limits<float>::quiet_NaN(), max = rms;
+  bool measured = false;
 };
 
 // Poses that another program sends.
@@ -59,7 +60,8 @@ struct Snapshot {
   std::string compared;                  // with what it is; empty: nothing
   int first_frame = 1;                   // of the clip
   std::vector<ErrorRow> errors;          // per frame of the clip; empty where nothing is compared
-  double measured = 1;                   // share of them
+  std::size_t measured = 0;              // how many of them
+  std::optional<std::size_t> worst;      // index of the largest
 
   std::optional<LiveRow> live;  // none: the clip is shown
 

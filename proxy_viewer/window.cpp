@@ -204,16 +204,33 @@ Window::Window(const WindowOptions& options) : vsync_(options.vsync) {
                 "no window can be opened here (" + problem + "); --headless -o FILE.png draws without one");
   }
   glfwSetWindowUserPointer(window_, this);
+  listen();
+}
+
+void Window::listen() {
+  static constexpr auto heard = [](GLFWwindow* window) -> Window& {
+    Window& self = *static_cast<Window*>(glfwGetWindowUserPointer(window));
+    self.woken_ = true;
+    return self;
+  };
   glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
-    const auto& drop = static_cast<Window*>(glfwGetWindowUserPointer(window))->on_drop;
+    const auto& drop = heard(window).on_drop;
     if (drop) drop({paths, paths + count});
   });
   glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int scancode, int action, int modifiers) {
-    const auto& heard = static_cast<Window*>(glfwGetWindowUserPointer(window))->on_key;
-    if (!heard) return;
+    const auto& hear = heard(window).on_key;
+    if (!hear) return;
     const char* printed = glfwGetKeyName(key, scancode);
-    heard(key_name(key, printed ? printed : "", modifiers), key_event(action));
+    hear(key_name(key, printed ? printed : "", modifiers), key_event(action));
   });
+  glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned) { heard(window); });
+  glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double, double) { heard(window); });
+  glfwSetCursorEnterCallback(window_, [](GLFWwindow* window, int) { heard(window); });
+  glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int, int, int) { heard(window); });
+  glfwSetScrollCallback(window_, [](GLFWwindow* window, double, double) { heard(window); });
+  glfwSetWindowFocusCallback(window_, [](GLFWwindow* window, int) { heard(window); });
+  glfwSetWindowRefreshCallback(window_, [](GLFWwindow* window) { heard(window); });
+  glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int, int) { heard(window); });
 }
 
 Window::~Window() {
@@ -281,12 +298,14 @@ void Window::show(const Viewport& viewport) {
   check(result, "vkQueuePresentKHR");
 }
 
-void Window::poll(double seconds) {
+bool Window::poll(double seconds) {
+  woken_ = false;
   if (seconds > 0) {
     glfwWaitEventsTimeout(seconds);
   } else {
     glfwPollEvents();
   }
+  return woken_;
 }
 
 bool Window::closed() const { return glfwWindowShouldClose(window_); }

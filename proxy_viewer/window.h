@@ -39,8 +39,9 @@ class Window {
   // Shows the viewport's picture. Where the surface has changed its size meanwhile, what fits is shown.
   void show(const Viewport& viewport);
 
-  // Calls back for what has happened; waits for it at most so long (seconds; 0: not at all).
-  void poll(double seconds);
+  // Calls back for what has happened, and says whether anything has; waits for it at most so long (seconds; 0: not at
+  // all).
+  bool poll(double seconds);
   bool closed() const;
   void set_title(const std::string& title);
   std::array<std::uint32_t, 2> size() const;  // pixels; 0 while minimised
@@ -53,8 +54,11 @@ class Window {
  private:
   struct Swapchain;
 
+  void listen();
+
   GLFWwindow* window_ = nullptr;
   bool vsync_;
+  bool woken_ = false;  // since the last poll()
   std::unique_ptr<Swapchain> swapchain_;
 };
 

@@ -5,6 +5,17 @@
 namespace bodyopt {
 namespace {
 
+// Each above the one from the other side.
+void draw_axis_views(Controls& controls) {
+  constexpr int kInLine = 3;
+  const float width = share_of_line(kInLine);
+  int count = 0;
+  for (const char* view : {"front", "right", "top", "back", "left", "bottom"}) {
+    if (count++ % kInLine > 0) ImGui::SameLine();
+    command_button(controls, view, nullptr, width);
+  }
+}
+
 void draw_kept(Controls& controls) {
   std::string forgotten;
   int index = 0;
@@ -37,12 +48,9 @@ std::string free_name(const Controls& controls) {
 }  // namespace
 
 void draw_cameras(const Snapshot&, Controls& controls) {
-  const float width = share_of_line(4);
-  for (const char* view : {"front", "side", "top", "frame-selection"}) {
-    command_button(controls, view, view == std::string("frame-selection") ? "Frame" : nullptr, width);
-    ImGui::SameLine();
-  }
-  ImGui::NewLine();
+  draw_axis_views(controls);
+  command_button(controls, "frame-selection", "Frame", share_of_line(3));
+  ImGui::SameLine();
   command_tick(controls, "orthographic");
   draw_kept(controls);
   const std::string name = free_name(controls);

@@ -28,7 +28,9 @@ void draw_errors(const Snapshot& snapshot, Controls& controls) {
   command_button(controls, "worst-frame", nullptr, width);
   ImGui::SameLine();
   command_button(controls, "worst-vertex", nullptr, width);
-  if (snapshot.measured < 1) ImGui::TextDisabled("measured: %.0f %% of the frames", 100 * snapshot.measured);
+  if (snapshot.measured < snapshot.errors.size()) {
+    ImGui::TextDisabled("%zu of %zu frames measured", snapshot.measured, snapshot.errors.size());
+  }
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ void draw_ghosts(const Snapshot&, Controls& controls) {
   slide("After", ghosts.after, 0, kMostGhosts, "%d", "ghosts of frames after, in orange");
   slide("Step", ghosts.step, 1, kLongestStep, ghosts.step == 1 ? "%d frame" : "%d frames",
         find_command("ghost-step")->help);
-  slide("Opacity", ghosts.opacity, 0.05, 0.95, "%.2f", "of the ghost that is next");
+  slide("Opacity", ghosts.opacity, 0, 1, "%.2f", find_command("ghost-opacity")->help);
 }
 
 }  // namespace bodyopt

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <optional>
 #include <utility>
 
-#include "proxy_viewer/gui.h"
+#include "proxy_viewer/fonts.h"
 #include "proxy_viewer/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 
@@ -52,44 +51,46 @@ std::string text_of(float error) {
   return text;
 }
 
-// Of the frames that were measured.
-std::optional<std::size_t> worst_of(const std::vector<ErrorRow>& errors) {
-  std::optional<std::size_t> worst;
-  for (std::size_t k = 0; k < errors.size(); ++k) {
-    if (std::isfinite(errors[k].rms) && (!worst || errors[k].rms > errors[*worst].rms)) worst = k;
-  }
-  return worst;
-}
-
-// RMS of the frames that were measured, from the bottom; the largest is marked.
-void draw_errors(ImDrawList& list, const Bar& bar, const std::vector<ErrorRow>& errors) {
-  const std::optional<std::size_t> worst = worst_of(errors);
-  if (!worst || errors[*worst].rms <= 0) return;
+// The frames that were measured, brighter than the others, and their RMS from the bottom; `worst`: the full height.
+void draw_error_columns(ImDrawList& list, const Bar& bar, const std::vector<ErrorRow>& errors, float worst) {
   const float bottom = bar.at.y + bar.size.y;
-  const auto height = [&](float error) { return (bar.size.y - 2) * error / errors[*worst].rms; };
-  // One bar per pixel at most, as high as the worst of its frames.
+  // One column per pixel at most, as high as the worst of its frames.
   float drawn = bar.at.x, highest = 0;
+  bool measured = false;
   for (std::size_t k = 0; k < errors.size(); ++k) {
-    if (std::isfinite(errors[k].rms)) highest = std::max(highest, height(errors[k].rms));
+    measured = measured || errors[k].measured;
+    if (worst > 0 && std::isfinite(errors[k].rms)) highest = std::max(highest, errors[k].rms / worst);
     const float right = bar.x(bar.first + static_cast<double>(k) + 0.5);
     if (right < drawn + 1 && k + 1 < errors.size()) continue;
-    if (highest > 0) list.AddRectFilled({drawn, bottom - highest}, {right, bottom}, kErrorColour);
+    if (measured) list.AddRectFilled({drawn, bar.at.y}, {right, bottom}, kRange);
+    if (highest > 0) list.AddRectFilled({drawn, bottom - (bar.size.y - 2) * highest}, {right, bottom}, kErrorColour);
     drawn = right;
     highest = 0;
+    measured = false;
   }
-  const float x = bar.x(bar.first + static_cast<double>(*worst));
-  const std::string text = text_of(errors[*worst].rms);
+}
+
+void draw_errors(ImDrawList& list, const Bar& bar, const Snapshot& snapshot) {
+  const float worst = snapshot.worst ? snapshot.errors[*snapshot.worst].rms : 0;
+  draw_error_columns(list, bar, snapshot.errors, worst);
+  if (!(worst > 0)) return;
+  const float x = bar.x(bar.first + static_cast<double>(*snapshot.worst));
+  const std::string text = text_of(worst);
   const float width = ImGui::CalcTextSize(text.c_str()).x * 12 / ImGui::GetFontSize();
   const bool fits = x + 6 + width < bar.at.x + bar.size.x;
   list.AddCircleFilled({x, bar.at.y + 2}, 2.5f, kAccent);
   list.AddText(nullptr, 12, {fits ? x + 6 : x - 6 - width, bar.at.y - 3}, kAccent, text.c_str());
 }
 
+std::string describe(const ErrorRow& error) {
+  if (!error.measured) return "not measured yet";
+  return std::isfinite(error.rms) ? text_of(error.rms) + " RMS" : "nothing to compare with";
+}
+
 void explain_frame(const Bar& bar, const Snapshot& snapshot, const char* rest) {
   const int frame = bar.frame(ImGui::GetIO().MousePos.x);
   const auto index = static_cast<std::size_t>(frame - snapshot.first_frame);
-  const bool measured = index < snapshot.errors.size() && std::isfinite(snapshot.errors[index].rms);
-  const std::string error = measured ? ": " + text_of(snapshot.errors[index].rms) + " RMS" : "";
+  const std::string error = index < snapshot.errors.size() ? ": " + describe(snapshot.errors[index]) : "";
   ImGui::SetTooltip("frame %d%s%s", frame, error.c_str(), rest);
 }
 
@@ -128,10 +129,10 @@ void draw_sparkline(const Snapshot& snapshot, Controls& controls, const Bar& bar
   if (ImGui::IsItemHovered()) explain_frame(bar, snapshot, "\nclick: to the worst frame, then to its worst vertex");
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(bar.at, {bar.at.x + bar.size.x, bar.at.y + bar.size.y}, kBar, 3);
-  draw_errors(list, bar, snapshot.errors);
+  draw_errors(list, bar, snapshot);
   if (!clicked) return;
-  const std::optional<std::size_t> worst = worst_of(snapshot.errors);
-  const bool is_there = worst && snapshot.first_frame + static_cast<int>(*worst) == controls.playback.frame();
+  const bool is_there =
+      snapshot.worst && snapshot.first_frame + static_cast<int>(*snapshot.worst) == controls.playback.frame();
   attempt(controls, is_there ? "worst-vertex" : "worst-frame");
 }
 

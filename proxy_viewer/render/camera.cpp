@@ -24,7 +24,8 @@ bool all_in_range(std::span<const float> v) {
 ViewAxes view_axes(const Vec3& direction) {
   ViewAxes axes;
   axes.back = normalised(direction, {0, 0, 1});
-  const Vec3 above = std::abs(axes.back[1]) > 0.999 ? Vec3{0, 0, -1} : Vec3{0, 1, 0};
+  // By the poles right stays right.
+  const Vec3 above = std::abs(axes.back[1]) > 0.999 ? Vec3{0, 0, -std::copysign(1.0, axes.back[1])} : Vec3{0, 1, 0};
   axes.right = normalised(cross(above, axes.back), {1, 0, 0});
   axes.up = cross(axes.back, axes.right);
   return axes;

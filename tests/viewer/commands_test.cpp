@@ -51,6 +51,11 @@ std::optional<Value> valued(const std::map<std::string, Value>& values, const st
 
 constexpr double kDegree = std::numbers::pi / 180;
 
+bool looks_from(const Controls& controls, double azimuth, double elevation) {
+  const OrbitView& view = controls.camera.view();
+  return std::abs(view.azimuth - azimuth * kDegree) < 1e-12 && std::abs(view.elevation - elevation * kDegree) < 1e-12;
+}
+
 const std::map<std::string, Case>& cases() {
   using C = const Controls&;
   static const std::map<std::string, Case> all = {
@@ -86,9 +91,12 @@ const std::map<std::string, Case>& cases() {
       {"whole-range", {"", [](C, C c) { return c.playback.in() == 1 && c.playback.out() == 40; }, {"1"}}},
       {"live", {"on", [](C, C c) { return c.live == true; }, {"yes"}}},
       {"frame-selection", {"", [](C, C c) { return c.requests.frame_selection; }, {"all"}}},
-      {"front", {"", [](C, C c) { return c.camera.view().azimuth == 0 && c.camera.view().elevation == 0; }, {"1"}}},
-      {"side", {"", [](C, C c) { return std::abs(c.camera.view().azimuth - 90 * kDegree) < 1e-12; }, {"1"}}},
-      {"top", {"", [](C, C c) { return c.camera.view().elevation > 80 * kDegree; }, {"1"}}},
+      {"front", {"", [](C, C c) { return looks_from(c, 0, 0); }, {"1"}}},
+      {"back", {"", [](C, C c) { return looks_from(c, 180, 0); }, {"1"}}},
+      {"right", {"", [](C, C c) { return looks_from(c, 90, 0); }, {"1"}}},
+      {"left", {"", [](C, C c) { return looks_from(c, -90, 0); }, {"1"}}},
+      {"top", {"", [](C, C c) { return looks_from(c, 0, 90); }, {"1"}}},
+      {"bottom", {"", [](C, C c) { return looks_from(c, 0, -90); }, {"1"}}},
       {"orthographic",
        {"on", [](C, C c) { return c.camera.view().orthographic; }, {"yes"}}},
       {"follow", {"off", [](C, C c) { return !c.settings.look.follow; }, {"no"}}},
@@ -158,6 +166,7 @@ const std::map<std::string, Case>& cases() {
         [](C, C c) { return c.settings.ghosts.before == 3 && c.settings.ghosts.after == 1; },
         {"", "3", "13 0", "0 13", "-1 0", "a b", "1.5 1"}}},
       {"ghost-step", {"6", [](C, C c) { return c.settings.ghosts.step == 6; }, {"", "0", "1001", "x"}}},
+      {"ghost-opacity", {"0.6", [](C, C c) { return c.settings.ghosts.opacity == 0.6; }, {"", "-0.1", "1.1", "x"}}},
       {"toggle-ghosts",
        {"on",
         [](C, C c) {

@@ -50,7 +50,7 @@ class ErrorCurveTest : public ::testing::Test {
 TEST_F(ErrorCurveTest, IsTheDistanceToTheTruth) {
   ErrorCurve curve;
   EXPECT_TRUE(curve.look_at(*actor_, compare_with(CompareWith::truth)));
-  EXPECT_EQ(curve.share_measured(), 0);
+  EXPECT_EQ(curve.measured_count(), 0u);
   complete(curve);
   EXPECT_TRUE(curve.is_complete());
   ASSERT_EQ(curve.errors().size(), static_cast<std::size_t>(kClipFrames));
@@ -65,11 +65,16 @@ TEST_F(ErrorCurveTest, MeasuresTheFrameThatIsShownFirstAndEveryFrameOnce) {
   curve.look_at(*actor_, compare_with(CompareWith::ddm));
   ASSERT_TRUE(curve.measure_next(*actor_, 7));
   EXPECT_TRUE(std::isfinite(curve.errors()[6].rms));
-  int count = 1;
-  while (curve.measure_next(*actor_, 7)) {
-    EXPECT_NEAR(curve.share_measured(), ++count / static_cast<double>(kClipFrames), 1e-12);
-  }
-  EXPECT_EQ(count, kClipFrames);
+  EXPECT_EQ(curve.worst(), 6u) << "of those that were measured";
+  std::size_t count = 1;
+  do {
+    EXPECT_EQ(curve.measured_count(), count);
+    for (std::size_t k = 0; k < curve.errors().size(); ++k) {
+      EXPECT_EQ(curve.is_measured(k), std::isfinite(curve.errors()[k].rms));
+    }
+    ++count;
+  } while (curve.measure_next(*actor_, 7));
+  EXPECT_EQ(count, kClipFrames + 1u);
   ASSERT_TRUE(curve.worst());
   for (const FrameError& error : curve.errors()) EXPECT_LE(error.rms, curve.errors()[*curve.worst()].rms);
 }

@@ -155,21 +155,32 @@ TEST(OrbitCamera, AxisViewsLookAlongTheAxes) {
     EXPECT_NEAR(length(eye(camera) - camera.view().target), 2.5, 1e-6);
   };
   expect(AxisView::front, {0, 0, 1}, {0, 1, 0});
-  expect(AxisView::side, {1, 0, 0}, {0, 1, 0});
+  expect(AxisView::back, {0, 0, -1}, {0, 1, 0});
+  expect(AxisView::right, {1, 0, 0}, {0, 1, 0});
+  expect(AxisView::left, {-1, 0, 0}, {0, 1, 0});
   expect(AxisView::top, {0, 1, 0}, {0, 0, -1});
   camera.orbit(0, 0);  // leaving the pole, right stays right
+  EXPECT_NEAR(axes(camera).right[0], 1, 1e-6);
+  expect(AxisView::bottom, {0, -1, 0}, {0, 0, 1});
+  camera.orbit(0, 0);
   EXPECT_NEAR(axes(camera).right[0], 1, 1e-6);
 }
 
 TEST(OrbitCamera, TakesViewsFromOutsideWithinItsLimits) {
-  const OrbitCamera camera({.distance = 1e9, .azimuth = 9 * kPi, .elevation = -7});
+  const OrbitCamera camera({.distance = 1e9, .azimuth = 9 * kPi});
   EXPECT_EQ(camera.view().distance, OrbitCamera::kFarthest);
   EXPECT_NEAR(std::abs(camera.view().azimuth), kPi, 1e-9);
-  EXPECT_EQ(camera.view().elevation, -OrbitCamera::kSteepest);
-  OrbitCamera top(some_view());
-  top.view_axis(AxisView::top);
-  EXPECT_EQ(OrbitCamera(top.view()).view(), top.view());
-  EXPECT_EQ(OrbitCamera({.azimuth = 0.7, .elevation = 1.55}).view().azimuth, 0);  // by the pole: from the top
+  OrbitCamera seen_from(some_view());
+  for (const AxisView axis : {AxisView::back, AxisView::left, AxisView::top, AxisView::bottom}) {
+    seen_from.view_axis(axis);
+    EXPECT_EQ(OrbitCamera(seen_from.view()).view(), seen_from.view());
+  }
+  // By the poles: from the top and the bottom.
+  for (const double elevation : {1.55, 7.0, -1.55, -7.0}) {
+    const OrbitView view = OrbitCamera({.azimuth = 0.7, .elevation = elevation}).view();
+    EXPECT_EQ(view.azimuth, 0);
+    EXPECT_EQ(view.elevation, std::copysign(0.5 * kPi, elevation));
+  }
   for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     EXPECT_THROW(OrbitCamera({.target = {0, wrong, 0}}), Error);
     EXPECT_THROW(OrbitCamera({.distance = wrong}), Error);

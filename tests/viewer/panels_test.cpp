@@ -11,6 +11,8 @@
 #include "proxy_viewer/commands.h"
 #include "proxy_viewer/gui.h"
 #include "proxy_viewer/sections.h"
+#include "proxy_viewer/shown_texts.h"
+#include "tests/support/error_kind.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -24,8 +26,9 @@ Snapshot small_character() {
   s.strains = {-0.2f, 0.1f};
   s.comparisons = {"none", "ddm", "truth"};
   s.compared = "truth";
-  s.errors = {{1, 2}, {3, 4}, {}};
-  s.measured = 0.6;
+  s.errors = {{1, 2, true}, {3, 4, true}, {}};
+  s.measured = 2;
+  s.worst = 1;
   s.device = "a device";
   return s;
 }
@@ -47,8 +50,11 @@ Snapshot huge_character() {
     s.fibres.push_back(japanese);
     s.strains.push_back(f == 7 ? inf : static_cast<float>(f % 200) / 100 - 1);
   }
-  s.errors.assign(20000, {1e9f, inf});
-  s.errors[3] = {nan, nan};
+  s.errors.assign(20000, {1e9f, inf, true});
+  s.errors[3] = {nan, nan, true};
+  s.errors[4] = {};
+  s.measured = 19999;
+  s.worst = 0;
   s.outside = 12;
   s.outside_feature = greek;
   s.expected_mm = 1e6;
@@ -86,6 +92,7 @@ class PanelsTest : public ::testing::Test {
  protected:
   // One picture of the panels, as the application makes them.
   Rectangle draw(const Snapshot& snapshot, Controls& controls, std::uint32_t width = 1280, std::uint32_t height = 720) {
+    visit_texts(snapshot, controls, [this](const std::string& text) { gui_.fonts().show(text); });
     gui_.begin(width, height, 1.0 / 60);
     const Rectangle area = draw_panels(snapshot, controls, width, height);
     gui_.end();
@@ -106,7 +113,7 @@ class PanelsTest : public ::testing::Test {
     }
   }
 
-  Gui gui_{{"\xce\xb1", "\xe5\xb7\xa6"}};
+  Gui gui_;
 };
 
 TEST_F(PanelsTest, EverySizeOfWindowAndCharacterIsDrawn) {
@@ -194,6 +201,26 @@ TEST_F(PanelsTest, ClicksPlayScrubAndFindTheWorstFrame) {
   controls.playback.scrub(2);  // the worst of them
   click(snapshot, controls, {timeline.Max.x - 12, sparkline});
   EXPECT_TRUE(controls.requests.worst_vertex);
+}
+
+TEST_F(PanelsTest, TheTimelineShowsWhichFramesAreMeasured) {
+  Snapshot snapshot = small_character();
+  snapshot.errors.assign(3, {});
+  snapshot.worst.reset();
+  Controls controls;
+  controls.playback = Playback({1, 3}, 24);
+  run_command(controls, "side-panel off");
+  const auto count = [&] {
+    for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+    return vertices();
+  };
+  int before = count();
+  for (ErrorRow& error : snapshot.errors) {
+    error.measured = true;
+    const int after = count();
+    EXPECT_EQ(after, before + 4) << "a rectangle more";
+    before = after;
+  }
 }
 
 TEST_F(PanelsTest, TheLineOfAWipeIsDragged) {

@@ -81,21 +81,22 @@ class WindowTest : public ::testing::Test {
 TEST_F(WindowTest, ScriptsWriteTheSamePicturesWithAWindowAndWithout) {
   const std::string script =
       "frame 4; style matcap; screenshot a.png; frame 9; skeleton on; fibres on; orbit 30 10; screenshot b.png; "
-      "compare ddm; layout wipe; ghosts 1 1; ghost-step 3; panels on; screenshot c.png; quit";
+      "compare ddm; layout wipe; ghosts 1 1; ghost-step 3; panels on; screenshot c.png; panels off; worst-frame; "
+      "compare none; ghost-opacity 0.8; screenshot d.png; quit";
   std::vector<Image> images[2];
   for (const bool headless : {false, true}) {
     const ProgramResult result = run_program(command(
         small("--validate --do '" + kPlain + "; " + script + "'" + (headless ? " --headless" : " --seconds 60"))));
     ASSERT_EQ(result.exit_code, 0) << result.output;
-    for (const char* file : {"a.png", "b.png", "c.png"}) {
+    for (const char* file : {"a.png", "b.png", "c.png", "d.png"}) {
       images[headless].push_back(picture(file));
       EXPECT_EQ(images[headless].back().width, 320u);
       std::filesystem::remove(folder_ / file);
     }
   }
-  for (std::size_t k = 0; k < 3; ++k) {
+  for (std::size_t k = 0; k < 4; ++k) {
     EXPECT_TRUE(images[0][k].rgba == images[1][k].rgba) << "picture " << k;
-    EXPECT_GT(spot_difference(images[0][k], images[0][(k + 1) % 3]).mean, 0.3) << k;
+    EXPECT_GT(spot_difference(images[0][k], images[0][(k + 1) % 4]).mean, 0.3) << k;
   }
 }
 
@@ -131,6 +132,15 @@ TEST_F(WindowTest, KeysDoWhatTheirCommandsDo) {
   display_->hands("key h");
   EXPECT_FALSE(screenshot().rgba == first.rgba);  // and clicks the sheet away
   EXPECT_TRUE(screenshot().rgba == first.rgba);
+  for (const auto& [key, command] : {std::pair("1", "front"),
+                                     {"ctrl+1", "back"},
+                                     {"3", "right"},
+                                     {"ctrl+3", "left"},
+                                     {"7", "top"},
+                                     {"ctrl+7", "bottom"}}) {
+    display_->hands(std::string("key ") + key);
+    EXPECT_TRUE(screenshot().rgba == headless(command).rgba) << key;
+  }
   display_->hands("key ctrl+q");
   expect_end(*program, 0);
 }
@@ -221,6 +231,35 @@ TEST_F(WindowTest, AClickPicksAJointAndADragDoesNot) {
   expect_end(*program, 0);
 }
 
+// Names in other scripts look as they are, whenever their files are opened.
+TEST_F(WindowTest, NamesInOtherScriptsAreShownWhenTheirFilesAreOpenedLater) {
+  const std::string names[] = {"\xd1\x82\xd0\xb0\xd0\xbd\xd0\xb5\xd1\x86",  // Russian
+                               "\xcf\x87\xce\xbf\xcf\x81\xcf\x8c\xcf\x82",  // Greek
+                               "\xd5\xba\xd5\xa1\xd6\x80"};                 // Armenian
+  const auto with_room = [this](const std::string& arguments) {
+    std::string line = command(arguments + " --headless -o named.png");
+    return line.replace(line.find("320 180"), 7, "1000 600");
+  };
+  std::vector<Image> images;
+  for (const std::string& name : names) {
+    Clip clip = bending_clip(small_.made.skeleton);
+    clip.name = name;
+    const std::string file = (folder_ / (name + ".glb")).string();
+    write_clip(clip, small_.made.skeleton, file);
+    const std::string look = "panels on; section cast; frame 3";
+    const ProgramResult at_start = run_program(with_room(small_.basis + " " + file + " --do '" + look + "'"));
+    EXPECT_EQ(at_start.exit_code, 0) << at_start.output;
+    images.push_back(picture("named.png"));
+    const ProgramResult later =
+        run_program(with_room(small("--validate --do '" + look + "; open " + file + "; frame 3'")));
+    EXPECT_EQ(later.exit_code, 0) << later.output;
+    EXPECT_EQ(later.output.find("font"), std::string::npos) << later.output;
+    EXPECT_TRUE(picture("named.png").rgba == images.back().rgba) << name;
+  }
+  EXPECT_FALSE(images[0].rgba == images[1].rgba);
+  EXPECT_FALSE(images[1].rgba == images[2].rgba);
+}
+
 TEST_F(WindowTest, StateBringsCameraAndSettingsBack) {
   const Image saved = headless("frame 6; orbit 50 20; dolly 2; wire on; save-state s.json");
   std::filesystem::rename(folder_ / "headless.png", folder_ / "saved.png");
@@ -272,9 +311,10 @@ TEST_F(WindowTest, RandomInputDoesNoHarm) {
   const auto program = open(small(small_.truth + " --validate"), "panels on; hud on");
   Random random(20260101);
   const std::vector<std::string> keys = {
-      "space", "Left", "Right", "Home", "End", "Up",         "Down",        "b",  "i",   "o", "alt+i", "f",
-      "1",     "3",    "5",     "7",    "v",   "shift+Left", "shift+Right", "s",  "w",   "k", "m",     "t",
-      "d",     "a",    "l",     "e",    "r",   "j",          "g",           "F5", "Tab", "z", "h",     "x"};
+      "space",  "Left",   "Right",  "Home", "End",     "Up",         "Down",        "b", "i", "o", "alt+i", "f",
+      "1",      "3",      "5",      "7",    "v",       "shift+Left", "shift+Right", "s", "w", "k", "m",     "t",
+      "ctrl+1", "ctrl+3", "ctrl+7", "n",    "shift+n", "d",          "a",           "l", "e", "r", "j",     "g",
+      "F5",     "Tab",    "z",      "h",    "x"};
   const auto start = std::chrono::steady_clock::now();
   std::string log;
   while (std::chrono::steady_clock::now() - start < std::chrono::seconds(10)) {

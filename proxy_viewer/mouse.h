@@ -1,0 +1,17 @@
+// The mouse over the picture: left turns, middle or shift moves along, right and the wheel go nearer; a click picks a
+// joint.
+#pragma once
+
+#include "proxy_viewer/controls.h"
+#include "proxy_viewer/render/view.h"
+#include "proxy_viewer/scene.h"
+
+namespace bodyopt {
+
+// Within a picture of panels, before they are drawn. `area`: of the characters; `height`: of the window; pixels.
+void steer_by_mouse(const Scene& scene, const Rectangle& area, std::uint32_t height, Controls& controls);
+
+// The joint whose centre is seen nearest to (x, y), pixels of the window; "": none is near.
+std::string joint_at(const Scene& scene, const Controls& controls, const Rectangle& area, float x, float y);
+
+}  // namespace bodyopt

@@ -1,0 +1,155 @@
+#include "proxy_viewer/session.h"
+
+#include <algorithm>
+#include <initializer_list>
+#include <iterator>
+
+#include "proxy_viewer/describe_scene.h"
+#include "proxy_viewer/joint_ranges.h"
+#include "runtime/basis/error.h"
+#include "trainer/dataset/clip_source.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool has_extension(const std::string& file, std::initializer_list<const char*> extensions) {
+  const std::string own = lower_case_extension(split_source(file).path);
+  return std::any_of(extensions.begin(), extensions.end(), [&](const char* e) { return own == e; });
+}
+
+}  // namespace
+
+Session::Session(std::shared_ptr<const vulkan::Device> device, const ViewerOptions& options)
+    : scene(device), options_(options), device_name_(device->info().name), watched_({}) {}
+
+std::vector<std::string> Session::open(const std::string& file) {
+  std::vector<std::string> notes;
+  if (has_extension(file, {".safetensors"})) {
+    const bool first = scene.empty();
+    scene.add({.basis = file, .proxy = first ? options_.proxy : "", .character = first ? options_.character : ""},
+              options_.clip);
+  } else if (scene.empty()) {
+    throw Error(ErrorKind::usage, file + ": a basis (.safetensors) must come before its clips and caches");
+  } else if (has_extension(file, {".glb", ".gltf", ".bvh"})) {
+    Actor& last = *scene.cast().back();
+    last.open_clip(file);
+    notes = last.clip().notes;
+    if (scene.cast().size() == 1) play_clip();
+  } else if (has_extension(file, {".pc2"})) {
+    scene.cast().back()->open_truth(file);
+    controls.settings.compare.with = CompareWith::truth;
+  } else if (has_extension(file, {".json"})) {
+    load_state(file);
+  } else {
+    throw Error(ErrorKind::usage, file +
+                                      ": expected a basis (.safetensors), a clip (.glb, .gltf, .bvh), a point "
+                                      "cache (.pc2) or a state (.json)");
+  }
+  describe_cast();
+  watch();
+  return notes;
+}
+
+void Session::reload() {
+  for (std::size_t c = 0; c < scene.cast().size(); ++c) {
+    scene.replace(c, ActorFiles(scene.cast()[c]->files()), options_.clip);
+  }
+  describe_cast();
+  controls.say("the files were read again");
+  const int frame = controls.playback.frame();
+  play_clip();
+  controls.playback.scrub(frame);
+}
+
+void Session::watch() {
+  std::vector<fs::path> files;
+  for (const auto& character : scene.cast()) {
+    std::ranges::copy(character->files().paths(), std::back_inserter(files));
+  }
+  watched_ = WatchedFiles(files);
+}
+
+void Session::save_state(const std::string& file) {
+  controls.settings.camera = controls.camera.view();
+  write_view_settings(controls.settings, file);
+  controls.say("wrote " + file);
+}
+
+void Session::load_state(const std::string& file) {
+  controls.settings = read_view_settings(file);
+  controls.camera = OrbitCamera(controls.settings.camera);
+  followed_.reset();
+  apply_settings();
+  controls.requests.frame_selection = false;
+}
+
+void Session::play_clip() {
+  const Clip& clip = scene.lead().clip();
+  controls.playback = Playback({clip.first_frame, clip.last_frame()}, clip.fps);
+  const std::vector<int>& keys = scene.lead().keys();
+  if (2 * keys.size() <= clip.poses.size()) controls.playback.set_keys(keys);  // otherwise it was baked
+  apply_settings();
+}
+
+void Session::apply_settings() {
+  Playback& playback = controls.playback;
+  const ViewSettings::Playing& s = controls.settings.playback;
+  playback.set_mode(s.mode);
+  playback.set_speed(s.speed);
+  playback.set_backwards(s.backwards);
+  playback.set_real_time(s.real_time);
+  if (s.in || s.out) playback.set_range(s.in.value_or(playback.first()), s.out.value_or(playback.last()));
+}
+
+void Session::frame_selection(std::uint32_t width, std::uint32_t height) {
+  controls.requests.frame_selection = false;
+  const std::vector<float> points = scene.points_to_frame(controls);
+  if (!points.empty()) {
+    controls.camera.frame(points, static_cast<float>(width) / static_cast<float>(std::max(1u, height)));
+  }
+}
+
+void Session::follow() {
+  const Vec3 at = scene.whereabouts(controls.playback.frame());
+  if (followed_ && controls.settings.look.follow) controls.camera.move(at - *followed_);
+  followed_ = at;
+}
+
+void Session::describe_cast() {
+  bodyopt::describe_cast(scene, snapshot);
+  const Basis& basis = scene.lead().basis();
+  if (!options_.limits.empty()) {
+    limit_joints(read_joint_limits(options_.limits, basis.skeleton), basis.skeleton, snapshot.joints);
+  }
+  controls.joint_names.clear();
+  controls.joint_axes.clear();
+  for (const Joint& joint : basis.skeleton.joints) {
+    controls.joint_names.push_back(joint.name);
+    controls.joint_axes.push_back(conjugate(decompose(joint.inverse_bind).rotation));
+  }
+  controls.control_names = basis.residual.controls;
+  snapshot.device = device_name_;
+  regions_ = has_coverage(basis) ? read_coverage(basis) : std::vector<RegionCoverage>{};
+}
+
+void Session::describe_picture() {
+  snapshot.stage_ms.clear();
+  for (const auto& [stage, seconds] : scene.stage_seconds()) snapshot.stage_ms[stage] = 1e3 * seconds;
+  const Evaluation* evaluation = scene.lead_evaluation();
+  if (!evaluation || evaluation->outside.empty()) return;
+  snapshot.strains = evaluation->strains;
+  snapshot.outside = evaluation->outside[0];
+  snapshot.outside_feature =
+      snapshot.outside > 0 ? feature_name(scene.lead().basis(), evaluation->outside_feature[0]) : "";
+  snapshot.expected_mm = expected_error();
+}
+
+// Of the frame, mm, where coverage is looked at.
+std::optional<double> Session::expected_error() const {
+  if (!controls.settings.compare.coverage || regions_.empty() || scene.lead().level() != 0) return std::nullopt;
+  return bodyopt::expected_error(scene.lead().basis(), regions_, scene.lead_pose(controls)).rms_mm;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,58 @@
+// What is open: the characters and their files, and what of them is set, as panels and pictures read it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "proxy_viewer/controls.h"
+#include "proxy_viewer/scene.h"
+#include "proxy_viewer/snapshot.h"
+#include "proxy_viewer/viewer.h"
+#include "proxy_viewer/watched_files.h"
+#include "trainer/train/coverage.h"
+
+namespace bodyopt {
+
+class Session {
+ public:
+  Session(std::shared_ptr<const vulkan::Device> device, const ViewerOptions& options);
+
+  Scene scene;
+  Controls controls;
+  Snapshot snapshot;
+
+  // A basis, or what belongs to the last of them: a clip, a truth; or a state. By its extension. Gives what is to be
+  // said of it. Throws Error(usage), and as the readers do; what was there stays.
+  std::vector<std::string> open(const std::string& file);
+  void reload();
+  // Whether files have changed and are whole; `now`: seconds, of any clock.
+  bool files_have_changed(double now) { return !watched_.changed(now).empty(); }
+
+  void save_state(const std::string& file);
+  void load_state(const std::string& file);
+
+  // The playhead over the lead's clip, as settings say.
+  void play_clip();
+  // The camera sees all, or the joint that is selected, in a picture of so many pixels.
+  void frame_selection(std::uint32_t width, std::uint32_t height);
+  // The camera goes along with the lead since the picture before.
+  void follow();
+  // What is known only once a picture is evaluated.
+  void describe_picture();
+
+ private:
+  void apply_settings();
+  void describe_cast();
+  void watch();
+  std::optional<double> expected_error() const;
+
+  const ViewerOptions& options_;
+  const std::string device_name_;
+  WatchedFiles watched_;
+  std::vector<RegionCoverage> regions_;  // of the lead
+  std::optional<Vec3> followed_;         // where the lead was in the last picture
+};
+
+}  // namespace bodyopt

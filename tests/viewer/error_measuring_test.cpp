@@ -1,0 +1,107 @@
+#include "proxy_viewer/error_measuring.h"
+
+#include "tests/support/error_kind.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/viewer/small_character.h"
+
+namespace bodyopt::testing {
+namespace {
+
+class ErrorMeasuringTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<TemporaryFolder>();
+    small_ = std::make_unique<SmallCharacter>(*folder_);
+    scene_ = std::make_unique<Scene>(open_test_device());
+    scene_->add({small_->basis, small_->clip, small_->truth}, {});
+  }
+  static void TearDownTestSuite() {
+    scene_.reset();
+    small_.reset();
+    folder_.reset();
+  }
+  void SetUp() override {
+    controls_.playback = Playback({1, kClipFrames}, 24);
+    controls_.settings.compare.with = CompareWith::ddm;
+  }
+
+  static inline std::unique_ptr<TemporaryFolder> folder_;
+  static inline std::unique_ptr<SmallCharacter> small_;
+  static inline std::unique_ptr<Scene> scene_;
+  Controls controls_;
+};
+
+TEST_F(ErrorMeasuringTest, GoesToTheWorstOfThoseMeasuredSoFarAndSaysOfHowMany) {
+  ErrorMeasuring errors(*scene_, controls_, false);
+  controls_.playback.scrub(3);
+  controls_.playback.play();
+  errors.go_to_worst_frame();
+  EXPECT_FALSE(controls_.playback.playing());
+  EXPECT_EQ(controls_.playback.frame(), 3) << "the only one";
+  ASSERT_EQ(controls_.messages.size(), 1u);
+  EXPECT_EQ(controls_.messages[0].text, "worst of 1 of 12 frames measured");
+
+  controls_.playback.scrub(9);
+  errors.measure_shown_frame();
+  errors.measure_shown_frame();  // it is already
+  errors.go_to_worst_frame();
+  ASSERT_EQ(controls_.messages.size(), 2u);
+  EXPECT_EQ(controls_.messages[1].text, "worst of 2 of 12 frames measured");
+  const FrameError &third = errors.curve().errors()[2], &ninth = errors.curve().errors()[8];
+  ASSERT_NE(third.rms, ninth.rms);
+  EXPECT_EQ(controls_.playback.frame(), third.rms > ninth.rms ? 3 : 9);
+
+  errors.measure_all();
+  errors.go_to_worst_frame();
+  EXPECT_EQ(controls_.messages.size(), 2u) << "it is the worst of all";
+  EXPECT_EQ(controls_.playback.frame(), static_cast<int>(*errors.curve().worst()) + 1);
+}
+
+TEST_F(ErrorMeasuringTest, MeasuresAtRestAndWhilePlayingWhereItMay) {
+  for (const bool while_playing : {false, true}) {
+    ErrorMeasuring errors(*scene_, controls_, while_playing);
+    controls_.playback.play();
+    errors.measure_some();
+    EXPECT_EQ(errors.has_work(), while_playing);
+    EXPECT_EQ(errors.curve().measured_count() > 0, while_playing);
+    controls_.playback.pause();
+    EXPECT_TRUE(errors.has_work());
+    while (errors.has_work()) {
+      const std::size_t before = errors.curve().measured_count();
+      errors.measure_some();
+      ASSERT_GT(errors.curve().measured_count(), before);
+    }
+    EXPECT_TRUE(errors.curve().is_complete());
+  }
+}
+
+TEST_F(ErrorMeasuringTest, GoesToTheWorstVertexOfTheFrame) {
+  ErrorMeasuring errors(*scene_, controls_, false);
+  controls_.playback.scrub(7);
+  errors.go_to_worst_vertex();
+  EXPECT_EQ(errors.curve().measured_count(), 1u);
+  ASSERT_TRUE(controls_.marker);
+  EXPECT_EQ(controls_.marker->frame, 7);
+  EXPECT_EQ(controls_.marker->at, errors.curve().errors()[6].worst);
+  EXPECT_EQ(controls_.camera.view().target, controls_.marker->at);
+  controls_.settings.compare.with = CompareWith::truth;
+  errors.look();
+  EXPECT_FALSE(controls_.marker) << "of another comparison";
+}
+
+TEST_F(ErrorMeasuringTest, RefusesWhereThereIsNothingToMeasure) {
+  controls_.live = true;
+  ErrorMeasuring live(*scene_, controls_, true);
+  EXPECT_EQ(kind_of([&] { live.go_to_worst_frame(); }), ErrorKind::usage);
+  live.measure_all();
+  EXPECT_EQ(live.curve().measured_count(), 0u);
+  controls_.live = false;
+  ErrorMeasuring errors(*scene_, controls_, false);
+  controls_.settings.compare.with = CompareWith::none;
+  EXPECT_EQ(kind_of([&] { errors.go_to_worst_frame(); }), ErrorKind::usage);
+  EXPECT_EQ(kind_of([&] { errors.go_to_worst_vertex(); }), ErrorKind::usage);
+  EXPECT_FALSE(errors.has_work());
+}
+
+}  // namespace
+}  // namespace bodyopt::testing

@@ -1,0 +1,30 @@
+#include "proxy_viewer/mouse.h"
+
+#include "tests/support/gpu_fixture.h"
+#include "tests/viewer/small_character.h"
+
+namespace bodyopt::testing {
+namespace {
+
+TEST(JointAt, IsTheOneThatIsSeenThere) {
+  const TemporaryFolder folder;
+  const SmallCharacter small(folder);
+  Scene scene(open_test_device());
+  scene.add({small.basis, small.clip}, {});
+  Controls controls;
+  controls.playback = Playback({1, kClipFrames}, 24);
+  controls.playback.scrub(6);
+  const Rectangle area = {100, 40, 640, 360};
+  const std::vector<Vec3> centres = scene.joint_centres(controls);
+  const std::vector<Joint>& joints = scene.lead().basis().skeleton.joints;
+  for (const bool orthographic : {false, true}) {
+    for (std::size_t j = 0; j < centres.size(); ++j) {
+      controls.camera = OrbitCamera({centres[j], 0.2, 0.3, 0.1, orthographic});
+      EXPECT_EQ(joint_at(scene, controls, area, 100 + 320 + 3, 40 + 180 - 3), joints[j].name) << orthographic;
+      EXPECT_EQ(joint_at(scene, controls, area, 100, 40), "") << "far from all";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt::testing
