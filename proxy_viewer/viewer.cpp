@@ -19,6 +19,7 @@
 #include "proxy_viewer/gui.h"
 #include "proxy_viewer/joint_ranges.h"
 #include "proxy_viewer/live_pose.h"
+#include "proxy_viewer/open_character.h"
 #include "proxy_viewer/panels.h"
 #include "proxy_viewer/render/animation.h"
 #include "proxy_viewer/render/camera.h"
@@ -77,7 +78,7 @@ class Viewer {
       window_->on_key = [this](const std::string& key, bool down) { on_key(key, down); };
     }
     controls_.panels = controls_.settings.hud.on = !options.headless;
-    open(options.files.at(0));  // without it there is nothing to see
+    open_first();
     for (std::size_t k = 1; k < options.files.size(); ++k) attempt([&] { open(options.files[k]); });
     gui_ = std::make_unique<Gui>(names());
     gui_->attach(*device_, viewport_.panel_pass(), window_ ? window_->handle() : nullptr);
@@ -140,26 +141,52 @@ class Viewer {
     pending_pictures_ = 2;
   }
 
+  // Without it there is nothing to see.
+  void open_first() {
+    if (!options_.files.empty() && fs::exists(options_.files.front()) && !is_character(options_.files.front())) {
+      throw Error(ErrorKind::usage, options_.files.front() +
+                                        ": a basis (.safetensors) or a character (.glb, .gltf) must come before its "
+                                        "clips and caches");
+    }
+    add({.basis = options_.files.empty() ? "" : options_.files.front(),
+         .proxy = options_.proxy,
+         .character = options_.character});
+    if (!options_.truth.empty()) attempt([&] { open_truth(*scene_.cast().front(), options_.truth); });
+    describe_cast();
+    watch();
+  }
+
+  bool is_character(const std::string& file) const {
+    if (has_extension(file, {".safetensors"})) return true;
+    if (!has_extension(file, {".glb", ".gltf"})) return false;
+    return is_another_character(file, scene_.empty() ? Skeleton{} : scene_.cast().back()->basis().skeleton);
+  }
+
+  void add(const ActorFiles& files) {
+    scene_.add(files, options_.clip);
+    for (const std::string& note : scene_.cast().back()->notes()) warn(note);
+  }
+
+  void open_truth(Actor& character, const std::string& file) {
+    character.open_truth(file);
+    controls_.settings.compare.with = CompareWith::truth;
+  }
+
   void open(const std::string& file) {
-    if (has_extension(file, {".safetensors"})) {
-      const bool first = scene_.empty();
-      scene_.add({.basis = file, .proxy = first ? options_.proxy : "", .character = first ? options_.character : ""},
-                 options_.clip);
-    } else if (scene_.empty()) {
-      throw Error(ErrorKind::usage, file + ": a basis (.safetensors) must come before its clips and caches");
+    if (is_character(file)) {
+      add({.basis = file});
     } else if (has_extension(file, {".glb", ".gltf", ".bvh"})) {
       scene_.cast().back()->open_clip(file);
       for (const std::string& note : scene_.cast().back()->clip().notes) warn(note);
       if (scene_.cast().size() == 1) play_clip();
     } else if (has_extension(file, {".pc2"})) {
-      scene_.cast().back()->open_truth(file);
-      controls_.settings.compare.with = CompareWith::truth;
+      open_truth(*scene_.cast().back(), file);
     } else if (has_extension(file, {".json"})) {
       load_state(file);
     } else {
       throw Error(ErrorKind::usage, file +
-                                        ": expected a basis (.safetensors), a clip (.glb, .gltf, .bvh), a point "
-                                        "cache (.pc2) or a state (.json)");
+                                        ": expected a basis (.safetensors), a character (.glb, .gltf), a clip "
+                                        "(.glb, .gltf, .bvh), a point cache (.pc2) or a state (.json)");
     }
     describe_cast();
     watch();
