@@ -1,4 +1,7 @@
 // bodyopt view: the animators' viewport.
+#include <set>
+#include <sstream>
+
 #include "cli/common.h"
 #include "proxy_viewer/commands.h"
 #include "proxy_viewer/viewer.h"
@@ -15,10 +18,11 @@ struct ViewArguments {
 
 // Does the script leave a file?
 bool writes(const std::string& script) {
+  const std::set<std::string> writing = {"screenshot", "sequence", "turntable", "save-state"};
   for (const std::string& command : script_commands(script)) {
-    for (const char* writing : {"screenshot", "sequence", "turntable", "save-state"}) {
-      if (command.substr(0, command.find(' ')) == writing) return true;
-    }
+    std::string name;
+    std::istringstream(command) >> name;
+    if (writing.contains(name)) return true;
   }
   return false;
 }
