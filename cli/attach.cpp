@@ -71,9 +71,10 @@ void run(AttachArguments arguments) {
   const double kept = kept_unit(basis);
   options.unit = arguments.unit > 0 ? arguments.unit : kept > 0 ? kept : 1;
 
-  Attachments attachments = attachments_in(arguments.out, basis);
+  Attachments attachments = attachments_in(arguments.out, basis, arguments.basis);
   std::vector<std::string> notes;
-  std::vector<LooseMesh> meshes = read_loose_meshes(arguments.mesh, basis, options.unit, notes);
+  std::vector<LooseMesh> meshes =
+      read_loose_meshes(arguments.mesh, basis.skeleton, basis.mesh.output_count(), options.unit, notes);
   say(notes);
   const std::vector<AttachedMesh> bound = attach(chosen(std::move(meshes), arguments), basis, options, attachments);
   save_attachments(attachments, arguments.out);

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 Attachments found_attachments(const std::string& file, const fs::path& basis_path, const Basis& basis) {
   if (!file.empty()) return load_attachments(file, basis);
   if (basis_path.empty()) return {};
-  return attachments_in(attachments_beside(basis_path), basis);
+  return attachments_in(attachments_beside(basis_path), basis, basis_path.string());
 }
 
 }  // namespace
@@ -24,8 +24,8 @@ fs::path attachments_beside(const fs::path& basis) {
   return fs::path(basis).replace_extension(".attached.safetensors");
 }
 
-Attachments attachments_in(const fs::path& path, const Basis& basis) {
-  if (fs::exists(path)) return load_attachments(path, basis);
+Attachments attachments_in(const fs::path& path, const Basis& basis, const std::string& basis_name) {
+  if (fs::exists(path)) return load_attachments(path, basis, basis_name);
   Attachments none;
   none.metadata["topology_hash"] = hexadecimal(topology_hash(basis.mesh));
   none.metadata["skeleton_hash"] = hexadecimal(skeleton_hash(basis.skeleton));
@@ -68,15 +68,16 @@ Json to_json(const std::vector<AttachedMesh>& meshes) {
   return list;
 }
 
-std::vector<AttachedMesh> attach_own_meshes(const fs::path& character, double unit, const Basis& basis,
-                                            const fs::path& basis_path) {
+std::vector<AttachedMesh> attach_own_meshes(const fs::path& character, double unit, std::size_t skin_vertices,
+                                            const Basis& basis, const fs::path& basis_path) {
   try {
     std::vector<std::string> notes;
-    const std::vector<LooseMesh> meshes = read_loose_meshes(character, basis, unit > 0 ? unit : 1, notes);
+    const std::vector<LooseMesh> meshes =
+        read_loose_meshes(character, basis.skeleton, skin_vertices, unit > 0 ? unit : 1, notes);
     say(notes);
     if (meshes.empty()) return {};
     const fs::path path = attachments_beside(basis_path);
-    Attachments attachments = attachments_in(path, basis);
+    Attachments attachments = attachments_in(path, basis, basis_path.string());
     const std::vector<AttachedMesh> bound = attach(meshes, basis, {}, attachments);
     save_attachments(attachments, path);
     return bound;

@@ -14,8 +14,8 @@ namespace bodyopt::cli {
 // hero.safetensors: hero.attached.safetensors.
 std::filesystem::path attachments_beside(const std::filesystem::path& basis);
 
-// Those of a file, or none yet where it is not there. Throws as load_attachments.
-Attachments attachments_in(const std::filesystem::path& path, const Basis& basis);
+// Those of a file, or none yet where it is not there. Throws as load_attachments, of which see `basis_name`.
+Attachments attachments_in(const std::filesystem::path& path, const Basis& basis, const std::string& basis_name);
 
 // Binds the meshes and puts them into the attachments, each in the place of one of its name. Returns those it bound.
 std::vector<AttachedMesh> attach(const std::vector<LooseMesh>& meshes, const Basis& basis, const AttachOptions& options,
@@ -27,7 +27,9 @@ Json to_json(const std::vector<AttachedMesh>& meshes);
 
 // After a training: attaches the character's further meshes, where its file has any, and writes them beside the basis.
 // The basis is there by then: whatever is wrong is a warning. `unit`: that of the character, 0 for metres.
-std::vector<AttachedMesh> attach_own_meshes(const std::filesystem::path& character, double unit, const Basis& basis,
+// `skin_vertices`: of the character's own skin, by which it is known, for a proxy has fewer.
+std::vector<AttachedMesh> attach_own_meshes(const std::filesystem::path& character, double unit,
+                                            std::size_t skin_vertices, const Basis& basis,
                                             const std::filesystem::path& basis_path);
 
 // What rides on the skin, frame by frame, as one point cache per mesh: shot.pc2, shot.<mesh>.pc2.

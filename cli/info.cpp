@@ -119,7 +119,7 @@ Json basis_info(const std::string& path) {
   if (const Json table = levels_info(levels); !table.empty()) result["levels"] = table;
   for (const TradeOffPoint& point : read_curve(basis)) result["curve"].push_back(to_json(point));
   if (const std::filesystem::path beside = attachments_beside(path); std::filesystem::exists(beside)) {
-    result["attached"] = cli::to_json(load_attachments(beside, basis).meshes);
+    result["attached"] = cli::to_json(load_attachments(beside, basis, path).meshes);
   }
   return result;
 }

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "cli/attachments.h"
 #include "cli/common.h"
 #include "cli/level_table.h"
 #include "runtime/basis/error.h"
@@ -26,7 +27,8 @@ struct ProxyArguments {
 
 struct Source {
   SampleSet set;
-  double unit = 0;  // that the character was read with
+  std::filesystem::path character;  // its file
+  double unit = 0;                  // that it was read with
 };
 
 Source dataset_source(const ProxyArguments& arguments) {
@@ -39,7 +41,7 @@ Source dataset_source(const ProxyArguments& arguments) {
   const Dataset dataset = read_dataset(path);
   const std::string mismatch = first_problem(check_dataset(dataset), path);
   if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
-  return {read_samples(dataset), dataset.unit};
+  return {read_samples(dataset), dataset.folder / dataset.character, dataset.unit};
 }
 
 Source basis_source(const ProxyArguments& arguments) {
@@ -59,7 +61,7 @@ Source basis_source(const ProxyArguments& arguments) {
   }
   SampleSet set = taught_samples(character, muscles, teacher, poses_of(clip, frames), frames);
   set.notes = character.notes;
-  return {std::move(set), unit};
+  return {std::move(set), arguments.character, unit};
 }
 
 void run(ProxyArguments arguments) {
@@ -76,10 +78,17 @@ void run(ProxyArguments arguments) {
   say(notes);
   for (Level& level : levels) keep_unit(level.basis, source.unit);
   save_levels(levels, arguments.out);
+  const std::vector<AttachedMesh> attached = attach_own_meshes(
+      source.character, source.unit, source.set.character.output_count(), levels.front().basis, arguments.out);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Json table = levels_info(levels);
-  arguments.json.emit({{"proxy", arguments.out}, {"seconds", seconds}, {"levels", table}, {"notes", notes}},
-                      level_table(table) + format("wrote %s in %.1f s\n", arguments.out.c_str(), seconds));
+  arguments.json.emit(
+      {{"proxy", arguments.out},
+       {"seconds", seconds},
+       {"levels", table},
+       {"attached", to_json(attached)},
+       {"notes", notes}},
+      describe(attached) + level_table(table) + format("wrote %s in %.1f s\n", arguments.out.c_str(), seconds));
 }
 
 }  // namespace
@@ -93,14 +102,17 @@ void add_proxy(CLI::App& app) {
       ->type_name("DATASET|BASIS");
   add_output(verb, arguments->out, ".safetensors", "Levels to write: a basis, the first level, and the others");
   verb.add_option("--error", arguments->errors_mm,
-                  "What the skin of each level may be off, mm (default: 1/600, 1/300 and 1/150 of the size)")
+                  "What the skin of each level may be off, mm (default: 1/500, 1/250 and 1/125 of the size)")
       ->type_name("MM")
       ->check(CLI::PositiveNumber)
       ->expected(1, static_cast<int>(kMostLevels));
   verb.add_option("--character", arguments->character, "The basis' character (.glb, .gltf)")->type_name("CHARACTER");
   verb.add_option("--muscles", arguments->muscles, "The basis' muscles (muscles.json)")->type_name("FILE");
   arguments->clip.add(verb);
-  verb.get_option("--clip")->required(false);
+  CLI::Option* clip = verb.get_option("--clip")->required(false);
+  for (const char* of_clip : {"--frames", "--fps", "--first-frame", "--controls"}) {
+    verb.get_option(of_clip)->needs(clip);
+  }
   verb.add_option("--seed", arguments->options.train.seed, "Seed of every random choice")->capture_default_str();
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

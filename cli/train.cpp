@@ -34,7 +34,7 @@ void run_ddm_only(const TrainArguments& arguments) {
   keep_unit(basis, arguments.unit);
   save_basis(basis, arguments.out);
   const std::vector<AttachedMesh> attached =
-      attach_own_meshes(arguments.ddm_only, arguments.unit, basis, arguments.out);
+      attach_own_meshes(arguments.ddm_only, arguments.unit, character.output_count(), basis, arguments.out);
   const double per_vertex = bytes_per_vertex(basis);
   arguments.json.emit({{"basis", arguments.out},
                        {"vertices", basis.mesh.vertex_count()},
@@ -105,8 +105,8 @@ void run(TrainArguments arguments) {
   const double preparing = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Training training = train_and_measure(set, arguments.options, arguments.ablate, dataset.unit, arguments.out);
   const Basis& basis = training.basis;
-  const std::vector<AttachedMesh> attached =
-      attach_own_meshes(dataset.folder / dataset.character, dataset.unit, basis, arguments.out);
+  const std::vector<AttachedMesh> attached = attach_own_meshes(dataset.folder / dataset.character, dataset.unit,
+                                                               set.character.output_count(), basis, arguments.out);
   const double seconds = preparing + training.seconds;
 
   const double per_vertex = bytes_per_vertex(basis);

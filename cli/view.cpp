@@ -1,5 +1,9 @@
 // bodyopt view: the animators' viewport.
+#include <set>
+#include <sstream>
+
 #include "cli/common.h"
+#include "proxy_viewer/commands.h"
 #include "proxy_viewer/viewer.h"
 #include "runtime/basis/error.h"
 
@@ -8,17 +12,23 @@ namespace {
 
 struct ViewArguments {
   ViewerOptions options;
-  std::string basis, truth;
-  std::vector<std::string> files;
   std::vector<std::uint32_t> size;
   bool no_vsync = false;
 };
 
+// Does the script leave a file?
+bool writes(const std::string& script) {
+  const std::set<std::string> writing = {"screenshot", "sequence", "turntable", "save-state"};
+  for (const std::string& command : script_commands(script)) {
+    std::string name;
+    std::istringstream(command) >> name;
+    if (writing.contains(name)) return true;
+  }
+  return false;
+}
+
 void run(const ViewArguments& arguments) {
   ViewerOptions options = arguments.options;
-  options.files = {arguments.basis};
-  options.files.insert(options.files.end(), arguments.files.begin(), arguments.files.end());
-  if (!arguments.truth.empty()) options.files.push_back(arguments.truth);
   if (!arguments.size.empty()) {
     options.width = arguments.size[0];
     options.height = arguments.size[1];
@@ -26,6 +36,11 @@ void run(const ViewArguments& arguments) {
   options.vsync = !arguments.no_vsync;
   if (!options.out.empty() && !options.headless) {
     throw Error(ErrorKind::usage, "-o writes pictures without a window: it needs --headless");
+  }
+  if (options.headless && options.out.empty() && !writes(options.commands)) {
+    throw Error(ErrorKind::usage,
+                "--headless shows nothing: give it -o FILE.png, or --do with a command that writes, as screenshot or "
+                "sequence");
   }
   options.device.require_device = true;
   run_viewer(options);
@@ -37,10 +52,14 @@ void add_view(CLI::App& app) {
   auto arguments = std::make_shared<ViewArguments>();
   ViewerOptions& options = arguments->options;
   CLI::App& verb = *app.add_subcommand("view", "The animators' viewport");
-  verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
-  verb.add_option("files", arguments->files, "Its clip and point cache; more bases, each followed by its own")
-      ->type_name("CLIP");
-  verb.add_option("--truth", arguments->truth, "Point cache to compare with")->type_name("CACHE")->check(refuse_empty);
+  verb.add_option("files", options.files,
+                  "Basis (.safetensors), or character (.glb, .gltf) by Direct Delta Mush, its clip and point cache; "
+                  "then others, each followed by its own (default: the built-in arm)")
+      ->type_name("BASIS|CHARACTER [CLIP]")
+      ->check(refuse_empty);
+  verb.add_option("--truth", options.truth, "Point cache to compare the first character with")
+      ->type_name("CACHE")
+      ->check(refuse_empty);
   verb.add_option("--proxy", options.proxy, "Lighter levels of the first basis, which `proxy` made of it")
       ->type_name("BASIS")
       ->check(refuse_empty);
@@ -62,14 +81,16 @@ void add_view(CLI::App& app) {
       ->check(refuse_empty);
   verb.add_option("--state", options.state, "Cameras and settings that the viewport saved")->type_name("FILE");
   verb.add_option("--do", options.commands, "Commands of the viewport, parted by ';'")->type_name("COMMANDS");
+  add_unit(verb, options.clip.unit);
   verb.add_option("--live", options.live_port, "Show poses that another program sends to this UDP port of 127.0.0.1")
       ->type_name("PORT");
   verb.add_flag("--no-vsync", arguments->no_vsync, "As many pictures a second as there can be");
   verb.add_option("--seconds", options.seconds, "Close after so long")->check(CLI::PositiveNumber);
   verb.add_flag("--headless", options.headless, "Without a window");
   verb.add_option("-o,--out", options.out,
-                  "With --headless: a picture (.png), or one per frame where the name has ####")
-      ->type_name("FILE.png")
+                  "With --headless: a picture (.png), one per frame where the name has #### or %04d, or all frames in "
+                  "one that moves (.webp)")
+      ->type_name("FILE")
       ->check(refuse_empty);
   verb.add_option("--device", options.device.name, "Vulkan device: auto, an index or part of a name (default: auto)");
   verb.add_flag("--validate", options.device.validation, "With Vulkan's validation layers: any message is an error");

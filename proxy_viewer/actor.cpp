@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "proxy_viewer/euler_angles.h"
+#include "proxy_viewer/open_character.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/error.h"
 #include "runtime/carry_skin.h"
@@ -47,7 +48,8 @@ fs::path ActorFiles::dynamics() const { return fs::path(basis).replace_extension
 fs::path ActorFiles::attached() const { return fs::path(basis).replace_extension(".attached.safetensors"); }
 
 std::vector<fs::path> ActorFiles::paths() const {
-  std::vector<fs::path> all = {dynamics(), attached()};
+  std::vector<fs::path> all;
+  if (is_basis(basis)) all = {dynamics(), attached()};
   for (const std::string& file : {basis, split_source(clip).path.string(), truth, proxy, character}) {
     if (!file.empty()) all.emplace_back(file);
   }
@@ -56,21 +58,28 @@ std::vector<fs::path> ActorFiles::paths() const {
 
 Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& files, const ClipOptions& options)
     : device_(std::move(device)), files_(files), clip_options_(options) {
-  std::vector<Level> levels = load_levels(files.basis);
+  OpenedCharacter opened = open_character(files.basis, options);
+  notes_ = std::move(opened.notes);
+  Attachments attached = std::move(opened.attached);
   std::optional<Dynamics> dynamics;
-  if (fs::exists(files.dynamics())) dynamics = load_dynamics(files.dynamics(), levels.front().basis);
-  for (Level& level : levels) {
+  if (is_basis(files.basis)) {
+    const Basis& basis = opened.levels.front().basis;
+    if (fs::exists(files.dynamics())) dynamics = load_dynamics(files.dynamics(), basis);
+    if (fs::exists(files.attached())) attached = load_attachments(files.attached(), basis, files.basis);
+  }
+  for (Level& level : opened.levels) {
     details_.push_back(std::make_unique<Detail>(device_, std::move(level), std::exchange(dynamics, std::nullopt)));
   }
   if (!files.proxy.empty()) add_proxy(files.proxy);
   if (!files.character.empty()) {
     linear_blend_ = std::make_unique<LinearBlend>(files.character, finest().basis(), kept_unit(finest().basis()));
+  } else if (opened.character) {
+    linear_blend_ = std::make_unique<LinearBlend>(std::move(*opened.character));
   }
-  if (fs::exists(files.attached())) {
-    worn_ =
-        std::make_unique<WornMeshes>(*device_, finest().basis(), load_attachments(files.attached(), finest().basis()));
+  if (!attached.meshes.empty()) {
+    worn_ = std::make_unique<WornMeshes>(*device_, finest().basis(), std::move(attached));
   }
-  clip_ = bind_clip(finest().basis());
+  clip_ = opened.clip ? std::move(*opened.clip) : bind_clip(finest().basis());
   size_ = diagonal(finest().basis().mesh.rest);
   if (!files.truth.empty()) open_truth(files.truth);
   if (files.clip.empty()) {
@@ -96,7 +105,7 @@ void Actor::add_proxy(const std::string& path) {
   }
 }
 
-std::string Actor::name() const { return fs::path(files_.basis).stem().string(); }
+std::string Actor::name() const { return files_.basis.empty() ? "arm" : fs::path(files_.basis).stem().string(); }
 
 bool Actor::has(SkinMethod method) const {
   if (method == SkinMethod::jiggle) return shown().jiggles();
@@ -163,10 +172,15 @@ const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses
     return hosted_;
   }
   if (method == SkinMethod::proxy) return carry_proxy(poses.first(1), frame, weights);
-  const bool carries = worn_ && (method == SkinMethod::full || method == SkinMethod::jiggle);
+  const bool carries = worn() && (method == SkinMethod::full || method == SkinMethod::jiggle);
   const Evaluation& result = details_[level_]->evaluate(method, poses, frame, weights, carries);
   if (carries) worn_->carry(full_skin(shown(), result), poses[0].joints);
   return result;
+}
+
+// A proxy that stands alone carries the full skin, not that of its own finest level, which its meshes ride on.
+bool Actor::has_worn_skin() const {
+  return level_ == 0 || shown().level().carried.size() == finest().basis().mesh.output_count();
 }
 
 // O x 3 of the finest level, of the first frame.

@@ -23,10 +23,11 @@
 
 namespace bodyopt {
 
-// The files of a character; what is empty is none. Dynamics and attached geometry: those beside the basis, where there
-// are any.
+// The files of a character; what is empty is none. Dynamics and attached geometry: those beside a trained basis, where
+// there are any.
 struct ActorFiles {
-  std::string basis, clip{}, truth{}, proxy{};
+  std::string basis;  // as open_character() takes it
+  std::string clip{}, truth{}, proxy{};
   std::string character{};  // for linear blending
 
   std::filesystem::path dynamics() const;
@@ -42,6 +43,7 @@ class Actor {
 
   const ActorFiles& files() const { return files_; }
   std::string name() const;
+  const std::vector<std::string>& notes() const { return notes_; }  // of opening it, for the user
   // Of the level that is shown. Joints and controls are the same for all.
   const Detail& shown() const { return *details_[level_]; }
   Detail& shown() { return *details_[level_]; }
@@ -65,7 +67,7 @@ class Actor {
   const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights);
   void reset_jiggle();  // which starts anew with the next frame
   // What it wears, on the skin evaluated last by the method that is carried along: full or jiggle; null: nothing.
-  const WornMeshes* worn() const { return worn_.get(); }
+  const WornMeshes* worn() const { return has_worn_skin() ? worn_.get() : nullptr; }
   // Of the last evaluation by the method.
   DeviceSkin skin(SkinMethod method) const;
 
@@ -90,6 +92,7 @@ class Actor {
   Detail& finest() { return *details_.front(); }
   const Detail& finest() const { return *details_.front(); }
   void add_proxy(const std::string& path);
+  bool has_worn_skin() const;
   std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation) const;
   const Evaluation& carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights);
   HostedSkin upload_output(std::span<const float> points) const;
@@ -100,6 +103,7 @@ class Actor {
   std::shared_ptr<const vulkan::Device> device_;
   ActorFiles files_;
   ClipOptions clip_options_;
+  std::vector<std::string> notes_;
   std::vector<std::unique_ptr<Detail>> details_;  // finest first; all but the first are proxies
   std::size_t level_ = 0;
   Clip clip_;

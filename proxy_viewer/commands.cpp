@@ -436,7 +436,7 @@ const Command kCommands[] = {
      [](Controls& c, const std::string& a) { c.requests.turntable = a; }},
     {"sequence", "FILE.####.png", "", "File", "a picture of every frame of the range; .webp: one that moves",
      [](Controls& c, const std::string& a) { c.requests.sequence = a; }},
-    {"open", "FILE", "", "File", "a basis, clip or point cache",
+    {"open", "FILE", "", "File", "a basis, character, clip or point cache",
      [](Controls& c, const std::string& a) { c.requests.open.push_back(a); }},
     {"reload", "", "F5", "File", "read all files again", [](Controls& c, const std::string&) { c.requests.reload = true; }},
     {"save-state", "FILE.json", "", "File", "cameras and settings",

@@ -30,7 +30,7 @@ CharacterRow describe(const Actor& character) {
   CharacterRow row;
   row.name = character.name();
   row.basis = character.files().basis;
-  row.clip = character.files().clip.empty() ? "" : character.clip().name;
+  row.clip = character.clip().name;
   row.truth = character.files().truth;
   row.vertices = mesh.vertex_count();
   row.triangles = static_cast<std::uint32_t>(mesh.triangles.size() / 3);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <utility>
 #include <vector>
 
 #include "runtime/basis/basis.h"
@@ -15,6 +16,7 @@ class LinearBlend {
   // `unit`: metres per unit of the file, 0 for metres. Throws as read_character, and Error(mismatch) for another
   // character.
   LinearBlend(const std::filesystem::path& path, const Basis& basis, double unit);
+  explicit LinearBlend(Character character) : character_(std::move(character)) {}
 
   // O x 3, the output vertices, metres, world.
   std::vector<float> skin(const Pose& pose) const;

@@ -6,6 +6,7 @@
 
 #include "proxy_viewer/describe_scene.h"
 #include "proxy_viewer/joint_ranges.h"
+#include "proxy_viewer/open_character.h"
 #include "runtime/basis/error.h"
 #include "trainer/dataset/clip_source.h"
 
@@ -24,32 +25,59 @@ bool has_extension(const std::string& file, std::initializer_list<const char*> e
 Session::Session(std::shared_ptr<const vulkan::Device> device, const ViewerOptions& options)
     : scene(device), options_(options), device_name_(device->info().name), watched_({}) {}
 
+std::vector<std::string> Session::open_first() {
+  const std::string file = options_.files.empty() ? "" : options_.files.front();
+  if (fs::exists(file) && !is_character(file)) {
+    throw Error(ErrorKind::usage,
+                file +
+                    ": a basis (.safetensors) or a character (.glb, .gltf) must come before its clips "
+                    "and caches");
+  }
+  std::vector<std::string> notes = add({.basis = file, .proxy = options_.proxy, .character = options_.character});
+  describe_cast();
+  watch();
+  return notes;
+}
+
 std::vector<std::string> Session::open(const std::string& file) {
   std::vector<std::string> notes;
-  if (has_extension(file, {".safetensors"})) {
-    const bool first = scene.empty();
-    scene.add({.basis = file, .proxy = first ? options_.proxy : "", .character = first ? options_.character : ""},
-              options_.clip);
-  } else if (scene.empty()) {
-    throw Error(ErrorKind::usage, file + ": a basis (.safetensors) must come before its clips and caches");
+  Actor& last = *scene.cast().back();
+  if (is_character(file)) {
+    notes = add({.basis = file});
   } else if (has_extension(file, {".glb", ".gltf", ".bvh"})) {
-    Actor& last = *scene.cast().back();
     last.open_clip(file);
     notes = last.clip().notes;
     if (scene.cast().size() == 1) play_clip();
   } else if (has_extension(file, {".pc2"})) {
-    scene.cast().back()->open_truth(file);
-    controls.settings.compare.with = CompareWith::truth;
+    open_truth(last, file);
   } else if (has_extension(file, {".json"})) {
     load_state(file);
   } else {
     throw Error(ErrorKind::usage, file +
-                                      ": expected a basis (.safetensors), a clip (.glb, .gltf, .bvh), a point "
-                                      "cache (.pc2) or a state (.json)");
+                                      ": expected a basis (.safetensors), a character (.glb, .gltf), a clip "
+                                      "(.glb, .gltf, .bvh), a point cache (.pc2) or a state (.json)");
   }
   describe_cast();
   watch();
   return notes;
+}
+
+void Session::open_truth(Actor& character, const std::string& file) {
+  character.open_truth(file);
+  controls.settings.compare.with = CompareWith::truth;
+  describe_cast();
+  watch();
+}
+
+bool Session::is_character(const std::string& file) const {
+  if (has_extension(file, {".safetensors"})) return true;
+  if (!has_extension(file, {".glb", ".gltf"})) return false;
+  return is_another_character(file, scene.empty() ? Skeleton{} : scene.cast().back()->basis().skeleton);
+}
+
+std::vector<std::string> Session::add(const ActorFiles& files) {
+  scene.add(files, options_.clip);
+  return scene.cast().back()->notes();
 }
 
 void Session::reload() {

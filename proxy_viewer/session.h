@@ -23,9 +23,13 @@ class Session {
   Controls controls;
   Snapshot snapshot;
 
-  // A basis, or what belongs to the last of them: a clip, a truth; or a state. By its extension. Gives what is to be
-  // said of it. Throws Error(usage), and as the readers do; what was there stays.
+  // The first of the options' files, which must be a basis or a character, or the built-in arm where there is none.
+  // Gives what is to be said of it. Throws Error(usage), and as the readers do.
+  std::vector<std::string> open_first();
+  // A basis or character, or what belongs to the last of them: a clip, a truth; or a state. By its extension. What was
+  // there stays where it throws.
   std::vector<std::string> open(const std::string& file);
+  void open_truth(Actor& character, const std::string& file);
   void reload();
   // Whether files have changed and are whole; `now`: seconds, of any clock.
   bool files_have_changed(double now) { return !watched_.changed(now).empty(); }
@@ -43,6 +47,8 @@ class Session {
   void describe_picture();
 
  private:
+  bool is_character(const std::string& file) const;
+  std::vector<std::string> add(const ActorFiles& files);
   void apply_settings();
   void describe_cast();
   void watch();

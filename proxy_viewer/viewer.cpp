@@ -62,7 +62,7 @@ class Viewer {
       window_->on_key = [this](const std::string& key, KeyEvent event) { on_key(key, event); };
     }
     controls_.panels = controls_.settings.hud.on = !options.headless;
-    open(options.files.at(0));  // without it there is nothing to see
+    open_first();
     for (std::size_t k = 1; k < options.files.size(); ++k) attempt([&] { open(options.files[k]); });
     gui_.attach(*device_, viewport_.panel_pass(), window_ ? window_->handle() : nullptr);
     begin();
@@ -118,9 +118,20 @@ class Viewer {
     pending_pictures_ = 2;
   }
 
+  // Without the first there is nothing to see.
+  void open_first() {
+    for (const std::string& note : session_.open_first()) warn(note);
+    if (!options_.truth.empty()) attempt([&] { session_.open_truth(scene_.lead(), options_.truth); });
+    set_title();
+  }
+
   void open(const std::string& file) {
     errors_.forget();
     for (const std::string& note : session_.open(file)) warn(note);
+    set_title();
+  }
+
+  void set_title() {
     if (window_) window_->set_title(scene_.lead().name() + " \xe2\x80\x93 Bodyopt");
   }
 

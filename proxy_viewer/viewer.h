@@ -12,9 +12,11 @@
 namespace bodyopt {
 
 struct ViewerOptions {
-  std::vector<std::string> files;  // bases, each followed by its clip and point cache; by what they hold
-  ClipOptions clip;
+  // Bases or characters, each followed by its clip and point cache; by what they hold. None: the built-in arm.
+  std::vector<std::string> files;
+  ClipOptions clip;                         // its unit: of characters that are no basis, too
   std::optional<int> first, last, current;  // frames
+  std::string truth;                        // of the first character: a point cache
   std::string proxy;                        // of the first basis: its coarser levels of detail
   std::string character;                    // of the first basis: for linear blending
   std::string limits;                       // of joints, for their sliders

@@ -18,7 +18,8 @@ void normalise(float* v) {
 CarryFrame carry_frame(const MeshTable& mesh, std::span<const float> positions, std::span<const float> normals,
                        const CarriedPoint& point) {
   const std::uint32_t* corners = mesh.output_triangles.data() + 3 * std::size_t{point.triangle};
-  const float weights[] = {1.0f - point.b - point.c, point.b, point.c};
+  constexpr float kUnit = 1.0f / 255;
+  const float weights[] = {1.0f - kUnit * (point.b + point.c), kUnit * point.b, kUnit * point.c};
   CarryFrame frame{};
   for (int k = 0; k < 3; ++k) {
     const float *x = positions.data() + 3 * std::size_t{corners[k]}, *n = normals.data() + 3 * std::size_t{corners[k]};
@@ -40,8 +41,8 @@ CarryFrame carry_frame(const MeshTable& mesh, std::span<const float> positions, 
   return frame;
 }
 
-std::vector<float> carry_skin(const MeshTable& mesh, std::span<const CarriedPoint> carried,
-                              std::span<const float> positions, std::span<const float> normals) {
+std::vector<float> carry_skin(const MeshTable& mesh, const CarriedSkin& carried, std::span<const float> positions,
+                              std::span<const float> normals) {
   const std::size_t stride = 3 * std::size_t{mesh.output_count()};
   const std::size_t frames = stride == 0 ? 0 : positions.size() / stride;
   std::vector<float> full(3 * frames * carried.size());
@@ -49,11 +50,13 @@ std::vector<float> carry_skin(const MeshTable& mesh, std::span<const CarriedPoin
   for (std::size_t f = 0; f < frames; ++f) {
     const auto x = positions.subspan(f * stride, stride), normal = normals.subspan(f * stride, stride);
     for (std::size_t p = 0; p < carried.size(); ++p) {
-      const CarriedPoint& point = carried[p];
+      const CarriedPoint& point = carried.points[p];
       const CarryFrame frame = carry_frame(mesh, x, normal, point);
+      const float along_normal = carried.step * point.along_normal, along_edge = carried.step * point.along_edge,
+                  across = carried.step * point.across;
       for (std::size_t i = 0; i < 3; ++i) {
-        full[3 * (f * carried.size() + p) + i] = frame.position[i] + point.along_normal * frame.normal[i] +
-                                                 point.along_edge * frame.edge[i] + point.across * frame.across[i];
+        full[3 * (f * carried.size() + p) + i] =
+            frame.position[i] + along_normal * frame.normal[i] + along_edge * frame.edge[i] + across * frame.across[i];
       }
     }
   }

@@ -19,9 +19,9 @@ CarryFrame carry_frame(const MeshTable& mesh, std::span<const float> positions, 
                        const CarriedPoint& point);
 
 // positions, normals F x O x 3 of a level's output vertices, as an Evaluation has them; its mesh, and where it carries
-// the full skin (Level::carried) -> F x P x 3, metres, posed: every output vertex of the full character. Exact at rest
-// and under rigid motion.
-std::vector<float> carry_skin(const MeshTable& mesh, std::span<const CarriedPoint> carried,
-                              std::span<const float> positions, std::span<const float> normals);
+// the full skin (Level::carried) -> F x P x 3, metres, posed: every output vertex of the full character. At rest and
+// under rigid motion it is exact to half a step along each axis of the frame.
+std::vector<float> carry_skin(const MeshTable& mesh, const CarriedSkin& carried, std::span<const float> positions,
+                              std::span<const float> normals);
 
 }  // namespace bodyopt

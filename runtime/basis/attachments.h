@@ -44,13 +44,15 @@ std::string attachment_name(const std::string& name);
 
 // Checks every count, index, number and name. Throws Error(file) whose text starts with `origin`.
 void validate(const Attachments& attachments, const std::string& origin);
-// The same, and that they belong to the basis. Throws Error(file), Error(mismatch).
-void validate(const Attachments& attachments, const Basis& basis, const std::string& origin);
+// The same, and that they belong to the basis, which is called `basis_name`. Throws Error(file), Error(mismatch).
+void validate(const Attachments& attachments, const Basis& basis, const std::string& origin,
+              const std::string& basis_name = "this basis");
 
 // Safetensors, as save_basis. Throws Error(file).
 void save_attachments(const Attachments& attachments, const std::filesystem::path& path);
 // Checked, against the basis where there is one. Throws Error(file), Error(mismatch).
 Attachments load_attachments(const std::filesystem::path& path);
-Attachments load_attachments(const std::filesystem::path& path, const Basis& basis);
+Attachments load_attachments(const std::filesystem::path& path, const Basis& basis,
+                             const std::string& basis_name = "this basis");
 
 }  // namespace bodyopt

@@ -87,9 +87,9 @@ Attachments load_attachments(const std::filesystem::path& path) {
   return attachments;
 }
 
-Attachments load_attachments(const std::filesystem::path& path, const Basis& basis) {
+Attachments load_attachments(const std::filesystem::path& path, const Basis& basis, const std::string& basis_name) {
   Attachments attachments = load_attachments(path);
-  validate(attachments, basis, path.string());
+  validate(attachments, basis, path.string(), basis_name);
   return attachments;
 }
 

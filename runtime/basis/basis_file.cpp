@@ -14,7 +14,7 @@ namespace bodyopt {
 namespace {
 
 constexpr const char* kSchema = "bodyopt-basis-2";
-constexpr const char* kCarried = "carried.points";
+constexpr const char *kCarried = "carried.points", *kCarriedStep = "carried.step";
 constexpr std::size_t kJointNumbers = 10 + 10 + 12;  // bind, default local, inverse bind
 
 // Applies `visit(name, array, values to a row)` to every array of the tables.
@@ -148,6 +148,16 @@ void add_tables(Safetensors& file, const Basis& basis, const std::string& prefix
   file.metadata[prefix + "controls"] = list_text(basis.residual.controls, path);
 }
 
+CarriedSkin read_carried(TableReader& reader, const std::string& prefix) {
+  CarriedSkin carried;
+  std::vector<float> step;
+  reader.read(prefix + kCarried, carried.points, 1);
+  reader.read(prefix + kCarriedStep, step, 1);
+  if (step.size() != 1) reader.refuse("tensor '" + prefix + kCarriedStep + "' is not of one number");
+  carried.step = step.front();
+  return carried;
+}
+
 void write(Safetensors& file, const std::filesystem::path& path) {
   file.metadata["schema"] = kSchema;
   file.metadata["checksum"] = content_checksum(file);
@@ -183,7 +193,9 @@ void save_levels(const std::vector<Level>& levels, const std::filesystem::path& 
   add_skeleton(file, levels.front().basis.skeleton, path);
   for (std::size_t k = 0; k < levels.size(); ++k) {
     add_tables(file, levels[k].basis, prefix_of(k), path);
-    file.tensors[prefix_of(k) + kCarried] = tensor_from(levels[k].carried, 1);
+    if (levels[k].carried.empty()) continue;
+    file.tensors[prefix_of(k) + kCarried] = tensor_from(levels[k].carried.points, 1);
+    file.tensors[prefix_of(k) + kCarriedStep] = tensor_from(std::vector<float>{levels[k].carried.step}, 1);
   }
   write(file, path);
 }
@@ -203,7 +215,9 @@ std::vector<Level> load_levels(const std::filesystem::path& path) {
     basis.strain.names = strings(reader, prefix + "fibre_names", path);
     basis.residual.controls = strings(reader, prefix + "controls", path);
     basis.metadata = metadata_of(file, k, levels.size());
-    if (file.tensors.contains(prefix + kCarried)) reader.read(prefix + kCarried, levels[k].carried, 1);
+    if (file.tensors.contains(prefix + kCarried) || file.tensors.contains(prefix + kCarriedStep)) {
+      levels[k].carried = read_carried(reader, prefix);
+    }
   }
   reader.refuse_unknown_tensors();
   validate(levels, path.string());

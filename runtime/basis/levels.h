@@ -13,18 +13,29 @@ namespace bodyopt {
 
 constexpr std::size_t kMostLevels = 16;
 
-// A vertex of the full skin on a triangle of a level: the point at the barycentric weights (1 - b - c, b, c) of its
-// corners, and from there, in the frame of runtime/carry_skin.h, an offset that is the same in every pose.
+// A vertex of the full skin on a triangle of a level: the point at the barycentric weights (255 - b - c, b, c) / 255 of
+// its corners, and from there, in the frame of runtime/carry_skin.h, an offset that is the same in every pose. As the
+// offset begins where the rounded weights are, these cost no accuracy.
 struct CarriedPoint {
-  std::uint32_t triangle = 0;        // of the level's mesh.output_triangles
-  float b = 0, c = 0;                // >= 0, sum 1 at most
-  float along_normal = 0;            // metres
-  float along_edge = 0, across = 0;  // metres
+  std::uint32_t triangle = 0;               // of the level's mesh.output_triangles
+  std::uint8_t b = 0, c = 0;                // sum 255 at most
+  std::int16_t along_normal = 0;            // steps
+  std::int16_t along_edge = 0, across = 0;  // steps
+};
+static_assert(sizeof(CarriedPoint) == 12);
+
+struct CarriedSkin {
+  std::vector<CarriedPoint> points;  // of every output vertex of the full character
+  float step = 0;                    // of the offsets, metres
+
+  bool empty() const { return points.empty(); }
+  std::size_t size() const { return points.size(); }
+  std::size_t bytes() const { return points.size() * sizeof(CarriedPoint); }
 };
 
 struct Level {
   Basis basis;
-  std::vector<CarriedPoint> carried;  // of every output vertex of the full character; empty in an ordinary basis
+  CarriedSkin carried;  // empty in an ordinary basis
 };
 
 // Checks each basis, every number of the maps, and that the levels are of one character: the same skeleton, controls

@@ -14,6 +14,12 @@ constexpr std::size_t kMostVertices = std::size_t{1} << 26;  // of one mesh
 // Of the basis' extent: an anchor stands no further from where the rest skin carries it.
 constexpr double kSamePlace = 1e-4;
 
+[[noreturn]] void refuse_owner(const std::string& origin, const std::string& basis_name, const std::string& what) {
+  throw Error(ErrorKind::mismatch, origin + ": is not attached to " + basis_name + ": " + what +
+                                       " (another character, or edited since? Remove the file and attach the meshes "
+                                       "anew)");
+}
+
 // What a mesh is by itself.
 class MeshValidator : TableChecks {
  public:
@@ -57,8 +63,9 @@ class MeshValidator : TableChecks {
 // What a mesh is on a basis.
 class BindingValidator : TableChecks {
  public:
-  BindingValidator(const AttachedMesh& mesh, const Basis& basis, const std::string& origin)
-      : TableChecks(origin), mesh_(mesh), basis_(basis), origin_(origin) {
+  BindingValidator(const AttachedMesh& mesh, const Basis& basis, const std::string& origin,
+                   const std::string& basis_name)
+      : TableChecks(origin), mesh_(mesh), basis_(basis), origin_(origin), basis_name_(basis_name) {
     const std::vector<float>& rest = basis.mesh.rest;
     const auto [low, high] = std::minmax_element(rest.begin(), rest.end());
     if (!rest.empty()) tolerance_ = kSamePlace * static_cast<double>(*high - *low);
@@ -94,31 +101,26 @@ class BindingValidator : TableChecks {
              static_cast<double>(point.wc) * rest(point.c);
       }
       if (std::abs(x / count - static_cast<double>(centre[i])) <= tolerance_) continue;
-      throw Error(ErrorKind::mismatch, origin_ +
-                                           ": is not attached to this basis: its skin stands elsewhere at rest "
-                                           "(another character, or edited since? Remove the file and attach "
-                                           "the meshes anew)");
+      refuse_owner(origin_, basis_name_, "its skin stands elsewhere at rest");
     }
   }
 
   const AttachedMesh& mesh_;
   const Basis& basis_;
-  const std::string& origin_;
+  const std::string &origin_, &basis_name_;
   double tolerance_ = 0;     // metres
   std::vector<bool> shown_;  // V: is among the output vertices
 };
 
-void expect_owner(const Attachments& attachments, const char* key, std::uint64_t hash, const char* what,
-                  const std::string& origin) {
+void expect_owner(const Attachments& attachments, const char* key, std::uint64_t hash, const std::string& what,
+                  const std::string& origin, const std::string& basis_name) {
   const auto found = attachments.metadata.find(key);
   if (found == attachments.metadata.end()) {
     throw Error(ErrorKind::file,
                 origin + ": its metadata lack '" + key + "' (damaged, or made by a defective program)");
   }
   if (found->second == hexadecimal(hash)) return;
-  throw Error(ErrorKind::mismatch, origin + ": is not attached to this basis: the " + what +
-                                       " is another (another character, or edited since? Remove the file and attach "
-                                       "the meshes anew)");
+  refuse_owner(origin, basis_name, "the " + what + " is another");
 }
 
 std::string origin_of(const AttachedMesh& mesh, const std::string& origin) {
@@ -153,12 +155,14 @@ void validate(const Attachments& attachments, const std::string& origin) {
   }
 }
 
-void validate(const Attachments& attachments, const Basis& basis, const std::string& origin) {
+void validate(const Attachments& attachments, const Basis& basis, const std::string& origin,
+              const std::string& basis_name) {
   validate(attachments, origin);
-  expect_owner(attachments, "topology_hash", topology_hash(basis.mesh), "mesh", origin);
-  expect_owner(attachments, "skeleton_hash", skeleton_hash(basis.skeleton), "skeleton", origin);
+  expect_owner(attachments, "topology_hash", topology_hash(basis.mesh), "mesh", origin, basis_name);
+  expect_owner(attachments, "skeleton_hash", skeleton_hash(basis.skeleton), "skeleton", origin, basis_name);
   for (const AttachedMesh& mesh : attachments.meshes) {
-    BindingValidator(mesh, basis, origin_of(mesh, origin)).run();
+    const std::string where = origin_of(mesh, origin);
+    BindingValidator(mesh, basis, where, basis_name).run();
   }
 }
 

@@ -17,18 +17,19 @@ class LevelValidator : TableChecks {
 
   void check_carried(const Level& level) const {
     const std::size_t triangles = level.basis.mesh.output_triangles.size() / 3;
+    if (!(level.carried.step >= 0 && static_cast<double>(level.carried.step) * 32768 <= kLargest)) {
+      refuse("carried.step is " + std::to_string(level.carried.step) + " m, expected 0 to " +
+             std::to_string(kLargest / 32768));
+    }
     for (std::size_t k = 0; k < level.carried.size(); ++k) {
-      const CarriedPoint& point = level.carried[k];
+      const CarriedPoint& point = level.carried.points[k];
       if (point.triangle >= triangles) {
         refuse(element("carried.points", k) + " lies on triangle " + std::to_string(point.triangle) +
                ", expected an index below " + std::to_string(triangles));
       }
-      if (!(point.b >= 0 && point.c >= 0 && point.b + point.c <= 1 + kWeightTolerance)) {
+      if (point.b + point.c > 255) {
         refuse(element("carried.points", k) + " has the barycentric weights " + std::to_string(point.b) + " and " +
-               std::to_string(point.c) + ", expected 0 or more, 1 at most in all");
-      }
-      for (const float x : {point.along_normal, point.along_edge, point.across}) {
-        expect_number("carried.points", k, static_cast<double>(x));
+               std::to_string(point.c) + " of 255, expected 255 at most in all");
       }
     }
   }

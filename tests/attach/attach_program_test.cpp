@@ -71,6 +71,50 @@ TEST_F(Attach, TrainAttachesWhatHangsOnTheCharactersJointsAndEvalCarriesIt) {
   }
 }
 
+// From shapes: the whole way of a character with an eye.
+TEST_F(Attach, TrainAndProxyOfADatasetAttachThemToo) {
+  const SampleSet set = limb_samples(40, 0);
+  Clip motion;
+  motion.name = "motion";
+  Pc2Writer writer(path("shapes.pc2"), set.character.output_count(), 40);
+  for (const Sample& sample : set.train) {
+    motion.poses.push_back(sample.pose);
+    writer.append(output_from_welded(set.character, sample.shape.read()));
+  }
+  writer.close();
+  write_clip(motion, set.character.skeleton, path("motion.glb"));
+  const std::string data = path("data"), clip = " --clip " + path("motion.glb");
+  expect(run_bodyopt("dataset add " + data + clip + " --shapes " + path("shapes.pc2") + " --character " +
+                     path("limb.glb")),
+         0, "");
+  const std::string attached = "attached eye, 56 vertices: 1 piece fixed to joint 'joint2'";
+  expect(run_bodyopt("train " + data + " --out " + path("full.safetensors")), 0, attached);
+  expect(run_bodyopt("proxy " + data + " --error 1 --out " + path("light.safetensors")), 0, attached);
+  expect(run_bodyopt("proxy " + path("full.safetensors") + clip + " --character " + path("limb.glb") +
+                     " --error 1 --out " + path("taught.safetensors")),
+         0, attached);
+  std::vector<std::vector<float>> eyes;
+  for (const char* name : {"full", "light", "taught"}) {
+    expect(run_bodyopt("eval " + path(std::string(name) + ".safetensors") + clip + " --device cpu --out " +
+                       path(std::string(name) + ".pc2")),
+           0, path(std::string(name) + ".eye.pc2"));
+    eyes.push_back(Pc2Reader(path(std::string(name) + ".eye.pc2")).read_sample(9));
+    // The eye, not the skin that a proxy replaces.
+    EXPECT_EQ(load_attachments(path(std::string(name) + ".attached.safetensors")).meshes.size(), 1u) << name;
+  }
+  const LooseMesh eye = sphere_at("", {0, 0, 0.52}, 0.008);
+  const Affine joint = skinning_matrices(set.character.skeleton, set.train[9].pose.joints)[2];
+  ASSERT_EQ(eyes[0].size(), 3 * eye.vertices.size());
+  for (std::size_t v = 0; v < eye.vertices.size(); ++v) {
+    const Vec3 expected = joint * eye.vertices[v];
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (const std::vector<float>& found : eyes) {
+        EXPECT_NEAR(static_cast<double>(found[3 * v + i]), expected[i], 1e-5);
+      }
+    }
+  }
+}
+
 TEST_F(Attach, MeshesAreAddedReplacedAndListed) {
   const std::string basis = path("limb.safetensors");
   expect(attach(prop(sleeve(0.008)) + " " + basis), 0, "1 piece following the skin, 8 to 8.8");
@@ -116,8 +160,24 @@ TEST_F(Attach, WhatDoesNotFitIsRefused) {
   expect(run_bodyopt("train --ddm-only " + path("longer.glb") + " --out " + path("longer.safetensors")), 0, "wrote");
   expect(run_bodyopt("eval " + path("longer.safetensors") + " --clip " + path("bend.glb") + " --device cpu --out " +
                      path("x.pc2") + " --attached " + path("limb.attached.safetensors")),
-         3, "is not attached to this basis");
+         3, "is not attached to");
   EXPECT_FALSE(std::filesystem::exists(path("x.pc2")));
+}
+
+// What an earlier character of that name left beside its basis.
+TEST_F(Attach, StaleAttachmentsBesideABasisAreRefusedByName) {
+  Character other = limb_character();
+  other.triangles.row(0).swap(other.triangles.row(1));
+  other.output_triangles = other.triangles;
+  write_character(other, path("other.glb"));
+  expect(attach(prop(sleeve(0.008)) + " " + path("limb.safetensors")), 0, "wrote");
+  expect(run_bodyopt("train --ddm-only " + path("other.glb") + " --out " + path("limb.safetensors")), 0, "wrote");
+  const std::string both =
+      path("limb.attached.safetensors") + ": is not attached to " + path("limb.safetensors") + ": the mesh is another";
+  expect(eval(), 3, both);
+  expect(attach(prop(blade()) + " " + path("limb.safetensors")), 3, both);
+  expect(run_bodyopt("info " + path("limb.safetensors")), 3, both);
+  EXPECT_FALSE(std::filesystem::exists(path("shot.pc2")));
 }
 
 }  // namespace

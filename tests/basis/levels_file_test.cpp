@@ -32,12 +32,12 @@ std::vector<Level> small_levels() {
   levels[1].basis.residual = bare;
   levels[0].basis.metadata["levels"] = "{}";
   levels[1].basis.metadata["note"] = "the second";
-  levels[0].carried = {{0, 0.25f, 0.5f, 0.01f, 0, -0.02f}, {17, 0, 0, 0, 0, 0}, {5, 1, 0, 0, 0.001f, 0}};
-  levels[1].carried = {{3, 0, 1, 0, 0, 0}, {2, 0.5f, 0.5f, -0.01f, 0, 0}, {9, 0, 0, 0, 0, 0}};
+  levels[0].carried = {{{0, 64, 127, 10000, 0, -20000}, {17, 0, 0, 0, 0, 0}, {5, 255, 0, 0, 1000, 0}}, 1e-6f};
+  levels[1].carried = {{{3, 0, 255, 0, 0, 0}, {2, 128, 127, -32768, 0, 0}, {9, 0, 0, 0, 0, 32767}}, 2e-6f};
   return levels;
 }
 
-bool same(const std::vector<CarriedPoint>& a, const std::vector<CarriedPoint>& b) { return same_bits(a, b); }
+bool same(const CarriedSkin& a, const CarriedSkin& b) { return same_bits(a.points, b.points) && a.step == b.step; }
 
 void read(const std::filesystem::path& path) { load_levels(path); }
 
@@ -84,14 +84,14 @@ TEST(LevelsFile, WhatDoesNotBelongTogetherIsNotWritten) {
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   expect("0 levels", [](auto& levels) { levels.clear(); });
   expect("17 levels", [](auto& levels) { levels.resize(17, levels[1]); });
-  expect("level 1: carried.points has 2 entries, expected 3", [](auto& levels) { levels[1].carried.pop_back(); });
-  expect("does not say where", [](auto& levels) { levels[0].carried.clear(); });
-  expect("carried.points[1] lies on triangle 400", [](auto& levels) { levels[0].carried[1].triangle = 400; });
-  expect("level 1: carried.points[0] has the barycentric", [](auto& levels) { levels[1].carried[0].b = 0.1f; });
-  expect("barycentric", [](auto& levels) { levels[0].carried[0].b = -0.1f; });
-  expect("barycentric", [](auto& levels) { levels[0].carried[0].c = kNaN; });
-  expect("carried.points[2]", [](auto& levels) { levels[0].carried[2].across = kNaN; });
-  expect("carried.points[2]", [](auto& levels) { levels[0].carried[2].along_edge = 1e30f; });
+  expect("level 1: carried.points has 2 entries, expected 3",
+         [](auto& levels) { levels[1].carried.points.pop_back(); });
+  expect("does not say where", [](auto& levels) { levels[0].carried = {}; });
+  expect("carried.points[1] lies on triangle 400", [](auto& levels) { levels[0].carried.points[1].triangle = 400; });
+  expect("level 1: carried.points[0] has the barycentric", [](auto& levels) { levels[1].carried.points[0].b = 1; });
+  expect("carried.step", [](auto& levels) { levels[0].carried.step = kNaN; });
+  expect("carried.step", [](auto& levels) { levels[0].carried.step = -1e-6f; });
+  expect("level 1: carried.step", [](auto& levels) { levels[1].carried.step = 1e30f; });
   expect("its skeleton or its controls", [](auto& levels) { levels[1].basis.skeleton.joints[1].name = "other"; });
   expect("its skeleton or its controls", [](auto& levels) { levels[1].basis.residual.controls[0] = "other"; });
   expect("level 1: mesh.rest", [](auto& levels) { levels[1].basis.mesh.rest[4] = kNaN; });
@@ -115,10 +115,21 @@ TEST(LevelsFile, MissingAndForeignTensorsAreRefused) {
          [](Safetensors& f) { f.tensors["level3.mesh.rest"] = f.tensors["mesh.rest"]; });
   expect("'level1.skeleton.parents' is not one",
          [](Safetensors& f) { f.tensors["level1.skeleton.parents"] = f.tensors["skeleton.parents"]; });
-  expect("does not say where", [](Safetensors& f) { f.tensors.erase("carried.points"); });
-  expect("level 1: carried.points has 0", [](Safetensors& f) { f.tensors.erase("level1.carried.points"); });
-  expect("'level1.carried.points' has a shape",
-         [](Safetensors& f) { f.tensors["level1.carried.points"].shape = {18}; });
+  expect("does not say where", [](Safetensors& f) {
+    f.tensors.erase("carried.points");
+    f.tensors.erase("carried.step");
+  });
+  expect("level 1: carried.points has 0", [](Safetensors& f) {
+    f.tensors.erase("level1.carried.points");
+    f.tensors.erase("level1.carried.step");
+  });
+  expect("'carried.points' is missing", [](Safetensors& f) { f.tensors.erase("carried.points"); });
+  expect("'level1.carried.points' has a shape", [](Safetensors& f) { f.tensors["level1.carried.points"].shape = {9}; });
+  expect("'level1.carried.step' is missing", [](Safetensors& f) { f.tensors.erase("level1.carried.step"); });
+  expect("'carried.step' is not of one number", [](Safetensors& f) {
+    f.tensors["carried.step"].shape = {2};
+    f.tensors["carried.step"].bytes.resize(8);
+  });
   expect("'carried.points' has type F32", [](Safetensors& f) { f.tensors["carried.points"].dtype = "F32"; });
   expect("'level1.controls'", [](Safetensors& f) { f.metadata.erase("level1.controls"); });
   expect("'level1.fibre_names'", [](Safetensors& f) { f.metadata["level1.fibre_names"] = "{}"; });

@@ -65,6 +65,7 @@ TEST_F(Proxy, LevelsOfADatasetAreABasisAndCarryTheFullSkin) {
   EXPECT_EQ(result["levels"][0]["error_mm"], 0.3);  // finest first
   EXPECT_GT(result["levels"][0]["bytes"], result["levels"][1]["bytes"]);
   EXPECT_GT(result["levels"][1]["microseconds"], 0);
+  EXPECT_GT(result["levels"][1]["carrying_microseconds"], 0);
 
   const auto levels = load_levels(data().proxy);
   const auto points = [&](const std::string& options) {
@@ -75,6 +76,7 @@ TEST_F(Proxy, LevelsOfADatasetAreABasisAndCarryTheFullSkin) {
   EXPECT_EQ(points(""), levels[0].basis.mesh.output_count());
   EXPECT_EQ(points(" --level 1"), levels[1].basis.mesh.output_count());
   EXPECT_EQ(points(" --level 1 --full-skin"), levels[0].carried.size());
+  EXPECT_EQ(result["levels"][0]["map_bytes"], levels[0].carried.bytes());
 
   ASSERT_EQ(run_bodyopt("eval " + data().basis + data().clip + " --out " + at("full.pc2")).exit_code, 0);
   ASSERT_EQ(points(" --full-skin"), Pc2Reader(at("full.pc2")).point_count());
@@ -87,7 +89,9 @@ TEST_F(Proxy, LevelsOfADatasetAreABasisAndCarryTheFullSkin) {
 TEST_F(Proxy, InfoTellsTheLevels) {
   const ProgramResult info = run_bodyopt("info " + data().proxy);
   ASSERT_EQ(info.exit_code, 0) << info.output;
-  EXPECT_NE(info.output.find("us a frame"), std::string::npos) << info.output;
+  for (const char* column : {"us a frame", "with map", "carried"}) {
+    EXPECT_NE(info.output.find(column), std::string::npos) << info.output;
+  }
   EXPECT_NE(info.output.find("training frames"), std::string::npos) << info.output;
   EXPECT_EQ(run_bodyopt("info " + data().basis).output.find("us a frame"), std::string::npos);
 }
@@ -113,6 +117,8 @@ TEST_F(Proxy, WrongArgumentsAreSaid) {
   expect("proxy " + data().basis + out, 64, "--character");
   expect("proxy " + data().basis + out + " --character " + data().character, 64, "--clip");
   expect("proxy " + data().data + out + data().clip, 64, "a dataset");
+  expect("proxy " + data().data + out + " --frames 1-20", 64, "--clip");
+  expect("proxy " + data().data + out + " --fps 30", 64, "--clip");
   expect("proxy " + data().data + out + " --error 300", 64, "300 mm leaves");
   expect("proxy " + data().basis + data().clip + " --character " + data().character + " --out " + data().basis, 64,
          "write over");

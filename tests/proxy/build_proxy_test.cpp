@@ -73,6 +73,7 @@ TEST(BuildProxy, TheReportSaysWhatIsTrue) {
     const LevelReport& level = report.levels[k];
     EXPECT_EQ(level.vertices, levels()[k].basis.mesh.vertex_count());
     EXPECT_EQ(level.bytes, static_cast<double>(total_bytes(levels()[k].basis)));
+    EXPECT_EQ(level.map_bytes, 12.0 * 578);
     EXPECT_NEAR(level.rms, carried_error(levels()[k], "cpu"), 1e-3);
     EXPECT_LT(level.skin_rms, 1.1 * level.rms);  // exact vertices carry it better, on other frames
     EXPECT_GT(level.skin_rms, 0.3 * level.rms);
@@ -116,7 +117,7 @@ TEST(BuildProxy, IsTheSameOnAnyNumberOfThreads) {
   omp_set_num_threads(threads);
   for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_EQ(difference(levels()[k].basis, again[k].basis), "") << k;
-    EXPECT_TRUE(same_bits(levels()[k].carried, again[k].carried)) << k;
+    EXPECT_TRUE(same_bits(levels()[k].carried.points, again[k].carried.points)) << k;
   }
 }
 
@@ -139,6 +140,37 @@ TEST(BuildProxy, RefusesErrorsThatMakeNoLevel) {
   SampleSet none = samples();
   none.train.clear();
   expect_refused(none, {2e-3}, ErrorKind::mismatch, "12 frames at least");
+}
+
+// Training says what it thinks of the data: nothing is said, so nothing was trained.
+TEST(BuildProxy, AnErrorThatMakesNoLevelIsSaidBeforeAnyTraining) {
+  SampleSet few = limb_samples(14, 0);
+  std::vector<std::string> notes;
+  ASSERT_EQ(build_proxy(few, {.errors = {1e-3}}, notes).size(), 1u);
+  ASSERT_FALSE(notes.empty());
+  notes.clear();
+  EXPECT_THROW(build_proxy(few, {.errors = {1e-3, 0.5}}, notes), Error);
+  EXPECT_EQ(notes, std::vector<std::string>());
+}
+
+// A limb of half the vertices on which the third of the default errors leaves too few.
+TEST(BuildProxy, DefaultErrorsStopWhereNoLevelIsLeft) {
+  const SampleSet set = limb_samples(24, 0);
+  std::vector<std::string> notes;
+  const std::vector<Level> built = build_proxy(set, {}, notes);
+  const ProxyReport report = read_proxy_report(built[0].basis);
+  ASSERT_GE(built.size(), 1u);
+  ASSERT_LT(built.size(), 3u);
+  EXPECT_EQ(report.levels.size(), built.size());
+  const bool said = std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+    return note.starts_with("there are only ") && note.find("mm leaves") != std::string::npos;
+  });
+  EXPECT_TRUE(said);
+
+  SampleSet coarse = set;  // not even the first
+  coarse.character.vertices *= 0.05;
+  coarse.character.vertices.row(0) << 0, 0, 10;
+  expect_refused(coarse, {}, ErrorKind::usage, "too large for this character");
 }
 
 TEST(BuildProxy, MusclesThatReachNoSkinAreSaid) {
@@ -168,18 +200,37 @@ TEST(TaughtSamples, AreTheTeachersShapes) {
   const Evaluation fifth = deformer.evaluate({&poses[5], 1});
   EXPECT_EQ(taught.train[5].frame, 110);
   EXPECT_EQ(taught.train[5].shape.read(), welded_from_output(samples().character, fifth.positions.data()));
-  std::vector<std::string> notes;
-  EXPECT_EQ(build_proxy(taught, {.errors = {1e-3}}, notes).size(), 1u);
+  EXPECT_TRUE(taught.heldout.empty());  // no fifth block
 
   Character other = samples().character;
   other.vertices(7, 2) += 0.01;
   EXPECT_THROW(taught_samples(other, {}, teacher, poses, frames), Error);
 }
 
+TEST(TaughtSamples, EveryFifthBlockIsHeldOut) {
+  std::vector<Pose> poses;
+  std::vector<int> frames;
+  for (int k = 0; k < 60; ++k) {
+    poses.push_back(samples().train[static_cast<std::size_t>(k)].pose);
+    frames.push_back(1 + k);
+  }
+  const SampleSet taught =
+      taught_samples(samples().character, {}, build_ddm_basis(samples().character, {}), poses, frames);
+  ASSERT_EQ(taught.heldout.size(), 10u);
+  EXPECT_EQ(taught.heldout.front().frame, 41);
+  EXPECT_EQ(taught.heldout.back().frame, 50);
+  EXPECT_EQ(taught.train.size(), 50u);
+  std::vector<std::string> notes;
+  const std::vector<Level> level = build_proxy(taught, {.errors = {1e-3}}, notes);
+  EXPECT_EQ(read_proxy_report(level[0].basis).measured_on, "10 held-out frames");
+}
+
 TEST(FrameTime, IsThatOfAFrame) {
-  const FrameTime fine = frame_time(levels()[0].basis);
+  const FrameTime fine = frame_time(levels()[0]);
   EXPECT_GT(fine.microseconds, 1);
   EXPECT_LT(fine.microseconds, 1e5);
+  EXPECT_GT(fine.carrying, 0);
+  EXPECT_EQ(frame_time({levels()[0].basis, {}}).carrying, 0);
   EXPECT_EQ(fine.threads, omp_get_max_threads());
 }
 

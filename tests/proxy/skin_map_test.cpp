@@ -39,7 +39,7 @@ TEST(MapSkin, IsExactAtRestAndUnderRigidMotion) {
   const Character limb = seamed_limb();
   const MeshTable mesh = coarse_mesh(limb);
   ASSERT_LT(mesh.vertex_count(), 300u);
-  const std::vector<CarriedPoint> carried = map_skin(limb, mesh);
+  const CarriedSkin carried = map_skin(limb, mesh);
   ASSERT_EQ(carried.size(), limb.output_vertex.size());
   Eigen::Isometry3d turned = Eigen::Isometry3d::Identity();
   turned.rotate(Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, -2, 0.5).normalized()));
@@ -54,10 +54,27 @@ TEST(MapSkin, IsExactAtRestAndUnderRigidMotion) {
   }
 }
 
+// The weights are rounded, the offsets begin where they are; the largest offset takes all steps.
+TEST(MapSkin, OffsetsAreOfTheFinestSteps) {
+  const Character limb = seamed_limb();
+  const CarriedSkin carried = map_skin(limb, coarse_mesh(limb));
+  int largest = 0;
+  for (const CarriedPoint& point : carried.points) {
+    for (const int steps : {point.along_normal, point.along_edge, point.across}) {
+      largest = std::max(largest, std::abs(steps));
+    }
+  }
+  EXPECT_EQ(largest, 32767);
+  EXPECT_LT(carried.step, 1e-6f);
+  const auto copies = carried.size() - 3;
+  EXPECT_EQ(carried.points[copies].triangle, carried.points[0].triangle);
+  EXPECT_EQ(carried.points[copies].along_normal, carried.points[0].along_normal);
+}
+
 TEST(MapSkin, FramesAreCarriedOneByOne) {
   const Character limb = seamed_limb();
   const MeshTable mesh = coarse_mesh(limb);
-  const std::vector<CarriedPoint> carried = map_skin(limb, mesh);
+  const CarriedSkin carried = map_skin(limb, mesh);
   Eigen::Isometry3d up = Eigen::Isometry3d::Identity();
   up.pretranslate(Eigen::Vector3d(0, 3, 0));
   ShownSkin two = show_skin(mesh, mesh.rest);
@@ -78,10 +95,10 @@ TEST(MapSkin, EveryVertexIsCarriedByItsOwnSide) {
   const Character proxy = proxy_character(flat, simplify_skin(flat, {limb_character().vertices}, 2e-3));
   const MeshTable mesh = make_mesh_table(in_order(proxy, morton_order(proxy.vertices)));
   const Positions normals = vertex_normals(flat.vertices, flat.triangles);
-  const std::vector<CarriedPoint> carried = map_skin(flat, mesh);
+  const CarriedSkin carried = map_skin(flat, mesh);
   for (std::size_t v = 0; v < carried.size(); ++v) {
     const auto corner = [&](Eigen::Index k) -> Eigen::Vector3d {
-      return proxy.vertices.row(proxy.triangles(carried[v].triangle, k));
+      return proxy.vertices.row(proxy.triangles(carried.points[v].triangle, k));
     };
     const Eigen::Vector3d facing = (corner(1) - corner(0)).cross(corner(2) - corner(0));
     EXPECT_GT(facing.dot(normals.row(static_cast<Eigen::Index>(v))), 0) << v;
@@ -91,7 +108,7 @@ TEST(MapSkin, EveryVertexIsCarriedByItsOwnSide) {
 TEST(CarrySkin, TrianglesWithoutExtentGiveFiniteNumbers) {
   const Character limb = seamed_limb();
   const MeshTable mesh = coarse_mesh(limb);
-  const std::vector<CarriedPoint> carried = map_skin(limb, mesh);
+  const CarriedSkin carried = map_skin(limb, mesh);
   const std::vector<float> nowhere(3 * std::size_t{mesh.output_count()}, 0.25f);
   const std::vector<float> none(nowhere.size(), 0.0f);
   for (const float x : carry_skin(mesh, carried, nowhere, none)) EXPECT_NEAR(x, 0.25f, 1e-6f);

@@ -419,7 +419,7 @@ TEST_F(WindowTest, WithoutADeviceItSaysWhatToInstall) {
 TEST_F(WindowTest, WhatCannotBeginHasTheExitCodeOfItsReason) {
   const std::pair<std::string, int> cases[] = {{"none.safetensors", 4},
                                                {small_.clip, 64},
-                                               {small("--do 'frmae 3' --headless"), 64},
+                                               {small("--do 'frmae 3' --headless -o a.png"), 64},
                                                {small("--state none.json"), 4},
                                                {small("none.bvh --headless -o a.png"), 4},
                                                {small("--device 'no such device'"), 5}};

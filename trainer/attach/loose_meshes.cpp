@@ -15,12 +15,13 @@ namespace {
 
 class LooseMeshReader {
  public:
-  LooseMeshReader(const std::filesystem::path& path, const Basis& basis, double unit, std::vector<std::string>& notes)
-      : file_(path), skeleton_(basis.skeleton), unit_(unit), notes_(notes), tree_(read_nodes(file_, unit, notes)) {
+  LooseMeshReader(const std::filesystem::path& path, const Skeleton& skeleton, std::size_t skin_vertices, double unit,
+                  std::vector<std::string>& notes)
+      : file_(path), skeleton_(skeleton), unit_(unit), notes_(notes), tree_(read_nodes(file_, unit, notes)) {
     std::vector<std::string> unused;  // said when the character was read
     const int first_skin = choose_skin(file_, unused);
     for (int skin = 0; skin < std::ssize(file_.model().skins); ++skin) {
-      if (vertex_count(skin) == basis.mesh.output_count()) character_skin_ = skin;
+      if (vertex_count(skin) == skin_vertices) character_skin_ = skin;
     }
     set_world();
     set_joints(is_character() ? character_skin_ : first_skin);
@@ -195,9 +196,9 @@ class LooseMeshReader {
 
 }  // namespace
 
-std::vector<LooseMesh> read_loose_meshes(const std::filesystem::path& path, const Basis& basis, double unit,
-                                         std::vector<std::string>& notes) {
-  return LooseMeshReader(path, basis, unit, notes).read();
+std::vector<LooseMesh> read_loose_meshes(const std::filesystem::path& path, const Skeleton& skeleton,
+                                         std::size_t skin_vertices, double unit, std::vector<std::string>& notes) {
+  return LooseMeshReader(path, skeleton, skin_vertices, unit, notes).read();
 }
 
 }  // namespace bodyopt

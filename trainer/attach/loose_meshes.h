@@ -21,10 +21,10 @@ struct LooseMesh {
 
 // A mesh below a joint's node stands where that joint has it in the bind pose, a skinned one where its own bind pose
 // brings it, any other where the file's nodes put it. Joints are matched by name. `unit`: metres per file unit.
-// Where a skin of the file has as many vertices as the basis puts out, the file is the character's own: that skin is
-// left out, and so is, with a note, what hangs on no joint (floors, lights) or cannot be used. Throws Error(file), and
-// Error(mismatch) for skins on joints that the character does not have.
-std::vector<LooseMesh> read_loose_meshes(const std::filesystem::path& path, const Basis& basis, double unit,
-                                         std::vector<std::string>& notes);
+// Where a skin of the file has `skin_vertices`, as many as the character puts out, the file is the character's own:
+// that skin is left out, and so is, with a note, what hangs on no joint (floors, lights) or cannot be used. Throws
+// Error(file), and Error(mismatch) for skins on joints that the character does not have.
+std::vector<LooseMesh> read_loose_meshes(const std::filesystem::path& path, const Skeleton& skeleton,
+                                         std::size_t skin_vertices, double unit, std::vector<std::string>& notes);
 
 }  // namespace bodyopt

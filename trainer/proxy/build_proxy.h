@@ -10,13 +10,13 @@
 namespace bodyopt {
 
 struct ProxyOptions {
-  // Of the skin of each level (simplify_skin), metres, rising. Empty: three, see default_errors.
+  // Of the skin of each level (simplify_skin), metres, rising. Empty: default_errors(), as far as they make levels.
   std::vector<double> errors;
   TrainOptions train{.centres =
                          64};  // on so few vertices 256 cost a third more bytes and gain a hundredth of the error
 };
 
-// 1/600 of the character's longest extent, and twice and four times that: 2.9, 5.8 and 11.7 mm for 1.75 m.
+// 1/500 of the character's longest extent, and twice and four times that: 3.5, 7 and 14 mm for 1.75 m.
 std::vector<double> default_errors(const Character& character);
 
 // What was measured of a level, errors in mm: kept in the file as metadata "levels".
@@ -26,7 +26,8 @@ struct LevelReport {
   double distance_rms = 0, distance_max = 0;  // of the full rest skin's vertices from its own
   double skin_rms = 0;               // what carrying the full skin leaves where every vertex of its own is exact
   double rms = 0, p99 = 0, max = 0;  // of its result, carried to the full skin, from the shapes
-  double bytes = 0;                  // of its tables, without what carries the full skin
+  double bytes = 0;                  // of its tables
+  double map_bytes = 0;              // of what carries the full skin, on top
 };
 struct ProxyReport {
   std::uint32_t full_vertices = 0;
@@ -37,8 +38,9 @@ struct ProxyReport {
 ProxyReport read_proxy_report(const Basis& basis);
 
 // Simplifies the skin for each error, carries weights, painted regions and shapes over, and trains each as train()
-// does. Shows progress. `notes`: gets what the user should know. Throws as train(), and Error(usage) where an error
-// leaves too few vertices, or no fewer than the level before it.
+// does. Shows progress. `notes`: gets what the user should know. Throws as train(), and, before any training,
+// Error(usage) where an error leaves too few vertices, or no fewer than the level before it: of errors that nobody
+// gave only where it is the first; further ones are left out, with a note.
 std::vector<Level> build_proxy(const SampleSet& set, const ProxyOptions& options, std::vector<std::string>& notes);
 
 }  // namespace bodyopt

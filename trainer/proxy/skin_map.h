@@ -10,9 +10,9 @@
 namespace bodyopt {
 
 // Puts every vertex of the full skin on the nearest triangle of the proxy's rest skin that faces as the full skin does
-// there (so that fingers stay apart), or on the nearest of all, and keeps its offset from there. -> one for every
-// output vertex of `full`. `mesh`: of the proxy's basis.
-std::vector<CarriedPoint> map_skin(const Character& full, const MeshTable& mesh);
+// there (so that fingers stay apart), or on the nearest of all, and keeps its offset from there, in steps of 1/32767 of
+// the largest. -> one for every output vertex of `full`. `mesh`: of the proxy's basis.
+CarriedSkin map_skin(const Character& full, const MeshTable& mesh);
 
 // A skin as an Evaluation has it: O x 3 in output order. `vertices`: V x 3 in runtime order of the mesh.
 struct ShownSkin {

@@ -6,6 +6,11 @@
 #include "trainer/train/same_character.h"
 
 namespace bodyopt {
+namespace {
+
+constexpr std::size_t kBlock = 10, kHeldoutEvery = 5;
+
+}  // namespace
 
 SampleSet taught_samples(const Character& character, const std::vector<Muscle>& muscles, const Basis& teacher,
                          std::span<const Pose> poses, std::span<const int> frames) {
@@ -20,7 +25,9 @@ SampleSet taught_samples(const Character& character, const std::vector<Muscle>& 
   Progress progress("proxy: shapes of the basis", poses.size());
   for (std::size_t k = 0; k < poses.size(); ++k) {
     const Evaluation frame = deformer.evaluate(poses.subspan(k, 1));
-    set.train.push_back({0, frames[k], poses[k], SampleShape(welded_from_output(character, frame.positions.data()))});
+    const bool heldout = k / kBlock % kHeldoutEvery == kHeldoutEvery - 1;
+    (heldout ? set.heldout : set.train)
+        .push_back({0, frames[k], poses[k], SampleShape(welded_from_output(character, frame.positions.data()))});
     progress.advance();
   }
   return set;

@@ -1,0 +1,85 @@
+// What `bodyopt view` opens, without a window.
+#include <gtest/gtest.h>
+
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/limb_glb.h"
+#include "tests/support/png_file.h"
+#include "tests/support/run_program.h"
+#include "tests/viewer/small_character.h"
+
+namespace bodyopt::testing {
+namespace {
+
+class ViewProgramTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { test_device(); }  // the driver, for the programs
+
+  ProgramResult view(const std::string& arguments) const {
+    const char* device = std::getenv("BODYOPT_TEST_DEVICE");
+    return run_bodyopt("view --size 160 90 --headless " + arguments +
+                       (device ? " --device " + std::string(device) : ""));
+  }
+  Image picture(const std::string& arguments) const {
+    const ProgramResult result = view(arguments + " -o " + path("a.png"));
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return read_png(path("a.png"));
+  }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  void expect(const ProgramResult& result, int exit_code, const std::string& named) const {
+    EXPECT_EQ(result.exit_code, exit_code) << result.output;
+    EXPECT_NE(result.output.find(named), std::string::npos) << "expected '" << named << "' in:\n" << result.output;
+  }
+
+  TemporaryFolder folder_;
+  SmallCharacter small_{folder_};
+};
+
+TEST_F(ViewProgramTest, ACharacterIsShownWithoutTraining) {
+  write_character(limb_character(), path("limb.glb"));
+  Clip clip;
+  clip.name = "bend";
+  for (int k = 0; k < 5; ++k) clip.poses.push_back(limb_pose(limb_character().skeleton, 0.3 * k, 0, 0));
+  write_clip(clip, limb_character().skeleton, path("bend.glb"));
+  const std::string shown = path("limb.glb") + " " + path("bend.glb");
+  const Image bent = picture(shown + " --cf 5");
+  expect(view(shown + " -o " + path("a.png")), 0, "not trained");
+  EXPECT_GT(spot_difference(bent, picture(shown + " --cf 1")).mean, 0.3);
+  // The same as of a basis that was made before; and its weights are at hand.
+  const ProgramResult made = run_bodyopt("train --ddm-only " + path("limb.glb") + " --out " + path("limb.safetensors"));
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  EXPECT_TRUE(bent.rgba == picture(path("limb.safetensors") + " " + path("bend.glb") + " --cf 5").rgba);
+  EXPECT_GT(spot_difference(bent, picture(shown + " --cf 5 --do 'compare lbs; heat on; heat-scale 1'")).mean, 0.3);
+  std::filesystem::remove(path("limb.safetensors"));
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+    EXPECT_NE(entry.path().filename().string()[0], '.') << entry;
+    EXPECT_EQ(entry.path().string().find("limb.attached"), std::string::npos) << entry;
+  }
+}
+
+TEST_F(ViewProgramTest, WithoutAFileItIsTheBuiltInArm) {
+  const Image rest = picture("");
+  expect(view("-o " + path("a.png")), 0, "bodyopt demo --out demo");
+  EXPECT_GT(spot_difference(rest, picture("--cf 60")).mean, 0.3);
+  EXPECT_GT(spot_difference(rest, picture("--do 'fibres on'")).mean, 0.1);
+}
+
+TEST_F(ViewProgramTest, TheTruthIsThatOfTheFirstCharacter) {
+  write_character(limb_character(), path("limb.glb"));  // of other vertices than the small one
+  const std::string two = small_.basis + " " + small_.clip + " " + path("limb.glb");
+  const std::string script = " --do 'heat on; heat-scale 4'";
+  const Image without = picture(two + script), with = picture(two + " --truth " + small_.truth + script);
+  EXPECT_GT(spot_difference(without, with).mean, 0.3);
+  // Behind another basis a cache is that one's.
+  expect(view(two + " " + small_.truth + " -o " + path("a.png")), 3, "truth.pc2");
+}
+
+TEST_F(ViewProgramTest, WithoutAWindowSomethingIsToBeWritten) {
+  const std::string shown = small_.basis + " " + small_.clip;
+  expect(view(shown), 64, "-o FILE.png");
+  expect(view(shown + " --do 'frame 3; wire on'"), 64, "screenshot");
+  expect(view(shown + " --do 'frame 3; screenshot " + path("b.png") + "'"), 0, "");
+  EXPECT_TRUE(std::filesystem::exists(path("b.png")));
+}
+
+}  // namespace
+}  // namespace bodyopt::testing
