@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <utility>
 
+#include "proxy_viewer/euler_angles.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/error.h"
 #include "runtime/carry_skin.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/device.h"
+#include "trainer/dataset/clip_keys.h"
+#include "trainer/dataset/clip_source.h"
 #include "trainer/dataset/controls.h"
 
 namespace bodyopt {
@@ -31,12 +33,6 @@ double diagonal(std::span<const float> points) {
   return std::sqrt(squared);
 }
 
-Quat euler(const Vec3& degrees) {
-  const double radians = std::numbers::pi / 180;
-  return axis_angle({0, 0, 1}, radians * degrees[2]) * axis_angle({0, 1, 0}, radians * degrees[1]) *
-         axis_angle({1, 0, 0}, radians * degrees[0]);
-}
-
 Clip bind_clip(const Basis& basis) {
   Clip clip;
   clip.name = "bind pose";
@@ -52,7 +48,7 @@ fs::path ActorFiles::attached() const { return fs::path(basis).replace_extension
 
 std::vector<fs::path> ActorFiles::paths() const {
   std::vector<fs::path> all = {dynamics(), attached()};
-  for (const std::string& file : {basis, clip.substr(0, clip.find('#')), truth, proxy, character}) {
+  for (const std::string& file : {basis, split_source(clip).path.string(), truth, proxy, character}) {
     if (!file.empty()) all.emplace_back(file);
   }
   return all;
@@ -115,6 +111,7 @@ void Actor::open_clip(const std::string& source) {
   Clip clip = read_clip(source, basis().skeleton, options);
   arrange_controls(basis().residual.controls, clip);
   if (clip.poses.empty()) throw Error(ErrorKind::file, source + ": the clip has no frame");
+  keys_ = clip_keys(source, options);
   clip_ = std::move(clip);
   files_.clip = source;
   measure_ground();
@@ -139,7 +136,7 @@ Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
     const int index = basis().skeleton.find(joint);
     if (index < 0) continue;
     Quat& rotation = pose.joints[static_cast<std::size_t>(index)].rotation;
-    rotation = normalized(rotation * euler(degrees));
+    rotation = normalized(rotation * turn_of(degrees));
   }
   const std::vector<std::string>& controls = basis().residual.controls;
   for (const auto& [control, value] : posing.controls) {

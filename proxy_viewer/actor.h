@@ -50,7 +50,8 @@ class Actor {
   std::size_t level() const { return level_; }
   void set_level(std::size_t level) { level_ = std::min(level, details_.size() - 1); }
   bool has_proxy() const { return details_.size() > 1; }
-  const Clip& clip() const { return clip_; }  // one frame, the bind pose, where there is no file
+  const Clip& clip() const { return clip_; }              // one frame, the bind pose, where there is no file
+  const std::vector<int>& keys() const { return keys_; }  // frames; see clip_keys()
   bool has(SkinMethod method) const;
 
   // These throw as the constructor, and leave what was there.
@@ -102,6 +103,7 @@ class Actor {
   std::vector<std::unique_ptr<Detail>> details_;  // finest first; all but the first are proxies
   std::size_t level_ = 0;
   Clip clip_;
+  std::vector<int> keys_;
   double size_ = 1, ground_ = 0;
   Evaluation hosted_;  // of skins that come from the host: nothing
   HostedSkin carried_;

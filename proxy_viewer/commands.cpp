@@ -1,18 +1,24 @@
 #include "proxy_viewer/commands.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <numbers>
 #include <sstream>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "proxy_viewer/mirrored_joint.h"
 #include "proxy_viewer/sections.h"
+#include "proxy_viewer/setting_limits.h"
 #include "runtime/basis/error.h"
 
 namespace bodyopt {
 namespace {
+
+constexpr const char* kBlank = " \t\r";
 
 [[noreturn]] void refuse(const std::string& argument, const std::string& expected) {
   throw Error(ErrorKind::usage, "'" + argument + "' is not " + expected);
@@ -103,77 +109,102 @@ std::vector<std::string> words(const std::string& text, std::size_t count, const
   return all;
 }
 
-template <typename Value>
-struct Named {
-  const char* name;
-  Value value;
-};
-
-template <typename Value, std::size_t N>
-Value choose(const std::string& text, const Named<Value> (&choices)[N]) {
+// One of the names, in the order of the enumeration.
+template <typename Choice, std::size_t N>
+void choose(Choice& choice, const std::string& text, const std::array<const char*, N>& names) {
   std::string expected = "one of";
-  for (const Named<Value>& choice : choices) {
-    if (text == choice.name) return choice.value;
-    expected += std::string(" ") + choice.name;
+  for (std::size_t k = 0; k < N; ++k) {
+    if (text == names[k]) {
+      choice = static_cast<Choice>(k);
+      return;
+    }
+    expected += std::string(" ") + names[k];
   }
   refuse(text, expected);
 }
 
-constexpr Named<bool> kSwitch[] = {{"on", true}, {"off", false}};
-constexpr Named<PlayMode> kModes[] = {
-    {"loop", PlayMode::loop}, {"ping-pong", PlayMode::ping_pong}, {"once", PlayMode::once}};
-constexpr Named<LookStyle> kStyles[] = {{"clay", LookStyle::clay},
-                                        {"matcap", LookStyle::matcap},
-                                        {"flat", LookStyle::flat},
-                                        {"normals", LookStyle::normals}};
-constexpr Named<CompareWith> kMethods[] = {{"none", CompareWith::none},   {"lbs", CompareWith::lbs},
-                                           {"ddm", CompareWith::ddm},     {"linear", CompareWith::linear},
-                                           {"full", CompareWith::full},   {"jiggle", CompareWith::jiggle},
-                                           {"truth", CompareWith::truth}, {"proxy", CompareWith::proxy}};
-constexpr Named<CompareLayout> kLayouts[] = {{"side-by-side", CompareLayout::side_by_side},
-                                             {"overlay", CompareLayout::overlay},
-                                             {"wipe", CompareLayout::wipe},
-                                             {"hold", CompareLayout::hold}};
-
-template <typename Value, std::size_t N>
-std::string name_of(Value value, const Named<Value> (&choices)[N]) {
-  return std::find_if(choices, choices + N, [&](const auto& choice) { return choice.value == value; })->name;
+template <typename Choice, std::size_t N>
+std::string name_of(Choice choice, const std::array<const char*, N>& names) {
+  return names[static_cast<std::size_t>(choice)];
 }
 
-std::string name_of(bool on) { return name_of(on, kSwitch); }
+template <typename Choice, std::size_t N>
+void choose_next(Choice& choice, const std::array<const char*, N>&) {
+  choice = static_cast<Choice>((static_cast<std::size_t>(choice) + 1) % N);
+}
+
+constexpr std::array kSwitchNames{"off", "on"};
+
+std::string name_of(bool on) { return name_of(on, kSwitchNames); }
 
 // Without an argument the other way round.
-void toggle(bool& value, const std::string& argument) { value = argument.empty() ? !value : choose(argument, kSwitch); }
+void toggle(bool& value, const std::string& argument) {
+  if (argument.empty()) {
+    value = !value;
+  } else {
+    choose(value, argument, kSwitchNames);
+  }
+}
+
+void require_keys(const Playback& playback) {
+  if (!playback.keys().empty()) return;
+  throw Error(ErrorKind::usage,
+              "the clip has no keys to go to: a BVH samples its motion, and so does a clip with a key at most frames");
+}
+
+// What is before the last blank, and the word after it.
+std::pair<std::string, std::string> split_last(const std::string& text, const std::string& expected) {
+  const std::size_t blank = text.find_last_of(kBlank);
+  const std::size_t end = blank == std::string::npos ? blank : text.find_last_not_of(kBlank, blank);
+  if (end == std::string::npos) refuse(text, expected);
+  return {text.substr(0, end + 1), text.substr(blank + 1)};
+}
+
+// Of the bind pose, joint to world; `joint` is one of joint_names.
+const Quat& axes_of(const Controls& controls, const std::string& joint) {
+  const auto at = std::find(controls.joint_names.begin(), controls.joint_names.end(), joint);
+  return controls.joint_axes.at(static_cast<std::size_t>(at - controls.joint_names.begin()));
+}
 
 constexpr double kTurn = std::numbers::pi / 36;  // 5 degrees
-constexpr const char* kBlank = " \t\r";
+constexpr bool kRepeats = true;
 
 const Command kCommands[] = {
     {"play", "", "Space", "Playback", "play or pause",
      [](Controls& c, const std::string&) { c.playback.toggle(); },
      [](const Controls& c) { return name_of(c.playback.playing()); }},
     {"step", "[FRAMES]", "Right", "Playback", "one frame on",
-     [](Controls& c, const std::string& a) { c.playback.step(a.empty() ? 1 : integer(a)); }},
+     [](Controls& c, const std::string& a) { c.playback.step(a.empty() ? 1 : integer(a)); }, nullptr, kRepeats},
     {"step-back", "", "Left", "Playback", "one frame back",
-     [](Controls& c, const std::string&) { c.playback.step(-1); }},
+     [](Controls& c, const std::string&) { c.playback.step(-1); }, nullptr, kRepeats},
     {"first", "", "Home", "Playback", "to the first frame of the range",
      [](Controls& c, const std::string&) { c.playback.go_to_in(); }},
     {"last", "", "End", "Playback", "to the last frame of the range",
      [](Controls& c, const std::string&) { c.playback.go_to_out(); }},
     {"next-key", "", "Up", "Playback", "to the next key",
-     [](Controls& c, const std::string&) { c.playback.go_to_next_key(); }},
+     [](Controls& c, const std::string&) {
+       require_keys(c.playback);
+       c.playback.go_to_next_key();
+     }, nullptr, kRepeats},
     {"previous-key", "", "Down", "Playback", "to the key before",
-     [](Controls& c, const std::string&) { c.playback.go_to_previous_key(); }},
+     [](Controls& c, const std::string&) {
+       require_keys(c.playback);
+       c.playback.go_to_previous_key();
+     }, nullptr, kRepeats},
     {"frame", "FRAME", "", "Playback", "to a frame", [](Controls& c, const std::string& a) { c.playback.scrub(integer(a)); }},
     {"backwards", "[on|off]", "B", "Playback", "play backwards",
      [](Controls& c, const std::string& a) {
-       toggle(c.settings.playback.backwards, a);
-       c.playback.set_backwards(c.settings.playback.backwards);
+       bool backwards = c.playback.backwards();  // as it goes now, in ping-pong
+       toggle(backwards, a);
+       c.playback.set_backwards(c.settings.playback.backwards = backwards);
      },
-     [](const Controls& c) { return name_of(c.settings.playback.backwards); }},
+     [](const Controls& c) { return name_of(c.playback.backwards()); }},
     {"mode", "loop|ping-pong|once", "", "Playback", "what happens at the end of the range",
-     [](Controls& c, const std::string& a) { c.playback.set_mode(c.settings.playback.mode = choose(a, kModes)); },
-     [](const Controls& c) { return name_of(c.settings.playback.mode, kModes); }},
+     [](Controls& c, const std::string& a) {
+       choose(c.settings.playback.mode, a, kPlayModeNames);
+       c.playback.set_mode(c.settings.playback.mode);
+     },
+     [](const Controls& c) { return name_of(c.settings.playback.mode, kPlayModeNames); }},
     {"speed", "0.1-2", "", "Playback", "of playing; 1: as it is",
      [](Controls& c, const std::string& a) {
        const double speed = number_within(a, Playback::kSlowest, Playback::kFastest);
@@ -203,6 +234,12 @@ const Command kCommands[] = {
        c.playback.set_range(c.playback.first(), c.playback.last());
        c.settings.playback.in = c.settings.playback.out = std::nullopt;
      }},
+    {"live", "[on|off]", "", "Playback", "poses that another program sends, or the clip",
+     [](Controls& c, const std::string& a) {
+       if (!c.live) throw Error(ErrorKind::usage, "no poses are listened for: begin with --live PORT");
+       toggle(*c.live, a);
+     },
+     [](const Controls& c) { return name_of(c.live.value_or(false)); }},
 
     {"frame-selection", "", "F", "Camera", "see all of the character, or of the joint that is selected",
      [](Controls& c, const std::string&) { c.requests.frame_selection = true; }},
@@ -227,9 +264,9 @@ const Command kCommands[] = {
        c.camera.orbit(number(w[0]) * std::numbers::pi / 180, number(w[1]) * std::numbers::pi / 180);
      }},
     {"orbit-left", "", "Shift+Left", "Camera", "5 degrees to the left",
-     [](Controls& c, const std::string&) { c.camera.orbit(-kTurn, 0); }},
+     [](Controls& c, const std::string&) { c.camera.orbit(-kTurn, 0); }, nullptr, kRepeats},
     {"orbit-right", "", "Shift+Right", "Camera", "5 degrees to the right",
-     [](Controls& c, const std::string&) { c.camera.orbit(kTurn, 0); }},
+     [](Controls& c, const std::string&) { c.camera.orbit(kTurn, 0); }, nullptr, kRepeats},
     {"dolly", "NOTCHES", "", "Camera", "towards the target",
      [](Controls& c, const std::string& a) { c.camera.dolly(number_within(a, -100, 100)); }},
     {"save-camera", "NAME", "", "Camera", "keeps the camera by a name",
@@ -249,12 +286,10 @@ const Command kCommands[] = {
      }},
 
     {"style", "clay|matcap|flat|normals", "", "Look", "how skin looks",
-     [](Controls& c, const std::string& a) { c.settings.look.style = choose(a, kStyles); },
-     [](const Controls& c) { return name_of(c.settings.look.style, kStyles); }},
+     [](Controls& c, const std::string& a) { choose(c.settings.look.style, a, kStyleNames); },
+     [](const Controls& c) { return name_of(c.settings.look.style, kStyleNames); }},
     {"next-style", "", "S", "Look", "clay, matcap, flat, normals",
-     [](Controls& c, const std::string&) {
-       c.settings.look.style = static_cast<LookStyle>((static_cast<int>(c.settings.look.style) + 1) % 4);
-     }},
+     [](Controls& c, const std::string&) { choose_next(c.settings.look.style, kStyleNames); }},
     {"wire", "[on|off]", "W", "Look", "edges over the surface",
      [](Controls& c, const std::string& a) { toggle(c.settings.look.wire, a); },
      [](const Controls& c) { return name_of(c.settings.look.wire); }},
@@ -274,7 +309,7 @@ const Command kCommands[] = {
        if (a == "auto") {
          c.settings.look.level = std::nullopt;
        } else {
-         c.settings.look.level = integer_within(a, 0, 15);
+         c.settings.look.level = integer_within(a, 0, kCoarsestLevel);
        }
      }},
     {"grid", "[on|off]", "D", "Look", "the grid on the ground",
@@ -288,22 +323,22 @@ const Command kCommands[] = {
      [](const Controls& c) { return name_of(c.settings.look.shadow); }},
 
     {"compare", "none|lbs|ddm|linear|full|jiggle|truth|proxy", "", "Compare", "with what",
-     [](Controls& c, const std::string& a) { c.settings.compare.with = choose(a, kMethods); },
-     [](const Controls& c) { return name_of(c.settings.compare.with, kMethods); }},
+     [](Controls& c, const std::string& a) { choose(c.settings.compare.with, a, kComparisonNames); },
+     [](const Controls& c) { return name_of(c.settings.compare.with, kComparisonNames); }},
     {"layout", "side-by-side|overlay|wipe|hold", "", "Compare", "of a comparison",
-     [](Controls& c, const std::string& a) { c.settings.compare.layout = choose(a, kLayouts); },
-     [](const Controls& c) { return name_of(c.settings.compare.layout, kLayouts); }},
+     [](Controls& c, const std::string& a) { choose(c.settings.compare.layout, a, kLayoutNames); },
+     [](const Controls& c) { return name_of(c.settings.compare.layout, kLayoutNames); }},
     {"next-layout", "", "L", "Compare", "side by side, overlay, wipe, hold",
-     [](Controls& c, const std::string&) {
-       c.settings.compare.layout = static_cast<CompareLayout>((static_cast<int>(c.settings.compare.layout) + 1) % 4);
-     }},
+     [](Controls& c, const std::string&) { choose_next(c.settings.compare.layout, kLayoutNames); }},
     {"wipe", "0-1", "", "Compare", "where, of the picture's width",
      [](Controls& c, const std::string& a) { c.settings.compare.wipe = number_within(a, 0, 1); }},
     {"heat", "[on|off]", "E", "Compare", "colour by the distance, in millimetres",
      [](Controls& c, const std::string& a) { toggle(c.settings.compare.heat, a); },
      [](const Controls& c) { return name_of(c.settings.compare.heat); }},
     {"heat-scale", "MM", "", "Compare", "the hottest colour",
-     [](Controls& c, const std::string& a) { c.settings.compare.heat_scale_mm = number_within(a, 0.001, 1000); }},
+     [](Controls& c, const std::string& a) {
+       c.settings.compare.heat_scale_mm = number_within(a, kFinestHeat, kCoarsestHeat);
+     }},
     {"activation", "[on|off]", "", "Compare", "colour by what was learned: the distance to Direct Delta Mush",
      [](Controls& c, const std::string& a) { toggle(c.settings.compare.activation, a); },
      [](const Controls& c) { return name_of(c.settings.compare.activation); }},
@@ -319,9 +354,13 @@ const Command kCommands[] = {
      [](Controls& c, const std::string& a) { c.joint = a.empty() ? a : known(a, c.joint_names, "joint"); }},
     {"turn", "JOINT X Y Z", "", "Pose", "a joint on top of the clip, degrees",
      [](Controls& c, const std::string& a) {
-       const auto w = words(a, 4, "a joint and three angles in degrees");
-       c.settings.pose.joints[known(w[0], c.joint_names, "joint")] = {number_within(w[1], -360, 360), number_within(w[2], -360, 360),
-                                       number_within(w[3], -360, 360)};
+       std::string joint = a, angle;
+       Vec3 angles;
+       for (const std::size_t axis : {2, 1, 0}) {
+         std::tie(joint, angle) = split_last(joint, "a joint and three angles in degrees");
+         angles[axis] = number_within(angle, -kMostTurn, kMostTurn);
+       }
+       c.settings.pose.joints[known(joint, c.joint_names, "joint")] = angles;
      }},
     {"mirror", "[JOINT]", "P", "Pose", "turns the other side's joint as the one that is selected",
      [](Controls& c, const std::string& a) {
@@ -330,7 +369,7 @@ const Command kCommands[] = {
        if (other.empty()) refuse(joint, "a joint that another side has, too");
        const auto turned = c.settings.pose.joints.find(joint);
        const Vec3 angles = turned == c.settings.pose.joints.end() ? Vec3{} : turned->second;
-       c.settings.pose.joints[other] = mirrored_angles(angles);
+       c.settings.pose.joints[other] = mirrored_angles(angles, axes_of(c, joint), axes_of(c, other));
      }},
     {"reset-joint", "[JOINT]", "Shift+R", "Pose", "the joint that is selected as the clip has it",
      [](Controls& c, const std::string& a) {
@@ -338,8 +377,9 @@ const Command kCommands[] = {
      }},
     {"control", "NAME VALUE", "", "Pose", "a control of the basis, as a muscle's activation",
      [](Controls& c, const std::string& a) {
-       const auto w = words(a, 2, "a control and a number");
-       c.settings.pose.controls[known(w[0], c.control_names, "control of the basis")] = number_within(w[1], -10, 10);
+       const auto [name, value] = split_last(a, "a control and a number");
+       c.settings.pose.controls[known(name, c.control_names, "control of the basis")] =
+           number_within(value, -kMostControl, kMostControl);
      }},
     {"reset-pose", "", "R", "Pose", "the pose as the clip has it",
      [](Controls& c, const std::string&) {
@@ -352,18 +392,18 @@ const Command kCommands[] = {
      [](Controls& c, const std::string& a) { toggle(c.settings.jiggle.on, a); },
      [](const Controls& c) { return name_of(c.settings.jiggle.on); }},
     {"jiggle-amount", "0-4", "", "Pose", "how much is shown of the jiggle",
-     [](Controls& c, const std::string& a) { c.settings.jiggle.amount = number_within(a, 0, 4); }},
+     [](Controls& c, const std::string& a) { c.settings.jiggle.amount = number_within(a, 0, kMostJiggle); }},
     {"reset-jiggle", "", "", "Pose", "the jiggle begins anew",
      [](Controls& c, const std::string&) { c.requests.reset_jiggle = true; }},
 
     {"ghosts", "BEFORE AFTER", "", "Look", "frames before and after, see-through",
      [](Controls& c, const std::string& a) {
        const auto w = words(a, 2, "two counts");
-       c.settings.ghosts.before = integer_within(w[0], 0, 12);
-       c.settings.ghosts.after = integer_within(w[1], 0, 12);
+       c.settings.ghosts.before = integer_within(w[0], 0, kMostGhosts);
+       c.settings.ghosts.after = integer_within(w[1], 0, kMostGhosts);
      }},
     {"ghost-step", "FRAMES", "", "Look", "from one ghost to the next",
-     [](Controls& c, const std::string& a) { c.settings.ghosts.step = integer_within(a, 1, 1000); }},
+     [](Controls& c, const std::string& a) { c.settings.ghosts.step = integer_within(a, 1, kLongestGhostStep); }},
     {"toggle-ghosts", "[on|off]", "G", "Look", "two ghosts before and two after",
      [](Controls& c, const std::string& a) {
        ViewSettings::Ghosts& ghosts = c.settings.ghosts;
@@ -377,9 +417,9 @@ const Command kCommands[] = {
      [](const Controls& c) { return name_of(c.settings.ghosts.before + c.settings.ghosts.after > 0); }},
 
     {"copies", "COUNT", "", "Look", "of the first character on the stage",
-     [](Controls& c, const std::string& a) { c.settings.cast.copies = integer_within(a, 1, 100); }},
+     [](Controls& c, const std::string& a) { c.settings.cast.copies = integer_within(a, 1, kMostCopies); }},
     {"copy-delay", "FRAMES", "", "Look", "from one copy to the next",
-     [](Controls& c, const std::string& a) { c.settings.cast.delay = integer_within(a, 0, 1000); }},
+     [](Controls& c, const std::string& a) { c.settings.cast.delay = integer_within(a, 0, kLongestCopyDelay); }},
 
     {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",
      [](Controls& c, const std::string& a) { c.requests.screenshot = a; }},
@@ -400,6 +440,9 @@ const Command kCommands[] = {
     {"hud", "[on|off]", "Z", "View", "figures over the picture",
      [](Controls& c, const std::string& a) { toggle(c.settings.hud.on, a); },
      [](const Controls& c) { return name_of(c.settings.hud.on); }},
+    {"legend", "[on|off]", "", "View", "names of what is compared, and the colour bar of a heat map",
+     [](Controls& c, const std::string& a) { toggle(c.settings.hud.legend, a); },
+     [](const Controls& c) { return name_of(c.settings.hud.legend); }},
     {"cheat-sheet", "[on|off]", "H", "View", "all keys",
      [](Controls& c, const std::string& a) { toggle(c.cheat_sheet, a); },
      [](const Controls& c) { return name_of(c.cheat_sheet); }},

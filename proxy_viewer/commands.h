@@ -19,6 +19,7 @@ struct Command {
   void (*run)(Controls& controls, const std::string& argument);
   // What is set: "on", "off", or one of the words of `argument`; null where nothing lasts.
   std::string (*value)(const Controls& controls) = nullptr;
+  bool repeats = false;  // while its key is held
 };
 
 // The words of an argument "loop|ping-pong|once"; none of any other argument.

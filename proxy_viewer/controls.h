@@ -1,6 +1,7 @@
 // What the animator drives. Keys, menus, panels, scripts and command lines all write here; the application reads it.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,23 +27,28 @@ struct Marker {
   Vec3 at;  // metres, world
 };
 
-// What is being typed into panels, and the joint that the list of joints was last scrolled to.
+// What is being typed into panels, and how their lists stand.
 struct PanelState {
-  std::string prompt, joint_filter, listed_joint, camera, open;
+  std::string prompt, joint_filter, camera, open;
   std::string screenshot = "bodyopt.png", sequence = "bodyopt.####.png", turntable = "turntable.####.png";
   std::string state = "view.json";
+  std::string listed_joint;              // to which the list of joints was last scrolled
+  std::vector<std::size_t> fibre_order;  // of the list of muscles
 };
 
 struct Message {
-  bool error = false;
+  bool error = false;  // stays until it is clicked away; what is none goes by itself
   std::string text;
+  double shown = 0;  // seconds
 };
 
 struct Controls {
   ViewSettings settings;
-  Playback playback{{1, 1, 1}, 24};
+  Playback playback{{1, 1}, 24};
   OrbitCamera camera;
   std::vector<std::string> joint_names, control_names;  // of the lead: what commands may name
+  std::vector<Quat> joint_axes;                         // of the lead's joints in the bind pose, joint to world
+  std::optional<bool> live;                             // poses are shown as they are sent; none: nobody listens
   std::string joint;                                    // selected; empty: none
   bool flipped = false;                                 // while the key of "hold to flip" is down
   bool cheat_sheet = false;
@@ -53,8 +59,9 @@ struct Controls {
   Requests requests;
   std::vector<Message> messages;  // newest last
 
-  void say(const std::string& text) { messages.push_back({false, text}); }
-  void warn(const std::string& text) { messages.push_back({true, text}); }
+  void say(const std::string& text) { messages.push_back({.text = text}); }
+  // Also on standard error; once, where it is what was said last.
+  void warn(const std::string& text);
 };
 
 }  // namespace bodyopt

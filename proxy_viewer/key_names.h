@@ -5,7 +5,9 @@
 
 namespace bodyopt {
 
-// Of GLFW's key event; empty for keys without a name. Letters and digits are those of the user's keyboard layout.
-std::string key_name(int key, int scancode, int modifiers);
+// Of GLFW's key event; empty for keys without a name. `printed`: what the user's keyboard layout has on the key
+// (glfwGetKeyName), which names letters; keys of digits, and of letters where the layout has a script of its
+// own, are called as on a US keyboard.
+std::string key_name(int key, const std::string& printed, int modifiers);
 
 }  // namespace bodyopt

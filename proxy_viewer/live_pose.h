@@ -25,7 +25,7 @@ class LivePose {
   // are rejected, and those of the same sender that overtook each other.
   std::optional<Pose> poll();
 
-  int frame() const { return frame_; }  // of the pose given last
+  std::optional<int> frame() const { return frame_; }  // of the pose given last; none: there was none
   std::size_t rejected() const { return rejected_; }
   const std::string& last_rejection() const { return last_rejection_; }  // why, in words
 
@@ -40,7 +40,7 @@ class LivePose {
   std::size_t joint_count_, control_count_;
   std::optional<Sender> sender_;  // of the newest packet
   std::uint32_t number_ = 0;      // its number
-  int frame_ = 0;
+  std::optional<int> frame_;
   std::size_t rejected_ = 0;
   std::string last_rejection_;
 };

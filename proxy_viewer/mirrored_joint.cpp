@@ -2,48 +2,56 @@
 
 #include <algorithm>
 #include <cctype>
-#include <utility>
+
+#include "proxy_viewer/euler_angles.h"
 
 namespace bodyopt {
 namespace {
 
-constexpr std::pair<const char*, const char*> kSides[] = {{"Left", "Right"}, {"left", "right"}, {"LEFT", "RIGHT"}};
+struct Sides {
+  const char *left, *right;
+};
+constexpr Sides kSides[] = {{"Left", "Right"}, {"left", "right"}, {"LEFT", "RIGHT"}, {"L", "R"}, {"l", "r"}};
 
-bool is_known(const std::string& name, std::span<const std::string> names) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
+bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 bool is_upper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
 
-char other_letter(char side) {
-  constexpr char kFrom[] = {'L', 'R', 'l', 'r'}, kTo[] = {'R', 'L', 'r', 'l'};
-  const auto found = std::find(std::begin(kFrom), std::end(kFrom), side);
-  return found == std::end(kFrom) ? '\0' : kTo[found - std::begin(kFrom)];
+// Whether the letter is a word, or a capital where a word of capitals and small letters begins or ends.
+bool is_side(const std::string& name, std::size_t at) {
+  const char before = at == 0 ? ' ' : name[at - 1], after = at + 1 < name.size() ? name[at + 1] : ' ';
+  if (!is_letter(before) && !is_letter(after)) return true;
+  if (!is_upper(name[at])) return false;
+  return is_letter(before) ? !is_letter(after) && !is_upper(before) : is_upper(after);
 }
+
+// With one `from` replaced that makes it a name that is known; empty: none does.
+std::string replaced(const std::string& name, const std::string& from, const std::string& to,
+                     std::span<const std::string> names) {
+  for (std::size_t at = name.find(from); at != std::string::npos; at = name.find(from, at + 1)) {
+    if (from.size() == 1 && !is_side(name, at)) continue;
+    const std::string other = std::string(name).replace(at, from.size(), to);
+    if (std::find(names.begin(), names.end(), other) != names.end()) return other;
+  }
+  return {};
+}
+
+// At x = 0: an axis is reflected, and the sense of turning as well.
+Quat reflected(const Quat& turn) { return {turn[0], -turn[1], -turn[2], turn[3]}; }
 
 }  // namespace
 
 std::string mirrored_joint(const std::string& name, std::span<const std::string> names) {
-  const auto replaced = [&](const std::string& from, const std::string& to) {
-    std::string other = name;
-    const std::size_t at = name.find(from);
-    return at == std::string::npos ? std::string() : other.replace(at, from.size(), to);
-  };
   for (const auto& [left, right] : kSides) {
-    for (const std::string& other : {replaced(left, right), replaced(right, left)}) {
-      if (!other.empty() && is_known(other, names)) return other;
+    for (const auto& [from, to] : {Sides{left, right}, Sides{right, left}}) {
+      if (std::string other = replaced(name, from, to, names); !other.empty()) return other;
     }
   }
-  const std::size_t n = name.size();
-  const bool begins = n > 1 && is_upper(name[0]) && is_upper(name[1]);
-  const bool ends = n > 2 && (name[n - 2] == '_' || name[n - 2] == '.');
-  for (const std::size_t at : {std::size_t{0}, n - 1}) {
-    if (!(at == 0 ? begins : ends)) continue;
-    std::string other = name;
-    other[at] = other_letter(name[at]);
-    if (other[at] != '\0' && is_known(other, names)) return other;
-  }
   return {};
+}
+
+Vec3 mirrored_angles(const Vec3& degrees, const Quat& axes, const Quat& other_axes) {
+  const Quat in_world = axes * turn_of(degrees) * conjugate(axes);
+  return degrees_of(conjugate(other_axes) * reflected(in_world) * other_axes);
 }
 
 }  // namespace bodyopt

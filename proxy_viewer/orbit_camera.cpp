@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "proxy_viewer/render/camera.h"
 #include "runtime/basis/error.h"
@@ -85,16 +86,6 @@ void OrbitCamera::frame(std::span<const float> points, float aspect) {
 void OrbitCamera::view_axis(AxisView axis) {
   view_.azimuth = axis == AxisView::side ? 0.5 * kPi : 0;
   view_.elevation = axis == AxisView::top ? 0.5 * kPi : 0;
-}
-
-std::vector<Camera> OrbitCamera::turntable(std::size_t count) const {
-  std::vector<Camera> cameras;
-  for (std::size_t k = 0; k < count; ++k) {
-    OrbitCamera turned = *this;
-    turned.orbit(2 * kPi * static_cast<double>(k) / static_cast<double>(count), 0);
-    cameras.push_back(turned.camera());
-  }
-  return cameras;
 }
 
 }  // namespace bodyopt

@@ -1,9 +1,7 @@
 // The viewport's camera: a turntable around a point, upright always.
 #pragma once
 
-#include <cstddef>
 #include <span>
-#include <vector>
 
 #include "proxy_viewer/render/renderer.h"
 #include "runtime/basis/transform.h"
@@ -50,10 +48,6 @@ class OrbitCamera {
   void move(const Vec3& by) { view_.target = view_.target + by; }
   void view_axis(AxisView axis);
   void toggle_orthographic() { view_.orthographic = !view_.orthographic; }
-
-  // `count` cameras that go once around the target to the right, beginning here; the last is one step short of the
-  // first.
-  std::vector<Camera> turntable(std::size_t count) const;
 
  private:
   OrbitView view_;

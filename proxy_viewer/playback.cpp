@@ -25,21 +25,19 @@ std::int64_t modulo(std::int64_t a, std::int64_t b) { return ((a % b) + b) % b; 
 
 }  // namespace
 
-Playback::Playback(const PlayFrames& frames, double fps) : first_(frames.first), step_(frames.step), fps_(fps) {
+Playback::Playback(const PlayFrames& frames, double fps) : first_(frames.first), fps_(fps) {
   const std::string named = "frames " + range_text(frames.first, frames.last) + " cannot be played: ";
   require(frames.last >= frames.first, named + "they end before they begin");
-  require(frames.step >= 1, named + "their step is " + std::to_string(frames.step) + ", expected 1 or more");
   std::ostringstream rate;
   rate << named << "they have " << fps << " frames a second, expected more than 0 and at most " << kHighestRate;
   require(fps > 0 && fps <= kHighestRate, rate.str());
-  count_ = (std::int64_t{frames.last} - frames.first) / frames.step + 1;
+  count_ = std::int64_t{frames.last} - frames.first + 1;
   out_ = count_ - 1;
 }
 
 int Playback::advance(double seconds) {
   if (!playing_ || !(seconds > 0)) return frame();
-  const double rate = speed_ * fps_ / static_cast<double>(step_);
-  waited_ += std::min(seconds, kLongestGap) * rate;
+  waited_ += std::min(seconds, kLongestGap) * speed_ * fps_;
   const double due = std::floor(waited_);
   if (due < 1) return frame();
   waited_ -= due;
@@ -87,10 +85,9 @@ void Playback::go_to_next_key() {
 void Playback::scrub(int frame) { show(index_of(frame)); }
 
 void Playback::set_range(int in, int out) {
-  const Index begin = std::max<Index>(index_of(std::int64_t{in} + step_ - 1), 0);  // the first frame from `in` on
+  const Index begin = std::max<Index>(index_of(in), 0);
   const Index end = std::min(index_of(out), count_ - 1);
-  require(begin <= end, "there is no frame of " + range_text(first(), last()) +
-                            (step_ > 1 ? "x" + std::to_string(step_) : "") + " in the range " + range_text(in, out));
+  require(begin <= end, "there is no frame of " + range_text(first(), last()) + " in the range " + range_text(in, out));
   in_ = begin;
   out_ = end;
 }
@@ -115,12 +112,6 @@ std::vector<int> Playback::keys() const {
   std::vector<int> frames;
   for (const Index key : keys_) frames.push_back(frame_at(key));
   return frames;
-}
-
-// Of the last frame that is not after `frame`; negative before the first, count_ or more after the last.
-Playback::Index Playback::index_of(std::int64_t frame) const {
-  const Index offset = frame - first_;
-  return (offset - modulo(offset, step_)) / step_;
 }
 
 void Playback::show(Index index) {

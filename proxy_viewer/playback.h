@@ -6,23 +6,20 @@
 
 namespace bodyopt {
 
-// The frames first, first + step, ... up to last.
 struct PlayFrames {
-  int first = 1, last = 1, step = 1;
+  int first = 1, last = 1;
 };
 
 enum class PlayMode { loop, ping_pong, once };
 
-// Knows no clock: advance() is told how much time has passed, and gives the same frames for the same times. Frames
-// stand for times: 1001-1100x2 shows half the frames of 1001-1100, each for twice as long. A frame that is asked for
-// and not there means the last one before it.
+// Knows no clock: advance() is told how much time has passed, and gives the same frames for the same times.
 class Playback {
  public:
   static constexpr double kSlowest = 0.1, kFastest = 2;  // speeds
   static constexpr double kLongestGap = 1;               // seconds; the rest of a longer gap (a stall) is not played
 
-  // `fps`: frames a second, counted in numbers. Throws Error(usage) for frames that end before they begin, a step below
-  // 1, and an fps that is not above 0 and at most 1,000.
+  // `fps`: frames a second. Throws Error(usage) for frames that end before they begin, and an fps that is not above 0
+  // and at most 1,000.
   Playback(const PlayFrames& frames, double fps);
 
   // Lets time pass and gives the frame to show. What is no positive number of seconds is no time.
@@ -66,8 +63,8 @@ class Playback {
  private:
   using Index = std::int64_t;  // of a frame among those of the clip
 
-  int frame_at(Index index) const { return static_cast<int>(first_ + index * step_); }
-  Index index_of(std::int64_t frame) const;
+  int frame_at(Index index) const { return static_cast<int>(first_ + index); }
+  Index index_of(std::int64_t frame) const { return frame - first_; }
   void show(Index index);
   Index start() const { return backwards_ ? out_ : in_; }
   Index end() const { return backwards_ ? in_ : out_; }
@@ -76,7 +73,7 @@ class Playback {
   void move_looping(Index frames);
   void move_ping_pong(Index frames);
 
-  Index first_, step_, count_;
+  Index first_, count_;
   Index in_ = 0, out_, shown_ = 0;
   double fps_;
   double waited_ = 0;  // frames; since the one shown was due

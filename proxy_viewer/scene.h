@@ -18,8 +18,9 @@ class Scene {
 
   void add(const ActorFiles& files, const ClipOptions& options);
   void replace(std::size_t index, const ActorFiles& files, const ClipOptions& options);
-  // In place of the lead's clip, from now on.
+  // In place of the lead's clip.
   void set_live_pose(Pose pose) { live_pose_ = std::move(pose); }
+  void leave_live_pose() { live_pose_.reset(); }  // back to the clip
   void reset_jiggle();
   bool empty() const { return cast_.empty(); }
   std::vector<std::unique_ptr<Actor>>& cast() { return cast_; }

@@ -36,6 +36,13 @@ struct ErrorRow {
   float rms = std::numeric_limits<float>::quiet_NaN(), max = rms;
 };
 
+// Poses that another program sends.
+struct LiveRow {
+  std::optional<int> frame{};  // of the newest; none: nothing has come
+  std::size_t rejected = 0;
+  std::string last_rejection{};
+};
+
 struct Snapshot {
   std::vector<CharacterRow> cast;  // the first is the lead, of whom the rest speaks
   std::vector<JointRow> joints;
@@ -53,6 +60,8 @@ struct Snapshot {
   int first_frame = 1;                   // of the clip
   std::vector<ErrorRow> errors;          // per frame of the clip; empty where nothing is compared
   double measured = 1;                   // share of them
+
+  std::optional<LiveRow> live;  // none: the clip is shown
 
   std::string device;
   double shown_fps = 0;                    // pictures a second, over the last second

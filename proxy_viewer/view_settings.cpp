@@ -1,33 +1,23 @@
 #include "proxy_viewer/view_settings.h"
 
-#include <array>
 #include <numbers>
 #include <utility>
 
 #include "proxy_viewer/json_fields.h"
+#include "proxy_viewer/setting_limits.h"
 #include "runtime/basis/error.h"
 
 namespace bodyopt {
 namespace {
 
 constexpr const char* kSchema = "bodyopt-view-1";
-constexpr double kLargest = 1e6;      // metres, and of what has no limit of its own
+constexpr double kFurthest = 1e6;     // metres, of a camera's target
 constexpr double kLatestFrame = 1e9;  // either way
-constexpr double kTurn = 360;         // degrees
-constexpr double kMostAmount = 10;    // as in jiggle.json
-constexpr double kMostCopies = 100;
-constexpr double kMostGhosts = 50, kLongestStep = 1000;
-constexpr double kFinestHeat = 0.001, kCoarsestHeat = 1e4;  // mm
-
-constexpr std::array kPlayModes{"loop", "ping_pong", "once"};
-constexpr std::array kStyles{"clay", "matcap", "flat", "normals"};
-constexpr std::array kComparisons{"none", "lbs", "ddm", "linear", "full", "jiggle", "truth", "proxy"};
-constexpr std::array kLayouts{"side_by_side", "overlay", "wipe", "hold"};
 
 // What names the fields of a structure (const or not) to a FieldReader or a FieldWriter.
 
 constexpr auto kPlayingFields = [](auto& list, auto& playing) {
-  list.choice("mode", playing.mode, kPlayModes);
+  list.choice("mode", playing.mode, kPlayModeNames);
   list.number("speed", playing.speed, Playback::kSlowest, Playback::kFastest);
   list.boolean("backwards", playing.backwards);
   list.boolean("real_time", playing.real_time);
@@ -36,7 +26,7 @@ constexpr auto kPlayingFields = [](auto& list, auto& playing) {
 };
 
 constexpr auto kViewFields = [](auto& list, auto& view) {
-  list.vector("target", view.target, -kLargest, kLargest);
+  list.vector("target", view.target, -kFurthest, kFurthest);
   list.number("distance", view.distance, OrbitCamera::kNearest, OrbitCamera::kFarthest);
   list.number("azimuth", view.azimuth, -std::numbers::pi, std::numbers::pi);
   list.number("elevation", view.elevation, -std::numbers::pi / 2, std::numbers::pi / 2);
@@ -44,7 +34,7 @@ constexpr auto kViewFields = [](auto& list, auto& view) {
 };
 
 constexpr auto kLookFields = [](auto& list, auto& look) {
-  list.choice("style", look.style, kStyles);
+  list.choice("style", look.style, kStyleNames);
   list.boolean("wire", look.wire);
   list.boolean("grid", look.grid);
   list.boolean("axes", look.axes);
@@ -54,12 +44,12 @@ constexpr auto kLookFields = [](auto& list, auto& look) {
   list.number("tet_cut", look.tet_cut, 0, 1);
   list.boolean("shadow", look.shadow);
   list.boolean("follow", look.follow);
-  list.integer("level", look.level, 0, 15);
+  list.integer("level", look.level, 0, kCoarsestLevel);
 };
 
 constexpr auto kCompareFields = [](auto& list, auto& compare) {
-  list.choice("with", compare.with, kComparisons);
-  list.choice("layout", compare.layout, kLayouts);
+  list.choice("with", compare.with, kComparisonNames);
+  list.choice("layout", compare.layout, kLayoutNames);
   list.number("wipe", compare.wipe, 0, 1);
   list.boolean("heat", compare.heat);
   list.number("heat_scale_mm", compare.heat_scale_mm, kFinestHeat, kCoarsestHeat);
@@ -70,30 +60,32 @@ constexpr auto kCompareFields = [](auto& list, auto& compare) {
 constexpr auto kPosingFields = [](auto& list, auto& pose) {
   list.number("correction", pose.correction, 0, 1);
   list.named("joints", pose.joints,
-             [](auto& joints, const char* name, auto& angles) { joints.vector(name, angles, -kTurn, kTurn); });
-  list.named("controls", pose.controls,
-             [](auto& controls, const char* name, auto& value) { controls.number(name, value, -kLargest, kLargest); });
+             [](auto& joints, const char* name, auto& angles) { joints.vector(name, angles, -kMostTurn, kMostTurn); });
+  list.named("controls", pose.controls, [](auto& controls, const char* name, auto& value) {
+    controls.number(name, value, -kMostControl, kMostControl);
+  });
 };
 
 constexpr auto kJigglingFields = [](auto& list, auto& jiggle) {
   list.boolean("on", jiggle.on);
-  list.number("amount", jiggle.amount, 0, kMostAmount);
+  list.number("amount", jiggle.amount, 0, kMostJiggle);
 };
 
 constexpr auto kGhostsFields = [](auto& list, auto& ghosts) {
   list.integer("before", ghosts.before, 0, kMostGhosts);
   list.integer("after", ghosts.after, 0, kMostGhosts);
-  list.integer("step", ghosts.step, 1, kLongestStep);
+  list.integer("step", ghosts.step, 1, kLongestGhostStep);
   list.number("opacity", ghosts.opacity, 0, 1);
 };
 
 constexpr auto kCastFields = [](auto& list, auto& cast) {
   list.integer("copies", cast.copies, 1, kMostCopies);
-  list.integer("delay", cast.delay, 0, kLongestStep);
+  list.integer("delay", cast.delay, 0, kLongestCopyDelay);
 };
 
 constexpr auto kHudFields = [](auto& list, auto& hud) {
   list.boolean("on", hud.on);
+  list.boolean("legend", hud.legend);
   list.named("panels", hud.panels, [](auto& panels, const char* name, auto& open) { panels.boolean(name, open); });
 };
 

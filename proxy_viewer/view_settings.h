@@ -1,6 +1,7 @@
 // Everything that can be set in the viewport, and its state file (docs/formats.md, view.json).
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -14,6 +15,12 @@ namespace bodyopt {
 enum class LookStyle { clay, matcap, flat, normals };
 enum class CompareWith { none, lbs, ddm, linear, full, jiggle, truth, proxy };
 enum class CompareLayout { side_by_side, overlay, wipe, hold };
+
+// In commands, panels and the state file; in the order of the enumerations.
+inline constexpr std::array kPlayModeNames{"loop", "ping-pong", "once"};
+inline constexpr std::array kStyleNames{"clay", "matcap", "flat", "normals"};
+inline constexpr std::array kComparisonNames{"none", "lbs", "ddm", "linear", "full", "jiggle", "truth", "proxy"};
+inline constexpr std::array kLayoutNames{"side-by-side", "overlay", "wipe", "hold"};
 
 struct ViewSettings {
   struct Playing {
@@ -71,7 +78,8 @@ struct ViewSettings {
   };
 
   struct Hud {
-    bool on = true;
+    bool on = true;                      // figures
+    bool legend = true;                  // what the sides of a comparison and the colours of a heat map are
     std::map<std::string, bool> panels;  // whether they are open, by name
     bool operator==(const Hud&) const = default;
   };

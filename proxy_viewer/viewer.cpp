@@ -9,7 +9,6 @@
 #include <deque>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <memory>
 #include <optional>
 
@@ -28,6 +27,7 @@
 #include "proxy_viewer/window.h"
 #include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
+#include "trainer/dataset/clip_source.h"
 #include "trainer/progress.h"
 #include "trainer/train/coverage.h"
 
@@ -43,6 +43,7 @@ constexpr double kNearVertex = 0.5;     // distance of the camera from a vertex,
 constexpr float kClick = 4;             // pixels: less is no drag
 constexpr double kPickRadius = 14;      // pixels
 constexpr int kTurntablePictures = 72;  // of once around
+const char* const kFlipKey = "X";       // while it is down, what is compared with is shown
 const char* const kNewScreenshot = "bodyopt.####.png";
 const char* const kKept = "the pictures that were written are kept";
 
@@ -57,8 +58,8 @@ double resident_mib() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
 }
 
-bool has_extension(const std::string& path, std::initializer_list<const char*> extensions) {
-  const std::string own = fs::path(path.substr(0, path.find('#'))).extension().string();
+bool has_extension(const std::string& file, std::initializer_list<const char*> extensions) {
+  const std::string own = lower_case_extension(split_source(file).path);
   return std::any_of(extensions.begin(), extensions.end(), [&](const char* e) { return own == e; });
 }
 
@@ -74,7 +75,7 @@ class Viewer {
     if (window_) {
       window_->attach(device_);
       window_->on_drop = [this](const auto& files) { std::ranges::copy(files, std::back_inserter(dropped_)); };
-      window_->on_key = [this](const std::string& key, bool down) { on_key(key, down); };
+      window_->on_key = [this](const std::string& key, KeyEvent event) { on_key(key, event); };
     }
     controls_.panels = controls_.settings.hud.on = !options.headless;
     open(options.files.at(0));  // without it there is nothing to see
@@ -133,9 +134,6 @@ class Viewer {
   }
 
   void warn(const std::string& text) {
-    const std::vector<Message>& messages = controls_.messages;
-    if (!messages.empty() && messages.back().text == text) return;  // of every picture: once is enough
-    std::cerr << "warning: " << text << "\n";
     controls_.warn(text);
     pending_pictures_ = 2;
   }
@@ -168,7 +166,9 @@ class Viewer {
   // The playhead over the lead's clip.
   void play_clip() {
     const Clip& clip = scene_.lead().clip();
-    controls_.playback = Playback({clip.first_frame, clip.last_frame(), 1}, clip.fps);
+    controls_.playback = Playback({clip.first_frame, clip.last_frame()}, clip.fps);
+    const std::vector<int>& keys = scene_.lead().keys();
+    if (2 * keys.size() <= clip.poses.size()) controls_.playback.set_keys(keys);  // otherwise it was baked
     apply_settings();
   }
 
@@ -195,8 +195,10 @@ class Viewer {
     if (options_.live_port) {
       const Basis& basis = scene_.lead().basis();
       live_ = std::make_unique<LivePose>(*options_.live_port, basis.skeleton.size(), basis.residual.controls.size());
+      controls_.live = true;
       controls_.say("listening for poses on 127.0.0.1:" + std::to_string(live_->port()));
     }
+    if (window_) controls_.say("H: all keys");
     if (controls_.requests.frame_selection) frame_selection(options_.width, options_.height);
     followed_ = scene_.whereabouts(playback.frame());
     const std::vector<std::string> commands = script_commands(options_.commands);
@@ -240,15 +242,18 @@ class Viewer {
     controls_.requests.frame_selection = false;
   }
 
-  void on_key(const std::string& key, bool down) {
+  void on_key(const std::string& key, KeyEvent event) {
     pending_pictures_ = 2;
-    if (ImGui::GetIO().WantTextInput) return;
-    if (key == "X") {
-      controls_.flipped = down;
+    if (event == KeyEvent::released) {
+      // Shift and the like may have gone down meanwhile.
+      if (key.substr(key.rfind('+') + 1) == kFlipKey) controls_.flipped = false;
       return;
     }
-    const Command* command = down ? find_command_by_key(key) : nullptr;
-    if (command) attempt([&] { run_command(controls_, command->name); });
+    if (ImGui::GetIO().WantTextInput) return;
+    if (key == kFlipKey) controls_.flipped = true;
+    const Command* command = find_command_by_key(key);
+    if (!command || (event == KeyEvent::repeated && !command->repeats)) return;
+    attempt([&] { run_command(controls_, command->name); });
   }
 
   // One turn of the loop: time passes, and what changed is drawn.
@@ -259,12 +264,7 @@ class Viewer {
     for (const std::string& file : std::exchange(dropped_, {})) attempt([&] { open(file); });
     const int shown = controls_.playback.frame();
     controls_.playback.advance(passed);
-    if (live_) {
-      if (auto pose = live_->poll()) {
-        scene_.set_live_pose(std::move(*pose));
-        pending_pictures_ = std::max(pending_pictures_, 1);
-      }
-    }
+    poll_live();
     look_at_files(now);
     run_script();
     measure_errors();
@@ -285,11 +285,27 @@ class Viewer {
     fulfil();
   }
 
+  // The newest of the poses that are sent, for as long as they are wanted.
+  void poll_live() {
+    if (!live_) return;
+    if (!*controls_.live) {
+      scene_.leave_live_pose();
+      snapshot_.live.reset();
+      return;
+    }
+    const std::size_t rejected = live_->rejected();
+    std::optional<Pose> pose = live_->poll();
+    if (pose || live_->rejected() > rejected) pending_pictures_ = std::max(pending_pictures_, 1);
+    if (pose) scene_.set_live_pose(std::move(*pose));
+    snapshot_.live = LiveRow{live_->frame(), live_->rejected(), live_->last_rejection()};
+  }
+
   void look_at_files(Clock::time_point now) {
     const double at = seconds_between(Clock::time_point{}, now);
     if (at < next_look_) return;
     next_look_ = at + kIdle;
-    if (was_busy_ && !controls_.playback.playing()) pending_pictures_ = std::max(pending_pictures_, 1);
+    const bool passes = std::ranges::any_of(controls_.messages, [](const Message& m) { return !m.error; });
+    if (passes || (was_busy_ && !controls_.playback.playing())) pending_pictures_ = std::max(pending_pictures_, 1);
     const std::vector<fs::path> changed = watched_->changed(at);
     if (changed.empty()) return;
     controls_.requests.reload = true;
@@ -355,8 +371,8 @@ class Viewer {
       controls_.camera.dolly(0.03 * (x - y));
     }
     if (io.MouseWheel != 0) controls_.camera.dolly(static_cast<double>(io.MouseWheel));
-    const ImVec2 drag = ImGui::GetMouseDragDelta(0, 0);
-    if (ImGui::IsMouseReleased(0) && std::abs(drag.x) + std::abs(drag.y) < kClick) pick(io.MousePos.x, io.MousePos.y);
+    const bool dragged = io.MouseDragMaxDistanceSqr[0] >= kClick * kClick;  // and be it back again
+    if (ImGui::IsMouseReleased(0) && !dragged) pick(io.MousePos.x, io.MousePos.y);
   }
 
   void pick(float x, float y) {
@@ -416,7 +432,11 @@ class Viewer {
       limit_joints(read_joint_limits(options_.limits, basis.skeleton), basis.skeleton, snapshot_.joints);
     }
     controls_.joint_names.clear();
-    for (const JointRow& row : snapshot_.joints) controls_.joint_names.push_back(row.name);
+    controls_.joint_axes.clear();
+    for (const Joint& joint : basis.skeleton.joints) {
+      controls_.joint_names.push_back(joint.name);
+      controls_.joint_axes.push_back(conjugate(decompose(joint.inverse_bind).rotation));
+    }
     controls_.control_names = basis.residual.controls;
     snapshot_.device = device_->info().name;
     regions_ = has_coverage(basis) ? read_coverage(basis) : std::vector<RegionCoverage>{};
@@ -435,7 +455,7 @@ class Viewer {
   }
 
   // False where there is nothing to measure: live poses are of no frame, and coarser levels are there to keep up.
-  bool measures_errors() const { return !live_ && scene_.lead().level() == 0; }
+  bool measures_errors() const { return !controls_.live.value_or(false) && scene_.lead().level() == 0; }
 
   bool look_at_errors() {
     if (!measures_errors()) return false;

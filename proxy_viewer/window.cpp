@@ -41,6 +41,11 @@ Fence make_fence(VkDevice device) {
   return {device, fence};
 }
 
+KeyEvent key_event(int action) {
+  if (action == GLFW_RELEASE) return KeyEvent::released;
+  return action == GLFW_REPEAT ? KeyEvent::repeated : KeyEvent::pressed;
+}
+
 // One that takes the picture's bytes as they are.
 VkSurfaceFormatKHR choose_format(VkPhysicalDevice physical, VkSurfaceKHR surface) {
   std::uint32_t count = 0;
@@ -205,7 +210,9 @@ Window::Window(const WindowOptions& options) : vsync_(options.vsync) {
   });
   glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int scancode, int action, int modifiers) {
     const auto& heard = static_cast<Window*>(glfwGetWindowUserPointer(window))->on_key;
-    if (heard) heard(key_name(key, scancode, modifiers), action != GLFW_RELEASE);
+    if (!heard) return;
+    const char* printed = glfwGetKeyName(key, scancode);
+    heard(key_name(key, printed ? printed : "", modifiers), key_event(action));
   });
 }
 
@@ -283,7 +290,6 @@ void Window::poll(double seconds) {
 }
 
 bool Window::closed() const { return glfwWindowShouldClose(window_); }
-void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
 void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 
 std::array<std::uint32_t, 2> Window::size() const {

@@ -21,6 +21,8 @@ struct WindowOptions {
   bool vsync = true;
 };
 
+enum class KeyEvent { pressed, repeated, released };
+
 class Window {
  public:
   // Throws Error(device) where there is no display, or no window can be had: it says so and names --headless.
@@ -40,14 +42,13 @@ class Window {
   // Calls back for what has happened; waits for it at most so long (seconds; 0: not at all).
   void poll(double seconds);
   bool closed() const;
-  void close();
   void set_title(const std::string& title);
   std::array<std::uint32_t, 2> size() const;  // pixels; 0 while minimised
   GLFWwindow* handle() const { return window_; }
 
   // Before Gui::attach(), which passes on what it hears.
   std::function<void(const std::vector<std::string>& files)> on_drop;
-  std::function<void(const std::string& key, bool down)> on_key;  // see key_names.h; also while a key repeats
+  std::function<void(const std::string& key, KeyEvent event)> on_key;  // see key_names.h
 
  private:
   struct Swapchain;

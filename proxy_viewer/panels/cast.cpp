@@ -3,6 +3,7 @@
 
 #include "proxy_viewer/panels.h"
 #include "proxy_viewer/panels/widgets.h"
+#include "proxy_viewer/setting_limits.h"
 
 namespace bodyopt {
 namespace {
@@ -38,7 +39,7 @@ void draw_cast(const Snapshot& snapshot, Controls& controls) {
     ImGui::Separator();
   }
   ViewSettings::Cast& cast = controls.settings.cast;
-  slide("Copies", cast.copies, 1, 100, "%d", find_command("copies")->help);
+  slide("Copies", cast.copies, 1, kMostCopies, "%d", find_command("copies")->help);
   slide("Delay", cast.delay, 0, 48, cast.delay == 1 ? "%d frame" : "%d frames", find_command("copy-delay")->help);
   ImGui::TextDisabled("drop files onto the window to add them");
 }

@@ -5,6 +5,7 @@
 
 #include "proxy_viewer/panels.h"
 #include "proxy_viewer/panels/widgets.h"
+#include "proxy_viewer/setting_limits.h"
 
 namespace bodyopt {
 namespace {
@@ -46,7 +47,7 @@ void draw_compare(const Snapshot& snapshot, Controls& controls) {
   command_tick(controls, "heat", "Heat of the distance");
   command_tick(controls, "activation", "Heat of what was learned");
   if (compare.heat || compare.activation) {
-    slide("Hottest", compare.heat_scale_mm, 0.1, 100, "%.3g mm", find_command("heat-scale")->help,
+    slide("Hottest", compare.heat_scale_mm, kFinestHeat, kCoarsestHeat, "%.3g mm", find_command("heat-scale")->help,
           ImGuiSliderFlags_Logarithmic);
   }
   command_tick(controls, "coverage", "Tint what was not trained for");

@@ -1,15 +1,16 @@
 // Frames before and after, see-through.
 #include "proxy_viewer/panels.h"
 #include "proxy_viewer/panels/widgets.h"
+#include "proxy_viewer/setting_limits.h"
 
 namespace bodyopt {
 
 void draw_ghosts(const Snapshot&, Controls& controls) {
-  constexpr int kMost = 12, kLongestStep = 48;
+  constexpr int kLongestStep = 48;  // of the slider: it is to be set by hand
   ViewSettings::Ghosts& ghosts = controls.settings.ghosts;
   command_tick(controls, "toggle-ghosts", "On");
-  slide("Before", ghosts.before, 0, kMost, "%d", "ghosts of frames before, in blue");
-  slide("After", ghosts.after, 0, kMost, "%d", "ghosts of frames after, in orange");
+  slide("Before", ghosts.before, 0, kMostGhosts, "%d", "ghosts of frames before, in blue");
+  slide("After", ghosts.after, 0, kMostGhosts, "%d", "ghosts of frames after, in orange");
   slide("Step", ghosts.step, 1, kLongestStep, ghosts.step == 1 ? "%d frame" : "%d frames",
         find_command("ghost-step")->help);
   slide("Opacity", ghosts.opacity, 0.05, 0.95, "%.2f", "of the ghost that is next");

@@ -41,10 +41,18 @@ void add_coverage(const Snapshot& snapshot, Lines& lines) {
   if (snapshot.expected_mm) lines.add(*snapshot.expected_mm, "mm", "expected error");
 }
 
+void add_live(const LiveRow& live, Lines& lines) {
+  constexpr ImU32 kLive = IM_COL32(120, 205, 140, 255);
+  lines.add(live.frame ? "live: frame " + std::to_string(*live.frame) : "live: no pose has come", kLive);
+  if (live.rejected == 0) return;
+  lines.add(std::to_string(live.rejected) + " rejected, the last: " + live.last_rejection, kErrorColour);
+}
+
 }  // namespace
 
 void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
   Lines lines(14, layout.menu + 12);
+  if (snapshot.live) add_live(*snapshot.live, lines);
   lines.add(snapshot.shown_fps, "fps", std::to_string(controls.playback.dropped()) + " dropped");
   lines.add(snapshot.frame_ms, "ms", "picture");
   lines.add(snapshot.draw_ms, "ms", "draw");

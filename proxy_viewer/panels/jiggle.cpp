@@ -1,6 +1,7 @@
 // Flesh that moves by inertia.
 #include "proxy_viewer/panels.h"
 #include "proxy_viewer/panels/widgets.h"
+#include "proxy_viewer/setting_limits.h"
 
 namespace bodyopt {
 
@@ -13,7 +14,7 @@ void draw_jiggle(const Snapshot& snapshot, Controls& controls) {
   ImGui::SameLine();
   command_button(controls, "reset-jiggle", "Begin anew");
   ImGui::BeginDisabled(!controls.settings.jiggle.on);
-  slide("Amount", controls.settings.jiggle.amount, 0, 4, "%.2f x", find_command("jiggle-amount")->help);
+  slide("Amount", controls.settings.jiggle.amount, 0, kMostJiggle, "%.2f x", find_command("jiggle-amount")->help);
   ImGui::EndDisabled();
 }
 

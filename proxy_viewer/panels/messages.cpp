@@ -1,4 +1,4 @@
-// What went wrong, or well: the newest few, until they are clicked away.
+// What went wrong, until it is clicked away, and what went well, for some seconds: the newest few.
 #include <imgui.h>
 
 #include <algorithm>
@@ -9,6 +9,11 @@ namespace bodyopt {
 
 void draw_messages(Controls& controls, const PanelLayout& layout) {
   constexpr std::size_t kShown = 4;
+  constexpr double kPassing = 6;  // seconds
+  // A picture that comes late is no time to read.
+  const double passed = std::min(0.3, static_cast<double>(ImGui::GetIO().DeltaTime));
+  for (Message& message : controls.messages) message.shown += passed;
+  std::erase_if(controls.messages, [](const Message& m) { return !m.error && m.shown > kPassing; });
   if (controls.messages.empty()) return;
   if (controls.messages.size() > kShown) {
     controls.messages.erase(controls.messages.begin(), controls.messages.end() - kShown);

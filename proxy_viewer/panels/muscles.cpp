@@ -1,4 +1,5 @@
-// How far every muscle fibre is shortened or stretched, the most at the top, in the colours that fibres have.
+// How far every muscle fibre is shortened or stretched, in the colours that fibres have: the most at the top, in the
+// order in which they were when it began to play.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -33,6 +34,13 @@ void draw_row(const std::string& name, float strain) {
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s: %+.1f %%", name.c_str(), 100 * static_cast<double>(strain));
 }
 
+std::vector<std::size_t> by_strain(const std::vector<float>& strains, std::size_t count) {
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t f) { return std::abs(strains[f]); });
+  return order;
+}
+
 }  // namespace
 
 void draw_muscles(const Snapshot& snapshot, Controls& controls) {
@@ -42,9 +50,8 @@ void draw_muscles(const Snapshot& snapshot, Controls& controls) {
     return;
   }
   command_tick(controls, "fibres", "Fibres in the picture");
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t f) { return std::abs(snapshot.strains[f]); });
+  std::vector<std::size_t>& order = controls.typed.fibre_order;
+  if (order.size() != count || !controls.playback.playing()) order = by_strain(snapshot.strains, count);
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
   ImGui::BeginChild("strains", {0, kRow * std::min(kMostRows, static_cast<float>(count))});
   ImGuiListClipper clipper;

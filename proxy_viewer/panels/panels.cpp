@@ -29,11 +29,11 @@ Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_
   if (controls.panels) draw_menu_bar(snapshot, controls);
   if (layout.timeline > 0) draw_timeline(snapshot, controls, layout);
   if (layout.side > 0) draw_side_panel(snapshot, controls, layout);
-  if (controls.settings.hud.on) {
+  if (controls.settings.hud.legend) {
     draw_comparison(snapshot, controls, layout);
     draw_colour_bar(snapshot, controls, layout);
-    draw_hud(snapshot, controls, layout);
   }
+  if (controls.settings.hud.on) draw_hud(snapshot, controls, layout);
   draw_messages(controls, layout);
   if (controls.prompt) draw_prompt(controls, layout);
   if (controls.cheat_sheet) draw_cheat_sheet(controls, layout);

@@ -1,5 +1,5 @@
-// The frame in large digits, buttons, and the bar: click or drag to scrub, also while playing; the range; keys; the
-// error of every frame.
+// Buttons, the frame in large digits, and the bar: click or drag to scrub, also while playing; the range, whose ends
+// are dragged; keys; the error of every frame.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -107,6 +107,20 @@ void draw_frames(const Snapshot& snapshot, Controls& controls, const Bar& bar) {
   for (const int key : playback.keys()) list.AddCircleFilled({bar.x(key), bar.at.y + 6}, 3, kKey, 4);
 }
 
+// An end of the range, to be dragged: a flag over the bar, towards the other end.
+void draw_end(const char* command, int end, float side, Controls& controls, const Bar& bar) {
+  constexpr float kSize = 9;
+  const float x = bar.x(end), top = bar.at.y - kSize - 1;
+  ImGui::SetCursorScreenPos({std::min(x, x + side * kSize), top});
+  ImGui::InvisibleButton(command, {kSize, kSize});
+  const bool held = ImGui::IsItemActive(), hovered = ImGui::IsItemHovered();
+  if (hovered && !held) explain(command);
+  const int frame = bar.frame(ImGui::GetIO().MousePos.x);
+  if (held && frame != end) attempt(controls, command + (" " + std::to_string(frame)));
+  ImGui::GetWindowDrawList()->AddTriangleFilled({x, top}, {x + side * kSize, top}, {x, top + kSize},
+                                                held || hovered ? kAccent : kTick);
+}
+
 // Under the bar: a click goes to the worst frame, and from there to its worst vertex.
 void draw_sparkline(const Snapshot& snapshot, Controls& controls, const Bar& bar) {
   ImGui::SetCursorScreenPos(bar.at);
@@ -135,6 +149,8 @@ void draw_bars(const Snapshot& snapshot, Controls& controls, float bottom) {
   const float below = snapshot.errors.empty() ? 0 : kSparkline + kGap;
   const Bar frames{at, {width, bottom - at.y - below}, controls.playback.first(), controls.playback.last()};
   draw_frames(snapshot, controls, frames);
+  draw_end("in", controls.playback.in(), 1, controls, frames);
+  draw_end("out", controls.playback.out(), -1, controls, frames);
   if (!snapshot.errors.empty()) {
     draw_sparkline(snapshot, controls, {{at.x, bottom - kSparkline}, {width, kSparkline}, frames.first, frames.last});
   }
@@ -150,6 +166,10 @@ void draw_buttons(Controls& controls) {
                                       std::pair{"play", playback.playing() ? "||" : "\xe2\x96\xb6"},
                                       std::pair{"step", ">"}, std::pair{"last", ">|"}}) {
     command_button(controls, command, text, 30);
+    ImGui::SameLine();
+  }
+  for (const auto& [command, text] : {std::pair{"backwards", "\xe2\x97\x80"}, std::pair{"every-frame", "all"}}) {
+    command_switch(controls, command, text, 30);
     ImGui::SameLine();
   }
   const float width = ImGui::GetCursorPosX() - left - 3;
@@ -177,11 +197,19 @@ void draw_buttons(Controls& controls) {
   ImGui::PopStyleVar();
 }
 
-void draw_frame_number(const Snapshot& snapshot, const Playback& playback) {
+// To be typed into.
+void draw_frame_number(const Snapshot& snapshot, Playback& playback) {
   ImGui::BeginGroup();
   ImGui::PushFont(large_font());
-  ImGui::Text("%4d", playback.frame());
+  ImGui::PushStyleColor(ImGuiCol_FrameBg, 0);
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {3, 0});
+  ImGui::SetNextItemWidth(ImGui::CalcTextSize("000000").x);
+  int frame = playback.frame();
+  if (ImGui::InputInt("##frame", &frame, 0, 0, ImGuiInputTextFlags_EnterReturnsTrue)) playback.scrub(frame);
+  ImGui::PopStyleVar();
+  ImGui::PopStyleColor();
   ImGui::PopFont();
+  explain("frame");
   ImGui::TextDisabled("%d\xe2\x80\x93%d  %g fps", playback.in(), playback.out(), snapshot.clip_fps);
   ImGui::EndGroup();
 }
@@ -189,7 +217,7 @@ void draw_frame_number(const Snapshot& snapshot, const Playback& playback) {
 }  // namespace
 
 void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout) {
-  constexpr float kNumberWidth = 420, kButtonsWidth = 260;  // windows below have no room for the number, the buttons
+  constexpr float kNumberWidth = 480, kButtonsWidth = 330;  // windows below have no room for the number, the buttons
   ImGui::SetNextWindowPos({0, layout.bottom()});
   ImGui::SetNextWindowSize({layout.width, layout.timeline});
   ImGui::Begin("Timeline", nullptr, kFixedWindow | ImGuiWindowFlags_NoScrollbar);

@@ -51,6 +51,13 @@ void command_button(Controls& controls, const char* command, const char* text, f
   ImGui::PopID();
 }
 
+void command_switch(Controls& controls, const char* command, const char* text, float width) {
+  const bool on = find_command(command)->value(controls) == "on";
+  ImGui::PushStyleColor(ImGuiCol_Text, on ? kAccent : kQuiet);
+  command_button(controls, command, text, width);
+  ImGui::PopStyleColor();
+}
+
 void command_tick(Controls& controls, const char* command, const char* text) {
   const Command& c = *find_command(command);
   bool on = c.value(controls) == "on";

@@ -33,6 +33,8 @@ void explain(const Command& command);
 
 // Of a command by its name. `text`: instead of its label.
 void command_button(Controls& controls, const char* command, const char* text = nullptr, float width = 0);
+// Lit while it is on.
+void command_switch(Controls& controls, const char* command, const char* text, float width);
 void command_tick(Controls& controls, const char* command, const char* text = nullptr);
 // One of the words of its argument, after a label; `available`: those that can be had now (null: all).
 void command_choice(Controls& controls, const char* command, const char* text,

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "tests/support/hostile_bytes.h"
+#include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/anatomy/align.h"
@@ -251,7 +252,7 @@ TEST(HumanMappings, GiveTheHumanItsMuscles) {
   if (!human) GTEST_SKIP() << "no shared data";
   const Character character = read_character(*human);
   const SkinDepth depth(character.vertices, character.triangles);
-  const std::string rigs = BODYOPT_SOURCE_DIR "/rigs/human/";
+  const std::string rigs = kSourceFolder + "/rigs/human/";
   std::size_t count = 0;
   for (const auto& [file, mapping, muscles] :
        {std::tuple("opensim/gait2392_thelen2003muscle.osim", "gait2392.json", 92),

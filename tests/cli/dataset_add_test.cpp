@@ -5,6 +5,7 @@
 
 #include "tests/cli/limb_files.h"
 #include "tests/support/hostile_bytes.h"
+#include "tests/support/paths.h"
 #include "tests/support/run_program.h"
 #include "trainer/dataset/dataset.h"
 #include "trainer/dataset/pc2.h"
@@ -95,7 +96,7 @@ TEST_F(DatasetAdd, KilledHalfWayTheOldDatasetIsThere) {
   ASSERT_EQ(run_bodyopt(begin() + " --frames 1-5 --shapes " + at("five.pc2")).exit_code, 0);
   const std::string before = testing::read_bytes(folder_ / "data/dataset.json");
   const std::string add_last = add() + " --frames 6 --shapes " + at("last.pc2");
-  EXPECT_GT(run_program("ulimit -f 16; " BODYOPT_PROGRAM " " + add_last).exit_code, 128);  // by a signal
+  EXPECT_GT(run_program("ulimit -f 16; " + kProgram + " " + add_last).exit_code, 128);  // by a signal
   EXPECT_EQ(testing::read_bytes(folder_ / "data/dataset.json"), before);
   EXPECT_EQ(run_bodyopt("check " + at("data")).exit_code, 0);
   ASSERT_EQ(run_bodyopt(add_last).exit_code, 0);

@@ -1,6 +1,7 @@
 // Every .glb we write passes Khronos' gltf-validator.
 #include <gtest/gtest.h>
 
+#include "tests/support/paths.h"
 #include "tests/support/run_program.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
@@ -12,11 +13,11 @@ namespace bodyopt {
 namespace {
 
 void expect_valid(const std::filesystem::path& folder) {
-  const std::string modules = BODYOPT_SOURCE_DIR "/build/npm/node_modules";
+  const std::string modules = kSourceFolder + "/build/npm/node_modules";
   if (run_program("npm --version").exit_code != 0 || !std::filesystem::exists(modules + "/gltf-validator")) {
     GTEST_SKIP() << "npm or gltf-validator is not installed (scripts/test installs the validator where npm is)";
   }
-  const ProgramResult result = run_program("node " BODYOPT_SOURCE_DIR "/tests/other_programs/validate_gltf.mjs " +
+  const ProgramResult result = run_program("node " + kSourceFolder + "/tests/other_programs/validate_gltf.mjs " +
                                            modules + " " + folder.string() + "/*.glb");
   EXPECT_EQ(result.exit_code, 0) << result.output;
 }

@@ -1,6 +1,7 @@
 // The settings that come with the shared human rig.
 #include <gtest/gtest.h>
 
+#include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
 #include "trainer/dataset/character.h"
 #include "trainer/dynamics/jiggle_settings.h"
@@ -10,7 +11,7 @@ namespace bodyopt {
 namespace {
 
 TEST(HumanJiggle, NamesJointsOfTheRigAndHoldsBothSidesAlike) {
-  const JiggleSettings settings = read_jiggle(BODYOPT_SOURCE_DIR "/rigs/human/jiggle.json");
+  const JiggleSettings settings = read_jiggle(kSourceFolder + "/rigs/human/jiggle.json");
   const auto path = shared_data("characters/human_average.glb");
   if (!path) GTEST_SKIP() << "no shared data";
   const Skeleton skeleton = read_character(*path).skeleton;

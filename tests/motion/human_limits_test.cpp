@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/rig.h"
+#include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
 #include "trainer/dataset/character.h"
 #include "trainer/motion/body_spheres.h"
@@ -16,7 +17,7 @@ class HumanLimits : public testing::Test {
     const auto path = shared_data("characters/human_muscular.glb");
     if (!path) GTEST_SKIP() << "shared data not present";
     skeleton_ = read_character(*path).skeleton;
-    limits_ = read_joint_limits(BODYOPT_SOURCE_DIR "/rigs/human/limits.json", skeleton_);
+    limits_ = read_joint_limits(kSourceFolder + "/rigs/human/limits.json", skeleton_);
   }
 
   // Where a joint goes when these degrees of freedom have these angles.

@@ -8,6 +8,8 @@
 #include <regex>
 #include <string>
 
+#include "tests/support/paths.h"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -16,7 +18,7 @@ TEST(UniqueNames, NoTwoHeadersHaveAClassOfOneName) {
   const std::regex definition("^(?:struct|class|enum class) ([A-Z]\\w*)(?: final)?(?: :.*)? \\{.*");
   std::map<std::string, fs::path> headers;
   for (const char* folder : {"runtime", "trainer", "cli", "proxy_viewer"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(fs::path(BODYOPT_SOURCE_DIR) / folder)) {
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(bodyopt::kSourceFolder) / folder)) {
       if (entry.path().extension() != ".h") continue;
       std::ifstream file(entry.path());
       for (std::string line; std::getline(file, line);) {

@@ -6,6 +6,7 @@
 
 #include "tests/simulate/limb.h"
 #include "tests/support/hostile_bytes.h"
+#include "tests/support/paths.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/simulate/quasi_static.h"
 
@@ -17,7 +18,7 @@ using namespace testing;
 std::string file_of(const std::string& entries) { return R"({"schema": "bodyopt-materials-1", )" + entries + "}"; }
 
 TEST(Materials, TheShippedFileSaysWhatTheDefaultsAre) {
-  const Materials shipped = read_materials(BODYOPT_SOURCE_DIR "/rigs/materials.json"), defaults;
+  const Materials shipped = read_materials(kSourceFolder + "/rigs/materials.json"), defaults;
   EXPECT_EQ(std::memcmp(&shipped, &defaults, sizeof(Materials)), 0);  // doubles only: no padding
 }
 

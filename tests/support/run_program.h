@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <string>
 
+#include "tests/support/paths.h"
+
 namespace bodyopt {
 
 struct ProgramResult {
@@ -26,6 +28,6 @@ inline ProgramResult run_program(const std::string& command) {
 }
 
 // bodyopt with these arguments.
-inline ProgramResult run_bodyopt(const std::string& arguments) { return run_program(BODYOPT_PROGRAM " " + arguments); }
+inline ProgramResult run_bodyopt(const std::string& arguments) { return run_program(kProgram + " " + arguments); }
 
 }  // namespace bodyopt

@@ -6,13 +6,15 @@
 #include <optional>
 #include <string>
 
+#include "tests/support/paths.h"
+
 namespace bodyopt {
 
 // The path of a file of the shared data, or nothing when it is not there. BODYOPT_SHARED_DATA overrides the folder.
 inline std::optional<std::filesystem::path> shared_data(const std::string& file) {
   const char* folder = std::getenv("BODYOPT_SHARED_DATA");
   const std::filesystem::path path =
-      std::filesystem::path(folder != nullptr ? folder : BODYOPT_SOURCE_DIR "/../shared/data") / file;
+      std::filesystem::path(folder != nullptr ? folder : kSourceFolder + "/../shared/data") / file;
   if (!std::filesystem::exists(path)) return std::nullopt;
   return path;
 }

@@ -11,6 +11,7 @@
 
 #include "proxy_viewer/sections.h"
 #include "tests/support/error_kind.h"
+#include "tests/support/paths.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -18,12 +19,14 @@ namespace {
 // Frames 1 to 40 with keys, a range within, and names of joints and controls.
 Controls controls_of_a_session() {
   Controls controls;
-  controls.playback = Playback({1, 40, 1}, 24);
+  controls.playback = Playback({1, 40}, 24);
   controls.playback.set_keys({5, 15});
   controls.playback.set_range(3, 30);
   controls.playback.scrub(10);
-  controls.joint_names = {"Hips", "LeftArm", "LeftForeArm", "RightArm"};
-  controls.control_names = {"biceps", "breath"};
+  controls.joint_names = {"Hips", "LeftArm", "LeftForeArm", "RightArm", "Bip01 L Arm"};
+  controls.joint_axes.assign(controls.joint_names.size(), Quat{0, 0, 0, 1});
+  controls.live = false;
+  controls.control_names = {"biceps", "breath", "upper lip"};
   controls.settings.cameras["close"] = {{1, 2, 3}, 0.5, 0.1, 0.2, true};
   controls.settings.pose.joints["Hips"] = {1, 2, 3};
   controls.settings.pose.joints["LeftArm"] = {4, 5, 6};
@@ -81,6 +84,7 @@ const std::map<std::string, Case>& cases() {
         [](C, C c) { return c.playback.out() == 20 && c.playback.in() == 3 && c.settings.playback.out == 20; },
         {"x"}}},
       {"whole-range", {"", [](C, C c) { return c.playback.in() == 1 && c.playback.out() == 40; }, {"1"}}},
+      {"live", {"on", [](C, C c) { return c.live == true; }, {"yes"}}},
       {"frame-selection", {"", [](C, C c) { return c.requests.frame_selection; }, {"all"}}},
       {"front", {"", [](C, C c) { return c.camera.view().azimuth == 0 && c.camera.view().elevation == 0; }, {"1"}}},
       {"side", {"", [](C, C c) { return std::abs(c.camera.view().azimuth - 90 * kDegree) < 1e-12; }, {"1"}}},
@@ -127,7 +131,9 @@ const std::map<std::string, Case>& cases() {
       {"worst-vertex", {"", [](C, C c) { return c.requests.worst_vertex; }, {"1"}}},
       {"mirror",
        {"LeftArm",
-        [](C, C c) { return valued(c.settings.pose.joints, "RightArm") == Vec3{4, -5, -6}; },
+        [](C, C c) {
+          return length(valued(c.settings.pose.joints, "RightArm").value_or(Vec3{}) - Vec3{4, -5, -6}) < 1e-9;
+        },
         {"Hips", "Tail"}}},
       {"reset-joint", {"Hips", [](C, C c) { return !c.settings.pose.joints.contains("Hips"); }, {"Tail"}}},
       {"select", {"Hips", [](C, C c) { return c.joint == "Hips"; }, {"LeftArn", "Left Arm"}}},
@@ -169,6 +175,7 @@ const std::map<std::string, Case>& cases() {
       {"load-state", {"s.json", [](C, C c) { return c.requests.load_state == "s.json"; }, {""}}},
       {"panels", {"off", [](C, C c) { return !c.panels; }, {"no"}}},
       {"hud", {"off", [](C, C c) { return !c.settings.hud.on; }, {"no"}}},
+      {"legend", {"off", [](C, C c) { return !c.settings.hud.legend; }, {"no"}}},
       {"cheat-sheet", {"on", [](C, C c) { return c.cheat_sheet; }, {"yes"}}},
       {"prompt", {"on", [](C, C c) { return c.prompt; }, {"yes"}}},
       {"side-panel", {"off", [](C, C c) { return !shows_side_panel(c.settings); }, {"no"}}},
@@ -312,6 +319,52 @@ TEST(Commands, BlanksAroundThemDoNotCount) {
   EXPECT_EQ(controls.settings.pose.joints.at("Hips"), (Vec3{1, 2, 3}));
 }
 
+TEST(Commands, NamesMayHoldBlanks) {
+  Controls controls = controls_of_a_session();
+  run_command(controls, "turn Bip01 L Arm 1 -2 3.5");
+  EXPECT_EQ(controls.settings.pose.joints.at("Bip01 L Arm"), (Vec3{1, -2, 3.5}));
+  run_command(controls, "select Bip01 L Arm");
+  EXPECT_EQ(controls.joint, "Bip01 L Arm");
+  run_command(controls, "control upper lip 0.25");
+  EXPECT_EQ(controls.settings.pose.controls.at("upper lip"), 0.25);
+}
+
+TEST(Commands, OfKeysSayThatThereAreNone) {
+  Controls controls = controls_of_a_session();
+  controls.playback.set_keys({});
+  for (const char* command : {"next-key", "previous-key"}) {
+    EXPECT_NE(message_of(controls, command).find("no keys"), std::string::npos);
+  }
+}
+
+TEST(Commands, BackwardsTurnsRoundWhateverWayAPingPongGoes) {
+  Controls controls = controls_of_a_session();
+  run_command(controls, "mode ping-pong");
+  controls.playback.play();
+  controls.playback.set_range(10, 12);
+  for (int k = 0; k < 3; ++k) controls.playback.advance(1.0 / 24);
+  EXPECT_TRUE(controls.playback.backwards());
+  run_command(controls, "backwards");
+  EXPECT_FALSE(controls.playback.backwards());
+  EXPECT_EQ(find_command("backwards")->value(controls), "off");
+}
+
+TEST(Commands, LiveNeedsAPort) {
+  Controls controls = controls_of_a_session();
+  controls.live.reset();
+  EXPECT_NE(message_of(controls, "live on").find("--live"), std::string::npos);
+}
+
+// Held keys go on and on; what turns round, writes or opens happens once.
+TEST(Commands, ThatRepeatGoStepByStep) {
+  std::set<std::string> repeating;
+  for (const Command& command : commands()) {
+    if (command.repeats) repeating.insert(command.name);
+  }
+  EXPECT_EQ(repeating,
+            (std::set<std::string>{"step", "step-back", "next-key", "previous-key", "orbit-left", "orbit-right"}));
+}
+
 // docs/view.md has a row for every command, in the table's order, and no other.
 TEST(Commands, AreThoseOfTheDocs) {
   std::vector<std::string> expected, found;
@@ -320,7 +373,7 @@ TEST(Commands, AreThoseOfTheDocs) {
     for (std::size_t at = 0; (at = call.find('|', at)) != std::string::npos; at += 2) call.insert(at, "\\");
     expected.push_back("| `" + call + "` | " + command.key + " | " + command.menu + " | " + command.help + " |");
   }
-  std::ifstream page(BODYOPT_SOURCE_DIR "/docs/view.md");
+  std::ifstream page(kSourceFolder + "/docs/view.md");
   std::string line;
   while (std::getline(page, line) && line != "| command | key | menu | does |") continue;
   std::getline(page, line);

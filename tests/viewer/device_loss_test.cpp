@@ -13,9 +13,8 @@ class DeviceLossTest : public WindowTest {
  protected:
   // Loses the device in the given call, as "vkQueueSubmit 5".
   static std::string losing(const std::string& call) {
-    return "VK_LAYER_PATH=" BODYOPT_DEVICE_LOSS_LAYER
-           " VK_INSTANCE_LAYERS=VK_LAYER_BODYOPT_device_loss BODYOPT_LOSE_DEVICE='" +
-           call + "'";
+    return "VK_LAYER_PATH=" + kDeviceLossLayer +
+           " VK_INSTANCE_LAYERS=VK_LAYER_BODYOPT_device_loss BODYOPT_LOSE_DEVICE='" + call + "'";
   }
 
   static void expect_said(const ProgramResult& result, const std::string& call) {
@@ -66,7 +65,7 @@ TEST_F(DeviceLossTest, OfPicturesLeavesThoseThatWereWritten) {
 
 TEST_F(DeviceLossTest, OfAnEvaluationLeavesTheOldCache) {
   const std::string out = (folder_ / "out.pc2").string();
-  const std::string program = std::string(" ") + BODYOPT_PROGRAM + " eval ";
+  const std::string program = " " + kProgram + " eval ";
   const auto evaluate = [&](const std::string& arguments, const std::string& call) {
     return run_program(losing(call) + program + arguments + " --require-device --out " + out);
   };

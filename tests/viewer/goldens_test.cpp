@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/gpu_fixture.h"
+#include "tests/support/paths.h"
 #include "tests/support/png_file.h"
 #include "tests/support/run_program.h"
 #include "tests/viewer/small_character.h"
@@ -19,15 +20,15 @@ class GoldensTest : public ::testing::Test {
   Image picture(const std::string& script) {
     const char* device = std::getenv("BODYOPT_TEST_DEVICE");
     const std::string out = (folder_ / "picture.png").string();
-    const ProgramResult result =
-        run_bodyopt("view " + small_.basis + " " + small_.clip + " --size 320 180 --headless -o " + out +
-                    " --do 'panels off; hud off; " + script + "'" + (device ? " --device " + std::string(device) : ""));
+    const ProgramResult result = run_bodyopt(
+        "view " + small_.basis + " " + small_.clip + " --size 320 180 --headless -o " + out +
+        " --do 'panels off; hud off; legend off; " + script + "'" + (device ? " --device " + std::string(device) : ""));
     EXPECT_EQ(result.exit_code, 0) << result.output;
     return read_png(out);
   }
 
   void expect_golden(const std::string& name, const std::string& script) {
-    const Image golden = read_png(std::string(BODYOPT_SOURCE_DIR) + "/tests/viewer/goldens/" + name);
+    const Image golden = read_png(kSourceFolder + "/tests/viewer/goldens/" + name);
     const Image now = picture(script);
     const double difference = spot_difference(golden, now).largest;
     if (difference <= kBound) return;

@@ -12,6 +12,7 @@
 
 #include "runtime/basis/basis.h"
 #include "runtime/basis/error.h"
+#include "tests/support/paths.h"
 #include "tests/support/run_program.h"
 #include "tests/support/small_basis.h"
 #include "tests/support/temporary_folder.h"
@@ -61,7 +62,7 @@ class LivePoseTest : public ::testing::Test {
     if (!pose) return -1;
     EXPECT_EQ(pose->joints.size(), kJoints);
     EXPECT_EQ(pose->joints[0].translation[0], live_.frame());
-    return live_.frame();
+    return live_.frame().value();
   }
 
   LivePose live_{0, kJoints, kControls};
@@ -189,7 +190,7 @@ class SendPoseScript : public ::testing::Test {
   }
 
   ProgramResult run(const std::string& arguments) const {
-    return run_program("python3 '" BODYOPT_SOURCE_DIR "/examples/send_pose.py' '" +
+    return run_program("python3 '" + kSourceFolder + "/examples/send_pose.py' '" +
                        (folder_ / "small.safetensors").string() + "' " + arguments);
   }
 

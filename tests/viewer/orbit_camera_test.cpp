@@ -161,30 +161,6 @@ TEST(OrbitCamera, AxisViewsLookAlongTheAxes) {
   EXPECT_NEAR(axes(camera).right[0], 1, 1e-6);
 }
 
-TEST(OrbitCamera, TurntableGoesOnceAround) {
-  const OrbitCamera camera(some_view());
-  const std::vector<Camera> cameras = camera.turntable(8);
-  ASSERT_EQ(cameras.size(), 8u);
-  EXPECT_EQ(cameras[0].eye, camera.camera().eye);
-  const Vec3 target = camera.view().target;
-  for (std::size_t k = 0; k < 8; ++k) {
-    const auto from_target = [&](const Camera& c) { return Vec3{c.eye[0], c.eye[1], c.eye[2]} - target; };
-    const Vec3 here = from_target(cameras[k]), next = from_target(cameras[(k + 1) % 8]);
-    EXPECT_NEAR(here[1], next[1], 1e-6);
-    const double turn = std::atan2(here[2] * next[0] - here[0] * next[2], here[0] * next[0] + here[2] * next[2]);
-    EXPECT_NEAR(turn, kPi / 4, 1e-5);
-  }
-  EXPECT_TRUE(camera.turntable(0).empty());
-}
-
-TEST(OrbitCamera, TurntableFromTheTopTurnsToo) {
-  OrbitCamera camera;
-  camera.view_axis(AxisView::top);
-  const std::vector<Camera> cameras = camera.turntable(4);
-  EXPECT_GT(cameras[1].eye[0], 0.1f);
-  EXPECT_LT(cameras[3].eye[0], -0.1f);
-}
-
 TEST(OrbitCamera, TakesViewsFromOutsideWithinItsLimits) {
   const OrbitCamera camera({.distance = 1e9, .azimuth = 9 * kPi, .elevation = -7});
   EXPECT_EQ(camera.view().distance, OrbitCamera::kFarthest);

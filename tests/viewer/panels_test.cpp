@@ -10,9 +10,7 @@
 
 #include "proxy_viewer/commands.h"
 #include "proxy_viewer/gui.h"
-#include "proxy_viewer/mirrored_joint.h"
 #include "proxy_viewer/sections.h"
-#include "tests/support/error_kind.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -70,7 +68,7 @@ Snapshot bare_character() {
 Controls controls_with_all_open(const Snapshot& snapshot) {
   Controls controls;
   const int count = static_cast<int>(std::max<std::size_t>(3, snapshot.errors.size()));
-  controls.playback = Playback({1, count, 1}, 24);
+  controls.playback = Playback({1, count}, 24);
   controls.playback.set_keys({2});
   for (const JointRow& row : snapshot.joints) controls.joint_names.push_back(row.name);
   controls.joint = snapshot.joints.back().name;
@@ -79,7 +77,8 @@ Controls controls_with_all_open(const Snapshot& snapshot) {
   controls.settings.compare.with = CompareWith::truth;
   controls.settings.cameras["close"] = {};
   controls.prompt = controls.cheat_sheet = true;
-  controls.warn("a long text of a warning that names a file, what was expected and what was found instead of it");
+  controls.messages.push_back(
+      {.error = true, .text = "a long text that names a file, what was expected and what was found instead of it"});
   return controls;
 }
 
@@ -167,7 +166,7 @@ TEST_F(PanelsTest, HiddenPanelsLeaveAllToThePicture) {
 TEST_F(PanelsTest, ClicksPlayScrubAndFindTheWorstFrame) {
   const Snapshot snapshot = small_character();
   Controls controls;
-  controls.playback = Playback({1, 3, 1}, 24);
+  controls.playback = Playback({1, 3}, 24);
   for (int k = 0; k < 3; ++k) draw(snapshot, controls);
   const ImRect timeline = rectangle_of("Timeline");
   click(snapshot, controls, {timeline.Min.x + 10 + 2 * 33 + 15, timeline.Min.y + 18});  // the third of the buttons
@@ -212,6 +211,132 @@ TEST_F(PanelsTest, TheLineOfAWipeIsDragged) {
   EXPECT_NEAR(controls.settings.compare.wipe, 0.25, 0.01);
 }
 
+TEST_F(PanelsTest, TheLegendIsThereWithoutTheHud) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  run_command(controls, "panels off");
+  run_command(controls, "hud off");
+  run_command(controls, "layout wipe");
+  run_command(controls, "heat on");
+  run_command(controls, "legend off");
+  for (int k = 0; k < 2; ++k) draw(snapshot, controls);
+  EXPECT_EQ(vertices(), 0);
+  run_command(controls, "heat off");
+  run_command(controls, "legend on");
+  draw(snapshot, controls);
+  const int sides = vertices();
+  EXPECT_GT(sides, 0);
+  run_command(controls, "heat on");
+  draw(snapshot, controls);
+  EXPECT_GT(vertices(), sides + 100);
+}
+
+TEST_F(PanelsTest, GoodNewsGoByThemselvesAndErrorsWhenTheyAreClicked) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  controls.panels = controls.settings.hud.on = controls.settings.hud.legend = false;
+  controls.say("wrote a.png");
+  controls.warn("it cannot be read");
+  for (int k = 0; k < 60; ++k) draw(snapshot, controls);  // of a sixtieth of a second
+  EXPECT_EQ(controls.messages.size(), 2u);
+  for (int k = 0; k < 600; ++k) draw(snapshot, controls);
+  ASSERT_EQ(controls.messages.size(), 1u);
+  EXPECT_TRUE(controls.messages[0].error);
+  click(snapshot, controls, rectangle_of("Messages").GetCenter());
+  EXPECT_TRUE(controls.messages.empty());
+}
+
+TEST_F(PanelsTest, TheFrameNumberIsTypedInto) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  controls.playback = Playback({1, 40}, 24);
+  for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+  const ImRect timeline = rectangle_of("Timeline");
+  click(snapshot, controls, {timeline.Min.x + 10 + 7 * 33 + 40, timeline.Min.y + 24});
+  ImGuiIO& io = ImGui::GetIO();
+  EXPECT_TRUE(io.WantTextInput);
+  constexpr int kEnter = 13;  // any number will do
+  io.KeyMap[ImGuiKey_Enter] = kEnter;
+  for (const char* digit : {"3", "7"}) {
+    io.AddInputCharactersUTF8(digit);
+    draw(snapshot, controls);
+  }
+  EXPECT_EQ(controls.playback.frame(), 1);
+  for (const bool down : {true, false}) {
+    io.KeysDown[kEnter] = down;
+    draw(snapshot, controls);
+  }
+  EXPECT_EQ(controls.playback.frame(), 37);
+}
+
+TEST_F(PanelsTest, TheTimelineTurnsRoundAndKeepsEveryFrame) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+  const ImRect timeline = rectangle_of("Timeline");
+  const auto button = [&](int k) {
+    return ImVec2{timeline.Min.x + 10 + static_cast<float>(k) * 33 + 15, timeline.Min.y + 18};
+  };
+  click(snapshot, controls, button(5));
+  EXPECT_TRUE(controls.playback.backwards());
+  click(snapshot, controls, button(6));
+  EXPECT_FALSE(controls.playback.real_time());
+}
+
+TEST_F(PanelsTest, TheEndsOfTheRangeAreDragged) {
+  Snapshot snapshot = small_character();
+  Controls controls;
+  controls.playback = Playback({1, 100}, 24);
+  for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+  const ImRect timeline = rectangle_of("Timeline");
+  ImGuiIO& io = ImGui::GetIO();
+  const ImVec2 flag{timeline.Max.x - 14, timeline.Min.y + 9};  // over the last frame
+  for (const auto& [x, down] : {std::pair{flag.x, false}, std::pair{flag.x, true}, std::pair{900.0f, true},
+                                std::pair{800.0f, true}, std::pair{800.0f, false}}) {
+    io.MousePos = {x, flag.y};
+    io.MouseDown[0] = down;
+    draw(snapshot, controls);
+  }
+  EXPECT_EQ(controls.playback.in(), 1);
+  EXPECT_GT(controls.playback.out(), 20);
+  EXPECT_LT(controls.playback.out(), 80);
+  EXPECT_EQ(controls.settings.playback.out, controls.playback.out());
+  EXPECT_EQ(controls.playback.frame(), 1);
+}
+
+// Rows that change places cannot be read.
+TEST_F(PanelsTest, MusclesKeepTheirPlacesWhileItPlays) {
+  Snapshot snapshot = small_character();
+  Controls controls = controls_with_all_open(snapshot);
+  const auto order = [&] {
+    draw(snapshot, controls);
+    return controls.typed.fibre_order;
+  };
+  EXPECT_EQ(order(), (std::vector<std::size_t>{0, 1}));
+  controls.playback.play();
+  std::swap(snapshot.strains[0], snapshot.strains[1]);
+  EXPECT_EQ(order(), (std::vector<std::size_t>{0, 1}));
+  controls.playback.pause();
+  EXPECT_EQ(order(), (std::vector<std::size_t>{1, 0}));
+}
+
+TEST_F(PanelsTest, LivePosesAndWhatWasRejectedAreSaid) {
+  Snapshot snapshot = small_character();
+  Controls controls;
+  controls.panels = controls.settings.hud.legend = false;
+  const auto drawn = [&] {
+    draw(snapshot, controls);
+    return vertices();
+  };
+  const int without = drawn();
+  snapshot.live = LiveRow{12, 0, ""};
+  const int with = drawn();
+  EXPECT_GT(with, without + 40);
+  snapshot.live->rejected = 3;
+  snapshot.live->last_rejection = "it has 4 joints, expected 3";
+  EXPECT_GT(drawn(), with + 100);
+}
+
 TEST_F(PanelsTest, PanelsThatAreOnlyLookedAtChangeNothing) {
   const Snapshot snapshot = small_character();
   Controls controls = controls_with_all_open(snapshot);
@@ -234,20 +359,6 @@ TEST(Menus, HoldEveryCommandOnce) {
   EXPECT_EQ(std::set<std::string>(std::begin(kMenus), std::end(kMenus)).size(), std::size(kMenus));
 }
 
-// What a command says to be set is what it sets.
-TEST(Commands, TellWhatIsSet) {
-  for (const Command& command : commands()) {
-    if (!command.value || *command.argument == 0) continue;
-    std::vector<std::string> choices = choices_of(command);
-    if (choices.empty()) choices = {"on", "off", "on"};
-    for (const std::string& choice : choices) {
-      Controls controls;
-      run_command(controls, std::string(command.name) + " " + choice);
-      EXPECT_EQ(command.value(controls), choice) << command.name;
-    }
-  }
-}
-
 TEST(Commands, OfTheSidePanelKnowItsSections) {
   std::vector<std::string> names;
   for (const Section& section : kSections) names.emplace_back(section.name);
@@ -257,37 +368,6 @@ TEST(Commands, OfTheSidePanelKnowItsSections) {
   for (const Section& section : kSections) {
     EXPECT_EQ(is_open(controls.settings, section), section.name == std::string("ghosts"));
   }
-}
-
-TEST(MirroredJoint, IsFoundByItsName) {
-  const std::vector<std::string> names = {"LeftArm", "RightArm", "LThumb", "RThumb", "arm_l",
-                                          "arm_r",   "Legs",     "R",      "Spine"};
-  EXPECT_EQ(mirrored_joint("LeftArm", names), "RightArm");
-  EXPECT_EQ(mirrored_joint("RightArm", names), "LeftArm");
-  EXPECT_EQ(mirrored_joint("RThumb", names), "LThumb");
-  EXPECT_EQ(mirrored_joint("arm_r", names), "arm_l");
-  for (const char* alone : {"Spine", "Legs", "R", "", "LeftLeg"}) EXPECT_EQ(mirrored_joint(alone, names), "") << alone;
-}
-
-// A rotation by mirrored angles is the mirror image of the rotation.
-TEST(MirroredJoint, TurnsTheOtherWay) {
-  Controls controls;
-  controls.joint_names = {"LeftArm", "RightArm", "Spine"};
-  controls.joint = "LeftArm";
-  controls.settings.pose.joints["LeftArm"] = {10, 20, -30};
-  run_command(controls, "mirror");
-  const Vec3 a = controls.settings.pose.joints.at("LeftArm"), b = controls.settings.pose.joints.at("RightArm");
-  const auto rotation = [](const Vec3& degrees) {
-    const double radians = 3.14159265358979 / 180;
-    return axis_angle({0, 0, 1}, radians * degrees[2]) * axis_angle({0, 1, 0}, radians * degrees[1]) *
-           axis_angle({1, 0, 0}, radians * degrees[0]);
-  };
-  for (const Vec3& point : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
-    Vec3 expected = rotate(rotation(a), {-point[0], point[1], point[2]});
-    expected[0] = -expected[0];
-    EXPECT_LT(length(rotate(rotation(b), point) - expected), 1e-12);
-  }
-  EXPECT_EQ(kind_of([&] { run_command(controls, "mirror Spine"); }), ErrorKind::usage);
 }
 
 }  // namespace

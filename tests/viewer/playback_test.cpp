@@ -182,31 +182,15 @@ TEST(Playback, WhatIsNoTimeChangesNothing) {
   EXPECT_EQ(playback.advance(0.25 * kFrameTime), 2);  // and what had passed is not lost
 }
 
-TEST(Playback, FramesThatStepTakeTheTimeOfThoseLeftOut) {
-  Playback playback = playing({1001, 1100, 2});
-  EXPECT_EQ(playback.last(), 1099);
-  EXPECT_EQ(next(playback, 4), (std::vector{1001, 1003, 1003, 1005}));
-  playback.go_to_out();
-  EXPECT_EQ(next(playback, 4), (std::vector{1099, 1001, 1001, 1003}));
-  EXPECT_EQ(playback.dropped(), 0);
-  playback.step(-1);
-  EXPECT_EQ(playback.frame(), 1001);
-  playback.scrub(1004);
-  EXPECT_EQ(playback.frame(), 1003);
-}
-
-TEST(Playback, RangesAreExactWithFramesThatStep) {
-  Playback playback = playing({1001, 1100, 3});  // 1001, 1004, ... 1100
-  playback.set_range(1002, 1009);
-  EXPECT_EQ(playback.in(), 1004);
-  EXPECT_EQ(playback.out(), 1007);
+TEST(Playback, RangesStayWithinTheClip) {
+  Playback playback = playing({1001, 1100});
   playback.set_range(1004, 1007);
   EXPECT_EQ(playback.in(), 1004);
   EXPECT_EQ(playback.out(), 1007);
   playback.set_range(kLeast, kMost);
   EXPECT_EQ(playback.in(), 1001);
   EXPECT_EQ(playback.out(), 1100);
-  for (const auto& [in, out] : {std::pair{1002, 1003}, {1007, 1004}, {1, 1000}, {1101, 1200}, {kMost, kLeast}}) {
+  for (const auto& [in, out] : {std::pair{1007, 1004}, {1, 1000}, {1101, 1200}, {kMost, kLeast}}) {
     EXPECT_EQ(kind_of([&, a = in, b = out] { playback.set_range(a, b); }), ErrorKind::usage) << in << " " << out;
   }
   EXPECT_EQ(playback.out(), 1100);  // as it was
@@ -258,9 +242,9 @@ TEST(Playback, StepsPauseAndStayInTheClip) {
 }
 
 TEST(Playback, GoesFromKeyToKey) {
-  Playback playback({1001, 1100, 2}, kFps);
-  playback.set_keys({1050, 1001, 1021, 1020, 1049, 900, 1200, 1021});
-  EXPECT_EQ(playback.keys(), (std::vector{1001, 1019, 1021, 1049}));  // by the frames that show them
+  Playback playback({1001, 1100}, kFps);
+  playback.set_keys({1049, 1001, 1021, 1019, 900, 1200, 1021});
+  EXPECT_EQ(playback.keys(), (std::vector{1001, 1019, 1021, 1049}));
   std::vector<int> there, back;
   for (int k = 0; k < 4; ++k) {
     playback.go_to_next_key();
@@ -291,7 +275,6 @@ TEST(Playback, SpeedStretchesTime) {
 
 TEST(Playback, RefusesWhatCannotBePlayed) {
   EXPECT_EQ(kind_of([] { Playback({2, 1}, 24); }), ErrorKind::usage);
-  EXPECT_EQ(kind_of([] { Playback({1, 2, 0}, 24); }), ErrorKind::usage);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const double fps : {0.0, -24.0, 1e4, nan}) {
     EXPECT_EQ(kind_of([&] { Playback({1, 2}, fps); }), ErrorKind::usage);
@@ -308,10 +291,6 @@ TEST(Playback, TheLongestClipDoesNotOverflow) {
   playback.set_range(kMost - 1, kMost);
   playback.scrub(kMost);
   EXPECT_EQ(next(playback, 3), (std::vector{kMost - 1, kMost, kMost - 1}));
-  Playback steps = playing({kLeast, kMost, kMost});
-  steps.set_range(kLeast, kMost);
-  steps.step(1);
-  EXPECT_EQ(steps.frame(), -1);
 }
 
 }  // namespace

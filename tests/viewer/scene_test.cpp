@@ -27,7 +27,7 @@ class SceneTest : public ::testing::Test {
     device_.reset();
   }
   void SetUp() override {
-    controls_.playback = Playback({1, kClipFrames, 1}, 24);
+    controls_.playback = Playback({1, kClipFrames}, 24);
     controls_.playback.scrub(5);
   }
   void TearDown() override { EXPECT_EQ(device_->validation_messages(), std::vector<std::string>()); }

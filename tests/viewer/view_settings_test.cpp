@@ -7,6 +7,7 @@
 #include <numbers>
 #include <set>
 
+#include "proxy_viewer/setting_limits.h"
 #include "runtime/basis/error.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/random_tables.h"
@@ -37,10 +38,11 @@ class RandomSettings {
       s.pose.joints[name()] = {number(-180, 180), number(-180, 180), number(-180, 180)};
       s.pose.controls[name()] = number(-2, 2);
     }
-    s.jiggle = {yes(), number(0, 10)};
-    s.ghosts = {integer(0, 50), integer(0, 50), integer(1, 1000), number(0, 1)};
-    s.cast = {integer(1, 100), integer(0, 1000)};
+    s.jiggle = {yes(), number(0, kMostJiggle)};
+    s.ghosts = {integer(0, kMostGhosts), integer(0, kMostGhosts), integer(1, kLongestGhostStep), number(0, 1)};
+    s.cast = {integer(1, kMostCopies), integer(0, kLongestCopyDelay)};
     s.hud.on = yes();
+    s.hud.legend = yes();
     for (std::uint32_t k = random_.below(3); k > 0; --k) s.hud.panels[name()] = yes();
     return s;
   }
@@ -112,7 +114,7 @@ TEST_F(ViewSettingsTest, AreReadAsWritten) {
   for (const char* key :
        {"/playback/in", "/playback/out", "/playback/real_time", "/camera/target", "/cameras/x", "/look/tet_cut",
         "/look/follow", "/look/level", "/compare/heat_scale_mm", "/compare/coverage", "/pose/joints/LeftArm",
-        "/pose/controls/x", "/jiggle/amount", "/ghosts/opacity", "/cast/copies", "/hud/on"}) {
+        "/pose/controls/x", "/jiggle/amount", "/ghosts/opacity", "/cast/copies", "/hud/on", "/hud/legend"}) {
     EXPECT_TRUE(values.contains(key)) << key;
   }
 }
@@ -162,7 +164,7 @@ TEST_F(ViewSettingsTest, WrongValuesAreNamedWithWhatWasExpected) {
   expect_refused(R"("camera": {"distance": 0})", {"'distance' is 0", "from 0.01"});
   expect_refused(R"("camera": {"elevation": -2})", {"'elevation' is -2"});
   expect_refused(R"("compare": {"with": "itself"})", {"'with' is \"itself\"", "'truth'"});
-  expect_refused(R"("compare": {"heat_scale_mm": 0})", {"'heat_scale_mm' is 0", "from 0.001"});
+  expect_refused(R"("compare": {"heat_scale_mm": 0})", {"'heat_scale_mm' is 0", "from 0.01"});
   expect_refused(R"("pose": {"correction": 1.01})", {"'correction' is 1.01", "from 0 to 1"});
   expect_refused(R"("pose": {"joints": {"LeftArm": [0, 0, "x"]}})", {"'pose' 'joints'", "'LeftArm'", "three numbers"});
   expect_refused(R"("pose": {"controls": {"breath": true}})", {"'pose' 'controls'", "'breath' is true"});

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tests/support/gpu_fixture.h"
+#include "tests/support/paths.h"
 #include "tests/support/png_file.h"
 #include "tests/viewer/small_character.h"
 #include "tests/viewer/x_display.h"
@@ -30,9 +31,8 @@ class WindowTest : public ::testing::Test {
   std::string command(const std::string& arguments, const std::string& environment = "") const {
     const char* device = std::getenv("BODYOPT_TEST_DEVICE");
     const bool chosen = !device || arguments.find("--device") != std::string::npos;
-    return "env -C " + folder_.path().string() + " DISPLAY=" + display_->name() + " " + environment + " " +
-           BODYOPT_PROGRAM + " view --size 320 180 " + (chosen ? "" : "--device " + std::string(device)) + " " +
-           arguments;
+    return "env -C " + folder_.path().string() + " DISPLAY=" + display_->name() + " " + environment + " " + kProgram +
+           " view --size 320 180 " + (chosen ? "" : "--device " + std::string(device)) + " " + arguments;
   }
   std::string small(const std::string& arguments) const { return small_.basis + " " + small_.clip + " " + arguments; }
 

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <X11/Xlib.h>
+#include <X11/Xutil.h>
 
 #include <memory>
 #include <string>
 
+#include "proxy_viewer/render/renderer.h"
 #include "tests/support/background_program.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
@@ -37,6 +39,26 @@ class XDisplay {
   std::string window(const std::string& title) const {
     const ProgramResult found = hands("search --onlyvisible --name '" + title + "'");
     return found.exit_code == 0 ? found.output.substr(0, found.output.find('\n')) : "";
+  }
+  // What the window shows on the screen.
+  Image picture(const std::string& window) const {
+    Display* display = XOpenDisplay(name_.c_str());
+    const Window id = std::stoul(window);
+    XWindowAttributes attributes{};
+    XGetWindowAttributes(display, id, &attributes);
+    const auto width = static_cast<unsigned>(attributes.width), height = static_cast<unsigned>(attributes.height);
+    XImage* screen = XGetImage(display, id, 0, 0, width, height, AllPlanes, ZPixmap);
+    Image image{width, height, {}};
+    for (int y = 0; y < attributes.height; ++y) {
+      for (int x = 0; x < attributes.width; ++x) {
+        const unsigned long pixel = XGetPixel(screen, x, y);
+        for (const int shift : {16, 8, 0}) image.rgba.push_back(static_cast<std::uint8_t>(pixel >> shift));
+        image.rgba.push_back(255);
+      }
+    }
+    XDestroyImage(screen);
+    XCloseDisplay(display);
+    return image;
   }
   // As a window manager does when the cross is clicked.
   void ask_to_close(const std::string& window) const {

@@ -7,6 +7,8 @@
 #include "runtime/basis/error.h"
 #include "trainer/dataset/bvh_clip.h"
 #include "trainer/dataset/clip_common.h"
+#include "trainer/dataset/clip_keys.h"
+#include "trainer/dataset/clip_source.h"
 #include "trainer/dataset/controls.h"
 #include "trainer/dataset/gltf_clip.h"
 #include "trainer/dataset/gltf_file.h"
@@ -16,26 +18,6 @@ namespace bodyopt {
 namespace {
 
 constexpr double kMaxFrames = 1e6, kMaxTransforms = 2e7;  // of a clip: more would not fit in memory
-
-struct Source {
-  std::filesystem::path path;
-  std::string name;
-};
-
-// A '#' may also be part of the file's name.
-Source split_source(const std::string& source) {
-  const std::size_t hash = source.rfind('#');
-  std::error_code ignored;
-  if (hash == std::string::npos || std::filesystem::exists(source, ignored)) return {source, ""};
-  return {source.substr(0, hash), source.substr(hash + 1)};
-}
-
-std::string lower_case_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
 
 void check_options(const ClipOptions& options) {
   if (!(options.fps > 0) || !(options.fps <= 1e5)) {
@@ -48,6 +30,20 @@ void check_options(const ClipOptions& options) {
 }
 
 }  // namespace
+
+ClipSource split_source(const std::string& source) {
+  const std::size_t hash = source.rfind('#');
+  std::error_code ignored;
+  if (hash == std::string::npos || std::filesystem::exists(source, ignored)) return {source, ""};
+  return {source.substr(0, hash), source.substr(hash + 1)};
+}
+
+std::string lower_case_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
 
 std::size_t frame_count(const std::string& file, double duration, std::size_t joints, const ClipOptions& options) {
   // Times are rounded (single precision; "Frame Time: .0083333"): the last frame may seem to lie beyond the end.
@@ -78,7 +74,7 @@ double clip_unit(const std::string& source, double character_unit) {
 namespace {
 
 Clip read_motion(const std::string& source, const Skeleton& skeleton, const ClipOptions& options) {
-  const Source parts = split_source(source);
+  const ClipSource parts = split_source(source);
   const std::string extension = lower_case_extension(parts.path);
   if (extension == ".glb" || extension == ".gltf") return read_gltf_clip(parts.path, parts.name, skeleton, options);
   if (extension != ".bvh") {
@@ -98,6 +94,12 @@ Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOp
   Clip clip = read_motion(source, skeleton, options);
   if (!options.controls.empty()) read_controls(options.controls, clip);
   return clip;
+}
+
+std::vector<int> clip_keys(const std::string& source, const ClipOptions& options) {
+  const ClipSource parts = split_source(source);
+  if (lower_case_extension(parts.path) == ".bvh") return {};
+  return read_gltf_keys(parts.path, parts.name, options);
 }
 
 std::vector<std::string> clip_names(const std::filesystem::path& path) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "runtime/basis/error.h"
 #include "trainer/dataset/clip_common.h"
@@ -188,6 +189,19 @@ Clip read_gltf_clip(const std::filesystem::path& path, const std::string& name, 
   require_same_build(file, motion, clip);
   note_scale(clip, skeleton, clip.notes);
   return clip;
+}
+
+std::vector<int> read_gltf_keys(const std::filesystem::path& path, const std::string& name,
+                                const ClipOptions& options) {
+  const GltfFile file(path);
+  std::vector<std::string> unused;  // what reading the clip notes already
+  std::set<int> frames;
+  for (const AnimationChannel& channel : read_channels(file, find_animation(file, name), unused)) {
+    for (const double time : channel.times) {
+      if (time >= 0) frames.insert(options.first_frame + static_cast<int>(std::lround(time * options.fps)));
+    }
+  }
+  return {frames.begin(), frames.end()};
 }
 
 }  // namespace bodyopt

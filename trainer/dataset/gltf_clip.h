@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "trainer/dataset/clip.h"
 
@@ -13,5 +14,8 @@ namespace bodyopt {
 // skeleton's default. Nodes above a joint that are no joints themselves are composed in, as for characters.
 Clip read_gltf_clip(const std::filesystem::path& path, const std::string& name, const Skeleton& skeleton,
                     const ClipOptions& options);
+
+// As clip_keys(), for a clip that read_gltf_clip() reads.
+std::vector<int> read_gltf_keys(const std::filesystem::path& path, const std::string& name, const ClipOptions& options);
 
 }  // namespace bodyopt

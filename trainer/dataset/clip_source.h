@@ -1,0 +1,20 @@
+// What a clip is called by on command lines: a file, or one of the clips of a file.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace bodyopt {
+
+struct ClipSource {
+  std::filesystem::path path;
+  std::string name;  // of the clip within; empty: its only or first
+};
+
+// FILE.glb#name, or a file alone: a '#' may also be part of the file's name, or of a folder's.
+ClipSource split_source(const std::string& source);
+
+// ".glb" of "SHOT.GLB".
+std::string lower_case_extension(const std::filesystem::path& path);
+
+}  // namespace bodyopt
