@@ -22,7 +22,8 @@ void JsonOption::require_writable() const {
 }
 
 void JsonOption::emit(const Json& result, const std::string& text) const {
-  const std::string json = result.dump(2) + "\n";
+  // Names of files may be any bytes: those that are no text are replaced.
+  const std::string json = result.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   if (path == "-") {
     std::fputs(json.c_str(), stdout);
     return;

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <new>
 
 #include "cli/common.h"
@@ -53,6 +54,9 @@ int main(int argc, char** argv) {
   } catch (const Error& error) {
     spdlog::error("{}", error.what());
     return error.exit_code();
+  } catch (const std::filesystem::filesystem_error& error) {  // a name that is too long, a loop of links
+    spdlog::error("{}", error.what());
+    return static_cast<int>(ErrorKind::file);
   } catch (const std::bad_alloc&) {
     spdlog::error("out of memory");
     return static_cast<int>(ErrorKind::interrupted);

@@ -9,6 +9,9 @@ namespace bodyopt::vulkan {
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+constexpr const char* kAfterLoss =
+    ": likely by work that took too long, by too little memory or a defect of its driver. Files that were written are "
+    "whole; begin again, or with another --device";
 
 const char* result_name(VkResult result) {
   switch (result) {
@@ -71,7 +74,8 @@ bool extension_offered(const char* name) {
 void check(VkResult result, const char* call) {
   if (result == VK_SUCCESS || result == VK_INCOMPLETE) return;
   throw Error(ErrorKind::device, std::string("Vulkan: ") + call + " failed: " + result_name(result) + " (VkResult " +
-                                     std::to_string(static_cast<int>(result)) + ")");
+                                     std::to_string(static_cast<int>(result)) + ")" +
+                                     (result == VK_ERROR_DEVICE_LOST ? kAfterLoss : ""));
 }
 
 void ValidationLog::add(std::string message) {

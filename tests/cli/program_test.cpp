@@ -116,6 +116,27 @@ Dataset write_small_dataset(const TemporaryFolder& folder) {
   return dataset;
 }
 
+TEST(Program, NamesMayBeAnyBytesAndNoneIsADefect) {
+  const TemporaryFolder folder;
+  const BuiltinArm arm = build_arm();
+  const std::string clip = (folder / "clip.glb").string(), name = (folder / "caf\xe9 1").string();  // not UTF-8
+  const std::string basis = "'" + name + ".safetensors'", cache = "'" + name + ".pc2'";
+  write_character(arm.character, name + ".glb");
+  write_clip(arm_heldout(arm.character.skeleton, 2), arm.character.skeleton, clip);
+  const ProgramResult trained = run_bodyopt("train --ddm-only '" + name + ".glb' --out " + basis);
+  EXPECT_EQ(trained.exit_code, 0) << trained.output;
+  const std::string frames = " --clip " + clip + " --device cpu --json - --out " + cache;
+  const ProgramResult evaluated = run_bodyopt("eval " + basis + frames);
+  EXPECT_EQ(evaluated.exit_code, 0) << evaluated.output;
+  EXPECT_NE(evaluated.output.find("caf\xef\xbf\xbd 1.pc2"), std::string::npos) << evaluated.output;
+  // So long that no file can lie beside it.
+  const std::filesystem::path longest = folder / (std::string(242, 'n') + ".safetensors");
+  std::filesystem::copy_file(name + ".safetensors", longest);
+  const ProgramResult refused = run_bodyopt("eval " + longest.string() + frames);
+  EXPECT_EQ(refused.exit_code, 4) << refused.output;
+  EXPECT_NE(refused.output.find("too long"), std::string::npos) << refused.output;
+}
+
 TEST(Program, RegionsAreWrittenReadBackAndRefused) {
   const TemporaryFolder folder;
   Dataset dataset = write_small_dataset(folder);

@@ -1,82 +1,10 @@
 // The program as people use it: in a window of a display without a screen, by keys and mouse, and by scripts.
 #include <gtest/gtest.h>
 
-#include "tests/support/gpu_fixture.h"
-#include "tests/support/paths.h"
-#include "tests/support/png_file.h"
-#include "tests/support/random_tables.h"
-#include "tests/viewer/small_character.h"
-#include "tests/viewer/x_display.h"
+#include "tests/viewer/window_fixture.h"
 
 namespace bodyopt::testing {
 namespace {
-
-const std::string kPlain = "panels off; hud off";
-constexpr double kPatience = 60;  // seconds: machines are slow under sanitizers and beside other work
-
-// Runs `view` with a character in a folder of its own, on lavapipe unless BODYOPT_TEST_DEVICE names another device.
-class WindowTest : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() { test_device(); }  // the driver, for the programs
-
-  void SetUp() override {
-    if (const std::string missing = XDisplay::missing(); !missing.empty()) GTEST_SKIP() << missing;
-    display_ = std::make_unique<XDisplay>();
-    ASSERT_NE(display_->name(), ":");
-  }
-
-  std::string command(const std::string& arguments, const std::string& environment = "") const {
-    const char* device = std::getenv("BODYOPT_TEST_DEVICE");
-    const bool chosen = !device || arguments.find("--device") != std::string::npos;
-    return "env -C " + folder_.path().string() + " DISPLAY=" + display_->name() + " " + environment + " " + kProgram +
-           " view --size 320 180 " + (chosen ? "" : "--device " + std::string(device)) + " " + arguments;
-  }
-  std::string small(const std::string& arguments) const { return small_.basis + " " + small_.clip + " " + arguments; }
-
-  // Opens the window; returns once its first picture is written.
-  std::unique_ptr<BackgroundProgram> open(const std::string& arguments, const std::string& script = kPlain) {
-    auto program = std::make_unique<BackgroundProgram>(
-        command(arguments + " --do '" + script + "; screenshot ready.png'"), folder_ / "output.txt");
-    comes_true([&] { return std::filesystem::exists(folder_ / "ready.png") || !program->runs(); }, kPatience);
-    EXPECT_TRUE(program->runs()) << program->output();
-    window_ = display_->window("Bodyopt");
-    EXPECT_NE(window_, "");
-    display_->hands("windowfocus " + window_ + " mousemove --window " + window_ + " 160 90");
-    return program;
-  }
-  bool written(const std::string& file) const {
-    return comes_true([&] { return std::filesystem::exists(folder_ / file); }, kPatience);
-  }
-  Image picture(const std::string& file) const { return read_png(folder_ / file); }
-  void click_messages_away() const {
-    display_->hands("mousemove --window " + window_ + " 40 165 sleep 0.3 click 1 sleep 0.3 mousemove --window " +
-                    window_ + " 300 100");
-  }
-  // By F12, which numbers its files. Clicks the message away: the mouse shall not be over it.
-  Image screenshot() {
-    char name[32];
-    std::snprintf(name, sizeof(name), "bodyopt.%04d.png", ++screenshots_);
-    display_->hands("key F12");
-    EXPECT_TRUE(written(name));
-    click_messages_away();
-    return picture(name);
-  }
-  Image headless(const std::string& script) {
-    const ProgramResult result =
-        run_program(command(small("--headless --do '" + kPlain + "; " + script + "' -o headless.png")));
-    EXPECT_EQ(result.exit_code, 0) << result.output;
-    return picture("headless.png");
-  }
-  void expect_end(BackgroundProgram& program, int exit_code) {
-    EXPECT_EQ(program.wait(kPatience), exit_code) << program.output();
-  }
-
-  TemporaryFolder folder_;
-  SmallCharacter small_{folder_};
-  std::unique_ptr<XDisplay> display_;
-  std::string window_;
-  int screenshots_ = 0;
-};
 
 TEST_F(WindowTest, ScriptsWriteTheSamePicturesWithAWindowAndWithout) {
   const std::string script =
@@ -304,44 +232,6 @@ TEST_F(WindowTest, EndsWhileItLoadsOrPlays) {
   expect_end(early, 0);
   const ProgramResult brief = run_program(command(small("--seconds 0.5 --do play")));
   EXPECT_EQ(brief.exit_code, 0) << brief.output;
-}
-
-// Keys, clicks, drags and sizes in any order, for some seconds, under Vulkan's validation.
-TEST_F(WindowTest, RandomInputDoesNoHarm) {
-  const auto program = open(small(small_.truth + " --validate"), "panels on; hud on");
-  Random random(20260101);
-  const std::vector<std::string> keys = {
-      "space",  "Left",   "Right",  "Home", "End",     "Up",         "Down",        "b", "i", "o", "alt+i", "f",
-      "1",      "3",      "5",      "7",    "v",       "shift+Left", "shift+Right", "s", "w", "k", "m",     "t",
-      "ctrl+1", "ctrl+3", "ctrl+7", "n",    "shift+n", "d",          "a",           "l", "e", "r", "j",     "g",
-      "F5",     "Tab",    "z",      "h",    "x"};
-  const auto start = std::chrono::steady_clock::now();
-  std::string log;
-  while (std::chrono::steady_clock::now() - start < std::chrono::seconds(10)) {
-    std::string commands;
-    for (int k = 0; k < 12; ++k) {
-      const auto below = [&](std::uint32_t count) { return std::to_string(random.below(count)); };
-      const std::uint32_t what = random.below(10);
-      if (what < 5) {
-        commands += "key " + keys[random.below(static_cast<std::uint32_t>(keys.size()))];
-      } else if (what < 8) {
-        const std::string button = std::to_string(1 + random.below(5));
-        commands += "mousemove --window " + window_ + " " + below(320) + " " + below(180) + " mousedown " + button +
-                    " mousemove --window " + window_ + " " + below(320) + " " + below(180) + " mouseup " + button;
-      } else if (what == 8) {
-        commands += "windowsize " + window_ + " " + std::to_string(1 + random.below(700)) + " " +
-                    std::to_string(1 + random.below(500));
-      } else {
-        commands += "sleep 0." + below(10);
-      }
-      commands += " ";
-    }
-    log = commands;
-    display_->hands(commands);
-    ASSERT_TRUE(program->runs()) << program->output() << "\nafter: " << log;
-  }
-  display_->hands("windowfocus " + window_ + " key Escape key ctrl+q");
-  expect_end(*program, 0);
 }
 
 TEST_F(WindowTest, WhatCannotBeReadIsSaidAndTheSessionGoesOn) {

@@ -1,0 +1,164 @@
+// A Vulkan layer that loses the device as drivers do: from one call on, nothing works any more. Which call, the
+// environment says: BODYOPT_LOSE_DEVICE="vkQueueSubmit 5" is the fifth submission. For one device at a time.
+#include <vulkan/vk_layer.h>
+#include <vulkan/vulkan.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <sstream>
+#include <string>
+
+namespace {
+
+PFN_vkGetInstanceProcAddr next_of_instance = nullptr;
+PFN_vkGetDeviceProcAddr next_of_device = nullptr;
+VkInstance instance_here = VK_NULL_HANDLE;
+VkDevice device_here = VK_NULL_HANDLE;
+std::atomic<int> calls_left{0};
+std::atomic<bool> is_lost{false};
+
+struct Plan {
+  Plan() {
+    const char* text = std::getenv("BODYOPT_LOSE_DEVICE");
+    std::istringstream(text ? text : "") >> call >> count;
+  }
+  std::string call;
+  int count = 0;
+};
+
+const Plan& plan() {
+  static const Plan plan;
+  return plan;
+}
+
+template <typename Function, typename... Arguments>
+VkResult go_on(const char* call, Arguments... arguments) {
+  return reinterpret_cast<Function>(next_of_device(device_here, call))(arguments...);
+}
+
+// True from the planned call on.
+bool loses(const char* call) {
+  if (!is_lost && plan().call == call && --calls_left == 0) is_lost = true;
+  return is_lost;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL queue_submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* submits,
+                                            VkFence fence) {
+  if (loses("vkQueueSubmit")) return VK_ERROR_DEVICE_LOST;
+  return go_on<PFN_vkQueueSubmit>("vkQueueSubmit", queue, count, submits, fence);
+}
+
+// Waits before it loses: what was submitted ends on the device beneath, which is well.
+VKAPI_ATTR VkResult VKAPI_CALL wait_for_fences(VkDevice device, std::uint32_t count, const VkFence* fences,
+                                               VkBool32 all, std::uint64_t timeout) {
+  if (is_lost) return VK_ERROR_DEVICE_LOST;
+  const VkResult result = go_on<PFN_vkWaitForFences>("vkWaitForFences", device, count, fences, all, timeout);
+  return loses("vkWaitForFences") ? VK_ERROR_DEVICE_LOST : result;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL acquire_next_image(VkDevice device, VkSwapchainKHR chain, std::uint64_t timeout,
+                                                  VkSemaphore semaphore, VkFence fence, std::uint32_t* image) {
+  if (loses("vkAcquireNextImageKHR")) return VK_ERROR_DEVICE_LOST;
+  return go_on<PFN_vkAcquireNextImageKHR>("vkAcquireNextImageKHR", device, chain, timeout, semaphore, fence, image);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL queue_present(VkQueue queue, const VkPresentInfoKHR* info) {
+  if (loses("vkQueuePresentKHR")) return VK_ERROR_DEVICE_LOST;
+  return go_on<PFN_vkQueuePresentKHR>("vkQueuePresentKHR", queue, info);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL device_wait_idle(VkDevice device) {
+  const VkResult result = go_on<PFN_vkDeviceWaitIdle>("vkDeviceWaitIdle", device);
+  return is_lost ? VK_ERROR_DEVICE_LOST : result;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL query_results(VkDevice device, VkQueryPool pool, std::uint32_t first,
+                                             std::uint32_t count, std::size_t size, void* data, VkDeviceSize stride,
+                                             VkQueryResultFlags flags) {
+  if (is_lost) return VK_ERROR_DEVICE_LOST;
+  return go_on<PFN_vkGetQueryPoolResults>("vkGetQueryPoolResults", device, pool, first, count, size, data, stride,
+                                          flags);
+}
+
+// The layer's own link in the chain that the loader hands down.
+template <typename LayerInfo>
+LayerInfo* link_info(const void* chain, VkStructureType type) {
+  for (auto* at = static_cast<const VkBaseInStructure*>(chain); at; at = at->pNext) {
+    auto* info = const_cast<LayerInfo*>(reinterpret_cast<const LayerInfo*>(at));
+    if (at->sType == type && info->function == VK_LAYER_LINK_INFO) return info;
+  }
+  return nullptr;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* allocator,
+                                               VkInstance* instance) {
+  auto*& link =
+      link_info<VkLayerInstanceCreateInfo>(info->pNext, VK_STRUCTURE_TYPE_LOADER_INSTANCE_CREATE_INFO)->u.pLayerInfo;
+  next_of_instance = link->pfnNextGetInstanceProcAddr;
+  link = link->pNext;
+  const auto create = reinterpret_cast<PFN_vkCreateInstance>(next_of_instance(VK_NULL_HANDLE, "vkCreateInstance"));
+  const VkResult result = create(info, allocator, instance);
+  instance_here = *instance;
+  return result;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
+                                             const VkAllocationCallbacks* allocator, VkDevice* device) {
+  auto*& link =
+      link_info<VkLayerDeviceCreateInfo>(info->pNext, VK_STRUCTURE_TYPE_LOADER_DEVICE_CREATE_INFO)->u.pLayerInfo;
+  next_of_device = link->pfnNextGetDeviceProcAddr;
+  link = link->pNext;
+  const auto create = reinterpret_cast<PFN_vkCreateDevice>(next_of_instance(instance_here, "vkCreateDevice"));
+  const VkResult result = create(physical, info, allocator, device);
+  device_here = *device;
+  calls_left = plan().count;
+  is_lost = false;
+  return result;
+}
+
+struct Entry {
+  const char* name;
+  PFN_vkVoidFunction function;
+};
+
+template <typename Function>
+Entry entry(const char* name, Function function) {
+  return {name, reinterpret_cast<PFN_vkVoidFunction>(function)};
+}
+
+PFN_vkVoidFunction find(std::initializer_list<Entry> entries, const char* name) {
+  for (const Entry& entry : entries) {
+    if (std::strcmp(entry.name, name) == 0) return entry.function;
+  }
+  return nullptr;
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_function(VkDevice device, const char* name) {
+  const PFN_vkVoidFunction own =
+      find({entry("vkGetDeviceProcAddr", device_function), entry("vkQueueSubmit", queue_submit),
+            entry("vkWaitForFences", wait_for_fences), entry("vkAcquireNextImageKHR", acquire_next_image),
+            entry("vkQueuePresentKHR", queue_present), entry("vkDeviceWaitIdle", device_wait_idle),
+            entry("vkGetQueryPoolResults", query_results)},
+           name);
+  return own ? own : next_of_device(device, name);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instance_function(VkInstance instance, const char* name) {
+  const PFN_vkVoidFunction own =
+      find({entry("vkGetInstanceProcAddr", instance_function), entry("vkCreateInstance", create_instance),
+            entry("vkCreateDevice", create_device), entry("vkGetDeviceProcAddr", device_function)},
+           name);
+  return own ? own : next_of_instance ? next_of_instance(instance, name) : nullptr;
+}
+
+}  // namespace
+
+extern "C" VK_LAYER_EXPORT VKAPI_ATTR VkResult VKAPI_CALL
+vkNegotiateLoaderLayerInterfaceVersion(VkNegotiateLayerInterface* version) {
+  version->loaderLayerInterfaceVersion = CURRENT_LOADER_LAYER_INTERFACE_VERSION;
+  version->pfnGetInstanceProcAddr = instance_function;
+  version->pfnGetDeviceProcAddr = device_function;
+  version->pfnGetPhysicalDeviceProcAddr = nullptr;
+  return VK_SUCCESS;
+}
