@@ -12,10 +12,11 @@ namespace {
 
 // A level that is the character itself: each vertex is carried by one of its own triangles.
 Level twin(const Basis& basis) {
-  Level level{basis, std::vector<CarriedPoint>(basis.mesh.output_count())};
+  Level level{basis, {std::vector<CarriedPoint>(basis.mesh.output_count()), 1e-6f}};
   const std::vector<std::uint32_t>& corners = basis.mesh.output_triangles;
   for (std::uint32_t k = 0; k < corners.size(); ++k) {
-    level.carried[corners[k]] = {k / 3, k % 3 == 1 ? 1.0f : 0.0f, k % 3 == 2 ? 1.0f : 0.0f};
+    const auto weight = [&](std::uint32_t corner) { return static_cast<std::uint8_t>(k % 3 == corner ? 255 : 0); };
+    level.carried.points[corners[k]] = {k / 3, weight(1), weight(2), 0, 0, 0};
   }
   return level;
 }

@@ -23,7 +23,8 @@ class KeyJumpTest : public ::testing::Test {
 
   ProgramResult view(const std::string& clip, const std::string& script) const {
     const char* device = std::getenv("BODYOPT_TEST_DEVICE");
-    return run_bodyopt("view " + small_.basis + " '" + clip + "' --size 320 180 --headless --do '" + script + "'" +
+    return run_bodyopt("view " + small_.basis + " '" + clip + "' --size 320 180 --headless -o '" +
+                       (folder_ / "last.png").string() + "' --do '" + script + "'" +
                        (device ? " --device " + std::string(device) : ""));
   }
   Image picture(const std::string& script) const {
