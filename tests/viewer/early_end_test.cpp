@@ -37,7 +37,8 @@ TEST_F(EarlyEndTest, BySignals) {
 TEST_F(EarlyEndTest, ByTheWindow) {
   for (int k = 0; k < 6; ++k) {
     BackgroundProgram program(command(small(small_.truth + " --validate")), folder_ / "early.txt");
-    ASSERT_TRUE(comes_true([&] { return !(window_ = display_->window("Bodyopt")).empty(); }, kPatience));
+    ASSERT_TRUE(comes_true([&] { return !(window_ = display_->window("Bodyopt")).empty(); }, kPatience))
+        << program.output();
     std::this_thread::sleep_for(std::chrono::duration<double>(random_.uniform(0, 0.5)));
     display_->ask_to_close(window_);
     expect_end(program, 0);
