@@ -1,6 +1,7 @@
 // Levels of detail of a character, trained on its own shapes.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct LevelReport {
   double rms = 0, p99 = 0, max = 0;  // of its result, carried to the full skin, from the shapes
   double bytes = 0;                  // of its tables, without what carries the full skin
 };
+nlohmann::ordered_json to_json(const LevelReport& report);
 struct ProxyReport {
   std::uint32_t full_vertices = 0;
   std::string measured_on;  // "72 held-out frames"
