@@ -34,14 +34,14 @@ bool same(const JointTransform& a, const JointTransform& b) {
   return a.translation == b.translation && a.rotation == b.rotation && a.scale == b.scale;
 }
 
+}  // namespace
+
 bool same(std::span<const Pose> a, std::span<const Pose> b) {
   return std::ranges::equal(a, b, [](const Pose& p, const Pose& q) {
     return p.controls == q.controls &&
            std::ranges::equal(p.joints, q.joints, [](const auto& s, const auto& t) { return same(s, t); });
   });
 }
-
-}  // namespace
 
 Basis linear_part(Basis basis) {
   ResidualTable& residual = basis.residual;
@@ -93,6 +93,7 @@ const Evaluation& Detail::evaluate(SkinMethod method, std::span<const Pose> pose
   return last.result;
 }
 
+  last.number = ++evaluations_;
 DeviceSkin Detail::skin(SkinMethod method) const { return deformers_.at({method, Use::show})->device_skin(); }
 
 void Detail::reset_jiggle() {

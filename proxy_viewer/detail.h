@@ -2,6 +2,7 @@
 // device.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -29,6 +30,16 @@ class Detail {
   const Level& level() const { return level_; }
   bool jiggles() const { return dynamics_.has_value(); }
   std::uint32_t tet_count() const { return dynamics_ ? dynamics_->tets.tet_count() : 0; }
+  // What a method has evaluated last, and of what.
+  struct Evaluated {
+    std::vector<Pose> poses;
+    int frame = 0;
+    Weights weights;
+    bool host = false;
+    std::uint64_t number = 0;  // that no other evaluation of the level has
+    Evaluation result;
+  };
+
   // The tets at a pose, or, where `jiggle` says how much is shown of it, where the jiggle that is shown has them. The
   // level must have dynamics.
   const CutTets& cut_tets(const Pose& pose, std::optional<float> jiggle, const Vec3& towards, double share);
@@ -51,15 +62,7 @@ class Detail {
 
  private:
   enum class Use { show, measure };
-
-  // What a method has evaluated last, and of what.
-  struct Evaluated {
-    std::vector<Pose> poses;
-    int frame = 0;
-    Weights weights;
-    bool host = false;
-    Evaluation result;
-  };
+  const Evaluated& last(SkinMethod method) const { return evaluated_.at(method); }
 
   Deformer& deformer(SkinMethod method, Use use);
   std::vector<float> tet_nodes(const Pose& pose, std::optional<float> jiggle);
@@ -83,6 +86,7 @@ Basis linear_part(Basis basis);
 class DetailChoice {
  public:
   static constexpr double kRate = 24;       // pictures a second
+  std::uint64_t evaluations_ = 0;      // so far
   static constexpr double kPatience = 0.5;  // seconds of pictures before it changes its mind
 
   // `seconds`: what the last picture took. Gives the level to show, 0 to count - 1.
@@ -90,6 +94,9 @@ class DetailChoice {
 
  private:
   std::size_t level_ = 0;
+// To the last bit, joints and controls.
+bool same(std::span<const Pose> a, std::span<const Pose> b);
+
   double sum_ = 0;
   int pictures_ = 0;
 };

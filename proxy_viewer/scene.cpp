@@ -280,8 +280,8 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     second.shadow = false;
     views[0].skins.push_back(second);
   }
-  if (character.worn()) {
-    for (const WornMeshes::Mesh& mesh : character.worn()->meshes()) {
+  if (const WornMeshes* clothes = character.worn(method)) {
+    for (const WornMeshes::Mesh& mesh : clothes->meshes()) {
       SkinDraw worn = skin;
       worn.triangles = &mesh.triangles;
       worn.triangle_count = mesh.triangle_count;

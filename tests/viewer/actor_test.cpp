@@ -1,30 +1,15 @@
 #include "proxy_viewer/actor.h"
 
 #include "runtime/cpu/kernels.h"
+#include "tests/support/attached_limb.h"
 #include "tests/support/error_kind.h"
-#include "tests/support/gpu_fixture.h"
-#include "tests/viewer/small_character.h"
+#include "tests/viewer/characters_fixture.h"
 
 namespace bodyopt::testing {
 namespace {
 
-// Device and files shared by the tests; validation stays silent.
-class ActorTest : public ::testing::Test {
+class ActorTest : public CharactersTest {
  protected:
-  static void SetUpTestSuite() {
-    device_ = open_test_device();
-    folder_ = std::make_unique<TemporaryFolder>();
-    small_ = std::make_unique<SmallCharacter>(*folder_);
-    jiggling_ = std::make_unique<JigglingCharacter>(*folder_);
-  }
-  static void TearDownTestSuite() {
-    small_.reset();
-    jiggling_.reset();
-    folder_.reset();
-    device_.reset();
-  }
-  void TearDown() override { EXPECT_EQ(device_->validation_messages(), std::vector<std::string>()); }
-
   static std::vector<float> download(const vulkan::Buffer& buffer) {
     const vulkan::Buffer readback(*device_, buffer.size(), vulkan::Memory::staging, "readback");
     vulkan::Commands commands(*device_);
@@ -59,11 +44,6 @@ class ActorTest : public ::testing::Test {
     character.evaluate(method, {&pose, 1}, 1, weights);
     return shown_positions(character, method);
   }
-
-  static inline std::shared_ptr<const vulkan::Device> device_;
-  static inline std::unique_ptr<TemporaryFolder> folder_;
-  static inline std::unique_ptr<SmallCharacter> small_;
-  static inline std::unique_ptr<JigglingCharacter> jiggling_;
 };
 
 // Largest distance of coordinates.
@@ -341,6 +321,33 @@ TEST_F(ActorTest, TetsLieUnderTheSkin) {
       }
     }
   }
+}
+
+// What is the same is carried and uploaded once.
+TEST_F(ActorTest, WhatItWearsMovesWithTheSkinAlone) {
+  const TemporaryFolder folder;
+  const std::string basis = (folder / "limb.safetensors").string();
+  std::filesystem::copy_file(jiggling_->basis, basis);
+  save_attachments(limb_outfit(), folder / "limb.attached.safetensors");
+  save_dynamics(jiggling_->made.dynamics, folder / "limb.dynamics.safetensors");
+  Actor character(device_, {basis, jiggling_->clip}, {});
+  const auto worn = [&](SkinMethod method) -> const vulkan::Buffer& {
+    return character.worn(method)->meshes().at(2).positions;  // the sleeve
+  };
+  const auto evaluate = [&](SkinMethod method, int frame) {
+    const Pose pose = character.pose(frame, {});
+    character.evaluate(method, {&pose, 1}, frame, {});
+  };
+  for (int frame = 1; frame < 9; ++frame) evaluate(SkinMethod::jiggle, frame);
+  evaluate(SkinMethod::full, 8);
+  const std::vector<float> jiggled = download(worn(SkinMethod::jiggle)), still = download(worn(SkinMethod::full));
+  EXPECT_GT(distance(jiggled, still), 1e-5);
+  const VkBuffer buffer = worn(SkinMethod::full).handle();
+  evaluate(SkinMethod::full, 8);
+  EXPECT_EQ(worn(SkinMethod::full).handle(), buffer);
+  evaluate(SkinMethod::full, 2);
+  EXPECT_GT(distance(download(worn(SkinMethod::full)), still), 0.01);
+  EXPECT_EQ(small_character().worn(SkinMethod::full), nullptr);
 }
 
 }  // namespace

@@ -4,33 +4,19 @@
 
 #include "proxy_viewer/strain_colour.h"
 #include "runtime/basis/error.h"
-#include "tests/support/gpu_fixture.h"
-#include "tests/viewer/small_character.h"
+#include "tests/viewer/characters_fixture.h"
 
 namespace bodyopt::testing {
 namespace {
 
 constexpr Rectangle kArea = {10, 20, 301, 200};
 
-class SceneTest : public ::testing::Test {
+class SceneTest : public CharactersTest {
  protected:
-  static void SetUpTestSuite() {
-    device_ = open_test_device();
-    folder_ = std::make_unique<TemporaryFolder>();
-    small_ = std::make_unique<SmallCharacter>(*folder_);
-    jiggling_ = std::make_unique<JigglingCharacter>(*folder_);
-  }
-  static void TearDownTestSuite() {
-    small_.reset();
-    jiggling_.reset();
-    folder_.reset();
-    device_.reset();
-  }
   void SetUp() override {
     controls_.playback = Playback({1, kClipFrames, 1}, 24);
     controls_.playback.scrub(5);
   }
-  void TearDown() override { EXPECT_EQ(device_->validation_messages(), std::vector<std::string>()); }
 
   void add_small() { scene_.add({small_->basis, small_->clip, small_->truth}, {}); }
   void add_jiggling() { scene_.add({jiggling_->basis, jiggling_->clip, {}}, {}); }
@@ -56,10 +42,6 @@ class SceneTest : public ::testing::Test {
     }
   }
 
-  static inline std::shared_ptr<const vulkan::Device> device_;
-  static inline std::unique_ptr<TemporaryFolder> folder_;
-  static inline std::unique_ptr<SmallCharacter> small_;
-  static inline std::unique_ptr<JigglingCharacter> jiggling_;
   Scene scene_{device_};
   Controls controls_;
   std::set<SkinMethod> shown_;  // what has been evaluated
