@@ -13,6 +13,7 @@
 #include "runtime/basis/levels.h"
 #include "runtime/deformer.h"
 #include "runtime/vulkan/buffer.h"
+#include "trainer/train/vertex_coverage.h"
 
 namespace bodyopt {
 
@@ -21,15 +22,14 @@ namespace bodyopt {
 // truth: a point cache.
 enum class SkinMethod { lbs, ddm, linear, full, jiggle, proxy, truth };
 
+// The error that coverage expects at a pose.
+struct ExpectedSkin {
+  double rms_mm = 0, largest_mm = 0;  // over the skin; of a vertex
+  vulkan::Buffer vertices;            // V, metres
+};
+
 class Detail {
  public:
-  // `dynamics`: of the same basis, where there are any. Throws Error(device).
-  Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::optional<Dynamics> dynamics);
-
-  const Basis& basis() const { return level_.basis; }
-  const Level& level() const { return level_; }
-  bool jiggles() const { return dynamics_.has_value(); }
-  std::uint32_t tet_count() const { return dynamics_ ? dynamics_->tets.tet_count() : 0; }
   // What a method has evaluated last, and of what.
   struct Evaluated {
     std::vector<Pose> poses;
@@ -40,9 +40,21 @@ class Detail {
     Evaluation result;
   };
 
+  // `dynamics`: of the same basis, where there are any. Throws Error(device), and Error(file) where what the basis says
+  // of its coverage is damaged.
+  Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::optional<Dynamics> dynamics);
+
+  const Basis& basis() const { return level_.basis; }
+  const Level& level() const { return level_; }
+  bool jiggles() const { return dynamics_.has_value(); }
+  std::uint32_t tet_count() const { return dynamics_ ? dynamics_->tets.tet_count() : 0; }
   // The tets at a pose, or, where `jiggle` says how much is shown of it, where the jiggle that is shown has them. The
   // level must have dynamics.
   const CutTets& cut_tets(const Pose& pose, std::optional<float> jiggle, const Vec3& towards, double share);
+
+  bool knows_coverage() const { return has_coverage(basis()); }
+  // The level must know its coverage. The same pose as the last time is not looked at again.
+  const ExpectedSkin& expected_skin(const Pose& pose);
 
   // By ddm, linear, full or jiggle. Poses of one frame, then of ghosts; `frame`: of the first. The jiggle steps only
   // with that. The same as the last time is not evaluated again. On the host, too, when `host` asks for it.
@@ -50,6 +62,7 @@ class Detail {
                              bool host);
   // Of the last evaluation by the method.
   DeviceSkin skin(SkinMethod method) const;
+  const Evaluated& last(SkinMethod method) const { return evaluated_.at(method); }
   void reset_jiggle();  // which starts anew with the next frame
 
   // The quasi-static result on the host, of one pose: does not touch what is shown. `correction`: see Weights.
@@ -62,7 +75,6 @@ class Detail {
 
  private:
   enum class Use { show, measure };
-  const Evaluated& last(SkinMethod method) const { return evaluated_.at(method); }
 
   Deformer& deformer(SkinMethod method, Use use);
   std::vector<float> tet_nodes(const Pose& pose, std::optional<float> jiggle);
@@ -74,9 +86,16 @@ class Detail {
   std::uint32_t fibre_segment_count_ = 0;
   std::map<std::pair<SkinMethod, Use>, std::unique_ptr<Deformer>> deformers_;  // made when they are first wanted
   std::map<SkinMethod, Evaluated> evaluated_;
+  std::uint64_t evaluations_ = 0;      // so far
   std::unique_ptr<CutTets> cut_tets_;  // made when they are first wanted
   std::vector<Pose> tet_poses_;        // of which the tets were measured last; none, or one
+  std::vector<RegionCoverage> coverage_;
+  RegionShares shares_;  // of the regions, where there is coverage
+  std::optional<std::pair<Pose, ExpectedSkin>> expected_;
 };
+
+// To the last bit, joints and controls.
+bool same(std::span<const Pose> a, std::span<const Pose> b);
 
 // The basis without its kernels: what a linear map of joints and strains makes of it.
 Basis linear_part(Basis basis);
@@ -86,7 +105,6 @@ Basis linear_part(Basis basis);
 class DetailChoice {
  public:
   static constexpr double kRate = 24;       // pictures a second
-  std::uint64_t evaluations_ = 0;      // so far
   static constexpr double kPatience = 0.5;  // seconds of pictures before it changes its mind
 
   // `seconds`: what the last picture took. Gives the level to show, 0 to count - 1.
@@ -94,9 +112,6 @@ class DetailChoice {
 
  private:
   std::size_t level_ = 0;
-// To the last bit, joints and controls.
-bool same(std::span<const Pose> a, std::span<const Pose> b);
-
   double sum_ = 0;
   int pictures_ = 0;
 };

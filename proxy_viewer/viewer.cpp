@@ -29,7 +29,6 @@
 #include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
 #include "trainer/progress.h"
-#include "trainer/train/coverage.h"
 
 namespace bodyopt {
 namespace {
@@ -400,13 +399,6 @@ class Viewer {
     snapshot_.outside = evaluation->outside[0];
     snapshot_.outside_feature =
         snapshot_.outside > 0 ? feature_name(scene_.lead().basis(), evaluation->outside_feature[0]) : "";
-    snapshot_.expected_mm = expected_error();
-  }
-
-  // Of the frame, mm, where coverage is looked at.
-  std::optional<double> expected_error() const {
-    if (!controls_.settings.compare.coverage || regions_.empty() || scene_.lead().level() != 0) return std::nullopt;
-    return bodyopt::expected_error(scene_.lead().basis(), regions_, scene_.lead_pose(controls_)).rms_mm;
   }
 
   void describe_cast() {
@@ -419,7 +411,6 @@ class Viewer {
     for (const JointRow& row : snapshot_.joints) controls_.joint_names.push_back(row.name);
     controls_.control_names = basis.residual.controls;
     snapshot_.device = device_->info().name;
-    regions_ = has_coverage(basis) ? read_coverage(basis) : std::vector<RegionCoverage>{};
     curve_.forget();
     if (window_) window_->set_title(scene_.lead().name() + " \xe2\x80\x93 Bodyopt");
   }
@@ -597,9 +588,8 @@ class Viewer {
   std::optional<Vec3> followed_;      // where the lead was in the last picture
   DetailChoice detail_;
   ErrorCurve curve_;
-  std::vector<RegionCoverage> regions_;  // of the lead
-  Rectangle area_;                       // of the characters in the last picture
-  int pending_pictures_ = 2;             // to be drawn although nothing moves
+  Rectangle area_;            // of the characters in the last picture
+  int pending_pictures_ = 2;  // to be drawn although nothing moves
   bool was_busy_ = false;
   double next_look_ = 0;  // at files
   Clock::time_point last_ = Clock::now(), last_picture_ = last_;

@@ -13,10 +13,12 @@ class CharactersTest : public ::testing::Test {
     folder_ = std::make_unique<TemporaryFolder>();
     small_ = std::make_unique<SmallCharacter>(*folder_);
     jiggling_ = std::make_unique<JigglingCharacter>(*folder_);
+    trained_ = std::make_unique<TrainedCharacter>(*folder_);
   }
   static void TearDownTestSuite() {
     small_.reset();
     jiggling_.reset();
+    trained_.reset();
     folder_.reset();
     device_.reset();
   }
@@ -26,6 +28,7 @@ class CharactersTest : public ::testing::Test {
   static inline std::unique_ptr<TemporaryFolder> folder_;
   static inline std::unique_ptr<SmallCharacter> small_;
   static inline std::unique_ptr<JigglingCharacter> jiggling_;
+  static inline std::unique_ptr<TrainedCharacter> trained_;
 };
 
 }  // namespace bodyopt::testing

@@ -107,6 +107,34 @@ TEST_F(SceneTest, HeatIsTheDistanceToWhatIsComparedWith) {
   EXPECT_FLOAT_EQ(skin.heat_range, 0.004f);
 }
 
+TEST_F(SceneTest, CoverageIsOfTheSkinThatIsShownAndGoesBeforeHeat) {
+  scene_.add({.basis = trained_->basis}, {});
+  ViewSettings& s = controls_.settings;
+  s.compare.coverage = s.compare.heat = true;
+  s.compare.with = CompareWith::ddm;
+  s.cast.copies = 2;
+  s.ghosts.before = 1;
+  const std::vector<View> views = scene_.look(controls_, kArea);
+  ASSERT_NE(scene_.lead_expected(), nullptr);
+  EXPECT_EQ(views.at(0).skins.at(0).distances, &scene_.lead_expected()->vertices);
+  EXPECT_EQ(views[0].skins.size(), 3u);
+  for (std::size_t k = 1; k < views[0].skins.size(); ++k) EXPECT_EQ(views[0].skins[k].distances, nullptr);
+  EXPECT_EQ(views.at(1).skins.at(0).distances, nullptr);
+  s.compare.coverage = false;
+  EXPECT_EQ(scene_.look(controls_, kArea).at(0).skins.at(0).distances, nullptr);
+  EXPECT_EQ(scene_.lead_expected(), nullptr);
+}
+
+TEST_F(SceneTest, WithoutCoverageHeatStays) {
+  add_small();
+  controls_.settings.compare.coverage = controls_.settings.compare.heat = true;
+  controls_.settings.compare.with = CompareWith::ddm;
+  const SkinDraw skin = scene_.look(controls_, kArea).at(0).skins.at(0);
+  EXPECT_EQ(skin.distances, nullptr);
+  EXPECT_NE(skin.reference, nullptr);
+  EXPECT_EQ(scene_.lead_expected(), nullptr);
+}
+
 // Ghosts of a character that jiggles are quasi-static skins: with the quasi-static skin to compare with, both are of
 // one evaluation, whose buffers are replaced when the number of ghosts changes.
 TEST_F(SceneTest, GhostsTakeNoBufferAwayFromWhatIsCompared) {
