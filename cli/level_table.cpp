@@ -9,24 +9,14 @@ Json levels_info(const std::vector<Level>& levels) {
   const ProxyReport report = read_proxy_report(levels.front().basis);
   Json list = Json::array();
   for (std::size_t k = 0; k < std::min(levels.size(), report.levels.size()); ++k) {
-    const LevelReport& level = report.levels[k];
     const FrameTime time = frame_time(levels[k]);
-    list.push_back({{"level", k},
-                    {"vertices", level.vertices},
-                    {"coefficients", levels[k].basis.residual.coefficient_count()},
-                    {"error_mm", level.error},
-                    {"distance_rms_mm", level.distance_rms},
-                    {"distance_max_mm", level.distance_max},
-                    {"skin_rms_mm", level.skin_rms},
-                    {"rms_mm", level.rms},
-                    {"p99_mm", level.p99},
-                    {"max_mm", level.max},
-                    {"measured_on", report.measured_on},
-                    {"bytes", level.bytes},
-                    {"map_bytes", level.map_bytes},
-                    {"microseconds", time.microseconds},
-                    {"carrying_microseconds", time.carrying},
-                    {"threads", time.threads}});
+    list.push_back({{"level", k}});
+    list.back().update(to_json(report.levels[k]));
+    list.back().update({{"coefficients", levels[k].basis.residual.coefficient_count()},
+                        {"measured_on", report.measured_on},
+                        {"microseconds", time.microseconds},
+                        {"carrying_microseconds", time.carrying},
+                        {"threads", time.threads}});
   }
   return list;
 }

@@ -168,14 +168,28 @@ const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses
     return hosted_;
   }
   if (method == SkinMethod::lbs) {
-    carried_ = upload_output(linear_blend_->skin(poses[0]));
+    show_linear_blend(poses[0]);
     return hosted_;
   }
   if (method == SkinMethod::proxy) return carry_proxy(poses.first(1), frame, weights);
-  const bool carries = worn() && (method == SkinMethod::full || method == SkinMethod::jiggle);
-  const Evaluation& result = details_[level_]->evaluate(method, poses, frame, weights, carries);
-  if (carries) worn_->carry(full_skin(shown(), result), poses[0].joints);
-  return result;
+  const bool carries = worn_ && has_worn_skin() && (method == SkinMethod::full || method == SkinMethod::jiggle);
+  return details_[level_]->evaluate(method, poses, frame, weights, carries);
+}
+
+const WornMeshes* Actor::worn(SkinMethod method) {
+  if (!worn_ || !has_worn_skin()) return nullptr;
+  const Detail::Evaluated& skin = shown().last(method);
+  if (const Source on{level_, skin.number}; on != worn_on_) {
+    worn_->carry(full_skin(shown(), skin.result), skin.poses[0].joints);
+    worn_on_ = on;
+  }
+  return worn_.get();
+}
+
+void Actor::show_linear_blend(const Pose& pose) {
+  if (same(blended_of_, {&pose, 1})) return;
+  blended_ = upload_output(linear_blend_->skin(pose));
+  blended_of_ = {pose};
 }
 
 // A proxy that stands alone carries the full skin, not that of its own finest level, which its meshes ride on.
@@ -195,7 +209,9 @@ std::vector<float> Actor::full_skin(const Detail& detail, const Evaluation& eval
 const Evaluation& Actor::carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights) {
   Detail& proxy = *details_[1];
   const Evaluation& result = proxy.evaluate(SkinMethod::full, poses, frame, weights, true);
-  carried_ = upload_output(full_skin(proxy, result));
+  const Source from{1, proxy.last(SkinMethod::full).number};
+  if (from != carried_from_) carried_ = upload_output(full_skin(proxy, result));
+  carried_from_ = from;
   return result;
 }
 
@@ -205,7 +221,8 @@ void Actor::reset_jiggle() {
 
 DeviceSkin Actor::skin(SkinMethod method) const {
   if (method == SkinMethod::truth) return {&truth_->skin.positions, &truth_->skin.normals};
-  if (method == SkinMethod::proxy || method == SkinMethod::lbs) return {&carried_.positions, &carried_.normals};
+  if (method == SkinMethod::proxy) return {&carried_.positions, &carried_.normals};
+  if (method == SkinMethod::lbs) return {&blended_.positions, &blended_.normals};
   return shown().skin(method);
 }
 

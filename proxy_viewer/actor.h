@@ -66,8 +66,8 @@ class Actor {
   // Poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
   const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights);
   void reset_jiggle();  // which starts anew with the next frame
-  // What it wears, on the skin evaluated last by the method that is carried along: full or jiggle; null: nothing.
-  const WornMeshes* worn() const { return has_worn_skin() ? worn_.get() : nullptr; }
+  // What it wears, on the skin evaluated last by the method, full or jiggle; null: nothing.
+  const WornMeshes* worn(SkinMethod method);
   // Of the last evaluation by the method.
   DeviceSkin skin(SkinMethod method) const;
 
@@ -83,6 +83,12 @@ class Actor {
   struct HostedSkin {
     vulkan::Buffer positions, normals;
   };
+  // What the host made something of last: the evaluation of a level.
+  struct Source {
+    std::size_t level = 0;
+    std::uint64_t evaluation = 0;
+    bool operator==(const Source&) const = default;
+  };
   struct Truth {
     Pc2Reader reader;
     int shown = -1;  // sample that is on the device
@@ -95,6 +101,7 @@ class Actor {
   bool has_worn_skin() const;
   std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation) const;
   const Evaluation& carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights);
+  void show_linear_blend(const Pose& pose);
   HostedSkin upload_output(std::span<const float> points) const;
   void show_truth(int frame);
   std::optional<std::uint32_t> truth_sample(int frame) const;
@@ -109,8 +116,10 @@ class Actor {
   Clip clip_;
   std::vector<int> keys_;
   double size_ = 1, ground_ = 0;
-  Evaluation hosted_;  // of skins that come from the host: nothing
-  HostedSkin carried_;
+  Evaluation hosted_;             // of skins that come from the host: nothing
+  HostedSkin blended_, carried_;  // by linear blending; by the proxy
+  std::vector<Pose> blended_of_;  // none, or one
+  Source carried_from_, worn_on_;
   std::optional<Truth> truth_;
   std::unique_ptr<WornMeshes> worn_;
   std::unique_ptr<LinearBlend> linear_blend_;

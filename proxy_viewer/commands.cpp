@@ -349,7 +349,7 @@ const Command kCommands[] = {
     {"activation", "[on|off]", "", "Compare", "colour by what was learned: the distance to Direct Delta Mush",
      [](Controls& c, const std::string& a) { toggle(c.settings.compare.activation, a); },
      [](const Controls& c) { return name_of(c.settings.compare.activation); }},
-    {"coverage", "[on|off]", "", "Compare", "tint what the basis was not trained for",
+    {"coverage", "[on|off]", "", "Compare", "colour by the error to expect of the pose, in millimetres",
      [](Controls& c, const std::string& a) { toggle(c.settings.compare.coverage, a); },
      [](const Controls& c) { return name_of(c.settings.compare.coverage); }},
     {"worst-frame", "", "N", "Compare", "to the frame that is furthest from what it is compared with",

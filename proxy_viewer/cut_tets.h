@@ -1,5 +1,5 @@
 // The tetrahedra of the jiggle, cut open: whole tets are taken away from the side of the camera, and what they lay bare
-// is drawn in the colours of muscle and fat.
+// is drawn in the colours of fat, muscle and what is held.
 #pragma once
 
 #include <array>
@@ -13,22 +13,29 @@
 
 namespace bodyopt {
 
+// held: by springs that leave no corner room to jiggle: bone, what counts as bone by its depth, what jiggle.json holds.
+enum class TetKind { fat, muscle, held };
+
+// T: of every tet.
+std::vector<TetKind> kinds_of(const Dynamics& dynamics);
+
 // Triangles, T x 3 nodes each, outward.
 struct CutFaces {
-  std::vector<std::uint32_t> skin, fat, muscle;  // of the body's surface; of what the cut lays bare
+  std::vector<std::uint32_t> skin;                   // of the body's surface
+  std::array<std::vector<std::uint32_t>, 3> inside;  // that the cut lays bare, by kind
 };
 
 // Keeps the tets that are not among the nearest `share` (0: none, 1: all) of the body's depth along `towards` (the
 // camera).
 class TetCutter {
  public:
-  // T x 4, positive volume; T: whether it is of a muscle.
-  TetCutter(std::span<const std::uint32_t> tets, std::vector<bool> is_muscle);
+  // T x 4, positive volume; T.
+  TetCutter(std::span<const std::uint32_t> tets, std::vector<TetKind> kinds);
   CutFaces cut(std::span<const float> nodes, const Vec3& towards, double share) const;
 
  private:
   std::vector<std::uint32_t> tets_;
-  std::vector<bool> is_muscle_;
+  std::vector<TetKind> kinds_;
   std::vector<std::int64_t> neighbours_;  // T x 4: the tet across the face that is opposite each corner; -1: none
 };
 
@@ -49,6 +56,8 @@ class CutTets {
   const std::vector<Part>& parts() const { return parts_; }
 
  private:
+  void add_part(const std::vector<std::uint32_t>& triangles, const std::array<float, 3>& colour);
+
   const vulkan::Device& device_;
   TetCutter cutter_;
   std::vector<float> nodes_;

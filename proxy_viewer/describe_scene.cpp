@@ -97,6 +97,10 @@ void describe_comparison(const Scene& scene, const Controls& controls, const Err
   const std::optional<SkinMethod> compared = compared_method(lead, controls.settings);
   snapshot.compared = compared ? name_of(*compared) : "";
   snapshot.comparisons = possible_comparisons(lead, controls.settings);
+  snapshot.knows_coverage = lead.shown().knows_coverage();
+  const ExpectedSkin* expected = scene.lead_expected();
+  snapshot.expected_mm = expected ? std::optional(expected->rms_mm) : std::nullopt;
+  snapshot.most_expected_mm = expected ? std::optional(expected->largest_mm) : std::nullopt;
   snapshot.errors.clear();
   for (std::size_t k = 0; k < curve.errors().size(); ++k) {
     snapshot.errors.push_back({curve.errors()[k].rms, curve.errors()[k].max, curve.is_measured(k)});

@@ -34,14 +34,14 @@ bool same(const JointTransform& a, const JointTransform& b) {
   return a.translation == b.translation && a.rotation == b.rotation && a.scale == b.scale;
 }
 
+}  // namespace
+
 bool same(std::span<const Pose> a, std::span<const Pose> b) {
   return std::ranges::equal(a, b, [](const Pose& p, const Pose& q) {
     return p.controls == q.controls &&
            std::ranges::equal(p.joints, q.joints, [](const auto& s, const auto& t) { return same(s, t); });
   });
 }
-
-}  // namespace
 
 Basis linear_part(Basis basis) {
   ResidualTable& residual = basis.residual;
@@ -62,6 +62,9 @@ Detail::Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::o
   fibre_segments_ = vulkan::upload(*device_, segments, "the fibres");
   fibre_points_ = vulkan::upload(*device_, points_on_skin(basis().strain), "the fibre points");
   fibre_segment_count_ = static_cast<std::uint32_t>(segments.size());
+  if (!knows_coverage()) return;
+  coverage_ = read_coverage(basis());
+  shares_ = RegionShares(basis());
 }
 
 Deformer& Detail::deformer(SkinMethod method, Use use) {
@@ -90,7 +93,17 @@ const Evaluation& Detail::evaluate(SkinMethod method, std::span<const Pose> pose
   last.frame = frame;
   last.weights = weights;
   last.host = host;
+  last.number = ++evaluations_;
   return last.result;
+}
+
+const ExpectedSkin& Detail::expected_skin(const Pose& pose) {
+  if (expected_ && same({&expected_->first, 1}, {&pose, 1})) return expected_->second;
+  const ExpectedError error = expected_error(basis(), coverage_, pose);
+  const std::vector<float> vertices = shares_.carry(error.region_mm);
+  ExpectedSkin skin{error.rms_mm, 0, vulkan::upload(*device_, vertices, "expected errors")};
+  for (const float metres : vertices) skin.largest_mm = std::max(skin.largest_mm, 1e3 * double{metres});
+  return expected_.emplace(pose, std::move(skin)).second;
 }
 
 DeviceSkin Detail::skin(SkinMethod method) const { return deformers_.at({method, Use::show})->device_skin(); }

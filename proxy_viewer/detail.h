@@ -2,6 +2,7 @@
 // device.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "runtime/basis/levels.h"
 #include "runtime/deformer.h"
 #include "runtime/vulkan/buffer.h"
+#include "trainer/train/vertex_coverage.h"
 
 namespace bodyopt {
 
@@ -20,9 +22,26 @@ namespace bodyopt {
 // truth: a point cache.
 enum class SkinMethod { lbs, ddm, linear, full, jiggle, proxy, truth };
 
+// The error that coverage expects at a pose.
+struct ExpectedSkin {
+  double rms_mm = 0, largest_mm = 0;  // over the skin; of a vertex
+  vulkan::Buffer vertices;            // V, metres
+};
+
 class Detail {
  public:
-  // `dynamics`: of the same basis, where there are any. Throws Error(device).
+  // What a method has evaluated last, and of what.
+  struct Evaluated {
+    std::vector<Pose> poses;
+    int frame = 0;
+    Weights weights;
+    bool host = false;
+    std::uint64_t number = 0;  // that no other evaluation of the level has
+    Evaluation result;
+  };
+
+  // `dynamics`: of the same basis, where there are any. Throws Error(device), and Error(file) where what the basis says
+  // of its coverage is damaged.
   Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::optional<Dynamics> dynamics);
 
   const Basis& basis() const { return level_.basis; }
@@ -33,12 +52,17 @@ class Detail {
   // level must have dynamics.
   const CutTets& cut_tets(const Pose& pose, std::optional<float> jiggle, const Vec3& towards, double share);
 
+  bool knows_coverage() const { return has_coverage(basis()); }
+  // The level must know its coverage. The same pose as the last time is not looked at again.
+  const ExpectedSkin& expected_skin(const Pose& pose);
+
   // By ddm, linear, full or jiggle. Poses of one frame, then of ghosts; `frame`: of the first. The jiggle steps only
   // with that. The same as the last time is not evaluated again. On the host, too, when `host` asks for it.
   const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
                              bool host);
   // Of the last evaluation by the method.
   DeviceSkin skin(SkinMethod method) const;
+  const Evaluated& last(SkinMethod method) const { return evaluated_.at(method); }
   void reset_jiggle();  // which starts anew with the next frame
 
   // The quasi-static result on the host, of one pose: does not touch what is shown. `correction`: see Weights.
@@ -52,15 +76,6 @@ class Detail {
  private:
   enum class Use { show, measure };
 
-  // What a method has evaluated last, and of what.
-  struct Evaluated {
-    std::vector<Pose> poses;
-    int frame = 0;
-    Weights weights;
-    bool host = false;
-    Evaluation result;
-  };
-
   Deformer& deformer(SkinMethod method, Use use);
   std::vector<float> tet_nodes(const Pose& pose, std::optional<float> jiggle);
 
@@ -71,9 +86,16 @@ class Detail {
   std::uint32_t fibre_segment_count_ = 0;
   std::map<std::pair<SkinMethod, Use>, std::unique_ptr<Deformer>> deformers_;  // made when they are first wanted
   std::map<SkinMethod, Evaluated> evaluated_;
+  std::uint64_t evaluations_ = 0;      // so far
   std::unique_ptr<CutTets> cut_tets_;  // made when they are first wanted
   std::vector<Pose> tet_poses_;        // of which the tets were measured last; none, or one
+  std::vector<RegionCoverage> coverage_;
+  RegionShares shares_;  // of the regions, where there is coverage
+  std::optional<std::pair<Pose, ExpectedSkin>> expected_;
 };
+
+// To the last bit, joints and controls.
+bool same(std::span<const Pose> a, std::span<const Pose> b);
 
 // The basis without its kernels: what a linear map of joints and strains makes of it.
 Basis linear_part(Basis basis);

@@ -48,14 +48,10 @@ SurfaceStyle surface_style(LookStyle style) {
   }
 }
 
-// Clay where training went; the further outside, the more violet.
-std::array<float, 3> covered_colour(float outside) {
-  constexpr std::array<float, 3> kOutside = {0.22f, 0.06f, 0.50f};
-  constexpr float kFarOutside = 4;  // standard deviations
-  const float t = std::min(1.0f, outside / kFarOutside);
-  std::array<float, 3> colour;
-  for (std::size_t i = 0; i < 3; ++i) colour[i] = (1 - t) * kClayColour[i] + t * kOutside[i];
-  return colour;
+// Heat is of a character's skin alone: what else is drawn of it keeps its colour.
+SkinDraw without_heat(SkinDraw draw) {
+  draw.reference = draw.distances = nullptr;
+  return draw;
 }
 
 Rectangle left_half(const Rectangle& r) { return {r.x, r.y, r.width / 2, r.height}; }
@@ -103,6 +99,7 @@ void Scene::add(const ActorFiles& files, const ClipOptions& options) {
 void Scene::replace(std::size_t index, const ActorFiles& files, const ClipOptions& options) {
   cast_[index] = std::make_unique<Actor>(device_, files, options);
   lead_evaluation_ = nullptr;
+  lead_expected_ = nullptr;
 }
 
 std::array<float, 3> Scene::place(std::size_t index) const {
@@ -127,10 +124,6 @@ void Scene::reset_jiggle() {
 Pose Scene::pose_at(const Actor& character, int frame, const Controls& controls) const {
   if (live_pose_ && &character == cast_.front().get()) return *live_pose_;
   return character.pose(frame, controls.settings.pose);
-}
-
-Pose Scene::lead_pose(const Controls& controls) const {
-  return pose_at(*cast_.front(), controls.playback.frame(), controls);
 }
 
 std::vector<Pose> Scene::poses_of(const Actor& character, const Controls& controls) const {
@@ -162,6 +155,7 @@ Scene::Shown Scene::evaluate(Actor& character, SkinMethod method, std::span<cons
 
 std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   stage_seconds_.clear();
+  lead_expected_ = nullptr;
   lines_.clear();
   colours_.clear();
   View view;
@@ -252,9 +246,6 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   skin.normals = shown.skin.normals;
   skin.offset = place(index);
   skin.style = surface_style(s.look.style);
-  if (s.compare.coverage && !shown.evaluation->outside.empty()) {
-    skin.colour = covered_colour(shown.evaluation->outside[0]);
-  }
   skin.wire = s.look.wire;
   skin.shadow = s.look.shadow;
   skin.heat_range = static_cast<float>(1e-3 * s.compare.heat_scale_mm);
@@ -264,6 +255,11 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     second.normals = compared->skin.normals;
     second.colour = kOtherColour;
     if (s.compare.heat || s.compare.activation) skin.reference = second.positions;
+  }
+  if (s.compare.coverage && character.shown().knows_coverage()) {
+    const ExpectedSkin& expected = character.shown().expected_skin(poses[0]);
+    skin.distances = &expected.vertices;
+    if (index == 0) lead_expected_ = &expected;
   }
 
   if (s.look.tets && character.shown().tet_count() > 0) {
@@ -280,14 +276,13 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     second.shadow = false;
     views[0].skins.push_back(second);
   }
-  if (character.worn()) {
-    for (const WornMeshes::Mesh& mesh : character.worn()->meshes()) {
-      SkinDraw worn = skin;
+  if (const WornMeshes* clothes = character.worn(method)) {
+    for (const WornMeshes::Mesh& mesh : clothes->meshes()) {
+      SkinDraw worn = without_heat(skin);
       worn.triangles = &mesh.triangles;
       worn.triangle_count = mesh.triangle_count;
       worn.positions = &mesh.positions;
       worn.normals = &mesh.normals;
-      worn.reference = nullptr;
       worn.colour = kWornColour;
       for (View& view : views) view.skins.push_back(worn);
     }
@@ -299,10 +294,9 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   if (poses.size() == 1) return;
   // Ghosts and copies are quasi-static: they have no past.
   const Shown others = method == SkinMethod::full ? shown : evaluate(character, SkinMethod::full, poses, controls);
-  SkinDraw extra = skin;
+  SkinDraw extra = without_heat(skin);
   extra.positions = others.skin.positions;
   extra.normals = others.skin.normals;
-  extra.reference = nullptr;
   const std::size_t ghosts = static_cast<std::size_t>(s.ghosts.before + s.ghosts.after);
   for (std::size_t k = ghosts + 1; k < poses.size(); ++k) {
     extra.first_vertex = static_cast<std::uint32_t>(k) * character.basis().mesh.vertex_count();
@@ -333,10 +327,9 @@ void Scene::add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, c
   const bool jiggles = shown_method(character, s) == SkinMethod::jiggle;
   const auto amount = jiggles ? std::optional(static_cast<float>(s.jiggle.amount)) : std::nullopt;
   const CutTets& tets = character.shown().cut_tets(pose, amount, towards, s.look.tet_cut);
-  SkinDraw draw = skin;
+  SkinDraw draw = without_heat(skin);
   draw.positions = draw.normals = &tets.positions();  // facets need no normals
   draw.style = SurfaceStyle::flat;
-  draw.reference = nullptr;
   for (const CutTets::Part& part : tets.parts()) {
     draw.triangles = &part.triangles;
     draw.triangle_count = part.triangle_count;

@@ -37,14 +37,14 @@ class Scene {
   Vec3 whereabouts(int frame) const;
   // The skin of all at the frame, or what is around the joint that is selected: V x 3, for framing.
   std::vector<float> points_to_frame(const Controls& controls);
-  // As it is shown: of the clip, turned as settings say, or live.
-  Pose lead_pose(const Controls& controls) const;
   // Where joint centres of the lead are at the frame, J, metres, world.
   std::vector<Vec3> joint_centres(const Controls& controls) const;
 
   // Of the last look: seconds by stage, summed over the cast; strains and outside of the lead.
   const std::map<std::string, double>& stage_seconds() const { return stage_seconds_; }
   const Evaluation* lead_evaluation() const { return lead_evaluation_; }
+  // Of the lead, where it is looked at; null: it is not, or is not known.
+  const ExpectedSkin* lead_expected() const { return lead_expected_; }
 
  private:
   struct Shown {
@@ -71,6 +71,7 @@ class Scene {
   std::optional<Pose> live_pose_;
   std::map<std::string, double> stage_seconds_;
   const Evaluation* lead_evaluation_ = nullptr;
+  const ExpectedSkin* lead_expected_ = nullptr;
   // What views point to.
   std::vector<std::vector<LinePoint>> lines_;
   std::vector<std::vector<std::uint32_t>> colours_;

@@ -159,7 +159,6 @@ void Session::describe_cast() {
   }
   controls.control_names = basis.residual.controls;
   snapshot.device = device_name_;
-  regions_ = has_coverage(basis) ? read_coverage(basis) : std::vector<RegionCoverage>{};
 }
 
 void Session::describe_picture() {
@@ -171,13 +170,6 @@ void Session::describe_picture() {
   snapshot.outside = evaluation->outside[0];
   snapshot.outside_feature =
       snapshot.outside > 0 ? feature_name(scene.lead().basis(), evaluation->outside_feature[0]) : "";
-  snapshot.expected_mm = expected_error();
-}
-
-// Of the frame, mm, where coverage is looked at.
-std::optional<double> Session::expected_error() const {
-  if (!controls.settings.compare.coverage || regions_.empty() || scene.lead().level() != 0) return std::nullopt;
-  return bodyopt::expected_error(scene.lead().basis(), regions_, scene.lead_pose(controls)).rms_mm;
 }
 
 }  // namespace bodyopt

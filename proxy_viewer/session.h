@@ -11,7 +11,6 @@
 #include "proxy_viewer/snapshot.h"
 #include "proxy_viewer/viewer.h"
 #include "proxy_viewer/watched_files.h"
-#include "trainer/train/coverage.h"
 
 namespace bodyopt {
 
@@ -52,13 +51,11 @@ class Session {
   void apply_settings();
   void describe_cast();
   void watch();
-  std::optional<double> expected_error() const;
 
   const ViewerOptions& options_;
   const std::string device_name_;
   WatchedFiles watched_;
-  std::vector<RegionCoverage> regions_;  // of the lead
-  std::optional<Vec3> followed_;         // where the lead was in the last picture
+  std::optional<Vec3> followed_;  // where the lead was in the last picture
 };
 
 }  // namespace bodyopt

@@ -52,7 +52,8 @@ struct Snapshot {
   std::vector<float> strains;  // of the fibres
   float outside = 0;           // standard deviations beyond what was trained; 0: covered
   std::string outside_feature;
-  std::optional<double> expected_mm;  // error of the frame, where coverage is looked at
+  bool knows_coverage = false;
+  std::optional<double> expected_mm, most_expected_mm;  // error, where coverage is looked at: RMS, of a vertex
   double clip_fps = 24;
   std::size_t level = 0, level_count = 1;  // of detail
 

@@ -1,4 +1,4 @@
-// Attached geometry in the scene: carried on the host, uploaded for every frame.
+// Attached geometry in the scene: carried on the host, uploaded when it moves.
 #pragma once
 
 #include <memory>

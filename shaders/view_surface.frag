@@ -10,7 +10,7 @@ layout(push_constant) uniform Push {
   vec4 offset_alpha;
   vec4 tint_heat;
   uint style, wire, orthographic;
-  uint first_vertex, first_reference;
+  uint first_vertex, first_reference, measured;
 };
 const uint kMatcap = 1, kFlat = 2, kNormals = 3;
 

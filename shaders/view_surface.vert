@@ -9,12 +9,14 @@ layout(push_constant) uniform Push {
   vec4 tint_heat;        // linear RGB; one over the top of the colour bar (1/m), 0: no heat
   uint style, wire, orthographic;
   uint first_vertex, first_reference;  // of the frame to draw, in vertices
+  uint measured;                       // the reference holds distances
 };
 
 layout(std430, set = 0, binding = 0) readonly buffer Triangles { uint triangles[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Positions { float positions[]; };
 layout(std430, set = 0, binding = 2) readonly buffer Normals { float normals[]; };
-layout(std430, set = 0, binding = 3) readonly buffer Reference { float reference[]; };  // positions to measure against
+// Positions to measure against, or distances that were measured (m).
+layout(std430, set = 0, binding = 3) readonly buffer Reference { float reference[]; };
 
 layout(location = 0) out vec3 out_position;  // camera space
 layout(location = 1) out vec3 out_normal;    // camera space
@@ -28,8 +30,10 @@ void main() {
   const vec3 position = vec3(positions[at], positions[at + 1], positions[at + 2]);
   out_heat = 0;
   if (tint_heat.w > 0) {
-    const uint to = 3 * (first_reference + vertex);
-    out_heat = tint_heat.w * distance(position, vec3(reference[to], reference[to + 1], reference[to + 2]));
+    const uint to = first_reference + vertex;
+    out_heat = tint_heat.w * (measured != 0 ? reference[to]
+                                            : distance(position, vec3(reference[3 * to], reference[3 * to + 1],
+                                                                      reference[3 * to + 2])));
   }
   out_position = to_camera(view, position + offset_alpha.xyz);
   out_normal = turn_to_camera(view, vec3(normals[at], normals[at + 1], normals[at + 2]));

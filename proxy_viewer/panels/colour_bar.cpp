@@ -1,7 +1,8 @@
-// What the colours of a heat map mean, in millimetres, and the largest distance of the frame.
+// What the colours of a heat map mean, in millimetres, and the largest value of the frame.
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "proxy_viewer/panels.h"
 #include "proxy_viewer/panels/widgets.h"
@@ -22,10 +23,21 @@ ImU32 colour_at(float share) {
   return IM_COL32(byte(linear[0]), byte(linear[1]), byte(linear[2]), 255);
 }
 
-// Of the frame that is shown; not a number where it was not measured.
-float largest(const Snapshot& snapshot, int frame) {
-  const auto index = static_cast<std::size_t>(frame - snapshot.first_frame);
-  return index < snapshot.errors.size() ? snapshot.errors[index].max : ErrorRow{}.max;
+struct Heat {
+  const char* title;
+  double most;  // of the frame that is shown, mm; not a number where it was not measured
+};
+
+// That colours the lead: none, or the first of several.
+std::optional<Heat> heat_of(const Snapshot& snapshot, const Controls& controls) {
+  const ViewSettings::Compare& compare = controls.settings.compare;
+  if (compare.coverage && snapshot.knows_coverage) {
+    return Heat{"expected error, mm", snapshot.most_expected_mm.value_or(NAN)};
+  }
+  if (snapshot.compared.empty() || !(compare.heat || compare.activation)) return std::nullopt;
+  const auto index = static_cast<std::size_t>(controls.playback.frame() - snapshot.first_frame);
+  const ErrorRow error = index < snapshot.errors.size() ? snapshot.errors[index] : ErrorRow{};
+  return Heat{compare.activation ? "learned, mm" : "distance, mm", static_cast<double>(error.max)};
 }
 
 std::string millimetres(double value, int digits) {
@@ -43,9 +55,14 @@ void draw_text(ImDrawList& list, float right, float y, ImU32 colour, const std::
 }  // namespace
 
 void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
-  const ViewSettings::Compare& compare = controls.settings.compare;
-  if (snapshot.compared.empty() || !(compare.heat || compare.activation)) return;
   const float line = ImGui::GetTextLineHeight();
+  if (controls.settings.compare.coverage && !snapshot.knows_coverage) {
+    draw_text(*ImGui::GetBackgroundDrawList(), layout.right() - kMargin, layout.bottom() - kMargin - 0.5f * line,
+              kAccent, "no expected error: the basis was trained without shapes");
+  }
+  const std::optional<Heat> heat = heat_of(snapshot, controls);
+  if (!heat) return;
+  const double hottest = controls.settings.compare.heat_scale_mm;
   const float height = std::min(kHeight, layout.bottom() - layout.menu - 4 * line - 2 * kMargin);
   if (height < 40) return;
   const float right = layout.right() - kMargin, bottom = layout.bottom() - kMargin - 0.5f * line;
@@ -59,16 +76,14 @@ void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const P
   for (int k = 0; k < kLabels; ++k) {
     const float share = static_cast<float>(k) / (kLabels - 1);
     draw_text(list, left - 7, bottom - share * height, ImGui::GetColorU32(ImGuiCol_Text),
-              millimetres(static_cast<double>(share) * compare.heat_scale_mm, 3));
+              millimetres(static_cast<double>(share) * hottest, 3));
   }
-  draw_text(list, right, top - 1.3f * line, ImGui::GetColorU32(ImGuiCol_Text),
-            compare.activation ? "learned, mm" : "distance, mm");
-  const float most = largest(snapshot, controls.playback.frame());
-  if (!std::isfinite(most)) return;
-  const float share = std::min(1.0f, most / static_cast<float>(compare.heat_scale_mm));
+  draw_text(list, right, top - 1.3f * line, ImGui::GetColorU32(ImGuiCol_Text), heat->title);
+  if (!std::isfinite(heat->most)) return;
+  const float share = static_cast<float>(std::min(1.0, heat->most / hottest));
   list.AddTriangleFilled({right + 8, bottom - share * height - 4}, {right + 8, bottom - share * height + 4},
                          {right + 1, bottom - share * height}, kAccent);
-  draw_text(list, right, top - 2.4f * line, kAccent, "largest " + millimetres(static_cast<double>(most), 3) + " mm");
+  draw_text(list, right, top - 2.4f * line, kAccent, "largest " + millimetres(heat->most, 3) + " mm");
 }
 
 }  // namespace bodyopt

@@ -48,11 +48,13 @@ void draw_compare(const Snapshot& snapshot, Controls& controls) {
   if (compares && compare.layout == CompareLayout::hold) ImGui::TextDisabled("hold X to see the other");
   command_tick(controls, "heat", "Heat of the distance");
   command_tick(controls, "activation", "Heat of what was learned");
-  if (compare.heat || compare.activation) {
+  ImGui::BeginDisabled(!snapshot.knows_coverage);
+  command_tick(controls, "coverage", "Heat of the expected error");
+  ImGui::EndDisabled();
+  if (compare.heat || compare.activation || compare.coverage) {
     slide("Hottest", compare.heat_scale_mm, kFinestHeat, kCoarsestHeat, "%.3g mm", find_command("heat-scale")->help,
           ImGuiSliderFlags_Logarithmic);
   }
-  command_tick(controls, "coverage", "Tint what was not trained for");
   if (!snapshot.compared.empty()) draw_errors(snapshot, controls);
 }
 

@@ -28,8 +28,9 @@ struct SkinDraw {
   bool wire = false;
   bool shadow = true;
   float alpha = 1;  // below 1: a ghost
-  // Coloured by the distance to these positions, F' x V x 3, red at `heat_range` metres; null: not.
-  const vulkan::Buffer* reference = nullptr;
+  // Coloured by the distance to these positions, F' x V x 3, or by these distances, F' x V, metres; red at `heat_range`
+  // metres. Null: not.
+  const vulkan::Buffer *reference = nullptr, *distances = nullptr;
   std::uint32_t first_reference = 0;
   float heat_range = 0.005f;
 };

@@ -37,9 +37,9 @@ struct ViewPush {
 struct SurfacePush {
   ViewPush view;
   std::array<float, 4> offset_alpha, tint_heat;
-  std::uint32_t style, wire, orthographic, first_vertex, first_reference;
+  std::uint32_t style, wire, orthographic, first_vertex, first_reference, measured;
 };
-static_assert(sizeof(SurfacePush) == 116);
+static_assert(sizeof(SurfacePush) == 120);
 
 struct GroundPush {
   ViewPush view;
@@ -185,20 +185,21 @@ struct Viewport::Impl {
   void record_skin(VkCommandBuffer recorder, const SkinDraw& skin, const ViewPush& push, bool orthographic) {
     const GraphicsPipeline& pipeline = skin.alpha < 1 ? scene->ghost : scene->surface;
     pipeline.bind(recorder);
-    const vulkan::Buffer* reference = skin.reference ? skin.reference : skin.positions;
+    const vulkan::Buffer* heat = skin.distances ? skin.distances : skin.reference;
     const VkDescriptorSet set =
-        sets.make(pipeline, {skin.triangles, skin.positions, skin.normals, reference, &palette});
-    pipeline.draw(recorder, set,
-                  SurfacePush{push,
-                              {skin.offset[0], skin.offset[1], skin.offset[2], skin.alpha},
-                              {skin.colour[0], skin.colour[1], skin.colour[2],
-                               skin.reference ? 1 / std::max(1e-6f, skin.heat_range) : 0},
-                              static_cast<std::uint32_t>(skin.style),
-                              skin.wire,
-                              orthographic,
-                              skin.first_vertex,
-                              skin.first_reference},
-                  3 * skin.triangle_count, skin.wire ? nullptr : skin.triangles);
+        sets.make(pipeline, {skin.triangles, skin.positions, skin.normals, heat ? heat : skin.positions, &palette});
+    pipeline.draw(
+        recorder, set,
+        SurfacePush{push,
+                    {skin.offset[0], skin.offset[1], skin.offset[2], skin.alpha},
+                    {skin.colour[0], skin.colour[1], skin.colour[2], heat ? 1 / std::max(1e-6f, skin.heat_range) : 0},
+                    static_cast<std::uint32_t>(skin.style),
+                    skin.wire,
+                    orthographic,
+                    skin.first_vertex,
+                    skin.first_reference,
+                    skin.distances != nullptr},
+        3 * skin.triangle_count, skin.wire ? nullptr : skin.triangles);
   }
 
   void record_lines(VkCommandBuffer recorder, const LineDraw& lines, const ViewPush& push, const View& view) {

@@ -1,30 +1,15 @@
 #include "proxy_viewer/actor.h"
 
 #include "runtime/cpu/kernels.h"
+#include "tests/support/attached_limb.h"
 #include "tests/support/error_kind.h"
-#include "tests/support/gpu_fixture.h"
-#include "tests/viewer/small_character.h"
+#include "tests/viewer/characters_fixture.h"
 
 namespace bodyopt::testing {
 namespace {
 
-// Device and files shared by the tests; validation stays silent.
-class ActorTest : public ::testing::Test {
+class ActorTest : public CharactersTest {
  protected:
-  static void SetUpTestSuite() {
-    device_ = open_test_device();
-    folder_ = std::make_unique<TemporaryFolder>();
-    small_ = std::make_unique<SmallCharacter>(*folder_);
-    jiggling_ = std::make_unique<JigglingCharacter>(*folder_);
-  }
-  static void TearDownTestSuite() {
-    small_.reset();
-    jiggling_.reset();
-    folder_.reset();
-    device_.reset();
-  }
-  void TearDown() override { EXPECT_EQ(device_->validation_messages(), std::vector<std::string>()); }
-
   static std::vector<float> download(const vulkan::Buffer& buffer) {
     const vulkan::Buffer readback(*device_, buffer.size(), vulkan::Memory::staging, "readback");
     vulkan::Commands commands(*device_);
@@ -59,11 +44,6 @@ class ActorTest : public ::testing::Test {
     character.evaluate(method, {&pose, 1}, 1, weights);
     return shown_positions(character, method);
   }
-
-  static inline std::shared_ptr<const vulkan::Device> device_;
-  static inline std::unique_ptr<TemporaryFolder> folder_;
-  static inline std::unique_ptr<SmallCharacter> small_;
-  static inline std::unique_ptr<JigglingCharacter> jiggling_;
 };
 
 // Largest distance of coordinates.
@@ -341,6 +321,78 @@ TEST_F(ActorTest, TetsLieUnderTheSkin) {
       }
     }
   }
+}
+
+// Of vertices of the trained limb between two heights of the rest shape, the mean, mm.
+double mean_between(const Basis& basis, const std::vector<float>& metres, float low, float high) {
+  double sum = 0, count = 0;
+  for (std::size_t v = 0; v < metres.size(); ++v) {
+    const float z = basis.mesh.rest[3 * v + 2];
+    if (z < low || z > high) continue;
+    sum += 1e3 * static_cast<double>(metres[v]);
+    ++count;
+  }
+  return sum / count;
+}
+
+// Its wrist, at 0.5 m, was turned by 0.7 at most.
+TEST_F(ActorTest, ErrorIsExpectedWhereThePoseLeavesTheTraining) {
+  Actor character(device_, {trained_->basis}, {});
+  const Skeleton& skeleton = trained_->made.skeleton;
+  const Pose usual = limb_pose(skeleton, 0.6, 0.2, 0.3), far = limb_pose(skeleton, 0.6, 0.2, 2);
+  ASSERT_TRUE(character.shown().knows_coverage());
+  const std::vector<float> before = download(character.shown().expected_skin(usual).vertices);
+  const ExpectedSkin& skin = character.shown().expected_skin(far);
+  const std::vector<float> after = download(skin.vertices);
+  ASSERT_EQ(after.size(), trained_->made.mesh.vertex_count());
+  EXPECT_GT(mean_between(trained_->made, after, 0.48f, 0.56f), 10 * mean_between(trained_->made, before, 0.48f, 0.56f));
+  EXPECT_NEAR(mean_between(trained_->made, after, 0, 0.12f), mean_between(trained_->made, before, 0, 0.12f), 0.1);
+  // As coverage has it of the whole skin, but for what shares of regions are in the basis.
+  double squares = 0, largest = 0;
+  for (const float metres : after) {
+    squares += 1e6 * static_cast<double>(metres) * static_cast<double>(metres);
+    largest = std::max(largest, 1e3 * static_cast<double>(metres));
+  }
+  EXPECT_EQ(skin.largest_mm, largest);
+  const double rms = expected_error(trained_->made, read_coverage(trained_->made), far).rms_mm;
+  EXPECT_EQ(skin.rms_mm, rms);
+  EXPECT_NEAR(std::sqrt(squares / static_cast<double>(after.size())), rms, 0.2 * rms);
+}
+
+TEST_F(ActorTest, WithoutShapesNoErrorIsExpected) {
+  EXPECT_FALSE(Actor(device_, {jiggling_->basis}, {}).shown().knows_coverage());
+  Basis damaged = trained_->made;
+  damaged.metadata["coverage"] = "[]";
+  const std::string path = (*folder_ / "damaged.safetensors").string();
+  save_basis(damaged, path);
+  EXPECT_EQ(kind_of([&] { Actor(device_, {path}, {}); }), ErrorKind::file);
+}
+
+// What is the same is carried and uploaded once.
+TEST_F(ActorTest, WhatItWearsMovesWithTheSkinAlone) {
+  const TemporaryFolder folder;
+  const std::string basis = (folder / "limb.safetensors").string();
+  std::filesystem::copy_file(jiggling_->basis, basis);
+  save_attachments(limb_outfit(), folder / "limb.attached.safetensors");
+  save_dynamics(jiggling_->made.dynamics, folder / "limb.dynamics.safetensors");
+  Actor character(device_, {basis, jiggling_->clip}, {});
+  const auto worn = [&](SkinMethod method) -> const vulkan::Buffer& {
+    return character.worn(method)->meshes().at(2).positions;  // the sleeve
+  };
+  const auto evaluate = [&](SkinMethod method, int frame) {
+    const Pose pose = character.pose(frame, {});
+    character.evaluate(method, {&pose, 1}, frame, {});
+  };
+  for (int frame = 1; frame < 9; ++frame) evaluate(SkinMethod::jiggle, frame);
+  evaluate(SkinMethod::full, 8);
+  const std::vector<float> jiggled = download(worn(SkinMethod::jiggle)), still = download(worn(SkinMethod::full));
+  EXPECT_GT(distance(jiggled, still), 1e-5);
+  const VkBuffer buffer = worn(SkinMethod::full).handle();
+  evaluate(SkinMethod::full, 8);
+  EXPECT_EQ(worn(SkinMethod::full).handle(), buffer);
+  evaluate(SkinMethod::full, 2);
+  EXPECT_GT(distance(download(worn(SkinMethod::full)), still), 0.01);
+  EXPECT_EQ(small_character().worn(SkinMethod::full), nullptr);
 }
 
 }  // namespace

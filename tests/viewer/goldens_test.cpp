@@ -17,12 +17,14 @@ class GoldensTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { test_device(); }  // the driver, for the programs
 
-  Image picture(const std::string& script) {
+  Image picture(const std::string& script) { return picture(small_.basis + " " + small_.clip, script); }
+
+  Image picture(const std::string& files, const std::string& script) {
     const char* device = std::getenv("BODYOPT_TEST_DEVICE");
     const std::string out = (folder_ / "picture.png").string();
-    const ProgramResult result = run_bodyopt(
-        "view " + small_.basis + " " + small_.clip + " --size 320 180 --headless -o " + out +
-        " --do 'panels off; hud off; legend off; " + script + "'" + (device ? " --device " + std::string(device) : ""));
+    const ProgramResult result = run_bodyopt("view " + files + " --size 320 180 --headless -o " + out +
+                                             " --do 'panels off; hud off; legend off; " + script + "'" +
+                                             (device ? " --device " + std::string(device) : ""));
     EXPECT_EQ(result.exit_code, 0) << result.output;
     return read_png(out);
   }
@@ -48,6 +50,27 @@ const std::string kCompared =
 
 TEST_F(GoldensTest, Clay) { expect_golden("clay.png", kClay); }
 TEST_F(GoldensTest, Compared) { expect_golden("compared.png", kCompared); }
+
+// Seen from the side, the limb's wrist is at the left, its base at the right.
+TEST_F(GoldensTest, CoverageIsHotWhereThePoseLeavesTheTraining) {
+  const TrainedCharacter trained(folder_);
+  const std::string script =
+      "grid off; axes off; shadow off; heat-scale 2; turn joint2 0 115 0; side; frame-selection; ";
+  const Image covered = picture(trained.basis, script + "coverage on"), plain = picture(trained.basis, script);
+  const auto hottest = [](const Image& image, std::uint32_t from, std::uint32_t to) {
+    int most = 0;
+    for (std::uint32_t y = 0; y < image.height; ++y) {
+      for (std::uint32_t x = from; x < to; ++x) {
+        const std::uint8_t* p = image.rgba.data() + 4 * (std::size_t{y} * image.width + x);
+        most = std::max(most, int{p[0]} - int{p[2]});
+      }
+    }
+    return most;
+  };
+  const std::uint32_t width = covered.width;
+  EXPECT_GT(hottest(covered, 0, width / 2), hottest(plain, 0, width) + 60);
+  EXPECT_LT(hottest(covered, 2 * width / 3, width), hottest(plain, 0, width) + 20);
+}
 
 // What must not pass.
 TEST_F(GoldensTest, LossesAreSeen) {

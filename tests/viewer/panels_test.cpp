@@ -155,6 +155,26 @@ TEST_F(PanelsTest, EverySectionDrawsSomething) {
   }
 }
 
+TEST_F(PanelsTest, CoverageHasAColourBarOrAWordWhyNot) {
+  Snapshot snapshot = small_character();
+  snapshot.compared.clear();
+  Controls controls;
+  const auto drawn = [&] {
+    for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+    return vertices();
+  };
+  run_command(controls, "section look");  // whatever the section of comparing shows
+  const int without = drawn();
+  controls.settings.compare.coverage = true;
+  const int unknown = drawn();
+  snapshot.knows_coverage = true;
+  const int bar = drawn();
+  snapshot.most_expected_mm = 3;
+  EXPECT_GT(unknown, without + 40);
+  EXPECT_GT(bar, unknown);
+  EXPECT_GT(drawn(), bar + 40);
+}
+
 TEST_F(PanelsTest, HiddenPanelsLeaveAllToThePicture) {
   const Snapshot snapshot = small_character();
   Controls controls;

@@ -4,33 +4,19 @@
 
 #include "proxy_viewer/strain_colour.h"
 #include "runtime/basis/error.h"
-#include "tests/support/gpu_fixture.h"
-#include "tests/viewer/small_character.h"
+#include "tests/viewer/characters_fixture.h"
 
 namespace bodyopt::testing {
 namespace {
 
 constexpr Rectangle kArea = {10, 20, 301, 200};
 
-class SceneTest : public ::testing::Test {
+class SceneTest : public CharactersTest {
  protected:
-  static void SetUpTestSuite() {
-    device_ = open_test_device();
-    folder_ = std::make_unique<TemporaryFolder>();
-    small_ = std::make_unique<SmallCharacter>(*folder_);
-    jiggling_ = std::make_unique<JigglingCharacter>(*folder_);
-  }
-  static void TearDownTestSuite() {
-    small_.reset();
-    jiggling_.reset();
-    folder_.reset();
-    device_.reset();
-  }
   void SetUp() override {
     controls_.playback = Playback({1, kClipFrames}, 24);
     controls_.playback.scrub(5);
   }
-  void TearDown() override { EXPECT_EQ(device_->validation_messages(), std::vector<std::string>()); }
 
   void add_small() { scene_.add({small_->basis, small_->clip, small_->truth}, {}); }
   void add_jiggling() { scene_.add({jiggling_->basis, jiggling_->clip, {}}, {}); }
@@ -56,10 +42,6 @@ class SceneTest : public ::testing::Test {
     }
   }
 
-  static inline std::shared_ptr<const vulkan::Device> device_;
-  static inline std::unique_ptr<TemporaryFolder> folder_;
-  static inline std::unique_ptr<SmallCharacter> small_;
-  static inline std::unique_ptr<JigglingCharacter> jiggling_;
   Scene scene_{device_};
   Controls controls_;
   std::set<SkinMethod> shown_;  // what has been evaluated
@@ -123,6 +105,34 @@ TEST_F(SceneTest, HeatIsTheDistanceToWhatIsComparedWith) {
   const SkinDraw skin = scene_.look(controls_, kArea).at(0).skins.at(0);
   EXPECT_EQ(skin.reference, scene_.lead().skin(SkinMethod::truth).positions);
   EXPECT_FLOAT_EQ(skin.heat_range, 0.004f);
+}
+
+TEST_F(SceneTest, CoverageIsOfTheSkinThatIsShownAndGoesBeforeHeat) {
+  scene_.add({.basis = trained_->basis}, {});
+  ViewSettings& s = controls_.settings;
+  s.compare.coverage = s.compare.heat = true;
+  s.compare.with = CompareWith::ddm;
+  s.cast.copies = 2;
+  s.ghosts.before = 1;
+  const std::vector<View> views = scene_.look(controls_, kArea);
+  ASSERT_NE(scene_.lead_expected(), nullptr);
+  EXPECT_EQ(views.at(0).skins.at(0).distances, &scene_.lead_expected()->vertices);
+  EXPECT_EQ(views[0].skins.size(), 3u);
+  for (std::size_t k = 1; k < views[0].skins.size(); ++k) EXPECT_EQ(views[0].skins[k].distances, nullptr);
+  EXPECT_EQ(views.at(1).skins.at(0).distances, nullptr);
+  s.compare.coverage = false;
+  EXPECT_EQ(scene_.look(controls_, kArea).at(0).skins.at(0).distances, nullptr);
+  EXPECT_EQ(scene_.lead_expected(), nullptr);
+}
+
+TEST_F(SceneTest, WithoutCoverageHeatStays) {
+  add_small();
+  controls_.settings.compare.coverage = controls_.settings.compare.heat = true;
+  controls_.settings.compare.with = CompareWith::ddm;
+  const SkinDraw skin = scene_.look(controls_, kArea).at(0).skins.at(0);
+  EXPECT_EQ(skin.distances, nullptr);
+  EXPECT_NE(skin.reference, nullptr);
+  EXPECT_EQ(scene_.lead_expected(), nullptr);
 }
 
 // Ghosts of a character that jiggles are quasi-static skins: with the quasi-static skin to compare with, both are of

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "runtime/deformer.h"
+#include "tests/support/capsule_limb.h"
 #include "tests/support/small_basis.h"
 #include "tests/support/small_dynamics.h"
 #include "tests/support/temporary_folder.h"
@@ -52,6 +53,16 @@ struct SmallCharacter {
   }
   Basis made;
   std::string basis, clip, truth;
+};
+
+// A limb that learned from shapes, and so knows what it covers; at rest.
+struct TrainedCharacter {
+  explicit TrainedCharacter(const TemporaryFolder& folder)
+      : made(train(limb_samples(160, 0), {.centres = 60})), basis((folder / "trained.safetensors").string()) {
+    save_basis(made, basis);
+  }
+  Basis made;
+  std::string basis;
 };
 
 // One that jiggles.

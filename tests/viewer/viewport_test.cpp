@@ -178,6 +178,20 @@ TEST_F(ViewportTest, HeatHasTheColourOfItsDistanceOnTheBar) {
   }
 }
 
+TEST_F(ViewportTest, DistancesThatAreGivenLookAsThoseThatAreMeasured) {
+  const vulkan::Buffer moved = moved_sphere({0, 0, -0.02f});
+  const std::size_t count = sphere_.positions.size() / 3;
+  std::vector<float> metres(2 * count, 0.02f);
+  std::fill_n(metres.begin(), count, 1.0f);  // of another frame
+  const vulkan::Buffer given = vulkan::upload(*device_, metres, "distances");
+  View one = view({skin()}), two = one;
+  one.skins[0].reference = &moved;
+  two.skins[0].distances = &given;
+  two.skins[0].first_reference = static_cast<std::uint32_t>(count);
+  one.skins[0].heat_range = two.skins[0].heat_range = 0.03f;
+  EXPECT_LE(difference(draw(one), draw(two)).largest, 1);
+}
+
 TEST_F(ViewportTest, HeatIsMeasuredFrameByFrame) {
   const vulkan::Buffer far = moved_sphere({0, 0, -0.02f});
   std::vector<float> both = sphere_.positions;

@@ -158,20 +158,9 @@ class ProxyBuilder {
   std::vector<Level> levels_;
 };
 
-nlohmann::json to_json(const ProxyReport& report) {
-  nlohmann::json levels = nlohmann::json::array();
-  for (const LevelReport& level : report.levels) {
-    levels.push_back({{"vertices", level.vertices},
-                      {"error_mm", level.error},
-                      {"distance_rms_mm", level.distance_rms},
-                      {"distance_max_mm", level.distance_max},
-                      {"skin_rms_mm", level.skin_rms},
-                      {"rms_mm", level.rms},
-                      {"p99_mm", level.p99},
-                      {"max_mm", level.max},
-                      {"bytes", level.bytes},
-                      {"map_bytes", level.map_bytes}});
-  }
+nlohmann::ordered_json to_json(const ProxyReport& report) {
+  nlohmann::ordered_json levels = nlohmann::ordered_json::array();
+  for (const LevelReport& level : report.levels) levels.push_back(to_json(level));
   return {{"full_vertices", report.full_vertices}, {"measured_on", report.measured_on}, {"levels", levels}};
 }
 
@@ -186,6 +175,19 @@ std::vector<double> default_errors(const Character& character) {
   std::vector<double> errors = {kFinestError * longest_extent(character.vertices)};
   while (errors.size() < kDefaultLevels) errors.push_back(2 * errors.back());
   return errors;
+}
+
+nlohmann::ordered_json to_json(const LevelReport& report) {
+  return {{"vertices", report.vertices},
+          {"error_mm", report.error},
+          {"distance_rms_mm", report.distance_rms},
+          {"distance_max_mm", report.distance_max},
+          {"skin_rms_mm", report.skin_rms},
+          {"rms_mm", report.rms},
+          {"p99_mm", report.p99},
+          {"max_mm", report.max},
+          {"bytes", report.bytes},
+          {"map_bytes", report.map_bytes}};
 }
 
 ProxyReport read_proxy_report(const Basis& basis) {

@@ -1,6 +1,7 @@
 // Levels of detail of a character, trained on its own shapes.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct LevelReport {
   double bytes = 0;                  // of its tables
   double map_bytes = 0;              // of what carries the full skin, on top
 };
+nlohmann::ordered_json to_json(const LevelReport& report);
 struct ProxyReport {
   std::uint32_t full_vertices = 0;
   std::string measured_on;  // "72 held-out frames"

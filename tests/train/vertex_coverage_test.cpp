@@ -1,0 +1,55 @@
+#include "trainer/train/vertex_coverage.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "runtime/cpu/kernels.h"
+#include "tests/support/capsule_limb.h"
+
+namespace bodyopt {
+namespace {
+
+class RegionSharesTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { basis_ = train(limb_samples(160, 0), {.centres = 60}); }
+
+  static inline Basis basis_;
+  const std::vector<RegionCoverage> regions_ = read_coverage(basis_);
+  const RegionShares shares_{basis_};
+};
+
+TEST_F(RegionSharesTest, WhatAllRegionsShareIsThatOfEveryVertexThatLearnedSomething) {
+  const std::vector<float> metres = shares_.carry(std::vector<double>(regions_.size(), 2));
+  ASSERT_EQ(metres.size(), basis_.mesh.vertex_count());
+  std::vector<float> coefficients(basis_.residual.coefficient_count()), displacements(3 * metres.size());
+  for (std::size_t k = 0; k < coefficients.size(); ++k) coefficients[k] = 1 + std::sin(static_cast<float>(k));
+  cpu::residual_blend(basis_.residual, coefficients, 1, 1, displacements);
+  std::size_t learned = 0;
+  for (std::size_t v = 0; v < metres.size(); ++v) {
+    const bool moves = displacements[3 * v] != 0 || displacements[3 * v + 1] != 0 || displacements[3 * v + 2] != 0;
+    EXPECT_NEAR(metres[v], moves ? 0.002 : 0, 1e-8) << v;
+    learned += moves;
+  }
+  EXPECT_GT(learned, metres.size() / 2);
+}
+
+// The weights that training gave a region are not kept; the number of vertices that they come to is.
+TEST_F(RegionSharesTest, AreAboutTheWeightsOfTraining) {
+  ASSERT_GT(regions_.size(), 2u);
+  for (std::size_t r = 0; r < regions_.size(); ++r) {
+    std::vector<double> one(regions_.size());
+    one[r] = 1e3;
+    double vertices = 0;
+    for (const float x : shares_.carry(one)) vertices += static_cast<double>(x) * static_cast<double>(x);
+    EXPECT_NEAR(vertices, regions_[r].size, 0.4 * regions_[r].size) << regions_[r].name;
+  }
+}
+
+TEST_F(RegionSharesTest, WithoutRegionsNothingIsExpected) {
+  const Basis plain = build_ddm_basis(limb_character(), {});
+  for (const float x : RegionShares(plain).carry({})) EXPECT_EQ(x, 0);
+}
+
+}  // namespace
+}  // namespace bodyopt
