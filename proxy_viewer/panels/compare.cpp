@@ -49,7 +49,7 @@ void draw_compare(const Snapshot& snapshot, Controls& controls) {
   command_tick(controls, "heat", "Heat of the distance");
   command_tick(controls, "activation", "Heat of what was learned");
   ImGui::BeginDisabled(!snapshot.knows_coverage);
-  command_tick(controls, "coverage", "Heat of the expected error");
+  command_tick(controls, "coverage", "Heat of expected error");
   ImGui::EndDisabled();
   if (compare.heat || compare.activation || compare.coverage) {
     slide("Hottest", compare.heat_scale_mm, kFinestHeat, kCoarsestHeat, "%.3g mm", find_command("heat-scale")->help,
