@@ -134,7 +134,7 @@ void Actor::open_truth(const std::string& path) {
                                          " vertices: it is of another character, or another level of it");
   }
   if (reader.sample_count() == 0) throw Error(ErrorKind::file, path + ": the cache has no sample");
-  truth_.emplace(Truth{std::move(reader), -1, {}});
+  truth_.emplace(Truth{std::move(reader), {}, {}});
   files_.truth = path;
 }
 
@@ -245,12 +245,9 @@ std::optional<std::uint32_t> Actor::truth_sample(int frame) const {
 }
 
 void Actor::show_truth(int frame) {
-  const double last = truth_->reader.sample_count() - 1.0;
-  const double at = (frame - static_cast<double>(truth_->reader.start_frame())) /
-                    std::max(1e-6, static_cast<double>(truth_->reader.sample_rate()));
-  const int sample = static_cast<int>(std::lround(std::clamp(at, 0.0, last)));
-  if (sample == truth_->shown) return;
-  truth_->skin = upload_output(truth_->reader.read_sample(static_cast<std::uint32_t>(sample)));
+  const std::optional<std::uint32_t> sample = truth_sample(frame);
+  if (!sample || sample == truth_->shown) return;
+  truth_->skin = upload_output(truth_->reader.read_sample(*sample));
   truth_->shown = sample;
 }
 

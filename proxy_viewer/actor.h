@@ -77,6 +77,9 @@ class Actor {
 
   double size() const { return size_; }      // diagonal of the rest skin, metres
   double ground() const { return ground_; }  // height of its lowest point as the clip begins, metres
+  Vec3 start() const { return clip_.poses.front().joints.front().translation; }  // of its root, as the clip begins
+  // The truth is evaluated in such frames only.
+  bool has_truth_at(int frame) const { return truth_ && truth_sample(frame).has_value(); }
 
  private:
   // A skin of the finest level that comes from the host.
@@ -91,7 +94,7 @@ class Actor {
   };
   struct Truth {
     Pc2Reader reader;
-    int shown = -1;  // sample that is on the device
+    std::optional<std::uint32_t> shown;  // sample
     HostedSkin skin;
   };
 

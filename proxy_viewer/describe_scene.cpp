@@ -96,6 +96,9 @@ void describe_comparison(const Scene& scene, const Controls& controls, const Err
   const Actor& lead = *scene.cast().front();
   const std::optional<SkinMethod> compared = compared_method(lead, controls.settings);
   snapshot.compared = compared ? name_of(*compared) : "";
+  if (compared == SkinMethod::truth && !lead.has_truth_at(controls.playback.frame())) {
+    snapshot.compared += ": none of this frame";
+  }
   snapshot.comparisons = possible_comparisons(lead, controls.settings);
   snapshot.knows_coverage = lead.shown().knows_coverage();
   const ExpectedSkin* expected = scene.lead_expected();

@@ -154,9 +154,19 @@ std::size_t DetailChoice::choose(double seconds, bool playing, std::size_t count
   ++pictures_;
   if (sum_ < kPatience) return level_;
   const double mean = sum_ / pictures_;
+  waited_ += sum_;
   sum_ = pictures_ = 0;
-  if (mean > 1 / kRate && level_ + 1 < count) ++level_;
-  if (mean < 0.5 / kRate && level_ > 0) --level_;
+  if (mean > 1 / kRate && level_ + 1 < count) {
+    if (has_tried_) retry_ = std::min(2 * retry_, kLongestRetry);
+    too_slow_ = level_;
+    waited_ = 0;
+    ++level_;
+  } else if (mean < 0.5 / kRate && level_ > 0) {
+    const bool was_too_slow = too_slow_ && level_ - 1 <= *too_slow_;
+    if (was_too_slow && waited_ < retry_) return level_;
+    has_tried_ = was_too_slow;
+    --level_;
+  }
   return level_;
 }
 

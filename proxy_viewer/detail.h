@@ -100,12 +100,14 @@ bool same(std::span<const Pose> a, std::span<const Pose> b);
 // The basis without its kernels: what a linear map of joints and strains makes of it.
 Basis linear_part(Basis basis);
 
-// Chooses the level that holds a rate: coarser when pictures are late, finer again when there is twice the time; the
+// Chooses the level that holds a rate: coarser when pictures are late, finer when there is twice the time. A level that
+// was too slow is tried again after a while, each time a longer one, or the skin would change twice a second. The
 // finest while nothing plays.
 class DetailChoice {
  public:
-  static constexpr double kRate = 24;       // pictures a second
-  static constexpr double kPatience = 0.5;  // seconds of pictures before it changes its mind
+  static constexpr double kRate = 24;                            // pictures a second
+  static constexpr double kPatience = 0.5;                       // seconds of pictures before it changes its mind
+  static constexpr double kFirstRetry = 8, kLongestRetry = 120;  // seconds until what was too slow is tried again
 
   // `seconds`: what the last picture took. Gives the level to show, 0 to count - 1.
   std::size_t choose(double seconds, bool playing, std::size_t count);
@@ -114,6 +116,9 @@ class DetailChoice {
   std::size_t level_ = 0;
   double sum_ = 0;
   int pictures_ = 0;
+  std::optional<std::size_t> too_slow_;
+  bool has_tried_ = false;  // what was too slow
+  double waited_ = 0, retry_ = kFirstRetry;
 };
 
 }  // namespace bodyopt

@@ -16,6 +16,7 @@ constexpr std::uint32_t kBone = 0xd0f0e4c8, kJoint = 0xffffffff, kSelected = 0xf
 constexpr std::size_t kColumns = 7;  // of copies
 constexpr std::uint32_t kMarked = 0xff5a40ff;
 constexpr double kSpacing = 0.7;      // between characters, of their size
+constexpr double kInside = 0.3;       // of its size: nearer to another, a character would begin inside it
 constexpr double kSkinAround = 0.12;  // of joints, of the character's size
 constexpr float kSkinOverTets = 0.12f;
 constexpr float kSphere = 0.75f;  // around the joints, of the character's size
@@ -102,8 +103,14 @@ void Scene::replace(std::size_t index, const ActorFiles& files, const ClipOption
   lead_expected_ = nullptr;
 }
 
+// Those of one shot stay where their clips have them. Who would begin inside another is put beside it, in a row: to the
+// right, to the left, further to the right...
 std::array<float, 3> Scene::place(std::size_t index) const {
-  // In a row: to the right, to the left, further to the right...
+  const auto begins_inside = [&](const std::unique_ptr<Actor>& other) {
+    const Vec3 apart = cast_[index]->start() - other->start();
+    return std::hypot(apart[0], apart[2]) < kInside * cast_[index]->size();
+  };
+  if (std::none_of(cast_.begin(), cast_.begin() + static_cast<std::ptrdiff_t>(index), begins_inside)) return {0, 0, 0};
   const double step = kSpacing * cast_[index]->size();
   const double side = index % 2 == 1 ? static_cast<double>(index + 1) / 2 : -static_cast<double>(index) / 2;
   return {static_cast<float>(step * side), static_cast<float>(cast_.front()->ground() - cast_[index]->ground()), 0};
@@ -173,12 +180,11 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   Vec3 low{1e30, 1e30, 1e30}, high{-1e30, -1e30, -1e30};
   double largest = 0.1;
   for (std::size_t c = 0; c < cast_.size(); ++c) {
-    const Pose pose = pose_at(*cast_[c], controls.playback.frame(), controls);
-    const std::vector<Vec3> centres = centres_of(*cast_[c], pose);
-    const int copies = c == 0 ? controls.settings.cast.copies : 1;
-    for (int copy = 0; copy < copies; ++copy) {
-      const std::array<float, 3> offset = copy == 0 ? place(c) : place_copy(static_cast<std::size_t>(copy));
-      for (const Vec3& centre : centres) {
+    const std::vector<Pose> poses = poses_of(*cast_[c], controls);
+    const auto ghosts = static_cast<std::size_t>(controls.settings.ghosts.before + controls.settings.ghosts.after);
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      const std::array<float, 3> offset = k > ghosts ? place_copy(k - ghosts) : place(c);
+      for (const Vec3& centre : centres_of(*cast_[c], poses[k])) {
         for (std::size_t i = 0; i < 3; ++i) {
           low[i] = std::min(low[i], centre[i] + static_cast<double>(offset[i]));
           high[i] = std::max(high[i], centre[i] + static_cast<double>(offset[i]));
@@ -211,6 +217,8 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   if (controls.marker && controls.marker->frame == controls.playback.frame()) {
     for (View& v : views) add_marker(controls.marker->at, v);
   }
+  // What is see-through is drawn over what is not.
+  for (View& v : views) std::ranges::stable_partition(v.skins, [](const SkinDraw& draw) { return draw.alpha >= 1; });
   return views;
 }
 
@@ -237,7 +245,8 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   const Shown shown = evaluate(character, method, poses, controls);
   if (index == 0) lead_evaluation_ = shown.evaluation;
   std::optional<Shown> compared;
-  if (other) compared = evaluate(character, *other, poses, controls);
+  const bool is_missing = other == SkinMethod::truth && !character.has_truth_at(controls.playback.frame());
+  if (other && !is_missing) compared = evaluate(character, *other, poses, controls);
 
   SkinDraw skin;
   skin.triangles = &character.shown().triangles();
@@ -270,7 +279,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   const bool flips = compared && s.compare.layout == CompareLayout::hold && controls.flipped;
   views[0].skins.push_back(flips ? second : skin);
   if (views.size() > 1) {
-    views[1].skins.push_back(compared ? second : skin);
+    if (!is_missing) views[1].skins.push_back(compared ? second : skin);
   } else if (compared && s.compare.layout == CompareLayout::overlay && !s.compare.activation) {
     second.alpha = 0.6f;
     second.shadow = false;

@@ -153,6 +153,7 @@ class VulkanBackend final : public Backend {
   }
 
   void set_weights(const Weights& weights) override {
+    if (weights == weights_) return;
     weights_ = weights;
     recorded_ = false;
   }

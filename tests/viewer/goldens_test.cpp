@@ -55,7 +55,7 @@ TEST_F(GoldensTest, Compared) { expect_golden("compared.png", kCompared); }
 TEST_F(GoldensTest, CoverageIsHotWhereThePoseLeavesTheTraining) {
   const TrainedCharacter trained(folder_);
   const std::string script =
-      "grid off; axes off; shadow off; heat-scale 2; turn joint2 0 115 0; side; frame-selection; ";
+      "grid off; axes off; shadow off; heat-scale 2; turn joint2 0 115 0; right; frame-selection; ";
   const Image covered = picture(trained.basis, script + "coverage on"), plain = picture(trained.basis, script);
   const auto hottest = [](const Image& image, std::uint32_t from, std::uint32_t to) {
     int most = 0;

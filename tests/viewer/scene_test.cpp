@@ -177,6 +177,41 @@ TEST_F(SceneTest, CharactersStandBesideEachOtherOnOneGround) {
   EXPECT_LT(places[2], -0.2f);
 }
 
+TEST_F(SceneTest, CharactersOfOneShotStayWhereTheirClipsHaveThem) {
+  Clip far = bending_clip(small_->made.skeleton);
+  for (Pose& pose : far.poses) pose.joints.front().translation = pose.joints.front().translation + Vec3{0, 0.5, 3};
+  const std::string file = (folder_->path() / "far.glb").string();
+  write_clip(far, small_->made.skeleton, file);
+  add_small();
+  scene_.add({.basis = small_->basis, .clip = file}, {});
+  const std::vector<View> views = scene_.look(controls_, kArea);
+  EXPECT_EQ(views.at(0).skins.at(1).offset, (std::array<float, 3>{0, 0, 0}));
+}
+
+// The small character's truth has its clip's frames.
+TEST_F(SceneTest, NothingIsShownOfATruthThatLacksTheFrame) {
+  Clip late = bending_clip(small_->made.skeleton);
+  const std::string file = (folder_->path() / "late.glb").string();
+  write_clip(late, small_->made.skeleton, file);
+  scene_.add({.basis = small_->basis, .clip = file, .truth = small_->truth}, {.first_frame = 1000});
+  controls_.playback = Playback({1000, 1005}, 24);
+  controls_.settings.compare.with = CompareWith::truth;
+  const std::vector<View> views = scene_.look(controls_, kArea);
+  ASSERT_EQ(views.size(), 2u);
+  EXPECT_EQ(views[0].skins.size(), 1u);
+  EXPECT_EQ(views[1].skins.size(), 0u);
+  EXPECT_EQ(views[0].skins[0].reference, nullptr);
+}
+
+TEST_F(SceneTest, WhatIsSeeThroughIsDrawnLast) {
+  add_small();
+  add_small();
+  controls_.settings.ghosts.before = 1;
+  const std::vector<SkinDraw> skins = scene_.look(controls_, kArea).at(0).skins;
+  ASSERT_EQ(skins.size(), 4u);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(skins[k].alpha < 1, k >= 2) << k;
+}
+
 TEST_F(SceneTest, AllJointsLieInTheSphereThatIsSeen) {
   add_small();
   add_jiggling();
