@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -62,6 +63,8 @@ struct Controls {
   void say(const std::string& text) { messages.push_back({.text = text}); }
   // Also on standard error; once, where it is what was said last.
   void warn(const std::string& text);
+  // What it throws is said, except Error(device), which passes: nothing more can be drawn.
+  void attempt(const std::function<void()>& action);
 };
 
 }  // namespace bodyopt

@@ -96,12 +96,14 @@ std::optional<SkinMethod> compared_method(const Actor& character, const ViewSett
   return wanted;
 }
 
-void Scene::add(const ActorFiles& files, const ClipOptions& options) {
-  cast_.push_back(std::make_unique<Actor>(device_, files, options));
+void Scene::add(const ActorFiles& files, const ClipOptions& options) { cast_.push_back(make(files, options)); }
+
+std::unique_ptr<Actor> Scene::make(const ActorFiles& files, const ClipOptions& options) const {
+  return std::make_unique<Actor>(device_, files, options);
 }
 
-void Scene::replace(std::size_t index, const ActorFiles& files, const ClipOptions& options) {
-  cast_[index] = std::make_unique<Actor>(device_, files, options);
+void Scene::swap(std::size_t index, std::unique_ptr<Actor>& other) {
+  cast_[index].swap(other);
   lead_evaluation_ = nullptr;
 }
 

@@ -17,7 +17,9 @@ class Scene {
   explicit Scene(std::shared_ptr<const vulkan::Device> device) : device_(std::move(device)) {}
 
   void add(const ActorFiles& files, const ClipOptions& options);
-  void replace(std::size_t index, const ActorFiles& files, const ClipOptions& options);
+  // One that is not in the cast.
+  std::unique_ptr<Actor> make(const ActorFiles& files, const ClipOptions& options) const;
+  void swap(std::size_t index, std::unique_ptr<Actor>& other);
   // In place of the lead's clip.
   void set_live_pose(Pose pose) { live_pose_ = std::move(pose); }
   void leave_live_pose() { live_pose_.reset(); }  // back to the clip

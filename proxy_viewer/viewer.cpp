@@ -7,6 +7,7 @@
 #include <array>
 #include <chrono>
 #include <deque>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <utility>
@@ -105,12 +106,9 @@ class Viewer {
       action();
       return;
     }
-    try {
-      action();
-    } catch (const Error& error) {
-      if (error.kind() == ErrorKind::device) throw;
-      warn(error.what());
-    }
+    const std::size_t before = controls_.messages.size();
+    controls_.attempt(action);
+    if (controls_.messages.size() != before) pending_pictures_ = 2;
   }
 
   void warn(const std::string& text) {
@@ -135,9 +133,16 @@ class Viewer {
     if (window_) window_->set_title(scene_.lead().name() + " \xe2\x80\x93 Bodyopt");
   }
 
-  void reload() {
+  void reload(const std::vector<std::filesystem::path>& files) {
+    session_.reload(files);
     errors_.forget();
-    session_.reload();
+    if (live_) listen_for_lead();
+  }
+
+  // A pose of other joints than the lead's is none of it.
+  void listen_for_lead() {
+    const Basis& basis = scene_.lead().basis();
+    if (live_->expect(basis.skeleton.size(), basis.residual.controls.size())) scene_.leave_live_pose();
   }
 
   void begin() {
@@ -148,6 +153,8 @@ class Viewer {
     Playback& playback = controls_.playback;
     if (options_.first || options_.last) {
       playback.set_range(options_.first.value_or(playback.first()), options_.last.value_or(playback.last()));
+      controls_.settings.playback.in = playback.in();
+      controls_.settings.playback.out = playback.out();
     }
     playback.scrub(options_.current.value_or(playback.in()));
     if (options_.live_port) {
@@ -238,9 +245,10 @@ class Viewer {
     next_look_ = at + kIdle;
     const bool passes = std::ranges::any_of(controls_.messages, [](const Message& m) { return !m.error; });
     if (passes || (was_busy_ && !controls_.playback.playing())) pending_pictures_ = std::max(pending_pictures_, 1);
-    if (!session_.files_have_changed(at)) return;
-    controls_.requests.reload = true;
+    const std::vector<std::filesystem::path> changed = session_.changed_files(at);
+    if (changed.empty()) return;
     pending_pictures_ = 2;
+    attempt([&] { reload(changed); });
   }
 
   void draw(std::uint32_t width, std::uint32_t height, Edges edges) {
@@ -253,9 +261,17 @@ class Viewer {
     const Rectangle area = draw_panels(snapshot_, controls_, width, height);
     gui_.end();
     session_.follow();
-    if (controls_.requests.frame_selection) session_.frame_selection(area.width, area.height);
+    if (controls_.requests.frame_selection) {
+      attempt([&] { session_.frame_selection(area.width, area.height); });
+    }
     choose_level();
-    const std::vector<View> views = scene_.look(controls_, area);
+    // What cannot be drawn leaves the panels, which can undo what was set.
+    std::vector<View> views;
+    drawn_ = false;
+    attempt([&] {
+      views = scene_.look(controls_, area);
+      drawn_ = true;
+    });
     area_ = area;
     viewport_.draw(views, width, height, edges, [this](VkCommandBuffer commands) { gui_.record(commands); });
     session_.describe_picture();
@@ -315,7 +331,7 @@ class Viewer {
     if (requests.turntable) attempt([&] { write_turntable(*requests.turntable, draw_picture_, controls_); });
     if (requests.save_state) attempt([&] { session_.save_state(*requests.save_state); });
     if (requests.load_state) attempt([&] { session_.load_state(*requests.load_state); });
-    if (requests.reload) attempt([&] { reload(); });
+    if (requests.reload) attempt([&] { reload(session_.files()); });
     if (requests.reset_jiggle) scene_.reset_jiggle();
     if (requests.worst_frame) attempt([&] { go_to_worst_frame(); });
     if (requests.worst_vertex) attempt([&] { errors_.go_to_worst_vertex(); });
@@ -338,7 +354,9 @@ class Viewer {
     const auto [width, height] = picture_size();
     std::vector<Message> messages = std::exchange(controls_.messages, {});
     draw(width, height, Edges::smooth);
-    controls_.messages = std::move(messages);
+    std::swap(controls_.messages, messages);
+    std::ranges::move(messages, std::back_inserter(controls_.messages));
+    if (!drawn_) throw Error(ErrorKind::usage, "no picture was taken of what cannot be drawn");
     return viewport_.picture();
   }
 
@@ -370,6 +388,7 @@ class Viewer {
   Rectangle area_;            // of the characters in the last picture
   int pending_pictures_ = 2;  // to be drawn although nothing moves
   bool was_busy_ = false;
+  bool drawn_ = false;    // the characters, in the last picture
   double next_look_ = 0;  // at files
   Clock::time_point last_ = Clock::now(), last_picture_ = last_;
 };

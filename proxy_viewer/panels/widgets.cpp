@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "runtime/basis/error.h"
-
 namespace bodyopt {
 namespace {
 
@@ -29,11 +27,7 @@ std::string label_of(const Command& command) {
 }
 
 void attempt(Controls& controls, const std::string& line) {
-  try {
-    run_command(controls, line);
-  } catch (const Error& error) {
-    controls.warn(error.what());
-  }
+  controls.attempt([&] { run_command(controls, line); });
 }
 
 void explain(const Command& command) {
