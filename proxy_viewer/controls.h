@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,6 +50,8 @@ struct Controls {
   OrbitCamera camera;
   std::vector<std::string> joint_names, control_names;  // of the lead: what commands may name
   std::vector<Quat> joint_axes;                         // of the lead's joints in the bind pose, joint to world
+  // Why a command has nothing to show ("compare lbs", "jiggle on"), and what would help; by what is refused.
+  std::map<std::string, std::string> missing;
   std::optional<bool> live;                             // poses are shown as they are sent; none: nobody listens
   std::string joint;                                    // selected; empty: none
   bool flipped = false;                                 // while the key of "hold to flip" is down

@@ -206,8 +206,8 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   if (compares && (compare.layout == CompareLayout::side_by_side || compare.layout == CompareLayout::wipe)) {
     views.push_back(view);
     if (compare.layout == CompareLayout::side_by_side) {
-      views[0].area = views[0].part = left_half(area);
-      views[1].area = views[1].part = right_half(area);
+      const std::vector<Rectangle> areas = view_areas(controls.settings, area);
+      for (std::size_t k = 0; k < 2; ++k) views[k].area = views[k].part = areas[k];
     } else {
       const auto wipe = static_cast<std::uint32_t>(std::lround(compare.wipe * area.width));
       views[0].part.width = wipe;
@@ -220,6 +220,14 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
     for (View& v : views) add_marker(controls.marker->at, v);
   }
   return views;
+}
+
+std::vector<Rectangle> Scene::view_areas(const ViewSettings& settings, const Rectangle& area) const {
+  const ViewSettings::Compare& compare = settings.compare;
+  const bool two = !cast_.empty() && compare.layout == CompareLayout::side_by_side && !compare.activation &&
+                   compared_method(lead(), settings);
+  if (!two) return {area};
+  return {left_half(area), right_half(area)};
 }
 
 void Scene::add_marker(const Vec3& at, View& view) {

@@ -34,6 +34,9 @@ class Scene {
   // until the next call. Throws Error(device), Error(file) of a truth that went away.
   std::vector<View> look(const Controls& controls, const Rectangle& area);
 
+  // Of those views, where in the area they are: two side by side, otherwise all of it.
+  std::vector<Rectangle> view_areas(const ViewSettings& settings, const Rectangle& area) const;
+
   // Where the lead is over the ground, whichever way it leaps: its root, the mean of half a second before and after
   // the frame.
   Vec3 whereabouts(int frame) const;

@@ -170,9 +170,10 @@ void Session::apply_range() {
 void Session::frame_selection(std::uint32_t width, std::uint32_t height) {
   controls.requests.frame_selection = false;
   const std::vector<float> points = scene.points_to_frame(controls);
-  if (!points.empty()) {
-    controls.camera.frame(points, static_cast<float>(width) / static_cast<float>(std::max(1u, height)));
-  }
+  if (points.empty()) return;
+  const Rectangle view = scene.view_areas(controls.settings, {0, 0, width, height}).front();
+  controls.camera.frame(points,
+                        static_cast<float>(std::max(1u, view.width)) / static_cast<float>(std::max(1u, height)));
 }
 
 void Session::follow() {
@@ -197,6 +198,7 @@ void Session::describe_cast() {
     controls.joint_axes.push_back(conjugate(decompose(joint.inverse_bind).rotation));
   }
   controls.control_names = basis.residual.controls;
+  controls.missing = describe_missing(scene.lead());
   if (basis.skeleton.find(controls.joint) < 0) controls.joint.clear();
   snapshot.device = device_name_;
 }

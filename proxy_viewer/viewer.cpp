@@ -9,6 +9,7 @@
 #include <deque>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <utility>
 
@@ -34,6 +35,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kIdle = 0.25;     // seconds between looks at files while nothing happens
 constexpr double kBusy = 0.004;    // and at the clock or a stream of poses
+constexpr double kProgress = 0.5;  // between pictures of the window while others are written
 const char* const kFlipKey = "X";  // while it is down, what is compared with is shown
 
 double seconds_between(Clock::time_point from, Clock::time_point to) {
@@ -46,6 +48,11 @@ double resident_mib() {
   file >> pages >> resident;
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
 }
+
+struct Finally {
+  std::function<void()> action;
+  ~Finally() { action(); }
+};
 
 class Viewer {
  public:
@@ -75,7 +82,8 @@ class Viewer {
     while (!window_->closed() && !controls_.requests.quit) {
       if (interrupted()) throw Error(ErrorKind::interrupted, "interrupted: the window was closed");
       const double wait = controls_.playback.playing() || live_ ? kBusy : kIdle;
-      const bool woken = window_->poll(pending_pictures_ > 0 || !options_.vsync || errors_.has_work() ? 0 : wait);
+      const bool woken =
+          window_->poll(series_ || pending_pictures_ > 0 || !options_.vsync || errors_.has_work() ? 0 : wait);
       if (options_.seconds > 0 && seconds_between(started, Clock::now()) > options_.seconds) break;
       attempt([&] { turn(woken); });
     }
@@ -188,6 +196,7 @@ class Viewer {
       if (key.substr(key.rfind('+') + 1) == kFlipKey) controls_.flipped = false;
       return;
     }
+    if (series_) return on_key_in_series(key);
     if (ImGui::GetIO().WantTextInput) return;
     if (key == kFlipKey) controls_.flipped = true;
     const Command* command = find_command_by_key(key);
@@ -195,11 +204,18 @@ class Viewer {
     attempt([&] { run_command(controls_, command->name); });
   }
 
+  // Nothing else shall change pictures that are being written.
+  void on_key_in_series(const std::string& key) {
+    if (key == "Escape") series_stops_ = true;
+    if (find_command_by_key(key) == find_command("quit")) controls_.requests.quit = true;
+  }
+
   // One turn of the loop: time passes, and what changed is drawn.
   void turn(bool woken) {
     const Clock::time_point now = Clock::now();
     const double passed = seconds_between(last_, now);
     last_ = now;
+    if (series_) return make_next_of_series(now);
     for (const std::string& file : std::exchange(dropped_, {})) attempt([&] { open(file); });
     const int shown = controls_.playback.frame();
     controls_.playback.advance(passed);
@@ -255,7 +271,7 @@ class Viewer {
     const Clock::time_point start = Clock::now();
     visit_texts(snapshot_, controls_, [this](const std::string& text) { gui_.fonts().show(text); });
     gui_.begin(width, height, std::max(1e-4, seconds_between(last_picture_, start)));
-    steer_by_mouse(scene_, area_, height, controls_);
+    if (!series_) steer_by_mouse(scene_, area_, height, controls_);
     if (!window_) errors_.measure_shown_frame();
     describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
     const Rectangle area = draw_panels(snapshot_, controls_, width, height);
@@ -328,7 +344,7 @@ class Viewer {
     for (const std::string& file : requests.open) attempt([&] { open(file); });
     if (requests.screenshot) attempt([&] { take_screenshot(*requests.screenshot); });
     if (requests.sequence) attempt([&] { take_sequence(*requests.sequence); });
-    if (requests.turntable) attempt([&] { write_turntable(*requests.turntable, draw_picture_, controls_); });
+    if (requests.turntable) attempt([&] { make(turntable_series(*requests.turntable, controls_)); });
     if (requests.save_state) attempt([&] { session_.save_state(*requests.save_state); });
     if (requests.load_state) attempt([&] { session_.load_state(*requests.load_state); });
     if (requests.reload) attempt([&] { reload(session_.files()); });
@@ -338,10 +354,16 @@ class Viewer {
     if (controls_.requests == Requests{}) script_waits_ = false;
   }
 
+  // Of the window, in its proportions where it is larger than pictures can be.
   std::array<std::uint32_t, 2> picture_size() const {
-    const auto [width, height] =
-        window_ ? window_->size() : std::array<std::uint32_t, 2>{options_.width, options_.height};
-    return {std::min(width, kMaxPictureSize), std::min(height, kMaxPictureSize)};
+    if (!window_) return {options_.width, options_.height};
+    const auto [width, height] = window_->size();
+    const std::uint32_t larger = std::max(width, height), most = viewport_.most_pixels();
+    if (larger <= most) return {width, height};
+    const auto scaled = [&](std::uint32_t side) {
+      return static_cast<std::uint32_t>((std::uint64_t{side} * most + larger - 1) / larger);
+    };
+    return {scaled(width), scaled(height)};
   }
 
   // Panels take their sizes from the picture before.
@@ -350,8 +372,10 @@ class Viewer {
   }
 
   // Drawn once more, at its best, and without messages.
-  Image draw_still() {
-    const auto [width, height] = picture_size();
+  Image draw_still() { return draw_still(picture_size()); }
+
+  Image draw_still(const std::array<std::uint32_t, 2>& size) {
+    const auto [width, height] = size;
     std::vector<Message> messages = std::exchange(controls_.messages, {});
     draw(width, height, Edges::smooth);
     std::swap(controls_.messages, messages);
@@ -365,8 +389,50 @@ class Viewer {
     write_screenshot(file, draw_picture_, controls_);
   }
 
-  void take_sequence(const std::string& pattern) {
-    write_sequence(pattern, scene_.lead().clip().fps, draw_picture_, controls_);
+  void take_sequence(const std::string& pattern) { make(frame_series(pattern, scene_.lead().clip().fps, controls_)); }
+
+  // In a window one by one, so that it answers.
+  void make(std::unique_ptr<PictureSeries> series) {
+    if (!window_) return make_all(*series, draw_picture_);
+    series_ = std::move(series);
+    series_size_ = picture_size();
+    series_stops_ = false;
+  }
+
+  void make_next_of_series(Clock::time_point now) {
+    bool goes_on = false;
+    if (std::exchange(series_stops_, false)) {
+      controls_.say("stopped after " + std::to_string(series_->made()) + " of " + std::to_string(series_->count()) +
+                    " pictures");
+    } else {
+      attempt([&] { goes_on = series_->make_next([this] { return draw_playblast(); }); });
+    }
+    if (!goes_on) series_.reset();
+    pending_pictures_ = 2;
+    if (goes_on && seconds_between(last_progress_, now) > kProgress) show_progress();
+  }
+
+  void show_progress() {
+    const auto [width, height] = picture_size();
+    if (width == 0 || height == 0) return;
+    const std::vector<Message> messages = controls_.messages;
+    controls_.say(std::to_string(series_->made()) + " of " + std::to_string(series_->count()) +
+                  " pictures: Escape stops");
+    for (int k = 0; k < 2; ++k) draw(width, height, Edges::quick);  // panels take their sizes from the first
+    controls_.messages = messages;
+    window_->show(viewport_);
+    last_progress_ = Clock::now();
+  }
+
+  // Without what is there to work with.
+  Image draw_playblast() {
+    bool* const shown[] = {&controls_.panels, &controls_.settings.hud.on, &controls_.cheat_sheet, &controls_.prompt};
+    std::array<bool, std::size(shown)> before;
+    for (std::size_t k = 0; k < before.size(); ++k) before[k] = std::exchange(*shown[k], false);
+    const Finally put_back{[&] {
+      for (std::size_t k = 0; k < before.size(); ++k) *shown[k] = before[k];
+    }};
+    return draw_still(series_size_);
   }
 
   const ViewerOptions options_;
@@ -384,6 +450,10 @@ class Viewer {
   bool script_waits_ = false;         // for what its last command asked for
   std::vector<std::string> dropped_;  // files, onto the window
   const DrawPicture draw_picture_ = [this] { return draw_still(); };
+  std::unique_ptr<PictureSeries> series_;  // that is being made
+  std::array<std::uint32_t, 2> series_size_{};
+  bool series_stops_ = false;        // before the next
+  Clock::time_point last_progress_;  // shown
   DetailChoice detail_;
   Rectangle area_;            // of the characters in the last picture
   int pending_pictures_ = 2;  // to be drawn although nothing moves

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "proxy_viewer/commands.h"
 #include "runtime/basis/error.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/viewer/small_character.h"
@@ -131,6 +132,43 @@ TEST_F(SessionTest, AJointThatIsGoneIsSelectedNoLonger) {
   session_.reload(all());
   EXPECT_EQ(session_.controls.joint, "");
   EXPECT_EQ(session_.controls.joint_names[1], "renamed");
+}
+
+TEST_F(SessionTest, FramingFitsOneOfTwoViews) {
+  const auto distance = [&](CompareLayout layout) {
+    session_.controls.settings.compare.layout = layout;
+    session_.frame_selection(200, 200);
+    return session_.controls.camera.view().distance;
+  };
+  session_.controls.settings.compare.with = CompareWith::ddm;
+  session_.controls.settings.pose.joints[small_.made.skeleton.joints[0].name] = {0, 0, 90};  // wider than high
+  EXPECT_GT(distance(CompareLayout::side_by_side), 1.2 * distance(CompareLayout::wipe));
+}
+
+TEST_F(SessionTest, CommandsThatHaveNothingToShowSayWhatIsMissing) {
+  const auto refusal = [&](const std::string& command) -> std::string {
+    try {
+      run_command(session_.controls, command);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::usage);
+      return error.what();
+    }
+    return "";
+  };
+  const ViewSettings before = session_.controls.settings;
+  for (const auto& [command, help] : {std::pair("compare lbs", "--character"),
+                                      {"compare proxy", "--proxy"},
+                                      {"compare truth", "--truth"},
+                                      {"compare jiggle", "bodyopt dynamics"},
+                                      {"jiggle on", "bodyopt dynamics"},
+                                      {"jiggle", "bodyopt dynamics"},
+                                      {"tets", "bodyopt dynamics"}}) {
+    EXPECT_NE(refusal(command).find(help), std::string::npos) << command << ": " << refusal(command);
+  }
+  EXPECT_EQ(session_.controls.settings, before);
+  for (const char* command : {"jiggle off", "compare ddm", "fibres on"}) EXPECT_EQ(refusal(command), "") << command;
+  session_.open(small_.truth);
+  EXPECT_EQ(refusal("compare truth"), "");
 }
 
 TEST(Attempt, SaysWhatFailsUnlessItIsTheDevice) {
