@@ -4,6 +4,7 @@
 
 #include "cli/common.h"
 #include "proxy_viewer/commands.h"
+#include "proxy_viewer/render/viewport.h"
 #include "proxy_viewer/viewer.h"
 #include "runtime/basis/error.h"
 
@@ -75,7 +76,7 @@ void add_view(CLI::App& app) {
   verb.add_option("--size", arguments->size, "Width and height of the picture, pixels")
       ->expected(2)
       ->allow_extra_args(false)
-      ->check(CLI::Range(1, 2048));
+      ->check(CLI::Range(1u, kMostViewportPixels));
   verb.add_option("--limits", options.limits, "Joint limits (limits.json): how far the sliders of joints go")
       ->type_name("FILE")
       ->check(refuse_empty);

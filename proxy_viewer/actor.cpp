@@ -109,9 +109,15 @@ std::string Actor::name() const { return files_.basis.empty() ? "arm" : fs::path
 
 bool Actor::has(SkinMethod method) const {
   if (method == SkinMethod::jiggle) return shown().jiggles();
-  if (method == SkinMethod::proxy) return level_ == 0 && details_.size() > 1 && !details_[1]->level().carried.empty();
-  if (method == SkinMethod::lbs) return level_ == 0 && linear_blend_;
-  return method != SkinMethod::truth || (level_ == 0 && truth_.has_value());
+  const bool of_finest = method == SkinMethod::proxy || method == SkinMethod::lbs || method == SkinMethod::truth;
+  return (level_ == 0 || !of_finest) && has_at_finest(method);
+}
+
+bool Actor::has_at_finest(SkinMethod method) const {
+  if (method == SkinMethod::jiggle) return finest().jiggles();
+  if (method == SkinMethod::proxy) return details_.size() > 1 && !details_[1]->level().carried.empty();
+  if (method == SkinMethod::lbs) return linear_blend_ != nullptr;
+  return method != SkinMethod::truth || truth_.has_value();
 }
 
 void Actor::open_clip(const std::string& source) {

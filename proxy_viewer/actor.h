@@ -55,6 +55,7 @@ class Actor {
   const Clip& clip() const { return clip_; }              // one frame, the bind pose, where there is no file
   const std::vector<int>& keys() const { return keys_; }  // frames; see clip_keys()
   bool has(SkinMethod method) const;
+  bool has_at_finest(SkinMethod method) const;  // whatever level is shown
 
   // These throw as the constructor, and leave what was there.
   void open_clip(const std::string& source);

@@ -515,6 +515,10 @@ void run_command(Controls& controls, const std::string& text) {
   if (!rest.empty() && *command->argument == 0) {
     throw Error(ErrorKind::usage, name + ": takes no argument, found '" + rest + "'");
   }
+  // A switch without an argument turns round.
+  const bool turns_on = rest.empty() && command->value && command->value(controls) == "off";
+  const auto missing = controls.missing.find(name + " " + (turns_on ? "on" : rest));
+  if (missing != controls.missing.end()) throw Error(ErrorKind::usage, missing->first + ": " + missing->second);
   try {
     command->run(controls, rest);
   } catch (const Error& error) {

@@ -33,8 +33,8 @@ std::span<const Command> commands();
 const Command* find_command(const std::string& name);
 const Command* find_command_by_key(const std::string& key);
 
-// Runs "frame 12". Throws Error(usage) that names what is not known (and what is like it), or the argument that is
-// wrong.
+// Runs "frame 12". Throws Error(usage) that names what is not known (and what is like it), the argument that is wrong,
+// or what is missing to do it.
 void run_command(Controls& controls, const std::string& text);
 
 // The commands of a script, parted by ';' or line ends; a command that begins with '#' is a remark up to the line's

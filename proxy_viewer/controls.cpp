@@ -1,6 +1,9 @@
 #include "proxy_viewer/controls.h"
 
+#include <exception>
 #include <iostream>
+
+#include "runtime/basis/error.h"
 
 namespace bodyopt {
 
@@ -8,6 +11,17 @@ void Controls::warn(const std::string& text) {
   if (!messages.empty() && messages.back().text == text) return;  // of every picture: once is enough
   std::cerr << "warning: " << text << "\n";
   messages.push_back({.error = true, .text = text});
+}
+
+void Controls::attempt(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::device) throw;
+    warn(error.what());
+  } catch (const std::exception& error) {  // of the libraries: memory, the file system
+    warn(error.what());
+  }
 }
 
 }  // namespace bodyopt

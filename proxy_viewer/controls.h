@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,9 +50,11 @@ struct Controls {
   OrbitCamera camera;
   std::vector<std::string> joint_names, control_names;  // of the lead: what commands may name
   std::vector<Quat> joint_axes;                         // of the lead's joints in the bind pose, joint to world
-  std::optional<bool> live;                             // poses are shown as they are sent; none: nobody listens
-  std::string joint;                                    // selected; empty: none
-  bool flipped = false;                                 // while the key of "hold to flip" is down
+  // Why a command has nothing to show ("compare lbs", "jiggle on"), and what would help; by what is refused.
+  std::map<std::string, std::string> missing;
+  std::optional<bool> live;  // poses are shown as they are sent; none: nobody listens
+  std::string joint;         // selected; empty: none
+  bool flipped = false;      // while the key of "hold to flip" is down
   bool cheat_sheet = false;
   bool panels = true;
   bool prompt = false;  // a command is being typed
@@ -62,6 +66,8 @@ struct Controls {
   void say(const std::string& text) { messages.push_back({.text = text}); }
   // Also on standard error; once, where it is what was said last.
   void warn(const std::string& text);
+  // What it throws is said, except Error(device), which passes: nothing more can be drawn.
+  void attempt(const std::function<void()>& action);
 };
 
 }  // namespace bodyopt

@@ -78,6 +78,30 @@ std::vector<std::string> possible_comparisons(const Actor& lead, ViewSettings se
 
 }  // namespace
 
+std::map<std::string, std::string> describe_missing(const Actor& lead) {
+  std::map<std::string, std::string> missing;
+  if (!lead.has_at_finest(SkinMethod::lbs)) {
+    missing["compare lbs"] =
+        "the weights of linear blending are in the character's file: begin with --character hero.glb";
+  }
+  if (!lead.has_at_finest(SkinMethod::proxy)) {
+    missing["compare proxy"] =
+        "there is no proxy: begin with --proxy hero_proxy.safetensors, which 'bodyopt proxy' makes";
+  }
+  if (!lead.has_at_finest(SkinMethod::truth)) {
+    missing["compare truth"] = "there is no point cache: open one (.pc2), or begin with --truth hero.pc2";
+  }
+  if (!lead.has_at_finest(SkinMethod::jiggle)) {
+    for (const char* command : {"compare jiggle", "jiggle on", "tets on"}) {
+      missing[command] = "there are no dynamics beside the basis: 'bodyopt dynamics' makes them";
+    }
+  }
+  if (lead.basis().strain.names.empty()) {
+    missing["fibres on"] = "the basis has no muscles: they are given to 'bodyopt train'";
+  }
+  return missing;
+}
+
 void describe_cast(const Scene& scene, Snapshot& snapshot) {
   snapshot.cast.clear();
   for (const auto& character : scene.cast()) snapshot.cast.push_back(describe(*character));

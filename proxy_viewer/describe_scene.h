@@ -8,6 +8,9 @@
 namespace bodyopt {
 
 // What stays as it is until files are read: the cast, and the lead's joints, controls, fibres and clip.
+// What the lead has not, and how to get it; see Controls::missing.
+std::map<std::string, std::string> describe_missing(const Actor& lead);
+
 void describe_cast(const Scene& scene, Snapshot& snapshot);
 
 // What is shown and compared now, and how far apart it is.

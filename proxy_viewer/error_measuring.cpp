@@ -74,7 +74,8 @@ void ErrorMeasuring::go_to_worst_vertex() {
   require_comparison();
   controls_.playback.pause();
   measure_shown_frame();
-  const FrameError& error = curve_.errors().at(shown_index());
+  const std::size_t index = shown_index();
+  const FrameError error = index < curve_.errors().size() ? curve_.errors()[index] : FrameError{};
   if (!std::isfinite(error.rms)) throw Error(ErrorKind::usage, "there is nothing to compare with in this frame");
   controls_.marker = Marker{controls_.playback.frame(), error.worst};
   OrbitView view = controls_.camera.view();

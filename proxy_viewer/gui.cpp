@@ -120,7 +120,13 @@ void Gui::begin(std::uint32_t width, std::uint32_t height, double seconds) {
   if (has_backend_) ImGui_ImplVulkan_NewFrame();
   if (has_window_) ImGui_ImplGlfw_NewFrame();
   ImGuiIO& io = ImGui::GetIO();
-  io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
+  const ImVec2 size{static_cast<float>(width), static_cast<float>(height)};
+  // The window's coordinates, which need not be the picture's pixels: on fine screens, and of very large windows.
+  if (has_window_ && ImGui::IsMousePosValid()) {
+    io.MousePos.x *= size.x / std::max(1.0f, io.DisplaySize.x);
+    io.MousePos.y *= size.y / std::max(1.0f, io.DisplaySize.y);
+  }
+  io.DisplaySize = size;
   io.DisplayFramebufferScale = {1, 1};  // the picture's pixels
   io.DeltaTime = static_cast<float>(std::max(1e-4, seconds));
   ImGui::NewFrame();

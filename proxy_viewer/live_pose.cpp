@@ -56,8 +56,16 @@ std::uint16_t port_of(int bound) {
 
 }  // namespace
 
-LivePose::LivePose(std::uint16_t port, std::size_t joint_count, std::size_t control_count)
-    : joint_count_(joint_count), control_count_(control_count) {
+LivePose::LivePose(std::uint16_t port, std::size_t joint_count, std::size_t control_count) {
+  expect(joint_count, control_count);
+  socket_ = open_socket(loopback(port));
+  if (socket_ < 0) refuse_port(port);
+  port_ = port_of(socket_);
+}
+
+LivePose::~LivePose() { close(socket_); }
+
+bool LivePose::expect(std::size_t joint_count, std::size_t control_count) {
   const std::size_t size = pose_packet_size(joint_count, control_count);
   if (size > kLargestPacket) {
     throw Error(ErrorKind::usage, "a pose of " + std::to_string(joint_count) + " joints and " +
@@ -65,12 +73,11 @@ LivePose::LivePose(std::uint16_t port, std::size_t joint_count, std::size_t cont
                                       " bytes, and a packet holds " + std::to_string(kLargestPacket) +
                                       ": such characters cannot be posed live");
   }
-  socket_ = open_socket(loopback(port));
-  if (socket_ < 0) refuse_port(port);
-  port_ = port_of(socket_);
+  const bool others = joint_count != joint_count_ || control_count != control_count_;
+  joint_count_ = joint_count;
+  control_count_ = control_count;
+  return others;
 }
-
-LivePose::~LivePose() { close(socket_); }
 
 std::optional<Pose> LivePose::poll() {
   std::array<std::byte, kLargestPacket> buffer;

@@ -19,6 +19,9 @@ class LivePose {
   LivePose(const LivePose&) = delete;
   LivePose& operator=(const LivePose&) = delete;
 
+  // From now on poses of so many, whatever those before had; false: as they had. Throws as the constructor.
+  bool expect(std::size_t joint_count, std::size_t control_count);
+
   std::uint16_t port() const { return port_; }
 
   // The newest pose that has come since the last call, if any; does not wait. Packets that are not what they should be
@@ -37,7 +40,7 @@ class LivePose {
 
   int socket_ = -1;
   std::uint16_t port_ = 0;
-  std::size_t joint_count_, control_count_;
+  std::size_t joint_count_ = 0, control_count_ = 0;
   std::optional<Sender> sender_;  // of the newest packet
   std::uint32_t number_ = 0;      // its number
   std::optional<int> frame_;

@@ -37,7 +37,9 @@ void steer_by_mouse(const Scene& scene, const Rectangle& area, std::uint32_t hei
   }
 }
 
-std::string joint_at(const Scene& scene, const Controls& controls, const Rectangle& area, float x, float y) {
+std::string joint_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y) {
+  const std::vector<Rectangle> views = scene.view_areas(controls.settings, picture);
+  const Rectangle& area = x < static_cast<float>(views.back().x) ? views.front() : views.back();
   const Camera camera = controls.camera.camera();
   const auto rows = view_matrix(camera);
   const auto scale = projection(camera, {0, 1}, static_cast<double>(area.width) / std::max(1u, area.height));

@@ -11,7 +11,7 @@ namespace bodyopt {
 // Within a picture of panels, before they are drawn. `area`: of the characters; `height`: of the window; pixels.
 void steer_by_mouse(const Scene& scene, const Rectangle& area, std::uint32_t height, Controls& controls);
 
-// The joint whose centre is seen nearest to (x, y), pixels of the window; "": none is near.
-std::string joint_at(const Scene& scene, const Controls& controls, const Rectangle& area, float x, float y);
+// The joint whose centre is seen nearest to (x, y), pixels of the window, in the view that is there; "": none is near.
+std::string joint_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y);
 
 }  // namespace bodyopt

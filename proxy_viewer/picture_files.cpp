@@ -3,10 +3,9 @@
 #include <filesystem>
 #include <numbers>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "proxy_viewer/frame_sequence_name.h"
-#include "proxy_viewer/render/animation.h"
 #include "runtime/basis/atomic_file.h"
 #include "trainer/progress.h"
 
@@ -16,6 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kTurntablePictures = 72;
+constexpr double kTurntableStep = 2 * std::numbers::pi / static_cast<double>(kTurntablePictures);  // radians
 constexpr const char* kNewScreenshot = "bodyopt.####.png";
 constexpr const char* kKept = "the pictures that were written are kept";
 
@@ -26,10 +26,6 @@ std::string free_name() {
   return name(k).string();
 }
 
-void say_written(std::size_t count, const fs::path& one, Controls& controls) {
-  controls.say("wrote " + std::to_string(count) + " pictures, " + one.string());
-}
-
 }  // namespace
 
 void write_screenshot(const std::string& file, const DrawPicture& draw, Controls& controls) {
@@ -38,44 +34,61 @@ void write_screenshot(const std::string& file, const DrawPicture& draw, Controls
   controls.say("wrote " + name);
 }
 
-void write_sequence(const std::string& pattern, double fps, const DrawPicture& draw, Controls& controls) {
+PictureSeries::PictureSeries(Plan plan, Controls& controls)
+    : plan_(std::move(plan)), name_(plan_.pattern, plan_.milliseconds > 0 ? 1 : plan_.count), controls_(controls) {
+  if (plan_.milliseconds > 0) animation_.emplace(plan_.milliseconds);
+}
+
+PictureSeries::~PictureSeries() { plan_.put_back(); }
+
+bool PictureSeries::make_next(const DrawPicture& draw) {
+  plan_.place(made_);
+  const Image picture = draw();
+  if (animation_) {
+    animation_->add(picture);
+  } else {
+    write_png(picture, name_(plan_.first + static_cast<int>(made_)));
+  }
+  if (++made_ < plan_.count) return true;
+  if (animation_) {
+    const std::vector<std::uint8_t> bytes = animation_->finish();
+    write_file_atomically(plan_.pattern, std::as_bytes(std::span(bytes)));
+  }
+  controls_.say("wrote " + std::to_string(made_) + " pictures, " + name_(plan_.first).string());
+  return false;
+}
+
+std::unique_ptr<PictureSeries> frame_series(const std::string& pattern, double fps, Controls& controls) {
   Playback& playback = controls.playback;
   const bool flip_book = fs::path(pattern).extension() == ".webp";
   const bool moves = flip_book || pattern.find_first_of("#%") != std::string::npos;
   playback.pause();
   const int shown = playback.frame(), first = moves ? playback.in() : shown, last = moves ? playback.out() : shown;
-  const std::size_t count = static_cast<std::size_t>(last - first + 1);
-  const FrameSequenceName name(pattern, flip_book ? 1 : count);
-  std::vector<Image> pictures;
-  Progress progress("pictures", count, kKept);
-  for (int frame = first; frame <= last; ++frame) {
-    playback.scrub(frame);
-    if (flip_book) {
-      pictures.push_back(draw());
-    } else {
-      write_png(draw(), name(frame));
-    }
-    progress.advance();
-  }
-  if (flip_book) {
-    const auto bytes = encode_animation(pictures, 1e3 / fps / playback.speed());
-    write_file_atomically(pattern, std::as_bytes(std::span(bytes)));
-  }
-  playback.scrub(shown);
-  say_written(count, name(shown), controls);
+  return std::make_unique<PictureSeries>(
+      PictureSeries::Plan{pattern, static_cast<std::size_t>(last - first + 1), first,
+                          [&playback, first](std::size_t k) { playback.scrub(first + static_cast<int>(k)); },
+                          [&playback, shown] { playback.scrub(shown); },  // the camera goes along again
+                          flip_book ? 1e3 / fps / playback.speed() : 0},
+      controls);
 }
 
-void write_turntable(const std::string& pattern, const DrawPicture& draw, Controls& controls) {
-  const FrameSequenceName name(pattern, kTurntablePictures);
-  const OrbitCamera camera = controls.camera;
-  Progress progress("pictures", kTurntablePictures, kKept);
-  for (std::size_t k = 0; k < kTurntablePictures; ++k) {
-    write_png(draw(), name(static_cast<int>(k) + 1));
-    progress.advance();
-    controls.camera.orbit(2 * std::numbers::pi / static_cast<double>(kTurntablePictures), 0);
-  }
-  controls.camera = camera;
-  say_written(kTurntablePictures, name(1), controls);
+std::unique_ptr<PictureSeries> turntable_series(const std::string& pattern, Controls& controls) {
+  controls.playback.pause();
+  const OrbitCamera before = controls.camera;
+  return std::make_unique<PictureSeries>(PictureSeries::Plan{pattern, kTurntablePictures, 1,
+                                                             [&controls, before](std::size_t k) {
+                                                               controls.camera = before;
+                                                               controls.camera.orbit(
+                                                                   static_cast<double>(k) * kTurntableStep, 0);
+                                                             },
+                                                             [&controls, before] { controls.camera = before; }, 0},
+                                         controls);
+}
+
+void make_all(PictureSeries& series, const DrawPicture& draw) {
+  Progress progress("pictures", series.count(), kKept);
+  while (series.make_next(draw)) progress.advance();
+  progress.advance();
 }
 
 }  // namespace bodyopt

@@ -2,9 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 
 #include "proxy_viewer/controls.h"
+#include "proxy_viewer/frame_sequence_name.h"
+#include "proxy_viewer/render/animation.h"
 #include "proxy_viewer/render/renderer.h"
 
 namespace bodyopt {
@@ -17,11 +21,48 @@ using DrawPicture = std::function<Image()>;  // of what the controls say
 // `file`, or, where it is empty, the first bodyopt.0001.png, ... that is free.
 void write_screenshot(const std::string& file, const DrawPicture& draw, Controls& controls);
 
-// The range in pictures (`pattern` with #### or %04d), or in one that moves (.webp; `fps` of the clip); otherwise the
-// frame that is shown.
-void write_sequence(const std::string& pattern, double fps, const DrawPicture& draw, Controls& controls);
+// Pictures that are made one after the other. Once it is gone, whether all were made or not, the playhead and the
+// camera are where they were.
+class PictureSeries {
+ public:
+  using Action = std::function<void()>;
 
-// Once around the target.
-void write_turntable(const std::string& pattern, const DrawPicture& draw, Controls& controls);
+  // `place(k)` before the k-th of `count` is drawn, whose file has the number `first` + k; `put_back` at the end.
+  // `milliseconds`: of a picture in one file that moves (.webp); 0: each has its own.
+  struct Plan {
+    std::string pattern;
+    std::size_t count;
+    int first;
+    std::function<void(std::size_t)> place;
+    Action put_back;
+    double milliseconds;
+  };
+  PictureSeries(Plan plan, Controls& controls);
+  ~PictureSeries();
+  PictureSeries(const PictureSeries&) = delete;
+  PictureSeries& operator=(const PictureSeries&) = delete;
+
+  // False: that was the last, and it was said.
+  bool make_next(const DrawPicture& draw);
+  std::size_t made() const { return made_; }
+  std::size_t count() const { return plan_.count; }
+
+ private:
+  const Plan plan_;
+  const FrameSequenceName name_;
+  Controls& controls_;
+  std::optional<AnimationEncoder> animation_;
+  std::size_t made_ = 0;
+};
+
+// The range in pictures (`pattern` with #### or %04d), or in one that moves (.webp; `fps` of the clip); otherwise the
+// frame that is shown. Pauses.
+std::unique_ptr<PictureSeries> frame_series(const std::string& pattern, double fps, Controls& controls);
+
+// Once around the target. Pauses.
+std::unique_ptr<PictureSeries> turntable_series(const std::string& pattern, Controls& controls);
+
+// All of it, with a line of progress on the terminal.
+void make_all(PictureSeries& series, const DrawPicture& draw);
 
 }  // namespace bodyopt

@@ -93,12 +93,14 @@ std::optional<SkinMethod> compared_method(const Actor& character, const ViewSett
   return wanted;
 }
 
-void Scene::add(const ActorFiles& files, const ClipOptions& options) {
-  cast_.push_back(std::make_unique<Actor>(device_, files, options));
+void Scene::add(const ActorFiles& files, const ClipOptions& options) { cast_.push_back(make(files, options)); }
+
+std::unique_ptr<Actor> Scene::make(const ActorFiles& files, const ClipOptions& options) const {
+  return std::make_unique<Actor>(device_, files, options);
 }
 
-void Scene::replace(std::size_t index, const ActorFiles& files, const ClipOptions& options) {
-  cast_[index] = std::make_unique<Actor>(device_, files, options);
+void Scene::swap(std::size_t index, std::unique_ptr<Actor>& other) {
+  cast_[index].swap(other);
   lead_evaluation_ = nullptr;
   lead_expected_ = nullptr;
 }
@@ -204,8 +206,8 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   if (compares && (compare.layout == CompareLayout::side_by_side || compare.layout == CompareLayout::wipe)) {
     views.push_back(view);
     if (compare.layout == CompareLayout::side_by_side) {
-      views[0].area = views[0].part = left_half(area);
-      views[1].area = views[1].part = right_half(area);
+      const std::vector<Rectangle> areas = view_areas(controls.settings, area);
+      for (std::size_t k = 0; k < 2; ++k) views[k].area = views[k].part = areas[k];
     } else {
       const auto wipe = static_cast<std::uint32_t>(std::lround(compare.wipe * area.width));
       views[0].part.width = wipe;
@@ -220,6 +222,14 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   // What is see-through is drawn over what is not.
   for (View& v : views) std::ranges::stable_partition(v.skins, [](const SkinDraw& draw) { return draw.alpha >= 1; });
   return views;
+}
+
+std::vector<Rectangle> Scene::view_areas(const ViewSettings& settings, const Rectangle& area) const {
+  const ViewSettings::Compare& compare = settings.compare;
+  const bool two = !cast_.empty() && compare.layout == CompareLayout::side_by_side && !compare.activation &&
+                   compared_method(lead(), settings);
+  if (!two) return {area};
+  return {left_half(area), right_half(area)};
 }
 
 void Scene::add_marker(const Vec3& at, View& view) {

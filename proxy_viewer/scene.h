@@ -17,7 +17,9 @@ class Scene {
   explicit Scene(std::shared_ptr<const vulkan::Device> device) : device_(std::move(device)) {}
 
   void add(const ActorFiles& files, const ClipOptions& options);
-  void replace(std::size_t index, const ActorFiles& files, const ClipOptions& options);
+  // One that is not in the cast.
+  std::unique_ptr<Actor> make(const ActorFiles& files, const ClipOptions& options) const;
+  void swap(std::size_t index, std::unique_ptr<Actor>& other);
   // In place of the lead's clip.
   void set_live_pose(Pose pose) { live_pose_ = std::move(pose); }
   void leave_live_pose() { live_pose_.reset(); }  // back to the clip
@@ -31,6 +33,9 @@ class Scene {
   // The views of a frame in a picture whose part `area` is free of panels: evaluates what is not yet. Buffers stay
   // until the next call. Throws Error(device), Error(file) of a truth that went away.
   std::vector<View> look(const Controls& controls, const Rectangle& area);
+
+  // Of those views, where in the area they are: two side by side, otherwise all of it.
+  std::vector<Rectangle> view_areas(const ViewSettings& settings, const Rectangle& area) const;
 
   // Where the lead is over the ground, whichever way it leaps: its root, the mean of half a second before and after
   // the frame.

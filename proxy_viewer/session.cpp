@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <initializer_list>
 #include <iterator>
+#include <utility>
 
 #include "proxy_viewer/describe_scene.h"
 #include "proxy_viewer/joint_ranges.h"
@@ -80,23 +81,39 @@ std::vector<std::string> Session::add(const ActorFiles& files) {
   return scene.cast().back()->notes();
 }
 
-void Session::reload() {
+void Session::reload(const std::vector<fs::path>& files) {
+  std::vector<Replacement> replacements;
   for (std::size_t c = 0; c < scene.cast().size(); ++c) {
-    scene.replace(c, ActorFiles(scene.cast()[c]->files()), options_.clip);
+    const ActorFiles& own = scene.cast()[c]->files();
+    const std::vector<fs::path> paths = own.paths();
+    if (std::ranges::find_first_of(paths, files) == paths.end()) continue;
+    replacements.push_back({c, scene.make(own, options_.clip)});
   }
-  describe_cast();
+  swap(replacements);
+  try {
+    describe_cast();
+  } catch (...) {
+    swap(replacements);
+    throw;
+  }
   controls.say("the files were read again");
-  const int frame = controls.playback.frame();
+  const Playback before = controls.playback;
   play_clip();
-  controls.playback.scrub(frame);
+  controls.playback.scrub(before.frame());
+  controls.playback.set_backwards(before.backwards());
+  if (before.playing()) controls.playback.play();
 }
 
-void Session::watch() {
+void Session::swap(std::vector<Replacement>& replacements) {
+  for (auto& [index, actor] : replacements) scene.swap(index, actor);
+}
+
+std::vector<fs::path> Session::files() const {
   std::vector<fs::path> files;
   for (const auto& character : scene.cast()) {
     std::ranges::copy(character->files().paths(), std::back_inserter(files));
   }
-  watched_ = WatchedFiles(files);
+  return files;
 }
 
 void Session::save_state(const std::string& file) {
@@ -128,15 +145,35 @@ void Session::apply_settings() {
   playback.set_speed(s.speed);
   playback.set_backwards(s.backwards);
   playback.set_real_time(s.real_time);
-  if (s.in || s.out) playback.set_range(s.in.value_or(playback.first()), s.out.value_or(playback.last()));
+  apply_range();
+}
+
+void Session::apply_range() {
+  Playback& playback = controls.playback;
+  ViewSettings::Playing& s = controls.settings.playback;
+  const int first = playback.first(), last = playback.last();
+  const int in = s.in.value_or(first), out = s.out.value_or(last);
+  playback.set_range(first, last);
+  if (first <= in && in <= out && out <= last) return playback.set_range(in, out);
+  const std::string lacks = "the range is frames " + std::to_string(in) + "-" + std::to_string(out) +
+                            ", the clip has " + std::to_string(first) + "-" + std::to_string(last) + ": ";
+  const bool meets = in <= out && in <= last && first <= out;
+  if (meets) {
+    playback.set_range(in, out);
+    controls.warn(lacks + "those of both are played");
+  } else {
+    s.in = s.out = std::nullopt;
+    controls.warn(lacks + "all of the clip is played");
+  }
 }
 
 void Session::frame_selection(std::uint32_t width, std::uint32_t height) {
   controls.requests.frame_selection = false;
   const std::vector<float> points = scene.points_to_frame(controls);
-  if (!points.empty()) {
-    controls.camera.frame(points, static_cast<float>(width) / static_cast<float>(std::max(1u, height)));
-  }
+  if (points.empty()) return;
+  const Rectangle view = scene.view_areas(controls.settings, {0, 0, width, height}).front();
+  controls.camera.frame(points,
+                        static_cast<float>(std::max(1u, view.width)) / static_cast<float>(std::max(1u, height)));
 }
 
 void Session::follow() {
@@ -146,11 +183,12 @@ void Session::follow() {
 }
 
 void Session::describe_cast() {
-  bodyopt::describe_cast(scene, snapshot);
   const Basis& basis = scene.lead().basis();
-  if (!options_.limits.empty()) {
-    limit_joints(read_joint_limits(options_.limits, basis.skeleton), basis.skeleton, snapshot.joints);
-  }
+  std::optional<JointLimits> limits;
+  if (!options_.limits.empty()) limits = read_joint_limits(options_.limits, basis.skeleton);
+  // From here on nothing throws that a file could bring about.
+  bodyopt::describe_cast(scene, snapshot);
+  if (limits) limit_joints(*limits, basis.skeleton, snapshot.joints);
   controls.joint_names.clear();
   controls.joint_axes.clear();
   for (const Joint& joint : basis.skeleton.joints) {
@@ -158,6 +196,8 @@ void Session::describe_cast() {
     controls.joint_axes.push_back(conjugate(decompose(joint.inverse_bind).rotation));
   }
   controls.control_names = basis.residual.controls;
+  controls.missing = describe_missing(scene.lead());
+  if (basis.skeleton.find(controls.joint) < 0) controls.joint.clear();
   snapshot.device = device_name_;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,14 +30,17 @@ class Session {
   // there stays where it throws.
   std::vector<std::string> open(const std::string& file);
   void open_truth(Actor& character, const std::string& file);
-  void reload();
-  // Whether files have changed and are whole; `now`: seconds, of any clock.
-  bool files_have_changed(double now) { return !watched_.changed(now).empty(); }
+  // Reads the characters again that any of the files belong to; the playhead stays, and goes on as it went. All stays
+  // as it was where it throws.
+  void reload(const std::vector<std::filesystem::path>& files);
+  std::vector<std::filesystem::path> files() const;  // of all characters
+  // Those that have changed and are whole; `now`: seconds, of any clock.
+  std::vector<std::filesystem::path> changed_files(double now) { return watched_.changed(now); }
 
   void save_state(const std::string& file);
   void load_state(const std::string& file);
 
-  // The playhead over the lead's clip, as settings say.
+  // The playhead over the lead's clip, as settings say; a range that the clip lacks is said, and forgotten.
   void play_clip();
   // The camera sees all, or the joint that is selected, in a picture of so many pixels.
   void frame_selection(std::uint32_t width, std::uint32_t height);
@@ -46,11 +50,18 @@ class Session {
   void describe_picture();
 
  private:
+  struct Replacement {
+    std::size_t index;  // in the cast
+    std::unique_ptr<Actor> actor;
+  };
+
   bool is_character(const std::string& file) const;
   std::vector<std::string> add(const ActorFiles& files);
   void apply_settings();
+  void apply_range();
+  void swap(std::vector<Replacement>& replacements);
   void describe_cast();
-  void watch();
+  void watch() { watched_ = WatchedFiles(files()); }
 
   const ViewerOptions& options_;
   const std::string device_name_;

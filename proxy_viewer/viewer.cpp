@@ -7,7 +7,9 @@
 #include <array>
 #include <chrono>
 #include <deque>
+#include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <utility>
 
@@ -33,6 +35,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kIdle = 0.25;     // seconds between looks at files while nothing happens
 constexpr double kBusy = 0.004;    // and at the clock or a stream of poses
+constexpr double kProgress = 0.5;  // between pictures of the window while others are written
 const char* const kFlipKey = "X";  // while it is down, what is compared with is shown
 
 double seconds_between(Clock::time_point from, Clock::time_point to) {
@@ -45,6 +48,11 @@ double resident_mib() {
   file >> pages >> resident;
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
 }
+
+struct Finally {
+  std::function<void()> action;
+  ~Finally() { action(); }
+};
 
 class Viewer {
  public:
@@ -74,7 +82,8 @@ class Viewer {
     while (!window_->closed() && !controls_.requests.quit) {
       if (interrupted()) throw Error(ErrorKind::interrupted, "interrupted: the window was closed");
       const double wait = controls_.playback.playing() || live_ ? kBusy : kIdle;
-      const bool woken = window_->poll(pending_pictures_ > 0 || !options_.vsync || errors_.has_work() ? 0 : wait);
+      const bool woken =
+          window_->poll(series_ || pending_pictures_ > 0 || !options_.vsync || errors_.has_work() ? 0 : wait);
       if (options_.seconds > 0 && seconds_between(started, Clock::now()) > options_.seconds) break;
       attempt([&] { turn(woken); });
     }
@@ -105,12 +114,9 @@ class Viewer {
       action();
       return;
     }
-    try {
-      action();
-    } catch (const Error& error) {
-      if (error.kind() == ErrorKind::device) throw;
-      warn(error.what());
-    }
+    const std::size_t before = controls_.messages.size();
+    controls_.attempt(action);
+    if (controls_.messages.size() != before) pending_pictures_ = 2;
   }
 
   void warn(const std::string& text) {
@@ -135,9 +141,16 @@ class Viewer {
     if (window_) window_->set_title(scene_.lead().name() + " \xe2\x80\x93 Bodyopt");
   }
 
-  void reload() {
+  void reload(const std::vector<std::filesystem::path>& files) {
+    session_.reload(files);
     errors_.forget();
-    session_.reload();
+    if (live_) listen_for_lead();
+  }
+
+  // A pose of other joints than the lead's is none of it.
+  void listen_for_lead() {
+    const Basis& basis = scene_.lead().basis();
+    if (live_->expect(basis.skeleton.size(), basis.residual.controls.size())) scene_.leave_live_pose();
   }
 
   void begin() {
@@ -148,6 +161,8 @@ class Viewer {
     Playback& playback = controls_.playback;
     if (options_.first || options_.last) {
       playback.set_range(options_.first.value_or(playback.first()), options_.last.value_or(playback.last()));
+      controls_.settings.playback.in = playback.in();
+      controls_.settings.playback.out = playback.out();
     }
     playback.scrub(options_.current.value_or(playback.in()));
     if (options_.live_port) {
@@ -181,6 +196,7 @@ class Viewer {
       if (key.substr(key.rfind('+') + 1) == kFlipKey) controls_.flipped = false;
       return;
     }
+    if (series_) return on_key_in_series(key);
     if (ImGui::GetIO().WantTextInput) return;
     if (key == kFlipKey) controls_.flipped = true;
     const Command* command = find_command_by_key(key);
@@ -188,11 +204,18 @@ class Viewer {
     attempt([&] { run_command(controls_, command->name); });
   }
 
+  // Nothing else shall change pictures that are being written.
+  void on_key_in_series(const std::string& key) {
+    if (key == "Escape") series_stops_ = true;
+    if (find_command_by_key(key) == find_command("quit")) controls_.requests.quit = true;
+  }
+
   // One turn of the loop: time passes, and what changed is drawn.
   void turn(bool woken) {
     const Clock::time_point now = Clock::now();
     const double passed = seconds_between(last_, now);
     last_ = now;
+    if (series_) return make_next_of_series(now);
     for (const std::string& file : std::exchange(dropped_, {})) attempt([&] { open(file); });
     const int shown = controls_.playback.frame();
     controls_.playback.advance(passed);
@@ -238,24 +261,33 @@ class Viewer {
     next_look_ = at + kIdle;
     const bool passes = std::ranges::any_of(controls_.messages, [](const Message& m) { return !m.error; });
     if (passes || (was_busy_ && !controls_.playback.playing())) pending_pictures_ = std::max(pending_pictures_, 1);
-    if (!session_.files_have_changed(at)) return;
-    controls_.requests.reload = true;
+    const std::vector<std::filesystem::path> changed = session_.changed_files(at);
+    if (changed.empty()) return;
     pending_pictures_ = 2;
+    attempt([&] { reload(changed); });
   }
 
   void draw(std::uint32_t width, std::uint32_t height, Edges edges) {
     const Clock::time_point start = Clock::now();
     visit_texts(snapshot_, controls_, [this](const std::string& text) { gui_.fonts().show(text); });
     gui_.begin(width, height, std::max(1e-4, seconds_between(last_picture_, start)));
-    steer_by_mouse(scene_, area_, height, controls_);
+    if (!series_) steer_by_mouse(scene_, area_, height, controls_);
     if (!window_) errors_.measure_shown_frame();
     describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
     const Rectangle area = draw_panels(snapshot_, controls_, width, height);
     gui_.end();
     session_.follow();
-    if (controls_.requests.frame_selection) session_.frame_selection(area.width, area.height);
+    if (controls_.requests.frame_selection) {
+      attempt([&] { session_.frame_selection(area.width, area.height); });
+    }
     choose_level();
-    const std::vector<View> views = scene_.look(controls_, area);
+    // What cannot be drawn leaves the panels, which can undo what was set.
+    std::vector<View> views;
+    drawn_ = false;
+    attempt([&] {
+      views = scene_.look(controls_, area);
+      drawn_ = true;
+    });
     area_ = area;
     viewport_.draw(views, width, height, edges, [this](VkCommandBuffer commands) { gui_.record(commands); });
     session_.describe_picture();
@@ -263,10 +295,13 @@ class Viewer {
     if (const auto problem = gui_.fonts().take_problem()) warn(*problem);
   }
 
-  // While it plays, a level of detail that keeps up.
+  // While it plays, a level of detail that keeps up; but the finest, where what is looked at is of that alone.
   void choose_level() {
-    const std::size_t automatic =
-        detail_.choose(1e-3 * snapshot_.frame_ms, controls_.playback.playing(), scene_.lead().level_count());
+    const ViewSettings& s = controls_.settings;
+    const bool wants_finest = s.compare.with != CompareWith::none || s.look.tets ||
+                              (s.jiggle.on && scene_.lead().has_at_finest(SkinMethod::jiggle));
+    const std::size_t automatic = detail_.choose(
+        1e-3 * snapshot_.frame_ms, controls_.playback.playing() && !wants_finest, scene_.lead().level_count());
     const std::optional<int>& wanted = controls_.settings.look.level;
     for (const auto& character : scene_.cast()) {
       character->set_level(wanted ? static_cast<std::size_t>(*wanted) : automatic);
@@ -312,20 +347,26 @@ class Viewer {
     for (const std::string& file : requests.open) attempt([&] { open(file); });
     if (requests.screenshot) attempt([&] { take_screenshot(*requests.screenshot); });
     if (requests.sequence) attempt([&] { take_sequence(*requests.sequence); });
-    if (requests.turntable) attempt([&] { write_turntable(*requests.turntable, draw_picture_, controls_); });
+    if (requests.turntable) attempt([&] { make(turntable_series(*requests.turntable, controls_)); });
     if (requests.save_state) attempt([&] { session_.save_state(*requests.save_state); });
     if (requests.load_state) attempt([&] { session_.load_state(*requests.load_state); });
-    if (requests.reload) attempt([&] { reload(); });
+    if (requests.reload) attempt([&] { reload(session_.files()); });
     if (requests.reset_jiggle) scene_.reset_jiggle();
     if (requests.worst_frame) attempt([&] { go_to_worst_frame(); });
     if (requests.worst_vertex) attempt([&] { errors_.go_to_worst_vertex(); });
     if (controls_.requests == Requests{}) script_waits_ = false;
   }
 
+  // Of the window, in its proportions where it is larger than pictures can be.
   std::array<std::uint32_t, 2> picture_size() const {
-    const auto [width, height] =
-        window_ ? window_->size() : std::array<std::uint32_t, 2>{options_.width, options_.height};
-    return {std::min(width, kMaxPictureSize), std::min(height, kMaxPictureSize)};
+    if (!window_) return {options_.width, options_.height};
+    const auto [width, height] = window_->size();
+    const std::uint32_t larger = std::max(width, height), most = viewport_.most_pixels();
+    if (larger <= most) return {width, height};
+    const auto scaled = [&](std::uint32_t side) {
+      return static_cast<std::uint32_t>((std::uint64_t{side} * most + larger - 1) / larger);
+    };
+    return {scaled(width), scaled(height)};
   }
 
   // Panels take their sizes from the picture before.
@@ -334,11 +375,15 @@ class Viewer {
   }
 
   // Drawn once more, at its best, and without messages.
-  Image draw_still() {
-    const auto [width, height] = picture_size();
+  Image draw_still() { return draw_still(picture_size()); }
+
+  Image draw_still(const std::array<std::uint32_t, 2>& size) {
+    const auto [width, height] = size;
     std::vector<Message> messages = std::exchange(controls_.messages, {});
     draw(width, height, Edges::smooth);
-    controls_.messages = std::move(messages);
+    std::swap(controls_.messages, messages);
+    std::ranges::move(messages, std::back_inserter(controls_.messages));
+    if (!drawn_) throw Error(ErrorKind::usage, "no picture was taken of what cannot be drawn");
     return viewport_.picture();
   }
 
@@ -347,8 +392,50 @@ class Viewer {
     write_screenshot(file, draw_picture_, controls_);
   }
 
-  void take_sequence(const std::string& pattern) {
-    write_sequence(pattern, scene_.lead().clip().fps, draw_picture_, controls_);
+  void take_sequence(const std::string& pattern) { make(frame_series(pattern, scene_.lead().clip().fps, controls_)); }
+
+  // In a window one by one, so that it answers.
+  void make(std::unique_ptr<PictureSeries> series) {
+    if (!window_) return make_all(*series, draw_picture_);
+    series_ = std::move(series);
+    series_size_ = picture_size();
+    series_stops_ = false;
+  }
+
+  void make_next_of_series(Clock::time_point now) {
+    bool goes_on = false;
+    if (std::exchange(series_stops_, false)) {
+      controls_.say("stopped after " + std::to_string(series_->made()) + " of " + std::to_string(series_->count()) +
+                    " pictures");
+    } else {
+      attempt([&] { goes_on = series_->make_next([this] { return draw_playblast(); }); });
+    }
+    if (!goes_on) series_.reset();
+    pending_pictures_ = 2;
+    if (goes_on && seconds_between(last_progress_, now) > kProgress) show_progress();
+  }
+
+  void show_progress() {
+    const auto [width, height] = picture_size();
+    if (width == 0 || height == 0) return;
+    const std::vector<Message> messages = controls_.messages;
+    controls_.say(std::to_string(series_->made()) + " of " + std::to_string(series_->count()) +
+                  " pictures: Escape stops");
+    for (int k = 0; k < 2; ++k) draw(width, height, Edges::quick);  // panels take their sizes from the first
+    controls_.messages = messages;
+    window_->show(viewport_);
+    last_progress_ = Clock::now();
+  }
+
+  // Without what is there to work with.
+  Image draw_playblast() {
+    bool* const shown[] = {&controls_.panels, &controls_.settings.hud.on, &controls_.cheat_sheet, &controls_.prompt};
+    std::array<bool, std::size(shown)> before;
+    for (std::size_t k = 0; k < before.size(); ++k) before[k] = std::exchange(*shown[k], false);
+    const Finally put_back{[&] {
+      for (std::size_t k = 0; k < before.size(); ++k) *shown[k] = before[k];
+    }};
+    return draw_still(series_size_);
   }
 
   const ViewerOptions options_;
@@ -366,10 +453,15 @@ class Viewer {
   bool script_waits_ = false;         // for what its last command asked for
   std::vector<std::string> dropped_;  // files, onto the window
   const DrawPicture draw_picture_ = [this] { return draw_still(); };
+  std::unique_ptr<PictureSeries> series_;  // that is being made
+  std::array<std::uint32_t, 2> series_size_{};
+  bool series_stops_ = false;        // before the next
+  Clock::time_point last_progress_;  // shown
   DetailChoice detail_;
   Rectangle area_;            // of the characters in the last picture
   int pending_pictures_ = 2;  // to be drawn although nothing moves
   bool was_busy_ = false;
+  bool drawn_ = false;    // the characters, in the last picture
   double next_look_ = 0;  // at files
   Clock::time_point last_ = Clock::now(), last_picture_ = last_;
 };

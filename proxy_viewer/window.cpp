@@ -167,8 +167,9 @@ struct Window::Swapchain {
     blit.srcSubresource = blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     blit.srcOffsets[1] = corner(viewport.size().width, viewport.size().height);
     blit.dstOffsets[1] = corner(size.width, size.height);
+    const bool same = viewport.size().width == size.width && viewport.size().height == size.height;
     vkCmdBlitImage(commands, viewport.image(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to,
-                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_NEAREST);
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
     pass_on(commands, to,
             {VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_PIPELINE_STAGE_TRANSFER_BIT,
              VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, 0});

@@ -7,7 +7,10 @@ namespace bodyopt {
 
 void draw_jiggle(const Snapshot& snapshot, Controls& controls) {
   if (snapshot.cast.empty() || snapshot.cast.front().tets == 0) {
-    ImGui::TextDisabled("no dynamics beside the basis");
+    ImGui::PushTextWrapPos();
+    const auto why = controls.missing.find("jiggle on");
+    ImGui::TextDisabled("%s", why == controls.missing.end() ? "no dynamics" : why->second.c_str());
+    ImGui::PopTextWrapPos();
     return;
   }
   command_tick(controls, "jiggle", "On");

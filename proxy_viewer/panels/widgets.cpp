@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "runtime/basis/error.h"
-
 namespace bodyopt {
 namespace {
 
@@ -29,11 +27,7 @@ std::string label_of(const Command& command) {
 }
 
 void attempt(Controls& controls, const std::string& line) {
-  try {
-    run_command(controls, line);
-  } catch (const Error& error) {
-    controls.warn(error.what());
-  }
+  controls.attempt([&] { run_command(controls, line); });
 }
 
 void explain(const Command& command) {
@@ -65,7 +59,12 @@ void command_tick(Controls& controls, const char* command, const char* text) {
   if (ImGui::Checkbox(text ? text : label_of(c).c_str(), &on)) {
     attempt(controls, std::string(command) + (on ? " on" : " off"));
   }
-  explain(c);
+  const auto why = controls.missing.find(std::string(command) + " on");
+  if (why == controls.missing.end()) {
+    explain(c);
+  } else {
+    show_tooltip(why->second);
+  }
   ImGui::PopID();
 }
 
@@ -82,6 +81,8 @@ void command_choice(Controls& controls, const char* command, const char* text,
       if (ImGui::Selectable(choice.c_str(), choice == current, flags)) {
         attempt(controls, std::string(command) + " " + choice);
       }
+      const auto why = controls.missing.find(std::string(command) + " " + choice);
+      if (missing) show_tooltip(why == controls.missing.end() ? "it is what is shown" : why->second);
     }
     ImGui::EndCombo();
   }

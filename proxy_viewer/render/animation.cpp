@@ -20,22 +20,19 @@ constexpr float kQuality = 90;  // of 100: a level or two of 255 on a shaded ski
 
 using Encoder = std::unique_ptr<WebPAnimEncoder, decltype(&WebPAnimEncoderDelete)>;
 
-void check(std::span<const Image> frames, double milliseconds) {
-  if (frames.empty()) throw Error(ErrorKind::usage, "an animation needs one frame or more");
-  if (!(milliseconds >= 1) || !(milliseconds * static_cast<double>(frames.size()) < 1e9)) {
-    throw Error(ErrorKind::usage, "frames of " + std::to_string(milliseconds) + " milliseconds make no animation");
-  }
-  const Image& first = frames.front();
-  for (const Image& frame : frames) {
-    const std::uint64_t bytes = std::uint64_t{frame.width} * frame.height * 4;
-    const bool fits = bytes > 0 && frame.rgba.size() == bytes && frame.width <= WEBP_MAX_DIMENSION &&
-                      frame.height <= WEBP_MAX_DIMENSION;
-    if (fits && frame.width == first.width && frame.height == first.height) continue;
-    throw Error(ErrorKind::usage, "a frame of " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
-                                      " pixels with " + std::to_string(frame.rgba.size()) +
-                                      " bytes does not fit an animation of " + std::to_string(first.width) + " x " +
-                                      std::to_string(first.height));
-  }
+[[noreturn]] void refuse_length(double milliseconds) {
+  throw Error(ErrorKind::usage, "frames of " + std::to_string(milliseconds) + " milliseconds make no animation");
+}
+
+void check(const Image& frame, std::uint32_t width, std::uint32_t height) {
+  const std::uint64_t bytes = std::uint64_t{frame.width} * frame.height * 4;
+  const bool fits = bytes > 0 && frame.rgba.size() == bytes && frame.width <= WEBP_MAX_DIMENSION &&
+                    frame.height <= WEBP_MAX_DIMENSION;
+  if (fits && frame.width == width && frame.height == height) return;
+  throw Error(ErrorKind::usage, "a frame of " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
+                                    " pixels with " + std::to_string(frame.rgba.size()) +
+                                    " bytes does not fit an animation of " + std::to_string(width) + " x " +
+                                    std::to_string(height));
 }
 
 class Picture {
@@ -78,27 +75,61 @@ std::vector<std::uint8_t> assemble(WebPAnimEncoder* encoder) {
 
 }  // namespace
 
-std::vector<std::uint8_t> encode_animation(std::span<const Image> frames, double milliseconds) {
-  check(frames, milliseconds);
-  WebPConfig config;
-  if (WebPConfigPreset(&config, WEBP_PRESET_DRAWING, kQuality) == 0) {
-    fail("the library is of another version than its header");
-  }
-  const Encoder encoder = make_encoder(frames.front());
-  const auto begin_of = [&](std::size_t frame) {
-    return static_cast<int>(std::lround(static_cast<double>(frame) * milliseconds));
-  };
-  for (std::size_t k = 0; k < frames.size(); ++k) {
-    Picture picture(frames[k]);
-    if (WebPAnimEncoderAdd(encoder.get(), picture.get(), begin_of(k), &config) == 0) {
-      fail(WebPAnimEncoderGetError(encoder.get()));
+struct AnimationEncoder::Impl {
+  explicit Impl(double each) : milliseconds(each), encoder(nullptr, WebPAnimEncoderDelete) {
+    if (!(milliseconds >= 1)) refuse_length(milliseconds);
+    if (WebPConfigPreset(&config, WEBP_PRESET_DRAWING, kQuality) == 0) {
+      fail("the library is of another version than its header");
     }
   }
-  // No frame: the end of the last one.
-  if (WebPAnimEncoderAdd(encoder.get(), nullptr, begin_of(frames.size()), nullptr) == 0) {
-    fail(WebPAnimEncoderGetError(encoder.get()));
+
+  int now() const {  // where the next frame begins
+    const double at = static_cast<double>(count) * milliseconds;
+    if (!(at < 1e9)) refuse_length(milliseconds);
+    return static_cast<int>(std::lround(at));
   }
-  return assemble(encoder.get());
+
+  double milliseconds;
+  WebPConfig config;
+  Encoder encoder;  // from the first frame on
+  std::uint32_t width = 0, height = 0;
+  std::size_t count = 0;
+};
+
+AnimationEncoder::AnimationEncoder(double milliseconds) : impl_(std::make_unique<Impl>(milliseconds)) {}
+
+AnimationEncoder::~AnimationEncoder() = default;
+
+void AnimationEncoder::add(const Image& frame) {
+  Impl& a = *impl_;
+  const bool first = a.count == 0;
+  check(frame, first ? frame.width : a.width, first ? frame.height : a.height);
+  if (first) {
+    a.encoder = make_encoder(frame);
+    a.width = frame.width;
+    a.height = frame.height;
+  }
+  Picture picture(frame);
+  if (WebPAnimEncoderAdd(a.encoder.get(), picture.get(), a.now(), &a.config) == 0) {
+    fail(WebPAnimEncoderGetError(a.encoder.get()));
+  }
+  ++a.count;
+}
+
+std::vector<std::uint8_t> AnimationEncoder::finish() {
+  Impl& a = *impl_;
+  if (a.count == 0) throw Error(ErrorKind::usage, "an animation needs one frame or more");
+  // No frame: the end of the last one.
+  if (WebPAnimEncoderAdd(a.encoder.get(), nullptr, a.now(), nullptr) == 0) {
+    fail(WebPAnimEncoderGetError(a.encoder.get()));
+  }
+  return assemble(a.encoder.get());
+}
+
+std::vector<std::uint8_t> encode_animation(std::span<const Image> frames, double milliseconds) {
+  AnimationEncoder encoder(milliseconds);
+  for (const Image& frame : frames) encoder.add(frame);
+  return encoder.finish();
 }
 
 }  // namespace bodyopt

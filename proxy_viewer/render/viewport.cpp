@@ -281,13 +281,20 @@ Viewport::Viewport(const vulkan::Device& device) : impl_(std::make_unique<Impl>(
 Viewport::~Viewport() = default;
 
 VkRenderPass Viewport::panel_pass() const { return impl_->panel_pass.get(); }
+std::uint32_t Viewport::most_pixels() const {
+  VkPhysicalDeviceProperties properties{};
+  vkGetPhysicalDeviceProperties(impl_->device.physical(), &properties);
+  return std::min(kMostViewportPixels, properties.limits.maxImageDimension2D);
+}
+
 VkImage Viewport::image() const { return impl_->picture->image(); }
 VkExtent2D Viewport::size() const { return impl_->picture->size(); }
 
 void Viewport::draw(std::span<const View> views, std::uint32_t width, std::uint32_t height, Edges edges,
                     const std::function<void(VkCommandBuffer)>& panels) {
-  if (width == 0 || height == 0 || width > kMaxPictureSize || height > kMaxPictureSize) {
-    throw Error(ErrorKind::usage, "a picture has 1 to " + std::to_string(kMaxPictureSize) + " pixels a side, not " +
+  const std::uint32_t most = most_pixels();
+  if (width == 0 || height == 0 || width > most || height > most) {
+    throw Error(ErrorKind::usage, "a picture has 1 to " + std::to_string(most) + " pixels a side, not " +
                                       std::to_string(width) + " x " + std::to_string(height));
   }
   Impl& v = *impl_;

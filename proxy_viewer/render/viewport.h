@@ -15,6 +15,8 @@ enum class Edges { smooth, quick };
 
 constexpr VkFormat kPictureFormat = VK_FORMAT_R8G8B8A8_UNORM;  // its bytes are sRGB
 
+inline constexpr std::uint32_t kMostViewportPixels = 8192;  // a side
+
 class Viewport {
  public:
   // The device must outlive it, and draw. Throws Error(device).
@@ -22,10 +24,12 @@ class Viewport {
   ~Viewport();
 
   // Draws the views, then what `panels` records into panel_pass(), and waits for it. Throws Error(usage) for a picture
-  // of no pixel or more than kMaxPictureSize a side, Error(device).
+  // of no pixel or more than most_pixels() a side, Error(device).
   void draw(std::span<const View> views, std::uint32_t width, std::uint32_t height, Edges edges,
             const std::function<void(VkCommandBuffer)>& panels = {});
 
+  // A side of a picture: kMostViewportPixels, or fewer where the device has no such images.
+  std::uint32_t most_pixels() const;
   VkRenderPass panel_pass() const;  // one colour attachment of kPictureFormat, no depth
   // What was drawn: ready to be copied from.
   VkImage image() const;

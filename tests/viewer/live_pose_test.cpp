@@ -93,6 +93,18 @@ TEST_F(LivePoseTest, PacketsThatWereOvertakenAreDropped) {
   EXPECT_EQ(newest(), 6);
 }
 
+TEST_F(LivePoseTest, TakesPosesOfTheJointsThatAreExpectedNow) {
+  EXPECT_FALSE(live_.expect(kJoints, kControls));
+  EXPECT_TRUE(live_.expect(kJoints + 1, kControls));
+  sender_.send_pose(0, 1);
+  EXPECT_EQ(newest(), -1);
+  EXPECT_EQ(live_.rejected(), 1u);
+  EXPECT_THROW(live_.expect(100'000, 0), Error);
+  EXPECT_TRUE(live_.expect(kJoints, kControls));
+  sender_.send_pose(1, 2);
+  EXPECT_EQ(newest(), 2);
+}
+
 TEST_F(LivePoseTest, NumbersWrap) {
   sender_.send_pose(0xffffffff, 1);
   EXPECT_EQ(newest(), 1);

@@ -26,5 +26,23 @@ TEST(JointAt, IsTheOneThatIsSeenThere) {
   }
 }
 
+TEST(JointAt, IsThatOfTheViewUnderTheMouse) {
+  const TemporaryFolder folder;
+  const SmallCharacter small(folder);
+  Scene scene(open_test_device());
+  scene.add({small.basis, small.clip}, {});
+  Controls controls;
+  controls.playback = Playback({1, kClipFrames}, 24);
+  controls.settings.compare.with = CompareWith::ddm;
+  const Rectangle area = {100, 40, 640, 360};
+  controls.camera = OrbitCamera({scene.joint_centres(controls)[1], 0.2, 0.3, 0.1, false});
+  const std::string& joint = scene.lead().basis().skeleton.joints[1].name;
+  EXPECT_EQ(joint_at(scene, controls, area, 100 + 160, 40 + 180), joint);
+  EXPECT_EQ(joint_at(scene, controls, area, 100 + 480, 40 + 180), joint);
+  EXPECT_EQ(joint_at(scene, controls, area, 100 + 320, 40 + 180), "") << "between them";
+  controls.settings.compare.layout = CompareLayout::wipe;
+  EXPECT_EQ(joint_at(scene, controls, area, 100 + 320, 40 + 180), joint);
+}
+
 }  // namespace
 }  // namespace bodyopt::testing

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "runtime/basis/error.h"
 #include "tests/support/png_file.h"
 #include "tests/support/temporary_folder.h"
 
@@ -46,30 +47,52 @@ TEST_F(PictureFilesTest, AScreenshotIsThePictureAsItIs) {
 
 TEST_F(PictureFilesTest, ASequenceHasEveryFrameOfTheRange) {
   controls_.playback.play();
-  write_sequence(in_folder("s.####.png"), 24, draw_, controls_);
+  make_all(*frame_series(in_folder("s.####.png"), 24, controls_), draw_);
   EXPECT_EQ(files(), 3u);
   for (const int frame : {4, 5, 6}) EXPECT_EQ(frame_in("s.000" + std::to_string(frame) + ".png"), frame);
   EXPECT_EQ(controls_.playback.frame(), 9) << "and comes back";
   EXPECT_FALSE(controls_.playback.playing());
-  write_sequence(in_folder("one.png"), 24, draw_, controls_);
+  make_all(*frame_series(in_folder("one.png"), 24, controls_), draw_);
   EXPECT_EQ(frame_in("one.png"), 9);
 }
 
 TEST_F(PictureFilesTest, AFlipBookIsOneFile) {
-  write_sequence(in_folder("s.webp"), 24, draw_, controls_);
+  make_all(*frame_series(in_folder("s.webp"), 24, controls_), draw_);
   EXPECT_EQ(files(), 1u);
   EXPECT_EQ(views_.size(), 3u);
   EXPECT_GT(std::filesystem::file_size(folder_ / "s.webp"), 20u);
 }
 
 TEST_F(PictureFilesTest, ATurntableGoesOnceAroundAndComesBack) {
-  write_turntable(in_folder("t.##.png"), draw_, controls_);
+  make_all(*turntable_series(in_folder("t.##.png"), controls_), draw_);
   EXPECT_EQ(files(), 72u);
   EXPECT_EQ(controls_.camera.view(), before_);
   ASSERT_EQ(views_.size(), 72u);
   EXPECT_EQ(views_[0], before_);
   for (const OrbitView& view : views_) EXPECT_EQ(view.elevation, before_.elevation);
   EXPECT_NEAR(std::remainder(views_[36].azimuth - before_.azimuth, 6.283185307179586), 3.14159265, 1e-6);
+}
+
+TEST_F(PictureFilesTest, StoppedAtAnyPictureItPutsThePlayheadAndTheCameraBack) {
+  {
+    const auto series = frame_series(in_folder("s.####.png"), 24, controls_);
+    EXPECT_TRUE(series->make_next(draw_));
+    EXPECT_TRUE(series->make_next(draw_));
+    EXPECT_EQ(series->made(), 2u);
+    EXPECT_EQ(series->count(), 3u);
+    EXPECT_EQ(controls_.playback.frame(), 5);
+  }
+  EXPECT_EQ(controls_.playback.frame(), 9);
+  EXPECT_EQ(files(), 2u) << "what was written is kept";
+  const auto failing = [this]() -> Image {
+    if (views_.size() == 5) throw Error(ErrorKind::usage, "no picture");
+    return draw();
+  };
+  EXPECT_THROW(make_all(*turntable_series(in_folder("t.##.png"), controls_), failing), Error);
+  EXPECT_EQ(controls_.camera.view(), before_);
+  EXPECT_THROW(make_all(*frame_series(in_folder("s.webp"), 24, controls_), failing), Error);
+  EXPECT_EQ(controls_.playback.frame(), 9);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "s.webp")) << "it is not whole";
 }
 
 }  // namespace

@@ -254,7 +254,7 @@ TEST_F(SceneTest, ReplacingByAFileThatIsDamagedLeavesTheOldOne) {
   const std::string damaged = (*folder_ / "damaged.safetensors").string();
   std::filesystem::copy_file(small_->basis, damaged, std::filesystem::copy_options::overwrite_existing);
   std::filesystem::resize_file(damaged, std::filesystem::file_size(damaged) / 2);
-  EXPECT_THROW(scene_.replace(0, {damaged, small_->clip, {}}, {}), Error);
+  EXPECT_THROW(scene_.make({damaged, small_->clip, {}}, {}), Error);
   EXPECT_EQ(scene_.lead().files().basis, small_->basis);
   EXPECT_EQ(scene_.look(controls_, kArea).at(0).skins.size(), 1u);
 }

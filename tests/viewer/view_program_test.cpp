@@ -81,5 +81,19 @@ TEST_F(ViewProgramTest, WithoutAWindowSomethingIsToBeWritten) {
   EXPECT_TRUE(std::filesystem::exists(path("b.png")));
 }
 
+TEST_F(ViewProgramTest, WhatCannotBeShownEndsAScript) {
+  const std::string shown = small_.basis + " " + small_.clip + " -o " + path("a.png");
+  expect(view(shown + " --do 'compare lbs'"), 64, "--character");
+  expect(view(shown + " --do 'jiggle on'"), 64, "bodyopt dynamics");
+}
+
+TEST_F(ViewProgramTest, PicturesAreAsLargeAsScreensAre) {
+  const std::string shown = small_.basis + " " + small_.clip + " --headless -o " + path("a.png");
+  const ProgramResult result = run_bodyopt("view --size 3840 60 " + shown);
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_EQ(read_png(path("a.png")).width, 3840u);
+  EXPECT_EQ(run_bodyopt("view --size 8193 60 " + shown).exit_code, 64);
+}
+
 }  // namespace
 }  // namespace bodyopt::testing

@@ -201,7 +201,8 @@ TEST_F(WindowTest, StateBringsCameraAndSettingsBack) {
 
 TEST_F(WindowTest, ResizedHiddenAndShownAgainItGoesOn) {
   const auto program = open(small("--validate"));
-  for (const auto& [width, height] : {std::pair(200, 150), {640, 400}, {37, 20}, {1, 1}, {900, 700}, {320, 180}}) {
+  for (const auto& [width, height] :
+       {std::pair(200, 150), {640, 400}, {2600, 120}, {37, 20}, {1, 1}, {900, 700}, {320, 180}}) {
     display_->hands("windowsize --sync " + window_ + " " + std::to_string(width) + " " + std::to_string(height));
     EXPECT_TRUE(comes_true(
         [&, w = width, h = height] {
@@ -214,6 +215,41 @@ TEST_F(WindowTest, ResizedHiddenAndShownAgainItGoesOn) {
   display_->hands("key space windowunmap " + window_ + " sleep 0.5 windowmap --sync " + window_);
   display_->hands("windowfocus " + window_ + " key space key Home");
   EXPECT_TRUE(screenshot().rgba == picture("ready.png").rgba);
+  display_->hands("key ctrl+q");
+  expect_end(*program, 0);
+}
+
+// Beyond what pictures can be, proportions are kept, and the mouse is where it is seen.
+TEST_F(WindowTest, AWindowOfAnySizeIsFilled) {
+  const auto program = open(small(""), kPlain + "; legend off");
+  display_->hands("windowsize --sync " + window_ + " 10240 320 sleep 0.5");
+  Image image;
+  EXPECT_TRUE(comes_true([&] { return (image = screenshot()).width == 8192; }, kPatience));
+  EXPECT_EQ(image.height, 256u);
+  display_->hands("key ctrl+q");
+  expect_end(*program, 0);
+}
+
+TEST_F(WindowTest, SequencesAreWithoutPanelsAndTheScriptWaitsForThem) {
+  const std::string script =
+      "frame 9; compare ddm; in 3; out 6; sequence s.####.png; hud off; screenshot after.png; quit";
+  const ProgramResult result = run_program(command(small("--validate --do '" + script + "' --seconds 60")));
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  for (int frame = 3; frame <= 6; ++frame) {
+    const Image seen = picture("s.000" + std::to_string(frame) + ".png");
+    EXPECT_TRUE(seen.rgba == headless("frame 9; compare ddm; frame " + std::to_string(frame)).rgba) << frame;
+  }
+  EXPECT_TRUE(picture("after.png").rgba == headless("frame 9; compare ddm; in 3; out 6; panels on").rgba);
+}
+
+TEST_F(WindowTest, EscapeStopsATurntable) {
+  const auto program = open(small(""));
+  display_->hands("windowsize --sync " + window_ + " 900 700 key Return sleep 0.3 type 'turntable t.##.png'");
+  display_->hands("key Return");
+  ASSERT_TRUE(written("t.02.png"));
+  display_->hands("key Escape sleep 0.5 windowsize --sync " + window_ + " 320 180");
+  EXPECT_TRUE(comes_true([&] { return screenshot().rgba == picture("ready.png").rgba; }, kPatience));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "t.72.png"));
   display_->hands("key ctrl+q");
   expect_end(*program, 0);
 }

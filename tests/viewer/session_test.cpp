@@ -1,0 +1,187 @@
+// What is open, and what becomes of it when files and settings change.
+#include "proxy_viewer/session.h"
+
+#include <gtest/gtest.h>
+
+#include "proxy_viewer/commands.h"
+#include "runtime/basis/error.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/viewer/small_character.h"
+
+namespace bodyopt::testing {
+namespace {
+
+class SessionTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    session_.open_first();
+    session_.open(small_.clip);
+    session_.play_clip();
+  }
+
+  // The first frames of the clip.
+  std::string shorter_clip(std::size_t count) {
+    Clip clip = bending_clip(small_.made.skeleton);
+    clip.name = "short";
+    clip.poses.resize(count);
+    const std::string file = (folder_ / "short.glb").string();
+    write_clip(clip, small_.made.skeleton, file);
+    return file;
+  }
+  std::string state(const std::string& playback) {
+    const auto file = folder_ / "state.json";
+    std::ofstream(file) << R"({"schema": "bodyopt-view-1", "playback": )" << playback << "}";
+    return file.string();
+  }
+  void expect_range(int in, int out) const {
+    EXPECT_EQ(playback().in(), in);
+    EXPECT_EQ(playback().out(), out);
+  }
+  // Is that the last thing that was said?
+  void expect_said(const std::string& text) const {
+    ASSERT_FALSE(session_.controls.messages.empty());
+    const std::string& last = session_.controls.messages.back().text;
+    EXPECT_NE(last.find(text), std::string::npos) << last;
+  }
+  const Playback& playback() const { return session_.controls.playback; }
+  std::vector<std::filesystem::path> all() const { return session_.files(); }
+
+  TemporaryFolder folder_;
+  SmallCharacter small_{folder_};
+  const ViewerOptions options_ = [this] {
+    ViewerOptions options;
+    options.files = {small_.basis};
+    return options;
+  }();
+  Session session_{open_test_device(), options_};
+};
+
+TEST_F(SessionTest, ARangeIsPlayedAsFarAsTheClipHasIt) {
+  session_.load_state(state(R"({"in": 5, "out": 20})"));
+  expect_range(5, 12);
+  expect_said("5-20");
+  session_.load_state(state(R"({"in": 1001, "out": 1100})"));
+  expect_range(1, 12);
+  expect_said("all of the clip");
+  session_.load_state(state(R"({"in": 3, "out": 4})"));
+  expect_range(3, 4);
+  session_.load_state(state("{}"));
+  expect_range(1, 12);
+}
+
+TEST_F(SessionTest, AClipOfOtherFramesIsOpenedWhole) {
+  session_.controls.settings.playback.in = 8;
+  session_.controls.settings.playback.out = 10;
+  session_.play_clip();
+  expect_range(8, 10);
+  session_.open(shorter_clip(5));
+  expect_range(1, 5);
+  EXPECT_EQ(session_.snapshot.cast[0].clip, "short");
+  expect_said("8-10");
+}
+
+TEST_F(SessionTest, AReloadGoesOnPlaying) {
+  Playback& playing = session_.controls.playback;
+  playing.scrub(7);
+  playing.set_backwards(true);
+  playing.play();
+  session_.controls.settings.playback.in = 2;
+  session_.reload(all());
+  EXPECT_TRUE(playback().playing());
+  EXPECT_TRUE(playback().backwards());
+  EXPECT_EQ(playback().frame(), 7);
+  expect_range(2, 12);
+  playing.pause();
+  session_.reload(all());
+  EXPECT_FALSE(playback().playing());
+}
+
+TEST_F(SessionTest, OnlyThoseWhoseFilesChangedAreReadAgain) {
+  const JigglingCharacter other(folder_);
+  session_.open(other.basis);
+  const Actor* first = session_.scene.cast()[0].get();
+  const Actor* second = session_.scene.cast()[1].get();
+  session_.reload({other.basis});
+  EXPECT_EQ(session_.scene.cast()[0].get(), first);
+  EXPECT_NE(session_.scene.cast()[1].get(), second);
+}
+
+TEST_F(SessionTest, AReloadThatFailsLeavesAllAsItWas) {
+  const JigglingCharacter other(folder_);
+  session_.open(other.basis);
+  const Actor* first = session_.scene.cast()[0].get();
+  const std::size_t joints = session_.snapshot.joints.size();
+  session_.controls.joint = small_.made.skeleton.joints[1].name;
+  session_.controls.playback.play();
+  save_basis(other.made.basis, small_.basis);  // which would be read
+  std::filesystem::resize_file(other.basis, std::filesystem::file_size(other.basis) / 2);
+  EXPECT_THROW(session_.reload(all()), Error);
+  EXPECT_EQ(session_.scene.cast()[0].get(), first);
+  EXPECT_EQ(session_.snapshot.joints.size(), joints);
+  EXPECT_EQ(session_.controls.joint, small_.made.skeleton.joints[1].name);
+  EXPECT_TRUE(playback().playing());
+}
+
+TEST_F(SessionTest, AJointThatIsGoneIsSelectedNoLonger) {
+  session_.controls.joint = small_.made.skeleton.joints[1].name;
+  session_.reload(all());
+  EXPECT_EQ(session_.controls.joint, small_.made.skeleton.joints[1].name);
+  Basis renamed = small_.made;
+  renamed.skeleton.joints[1].name = "renamed";
+  save_basis(renamed, small_.basis);
+  session_.reload(all());
+  EXPECT_EQ(session_.controls.joint, "");
+  EXPECT_EQ(session_.controls.joint_names[1], "renamed");
+}
+
+TEST_F(SessionTest, FramingFitsOneOfTwoViews) {
+  const auto distance = [&](CompareLayout layout) {
+    session_.controls.settings.compare.layout = layout;
+    session_.frame_selection(200, 200);
+    return session_.controls.camera.view().distance;
+  };
+  session_.controls.settings.compare.with = CompareWith::ddm;
+  session_.controls.settings.pose.joints[small_.made.skeleton.joints[0].name] = {0, 0, 90};  // wider than high
+  EXPECT_GT(distance(CompareLayout::side_by_side), 1.2 * distance(CompareLayout::wipe));
+}
+
+TEST_F(SessionTest, CommandsThatHaveNothingToShowSayWhatIsMissing) {
+  const auto refusal = [&](const std::string& command) -> std::string {
+    try {
+      run_command(session_.controls, command);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::usage);
+      return error.what();
+    }
+    return "";
+  };
+  const ViewSettings before = session_.controls.settings;
+  for (const auto& [command, help] : {std::pair("compare lbs", "--character"),
+                                      {"compare proxy", "--proxy"},
+                                      {"compare truth", "--truth"},
+                                      {"compare jiggle", "bodyopt dynamics"},
+                                      {"jiggle on", "bodyopt dynamics"},
+                                      {"jiggle", "bodyopt dynamics"},
+                                      {"tets", "bodyopt dynamics"}}) {
+    EXPECT_NE(refusal(command).find(help), std::string::npos) << command << ": " << refusal(command);
+  }
+  EXPECT_EQ(session_.controls.settings, before);
+  for (const char* command : {"jiggle off", "compare ddm", "fibres on"}) EXPECT_EQ(refusal(command), "") << command;
+  session_.open(small_.truth);
+  EXPECT_EQ(refusal("compare truth"), "");
+}
+
+TEST(Attempt, SaysWhatFailsUnlessItIsTheDevice) {
+  Controls controls;
+  controls.attempt([] { throw Error(ErrorKind::usage, "no such thing"); });
+  controls.attempt([] { std::vector<int>().at(3); });
+  controls.attempt([] { throw std::filesystem::filesystem_error("a folder", std::error_code()); });
+  controls.attempt([] { throw std::bad_alloc(); });
+  ASSERT_EQ(controls.messages.size(), 4u);
+  EXPECT_EQ(controls.messages[0].text, "no such thing");
+  for (const Message& message : controls.messages) EXPECT_TRUE(message.error);
+  EXPECT_THROW(controls.attempt([] { throw Error(ErrorKind::device, "lost"); }), Error);
+}
+
+}  // namespace
+}  // namespace bodyopt::testing
