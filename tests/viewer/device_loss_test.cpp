@@ -51,7 +51,7 @@ TEST_F(DeviceLossTest, OfPicturesLeavesThoseThatWereWritten) {
   EXPECT_EQ(whole_pictures(), 0u);
   // Later and later, until it is lost after the last picture only.
   std::set<std::size_t> counts;
-  for (int call = 40;; call += 20) {
+  for (int call = 20;; call += 8) {
     const std::string submission = "vkQueueSubmit " + std::to_string(call);
     const ProgramResult result = run_program(command(pictures, losing(submission)));
     if (result.exit_code == 0) break;

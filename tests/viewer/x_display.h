@@ -75,7 +75,8 @@ class XDisplay {
 
  private:
   BackgroundProgram* start() {
-    return new BackgroundProgram("Xvfb -displayfd 3 -screen 0 1000x800x24 -nolisten tcp 3>" + number_.string(),
+    // Without -noreset it refuses whoever comes just after the last one left.
+    return new BackgroundProgram("Xvfb -displayfd 3 -noreset -screen 0 1000x800x24 -nolisten tcp 3>" + number_.string(),
                                  folder_ / "xvfb.log");
   }
   std::string read_number() const {
