@@ -31,6 +31,7 @@ struct Marker {
 
 // What is being typed into panels, and how their lists stand.
 struct PanelState {
+  bool entered = false;  // the prompt's text, before its field hears
   std::string prompt, joint_filter, camera, open;
   std::string screenshot = "bodyopt.png", sequence = "bodyopt.####.png", turntable = "turntable.####.png";
   std::string state = "view.json";

@@ -1,5 +1,6 @@
 #include "proxy_viewer/gui.h"
 
+#include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_vulkan.h>
 #include <imgui.h>
@@ -67,14 +68,16 @@ Gui::Gui() {
 
 Gui::~Gui() {
   stop_backend();
-  if (has_window_) ImGui_ImplGlfw_Shutdown();
+  if (window_) ImGui_ImplGlfw_Shutdown();
   ImGui::DestroyContext();
 }
 
 void Gui::attach(const vulkan::Device& device, VkRenderPass pass, GLFWwindow* window) {
   device_ = &device;
   pass_ = pass;
-  if (window) has_window_ = ImGui_ImplGlfw_InitForVulkan(window, true);
+  if (!window || !ImGui_ImplGlfw_InitForVulkan(window, true)) return;
+  window_ = window;
+  glfwSetInputMode(window, GLFW_STICKY_KEYS, GLFW_TRUE);
 }
 
 // Anew for every atlas: a backend takes one in its life.
@@ -118,11 +121,17 @@ void Gui::begin(std::uint32_t width, std::uint32_t height, double seconds) {
   const bool has_new_letters = fonts_->load_new();
   if (device_ && (has_new_letters || !has_backend_)) start_backend();
   if (has_backend_) ImGui_ImplVulkan_NewFrame();
-  if (has_window_) ImGui_ImplGlfw_NewFrame();
   ImGuiIO& io = ImGui::GetIO();
+  if (window_) {
+    ImGui_ImplGlfw_NewFrame();
+    // Also those that went up again since the last picture: keys are sticky.
+    for (const int key : io.KeyMap) {
+      if (key >= 0) io.KeysDown[key] = glfwGetKey(window_, key) == GLFW_PRESS;
+    }
+  }
   const ImVec2 size{static_cast<float>(width), static_cast<float>(height)};
   // The window's coordinates, which need not be the picture's pixels: on fine screens, and of very large windows.
-  if (has_window_ && ImGui::IsMousePosValid()) {
+  if (window_ && ImGui::IsMousePosValid()) {
     io.MousePos.x *= size.x / std::max(1.0f, io.DisplaySize.x);
     io.MousePos.y *= size.y / std::max(1.0f, io.DisplaySize.y);
   }

@@ -35,7 +35,8 @@ class Gui {
   std::optional<Fonts> fonts_;              // of the context
   const vulkan::Device* device_ = nullptr;  // none: nothing is drawn
   VkRenderPass pass_ = VK_NULL_HANDLE;
-  bool has_window_ = false, has_backend_ = false;
+  GLFWwindow* window_ = nullptr;  // none: no events
+  bool has_backend_ = false;
   vulkan::Owned<VkDescriptorPool, vkDestroyDescriptorPool> pool_;
 };
 

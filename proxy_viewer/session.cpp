@@ -30,9 +30,7 @@ std::vector<std::string> Session::open_first() {
   const std::string file = options_.files.empty() ? "" : options_.files.front();
   if (fs::exists(file) && !is_character(file)) {
     throw Error(ErrorKind::usage,
-                file +
-                    ": a basis (.safetensors) or a character (.glb, .gltf) must come before its clips "
-                    "and caches");
+                file + ": a basis (.safetensors) or a character (.glb, .gltf) must come before its clips and caches");
   }
   std::vector<std::string> notes = add({.basis = file, .proxy = options_.proxy, .character = options_.character});
   describe_cast();
@@ -51,6 +49,7 @@ std::vector<std::string> Session::open(const std::string& file) {
     if (scene.cast().size() == 1) play_clip();
   } else if (has_extension(file, {".pc2"})) {
     open_truth(last, file);
+    return notes;
   } else if (has_extension(file, {".json"})) {
     load_state(file);
   } else {

@@ -198,6 +198,10 @@ class Viewer {
     }
     if (series_) return on_key_in_series(key);
     if (ImGui::GetIO().WantTextInput) return;
+    if (controls_.prompt) {  // which may not be drawn yet
+      if (key == "Enter" && event == KeyEvent::pressed) controls_.typed.entered = true;
+      return;
+    }
     if (key == kFlipKey) controls_.flipped = true;
     const Command* command = find_command_by_key(key);
     if (!command || (event == KeyEvent::repeated && !command->repeats)) return;

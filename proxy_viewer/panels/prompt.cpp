@@ -1,5 +1,8 @@
 // A line to type a command into, and the commands that are like what was typed.
+#include <imgui_internal.h>
+
 #include <algorithm>
+#include <utility>
 
 #include "proxy_viewer/panels.h"
 #include "proxy_viewer/panels/widgets.h"
@@ -9,6 +12,23 @@ namespace {
 
 constexpr float kWidth = 520;
 constexpr int kMostHints = 8;
+
+// What was typed before the field hears: it does so from the picture after it was asked to.
+void take_early_letters(std::string& text) {
+  for (const ImWchar letter : ImGui::GetIO().InputQueueCharacters) {
+    char utf8[5];
+    text += ImTextCharToUtf8(utf8, letter);
+  }
+  ImGui::GetIO().InputQueueCharacters.clear();
+}
+
+// A field that is entered by the keyboard has all its text selected, which the next letter would replace.
+int leave_nothing_selected(ImGuiInputTextCallbackData* data) {
+  bool& hears = *static_cast<bool*>(data->UserData);
+  if (!hears) data->CursorPos = data->SelectionStart = data->SelectionEnd = data->BufTextLen;
+  hears = true;
+  return 0;
+}
 
 // Of the command that is typed, or of those whose names hold what is.
 void draw_hints(std::string& text) {
@@ -40,11 +60,15 @@ void draw_prompt(Controls& controls, const PanelLayout& layout) {
   ImGui::SetNextWindowPos({0.5f * layout.right(), layout.menu + 24}, ImGuiCond_Always, {0.5f, 0});
   ImGui::SetNextWindowSize({std::max(80.0f, width), 0});
   ImGui::Begin("Prompt", nullptr, kOverWindow | ImGuiWindowFlags_NoScrollbar);
-  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  if (!ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
   std::string& text = controls.typed.prompt;
-  const bool entered =
-      ImGui::InputTextWithHint("##command", "a command, as: frame 12", &text, ImGuiInputTextFlags_EnterReturnsTrue);
+  bool hears = ImGui::GetActiveID() == ImGui::GetID("##command");
+  if (!hears) take_early_letters(text);
+  const bool enters = ImGui::InputTextWithHint(
+      "##command", "a command, as: frame 12", &text,
+      ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackAlways, leave_nothing_selected, &hears);
+  const bool entered = std::exchange(controls.typed.entered, false) || enters;
   const bool left = ImGui::IsItemDeactivated() && !entered && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
   draw_hints(text);
   ImGui::End();

@@ -6,15 +6,22 @@
 namespace bodyopt::testing {
 namespace {
 
-TEST(JointAt, IsTheOneThatIsSeenThere) {
+class JointAt : public ::testing::Test {
+ protected:
+  JointAt() {
+    scene.add({small.basis, small.clip}, {});
+    controls.playback = Playback({1, kClipFrames}, 24);
+  }
+
   const TemporaryFolder folder;
-  const SmallCharacter small(folder);
-  Scene scene(open_test_device());
-  scene.add({small.basis, small.clip}, {});
+  const SmallCharacter small{folder};
+  Scene scene{open_test_device()};
   Controls controls;
-  controls.playback = Playback({1, kClipFrames}, 24);
-  controls.playback.scrub(6);
   const Rectangle area = {100, 40, 640, 360};
+};
+
+TEST_F(JointAt, IsTheOneThatIsSeenThere) {
+  controls.playback.scrub(6);
   const std::vector<Vec3> centres = scene.joint_centres(controls);
   const std::vector<Joint>& joints = scene.lead().basis().skeleton.joints;
   for (const bool orthographic : {false, true}) {
@@ -26,15 +33,8 @@ TEST(JointAt, IsTheOneThatIsSeenThere) {
   }
 }
 
-TEST(JointAt, IsThatOfTheViewUnderTheMouse) {
-  const TemporaryFolder folder;
-  const SmallCharacter small(folder);
-  Scene scene(open_test_device());
-  scene.add({small.basis, small.clip}, {});
-  Controls controls;
-  controls.playback = Playback({1, kClipFrames}, 24);
+TEST_F(JointAt, IsThatOfTheViewUnderTheMouse) {
   controls.settings.compare.with = CompareWith::ddm;
-  const Rectangle area = {100, 40, 640, 360};
   controls.camera = OrbitCamera({scene.joint_centres(controls)[1], 0.2, 0.3, 0.1, false});
   const std::string& joint = scene.lead().basis().skeleton.joints[1].name;
   EXPECT_EQ(joint_at(scene, controls, area, 100 + 160, 40 + 180), joint);

@@ -113,6 +113,16 @@ class PanelsTest : public ::testing::Test {
     }
   }
 
+  // A key goes down and up again, each in a picture of its own.
+  void press(const Snapshot& snapshot, Controls& controls, ImGuiKey key) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.KeyMap[key] = key;  // any number will do
+    for (const bool down : {true, false}) {
+      io.KeysDown[key] = down;
+      draw(snapshot, controls);
+    }
+  }
+
   Gui gui_;
 };
 
@@ -139,6 +149,26 @@ TEST_F(PanelsTest, EverySizeOfWindowAndCharacterIsDrawn) {
       }
     }
   }
+}
+
+// Letters come as fast as they like, from the picture that shows the prompt on; Enter runs what they say.
+TEST_F(PanelsTest, ThePromptHearsFromItsFirstPicture) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  controls.playback = Playback({1, 100}, 24);
+  for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+  ImGuiIO& io = ImGui::GetIO();
+  controls.prompt = true;
+  controls.typed.prompt = "frame ";  // as menus begin it
+  for (const char letter : std::string("123")) {
+    io.AddInputCharacter(static_cast<unsigned>(letter));
+    draw(snapshot, controls);
+  }
+  press(snapshot, controls, ImGuiKey_Backspace);
+  press(snapshot, controls, ImGuiKey_Enter);
+  EXPECT_TRUE(controls.messages.empty()) << controls.messages.front().text;
+  EXPECT_EQ(controls.playback.frame(), 12);
+  EXPECT_FALSE(controls.prompt);
 }
 
 TEST_F(PanelsTest, EverySectionDrawsSomething) {
@@ -302,17 +332,12 @@ TEST_F(PanelsTest, TheFrameNumberIsTypedInto) {
   click(snapshot, controls, {timeline.Min.x + 10 + 7 * 33 + 40, timeline.Min.y + 24});
   ImGuiIO& io = ImGui::GetIO();
   EXPECT_TRUE(io.WantTextInput);
-  constexpr int kEnter = 13;  // any number will do
-  io.KeyMap[ImGuiKey_Enter] = kEnter;
   for (const char* digit : {"3", "7"}) {
     io.AddInputCharactersUTF8(digit);
     draw(snapshot, controls);
   }
   EXPECT_EQ(controls.playback.frame(), 1);
-  for (const bool down : {true, false}) {
-    io.KeysDown[kEnter] = down;
-    draw(snapshot, controls);
-  }
+  press(snapshot, controls, ImGuiKey_Enter);
   EXPECT_EQ(controls.playback.frame(), 37);
 }
 

@@ -244,9 +244,8 @@ TEST_F(WindowTest, SequencesAreWithoutPanelsAndTheScriptWaitsForThem) {
 
 TEST_F(WindowTest, EscapeStopsATurntable) {
   const auto program = open(small(""));
-  display_->hands("windowsize --sync " + window_ +
-                  " 900 700 key Return sleep 0.5 type --delay 80 'turntable t.##.png'");
-  display_->hands("sleep 0.5 key Return");
+  display_->hands("windowsize --sync " + window_ + " 900 700 key Return type --delay 1 'turntable t.##.png'");
+  display_->hands("key Return");
   ASSERT_TRUE(written("t.02.png"));
   display_->hands("key Escape sleep 0.5 windowsize --sync " + window_ + " 320 180");
   EXPECT_TRUE(comes_true([&] { return screenshot().rgba == picture("ready.png").rgba; }, kPatience));
