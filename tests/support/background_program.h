@@ -37,6 +37,7 @@ class BackgroundProgram {
     const int file = open(output.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600);
     dup2(file, STDOUT_FILENO);
     dup2(file, STDERR_FILENO);
+    ::signal(SIGINT, SIG_DFL);  // which shells ignore for what runs in their background
     execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
     _exit(127);
   }

@@ -25,12 +25,6 @@ constexpr std::size_t kFewest = 3, kMost = 64;  // of so many vertices
 
 using Indices = std::vector<std::uint32_t>;
 
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 // Welded vertices of each connected piece, by their first vertex.
 std::vector<Indices> connected_pieces(const Triangles& triangles, std::size_t count) {
   Indices root(count);

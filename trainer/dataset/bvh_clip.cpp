@@ -23,12 +23,6 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
-
 // The BVH joint of each skeleton joint, -1 for none. A BVH joint moves one joint of the skeleton.
 std::vector<int> match_joints(const Bvh& bvh, const Skeleton& skeleton, std::vector<std::string>& notes) {
   std::vector<int> match(skeleton.size(), -1);

@@ -16,12 +16,6 @@ namespace {
 constexpr double kSmallestDiagonal = 0.05, kLargestDiagonal = 50;  // metres
 constexpr double kWeldTolerance = 1e-6;                            // of the bounding box's diagonal
 
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
-
 double bounding_box_diagonal(const std::vector<Vec3>& points) {
   Vec3 low = points[0], high = points[0];
   for (const Vec3& p : points) {

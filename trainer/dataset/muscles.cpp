@@ -9,7 +9,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr const char* kSchema = "bodyopt-muscles-1";
+constexpr const char* kMusclesSchema = "bodyopt-muscles-1";
 
 MusclePoint read_point(const JsonObject& json, const std::filesystem::path& path, const Skeleton& skeleton) {
   json.allow({"joint", "position"});
@@ -54,7 +54,7 @@ Muscle read_muscle(const JsonObject& json, const std::filesystem::path& path, co
 }  // namespace
 
 std::vector<Muscle> read_muscles(const std::filesystem::path& path, const Skeleton& skeleton) {
-  const Json json = read_json(path, kSchema);
+  const Json json = read_json(path, kMusclesSchema);
   const JsonObject top(json, path, "the file");
   top.allow({"schema", "muscles"});
   std::vector<Muscle> muscles;
@@ -82,7 +82,7 @@ void write_muscles(const std::vector<Muscle>& muscles, const Skeleton& skeleton,
                     {"max_activation", muscle.max_activation},
                     {"path", points}});
   }
-  write_json({{"schema", kSchema}, {"muscles", list}}, path);
+  write_json({{"schema", kMusclesSchema}, {"muscles", list}}, path);
 }
 
 }  // namespace bodyopt

@@ -12,10 +12,10 @@
 namespace bodyopt {
 namespace {
 
-constexpr const char* kSchema = "bodyopt-nodes-1";
+constexpr const char* kNodesSchema = "bodyopt-nodes-1";
 constexpr double kSteps = 65535;
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what) {
+[[noreturn]] void refuse_cache(const std::filesystem::path& path, const std::string& what) {
   throw Error(ErrorKind::file, path.string() + ": " + what + " (not a cache of nodes, or a damaged one)");
 }
 
@@ -30,14 +30,14 @@ template <typename T>
 std::vector<T> values_of(const std::filesystem::path& path, const Safetensors& file, const std::string& name,
                          const std::string& dtype, const std::vector<std::uint64_t>& shape) {
   const auto found = file.tensors.find(name);
-  if (found == file.tensors.end()) refuse(path, "it has no tensor '" + name + "'");
+  if (found == file.tensors.end()) refuse_cache(path, "it has no tensor '" + name + "'");
   const Tensor& tensor = found->second;
   bool fits = tensor.dtype == dtype && tensor.shape.size() == shape.size();
   for (std::size_t i = 0; fits && i < shape.size(); ++i) {
     const std::uint64_t n = tensor.shape[i];
     fits = shape[i] == 0 ? n > 0 && n <= std::numeric_limits<std::int32_t>::max() : n == shape[i];
   }
-  if (!fits) refuse(path, "tensor '" + name + "' has another type or shape than its neighbours need");
+  if (!fits) refuse_cache(path, "tensor '" + name + "' has another type or shape than its neighbours need");
   std::vector<T> values(tensor.bytes.size() / sizeof(T));
   std::memcpy(values.data(), tensor.bytes.data(), tensor.bytes.size());
   return values;
@@ -45,7 +45,7 @@ std::vector<T> values_of(const std::filesystem::path& path, const Safetensors& f
 
 std::string metadata_of(const std::filesystem::path& path, const Safetensors& file, const std::string& key) {
   const auto found = file.metadata.find(key);
-  if (found == file.metadata.end()) refuse(path, "its metadata has no '" + key + "'");
+  if (found == file.metadata.end()) refuse_cache(path, "its metadata has no '" + key + "'");
   return found->second;
 }
 
@@ -70,7 +70,7 @@ NodesWriter::NodesWriter(std::filesystem::path path, const Tets& tets, const std
   file_.tensors["tets"] = tensor("U32", {corners.size() / 4, 4}, corners);
   file_.tensors["skin.tet"] = tensor("U32", {tet.size()}, tet);
   file_.tensors["skin.weights"] = tensor("F64", {tet.size(), 4}, weights);
-  file_.metadata = {{"schema", kSchema},
+  file_.metadata = {{"schema", kNodesSchema},
                     {"inputs", hexadecimal(inputs)},
                     {"start_frame", std::to_string(frames.empty() ? 1 : frames.front())},
                     {"frame_spacing", std::to_string(static_cast<int>(frame_spacing(frames)))}};
@@ -100,20 +100,21 @@ void NodesWriter::close() {
 
 NodesReader::NodesReader(const std::filesystem::path& path) : path_(path) {
   const Safetensors file = read_safetensors(path);
-  if (metadata_of(path, file, "schema") != kSchema) {
-    refuse(path, "its schema is '" + metadata_of(path, file, "schema") + "', expected '" + kSchema + "'");
+  if (metadata_of(path, file, "schema") != kNodesSchema) {
+    refuse_cache(path, "its schema is '" + metadata_of(path, file, "schema") + "', expected '" + kNodesSchema + "'");
   }
   metadata_of(path, file, "checksum");  // read_safetensors has held it against the content
   const auto whole_number = [&](const char* key) {
     const std::string text = metadata_of(path, file, key);
     int value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) refuse(path, std::string(key) + " is '" + text + "'");
+    if (error != std::errc() || end != text.data() + text.size())
+      refuse_cache(path, std::string(key) + " is '" + text + "'");
     return static_cast<float>(value);
   };
   start_frame_ = whole_number("start_frame");
   sample_rate_ = whole_number("frame_spacing");
-  if (!(sample_rate_ >= 1)) refuse(path, "frame_spacing is below 1");
+  if (!(sample_rate_ >= 1)) refuse_cache(path, "frame_spacing is below 1");
 
   const auto tet = values_of<std::uint32_t>(path, file, "skin.tet", "U32", {0});
   const auto weights = values_of<double>(path, file, "skin.weights", "F64", {tet.size(), 4});
@@ -122,8 +123,10 @@ NodesReader::NodesReader(const std::filesystem::path& path) : path_(path) {
   nodes_ = values_of<std::uint16_t>(path, file, "nodes", "U16", {bounds_.size() / 6, 0, 3});
   samples_ = static_cast<std::uint32_t>(bounds_.size() / 6);
   node_count_ = static_cast<Eigen::Index>(nodes_.size() / 3 / samples_);
-  if (*std::max_element(corners.begin(), corners.end()) >= node_count_) refuse(path, "a tet names a missing node");
-  if (*std::max_element(tet.begin(), tet.end()) >= corners.size() / 4) refuse(path, "a point lies in a missing tet");
+  if (*std::max_element(corners.begin(), corners.end()) >= node_count_)
+    refuse_cache(path, "a tet names a missing node");
+  if (*std::max_element(tet.begin(), tet.end()) >= corners.size() / 4)
+    refuse_cache(path, "a point lies in a missing tet");
   tets_.resize(static_cast<Eigen::Index>(corners.size() / 4), 4);
   std::copy(corners.begin(), corners.end(), tets_.data());
   for (std::size_t p = 0; p < tet.size(); ++p) {

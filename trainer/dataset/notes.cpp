@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <numeric>
 
 namespace bodyopt {
@@ -38,6 +39,12 @@ std::string list_names(std::span<const std::string> names, std::size_t shown) {
 
 std::string count_of(std::size_t count, const std::string& one, const std::string& many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+std::string rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
 }
 
 std::vector<std::string> nearest_names(std::span<const std::string> names, const std::string& wanted) {

@@ -14,6 +14,9 @@ std::string list_names(std::span<const std::string> names, std::size_t shown = 1
 // "1 vertex", "3 vertices".
 std::string count_of(std::size_t count, const std::string& one, const std::string& many);
 
+// In four digits.
+std::string rounded(double value);
+
 // The three of `names` that take the fewest letters added, dropped or changed to become `wanted`, nearest first;
 // capital and small letters are alike.
 std::vector<std::string> nearest_names(std::span<const std::string> names, const std::string& wanted);

@@ -16,15 +16,17 @@
 #include "runtime/basis/error.h"
 
 namespace bodyopt {
-namespace {
 
-struct Header {
+struct Pc2Header {
   char magic[12];
   std::int32_t version, points;
   float start_frame, sample_rate;
   std::int32_t samples;
 };
-static_assert(sizeof(Header) == 32);
+static_assert(sizeof(Pc2Header) == 32);
+
+namespace {
+
 constexpr char kMagic[12] = "POINTCACHE2";
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what) {
@@ -45,7 +47,7 @@ struct Pc2Reader::Mapping {
   std::filesystem::path path;
   void* address = MAP_FAILED;
   std::size_t size = 0;
-  Header header{};
+  Pc2Header header{};
 
   ~Mapping() {
     if (address != MAP_FAILED) munmap(address, size);
@@ -59,14 +61,14 @@ struct Pc2Reader::Mapping {
       throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file, or no permission?");
     }
     size = static_cast<std::size_t>(status.st_size);
-    if (size >= sizeof(Header)) address = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
+    if (size >= sizeof(Pc2Header)) address = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
     close(file);
-    if (size < sizeof(Header)) refuse(path, "it has " + std::to_string(size) + " bytes, less than a header");
+    if (size < sizeof(Pc2Header)) refuse(path, "it has " + std::to_string(size) + " bytes, less than a header");
     if (address == MAP_FAILED) throw Error(ErrorKind::file, path.string() + ": cannot be mapped into memory");
   }
 
   void check() {
-    std::memcpy(&header, address, sizeof(Header));
+    std::memcpy(&header, address, sizeof(Pc2Header));
     if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) refuse(path, "it does not start with POINTCACHE2");
     if (header.version != 1) refuse(path, "its version is " + std::to_string(header.version) + ", expected 1");
     if (header.points < 1 || header.samples < 0) {
@@ -78,7 +80,7 @@ struct Pc2Reader::Mapping {
     }
     // Below 2^62 values; the bytes they take may not fit 64 bits, so the file's are divided instead.
     const std::uint64_t values = static_cast<std::uint64_t>(header.points) * static_cast<std::uint64_t>(header.samples);
-    const std::uint64_t bytes = size - sizeof(Header);
+    const std::uint64_t bytes = size - sizeof(Pc2Header);
     if (bytes % 12 != 0 || bytes / 12 != values) {
       refuse(path, std::to_string(header.samples) + " samples of " + std::to_string(header.points) +
                        " points take 12 bytes a point, found " + std::to_string(bytes) + " bytes after the header");
@@ -115,7 +117,7 @@ std::span<const float> Pc2Reader::sample(std::uint32_t k) const {
     throw Error(ErrorKind::mismatch, mapping_->path.string() + ": sample " + std::to_string(k) +
                                          " was asked for, it has " + std::to_string(sample_count()));
   }
-  const auto* first = static_cast<const char*>(mapping_->address) + sizeof(Header);
+  const auto* first = static_cast<const char*>(mapping_->address) + sizeof(Pc2Header);
   return {reinterpret_cast<const float*>(first) + k * stride, stride};
 }
 
@@ -123,7 +125,7 @@ std::vector<float> Pc2Reader::read_sample(std::uint32_t k) const {
   std::vector<float> values(sample(k).size());
   const std::size_t bytes = 4 * values.size();
   std::ifstream file(mapping_->path, std::ios::binary);
-  file.seekg(static_cast<std::streamoff>(sizeof(Header) + k * bytes));
+  file.seekg(static_cast<std::streamoff>(sizeof(Pc2Header) + k * bytes));
   if (!file.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(bytes))) {
     throw Error(ErrorKind::file, mapping_->path.string() + ": sample " + std::to_string(k) +
                                      " can no longer be read: the file was taken away or cut off, or is being written");
@@ -161,7 +163,7 @@ Pc2Writer::Pc2Writer(const std::filesystem::path& path, std::uint32_t point_coun
                      float start_frame, float sample_rate)
     : file_(new File(path, checked_count(path, point_count, 1, "points"),
                      checked_count(path, sample_count, 0, "samples"))) {
-  Header header{};
+  Pc2Header header{};
   std::memcpy(header.magic, kMagic, sizeof(kMagic));
   header.version = 1;
   header.points = static_cast<std::int32_t>(point_count);

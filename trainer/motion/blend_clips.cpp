@@ -8,8 +8,8 @@
 namespace bodyopt {
 namespace {
 
-constexpr int kCandidates = 24;
-constexpr int kTries = 12;  // other targets when limbs are in the way
+constexpr int kPoseCandidates = 24;
+constexpr int kOtherTargets = 12;  // other targets when limbs are in the way
 
 double cosine(const Quat& a, const Quat& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]; }
 
@@ -46,7 +46,7 @@ class BlendWalk {
       const Pose target = choose_target();
       while (been_.size() < end) {
         const double left = largest_turn(been_.back(), target);
-        const bool arrives = left <= options_.step || blocked >= kTries;
+        const bool arrives = left <= options_.step || blocked >= kOtherTargets;
         Pose next = arrives ? target : blend(been_.back(), target, options_.step / left);
         if (!arrives && overlap_.find(next)) {
           ++blocked;
@@ -66,7 +66,7 @@ class BlendWalk {
   Pose choose_target() {
     double farthest = -1;
     Pose best = example();
-    for (int k = 0; k < kCandidates; ++k) {
+    for (int k = 0; k < kPoseCandidates; ++k) {
       const Pose &a = example(), &b = example();
       Pose candidate = blend(a, b, random_.next());
       const double distance = squared_distance_to_been(candidate, farthest);

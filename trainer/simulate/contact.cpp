@@ -17,7 +17,7 @@ namespace {
 // A node counts as near to a tet when its barycentric weights in it are not below this.
 constexpr double kMostOutside = -0.3;
 // Tissue as near at rest as this many edges of the skin is the same part and does not collide; twice as far it does.
-constexpr double kSamePart = 1;
+constexpr double kSamePartEdges = 1;
 // A tet pressed to less of its volume at rest has no depth to speak of: its slope would be steep and point anywhere.
 constexpr double kFlat = 0.05, kNotFlat = 0.15;
 // Cosine between skin and the way into the tissue touched, from which it faces it fully.
@@ -169,7 +169,7 @@ ContactPlane SkinContact::plane(int node, int tet, const DepthField& field, cons
 double SkinContact::share(const ContactPlane& plane, const DepthField& field, const Eigen::RowVector3d& normal) const {
   Eigen::RowVector3d apart = rest_.row(plane.node);  // at rest, from the tissue touched
   for (int a = 0; a < 4; ++a) apart -= plane.weights[a] * rest_.row(tets_(plane.tet, a));
-  const double same_part = kSamePart * edge_[static_cast<std::size_t>(plane.node)];
+  const double same_part = kSamePartEdges * edge_[static_cast<std::size_t>(plane.node)];
   // The skin around a node faces out of its own tissue, and into tissue that it collides with.
   const double cosine = normal.dot(field.slope.transpose()) / (normal.norm() * field.slope.norm() + 1e-300);
   return ramp(apart.norm(), same_part, 2 * same_part) * ramp(cosine, 0, kFacing) * ramp(field.volume, kFlat, kNotFlat);
@@ -177,7 +177,7 @@ double SkinContact::share(const ContactPlane& plane, const DepthField& field, co
 
 // Whether a node never collides with a tet, wherever it is in it.
 bool SkinContact::is_same_part(int node, int tet) const {
-  const double part = kSamePart * edge_[static_cast<std::size_t>(node)];
+  const double part = kSamePartEdges * edge_[static_cast<std::size_t>(node)];
   for (int a = 0; a < 4; ++a) {
     if ((rest_.row(tets_(tet, a)) - rest_.row(node)).squaredNorm() > part * part) return false;
   }

@@ -19,12 +19,12 @@ constexpr double kFewestRounds = 1, kMostRounds = 200;
 constexpr double kEdge = 1e-9;  // barycentric: rays must not slip through between two triangles
 constexpr Eigen::Index kMostRays = 16384;
 
-struct Corners {
+struct RayTriangle {
   Eigen::Vector3d origin, first, second;  // a corner, and the edges from it
 };
 
 // Distance along a ray of unit direction to a triangle; infinite where it misses (Moeller, Trumbore 1997).
-double hit(const Corners& triangle, const Eigen::Vector3d& origin, const Eigen::Vector3d& along) {
+double hit(const RayTriangle& triangle, const Eigen::Vector3d& origin, const Eigen::Vector3d& along) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   const Eigen::Vector3d p = along.cross(triangle.second);
   const double determinant = triangle.first.dot(p);
@@ -79,7 +79,7 @@ class RayTarget {
 
  private:
   const Triangles& triangles_;
-  std::vector<Corners> corners_;
+  std::vector<RayTriangle> corners_;
   std::vector<double> radius2_;  // of a sphere around the first corner that holds the triangle
 };
 
