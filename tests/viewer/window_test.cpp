@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/viewer/window_fixture.h"
+#include "tests/viewer/x_drag.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -322,6 +323,16 @@ TEST_F(WindowTest, FilesAreReadAgainAndDamagedOnesLeaveWhatWasThere) {
   EXPECT_TRUE(says("truth.pc2"));
   EXPECT_TRUE(screenshot().rgba == third.rgba);
   EXPECT_TRUE(program->runs());
+  display_->hands("key ctrl+q");
+  expect_end(*program, 0);
+}
+
+TEST_F(WindowTest, GoesOnWhenTheWindowThatFilesAreDraggedFromGoesAway) {
+  const auto program = open(small(""));
+  FileDrag(display_->name()).vanish_over(std::stoul(window_));
+  EXPECT_TRUE(comes_true([&] { return program->output().find("BadWindow") != std::string::npos; }, kPatience))
+      << program->output();
+  EXPECT_TRUE(screenshot().rgba == picture("ready.png").rgba);
   display_->hands("key ctrl+q");
   expect_end(*program, 0);
 }
