@@ -4,6 +4,7 @@
 
 #include "cli/common.h"
 #include "proxy_viewer/commands.h"
+#include "proxy_viewer/picture_files.h"
 #include "proxy_viewer/render/viewport.h"
 #include "proxy_viewer/viewer.h"
 #include "runtime/basis/error.h"
@@ -38,6 +39,7 @@ void run(const ViewArguments& arguments) {
   if (!options.out.empty() && !options.headless) {
     throw Error(ErrorKind::usage, "-o writes pictures without a window: it needs --headless");
   }
+  if (!options.out.empty()) require_picture_name(options.out, true);
   if (options.headless && options.out.empty() && !writes(options.commands)) {
     throw Error(ErrorKind::usage,
                 "--headless shows nothing: give it -o FILE.png, or --do with a command that writes, as screenshot or "
