@@ -88,6 +88,12 @@ int integer(const std::string& text) {
   return value;
 }
 
+int frame_of_clip(const Controls& controls, const std::string& text) {
+  const int frame = integer(text);
+  controls.playback.require_frame(frame);
+  return frame;
+}
+
 int integer_within(const std::string& text, int low, int high) {
   const int value = integer(text);
   if (value < low || value > high) {
@@ -191,7 +197,8 @@ const Command kCommands[] = {
        require_keys(c.playback);
        c.playback.go_to_previous_key();
      }, nullptr, kRepeats},
-    {"frame", "FRAME", "", "Playback", "to a frame", [](Controls& c, const std::string& a) { c.playback.scrub(integer(a)); }},
+    {"frame", "FRAME", "", "Playback", "to a frame", 
+     [](Controls& c, const std::string& a) { c.playback.scrub(frame_of_clip(c, a)); }},
     {"backwards", "[on|off]", "B", "Playback", "play backwards",
      [](Controls& c, const std::string& a) {
        bool backwards = c.playback.backwards();  // as it goes now, in ping-pong
@@ -219,13 +226,13 @@ const Command kCommands[] = {
      [](const Controls& c) { return name_of(!c.settings.playback.real_time); }},
     {"in", "[FRAME]", "I", "Playback", "the range begins here",
      [](Controls& c, const std::string& a) {
-       const int in = a.empty() ? c.playback.frame() : integer(a);
+       const int in = a.empty() ? c.playback.frame() : frame_of_clip(c, a);
        c.playback.set_range(in, std::max(in, c.playback.out()));
        c.settings.playback.in = c.playback.in();
      }},
     {"out", "[FRAME]", "O", "Playback", "the range ends here",
      [](Controls& c, const std::string& a) {
-       const int out = a.empty() ? c.playback.frame() : integer(a);
+       const int out = a.empty() ? c.playback.frame() : frame_of_clip(c, a);
        c.playback.set_range(std::min(c.playback.in(), out), out);
        c.settings.playback.out = c.playback.out();
      }},

@@ -159,6 +159,9 @@ class Viewer {
     controls_.requests.frame_selection = true;
     if (!options_.state.empty()) session_.load_state(options_.state);
     Playback& playback = controls_.playback;
+    for (const std::optional<int>& frame : {options_.first, options_.last, options_.current}) {
+      if (frame) playback.require_frame(*frame);
+    }
     if (options_.first || options_.last) {
       playback.set_range(options_.first.value_or(playback.first()), options_.last.value_or(playback.last()));
       controls_.settings.playback.in = playback.in();

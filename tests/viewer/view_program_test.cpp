@@ -81,6 +81,19 @@ TEST_F(ViewProgramTest, WithoutAWindowSomethingIsToBeWritten) {
   EXPECT_TRUE(std::filesystem::exists(path("b.png")));
 }
 
+TEST_F(ViewProgramTest, FramesThatTheClipLacksAreRefused) {
+  const std::string shown = small_.basis + " " + small_.clip + " -o " + path("a.png");  // frames 1 to 12
+  for (const char* asked : {"--cf 13", "--cf 0", "--ff 13", "--lf 2000", "--do 'frame 2000'"}) {
+    expect(view(shown + " " + asked), 64, "frames 1-12");
+  }
+}
+
+TEST_F(ViewProgramTest, PicturesOfOtherKindsAreRefused) {
+  for (const char* file : {"z.jpg", "z", "z.####.tif"}) {
+    expect(view("missing.safetensors -o " + path(file)), 64, ".webp");
+  }
+}
+
 TEST_F(ViewProgramTest, WhatCannotBeShownEndsAScript) {
   const std::string shown = small_.basis + " " + small_.clip + " -o " + path("a.png");
   expect(view(shown + " --do 'compare lbs'"), 64, "--character");
