@@ -272,6 +272,7 @@ class Viewer {
 
   void draw(std::uint32_t width, std::uint32_t height, Edges edges) {
     const Clock::time_point start = Clock::now();
+    session_.warn_of_truth_times();
     visit_texts(snapshot_, controls_, [this](const std::string& text) { gui_.fonts().show(text); });
     gui_.begin(width, height, std::max(1e-4, seconds_between(last_picture_, start)));
     if (!series_) steer_by_mouse(scene_, area_, height, controls_);

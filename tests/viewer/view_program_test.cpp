@@ -73,6 +73,17 @@ TEST_F(ViewProgramTest, TheTruthIsThatOfTheFirstCharacter) {
   expect(view(two + " " + small_.truth + " -o " + path("a.png")), 3, "truth.pc2");
 }
 
+TEST_F(ViewProgramTest, ATruthThatLiesOtherwiseOnTheClipIsSaidOnce) {
+  const std::string shown = small_.basis + " " + small_.clip + " -o " + path("a.####.png");
+  const std::string said = "12 samples, of frames 1-12; the clip has frames 1-23 at 48 a second";
+  const ProgramResult twice = view(shown + " --fps 48 --truth " + small_.truth);
+  expect(twice, 0, said);
+  EXPECT_EQ(twice.output.find(said), twice.output.rfind(said)) << twice.output;
+  for (const std::string& fits : {shown + " --truth " + small_.truth, shown + " " + small_.truth}) {
+    EXPECT_EQ(view(fits).output.find("samples"), std::string::npos);
+  }
+}
+
 TEST_F(ViewProgramTest, WithoutAWindowSomethingIsToBeWritten) {
   const std::string shown = small_.basis + " " + small_.clip;
   expect(view(shown), 64, "-o FILE.png");
