@@ -286,13 +286,13 @@ const Command kCommands[] = {
     {"save-camera", "NAME", "", "Camera", "keeps the camera by a name",
      [](Controls& c, const std::string& a) {
        if (a.empty()) refuse(a, "a name");
-       c.settings.cameras[a] = c.camera.view();
+       c.settings.cameras[a] = c.kept_camera();
      }},
     {"camera", "NAME", "", "Camera", "to a camera that was kept",
      [](Controls& c, const std::string& a) {
        const auto found = c.settings.cameras.find(a);
        if (found == c.settings.cameras.end()) refuse(a, "a camera that was kept");
-       c.camera = OrbitCamera(found->second);
+       c.go_to_camera(found->second);
      }},
     {"forget-camera", "NAME", "", "Camera", "a camera that was kept",
      [](Controls& c, const std::string& a) {

@@ -118,15 +118,14 @@ std::vector<fs::path> Session::files() const {
 }
 
 void Session::save_state(const std::string& file) {
-  controls.settings.camera = controls.camera.view();
+  controls.settings.camera = controls.kept_camera();
   write_view_settings(controls.settings, file);
   controls.say("wrote " + file);
 }
 
 void Session::load_state(const std::string& file) {
   controls.settings = read_view_settings(file);
-  controls.camera = OrbitCamera(controls.settings.camera);
-  followed_.reset();
+  controls.go_to_camera(controls.settings.camera);
   apply_settings();
   controls.requests.frame_selection = false;
 }

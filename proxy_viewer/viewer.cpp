@@ -157,6 +157,7 @@ class Viewer {
     session_.play_clip();
     controls_.camera.orbit(0.45, 0.18);
     controls_.requests.frame_selection = true;
+    session_.follow();
     if (!options_.state.empty()) session_.load_state(options_.state);
     Playback& playback = controls_.playback;
     for (const std::optional<int>& frame : {options_.first, options_.last, options_.current}) {
