@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "proxy_viewer/commands.h"
+#include "proxy_viewer/describe_scene.h"
 #include "runtime/basis/error.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/viewer/small_character.h"
