@@ -456,7 +456,7 @@ const Command kCommands[] = {
     {"hud", "[on|off]", "Z", "View", "figures over the picture",
      [](Controls& c, const std::string& a) { toggle(c.settings.hud.on, a); },
      [](const Controls& c) { return name_of(c.settings.hud.on); }},
-    {"legend", "[on|off]", "", "View", "names of what is compared, and the colour bar of a heat map",
+    {"legend", "[on|off]", "", "View", "names of what is compared, and what colours mean",
      [](Controls& c, const std::string& a) { toggle(c.settings.hud.legend, a); },
      [](const Controls& c) { return name_of(c.settings.hud.legend); }},
     {"cheat-sheet", "[on|off]", "H", "View", "all keys",

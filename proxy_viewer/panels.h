@@ -31,6 +31,7 @@ void draw_prompt(Controls& controls, const PanelLayout& layout);
 // Over the picture.
 void draw_comparison(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout);
 void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
+void draw_colour_keys(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
 void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
 void draw_messages(Controls& controls, const PanelLayout& layout);
 
