@@ -12,6 +12,9 @@ namespace bodyopt {
 // All of them in a window of so many pixels; gives the part that is left to the characters.
 Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_t width, std::uint32_t height);
 
+// In the middle of a picture without anything else.
+void draw_loading(const std::string& text);
+
 // Where panels stand, pixels. What they leave free is the picture's area.
 struct PanelLayout {
   float width, height;   // of the window

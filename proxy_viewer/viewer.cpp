@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iostream>
 #include <memory>
 #include <utility>
 
@@ -70,9 +71,13 @@ class Viewer {
       window_->on_key = [this](const std::string& key, KeyEvent event) { on_key(key, event); };
     }
     controls_.panels = controls_.settings.hud.on = !options.headless;
-    open_first();
-    for (std::size_t k = 1; k < options.files.size(); ++k) attempt([&] { open(options.files[k]); });
     gui_.attach(*device_, viewport_.panel_pass(), window_ ? window_->handle() : nullptr);
+    show_loading(options.files.empty() ? "the built-in arm" : options.files.front());
+    open_first();
+    for (std::size_t k = 1; k < options.files.size(); ++k) {
+      show_loading(options.files[k]);
+      attempt([&] { open(options.files[k]); });
+    }
     begin();
   }
 
@@ -122,6 +127,22 @@ class Viewer {
   void warn(const std::string& text) {
     controls_.warn(text);
     pending_pictures_ = 2;
+  }
+
+  // A window that shows nothing yet looks dead.
+  void show_loading(const std::string& file) {
+    if (!window_) return;
+    std::cerr << "loading " << file << "\n";
+    window_->poll(0);
+    const auto [width, height] = picture_size();
+    if (width == 0 || height == 0) return;
+    const std::string text = "loading " + std::filesystem::path(file).filename().string() + "\xe2\x80\xa6";
+    gui_.fonts().show(text);
+    gui_.begin(width, height, 1e-4);
+    draw_loading(text);
+    gui_.end();
+    viewport_.draw({}, width, height, Edges::quick, [this](VkCommandBuffer commands) { gui_.record(commands); });
+    window_->show(viewport_);
   }
 
   // Without the first there is nothing to see.
@@ -176,8 +197,8 @@ class Viewer {
       controls_.say("listening for poses on 127.0.0.1:" + std::to_string(live_->port()));
     }
     if (window_) controls_.say("H: all keys");
-    if (controls_.requests.frame_selection) session_.frame_selection(options_.width, options_.height);
     session_.follow();
+    if (controls_.requests.frame_selection) session_.frame_selection(options_.width, options_.height);
     const std::vector<std::string> commands = script_commands(options_.commands);
     script_.assign(commands.begin(), commands.end());
   }
