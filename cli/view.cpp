@@ -86,7 +86,8 @@ void add_view(CLI::App& app) {
   verb.add_option("--do", options.commands, "Commands of the viewport, parted by ';'")->type_name("COMMANDS");
   add_unit(verb, options.clip.unit);
   verb.add_option("--live", options.live_port, "Show poses that another program sends to this UDP port of 127.0.0.1")
-      ->type_name("PORT");
+      ->type_name("PORT")
+      ->check(CLI::Range(0, 65535));
   verb.add_flag("--no-vsync", arguments->no_vsync, "As many pictures a second as there can be");
   verb.add_option("--seconds", options.seconds, "Close after so long")->check(CLI::PositiveNumber);
   verb.add_flag("--headless", options.headless, "Without a window");

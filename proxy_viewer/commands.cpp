@@ -14,6 +14,7 @@
 #include "proxy_viewer/sections.h"
 #include "proxy_viewer/setting_limits.h"
 #include "runtime/basis/error.h"
+#include "trainer/dataset/notes.h"
 
 namespace bodyopt {
 namespace {
@@ -24,33 +25,11 @@ constexpr const char* kBlank = " \t\r";
   throw Error(ErrorKind::usage, "'" + argument + "' is not " + expected);
 }
 
-// Letters that must change to make one of the other.
-std::size_t difference(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row[b.size()];
-}
-
-const std::string& nearest(const std::vector<std::string>& names, const std::string& name) {
-  return *std::min_element(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
-    return difference(a, name) < difference(b, name);
-  });
-}
-
 // Throws Error(usage) for a name that is none of these.
 const std::string& known(const std::string& name, const std::vector<std::string>& names, const char* what) {
   if (names.empty()) refuse(name, std::string("a ") + what + ": there is none");
   if (std::find(names.begin(), names.end(), name) != names.end()) return name;
-  refuse(name, std::string("a ") + what + "; the nearest is '" + nearest(names, name) + "'");
+  refuse(name, std::string("a ") + what + "; the nearest is '" + nearest_names(names, name).front() + "'");
 }
 
 std::vector<std::string> section_names() {
@@ -512,8 +491,8 @@ void run_command(Controls& controls, const std::string& text) {
   if (!command) {
     std::vector<std::string> names;
     for (const Command& c : kCommands) names.emplace_back(c.name);
-    throw Error(ErrorKind::usage,
-                "there is no command '" + name + "' in the viewport; the nearest is '" + nearest(names, name) + "'");
+    throw Error(ErrorKind::usage, "there is no command '" + name + "' in the viewport; the nearest is '" +
+                                      nearest_names(names, name).front() + "'");
   }
   const std::string rest = argument == std::string::npos ? "" : text.substr(argument, last - argument + 1);
   if (rest.empty() && *command->argument != 0 && *command->argument != '[') {

@@ -85,7 +85,7 @@ class Viewer {
     const Clock::time_point started = Clock::now();
     last_ = started;
     while (!window_->closed() && !controls_.requests.quit) {
-      if (interrupted()) throw Error(ErrorKind::interrupted, "interrupted: the window was closed");
+      if (interrupted()) throw Error(ErrorKind::interrupted, "interrupted: the viewport ends, as a signal asked it to");
       const double wait = controls_.playback.playing() || live_ ? kBusy : kIdle;
       const bool woken =
           window_->poll(series_ || pending_pictures_ > 0 || !options_.vsync || errors_.has_work() ? 0 : wait);
@@ -194,7 +194,9 @@ class Viewer {
       const Basis& basis = scene_.lead().basis();
       live_ = std::make_unique<LivePose>(*options_.live_port, basis.skeleton.size(), basis.residual.controls.size());
       controls_.live = true;
-      controls_.say("listening for poses on 127.0.0.1:" + std::to_string(live_->port()));
+      const std::string listening = "listening for poses on 127.0.0.1:" + std::to_string(live_->port());
+      std::cerr << listening << "\n";
+      controls_.say(listening);
     }
     if (window_) controls_.say("H: all keys");
     session_.follow();

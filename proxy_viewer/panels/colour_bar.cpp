@@ -30,7 +30,8 @@ std::optional<Heat> heat_of(const Snapshot& snapshot, const Controls& controls) 
   return Heat{compare.activation ? "learned, mm" : "distance, mm", static_cast<double>(error.max)};
 }
 
-std::string millimetres(double value, int digits) {
+// Three digits, or as many as it has before the point.
+std::string millimetres(double value) {
   char text[32];
   std::snprintf(text, sizeof(text), std::abs(value) < 100 ? "%.3g" : "%.0f", value);
   return text;
@@ -66,14 +67,14 @@ void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const P
   for (int k = 0; k < kLabels; ++k) {
     const float share = static_cast<float>(k) / (kLabels - 1);
     draw_text(list, left - 7, bottom - share * height, ImGui::GetColorU32(ImGuiCol_Text),
-              millimetres(static_cast<double>(share) * hottest, 3));
+              millimetres(static_cast<double>(share) * hottest));
   }
   draw_text(list, right, top - 1.3f * line, ImGui::GetColorU32(ImGuiCol_Text), heat->title);
   if (!std::isfinite(heat->most)) return;
   const float share = static_cast<float>(std::min(1.0, heat->most / hottest));
   list.AddTriangleFilled({right + 8, bottom - share * height - 4}, {right + 8, bottom - share * height + 4},
                          {right + 1, bottom - share * height}, kAccent);
-  draw_text(list, right, top - 2.4f * line, kAccent, "largest " + millimetres(heat->most, 3) + " mm");
+  draw_text(list, right, top - 2.4f * line, kAccent, "largest " + millimetres(heat->most) + " mm");
 }
 
 }  // namespace bodyopt

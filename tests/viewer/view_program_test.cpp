@@ -111,6 +111,13 @@ TEST_F(ViewProgramTest, WhatCannotBeShownEndsAScript) {
   expect(view(shown + " --do 'jiggle on'"), 64, "bodyopt dynamics");
 }
 
+TEST_F(ViewProgramTest, WhatDoesNotGoWithAnOptionIsSaid) {
+  const std::string shown = small_.basis + " " + small_.clip + " -o " + path("a.png");
+  expect(view(shown + " --proxy " + small_.basis), 3, "'bodyopt proxy' makes them");
+  for (const char* port : {"99999", "-1", "x"}) expect(view(shown + " --live " + port), 64, "--live");
+  expect(view(shown + " --live 99999"), 64, "65535");
+}
+
 TEST_F(ViewProgramTest, PicturesAreAsLargeAsScreensAre) {
   const std::string shown = small_.basis + " " + small_.clip + " --headless -o " + path("a.png");
   const ProgramResult result = run_bodyopt("view --size 3840 60 " + shown);
