@@ -4,6 +4,7 @@
 
 #include "cli/attachments.h"
 #include "cli/common.h"
+#include "cli/info_text.h"
 #include "cli/level_table.h"
 #include "runtime/basis/error.h"
 #include "runtime/basis/safetensors.h"
@@ -23,29 +24,6 @@ Json to_json(const TradeOffPoint& point) {
           {"expected_rms_mm", point.expected_mm},
           {"coefficients", point.coefficients},
           {"microseconds", point.microseconds}};
-}
-
-// The bases that a training could give, a line each.
-std::string curve_table(const Json& curve) {
-  std::string text =
-      format("\n%16s %16s %12s %14s\n", "bytes per vertex", "expected RMS, mm", "coefficients", "estimated us");
-  for (const Json& point : curve) {
-    text += format("%16.0f %16.3f %12u %14.0f\n", point.at("bytes_per_vertex").get<double>(),
-                   point.at("expected_rms_mm").get<double>(), point.at("coefficients").get<unsigned>(),
-                   point.at("microseconds").get<double>());
-  }
-  return text;
-}
-
-// Two columns, JSON keys and values, as text.
-std::string lines(const Json& result) {
-  std::string text;
-  for (const auto& [key, value] : result.items()) {
-    if (key == "curve" || key == "levels") continue;
-    text += format("%-18s %s\n", key.c_str(), (value.is_string() ? value.get<std::string>() : value.dump()).c_str());
-  }
-  if (result.contains("levels")) text += "\n" + level_table(result.at("levels"));
-  return result.contains("curve") ? text + curve_table(result.at("curve")) : text;
 }
 
 Json joint_names(const Skeleton& skeleton) {
@@ -268,7 +246,7 @@ void add_info(CLI::App& app) {
   arguments->json.add(verb);
   verb.callback([arguments] {
     const Json result = info(arguments->path, arguments->unit);
-    arguments->json.emit(result, lines(result));
+    arguments->json.emit(result, info_text(result));
   });
 }
 

@@ -53,7 +53,14 @@ Source basis_source(const ProxyArguments& arguments) {
   const double unit = kept_unit(teacher);
   const Character character = read_character(arguments.character, unit);
   std::vector<Muscle> muscles;
-  if (!arguments.muscles.empty()) muscles = read_muscles(arguments.muscles, character.skeleton);
+  if (!arguments.muscles.empty()) {
+    muscles = read_muscles(arguments.muscles, character.skeleton);
+  } else if (teacher.strain.fibre_count() > 0) {
+    spdlog::warn(
+        "the basis has {} fibres, the proxy will have none: without their strains it learns less of what it is shown; "
+        "those of muscles come with --muscles muscles.json",
+        teacher.strain.fibre_count());
+  }
   std::vector<int> frames;
   Clip clip = arguments.clip.read(teacher.skeleton, unit, frames);
   for (const std::string& name : arrange_controls(teacher.residual.controls, clip)) {

@@ -4,6 +4,7 @@
 
 #include "cli/common.h"
 #include "proxy_viewer/commands.h"
+#include "proxy_viewer/picture_files.h"
 #include "proxy_viewer/render/viewport.h"
 #include "proxy_viewer/viewer.h"
 #include "runtime/basis/error.h"
@@ -38,6 +39,7 @@ void run(const ViewArguments& arguments) {
   if (!options.out.empty() && !options.headless) {
     throw Error(ErrorKind::usage, "-o writes pictures without a window: it needs --headless");
   }
+  if (!options.out.empty()) require_picture_name(options.out, true);
   if (options.headless && options.out.empty() && !writes(options.commands)) {
     throw Error(ErrorKind::usage,
                 "--headless shows nothing: give it -o FILE.png, or --do with a command that writes, as screenshot or "
@@ -84,7 +86,8 @@ void add_view(CLI::App& app) {
   verb.add_option("--do", options.commands, "Commands of the viewport, parted by ';'")->type_name("COMMANDS");
   add_unit(verb, options.clip.unit);
   verb.add_option("--live", options.live_port, "Show poses that another program sends to this UDP port of 127.0.0.1")
-      ->type_name("PORT");
+      ->type_name("PORT")
+      ->check(CLI::Range(0, 65535));
   verb.add_flag("--no-vsync", arguments->no_vsync, "As many pictures a second as there can be");
   verb.add_option("--seconds", options.seconds, "Close after so long")->check(CLI::PositiveNumber);
   verb.add_flag("--headless", options.headless, "Without a window");

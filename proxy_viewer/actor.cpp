@@ -93,6 +93,10 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
 void Actor::add_proxy(const std::string& path) {
   const Basis& full = finest().basis();
   for (Level& level : load_levels(path)) {
+    if (level.carried.empty()) {
+      throw Error(ErrorKind::mismatch, path + ": is a basis that carries no full skin, expected a proxy of " +
+                                           files_.basis + ": 'bodyopt proxy' makes them");
+    }
     if (skeleton_hash(level.basis.skeleton) != skeleton_hash(full.skeleton) ||
         level.carried.size() != full.mesh.output_count()) {
       throw Error(ErrorKind::mismatch, path + ": is no proxy of " + files_.basis + ": it carries " +

@@ -79,6 +79,7 @@ class Actor {
   double size() const { return size_; }      // diagonal of the rest skin, metres
   double ground() const { return ground_; }  // height of its lowest point as the clip begins, metres
   Vec3 start() const { return clip_.poses.front().joints.front().translation; }  // of its root, as the clip begins
+  const Pc2Reader* truth() const { return truth_ ? &truth_->reader : nullptr; }
   // The truth is evaluated in such frames only.
   bool has_truth_at(int frame) const { return truth_ && truth_sample(frame).has_value(); }
 

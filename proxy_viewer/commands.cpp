@@ -14,6 +14,7 @@
 #include "proxy_viewer/sections.h"
 #include "proxy_viewer/setting_limits.h"
 #include "runtime/basis/error.h"
+#include "trainer/dataset/notes.h"
 
 namespace bodyopt {
 namespace {
@@ -24,33 +25,11 @@ constexpr const char* kBlank = " \t\r";
   throw Error(ErrorKind::usage, "'" + argument + "' is not " + expected);
 }
 
-// Letters that must change to make one of the other.
-std::size_t difference(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row[b.size()];
-}
-
-const std::string& nearest(const std::vector<std::string>& names, const std::string& name) {
-  return *std::min_element(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
-    return difference(a, name) < difference(b, name);
-  });
-}
-
 // Throws Error(usage) for a name that is none of these.
 const std::string& known(const std::string& name, const std::vector<std::string>& names, const char* what) {
   if (names.empty()) refuse(name, std::string("a ") + what + ": there is none");
   if (std::find(names.begin(), names.end(), name) != names.end()) return name;
-  refuse(name, std::string("a ") + what + "; the nearest is '" + nearest(names, name) + "'");
+  refuse(name, std::string("a ") + what + "; the nearest is '" + nearest_names(names, name).front() + "'");
 }
 
 std::vector<std::string> section_names() {
@@ -86,6 +65,12 @@ int integer(const std::string& text) {
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (problem != std::errc{} || end != text.data() + text.size()) refuse(text, "a whole number");
   return value;
+}
+
+int frame_of_clip(const Controls& controls, const std::string& text) {
+  const int frame = integer(text);
+  controls.playback.require_frame(frame);
+  return frame;
 }
 
 int integer_within(const std::string& text, int low, int high) {
@@ -191,7 +176,8 @@ const Command kCommands[] = {
        require_keys(c.playback);
        c.playback.go_to_previous_key();
      }, nullptr, kRepeats},
-    {"frame", "FRAME", "", "Playback", "to a frame", [](Controls& c, const std::string& a) { c.playback.scrub(integer(a)); }},
+    {"frame", "FRAME", "", "Playback", "to a frame", 
+     [](Controls& c, const std::string& a) { c.playback.scrub(frame_of_clip(c, a)); }},
     {"backwards", "[on|off]", "B", "Playback", "play backwards",
      [](Controls& c, const std::string& a) {
        bool backwards = c.playback.backwards();  // as it goes now, in ping-pong
@@ -219,13 +205,13 @@ const Command kCommands[] = {
      [](const Controls& c) { return name_of(!c.settings.playback.real_time); }},
     {"in", "[FRAME]", "I", "Playback", "the range begins here",
      [](Controls& c, const std::string& a) {
-       const int in = a.empty() ? c.playback.frame() : integer(a);
+       const int in = a.empty() ? c.playback.frame() : frame_of_clip(c, a);
        c.playback.set_range(in, std::max(in, c.playback.out()));
        c.settings.playback.in = c.playback.in();
      }},
     {"out", "[FRAME]", "O", "Playback", "the range ends here",
      [](Controls& c, const std::string& a) {
-       const int out = a.empty() ? c.playback.frame() : integer(a);
+       const int out = a.empty() ? c.playback.frame() : frame_of_clip(c, a);
        c.playback.set_range(std::min(c.playback.in(), out), out);
        c.settings.playback.out = c.playback.out();
      }},
@@ -279,13 +265,13 @@ const Command kCommands[] = {
     {"save-camera", "NAME", "", "Camera", "keeps the camera by a name",
      [](Controls& c, const std::string& a) {
        if (a.empty()) refuse(a, "a name");
-       c.settings.cameras[a] = c.camera.view();
+       c.settings.cameras[a] = c.kept_camera();
      }},
     {"camera", "NAME", "", "Camera", "to a camera that was kept",
      [](Controls& c, const std::string& a) {
        const auto found = c.settings.cameras.find(a);
        if (found == c.settings.cameras.end()) refuse(a, "a camera that was kept");
-       c.camera = OrbitCamera(found->second);
+       c.go_to_camera(found->second);
      }},
     {"forget-camera", "NAME", "", "Camera", "a camera that was kept",
      [](Controls& c, const std::string& a) {
@@ -449,7 +435,7 @@ const Command kCommands[] = {
     {"hud", "[on|off]", "Z", "View", "figures over the picture",
      [](Controls& c, const std::string& a) { toggle(c.settings.hud.on, a); },
      [](const Controls& c) { return name_of(c.settings.hud.on); }},
-    {"legend", "[on|off]", "", "View", "names of what is compared, and the colour bar of a heat map",
+    {"legend", "[on|off]", "", "View", "names of what is compared, and what colours mean",
      [](Controls& c, const std::string& a) { toggle(c.settings.hud.legend, a); },
      [](const Controls& c) { return name_of(c.settings.hud.legend); }},
     {"cheat-sheet", "[on|off]", "H", "View", "all keys",
@@ -505,8 +491,8 @@ void run_command(Controls& controls, const std::string& text) {
   if (!command) {
     std::vector<std::string> names;
     for (const Command& c : kCommands) names.emplace_back(c.name);
-    throw Error(ErrorKind::usage,
-                "there is no command '" + name + "' in the viewport; the nearest is '" + nearest(names, name) + "'");
+    throw Error(ErrorKind::usage, "there is no command '" + name + "' in the viewport; the nearest is '" +
+                                      nearest_names(names, name).front() + "'");
   }
   const std::string rest = argument == std::string::npos ? "" : text.substr(argument, last - argument + 1);
   if (rest.empty() && *command->argument != 0 && *command->argument != '[') {

@@ -7,6 +7,17 @@
 
 namespace bodyopt {
 
+OrbitView Controls::kept_camera() const {
+  OrbitView view = camera.view();
+  if (settings.look.follow) view.target = view.target - travelled;
+  return view;
+}
+
+void Controls::go_to_camera(const OrbitView& kept) {
+  camera = OrbitCamera(kept);
+  if (settings.look.follow) camera.move(travelled);
+}
+
 void Controls::warn(const std::string& text) {
   if (!messages.empty() && messages.back().text == text) return;  // of every picture: once is enough
   std::cerr << "warning: " << text << "\n";

@@ -49,6 +49,7 @@ struct Controls {
   ViewSettings settings;
   Playback playback{{1, 1}, 24};
   OrbitCamera camera;
+  Vec3 travelled{};  // metres, world: how far the lead has gone since its clip's first frame, in the last picture
   std::vector<std::string> joint_names, control_names;  // of the lead: what commands may name
   std::vector<Quat> joint_axes;                         // of the lead's joints in the bind pose, joint to world
   // Why a command has nothing to show ("compare lbs", "jiggle on"), and what would help; by what is refused.
@@ -63,6 +64,10 @@ struct Controls {
   PanelState typed;
   Requests requests;
   std::vector<Message> messages;  // newest last
+
+  // A camera as it is kept: one that follows, as the lead stands at its clip's first frame. And to such a one.
+  OrbitView kept_camera() const;
+  void go_to_camera(const OrbitView& kept);
 
   void say(const std::string& text) { messages.push_back({.text = text}); }
   // Also on standard error; once, where it is what was said last.

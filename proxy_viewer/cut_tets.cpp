@@ -93,6 +93,8 @@ CutFaces TetCutter::cut(std::span<const float> nodes, const Vec3& towards, doubl
   return faces;
 }
 
+std::array<float, 3> cut_colour(TetKind kind) { return kInside[static_cast<std::size_t>(kind)]; }
+
 CutTets::CutTets(const vulkan::Device& device, const Dynamics& dynamics)
     : device_(device), cutter_(dynamics.tets.tets, kinds_of(dynamics)) {}
 
@@ -105,7 +107,9 @@ void CutTets::cut(std::vector<float> nodes, const Vec3& towards, double share) {
   parts_.clear();
   const CutFaces faces = cutter_.cut(nodes_, towards, share);
   add_part(faces.skin, kSkin);
-  for (std::size_t kind = 0; kind < faces.inside.size(); ++kind) add_part(faces.inside[kind], kInside[kind]);
+  for (std::size_t kind = 0; kind < faces.inside.size(); ++kind) {
+    add_part(faces.inside[kind], cut_colour(static_cast<TetKind>(kind)));
+  }
 }
 
 void CutTets::add_part(const std::vector<std::uint32_t>& triangles, const std::array<float, 3>& colour) {

@@ -16,6 +16,9 @@ namespace bodyopt {
 // held: by springs that leave no corner room to jiggle: bone, what counts as bone by its depth, what jiggle.json holds.
 enum class TetKind { fat, muscle, held };
 
+// Linear RGB.
+std::array<float, 3> cut_colour(TetKind kind);
+
 // T: of every tet.
 std::vector<TetKind> kinds_of(const Dynamics& dynamics);
 

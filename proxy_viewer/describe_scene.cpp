@@ -25,6 +25,12 @@ const char* name_of(SkinMethod method) {
   return "";
 }
 
+// A basis that learned nothing is what it would be without that.
+const char* name_of(SkinMethod method, const Basis& basis) {
+  const bool adds_learned = method == SkinMethod::full || method == SkinMethod::linear;
+  return name_of(adds_learned && basis.residual.coefficient_count() == 0 ? SkinMethod::ddm : method);
+}
+
 CharacterRow describe(const Actor& character) {
   const MeshTable& mesh = character.basis().mesh;
   CharacterRow row;
@@ -115,11 +121,11 @@ void describe_cast(const Scene& scene, Snapshot& snapshot) {
 
 void describe_comparison(const Scene& scene, const Controls& controls, const ErrorCurve& curve, Snapshot& snapshot) {
   for (std::size_t c = 0; c < snapshot.cast.size(); ++c) {
-    snapshot.cast[c].method = name_of(shown_method(*scene.cast()[c], controls.settings));
+    snapshot.cast[c].method = name_of(shown_method(*scene.cast()[c], controls.settings), scene.cast()[c]->basis());
   }
   const Actor& lead = *scene.cast().front();
   const std::optional<SkinMethod> compared = compared_method(lead, controls.settings);
-  snapshot.compared = compared ? name_of(*compared) : "";
+  snapshot.compared = compared ? name_of(*compared, lead.basis()) : "";
   if (compared == SkinMethod::truth && !lead.has_truth_at(controls.playback.frame())) {
     snapshot.compared += ": none of this frame";
   }

@@ -13,6 +13,7 @@
 
 #include "runtime/basis/transform.h"
 #include "trainer/dataset/json_file.h"
+#include "trainer/dataset/notes.h"
 
 namespace bodyopt {
 
@@ -86,7 +87,8 @@ class FieldReader {
   void finish() const {
     for (const auto& [key, value] : json_.items()) {
       if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
-        object_.refuse("has the unknown key '" + key + "': misspelt, or of a newer version?");
+        object_.refuse("has the unknown key '" + key + "': misspelt (the nearest are " +
+                       list_names(nearest_names(known_, key)) + "), or of a newer version?");
       }
     }
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <utility>
 
 #include "runtime/basis/character_unit.h"
@@ -73,6 +74,20 @@ OpenedCharacter open_arm(const ClipOptions& options) {
   return opened;
 }
 
+// At least half of the joints of either, by their names: rigs of others share a few, as "Hips" and "Head".
+bool is_of(const tinygltf::Model& model, const Skeleton& skeleton) {
+  std::set<std::string> joints;
+  for (const tinygltf::Skin& skin : model.skins) {
+    for (const int joint : skin.joints) {
+      if (joint < 0 || joint >= std::ssize(model.nodes)) continue;  // which who reads the character says
+      joints.insert(model.nodes[static_cast<std::size_t>(joint)].name);
+    }
+  }
+  const auto shared = std::ranges::count_if(joints, [&](const std::string& name) { return skeleton.find(name) >= 0; });
+  const std::size_t fewer = std::min(joints.size(), skeleton.joints.size());
+  return shared > 0 && 2 * static_cast<std::size_t>(shared) >= fewer;
+}
+
 }  // namespace
 
 bool is_basis(const std::string& path) { return path.ends_with(".safetensors"); }
@@ -89,9 +104,10 @@ bool is_another_character(const std::string& path, const Skeleton& skeleton) {
   if (!std::filesystem::exists(path)) return false;  // FILE.glb#name
   const GltfFile file(path);
   const tinygltf::Model& model = file.model();
-  if (model.skins.empty()) return false;
-  return model.animations.empty() ||
-         std::ranges::none_of(model.nodes, [&](const auto& node) { return skeleton.find(node.name) >= 0; });
+  const bool has_skin =
+      std::ranges::any_of(model.nodes, [](const auto& node) { return node.mesh >= 0 && node.skin >= 0; });
+  if (!has_skin) return false;
+  return model.animations.empty() || !is_of(model, skeleton);
 }
 
 }  // namespace bodyopt

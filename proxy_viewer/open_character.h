@@ -28,8 +28,8 @@ bool is_basis(const std::string& path);
 // written. `options`: of the clip; the unit is also that of the character's file. Throws Error(file), Error(mismatch).
 OpenedCharacter open_character(const std::string& path, const ClipOptions& options);
 
-// Does the file hold a character rather than a clip for this skeleton: a skin, and no clip or none of these joints?
-// Throws Error(file).
+// Does the file hold a character rather than a clip for this skeleton: a mesh with a skin, and no clip, or less than
+// half of the joints of either skeleton in the other, by name? Throws Error(file).
 bool is_another_character(const std::string& path, const Skeleton& skeleton);
 
 }  // namespace bodyopt

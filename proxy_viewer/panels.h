@@ -12,6 +12,9 @@ namespace bodyopt {
 // All of them in a window of so many pixels; gives the part that is left to the characters.
 Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_t width, std::uint32_t height);
 
+// In the middle of a picture without anything else.
+void draw_loading(const std::string& text);
+
 // Where panels stand, pixels. What they leave free is the picture's area.
 struct PanelLayout {
   float width, height;   // of the window
@@ -31,6 +34,7 @@ void draw_prompt(Controls& controls, const PanelLayout& layout);
 // Over the picture.
 void draw_comparison(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout);
 void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
+void draw_colour_keys(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
 void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
 void draw_messages(Controls& controls, const PanelLayout& layout);
 

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "runtime/basis/atomic_file.h"
+#include "runtime/basis/error.h"
+#include "trainer/dataset/clip_source.h"
 #include "trainer/progress.h"
 
 namespace bodyopt {
@@ -17,6 +19,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kTurntablePictures = 72;
 constexpr double kTurntableStep = 2 * std::numbers::pi / static_cast<double>(kTurntablePictures);  // radians
 constexpr const char* kNewScreenshot = "bodyopt.####.png";
+constexpr const char* kMoving = ".webp";
 constexpr const char* kKept = "the pictures that were written are kept";
 
 std::string free_name() {
@@ -28,8 +31,17 @@ std::string free_name() {
 
 }  // namespace
 
+void require_picture_name(const std::string& file, bool may_move) {
+  const std::string extension = lower_case_extension(file);
+  if (extension == ".png" || (may_move && extension == kMoving)) return;
+  throw Error(ErrorKind::usage,
+              file + ": pictures are written as .png: one, or a sequence where the name has #### or %04d" +
+                  (may_move ? "; or all frames as one that moves, .webp" : ""));
+}
+
 void write_screenshot(const std::string& file, const DrawPicture& draw, Controls& controls) {
   const std::string name = file.empty() ? free_name() : file;
+  require_picture_name(name, false);
   write_png(draw(), name);
   controls.say("wrote " + name);
 }
@@ -59,8 +71,9 @@ bool PictureSeries::make_next(const DrawPicture& draw) {
 }
 
 std::unique_ptr<PictureSeries> frame_series(const std::string& pattern, double fps, Controls& controls) {
+  require_picture_name(pattern, true);
   Playback& playback = controls.playback;
-  const bool flip_book = fs::path(pattern).extension() == ".webp";
+  const bool flip_book = lower_case_extension(pattern) == kMoving;
   const bool moves = flip_book || pattern.find_first_of("#%") != std::string::npos;
   playback.pause();
   const int shown = playback.frame(), first = moves ? playback.in() : shown, last = moves ? playback.out() : shown;
@@ -73,6 +86,7 @@ std::unique_ptr<PictureSeries> frame_series(const std::string& pattern, double f
 }
 
 std::unique_ptr<PictureSeries> turntable_series(const std::string& pattern, Controls& controls) {
+  require_picture_name(pattern, false);
   controls.playback.pause();
   const OrbitCamera before = controls.camera;
   return std::make_unique<PictureSeries>(PictureSeries::Plan{pattern, kTurntablePictures, 1,

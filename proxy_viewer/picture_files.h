@@ -18,6 +18,10 @@ using DrawPicture = std::function<Image()>;  // of what the controls say
 // These say in a message what was written, and throw Error(file), Error(usage) for a pattern that is none, and
 // Error(interrupted).
 
+// Throws Error(usage), which names what can be, for a file of another kind than .png, and, where pictures `may_move`,
+// .webp.
+void require_picture_name(const std::string& file, bool may_move);
+
 // `file`, or, where it is empty, the first bodyopt.0001.png, ... that is free.
 void write_screenshot(const std::string& file, const DrawPicture& draw, Controls& controls);
 

@@ -84,6 +84,12 @@ void Playback::go_to_next_key() {
 
 void Playback::scrub(int frame) { show(index_of(frame)); }
 
+void Playback::require_frame(int frame) const {
+  require(
+      frame >= first() && frame <= last(),
+      "'" + std::to_string(frame) + "' is not a frame of the clip, which has frames " + range_text(first(), last()));
+}
+
 void Playback::set_range(int in, int out) {
   const Index begin = std::max<Index>(index_of(in), 0);
   const Index end = std::min(index_of(out), count_ - 1);

@@ -34,7 +34,8 @@ class Playback {
   void go_to_out();
   void go_to_previous_key();  // stays where there is none
   void go_to_next_key();
-  void scrub(int frame);
+  void scrub(int frame);                // beyond the clip: its first or last
+  void require_frame(int frame) const;  // throws Error(usage), which names those there are, unless the clip has it
 
   // Plays only frames from `in` to `out`. The frame shown stays; where it lies outside, playing enters the range at its
   // beginning. Throws Error(usage) when there is no frame of the clip within.

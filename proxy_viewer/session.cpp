@@ -8,6 +8,7 @@
 #include "proxy_viewer/describe_scene.h"
 #include "proxy_viewer/joint_ranges.h"
 #include "proxy_viewer/open_character.h"
+#include "proxy_viewer/truth_times.h"
 #include "runtime/basis/error.h"
 #include "trainer/dataset/clip_source.h"
 
@@ -116,15 +117,14 @@ std::vector<fs::path> Session::files() const {
 }
 
 void Session::save_state(const std::string& file) {
-  controls.settings.camera = controls.camera.view();
+  controls.settings.camera = controls.kept_camera();
   write_view_settings(controls.settings, file);
   controls.say("wrote " + file);
 }
 
 void Session::load_state(const std::string& file) {
   controls.settings = read_view_settings(file);
-  controls.camera = OrbitCamera(controls.settings.camera);
-  followed_.reset();
+  controls.go_to_camera(controls.settings.camera);
   apply_settings();
   controls.requests.frame_selection = false;
 }
@@ -179,6 +179,20 @@ void Session::follow() {
   const Vec3 at = scene.whereabouts(controls.playback.frame());
   if (followed_ && controls.settings.look.follow) controls.camera.move(at - *followed_);
   followed_ = at;
+  controls.travelled = at - scene.whereabouts(scene.lead().clip().first_frame);
+}
+
+void Session::warn_of_truth_times() {
+  std::set<std::string> times;
+  for (const auto& character : scene.cast()) {
+    const Pc2Reader* truth = character->truth();
+    if (truth) times.insert(describe_truth_times(character->files().truth, *truth, character->clip()));
+  }
+  times.erase("");
+  for (const std::string& text : times) {
+    if (!truth_times_.contains(text)) controls.warn(text);
+  }
+  truth_times_ = std::move(times);
 }
 
 void Session::describe_cast() {

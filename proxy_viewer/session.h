@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,8 @@ class Session {
   void frame_selection(std::uint32_t width, std::uint32_t height);
   // The camera goes along with the lead since the picture before.
   void follow();
+  // Of truths that lie otherwise on their clips than when this was last asked.
+  void warn_of_truth_times();
   // What is known only once a picture is evaluated.
   void describe_picture();
 
@@ -66,7 +69,8 @@ class Session {
   const ViewerOptions& options_;
   const std::string device_name_;
   WatchedFiles watched_;
-  std::optional<Vec3> followed_;  // where the lead was in the last picture
+  std::set<std::string> truth_times_;  // what was said of them
+  std::optional<Vec3> followed_;       // where the lead was in the last picture
 };
 
 }  // namespace bodyopt

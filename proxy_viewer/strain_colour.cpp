@@ -16,7 +16,7 @@ std::uint32_t packed(double red, double green, double blue) {
 }  // namespace
 
 std::uint32_t strain_colour(float strain) {
-  const double t = std::clamp(static_cast<double>(strain) * 3, -1.0, 1.0), s = std::abs(t);
+  const double t = std::clamp(static_cast<double>(strain / kFullStrain), -1.0, 1.0), s = std::abs(t);
   return t < 0 ? packed(0.93 - 0.80 * s, 0.82 - 0.25 * s, 0.45 + 0.55 * s)
                : packed(0.93 + 0.07 * s, 0.82 - 0.60 * s, 0.45 - 0.30 * s);
 }

@@ -5,7 +5,9 @@
 
 namespace bodyopt {
 
-// Blue where shorter, yellow at rest, red where longer; full at a third. sRGB and alpha, red in the lowest byte.
+constexpr float kFullStrain = 1.0f / 3;  // of the fullest colours
+
+// Blue where shorter, yellow at rest, red where longer. sRGB and alpha, red in the lowest byte.
 std::uint32_t strain_colour(float strain);
 
 }  // namespace bodyopt

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iostream>
 #include <memory>
 #include <utility>
 
@@ -70,9 +71,13 @@ class Viewer {
       window_->on_key = [this](const std::string& key, KeyEvent event) { on_key(key, event); };
     }
     controls_.panels = controls_.settings.hud.on = !options.headless;
-    open_first();
-    for (std::size_t k = 1; k < options.files.size(); ++k) attempt([&] { open(options.files[k]); });
     gui_.attach(*device_, viewport_.panel_pass(), window_ ? window_->handle() : nullptr);
+    show_loading(options.files.empty() ? "the built-in arm" : options.files.front());
+    open_first();
+    for (std::size_t k = 1; k < options.files.size(); ++k) {
+      show_loading(options.files[k]);
+      attempt([&] { open(options.files[k]); });
+    }
     begin();
   }
 
@@ -80,7 +85,7 @@ class Viewer {
     const Clock::time_point started = Clock::now();
     last_ = started;
     while (!window_->closed() && !controls_.requests.quit) {
-      if (interrupted()) throw Error(ErrorKind::interrupted, "interrupted: the window was closed");
+      if (interrupted()) throw Error(ErrorKind::interrupted, "interrupted: the viewport ends, as a signal asked it to");
       const double wait = controls_.playback.playing() || live_ ? kBusy : kIdle;
       const bool woken =
           window_->poll(series_ || pending_pictures_ > 0 || !options_.vsync || errors_.has_work() ? 0 : wait);
@@ -124,6 +129,22 @@ class Viewer {
     pending_pictures_ = 2;
   }
 
+  // A window that shows nothing yet looks dead.
+  void show_loading(const std::string& file) {
+    if (!window_) return;
+    std::cerr << "loading " << file << "\n";
+    window_->poll(0);
+    const auto [width, height] = picture_size();
+    if (width == 0 || height == 0) return;
+    const std::string text = "loading " + std::filesystem::path(file).filename().string() + "\xe2\x80\xa6";
+    gui_.fonts().show(text);
+    gui_.begin(width, height, 1e-4);
+    draw_loading(text);
+    gui_.end();
+    viewport_.draw({}, width, height, Edges::quick, [this](VkCommandBuffer commands) { gui_.record(commands); });
+    window_->show(viewport_);
+  }
+
   // Without the first there is nothing to see.
   void open_first() {
     for (const std::string& note : session_.open_first()) warn(note);
@@ -157,8 +178,12 @@ class Viewer {
     session_.play_clip();
     controls_.camera.orbit(0.45, 0.18);
     controls_.requests.frame_selection = true;
+    session_.follow();
     if (!options_.state.empty()) session_.load_state(options_.state);
     Playback& playback = controls_.playback;
+    for (const std::optional<int>& frame : {options_.first, options_.last, options_.current}) {
+      if (frame) playback.require_frame(*frame);
+    }
     if (options_.first || options_.last) {
       playback.set_range(options_.first.value_or(playback.first()), options_.last.value_or(playback.last()));
       controls_.settings.playback.in = playback.in();
@@ -169,11 +194,13 @@ class Viewer {
       const Basis& basis = scene_.lead().basis();
       live_ = std::make_unique<LivePose>(*options_.live_port, basis.skeleton.size(), basis.residual.controls.size());
       controls_.live = true;
-      controls_.say("listening for poses on 127.0.0.1:" + std::to_string(live_->port()));
+      const std::string listening = "listening for poses on 127.0.0.1:" + std::to_string(live_->port());
+      std::cerr << listening << "\n";
+      controls_.say(listening);
     }
     if (window_) controls_.say("H: all keys");
-    if (controls_.requests.frame_selection) session_.frame_selection(options_.width, options_.height);
     session_.follow();
+    if (controls_.requests.frame_selection) session_.frame_selection(options_.width, options_.height);
     const std::vector<std::string> commands = script_commands(options_.commands);
     script_.assign(commands.begin(), commands.end());
   }
@@ -273,6 +300,7 @@ class Viewer {
 
   void draw(std::uint32_t width, std::uint32_t height, Edges edges) {
     const Clock::time_point start = Clock::now();
+    session_.warn_of_truth_times();
     visit_texts(snapshot_, controls_, [this](const std::string& text) { gui_.fonts().show(text); });
     gui_.begin(width, height, std::max(1e-4, seconds_between(last_picture_, start)));
     if (!series_) steer_by_mouse(scene_, area_, height, controls_);

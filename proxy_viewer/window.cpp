@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "proxy_viewer/display_errors.h"
 #include "proxy_viewer/key_names.h"
 #include "proxy_viewer/render/attachment.h"
 #include "runtime/basis/error.h"
@@ -204,6 +205,7 @@ Window::Window(const WindowOptions& options) : vsync_(options.vsync) {
     throw Error(ErrorKind::device,
                 "no window can be opened here (" + problem + "); --headless -o FILE.png draws without one");
   }
+  survive_display_errors();
   glfwSetWindowUserPointer(window_, this);
   listen();
 }

@@ -5,6 +5,7 @@
 #include "cli/report/html.h"
 #include "cli/report/plots.h"
 #include "cli/report/svg.h"
+#include "proxy_viewer/render/srgb.h"
 #include "runtime/basis/error.h"
 
 namespace bodyopt {

@@ -1,7 +1,8 @@
 #include "cli/report/svg.h"
 
-#include <cmath>
 #include <cstdio>
+
+#include "proxy_viewer/render/srgb.h"
 
 namespace bodyopt {
 
@@ -38,16 +39,6 @@ std::string text_at(double x, double y, const char* anchor, const std::string& c
                     const std::string& attributes) {
   return "<text x=\"" + coordinate(x) + "\" y=\"" + coordinate(y) + "\" text-anchor=\"" + anchor + "\" fill=\"" +
          escape_html(colour) + "\"" + attributes + ">" + escape_html(text) + "</text>\n";
-}
-
-std::array<std::uint8_t, 3> srgb(const std::array<float, 3>& linear) {
-  std::array<std::uint8_t, 3> result;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double c = static_cast<double>(linear[i]);
-    const double encoded = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
-    result[i] = static_cast<std::uint8_t>(std::lround(255 * encoded));
-  }
-  return result;
 }
 
 std::string css_colour(const std::array<float, 3>& linear) {

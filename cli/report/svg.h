@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <string>
 
 namespace bodyopt {
@@ -25,8 +24,7 @@ std::string rectangle(double x, double y, double width, double height, const std
 std::string text_at(double x, double y, const char* anchor, const std::string& colour, const std::string& text,
                     const std::string& attributes = "");
 
-// A colour of the renderer (linear RGB), for pixels and for CSS.
-std::array<std::uint8_t, 3> srgb(const std::array<float, 3>& linear);
+// A colour of the renderer (linear RGB), for CSS.
 std::string css_colour(const std::array<float, 3>& linear);
 
 std::string escape_html(const std::string& text);

@@ -13,16 +13,6 @@ namespace {
 constexpr float kWidth = 14, kHeight = 176, kMargin = 16;
 constexpr int kLabels = 5, kSteps = 44;
 
-ImU32 colour_at(float share) {
-  const std::array<float, 3> linear = heat_colour(share);
-  const auto byte = [](float value) {
-    const float v = std::clamp(value, 0.0f, 1.0f);
-    return static_cast<int>(
-        std::lround(255 * (v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f)));
-  };
-  return IM_COL32(byte(linear[0]), byte(linear[1]), byte(linear[2]), 255);
-}
-
 struct Heat {
   const char* title;
   double most;  // of the frame that is shown, mm; not a number where it was not measured
@@ -40,9 +30,10 @@ std::optional<Heat> heat_of(const Snapshot& snapshot, const Controls& controls) 
   return Heat{compare.activation ? "learned, mm" : "distance, mm", static_cast<double>(error.max)};
 }
 
-std::string millimetres(double value, int digits) {
+// Three digits, or as many as it has before the point.
+std::string millimetres(double value) {
   char text[32];
-  std::snprintf(text, sizeof(text), "%.*g", digits, value);
+  std::snprintf(text, sizeof(text), std::abs(value) < 100 ? "%.3g" : "%.0f", value);
   return text;
 }
 
@@ -70,20 +61,20 @@ void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const P
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   for (int k = 0; k < kSteps; ++k) {
     const float low = static_cast<float>(k) / kSteps, high = static_cast<float>(k + 1) / kSteps;
-    const ImU32 a = colour_at(low), b = colour_at(high);
+    const ImU32 a = opaque(heat_colour(low)), b = opaque(heat_colour(high));
     list.AddRectFilledMultiColor({left, bottom - high * height}, {right, bottom - low * height}, b, b, a, a);
   }
   for (int k = 0; k < kLabels; ++k) {
     const float share = static_cast<float>(k) / (kLabels - 1);
     draw_text(list, left - 7, bottom - share * height, ImGui::GetColorU32(ImGuiCol_Text),
-              millimetres(static_cast<double>(share) * hottest, 3));
+              millimetres(static_cast<double>(share) * hottest));
   }
   draw_text(list, right, top - 1.3f * line, ImGui::GetColorU32(ImGuiCol_Text), heat->title);
   if (!std::isfinite(heat->most)) return;
   const float share = static_cast<float>(std::min(1.0, heat->most / hottest));
   list.AddTriangleFilled({right + 8, bottom - share * height - 4}, {right + 8, bottom - share * height + 4},
                          {right + 1, bottom - share * height}, kAccent);
-  draw_text(list, right, top - 2.4f * line, kAccent, "largest " + millimetres(heat->most, 3) + " mm");
+  draw_text(list, right, top - 2.4f * line, kAccent, "largest " + millimetres(heat->most) + " mm");
 }
 
 }  // namespace bodyopt

@@ -60,6 +60,7 @@ void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLay
     const auto found = snapshot.stage_ms.find(stage);
     if (found != snapshot.stage_ms.end()) lines.add(found->second, "ms", stage);
   }
+  if (!snapshot.cast.empty()) lines.add("skin: " + snapshot.cast.front().method);
   if (snapshot.level_count > 1) {
     lines.add("level " + std::to_string(snapshot.level) + " of " + std::to_string(snapshot.level_count - 1));
   }

@@ -12,14 +12,13 @@ namespace bodyopt {
 namespace {
 
 constexpr float kRow = 18, kMostRows = 12;
-constexpr float kFull = 1.0f / 3;  // strain of a full bar, as of a full colour
 
 void draw_row(const std::string& name, float strain) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, middle = at.x + 0.78f * width;
   const float half = 0.21f * width;
   ImDrawList& list = *ImGui::GetWindowDrawList();
-  const float end = middle + half * std::clamp(strain / kFull, -1.0f, 1.0f);
+  const float end = middle + half * std::clamp(strain / kFullStrain, -1.0f, 1.0f);
   list.AddRectFilled({middle - half, at.y + 3}, {middle + half, at.y + kRow - 3}, ImGui::GetColorU32(ImGuiCol_FrameBg));
   list.AddRectFilled({std::min(middle, end), at.y + 3}, {std::max(middle, end), at.y + kRow - 3},
                      strain_colour(strain));

@@ -32,6 +32,7 @@ Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_
   if (controls.settings.hud.legend) {
     draw_comparison(snapshot, controls, layout);
     draw_colour_bar(snapshot, controls, layout);
+    draw_colour_keys(snapshot, controls, layout);
   }
   if (controls.settings.hud.on) draw_hud(snapshot, controls, layout);
   draw_messages(controls, layout);

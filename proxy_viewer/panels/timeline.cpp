@@ -199,14 +199,17 @@ void draw_buttons(Controls& controls) {
 }
 
 // To be typed into.
-void draw_frame_number(const Snapshot& snapshot, Playback& playback) {
+void draw_frame_number(const Snapshot& snapshot, Controls& controls) {
+  const Playback& playback = controls.playback;
   ImGui::BeginGroup();
   ImGui::PushFont(large_font());
   ImGui::PushStyleColor(ImGuiCol_FrameBg, 0);
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {3, 0});
   ImGui::SetNextItemWidth(ImGui::CalcTextSize("000000").x);
   int frame = playback.frame();
-  if (ImGui::InputInt("##frame", &frame, 0, 0, ImGuiInputTextFlags_EnterReturnsTrue)) playback.scrub(frame);
+  if (ImGui::InputInt("##frame", &frame, 0, 0, ImGuiInputTextFlags_EnterReturnsTrue)) {
+    attempt(controls, "frame " + std::to_string(frame));
+  }
   ImGui::PopStyleVar();
   ImGui::PopStyleColor();
   ImGui::PopFont();
@@ -227,7 +230,7 @@ void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayo
     ImGui::SameLine(0, 14);
   }
   if (layout.width >= kNumberWidth) {
-    draw_frame_number(snapshot, controls.playback);
+    draw_frame_number(snapshot, controls);
     ImGui::SameLine(0, 14);
   }
   ImGui::SetCursorPosY(14);

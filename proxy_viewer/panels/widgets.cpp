@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "proxy_viewer/render/srgb.h"
+
 namespace bodyopt {
 namespace {
 
@@ -18,6 +20,11 @@ void show_tooltip(const std::string& text) {
 }
 
 }  // namespace
+
+ImU32 opaque(const std::array<float, 3>& linear) {
+  const std::array<std::uint8_t, 3> colour = srgb(linear);
+  return IM_COL32(colour[0], colour[1], colour[2], 255);
+}
 
 std::string label_of(const Command& command) {
   std::string text = command.name;

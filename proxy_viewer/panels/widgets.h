@@ -5,6 +5,7 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,9 @@ namespace bodyopt {
 
 constexpr ImU32 kAccent = IM_COL32(242, 158, 64, 255), kQuiet = IM_COL32(122, 122, 126, 255);
 constexpr ImU32 kErrorColour = IM_COL32(220, 90, 70, 255);
+
+// Of linear RGB.
+ImU32 opaque(const std::array<float, 3>& linear);
 
 // Of what lies over everything, and of panels that are always there.
 constexpr ImGuiWindowFlags kOverWindow = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |

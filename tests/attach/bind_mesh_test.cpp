@@ -113,6 +113,22 @@ TEST(RestSkin, SkinThatFacesTheSameWayIsPreferredUpToTwiceTheDistance) {
   EXPECT_LT(skin.facing(middle, {-1, 0, 0}).position.x(), 0.005);
 }
 
+// Shrunk, it would be near: so is whatever shrinks onto the origin.
+TEST(BindMesh, WhatIsMerelyFarAwayIsInNoOtherUnit) {
+  for (const double away : {2.0, 3.0, 4.0, 5.0, 6.0}) {
+    LooseMesh mesh = sleeve(0.008);
+    for (Vec3& p : mesh.vertices) p = p + Vec3{0, away, 0};
+    try {
+      bound(mesh);
+      ADD_FAILURE() << "accepted at " << away;
+    } catch (const Error& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find("is it elsewhere"), std::string::npos) << text;
+      EXPECT_EQ(text.find("With --unit"), std::string::npos) << text;
+    }
+  }
+}
+
 TEST(BindMesh, AnotherUnitIsNamed) {
   LooseMesh mesh = sleeve(0.008);
   for (Vec3& p : mesh.vertices) p = 100.0 * p;

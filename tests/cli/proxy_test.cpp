@@ -9,7 +9,10 @@
 #include "tests/support/capsule_limb.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
+#include "trainer/builtin/arm.h"
+#include "trainer/dataset/muscles.h"
 #include "trainer/dataset/pc2.h"
+#include "trainer/train/strain.h"
 
 namespace bodyopt {
 namespace {
@@ -93,6 +96,7 @@ TEST_F(Proxy, InfoTellsTheLevels) {
     EXPECT_NE(info.output.find(column), std::string::npos) << info.output;
   }
   EXPECT_NE(info.output.find("training frames"), std::string::npos) << info.output;
+  EXPECT_NE(info.output.find("level 0 could give"), std::string::npos) << info.output;
   EXPECT_EQ(run_bodyopt("info " + data().basis).output.find("us a frame"), std::string::npos);
 }
 
@@ -105,6 +109,28 @@ TEST_F(Proxy, ABasisTeachesOne) {
   // It remembers the unit: its clips are read as the basis' are.
   EXPECT_EQ(run_bodyopt("eval " + out + data().clip + " --out " + at("b.pc2")).exit_code, 0);
   EXPECT_EQ(load_basis(out).metadata.at("character_unit_m"), load_basis(data().basis).metadata.at("character_unit_m"));
+}
+
+TEST_F(Proxy, OfABasisWithFibresItAsksForTheMuscles) {
+  const TemporaryFolder folder;
+  const BuiltinArm arm = build_arm();
+  const auto file = [&](const char* name) { return (folder / name).string(); };
+  write_character(arm.character, file("arm.glb"));
+  write_muscles(arm.muscles, arm.character.skeleton, file("muscles.json"));
+  write_clip(arm_heldout(arm.character.skeleton, 2), arm.character.skeleton, file("clip.glb"));
+  Basis basis = build_ddm_basis(arm.character, {});
+  basis.strain = make_strain_table(basis, arm.muscles);
+  save_basis(basis, file("arm.safetensors"));
+  // Ends at a frame that the clip lacks, before it learns anything.
+  const std::string command = "proxy " + file("arm.safetensors") + " --character " + file("arm.glb") + " --clip " +
+                              file("clip.glb") + " --frames 3 --out " + file("proxy.safetensors");
+  const ProgramResult without = run_bodyopt(command);
+  EXPECT_EQ(without.exit_code, 64) << without.output;
+  EXPECT_NE(without.output.find(std::to_string(basis.strain.fibre_count()) + " fibres"), std::string::npos)
+      << without.output;
+  const ProgramResult with = run_bodyopt(command + " --muscles " + file("muscles.json"));
+  EXPECT_EQ(with.exit_code, 64) << with.output;
+  EXPECT_EQ(with.output.find("fibres"), std::string::npos) << with.output;
 }
 
 TEST_F(Proxy, WrongArgumentsAreSaid) {

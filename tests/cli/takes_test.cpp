@@ -119,6 +119,8 @@ TEST(Takes, ABasisIsAsLargeAsAskedFor) {
   const ProgramResult info = run_bodyopt("info " + basis);
   EXPECT_EQ(info.exit_code, 0);
   EXPECT_NE(info.output.find("expected RMS, mm"), std::string::npos) << info.output;
+  EXPECT_NE(info.output.find("estimated us: of a frame on one core"), std::string::npos) << info.output;
+  for (const char* coded : {"\\\"", "{", "}"}) EXPECT_EQ(info.output.find(coded), std::string::npos) << info.output;
 }
 
 // With frames held out, and without.

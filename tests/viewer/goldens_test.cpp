@@ -19,19 +19,24 @@ class GoldensTest : public ::testing::Test {
 
   Image picture(const std::string& script) { return picture(small_.basis + " " + small_.clip, script); }
 
-  Image picture(const std::string& files, const std::string& script) {
+  Image picture(const std::string& files, const std::string& script, const std::string& size = "320 180") {
     const char* device = std::getenv("BODYOPT_TEST_DEVICE");
     const std::string out = (folder_ / "picture.png").string();
-    const ProgramResult result = run_bodyopt("view " + files + " --size 320 180 --headless -o " + out +
+    const ProgramResult result = run_bodyopt("view " + files + " --size " + size + " --headless -o " + out +
                                              " --do 'panels off; hud off; legend off; " + script + "'" +
                                              (device ? " --device " + std::string(device) : ""));
     EXPECT_EQ(result.exit_code, 0) << result.output;
     return read_png(out);
   }
 
-  void expect_golden(const std::string& name, const std::string& script) {
+  Image legend(const std::string& script) { return picture(small_.basis + " " + small_.clip, script, "480 270"); }
+  // With room for all of them.
+  Image panels(const std::string& script) { return picture(small_.basis + " " + small_.clip, script, "600 338"); }
+
+  void expect_golden(const std::string& name, const std::string& script) { expect_golden(name, picture(script)); }
+
+  void expect_golden(const std::string& name, const Image& now) {
     const Image golden = read_png(kSourceFolder + "/tests/viewer/goldens/" + name);
-    const Image now = picture(script);
     const double difference = spot_difference(golden, now).largest;
     if (difference <= kBound) return;
     const std::filesystem::path kept = std::filesystem::temp_directory_path() / name;
@@ -48,8 +53,24 @@ const std::string kClay = "frame 7; orbit 15 40; turn upper 60 0 0; frame-select
 const std::string kCompared =
     "frame 9; compare ddm; heat on; heat-scale 20; skeleton on; fibres on; ghosts 1 0; ghost-step 5; wire on";
 
+const std::string kLegend =
+    "shadow off; legend on; frame 9; compare ddm; heat on; heat-scale 20; fibres on; frame-selection";
+const std::string kPanels = "shadow off; legend on; panels on; frame 5; compare ddm; layout wipe";
+const std::string kCast = "shadow off; frame 8; copies 3; copy-delay 3; right; orbit 30 15; frame-selection; dolly -2";
+
 TEST_F(GoldensTest, Clay) { expect_golden("clay.png", kClay); }
 TEST_F(GoldensTest, Compared) { expect_golden("compared.png", kCompared); }
+TEST_F(GoldensTest, Legend) { expect_golden("legend.png", legend(kLegend)); }
+TEST_F(GoldensTest, Panels) { expect_golden("panels.png", panels(kPanels)); }
+TEST_F(GoldensTest, Cast) {
+  const JigglingCharacter limb(folder_);
+  const std::string both = small_.basis + " " + small_.clip + " " + limb.basis + " " + limb.clip;
+  const Image cast = picture(both, kCast);
+  expect_golden("cast.png", cast);
+  for (const char* loss : {"copies 2", "copy-delay 4", "frame 9"}) {
+    EXPECT_GT(spot_difference(cast, picture(both, kCast + "; " + loss)).largest, 2 * kBound) << loss;
+  }
+}
 
 // Seen from the side, the limb's wrist is at the left, its base at the right.
 TEST_F(GoldensTest, CoverageIsHotWhereThePoseLeavesTheTraining) {
@@ -82,6 +103,13 @@ TEST_F(GoldensTest, LossesAreSeen) {
   for (const char* loss : {"heat off", "heat-scale 40", "skeleton off", "fibres off", "ghosts 0 0", "wire off",
                            "compare none", "layout wipe"}) {
     EXPECT_GT(spot_difference(compared, picture(kCompared + "; " + loss)).largest, 2 * kBound) << loss;
+  }
+  const Image explained = legend(kLegend), worked = panels(kPanels);
+  for (const char* loss : {"legend off", "heat off", "fibres off", "heat-scale 21"}) {
+    EXPECT_GT(spot_difference(explained, legend(kLegend + "; " + loss)).largest, 2 * kBound) << loss;
+  }
+  for (const char* loss : {"panels off", "side-panel off", "frame 6", "section cast", "wipe 0.6", "legend off"}) {
+    EXPECT_GT(spot_difference(worked, panels(kPanels + "; " + loss)).largest, 2 * kBound) << loss;
   }
 }
 

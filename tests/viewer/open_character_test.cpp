@@ -97,5 +97,28 @@ TEST(OpenCharacter, AnotherCharacterIsOneThatIsNoClipOfThisSkeleton) {
   EXPECT_FALSE(is_another_character(small.clip, own));  // has no skin
 }
 
+// The first joints of the limb, by their names, and others.
+Skeleton with_shared_joints(std::size_t shared, std::size_t all) {
+  const Skeleton own = limb_character().skeleton;
+  Skeleton skeleton;
+  for (std::size_t k = 0; k < all; ++k) {
+    Joint joint;
+    joint.name = k < shared ? own.joints[k].name : "other" + std::to_string(k);
+    skeleton.joints.push_back(joint);
+  }
+  return skeleton;
+}
+
+TEST(OpenCharacter, AFewJointsOfTheSameNameMakeNoClip) {
+  const TemporaryFolder folder;
+  const std::string file = limb_file(folder, true);
+  ASSERT_EQ(limb_character().skeleton.size(), 3u);
+  EXPECT_TRUE(is_another_character(file, with_shared_joints(1, 40)));
+  EXPECT_TRUE(is_another_character(file, with_shared_joints(1, 3)));
+  EXPECT_FALSE(is_another_character(file, with_shared_joints(2, 3)));
+  EXPECT_FALSE(is_another_character(file, with_shared_joints(3, 40)));  // all that the file has
+  EXPECT_FALSE(is_another_character(file, with_shared_joints(1, 2)));   // half of all that the character has
+}
+
 }  // namespace
 }  // namespace bodyopt::testing

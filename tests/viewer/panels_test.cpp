@@ -308,6 +308,24 @@ TEST_F(PanelsTest, TheLegendIsThereWithoutTheHud) {
   EXPECT_GT(vertices(), sides + 100);
 }
 
+TEST_F(PanelsTest, ColoursOfFibresAndTetsAreExplainedWhereThereAreSome) {
+  const auto drawn = [this](Snapshot snapshot, const std::vector<std::string>& commands) {
+    snapshot.compared.clear();
+    Controls controls;
+    for (const char* off : {"panels off", "hud off"}) run_command(controls, off);
+    for (const std::string& command : commands) run_command(controls, command);
+    draw(snapshot, controls);
+    return vertices();
+  };
+  EXPECT_EQ(drawn(small_character(), {}), 0);
+  const int fibres = drawn(small_character(), {"fibres on"}), tets = drawn(small_character(), {"tets on"});
+  EXPECT_GT(fibres, 160) << "the bar";
+  EXPECT_GT(tets, 12) << "three squares";
+  EXPECT_EQ(drawn(small_character(), {"fibres on", "tets on"}), fibres + tets);
+  EXPECT_EQ(drawn(small_character(), {"fibres on", "tets on", "legend off"}), 0);
+  EXPECT_EQ(drawn(bare_character(), {"fibres on", "tets on"}), 0);
+}
+
 TEST_F(PanelsTest, GoodNewsGoByThemselvesAndErrorsWhenTheyAreClicked) {
   const Snapshot snapshot = small_character();
   Controls controls;

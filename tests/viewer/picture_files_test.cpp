@@ -63,6 +63,35 @@ TEST_F(PictureFilesTest, AFlipBookIsOneFile) {
   EXPECT_GT(std::filesystem::file_size(folder_ / "s.webp"), 20u);
 }
 
+TEST_F(PictureFilesTest, NamesOfOtherKindsAreRefusedBeforeAnythingIsDrawn) {
+  const auto expect_refused = [this](const char* file, const char* possible, const std::function<void()>& write) {
+    controls_.playback.play();
+    try {
+      write();
+      ADD_FAILURE() << file;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::usage);
+      for (const char* named : {file, possible}) {
+        EXPECT_NE(std::string(error.what()).find(named), std::string::npos) << error.what();
+      }
+    }
+    EXPECT_TRUE(controls_.playback.playing());
+  };
+  for (const char* file : {"z.jpg", "z.webp", "z", "png", "z.png.bak"}) {
+    expect_refused(file, ".png", [&] { write_screenshot(in_folder(file), draw_, controls_); });
+  }
+  for (const char* file : {"z.jpg", "z.####.exr", "z"}) {
+    expect_refused(file, ".webp", [&] { frame_series(in_folder(file), 24, controls_); });
+  }
+  for (const char* file : {"z.##.jpg", "z.##.webp"}) {
+    expect_refused(file, ".png", [&] { turntable_series(in_folder(file), controls_); });
+  }
+  EXPECT_EQ(files(), 0u);
+  EXPECT_TRUE(views_.empty());
+  write_screenshot(in_folder("LOUD.PNG"), draw_, controls_);
+  EXPECT_EQ(frame_in("LOUD.PNG"), 9);
+}
+
 TEST_F(PictureFilesTest, ATurntableGoesOnceAroundAndComesBack) {
   make_all(*turntable_series(in_folder("t.##.png"), controls_), draw_);
   EXPECT_EQ(files(), 72u);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "proxy_viewer/commands.h"
+#include "proxy_viewer/describe_scene.h"
 #include "runtime/basis/error.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/viewer/small_character.h"
@@ -19,6 +20,24 @@ class SessionTest : public ::testing::Test {
     session_.play_clip();
   }
 
+  // Goes along +x.
+  std::string walking_clip() {
+    Clip clip = bending_clip(small_.made.skeleton);
+    for (std::size_t k = 0; k < clip.poses.size(); ++k) {
+      clip.poses[k].joints[0].translation[0] += 0.5 * static_cast<double>(k);
+    }
+    const std::string file = (folder_ / "walk.glb").string();
+    write_clip(clip, small_.made.skeleton, file);
+    return file;
+  }
+  // With a picture.
+  void go_to(int frame) {
+    session_.controls.playback.scrub(frame);
+    session_.follow();
+  }
+  double target_from_character() const {
+    return session_.controls.camera.view().target[0] - session_.scene.whereabouts(playback().frame())[0];
+  }
   // The first frames of the clip.
   std::string shorter_clip(std::size_t count) {
     Clip clip = bending_clip(small_.made.skeleton);
@@ -143,6 +162,54 @@ TEST_F(SessionTest, FramingFitsOneOfTwoViews) {
   session_.controls.settings.compare.with = CompareWith::ddm;
   session_.controls.settings.pose.joints[small_.made.skeleton.joints[0].name] = {0, 0, 90};  // wider than high
   EXPECT_GT(distance(CompareLayout::side_by_side), 1.2 * distance(CompareLayout::wipe));
+}
+
+TEST_F(SessionTest, CamerasThatWereKeptGoAlongWithTheCharacter) {
+  Controls& controls = session_.controls;
+  session_.open(walking_clip());
+  go_to(1);
+  go_to(4);
+  controls.camera.move({0.25 - target_from_character(), 1, 0});
+  run_command(controls, "save-camera side");
+  const std::string file = (folder_ / "s.json").string();
+  session_.save_state(file);
+  go_to(11);
+  EXPECT_NEAR(target_from_character(), 0.25, 1e-9);
+  for (const bool by_state : {true, false}) {
+    controls.camera.move({9, 0, 0});
+    if (by_state) {
+      session_.load_state(file);
+    } else {
+      run_command(controls, "camera side");
+    }
+    session_.follow();
+    EXPECT_NEAR(target_from_character(), 0.25, 1e-9) << by_state;
+    EXPECT_NEAR(controls.camera.view().target[1], 1, 1e-9);
+  }
+  go_to(3);
+  EXPECT_NEAR(target_from_character(), 0.25, 1e-9);
+  // One that does not follow is where the file says.
+  std::ofstream(file) << R"({"schema": "bodyopt-view-1", "look": {"follow": false}, "camera": {"target": [7, 0, 0]}})";
+  session_.load_state(file);
+  go_to(11);
+  EXPECT_EQ(controls.camera.view().target[0], 7);
+  session_.save_state(file);
+  EXPECT_EQ(read_view_settings(file).camera.target[0], 7);
+}
+
+TEST_F(SessionTest, WhatLearnedNothingIsNamedByWhatItIs) {
+  const auto shown = [](Session& session) {
+    describe_comparison(session.scene, session.controls, ErrorCurve(), session.snapshot);
+    return session.snapshot.cast[0].method;
+  };
+  EXPECT_EQ(shown(session_), "full");
+  const ViewerOptions none;
+  Session arm(open_test_device(), none);
+  arm.open_first();
+  EXPECT_EQ(shown(arm), "Direct Delta Mush");
+  arm.controls.settings.compare.with = CompareWith::linear;
+  shown(arm);
+  EXPECT_EQ(arm.snapshot.compared, "Direct Delta Mush");
 }
 
 TEST_F(SessionTest, CommandsThatHaveNothingToShowSayWhatIsMissing) {

@@ -73,6 +73,17 @@ TEST_F(ViewProgramTest, TheTruthIsThatOfTheFirstCharacter) {
   expect(view(two + " " + small_.truth + " -o " + path("a.png")), 3, "truth.pc2");
 }
 
+TEST_F(ViewProgramTest, ATruthThatLiesOtherwiseOnTheClipIsSaidOnce) {
+  const std::string shown = small_.basis + " " + small_.clip + " -o " + path("a.####.png");
+  const std::string said = "12 samples, of frames 1-12; the clip has frames 1-23 at 48 a second";
+  const ProgramResult twice = view(shown + " --fps 48 --truth " + small_.truth);
+  expect(twice, 0, said);
+  EXPECT_EQ(twice.output.find(said), twice.output.rfind(said)) << twice.output;
+  for (const std::string& fits : {shown + " --truth " + small_.truth, shown + " " + small_.truth}) {
+    EXPECT_EQ(view(fits).output.find("samples"), std::string::npos);
+  }
+}
+
 TEST_F(ViewProgramTest, WithoutAWindowSomethingIsToBeWritten) {
   const std::string shown = small_.basis + " " + small_.clip;
   expect(view(shown), 64, "-o FILE.png");
@@ -81,10 +92,30 @@ TEST_F(ViewProgramTest, WithoutAWindowSomethingIsToBeWritten) {
   EXPECT_TRUE(std::filesystem::exists(path("b.png")));
 }
 
+TEST_F(ViewProgramTest, FramesThatTheClipLacksAreRefused) {
+  const std::string shown = small_.basis + " " + small_.clip + " -o " + path("a.png");  // frames 1 to 12
+  for (const char* asked : {"--cf 13", "--cf 0", "--ff 13", "--lf 2000", "--do 'frame 2000'"}) {
+    expect(view(shown + " " + asked), 64, "frames 1-12");
+  }
+}
+
+TEST_F(ViewProgramTest, PicturesOfOtherKindsAreRefused) {
+  for (const char* file : {"z.jpg", "z", "z.####.tif"}) {
+    expect(view("missing.safetensors -o " + path(file)), 64, ".webp");
+  }
+}
+
 TEST_F(ViewProgramTest, WhatCannotBeShownEndsAScript) {
   const std::string shown = small_.basis + " " + small_.clip + " -o " + path("a.png");
   expect(view(shown + " --do 'compare lbs'"), 64, "--character");
   expect(view(shown + " --do 'jiggle on'"), 64, "bodyopt dynamics");
+}
+
+TEST_F(ViewProgramTest, WhatDoesNotGoWithAnOptionIsSaid) {
+  const std::string shown = small_.basis + " " + small_.clip + " -o " + path("a.png");
+  expect(view(shown + " --proxy " + small_.basis), 3, "'bodyopt proxy' makes them");
+  for (const char* port : {"99999", "-1", "x"}) expect(view(shown + " --live " + port), 64, "--live");
+  expect(view(shown + " --live 99999"), 64, "65535");
 }
 
 TEST_F(ViewProgramTest, PicturesAreAsLargeAsScreensAre) {

@@ -142,8 +142,8 @@ TEST_F(ViewSettingsTest, CamerasStandWhereTheyStood) {
 }
 
 TEST_F(ViewSettingsTest, UnknownKeysAreNamed) {
-  expect_refused(R"("lok": {})", {"view.json", "the file", "'lok'"});
-  expect_refused(R"("look": {"wires": true})", {"'look'", "'wires'"});
+  expect_refused(R"("lok": {})", {"view.json", "the file", "'lok'", "'look'"});
+  expect_refused(R"("look": {"wires": true})", {"'look'", "'wires'", "'wire'"});
   expect_refused(R"("cameras": {"face": {"roll": 1}})", {"'cameras' 'face'", "'roll'"});
   expect_refused(R"("playback": {"mode": "loop", "": 1})", {"'playback'", "''"});
 }

@@ -1,7 +1,9 @@
 // The program as people use it: in a window of a display without a screen, by keys and mouse, and by scripts.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "tests/viewer/window_fixture.h"
+#include "tests/viewer/x_drag.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -323,6 +325,36 @@ TEST_F(WindowTest, FilesAreReadAgainAndDamagedOnesLeaveWhatWasThere) {
   EXPECT_TRUE(program->runs());
   display_->hands("key ctrl+q");
   expect_end(*program, 0);
+}
+
+TEST_F(WindowTest, GoesOnWhenTheWindowThatFilesAreDraggedFromGoesAway) {
+  const auto program = open(small(""));
+  FileDrag(display_->name()).vanish_over(std::stoul(window_));
+  EXPECT_TRUE(comes_true([&] { return program->output().find("BadWindow") != std::string::npos; }, kPatience))
+      << program->output();
+  EXPECT_TRUE(screenshot().rgba == picture("ready.png").rgba);
+  display_->hands("key ctrl+q");
+  expect_end(*program, 0);
+}
+
+// A pipe that nobody writes to takes as long as one likes.
+TEST_F(WindowTest, WhatIsReadIsSaidMeanwhile) {
+  ASSERT_EQ(mkfifo((folder_ / "hero.glb").c_str(), 0600), 0);
+  BackgroundProgram program(command("hero.glb"), folder_ / "output.txt");
+  ASSERT_TRUE(comes_true([&] { return !(window_ = display_->window("Bodyopt")).empty(); }, kPatience))
+      << program.output();
+  EXPECT_TRUE(comes_true(
+      [&] {
+        const Image shown = display_->picture(window_);
+        std::size_t letters = 0;  // pixels that are not as the first
+        for (std::size_t k = 0; k < shown.rgba.size(); k += 4) {
+          if (!std::equal(&shown.rgba[k], &shown.rgba[k] + 3, shown.rgba.data())) ++letters;
+        }
+        return letters > 100 && letters < shown.rgba.size() / 16;
+      },
+      kPatience));
+  EXPECT_NE(program.output().find("loading hero.glb"), std::string::npos) << program.output();
+  EXPECT_TRUE(program.runs());
 }
 
 TEST_F(WindowTest, WithoutADisplayItSaysWhatToDo) {

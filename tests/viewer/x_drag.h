@@ -12,8 +12,7 @@
 
 namespace bodyopt::testing {
 
-// The hand that drags: its own connection to the display, and a window that nobody sees. GLFW answers it late and ends
-// the program when that window is gone: the hand must outlive the program.
+// The hand that drags: its own connection to the display, and a window that nobody sees.
 class FileDrag {
  public:
   explicit FileDrag(const std::string& display) : display_(XOpenDisplay(display.c_str())) {
@@ -26,12 +25,10 @@ class FileDrag {
 
   // False when the target does not take them in time.
   bool drop(const std::vector<std::string>& files, Window target, double seconds) {
-    target_ = target;
     list_.clear();
     for (const std::string& file : files) list_ += "file://" + file + "\r\n";
     XSetSelectionOwner(display_, atom("XdndSelection"), own_, CurrentTime);
-    send("XdndEnter", {0, 5L << 24, static_cast<long>(atom("text/uri-list")), 0, 0});
-    send("XdndPosition", {0, 0, 0, CurrentTime, static_cast<long>(atom("XdndActionCopy"))});
+    move_over(target);
     send("XdndDrop", {0, 0, CurrentTime, 0, 0});
     const auto start = std::chrono::steady_clock::now();
     while (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < seconds) {
@@ -47,7 +44,22 @@ class FileDrag {
     return false;
   }
 
+  // The hand goes over the target, and its window is gone before any answer. It can do nothing more.
+  void vanish_over(Window target) {
+    XGrabServer(display_);
+    move_over(target);
+    XDestroyWindow(display_, own_);
+    XUngrabServer(display_);
+    XSync(display_, False);
+  }
+
  private:
+  void move_over(Window target) {
+    target_ = target;
+    send("XdndEnter", {0, 5L << 24, static_cast<long>(atom("text/uri-list")), 0, 0});
+    send("XdndPosition", {0, 0, 0, CurrentTime, static_cast<long>(atom("XdndActionCopy"))});
+  }
+
   Atom atom(const char* name) const { return XInternAtom(display_, name, False); }
 
   // The first number of a message is always the window of the hand.

@@ -17,7 +17,8 @@ namespace {
 
 // Of the character's diagonal.
 constexpr double kSmall = 1.0 / 20, kAlong = 1.0 / 40, kFar = 1.0 / 4, kWeld = 1e-6;
-constexpr double kMostAlong = 0.9;    // of a piece's vertices
+constexpr double kTiniest = 1.0 / 200, kLargest = 2;  // of what is worn, corner to corner
+constexpr double kMostAlong = 0.9;                    // of a piece's vertices
 constexpr double kOneWay = 0.7;       // length of the mean of normals: 1 on a plane, 0.5 on a hemisphere, 0 all around
 constexpr double kOneJoint = 0.999;   // of the weights of a piece
 constexpr std::size_t kNearPart = 5;  // a piece is fixed to the skin by its nearest fifth,
@@ -90,14 +91,22 @@ class MeshBinder {
       triangles_.row(static_cast<Eigen::Index>(t)) << welded_of_[a], welded_of_[b], welded_of_[c];
     }
     normals_ = vertex_normals(vertices_, triangles_);
+    size_ = (vertices_.colwise().maxCoeff() - vertices_.colwise().minCoeff()).norm();
+  }
+
+  // Has it a size that goes with the character's? Metres.
+  bool can_be_worn(double size) const {
+    return size >= kTiniest * skin_.diagonal() && size <= kLargest * skin_.diagonal();
   }
 
   void expect_near() const {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t v = 0; v < first_.size(); ++v) least = std::min(least, distance(v));
     if (least <= kFar * skin_.diagonal()) return;
-    std::string cause = "is it elsewhere, or of another character?";
+    std::string cause = "is it elsewhere, of another character, or in another unit (--unit)?";
     for (const double factor : {0.01, 0.001, 0.0254, 0.1, 10.0, 100.0}) {
+      // Anything comes near when it shrinks onto the origin.
+      if (can_be_worn(size_) || !can_be_worn(factor * size_)) continue;
       double scaled = std::numeric_limits<double>::infinity();
       for (std::size_t v = 0; v < first_.size(); ++v) {
         const Eigen::Vector3d point = factor * vertex(v);
@@ -252,6 +261,7 @@ class MeshBinder {
   const AttachOptions& options_;
   Positions vertices_, normals_;  // welded
   Triangles triangles_;           // welded
+  double size_ = 0;               // metres, corner to corner
   Indices welded_of_, first_;     // per vertex of the mesh; per welded vertex
   std::vector<SkinPoint> nearest_;
   Indices anchor_of_;  // per welded vertex

@@ -1,0 +1,103 @@
+// What the colours of muscle fibres and of cut tetrahedra mean: a line each, at the bottom of the picture.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+#include "proxy_viewer/cut_tets.h"
+#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/widgets.h"
+#include "proxy_viewer/strain_colour.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr float kMargin = 14, kPadding = 8, kGap = 7, kBarWidth = 120, kSquare = 11;
+constexpr int kSteps = 40;
+
+// Words and colours in a line, from the left; a line without room is left out.
+class KeyLine {
+ public:
+  // `middle`: height of its middle, pixels.
+  KeyLine(float middle, float right) : middle_(middle), right_(right) {}
+
+  void add_text(const std::string& text) {
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+    texts_.push_back({x_, text});
+    x_ += size.x + kGap;
+  }
+  void add_square(ImU32 colour) {
+    fields_.push_back({x_, kSquare, colour, colour});
+    x_ += kSquare + kGap;
+  }
+  void add_strains() {
+    const auto colour_at = [](int k) { return strain_colour(kFullStrain * (2 * static_cast<float>(k) / kSteps - 1)); };
+    constexpr float kStep = kBarWidth / kSteps;
+    for (int k = 0; k < kSteps; ++k) {
+      fields_.push_back({x_ + static_cast<float>(k) * kStep, kStep, colour_at(k), colour_at(k + 1)});
+    }
+    x_ += kBarWidth + kGap;
+  }
+
+  void draw() const {
+    const float end = x_ - kGap, half = 0.5f * ImGui::GetTextLineHeight();
+    if (end + kPadding > right_) return;
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    list.AddRectFilled({kMargin - kPadding, middle_ - half - 3}, {end + kPadding, middle_ + half + 3},
+                       IM_COL32(20, 20, 22, 170), 4);
+    for (const Field& f : fields_) {
+      list.AddRectFilledMultiColor({f.left, middle_ - 0.5f * kSquare}, {f.left + f.width, middle_ + 0.5f * kSquare},
+                                   f.from, f.to, f.to, f.from);
+    }
+    for (const auto& [left, text] : texts_) {
+      list.AddText({left, middle_ - half}, IM_COL32(225, 225, 228, 255), text.c_str());
+    }
+  }
+
+ private:
+  struct Field {
+    float left, width;
+    ImU32 from, to;
+  };
+
+  float middle_, right_, x_ = kMargin;
+  std::vector<Field> fields_;
+  std::vector<std::pair<float, std::string>> texts_;
+};
+
+void draw_fibre_key(float middle, float right) {
+  std::array<char, 32> percent{};
+  std::snprintf(percent.data(), percent.size(), "%.0f %%", 100 * static_cast<double>(kFullStrain));
+  KeyLine line(middle, right);
+  line.add_text(std::string("shortened ") + percent.data());
+  line.add_strains();
+  line.add_text(std::string("stretched ") + percent.data());
+  line.draw();
+}
+
+void draw_tet_key(float middle, float right) {
+  KeyLine line(middle, right);
+  for (const auto& [kind, name] :
+       {std::pair(TetKind::held, "held"), {TetKind::muscle, "muscle"}, {TetKind::fat, "all else"}}) {
+    line.add_square(opaque(cut_colour(kind)));
+    line.add_text(name);
+  }
+  line.draw();
+}
+
+}  // namespace
+
+void draw_colour_keys(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
+  if (snapshot.cast.empty()) return;
+  const ViewSettings::Look& look = controls.settings.look;
+  const float line = ImGui::GetTextLineHeight() + 10;
+  float middle = layout.bottom() - kMargin - 0.5f * ImGui::GetTextLineHeight();
+  if (look.fibres && !snapshot.fibres.empty()) {
+    draw_fibre_key(middle, layout.right());
+    middle -= line;
+  }
+  if (look.tets && snapshot.cast.front().tets > 0) draw_tet_key(middle, layout.right());
+}
+
+}  // namespace bodyopt

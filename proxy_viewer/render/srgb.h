@@ -1,0 +1,23 @@
+// Colours as screens and files have them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace bodyopt {
+
+// Of linear RGB; below 0 and above 1 as these.
+inline std::array<std::uint8_t, 3> srgb(const std::array<float, 3>& linear) {
+  std::array<std::uint8_t, 3> result;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double c = std::clamp(static_cast<double>(linear[i]), 0.0, 1.0);
+    const double encoded = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
+    result[i] = static_cast<std::uint8_t>(std::lround(255 * encoded));
+  }
+  return result;
+}
+
+}  // namespace bodyopt
