@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "proxy_viewer/box.h"
+#include "proxy_viewer/render/camera.h"
 #include "proxy_viewer/strain_colour.h"
 #include "runtime/rig.h"
 
@@ -19,7 +21,7 @@ constexpr double kSpacing = 0.7;      // between characters, of their size
 constexpr double kInside = 0.3;       // of its size: nearer to another, a character would begin inside it
 constexpr double kSkinAround = 0.12;  // of joints, of the character's size
 constexpr float kSkinOverTets = 0.12f;
-constexpr float kSphere = 0.75f;  // around the joints, of the character's size
+constexpr double kSphere = 0.75;  // around the joints, of the character's size
 
 std::vector<Vec3> centres_of(const Actor& character, const Pose& pose) {
   std::vector<Vec3> centres;
@@ -177,27 +179,7 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   if (!cast_.empty()) {
     view.ground.height = static_cast<float>(lead().ground());
     view.ground.spacing = grid_spacing(lead().size());
-  }
-  // The sphere of all that is seen.
-  Vec3 low{1e30, 1e30, 1e30}, high{-1e30, -1e30, -1e30};
-  double largest = 0.1;
-  for (std::size_t c = 0; c < cast_.size(); ++c) {
-    const std::vector<Pose> poses = poses_of(*cast_[c], controls);
-    const auto ghosts = static_cast<std::size_t>(controls.settings.ghosts.before + controls.settings.ghosts.after);
-    for (std::size_t k = 0; k < poses.size(); ++k) {
-      const std::array<float, 3> offset = k > ghosts ? place_copy(k - ghosts) : place(c);
-      for (const Vec3& centre : centres_of(*cast_[c], poses[k])) {
-        for (std::size_t i = 0; i < 3; ++i) {
-          low[i] = std::min(low[i], centre[i] + static_cast<double>(offset[i]));
-          high[i] = std::max(high[i], centre[i] + static_cast<double>(offset[i]));
-        }
-      }
-    }
-    largest = std::max(largest, cast_[c]->size());
-  }
-  if (!cast_.empty()) {
-    for (std::size_t i = 0; i < 3; ++i) view.middle[i] = static_cast<float>(0.5 * (low[i] + high[i]));
-    view.radius = static_cast<float>(0.5 * length(high - low) + static_cast<double>(kSphere) * largest);
+    surround(controls, view);
   }
 
   std::vector<View> views = {view};
@@ -222,6 +204,28 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   // What is see-through is drawn over what is not.
   for (View& v : views) std::ranges::stable_partition(v.skins, [](const SkinDraw& draw) { return draw.alpha >= 1; });
   return views;
+}
+
+void Scene::surround(const Controls& controls, View& view) const {
+  const auto ghosts = static_cast<std::size_t>(controls.settings.ghosts.before + controls.settings.ghosts.after);
+  Box all;
+  double around_largest = 0, smallest = 1e30;
+  for (std::size_t c = 0; c < cast_.size(); ++c) {
+    const std::vector<Pose> poses = poses_of(*cast_[c], controls);
+    const double around = kSphere * std::max(0.1, cast_[c]->size());
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      const Vec3 offset = to_double(k > ghosts ? place_copy(k - ghosts) : place(c));
+      Box own;
+      for (const Vec3& centre : centres_of(*cast_[c], poses[k])) own.add(centre + offset);
+      all.add(own.low);
+      all.add(own.high);
+      smallest = std::min(smallest, own.radius() + around);
+    }
+    around_largest = std::max(around_largest, around);
+  }
+  view.middle = to_float(all.middle());
+  view.radius = static_cast<float>(all.radius() + around_largest);
+  view.ground.caster = static_cast<float>(smallest);
 }
 
 std::vector<Rectangle> Scene::view_areas(const ViewSettings& settings, const Rectangle& area) const {

@@ -62,6 +62,8 @@ class Scene {
   Pose pose_at(const Actor& character, int frame, const Controls& controls) const;
   std::vector<Pose> poses_of(const Actor& character, const Controls& controls) const;
   void add_character(std::size_t index, const Controls& controls, std::vector<View>& views);
+  // The sphere of all that is seen, and that of the smallest of them.
+  void surround(const Controls& controls, View& view) const;
   void add_skeleton(const Actor& character, const Pose& pose, const std::array<float, 3>& offset,
                     const Controls& controls, View& view);
   void add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view);

@@ -176,7 +176,7 @@ struct Viewport::Impl {
     scene->ground.bind(recorder);
     scene->ground.draw(recorder, sets.make(scene->ground, {}, shadow.image()),
                        GroundPush{push,
-                                  {view.middle[0], view.middle[2], 1 / view.radius, g.shadow},
+                                  {view.middle[0], view.middle[2], shadow_scale(view), g.shadow},
                                   {g.height, g.spacing, 2.5f * view.radius, g.axes ? 1.0f : 0.0f},
                                   g.grid,
                                   view.camera.orthographic_height > 0},

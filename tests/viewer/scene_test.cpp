@@ -188,6 +188,17 @@ TEST_F(SceneTest, CharactersOfOneShotStayWhereTheirClipsHaveThem) {
   EXPECT_EQ(views.at(0).skins.at(1).offset, (std::array<float, 3>{0, 0, 0}));
 }
 
+TEST_F(SceneTest, ShadowsOfACastAreThoseOfOne) {
+  add_small();
+  const View alone = scene_.look(controls_, kArea).at(0);
+  EXPECT_EQ(alone.ground.caster, alone.radius);
+  add_small();
+  add_small();
+  const View three = scene_.look(controls_, kArea).at(0);
+  EXPECT_FLOAT_EQ(three.ground.caster, alone.ground.caster);
+  EXPECT_GT(three.radius, alone.radius);
+}
+
 // The small character's truth has its clip's frames.
 TEST_F(SceneTest, NothingIsShownOfATruthThatLacksTheFrame) {
   Clip late = bending_clip(small_->made.skeleton);

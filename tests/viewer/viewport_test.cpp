@@ -299,6 +299,29 @@ TEST_F(ViewportTest, EveryStyleIsAnother) {
   // Normals towards the camera are blue (z), those to the right red (x), those upwards green (y).
   const Image& normals = images.back();
   const Colour middle = centre(normals), right = pixel(normals, kWidth / 2 + 24, kHeight / 2),
+// In a wide view as in that of one caster: by the share of the ground's light that it takes.
+TEST_F(ViewportTest, ShadowIsAsSharpInAWideView) {
+  const auto shade = [&](float radius) {
+    View shaded = view({skin()});
+    shaded.camera.eye = {0, 2.5f, 2.5f};
+    shaded.radius = radius;
+    shaded.ground.caster = 2;
+    View plain = shaded;
+    plain.ground.shadow = 0;
+    const Image with = draw(shaded), without = draw(plain);
+    std::vector<double> share;
+    for (std::size_t k = 0; k < with.rgba.size(); k += 4) {
+      share.push_back(linear(with.rgba[k]) / std::max(1e-3, linear(without.rgba[k])));
+    }
+    return share;
+  };
+  const std::vector<double> one = shade(2), wide = shade(7);
+  EXPECT_LT(*std::ranges::min_element(one), 0.5);
+  double largest = 0;
+  for (std::size_t k = 0; k < one.size(); ++k) largest = std::max(largest, std::abs(one[k] - wide[k]));
+  EXPECT_LT(largest, 0.06);
+}
+
                top = pixel(normals, kWidth / 2, kHeight / 2 - 24);
   EXPECT_GT(middle[2], middle[0] + 60);
   EXPECT_GT(right[0], middle[0] + 30);
