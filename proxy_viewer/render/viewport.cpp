@@ -26,7 +26,6 @@ using vulkan::structure;
 
 namespace {
 
-constexpr std::uint32_t kMostSets = 1024;  // of a picture
 constexpr std::uint32_t kPaletteSize = 256;
 
 struct ViewPush {
@@ -159,7 +158,7 @@ struct Viewport::Impl {
   explicit Impl(const vulkan::Device& d)
       : device(d),
         panel_pass(make_panel_pass(device)),
-        sets(device, kMostSets),
+        sets(device),
         palette(vulkan::upload(device, palette_numbers(), "the colour bar")),
         commands(device) {}
 

@@ -232,6 +232,18 @@ TEST_F(ViewportTest, OffsetMovesTheSkin) {
   EXPECT_GT(difference(draw(by_offset), draw(view({skin()}))).mean, 5);
 }
 
+TEST_F(ViewportTest, AsManySkinsAsThereAreAreDrawn) {
+  View crowd = view({});
+  SkinDraw hidden = skin();
+  hidden.offset = {0, 0, -1.2f};
+  for (int k = 0; k < 1500; ++k) crowd.skins.push_back(hidden);
+  crowd.skins.push_back(skin());
+  View few = crowd;
+  few.skins = {hidden, skin()};
+  EXPECT_EQ(draw(crowd).rgba, draw(few).rgba);
+  EXPECT_EQ(draw(crowd).rgba, draw(few).rgba);  // the sets are used again
+}
+
 TEST_F(ViewportTest, GhostsAreSeenThrough) {
   View ghost = view({skin()});
   ghost.skins[0].alpha = 0.5f;
@@ -287,18 +299,6 @@ TEST_F(ViewportTest, ShadowLiesOnTheGroundUnderTheSkin) {
   EXPECT_EQ(pixel(shaded, 0, 0), pixel(plain, 0, 0));
 }
 
-TEST_F(ViewportTest, EveryStyleIsAnother) {
-  std::vector<Image> images;
-  for (const SurfaceStyle style :
-       {SurfaceStyle::clay, SurfaceStyle::matcap, SurfaceStyle::flat, SurfaceStyle::normals}) {
-    View seen = view({skin()});
-    seen.skins[0].style = style;
-    images.push_back(draw(seen));
-    for (std::size_t k = 0; k + 1 < images.size(); ++k) EXPECT_GT(difference(images.back(), images[k]).largest, 8) << k;
-  }
-  // Normals towards the camera are blue (z), those to the right red (x), those upwards green (y).
-  const Image& normals = images.back();
-  const Colour middle = centre(normals), right = pixel(normals, kWidth / 2 + 24, kHeight / 2),
 // In a wide view as in that of one caster: by the share of the ground's light that it takes.
 TEST_F(ViewportTest, ShadowIsAsSharpInAWideView) {
   const auto shade = [&](float radius) {
@@ -322,6 +322,18 @@ TEST_F(ViewportTest, ShadowIsAsSharpInAWideView) {
   EXPECT_LT(largest, 0.06);
 }
 
+TEST_F(ViewportTest, EveryStyleIsAnother) {
+  std::vector<Image> images;
+  for (const SurfaceStyle style :
+       {SurfaceStyle::clay, SurfaceStyle::matcap, SurfaceStyle::flat, SurfaceStyle::normals}) {
+    View seen = view({skin()});
+    seen.skins[0].style = style;
+    images.push_back(draw(seen));
+    for (std::size_t k = 0; k + 1 < images.size(); ++k) EXPECT_GT(difference(images.back(), images[k]).largest, 8) << k;
+  }
+  // Normals towards the camera are blue (z), those to the right red (x), those upwards green (y).
+  const Image& normals = images.back();
+  const Colour middle = centre(normals), right = pixel(normals, kWidth / 2 + 24, kHeight / 2),
                top = pixel(normals, kWidth / 2, kHeight / 2 - 24);
   EXPECT_GT(middle[2], middle[0] + 60);
   EXPECT_GT(right[0], middle[0] + 30);
