@@ -36,6 +36,16 @@ TEST_F(WindowTest, WhatIsOnTheScreenIsTheScreenshot) {
   expect_end(*program, 0);
 }
 
+TEST_F(WindowTest, APictureWhoseSurfaceIsOutOfDateIsShownNonetheless) {
+  const auto program = open(
+      small(""), kPlain,
+      "VK_LAYER_PATH=" + kDeviceLossLayer + " VK_INSTANCE_LAYERS=VK_LAYER_BODYOPT_device_loss BODYOPT_OUT_OF_DATE=1");
+  click_messages_away();
+  EXPECT_TRUE(comes_true([&] { return display_->picture(window_).rgba == picture("ready.png").rgba; }, kPatience));
+  display_->hands("key ctrl+q");
+  expect_end(*program, 0);
+}
+
 TEST_F(WindowTest, KeysDoWhatTheirCommandsDo) {
   const auto program = open(small("--validate"));
   const Image first = picture("ready.png");
