@@ -144,14 +144,32 @@ void Actor::open_truth(const std::string& path) {
   files_.truth = path;
 }
 
-Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
+const Pose& Actor::clip_pose(int frame) const {
   const int number = std::clamp(frame, clip_.first_frame, clip_.last_frame());
-  Pose pose = clip_.poses[static_cast<std::size_t>(number - clip_.first_frame)];
+  return clip_.poses[static_cast<std::size_t>(number - clip_.first_frame)];
+}
+
+const std::optional<JointRange>& Actor::range(std::size_t joint) const {
+  static constexpr std::optional<JointRange> kNone;
+  return joint < ranges_.size() ? ranges_[joint] : kNone;
+}
+
+std::optional<JointRange> Actor::free_turns(std::size_t joint, int frame) const {
+  const std::optional<JointRange>& own = range(joint);
+  if (!own) return std::nullopt;
+  return turns_within(*own, basis().skeleton.joints[joint].bind.rotation, clip_pose(frame).joints[joint].rotation);
+}
+
+Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
+  Pose pose = clip_pose(frame);
   for (const auto& [joint, degrees] : posing.joints) {
-    const int index = basis().skeleton.find(joint);
-    if (index < 0) continue;
-    Quat& rotation = pose.joints[static_cast<std::size_t>(index)].rotation;
-    rotation = normalized(rotation * turn_of(degrees));
+    const int found = basis().skeleton.find(joint);
+    if (found < 0) continue;
+    const auto index = static_cast<std::size_t>(found);
+    Quat& rotation = pose.joints[index].rotation;
+    const std::optional<JointRange>& own = range(index);
+    rotation = own ? turned_within(*own, basis().skeleton.joints[index].bind.rotation, rotation, degrees)
+                   : normalized(rotation * turn_of(degrees));
   }
   const std::vector<std::string>& controls = basis().residual.controls;
   for (const auto& [control, value] : posing.controls) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "proxy_viewer/detail.h"
+#include "proxy_viewer/joint_ranges.h"
 #include "proxy_viewer/linear_blend.h"
 #include "proxy_viewer/view_settings.h"
 #include "proxy_viewer/worn_meshes.h"
@@ -61,9 +62,14 @@ class Actor {
   void open_clip(const std::string& source);
   void open_truth(const std::string& path);
 
-  // The clip's pose, turned joint by joint as the settings say. Frames beyond the clip: its first or last.
+  // Of every joint; none: they turn as far as they are turned.
+  void set_ranges(std::vector<std::optional<JointRange>> ranges) { ranges_ = std::move(ranges); }
+  // The clip's pose, turned joint by joint as the settings say and the ranges let it. Frames beyond the clip: its first
+  // or last.
   Pose pose(int frame, const ViewSettings::Posing& posing) const;
 
+  // What the range of a joint lets be added to the clip; none: it has no range.
+  std::optional<JointRange> free_turns(std::size_t joint, int frame) const;
   // Poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
   const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights);
   void reset_jiggle();  // which starts anew with the next frame
@@ -103,6 +109,8 @@ class Actor {
   const Detail& finest() const { return *details_.front(); }
   void add_proxy(const std::string& path);
   bool has_worn_skin() const;
+  const Pose& clip_pose(int frame) const;
+  const std::optional<JointRange>& range(std::size_t joint) const;
   std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation) const;
   const Evaluation& carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights);
   void show_linear_blend(const Pose& pose);
@@ -120,6 +128,7 @@ class Actor {
   Clip clip_;
   std::vector<int> keys_;
   double size_ = 1, ground_ = 0;
+  std::vector<std::optional<JointRange>> ranges_;
   Evaluation hosted_;             // of skins that come from the host: nothing
   HostedSkin blended_, carried_;  // by linear blending; by the proxy
   std::vector<Pose> blended_of_;  // none, or one

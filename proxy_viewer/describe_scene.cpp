@@ -113,6 +113,15 @@ void describe_cast(const Scene& scene, Snapshot& snapshot) {
   snapshot.first_frame = lead.clip().first_frame;
 }
 
+void describe_turns(const Scene& scene, int frame, Snapshot& snapshot) {
+  for (std::size_t j = 0; j < snapshot.joints.size(); ++j) {
+    const std::optional<JointRange> free = scene.lead().free_turns(j, frame);
+    if (!free) continue;
+    snapshot.joints[j].low = free->low;
+    snapshot.joints[j].high = free->high;
+  }
+}
+
 void describe_comparison(const Scene& scene, const Controls& controls, const ErrorCurve& curve, Snapshot& snapshot) {
   for (std::size_t c = 0; c < snapshot.cast.size(); ++c) {
     snapshot.cast[c].method = name_of(shown_method(*scene.cast()[c], controls.settings));

@@ -184,11 +184,13 @@ void Session::follow() {
 
 void Session::describe_cast() {
   const Basis& basis = scene.lead().basis();
-  std::optional<JointLimits> limits;
-  if (!options_.limits.empty()) limits = read_joint_limits(options_.limits, basis.skeleton);
+  std::vector<std::optional<JointRange>> ranges;
+  if (!options_.limits.empty()) {
+    ranges = joint_ranges(read_joint_limits(options_.limits, basis.skeleton), basis.skeleton);
+  }
   // From here on nothing throws that a file could bring about.
   bodyopt::describe_cast(scene, snapshot);
-  if (limits) limit_joints(*limits, basis.skeleton, snapshot.joints);
+  scene.lead().set_ranges(std::move(ranges));
   controls.joint_names.clear();
   controls.joint_axes.clear();
   for (const Joint& joint : basis.skeleton.joints) {

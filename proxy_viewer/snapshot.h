@@ -16,7 +16,7 @@ struct JointRow {
   std::string name;
   int parent = -1;
   int depth = 0;                              // of the tree
-  Vec3 low{-90, -90, -90}, high{90, 90, 90};  // limits of what is added to the clip, degrees
+  Vec3 low{-90, -90, -90}, high{90, 90, 90};  // of what is added to the clip in this frame, degrees
 };
 
 struct ControlRow {

@@ -273,6 +273,7 @@ class Viewer {
     gui_.begin(width, height, std::max(1e-4, seconds_between(last_picture_, start)));
     if (!series_) steer_by_mouse(scene_, area_, height, controls_);
     if (!window_) errors_.measure_shown_frame();
+    describe_turns(scene_, controls_.playback.frame(), snapshot_);
     describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
     const Rectangle area = draw_panels(snapshot_, controls_, width, height);
     gui_.end();
