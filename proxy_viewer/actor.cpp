@@ -7,6 +7,7 @@
 
 #include "proxy_viewer/euler_angles.h"
 #include "proxy_viewer/open_character.h"
+#include "proxy_viewer/output_points.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/error.h"
 #include "runtime/carry_skin.h"
@@ -277,11 +278,8 @@ void Actor::show_truth(int frame) {
 
 Actor::HostedSkin Actor::upload_output(std::span<const float> points) const {
   const MeshTable& mesh = finest().basis().mesh;
-  std::vector<float> positions(mesh.rest.size()), normals(positions.size());
-  for (std::size_t o = 0; o < mesh.output_vertex.size(); ++o) {
-    std::copy_n(points.begin() + static_cast<std::ptrdiff_t>(3 * o), 3,
-                positions.begin() + static_cast<std::ptrdiff_t>(3 * mesh.output_vertex[o]));
-  }
+  const std::vector<float> positions = vertices_of(mesh, points);
+  std::vector<float> normals(positions.size());
   cpu::output_normals(mesh, positions, normals);
   return {vulkan::upload(*device_, positions, "a skin"), vulkan::upload(*device_, normals, "its normals")};
 }

@@ -49,6 +49,7 @@ class Actor {
   const Detail& shown() const { return *details_[level_]; }
   Detail& shown() { return *details_[level_]; }
   const Basis& basis() const { return shown().basis(); }
+  const Basis& finest_basis() const { return finest().basis(); }
   std::size_t level_count() const { return details_.size(); }
   std::size_t level() const { return level_; }
   void set_level(std::size_t level) { level_ = std::min(level, details_.size() - 1); }
@@ -67,9 +68,9 @@ class Actor {
   // The clip's pose, turned joint by joint as the settings say and the ranges let it. Frames beyond the clip: its first
   // or last.
   Pose pose(int frame, const ViewSettings::Posing& posing) const;
-
   // What the range of a joint lets be added to the clip; none: it has no range.
   std::optional<JointRange> free_turns(std::size_t joint, int frame) const;
+
   // Poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
   const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights);
   void reset_jiggle();  // which starts anew with the next frame
@@ -108,9 +109,9 @@ class Actor {
   Detail& finest() { return *details_.front(); }
   const Detail& finest() const { return *details_.front(); }
   void add_proxy(const std::string& path);
-  bool has_worn_skin() const;
   const Pose& clip_pose(int frame) const;
   const std::optional<JointRange>& range(std::size_t joint) const;
+  bool has_worn_skin() const;
   std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation) const;
   const Evaluation& carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights);
   void show_linear_blend(const Pose& pose);
@@ -127,8 +128,8 @@ class Actor {
   std::size_t level_ = 0;
   Clip clip_;
   std::vector<int> keys_;
-  double size_ = 1, ground_ = 0;
   std::vector<std::optional<JointRange>> ranges_;
+  double size_ = 1, ground_ = 0;
   Evaluation hosted_;             // of skins that come from the host: nothing
   HostedSkin blended_, carried_;  // by linear blending; by the proxy
   std::vector<Pose> blended_of_;  // none, or one

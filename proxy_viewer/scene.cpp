@@ -409,10 +409,10 @@ void Scene::add_fibres(const Actor& character, const Shown& shown, const std::ar
 }
 
 std::vector<Vec3> Scene::joint_centres(const Controls& controls) const {
-  if (cast_.empty()) return {};
-  const Actor& lead = *cast_.front();
-  return centres_of(lead, pose_at(lead, controls.playback.frame(), controls));
+  return cast_.empty() ? std::vector<Vec3>() : centres_of(lead(), lead_pose(controls));
 }
+
+Pose Scene::lead_pose(const Controls& controls) const { return pose_at(lead(), controls.playback.frame(), controls); }
 
 Vec3 Scene::whereabouts(int frame) const {
   const Actor& lead = *cast_.front();

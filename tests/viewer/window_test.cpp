@@ -169,6 +169,21 @@ TEST_F(WindowTest, AClickPicksAJointAndADragDoesNot) {
   expect_end(*program, 0);
 }
 
+TEST_F(WindowTest, AClickOnTheSkinPicksTheNearestJointAndShowsThemAll) {
+  const auto program = open(small(""), kPlain + "; legend off");
+  const Image none = picture("ready.png"), shown = headless("skeleton on"),
+              picked = headless("skeleton on; select upper");
+  const auto [x, y] = middle_of_difference(shown, picked);
+  click_messages_away();
+  display_->hands("mousemove --window " + window_ + " 10 20 sleep 0.4 click 1 sleep 0.4");
+  EXPECT_TRUE(screenshot().rgba == none.rgba) << "beside the skin";
+  display_->hands("mousemove --window " + window_ + " " + std::to_string(x) + " " + std::to_string(y) +
+                  " sleep 0.4 click 1 sleep 0.4");
+  EXPECT_LT(spot_difference(screenshot(), picked).largest, 0.5 * spot_difference(shown, picked).largest);
+  display_->hands("key ctrl+q");
+  expect_end(*program, 0);
+}
+
 // Names in other scripts look as they are, whenever their files are opened.
 TEST_F(WindowTest, NamesInOtherScriptsAreShownWhenTheirFilesAreOpenedLater) {
   const std::string names[] = {"\xd1\x82\xd0\xb0\xd0\xbd\xd0\xb5\xd1\x86",  // Russian
