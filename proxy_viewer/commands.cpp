@@ -393,6 +393,14 @@ const Command kCommands[] = {
        c.settings.pose.joints.clear();
        c.settings.pose.controls.clear();
      }},
+    {"undo", "", "Ctrl+Z", "Pose", "the turns and controls before the last change",
+     [](Controls& c, const std::string&) {
+       if (!c.poses.undo(c.settings.pose)) c.say("nothing to undo: only turns and controls are");
+     }},
+    {"redo", "", "Ctrl+Shift+Z", "Pose", "the turns and controls that were undone",
+     [](Controls& c, const std::string&) {
+       if (!c.poses.redo(c.settings.pose)) c.say("nothing to redo");
+     }},
     {"correction", "0-1", "", "Pose", "how much is shown of what was learned",
      [](Controls& c, const std::string& a) { c.settings.pose.correction = number_within(a, 0, 1); }},
     {"jiggle", "[on|off]", "J", "Pose", "flesh that moves by inertia",
@@ -519,6 +527,7 @@ void run_command(Controls& controls, const std::string& text) {
   const bool turns_on = rest.empty() && command->value && command->value(controls) == "off";
   const auto missing = controls.missing.find(name + " " + (turns_on ? "on" : rest));
   if (missing != controls.missing.end()) throw Error(ErrorKind::usage, missing->first + ": " + missing->second);
+  controls.poses.note(controls.settings.pose);  // what sliders made of it
   try {
     command->run(controls, rest);
   } catch (const Error& error) {

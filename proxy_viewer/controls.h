@@ -10,6 +10,7 @@
 
 #include "proxy_viewer/orbit_camera.h"
 #include "proxy_viewer/playback.h"
+#include "proxy_viewer/pose_history.h"
 #include "proxy_viewer/view_settings.h"
 
 namespace bodyopt {
@@ -46,6 +47,7 @@ struct Message {
 
 struct Controls {
   ViewSettings settings;
+  PoseHistory poses;  // of the settings
   Playback playback{{1, 1}, 24};
   OrbitCamera camera;
   std::vector<std::string> joint_names, control_names;  // of the lead: what commands may name

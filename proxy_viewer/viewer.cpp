@@ -276,6 +276,7 @@ class Viewer {
     describe_turns(scene_, controls_.playback.frame(), snapshot_);
     describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
     const Rectangle area = draw_panels(snapshot_, controls_, width, height);
+    if (!ImGui::IsAnyItemActive()) controls_.poses.note(controls_.settings.pose);  // a drag is one step
     gui_.end();
     session_.follow();
     if (controls_.requests.frame_selection) {

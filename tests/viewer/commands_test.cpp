@@ -30,6 +30,10 @@ Controls controls_of_a_session() {
   controls.settings.cameras["close"] = {{1, 2, 3}, 0.5, 0.1, 0.2, true};
   controls.settings.pose.joints["Hips"] = {1, 2, 3};
   controls.settings.pose.joints["LeftArm"] = {4, 5, 6};
+  controls.poses.note(controls.settings.pose);
+  ViewSettings::Posing undone = controls.settings.pose;
+  undone.joints["RightArm"] = {7, 8, 9};
+  controls.poses.undo(undone);
   controls.joint = "LeftArm";
   controls.camera.orbit(0.4, 0.2);
   return controls;
@@ -157,6 +161,8 @@ const std::map<std::string, Case>& cases() {
         {"", "breath", "breath x", "breath 11", "breathe 1"}}},
       {"reset-pose",
        {"", [](C, C c) { return c.settings.pose.joints.empty() && c.settings.pose.controls.empty(); }, {"1"}}},
+      {"undo", {"", [](C, C c) { return c.settings.pose.joints.empty(); }, {"1"}}},
+      {"redo", {"", [](C, C c) { return valued(c.settings.pose.joints, "RightArm") == Vec3{7, 8, 9}; }, {"1"}}},
       {"correction", {"0.5", [](C, C c) { return c.settings.pose.correction == 0.5; }, {"", "1.01", "-0.01"}}},
       {"jiggle", {"on", [](C, C c) { return c.settings.jiggle.on; }, {"yes"}}},
       {"jiggle-amount", {"2", [](C, C c) { return c.settings.jiggle.amount == 2; }, {"", "4.1", "-1"}}},

@@ -384,6 +384,22 @@ TEST_F(PanelsTest, LivePosesAndWhatWasRejectedAreSaid) {
   EXPECT_GT(drawn(), with + 100);
 }
 
+TEST_F(PanelsTest, JointsThatAreTurnedAreCounted) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  controls.panels = controls.settings.hud.legend = false;
+  const auto drawn = [&] {
+    draw(snapshot, controls);
+    return vertices();
+  };
+  const int none = drawn();
+  controls.settings.pose.joints[snapshot.joints[0].name] = {};
+  controls.settings.pose.joints["of another character"] = {1, 2, 3};
+  EXPECT_EQ(drawn(), none);
+  controls.settings.pose.joints[snapshot.joints[0].name] = {0, 0, 4};
+  EXPECT_GT(drawn(), none + 4 * 2 * 10) << "1 joint turned";
+}
+
 TEST_F(PanelsTest, PanelsThatAreOnlyLookedAtChangeNothing) {
   const Snapshot snapshot = small_character();
   Controls controls = controls_with_all_open(snapshot);
