@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
+#include <sstream>
 #include <utility>
 
 #include "proxy_viewer/euler_angles.h"
@@ -109,16 +111,27 @@ void Actor::add_proxy(const std::string& path) {
 std::string Actor::name() const { return files_.basis.empty() ? "arm" : fs::path(files_.basis).stem().string(); }
 
 bool Actor::has(SkinMethod method) const {
-  if (method == SkinMethod::jiggle) return shown().jiggles();
+  if (method == SkinMethod::jiggle) return shown().jiggles() && why_still().empty();
   const bool of_finest = method == SkinMethod::proxy || method == SkinMethod::lbs || method == SkinMethod::truth;
   return (level_ == 0 || !of_finest) && has_at_finest(method);
 }
 
 bool Actor::has_at_finest(SkinMethod method) const {
-  if (method == SkinMethod::jiggle) return finest().jiggles();
+  if (method == SkinMethod::jiggle) return has_dynamics() && why_still().empty();
   if (method == SkinMethod::proxy) return details_.size() > 1 && !details_[1]->level().carried.empty();
   if (method == SkinMethod::lbs) return linear_blend_ != nullptr;
   return method != SkinMethod::truth || truth_.has_value();
+}
+
+std::string Actor::why_still() const {
+  if (!has_dynamics() || clip_.poses.size() < 2) return "";
+  const double rate = finest().jiggle_rate();
+  if (std::abs(clip_.fps - rate) <= 1e-3 * rate) return "";
+  std::ostringstream text;
+  text << "the dynamics of " << name() << " step " << rate << " frames a second, the clip has " << clip_.fps
+       << ": sample it with --fps " << rate << ", or make the dynamics anew with 'bodyopt dynamics --fps " << clip_.fps
+       << "'";
+  return text.str();
 }
 
 void Actor::open_clip(const std::string& source) {

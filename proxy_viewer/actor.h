@@ -58,6 +58,9 @@ class Actor {
   const std::vector<int>& keys() const { return keys_; }  // frames; see clip_keys()
   bool has(SkinMethod method) const;
   bool has_at_finest(SkinMethod method) const;  // whatever level is shown
+  bool has_dynamics() const { return finest().jiggles(); }
+  // Why it does not jiggle although it has dynamics: they step at another rate than the clip. Empty: it does.
+  std::string why_still() const;
 
   // These throw as the constructor, and leave what was there.
   void open_clip(const std::string& source);

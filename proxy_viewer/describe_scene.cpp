@@ -91,11 +91,13 @@ std::map<std::string, std::string> describe_missing(const Actor& lead) {
   if (!lead.has_at_finest(SkinMethod::truth)) {
     missing["compare truth"] = "there is no point cache: open one (.pc2), or begin with --truth hero.pc2";
   }
-  if (!lead.has_at_finest(SkinMethod::jiggle)) {
+  if (!lead.has_dynamics()) {
     for (const char* command : {"compare jiggle", "jiggle on", "tets on"}) {
       missing[command] = "there are no dynamics beside the basis: 'bodyopt dynamics' makes them";
     }
   }
+  } else if (const std::string why = lead.why_still(); !why.empty()) {
+    for (const char* command : {"compare jiggle", "jiggle on"}) missing[command] = why;
   if (lead.basis().strain.names.empty()) {
     missing["fibres on"] = "the basis has no muscles: they are given to 'bodyopt train'";
   }

@@ -47,6 +47,8 @@ class Detail {
   const Basis& basis() const { return level_.basis; }
   const Level& level() const { return level_; }
   bool jiggles() const { return dynamics_.has_value(); }
+  // Frames a second that the jiggle steps; the level must have dynamics.
+  double jiggle_rate() const { return static_cast<double>(dynamics_->jiggle.step.frames_per_second); }
   std::uint32_t tet_count() const { return dynamics_ ? dynamics_->tets.tet_count() : 0; }
   // The tets at a pose, or, where `jiggle` says how much is shown of it, where the jiggle that is shown has them. The
   // level must have dynamics.

@@ -128,6 +128,7 @@ void Session::load_state(const std::string& file) {
   followed_.reset();
   apply_settings();
   controls.requests.frame_selection = false;
+  warn_of_rates();
 }
 
 void Session::play_clip() {
@@ -201,6 +202,15 @@ void Session::describe_cast() {
   controls.missing = describe_missing(scene.lead());
   if (basis.skeleton.find(controls.joint) < 0) controls.joint.clear();
   snapshot.device = device_name_;
+  warn_of_rates();
+}
+
+// Where jiggle is wanted, and left out.
+void Session::warn_of_rates() {
+  if (!controls.settings.jiggle.on) return;
+  for (const auto& character : scene.cast()) {
+    if (const std::string why = character->why_still(); !why.empty()) controls.warn("it does not jiggle: " + why);
+  }
 }
 
 void Session::describe_picture() {

@@ -24,6 +24,8 @@ void draw_errors(const Snapshot& snapshot, Controls& controls) {
     draw_error("RMS of this frame", snapshot.errors[index].rms);
     draw_error("Largest", snapshot.errors[index].max);
   }
+  const bool jiggles = snapshot.compared == "jiggle" || (!snapshot.cast.empty() && snapshot.cast[0].method == "jiggle");
+  if (jiggles) ImGui::TextDisabled("without jiggle, which has a past");
   const float width = share_of_line(2);
   command_button(controls, "worst-frame", nullptr, width);
   ImGui::SameLine();

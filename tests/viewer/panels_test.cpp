@@ -384,6 +384,20 @@ TEST_F(PanelsTest, LivePosesAndWhatWasRejectedAreSaid) {
   EXPECT_GT(drawn(), with + 100);
 }
 
+TEST_F(PanelsTest, ErrorsAreSaidToBeWithoutTheJiggle) {
+  Snapshot snapshot = small_character();
+  snapshot.compared = "truth";
+  Controls controls;
+  controls.settings.hud.on = controls.settings.hud.legend = false;
+  run_command(controls, "section compare");
+  const auto drawn = [&](const char* method) {
+    snapshot.cast.at(0).method = method;
+    for (int k = 0; k < 2; ++k) draw(snapshot, controls);
+    return vertices();
+  };
+  EXPECT_GT(drawn("jiggle"), drawn("giggle") + 4 * 20);
+}
+
 TEST_F(PanelsTest, JointsThatAreTurnedAreCounted) {
   const Snapshot snapshot = small_character();
   Controls controls;

@@ -7,6 +7,7 @@
 #include "proxy_viewer/describe_scene.h"
 #include "proxy_viewer/euler_angles.h"
 #include "runtime/basis/error.h"
+#include "tests/support/error_kind.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/viewer/small_character.h"
 
@@ -171,6 +172,26 @@ TEST_F(SessionTest, CommandsThatHaveNothingToShowSayWhatIsMissing) {
   for (const char* command : {"jiggle off", "compare ddm", "fibres on"}) EXPECT_EQ(refusal(command), "") << command;
   session_.open(small_.truth);
   EXPECT_EQ(refusal("compare truth"), "");
+}
+
+// The dynamics step 24 frames a second.
+TEST(SessionRates, JiggleOfAnotherRateIsLeftOutAndSaid) {
+  const TemporaryFolder folder;
+  const JigglingCharacter limb(folder);
+  ViewerOptions options;
+  options.files = {limb.basis};
+  options.clip.fps = 30;
+  Session session(open_test_device(), options);
+  session.open_first();
+  EXPECT_TRUE(session.scene.lead().has(SkinMethod::jiggle)) << "a pose alone has no rate";
+  run_command(session.controls, "jiggle on");
+  session.open(limb.clip);
+  EXPECT_EQ(shown_method(session.scene.lead(), session.controls.settings), SkinMethod::full);
+  ASSERT_FALSE(session.controls.messages.empty());
+  EXPECT_NE(session.controls.messages.back().text.find("--fps 24"), std::string::npos);
+  run_command(session.controls, "jiggle off");
+  EXPECT_EQ(kind_of([&] { run_command(session.controls, "jiggle on"); }), ErrorKind::usage);
+  EXPECT_NO_THROW(run_command(session.controls, "tets on"));
 }
 
 // By whatever they are turned: a command here.
