@@ -83,7 +83,7 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
     worn_ = std::make_unique<WornMeshes>(*device_, finest().basis(), std::move(attached));
   }
   clip_ = opened.clip ? std::move(*opened.clip) : bind_clip(finest().basis());
-  size_ = diagonal(finest().basis().mesh.rest);
+  measure_size();
   if (!files.truth.empty()) open_truth(files.truth);
   if (files.clip.empty()) {
     measure_ground();
@@ -196,6 +196,7 @@ Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
 }
 
 const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights) {
+  if (hosted_skin(method)) hosted_pose_ = poses[0];
   if (method == SkinMethod::truth) {
     try {
       show_truth(frame);
@@ -210,18 +211,40 @@ const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses
     return hosted_;
   }
   if (method == SkinMethod::proxy) return carry_proxy(poses.first(1), frame, weights);
-  const bool carries = worn_ && has_worn_skin() && (method == SkinMethod::full || method == SkinMethod::jiggle);
+  const bool carries = worn_ && has_worn_skin();
   return details_[level_]->evaluate(method, poses, frame, weights, carries);
 }
 
-const WornMeshes* Actor::worn(SkinMethod method) {
-  if (!worn_ || !has_worn_skin()) return nullptr;
-  const Detail::Evaluated& skin = shown().last(method);
-  if (const Source on{level_, skin.number}; on != worn_on_) {
-    worn_->carry(full_skin(shown(), skin.result), skin.poses[0].joints);
-    worn_on_ = on;
-  }
-  return worn_.get();
+std::span<const WornMesh> Actor::worn(SkinMethod method) {
+  if (!worn_ || !has_worn_skin()) return {};
+  Worn& worn = worn_on_[method];
+  std::vector<std::vector<float>> skins = skins_on_host(method);
+  const std::vector<Pose> poses = hosted_skin(method) ? std::vector{hosted_pose_} : shown().last(method).poses;
+  if (skins == worn.skins && same(poses, worn.poses)) return worn.meshes;
+  worn.meshes = worn_->carry(skins, poses);
+  worn.skins = std::move(skins);
+  worn.poses = poses;
+  return worn.meshes;
+}
+
+std::vector<float> Actor::worn_points(std::span<const float> skin, const Pose& pose) const {
+  return worn_ ? worn_->points(skin, pose) : std::vector<float>();
+}
+
+// Null: the method evaluates on the device.
+const Actor::HostedSkin* Actor::hosted_skin(SkinMethod method) const {
+  if (method == SkinMethod::lbs) return &blended_;
+  if (method == SkinMethod::proxy) return &carried_;
+  return method == SkinMethod::truth ? &truth_->skin : nullptr;
+}
+
+// O x 3 of the finest level, of every pose that the method has evaluated last.
+std::vector<std::vector<float>> Actor::skins_on_host(SkinMethod method) const {
+  if (const HostedSkin* hosted = hosted_skin(method)) return {hosted->points};
+  const Detail::Evaluated& last = shown().last(method);
+  std::vector<std::vector<float>> skins;
+  for (std::size_t k = 0; k < last.poses.size(); ++k) skins.push_back(full_skin(shown(), last.result, k));
+  return skins;
 }
 
 void Actor::show_linear_blend(const Pose& pose) {
@@ -235,20 +258,21 @@ bool Actor::has_worn_skin() const {
   return level_ == 0 || shown().level().carried.size() == finest().basis().mesh.output_count();
 }
 
-// O x 3 of the finest level, of the first frame.
-std::vector<float> Actor::full_skin(const Detail& detail, const Evaluation& evaluation) const {
+// O x 3 of the finest level.
+std::vector<float> Actor::full_skin(const Detail& detail, const Evaluation& evaluation, std::size_t pose) const {
   const Level& level = detail.level();
   const std::size_t count = std::size_t{3} * level.basis.mesh.output_count();
-  const std::span<const float> positions = std::span(evaluation.positions).first(count);
+  const std::span<const float> positions = std::span(evaluation.positions).subspan(pose * count, count);
   if (&detail == details_.front().get() || level.carried.empty()) return {positions.begin(), positions.end()};
-  return carry_skin(level.basis.mesh, level.carried, positions, std::span(evaluation.normals).first(count));
+  return carry_skin(level.basis.mesh, level.carried, positions,
+                    std::span(evaluation.normals).subspan(pose * count, count));
 }
 
 const Evaluation& Actor::carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights) {
   Detail& proxy = *details_[1];
   const Evaluation& result = proxy.evaluate(SkinMethod::full, poses, frame, weights, true);
   const Source from{1, proxy.last(SkinMethod::full).number};
-  if (from != carried_from_) carried_ = upload_output(full_skin(proxy, result));
+  if (from != carried_from_) carried_ = upload_output(full_skin(proxy, result, 0));
   carried_from_ = from;
   return result;
 }
@@ -258,15 +282,13 @@ void Actor::reset_jiggle() {
 }
 
 DeviceSkin Actor::skin(SkinMethod method) const {
-  if (method == SkinMethod::truth) return {&truth_->skin.positions, &truth_->skin.normals};
-  if (method == SkinMethod::proxy) return {&carried_.positions, &carried_.normals};
-  if (method == SkinMethod::lbs) return {&blended_.positions, &blended_.normals};
+  if (const HostedSkin* hosted = hosted_skin(method)) return {&hosted->positions, &hosted->normals};
   return shown().skin(method);
 }
 
 std::vector<float> Actor::measure(SkinMethod method, const Pose& pose, int frame, float correction) {
   if (method == SkinMethod::proxy) {
-    return full_skin(*details_[1], details_[1]->measure(SkinMethod::full, pose, correction));
+    return full_skin(*details_[1], details_[1]->measure(SkinMethod::full, pose, correction), 0);
   }
   if (method == SkinMethod::lbs) return linear_blend_->skin(pose);
   if (method != SkinMethod::truth) return finest().measure(method, pose, correction).positions;
@@ -294,7 +316,20 @@ Actor::HostedSkin Actor::upload_output(std::span<const float> points) const {
   const std::vector<float> positions = vertices_of(mesh, points);
   std::vector<float> normals(positions.size());
   cpu::output_normals(mesh, positions, normals);
-  return {vulkan::upload(*device_, positions, "a skin"), vulkan::upload(*device_, normals, "its normals")};
+  return {{points.begin(), points.end()},
+          vulkan::upload(*device_, positions, "a skin"),
+          vulkan::upload(*device_, normals, "its normals")};
+}
+
+void Actor::measure_size() {
+  const MeshTable& mesh = finest().basis().mesh;
+  size_ = diagonal(mesh.rest);
+  std::vector<float> points = mesh.rest;
+  if (worn_) {
+    const std::vector<float> worn = worn_points(output_of(mesh, mesh.rest), bind_pose(finest().basis().skeleton));
+    std::ranges::copy(worn, std::back_inserter(points));
+  }
+  reach_ = diagonal(points);
 }
 
 void Actor::measure_ground() {

@@ -77,8 +77,11 @@ class Actor {
   // Poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
   const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights);
   void reset_jiggle();  // which starts anew with the next frame
-  // What it wears, on the skin evaluated last by the method, full or jiggle; null: nothing.
-  const WornMeshes* worn(SkinMethod method);
+  // What it wears, on the skins that the method has evaluated last, one a pose; empty: nothing.
+  std::span<const WornMesh> worn(SkinMethod method);
+  bool wears() const { return worn_ != nullptr; }
+  // The points of what it wears, on a skin as measure() gives it, metres, world.
+  std::vector<float> worn_points(std::span<const float> skin, const Pose& pose) const;
   // Of the last evaluation by the method.
   DeviceSkin skin(SkinMethod method) const;
 
@@ -87,6 +90,7 @@ class Actor {
   std::vector<float> measure(SkinMethod method, const Pose& pose, int frame, float correction = 1);
 
   double size() const { return size_; }      // diagonal of the rest skin, metres
+  double reach() const { return reach_; }    // as size(), with what it wears
   double ground() const { return ground_; }  // height of its lowest point as the clip begins, metres
   Vec3 start() const { return clip_.poses.front().joints.front().translation; }  // of its root, as the clip begins
   // The truth is evaluated in such frames only.
@@ -95,7 +99,14 @@ class Actor {
  private:
   // A skin of the finest level that comes from the host.
   struct HostedSkin {
+    std::vector<float> points;  // O x 3
     vulkan::Buffer positions, normals;
+  };
+  // What is worn on the skins of a method.
+  struct Worn {
+    std::vector<std::vector<float>> skins;
+    std::vector<Pose> poses;
+    std::vector<WornMesh> meshes;
   };
   // What the host made something of last: the evaluation of a level.
   struct Source {
@@ -115,12 +126,15 @@ class Actor {
   const Pose& clip_pose(int frame) const;
   const std::optional<JointRange>& range(std::size_t joint) const;
   bool has_worn_skin() const;
-  std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation) const;
+  std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation, std::size_t pose) const;
+  const HostedSkin* hosted_skin(SkinMethod method) const;
+  std::vector<std::vector<float>> skins_on_host(SkinMethod method) const;
   const Evaluation& carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights);
   void show_linear_blend(const Pose& pose);
   HostedSkin upload_output(std::span<const float> points) const;
   void show_truth(int frame);
   std::optional<std::uint32_t> truth_sample(int frame) const;
+  void measure_size();
   void measure_ground();
 
   std::shared_ptr<const vulkan::Device> device_;
@@ -132,13 +146,15 @@ class Actor {
   Clip clip_;
   std::vector<int> keys_;
   std::vector<std::optional<JointRange>> ranges_;
-  double size_ = 1, ground_ = 0;
+  double size_ = 1, reach_ = 1, ground_ = 0;
   Evaluation hosted_;             // of skins that come from the host: nothing
   HostedSkin blended_, carried_;  // by linear blending; by the proxy
   std::vector<Pose> blended_of_;  // none, or one
-  Source carried_from_, worn_on_;
+  Source carried_from_;
   std::optional<Truth> truth_;
   std::unique_ptr<WornMeshes> worn_;
+  std::map<SkinMethod, Worn> worn_on_;
+  Pose hosted_pose_;  // of the skins from the host that were evaluated last
   std::unique_ptr<LinearBlend> linear_blend_;
 };
 

@@ -328,6 +328,9 @@ const Command kCommands[] = {
     {"shadow", "[on|off]", "", "Look", "the shadow on the ground",
      [](Controls& c, const std::string& a) { toggle(c.settings.look.shadow, a); },
      [](const Controls& c) { return name_of(c.settings.look.shadow); }},
+    {"worn", "[on|off]", "", "Look", "clothes, eyes and what else is attached to the skin",
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.worn, a); },
+     [](const Controls& c) { return name_of(c.settings.look.worn); }},
 
     {"compare", "none|lbs|ddm|linear|full|jiggle|truth|proxy", "", "Compare", "with what",
      [](Controls& c, const std::string& a) { choose(c.settings.compare.with, a, kComparisonNames); },

@@ -35,6 +35,7 @@ CharacterRow describe(const Actor& character) {
   row.vertices = mesh.vertex_count();
   row.triangles = static_cast<std::uint32_t>(mesh.triangles.size() / 3);
   row.tets = character.shown().tet_count();
+  row.wears = character.wears();
   row.bytes = total_bytes(character.basis());
   return row;
 }
@@ -95,9 +96,9 @@ std::map<std::string, std::string> describe_missing(const Actor& lead) {
     for (const char* command : {"compare jiggle", "jiggle on", "tets on"}) {
       missing[command] = "there are no dynamics beside the basis: 'bodyopt dynamics' makes them";
     }
-  }
   } else if (const std::string why = lead.why_still(); !why.empty()) {
     for (const char* command : {"compare jiggle", "jiggle on"}) missing[command] = why;
+  }
   if (lead.basis().strain.names.empty()) {
     missing["fibres on"] = "the basis has no muscles: they are given to 'bodyopt train'";
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "proxy_viewer/box.h"
 #include "proxy_viewer/render/camera.h"
@@ -55,6 +56,20 @@ SurfaceStyle surface_style(LookStyle style) {
 SkinDraw without_heat(SkinDraw draw) {
   draw.reference = draw.distances = nullptr;
   return draw;
+}
+
+// What is worn over a skin that is drawn, at that of its poses; on a ghost of the ghost's colour.
+void dress(std::span<const WornMesh> meshes, std::size_t pose, const SkinDraw& skin, View& view) {
+  for (const WornMesh& mesh : meshes) {
+    SkinDraw worn = without_heat(skin);
+    worn.triangles = mesh.triangles;
+    worn.triangle_count = mesh.triangle_count;
+    worn.positions = &mesh.positions;
+    worn.normals = &mesh.normals;
+    worn.first_vertex = static_cast<std::uint32_t>(pose) * mesh.vertex_count;
+    if (skin.colour == kClayColour) worn.colour = kWornColour;
+    view.skins.push_back(worn);
+  }
 }
 
 Rectangle left_half(const Rectangle& r) { return {r.x, r.y, r.width / 2, r.height}; }
@@ -212,7 +227,7 @@ void Scene::surround(const Controls& controls, View& view) const {
   double around_largest = 0, smallest = 1e30;
   for (std::size_t c = 0; c < cast_.size(); ++c) {
     const std::vector<Pose> poses = poses_of(*cast_[c], controls);
-    const double around = kSphere * std::max(0.1, cast_[c]->size());
+    const double around = kSphere * std::max(0.1, cast_[c]->reach());
     for (std::size_t k = 0; k < poses.size(); ++k) {
       const Vec3 offset = to_double(k > ghosts ? place_copy(k - ghosts) : place(c));
       Box own;
@@ -299,16 +314,10 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     second.shadow = false;
     views[0].skins.push_back(second);
   }
-  if (const WornMeshes* clothes = character.worn(method)) {
-    for (const WornMeshes::Mesh& mesh : clothes->meshes()) {
-      SkinDraw worn = without_heat(skin);
-      worn.triangles = &mesh.triangles;
-      worn.triangle_count = mesh.triangle_count;
-      worn.positions = &mesh.positions;
-      worn.normals = &mesh.normals;
-      worn.colour = kWornColour;
-      for (View& view : views) view.skins.push_back(worn);
-    }
+  if (s.look.worn) {
+    const SkinMethod first = flips ? compared->method : method;
+    dress(character.worn(first), 0, skin, views[0]);
+    if (views.size() > 1 && !is_missing) dress(character.worn(compared ? compared->method : method), 0, skin, views[1]);
   }
   for (View& view : views) {
     if (s.look.skeleton) add_skeleton(character, poses[0], skin.offset, controls, view);
@@ -317,6 +326,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   if (poses.size() == 1) return;
   // Ghosts and copies are quasi-static: they have no past.
   const Shown others = method == SkinMethod::full ? shown : evaluate(character, SkinMethod::full, poses, controls);
+  const std::span<const WornMesh> worn = s.look.worn ? character.worn(SkinMethod::full) : std::span<const WornMesh>();
   SkinDraw extra = without_heat(skin);
   extra.positions = others.skin.positions;
   extra.normals = others.skin.normals;
@@ -324,7 +334,10 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   for (std::size_t k = ghosts + 1; k < poses.size(); ++k) {
     extra.first_vertex = static_cast<std::uint32_t>(k) * character.basis().mesh.vertex_count();
     extra.offset = place_copy(k - ghosts);
-    for (View& view : views) view.skins.push_back(extra);
+    for (View& view : views) {
+      view.skins.push_back(extra);
+      dress(worn, k, extra, view);
+    }
   }
   extra.offset = skin.offset;
   extra.wire = extra.shadow = false;
@@ -336,7 +349,10 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     extra.colour = before ? kBeforeColour : kAfterColour;
     const double fades = 1 - 0.6 * static_cast<double>(away - 1) / std::max(1, count);
     extra.alpha = static_cast<float>(std::clamp(s.ghosts.opacity * fades, 0.0, 0.99));
-    for (View& view : views) view.skins.push_back(extra);
+    for (View& view : views) {
+      view.skins.push_back(extra);
+      dress(worn, g, extra, view);
+    }
   }
 }
 
@@ -441,8 +457,10 @@ std::vector<float> Scene::points_to_frame(const Controls& controls) {
   }
   for (std::size_t c = 0; c < cast_.size(); ++c) {
     const std::array<float, 3> offset = place(c);
-    const std::vector<float> skin = cast_[c]->measure(SkinMethod::full, pose_at(*cast_[c], frame, controls), frame);
-    for (std::size_t k = 0; k < skin.size(); ++k) points.push_back(skin[k] + offset[k % 3]);
+    const Pose pose = pose_at(*cast_[c], frame, controls);
+    std::vector<float> own = cast_[c]->measure(SkinMethod::full, pose, frame);
+    if (controls.settings.look.worn) std::ranges::copy(cast_[c]->worn_points(own, pose), std::back_inserter(own));
+    for (std::size_t k = 0; k < own.size(); ++k) points.push_back(own[k] + offset[k % 3]);
   }
   return points;
 }

@@ -40,7 +40,7 @@ class Scene {
   // Where the lead is over the ground, whichever way it leaps: its root, the mean of half a second before and after
   // the frame.
   Vec3 whereabouts(int frame) const;
-  // The skin of all at the frame, or what is around the joint that is selected: V x 3, for framing.
+  // The skin of all at the frame and what they wear, or what is around the joint that is selected: V x 3, for framing.
   std::vector<float> points_to_frame(const Controls& controls);
   Pose lead_pose(const Controls& controls) const;  // at the frame
   // Where joint centres of the lead are at the frame, J, metres, world.

@@ -28,7 +28,8 @@ struct CharacterRow {
   std::string name, basis, clip, truth;
   std::uint32_t vertices = 0, triangles = 0, tets = 0;  // no tets: it does not jiggle
   std::uint64_t bytes = 0;                              // of the static tables
-  std::string method;                                   // that is shown
+  std::string method{};                                 // that is shown
+  bool wears = false;                                   // attached meshes
 };
 
 // How far the lead is from what it is compared with at a frame, mm; not a number: not measured, or nothing to measure.

@@ -36,6 +36,7 @@ struct ViewSettings {
     bool wire = false, grid = true, axes = true, skeleton = false, fibres = false, tets = false;
     double tet_cut = 0.5;  // share of the tets that is cut away, from the front
     bool shadow = true;
+    bool worn = true;          // clothes, eyes: what is attached to the skin
     bool follow = true;        // the camera goes along with the character
     std::optional<int> level;  // of detail, 0 the finest; otherwise the one that keeps up
     bool operator==(const Look&) const = default;

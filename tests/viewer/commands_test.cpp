@@ -131,6 +131,7 @@ const std::map<std::string, Case>& cases() {
       {"grid", {"off", [](C, C c) { return !c.settings.look.grid; }, {"no"}}},
       {"axes", {"off", [](C, C c) { return !c.settings.look.axes; }, {"no"}}},
       {"shadow", {"off", [](C, C c) { return !c.settings.look.shadow; }, {"no"}}},
+      {"worn", {"off", [](C, C c) { return !c.settings.look.worn; }, {"no"}}},
       {"compare", {"ddm", [](C, C c) { return c.settings.compare.with == CompareWith::ddm; }, {"", "itself"}}},
       {"layout", {"wipe", [](C, C c) { return c.settings.compare.layout == CompareLayout::wipe; }, {"", "side"}}},
       {"next-layout", {"", [](C, C c) { return c.settings.compare.layout == CompareLayout::overlay; }, {"1"}}},

@@ -4,6 +4,7 @@
 
 #include "proxy_viewer/strain_colour.h"
 #include "runtime/basis/error.h"
+#include "tests/support/attached_limb.h"
 #include "tests/viewer/characters_fixture.h"
 
 namespace bodyopt::testing {
@@ -197,6 +198,27 @@ TEST_F(SceneTest, ShadowsOfACastAreThoseOfOne) {
   const View three = scene_.look(controls_, kArea).at(0);
   EXPECT_FLOAT_EQ(three.ground.caster, alone.ground.caster);
   EXPECT_GT(three.radius, alone.radius);
+}
+
+TEST_F(SceneTest, WhatIsWornIsWornByAllUnlessItIsOff) {
+  const TemporaryFolder folder;
+  const std::string basis = (folder / "limb.safetensors").string();
+  std::filesystem::copy_file(jiggling_->basis, basis);
+  const Attachments outfit = limb_outfit();
+  save_attachments(outfit, folder / "limb.attached.safetensors");
+  scene_.add({.basis = basis, .clip = jiggling_->clip}, {});
+  ViewSettings& s = controls_.settings;
+  s.ghosts.before = 1;
+  s.cast.copies = 2;
+  s.compare.with = CompareWith::ddm;
+  const std::size_t each = 1 + outfit.meshes.size();
+  for (const View& view : scene_.look(controls_, kArea)) EXPECT_EQ(view.skins.size(), 3 * each);
+  const std::vector<View> views = scene_.look(controls_, kArea);
+  EXPECT_NE(views[0].skins[1].positions, views[1].skins[1].positions) << "each on its own side's skin";
+  const std::size_t framed = scene_.points_to_frame(controls_).size();
+  s.look.worn = false;
+  for (const View& view : scene_.look(controls_, kArea)) EXPECT_EQ(view.skins.size(), 3u);
+  EXPECT_LT(scene_.points_to_frame(controls_).size(), framed);
 }
 
 // The small character's truth has its clip's frames.
