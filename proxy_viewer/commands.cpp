@@ -345,9 +345,13 @@ const Command kCommands[] = {
     {"heat", "[on|off]", "E", "Compare", "colour by the distance, in millimetres",
      [](Controls& c, const std::string& a) { toggle(c.settings.compare.heat, a); },
      [](const Controls& c) { return name_of(c.settings.compare.heat); }},
-    {"heat-scale", "MM", "", "Compare", "the hottest colour",
+    {"heat-scale", "auto|MM", "", "Compare", "the hottest colour; auto: by the errors of the frame, the same while it plays",
      [](Controls& c, const std::string& a) {
-       c.settings.compare.heat_scale_mm = number_within(a, kFinestHeat, kCoarsestHeat);
+       if (a == "auto") {
+         c.settings.compare.heat_scale_mm = std::nullopt;
+       } else {
+         c.settings.compare.heat_scale_mm = number_within(a, kFinestHeat, kCoarsestHeat);
+       }
      }},
     {"activation", "[on|off]", "", "Compare", "colour by what was learned: the distance to Direct Delta Mush",
      [](Controls& c, const std::string& a) { toggle(c.settings.compare.activation, a); },

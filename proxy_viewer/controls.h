@@ -61,10 +61,12 @@ struct Controls {
   bool panels = true;
   bool prompt = false;  // a command is being typed
   std::optional<Marker> marker;
+  double automatic_heat_mm = 10;  // of the hottest colour, where the settings give none
   PanelState typed;
   Requests requests;
   std::vector<Message> messages;  // newest last
 
+  double heat_mm() const { return settings.compare.heat_scale_mm.value_or(automatic_heat_mm); }
   void say(const std::string& text) { messages.push_back({.text = text}); }
   // Also on standard error; once, where it is what was said last.
   void warn(const std::string& text);

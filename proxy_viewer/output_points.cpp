@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "runtime/cpu/kernels.h"
+
 namespace bodyopt {
 
 std::vector<float> vertices_of(const MeshTable& mesh, std::span<const float> output) {
@@ -13,7 +15,6 @@ std::vector<float> vertices_of(const MeshTable& mesh, std::span<const float> out
   return vertices;
 }
 
-}  // namespace bodyopt
 std::vector<float> output_of(const MeshTable& mesh, std::span<const float> vertices) {
   std::vector<float> output;
   for (const std::uint32_t v : mesh.output_vertex) {
@@ -31,3 +32,4 @@ Vec3 normal_at(const MeshTable& mesh, std::span<const float> output, std::uint32
   return {at[0], at[1], at[2]};
 }
 
+}  // namespace bodyopt

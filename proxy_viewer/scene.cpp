@@ -286,7 +286,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   skin.style = surface_style(s.look.style);
   skin.wire = s.look.wire;
   skin.shadow = s.look.shadow;
-  skin.heat_range = static_cast<float>(1e-3 * s.compare.heat_scale_mm);
+  skin.heat_range = static_cast<float>(1e-3 * controls.heat_mm());
   SkinDraw second = skin;
   if (compared) {
     second.positions = compared->skin.positions;

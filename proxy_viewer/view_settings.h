@@ -47,7 +47,7 @@ struct ViewSettings {
     CompareLayout layout = CompareLayout::side_by_side;
     double wipe = 0.5;  // where, of the picture's width
     bool heat = false;
-    double heat_scale_mm = 10;  // the hottest colour
+    std::optional<double> heat_scale_mm;  // the hottest colour; otherwise as the errors of the frame are
     bool activation = false, coverage = false;
     bool operator==(const Compare&) const = default;
   };

@@ -35,6 +35,17 @@ void draw_errors(const Snapshot& snapshot, Controls& controls) {
   }
 }
 
+void draw_heat_scale(Controls& controls) {
+  std::optional<double>& set = controls.settings.compare.heat_scale_mm;
+  double mm = controls.heat_mm();
+  const char* const format = set ? "%.3g mm" : "auto: %.3g mm";
+  if (slide("Hottest", mm, kFinestHeat, kCoarsestHeat, format, find_command("heat-scale")->help,
+            ImGuiSliderFlags_Logarithmic)) {
+    set = mm;
+  }
+  if (set && ImGui::Button("Hottest by the errors of the frame")) attempt(controls, "heat-scale auto");
+}
+
 }  // namespace
 
 void draw_compare(const Snapshot& snapshot, Controls& controls) {
@@ -54,8 +65,7 @@ void draw_compare(const Snapshot& snapshot, Controls& controls) {
   command_tick(controls, "coverage", "Heat of expected error");
   ImGui::EndDisabled();
   if (compare.heat || compare.activation || compare.coverage) {
-    slide("Hottest", compare.heat_scale_mm, kFinestHeat, kCoarsestHeat, "%.3g mm", find_command("heat-scale")->help,
-          ImGuiSliderFlags_Logarithmic);
+    draw_heat_scale(controls);
   }
   if (!snapshot.compared.empty()) draw_errors(snapshot, controls);
 }

@@ -137,7 +137,7 @@ const std::map<std::string, Case>& cases() {
       {"next-layout", {"", [](C, C c) { return c.settings.compare.layout == CompareLayout::overlay; }, {"1"}}},
       {"wipe", {"0.25", [](C, C c) { return c.settings.compare.wipe == 0.25; }, {"", "-0.1", "1.1", "half"}}},
       {"heat", {"on", [](C, C c) { return c.settings.compare.heat; }, {"hot"}}},
-      {"heat-scale", {"2.5", [](C, C c) { return c.settings.compare.heat_scale_mm == 2.5; }, {"", "0", "-1", "1001"}}},
+      {"heat-scale", {"2.5", [](C, C c) { return c.settings.compare.heat_scale_mm == 2.5; }, {"", "0", "-1", "1001", "automatic"}}},
       {"activation", {"on", [](C, C c) { return c.settings.compare.activation; }, {"yes"}}},
       {"coverage", {"on", [](C, C c) { return c.settings.compare.coverage; }, {"yes"}}},
       {"worst-frame", {"", [](C, C c) { return c.requests.worst_frame; }, {"1"}}},

@@ -32,7 +32,8 @@ class RandomSettings {
     for (std::uint32_t k = random_.below(3); k > 0; --k) s.cameras[name()] = view();
     s.look = {choice<LookStyle>(4), yes(), yes(), yes(), yes(), yes(), yes(), number(0, 1), yes(), yes(), yes(), {}};
     if (yes()) s.look.level = integer(0, 15);
-    s.compare = {choice<CompareWith>(8), choice<CompareLayout>(4), number(0, 1), yes(), number(0.1, 100), yes(), yes()};
+    s.compare = {choice<CompareWith>(8), choice<CompareLayout>(4), number(0, 1), yes(), {}, yes(), yes()};
+    if (yes()) s.compare.heat_scale_mm = number(0.1, 100);
     s.pose.correction = number(0, 1);
     for (std::uint32_t k = random_.below(4); k > 0; --k) {
       s.pose.joints[name()] = {number(-180, 180), number(-180, 180), number(-180, 180)};
