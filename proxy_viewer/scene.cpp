@@ -67,7 +67,8 @@ void dress(std::span<const WornMesh> meshes, std::size_t pose, const SkinDraw& s
     worn.positions = &mesh.positions;
     worn.normals = &mesh.normals;
     worn.first_vertex = static_cast<std::uint32_t>(pose) * mesh.vertex_count;
-    if (skin.colour == kClayColour) worn.colour = kWornColour;
+    const bool is_ghost = skin.colour == kBeforeColour || skin.colour == kAfterColour;
+    if (!is_ghost) worn.colour = kWornColour;
     view.skins.push_back(worn);
   }
 }

@@ -215,6 +215,9 @@ TEST_F(SceneTest, WhatIsWornIsWornByAllUnlessItIsOff) {
   for (const View& view : scene_.look(controls_, kArea)) EXPECT_EQ(view.skins.size(), 3 * each);
   const std::vector<View> views = scene_.look(controls_, kArea);
   EXPECT_NE(views[0].skins[1].positions, views[1].skins[1].positions) << "each on its own side's skin";
+  EXPECT_EQ(views[0].skins[1].colour, views[1].skins[1].colour);
+  EXPECT_NE(views[0].skins[1].colour, views[0].skins[0].colour);
+  EXPECT_EQ(views[0].skins.back().colour, views[0].skins[2 * each].colour) << "of the ghost";
   const std::size_t framed = scene_.points_to_frame(controls_).size();
   s.look.worn = false;
   for (const View& view : scene_.look(controls_, kArea)) EXPECT_EQ(view.skins.size(), 3u);
