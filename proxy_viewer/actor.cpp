@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
+#include <sstream>
 #include <utility>
 
 #include "proxy_viewer/euler_angles.h"
 #include "proxy_viewer/open_character.h"
+#include "proxy_viewer/output_points.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/error.h"
 #include "runtime/carry_skin.h"
@@ -80,7 +83,7 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
     worn_ = std::make_unique<WornMeshes>(*device_, finest().basis(), std::move(attached));
   }
   clip_ = opened.clip ? std::move(*opened.clip) : bind_clip(finest().basis());
-  size_ = diagonal(finest().basis().mesh.rest);
+  measure_size();
   if (!files.truth.empty()) open_truth(files.truth);
   if (files.clip.empty()) {
     measure_ground();
@@ -112,16 +115,27 @@ void Actor::add_proxy(const std::string& path) {
 std::string Actor::name() const { return files_.basis.empty() ? "arm" : fs::path(files_.basis).stem().string(); }
 
 bool Actor::has(SkinMethod method) const {
-  if (method == SkinMethod::jiggle) return shown().jiggles();
+  if (method == SkinMethod::jiggle) return shown().jiggles() && why_still().empty();
   const bool of_finest = method == SkinMethod::proxy || method == SkinMethod::lbs || method == SkinMethod::truth;
   return (level_ == 0 || !of_finest) && has_at_finest(method);
 }
 
 bool Actor::has_at_finest(SkinMethod method) const {
-  if (method == SkinMethod::jiggle) return finest().jiggles();
+  if (method == SkinMethod::jiggle) return has_dynamics() && why_still().empty();
   if (method == SkinMethod::proxy) return details_.size() > 1 && !details_[1]->level().carried.empty();
   if (method == SkinMethod::lbs) return linear_blend_ != nullptr;
   return method != SkinMethod::truth || truth_.has_value();
+}
+
+std::string Actor::why_still() const {
+  if (!has_dynamics() || clip_.poses.size() < 2) return "";
+  const double rate = finest().jiggle_rate();
+  if (std::abs(clip_.fps - rate) <= 1e-3 * rate) return "";
+  std::ostringstream text;
+  text << "the dynamics of " << name() << " step " << rate << " frames a second, the clip has " << clip_.fps
+       << ": sample it with --fps " << rate << ", or make the dynamics anew with 'bodyopt dynamics --fps " << clip_.fps
+       << "'";
+  return text.str();
 }
 
 void Actor::open_clip(const std::string& source) {
@@ -148,14 +162,32 @@ void Actor::open_truth(const std::string& path) {
   files_.truth = path;
 }
 
-Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
+const Pose& Actor::clip_pose(int frame) const {
   const int number = std::clamp(frame, clip_.first_frame, clip_.last_frame());
-  Pose pose = clip_.poses[static_cast<std::size_t>(number - clip_.first_frame)];
+  return clip_.poses[static_cast<std::size_t>(number - clip_.first_frame)];
+}
+
+const std::optional<JointRange>& Actor::range(std::size_t joint) const {
+  static constexpr std::optional<JointRange> kNone;
+  return joint < ranges_.size() ? ranges_[joint] : kNone;
+}
+
+std::optional<JointRange> Actor::free_turns(std::size_t joint, int frame) const {
+  const std::optional<JointRange>& own = range(joint);
+  if (!own) return std::nullopt;
+  return turns_within(*own, basis().skeleton.joints[joint].bind.rotation, clip_pose(frame).joints[joint].rotation);
+}
+
+Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
+  Pose pose = clip_pose(frame);
   for (const auto& [joint, degrees] : posing.joints) {
-    const int index = basis().skeleton.find(joint);
-    if (index < 0) continue;
-    Quat& rotation = pose.joints[static_cast<std::size_t>(index)].rotation;
-    rotation = normalized(rotation * turn_of(degrees));
+    const int found = basis().skeleton.find(joint);
+    if (found < 0) continue;
+    const auto index = static_cast<std::size_t>(found);
+    Quat& rotation = pose.joints[index].rotation;
+    const std::optional<JointRange>& own = range(index);
+    rotation = own ? turned_within(*own, basis().skeleton.joints[index].bind.rotation, rotation, degrees)
+                   : normalized(rotation * turn_of(degrees));
   }
   const std::vector<std::string>& controls = basis().residual.controls;
   for (const auto& [control, value] : posing.controls) {
@@ -168,6 +200,7 @@ Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
 }
 
 const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights) {
+  if (hosted_skin(method)) hosted_pose_ = poses[0];
   if (method == SkinMethod::truth) {
     try {
       show_truth(frame);
@@ -182,18 +215,40 @@ const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses
     return hosted_;
   }
   if (method == SkinMethod::proxy) return carry_proxy(poses.first(1), frame, weights);
-  const bool carries = worn_ && has_worn_skin() && (method == SkinMethod::full || method == SkinMethod::jiggle);
+  const bool carries = worn_ && has_worn_skin();
   return details_[level_]->evaluate(method, poses, frame, weights, carries);
 }
 
-const WornMeshes* Actor::worn(SkinMethod method) {
-  if (!worn_ || !has_worn_skin()) return nullptr;
-  const Detail::Evaluated& skin = shown().last(method);
-  if (const Source on{level_, skin.number}; on != worn_on_) {
-    worn_->carry(full_skin(shown(), skin.result), skin.poses[0].joints);
-    worn_on_ = on;
-  }
-  return worn_.get();
+std::span<const WornMesh> Actor::worn(SkinMethod method) {
+  if (!worn_ || !has_worn_skin()) return {};
+  Worn& worn = worn_on_[method];
+  std::vector<std::vector<float>> skins = skins_on_host(method);
+  const std::vector<Pose> poses = hosted_skin(method) ? std::vector{hosted_pose_} : shown().last(method).poses;
+  if (skins == worn.skins && same(poses, worn.poses)) return worn.meshes;
+  worn.meshes = worn_->carry(skins, poses);
+  worn.skins = std::move(skins);
+  worn.poses = poses;
+  return worn.meshes;
+}
+
+std::vector<float> Actor::worn_points(std::span<const float> skin, const Pose& pose) const {
+  return worn_ ? worn_->points(skin, pose) : std::vector<float>();
+}
+
+// Null: the method evaluates on the device.
+const Actor::HostedSkin* Actor::hosted_skin(SkinMethod method) const {
+  if (method == SkinMethod::lbs) return &blended_;
+  if (method == SkinMethod::proxy) return &carried_;
+  return method == SkinMethod::truth ? &truth_->skin : nullptr;
+}
+
+// O x 3 of the finest level, of every pose that the method has evaluated last.
+std::vector<std::vector<float>> Actor::skins_on_host(SkinMethod method) const {
+  if (const HostedSkin* hosted = hosted_skin(method)) return {hosted->points};
+  const Detail::Evaluated& last = shown().last(method);
+  std::vector<std::vector<float>> skins;
+  for (std::size_t k = 0; k < last.poses.size(); ++k) skins.push_back(full_skin(shown(), last.result, k));
+  return skins;
 }
 
 void Actor::show_linear_blend(const Pose& pose) {
@@ -207,20 +262,21 @@ bool Actor::has_worn_skin() const {
   return level_ == 0 || shown().level().carried.size() == finest().basis().mesh.output_count();
 }
 
-// O x 3 of the finest level, of the first frame.
-std::vector<float> Actor::full_skin(const Detail& detail, const Evaluation& evaluation) const {
+// O x 3 of the finest level.
+std::vector<float> Actor::full_skin(const Detail& detail, const Evaluation& evaluation, std::size_t pose) const {
   const Level& level = detail.level();
   const std::size_t count = std::size_t{3} * level.basis.mesh.output_count();
-  const std::span<const float> positions = std::span(evaluation.positions).first(count);
+  const std::span<const float> positions = std::span(evaluation.positions).subspan(pose * count, count);
   if (&detail == details_.front().get() || level.carried.empty()) return {positions.begin(), positions.end()};
-  return carry_skin(level.basis.mesh, level.carried, positions, std::span(evaluation.normals).first(count));
+  return carry_skin(level.basis.mesh, level.carried, positions,
+                    std::span(evaluation.normals).subspan(pose * count, count));
 }
 
 const Evaluation& Actor::carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights) {
   Detail& proxy = *details_[1];
   const Evaluation& result = proxy.evaluate(SkinMethod::full, poses, frame, weights, true);
   const Source from{1, proxy.last(SkinMethod::full).number};
-  if (from != carried_from_) carried_ = upload_output(full_skin(proxy, result));
+  if (from != carried_from_) carried_ = upload_output(full_skin(proxy, result, 0));
   carried_from_ = from;
   return result;
 }
@@ -230,15 +286,13 @@ void Actor::reset_jiggle() {
 }
 
 DeviceSkin Actor::skin(SkinMethod method) const {
-  if (method == SkinMethod::truth) return {&truth_->skin.positions, &truth_->skin.normals};
-  if (method == SkinMethod::proxy) return {&carried_.positions, &carried_.normals};
-  if (method == SkinMethod::lbs) return {&blended_.positions, &blended_.normals};
+  if (const HostedSkin* hosted = hosted_skin(method)) return {&hosted->positions, &hosted->normals};
   return shown().skin(method);
 }
 
 std::vector<float> Actor::measure(SkinMethod method, const Pose& pose, int frame, float correction) {
   if (method == SkinMethod::proxy) {
-    return full_skin(*details_[1], details_[1]->measure(SkinMethod::full, pose, correction));
+    return full_skin(*details_[1], details_[1]->measure(SkinMethod::full, pose, correction), 0);
   }
   if (method == SkinMethod::lbs) return linear_blend_->skin(pose);
   if (method != SkinMethod::truth) return finest().measure(method, pose, correction).positions;
@@ -263,13 +317,23 @@ void Actor::show_truth(int frame) {
 
 Actor::HostedSkin Actor::upload_output(std::span<const float> points) const {
   const MeshTable& mesh = finest().basis().mesh;
-  std::vector<float> positions(mesh.rest.size()), normals(positions.size());
-  for (std::size_t o = 0; o < mesh.output_vertex.size(); ++o) {
-    std::copy_n(points.begin() + static_cast<std::ptrdiff_t>(3 * o), 3,
-                positions.begin() + static_cast<std::ptrdiff_t>(3 * mesh.output_vertex[o]));
-  }
+  const std::vector<float> positions = vertices_of(mesh, points);
+  std::vector<float> normals(positions.size());
   cpu::output_normals(mesh, positions, normals);
-  return {vulkan::upload(*device_, positions, "a skin"), vulkan::upload(*device_, normals, "its normals")};
+  return {{points.begin(), points.end()},
+          vulkan::upload(*device_, positions, "a skin"),
+          vulkan::upload(*device_, normals, "its normals")};
+}
+
+void Actor::measure_size() {
+  const MeshTable& mesh = finest().basis().mesh;
+  size_ = diagonal(mesh.rest);
+  std::vector<float> points = mesh.rest;
+  if (worn_) {
+    const std::vector<float> worn = worn_points(output_of(mesh, mesh.rest), bind_pose(finest().basis().skeleton));
+    std::ranges::copy(worn, std::back_inserter(points));
+  }
+  reach_ = diagonal(points);
 }
 
 void Actor::measure_ground() {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "proxy_viewer/detail.h"
+#include "proxy_viewer/joint_ranges.h"
 #include "proxy_viewer/linear_blend.h"
 #include "proxy_viewer/view_settings.h"
 #include "proxy_viewer/worn_meshes.h"
@@ -48,6 +49,7 @@ class Actor {
   const Detail& shown() const { return *details_[level_]; }
   Detail& shown() { return *details_[level_]; }
   const Basis& basis() const { return shown().basis(); }
+  const Basis& finest_basis() const { return finest().basis(); }
   std::size_t level_count() const { return details_.size(); }
   std::size_t level() const { return level_; }
   void set_level(std::size_t level) { level_ = std::min(level, details_.size() - 1); }
@@ -56,19 +58,30 @@ class Actor {
   const std::vector<int>& keys() const { return keys_; }  // frames; see clip_keys()
   bool has(SkinMethod method) const;
   bool has_at_finest(SkinMethod method) const;  // whatever level is shown
+  bool has_dynamics() const { return finest().jiggles(); }
+  // Why it does not jiggle although it has dynamics: they step at another rate than the clip. Empty: it does.
+  std::string why_still() const;
 
   // These throw as the constructor, and leave what was there.
   void open_clip(const std::string& source);
   void open_truth(const std::string& path);
 
-  // The clip's pose, turned joint by joint as the settings say. Frames beyond the clip: its first or last.
+  // Of every joint; none: they turn as far as they are turned.
+  void set_ranges(std::vector<std::optional<JointRange>> ranges) { ranges_ = std::move(ranges); }
+  // The clip's pose, turned joint by joint as the settings say and the ranges let it. Frames beyond the clip: its first
+  // or last.
   Pose pose(int frame, const ViewSettings::Posing& posing) const;
+  // What the range of a joint lets be added to the clip; none: it has no range.
+  std::optional<JointRange> free_turns(std::size_t joint, int frame) const;
 
   // Poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
   const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights);
   void reset_jiggle();  // which starts anew with the next frame
-  // What it wears, on the skin evaluated last by the method, full or jiggle; null: nothing.
-  const WornMeshes* worn(SkinMethod method);
+  // What it wears, on the skins that the method has evaluated last, one a pose; empty: nothing.
+  std::span<const WornMesh> worn(SkinMethod method);
+  bool wears() const { return worn_ != nullptr; }
+  // The points of what it wears, on a skin as measure() gives it, metres, world.
+  std::vector<float> worn_points(std::span<const float> skin, const Pose& pose) const;
   // Of the last evaluation by the method.
   DeviceSkin skin(SkinMethod method) const;
 
@@ -77,6 +90,7 @@ class Actor {
   std::vector<float> measure(SkinMethod method, const Pose& pose, int frame, float correction = 1);
 
   double size() const { return size_; }      // diagonal of the rest skin, metres
+  double reach() const { return reach_; }    // as size(), with what it wears
   double ground() const { return ground_; }  // height of its lowest point as the clip begins, metres
   Vec3 start() const { return clip_.poses.front().joints.front().translation; }  // of its root, as the clip begins
   const Pc2Reader* truth() const { return truth_ ? &truth_->reader : nullptr; }
@@ -86,7 +100,14 @@ class Actor {
  private:
   // A skin of the finest level that comes from the host.
   struct HostedSkin {
+    std::vector<float> points;  // O x 3
     vulkan::Buffer positions, normals;
+  };
+  // What is worn on the skins of a method.
+  struct Worn {
+    std::vector<std::vector<float>> skins;
+    std::vector<Pose> poses;
+    std::vector<WornMesh> meshes;
   };
   // What the host made something of last: the evaluation of a level.
   struct Source {
@@ -103,13 +124,18 @@ class Actor {
   Detail& finest() { return *details_.front(); }
   const Detail& finest() const { return *details_.front(); }
   void add_proxy(const std::string& path);
+  const Pose& clip_pose(int frame) const;
+  const std::optional<JointRange>& range(std::size_t joint) const;
   bool has_worn_skin() const;
-  std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation) const;
+  std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation, std::size_t pose) const;
+  const HostedSkin* hosted_skin(SkinMethod method) const;
+  std::vector<std::vector<float>> skins_on_host(SkinMethod method) const;
   const Evaluation& carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights);
   void show_linear_blend(const Pose& pose);
   HostedSkin upload_output(std::span<const float> points) const;
   void show_truth(int frame);
   std::optional<std::uint32_t> truth_sample(int frame) const;
+  void measure_size();
   void measure_ground();
 
   std::shared_ptr<const vulkan::Device> device_;
@@ -120,13 +146,16 @@ class Actor {
   std::size_t level_ = 0;
   Clip clip_;
   std::vector<int> keys_;
-  double size_ = 1, ground_ = 0;
+  std::vector<std::optional<JointRange>> ranges_;
+  double size_ = 1, reach_ = 1, ground_ = 0;
   Evaluation hosted_;             // of skins that come from the host: nothing
   HostedSkin blended_, carried_;  // by linear blending; by the proxy
   std::vector<Pose> blended_of_;  // none, or one
-  Source carried_from_, worn_on_;
+  Source carried_from_;
   std::optional<Truth> truth_;
   std::unique_ptr<WornMeshes> worn_;
+  std::map<SkinMethod, Worn> worn_on_;
+  Pose hosted_pose_;  // of the skins from the host that were evaluated last
   std::unique_ptr<LinearBlend> linear_blend_;
 };
 

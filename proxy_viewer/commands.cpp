@@ -314,6 +314,9 @@ const Command kCommands[] = {
     {"shadow", "[on|off]", "", "Look", "the shadow on the ground",
      [](Controls& c, const std::string& a) { toggle(c.settings.look.shadow, a); },
      [](const Controls& c) { return name_of(c.settings.look.shadow); }},
+    {"worn", "[on|off]", "", "Look", "clothes, eyes and what else is attached to the skin",
+     [](Controls& c, const std::string& a) { toggle(c.settings.look.worn, a); },
+     [](const Controls& c) { return name_of(c.settings.look.worn); }},
 
     {"compare", "none|lbs|ddm|linear|full|jiggle|truth|proxy", "", "Compare", "with what",
      [](Controls& c, const std::string& a) { choose(c.settings.compare.with, a, kComparisonNames); },
@@ -328,9 +331,13 @@ const Command kCommands[] = {
     {"heat", "[on|off]", "E", "Compare", "colour by the distance, in millimetres",
      [](Controls& c, const std::string& a) { toggle(c.settings.compare.heat, a); },
      [](const Controls& c) { return name_of(c.settings.compare.heat); }},
-    {"heat-scale", "MM", "", "Compare", "the hottest colour",
+    {"heat-scale", "auto|MM", "", "Compare", "the hottest colour; auto: by the errors of the frame, the same while it plays",
      [](Controls& c, const std::string& a) {
-       c.settings.compare.heat_scale_mm = number_within(a, kFinestHeat, kCoarsestHeat);
+       if (a == "auto") {
+         c.settings.compare.heat_scale_mm = std::nullopt;
+       } else {
+         c.settings.compare.heat_scale_mm = number_within(a, kFinestHeat, kCoarsestHeat);
+       }
      }},
     {"activation", "[on|off]", "", "Compare", "colour by what was learned: the distance to Direct Delta Mush",
      [](Controls& c, const std::string& a) { toggle(c.settings.compare.activation, a); },
@@ -378,6 +385,14 @@ const Command kCommands[] = {
      [](Controls& c, const std::string&) {
        c.settings.pose.joints.clear();
        c.settings.pose.controls.clear();
+     }},
+    {"undo", "", "Ctrl+Z", "Pose", "the turns and controls before the last change",
+     [](Controls& c, const std::string&) {
+       if (!c.poses.undo(c.settings.pose)) c.say("nothing to undo: only turns and controls are");
+     }},
+    {"redo", "", "Ctrl+Shift+Z", "Pose", "the turns and controls that were undone",
+     [](Controls& c, const std::string&) {
+       if (!c.poses.redo(c.settings.pose)) c.say("nothing to redo");
      }},
     {"correction", "0-1", "", "Pose", "how much is shown of what was learned",
      [](Controls& c, const std::string& a) { c.settings.pose.correction = number_within(a, 0, 1); }},
@@ -505,6 +520,7 @@ void run_command(Controls& controls, const std::string& text) {
   const bool turns_on = rest.empty() && command->value && command->value(controls) == "off";
   const auto missing = controls.missing.find(name + " " + (turns_on ? "on" : rest));
   if (missing != controls.missing.end()) throw Error(ErrorKind::usage, missing->first + ": " + missing->second);
+  controls.poses.note(controls.settings.pose);  // what sliders made of it
   try {
     command->run(controls, rest);
   } catch (const Error& error) {

@@ -10,6 +10,7 @@
 
 #include "proxy_viewer/orbit_camera.h"
 #include "proxy_viewer/playback.h"
+#include "proxy_viewer/pose_history.h"
 #include "proxy_viewer/view_settings.h"
 
 namespace bodyopt {
@@ -47,6 +48,7 @@ struct Message {
 
 struct Controls {
   ViewSettings settings;
+  PoseHistory poses;  // of the settings
   Playback playback{{1, 1}, 24};
   OrbitCamera camera;
   Vec3 travelled{};  // metres, world: how far the lead has gone since its clip's first frame, in the last picture
@@ -61,6 +63,7 @@ struct Controls {
   bool panels = true;
   bool prompt = false;  // a command is being typed
   std::optional<Marker> marker;
+  double automatic_heat_mm = 10;  // of the hottest colour, where the settings give none
   PanelState typed;
   Requests requests;
   std::vector<Message> messages;  // newest last
@@ -69,6 +72,7 @@ struct Controls {
   OrbitView kept_camera() const;
   void go_to_camera(const OrbitView& kept);
 
+  double heat_mm() const { return settings.compare.heat_scale_mm.value_or(automatic_heat_mm); }
   void say(const std::string& text) { messages.push_back({.text = text}); }
   // Also on standard error; once, where it is what was said last.
   void warn(const std::string& text);

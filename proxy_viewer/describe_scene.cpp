@@ -41,6 +41,7 @@ CharacterRow describe(const Actor& character) {
   row.vertices = mesh.vertex_count();
   row.triangles = static_cast<std::uint32_t>(mesh.triangles.size() / 3);
   row.tets = character.shown().tet_count();
+  row.wears = character.wears();
   row.bytes = total_bytes(character.basis());
   return row;
 }
@@ -97,10 +98,12 @@ std::map<std::string, std::string> describe_missing(const Actor& lead) {
   if (!lead.has_at_finest(SkinMethod::truth)) {
     missing["compare truth"] = "there is no point cache: open one (.pc2), or begin with --truth hero.pc2";
   }
-  if (!lead.has_at_finest(SkinMethod::jiggle)) {
+  if (!lead.has_dynamics()) {
     for (const char* command : {"compare jiggle", "jiggle on", "tets on"}) {
       missing[command] = "there are no dynamics beside the basis: 'bodyopt dynamics' makes them";
     }
+  } else if (const std::string why = lead.why_still(); !why.empty()) {
+    for (const char* command : {"compare jiggle", "jiggle on"}) missing[command] = why;
   }
   if (lead.basis().strain.names.empty()) {
     missing["fibres on"] = "the basis has no muscles: they are given to 'bodyopt train'";
@@ -117,6 +120,15 @@ void describe_cast(const Scene& scene, Snapshot& snapshot) {
   snapshot.fibres = lead.basis().strain.names;
   snapshot.clip_fps = lead.clip().fps;
   snapshot.first_frame = lead.clip().first_frame;
+}
+
+void describe_turns(const Scene& scene, int frame, Snapshot& snapshot) {
+  for (std::size_t j = 0; j < snapshot.joints.size(); ++j) {
+    const std::optional<JointRange> free = scene.lead().free_turns(j, frame);
+    if (!free) continue;
+    snapshot.joints[j].low = free->low;
+    snapshot.joints[j].high = free->high;
+  }
 }
 
 void describe_comparison(const Scene& scene, const Controls& controls, const ErrorCurve& curve, Snapshot& snapshot) {

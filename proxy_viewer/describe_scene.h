@@ -7,11 +7,14 @@
 
 namespace bodyopt {
 
-// What stays as it is until files are read: the cast, and the lead's joints, controls, fibres and clip.
 // What the lead has not, and how to get it; see Controls::missing.
 std::map<std::string, std::string> describe_missing(const Actor& lead);
 
+// What stays as it is until files are read: the cast, and the lead's joints, controls, fibres and clip.
 void describe_cast(const Scene& scene, Snapshot& snapshot);
+
+// How far the lead's joints may be turned in the frame that is shown.
+void describe_turns(const Scene& scene, int frame, Snapshot& snapshot);
 
 // What is shown and compared now, and how far apart it is.
 void describe_comparison(const Scene& scene, const Controls& controls, const ErrorCurve& curve, Snapshot& snapshot);

@@ -100,9 +100,13 @@ const Evaluation& Detail::evaluate(SkinMethod method, std::span<const Pose> pose
 const ExpectedSkin& Detail::expected_skin(const Pose& pose) {
   if (expected_ && same({&expected_->first, 1}, {&pose, 1})) return expected_->second;
   const ExpectedError error = expected_error(basis(), coverage_, pose);
-  const std::vector<float> vertices = shares_.carry(error.region_mm);
-  ExpectedSkin skin{error.rms_mm, 0, vulkan::upload(*device_, vertices, "expected errors")};
-  for (const float metres : vertices) skin.largest_mm = std::max(skin.largest_mm, 1e3 * double{metres});
+  std::vector<float> vertices = shares_.carry(error.region_mm);
+  ExpectedSkin skin{error.rms_mm, 0, 0, vulkan::upload(*device_, vertices, "expected errors")};
+  if (!vertices.empty()) {
+    std::ranges::sort(vertices);
+    skin.largest_mm = 1e3 * double{vertices.back()};
+    skin.p99_mm = 1e3 * double{vertices[99 * (vertices.size() - 1) / 100]};
+  }
   return expected_.emplace(pose, std::move(skin)).second;
 }
 

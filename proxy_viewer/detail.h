@@ -24,8 +24,8 @@ enum class SkinMethod { lbs, ddm, linear, full, jiggle, proxy, truth };
 
 // The error that coverage expects at a pose.
 struct ExpectedSkin {
-  double rms_mm = 0, largest_mm = 0;  // over the skin; of a vertex
-  vulkan::Buffer vertices;            // V, metres
+  double rms_mm = 0, largest_mm = 0, p99_mm = 0;  // over the skin; of a vertex; of 99 of 100
+  vulkan::Buffer vertices;                        // V, metres
 };
 
 class Detail {
@@ -47,6 +47,8 @@ class Detail {
   const Basis& basis() const { return level_.basis; }
   const Level& level() const { return level_; }
   bool jiggles() const { return dynamics_.has_value(); }
+  // Frames a second that the jiggle steps; the level must have dynamics.
+  double jiggle_rate() const { return static_cast<double>(dynamics_->jiggle.step.frames_per_second); }
   std::uint32_t tet_count() const { return dynamics_ ? dynamics_->tets.tet_count() : 0; }
   // The tets at a pose, or, where `jiggle` says how much is shown of it, where the jiggle that is shown has them. The
   // level must have dynamics.

@@ -18,7 +18,11 @@ FrameError frame_error(std::span<const float> shown, std::span<const float> comp
   accumulator.add(0, shown, compared);
   const ErrorStatistics error = accumulator.finish();
   const float* const at = shown.data() + 3 * std::size_t{error.worst_vertex};
-  return {static_cast<float>(error.rms), static_cast<float>(error.max), {at[0], at[1], at[2]}};
+  return {static_cast<float>(error.rms),
+          static_cast<float>(error.max),
+          static_cast<float>(error.p99),
+          error.worst_vertex,
+          {at[0], at[1], at[2]}};
 }
 
 bool ErrorCurve::look_at(const Actor& character, const ViewSettings& settings) {

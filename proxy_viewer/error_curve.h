@@ -2,6 +2,7 @@
 // until something changes that it depends on.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
@@ -14,8 +15,9 @@ namespace bodyopt {
 // Of vertex distances, mm; not a number: not measured, or nothing to measure. As everywhere the root's motion, which
 // both sides share, is taken out by the subtraction.
 struct FrameError {
-  float rms = std::numeric_limits<float>::quiet_NaN(), max = rms;
-  Vec3 worst{};  // where the vertex is that is furthest off, metres, world
+  float rms = std::numeric_limits<float>::quiet_NaN(), max = rms, p99 = rms;
+  std::uint32_t worst_vertex = 0;  // that is furthest off, output order
+  Vec3 worst{};                    // where it is, metres, world
 };
 
 // Both V x 3, metres.

@@ -1,8 +1,10 @@
 #include "proxy_viewer/error_measuring.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
+#include "proxy_viewer/output_points.h"
 #include "runtime/basis/error.h"
 
 namespace bodyopt {
@@ -45,6 +47,12 @@ void ErrorMeasuring::measure_shown_frame() {
   if (is_possible() && index < curve_.errors().size() && !curve_.is_measured(index)) measure_next();
 }
 
+const FrameError* ErrorMeasuring::shown_error() const {
+  const std::size_t index = shown_index();
+  const bool is_known = index < curve_.errors().size() && std::isfinite(curve_.errors()[index].rms);
+  return is_known ? &curve_.errors()[index] : nullptr;
+}
+
 void ErrorMeasuring::measure_all() {
   look();
   while (is_possible() && measure_next()) {
@@ -70,17 +78,29 @@ void ErrorMeasuring::go_to_worst_frame() {
                 std::to_string(curve_.errors().size()) + " frames measured");
 }
 
+// Quasi-static, as the error is.
+Vec3 ErrorMeasuring::worst_normal(const FrameError& error) {
+  Actor& lead = scene_.lead();
+  const std::vector<float> skin =
+      lead.measure(SkinMethod::full, scene_.lead_pose(controls_), controls_.playback.frame(),
+                   static_cast<float>(controls_.settings.pose.correction));
+  return normal_at(lead.finest_basis().mesh, skin, error.worst_vertex);
+}
+
 void ErrorMeasuring::go_to_worst_vertex() {
   require_comparison();
   controls_.playback.pause();
   measure_shown_frame();
-  const std::size_t index = shown_index();
-  const FrameError error = index < curve_.errors().size() ? curve_.errors()[index] : FrameError{};
-  if (!std::isfinite(error.rms)) throw Error(ErrorKind::usage, "there is nothing to compare with in this frame");
-  controls_.marker = Marker{controls_.playback.frame(), error.worst};
+  const FrameError* const error = shown_error();
+  if (!error) throw Error(ErrorKind::usage, "there is nothing to compare with in this frame");
+  controls_.marker = Marker{controls_.playback.frame(), error->worst};
   OrbitView view = controls_.camera.view();
-  view.target = error.worst;
+  view.target = error->worst;
   view.distance = kNearVertex * scene_.lead().size();
+  if (const Vec3 normal = worst_normal(*error); length(normal) > 0) {
+    view.azimuth = std::atan2(normal[0], normal[2]);
+    view.elevation = std::asin(std::clamp(normal[1], -1.0, 1.0));
+  }
   controls_.camera = OrbitCamera(view);
 }
 

@@ -23,15 +23,18 @@ class ErrorMeasuring {
   void measure_shown_frame();
   void measure_all();
 
+  const FrameError* shown_error() const;  // of the frame that is shown; null: not measured, or nothing to measure
+
   // Pauses there, and says so where not all frames are measured. These throw Error(usage) where nothing is compared.
   void go_to_worst_frame();
-  void go_to_worst_vertex();
+  void go_to_worst_vertex();  // looked at along its normal
 
  private:
   bool is_possible() const;
   std::size_t shown_index() const;  // of the frame that is shown
   bool measure_next() { return curve_.measure_next(scene_.lead(), controls_.playback.frame()); }
   void require_comparison();
+  Vec3 worst_normal(const FrameError& error);
 
   Scene& scene_;
   Controls& controls_;

@@ -3,35 +3,78 @@
 #include <algorithm>
 #include <cmath>
 
+#include "proxy_viewer/euler_angles.h"
+
 namespace bodyopt {
 namespace {
 
 // World to the joint's own axes, in the bind pose.
 Vec3 own_axis(const Joint& joint, const Vec3& axis) { return rotate(decompose(joint.inverse_bind).rotation, axis); }
 
-constexpr double kAcross = 0.2;  // an axis of which a turn has less than this is not turned about
+constexpr double kRounding = 1e-9;  // degrees
+constexpr double kAcross = 0.2;     // an axis of which a turn has less than this is not turned about
+
+// With what the clip has beyond it.
+JointRange with_clip(JointRange range, const Vec3& angles) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    range.low[axis] = std::min(range.low[axis], angles[axis]);
+    range.high[axis] = std::max(range.high[axis], angles[axis]);
+  }
+  return range;
+}
+
+// Of the angles that make the turn, those nearest to where it was to go: beyond half a turn, too.
+Vec3 degrees_near(const Quat& turn, const Vec3& wanted) {
+  const Vec3 degrees = degrees_of(turn);
+  const auto near_wanted = [&](Vec3 angles) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      angles[axis] = wanted[axis] + std::remainder(angles[axis] - wanted[axis], 360);
+    }
+    return angles;
+  };
+  const Vec3 near = near_wanted(degrees), other = near_wanted(same_turn(degrees));
+  return length(other - wanted) < length(near - wanted) ? other : near;
+}
 
 }  // namespace
 
-void limit_joints(const JointLimits& limits, const Skeleton& skeleton, std::vector<JointRow>& rows) {
-  std::vector<bool> is_held(rows.size(), false);
+std::vector<std::optional<JointRange>> joint_ranges(const JointLimits& limits, const Skeleton& skeleton) {
+  std::vector<std::optional<JointRange>> ranges(skeleton.size());
   for (const DegreeOfFreedom& dof : limits.dofs) {
     for (const JointTurn& turn : dof.turns) {
       const Joint& joint = skeleton.joints[turn.joint];
       if (joint.parent < 0) continue;
-      JointRow& row = rows[turn.joint];
-      if (!is_held[turn.joint]) row.low = row.high = {};
-      is_held[turn.joint] = true;
+      std::optional<JointRange>& found = ranges[turn.joint];
+      if (!found) found.emplace();
       const Vec3 direction = own_axis(joint, turn.axis);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         if (std::abs(direction[axis]) < kAcross) continue;
         const double part = direction[axis] * turn.share;
         const auto [low, high] = std::minmax({part * (dof.min - dof.rest), part * (dof.max - dof.rest)});
-        row.low[axis] = std::min(row.low[axis], low);
-        row.high[axis] = std::max(row.high[axis], high);
+        found->low[axis] = std::min(found->low[axis], low);
+        found->high[axis] = std::max(found->high[axis], high);
       }
     }
   }
+  return ranges;
+}
+
+Quat turned_within(const JointRange& range, const Quat& bind, const Quat& clip, const Vec3& degrees) {
+  const Quat wanted = normalized(clip * turn_of(degrees));
+  const Vec3 before = degrees_of(conjugate(bind) * clip);
+  const Vec3 angles = degrees_near(conjugate(bind) * wanted, before + degrees);
+  const JointRange allowed = with_clip(range, before);
+  Vec3 within;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    within[axis] = std::clamp(angles[axis], allowed.low[axis], allowed.high[axis]);
+  }
+  return length(within - angles) < kRounding ? wanted : normalized(bind * turn_of(within));
+}
+
+JointRange turns_within(const JointRange& range, const Quat& bind, const Quat& clip) {
+  const Vec3 before = degrees_of(conjugate(bind) * clip);
+  const JointRange allowed = with_clip(range, before);
+  return {allowed.low - before, allowed.high - before};
 }
 
 }  // namespace bodyopt

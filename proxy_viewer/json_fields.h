@@ -33,6 +33,10 @@ class FieldReader {
     if (has(key)) value = object_.number(key, low, high);
   }
 
+  void number(const char* key, std::optional<double>& value, double low, double high) {
+    if (has(key)) value = object_.number(key, low, high);
+  }
+
   void integer(const char* key, int& value, double low, double high) {
     if (has(key)) value = object_.integer(key, low, high);
   }
@@ -119,6 +123,9 @@ class FieldWriter {
  public:
   void boolean(const char* key, bool value) { json_[key] = value; }
   void number(const char* key, double value, double, double) { json_[key] = value; }
+  void number(const char* key, const std::optional<double>& value, double, double) {
+    if (value) json_[key] = *value;
+  }
   void integer(const char* key, int value, double, double) { json_[key] = value; }
   void integer(const char* key, const std::optional<int>& value, double, double) {
     if (value) json_[key] = *value;

@@ -3,20 +3,28 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
 
-#include "proxy_viewer/render/camera.h"
+#include "proxy_viewer/picking.h"
 
 namespace bodyopt {
 namespace {
 
-constexpr float kClick = 4;         // pixels: less is no drag
-constexpr double kPickRadius = 14;  // pixels
+constexpr float kClick = 4;  // pixels: less is no drag
+
+// Where joints are not shown, the skin is what can be picked; from then on they are.
+void pick(Scene& scene, const Rectangle& area, Controls& controls) {
+  const ImVec2 at = ImGui::GetIO().MousePos;
+  bool& skeleton = controls.settings.look.skeleton;
+  controls.joint = skeleton ? joint_at(scene, controls, area, at.x, at.y) : "";
+  controls.attempt([&] {
+    if (controls.joint.empty()) controls.joint = joint_under_skin_at(scene, controls, area, at.x, at.y);
+  });
+  if (!controls.joint.empty()) skeleton = true;
+}
 
 }  // namespace
 
-void steer_by_mouse(const Scene& scene, const Rectangle& area, std::uint32_t height, Controls& controls) {
+void steer_by_mouse(Scene& scene, const Rectangle& area, std::uint32_t height, Controls& controls) {
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantCaptureMouse) return;
   const double per_pixel = 3.2 / std::max(1u, height);  // half a turn across the window's height
@@ -32,36 +40,7 @@ void steer_by_mouse(const Scene& scene, const Rectangle& area, std::uint32_t hei
   }
   if (io.MouseWheel != 0) controls.camera.dolly(static_cast<double>(io.MouseWheel));
   const bool dragged = io.MouseDragMaxDistanceSqr[0] >= kClick * kClick;  // and be it back again
-  if (ImGui::IsMouseReleased(0) && !dragged && controls.settings.look.skeleton) {
-    controls.joint = joint_at(scene, controls, area, io.MousePos.x, io.MousePos.y);
-  }
-}
-
-std::string joint_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y) {
-  const std::vector<Rectangle> views = scene.view_areas(controls.settings, picture);
-  const Rectangle& area = x < static_cast<float>(views.back().x) ? views.front() : views.back();
-  const Camera camera = controls.camera.camera();
-  const auto rows = view_matrix(camera);
-  const auto scale = projection(camera, {0, 1}, static_cast<double>(area.width) / std::max(1u, area.height));
-  const std::vector<Vec3> centres = scene.joint_centres(controls);
-  double nearest = kPickRadius;
-  std::string joint;
-  for (std::size_t j = 0; j < centres.size(); ++j) {
-    double at[3];
-    for (std::size_t r = 0; r < 3; ++r) {
-      at[r] = static_cast<double>(rows[r][3]);
-      for (std::size_t i = 0; i < 3; ++i) at[r] += static_cast<double>(rows[r][i]) * centres[j][i];
-    }
-    const double w = camera.orthographic_height > 0 ? 1 : -at[2];
-    if (w <= 0) continue;
-    const double px = area.x + 0.5 * area.width * (1 + static_cast<double>(scale[0]) * at[0] / w);
-    const double py = area.y + 0.5 * area.height * (1 - static_cast<double>(scale[1]) * at[1] / w);
-    const double distance = std::hypot(px - static_cast<double>(x), py - static_cast<double>(y));
-    if (distance >= nearest) continue;
-    nearest = distance;
-    joint = scene.lead().basis().skeleton.joints[j].name;
-  }
-  return joint;
+  if (ImGui::IsMouseReleased(0) && !dragged) pick(scene, area, controls);
 }
 
 }  // namespace bodyopt

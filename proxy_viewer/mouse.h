@@ -1,5 +1,5 @@
 // The mouse over the picture: left turns, middle or shift moves along, right and the wheel go nearer; a click picks a
-// joint.
+// joint, also by the skin over it.
 #pragma once
 
 #include "proxy_viewer/controls.h"
@@ -9,9 +9,6 @@
 namespace bodyopt {
 
 // Within a picture of panels, before they are drawn. `area`: of the characters; `height`: of the window; pixels.
-void steer_by_mouse(const Scene& scene, const Rectangle& area, std::uint32_t height, Controls& controls);
-
-// The joint whose centre is seen nearest to (x, y), pixels of the window, in the view that is there; "": none is near.
-std::string joint_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y);
+void steer_by_mouse(Scene& scene, const Rectangle& area, std::uint32_t height, Controls& controls);
 
 }  // namespace bodyopt

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
+#include "proxy_viewer/box.h"
+#include "proxy_viewer/render/camera.h"
 #include "proxy_viewer/strain_colour.h"
 #include "runtime/rig.h"
 
@@ -19,7 +22,7 @@ constexpr double kSpacing = 0.7;      // between characters, of their size
 constexpr double kInside = 0.3;       // of its size: nearer to another, a character would begin inside it
 constexpr double kSkinAround = 0.12;  // of joints, of the character's size
 constexpr float kSkinOverTets = 0.12f;
-constexpr float kSphere = 0.75f;  // around the joints, of the character's size
+constexpr double kSphere = 0.75;  // around the joints, of the character's size
 
 std::vector<Vec3> centres_of(const Actor& character, const Pose& pose) {
   std::vector<Vec3> centres;
@@ -53,6 +56,21 @@ SurfaceStyle surface_style(LookStyle style) {
 SkinDraw without_heat(SkinDraw draw) {
   draw.reference = draw.distances = nullptr;
   return draw;
+}
+
+// What is worn over a skin that is drawn, at that of its poses; on a ghost of the ghost's colour.
+void dress(std::span<const WornMesh> meshes, std::size_t pose, const SkinDraw& skin, View& view) {
+  for (const WornMesh& mesh : meshes) {
+    SkinDraw worn = without_heat(skin);
+    worn.triangles = mesh.triangles;
+    worn.triangle_count = mesh.triangle_count;
+    worn.positions = &mesh.positions;
+    worn.normals = &mesh.normals;
+    worn.first_vertex = static_cast<std::uint32_t>(pose) * mesh.vertex_count;
+    const bool is_ghost = skin.colour == kBeforeColour || skin.colour == kAfterColour;
+    if (!is_ghost) worn.colour = kWornColour;
+    view.skins.push_back(worn);
+  }
 }
 
 Rectangle left_half(const Rectangle& r) { return {r.x, r.y, r.width / 2, r.height}; }
@@ -177,27 +195,7 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   if (!cast_.empty()) {
     view.ground.height = static_cast<float>(lead().ground());
     view.ground.spacing = grid_spacing(lead().size());
-  }
-  // The sphere of all that is seen.
-  Vec3 low{1e30, 1e30, 1e30}, high{-1e30, -1e30, -1e30};
-  double largest = 0.1;
-  for (std::size_t c = 0; c < cast_.size(); ++c) {
-    const std::vector<Pose> poses = poses_of(*cast_[c], controls);
-    const auto ghosts = static_cast<std::size_t>(controls.settings.ghosts.before + controls.settings.ghosts.after);
-    for (std::size_t k = 0; k < poses.size(); ++k) {
-      const std::array<float, 3> offset = k > ghosts ? place_copy(k - ghosts) : place(c);
-      for (const Vec3& centre : centres_of(*cast_[c], poses[k])) {
-        for (std::size_t i = 0; i < 3; ++i) {
-          low[i] = std::min(low[i], centre[i] + static_cast<double>(offset[i]));
-          high[i] = std::max(high[i], centre[i] + static_cast<double>(offset[i]));
-        }
-      }
-    }
-    largest = std::max(largest, cast_[c]->size());
-  }
-  if (!cast_.empty()) {
-    for (std::size_t i = 0; i < 3; ++i) view.middle[i] = static_cast<float>(0.5 * (low[i] + high[i]));
-    view.radius = static_cast<float>(0.5 * length(high - low) + static_cast<double>(kSphere) * largest);
+    surround(controls, view);
   }
 
   std::vector<View> views = {view};
@@ -222,6 +220,28 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   // What is see-through is drawn over what is not.
   for (View& v : views) std::ranges::stable_partition(v.skins, [](const SkinDraw& draw) { return draw.alpha >= 1; });
   return views;
+}
+
+void Scene::surround(const Controls& controls, View& view) const {
+  const auto ghosts = static_cast<std::size_t>(controls.settings.ghosts.before + controls.settings.ghosts.after);
+  Box all;
+  double around_largest = 0, smallest = 1e30;
+  for (std::size_t c = 0; c < cast_.size(); ++c) {
+    const std::vector<Pose> poses = poses_of(*cast_[c], controls);
+    const double around = kSphere * std::max(0.1, cast_[c]->reach());
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      const Vec3 offset = to_double(k > ghosts ? place_copy(k - ghosts) : place(c));
+      Box own;
+      for (const Vec3& centre : centres_of(*cast_[c], poses[k])) own.add(centre + offset);
+      all.add(own.low);
+      all.add(own.high);
+      smallest = std::min(smallest, own.radius() + around);
+    }
+    around_largest = std::max(around_largest, around);
+  }
+  view.middle = to_float(all.middle());
+  view.radius = static_cast<float>(all.radius() + around_largest);
+  view.ground.caster = static_cast<float>(smallest);
 }
 
 std::vector<Rectangle> Scene::view_areas(const ViewSettings& settings, const Rectangle& area) const {
@@ -267,7 +287,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   skin.style = surface_style(s.look.style);
   skin.wire = s.look.wire;
   skin.shadow = s.look.shadow;
-  skin.heat_range = static_cast<float>(1e-3 * s.compare.heat_scale_mm);
+  skin.heat_range = static_cast<float>(1e-3 * controls.heat_mm());
   SkinDraw second = skin;
   if (compared) {
     second.positions = compared->skin.positions;
@@ -295,16 +315,10 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     second.shadow = false;
     views[0].skins.push_back(second);
   }
-  if (const WornMeshes* clothes = character.worn(method)) {
-    for (const WornMeshes::Mesh& mesh : clothes->meshes()) {
-      SkinDraw worn = without_heat(skin);
-      worn.triangles = &mesh.triangles;
-      worn.triangle_count = mesh.triangle_count;
-      worn.positions = &mesh.positions;
-      worn.normals = &mesh.normals;
-      worn.colour = kWornColour;
-      for (View& view : views) view.skins.push_back(worn);
-    }
+  if (s.look.worn) {
+    const SkinMethod first = flips ? compared->method : method;
+    dress(character.worn(first), 0, skin, views[0]);
+    if (views.size() > 1 && !is_missing) dress(character.worn(compared ? compared->method : method), 0, skin, views[1]);
   }
   for (View& view : views) {
     if (s.look.skeleton) add_skeleton(character, poses[0], skin.offset, controls, view);
@@ -313,6 +327,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   if (poses.size() == 1) return;
   // Ghosts and copies are quasi-static: they have no past.
   const Shown others = method == SkinMethod::full ? shown : evaluate(character, SkinMethod::full, poses, controls);
+  const std::span<const WornMesh> worn = s.look.worn ? character.worn(SkinMethod::full) : std::span<const WornMesh>();
   SkinDraw extra = without_heat(skin);
   extra.positions = others.skin.positions;
   extra.normals = others.skin.normals;
@@ -320,7 +335,10 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   for (std::size_t k = ghosts + 1; k < poses.size(); ++k) {
     extra.first_vertex = static_cast<std::uint32_t>(k) * character.basis().mesh.vertex_count();
     extra.offset = place_copy(k - ghosts);
-    for (View& view : views) view.skins.push_back(extra);
+    for (View& view : views) {
+      view.skins.push_back(extra);
+      dress(worn, k, extra, view);
+    }
   }
   extra.offset = skin.offset;
   extra.wire = extra.shadow = false;
@@ -332,7 +350,10 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     extra.colour = before ? kBeforeColour : kAfterColour;
     const double fades = 1 - 0.6 * static_cast<double>(away - 1) / std::max(1, count);
     extra.alpha = static_cast<float>(std::clamp(s.ghosts.opacity * fades, 0.0, 0.99));
-    for (View& view : views) view.skins.push_back(extra);
+    for (View& view : views) {
+      view.skins.push_back(extra);
+      dress(worn, g, extra, view);
+    }
   }
 }
 
@@ -405,10 +426,10 @@ void Scene::add_fibres(const Actor& character, const Shown& shown, const std::ar
 }
 
 std::vector<Vec3> Scene::joint_centres(const Controls& controls) const {
-  if (cast_.empty()) return {};
-  const Actor& lead = *cast_.front();
-  return centres_of(lead, pose_at(lead, controls.playback.frame(), controls));
+  return cast_.empty() ? std::vector<Vec3>() : centres_of(lead(), lead_pose(controls));
 }
+
+Pose Scene::lead_pose(const Controls& controls) const { return pose_at(lead(), controls.playback.frame(), controls); }
 
 Vec3 Scene::whereabouts(int frame) const {
   const Actor& lead = *cast_.front();
@@ -437,8 +458,10 @@ std::vector<float> Scene::points_to_frame(const Controls& controls) {
   }
   for (std::size_t c = 0; c < cast_.size(); ++c) {
     const std::array<float, 3> offset = place(c);
-    const std::vector<float> skin = cast_[c]->measure(SkinMethod::full, pose_at(*cast_[c], frame, controls), frame);
-    for (std::size_t k = 0; k < skin.size(); ++k) points.push_back(skin[k] + offset[k % 3]);
+    const Pose pose = pose_at(*cast_[c], frame, controls);
+    std::vector<float> own = cast_[c]->measure(SkinMethod::full, pose, frame);
+    if (controls.settings.look.worn) std::ranges::copy(cast_[c]->worn_points(own, pose), std::back_inserter(own));
+    for (std::size_t k = 0; k < own.size(); ++k) points.push_back(own[k] + offset[k % 3]);
   }
   return points;
 }

@@ -40,8 +40,9 @@ class Scene {
   // Where the lead is over the ground, whichever way it leaps: its root, the mean of half a second before and after
   // the frame.
   Vec3 whereabouts(int frame) const;
-  // The skin of all at the frame, or what is around the joint that is selected: V x 3, for framing.
+  // The skin of all at the frame and what they wear, or what is around the joint that is selected: V x 3, for framing.
   std::vector<float> points_to_frame(const Controls& controls);
+  Pose lead_pose(const Controls& controls) const;  // at the frame
   // Where joint centres of the lead are at the frame, J, metres, world.
   std::vector<Vec3> joint_centres(const Controls& controls) const;
 
@@ -61,6 +62,8 @@ class Scene {
   Shown evaluate(Actor& character, SkinMethod method, std::span<const Pose> poses, const Controls& controls);
   Pose pose_at(const Actor& character, int frame, const Controls& controls) const;
   std::vector<Pose> poses_of(const Actor& character, const Controls& controls) const;
+  // The sphere of all that is seen, and that of the smallest of them.
+  void surround(const Controls& controls, View& view) const;
   void add_character(std::size_t index, const Controls& controls, std::vector<View>& views);
   void add_skeleton(const Actor& character, const Pose& pose, const std::array<float, 3>& offset,
                     const Controls& controls, View& view);

@@ -127,6 +127,7 @@ void Session::load_state(const std::string& file) {
   controls.go_to_camera(controls.settings.camera);
   apply_settings();
   controls.requests.frame_selection = false;
+  warn_of_rates();
 }
 
 void Session::play_clip() {
@@ -197,11 +198,13 @@ void Session::warn_of_truth_times() {
 
 void Session::describe_cast() {
   const Basis& basis = scene.lead().basis();
-  std::optional<JointLimits> limits;
-  if (!options_.limits.empty()) limits = read_joint_limits(options_.limits, basis.skeleton);
+  std::vector<std::optional<JointRange>> ranges;
+  if (!options_.limits.empty()) {
+    ranges = joint_ranges(read_joint_limits(options_.limits, basis.skeleton), basis.skeleton);
+  }
   // From here on nothing throws that a file could bring about.
   bodyopt::describe_cast(scene, snapshot);
-  if (limits) limit_joints(*limits, basis.skeleton, snapshot.joints);
+  scene.lead().set_ranges(std::move(ranges));
   controls.joint_names.clear();
   controls.joint_axes.clear();
   for (const Joint& joint : basis.skeleton.joints) {
@@ -212,6 +215,15 @@ void Session::describe_cast() {
   controls.missing = describe_missing(scene.lead());
   if (basis.skeleton.find(controls.joint) < 0) controls.joint.clear();
   snapshot.device = device_name_;
+  warn_of_rates();
+}
+
+// Where jiggle is wanted, and left out.
+void Session::warn_of_rates() {
+  if (!controls.settings.jiggle.on) return;
+  for (const auto& character : scene.cast()) {
+    if (const std::string why = character->why_still(); !why.empty()) controls.warn("it does not jiggle: " + why);
+  }
 }
 
 void Session::describe_picture() {

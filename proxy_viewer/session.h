@@ -64,6 +64,7 @@ class Session {
   void apply_range();
   void swap(std::vector<Replacement>& replacements);
   void describe_cast();
+  void warn_of_rates();
   void watch() { watched_ = WatchedFiles(files()); }
 
   const ViewerOptions& options_;

@@ -16,7 +16,7 @@ struct JointRow {
   std::string name;
   int parent = -1;
   int depth = 0;                              // of the tree
-  Vec3 low{-90, -90, -90}, high{90, 90, 90};  // limits of what is added to the clip, degrees
+  Vec3 low{-90, -90, -90}, high{90, 90, 90};  // of what is added to the clip in this frame, degrees
 };
 
 struct ControlRow {
@@ -28,7 +28,8 @@ struct CharacterRow {
   std::string name, basis, clip, truth;
   std::uint32_t vertices = 0, triangles = 0, tets = 0;  // no tets: it does not jiggle
   std::uint64_t bytes = 0;                              // of the static tables
-  std::string method;                                   // that is shown
+  std::string method{};                                 // that is shown
+  bool wears = false;                                   // attached meshes
 };
 
 // How far the lead is from what it is compared with at a frame, mm; not a number: not measured, or nothing to measure.

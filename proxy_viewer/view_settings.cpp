@@ -43,6 +43,7 @@ constexpr auto kLookFields = [](auto& list, auto& look) {
   list.boolean("tets", look.tets);
   list.number("tet_cut", look.tet_cut, 0, 1);
   list.boolean("shadow", look.shadow);
+  list.boolean("worn", look.worn);
   list.boolean("follow", look.follow);
   list.integer("level", look.level, 0, kCoarsestLevel);
 };

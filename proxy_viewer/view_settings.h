@@ -36,6 +36,7 @@ struct ViewSettings {
     bool wire = false, grid = true, axes = true, skeleton = false, fibres = false, tets = false;
     double tet_cut = 0.5;  // share of the tets that is cut away, from the front
     bool shadow = true;
+    bool worn = true;          // clothes, eyes: what is attached to the skin
     bool follow = true;        // the camera goes along with the character
     std::optional<int> level;  // of detail, 0 the finest; otherwise the one that keeps up
     bool operator==(const Look&) const = default;
@@ -46,7 +47,7 @@ struct ViewSettings {
     CompareLayout layout = CompareLayout::side_by_side;
     double wipe = 0.5;  // where, of the picture's width
     bool heat = false;
-    double heat_scale_mm = 10;  // the hottest colour
+    std::optional<double> heat_scale_mm;  // the hottest colour; otherwise as the errors of the frame are
     bool activation = false, coverage = false;
     bool operator==(const Compare&) const = default;
   };

@@ -18,6 +18,7 @@
 #include "proxy_viewer/describe_scene.h"
 #include "proxy_viewer/error_measuring.h"
 #include "proxy_viewer/gui.h"
+#include "proxy_viewer/heat_scale.h"
 #include "proxy_viewer/live_pose.h"
 #include "proxy_viewer/mouse.h"
 #include "proxy_viewer/panels.h"
@@ -305,8 +306,11 @@ class Viewer {
     gui_.begin(width, height, std::max(1e-4, seconds_between(last_picture_, start)));
     if (!series_) steer_by_mouse(scene_, area_, height, controls_);
     if (!window_) errors_.measure_shown_frame();
+    choose_heat();
+    describe_turns(scene_, controls_.playback.frame(), snapshot_);
     describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
     const Rectangle area = draw_panels(snapshot_, controls_, width, height);
+    if (!ImGui::IsAnyItemActive()) controls_.poses.note(controls_.settings.pose);  // a drag is one step
     gui_.end();
     session_.follow();
     if (controls_.requests.frame_selection) {
@@ -325,6 +329,18 @@ class Viewer {
     session_.describe_picture();
     describe_time(start);
     if (const auto problem = gui_.fonts().take_problem()) warn(*problem);
+  }
+
+  // Of what colours the lead; the pictures of a series are one after the other, too.
+  void choose_heat() {
+    const bool covers = controls_.settings.compare.coverage && scene_.lead().shown().knows_coverage();
+    std::optional<double> p99;
+    if (covers) {
+      p99 = scene_.lead().shown().expected_skin(scene_.lead_pose(controls_)).p99_mm;
+    } else if (const FrameError* error = errors_.shown_error()) {
+      p99 = static_cast<double>(error->p99);
+    }
+    controls_.automatic_heat_mm = heat_.choose(p99, controls_.playback.playing() || makes_series_);
   }
 
   // While it plays, a level of detail that keeps up; but the finest, where what is looked at is of that alone.
@@ -412,6 +428,7 @@ class Viewer {
   Image draw_still(const std::array<std::uint32_t, 2>& size) {
     const auto [width, height] = size;
     std::vector<Message> messages = std::exchange(controls_.messages, {});
+    attempt([&] { errors_.measure_shown_frame(); });
     draw(width, height, Edges::smooth);
     std::swap(controls_.messages, messages);
     std::ranges::move(messages, std::back_inserter(controls_.messages));
@@ -428,7 +445,11 @@ class Viewer {
 
   // In a window one by one, so that it answers.
   void make(std::unique_ptr<PictureSeries> series) {
-    if (!window_) return make_all(*series, draw_picture_);
+    makes_series_ = true;
+    if (!window_) {
+      const Finally ends{[this] { makes_series_ = false; }};
+      return make_all(*series, draw_picture_);
+    }
     series_ = std::move(series);
     series_size_ = picture_size();
     series_stops_ = false;
@@ -443,6 +464,7 @@ class Viewer {
       attempt([&] { goes_on = series_->make_next([this] { return draw_playblast(); }); });
     }
     if (!goes_on) series_.reset();
+    makes_series_ = goes_on;
     pending_pictures_ = 2;
     if (goes_on && seconds_between(last_progress_, now) > kProgress) show_progress();
   }
@@ -487,7 +509,9 @@ class Viewer {
   const DrawPicture draw_picture_ = [this] { return draw_still(); };
   std::unique_ptr<PictureSeries> series_;  // that is being made
   std::array<std::uint32_t, 2> series_size_{};
-  bool series_stops_ = false;        // before the next
+  bool series_stops_ = false;  // before the next
+  bool makes_series_ = false;  // with a window and without
+  HeatScale heat_;
   Clock::time_point last_progress_;  // shown
   DetailChoice detail_;
   Rectangle area_;            // of the characters in the last picture

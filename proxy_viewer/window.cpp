@@ -261,19 +261,24 @@ void Window::attach(std::shared_ptr<const vulkan::Device> device) {
 }
 
 void Window::show(const Viewport& viewport) {
+  if (!show_once(viewport)) show_once(viewport);
+}
+
+// False when the surface was out of date: it is no longer. One that changes again calls back.
+bool Window::show_once(const Viewport& viewport) {
   Swapchain& s = *swapchain_;
   const auto [width, height] = size();
   if (s.chain == VK_NULL_HANDLE || s.size.width != width || s.size.height != height) {
-    if (!s.rebuild({width, height})) return;
+    if (!s.rebuild({width, height})) return true;  // minimised
   }
   std::uint32_t image = 0;
   VkResult result =
       vkAcquireNextImageKHR(s.device.handle(), s.chain, 1'000'000'000, s.acquired.get(), VK_NULL_HANDLE, &image);
   if (result == VK_ERROR_OUT_OF_DATE_KHR) {
-    s.rebuild({width, height});  // shown with the next picture
-    return;
+    s.rebuild({width, height});
+    return false;
   }
-  if (result == VK_TIMEOUT || result == VK_NOT_READY) return;  // nobody looks
+  if (result == VK_TIMEOUT || result == VK_NOT_READY) return true;  // nobody looks
   if (result != VK_SUBOPTIMAL_KHR) check(result, "vkAcquireNextImageKHR");
   s.copy(viewport, s.images[image]);
   const VkSemaphore wait = s.acquired.get(), signal = s.finished[image].get();
@@ -296,9 +301,10 @@ void Window::show(const Viewport& viewport) {
   result = vkQueuePresentKHR(s.device.queue(), &present);
   if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR) {
     s.rebuild({width, height});
-    return;
+    return false;
   }
   check(result, "vkQueuePresentKHR");
+  return true;
 }
 
 bool Window::poll(double seconds) {

@@ -36,7 +36,7 @@ class Window {
   // Before the first show().
   void attach(std::shared_ptr<const vulkan::Device> device);
 
-  // Shows the viewport's picture. Where the surface has changed its size meanwhile, what fits is shown.
+  // Shows the viewport's picture, also where the surface has changed its size meanwhile.
   void show(const Viewport& viewport);
 
   // Calls back for what has happened, and says whether anything has; waits for it at most so long (seconds; 0: not at
@@ -55,6 +55,7 @@ class Window {
   struct Swapchain;
 
   void listen();
+  bool show_once(const Viewport& viewport);
 
   GLFWwindow* window_ = nullptr;
   bool vsync_;

@@ -1,5 +1,8 @@
 #include "proxy_viewer/worn_meshes.h"
 
+#include <algorithm>
+#include <iterator>
+
 namespace bodyopt {
 
 std::vector<float> area_normals(std::span<const float> positions, std::span<const std::uint32_t> triangles) {
@@ -23,17 +26,37 @@ std::vector<float> area_normals(std::span<const float> positions, std::span<cons
 WornMeshes::WornMeshes(const vulkan::Device& device, const Basis& basis, Attachments attachments)
     : device_(device), attachments_(std::move(attachments)), carrier_(basis, attachments_) {
   for (const AttachedMesh& mesh : attachments_.meshes) {
-    meshes_.push_back({vulkan::upload(device_, mesh.triangles, "attached triangles"), {}, {}, mesh.triangle_count()});
+    triangles_.push_back(vulkan::upload(device_, mesh.triangles, "attached triangles"));
   }
 }
 
-void WornMeshes::carry(std::span<const float> skin, std::span<const JointTransform> joints) {
-  const std::vector<std::vector<float>> carried = carrier_.carry(skin, joints);
-  for (std::size_t m = 0; m < meshes_.size(); ++m) {
-    meshes_[m].positions = vulkan::upload(device_, carried[m], "attached positions");
-    meshes_[m].normals =
-        vulkan::upload(device_, area_normals(carried[m], attachments_.meshes[m].triangles), "attached normals");
+std::vector<WornMesh> WornMeshes::carry(std::span<const std::vector<float>> skins, std::span<const Pose> poses) const {
+  const std::size_t count = attachments_.meshes.size();
+  std::vector<std::vector<float>> positions(count), normals(count);
+  for (std::size_t f = 0; f < skins.size(); ++f) {
+    const std::vector<std::vector<float>> carried = carrier_.carry(skins[f], poses[f].joints);
+    for (std::size_t m = 0; m < count; ++m) {
+      std::ranges::copy(carried[m], std::back_inserter(positions[m]));
+      std::ranges::copy(area_normals(carried[m], attachments_.meshes[m].triangles), std::back_inserter(normals[m]));
+    }
   }
+  std::vector<WornMesh> meshes;
+  for (std::size_t m = 0; m < count; ++m) {
+    const AttachedMesh& mesh = attachments_.meshes[m];
+    meshes.push_back({&triangles_[m], mesh.triangle_count(),
+                      static_cast<std::uint32_t>(positions[m].size() / (3 * std::max<std::size_t>(1, skins.size()))),
+                      vulkan::upload(device_, positions[m], "attached positions"),
+                      vulkan::upload(device_, normals[m], "attached normals")});
+  }
+  return meshes;
+}
+
+std::vector<float> WornMeshes::points(std::span<const float> skin, const Pose& pose) const {
+  std::vector<float> points;
+  for (const std::vector<float>& mesh : carrier_.carry(skin, pose.joints)) {
+    std::ranges::copy(mesh, std::back_inserter(points));
+  }
+  return points;
 }
 
 }  // namespace bodyopt

@@ -1,7 +1,6 @@
 // Attached geometry in the scene: carried on the host, uploaded when it moves.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -10,26 +9,28 @@
 
 namespace bodyopt {
 
+// A mesh on F skins.
+struct WornMesh {
+  const vulkan::Buffer* triangles = nullptr;
+  std::uint32_t triangle_count = 0, vertex_count = 0;
+  vulkan::Buffer positions, normals;  // F x N x 3
+};
+
 class WornMeshes {
  public:
-  struct Mesh {
-    vulkan::Buffer triangles, positions, normals;
-    std::uint32_t triangle_count = 0;
-  };
-
   // The basis must outlive it.
   WornMeshes(const vulkan::Device& device, const Basis& basis, Attachments attachments);
 
-  // See AttachmentCarrier::carry().
-  void carry(std::span<const float> skin, std::span<const JointTransform> joints);
-
-  const std::vector<Mesh>& meshes() const { return meshes_; }
+  // On each of the skins, O x 3, at its pose. On the device, as long as this lives.
+  std::vector<WornMesh> carry(std::span<const std::vector<float>> skins, std::span<const Pose> poses) const;
+  // On the host, all meshes one after the other, N x 3.
+  std::vector<float> points(std::span<const float> skin, const Pose& pose) const;
 
  private:
   const vulkan::Device& device_;
   Attachments attachments_;
   AttachmentCarrier carrier_;
-  std::vector<Mesh> meshes_;
+  std::vector<vulkan::Buffer> triangles_;
 };
 
 // By the area vectors of the triangles around each vertex, V x 3; zero where there are none.

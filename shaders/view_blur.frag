@@ -1,6 +1,10 @@
 #version 450
 // A shadow's soft edge: the mean over three rings. Here, on a small picture, rather than for every pixel of the ground.
 
+layout(push_constant) uniform Push {
+  float caster;  // radius of what casts it, in half sides of the picture
+};
+
 layout(set = 0, binding = 0) uniform sampler2D picture;
 
 layout(location = 0) in vec2 in_at;
@@ -11,7 +15,7 @@ void main() {
   for (int ring = 0; ring < 3; ++ring) {
     for (int k = 0; k < 6; ++k) {
       const float angle = (k + 0.5 * ring) * 1.0471976;
-      sum += texture(picture, in_at + (0.006 + 0.012 * ring) * vec2(cos(angle), sin(angle))).r;
+      sum += texture(picture, in_at + caster * (0.006 + 0.012 * ring) * vec2(cos(angle), sin(angle))).r;
     }
   }
   out_colour = vec4(sum / 18, 0, 0, 1);

@@ -5,7 +5,7 @@
 
 layout(push_constant) uniform Push {
   View view;
-  vec4 shadow;  // centre x, z; one over half its side (1/m); strength
+  vec4 shadow;  // centre x, z; half sides of the map a metre; strength
   vec4 ground;  // height; spacing of the grid; how far it reaches, metres; axes (0 or 1)
   uint grid, orthographic;
 };

@@ -2,7 +2,7 @@
 // A skin seen from straight above, for its shadow.
 
 layout(push_constant) uniform Push {
-  vec4 shadow;  // centre x, z; one over half its side (1/m); height of the ground
+  vec4 shadow;  // centre x, z; half sides of the map a metre; height of the ground
   vec4 offset_reach;  // offset of the skin, world; one over the height at which it casts no shadow (1/m)
   uint first_vertex;
 };

@@ -53,7 +53,7 @@ void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const P
   }
   const std::optional<Heat> heat = heat_of(snapshot, controls);
   if (!heat) return;
-  const double hottest = controls.settings.compare.heat_scale_mm;
+  const double hottest = controls.heat_mm();
   const float height = std::min(kHeight, layout.bottom() - layout.menu - 4 * line - 2 * kMargin);
   if (height < 40) return;
   const float right = layout.right() - kMargin, bottom = layout.bottom() - kMargin - 0.5f * line;

@@ -24,6 +24,8 @@ void draw_errors(const Snapshot& snapshot, Controls& controls) {
     draw_error("RMS of this frame", snapshot.errors[index].rms);
     draw_error("Largest", snapshot.errors[index].max);
   }
+  const bool jiggles = snapshot.compared == "jiggle" || (!snapshot.cast.empty() && snapshot.cast[0].method == "jiggle");
+  if (jiggles) ImGui::TextDisabled("without jiggle, which has a past");
   const float width = share_of_line(2);
   command_button(controls, "worst-frame", nullptr, width);
   ImGui::SameLine();
@@ -31,6 +33,17 @@ void draw_errors(const Snapshot& snapshot, Controls& controls) {
   if (snapshot.measured < snapshot.errors.size()) {
     ImGui::TextDisabled("%zu of %zu frames measured", snapshot.measured, snapshot.errors.size());
   }
+}
+
+void draw_heat_scale(Controls& controls) {
+  std::optional<double>& set = controls.settings.compare.heat_scale_mm;
+  double mm = controls.heat_mm();
+  const char* const format = set ? "%.3g mm" : "auto: %.3g mm";
+  if (slide("Hottest", mm, kFinestHeat, kCoarsestHeat, format, find_command("heat-scale")->help,
+            ImGuiSliderFlags_Logarithmic)) {
+    set = mm;
+  }
+  if (set && ImGui::Button("Hottest by the errors of the frame")) attempt(controls, "heat-scale auto");
 }
 
 }  // namespace
@@ -52,8 +65,7 @@ void draw_compare(const Snapshot& snapshot, Controls& controls) {
   command_tick(controls, "coverage", "Heat of expected error");
   ImGui::EndDisabled();
   if (compare.heat || compare.activation || compare.coverage) {
-    slide("Hottest", compare.heat_scale_mm, kFinestHeat, kCoarsestHeat, "%.3g mm", find_command("heat-scale")->help,
-          ImGuiSliderFlags_Logarithmic);
+    draw_heat_scale(controls);
   }
   if (!snapshot.compared.empty()) draw_errors(snapshot, controls);
 }

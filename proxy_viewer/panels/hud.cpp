@@ -1,5 +1,6 @@
 // Figures over the picture: how fast, what of it the stages take, on which device, how much memory, what was dropped,
 // and how far from what was trained.
+#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -48,6 +49,15 @@ void add_live(const LiveRow& live, Lines& lines) {
   lines.add(std::to_string(live.rejected) + " rejected, the last: " + live.last_rejection, kErrorColour);
 }
 
+// They hold for all frames, and are easily forgotten.
+void add_turned(const Snapshot& snapshot, const ViewSettings::Posing& pose, Lines& lines) {
+  const auto count = std::ranges::count_if(snapshot.joints, [&](const JointRow& row) {
+    const auto turn = pose.joints.find(row.name);
+    return turn != pose.joints.end() && turn->second != Vec3{};
+  });
+  if (count > 0) lines.add(std::to_string(count) + (count == 1 ? " joint turned" : " joints turned"), kAccent);
+}
+
 }  // namespace
 
 void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
@@ -66,6 +76,7 @@ void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLay
   }
   lines.add(snapshot.memory_mib, "MiB", "memory");
   lines.add(snapshot.device);
+  add_turned(snapshot, controls.settings.pose, lines);
   add_coverage(snapshot, lines);
 }
 

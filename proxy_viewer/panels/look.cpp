@@ -1,4 +1,6 @@
 // How the character looks, and what is shown of its inside.
+#include <algorithm>
+
 #include "proxy_viewer/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 
@@ -14,12 +16,13 @@ struct Tick {
 
 void draw_look(const Snapshot& snapshot, Controls& controls) {
   const bool has_tets = !snapshot.cast.empty() && snapshot.cast.front().tets > 0;
+  const bool wears = std::ranges::any_of(snapshot.cast, &CharacterRow::wears);
   command_choice(controls, "style", "Style");
   const float half = ImGui::GetCursorPosX() + 0.5f * ImGui::GetContentRegionAvail().x;
   bool left = true;
   for (const Tick& tick :
        {Tick{"wire", true}, Tick{"skeleton", true}, Tick{"fibres", !snapshot.fibres.empty()}, Tick{"tets", has_tets},
-        Tick{"grid", true}, Tick{"axes", true}, Tick{"shadow", true}, Tick{"follow", true}}) {
+        Tick{"grid", true}, Tick{"axes", true}, Tick{"shadow", true}, Tick{"follow", true}, Tick{"worn", wears}}) {
     if (!left) ImGui::SameLine(half);
     left = !left;
     ImGui::BeginDisabled(!tick.available);

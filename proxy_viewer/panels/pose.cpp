@@ -74,7 +74,7 @@ void draw_angles(const JointRow& row, Controls& controls) {
     const bool free = row.low[axis] < row.high[axis];
     ImGui::BeginDisabled(!free);
     moved |= slide(names[axis], angles[axis], row.low[axis], row.high[axis], free ? "%.1f\xc2\xb0" : "held",
-                   "on top of the clip, within the joint's limits");
+                   "on top of the clip, as far as the joint's limits let it");
     ImGui::EndDisabled();
   }
   if (moved) turned[row.name] = angles;

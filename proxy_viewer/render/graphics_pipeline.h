@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <span>
+#include <vector>
 
 #include "proxy_viewer/render/attachment.h"
 
@@ -60,10 +61,12 @@ struct SampledImage {
   VkSampler sampler = VK_NULL_HANDLE;
 };
 
-// The descriptor sets of one picture, `limit` at most.
+using DescriptorPool = vulkan::Owned<VkDescriptorPool, vkDestroyDescriptorPool>;
+
+// The descriptor sets of one picture, however many.
 class PictureSets {
  public:
-  PictureSets(const vulkan::Device& device, std::uint32_t limit);
+  explicit PictureSets(const vulkan::Device& device) : device_(device) {}
   // Forgets all sets; nothing that uses them may be running.
   void reset();
   // Throws Error(device) when a buffer is larger than the device lets a shader see.
@@ -71,8 +74,11 @@ class PictureSets {
                        const SampledImage& image = {});
 
  private:
+  VkDescriptorSet allocate(VkDescriptorSetLayout layout);
+
   const vulkan::Device& device_;
-  vulkan::Owned<VkDescriptorPool, vkDestroyDescriptorPool> pool_;
+  std::vector<DescriptorPool> pools_;  // made when those before are used up, and kept
+  std::size_t made_ = 0;               // sets of this picture
 };
 
 }  // namespace bodyopt

@@ -125,7 +125,7 @@ Image Renderer::draw(std::span<const DrawMesh> meshes, const Camera& camera, std
 
   const vulkan::Device& device = impl_->device;
   const GraphicsPipeline& pipeline = impl_->pipeline;
-  PictureSets sets(device, static_cast<std::uint32_t>(meshes.size() + 1));
+  PictureSets sets(device);
   const MeshBuffers nothing = impl_->upload({}, sets);
   std::vector<MeshBuffers> buffers;
   for (const DrawMesh& mesh : meshes) buffers.push_back(impl_->upload(mesh, sets));

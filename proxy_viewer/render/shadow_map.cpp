@@ -1,6 +1,8 @@
 #include "proxy_viewer/render/shadow_map.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "view_blur.frag.spv.h"
 #include "view_blur.vert.spv.h"
@@ -14,14 +16,27 @@ using vulkan::structure;
 
 namespace {
 
-constexpr std::uint32_t kSide = 256;  // pixels
+constexpr std::uint32_t kSide = 1024;  // pixels
+constexpr float kCasterShare = 0.25f;  // of the map's side: the pixels of one caster
 constexpr VkFormat kFormat = VK_FORMAT_R8_UNORM;
-constexpr float kReach = 0.5f;  // of the view's radius: what is higher casts no shadow
+constexpr float kReach = 0.5f;  // of the caster's radius: what is higher casts no shadow
 
 struct ShadowPush {
   std::array<float, 4> shadow, offset_reach;
   std::uint32_t first_vertex;
 };
+
+constexpr VkRect2D kWhole{{0, 0}, {kSide, kSide}};
+
+float caster_radius(const View& view) { return view.ground.caster > 0 ? view.ground.caster : view.radius; }
+
+// Where there are shadows: all else is not blurred, for that takes long.
+VkRect2D used_part(const View& view) {
+  const float half = std::ceil(0.5f * kSide * shadow_scale(view) * view.radius) + 1;
+  const auto used = static_cast<std::uint32_t>(std::min(half, 0.5f * kSide));
+  const auto corner = static_cast<std::int32_t>(kSide / 2 - used);
+  return {{corner, corner}, {2 * used, 2 * used}};
+}
 
 RenderPass make_pass(const vulkan::Device& device) {
   const VkAttachmentDescription attachment = PassAttachment{kFormat,
@@ -64,6 +79,8 @@ Attachment make_picture(const vulkan::Device& device) {
 
 }  // namespace
 
+float shadow_scale(const View& view) { return std::min(kCasterShare / caster_radius(view), 1 / view.radius); }
+
 vulkan::Owned<VkSampler, vkDestroySampler> make_sampler(const vulkan::Device& device) {
   auto info = structure<VkSamplerCreateInfo>(VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO);
   info.magFilter = info.minFilter = VK_FILTER_LINEAR;
@@ -93,39 +110,40 @@ ShadowMap::ShadowMap(const vulkan::Device& device)
             {.vertex = view_blur_vert_spv,
              .fragment = view_blur_frag_spv,
              .samples_image = true,
-             .push_bytes = sizeof(std::uint32_t),
+             .push_bytes = sizeof(float),
              .samples = VK_SAMPLE_COUNT_1_BIT,
              .depth_test = false,
              .depth_write = false}) {}
 
-void ShadowMap::begin(VkCommandBuffer commands, VkFramebuffer framebuffer) const {
+void ShadowMap::begin(VkCommandBuffer commands, VkFramebuffer framebuffer, const VkRect2D& part) const {
   const VkClearValue clear{};
   auto info = structure<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
   info.renderPass = pass_.get();
   info.framebuffer = framebuffer;
-  info.renderArea = {{0, 0}, {kSide, kSide}};
+  info.renderArea = kWhole;
   info.clearValueCount = 1;
   info.pClearValues = &clear;
   vkCmdBeginRenderPass(commands, &info, VK_SUBPASS_CONTENTS_INLINE);
   const VkViewport viewport{0, 0, kSide, kSide, 0, 1};
   vkCmdSetViewport(commands, 0, 1, &viewport);
-  vkCmdSetScissor(commands, 0, 1, &info.renderArea);
+  vkCmdSetScissor(commands, 0, 1, &part);
 }
 
 void ShadowMap::record(VkCommandBuffer commands, PictureSets& sets, const View& view) const {
-  begin(commands, hard_framebuffer_.get());
+  const float scale = shadow_scale(view), caster = caster_radius(view);
+  begin(commands, hard_framebuffer_.get(), kWhole);
   draw_.bind(commands);
   for (const SkinDraw& skin : view.skins) {
     if (!skin.shadow || view.ground.shadow <= 0) continue;
-    const ShadowPush push{{view.middle[0], view.middle[2], 1 / view.radius, view.ground.height},
-                          {skin.offset[0], skin.offset[1], skin.offset[2], 1 / (kReach * view.radius)},
+    const ShadowPush push{{view.middle[0], view.middle[2], scale, view.ground.height},
+                          {skin.offset[0], skin.offset[1], skin.offset[2], 1 / (kReach * caster)},
                           skin.first_vertex};
     draw_.draw(commands, sets.make(draw_, {skin.positions}), push, 3 * skin.triangle_count, skin.triangles);
   }
   vkCmdEndRenderPass(commands);
-  begin(commands, soft_framebuffer_.get());
+  begin(commands, soft_framebuffer_.get(), used_part(view));
   blur_.bind(commands);
-  blur_.draw(commands, sets.make(blur_, {}, {hard_.view.get(), sampler_.get()}), std::uint32_t{0}, 3);
+  blur_.draw(commands, sets.make(blur_, {}, {hard_.view.get(), sampler_.get()}), scale * caster, 3);
   vkCmdEndRenderPass(commands);
 }
 

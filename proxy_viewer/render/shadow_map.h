@@ -6,6 +6,10 @@
 
 namespace bodyopt {
 
+// Half sides of the map a metre of ground takes. The map's middle is the view's; a caster has as many pixels whether it
+// stands alone or in a crowd, until the map is full.
+float shadow_scale(const View& view);
+
 class ShadowMap {
  public:
   explicit ShadowMap(const vulkan::Device& device);
@@ -16,7 +20,8 @@ class ShadowMap {
   SampledImage image() const { return {soft_.view.get(), sampler_.get()}; }
 
  private:
-  void begin(VkCommandBuffer commands, VkFramebuffer framebuffer) const;
+  // What lies outside of the part is cleared.
+  void begin(VkCommandBuffer commands, VkFramebuffer framebuffer, const VkRect2D& part) const;
 
   RenderPass pass_;
   Attachment hard_, soft_;

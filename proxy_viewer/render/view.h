@@ -73,6 +73,7 @@ struct Ground {
   bool grid = true, axes = false;
   float height = 0, spacing = 0.1f;  // metres
   float shadow = 0.75f;              // strength; 0: none
+  float caster = 0;  // radius of the smallest of those that cast it, metres: how soft it is; 0: the view's
 };
 
 // A part of the picture.

@@ -26,7 +26,6 @@ using vulkan::structure;
 
 namespace {
 
-constexpr std::uint32_t kMostSets = 1024;  // of a picture
 constexpr std::uint32_t kPaletteSize = 256;
 
 struct ViewPush {
@@ -159,7 +158,7 @@ struct Viewport::Impl {
   explicit Impl(const vulkan::Device& d)
       : device(d),
         panel_pass(make_panel_pass(device)),
-        sets(device, kMostSets),
+        sets(device),
         palette(vulkan::upload(device, palette_numbers(), "the colour bar")),
         commands(device) {}
 
@@ -176,7 +175,7 @@ struct Viewport::Impl {
     scene->ground.bind(recorder);
     scene->ground.draw(recorder, sets.make(scene->ground, {}, shadow.image()),
                        GroundPush{push,
-                                  {view.middle[0], view.middle[2], 1 / view.radius, g.shadow},
+                                  {view.middle[0], view.middle[2], shadow_scale(view), g.shadow},
                                   {g.height, g.spacing, 2.5f * view.radius, g.axes ? 1.0f : 0.0f},
                                   g.grid,
                                   view.camera.orthographic_height > 0},

@@ -1,5 +1,7 @@
 // A Vulkan layer that loses the device as drivers do: from one call on, nothing works any more. Which call, the
 // environment says: BODYOPT_LOSE_DEVICE="vkQueueSubmit 5" is the fifth submission. For one device at a time.
+// With BODYOPT_OUT_OF_DATE set, the surface is out of date whenever something has been submitted since the last time it
+// was: for every picture, once.
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
 
@@ -16,7 +18,7 @@ PFN_vkGetDeviceProcAddr next_of_device = nullptr;
 VkInstance instance_here = VK_NULL_HANDLE;
 VkDevice device_here = VK_NULL_HANDLE;
 std::atomic<int> calls_left{0};
-std::atomic<bool> is_lost{false};
+std::atomic<bool> is_lost{false}, has_submitted{false};
 
 struct Plan {
   Plan() {
@@ -46,6 +48,7 @@ bool loses(const char* call) {
 VKAPI_ATTR VkResult VKAPI_CALL queue_submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* submits,
                                             VkFence fence) {
   if (loses("vkQueueSubmit")) return VK_ERROR_DEVICE_LOST;
+  has_submitted = true;
   return go_on<PFN_vkQueueSubmit>("vkQueueSubmit", queue, count, submits, fence);
 }
 
@@ -60,6 +63,7 @@ VKAPI_ATTR VkResult VKAPI_CALL wait_for_fences(VkDevice device, std::uint32_t co
 VKAPI_ATTR VkResult VKAPI_CALL acquire_next_image(VkDevice device, VkSwapchainKHR chain, std::uint64_t timeout,
                                                   VkSemaphore semaphore, VkFence fence, std::uint32_t* image) {
   if (loses("vkAcquireNextImageKHR")) return VK_ERROR_DEVICE_LOST;
+  if (std::getenv("BODYOPT_OUT_OF_DATE") && has_submitted.exchange(false)) return VK_ERROR_OUT_OF_DATE_KHR;
   return go_on<PFN_vkAcquireNextImageKHR>("vkAcquireNextImageKHR", device, chain, timeout, semaphore, fence, image);
 }
 

@@ -371,6 +371,48 @@ TEST_F(ActorTest, WithoutShapesNoErrorIsExpected) {
   EXPECT_EQ(kind_of([&] { Actor(device_, {path}, {}); }), ErrorKind::file);
 }
 
+// A character in a folder of its own, with an outfit.
+std::string dressed(const JigglingCharacter& character, const TemporaryFolder& folder) {
+  const std::string basis = (folder / "limb.safetensors").string();
+  std::filesystem::copy_file(character.basis, basis);
+  save_attachments(limb_outfit(), folder / "limb.attached.safetensors");
+  return basis;
+}
+
+TEST_F(ActorTest, EveryPoseWearsItsOwn) {
+  const TemporaryFolder folder;
+  Actor character(device_, {dressed(*jiggling_, folder), jiggling_->clip}, {});
+  const std::vector<Pose> poses = {character.pose(1, {}), character.pose(9, {})};
+  const Evaluation& result = character.evaluate(SkinMethod::full, poses, 1, {});
+  const std::size_t count = result.positions.size() / 2;
+  const WornMesh& sleeve = character.worn(SkinMethod::full)[2];
+  const std::vector<float> worn = download(sleeve.positions);
+  ASSERT_EQ(worn.size(), 2 * std::size_t{3} * sleeve.vertex_count);
+  const Attachments outfit = limb_outfit();
+  const AttachmentCarrier carrier(jiggling_->made.basis, outfit);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto expected = carrier.carry(std::span(result.positions).subspan(k * count, count), poses[k].joints)[2];
+    EXPECT_LT(distance({worn.begin() + static_cast<std::ptrdiff_t>(k * expected.size()),
+                        worn.begin() + static_cast<std::ptrdiff_t>((k + 1) * expected.size())},
+                       expected),
+              1e-6);
+  }
+  EXPECT_GT(character.reach(), character.size()) << "the blade stands off";
+}
+
+// The truth is half a metre above.
+TEST_F(ActorTest, WhatIsComparedWithWearsItToo) {
+  const TemporaryFolder folder;
+  const std::string truth = (folder / "truth.pc2").string();
+  write_truth(jiggling_->made.basis, read_clip(jiggling_->clip, jiggling_->made.basis.skeleton, {}), 0.5f, truth);
+  Actor character(device_, {.basis = dressed(*jiggling_, folder), .clip = jiggling_->clip, .truth = truth}, {});
+  const Pose pose = character.pose(4, {});
+  for (const SkinMethod method : {SkinMethod::full, SkinMethod::truth}) character.evaluate(method, {&pose, 1}, 4, {});
+  std::vector<float> expected = download(character.worn(SkinMethod::full)[2].positions);
+  for (std::size_t k = 1; k < expected.size(); k += 3) expected[k] += 0.5f;
+  EXPECT_LT(distance(download(character.worn(SkinMethod::truth)[2].positions), expected), 1e-4);
+}
+
 // What is the same is carried and uploaded once.
 TEST_F(ActorTest, WhatItWearsMovesWithTheSkinAlone) {
   const TemporaryFolder folder;
@@ -380,7 +422,7 @@ TEST_F(ActorTest, WhatItWearsMovesWithTheSkinAlone) {
   save_dynamics(jiggling_->made.dynamics, folder / "limb.dynamics.safetensors");
   Actor character(device_, {basis, jiggling_->clip}, {});
   const auto worn = [&](SkinMethod method) -> const vulkan::Buffer& {
-    return character.worn(method)->meshes().at(2).positions;  // the sleeve
+    return character.worn(method)[2].positions;  // the sleeve
   };
   const auto evaluate = [&](SkinMethod method, int frame) {
     const Pose pose = character.pose(frame, {});
@@ -395,7 +437,9 @@ TEST_F(ActorTest, WhatItWearsMovesWithTheSkinAlone) {
   EXPECT_EQ(worn(SkinMethod::full).handle(), buffer);
   evaluate(SkinMethod::full, 2);
   EXPECT_GT(distance(download(worn(SkinMethod::full)), still), 0.01);
-  EXPECT_EQ(small_character().worn(SkinMethod::full), nullptr);
+  Actor bare = small_character();
+  bare.evaluate(SkinMethod::full, std::vector{bare.pose(1, {})}, 1, {});
+  EXPECT_TRUE(bare.worn(SkinMethod::full).empty());
 }
 
 }  // namespace

@@ -30,6 +30,10 @@ Controls controls_of_a_session() {
   controls.settings.cameras["close"] = {{1, 2, 3}, 0.5, 0.1, 0.2, true};
   controls.settings.pose.joints["Hips"] = {1, 2, 3};
   controls.settings.pose.joints["LeftArm"] = {4, 5, 6};
+  controls.poses.note(controls.settings.pose);
+  ViewSettings::Posing undone = controls.settings.pose;
+  undone.joints["RightArm"] = {7, 8, 9};
+  controls.poses.undo(undone);
   controls.joint = "LeftArm";
   controls.camera.orbit(0.4, 0.2);
   return controls;
@@ -127,12 +131,13 @@ const std::map<std::string, Case>& cases() {
       {"grid", {"off", [](C, C c) { return !c.settings.look.grid; }, {"no"}}},
       {"axes", {"off", [](C, C c) { return !c.settings.look.axes; }, {"no"}}},
       {"shadow", {"off", [](C, C c) { return !c.settings.look.shadow; }, {"no"}}},
+      {"worn", {"off", [](C, C c) { return !c.settings.look.worn; }, {"no"}}},
       {"compare", {"ddm", [](C, C c) { return c.settings.compare.with == CompareWith::ddm; }, {"", "itself"}}},
       {"layout", {"wipe", [](C, C c) { return c.settings.compare.layout == CompareLayout::wipe; }, {"", "side"}}},
       {"next-layout", {"", [](C, C c) { return c.settings.compare.layout == CompareLayout::overlay; }, {"1"}}},
       {"wipe", {"0.25", [](C, C c) { return c.settings.compare.wipe == 0.25; }, {"", "-0.1", "1.1", "half"}}},
       {"heat", {"on", [](C, C c) { return c.settings.compare.heat; }, {"hot"}}},
-      {"heat-scale", {"2.5", [](C, C c) { return c.settings.compare.heat_scale_mm == 2.5; }, {"", "0", "-1", "1001"}}},
+      {"heat-scale", {"2.5", [](C, C c) { return c.settings.compare.heat_scale_mm == 2.5; }, {"", "0", "-1", "1001", "automatic"}}},
       {"activation", {"on", [](C, C c) { return c.settings.compare.activation; }, {"yes"}}},
       {"coverage", {"on", [](C, C c) { return c.settings.compare.coverage; }, {"yes"}}},
       {"worst-frame", {"", [](C, C c) { return c.requests.worst_frame; }, {"1"}}},
@@ -157,6 +162,8 @@ const std::map<std::string, Case>& cases() {
         {"", "breath", "breath x", "breath 11", "breathe 1"}}},
       {"reset-pose",
        {"", [](C, C c) { return c.settings.pose.joints.empty() && c.settings.pose.controls.empty(); }, {"1"}}},
+      {"undo", {"", [](C, C c) { return c.settings.pose.joints.empty(); }, {"1"}}},
+      {"redo", {"", [](C, C c) { return valued(c.settings.pose.joints, "RightArm") == Vec3{7, 8, 9}; }, {"1"}}},
       {"correction", {"0.5", [](C, C c) { return c.settings.pose.correction == 0.5; }, {"", "1.01", "-0.01"}}},
       {"jiggle", {"on", [](C, C c) { return c.settings.jiggle.on; }, {"yes"}}},
       {"jiggle-amount", {"2", [](C, C c) { return c.settings.jiggle.amount == 2; }, {"", "4.1", "-1"}}},

@@ -1,5 +1,7 @@
 #include "proxy_viewer/error_measuring.h"
 
+#include "proxy_viewer/output_points.h"
+#include "proxy_viewer/render/camera.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/viewer/small_character.h"
@@ -84,6 +86,15 @@ TEST_F(ErrorMeasuringTest, GoesToTheWorstVertexOfTheFrame) {
   EXPECT_EQ(controls_.marker->frame, 7);
   EXPECT_EQ(controls_.marker->at, errors.curve().errors()[6].worst);
   EXPECT_EQ(controls_.camera.view().target, controls_.marker->at);
+  const FrameError& error = errors.curve().errors()[6];
+  EXPECT_EQ(errors.shown_error(), &error);
+  EXPECT_LE(error.p99, error.max);
+  EXPECT_GT(error.p99, error.rms);
+  const std::vector<float> skin = scene_->lead().measure(SkinMethod::full, scene_->lead_pose(controls_), 7);
+  const Vec3 normal = normal_at(small_->made.mesh, skin, error.worst_vertex);
+  const Camera camera = controls_.camera.camera();
+  const Vec3 back = to_double(camera.eye) - to_double(camera.target);
+  EXPECT_GT(dot(normal, back) / length(back), 0.99);
   controls_.settings.compare.with = CompareWith::truth;
   errors.look();
   EXPECT_FALSE(controls_.marker) << "of another comparison";

@@ -93,6 +93,18 @@ TEST_F(GoldensTest, CoverageIsHotWhereThePoseLeavesTheTraining) {
   EXPECT_LT(hottest(covered, 2 * width / 3, width), hottest(plain, 0, width) + 20);
 }
 
+// The truth is 2 mm away everywhere.
+TEST_F(GoldensTest, HeatIsScaledByTheErrorsOfTheFrameUntilANumberIsGiven) {
+  const std::string files = small_.basis + " " + small_.clip + " " + small_.truth;
+  const auto heat = [&](const std::string& script) {
+    return picture(files, "frame 9; compare truth; heat on; legend on; " + script).rgba;
+  };
+  const std::vector<std::uint8_t> automatic = heat("");
+  EXPECT_TRUE(automatic == heat("heat-scale 2"));
+  EXPECT_FALSE(automatic == heat("heat-scale 5"));
+  EXPECT_TRUE(automatic == heat("heat-scale 5; heat-scale auto"));
+}
+
 // What must not pass.
 TEST_F(GoldensTest, LossesAreSeen) {
   const Image clay = picture(kClay), compared = picture(kCompared);

@@ -427,6 +427,36 @@ TEST_F(PanelsTest, LivePosesAndWhatWasRejectedAreSaid) {
   EXPECT_GT(drawn(), with + 100);
 }
 
+TEST_F(PanelsTest, ErrorsAreSaidToBeWithoutTheJiggle) {
+  Snapshot snapshot = small_character();
+  snapshot.compared = "truth";
+  Controls controls;
+  controls.settings.hud.on = controls.settings.hud.legend = false;
+  run_command(controls, "section compare");
+  const auto drawn = [&](const char* method) {
+    snapshot.cast.at(0).method = method;
+    for (int k = 0; k < 2; ++k) draw(snapshot, controls);
+    return vertices();
+  };
+  EXPECT_GT(drawn("jiggle"), drawn("giggle") + 4 * 20);
+}
+
+TEST_F(PanelsTest, JointsThatAreTurnedAreCounted) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  controls.panels = controls.settings.hud.legend = false;
+  const auto drawn = [&] {
+    draw(snapshot, controls);
+    return vertices();
+  };
+  const int none = drawn();
+  controls.settings.pose.joints[snapshot.joints[0].name] = {};
+  controls.settings.pose.joints["of another character"] = {1, 2, 3};
+  EXPECT_EQ(drawn(), none);
+  controls.settings.pose.joints[snapshot.joints[0].name] = {0, 0, 4};
+  EXPECT_GT(drawn(), none + 4 * 2 * 10) << "1 joint turned";
+}
+
 TEST_F(PanelsTest, PanelsThatAreOnlyLookedAtChangeNothing) {
   const Snapshot snapshot = small_character();
   Controls controls = controls_with_all_open(snapshot);

@@ -4,6 +4,7 @@
 
 #include "proxy_viewer/strain_colour.h"
 #include "runtime/basis/error.h"
+#include "tests/support/attached_limb.h"
 #include "tests/viewer/characters_fixture.h"
 
 namespace bodyopt::testing {
@@ -186,6 +187,41 @@ TEST_F(SceneTest, CharactersOfOneShotStayWhereTheirClipsHaveThem) {
   scene_.add({.basis = small_->basis, .clip = file}, {});
   const std::vector<View> views = scene_.look(controls_, kArea);
   EXPECT_EQ(views.at(0).skins.at(1).offset, (std::array<float, 3>{0, 0, 0}));
+}
+
+TEST_F(SceneTest, ShadowsOfACastAreThoseOfOne) {
+  add_small();
+  const View alone = scene_.look(controls_, kArea).at(0);
+  EXPECT_EQ(alone.ground.caster, alone.radius);
+  add_small();
+  add_small();
+  const View three = scene_.look(controls_, kArea).at(0);
+  EXPECT_FLOAT_EQ(three.ground.caster, alone.ground.caster);
+  EXPECT_GT(three.radius, alone.radius);
+}
+
+TEST_F(SceneTest, WhatIsWornIsWornByAllUnlessItIsOff) {
+  const TemporaryFolder folder;
+  const std::string basis = (folder / "limb.safetensors").string();
+  std::filesystem::copy_file(jiggling_->basis, basis);
+  const Attachments outfit = limb_outfit();
+  save_attachments(outfit, folder / "limb.attached.safetensors");
+  scene_.add({.basis = basis, .clip = jiggling_->clip}, {});
+  ViewSettings& s = controls_.settings;
+  s.ghosts.before = 1;
+  s.cast.copies = 2;
+  s.compare.with = CompareWith::ddm;
+  const std::size_t each = 1 + outfit.meshes.size();
+  for (const View& view : scene_.look(controls_, kArea)) EXPECT_EQ(view.skins.size(), 3 * each);
+  const std::vector<View> views = scene_.look(controls_, kArea);
+  EXPECT_NE(views[0].skins[1].positions, views[1].skins[1].positions) << "each on its own side's skin";
+  EXPECT_EQ(views[0].skins[1].colour, views[1].skins[1].colour);
+  EXPECT_NE(views[0].skins[1].colour, views[0].skins[0].colour);
+  EXPECT_EQ(views[0].skins.back().colour, views[0].skins[2 * each].colour) << "of the ghost";
+  const std::size_t framed = scene_.points_to_frame(controls_).size();
+  s.look.worn = false;
+  for (const View& view : scene_.look(controls_, kArea)) EXPECT_EQ(view.skins.size(), 3u);
+  EXPECT_LT(scene_.points_to_frame(controls_).size(), framed);
 }
 
 // The small character's truth has its clip's frames.

@@ -5,7 +5,9 @@
 
 #include "proxy_viewer/commands.h"
 #include "proxy_viewer/describe_scene.h"
+#include "proxy_viewer/euler_angles.h"
 #include "runtime/basis/error.h"
+#include "tests/support/error_kind.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/viewer/small_character.h"
 
@@ -236,6 +238,53 @@ TEST_F(SessionTest, CommandsThatHaveNothingToShowSayWhatIsMissing) {
   for (const char* command : {"jiggle off", "compare ddm", "fibres on"}) EXPECT_EQ(refusal(command), "") << command;
   session_.open(small_.truth);
   EXPECT_EQ(refusal("compare truth"), "");
+}
+
+// The dynamics step 24 frames a second.
+TEST(SessionRates, JiggleOfAnotherRateIsLeftOutAndSaid) {
+  const TemporaryFolder folder;
+  const JigglingCharacter limb(folder);
+  ViewerOptions options;
+  options.files = {limb.basis};
+  options.clip.fps = 30;
+  Session session(open_test_device(), options);
+  session.open_first();
+  EXPECT_TRUE(session.scene.lead().has(SkinMethod::jiggle)) << "a pose alone has no rate";
+  run_command(session.controls, "jiggle on");
+  session.open(limb.clip);
+  EXPECT_EQ(shown_method(session.scene.lead(), session.controls.settings), SkinMethod::full);
+  ASSERT_FALSE(session.controls.messages.empty());
+  EXPECT_NE(session.controls.messages.back().text.find("--fps 24"), std::string::npos);
+  run_command(session.controls, "jiggle off");
+  EXPECT_EQ(kind_of([&] { run_command(session.controls, "jiggle on"); }), ErrorKind::usage);
+  EXPECT_NO_THROW(run_command(session.controls, "tets on"));
+}
+
+// By whatever they are turned: a command here.
+TEST(SessionLimits, HoldTheJointsThatAreTurned) {
+  const TemporaryFolder folder;
+  const SmallCharacter small(folder);
+  const Joint& upper = small.made.skeleton.joints[1];
+  const Vec3 own_x = rotate(conjugate(decompose(upper.inverse_bind).rotation), {1, 0, 0});
+  ViewerOptions options;
+  options.files = {small.basis};
+  options.limits = (folder / "limits.json").string();
+  write_joint_limits({{{"bend", 0, -20, 50, {{1, own_x, 1}}}}}, small.made.skeleton, options.limits);
+  Session session(open_test_device(), options);
+  session.open_first();
+  const auto angles = [&](const std::string& command) {
+    run_command(session.controls, command);
+    const Pose pose = session.scene.lead().pose(1, session.controls.settings.pose);
+    return degrees_of(conjugate(upper.bind.rotation) * pose.joints[1].rotation);
+  };
+  EXPECT_LT(length(angles("turn upper 30 0 0") - Vec3{30, 0, 0}), 1e-6);
+  EXPECT_LT(length(angles("turn upper 80 40 0") - Vec3{50, 0, 0}), 1e-6);
+  EXPECT_LT(length(angles("turn upper -80 0 0") - Vec3{-20, 0, 0}), 1e-6);
+  describe_turns(session.scene, 1, session.snapshot);
+  EXPECT_NEAR(session.snapshot.joints[1].low[0], -20, 1e-6);
+  EXPECT_NEAR(session.snapshot.joints[1].high[0], 50, 1e-6);
+  EXPECT_NEAR(session.snapshot.joints[1].high[1], 0, 1e-6);
+  EXPECT_EQ(session.snapshot.joints[0].high, JointRow{}.high) << "a root";
 }
 
 TEST(Attempt, SaysWhatFailsUnlessItIsTheDevice) {

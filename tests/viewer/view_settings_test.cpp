@@ -30,9 +30,10 @@ class RandomSettings {
     if (yes()) s.playback.out = 500 + static_cast<int>(random_.below(1000));
     s.camera = view();
     for (std::uint32_t k = random_.below(3); k > 0; --k) s.cameras[name()] = view();
-    s.look = {choice<LookStyle>(4), yes(), yes(), yes(), yes(), yes(), yes(), number(0, 1), yes(), yes(), {}};
+    s.look = {choice<LookStyle>(4), yes(), yes(), yes(), yes(), yes(), yes(), number(0, 1), yes(), yes(), yes(), {}};
     if (yes()) s.look.level = integer(0, 15);
-    s.compare = {choice<CompareWith>(8), choice<CompareLayout>(4), number(0, 1), yes(), number(0.1, 100), yes(), yes()};
+    s.compare = {choice<CompareWith>(8), choice<CompareLayout>(4), number(0, 1), yes(), {}, yes(), yes()};
+    if (yes()) s.compare.heat_scale_mm = number(0.1, 100);
     s.pose.correction = number(0, 1);
     for (std::uint32_t k = random_.below(4); k > 0; --k) {
       s.pose.joints[name()] = {number(-180, 180), number(-180, 180), number(-180, 180)};
@@ -111,10 +112,10 @@ TEST_F(ViewSettingsTest, AreReadAsWritten) {
   }
   // No field was left out, here or in the file.
   for (const auto& [place, found] : values) EXPECT_TRUE(place == "/schema" || found.size() > 1) << place;
-  for (const char* key :
-       {"/playback/in", "/playback/out", "/playback/real_time", "/camera/target", "/cameras/x", "/look/tet_cut",
-        "/look/follow", "/look/level", "/compare/heat_scale_mm", "/compare/coverage", "/pose/joints/LeftArm",
-        "/pose/controls/x", "/jiggle/amount", "/ghosts/opacity", "/cast/copies", "/hud/on", "/hud/legend"}) {
+  for (const char* key : {"/playback/in", "/playback/out", "/playback/real_time", "/camera/target", "/cameras/x",
+                          "/look/tet_cut", "/look/follow", "/look/worn", "/look/level", "/compare/heat_scale_mm",
+                          "/compare/coverage", "/pose/joints/LeftArm", "/pose/controls/x", "/jiggle/amount",
+                          "/ghosts/opacity", "/cast/copies", "/hud/on", "/hud/legend"}) {
     EXPECT_TRUE(values.contains(key)) << key;
   }
 }

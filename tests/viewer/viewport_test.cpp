@@ -232,6 +232,18 @@ TEST_F(ViewportTest, OffsetMovesTheSkin) {
   EXPECT_GT(difference(draw(by_offset), draw(view({skin()}))).mean, 5);
 }
 
+TEST_F(ViewportTest, AsManySkinsAsThereAreAreDrawn) {
+  View crowd = view({});
+  SkinDraw hidden = skin();
+  hidden.offset = {0, 0, -1.2f};
+  for (int k = 0; k < 1500; ++k) crowd.skins.push_back(hidden);
+  crowd.skins.push_back(skin());
+  View few = crowd;
+  few.skins = {hidden, skin()};
+  EXPECT_EQ(draw(crowd).rgba, draw(few).rgba);
+  EXPECT_EQ(draw(crowd).rgba, draw(few).rgba);  // the sets are used again
+}
+
 TEST_F(ViewportTest, GhostsAreSeenThrough) {
   View ghost = view({skin()});
   ghost.skins[0].alpha = 0.5f;
@@ -285,6 +297,29 @@ TEST_F(ViewportTest, ShadowLiesOnTheGroundUnderTheSkin) {
   EXPECT_GT(darker, 100);
   EXPECT_EQ(brighter, 0);
   EXPECT_EQ(pixel(shaded, 0, 0), pixel(plain, 0, 0));
+}
+
+// In a wide view as in that of one caster: by the share of the ground's light that it takes.
+TEST_F(ViewportTest, ShadowIsAsSharpInAWideView) {
+  const auto shade = [&](float radius) {
+    View shaded = view({skin()});
+    shaded.camera.eye = {0, 2.5f, 2.5f};
+    shaded.radius = radius;
+    shaded.ground.caster = 2;
+    View plain = shaded;
+    plain.ground.shadow = 0;
+    const Image with = draw(shaded), without = draw(plain);
+    std::vector<double> share;
+    for (std::size_t k = 0; k < with.rgba.size(); k += 4) {
+      share.push_back(linear(with.rgba[k]) / std::max(1e-3, linear(without.rgba[k])));
+    }
+    return share;
+  };
+  const std::vector<double> one = shade(2), wide = shade(7);
+  EXPECT_LT(*std::ranges::min_element(one), 0.5);
+  double largest = 0;
+  for (std::size_t k = 0; k < one.size(); ++k) largest = std::max(largest, std::abs(one[k] - wide[k]));
+  EXPECT_LT(largest, 0.06);
 }
 
 TEST_F(ViewportTest, EveryStyleIsAnother) {

@@ -37,9 +37,10 @@ class WindowTest : public ::testing::Test {
   std::string small(const std::string& arguments) const { return small_.basis + " " + small_.clip + " " + arguments; }
 
   // Opens the window; returns once its first picture is written.
-  std::unique_ptr<BackgroundProgram> open(const std::string& arguments, const std::string& script = kPlain) {
+  std::unique_ptr<BackgroundProgram> open(const std::string& arguments, const std::string& script = kPlain,
+                                          const std::string& environment = "") {
     auto program = std::make_unique<BackgroundProgram>(
-        command(arguments + " --do '" + script + "; screenshot ready.png'"), folder_ / "output.txt");
+        command(arguments + " --do '" + script + "; screenshot ready.png'", environment), folder_ / "output.txt");
     comes_true([&] { return std::filesystem::exists(folder_ / "ready.png") || !program->runs(); }, kPatience);
     EXPECT_TRUE(program->runs()) << program->output();
     window_ = display_->window("Bodyopt");

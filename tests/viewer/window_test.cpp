@@ -38,6 +38,16 @@ TEST_F(WindowTest, WhatIsOnTheScreenIsTheScreenshot) {
   expect_end(*program, 0);
 }
 
+TEST_F(WindowTest, APictureWhoseSurfaceIsOutOfDateIsShownNonetheless) {
+  const auto program = open(
+      small(""), kPlain,
+      "VK_LAYER_PATH=" + kDeviceLossLayer + " VK_INSTANCE_LAYERS=VK_LAYER_BODYOPT_device_loss BODYOPT_OUT_OF_DATE=1");
+  click_messages_away();
+  EXPECT_TRUE(comes_true([&] { return display_->picture(window_).rgba == picture("ready.png").rgba; }, kPatience));
+  display_->hands("key ctrl+q");
+  expect_end(*program, 0);
+}
+
 TEST_F(WindowTest, KeysDoWhatTheirCommandsDo) {
   const auto program = open(small("--validate"));
   const Image first = picture("ready.png");
@@ -157,6 +167,21 @@ TEST_F(WindowTest, AClickPicksAJointAndADragDoesNot) {
   display_->hands(at(0) + "click 1 sleep 0.4");
   const Image clicked = screenshot();
   EXPECT_LT(spot_difference(clicked, picked).largest, 0.5 * spot_difference(picked, none).largest);
+  display_->hands("key ctrl+q");
+  expect_end(*program, 0);
+}
+
+TEST_F(WindowTest, AClickOnTheSkinPicksTheNearestJointAndShowsThemAll) {
+  const auto program = open(small(""), kPlain + "; legend off");
+  const Image none = picture("ready.png"), shown = headless("skeleton on"),
+              picked = headless("skeleton on; select upper");
+  const auto [x, y] = middle_of_difference(shown, picked);
+  click_messages_away();
+  display_->hands("mousemove --window " + window_ + " 10 20 sleep 0.4 click 1 sleep 0.4");
+  EXPECT_TRUE(screenshot().rgba == none.rgba) << "beside the skin";
+  display_->hands("mousemove --window " + window_ + " " + std::to_string(x) + " " + std::to_string(y) +
+                  " sleep 0.4 click 1 sleep 0.4");
+  EXPECT_LT(spot_difference(screenshot(), picked).largest, 0.5 * spot_difference(shown, picked).largest);
   display_->hands("key ctrl+q");
   expect_end(*program, 0);
 }

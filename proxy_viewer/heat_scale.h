@@ -1,0 +1,22 @@
+// The error that is shown in the hottest colour, where the animator gives none.
+#pragma once
+
+#include <optional>
+
+namespace bodyopt {
+
+// The next 1, 2 or 5 times a power of ten, within what the scale can be set to.
+double round_heat(double mm);
+
+class HeatScale {
+ public:
+  // `p99_mm`: what 99 of 100 vertices of the frame are below; none: it is not known. Gives millimetres. They stay while
+  // frames follow each other: colours shall mean the same.
+  double choose(std::optional<double> p99_mm, bool playing);
+
+ private:
+  double mm_ = 10;
+  bool is_chosen_ = false;
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,102 @@
+#include "proxy_viewer/picking.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "proxy_viewer/output_points.h"
+#include "proxy_viewer/render/camera.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kPickRadius = 14;  // pixels
+
+Rectangle view_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x) {
+  const std::vector<Rectangle> views = scene.view_areas(controls.settings, picture);
+  return x < static_cast<float>(views.back().x) ? views.front() : views.back();
+}
+
+double aspect_of(const Rectangle& area) { return static_cast<double>(area.width) / std::max(1u, area.height); }
+
+Vec3 vertex(std::span<const float> vertices, std::uint32_t index) {
+  const float* at = vertices.data() + std::size_t{3} * index;
+  return {at[0], at[1], at[2]};
+}
+
+// Along the ray; none: it passes by (Möller and Trumbore 1997).
+std::optional<double> hit(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a, across = cross(ray.along, ac);
+  const double determinant = dot(ab, across);
+  if (determinant == 0) return std::nullopt;
+  const Vec3 from_a = ray.from - a, other = cross(from_a, ab);
+  const double u = dot(from_a, across) / determinant, v = dot(ray.along, other) / determinant;
+  if (u < 0 || v < 0 || u + v > 1) return std::nullopt;
+  return dot(ac, other) / determinant;
+}
+
+}  // namespace
+
+std::string joint_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y) {
+  const Rectangle area = view_at(scene, controls, picture, x);
+  const Camera camera = controls.camera.camera();
+  const auto rows = view_matrix(camera);
+  const auto scale = projection(camera, {0, 1}, aspect_of(area));
+  const std::vector<Vec3> centres = scene.joint_centres(controls);
+  double nearest = kPickRadius;
+  std::string joint;
+  for (std::size_t j = 0; j < centres.size(); ++j) {
+    double at[3];
+    for (std::size_t r = 0; r < 3; ++r) {
+      at[r] = static_cast<double>(rows[r][3]);
+      for (std::size_t i = 0; i < 3; ++i) at[r] += static_cast<double>(rows[r][i]) * centres[j][i];
+    }
+    const double w = camera.orthographic_height > 0 ? 1 : -at[2];
+    if (w <= 0) continue;
+    const double px = area.x + 0.5 * area.width * (1 + static_cast<double>(scale[0]) * at[0] / w);
+    const double py = area.y + 0.5 * area.height * (1 - static_cast<double>(scale[1]) * at[1] / w);
+    const double distance = std::hypot(px - static_cast<double>(x), py - static_cast<double>(y));
+    if (distance >= nearest) continue;
+    nearest = distance;
+    joint = scene.lead().basis().skeleton.joints[j].name;
+  }
+  return joint;
+}
+
+std::string joint_under_skin_at(Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y) {
+  const Ray ray = ray_through(controls.camera.camera(), view_at(scene, controls, picture, x), static_cast<double>(x),
+                              static_cast<double>(y));
+  Actor& lead = scene.lead();
+  const MeshTable& mesh = lead.finest_basis().mesh;
+  const std::vector<float> skin = lead.measure(SkinMethod::full, scene.lead_pose(controls), controls.playback.frame(),
+                                               static_cast<float>(controls.settings.pose.correction));
+  const std::optional<Vec3> at = first_hit(ray, vertices_of(mesh, skin), mesh.triangles);
+  if (!at) return "";
+  const std::vector<Vec3> centres = scene.joint_centres(controls);
+  const auto nearest = std::ranges::min_element(centres, {}, [&](const Vec3& centre) { return length(centre - *at); });
+  return lead.basis().skeleton.joints[static_cast<std::size_t>(nearest - centres.begin())].name;
+}
+
+Ray ray_through(const Camera& camera, const Rectangle& area, double x, double y) {
+  const Vec3 eye = to_double(camera.eye);
+  const ViewAxes axes = view_axes(eye - to_double(camera.target));
+  const auto scale = projection(camera, {0, 1}, aspect_of(area));
+  const double right = (2 * (x - area.x) / std::max(1u, area.width) - 1) / static_cast<double>(scale[0]);
+  const double up = (1 - 2 * (y - area.y) / std::max(1u, area.height)) / static_cast<double>(scale[1]);
+  const Vec3 across = right * axes.right + up * axes.up;
+  if (camera.orthographic_height > 0) return {eye + across, -1 * axes.back, -1e30};
+  return {eye, across - axes.back};
+}
+
+std::optional<Vec3> first_hit(const Ray& ray, std::span<const float> vertices,
+                              std::span<const std::uint32_t> triangles) {
+  std::optional<double> first;
+  for (std::size_t t = 0; t + 2 < triangles.size(); t += 3) {
+    const std::optional<double> at = hit(ray, vertex(vertices, triangles[t]), vertex(vertices, triangles[t + 1]),
+                                         vertex(vertices, triangles[t + 2]));
+    if (at && *at > ray.least && (!first || *at < *first)) first = at;
+  }
+  if (!first) return std::nullopt;
+  return ray.from + *first * ray.along;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,34 @@
+// What of the lead is under a pixel of the window.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "proxy_viewer/controls.h"
+#include "proxy_viewer/render/view.h"
+#include "proxy_viewer/scene.h"
+
+namespace bodyopt {
+
+// The joint whose centre is seen nearest to (x, y), in the view that is there; "": none is near.
+std::string joint_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y);
+
+// The joint that is nearest to where the skin is seen at (x, y); "": no skin is there. Jiggle is left out. Throws as
+// Actor::measure().
+std::string joint_under_skin_at(Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y);
+
+// A point is from + t along.
+struct Ray {
+  Vec3 from, along;
+  double least = 0;  // of t
+};
+
+// Through a pixel of the area that the camera fills.
+Ray ray_through(const Camera& camera, const Rectangle& area, double x, double y);
+
+// Where it first meets a triangle, from either side. V x 3; T x 3.
+std::optional<Vec3> first_hit(const Ray& ray, std::span<const float> vertices,
+                              std::span<const std::uint32_t> triangles);
+
+}  // namespace bodyopt
