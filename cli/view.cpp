@@ -79,7 +79,8 @@ void add_view(CLI::App& app) {
       ->expected(2)
       ->allow_extra_args(false)
       ->check(CLI::Range(1u, kMostViewportPixels));
-  verb.add_option("--limits", options.limits, "Joint limits (limits.json): how far the sliders of joints go")
+  verb.add_option("--limits", options.limits,
+                  "Joint limits (limits.json) of the first character: how far joints can be turned")
       ->type_name("FILE")
       ->check(refuse_empty);
   verb.add_option("--state", options.state, "Cameras and settings that the viewport saved")->type_name("FILE");

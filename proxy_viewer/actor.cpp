@@ -199,7 +199,8 @@ Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
   return pose;
 }
 
-const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights) {
+const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
+                                  bool dressed) {
   if (hosted_skin(method)) hosted_pose_ = poses[0];
   if (method == SkinMethod::truth) {
     try {
@@ -215,18 +216,19 @@ const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses
     return hosted_;
   }
   if (method == SkinMethod::proxy) return carry_proxy(poses.first(1), frame, weights);
-  const bool carries = worn_ && has_worn_skin();
+  const bool carries = dressed && worn_ && has_worn_skin();
   return details_[level_]->evaluate(method, poses, frame, weights, carries);
 }
 
 std::span<const WornMesh> Actor::worn(SkinMethod method) {
   if (!worn_ || !has_worn_skin()) return {};
   Worn& worn = worn_on_[method];
-  std::vector<std::vector<float>> skins = skins_on_host(method);
-  const std::vector<Pose> poses = hosted_skin(method) ? std::vector{hosted_pose_} : shown().last(method).poses;
-  if (skins == worn.skins && same(poses, worn.poses)) return worn.meshes;
-  worn.meshes = worn_->carry(skins, poses);
-  worn.skins = std::move(skins);
+  const HostedSkin* hosted = hosted_skin(method);
+  const Source on = hosted ? Source{0, hosted->number} : Source{level_, shown().last(method).number};
+  const std::vector<Pose> poses = hosted ? std::vector{hosted_pose_} : shown().last(method).poses;
+  if (on == worn.on && same(poses, worn.poses)) return worn.meshes;
+  worn.meshes = worn_->carry(skins_on_host(method), poses);
+  worn.on = on;
   worn.poses = poses;
   return worn.meshes;
 }
@@ -315,12 +317,13 @@ void Actor::show_truth(int frame) {
   truth_->shown = sample;
 }
 
-Actor::HostedSkin Actor::upload_output(std::span<const float> points) const {
+Actor::HostedSkin Actor::upload_output(std::span<const float> points) {
   const MeshTable& mesh = finest().basis().mesh;
   const std::vector<float> positions = vertices_of(mesh, points);
   std::vector<float> normals(positions.size());
   cpu::output_normals(mesh, positions, normals);
-  return {{points.begin(), points.end()},
+  return {++uploads_,
+          {points.begin(), points.end()},
           vulkan::upload(*device_, positions, "a skin"),
           vulkan::upload(*device_, normals, "its normals")};
 }

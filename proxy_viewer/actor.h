@@ -75,7 +75,9 @@ class Actor {
   std::optional<JointRange> free_turns(std::size_t joint, int frame) const;
 
   // Poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
-  const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights);
+  // `dressed`: worn() is to follow.
+  const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
+                             bool dressed = true);
   void reset_jiggle();  // which starts anew with the next frame
   // What it wears, on the skins that the method has evaluated last, one a pose; empty: nothing.
   std::span<const WornMesh> worn(SkinMethod method);
@@ -98,22 +100,23 @@ class Actor {
   bool has_truth_at(int frame) const { return truth_ && truth_sample(frame).has_value(); }
 
  private:
+  // What the host made something of last: the evaluation of a level, or an upload.
+  struct Source {
+    std::size_t level = 0;
+    std::uint64_t number = 0;
+    bool operator==(const Source&) const = default;
+  };
   // A skin of the finest level that comes from the host.
   struct HostedSkin {
+    std::uint64_t number = 0;   // another with every upload
     std::vector<float> points;  // O x 3
     vulkan::Buffer positions, normals;
   };
   // What is worn on the skins of a method.
   struct Worn {
-    std::vector<std::vector<float>> skins;
+    Source on;
     std::vector<Pose> poses;
     std::vector<WornMesh> meshes;
-  };
-  // What the host made something of last: the evaluation of a level.
-  struct Source {
-    std::size_t level = 0;
-    std::uint64_t evaluation = 0;
-    bool operator==(const Source&) const = default;
   };
   struct Truth {
     Pc2Reader reader;
@@ -132,7 +135,7 @@ class Actor {
   std::vector<std::vector<float>> skins_on_host(SkinMethod method) const;
   const Evaluation& carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights);
   void show_linear_blend(const Pose& pose);
-  HostedSkin upload_output(std::span<const float> points) const;
+  HostedSkin upload_output(std::span<const float> points);
   void show_truth(int frame);
   std::optional<std::uint32_t> truth_sample(int frame) const;
   void measure_size();
@@ -148,7 +151,8 @@ class Actor {
   std::vector<int> keys_;
   std::vector<std::optional<JointRange>> ranges_;
   double size_ = 1, reach_ = 1, ground_ = 0;
-  Evaluation hosted_;             // of skins that come from the host: nothing
+  Evaluation hosted_;  // of skins that come from the host: nothing
+  std::uint64_t uploads_ = 0;
   HostedSkin blended_, carried_;  // by linear blending; by the proxy
   std::vector<Pose> blended_of_;  // none, or one
   Source carried_from_;

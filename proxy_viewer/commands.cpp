@@ -331,7 +331,7 @@ const Command kCommands[] = {
     {"heat", "[on|off]", "E", "Compare", "colour by the distance, in millimetres",
      [](Controls& c, const std::string& a) { toggle(c.settings.compare.heat, a); },
      [](const Controls& c) { return name_of(c.settings.compare.heat); }},
-    {"heat-scale", "auto|MM", "", "Compare", "the hottest colour; auto: by the errors of the frame, the same while it plays",
+    {"heat-scale", "auto|MM", "", "Compare", "the hottest colour; auto: by what was measured",
      [](Controls& c, const std::string& a) {
        if (a == "auto") {
          c.settings.compare.heat_scale_mm = std::nullopt;

@@ -87,6 +87,7 @@ const Evaluation& Detail::evaluate(SkinMethod method, std::span<const Pose> pose
   if (method == SkinMethod::jiggle) {
     last.result = host ? d.jiggle(poses, {&frame, 1}) : d.jiggle_on_device(poses, {&frame, 1});
   } else {
+    if (host) d.require_one_batch(poses);  // what is drawn is on the device, too
     last.result = host ? d.evaluate(poses) : d.evaluate_on_device(poses);
   }
   last.poses.assign(poses.begin(), poses.end());
@@ -103,9 +104,10 @@ const ExpectedSkin& Detail::expected_skin(const Pose& pose) {
   std::vector<float> vertices = shares_.carry(error.region_mm);
   ExpectedSkin skin{error.rms_mm, 0, 0, vulkan::upload(*device_, vertices, "expected errors")};
   if (!vertices.empty()) {
-    std::ranges::sort(vertices);
-    skin.largest_mm = 1e3 * double{vertices.back()};
-    skin.p99_mm = 1e3 * double{vertices[99 * (vertices.size() - 1) / 100]};
+    skin.largest_mm = 1e3 * double{*std::ranges::max_element(vertices)};
+    const auto p99 = vertices.begin() + static_cast<std::ptrdiff_t>(99 * (vertices.size() - 1) / 100);
+    std::ranges::nth_element(vertices, p99);
+    skin.p99_mm = 1e3 * double{*p99};
   }
   return expected_.emplace(pose, std::move(skin)).second;
 }

@@ -83,6 +83,14 @@ bool ErrorCurve::measure_next(Actor& character, int frame) {
   return true;
 }
 
+std::optional<float> ErrorCurve::largest_p99() const {
+  std::optional<float> largest;
+  for (const FrameError& error : errors_) {
+    if (std::isfinite(error.p99)) largest = std::max(largest.value_or(0), error.p99);
+  }
+  return largest;
+}
+
 std::optional<std::size_t> ErrorCurve::worst() const {
   std::optional<std::size_t> worst;
   for (std::size_t k = 0; k < errors_.size(); ++k) {

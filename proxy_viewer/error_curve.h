@@ -39,6 +39,7 @@ class ErrorCurve {
   std::size_t measured_count() const { return measured_; }
   bool is_complete() const { return measured_ == errors_.size(); }
   std::optional<std::size_t> worst() const;  // of those that were measured: its index
+  std::optional<float> largest_p99() const;  // of those, mm
 
  private:
   // Jiggle has a past that a single frame does not: measured is what it swings about.

@@ -11,16 +11,17 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 double sum(const Vec3& angles) { return std::abs(angles[0]) + std::abs(angles[1]) + std::abs(angles[2]); }
 
+// Half a turn about x and z, and y from the other side, is the same turn.
+Vec3 other_angles(const Vec3& degrees) {
+  return {std::remainder(degrees[0] + 180, 360), std::remainder(180 - degrees[1], 360),
+          std::remainder(degrees[2] + 180, 360)};
+}
+
 }  // namespace
 
 Quat turn_of(const Vec3& degrees) {
   return axis_angle({0, 0, 1}, kDegree * degrees[2]) * axis_angle({0, 1, 0}, kDegree * degrees[1]) *
          axis_angle({1, 0, 0}, kDegree * degrees[0]);
-}
-
-Vec3 same_turn(const Vec3& degrees) {
-  return {std::remainder(degrees[0] + 180, 360), std::remainder(180 - degrees[1], 360),
-          std::remainder(degrees[2] + 180, 360)};
 }
 
 Vec3 degrees_of(const Quat& turn) {
@@ -34,7 +35,7 @@ Vec3 degrees_of(const Quat& turn) {
   } else {
     radians[2] = std::atan2(-m[0][1], m[1][1]);
   }
-  const Vec3 degrees = (1 / kDegree) * radians, other = same_turn(degrees);
+  const Vec3 degrees = (1 / kDegree) * radians, other = other_angles(degrees);
   return sum(other) < sum(degrees) ? other : degrees;
 }
 

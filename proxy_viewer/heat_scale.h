@@ -10,8 +10,8 @@ double round_heat(double mm);
 
 class HeatScale {
  public:
-  // `p99_mm`: what 99 of 100 vertices of the frame are below; none: it is not known. Gives millimetres. They stay while
-  // frames follow each other: colours shall mean the same.
+  // `p99_mm`: what 99 of 100 vertices are below; none: it is not known. Gives millimetres. While frames follow each
+  // other they only rise: colours shall mean the same, but a clip may begin at rest, where nothing is off.
   double choose(std::optional<double> p99_mm, bool playing);
 
  private:

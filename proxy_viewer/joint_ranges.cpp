@@ -11,8 +11,7 @@ namespace {
 // World to the joint's own axes, in the bind pose.
 Vec3 own_axis(const Joint& joint, const Vec3& axis) { return rotate(decompose(joint.inverse_bind).rotation, axis); }
 
-constexpr double kRounding = 1e-9;  // degrees
-constexpr double kAcross = 0.2;     // an axis of which a turn has less than this is not turned about
+constexpr double kAcross = 0.2;  // an axis of which a turn has less than this is not turned about
 
 // With what the clip has beyond it.
 JointRange with_clip(JointRange range, const Vec3& angles) {
@@ -21,19 +20,6 @@ JointRange with_clip(JointRange range, const Vec3& angles) {
     range.high[axis] = std::max(range.high[axis], angles[axis]);
   }
   return range;
-}
-
-// Of the angles that make the turn, those nearest to where it was to go: beyond half a turn, too.
-Vec3 degrees_near(const Quat& turn, const Vec3& wanted) {
-  const Vec3 degrees = degrees_of(turn);
-  const auto near_wanted = [&](Vec3 angles) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      angles[axis] = wanted[axis] + std::remainder(angles[axis] - wanted[axis], 360);
-    }
-    return angles;
-  };
-  const Vec3 near = near_wanted(degrees), other = near_wanted(same_turn(degrees));
-  return length(other - wanted) < length(near - wanted) ? other : near;
 }
 
 }  // namespace
@@ -60,15 +46,14 @@ std::vector<std::optional<JointRange>> joint_ranges(const JointLimits& limits, c
 }
 
 Quat turned_within(const JointRange& range, const Quat& bind, const Quat& clip, const Vec3& degrees) {
-  const Quat wanted = normalized(clip * turn_of(degrees));
+  if (degrees == Vec3{}) return normalized(clip);
   const Vec3 before = degrees_of(conjugate(bind) * clip);
-  const Vec3 angles = degrees_near(conjugate(bind) * wanted, before + degrees);
   const JointRange allowed = with_clip(range, before);
   Vec3 within;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    within[axis] = std::clamp(angles[axis], allowed.low[axis], allowed.high[axis]);
+    within[axis] = std::clamp(before[axis] + degrees[axis], allowed.low[axis], allowed.high[axis]);
   }
-  return length(within - angles) < kRounding ? wanted : normalized(bind * turn_of(within));
+  return normalized(bind * turn_of(within));
 }
 
 JointRange turns_within(const JointRange& range, const Quat& bind, const Quat& clip) {

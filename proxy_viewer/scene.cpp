@@ -58,8 +58,9 @@ SkinDraw without_heat(SkinDraw draw) {
   return draw;
 }
 
-// What is worn over a skin that is drawn, at that of its poses; on a ghost of the ghost's colour.
-void dress(std::span<const WornMesh> meshes, std::size_t pose, const SkinDraw& skin, View& view) {
+// What is worn over a skin that is drawn, at that of its poses.
+void dress(std::span<const WornMesh> meshes, std::size_t pose, const SkinDraw& skin, const std::array<float, 3>& colour,
+           View& view) {
   for (const WornMesh& mesh : meshes) {
     SkinDraw worn = without_heat(skin);
     worn.triangles = mesh.triangles;
@@ -67,8 +68,7 @@ void dress(std::span<const WornMesh> meshes, std::size_t pose, const SkinDraw& s
     worn.positions = &mesh.positions;
     worn.normals = &mesh.normals;
     worn.first_vertex = static_cast<std::uint32_t>(pose) * mesh.vertex_count;
-    const bool is_ghost = skin.colour == kBeforeColour || skin.colour == kAfterColour;
-    if (!is_ghost) worn.colour = kWornColour;
+    worn.colour = colour;
     view.skins.push_back(worn);
   }
 }
@@ -175,7 +175,8 @@ Scene::Shown Scene::evaluate(Actor& character, SkinMethod method, std::span<cons
                         static_cast<float>(controls.settings.jiggle.amount)};
   // Ghosts are quasi-static: they have no past.
   const auto wanted = method == SkinMethod::full ? poses : poses.first(1);
-  const Evaluation& evaluation = character.evaluate(method, wanted, controls.playback.frame(), weights);
+  const Evaluation& evaluation =
+      character.evaluate(method, wanted, controls.playback.frame(), weights, controls.settings.look.worn);
   for (const auto& [stage, seconds] : evaluation.stage_seconds) stage_seconds_[stage] += seconds;
   return {method, &evaluation, character.skin(method)};
 }
@@ -317,8 +318,10 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   }
   if (s.look.worn) {
     const SkinMethod first = flips ? compared->method : method;
-    dress(character.worn(first), 0, skin, views[0]);
-    if (views.size() > 1 && !is_missing) dress(character.worn(compared ? compared->method : method), 0, skin, views[1]);
+    dress(character.worn(first), 0, skin, kWornColour, views[0]);
+    if (views.size() > 1 && !is_missing) {
+      dress(character.worn(compared ? compared->method : method), 0, skin, kWornColour, views[1]);
+    }
   }
   for (View& view : views) {
     if (s.look.skeleton) add_skeleton(character, poses[0], skin.offset, controls, view);
@@ -337,7 +340,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     extra.offset = place_copy(k - ghosts);
     for (View& view : views) {
       view.skins.push_back(extra);
-      dress(worn, k, extra, view);
+      dress(worn, k, extra, kWornColour, view);
     }
   }
   extra.offset = skin.offset;
@@ -352,7 +355,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     extra.alpha = static_cast<float>(std::clamp(s.ghosts.opacity * fades, 0.0, 0.99));
     for (View& view : views) {
       view.skins.push_back(extra);
-      dress(worn, g, extra, view);
+      dress(worn, g, extra, extra.colour, view);
     }
   }
 }

@@ -220,7 +220,7 @@ void Session::describe_cast() {
 
 // Where jiggle is wanted, and left out.
 void Session::warn_of_rates() {
-  if (!controls.settings.jiggle.on) return;
+  if (!controls.settings.jiggle.on && controls.settings.compare.with != CompareWith::jiggle) return;
   for (const auto& character : scene.cast()) {
     if (const std::string why = character->why_still(); !why.empty()) controls.warn("it does not jiggle: " + why);
   }

@@ -142,7 +142,7 @@ class Viewer {
     gui_.begin(width, height, 1e-4);
     draw_loading(text);
     gui_.end();
-    viewport_.draw({}, width, height, Edges::quick, [this](VkCommandBuffer commands) { gui_.record(commands); });
+    viewport_.draw({}, width, height, Edges::smooth, [this](VkCommandBuffer commands) { gui_.record(commands); });
     window_->show(viewport_);
   }
 
@@ -303,10 +303,10 @@ class Viewer {
     const Clock::time_point start = Clock::now();
     session_.warn_of_truth_times();
     visit_texts(snapshot_, controls_, [this](const std::string& text) { gui_.fonts().show(text); });
+    if (!window_) errors_.measure_shown_frame();
+    attempt([&] { choose_heat(); });
     gui_.begin(width, height, std::max(1e-4, seconds_between(last_picture_, start)));
     if (!series_) steer_by_mouse(scene_, area_, height, controls_);
-    if (!window_) errors_.measure_shown_frame();
-    choose_heat();
     describe_turns(scene_, controls_.playback.frame(), snapshot_);
     describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
     const Rectangle area = draw_panels(snapshot_, controls_, width, height);
@@ -331,14 +331,14 @@ class Viewer {
     if (const auto problem = gui_.fonts().take_problem()) warn(*problem);
   }
 
-  // Of what colours the lead; the pictures of a series are one after the other, too.
+  // Of what colours the lead, as far as it is measured; the pictures of a series are one after the other, too.
   void choose_heat() {
     const bool covers = controls_.settings.compare.coverage && scene_.lead().shown().knows_coverage();
     std::optional<double> p99;
     if (covers) {
       p99 = scene_.lead().shown().expected_skin(scene_.lead_pose(controls_)).p99_mm;
-    } else if (const FrameError* error = errors_.shown_error()) {
-      p99 = static_cast<double>(error->p99);
+    } else if (const std::optional<float> error = errors_.curve().largest_p99()) {
+      p99 = static_cast<double>(*error);
     }
     controls_.automatic_heat_mm = heat_.choose(p99, controls_.playback.playing() || makes_series_);
   }

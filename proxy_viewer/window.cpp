@@ -299,11 +299,11 @@ bool Window::show_once(const Viewport& viewport) {
   present.pSwapchains = &s.chain;
   present.pImageIndices = &image;
   result = vkQueuePresentKHR(s.device.queue(), &present);
-  if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR) {
+  if (result == VK_ERROR_OUT_OF_DATE_KHR) {
     s.rebuild({width, height});
     return false;
   }
-  check(result, "vkQueuePresentKHR");
+  if (result != VK_SUBOPTIMAL_KHR) check(result, "vkQueuePresentKHR");
   return true;
 }
 

@@ -134,6 +134,8 @@ class Deformer {
   // Of the last batch of any of the four; its buffers live until the next call of one.
   DeviceSkin device_skin() const { return backend_->device_skin(); }
   std::uint32_t batch_limit() const { return backend_->batch_limit(); }
+  // Throws Error(usage) for more poses than that.
+  void require_one_batch(std::span<const Pose> poses) const;
 
   void set_weights(const Weights& weights) { backend_->set_weights(weights); }
 
@@ -150,7 +152,6 @@ class Deformer {
   void set_rest();
   Evaluation run(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device);
   Evaluation step(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device);
-  void require_one_batch(std::span<const Pose> poses) const;
   std::vector<JiggleFrame> plan(const Batch& batch, std::span<const int> frames);
 
   Basis basis_;

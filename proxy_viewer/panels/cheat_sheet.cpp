@@ -10,7 +10,7 @@ namespace {
 constexpr float kNarrowestColumn = 318, kKey = 92, kMouseKey = 132;  // widths
 constexpr std::pair<const char*, const char*> kMouse[] = {
     {"left", "turn around the character"},         {"middle, Shift+left", "move across"},
-    {"right, wheel", "nearer, further"},           {"click", "select a joint, with the skeleton shown"},
+    {"right, wheel", "nearer, further"},           {"click", "select a joint, or that under the skin"},
     {"Ctrl+click", "type the number of a slider"}, {"drop a file", "open it"},
     {"hold X", "see what is compared with"}};
 

@@ -60,7 +60,8 @@ void draw_prompt(Controls& controls, const PanelLayout& layout) {
   ImGui::SetNextWindowPos({0.5f * layout.right(), layout.menu + 24}, ImGuiCond_Always, {0.5f, 0});
   ImGui::SetNextWindowSize({std::max(80.0f, width), 0});
   ImGui::Begin("Prompt", nullptr, kOverWindow | ImGuiWindowFlags_NoScrollbar);
-  if (!ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
+  const bool is_chosen_from = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);  // which the focus would close
+  if (!is_chosen_from && !ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
   std::string& text = controls.typed.prompt;
   bool hears = ImGui::GetActiveID() == ImGui::GetID("##command");

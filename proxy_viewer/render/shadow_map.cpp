@@ -16,8 +16,8 @@ using vulkan::structure;
 
 namespace {
 
-constexpr std::uint32_t kSide = 1024;  // pixels
-constexpr float kCasterShare = 0.25f;  // of the map's side: the pixels of one caster
+constexpr std::uint32_t kSide = 512;  // pixels
+constexpr float kCasterShare = 0.5f;  // of the map's side: the pixels of one caster
 constexpr VkFormat kFormat = VK_FORMAT_R8_UNORM;
 constexpr float kReach = 0.5f;  // of the caster's radius: what is higher casts no shadow
 
@@ -142,8 +142,10 @@ void ShadowMap::record(VkCommandBuffer commands, PictureSets& sets, const View& 
   }
   vkCmdEndRenderPass(commands);
   begin(commands, soft_framebuffer_.get(), used_part(view));
-  blur_.bind(commands);
-  blur_.draw(commands, sets.make(blur_, {}, {hard_.view.get(), sampler_.get()}), scale * caster, 3);
+  if (view.ground.shadow > 0) {
+    blur_.bind(commands);
+    blur_.draw(commands, sets.make(blur_, {}, {hard_.view.get(), sampler_.get()}), scale * caster, 3);
+  }
   vkCmdEndRenderPass(commands);
 }
 

@@ -400,6 +400,14 @@ TEST_F(ActorTest, EveryPoseWearsItsOwn) {
   EXPECT_GT(character.reach(), character.size()) << "the blade stands off";
 }
 
+TEST_F(ActorTest, MoreDressedPosesThanABatchTakesAreRefused) {
+  const TemporaryFolder folder;
+  Actor character(device_, {.basis = dressed(*jiggling_, folder), .clip = jiggling_->clip}, {});
+  const Deformer of_character(jiggling_->made.basis, std::nullopt, {}, device_);
+  const std::vector<Pose> many(of_character.batch_limit() + std::size_t{1}, character.pose(1, {}));
+  EXPECT_EQ(kind_of([&] { character.evaluate(SkinMethod::full, many, 1, {}); }), ErrorKind::usage);
+}
+
 // The truth is half a metre above.
 TEST_F(ActorTest, WhatIsComparedWithWearsItToo) {
   const TemporaryFolder folder;

@@ -72,10 +72,9 @@ TEST(JointRanges, BindTheClipAndWhatIsAddedTogether) {
   expect_near(turned({0, 0, 0}, {20, 60, 50}), {20, 30, 0});
 }
 
+// However far another is bent: a roll of a bent joint is not taken for a turn about the axis that is held.
 TEST(JointRanges, OfAnAxisThatIsFreeAreNotLostOnOneThatIsHeld) {
-  const Vec3 angles = turned({40, 0, 0}, {0, 20, 0});
-  EXPECT_GT(angles[1], 14);
-  EXPECT_NEAR(angles[2], 0, 1e-9);
+  for (const double bent : {40.0, 90.0, 140.0}) expect_near(turned({bent, 0, 0}, {0, 20, 0}), {bent, 20, 0});
 }
 
 TEST(JointRanges, LeaveAClipBeyondThemWhereItIsOrBringItBack) {
@@ -84,12 +83,6 @@ TEST(JointRanges, LeaveAClipBeyondThemWhereItIsOrBringItBack) {
   expect_near(turned(beyond, {25, 0, 0}), {-15, 5, 12});
   const Quat clip = posed(beyond);
   EXPECT_EQ(turned_within(kRange, kBind, clip, {}), normalized(clip)) << "to the last bit";
-}
-
-TEST(JointRanges, WithinThemTurnsAreWhatTheyWere) {
-  const Quat clip = posed({20, -3, 0});
-  EXPECT_EQ(turned_within({{-180, -90, -180}, {180, 90, 180}}, kBind, clip, {30, 8, -20}),
-            normalized(clip * turn_of({30, 8, -20})));
 }
 
 TEST(JointRanges, OfSlidersAreWhatTheClipLeaves) {

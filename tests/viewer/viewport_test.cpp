@@ -315,7 +315,7 @@ TEST_F(ViewportTest, ShadowIsAsSharpInAWideView) {
     }
     return share;
   };
-  const std::vector<double> one = shade(2), wide = shade(7);
+  const std::vector<double> one = shade(2), wide = shade(4);
   EXPECT_LT(*std::ranges::min_element(one), 0.5);
   double largest = 0;
   for (std::size_t k = 0; k < one.size(); ++k) largest = std::max(largest, std::abs(one[k] - wide[k]));

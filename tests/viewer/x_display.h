@@ -40,23 +40,24 @@ class XDisplay {
     const ProgramResult found = hands("search --onlyvisible --name '" + title + "'");
     return found.exit_code == 0 ? found.output.substr(0, found.output.find('\n')) : "";
   }
-  // What the window shows on the screen.
+  // What the window shows on the screen; no pixels of one that is not there yet.
   Image picture(const std::string& window) const {
     Display* display = XOpenDisplay(name_.c_str());
     const Window id = std::stoul(window);
     XWindowAttributes attributes{};
     XGetWindowAttributes(display, id, &attributes);
     const auto width = static_cast<unsigned>(attributes.width), height = static_cast<unsigned>(attributes.height);
-    XImage* screen = XGetImage(display, id, 0, 0, width, height, AllPlanes, ZPixmap);
+    const bool is_shown = attributes.map_state == IsViewable;
+    XImage* screen = is_shown ? XGetImage(display, id, 0, 0, width, height, AllPlanes, ZPixmap) : nullptr;
     Image image{width, height, {}};
-    for (int y = 0; y < attributes.height; ++y) {
+    for (int y = 0; screen && y < attributes.height; ++y) {
       for (int x = 0; x < attributes.width; ++x) {
         const unsigned long pixel = XGetPixel(screen, x, y);
         for (const int shift : {16, 8, 0}) image.rgba.push_back(static_cast<std::uint8_t>(pixel >> shift));
         image.rgba.push_back(255);
       }
     }
-    XDestroyImage(screen);
+    if (screen) XDestroyImage(screen);
     XCloseDisplay(display);
     return image;
   }
