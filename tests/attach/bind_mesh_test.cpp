@@ -138,7 +138,7 @@ TEST(BindMesh, AnotherUnitIsNamed) {
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::mismatch);
     const std::string text = error.what();
-    EXPECT_NE(text.find("mesh 'sleeve' is 15.5 m from the skin"), std::string::npos) << text;
+    EXPECT_NE(text.find("mesh 'sleeve' is 15.51 m from the skin"), std::string::npos) << text;
     EXPECT_NE(text.find("With --unit 0.005 it is"), std::string::npos) << text;
   }
   for (Vec3& p : mesh.vertices) p = p + Vec3{0, 700, 0};
