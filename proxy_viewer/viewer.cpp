@@ -224,7 +224,7 @@ class Viewer {
       if (key.substr(key.rfind('+') + 1) == kFlipKey) controls_.flipped = false;
       return;
     }
-    if (series_) return on_key_in_series(key);
+    if (series_ && !series_stops_) return on_key_in_series(key);
     if (ImGui::GetIO().WantTextInput) return;
     if (controls_.prompt) {  // which may not be drawn yet
       if (key == "Enter" && event == KeyEvent::pressed) controls_.typed.entered = true;
