@@ -80,11 +80,7 @@ void ErrorMeasuring::go_to_worst_frame() {
 
 // Quasi-static, as the error is.
 Vec3 ErrorMeasuring::worst_normal(const FrameError& error) {
-  Actor& lead = scene_.lead();
-  const std::vector<float> skin =
-      lead.measure(SkinMethod::full, scene_.lead_pose(controls_), controls_.playback.frame(),
-                   static_cast<float>(controls_.settings.pose.correction));
-  return normal_at(lead.finest_basis().mesh, skin, error.worst_vertex);
+  return normal_at(scene_.lead().finest_basis().mesh, scene_.lead_skin(controls_), error.worst_vertex);
 }
 
 void ErrorMeasuring::go_to_worst_vertex() {

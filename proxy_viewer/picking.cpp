@@ -65,15 +65,12 @@ std::string joint_at(const Scene& scene, const Controls& controls, const Rectang
 std::string joint_under_skin_at(Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y) {
   const Ray ray = ray_through(controls.camera.camera(), view_at(scene, controls, picture, x), static_cast<double>(x),
                               static_cast<double>(y));
-  Actor& lead = scene.lead();
-  const MeshTable& mesh = lead.finest_basis().mesh;
-  const std::vector<float> skin = lead.measure(SkinMethod::full, scene.lead_pose(controls), controls.playback.frame(),
-                                               static_cast<float>(controls.settings.pose.correction));
-  const std::optional<Vec3> at = first_hit(ray, vertices_of(mesh, skin), mesh.triangles);
+  const MeshTable& mesh = scene.lead().finest_basis().mesh;
+  const std::optional<Vec3> at = first_hit(ray, vertices_of(mesh, scene.lead_skin(controls)), mesh.triangles);
   if (!at) return "";
   const std::vector<Vec3> centres = scene.joint_centres(controls);
   const auto nearest = std::ranges::min_element(centres, {}, [&](const Vec3& centre) { return length(centre - *at); });
-  return lead.basis().skeleton.joints[static_cast<std::size_t>(nearest - centres.begin())].name;
+  return scene.lead().basis().skeleton.joints[static_cast<std::size_t>(nearest - centres.begin())].name;
 }
 
 Ray ray_through(const Camera& camera, const Rectangle& area, double x, double y) {

@@ -434,6 +434,11 @@ std::vector<Vec3> Scene::joint_centres(const Controls& controls) const {
 
 Pose Scene::lead_pose(const Controls& controls) const { return pose_at(lead(), controls.playback.frame(), controls); }
 
+std::vector<float> Scene::lead_skin(const Controls& controls) {
+  return lead().measure(SkinMethod::full, lead_pose(controls), controls.playback.frame(),
+                        static_cast<float>(controls.settings.pose.correction));
+}
+
 Vec3 Scene::whereabouts(int frame) const {
   const Actor& lead = *cast_.front();
   const Clip& clip = lead.clip();

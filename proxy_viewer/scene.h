@@ -42,7 +42,9 @@ class Scene {
   Vec3 whereabouts(int frame) const;
   // The skin of all at the frame and what they wear, or what is around the joint that is selected: V x 3, for framing.
   std::vector<float> points_to_frame(const Controls& controls);
-  Pose lead_pose(const Controls& controls) const;  // at the frame
+  Pose lead_pose(const Controls& controls) const;
+  // The lead's full skin in that pose, finest level, output vertex order: quasi-static.
+  std::vector<float> lead_skin(const Controls& controls);  // at the frame
   // Where joint centres of the lead are at the frame, J, metres, world.
   std::vector<Vec3> joint_centres(const Controls& controls) const;
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "runtime/basis/error.h"
+
 namespace bodyopt {
 
 std::vector<float> area_normals(std::span<const float> positions, std::span<const std::uint32_t> triangles) {
@@ -43,6 +45,11 @@ std::vector<WornMesh> WornMeshes::carry(std::span<const std::vector<float>> skin
   std::vector<WornMesh> meshes;
   for (std::size_t m = 0; m < count; ++m) {
     const AttachedMesh& mesh = attachments_.meshes[m];
+    if (sizeof(float) * positions[m].size() > device_.info().max_storage_buffer_range) {
+      throw Error(ErrorKind::usage, "mesh '" + mesh.name + "' is too large to be shown " +
+                                        std::to_string(skins.size()) +
+                                        " times at once: fewer copies or ghosts, or 'worn off'");
+    }
     meshes.push_back({&triangles_[m], mesh.triangle_count(),
                       static_cast<std::uint32_t>(positions[m].size() / (3 * std::max<std::size_t>(1, skins.size()))),
                       vulkan::upload(device_, positions[m], "attached positions"),
