@@ -21,8 +21,8 @@ class WornMeshes {
   // The basis must outlive it.
   WornMeshes(const vulkan::Device& device, const Basis& basis, Attachments attachments);
 
-  // On each of the skins, O x 3, at its pose. On the device, as long as this lives. Throws Error(usage) for more than the
-  // device shows at once.
+  // On each of the skins, O x 3, at its pose. On the device, as long as this lives. Throws Error(usage) for more than
+  // the device shows at once.
   std::vector<WornMesh> carry(std::span<const std::vector<float>> skins, std::span<const Pose> poses) const;
   // On the host, all meshes one after the other, N x 3.
   std::vector<float> points(std::span<const float> skin, const Pose& pose) const;
