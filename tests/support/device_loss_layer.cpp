@@ -1,7 +1,9 @@
 // A Vulkan layer that loses the device as drivers do: from one call on, nothing works any more. Which call, the
 // environment says: BODYOPT_LOSE_DEVICE="vkQueueSubmit 5" is the fifth submission. For one device at a time.
 // With BODYOPT_OUT_OF_DATE set, the surface is out of date whenever something has been submitted since the last time it
-// was: for every picture, once.
+// was: for every picture, once. With BODYOPT_HOLD_FIRST_PICTURE set, the program waits for ever before it shows its
+// second picture: what the first looks like can be seen.
+#include <unistd.h>
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
 
@@ -17,7 +19,7 @@ PFN_vkGetInstanceProcAddr next_of_instance = nullptr;
 PFN_vkGetDeviceProcAddr next_of_device = nullptr;
 VkInstance instance_here = VK_NULL_HANDLE;
 VkDevice device_here = VK_NULL_HANDLE;
-std::atomic<int> calls_left{0};
+std::atomic<int> calls_left{0}, pictures_shown{0};
 std::atomic<bool> is_lost{false}, has_submitted{false};
 
 struct Plan {
@@ -69,6 +71,8 @@ VKAPI_ATTR VkResult VKAPI_CALL acquire_next_image(VkDevice device, VkSwapchainKH
 
 VKAPI_ATTR VkResult VKAPI_CALL queue_present(VkQueue queue, const VkPresentInfoKHR* info) {
   if (loses("vkQueuePresentKHR")) return VK_ERROR_DEVICE_LOST;
+  const bool holds = std::getenv("BODYOPT_HOLD_FIRST_PICTURE") && pictures_shown++ > 0;
+  while (holds) pause();
   return go_on<PFN_vkQueuePresentKHR>("vkQueuePresentKHR", queue, info);
 }
 

@@ -12,10 +12,7 @@ namespace {
 class DeviceLossTest : public WindowTest {
  protected:
   // Loses the device in the given call, as "vkQueueSubmit 5".
-  static std::string losing(const std::string& call) {
-    return "VK_LAYER_PATH=" + kDeviceLossLayer +
-           " VK_INSTANCE_LAYERS=VK_LAYER_BODYOPT_device_loss BODYOPT_LOSE_DEVICE='" + call + "'";
-  }
+  static std::string losing(const std::string& call) { return misbehaving_device("LOSE_DEVICE='" + call + "'"); }
 
   static void expect_said(const ProgramResult& result, const std::string& call) {
     EXPECT_EQ(result.exit_code, 5) << call << "\n" << result.output;

@@ -17,6 +17,11 @@ namespace bodyopt::testing {
 inline const std::string kPlain = "panels off; hud off";
 inline constexpr double kPatience = 60;  // seconds: machines are slow under sanitizers and beside other work
 
+// The environment of a program whose device misbehaves as `setting` says (tests/support/device_loss_layer.cpp).
+inline std::string misbehaving_device(const std::string& setting) {
+  return "VK_LAYER_PATH=" + kDeviceLossLayer + " VK_INSTANCE_LAYERS=VK_LAYER_BODYOPT_device_loss BODYOPT_" + setting;
+}
+
 // Runs `view` with a character in a folder of its own, on lavapipe unless BODYOPT_TEST_DEVICE names another device.
 class WindowTest : public ::testing::Test {
  protected:

@@ -1,6 +1,5 @@
 // The program as people use it: in a window of a display without a screen, by keys and mouse, and by scripts.
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
 #include "tests/viewer/window_fixture.h"
 #include "tests/viewer/x_drag.h"
@@ -39,9 +38,7 @@ TEST_F(WindowTest, WhatIsOnTheScreenIsTheScreenshot) {
 }
 
 TEST_F(WindowTest, APictureWhoseSurfaceIsOutOfDateIsShownNonetheless) {
-  const auto program = open(
-      small(""), kPlain,
-      "VK_LAYER_PATH=" + kDeviceLossLayer + " VK_INSTANCE_LAYERS=VK_LAYER_BODYOPT_device_loss BODYOPT_OUT_OF_DATE=1");
+  const auto program = open(small(""), kPlain, misbehaving_device("OUT_OF_DATE=1"));
   click_messages_away();
   EXPECT_TRUE(comes_true([&] { return display_->picture(window_).rgba == picture("ready.png").rgba; }, kPatience));
   display_->hands("key ctrl+q");
@@ -364,8 +361,7 @@ TEST_F(WindowTest, GoesOnWhenTheWindowThatFilesAreDraggedFromGoesAway) {
 
 // A pipe that nobody writes to takes as long as one likes.
 TEST_F(WindowTest, WhatIsReadIsSaidMeanwhile) {
-  ASSERT_EQ(mkfifo((folder_ / "hero.glb").c_str(), 0600), 0);
-  BackgroundProgram program(command("hero.glb"), folder_ / "output.txt");
+  BackgroundProgram program(command(small(""), misbehaving_device("HOLD_FIRST_PICTURE=1")), folder_ / "output.txt");
   ASSERT_TRUE(comes_true([&] { return !(window_ = display_->window("Bodyopt")).empty(); }, kPatience))
       << program.output();
   EXPECT_TRUE(comes_true(
@@ -378,7 +374,7 @@ TEST_F(WindowTest, WhatIsReadIsSaidMeanwhile) {
         return letters > 100 && letters < shown.rgba.size() / 16;
       },
       kPatience));
-  EXPECT_NE(program.output().find("loading hero.glb"), std::string::npos) << program.output();
+  EXPECT_NE(program.output().find("loading " + small_.basis), std::string::npos) << program.output();
   EXPECT_TRUE(program.runs());
 }
 

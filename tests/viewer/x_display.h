@@ -28,6 +28,7 @@ class XDisplay {
   XDisplay() : number_(folder_ / "number"), xvfb_(start()) {
     comes_true([this] { return !read_number().empty(); }, 20);
     name_ = ":" + read_number();
+    XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });  // a window may go away at any moment
   }
 
   const std::string& name() const { return name_; }
@@ -40,7 +41,7 @@ class XDisplay {
     const ProgramResult found = hands("search --onlyvisible --name '" + title + "'");
     return found.exit_code == 0 ? found.output.substr(0, found.output.find('\n')) : "";
   }
-  // What the window shows on the screen; no pixels of one that is not there yet.
+  // What the window shows on the screen; no pixels of one that is not there.
   Image picture(const std::string& window) const {
     Display* display = XOpenDisplay(name_.c_str());
     const Window id = std::stoul(window);
