@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "proxy_viewer/box.h"
 #include "proxy_viewer/euler_angles.h"
 #include "proxy_viewer/open_character.h"
 #include "proxy_viewer/output_points.h"
@@ -25,16 +26,9 @@ namespace {
 namespace fs = std::filesystem;
 
 double diagonal(std::span<const float> points) {
-  double squared = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    float low = points.empty() ? 0 : points[axis], high = low;
-    for (std::size_t k = axis; k < points.size(); k += 3) {
-      low = std::min(low, points[k]);
-      high = std::max(high, points[k]);
-    }
-    squared += static_cast<double>(high - low) * static_cast<double>(high - low);
-  }
-  return std::sqrt(squared);
+  Box box;
+  for (std::size_t k = 0; k + 2 < points.size(); k += 3) box.add(Vec3{points[k], points[k + 1], points[k + 2]});
+  return points.empty() ? 0 : 2 * box.radius();
 }
 
 Clip bind_clip(const Basis& basis) {
@@ -298,23 +292,15 @@ std::vector<float> Actor::measure(SkinMethod method, const Pose& pose, int frame
   }
   if (method == SkinMethod::lbs) return linear_blend_->skin(pose);
   if (method != SkinMethod::truth) return finest().measure(method, pose, correction).positions;
-  const std::optional<std::uint32_t> sample = truth_sample(frame);
-  if (!sample) return {};
-  return truth_->reader.read_sample(*sample);
-}
-
-std::optional<std::uint32_t> Actor::truth_sample(int frame) const {
-  const double at = (frame - static_cast<double>(truth_->reader.start_frame())) /
-                    std::max(1e-6, static_cast<double>(truth_->reader.sample_rate()));
-  if (at <= -0.5 || at >= truth_->reader.sample_count() - 0.5) return std::nullopt;
-  return static_cast<std::uint32_t>(std::lround(at));
+  const std::optional<SampleTime> time = sample_time(truth_->reader, frame);
+  return time ? read_sample(truth_->reader, *time) : std::vector<float>();
 }
 
 void Actor::show_truth(int frame) {
-  const std::optional<std::uint32_t> sample = truth_sample(frame);
-  if (!sample || sample == truth_->shown) return;
-  truth_->skin = upload_output(truth_->reader.read_sample(*sample));
-  truth_->shown = sample;
+  const std::optional<SampleTime> time = sample_time(truth_->reader, frame);
+  if (!time || time == truth_->shown) return;
+  truth_->skin = upload_output(read_sample(truth_->reader, *time));
+  truth_->shown = time;
 }
 
 Actor::HostedSkin Actor::upload_output(std::span<const float> points) {

@@ -15,6 +15,7 @@
 #include "proxy_viewer/detail.h"
 #include "proxy_viewer/joint_ranges.h"
 #include "proxy_viewer/linear_blend.h"
+#include "proxy_viewer/truth_times.h"
 #include "proxy_viewer/view_settings.h"
 #include "proxy_viewer/worn_meshes.h"
 #include "runtime/deformer.h"
@@ -97,7 +98,7 @@ class Actor {
   Vec3 start() const { return clip_.poses.front().joints.front().translation; }  // of its root, as the clip begins
   const Pc2Reader* truth() const { return truth_ ? &truth_->reader : nullptr; }
   // The truth is evaluated in such frames only.
-  bool has_truth_at(int frame) const { return truth_ && truth_sample(frame).has_value(); }
+  bool has_truth_at(int frame) const { return truth_ && sample_time(truth_->reader, frame).has_value(); }
 
  private:
   // What the host made something of last: the evaluation of a level, or an upload.
@@ -120,7 +121,7 @@ class Actor {
   };
   struct Truth {
     Pc2Reader reader;
-    std::optional<std::uint32_t> shown;  // sample
+    std::optional<SampleTime> shown;
     HostedSkin skin;
   };
 
@@ -137,7 +138,6 @@ class Actor {
   void show_linear_blend(const Pose& pose);
   HostedSkin upload_output(std::span<const float> points);
   void show_truth(int frame);
-  std::optional<std::uint32_t> truth_sample(int frame) const;
   void measure_size();
   void measure_ground();
 

@@ -21,6 +21,7 @@ struct Requests {
   bool worst_frame = false, worst_vertex = false;
   std::optional<std::string> screenshot, turntable, sequence, save_state, load_state;  // file names
   std::vector<std::string> open;                                                       // files, by what they hold
+  std::optional<int> lead, remove;                                                     // characters, counted from 1
   bool operator==(const Requests&) const = default;
 };
 

@@ -119,6 +119,21 @@ std::unique_ptr<Actor> Scene::make(const ActorFiles& files, const ClipOptions& o
 
 void Scene::swap(std::size_t index, std::unique_ptr<Actor>& other) {
   cast_[index].swap(other);
+  forget_look();
+}
+
+void Scene::make_lead(std::size_t index) {
+  const auto lead = cast_.begin() + static_cast<std::ptrdiff_t>(index);
+  std::rotate(cast_.begin(), lead, lead + 1);
+  forget_look();
+}
+
+void Scene::remove(std::size_t index) {
+  cast_.erase(cast_.begin() + static_cast<std::ptrdiff_t>(index));
+  forget_look();
+}
+
+void Scene::forget_look() {
   lead_evaluation_ = nullptr;
   lead_expected_ = nullptr;
 }

@@ -20,6 +20,8 @@ class Scene {
   // One that is not in the cast.
   std::unique_ptr<Actor> make(const ActorFiles& files, const ClipOptions& options) const;
   void swap(std::size_t index, std::unique_ptr<Actor>& other);
+  void make_lead(std::size_t index);  // the others keep their order
+  void remove(std::size_t index);
   // In place of the lead's clip.
   void set_live_pose(Pose pose) { live_pose_ = std::move(pose); }
   void leave_live_pose() { live_pose_.reset(); }  // back to the clip
@@ -61,6 +63,7 @@ class Scene {
     DeviceSkin skin;
   };
 
+  void forget_look();  // whose results may be gone
   Shown evaluate(Actor& character, SkinMethod method, std::span<const Pose> poses, const Controls& controls);
   Pose pose_at(const Actor& character, int frame, const Controls& controls) const;
   std::vector<Pose> poses_of(const Actor& character, const Controls& controls) const;

@@ -41,15 +41,16 @@ std::vector<std::string> Session::open_first() {
 
 std::vector<std::string> Session::open(const std::string& file) {
   std::vector<std::string> notes;
-  Actor& last = *scene.cast().back();
+  Actor& receiver = *scene.cast()[receiver_];
   if (is_character(file)) {
     notes = add({.basis = file});
+    receiver_ = scene.cast().size() - 1;
   } else if (has_extension(file, {".glb", ".gltf", ".bvh"})) {
-    last.open_clip(file);
-    notes = last.clip().notes;
-    if (scene.cast().size() == 1) play_clip();
+    receiver.open_clip(file);
+    notes = receiver.clip().notes;
+    if (receiver_ == 0) play_clip();
   } else if (has_extension(file, {".pc2"})) {
-    open_truth(last, file);
+    open_truth(receiver, file);
     return notes;
   } else if (has_extension(file, {".json"})) {
     load_state(file);
@@ -73,7 +74,7 @@ void Session::open_truth(Actor& character, const std::string& file) {
 bool Session::is_character(const std::string& file) const {
   if (has_extension(file, {".safetensors"})) return true;
   if (!has_extension(file, {".glb", ".gltf"})) return false;
-  return is_another_character(file, scene.empty() ? Skeleton{} : scene.cast().back()->basis().skeleton);
+  return is_another_character(file, scene.empty() ? Skeleton{} : scene.cast()[receiver_]->basis().skeleton);
 }
 
 std::vector<std::string> Session::add(const ActorFiles& files) {
@@ -97,11 +98,49 @@ void Session::reload(const std::vector<fs::path>& files) {
     throw;
   }
   controls.say("the files were read again");
+  play_on();
+}
+
+// Over the lead's clip as it is now; the playhead stays, and goes on as it went.
+void Session::play_on() {
   const Playback before = controls.playback;
   play_clip();
   controls.playback.scrub(before.frame());
   controls.playback.set_backwards(before.backwards());
   if (before.playing()) controls.playback.play();
+}
+
+void Session::make_lead(int number) {
+  const std::size_t index = require_character(number);
+  if (index == 0) return;
+  ranges_of(*scene.cast()[index]);
+  scene.make_lead(index);
+  lead_has_changed();
+}
+
+void Session::remove(int number) {
+  const std::size_t index = require_character(number);
+  if (scene.cast().size() == 1) throw Error(ErrorKind::usage, "the only character stays: 'quit' closes the viewport");
+  if (index == 0) ranges_of(*scene.cast()[1]);
+  scene.remove(index);
+  lead_has_changed();
+}
+
+std::size_t Session::require_character(int number) const {
+  const std::size_t count = scene.cast().size();
+  if (number >= 1 && static_cast<std::size_t>(number) <= count) return static_cast<std::size_t>(number) - 1;
+  throw Error(ErrorKind::usage, "there is no character " + std::to_string(number) + ", expected a number from 1 to " +
+                                    std::to_string(count) + ", as the cast panel counts them");
+}
+
+void Session::lead_has_changed() {
+  receiver_ = 0;
+  scene.leave_live_pose();
+  controls.marker.reset();
+  followed_.reset();
+  describe_cast();
+  watch();
+  play_on();
 }
 
 void Session::swap(std::vector<Replacement>& replacements) {
@@ -196,12 +235,16 @@ void Session::warn_of_truth_times() {
   truth_times_ = std::move(times);
 }
 
+// None where no limits are given. Throws as their reader.
+std::vector<std::optional<JointRange>> Session::ranges_of(const Actor& character) const {
+  const Skeleton& skeleton = character.basis().skeleton;
+  if (options_.limits.empty()) return {};
+  return joint_ranges(read_joint_limits(options_.limits, skeleton), skeleton);
+}
+
 void Session::describe_cast() {
   const Basis& basis = scene.lead().basis();
-  std::vector<std::optional<JointRange>> ranges;
-  if (!options_.limits.empty()) {
-    ranges = joint_ranges(read_joint_limits(options_.limits, basis.skeleton), basis.skeleton);
-  }
+  std::vector<std::optional<JointRange>> ranges = ranges_of(scene.lead());
   // From here on nothing throws that a file could bring about.
   bodyopt::describe_cast(scene, snapshot);
   scene.lead().set_ranges(std::move(ranges));

@@ -27,10 +27,14 @@ class Session {
   // The first of the options' files, which must be a basis or a character, or the built-in arm where there is none.
   // Gives what is to be said of it. Throws Error(usage), and as the readers do.
   std::vector<std::string> open_first();
-  // A basis or character, or what belongs to the last of them: a clip, a truth; or a state. By its extension. What was
-  // there stays where it throws.
+  // A basis or character; or a clip or truth of the one that was opened or made the lead last; or a state. By its
+  // extension. What was there stays where it throws.
   std::vector<std::string> open(const std::string& file);
   void open_truth(Actor& character, const std::string& file);
+  // Characters of the cast, counted from 1 as the panel shows them. The playhead stays. Throw Error(usage) where there
+  // is no such one, or no other; Error(mismatch) where the joint limits are not of the new lead.
+  void make_lead(int number);
+  void remove(int number);
   // Reads the characters again that any of the files belong to; the playhead stays, and goes on as it went. All stays
   // as it was where it throws.
   void reload(const std::vector<std::filesystem::path>& files);
@@ -63,6 +67,10 @@ class Session {
   void apply_settings();
   void apply_range();
   void swap(std::vector<Replacement>& replacements);
+  std::size_t require_character(int number) const;  // its index
+  std::vector<std::optional<JointRange>> ranges_of(const Actor& character) const;
+  void lead_has_changed();
+  void play_on();
   void describe_cast();
   void warn_of_rates();
   void watch() { watched_ = WatchedFiles(files()); }
@@ -70,6 +78,7 @@ class Session {
   const ViewerOptions& options_;
   const std::string device_name_;
   WatchedFiles watched_;
+  std::size_t receiver_ = 0;           // of clips and caches, in the cast
   std::set<std::string> truth_times_;  // what was said of them
   std::optional<Vec3> followed_;       // where the lead was in the last picture
 };

@@ -1,8 +1,33 @@
 #include "proxy_viewer/truth_times.h"
 
+#include <algorithm>
+#include <cmath>
 #include <sstream>
 
 namespace bodyopt {
+namespace {
+
+constexpr double kOnSample = 1e-3;  // of a step: caches keep their times in single precision
+
+}  // namespace
+
+std::optional<SampleTime> sample_time(const Pc2Reader& truth, int frame) {
+  const double step = std::max(1e-6, static_cast<double>(truth.sample_rate()));
+  const double at = (frame - static_cast<double>(truth.start_frame())) / step, nearest = std::round(at);
+  const double last = truth.sample_count() - 1.0;
+  if (!(nearest >= 0 && nearest <= last)) return std::nullopt;
+  if (std::abs(at - nearest) < kOnSample) return SampleTime{static_cast<std::uint32_t>(nearest), 0};
+  if (at < 0 || at > last) return std::nullopt;
+  return SampleTime{static_cast<std::uint32_t>(at), static_cast<float>(at - std::floor(at))};
+}
+
+std::vector<float> read_sample(const Pc2Reader& truth, const SampleTime& time) {
+  std::vector<float> points = truth.read_sample(time.sample);
+  if (time.share == 0) return points;
+  const std::vector<float> next = truth.read_sample(time.sample + 1);
+  for (std::size_t k = 0; k < points.size(); ++k) points[k] += time.share * (next[k] - points[k]);
+  return points;
+}
 
 std::string describe_truth_times(const std::string& file, const Pc2Reader& truth, const Clip& clip) {
   const float first = truth.start_frame(), step = truth.sample_rate();
@@ -13,8 +38,9 @@ std::string describe_truth_times(const std::string& file, const Pc2Reader& truth
        << first + step * static_cast<float>(count - 1);
   if (step != 1) text << ", one every " << step << " frames";
   text << "; the clip has frames " << clip.first_frame << "-" << clip.last_frame() << " at " << clip.fps
-       << " a second. A frame is compared with the sample nearest to it, and with none beyond the first and the last. "
-          "Was the cache written with another --fps, or of another part of the clip?";
+       << " a second. A frame between two samples is compared with what lies between them on a straight line, one "
+          "beyond the "
+          "first or the last with nothing. Was the cache written with another --fps, or of another part of the clip?";
   return text.str();
 }
 

@@ -1,11 +1,14 @@
 #include "proxy_viewer/view_settings.h"
 
+#include <algorithm>
 #include <numbers>
 #include <utility>
 
 #include "proxy_viewer/json_fields.h"
+#include "proxy_viewer/sections.h"
 #include "proxy_viewer/setting_limits.h"
 #include "runtime/basis/error.h"
+#include "trainer/dataset/notes.h"
 
 namespace bodyopt {
 namespace {
@@ -104,6 +107,17 @@ constexpr auto kSettingsFields = [](auto& list, auto& settings) {
   list.structure("hud", settings.hud, kHudFields);
 };
 
+void require_sections(const std::map<std::string, bool>& panels, const std::filesystem::path& path) {
+  std::vector<std::string> known = {kSidePanel};
+  for (const Section& section : kSections) known.emplace_back(section.name);
+  for (const auto& [name, open] : panels) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    throw Error(ErrorKind::file, path.string() + ": 'hud.panels' has '" + name +
+                                     "', which is no section of the side panel; the nearest is '" +
+                                     nearest_names(known, name).front() + "'");
+  }
+}
+
 }  // namespace
 
 ViewSettings read_view_settings(const std::filesystem::path& path) {
@@ -113,6 +127,7 @@ ViewSettings read_view_settings(const std::filesystem::path& path) {
   FieldReader reader(json, path, "the file");
   kSettingsFields(reader, settings);
   reader.finish();
+  require_sections(settings.hud.panels, path);
   const auto& [in, out] = std::pair(settings.playback.in, settings.playback.out);
   if (in && out && *in > *out) {
     throw Error(ErrorKind::file, path.string() + ": 'playback' has 'in' " + std::to_string(*in) + " after 'out' " +

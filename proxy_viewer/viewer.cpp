@@ -164,9 +164,15 @@ class Viewer {
   }
 
   void reload(const std::vector<std::filesystem::path>& files) {
-    session_.reload(files);
+    change_cast([&] { session_.reload(files); });
+  }
+
+  template <typename Action>
+  void change_cast(const Action& action) {
+    action();
     errors_.forget();
     if (live_) listen_for_lead();
+    set_title();
   }
 
   // A pose of other joints than the lead's is none of it.
@@ -393,6 +399,8 @@ class Viewer {
     Requests requests = std::exchange(controls_.requests, {});
     controls_.requests.quit = requests.quit;
     for (const std::string& file : requests.open) attempt([&] { open(file); });
+    if (requests.lead) attempt([&] { change_cast([&] { session_.make_lead(*requests.lead); }); });
+    if (requests.remove) attempt([&] { change_cast([&] { session_.remove(*requests.remove); }); });
     if (requests.screenshot) attempt([&] { take_screenshot(*requests.screenshot); });
     if (requests.sequence) attempt([&] { take_sequence(*requests.sequence); });
     if (requests.turntable) attempt([&] { make(turntable_series(*requests.turntable, controls_)); });

@@ -21,12 +21,33 @@ void draw_line(const char* what, const std::string& text) {
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text.c_str());
 }
 
+// And what can be done with it.
+void draw_name(const CharacterRow& row, int number, std::size_t count, Controls& controls) {
+  const std::string text = std::to_string(number);
+  ImGui::PushID(number);
+  ImGui::AlignTextToFramePadding();
+  ImGui::Text("%d  %s", number, row.name.c_str());
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", row.basis.c_str());
+  const float remove = ImGui::GetFrameHeight(), lead = 44, right = ImGui::GetWindowContentRegionMax().x;
+  if (count > 1) {
+    ImGui::SameLine(right - remove - lead - ImGui::GetStyle().ItemSpacing.x);
+    ImGui::BeginDisabled(number == 1);
+    if (ImGui::Button("Lead", {lead, 0})) attempt(controls, "lead " + text);
+    ImGui::EndDisabled();
+    explain("lead");
+    ImGui::SameLine(right - remove);
+    if (ImGui::Button("\xc3\x97", {remove, remove})) attempt(controls, "remove " + text);
+    explain("remove");
+  }
+  ImGui::PopID();
+}
+
 }  // namespace
 
 void draw_cast(const Snapshot& snapshot, Controls& controls) {
+  int number = 0;
   for (const CharacterRow& row : snapshot.cast) {
-    ImGui::TextUnformatted(row.name.c_str());
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", row.basis.c_str());
+    draw_name(row, ++number, snapshot.cast.size(), controls);
     draw_line("shown", row.method);
     draw_line("vertices", with_commas(row.vertices));
     draw_line("triangles", with_commas(row.triangles));

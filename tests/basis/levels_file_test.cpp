@@ -14,7 +14,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
-namespace {
+namespace levels_file_test {
 
 using namespace testing;
 
@@ -167,5 +167,5 @@ TEST(LevelsFile, ForgedWordsAreRefusedOrHarmless) {
   EXPECT_GT(accepted, 20);
 }
 
-}  // namespace
+}  // namespace levels_file_test
 }  // namespace bodyopt

@@ -9,7 +9,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
-namespace {
+namespace safetensors_test {
 
 using namespace testing;
 
@@ -118,5 +118,5 @@ TEST(Safetensors, WrongChecksumIsRefused) {
   expect_refused(read, folder / "a", bytes, "checksum");
 }
 
-}  // namespace
+}  // namespace safetensors_test
 }  // namespace bodyopt

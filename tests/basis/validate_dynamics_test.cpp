@@ -7,7 +7,7 @@
 #include "tests/support/small_dynamics.h"
 
 namespace bodyopt {
-namespace {
+namespace validate_dynamics_test {
 
 using testing::small_dynamics;
 
@@ -163,5 +163,5 @@ TEST(ValidateDynamics, Jiggle) {
   });
 }
 
-}  // namespace
+}  // namespace validate_dynamics_test
 }  // namespace bodyopt

@@ -12,7 +12,7 @@
 #include "trainer/motion/limited_pose.h"
 
 namespace bodyopt {
-namespace {
+namespace arm_muscles_test {
 
 using Eigen::Vector3d;
 
@@ -131,5 +131,5 @@ TEST(ArmMuscles, StayWithinWhatFleshCanDo) {
   }
 }
 
-}  // namespace
+}  // namespace arm_muscles_test
 }  // namespace bodyopt

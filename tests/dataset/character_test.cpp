@@ -302,7 +302,7 @@ struct RealCharacter {
   std::size_t joints;
 };
 
-class RealCharacters : public testing::TestWithParam<RealCharacter> {};
+class RealCharacters : public ::testing::TestWithParam<RealCharacter> {};
 
 void PrintTo(const RealCharacter& character, std::ostream* out) { *out << character.file; }
 
@@ -323,15 +323,15 @@ TEST_P(RealCharacters, ReadAndRoundTrip) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RealCharacters,
-                         testing::Values(RealCharacter{"human_muscular.glb", 0, 13380, 13380, 31},
-                                         RealCharacter{"human_average.glb", 0, 13380, 13380, 31},
-                                         RealCharacter{"human_163_joints.glb", 0, 13380, 13380, 163},
-                                         RealCharacter{"cesium_man.glb", 0, 2338, 3273, 19},
-                                         RealCharacter{"fox.glb", 0.01, 290, 1728, 24},
-                                         RealCharacter{"greenman.glb", 0, 180, 196, 12},
-                                         RealCharacter{"quaternius_horse.glb", 0, 347, 1398, 39},
-                                         RealCharacter{"quaternius_man.glb", 0, 791, 4492, 48},
-                                         RealCharacter{"simple_skin.gltf", 0, 10, 10, 2}));
+                         ::testing::Values(RealCharacter{"human_muscular.glb", 0, 13380, 13380, 31},
+                                           RealCharacter{"human_average.glb", 0, 13380, 13380, 31},
+                                           RealCharacter{"human_163_joints.glb", 0, 13380, 13380, 163},
+                                           RealCharacter{"cesium_man.glb", 0, 2338, 3273, 19},
+                                           RealCharacter{"fox.glb", 0.01, 290, 1728, 24},
+                                           RealCharacter{"greenman.glb", 0, 180, 196, 12},
+                                           RealCharacter{"quaternius_horse.glb", 0, 347, 1398, 39},
+                                           RealCharacter{"quaternius_man.glb", 0, 791, 4492, 48},
+                                           RealCharacter{"simple_skin.gltf", 0, 10, 10, 2}));
 
 }  // namespace
 }  // namespace bodyopt

@@ -11,7 +11,7 @@
 #include "trainer/dataset/character.h"
 
 namespace bodyopt {
-namespace {
+namespace clip_test {
 
 constexpr double kPi = std::numbers::pi;
 
@@ -46,8 +46,8 @@ void animate(GltfBlob& blob, int node, const std::string& path, const std::vecto
   animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", interpolation}});
 }
 
-Clip read(const GltfBlob& blob, const TemporaryFolder& folder, const ClipOptions& options = {},
-          const Skeleton& skeleton = two_joints(), const std::string& name = "") {
+Clip clip_of(const GltfBlob& blob, const TemporaryFolder& folder, const ClipOptions& options = {},
+             const Skeleton& skeleton = two_joints(), const std::string& name = "") {
   put_bytes(folder / "a.glb", blob.glb());
   return read_clip((folder / "a.glb").string() + name, skeleton, options);
 }
@@ -60,7 +60,7 @@ TEST(Clip, SamplesLinearStepAndCubic) {
   animate(blob, 0, "rotation", {0, 1}, {0, 0, 0, 2, 0, 0, -2 * s, -2 * s});  // not of unit length; a quarter turn
   animate(blob, 1, "translation", {0.25f, 0.75f}, {0, 1, 0, 0, 2, 0}, "STEP");
   animate(blob, 1, "scale", {0, 1}, {0, 0, 0, 1, 1, 1, 2, 0, 0, -4, 0, 0, 3, 1, 1, 0, 0, 0}, "CUBICSPLINE");
-  const Clip clip = read(blob, folder, {.fps = 4, .first_frame = 10});
+  const Clip clip = clip_of(blob, folder, {.fps = 4, .first_frame = 10});
   ASSERT_EQ(clip.poses.size(), 5u);
   EXPECT_EQ(clip.first_frame, 10);
   EXPECT_EQ(clip.last_frame(), 14);
@@ -87,7 +87,7 @@ TEST(Clip, CubicTangentsAreScaledByTheKeyDistance) {
   const TemporaryFolder folder;
   GltfBlob blob = two_nodes();
   animate(blob, 0, "translation", {0, 2}, {0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 2, 0, 0, 0, 0, 0}, "CUBICSPLINE");
-  const Clip clip = read(blob, folder, {.fps = 2});
+  const Clip clip = clip_of(blob, folder, {.fps = 2});
   for (std::size_t k = 0; k < clip.poses.size(); ++k) {  // slope 1 everywhere: a straight line
     EXPECT_NEAR(clip.poses[k].joints[0].translation[0], 0.5 * static_cast<double>(k), 1e-6);
   }
@@ -97,7 +97,7 @@ TEST(Clip, WhatIsNotAnimatedStaysAsTheSkeletonHasIt) {
   const TemporaryFolder folder;
   GltfBlob blob = two_nodes();
   animate(blob, 1, "rotation", {0, 1}, {0, 0, 0, 1, 1, 0, 0, 0});
-  const Clip clip = read(blob, folder);
+  const Clip clip = clip_of(blob, folder);
   EXPECT_EQ(clip.poses.size(), 25u);
   EXPECT_EQ(clip.poses[3].joints[1].translation, (Vec3{0, 1, 0}));  // not the 7 of the clip's file
   EXPECT_TRUE(clip.notes.empty());
@@ -109,7 +109,7 @@ TEST(Clip, AnimatedNodesAboveJointsAreComposedIn) {
   blob.root["nodes"].push_back({{"name", "armature"}, {"scale", {2, 2, 2}}, {"children", {0}}});
   animate(blob, 2, "translation", {0, 1}, {0, 0, 0, 10, 0, 0});
   animate(blob, 0, "translation", {0, 1}, {0, 0, 0, 0, 1, 0});
-  const Clip clip = read(blob, folder, {.fps = 2});
+  const Clip clip = clip_of(blob, folder, {.fps = 2});
   EXPECT_NEAR(length(clip.poses[1].joints[0].translation - Vec3{5, 1, 0}), 0, 1e-6);
   EXPECT_NEAR(clip.poses[1].joints[0].scale[2], 2, 1e-9);
   EXPECT_FALSE(mentions(clip.notes, "armature"));
@@ -121,12 +121,12 @@ TEST(Clip, ListsWhatDoesNotMatch) {
   blob.root["nodes"][1]["name"] = "tail";
   animate(blob, 0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0});
   animate(blob, 1, "translation", {0, 1}, {0, 0, 0, 1, 0, 0});
-  Clip clip = read(blob, folder);
+  Clip clip = clip_of(blob, folder);
   EXPECT_TRUE(mentions(clip.notes, "'tip'"));
   EXPECT_TRUE(mentions(clip.notes, "'tail'"));
   EXPECT_EQ(clip.poses[5].joints[1].translation, (Vec3{0, 1, 0}));
   blob.root["nodes"][0]["name"] = "stem";
-  const std::string text = error_of(ErrorKind::mismatch, [&] { read(blob, folder); });
+  const std::string text = error_of(ErrorKind::mismatch, [&] { clip_of(blob, folder); });
   for (const char* name : {"'stem'", "'tail'", "'root'", "'tip'"}) EXPECT_NE(text.find(name), std::string::npos);
 }
 
@@ -137,10 +137,10 @@ TEST(Clip, OfAnotherBuildIsAMismatch) {
     GltfBlob blob = two_nodes();
     animate(blob, 1, "translation", {0, 1}, {0, size, 0, 0, size, 0});
     if (size > 0.5 && size < 2) {
-      EXPECT_EQ(read(blob, folder).poses[3].joints[1].translation[1], size);
+      EXPECT_EQ(clip_of(blob, folder).poses[3].joints[1].translation[1], size);
       continue;
     }
-    const std::string text = error_of(ErrorKind::mismatch, [&] { read(blob, folder); });
+    const std::string text = error_of(ErrorKind::mismatch, [&] { clip_of(blob, folder); });
     EXPECT_NE(text.find("times as long as the character's"), std::string::npos);
   }
 }
@@ -152,9 +152,9 @@ TEST(Clip, ChoosesByName) {
   auto second = blob.root["animations"][0];
   second.erase("name");
   blob.root["animations"].push_back(second);
-  EXPECT_EQ(read(blob, folder, {}, two_joints(), "#move").name, "move");
-  EXPECT_EQ(read(blob, folder, {}, two_joints(), "#animation_1").name, "a");
-  const std::string text = error_of(ErrorKind::file, [&] { read(blob, folder, {}, two_joints(), "#walk"); });
+  EXPECT_EQ(clip_of(blob, folder, {}, two_joints(), "#move").name, "move");
+  EXPECT_EQ(clip_of(blob, folder, {}, two_joints(), "#animation_1").name, "a");
+  const std::string text = error_of(ErrorKind::file, [&] { clip_of(blob, folder, {}, two_joints(), "#walk"); });
   EXPECT_NE(text.find("'move', 'animation_1'"), std::string::npos) << text;
   std::filesystem::copy_file(folder / "a.glb", folder / "b#2.glb");
   EXPECT_EQ(read_clip((folder / "b#2.glb").string(), two_joints(), {}).name, "move");
@@ -165,7 +165,7 @@ TEST(Clip, UnitScalesTranslations) {
   const TemporaryFolder folder;
   GltfBlob blob = two_nodes();
   animate(blob, 0, "translation", {0, 1}, {100, 0, 0, 100, 0, 0});
-  EXPECT_NEAR(read(blob, folder, {.unit = 0.01}).poses[7].joints[0].translation[0], 1, 1e-9);
+  EXPECT_NEAR(clip_of(blob, folder, {.unit = 0.01}).poses[7].joints[0].translation[0], 1, 1e-9);
 }
 
 TEST(Clip, OptionsOutOfRangeAreUsageErrors) {
@@ -173,10 +173,10 @@ TEST(Clip, OptionsOutOfRangeAreUsageErrors) {
   GltfBlob blob = two_nodes();
   animate(blob, 0, "translation", {0, 1}, {100, 0, 0, 100, 0, 0});
   for (const double fps : {0.0, -24.0, 1e9, static_cast<double>(NAN)}) {
-    error_of(ErrorKind::usage, [&] { read(blob, folder, {.fps = fps}); });
+    error_of(ErrorKind::usage, [&] { clip_of(blob, folder, {.fps = fps}); });
   }
-  error_of(ErrorKind::usage, [&] { read(blob, folder, {.unit = -1}); });
-  error_of(ErrorKind::usage, [&] { read(blob, folder, {.first_frame = 2147483640}); });
+  error_of(ErrorKind::usage, [&] { clip_of(blob, folder, {.unit = -1}); });
+  error_of(ErrorKind::usage, [&] { clip_of(blob, folder, {.first_frame = 2147483640}); });
 }
 
 TEST(Clip, HostileAnimationsAreErrors) {
@@ -218,7 +218,7 @@ TEST(Clip, HostileAnimationsAreErrors) {
     SCOPED_TRACE(i);
     GltfBlob blob = two_nodes();
     damages[i](blob);
-    error_of(ErrorKind::file, [&] { read(blob, folder); });
+    error_of(ErrorKind::file, [&] { clip_of(blob, folder); });
   }
   put_bytes(folder / "x.txt", "hello");
   error_of(ErrorKind::file, [&] { read_clip((folder / "x.txt").string(), two_joints(), {}); });
@@ -401,5 +401,5 @@ TEST(Clip, RealCesiumManWalksUpright) {
   EXPECT_NEAR(posed.col(1).maxCoeff() - posed.col(1).minCoeff(), 1.5, 0.1);
 }
 
-}  // namespace
+}  // namespace clip_test
 }  // namespace bodyopt

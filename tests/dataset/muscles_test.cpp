@@ -8,7 +8,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
-namespace {
+namespace muscles_test {
 
 using namespace testing;
 using Json = nlohmann::ordered_json;
@@ -119,5 +119,5 @@ TEST(MusclesFile, FailedWritesLeaveNothing) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-}  // namespace
+}  // namespace muscles_test
 }  // namespace bodyopt

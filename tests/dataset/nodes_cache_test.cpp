@@ -10,7 +10,7 @@
 #include "trainer/dataset/shape_reader.h"
 
 namespace bodyopt {
-namespace {
+namespace nodes_cache_test {
 
 using namespace testing;
 
@@ -130,5 +130,5 @@ TEST(NodesCache, RefusesNodesThatAreNotFinite) {
   EXPECT_THROW(writer.append(draft.samples[0]), Error);
 }
 
-}  // namespace
+}  // namespace nodes_cache_test
 }  // namespace bodyopt

@@ -12,7 +12,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
-namespace {
+namespace pc2_test {
 
 using namespace testing;
 
@@ -191,5 +191,5 @@ TEST(Pc2, AWriterThatDoesNotEndLeavesNothing) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-}  // namespace
+}  // namespace pc2_test
 }  // namespace bodyopt

@@ -14,7 +14,7 @@
 #include "trainer/dynamics/elasticity.h"
 
 namespace bodyopt {
-namespace {
+namespace jiggle_reference_test {
 
 TetMaterial material(double young, double poisson) {
   return {young / (2 * (1 + poisson)), young * poisson / ((1 + poisson) * (1 - 2 * poisson))};
@@ -249,5 +249,5 @@ TEST(JiggleReference, EnergyNeverGrows) {
   }
 }
 
-}  // namespace
+}  // namespace jiggle_reference_test
 }  // namespace bodyopt

@@ -5,7 +5,7 @@
 #include "tests/support/small_inverse.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace block_down_test {
 
 struct Case {
   Case(std::uint32_t own, RightSides right_sides)
@@ -74,5 +74,5 @@ TEST_F(BlockDown, ReferenceEqualsTheTextbook) {
   }
 }
 
-}  // namespace
+}  // namespace block_down_test
 }  // namespace bodyopt::testing

@@ -5,7 +5,7 @@
 #include "tests/support/small_inverse.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace block_gather_test {
 
 struct Case {
   Case(std::uint32_t own, RightSides right_sides_)
@@ -90,5 +90,5 @@ TEST_F(BlockGather, ReferenceEqualsTheTextbook) {
   }
 }
 
-}  // namespace
+}  // namespace block_gather_test
 }  // namespace bodyopt::testing

@@ -5,7 +5,7 @@
 #include "tests/support/small_inverse.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace block_up_test {
 
 struct Case {
   Case(std::uint32_t own, std::uint32_t count)
@@ -73,5 +73,5 @@ TEST_F(BlockUp, ReferenceEqualsTheTextbook) {
   }
 }
 
-}  // namespace
+}  // namespace block_up_test
 }  // namespace bodyopt::testing

@@ -5,7 +5,7 @@
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace conjugate_direction_test {
 
 struct Case {
   Case(std::uint32_t count, float rho_, float next_rho_)
@@ -52,5 +52,5 @@ TEST(ConjugateDirectionReference, EqualsTheTextbook) {
   EXPECT_EQ(first.next_direction, first.y);
 }
 
-}  // namespace
+}  // namespace conjugate_direction_test
 }  // namespace bodyopt::testing

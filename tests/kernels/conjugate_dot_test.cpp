@@ -5,7 +5,7 @@
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace conjugate_dot_test {
 
 struct Case {
   explicit Case(std::uint32_t count) : random(count), a(random.floats(count, -1, 1)), b(random.floats(count, -1, 1)) {
@@ -41,5 +41,5 @@ TEST(ConjugateDotReference, EqualsTheTextbook) {
   }
 }
 
-}  // namespace
+}  // namespace conjugate_dot_test
 }  // namespace bodyopt::testing

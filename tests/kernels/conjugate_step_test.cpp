@@ -5,7 +5,7 @@
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace conjugate_step_test {
 
 struct Case {
   Case(std::uint32_t count, float rho_, float pq_)
@@ -66,5 +66,5 @@ TEST(ConjugateStepReference, StandsStillWithoutCurvature) {
   }
 }
 
-}  // namespace
+}  // namespace conjugate_step_test
 }  // namespace bodyopt::testing

@@ -6,7 +6,7 @@
 #include "tests/support/random_tets.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace diffuse_gather_test {
 
 constexpr std::uint32_t kSurface = 40;
 
@@ -117,5 +117,5 @@ TEST_F(DiffuseGather, SolvesToAnAffineMap) {
   }
 }
 
-}  // namespace
+}  // namespace diffuse_gather_test
 }  // namespace bodyopt::testing

@@ -5,7 +5,7 @@
 #include "tests/support/random_tets.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace diffuse_surface_test {
 
 constexpr std::uint32_t kVertices = 200, kInside = 5;
 
@@ -84,5 +84,5 @@ TEST_F(DiffuseSurface, CarriesAnAffineMap) {
   }
 }
 
-}  // namespace
+}  // namespace diffuse_surface_test
 }  // namespace bodyopt::testing

@@ -5,7 +5,7 @@
 #include "tests/support/random_jiggle.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace jiggle_advance_test {
 
 constexpr std::uint32_t kBatch = 3;
 
@@ -74,5 +74,5 @@ TEST(JiggleAdvanceReference, EqualsTheTextbook) {
   }
 }
 
-}  // namespace
+}  // namespace jiggle_advance_test
 }  // namespace bodyopt::testing

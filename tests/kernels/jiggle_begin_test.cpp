@@ -5,7 +5,7 @@
 #include "tests/support/random_jiggle.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace jiggle_begin_test {
 
 constexpr std::uint32_t kFibres = 13, kControls = 4, kBatch = 3;
 
@@ -129,5 +129,5 @@ TEST(JiggleBeginReference, RestStaysExactlyAtRest) {
   EXPECT_EQ(c.right_side, zero);
 }
 
-}  // namespace
+}  // namespace jiggle_begin_test
 }  // namespace bodyopt::testing

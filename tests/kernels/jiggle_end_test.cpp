@@ -5,7 +5,7 @@
 #include "tests/support/random_jiggle.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace jiggle_end_test {
 
 constexpr std::uint32_t kBatch = 3;
 
@@ -59,5 +59,5 @@ TEST(JiggleEndReference, EqualsTheTextbook) {
   }
 }
 
-}  // namespace
+}  // namespace jiggle_end_test
 }  // namespace bodyopt::testing

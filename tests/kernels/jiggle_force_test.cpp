@@ -5,7 +5,7 @@
 #include "tests/support/gpu_fixture.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace jiggle_force_test {
 
 constexpr std::uint32_t kBatch = 3;
 
@@ -124,5 +124,5 @@ TEST(JiggleForceReference, TurnsWithTheBody) {
   EXPECT_LT((after - before).cwiseAbs().maxCoeff(), 1e-5 * before.cwiseAbs().maxCoeff());
 }
 
-}  // namespace
+}  // namespace jiggle_force_test
 }  // namespace bodyopt::testing

@@ -7,7 +7,7 @@
 #include "tests/support/random_jiggle.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace jiggle_kick_test {
 
 struct State {
   explicit State(std::size_t count, float value = 0)
@@ -110,5 +110,5 @@ TEST(JiggleKickReference, TurnKicksByTheChangeOfVelocity) {
   EXPECT_EQ(before.kicked({10, 0, 1, 24, 0.5f, -0.25f, 2}, x).node_velocity, after.node_velocity);
 }
 
-}  // namespace
+}  // namespace jiggle_kick_test
 }  // namespace bodyopt::testing

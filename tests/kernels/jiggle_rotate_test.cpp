@@ -6,7 +6,7 @@
 #include "tests/support/textbook_ddm.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace jiggle_rotate_test {
 
 Eigen::Matrix3d turn(Random& random) {
   const Quat q = random.turn(3.0);
@@ -97,5 +97,5 @@ TEST_F(JiggleRotate, RigidMotionGivesItsRotation) {
   EXPECT_GT(loose, 0u);
 }
 
-}  // namespace
+}  // namespace jiggle_rotate_test
 }  // namespace bodyopt::testing

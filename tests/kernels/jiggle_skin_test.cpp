@@ -5,7 +5,7 @@
 #include "tests/support/random_tets.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace jiggle_skin_test {
 
 constexpr std::uint32_t kNodes = 50;
 constexpr float kWeight = 0.7f;
@@ -95,5 +95,5 @@ TEST_F(JiggleSkin, ReproducesAnAffineDisplacement) {
   }
 }
 
-}  // namespace
+}  // namespace jiggle_skin_test
 }  // namespace bodyopt::testing

@@ -5,7 +5,7 @@
 #include "tests/support/gpu_fixture.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace jiggle_stress_test {
 
 constexpr std::uint32_t kBatch = 3;
 
@@ -82,5 +82,5 @@ TEST(JiggleStressReference, NothingGivesExactlyNothing) {
   EXPECT_EQ(c.tractions, std::vector<float>(c.tractions.size(), 0.0f));
 }
 
-}  // namespace
+}  // namespace jiggle_stress_test
 }  // namespace bodyopt::testing

@@ -6,7 +6,7 @@
 #include "tests/support/textbook_ddm.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace jiggle_tet_rotate_test {
 
 constexpr std::uint32_t kBatch = 3;
 
@@ -70,5 +70,5 @@ TEST(JiggleTetRotateReference, IsTheNearestRotation) {
   EXPECT_GT(compared, 150u);
 }
 
-}  // namespace
+}  // namespace jiggle_tet_rotate_test
 }  // namespace bodyopt::testing

@@ -7,7 +7,7 @@
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace output_normals_test {
 
 struct Case {
   Case(std::uint32_t vertices, std::uint32_t frame_count)
@@ -74,5 +74,5 @@ TEST_F(OutputNormals, ReferenceEqualsTheTextbook) {
   }
 }
 
-}  // namespace
+}  // namespace output_normals_test
 }  // namespace bodyopt::testing

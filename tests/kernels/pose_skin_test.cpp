@@ -7,7 +7,7 @@
 #include "tests/support/textbook_ddm.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace pose_skin_test {
 
 constexpr std::uint32_t kJoints = 7;
 
@@ -127,5 +127,5 @@ TEST_F(PoseSkin, WindowsGiveTheSameBits) {
   EXPECT_THROW(vulkan::ddm_windows(c.ddm, limits), Error);
 }
 
-}  // namespace
+}  // namespace pose_skin_test
 }  // namespace bodyopt::testing

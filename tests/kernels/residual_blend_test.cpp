@@ -5,7 +5,7 @@
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace residual_blend_test {
 
 constexpr std::uint32_t kCoefficients = 300;
 constexpr float kWeight = 0.7f;
@@ -76,5 +76,5 @@ TEST_F(ResidualBlend, ReferenceEqualsTheTextbook) {
   }
 }
 
-}  // namespace
+}  // namespace residual_blend_test
 }  // namespace bodyopt::testing

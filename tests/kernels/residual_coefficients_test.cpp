@@ -5,7 +5,7 @@
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace residual_coefficients_test {
 
 constexpr std::uint32_t kFeatures = 23;
 
@@ -75,5 +75,5 @@ TEST_F(ResidualCoefficients, ReferenceEqualsTheTextbook) {
   }
 }
 
-}  // namespace
+}  // namespace residual_coefficients_test
 }  // namespace bodyopt::testing

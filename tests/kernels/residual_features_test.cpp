@@ -5,7 +5,7 @@
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace residual_features_test {
 
 // `count` features: about half from joints, the rest from strains and controls.
 struct Case {
@@ -70,5 +70,5 @@ TEST_F(ResidualFeatures, ReferenceEqualsTheTextbook) {
   }
 }
 
-}  // namespace
+}  // namespace residual_features_test
 }  // namespace bodyopt::testing

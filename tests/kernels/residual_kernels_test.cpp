@@ -6,7 +6,7 @@
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace residual_kernels_test {
 
 constexpr std::uint32_t kFeatures = 23;
 
@@ -97,5 +97,5 @@ TEST_F(ResidualKernels, ReferenceEqualsTheTextbook) {
   }
 }
 
-}  // namespace
+}  // namespace residual_kernels_test
 }  // namespace bodyopt::testing

@@ -7,7 +7,7 @@
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace strain_measure_test {
 
 constexpr std::uint32_t kPoints = 40;
 
@@ -68,5 +68,5 @@ TEST_F(StrainMeasure, ReferenceEqualsTheTextbook) {
   }
 }
 
-}  // namespace
+}  // namespace strain_measure_test
 }  // namespace bodyopt::testing

@@ -6,7 +6,7 @@
 #include "tests/support/textbook_ddm.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace strain_skin_test {
 
 constexpr std::uint32_t kJoints = 5, kVertices = 300;
 
@@ -79,5 +79,5 @@ TEST_F(StrainSkin, WindowsGiveTheSameBits) {
   EXPECT_EQ(c.on_gpu(*device_, limits), c.on_gpu(*device_, device_->info()));
 }
 
-}  // namespace
+}  // namespace strain_skin_test
 }  // namespace bodyopt::testing

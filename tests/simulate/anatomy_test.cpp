@@ -64,18 +64,18 @@ TEST_F(Anatomy, BonesLieInsideTheirOwnHalfClearOfSkinAndHinge) {
     const Eigen::Vector3d p = position(point);
     volume[point.joint] += point.volume;
     reach = std::max(reach, p[0]);
-    EXPECT_EQ(point.joint, p[0] < kLimbLength / 2 ? 0 : 1);
-    EXPECT_LT(p.tail<2>().norm(), 0.8 * kLimbRadius);
-    if (std::abs(p[0] - kLimbLength / 2) < 0.005) {
-      EXPECT_LT(p.tail<2>().norm(), 0.3 * kLimbRadius);
+    EXPECT_EQ(point.joint, p[0] < kTubeLength / 2 ? 0 : 1);
+    EXPECT_LT(p.tail<2>().norm(), 0.8 * kTubeRadius);
+    if (std::abs(p[0] - kTubeLength / 2) < 0.005) {
+      EXPECT_LT(p.tail<2>().norm(), 0.3 * kTubeRadius);
     }
   }
-  const double limb_volume = std::numbers::pi * kLimbRadius * kLimbRadius * kLimbLength;
+  const double limb_volume = std::numbers::pi * kTubeRadius * kTubeRadius * kTubeLength;
   for (const double v : volume) {
     EXPECT_GT(v, 0.02 * limb_volume);
     EXPECT_LT(v, 0.3 * limb_volume);
   }
-  EXPECT_GT(reach, 0.85 * kLimbLength);  // the last bone holds the end
+  EXPECT_GT(reach, 0.85 * kTubeLength);  // the last bone holds the end
 }
 
 TEST_F(Anatomy, SpringsPullLikeTheDocumentedEnergy) {

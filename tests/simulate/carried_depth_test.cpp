@@ -26,10 +26,10 @@ TEST(CarriedDepth, IsThatOfOneTubeInAnother) {
        {lattice_cage(both.vertices, both.triangles, 800), skin_cage(both.vertices, both.triangles, 800)}) {
     const CarriedDepth depth(both, cage);
     EXPECT_EQ(depth.deepest(cage.mesh.nodes), 0);
-    EXPECT_EQ(depth.deepest(moved(cage, 2.1 * kLimbRadius)), 0);
-    for (const double deep : {0.2 * kLimbRadius, 0.7 * kLimbRadius}) {
+    EXPECT_EQ(depth.deepest(moved(cage, 2.1 * kTubeRadius)), 0);
+    for (const double deep : {0.2 * kTubeRadius, 0.7 * kTubeRadius}) {
       // The tubes have ten sides: a corner reaches the radius, a side's middle 0.95 of it.
-      EXPECT_NEAR(depth.deepest(moved(cage, 2 * kLimbRadius - deep)), deep, 0.1 * kLimbRadius) << cage.is_lattice;
+      EXPECT_NEAR(depth.deepest(moved(cage, 2 * kTubeRadius - deep)), deep, 0.1 * kTubeRadius) << cage.is_lattice;
     }
   }
 }

@@ -12,34 +12,34 @@
 
 namespace bodyopt {
 
-constexpr double kLimbLength = 0.5, kLimbRadius = 0.04;  // metres
-constexpr int kLimbSides = 10, kLimbRings = 23;
+constexpr double kTubeLength = 0.5, kTubeRadius = 0.04;  // metres
+constexpr int kTubeSides = 10, kTubeRings = 23;
 
 // Rings of vertices and a tip at each end; triangles wind outwards.
 inline Character make_limb() {
   Character limb;
   limb.name = "limb";
-  const int ring_vertices = kLimbSides * kLimbRings;
+  const int ring_vertices = kTubeSides * kTubeRings;
   limb.vertices.resize(ring_vertices + 2, 3);
-  for (int r = 0; r < kLimbRings; ++r) {
-    const double x = kLimbLength * (r + 0.5) / kLimbRings;
-    const double inset = std::max(1 - std::min(x, kLimbLength - x) / kLimbRadius, 0.0);
-    const double radius = kLimbRadius * std::sqrt(1 - inset * inset);
-    for (int s = 0; s < kLimbSides; ++s) {
-      const double angle = 2 * std::numbers::pi * (s + 0.5 * (r % 2)) / kLimbSides;
-      limb.vertices.row(r * kLimbSides + s) << x, radius * std::cos(angle), radius * std::sin(angle);
+  for (int r = 0; r < kTubeRings; ++r) {
+    const double x = kTubeLength * (r + 0.5) / kTubeRings;
+    const double inset = std::max(1 - std::min(x, kTubeLength - x) / kTubeRadius, 0.0);
+    const double radius = kTubeRadius * std::sqrt(1 - inset * inset);
+    for (int s = 0; s < kTubeSides; ++s) {
+      const double angle = 2 * std::numbers::pi * (s + 0.5 * (r % 2)) / kTubeSides;
+      limb.vertices.row(r * kTubeSides + s) << x, radius * std::cos(angle), radius * std::sin(angle);
     }
   }
   limb.vertices.row(ring_vertices) << 0, 0, 0;
-  limb.vertices.row(ring_vertices + 1) << kLimbLength, 0, 0;
+  limb.vertices.row(ring_vertices + 1) << kTubeLength, 0, 0;
 
   std::vector<std::array<int, 3>> triangles;
-  for (int s = 0; s < kLimbSides; ++s) {
-    const int next = (s + 1) % kLimbSides, last = (kLimbRings - 1) * kLimbSides;
+  for (int s = 0; s < kTubeSides; ++s) {
+    const int next = (s + 1) % kTubeSides, last = (kTubeRings - 1) * kTubeSides;
     triangles.push_back({ring_vertices, next, s});
     triangles.push_back({ring_vertices + 1, last + s, last + next});
-    for (int r = 0; r + 1 < kLimbRings; ++r) {
-      const int a = r * kLimbSides + s, b = r * kLimbSides + next, c = a + kLimbSides, d = b + kLimbSides;
+    for (int r = 0; r + 1 < kTubeRings; ++r) {
+      const int a = r * kTubeSides + s, b = r * kTubeSides + next, c = a + kTubeSides, d = b + kTubeSides;
       if (r % 2 == 0) {
         triangles.push_back({a, b, c});
         triangles.push_back({b, d, c});
@@ -57,7 +57,7 @@ inline Character make_limb() {
     }
   }
 
-  const double heads[2] = {0.02, kLimbLength / 2};
+  const double heads[2] = {0.02, kTubeLength / 2};
   for (int j = 0; j < 2; ++j) {
     Joint joint;
     joint.name = j == 0 ? "upper" : "lower";

@@ -40,8 +40,8 @@ double girth(const Positions& skin) {
   double sum = 0;
   constexpr int kFirst = 5, kLast = 9;  // rings, x = 0.12 .. 0.21
   for (int ring = kFirst; ring <= kLast; ++ring) {
-    for (int side = 0; side < kLimbSides; ++side) {
-      sum += (skin.row(ring * kLimbSides + side) - skin.row(ring * kLimbSides + (side + 1) % kLimbSides)).norm();
+    for (int side = 0; side < kTubeSides; ++side) {
+      sum += (skin.row(ring * kTubeSides + side) - skin.row(ring * kTubeSides + (side + 1) % kTubeSides)).norm();
     }
   }
   return sum / (kLast - kFirst + 1);

@@ -42,7 +42,7 @@ TEST(SkinCage, WindingDoesNotMatter) {
 
 // 12 mm lie between the limbs, and much of either is outside its coarser skin.
 TEST(SkinCage, PartsSideBySideAreCarriedByTheirOwn) {
-  const Character both = make_two_limbs(2 * kLimbRadius + 0.012);
+  const Character both = make_two_limbs(2 * kTubeRadius + 0.012);
   const Cage cage = skin_cage(both.vertices, both.triangles, 400);
   const std::size_t half = cage.skin.size() / 2;
   std::set<int> nodes;

@@ -78,7 +78,7 @@ TEST(Tets, RefuseDefectsByName) {
 
 TEST(Tets, RefuseASkinThatIntersectsItself) {
   Character limb = make_limb();
-  for (Eigen::Index v = 5 * kLimbSides; v < 6 * kLimbSides; ++v) limb.vertices(v, 0) += 0.3;
+  for (Eigen::Index v = 5 * kTubeSides; v < 6 * kTubeSides; ++v) limb.vertices(v, 0) += 0.3;
   expect_refused(limb.vertices, limb.triangles, "cannot be filled");
 }
 

@@ -10,9 +10,9 @@ namespace {
 TEST(Thickness, OfATubeIsItsDiameter) {
   const Character limb = make_limb();
   const Eigen::VectorXd thick = thickness(limb.vertices, limb.triangles);
-  const Eigen::Index middle = kLimbSides * (kLimbRings / 2);
-  for (Eigen::Index v = middle; v < middle + kLimbSides; ++v)
-    EXPECT_NEAR(thick[v], 2 * kLimbRadius, 0.08 * kLimbRadius);
+  const Eigen::Index middle = kTubeSides * (kTubeRings / 2);
+  for (Eigen::Index v = middle; v < middle + kTubeSides; ++v)
+    EXPECT_NEAR(thick[v], 2 * kTubeRadius, 0.08 * kTubeRadius);
 }
 
 TEST(Thickness, DoesNotDependOnTheWinding) {
@@ -29,7 +29,7 @@ TEST(Thickness, OfALooseVertexIsTheLeast) {
   limb.vertices.conservativeResize(count + 1, 3);
   limb.vertices.row(count) << 0.25, 0, 0;
   const Eigen::VectorXd thick = thickness(limb.vertices, limb.triangles);
-  EXPECT_NEAR(thick[count], kLimbLength / 180, 1e-9);
+  EXPECT_NEAR(thick[count], kTubeLength / 180, 1e-9);
   EXPECT_EQ(thick.head(count), thickness(limb.vertices.topRows(count), limb.triangles));
 }
 

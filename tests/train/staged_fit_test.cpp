@@ -17,7 +17,7 @@
 #include "trainer/train/trade_off.h"
 
 namespace bodyopt {
-namespace {
+namespace staged_fit_test {
 
 namespace fs = std::filesystem;
 
@@ -369,5 +369,5 @@ TEST(StagedFit, ADamagedFileIsNamed) {
   }
 }
 
-}  // namespace
+}  // namespace staged_fit_test
 }  // namespace bodyopt

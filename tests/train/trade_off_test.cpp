@@ -10,7 +10,7 @@
 #include "trainer/train/heldout.h"
 
 namespace bodyopt {
-namespace {
+namespace trade_off_test {
 
 const SampleSet& samples() {
   static const SampleSet set = limb_samples(160, 60);
@@ -108,5 +108,5 @@ TEST(TradeOff, ACurveThatIsDamagedIsRefused) {
   }
 }
 
-}  // namespace
+}  // namespace trade_off_test
 }  // namespace bodyopt

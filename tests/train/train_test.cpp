@@ -20,7 +20,7 @@
 #include "trainer/train/trade_off.h"
 
 namespace bodyopt {
-namespace {
+namespace train_test {
 
 // RMS and largest distance of the deformer from samples, millimetres.
 struct Distance {
@@ -231,5 +231,5 @@ TEST(Train, LittleMemoryChangesNothing) {
   EXPECT_EQ(testing::difference(little, full_basis()), "");
 }
 
-}  // namespace
+}  // namespace train_test
 }  // namespace bodyopt

@@ -8,7 +8,7 @@
 #include "trainer/train/selection_error.h"
 
 namespace bodyopt {
-namespace {
+namespace worth_test {
 
 constexpr std::uint32_t kVertices = 32, kBlocks = 2;
 constexpr Eigen::Index kFrames = 10, kCentres = 4;
@@ -141,5 +141,5 @@ TEST(ExpectedError, IsThatOfTheSumOfAllRegions) {
   }
 }
 
-}  // namespace
+}  // namespace worth_test
 }  // namespace bodyopt

@@ -199,34 +199,35 @@ TEST_F(ActorTest, PoseTurnsJointsAndSetsControls) {
   EXPECT_EQ(turned.controls, std::vector<float>{0.7f});
 }
 
-// Samples 0, 1, 2 of frames 10, 12, 14: every point its own place.
+// Samples 0, 1, 2 of frames 10, 12, 14: every point its own place. Frame 11 lies halfway between two.
 TEST_F(ActorTest, TruthIsThatOfTheFrameInTheOrderOfTheFile) {
   const MeshTable& mesh = small_->made.mesh;
   const std::string path = (*folder_ / "thirds.pc2").string();
   Pc2Writer writer(path, mesh.output_count(), 3, 10, 2);
-  std::vector<std::vector<float>> samples(3);
-  for (std::size_t s = 0; s < 3; ++s) {
+  const auto points = [&](float sample) {
+    std::vector<float> all;
     for (const std::uint32_t v : mesh.output_vertex) {
-      for (const float x : {0.0f, 1.0f, 2.0f})
-        samples[s].push_back(static_cast<float>(3 * v) + x + 0.25f * static_cast<float>(s));
+      for (const float x : {0.0f, 1.0f, 2.0f}) all.push_back(static_cast<float>(3 * v) + x + 0.25f * sample);
     }
-    writer.append(samples[s]);
-  }
+    return all;
+  };
+  for (const float sample : {0.0f, 1.0f, 2.0f}) writer.append(points(sample));
   writer.close();
   Actor character = small_character();
   EXPECT_TRUE(character.has(SkinMethod::truth));
   character.open_truth(path);
   const Pose pose = character.pose(1, {});
-  const std::pair<int, int> shown[] = {{10, 0}, {12, 1}, {13, 2}, {14, 2}, {10, 0}, {11, 1}};
+  const std::pair<int, float> shown[] = {{10, 0}, {12, 1}, {13, 1.5f}, {14, 2}, {10, 0}, {11, 0.5f}};
   for (const auto& [frame, sample] : shown) {
     character.evaluate(SkinMethod::truth, {&pose, 1}, frame, {});
-    EXPECT_EQ(shown_positions(character, SkinMethod::truth), samples[static_cast<std::size_t>(sample)]) << frame;
+    EXPECT_EQ(shown_positions(character, SkinMethod::truth), points(sample)) << frame;
   }
   std::vector<float> normals(mesh.rest.size());
   cpu::output_normals(mesh, download(*character.skin(SkinMethod::truth).positions), normals);
   EXPECT_EQ(download(*character.skin(SkinMethod::truth).normals), normals);
   // Figures are of frames that are there.
-  EXPECT_EQ(character.measure(SkinMethod::truth, pose, 12), samples[1]);
+  EXPECT_EQ(character.measure(SkinMethod::truth, pose, 12), points(1));
+  EXPECT_EQ(character.measure(SkinMethod::truth, pose, 13), points(1.5f));
   EXPECT_TRUE(character.has_truth_at(12));
   for (const int frame : {-50, 8, 9, 15, 100, 5000}) {
     EXPECT_FALSE(character.has_truth_at(frame)) << frame;

@@ -127,6 +127,71 @@ TEST_F(SessionTest, OnlyThoseWhoseFilesChangedAreReadAgain) {
   EXPECT_NE(session_.scene.cast()[1].get(), second);
 }
 
+TEST_F(SessionTest, PanelsSpeakOfTheLeadAndFilesGoToIt) {
+  const JigglingCharacter other(folder_);
+  session_.open(other.basis);
+  session_.open(other.clip);
+  const Actor* first = session_.scene.cast()[0].get();
+  Actor* second = session_.scene.cast()[1].get();
+  session_.controls.playback.scrub(5);
+  session_.make_lead(2);
+  EXPECT_EQ(&session_.scene.lead(), second);
+  EXPECT_EQ(session_.scene.cast()[1].get(), first);
+  EXPECT_EQ(session_.snapshot.cast[0].name, second->name());
+  EXPECT_EQ(session_.controls.joint_names.size(), other.made.basis.skeleton.size());
+  EXPECT_EQ(playback().last(), second->clip().last_frame());
+  EXPECT_EQ(playback().frame(), 5);
+  session_.make_lead(1);
+  EXPECT_EQ(&session_.scene.lead(), second);
+  session_.make_lead(2);
+  EXPECT_EQ(&session_.scene.lead(), first);
+  session_.open(shorter_clip(3));
+  EXPECT_EQ(first->clip().name, "short");
+  EXPECT_NE(second->clip().name, "short");
+  EXPECT_EQ(playback().last(), first->clip().last_frame());
+  for (const int number : {-1, 0, 3}) {
+    EXPECT_EQ(kind_of([&] { session_.make_lead(number); }), ErrorKind::usage) << number;
+    EXPECT_EQ(kind_of([&] { session_.remove(number); }), ErrorKind::usage) << number;
+  }
+}
+
+TEST_F(SessionTest, WhoIsRemovedIsGoneButTheLastOne) {
+  const JigglingCharacter other(folder_);
+  session_.open(other.basis);
+  const Actor* second = session_.scene.cast()[1].get();
+  session_.controls.joint = small_.made.skeleton.joints[1].name;
+  session_.remove(1);
+  ASSERT_EQ(session_.scene.cast().size(), 1u);
+  EXPECT_EQ(&session_.scene.lead(), second);
+  EXPECT_EQ(session_.snapshot.cast.size(), 1u);
+  EXPECT_EQ(session_.snapshot.cast[0].name, second->name());
+  for (const auto& file : all()) EXPECT_NE(file, small_.basis);
+  EXPECT_EQ(kind_of([&] { session_.remove(1); }), ErrorKind::usage);
+  EXPECT_EQ(&session_.scene.lead(), second);
+}
+
+// Neither the lead nor what was played over changes where the limits are of other joints.
+TEST(SessionLimits, WhoHasOtherJointsThanTheLimitsIsNotMadeTheLead) {
+  const TemporaryFolder folder;
+  const SmallCharacter small(folder);
+  const TrainedCharacter other(folder);
+  ViewerOptions options;
+  options.files = {small.basis};
+  options.limits = (folder / "limits.json").string();
+  write_joint_limits({{{"bend", 0, -20, 50, {{1, {1, 0, 0}, 1}}}}}, small.made.skeleton, options.limits);
+  Session session(open_test_device(), options);
+  session.open_first();
+  session.open(other.basis);
+  const Actor* first = &session.scene.lead();
+  for (const auto& change : {std::function([&] { session.make_lead(2); }), std::function([&] { session.remove(1); })}) {
+    EXPECT_EQ(kind_of(change), ErrorKind::mismatch);
+    EXPECT_EQ(&session.scene.lead(), first);
+    EXPECT_EQ(session.scene.cast().size(), 2u);
+  }
+  session.remove(2);
+  EXPECT_EQ(session.scene.cast().size(), 1u);
+}
+
 TEST_F(SessionTest, AReloadThatFailsLeavesAllAsItWas) {
   const JigglingCharacter other(folder_);
   session_.open(other.basis);

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <set>
 
+#include "proxy_viewer/sections.h"
 #include "proxy_viewer/setting_limits.h"
 #include "runtime/basis/error.h"
 #include "tests/support/hostile_bytes.h"
@@ -44,7 +45,8 @@ class RandomSettings {
     s.cast = {integer(1, kMostCopies), integer(0, kLongestCopyDelay)};
     s.hud.on = yes();
     s.hud.legend = yes();
-    for (std::uint32_t k = random_.below(3); k > 0; --k) s.hud.panels[name()] = yes();
+    for (std::uint32_t k = random_.below(3); k > 0; --k)
+      s.hud.panels[kSections[random_.below(kSections.size())].name] = yes();
     return s;
   }
 
@@ -170,7 +172,8 @@ TEST_F(ViewSettingsTest, WrongValuesAreNamedWithWhatWasExpected) {
   expect_refused(R"("pose": {"joints": {"LeftArm": [0, 0, "x"]}})", {"'pose' 'joints'", "'LeftArm'", "three numbers"});
   expect_refused(R"("pose": {"controls": {"breath": true}})", {"'pose' 'controls'", "'breath' is true"});
   expect_refused(R"("ghosts": {"step": 0})", {"'step' is 0", "from 1 to 1000"});
-  expect_refused(R"("hud": {"panels": {"error": "open"}})", {"'hud' 'panels'", "'error' is \"open\""});
+  expect_refused(R"("hud": {"panels": {"look": "open"}})", {"'hud' 'panels'", "'look' is \"open\""});
+  expect_refused(R"("hud": {"panels": {"camera": true}})", {"'hud.panels' has 'camera'", "nearest is 'cameras'"});
 }
 
 TEST_F(ViewSettingsTest, OtherFilesAndVersionsAreRefused) {
