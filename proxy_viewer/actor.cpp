@@ -292,12 +292,12 @@ std::vector<float> Actor::measure(SkinMethod method, const Pose& pose, int frame
   }
   if (method == SkinMethod::lbs) return linear_blend_->skin(pose);
   if (method != SkinMethod::truth) return finest().measure(method, pose, correction).positions;
-  const std::optional<SampleTime> time = sample_time(truth_->reader, frame);
-  return time ? read_sample(truth_->reader, *time) : std::vector<float>();
+  const std::optional<SampleTime> time = truth_time(frame);
+  return time && time->on_sample() ? read_sample(truth_->reader, *time) : std::vector<float>();
 }
 
 void Actor::show_truth(int frame) {
-  const std::optional<SampleTime> time = sample_time(truth_->reader, frame);
+  const std::optional<SampleTime> time = truth_time(frame);
   if (!time || time == truth_->shown) return;
   truth_->skin = upload_output(read_sample(truth_->reader, *time));
   truth_->shown = time;

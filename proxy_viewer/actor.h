@@ -89,7 +89,7 @@ class Actor {
   DeviceSkin skin(SkinMethod method) const;
 
   // The result of a method on the host, output vertex order: of one pose, for figures; nothing where the truth has no
-  // such frame. Quasi-static, of the finest level. `correction`: see Weights.
+  // sample of the frame. Quasi-static, of the finest level. `correction`: see Weights.
   std::vector<float> measure(SkinMethod method, const Pose& pose, int frame, float correction = 1);
 
   double size() const { return size_; }      // diagonal of the rest skin, metres
@@ -97,8 +97,11 @@ class Actor {
   double ground() const { return ground_; }  // height of its lowest point as the clip begins, metres
   Vec3 start() const { return clip_.poses.front().joints.front().translation; }  // of its root, as the clip begins
   const Pc2Reader* truth() const { return truth_ ? &truth_->reader : nullptr; }
-  // The truth is evaluated in such frames only.
-  bool has_truth_at(int frame) const { return truth_ && sample_time(truth_->reader, frame).has_value(); }
+  // Where a frame lies among the samples of the truth; nothing: there is none, or it ends before. It is evaluated in
+  // such frames only.
+  std::optional<SampleTime> truth_time(int frame) const {
+    return truth_ ? sample_time(truth_->reader, frame) : std::nullopt;
+  }
 
  private:
   // What the host made something of last: the evaluation of a level, or an upload.

@@ -138,8 +138,9 @@ void describe_comparison(const Scene& scene, const Controls& controls, const Err
   const Actor& lead = *scene.cast().front();
   const std::optional<SkinMethod> compared = compared_method(lead, controls.settings);
   snapshot.compared = compared ? name_of(*compared, lead.basis()) : "";
-  if (compared == SkinMethod::truth && !lead.has_truth_at(controls.playback.frame())) {
-    snapshot.compared += ": none of this frame";
+  if (compared == SkinMethod::truth) {
+    const std::optional<SampleTime> time = lead.truth_time(controls.playback.frame());
+    snapshot.compared += !time ? ": none of this frame" : time->on_sample() ? "" : ", between two samples";
   }
   snapshot.comparisons = possible_comparisons(lead, controls.settings);
   snapshot.knows_coverage = lead.shown().knows_coverage();

@@ -291,7 +291,9 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   const Shown shown = evaluate(character, method, poses, controls);
   if (index == 0) lead_evaluation_ = shown.evaluation;
   std::optional<Shown> compared;
-  const bool is_missing = other == SkinMethod::truth && !character.has_truth_at(controls.playback.frame());
+  const std::optional<SampleTime> truth = character.truth_time(controls.playback.frame());
+  const bool is_missing = other == SkinMethod::truth && !truth;
+  const bool is_between = other == SkinMethod::truth && truth && !truth->on_sample();
   if (other && !is_missing) compared = evaluate(character, *other, poses, controls);
 
   SkinDraw skin;
@@ -309,7 +311,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     second.positions = compared->skin.positions;
     second.normals = compared->skin.normals;
     second.colour = kOtherColour;
-    if (s.compare.heat || s.compare.activation) skin.reference = second.positions;
+    if ((s.compare.heat || s.compare.activation) && !is_between) skin.reference = second.positions;
   }
   if (s.compare.coverage && character.shown().knows_coverage()) {
     const ExpectedSkin& expected = character.shown().expected_skin(poses[0]);

@@ -138,6 +138,7 @@ void Session::lead_has_changed() {
   scene.leave_live_pose();
   controls.marker.reset();
   followed_.reset();
+  controls.requests.frame_selection = true;  // the stage is now around another
   describe_cast();
   watch();
   play_on();

@@ -23,7 +23,7 @@ std::optional<SampleTime> sample_time(const Pc2Reader& truth, int frame) {
 
 std::vector<float> read_sample(const Pc2Reader& truth, const SampleTime& time) {
   std::vector<float> points = truth.read_sample(time.sample);
-  if (time.share == 0) return points;
+  if (time.on_sample()) return points;
   const std::vector<float> next = truth.read_sample(time.sample + 1);
   for (std::size_t k = 0; k < points.size(); ++k) points[k] += time.share * (next[k] - points[k]);
   return points;
@@ -38,9 +38,9 @@ std::string describe_truth_times(const std::string& file, const Pc2Reader& truth
        << first + step * static_cast<float>(count - 1);
   if (step != 1) text << ", one every " << step << " frames";
   text << "; the clip has frames " << clip.first_frame << "-" << clip.last_frame() << " at " << clip.fps
-       << " a second. A frame between two samples is compared with what lies between them on a straight line, one "
-          "beyond the "
-          "first or the last with nothing. Was the cache written with another --fps, or of another part of the clip?";
+       << " a second. Between two samples what lies on a straight line between them is shown, and nothing is measured; "
+          "beyond the first and the last there is nothing to show. Was the cache written with another --fps, or of "
+          "another part of the clip?";
   return text.str();
 }
 

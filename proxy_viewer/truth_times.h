@@ -15,6 +15,7 @@ namespace bodyopt {
 struct SampleTime {
   std::uint32_t sample = 0;
   float share = 0;
+  bool on_sample() const { return share == 0; }
   bool operator==(const SampleTime&) const = default;
 };
 

@@ -227,10 +227,11 @@ TEST_F(ActorTest, TruthIsThatOfTheFrameInTheOrderOfTheFile) {
   EXPECT_EQ(download(*character.skin(SkinMethod::truth).normals), normals);
   // Figures are of frames that are there.
   EXPECT_EQ(character.measure(SkinMethod::truth, pose, 12), points(1));
-  EXPECT_EQ(character.measure(SkinMethod::truth, pose, 13), points(1.5f));
-  EXPECT_TRUE(character.has_truth_at(12));
+  EXPECT_EQ(character.truth_time(12), (SampleTime{1, 0}));
+  EXPECT_EQ(character.truth_time(13), (SampleTime{1, 0.5f}));
+  EXPECT_TRUE(character.measure(SkinMethod::truth, pose, 13).empty());
   for (const int frame : {-50, 8, 9, 15, 100, 5000}) {
-    EXPECT_FALSE(character.has_truth_at(frame)) << frame;
+    EXPECT_FALSE(character.truth_time(frame).has_value()) << frame;
     EXPECT_TRUE(character.measure(SkinMethod::truth, pose, frame).empty()) << frame;
   }
 }

@@ -186,6 +186,8 @@ const std::map<std::string, Case>& cases() {
       {"turntable", {"t.####.png", [](C, C c) { return c.requests.turntable == "t.####.png"; }, {""}}},
       {"sequence", {"s.####.png", [](C, C c) { return c.requests.sequence == "s.####.png"; }, {""}}},
       {"open", {"a.bvh", [](C, C c) { return c.requests.open == std::vector<std::string>{"a.bvh"}; }, {""}}},
+      {"lead", {"2", [](C, C c) { return c.requests.lead == 2; }, {"", "hero", "1.5"}}},
+      {"remove", {"3", [](C, C c) { return c.requests.remove == 3; }, {"", "hero", "1.5"}}},
       {"reload", {"", [](C, C c) { return c.requests.reload; }, {"1"}}},
       {"save-state", {"s.json", [](C, C c) { return c.requests.save_state == "s.json"; }, {""}}},
       {"load-state", {"s.json", [](C, C c) { return c.requests.load_state == "s.json"; }, {""}}},

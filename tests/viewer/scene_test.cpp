@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "proxy_viewer/describe_scene.h"
 #include "proxy_viewer/strain_colour.h"
 #include "runtime/basis/error.h"
 #include "tests/support/attached_limb.h"
@@ -237,6 +238,28 @@ TEST_F(SceneTest, NothingIsShownOfATruthThatLacksTheFrame) {
   EXPECT_EQ(views[0].skins.size(), 1u);
   EXPECT_EQ(views[1].skins.size(), 0u);
   EXPECT_EQ(views[0].skins[0].reference, nullptr);
+}
+
+TEST_F(SceneTest, BetweenTwoSamplesATruthIsShownButNotMeasured) {
+  const std::string file = (folder_->path() / "every_other.pc2").string();
+  const std::uint32_t count = small_->made.mesh.output_count();
+  Pc2Writer writer(file, count, 6, 1, 2);
+  for (int k = 0; k < 6; ++k) writer.append(std::vector<float>(std::size_t{3} * count, static_cast<float>(k)));
+  writer.close();
+  scene_.add({.basis = small_->basis, .clip = small_->clip, .truth = file}, {});
+  controls_.settings.compare.with = CompareWith::truth;
+  controls_.settings.compare.heat = true;
+  Snapshot snapshot;
+  describe_cast(scene_, snapshot);
+  for (const auto& [frame, is_sample] : {std::pair{3, true}, {4, false}, {5, true}}) {
+    controls_.playback.scrub(frame);
+    const std::vector<View> views = scene_.look(controls_, kArea);
+    ASSERT_EQ(views.size(), 2u);
+    EXPECT_EQ(views[1].skins.size(), 1u) << frame;
+    EXPECT_EQ(views[0].skins.at(0).reference != nullptr, is_sample) << frame;
+    describe_comparison(scene_, controls_, ErrorCurve(), snapshot);
+    EXPECT_EQ(snapshot.compared, is_sample ? "truth" : "truth, between two samples");
+  }
 }
 
 TEST_F(SceneTest, WhatIsSeeThroughIsDrawnLast) {

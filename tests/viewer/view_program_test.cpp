@@ -73,6 +73,17 @@ TEST_F(ViewProgramTest, TheTruthIsThatOfTheFirstCharacter) {
   expect(view(two + " " + small_.truth + " -o " + path("a.png")), 3, "truth.pc2");
 }
 
+TEST_F(ViewProgramTest, AScriptChoosesTheLeadAndTakesOthersOffTheStage) {
+  write_character(limb_character(), path("limb.glb"));
+  const Image alone = picture(path("limb.glb"));
+  const std::string two = small_.basis + " " + small_.clip + " " + path("limb.glb");
+  EXPECT_GT(spot_difference(picture(two), alone).mean, 0.3);
+  EXPECT_TRUE(picture(two + " --do 'lead 2; remove 2'").rgba == alone.rgba);
+  EXPECT_TRUE(picture(two + " --do 'remove 1'").rgba == alone.rgba);
+  expect(view(two + " --do 'lead 3' -o " + path("a.png")), 64, "from 1 to 2");
+  expect(view(small_.basis + " --do 'remove 1' -o " + path("a.png")), 64, "the only character");
+}
+
 TEST_F(ViewProgramTest, ATruthThatLiesOtherwiseOnTheClipIsSaidOnce) {
   const std::string shown = small_.basis + " " + small_.clip + " -o " + path("a.####.png");
   const std::string said = "12 samples, of frames 1-12; the clip has frames 1-23 at 48 a second";
