@@ -47,7 +47,7 @@ fs::path ActorFiles::attached() const { return fs::path(basis).replace_extension
 std::vector<fs::path> ActorFiles::paths() const {
   std::vector<fs::path> all;
   if (is_basis(basis)) all = {dynamics(), attached()};
-  for (const std::string& file : {basis, split_source(clip).path.string(), truth, proxy, character}) {
+  for (const std::string& file : {basis, split_source(clip).path.string(), truth, proxy, character, limits}) {
     if (!file.empty()) all.emplace_back(file);
   }
   return all;
@@ -75,6 +75,10 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
   }
   if (!attached.meshes.empty()) {
     worn_ = std::make_unique<WornMeshes>(*device_, finest().basis(), std::move(attached));
+  }
+  if (!files.limits.empty()) {
+    const Skeleton& skeleton = finest().basis().skeleton;
+    ranges_ = joint_ranges(read_joint_limits(files.limits, skeleton), skeleton);
   }
   clip_ = opened.clip ? std::move(*opened.clip) : bind_clip(finest().basis());
   measure_size();
@@ -292,8 +296,7 @@ std::vector<float> Actor::measure(SkinMethod method, const Pose& pose, int frame
   }
   if (method == SkinMethod::lbs) return linear_blend_->skin(pose);
   if (method != SkinMethod::truth) return finest().measure(method, pose, correction).positions;
-  const std::optional<SampleTime> time = truth_time(frame);
-  return time && time->on_sample() ? read_sample(truth_->reader, *time) : std::vector<float>();
+  return read_sample(truth_->reader, truth_time(frame).value());
 }
 
 void Actor::show_truth(int frame) {

@@ -31,6 +31,7 @@ struct ActorFiles {
   std::string basis;  // as open_character() takes it
   std::string clip{}, truth{}, proxy{};
   std::string character{};  // for linear blending
+  std::string limits{};     // of its joints
 
   std::filesystem::path dynamics() const;
   std::filesystem::path attached() const;
@@ -67,11 +68,12 @@ class Actor {
   void open_clip(const std::string& source);
   void open_truth(const std::string& path);
 
-  // Of every joint; none: they turn as far as they are turned.
-  void set_ranges(std::vector<std::optional<JointRange>> ranges) { ranges_ = std::move(ranges); }
   // The clip's pose, turned joint by joint as the settings say and the ranges let it. Frames beyond the clip: its first
   // or last.
   Pose pose(int frame, const ViewSettings::Posing& posing) const;
+  // How it is posed while it is not the lead, whom the settings pose.
+  const ViewSettings::Posing& posing() const { return posing_; }
+  void set_posing(ViewSettings::Posing posing) { posing_ = std::move(posing); }
   // What the range of a joint lets be added to the clip; none: it has no range.
   std::optional<JointRange> free_turns(std::size_t joint, int frame) const;
 
@@ -88,8 +90,8 @@ class Actor {
   // Of the last evaluation by the method.
   DeviceSkin skin(SkinMethod method) const;
 
-  // The result of a method on the host, output vertex order: of one pose, for figures; nothing where the truth has no
-  // sample of the frame. Quasi-static, of the finest level. `correction`: see Weights.
+  // The result of a method on the host, output vertex order: of one pose, for figures; of the truth, where
+  // has_sample_at() only. Quasi-static, of the finest level. `correction`: see Weights.
   std::vector<float> measure(SkinMethod method, const Pose& pose, int frame, float correction = 1);
 
   double size() const { return size_; }      // diagonal of the rest skin, metres
@@ -101,6 +103,11 @@ class Actor {
   // such frames only.
   std::optional<SampleTime> truth_time(int frame) const {
     return truth_ ? sample_time(truth_->reader, frame) : std::nullopt;
+  }
+  // What lies between samples is shown, and not measured.
+  bool has_sample_at(int frame) const {
+    const std::optional<SampleTime> time = truth_time(frame);
+    return time && time->on_sample();
   }
 
  private:
@@ -152,7 +159,8 @@ class Actor {
   std::size_t level_ = 0;
   Clip clip_;
   std::vector<int> keys_;
-  std::vector<std::optional<JointRange>> ranges_;
+  std::vector<std::optional<JointRange>> ranges_;  // of every joint; none: they turn as far as they are turned
+  ViewSettings::Posing posing_;
   double size_ = 1, reach_ = 1, ground_ = 0;
   Evaluation hosted_;  // of skins that come from the host: nothing
   std::uint64_t uploads_ = 0;

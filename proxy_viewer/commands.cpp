@@ -32,12 +32,6 @@ const std::string& known(const std::string& name, const std::vector<std::string>
   refuse(name, std::string("a ") + what + "; the nearest is '" + nearest_names(names, name).front() + "'");
 }
 
-std::vector<std::string> section_names() {
-  std::vector<std::string> names;
-  for (const Section& section : kSections) names.emplace_back(section.name);
-  return names;
-}
-
 const std::string& selected(const Controls& controls) {
   if (controls.joint.empty()) throw Error(ErrorKind::usage, "no joint is selected, nor was one named");
   return controls.joint;
@@ -152,6 +146,7 @@ const Quat& axes_of(const Controls& controls, const std::string& joint) {
 }
 
 constexpr double kTurn = std::numbers::pi / 36;  // 5 degrees
+constexpr double kMostPan = 100;
 constexpr bool kRepeats = true;
 
 const Command kCommands[] = {
@@ -260,6 +255,11 @@ const Command kCommands[] = {
      [](Controls& c, const std::string&) { c.camera.orbit(-kTurn, 0); }, nullptr, kRepeats},
     {"orbit-right", "", "Shift+Right", "Camera", "5 degrees to the right",
      [](Controls& c, const std::string&) { c.camera.orbit(kTurn, 0); }, nullptr, kRepeats},
+    {"pan", "RIGHT UP", "", "Camera", "the target, by shares of the picture's height",
+     [](Controls& c, const std::string& a) {
+       const auto w = words(a, 2, "two shares of the picture's height");
+       c.camera.pan(-number_within(w[0], -kMostPan, kMostPan), number_within(w[1], -kMostPan, kMostPan), 1);
+     }},
     {"dolly", "NOTCHES", "", "Camera", "towards the target",
      [](Controls& c, const std::string& a) { c.camera.dolly(number_within(a, -100, 100)); }},
     {"save-camera", "NAME", "", "Camera", "keeps the camera by a name",

@@ -114,7 +114,7 @@ std::map<std::string, std::string> describe_missing(const Actor& lead) {
 void describe_cast(const Scene& scene, Snapshot& snapshot) {
   snapshot.cast.clear();
   for (const auto& character : scene.cast()) snapshot.cast.push_back(describe(*character));
-  const Actor& lead = *scene.cast().front();
+  const Actor& lead = scene.lead();
   snapshot.joints = describe(lead.basis().skeleton);
   snapshot.controls = describe_controls(lead.basis().residual);
   snapshot.fibres = lead.basis().strain.names;
@@ -135,7 +135,7 @@ void describe_comparison(const Scene& scene, const Controls& controls, const Err
   for (std::size_t c = 0; c < snapshot.cast.size(); ++c) {
     snapshot.cast[c].method = name_of(shown_method(*scene.cast()[c], controls.settings), scene.cast()[c]->basis());
   }
-  const Actor& lead = *scene.cast().front();
+  const Actor& lead = scene.lead();
   const std::optional<SkinMethod> compared = compared_method(lead, controls.settings);
   snapshot.compared = compared ? name_of(*compared, lead.basis()) : "";
   if (compared == SkinMethod::truth) {

@@ -69,12 +69,13 @@ bool ErrorCurve::measure_next(Actor& character, int frame) {
   is_measured_[*index] = true;
   ++measured_;
   const int number = character.clip().first_frame + static_cast<int>(*index);
+  if (subject_->compared == SkinMethod::truth && !character.has_sample_at(number)) return true;
   const Pose pose = character.pose(number, subject_->posing);
   const auto correction = static_cast<float>(subject_->posing.correction);
   try {
     const std::vector<float> shown = character.measure(subject_->shown, pose, number, correction);
     const std::vector<float> compared = character.measure(subject_->compared, pose, number, correction);
-    if (!shown.empty() && !compared.empty()) errors_[*index] = frame_error(shown, compared);
+    errors_[*index] = frame_error(shown, compared);
   } catch (...) {
     is_measured_.assign(errors_.size(), true);
     measured_ = errors_.size();

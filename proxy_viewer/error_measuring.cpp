@@ -69,9 +69,10 @@ void ErrorMeasuring::require_comparison() {
 void ErrorMeasuring::go_to_worst_frame() {
   require_comparison();
   controls_.playback.pause();
-  if (!curve_.worst()) measure_next();
+  while (!curve_.worst() && measure_next()) {
+  }
   const std::optional<std::size_t> worst = curve_.worst();
-  if (!worst) return;
+  if (!worst) throw Error(ErrorKind::usage, "no frame of the clip lies on a sample of the cache");
   controls_.playback.scrub(scene_.lead().clip().first_frame + static_cast<int>(*worst));
   if (curve_.is_complete()) return;
   controls_.say("worst of " + std::to_string(curve_.measured_count()) + " of " +

@@ -2,6 +2,11 @@
 
 namespace bodyopt {
 
+void PoseHistory::begin(const ViewSettings::Posing& now) {
+  steps_ = {{now.joints, now.controls}};
+  at_ = 0;
+}
+
 void PoseHistory::note(const ViewSettings::Posing& now) {
   const Step step{now.joints, now.controls};
   if (step == steps_[at_]) return;

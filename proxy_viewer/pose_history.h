@@ -12,6 +12,8 @@ class PoseHistory {
  public:
   static constexpr std::size_t kMostSteps = 100;  // the oldest are forgotten
 
+  // Of another pose, which has no step before it.
+  void begin(const ViewSettings::Posing& now);
   // Where it has changed since, that is a step; what was undone is forgotten then.
   void note(const ViewSettings::Posing& now);
 

@@ -161,11 +161,13 @@ std::array<float, 3> Scene::place_copy(std::size_t copy) const {
 
 void Scene::reset_jiggle() {
   for (const auto& character : cast_) character->reset_jiggle();
+  forget_look();
 }
 
 Pose Scene::pose_at(const Actor& character, int frame, const Controls& controls) const {
   if (live_pose_ && &character == cast_.front().get()) return *live_pose_;
-  return character.pose(frame, controls.settings.pose);
+  const bool leads = &character == cast_.front().get();
+  return character.pose(frame, leads ? controls.settings.pose : character.posing());
 }
 
 std::vector<Pose> Scene::poses_of(const Actor& character, const Controls& controls) const {
@@ -207,7 +209,7 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   const ViewSettings::Look& look = controls.settings.look;
   view.ground.grid = look.grid;
   view.ground.axes = look.axes;
-  view.ground.shadow = look.shadow ? 0.75f : 0.0f;
+  view.ground.shadow = look.shadow ? 0.85f : 0.0f;
   if (!cast_.empty()) {
     view.ground.height = static_cast<float>(lead().ground());
     view.ground.spacing = grid_spacing(lead().size());
@@ -291,9 +293,9 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   const Shown shown = evaluate(character, method, poses, controls);
   if (index == 0) lead_evaluation_ = shown.evaluation;
   std::optional<Shown> compared;
-  const std::optional<SampleTime> truth = character.truth_time(controls.playback.frame());
-  const bool is_missing = other == SkinMethod::truth && !truth;
-  const bool is_between = other == SkinMethod::truth && truth && !truth->on_sample();
+  const int frame = controls.playback.frame();
+  const bool is_missing = other == SkinMethod::truth && !character.truth_time(frame);
+  const bool is_measured = other != SkinMethod::truth || character.has_sample_at(frame);
   if (other && !is_missing) compared = evaluate(character, *other, poses, controls);
 
   SkinDraw skin;
@@ -311,7 +313,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     second.positions = compared->skin.positions;
     second.normals = compared->skin.normals;
     second.colour = kOtherColour;
-    if ((s.compare.heat || s.compare.activation) && !is_between) skin.reference = second.positions;
+    if ((s.compare.heat || s.compare.activation) && is_measured) skin.reference = second.positions;
   }
   if (s.compare.coverage && character.shown().knows_coverage()) {
     const ExpectedSkin& expected = character.shown().expected_skin(poses[0]);

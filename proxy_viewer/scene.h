@@ -44,6 +44,8 @@ class Scene {
   Vec3 whereabouts(int frame) const;
   // The skin of all at the frame and what they wear, or what is around the joint that is selected: V x 3, for framing.
   std::vector<float> points_to_frame(const Controls& controls);
+  // Of one of the cast.
+  Pose pose_at(const Actor& character, int frame, const Controls& controls) const;
   Pose lead_pose(const Controls& controls) const;
   // The lead's full skin in that pose, finest level, output vertex order: quasi-static.
   std::vector<float> lead_skin(const Controls& controls);  // at the frame
@@ -65,7 +67,6 @@ class Scene {
 
   void forget_look();  // whose results may be gone
   Shown evaluate(Actor& character, SkinMethod method, std::span<const Pose> poses, const Controls& controls);
-  Pose pose_at(const Actor& character, int frame, const Controls& controls) const;
   std::vector<Pose> poses_of(const Actor& character, const Controls& controls) const;
   // The sphere of all that is seen, and that of the smallest of them.
   void surround(const Controls& controls, View& view) const;

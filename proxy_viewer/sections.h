@@ -3,6 +3,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "proxy_viewer/view_settings.h"
 
@@ -24,6 +25,12 @@ constexpr std::array<Section, 9> kSections = {{{"look", "Look", true},
                                                {"cast", "Cast", false},
                                                {"output", "Output", false}}};
 constexpr const char* kSidePanel = "side";  // all of them
+
+inline std::vector<std::string> section_names() {
+  std::vector<std::string> names;
+  for (const Section& section : kSections) names.emplace_back(section.name);
+  return names;
+}
 
 inline bool is_open(const ViewSettings& settings, const Section& section) {
   const auto found = settings.hud.panels.find(section.name);

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "proxy_viewer/describe_scene.h"
-#include "proxy_viewer/joint_ranges.h"
 #include "proxy_viewer/open_character.h"
 #include "proxy_viewer/truth_times.h"
 #include "runtime/basis/error.h"
@@ -33,7 +32,8 @@ std::vector<std::string> Session::open_first() {
     throw Error(ErrorKind::usage,
                 file + ": a basis (.safetensors) or a character (.glb, .gltf) must come before its clips and caches");
   }
-  std::vector<std::string> notes = add({.basis = file, .proxy = options_.proxy, .character = options_.character});
+  std::vector<std::string> notes =
+      add({.basis = file, .proxy = options_.proxy, .character = options_.character, .limits = options_.limits});
   describe_cast();
   watch();
   return notes;
@@ -90,13 +90,11 @@ void Session::reload(const std::vector<fs::path>& files) {
     if (std::ranges::find_first_of(paths, files) == paths.end()) continue;
     replacements.push_back({c, scene.make(own, options_.clip)});
   }
-  swap(replacements);
-  try {
-    describe_cast();
-  } catch (...) {
-    swap(replacements);
-    throw;
+  for (auto& [index, actor] : replacements) {
+    actor->set_posing(scene.cast()[index]->posing());
+    scene.swap(index, actor);
   }
+  describe_cast();
   controls.say("the files were read again");
   play_on();
 }
@@ -112,18 +110,21 @@ void Session::play_on() {
 
 void Session::make_lead(int number) {
   const std::size_t index = require_character(number);
+  receiver_ = 0;
   if (index == 0) return;
-  ranges_of(*scene.cast()[index]);
+  scene.lead().set_posing(controls.settings.pose);
   scene.make_lead(index);
-  lead_has_changed();
+  show_lead();
 }
 
 void Session::remove(int number) {
   const std::size_t index = require_character(number);
   if (scene.cast().size() == 1) throw Error(ErrorKind::usage, "the only character stays: 'quit' closes the viewport");
-  if (index == 0) ranges_of(*scene.cast()[1]);
   scene.remove(index);
-  lead_has_changed();
+  receiver_ = receiver_ == index ? 0 : receiver_ - (receiver_ > index ? 1 : 0);
+  if (index == 0) return show_lead();
+  describe_cast();
+  watch();
 }
 
 std::size_t Session::require_character(int number) const {
@@ -133,19 +134,25 @@ std::size_t Session::require_character(int number) const {
                                     std::to_string(count) + ", as the cast panel counts them");
 }
 
-void Session::lead_has_changed() {
-  receiver_ = 0;
+// Another is the lead now.
+void Session::show_lead() {
   scene.leave_live_pose();
+  controls.joint.clear();
   controls.marker.reset();
   followed_.reset();
-  controls.requests.frame_selection = true;  // the stage is now around another
+  controls.requests.frame_selection = true;  // the stage is around another
+  pose_lead();
   describe_cast();
   watch();
   play_on();
 }
 
-void Session::swap(std::vector<Replacement>& replacements) {
-  for (auto& [index, actor] : replacements) scene.swap(index, actor);
+// As it was posed when it was the lead, if it ever was. The correction is of all.
+void Session::pose_lead() {
+  const double correction = controls.settings.pose.correction;
+  controls.settings.pose = scene.lead().posing();
+  controls.settings.pose.correction = correction;
+  controls.poses.begin(controls.settings.pose);
 }
 
 std::vector<fs::path> Session::files() const {
@@ -236,19 +243,9 @@ void Session::warn_of_truth_times() {
   truth_times_ = std::move(times);
 }
 
-// None where no limits are given. Throws as their reader.
-std::vector<std::optional<JointRange>> Session::ranges_of(const Actor& character) const {
-  const Skeleton& skeleton = character.basis().skeleton;
-  if (options_.limits.empty()) return {};
-  return joint_ranges(read_joint_limits(options_.limits, skeleton), skeleton);
-}
-
 void Session::describe_cast() {
   const Basis& basis = scene.lead().basis();
-  std::vector<std::optional<JointRange>> ranges = ranges_of(scene.lead());
-  // From here on nothing throws that a file could bring about.
   bodyopt::describe_cast(scene, snapshot);
-  scene.lead().set_ranges(std::move(ranges));
   controls.joint_names.clear();
   controls.joint_axes.clear();
   for (const Joint& joint : basis.skeleton.joints) {

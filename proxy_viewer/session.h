@@ -32,7 +32,7 @@ class Session {
   std::vector<std::string> open(const std::string& file);
   void open_truth(Actor& character, const std::string& file);
   // Characters of the cast, counted from 1 as the panel shows them. The playhead stays. Throw Error(usage) where there
-  // is no such one, or no other; Error(mismatch) where the joint limits are not of the new lead.
+  // is no such one, or no other.
   void make_lead(int number);
   void remove(int number);
   // Reads the characters again that any of the files belong to; the playhead stays, and goes on as it went. All stays
@@ -66,10 +66,9 @@ class Session {
   std::vector<std::string> add(const ActorFiles& files);
   void apply_settings();
   void apply_range();
-  void swap(std::vector<Replacement>& replacements);
   std::size_t require_character(int number) const;  // its index
-  std::vector<std::optional<JointRange>> ranges_of(const Actor& character) const;
-  void lead_has_changed();
+  void pose_lead();
+  void show_lead();
   void play_on();
   void describe_cast();
   void warn_of_rates();

@@ -108,8 +108,8 @@ constexpr auto kSettingsFields = [](auto& list, auto& settings) {
 };
 
 void require_sections(const std::map<std::string, bool>& panels, const std::filesystem::path& path) {
-  std::vector<std::string> known = {kSidePanel};
-  for (const Section& section : kSections) known.emplace_back(section.name);
+  std::vector<std::string> known = section_names();
+  known.emplace_back(kSidePanel);
   for (const auto& [name, open] : panels) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     throw Error(ErrorKind::file, path.string() + ": 'hud.panels' has '" + name +

@@ -153,6 +153,11 @@ class Viewer {
     set_title();
   }
 
+  void open_meanwhile(const std::string& file) {
+    show_message("loading " + std::filesystem::path(file).filename().string());
+    open(file);
+  }
+
   void open(const std::string& file) {
     errors_.forget();
     for (const std::string& note : session_.open(file)) warn(note);
@@ -171,14 +176,23 @@ class Viewer {
   void change_cast(const Action& action) {
     action();
     errors_.forget();
-    if (live_) listen_for_lead();
+    heat_ = {};
     set_title();
+    if (live_) listen_for_lead();
   }
 
   // A pose of other joints than the lead's is none of it.
   void listen_for_lead() {
     const Basis& basis = scene_.lead().basis();
-    if (live_->expect(basis.skeleton.size(), basis.residual.controls.size())) scene_.leave_live_pose();
+    try {
+      if (live_->expect(basis.skeleton.size(), basis.residual.controls.size())) scene_.leave_live_pose();
+    } catch (...) {  // nor are those that were listened for
+      live_.reset();
+      controls_.live.reset();
+      snapshot_.live.reset();
+      scene_.leave_live_pose();
+      throw;
+    }
   }
 
   void begin() {
@@ -254,7 +268,7 @@ class Viewer {
     const double passed = seconds_between(last_, now);
     last_ = now;
     if (series_) return make_next_of_series(now);
-    for (const std::string& file : std::exchange(dropped_, {})) attempt([&] { open(file); });
+    for (const std::string& file : std::exchange(dropped_, {})) attempt([&] { open_meanwhile(file); });
     const int shown = controls_.playback.frame();
     controls_.playback.advance(passed);
     poll_live();
@@ -354,14 +368,21 @@ class Viewer {
     const ViewSettings& s = controls_.settings;
     const bool wants_finest = s.compare.with != CompareWith::none || s.look.tets ||
                               (s.jiggle.on && scene_.lead().has_at_finest(SkinMethod::jiggle));
-    const std::size_t automatic = detail_.choose(
-        1e-3 * snapshot_.frame_ms, controls_.playback.playing() && !wants_finest, scene_.lead().level_count());
+    const std::size_t automatic =
+        detail_.choose(1e-3 * snapshot_.frame_ms, controls_.playback.playing() && !wants_finest, most_levels());
     const std::optional<int>& wanted = controls_.settings.look.level;
     for (const auto& character : scene_.cast()) {
       character->set_level(wanted ? static_cast<std::size_t>(*wanted) : automatic);
     }
     snapshot_.level = scene_.lead().level();
     snapshot_.level_count = scene_.lead().level_count();
+  }
+
+  // Of any; who has fewer shows the coarsest there is.
+  std::size_t most_levels() const {
+    std::size_t most = 1;
+    for (const auto& character : scene_.cast()) most = std::max(most, character->level_count());
+    return most;
   }
 
   // How long it took.
@@ -398,7 +419,7 @@ class Viewer {
   void fulfil() {
     Requests requests = std::exchange(controls_.requests, {});
     controls_.requests.quit = requests.quit;
-    for (const std::string& file : requests.open) attempt([&] { open(file); });
+    for (const std::string& file : requests.open) attempt([&] { open_meanwhile(file); });
     if (requests.lead) attempt([&] { change_cast([&] { session_.make_lead(*requests.lead); }); });
     if (requests.remove) attempt([&] { change_cast([&] { session_.remove(*requests.remove); }); });
     if (requests.screenshot) attempt([&] { take_screenshot(*requests.screenshot); });
@@ -478,15 +499,20 @@ class Viewer {
   }
 
   void show_progress() {
+    show_message(std::to_string(series_->made()) + " of " + std::to_string(series_->count()) +
+                 " pictures: Escape stops");
+    last_progress_ = Clock::now();
+  }
+
+  // While the window cannot answer: over the picture as it is, until the next is drawn.
+  void show_message(const std::string& text) {
     const auto [width, height] = picture_size();
-    if (width == 0 || height == 0) return;
+    if (!window_ || width == 0 || height == 0) return;
     const std::vector<Message> messages = controls_.messages;
-    controls_.say(std::to_string(series_->made()) + " of " + std::to_string(series_->count()) +
-                  " pictures: Escape stops");
+    controls_.say(text);
     for (int k = 0; k < 2; ++k) draw(width, height, Edges::quick);  // panels take their sizes from the first
     controls_.messages = messages;
     window_->show(viewport_);
-    last_progress_ = Clock::now();
   }
 
   // Without what is there to work with.

@@ -34,7 +34,7 @@ void main() {
   if (t > 0 && t < 1e6) {  // not along the ground
     const vec2 from_middle = (at.xz - shadow.xy) / ground.z;
     const float near = 1 / (1 + dot(from_middle, from_middle)), reach = near * near;
-    colour *= 1 + 0.35 * reach;  // light falls on the ground
+    colour *= 1 + 1.4 * reach;  // light falls on the ground
     if (grid != 0) {
       colour += reach * (0.010 * lines(at.xz, ground.y, width) + 0.016 * lines(at.xz, 5 * ground.y, width));
     }

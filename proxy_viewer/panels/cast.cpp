@@ -31,9 +31,7 @@ void draw_name(const CharacterRow& row, int number, std::size_t count, Controls&
   const float remove = ImGui::GetFrameHeight(), lead = 44, right = ImGui::GetWindowContentRegionMax().x;
   if (count > 1) {
     ImGui::SameLine(right - remove - lead - ImGui::GetStyle().ItemSpacing.x);
-    ImGui::BeginDisabled(number == 1);
     if (ImGui::Button("Lead", {lead, 0})) attempt(controls, "lead " + text);
-    ImGui::EndDisabled();
     explain("lead");
     ImGui::SameLine(right - remove);
     if (ImGui::Button("\xc3\x97", {remove, remove})) attempt(controls, "remove " + text);

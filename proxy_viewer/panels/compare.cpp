@@ -43,7 +43,7 @@ void draw_heat_scale(Controls& controls) {
             ImGuiSliderFlags_Logarithmic)) {
     set = mm;
   }
-  if (set && ImGui::Button("Hottest by the errors of the frame")) attempt(controls, "heat-scale auto");
+  if (set && ImGui::Button("Hottest by what was measured")) attempt(controls, "heat-scale auto");
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint32_t kSide = 512;  // pixels
 constexpr float kCasterShare = 0.5f;  // of the map's side: the pixels of one caster
 constexpr VkFormat kFormat = VK_FORMAT_R8_UNORM;
-constexpr float kReach = 0.5f;  // of the caster's radius: what is higher casts no shadow
+constexpr float kReach = 1.1f;  // of the caster's radius: what is higher casts no shadow
 
 struct ShadowPush {
   std::array<float, 4> shadow, offset_reach;

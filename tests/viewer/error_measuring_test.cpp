@@ -59,6 +59,35 @@ TEST_F(ErrorMeasuringTest, GoesToTheWorstOfThoseMeasuredSoFarAndSaysOfHowMany) {
   EXPECT_EQ(controls_.playback.frame(), static_cast<int>(*errors.curve().worst()) + 1);
 }
 
+// A truth of every fourth frame, from 3 on; then one that lies between all frames.
+TEST_F(ErrorMeasuringTest, TheWorstIsAmongFramesThatTheTruthHas) {
+  const std::uint32_t count = small_->made.mesh.output_count();
+  const auto worst_frame = [&](float start, float step) {
+    const std::string file = (*folder_ / "sparse.pc2").string();
+    Pc2Writer writer(file, count, 3, start, step);
+    for (int k = 0; k < 3; ++k) writer.append(std::vector<float>(std::size_t{3} * count, 0.0f));
+    writer.close();
+    Scene scene(open_test_device());
+    scene.add({small_->basis, small_->clip, file}, {});
+    controls_.settings.compare.with = CompareWith::truth;
+    controls_.playback.scrub(4);
+    ErrorMeasuring errors(scene, controls_, false);
+    errors.go_to_worst_frame();
+    const int first = controls_.playback.frame();
+    errors.measure_all();
+    errors.go_to_worst_frame();
+    for (int frame = 1; frame <= kClipFrames; ++frame) {
+      const float rms = errors.curve().errors()[static_cast<std::size_t>(frame - 1)].rms;
+      EXPECT_EQ(std::isfinite(rms), frame == 3 || frame == 7 || frame == 11) << frame;
+    }
+    return std::pair(first, controls_.playback.frame());
+  };
+  const auto [first, last] = worst_frame(3, 4);
+  EXPECT_EQ((first - 3) % 4, 0) << first;
+  EXPECT_EQ((last - 3) % 4, 0) << last;
+  EXPECT_EQ(kind_of([&] { worst_frame(1.5f, 1); }), ErrorKind::usage);
+}
+
 TEST_F(ErrorMeasuringTest, MeasuresAtRestAndWhilePlayingWhereItMay) {
   for (const bool while_playing : {false, true}) {
     ErrorMeasuring errors(*scene_, controls_, while_playing);

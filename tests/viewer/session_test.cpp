@@ -161,6 +161,7 @@ TEST_F(SessionTest, WhoIsRemovedIsGoneButTheLastOne) {
   const Actor* second = session_.scene.cast()[1].get();
   session_.controls.joint = small_.made.skeleton.joints[1].name;
   session_.remove(1);
+  EXPECT_EQ(session_.controls.joint, "");
   ASSERT_EQ(session_.scene.cast().size(), 1u);
   EXPECT_EQ(&session_.scene.lead(), second);
   EXPECT_EQ(session_.snapshot.cast.size(), 1u);
@@ -170,26 +171,45 @@ TEST_F(SessionTest, WhoIsRemovedIsGoneButTheLastOne) {
   EXPECT_EQ(&session_.scene.lead(), second);
 }
 
-// Neither the lead nor what was played over changes where the limits are of other joints.
-TEST(SessionLimits, WhoHasOtherJointsThanTheLimitsIsNotMadeTheLead) {
-  const TemporaryFolder folder;
-  const SmallCharacter small(folder);
-  const TrainedCharacter other(folder);
-  ViewerOptions options;
-  options.files = {small.basis};
-  options.limits = (folder / "limits.json").string();
-  write_joint_limits({{{"bend", 0, -20, 50, {{1, {1, 0, 0}, 1}}}}}, small.made.skeleton, options.limits);
-  Session session(open_test_device(), options);
-  session.open_first();
-  session.open(other.basis);
-  const Actor* first = &session.scene.lead();
-  for (const auto& change : {std::function([&] { session.make_lead(2); }), std::function([&] { session.remove(1); })}) {
-    EXPECT_EQ(kind_of(change), ErrorKind::mismatch);
-    EXPECT_EQ(&session.scene.lead(), first);
-    EXPECT_EQ(session.scene.cast().size(), 2u);
-  }
-  session.remove(2);
-  EXPECT_EQ(session.scene.cast().size(), 1u);
+TEST_F(SessionTest, WhoLeavesTheStageTakesNothingFromTheLead) {
+  const JigglingCharacter other(folder_);
+  for (int k = 0; k < 2; ++k) session_.open(other.basis);
+  session_.controls.joint = small_.made.skeleton.joints[1].name;
+  session_.controls.requests = {};
+  Actor* last = session_.scene.cast()[2].get();
+  session_.remove(2);
+  EXPECT_EQ(session_.controls.joint, small_.made.skeleton.joints[1].name);
+  EXPECT_FALSE(session_.controls.requests.frame_selection);
+  session_.open(other.clip);
+  EXPECT_EQ(last->files().clip, other.clip) << "to whom files went before";
+  session_.make_lead(1);
+  session_.open(small_.clip);
+  EXPECT_EQ(last->files().clip, other.clip);
+}
+
+TEST_F(SessionTest, EveryOneHasItsOwnTurns) {
+  session_.open(small_.basis);
+  const std::string joint = small_.made.skeleton.joints[1].name;
+  const auto turned = [&](std::size_t index) {
+    const Actor& character = *session_.scene.cast()[index];
+    return length(degrees_of(conjugate(character.pose(1, {}).joints[1].rotation) *
+                             session_.scene.pose_at(character, 1, session_.controls).joints[1].rotation));
+  };
+  run_command(session_.controls, "correction 0.5");
+  run_command(session_.controls, "turn " + joint + " 30 0 0");
+  EXPECT_NEAR(turned(0), 30, 1e-6);
+  EXPECT_NEAR(turned(1), 0, 1e-6);
+  session_.make_lead(2);
+  EXPECT_NEAR(turned(0), 0, 1e-6);
+  EXPECT_NEAR(turned(1), 30, 1e-6);
+  EXPECT_EQ(session_.controls.settings.pose.correction, 0.5);
+  run_command(session_.controls, "turn " + joint + " 0 20 0");
+  session_.reload(all());
+  EXPECT_NEAR(turned(1), 30, 1e-6);
+  session_.make_lead(2);
+  EXPECT_EQ(session_.controls.settings.pose.joints.at(joint), (Vec3{30, 0, 0}));
+  run_command(session_.controls, "undo");
+  EXPECT_EQ(session_.controls.settings.pose.joints.at(joint), (Vec3{30, 0, 0})) << "another's step is not undone";
 }
 
 TEST_F(SessionTest, AReloadThatFailsLeavesAllAsItWas) {
@@ -350,6 +370,14 @@ TEST(SessionLimits, HoldTheJointsThatAreTurned) {
   EXPECT_NEAR(session.snapshot.joints[1].high[0], 50, 1e-6);
   EXPECT_NEAR(session.snapshot.joints[1].high[1], 0, 1e-6);
   EXPECT_EQ(session.snapshot.joints[0].high, JointRow{}.high) << "a root";
+  // They are the first character's, whoever is the lead, and are read again.
+  session.open(small.basis);
+  session.make_lead(2);
+  EXPECT_LT(length(angles("turn upper 80 0 0") - Vec3{80, 0, 0}), 1e-6);
+  session.make_lead(2);
+  write_joint_limits({{{"bend", 0, -20, 60, {{1, own_x, 1}}}}}, small.made.skeleton, options.limits);
+  session.reload({options.limits});
+  EXPECT_LT(length(angles("turn upper 80 0 0") - Vec3{60, 0, 0}), 1e-6);
 }
 
 TEST(Attempt, SaysWhatFailsUnlessItIsTheDevice) {

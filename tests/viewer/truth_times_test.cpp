@@ -41,6 +41,7 @@ TEST_F(TruthTimesTest, AFrameIsAsFarAlongTheSamplesAsInTime) {
       const std::optional<SampleTime> time = sample_time(truth, frame);
       ASSERT_EQ(time.has_value(), place > -1e-4 && place < 4 + 1e-4) << frame << " of " << start << ", " << step;
       if (!time) continue;
+      EXPECT_EQ(time->on_sample(), std::abs(place - std::round(place)) < 1e-3) << frame;
       EXPECT_NEAR(static_cast<double>(read_sample(truth, *time)[0]), place, 1e-4) << frame;
     }
   }
