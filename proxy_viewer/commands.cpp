@@ -201,12 +201,14 @@ const Command kCommands[] = {
     {"in", "[FRAME]", "I", "Playback", "the range begins here",
      [](Controls& c, const std::string& a) {
        const int in = a.empty() ? c.playback.frame() : frame_of_clip(c, a);
+       if (in > c.playback.out()) c.say("the range ended earlier: it is this frame now");
        c.playback.set_range(in, std::max(in, c.playback.out()));
        c.settings.playback.in = c.playback.in();
      }},
     {"out", "[FRAME]", "O", "Playback", "the range ends here",
      [](Controls& c, const std::string& a) {
        const int out = a.empty() ? c.playback.frame() : frame_of_clip(c, a);
+       if (out < c.playback.in()) c.say("the range began later: it is this frame now");
        c.playback.set_range(std::min(c.playback.in(), out), out);
        c.settings.playback.out = c.playback.out();
      }},
@@ -319,7 +321,13 @@ const Command kCommands[] = {
      [](const Controls& c) { return name_of(c.settings.look.worn); }},
 
     {"compare", "none|lbs|ddm|linear|full|jiggle|truth|proxy", "", "Compare", "with what",
-     [](Controls& c, const std::string& a) { choose(c.settings.compare.with, a, kComparisonNames); },
+     [](Controls& c, const std::string& a) {
+       choose(c.settings.compare.with, a, kComparisonNames);
+       const CompareWith shown = c.settings.jiggle.on ? CompareWith::jiggle : CompareWith::full;
+       if (c.settings.compare.with != shown) return;
+       c.say(std::string("that is what is shown: 'jiggle ") + (c.settings.jiggle.on ? "off" : "on") +
+             "' shows something else beside it");
+     },
      [](const Controls& c) { return name_of(c.settings.compare.with, kComparisonNames); }},
     {"layout", "side-by-side|overlay|wipe|hold", "", "Compare", "of a comparison",
      [](Controls& c, const std::string& a) { choose(c.settings.compare.layout, a, kLayoutNames); },

@@ -133,6 +133,7 @@ void describe_turns(const Scene& scene, int frame, Snapshot& snapshot) {
 
 void describe_comparison(const Scene& scene, const Controls& controls, const ErrorCurve& curve, Snapshot& snapshot) {
   for (std::size_t c = 0; c < snapshot.cast.size(); ++c) {
+    snapshot.cast[c] = describe(*scene.cast()[c]);  // of the level that is shown
     snapshot.cast[c].method = name_of(shown_method(*scene.cast()[c], controls.settings), scene.cast()[c]->basis());
   }
   const Actor& lead = scene.lead();

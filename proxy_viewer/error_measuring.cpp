@@ -62,7 +62,8 @@ void ErrorMeasuring::measure_all() {
 void ErrorMeasuring::require_comparison() {
   look();
   if (!is_possible() || curve_.errors().empty()) {
-    throw Error(ErrorKind::usage, "nothing is compared: begin with 'compare truth'");
+    throw Error(ErrorKind::usage,
+                "nothing is compared: begin with 'compare ddm', or 'compare truth' where there is one");
   }
 }
 

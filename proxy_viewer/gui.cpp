@@ -45,7 +45,8 @@ void set_style() {
   c[ImGuiCol_HeaderHovered] = grey(0.22f);
   c[ImGuiCol_HeaderActive] = grey(0.26f);
   c[ImGuiCol_Separator] = grey(0.2f);
-  c[ImGuiCol_SliderGrab] = c[ImGuiCol_CheckMark] = accent;
+  c[ImGuiCol_CheckMark] = accent;
+  c[ImGuiCol_SliderGrab] = {accent.x, accent.y, accent.z, 0.45f};  // its number is read through it
   c[ImGuiCol_SliderGrabActive] = {1, 0.75f, 0.42f, 1};
   c[ImGuiCol_PlotLines] = c[ImGuiCol_PlotHistogram] = accent;
   c[ImGuiCol_ScrollbarBg] = grey(0.08f, 0.4f);

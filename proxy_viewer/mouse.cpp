@@ -19,7 +19,9 @@ void pick(Scene& scene, const Rectangle& area, Controls& controls) {
   controls.attempt([&] {
     if (controls.joint.empty()) controls.joint = joint_under_skin_at(scene, controls, area, at.x, at.y);
   });
-  if (!controls.joint.empty()) skeleton = true;
+  if (controls.joint.empty()) return;
+  skeleton = true;
+  controls.settings.hud.panels["pose"] = true;  // which turns it
 }
 
 }  // namespace

@@ -60,7 +60,9 @@ void draw_cast(const Snapshot& snapshot, Controls& controls) {
   ViewSettings::Cast& cast = controls.settings.cast;
   slide("Copies", cast.copies, 1, kMostCopies, "%d", find_command("copies")->help);
   slide("Delay", cast.delay, 0, 48, cast.delay == 1 ? "%d frame" : "%d frames", find_command("copy-delay")->help);
+  ImGui::PushTextWrapPos(0);
   ImGui::TextDisabled("drop files onto the window to add them");
+  ImGui::PopTextWrapPos();
 }
 
 }  // namespace bodyopt

@@ -11,6 +11,7 @@ namespace bodyopt {
 namespace {
 
 constexpr float kWidth = 14, kHeight = 176, kMargin = 16;
+constexpr ImU32 kBehind = IM_COL32(20, 20, 22, 150);  // text over a bright character
 constexpr int kLabels = 5, kSteps = 44;
 
 struct Heat {
@@ -59,6 +60,9 @@ void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const P
   const float right = layout.right() - kMargin, bottom = layout.bottom() - kMargin - 0.5f * line;
   const float left = right - kWidth, top = bottom - height;
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const std::string largest = std::isfinite(heat->most) ? "largest " + millimetres(heat->most) + " mm" : "";
+  const float widest = std::max(ImGui::CalcTextSize(heat->title).x, ImGui::CalcTextSize(largest.c_str()).x);
+  list.AddRectFilled({right - widest - 8, top - 3.1f * line}, {right + 12, bottom + line}, kBehind, 6);
   for (int k = 0; k < kSteps; ++k) {
     const float low = static_cast<float>(k) / kSteps, high = static_cast<float>(k + 1) / kSteps;
     const ImU32 a = opaque(heat_colour(low)), b = opaque(heat_colour(high));
@@ -70,11 +74,11 @@ void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const P
               millimetres(static_cast<double>(share) * hottest));
   }
   draw_text(list, right, top - 1.3f * line, ImGui::GetColorU32(ImGuiCol_Text), heat->title);
-  if (!std::isfinite(heat->most)) return;
+  if (largest.empty()) return;
   const float share = static_cast<float>(std::min(1.0, heat->most / hottest));
   list.AddTriangleFilled({right + 8, bottom - share * height - 4}, {right + 8, bottom - share * height + 4},
                          {right + 1, bottom - share * height}, kAccent);
-  draw_text(list, right, top - 2.4f * line, kAccent, "largest " + millimetres(heat->most) + " mm");
+  draw_text(list, right, top - 2.4f * line, kAccent, largest);
 }
 
 }  // namespace bodyopt
