@@ -1,10 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <limits>
 #include <random>
+#include <span>
 
 #include "runtime/attachments.h"
 #include "runtime/basis/safetensors.h"
@@ -38,10 +39,8 @@ TEST(AttachmentsFile, RoundTripIsBitExact) {
     EXPECT_EQ(loaded.meshes[k].triangles, attachments.meshes[k].triangles);
     EXPECT_EQ(loaded.meshes[k].vertex_anchor, attachments.meshes[k].vertex_anchor);
     EXPECT_EQ(loaded.meshes[k].point_begin, attachments.meshes[k].point_begin);
-    ASSERT_EQ(loaded.meshes[k].points.size(), attachments.meshes[k].points.size());
-    EXPECT_EQ(std::memcmp(loaded.meshes[k].points.data(), attachments.meshes[k].points.data(),
-                          loaded.meshes[k].points.size() * sizeof(SurfacePoint)),
-              0);
+    const auto bytes = [&](const Attachments& of) { return std::as_bytes(std::span(of.meshes[k].points)); };
+    EXPECT_TRUE(std::ranges::equal(bytes(loaded), bytes(attachments)));
   }
   save_attachments(loaded, folder / "b.safetensors");
   EXPECT_EQ(read_bytes(folder / "a.safetensors"), read_bytes(folder / "b.safetensors"));
