@@ -324,9 +324,7 @@ const Command kCommands[] = {
      [](Controls& c, const std::string& a) {
        choose(c.settings.compare.with, a, kComparisonNames);
        const CompareWith shown = c.settings.jiggle.on ? CompareWith::jiggle : CompareWith::full;
-       if (c.settings.compare.with != shown) return;
-       c.say(std::string("that is what is shown: 'jiggle ") + (c.settings.jiggle.on ? "off" : "on") +
-             "' shows something else beside it");
+       if (c.settings.compare.with == shown) c.say("that is what is shown: there is nothing beside it");
      },
      [](const Controls& c) { return name_of(c.settings.compare.with, kComparisonNames); }},
     {"layout", "side-by-side|overlay|wipe|hold", "", "Compare", "of a comparison",

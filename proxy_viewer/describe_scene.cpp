@@ -32,18 +32,23 @@ const char* name_of(SkinMethod method, const Basis& basis) {
 }
 
 CharacterRow describe(const Actor& character) {
-  const MeshTable& mesh = character.basis().mesh;
   CharacterRow row;
   row.name = character.name();
   row.basis = character.files().basis;
   row.clip = character.clip().name;
   row.truth = character.files().truth;
+  row.wears = character.wears();
+  return row;
+}
+
+// What is shown of it, at its level of detail.
+void describe_shown(const Actor& character, const ViewSettings& settings, CharacterRow& row) {
+  const MeshTable& mesh = character.basis().mesh;
   row.vertices = mesh.vertex_count();
   row.triangles = static_cast<std::uint32_t>(mesh.triangles.size() / 3);
   row.tets = character.shown().tet_count();
-  row.wears = character.wears();
   row.bytes = total_bytes(character.basis());
-  return row;
+  row.method = name_of(shown_method(character, settings), character.basis());
 }
 
 std::vector<JointRow> describe(const Skeleton& skeleton) {
@@ -133,8 +138,7 @@ void describe_turns(const Scene& scene, int frame, Snapshot& snapshot) {
 
 void describe_comparison(const Scene& scene, const Controls& controls, const ErrorCurve& curve, Snapshot& snapshot) {
   for (std::size_t c = 0; c < snapshot.cast.size(); ++c) {
-    snapshot.cast[c] = describe(*scene.cast()[c]);  // of the level that is shown
-    snapshot.cast[c].method = name_of(shown_method(*scene.cast()[c], controls.settings), scene.cast()[c]->basis());
+    describe_shown(*scene.cast()[c], controls.settings, snapshot.cast[c]);
   }
   const Actor& lead = scene.lead();
   const std::optional<SkinMethod> compared = compared_method(lead, controls.settings);

@@ -73,7 +73,7 @@ void ErrorMeasuring::go_to_worst_frame() {
   while (!curve_.worst() && measure_next()) {
   }
   const std::optional<std::size_t> worst = curve_.worst();
-  if (!worst) throw Error(ErrorKind::usage, "no frame of the clip lies on a sample of the cache");
+  if (!worst) throw Error(ErrorKind::usage, "no frame could be measured: has the cache samples of the clip's frames?");
   controls_.playback.scrub(scene_.lead().clip().first_frame + static_cast<int>(*worst));
   if (curve_.is_complete()) return;
   controls_.say("worst of " + std::to_string(curve_.measured_count()) + " of " +

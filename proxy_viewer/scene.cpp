@@ -165,8 +165,8 @@ void Scene::reset_jiggle() {
 }
 
 Pose Scene::pose_at(const Actor& character, int frame, const Controls& controls) const {
-  if (live_pose_ && &character == cast_.front().get()) return *live_pose_;
-  const bool leads = &character == cast_.front().get();
+  const bool leads = &character == &lead();
+  if (leads && live_pose_) return *live_pose_;
   return character.pose(frame, leads ? controls.settings.pose : character.posing());
 }
 

@@ -17,8 +17,8 @@ std::optional<SampleTime> sample_time(const Pc2Reader& truth, int frame) {
   const double at = (frame - static_cast<double>(truth.start_frame())) / step, nearest = std::round(at);
   const double last = truth.sample_count() - 1.0;
   if (!(nearest >= 0 && nearest <= last)) return std::nullopt;
-  if (std::abs(at - nearest) < kOnSample + kRounding * std::abs(at))
-    return SampleTime{static_cast<std::uint32_t>(nearest), 0};
+  const bool on_sample = std::abs(at - nearest) < kOnSample + kRounding * std::abs(at);
+  if (on_sample) return SampleTime{static_cast<std::uint32_t>(nearest), 0};
   if (at < 0 || at > last) return std::nullopt;
   return SampleTime{static_cast<std::uint32_t>(at), static_cast<float>(at - std::floor(at))};
 }

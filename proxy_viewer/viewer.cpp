@@ -172,6 +172,7 @@ class Viewer {
     change_cast([&] { session_.reload(files); });
   }
 
+  // What was known of the lead may be so no longer.
   template <typename Action>
   void change_cast(const Action& action) {
     action();
