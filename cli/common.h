@@ -91,6 +91,7 @@ void add_muscles(CLI::App& app);
 void add_dataset(CLI::App& app);
 void add_check(CLI::App& app);
 void add_train(CLI::App& app);
+void add_test(CLI::App& app);
 void add_proxy(CLI::App& app);
 void add_dynamics(CLI::App& app);
 void add_attach(CLI::App& app);

@@ -51,7 +51,8 @@ class CpuBackend final : public Backend {
     };
     const std::uint32_t joints = static_cast<std::uint32_t>(basis_.skeleton.size());
     std::vector<float> fibre_positions(3 * basis_.strain.vertices.size());
-    std::vector<float> features(residual.feature_count()), kernels(residual.centre_count());
+    std::vector<float> features(residual.feature_count()), coordinates(residual.coordinate_count());
+    std::vector<float> kernels(residual.centre_count());
     std::vector<float> displacements(3 * std::size_t{basis_.mesh.vertex_count()});
     auto last = std::chrono::steady_clock::now();
     const auto lap = [&](int stage) {
@@ -65,8 +66,10 @@ class CpuBackend final : public Backend {
     lap(0);
     cpu::residual_features(residual, frame(batch.joint_features), frame(result.strains), frame(batch.controls), 1,
                            features, frame(result.excess));
-    cpu::residual_kernels(residual, features, 1, kernels);
-    cpu::residual_coefficients(residual, features, kernels, rest_coefficients_, 1, frame(result.coefficients));
+    cpu::residual_project(residual, features, 1, coordinates);
+    cpu::residual_kernels(residual, coordinates, 1, kernels);
+    cpu::residual_coefficients(residual, coordinates, kernels, rest_coefficients_, frame(batch.fades), 1,
+                               frame(result.coefficients));
     cpu::residual_blend(residual, frame(result.coefficients), 1, weights_.correction, displacements);
     lap(1);
     cpu::pose_skin(basis_.ddm, joints, frame(batch.skinning), frame(batch.origins), displacements,

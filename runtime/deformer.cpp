@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "runtime/basis/error.h"
+#include "runtime/fade.h"
 #include "runtime/rig.h"
 #include "runtime/vulkan/device.h"
 
@@ -44,6 +45,8 @@ Batch make_batch(const Basis& basis, std::span<const Pose> poses) {
     batch.origins.insert(batch.origins.end(), {rig.origin[0], rig.origin[1], rig.origin[2], 0.0f});
     batch.joint_features.insert(batch.joint_features.end(), rig.joint_features.begin(), rig.joint_features.end());
     batch.joints.insert(batch.joints.end(), rig.joints.begin(), rig.joints.end());
+    const std::vector<float> fades = region_fades(basis.residual, rig.joint_features);
+    batch.fades.insert(batch.fades.end(), fades.begin(), fades.end());
     check_controls(basis, pose);
     std::vector<float> values = pose.controls;
     values.resize(controls, 0.0f);
@@ -71,6 +74,16 @@ void append_outside(const BatchResult& result, std::size_t frames, Evaluation& e
     const auto worst = std::max_element(begin, begin + static_cast<std::ptrdiff_t>(features));
     evaluation.outside.push_back(features > 0 ? *worst : 0.0f);
     evaluation.outside_feature.push_back(static_cast<std::uint32_t>(worst - begin));
+  }
+}
+
+void append_fades(const Basis& basis, const Batch& batch, Evaluation& evaluation) {
+  evaluation.fades.insert(evaluation.fades.end(), batch.fades.begin(), batch.fades.end());
+  const std::vector<std::uint32_t> joints = feature_joints(basis.skeleton);
+  for (std::size_t f = 0; f < batch.frame_count; ++f) {
+    const std::size_t stride = 9 * joints.size();
+    const int joint = fading_joint(basis.residual, std::span(batch.joint_features).subspan(f * stride, stride));
+    evaluation.fading_joint.push_back(joint < 0 ? -1 : static_cast<int>(joints[static_cast<std::size_t>(joint)]));
   }
 }
 
@@ -219,6 +232,7 @@ Evaluation Deformer::run(std::span<const Pose> poses, std::span<const int> frame
     append_output(basis_.mesh, result.normals, evaluation.normals);
     evaluation.strains.insert(evaluation.strains.end(), result.strains.begin(), result.strains.end());
     append_outside(result, part.size(), evaluation);
+    append_fades(basis_, batch, evaluation);
     for (const JiggleFrame& frame : batch.jiggle) evaluation.starts.push_back(frame.start);
     for (const auto& [stage, seconds] : result.stage_seconds) evaluation.stage_seconds[stage] += seconds;
   }

@@ -36,6 +36,8 @@ struct Evaluation {
   std::vector<float> outside;    // F: how far the worst feature lies outside its trained range, in standard
                                  // deviations of training; 0 when the frame is covered
   std::vector<std::uint32_t> outside_feature;   // F: that feature, see feature_name
+  std::vector<float> fades;                     // F x regions: how much of what was learned is left, see region_fades
+  std::vector<int> fading_joint;                // F: the joint that takes most of it; -1: nothing fades
   std::vector<JiggleStart> starts;              // F where frames jiggle: how each began
   std::map<std::string, double> stage_seconds;  // by stage name, summed over the batch
 };
@@ -63,6 +65,7 @@ struct Batch {
   std::vector<float> origins;         // F x 4 (the fourth is padding)
   std::vector<float> joint_features;  // F x joint feature count
   std::vector<float> controls;        // F x control count
+  std::vector<float> fades;           // F x region count, see region_fades
   std::vector<double> joints{};       // F x J x 3, metres, world: for the plan of the jiggle
   std::vector<JiggleFrame> jiggle{};  // F; empty: the skin is quasi-static
   bool stays_on_device = false;       // positions and normals are wanted there, and not in the result

@@ -1,28 +1,27 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Residual stage: Gaussian kernels of a region's features around training frames. Semantics: runtime/cpu/kernels.h.
+// Residual stage: Gaussian kernels of a region's coordinates around training frames. Semantics: runtime/cpu/kernels.h.
 #include "layout.h"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { ResidualKernelsPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { Region regions[]; };
-layout(set = 0, binding = 1) readonly buffer B1 { uint region_features[]; };
-layout(set = 0, binding = 2) readonly buffer B2 { uint centre_region[]; };
-layout(set = 0, binding = 3) readonly buffer B3 { uint centres[]; };
-layout(set = 0, binding = 4) readonly buffer B4 { float features[]; };
-layout(set = 0, binding = 5) writeonly buffer B5 { float kernels[]; };
+layout(set = 0, binding = 1) readonly buffer B1 { uint centre_region[]; };
+layout(set = 0, binding = 2) readonly buffer B2 { uint centres[]; };
+layout(set = 0, binding = 3) readonly buffer B3 { float coordinates[]; };
+layout(set = 0, binding = 4) writeonly buffer B4 { float kernels[]; };
 
 void main() {
   uint m = gl_GlobalInvocationID.x, frame = gl_GlobalInvocationID.y;
   if (m >= push.centre_count) return;
   Region region = regions[centre_region[m]];
-  uint feature = push.feature_count * frame;
-  uint row_words = (region.feature_count + 1) / 2;
+  uint coordinate = push.coordinate_count * frame + region.coordinate_begin;
+  uint row_words = (region.coordinate_count + 1) / 2;
   uint centre = region.centre_values + (m - region.centre_begin) * row_words;
   precise float distance2 = 0.0;
-  for (uint k = 0; k < region.feature_count; ++k) {
+  for (uint k = 0; k < region.coordinate_count; ++k) {
     float value = unpackHalf2x16(centres[centre + k / 2] >> 16 * (k % 2)).x;
-    precise float difference = features[feature + region_features[region.feature_begin + k]] - value;
+    precise float difference = coordinates[coordinate + k] - value;
     distance2 += difference * difference;
   }
   kernels[frame * push.centre_count + m] = exp(-(distance2 * region.inverse_width2));

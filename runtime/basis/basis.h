@@ -49,23 +49,46 @@ struct StrainTable {
   std::uint32_t fibre_count() const { return static_cast<std::uint32_t>(rest_length.size()); }
 };
 
+// Where training did not show a pose, what was learned fades to Direct Delta Mush:
+//   off_j^2 = |D_j x_j|^2 + |what the features of joint j lie outside their ranges|^2
+//   fade_r  = 1 / (1 + sum_j w_rj max(0, off_j^2 - tolerance_j))
+// x_j: the joint features (radians) of joint j, its parent and its children; D_j gives what of them lies in directions
+// in which training never moved them, as when joints only ever turned together, as far as it is joint j's own. Joints
+// are counted as in feature_joints(). All empty: nothing fades.
+struct FadeTable {
+  std::vector<std::uint32_t> joint_begin;      // joints + 1, into joints
+  std::vector<std::uint32_t> joints;           // whose nine features each are x_j, one after the other
+  std::vector<std::uint32_t> direction_begin;  // joints + 1: rows of D before those of the joint
+  std::vector<float> directions;               // row-major, joint by joint; a row has as many numbers as x_j
+  std::vector<float> tolerance;                // per joint: the largest off_j^2 of training, radians squared
+  std::vector<std::uint32_t> region_begin;     // regions + 1, into region_joints and region_weights
+  std::vector<std::uint32_t> region_joints;    // ascending within a region
+  std::vector<float> region_weights;           // w_rj >= 0, 1 / radians squared
+
+  bool empty() const { return joint_begin.empty(); }
+};
+
 // The un-posed displacement learned from shapes:
-//   c_r = W_r [1, f_r, phi(f_r)],  phi_m = exp(-|f_r - centre_m|^2 inverse_width2),
+//   p_r = P_r f_r,  c_r = fade_r W_r [1, p_r, phi(p_r)],  phi_m = exp(-|p_r - centre_m|^2 inverse_width2),
 //   delta d_i = sum over the blend entries of the block of i of (c_k - c_k at rest) b_ik   (un-posed space, metres)
 struct ResidualTable {
   std::vector<std::string> controls;   // names of the control features, in order
   std::vector<FeatureRange> features;  // F = joint features, strains, controls
   std::vector<Region> regions;
-  std::vector<std::uint32_t> region_features;  // feature indices, region by region
-  std::vector<std::uint32_t> centre_region;    // region of each centre
-  // Per region centre_count rows of feature_count halves, standardised, two a word (low half first). A row begins at a
-  // word: after an odd count, the last word's high half is unused.
-  std::vector<std::uint32_t> centres;
+  std::vector<std::uint32_t> region_features;    // feature indices, region by region
+  std::vector<std::uint32_t> coordinate_region;  // region of each coordinate
+  // P: per region coordinate_count rows of feature_count halves, two a word (low half first). A row begins at a word:
+  // after an odd count, the last word's high half is unused.
+  std::vector<std::uint32_t> projections;
+  std::vector<std::uint32_t> centre_region;  // region of each centre
+  std::vector<std::uint32_t> centres;        // per region centre_count rows of coordinate_count halves, in words as P
   std::vector<std::uint32_t> coefficient_region;  // region of each coefficient
-  std::vector<float> weights;  // per region coefficient_count x (1 + feature_count + centre_count), row-major
+  std::vector<float> weights;  // per region coefficient_count x (1 + coordinate_count + centre_count), row-major
   std::vector<std::uint32_t> blend_begin;  // blocks + 1, into blend
   std::vector<BlendEntry> blend;           // at most 65,536 coefficients
+  FadeTable fade;
 
+  std::uint32_t coordinate_count() const { return static_cast<std::uint32_t>(coordinate_region.size()); }
   std::uint32_t coefficient_count() const { return static_cast<std::uint32_t>(coefficient_region.size()); }
   std::uint32_t centre_count() const { return static_cast<std::uint32_t>(centre_region.size()); }
   std::uint32_t feature_count() const { return static_cast<std::uint32_t>(features.size()); }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/basis/basis.h"
+#include "runtime/basis/earlier_residual.h"
 #include "runtime/basis/error.h"
 #include "runtime/basis/levels.h"
 #include "runtime/basis/strict_json.h"
@@ -13,13 +14,14 @@
 namespace bodyopt {
 namespace {
 
-constexpr const char* kSchema = "bodyopt-basis-2";
+constexpr const char *kSchema = "bodyopt-basis-3", *kEarlierSchema = "bodyopt-basis-2";
 constexpr const char *kCarried = "carried.points", *kCarriedStep = "carried.step";
 constexpr std::size_t kJointNumbers = 10 + 10 + 12;  // bind, default local, inverse bind
 
-// Applies `visit(name, array, values to a row)` to every array of the tables.
+// Applies `visit(name, array, values to a row)` to every array of the tables but those of the residual that the earlier
+// schema lacks, or has otherwise.
 template <typename BasisType, typename Visit>
-void for_each_array(BasisType& basis, Visit visit) {
+void for_each_lasting_array(BasisType& basis, Visit visit) {
   visit("mesh.rest", basis.mesh.rest, 3);
   visit("mesh.triangles", basis.mesh.triangles, 3);
   visit("mesh.output_vertex", basis.mesh.output_vertex, 1);
@@ -35,7 +37,6 @@ void for_each_array(BasisType& basis, Visit visit) {
   visit("strain.fibre_begin", basis.strain.fibre_begin, 1);
   visit("strain.rest_length", basis.strain.rest_length, 1);
   visit("residual.features", basis.residual.features, 1);
-  visit("residual.regions", basis.residual.regions, 1);
   visit("residual.region_features", basis.residual.region_features, 1);
   visit("residual.centre_region", basis.residual.centre_region, 1);
   visit("residual.centres", basis.residual.centres, 1);
@@ -43,6 +44,24 @@ void for_each_array(BasisType& basis, Visit visit) {
   visit("residual.weights", basis.residual.weights, 1);
   visit("residual.blend_begin", basis.residual.blend_begin, 1);
   visit("residual.blend", basis.residual.blend, 1);
+}
+
+// To all of them.
+template <typename BasisType, typename Visit>
+void for_each_array(BasisType& basis, Visit visit) {
+  for_each_lasting_array(basis, visit);
+  visit("residual.regions", basis.residual.regions, 1);
+  visit("residual.coordinate_region", basis.residual.coordinate_region, 1);
+  visit("residual.projections", basis.residual.projections, 1);
+  auto& fade = basis.residual.fade;
+  visit("residual.fade.joint_begin", fade.joint_begin, 1);
+  visit("residual.fade.joints", fade.joints, 1);
+  visit("residual.fade.direction_begin", fade.direction_begin, 1);
+  visit("residual.fade.directions", fade.directions, 1);
+  visit("residual.fade.tolerance", fade.tolerance, 1);
+  visit("residual.fade.region_begin", fade.region_begin, 1);
+  visit("residual.fade.region_joints", fade.region_joints, 1);
+  visit("residual.fade.region_weights", fade.region_weights, 1);
 }
 
 void append_transform(std::vector<double>& values, const JointTransform& t) {
@@ -158,6 +177,24 @@ CarriedSkin read_carried(TableReader& reader, const std::string& prefix) {
   return carried;
 }
 
+void read_tables(TableReader& reader, const std::string& prefix, bool earlier, Basis& basis) {
+  const auto read = [&](const char* name, auto& values, std::uint64_t width) {
+    reader.read(prefix + name, values, width);
+  };
+  if (!earlier) return for_each_array(basis, read);
+  for_each_lasting_array(basis, read);
+  std::vector<EarlierRegion> regions;
+  read("residual.regions", regions, 1);
+  for (const EarlierRegion& region : regions) {
+    // Far more than a trainer gave one, and few enough to be rows of coordinates.
+    constexpr std::uint32_t kMostFeatures = 4096;
+    if (region.feature_count <= kMostFeatures) continue;
+    reader.refuse("a region listens to " + std::to_string(region.feature_count) + " features, expected at most " +
+                  std::to_string(kMostFeatures));
+  }
+  take_earlier_regions(regions, basis.residual);
+}
+
 void write(Safetensors& file, const std::filesystem::path& path) {
   file.metadata["schema"] = kSchema;
   file.metadata["checksum"] = content_checksum(file);
@@ -203,15 +240,15 @@ void save_levels(const std::vector<Level>& levels, const std::filesystem::path& 
 std::vector<Level> load_levels(const std::filesystem::path& path) {
   const Safetensors file = read_safetensors(path);
   TableReader reader(file, path, "a basis");
-  reader.require_schema(kSchema);
+  const bool earlier = reader.metadata("schema") == kEarlierSchema;
+  reader.require_schema(earlier ? kEarlierSchema : kSchema);
   std::vector<Level> levels(level_count(file));
   levels.front().basis.skeleton = read_skeleton(reader, path);
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const std::string prefix = prefix_of(k);
     Basis& basis = levels[k].basis;
     if (k > 0) basis.skeleton = levels.front().basis.skeleton;
-    for_each_array(
-        basis, [&](const char* name, auto& values, std::uint64_t width) { reader.read(prefix + name, values, width); });
+    read_tables(reader, prefix, earlier, basis);
     basis.strain.names = strings(reader, prefix + "fibre_names", path);
     basis.residual.controls = strings(reader, prefix + "controls", path);
     basis.metadata = metadata_of(file, k, levels.size());

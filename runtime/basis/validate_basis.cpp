@@ -26,9 +26,13 @@ class Validator : TableChecks {
     check_residual();
     check_regions();
     check_blend();
+    check_fade();
   }
 
  private:
+  // Of a row of halves.
+  static std::size_t row_words(std::uint32_t halves) { return (std::size_t{halves} + 1) / 2; }
+
   static bool finite_halves(std::uint32_t word) {
     return (word & 0x7c00u) != 0x7c00u && ((word >> 16) & 0x7c00u) != 0x7c00u;
   }
@@ -167,9 +171,7 @@ class Validator : TableChecks {
   void check_residual() const {
     const ResidualTable& residual = basis_.residual;
     expect_offsets("residual.blend_begin", residual.blend_begin, basis_.mesh.block_count(), residual.blend.size());
-    std::size_t joint_features = 0;
-    for (const Joint& joint : basis_.skeleton.joints) joint_features += joint.parent >= 0 ? 9 : 0;
-    const std::size_t features = joint_features + basis_.strain.rest_length.size() + residual.controls.size();
+    const std::size_t features = 9 * feature_joint_count() + basis_.strain.rest_length.size() + residual.controls.size();
     if (residual.regions.empty() && residual.features.empty()) {
       if (!residual.controls.empty())
         refuse("residual.features has 0 entries, expected one for every control at least");
@@ -179,9 +181,14 @@ class Validator : TableChecks {
     for (std::size_t k = 0; k < residual.features.size(); ++k) check_feature(k);
     expect_below("residual.region_features", residual.region_features, residual.features.size());
     expect_numbers("residual.weights", residual.weights);
-    for (std::size_t k = 0; k < residual.centres.size(); ++k) {
-      if (finite_halves(residual.centres[k])) continue;
-      refuse(element("residual.centres", k) + " holds a half that is infinite or not a number, expected finite ones");
+    expect_halves("residual.centres", residual.centres);
+    expect_halves("residual.projections", residual.projections);
+  }
+
+  void expect_halves(const char* name, const Indices& words) const {
+    for (std::size_t k = 0; k < words.size(); ++k) {
+      if (finite_halves(words[k])) continue;
+      refuse(element(name, k) + " holds a half that is infinite or not a number, expected finite ones");
     }
   }
 
@@ -204,11 +211,14 @@ class Validator : TableChecks {
   // Regions must tile every array they point into, in order.
   void check_regions() const {
     const ResidualTable& residual = basis_.residual;
-    std::size_t features = 0, centres = 0, centre_values = 0, coefficients = 0, weights = 0;
+    std::size_t features = 0, coordinates = 0, projections = 0;
+    std::size_t centres = 0, centre_values = 0, coefficients = 0, weights = 0;
     for (std::size_t r = 0; r < residual.regions.size(); ++r) {
       const Region& region = residual.regions[r];
-      if (region.feature_begin != features || region.centre_begin != centres || region.centre_values != centre_values ||
-          region.coefficient_begin != coefficients || region.weight_values != weights) {
+      if (region.feature_begin != features || region.coordinate_begin != coordinates ||
+          region.projection_values != projections || region.centre_begin != centres ||
+          region.centre_values != centre_values || region.coefficient_begin != coefficients ||
+          region.weight_values != weights) {
         refuse(element("residual.regions", r) + " has offsets that do not follow the region before it");
       }
       if (!(region.inverse_width2 >= 0 && region.inverse_width2 <= kLargest)) {
@@ -216,19 +226,25 @@ class Validator : TableChecks {
                ", expected a number from 0 to 1e9");
       }
       features += region.feature_count;
+      coordinates += region.coordinate_count;
+      projections += region.coordinate_count * row_words(region.feature_count);
       centres += region.centre_count;
-      centre_values += region.centre_count * ((std::size_t{region.feature_count} + 1) / 2);
+      centre_values += region.centre_count * row_words(region.coordinate_count);
       coefficients += region.coefficient_count;
       weights += std::size_t{region.coefficient_count} *
-                 (1 + std::size_t{region.feature_count} + std::size_t{region.centre_count});
+                 (1 + std::size_t{region.coordinate_count} + std::size_t{region.centre_count});
       if (coefficients > kMostCoefficients) {
         refuse("the regions have " + std::to_string(coefficients) + " coefficients or more, expected at most 65536");
       }
+      expect_region("residual.coordinate_region", residual.coordinate_region, region.coordinate_begin,
+                    region.coordinate_count, r);
       expect_region("residual.centre_region", residual.centre_region, region.centre_begin, region.centre_count, r);
       expect_region("residual.coefficient_region", residual.coefficient_region, region.coefficient_begin,
                     region.coefficient_count, r);
     }
     expect_size("residual.region_features", residual.region_features.size(), features);
+    expect_size("residual.coordinate_region", residual.coordinate_region.size(), coordinates);
+    expect_size("residual.projections", residual.projections.size(), projections);
     expect_size("residual.centre_region", residual.centre_region.size(), centres);
     expect_size("residual.centres", residual.centres.size(), centre_values);
     expect_size("residual.coefficient_region", residual.coefficient_region.size(), coefficients);
@@ -260,6 +276,48 @@ class Validator : TableChecks {
         refuse(element("residual.blend", k) + " has a scale that is infinite or not a number, expected a finite half");
       }
     }
+  }
+
+  void check_fade() const {
+    const FadeTable& fade = basis_.residual.fade;
+    if (fade.empty()) {
+      const std::size_t others = fade.joints.size() + fade.direction_begin.size() + fade.directions.size() +
+                                 fade.tolerance.size() + fade.region_begin.size() + fade.region_joints.size() +
+                                 fade.region_weights.size();
+      if (others > 0) refuse("residual.fade.joint_begin has 0 entries, though other arrays of the fade have some");
+      return;
+    }
+    const std::size_t joints = basis_.residual.features.empty() ? 0 : feature_joint_count();
+    expect_offsets("residual.fade.joint_begin", fade.joint_begin, joints, fade.joints.size());
+    expect_below("residual.fade.joints", fade.joints, joints);
+    expect_size("residual.fade.tolerance", fade.tolerance.size(), joints);
+    expect_not_below_zero("residual.fade.tolerance", fade.tolerance);
+    expect_size("residual.fade.direction_begin", fade.direction_begin.size(), joints + 1);
+    expect_offsets("residual.fade.direction_begin", fade.direction_begin, joints, fade.direction_begin.back());
+    std::size_t numbers = 0;
+    for (std::size_t j = 0; j < joints; ++j) {
+      const std::size_t rows = fade.direction_begin[j + 1] - fade.direction_begin[j];
+      numbers += 9 * rows * (fade.joint_begin[j + 1] - fade.joint_begin[j]);
+    }
+    expect_size("residual.fade.directions", fade.directions.size(), numbers);
+    expect_numbers("residual.fade.directions", fade.directions);
+    expect_offsets("residual.fade.region_begin", fade.region_begin, basis_.residual.regions.size(),
+                   fade.region_joints.size());
+    expect_below("residual.fade.region_joints", fade.region_joints, joints);
+    expect_size("residual.fade.region_weights", fade.region_weights.size(), fade.region_joints.size());
+    expect_not_below_zero("residual.fade.region_weights", fade.region_weights);
+  }
+
+  void expect_not_below_zero(const char* name, const std::vector<float>& values) const {
+    expect_numbers(name, values);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (values[k] < 0) refuse(element(name, k) + " is " + std::to_string(values[k]) + ", expected 0 or more");
+    }
+  }
+
+  std::size_t feature_joint_count() const {
+    return static_cast<std::size_t>(std::count_if(basis_.skeleton.joints.begin(), basis_.skeleton.joints.end(),
+                                                  [](const Joint& joint) { return joint.parent >= 0; }));
   }
 
   const Basis& basis_;

@@ -24,14 +24,19 @@ void residual_features(const ResidualTable& residual, std::span<const float> joi
                        std::span<const float> strains, std::span<const float> controls, std::uint32_t frame_count,
                        std::span<float> features, std::span<float> excess);
 
-// Residual stage: phi = exp(-|f_r - centre|^2 inverse_width2). features -> kernels F x centre_count.
-void residual_kernels(const ResidualTable& residual, std::span<const float> features, std::uint32_t frame_count,
+// Residual stage: p_r = P_r f_r. features -> coordinates F x coordinate_count.
+void residual_project(const ResidualTable& residual, std::span<const float> features, std::uint32_t frame_count,
+                      std::span<float> coordinates);
+
+// Residual stage: phi = exp(-|p_r - centre|^2 inverse_width2). coordinates -> kernels F x centre_count.
+void residual_kernels(const ResidualTable& residual, std::span<const float> coordinates, std::uint32_t frame_count,
                       std::span<float> kernels);
 
-// Residual stage: c_r = W_r [1, f_r, phi_r] - c_r at rest. -> coefficients F x coefficient_count.
-void residual_coefficients(const ResidualTable& residual, std::span<const float> features,
+// Residual stage: c_r = fade_r (W_r [1, p_r, phi_r] - c_r at rest). fades: F x regions.
+// -> coefficients F x coefficient_count.
+void residual_coefficients(const ResidualTable& residual, std::span<const float> coordinates,
                            std::span<const float> kernels, std::span<const float> rest_coefficients,
-                           std::uint32_t frame_count, std::span<float> coefficients);
+                           std::span<const float> fades, std::uint32_t frame_count, std::span<float> coefficients);
 
 // Residual stage: weight x un-posed displacement of every vertex. coefficients -> displacements F x V x 3, metres.
 void residual_blend(const ResidualTable& residual, std::span<const float> coefficients, std::uint32_t frame_count,

@@ -11,9 +11,9 @@ ResidualCoefficients::ResidualCoefficients(const Device& device)
 
 void ResidualCoefficients::record(Commands& commands, const Buffers& buffers, const ResidualCoefficientsPush& push,
                                   std::uint32_t frames) const {
-  const std::array bindings = {buffers.regions, buffers.region_features,   buffers.coefficient_region,
-                               buffers.weights, buffers.rest_coefficients, buffers.features,
-                               buffers.kernels, buffers.coefficients};
+  const std::array bindings = {buffers.regions,           buffers.coefficient_region, buffers.weights,
+                               buffers.rest_coefficients, buffers.coordinates,        buffers.kernels,
+                               buffers.fades,             buffers.coefficients};
   commands.dispatch(kernel_, bindings, push, push.coefficient_count, frames);
 }
 

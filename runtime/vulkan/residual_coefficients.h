@@ -8,8 +8,7 @@ namespace bodyopt::vulkan {
 class ResidualCoefficients {
  public:
   struct Buffers {
-    BufferRange regions, region_features, coefficient_region, weights, rest_coefficients, features, kernels,
-        coefficients;
+    BufferRange regions, coefficient_region, weights, rest_coefficients, coordinates, kernels, fades, coefficients;
   };
 
   explicit ResidualCoefficients(const Device& device);

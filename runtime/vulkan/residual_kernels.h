@@ -1,4 +1,4 @@
-// Vulkan residual_kernels: Gaussian kernels of the features (shaders/residual_kernels.comp).
+// Vulkan residual_kernels: Gaussian kernels of the coordinates (shaders/residual_kernels.comp).
 #pragma once
 
 #include "runtime/vulkan/commands.h"
@@ -8,7 +8,7 @@ namespace bodyopt::vulkan {
 class ResidualKernels {
  public:
   struct Buffers {
-    BufferRange regions, region_features, centre_region, centres, features, kernels;
+    BufferRange regions, centre_region, centres, coordinates, kernels;
   };
 
   explicit ResidualKernels(const Device& device);

@@ -13,6 +13,7 @@
 #include "runtime/vulkan/residual_coefficients.h"
 #include "runtime/vulkan/residual_features.h"
 #include "runtime/vulkan/residual_kernels.h"
+#include "runtime/vulkan/residual_project.h"
 #include "runtime/vulkan/strain_measure.h"
 #include "runtime/vulkan/strain_skin.h"
 #include "runtime/vulkan/vulkan_dynamics.h"
@@ -33,10 +34,13 @@ struct Counts {
         features(basis.residual.feature_count()),
         controls(features == 0 ? 0 : static_cast<std::uint32_t>(basis.residual.controls.size())),
         joint_features(features == 0 ? 0 : features - fibres - controls),
+        regions(static_cast<std::uint32_t>(basis.residual.regions.size())),
+        coordinates(basis.residual.coordinate_count()),
         centres(basis.residual.centre_count()),
         coefficients(basis.residual.coefficient_count()) {}
 
-  std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features, centres, coefficients;
+  std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
+  std::uint32_t regions, coordinates, centres, coefficients;
 };
 
 // Everything about the character that stays the same from frame to frame.
@@ -50,6 +54,8 @@ struct Tables {
         ranges(upload(device, b.residual.features, "the feature ranges")),
         regions(upload(device, b.residual.regions, "the regions")),
         region_features(upload(device, b.residual.region_features, "the regions' features")),
+        coordinate_region(upload(device, b.residual.coordinate_region, "the coordinates' regions")),
+        projections(upload(device, b.residual.projections, "the projections")),
         centre_region(upload(device, b.residual.centre_region, "the centres' regions")),
         centres(upload(device, b.residual.centres, "the centres")),
         coefficient_region(upload(device, b.residual.coefficient_region, "the coefficients' regions")),
@@ -62,7 +68,8 @@ struct Tables {
 
   DdmBuffers ddm;
   Buffer strain_vertices, points, fibre_begin, rest_length;
-  Buffer ranges, regions, region_features, centre_region, centres, coefficient_region, weights, blend_begin, blend;
+  Buffer ranges, regions, region_features, coordinate_region, projections, centre_region, centres;
+  Buffer coefficient_region, weights, blend_begin, blend;
   Buffer triangles, vertex_triangle_begin, vertex_triangles;
 };
 
@@ -82,16 +89,18 @@ struct BatchBuffers {
         origins(device, frames, 4, "the origins"),
         joint_features(device, frames, n.joint_features, "the joint features"),
         controls(device, frames, n.controls, "the controls"),
+        fades(device, frames, n.regions, "the fades"),
         strain_positions(device, frames, std::uint64_t{3} * n.strain_vertices, "the strain positions"),
         strains(device, frames, n.fibres, "the strains"),
         features(device, frames, n.features, "the features"),
         excess(device, frames, n.features, "the features' excess"),
+        coordinates(device, frames, n.coordinates, "the coordinates"),
         kernels(device, frames, n.centres, "the kernels"),
         coefficients(device, frames, n.coefficients, "the coefficients"),
         displacements(device, frames, std::uint64_t{3} * n.vertices, "the displacements"),
         positions(device, frames, std::uint64_t{3} * n.vertices, "the positions"),
         normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
-        staging_in(device, total({&skinning, &origins, &joint_features, &controls}), Memory::staging, "staging"),
+        staging_in(device, total({&skinning, &origins, &joint_features, &controls, &fades}), Memory::staging, "staging"),
         staging_out(device, total({&positions, &normals, &strains, &excess, &coefficients}), Memory::staging,
                     "staging") {}
 
@@ -102,8 +111,9 @@ struct BatchBuffers {
   }
 
   std::uint32_t frames;
-  Values skinning, origins, joint_features, controls;
-  Values strain_positions, strains, features, excess, kernels, coefficients, displacements, positions, normals;
+  Values skinning, origins, joint_features, controls, fades;
+  Values strain_positions, strains, features, excess, coordinates, kernels, coefficients, displacements;
+  Values positions, normals;
   Buffer staging_in, staging_out;
 };
 
@@ -118,6 +128,7 @@ class VulkanBackend final : public Backend {
         strain_skin_(device_),
         strain_measure_(device_),
         residual_features_(device_),
+        residual_project_(device_),
         residual_kernels_(device_),
         residual_coefficients_(device_),
         residual_blend_(device_),
@@ -134,9 +145,9 @@ class VulkanBackend final : public Backend {
     const Counts& n = counts_;
     const std::uint64_t skin = std::uint64_t{3} * n.vertices, skinning = std::uint64_t{12} * n.joints;
     const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
-    const std::uint64_t largest = std::max<std::uint64_t>({skin, skinning, strain, n.centres, n.features});
+    const std::uint64_t largest = std::max<std::uint64_t>({skin, skinning, strain, n.coordinates, n.centres, n.features});
     const std::uint64_t all =
-        3 * skin + skinning + strain + n.centres + 3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
+        3 * skin + skinning + strain + n.coordinates + n.centres + 3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
     const std::uint64_t by_range =
         device_.info().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
     const std::uint64_t by_memory =
@@ -245,7 +256,7 @@ class VulkanBackend final : public Backend {
   void record_upload() {
     const BatchBuffers& b = *buffers_;
     VkDeviceSize offset = 0;
-    for (const Values* values : {&b.skinning, &b.origins, &b.joint_features, &b.controls}) {
+    for (const Values* values : {&b.skinning, &b.origins, &b.joint_features, &b.controls, &b.fades}) {
       commands_.copy({b.staging_in, offset, values->bytes}, values->buffer);
       offset += values->bytes;
     }
@@ -273,14 +284,19 @@ class VulkanBackend final : public Backend {
         {t.ranges, b.joint_features.buffer, b.strains.buffer, b.controls.buffer, b.features.buffer, b.excess.buffer},
         {n.joint_features, n.features == 0 ? 0 : n.fibres, n.controls}, frames);
     commands_.barrier();
-    residual_kernels_.record(
-        commands_, {t.regions, t.region_features, t.centre_region, t.centres, b.features.buffer, b.kernels.buffer},
-        {n.centres, n.features}, frames);
+    residual_project_.record(commands_,
+                             {t.regions, t.region_features, t.coordinate_region, t.projections, b.features.buffer,
+                              b.coordinates.buffer},
+                             {n.coordinates, n.features}, frames);
+    commands_.barrier();
+    residual_kernels_.record(commands_,
+                             {t.regions, t.centre_region, t.centres, b.coordinates.buffer, b.kernels.buffer},
+                             {n.centres, n.coordinates}, frames);
     commands_.barrier();
     residual_coefficients_.record(commands_,
-                                  {t.regions, t.region_features, t.coefficient_region, t.weights, rest_coefficients_,
-                                   b.features.buffer, b.kernels.buffer, b.coefficients.buffer},
-                                  {n.coefficients, n.features, n.centres}, frames);
+                                  {t.regions, t.coefficient_region, t.weights, rest_coefficients_, b.coordinates.buffer,
+                                   b.kernels.buffer, b.fades.buffer, b.coefficients.buffer},
+                                  {n.coefficients, n.coordinates, n.centres, n.regions}, frames);
     commands_.barrier();
     if (!has_blend_) return;
     residual_blend_.record(commands_, {t.blend_begin, t.blend, b.coefficients.buffer, b.displacements.buffer},
@@ -322,7 +338,8 @@ class VulkanBackend final : public Backend {
     const std::pair<const Values&, const std::vector<float>&> parts[] = {{b.skinning, batch.skinning},
                                                                          {b.origins, batch.origins},
                                                                          {b.joint_features, batch.joint_features},
-                                                                         {b.controls, batch.controls}};
+                                                                         {b.controls, batch.controls},
+                                                                         {b.fades, batch.fades}};
     for (const auto& [values, from] : parts) {
       if (values.bytes == 0) continue;
       std::memcpy(to, from.data(), values.bytes);
@@ -364,6 +381,7 @@ class VulkanBackend final : public Backend {
   StrainSkin strain_skin_;
   StrainMeasure strain_measure_;
   ResidualFeatures residual_features_;
+  ResidualProject residual_project_;
   ResidualKernels residual_kernels_;
   ResidualCoefficients residual_coefficients_;
   ResidualBlend residual_blend_;

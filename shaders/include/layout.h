@@ -49,13 +49,15 @@ BODYOPT_CHECK_SIZE(FeatureRange, 16)
 // A region of the residual. Offsets are in elements of the table named.
 struct Region {
   uint feature_begin, feature_count;          // into region_features
+  uint coordinate_begin, coordinate_count;    // coordinate index over all regions
+  uint projection_values;                     // word of projections at which the region's rows begin
   uint centre_begin, centre_count;            // centre index over all regions; kernel values have the same index
   uint centre_values;                         // word of centres at which the region's centres begin
   uint coefficient_begin, coefficient_count;  // coefficient index over all regions
   uint weight_values;                         // offset of the region's rows in weights
-  float inverse_width2;                       // 1 / (2 width^2), in standardised feature units
+  float inverse_width2;                       // 1 / (2 width^2), in units of the coordinates
 };
-BODYOPT_CHECK_SIZE(Region, 36)
+BODYOPT_CHECK_SIZE(Region, 48)
 
 // Words of one signed byte per lane of a block.
 const uint kLaneWords = kBlockSize / 4u;
@@ -158,11 +160,14 @@ struct StrainMeasurePush {
 struct ResidualFeaturesPush {
   uint joint_feature_count, strain_count, control_count;
 };
+struct ResidualProjectPush {
+  uint coordinate_count, feature_count;  // over all regions
+};
 struct ResidualKernelsPush {
-  uint centre_count, feature_count;  // over all regions
+  uint centre_count, coordinate_count;  // over all regions
 };
 struct ResidualCoefficientsPush {
-  uint coefficient_count, feature_count, centre_count;
+  uint coefficient_count, coordinate_count, centre_count, region_count;
 };
 struct ResidualBlendPush {
   uint vertex_count, coefficient_count;

@@ -9,6 +9,7 @@
 #include "runtime/deformer.h"
 #include "tests/support/forged_word.h"
 #include "tests/support/hostile_bytes.h"
+#include "tests/support/paths.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/small_basis.h"
 #include "tests/support/temporary_folder.h"
@@ -85,6 +86,29 @@ TEST(BasisFile, RoundTripIsBitExact) {
   }
 }
 
+const std::string kEarlierFile = kSourceFolder + "/tests/data/basis_schema_2";
+
+// The small basis as the program wrote it before residuals had coordinates, and the positions it gave then.
+TEST(BasisFile, TheEarlierSchemaGivesTheSameBits) {
+  const TemporaryFolder folder;
+  const Basis basis = load_basis(kEarlierFile + ".safetensors");
+  std::vector<Pose> poses;
+  for (int k = 0; k < 3; ++k) {
+    Pose& pose = poses.emplace_back(bind_pose(basis.skeleton));
+    pose.joints[0].rotation = axis_angle({0, 0, 1}, 0.2 * k) * pose.joints[0].rotation;
+    pose.joints[0].translation = {0.1 * k, -0.2 * k, 0.3};
+    pose.joints[1].rotation = pose.joints[1].rotation * axis_angle({1, 0, 0}, 0.7 * k);
+    pose.controls = {0.3f * static_cast<float>(k)};
+  }
+  const std::string bytes = read_bytes(kEarlierFile + ".positions");
+  std::vector<float> before(bytes.size() / sizeof(float));
+  std::memcpy(before.data(), bytes.data(), bytes.size());
+  EXPECT_EQ(Deformer(basis, {.name = "cpu"}).evaluate(poses).positions, before);
+  save_basis(basis, folder / "a.safetensors");  // in the schema of today
+  EXPECT_EQ(read_safetensors(folder / "a.safetensors").metadata.at("schema"), "bodyopt-basis-3");
+  EXPECT_EQ(difference(basis, load_basis(folder / "a.safetensors")), "");
+}
+
 // The format read by its public description alone: another program finds every tensor where the header says.
 TEST(BasisFile, AnotherReaderOpensIt) {
   const TemporaryFolder folder;
@@ -126,7 +150,7 @@ TEST(BasisFile, AnotherReaderOpensIt) {
   const Json& metadata = header["__metadata__"];
   EXPECT_EQ(Json::parse(metadata["joint_names"].get<std::string>()), Json({"lower", "upper"}));
   EXPECT_EQ(metadata["note"], "\"é\"\n");
-  EXPECT_EQ(metadata["schema"], "bodyopt-basis-2");
+  EXPECT_EQ(metadata["schema"], "bodyopt-basis-3");
   EXPECT_EQ(metadata["checksum"].get<std::string>().size(), 16u);
 }
 
@@ -144,13 +168,11 @@ TEST(BasisFile, DamagedBytesAreRefusedOrChangeNothing) {
   EXPECT_GT(damage_bytes(read_and_compare, folder / "b.safetensors", read_bytes(folder / "a.safetensors"), 1000), 950u);
 }
 
-// Words of the tables replaced by the worst there are, under a checksum that fits: refused, or harmless to the kernels.
-TEST(BasisFile, ForgedTablesAreRefusedOrEvaluateToNumbers) {
+// Of 300 copies of a file, each with a word of its tables forged under a checksum that fits, how many were accepted;
+// the others were refused, and none gave anything but numbers.
+int forged_and_accepted(const Safetensors& file) {
   const TemporaryFolder folder;
-  const Basis basis = small_basis();
-  const std::vector<Pose> poses = test_poses(basis.skeleton);
-  save_basis(basis, folder / "a.safetensors");
-  const Safetensors file = read_safetensors(folder / "a.safetensors");
+  const std::vector<Pose> poses = test_poses(small_basis().skeleton);
   std::mt19937 random(11);
   int accepted = 0;
   for (int k = 0; k < 300; ++k) {
@@ -163,13 +185,32 @@ TEST(BasisFile, ForgedTablesAreRefusedOrEvaluateToNumbers) {
       Deformer deformer(std::move(loaded), {.name = "cpu"});
       const Evaluation evaluation = deformer.evaluate(poses);
       for (const auto* values :
-           {&evaluation.positions, &evaluation.normals, &evaluation.strains, &evaluation.outside}) {
+           {&evaluation.positions, &evaluation.normals, &evaluation.strains, &evaluation.outside, &evaluation.fades}) {
         for (const float value : *values) ASSERT_TRUE(std::isfinite(value)) << word;
       }
     };
     accepted += refuses(evaluate, folder / "b.safetensors", word) ? 0 : 1;
   }
-  EXPECT_GT(accepted, 50);  // otherwise the kernels were hardly tried
+  return accepted;
+}
+
+TEST(BasisFile, ForgedTablesAreRefusedOrEvaluateToNumbers) {
+  const TemporaryFolder folder;
+  save_basis(small_basis(), folder / "a.safetensors");
+  EXPECT_GT(forged_and_accepted(read_safetensors(folder / "a.safetensors")), 50);  // or the kernels were hardly tried
+  EXPECT_GT(forged_and_accepted(read_safetensors(kEarlierFile + ".safetensors")), 50);
+}
+
+// Its regions become rows of coordinates, as many as they claim to have features.
+TEST(BasisFile, AnEarlierRegionOfFarTooManyFeaturesIsRefused) {
+  const TemporaryFolder folder;
+  Safetensors forged = read_safetensors(kEarlierFile + ".safetensors");
+  const std::uint32_t many = 4097;
+  std::memcpy(forged.tensors.at("residual.regions").bytes.data() + 4, &many, 4);
+  forged.metadata["checksum"] = content_checksum(forged);
+  write_safetensors(forged, folder / "a.safetensors");
+  expect_refused(read, folder / "a.safetensors", read_bytes(folder / "a.safetensors"),
+                 "a region listens to 4097 features");
 }
 
 // Changes to the container's parts under a checksum that fits.
@@ -184,8 +225,8 @@ TEST(BasisFile, ForgedPartsAreRefusedByName) {
     write_safetensors(forged, folder / "b.safetensors");
     expect_refused(read, folder / "b.safetensors", read_bytes(folder / "b.safetensors"), named);
   };
-  for (const std::string schema : {"bodyopt-basis-1", "bodyopt-basis-3"}) {
-    expect("schema is '" + schema + "', expected 'bodyopt-basis-2'",
+  for (const std::string schema : {"bodyopt-basis-1", "bodyopt-basis-4"}) {
+    expect("schema is '" + schema + "', expected 'bodyopt-basis-3'",
            [&](Safetensors& f) { f.metadata["schema"] = schema; });
   }
   expect("lacks 'schema'", [](Safetensors& f) { f.metadata.erase("schema"); });

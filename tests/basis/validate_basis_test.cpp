@@ -143,6 +143,14 @@ TEST(ValidateBasis, Residual) {
       {"residual.centre_region[2] is 0", [](Basis& b) { b.residual.centre_region[2] = 0; }},
       {"residual.coefficient_region[2] is 1", [](Basis& b) { b.residual.coefficient_region[2] = 1; }},
       {"residual.regions[1] has offsets", [](Basis& b) { b.residual.regions[1].centre_values += 1; }},
+      {"residual.regions[1] has offsets", [](Basis& b) { b.residual.regions[1].coordinate_begin += 1; }},
+      {"residual.regions[1] has offsets", [](Basis& b) { b.residual.regions[1].projection_values -= 1; }},
+      {"residual.coordinate_region has 7", [](Basis& b) { b.residual.regions[1].coordinate_count = ~0u; }},
+      {"residual.coordinate_region has 7", [](Basis& b) { b.residual.regions[1].coordinate_count = 4; }},
+      {"residual.coordinate_region[5] is 0", [](Basis& b) { b.residual.coordinate_region[5] = 0; }},
+      {"residual.projections[21] holds a half", [](Basis& b) { b.residual.projections[21] = 0x7c00; }},
+      {"residual.projections has 27 entries, expected 26", [](Basis& b) { b.residual.projections.push_back(0); }},
+      {"residual.projections has 0 entries, expected 26", [](Basis& b) { b.residual.projections.clear(); }},
       {"residual.centres[3] holds a half", [](Basis& b) { b.residual.centres[3] = 0x7c00; }},
       {"residual.centres[4] holds a half", [](Basis& b) { b.residual.centres[4] = 0xfc000000; }},
       {"residual.centres[9] holds a half", [](Basis& b) { b.residual.centres[9] = 0x7e017e01; }},
@@ -165,6 +173,32 @@ TEST(ValidateBasis, Residual) {
   });
 }
 
+TEST(ValidateBasis, Fade) {
+  expect_refused({
+      {"residual.fade.joint_begin has 0 entries", [](Basis& b) { b.residual.fade.joint_begin.clear(); }},
+      {"residual.fade.joint_begin has 3", [](Basis& b) { b.residual.fade.joint_begin.push_back(1); }},
+      {"residual.fade.joint_begin ends", [](Basis& b) { b.residual.fade.joints.push_back(0); }},
+      {"residual.fade.joints[0] is 1", [](Basis& b) { b.residual.fade.joints[0] = 1; }},
+      {"residual.fade.direction_begin has 1", [](Basis& b) { b.residual.fade.direction_begin.pop_back(); }},
+      {"residual.fade.direction_begin starts", [](Basis& b) { b.residual.fade.direction_begin[0] = 1; }},
+      {"residual.fade.directions has 9", [](Basis& b) { b.residual.fade.direction_begin[1] = 2; }},
+      {"residual.fade.directions has 8", [](Basis& b) { b.residual.fade.directions.pop_back(); }},
+      {"residual.fade.directions[2] is nan", [](Basis& b) { b.residual.fade.directions[2] = kNan; }},
+      {"residual.fade.tolerance has 0", [](Basis& b) { b.residual.fade.tolerance.clear(); }},
+      {"residual.fade.tolerance[0] is -1", [](Basis& b) { b.residual.fade.tolerance[0] = -1; }},
+      {"residual.fade.tolerance[0] is nan", [](Basis& b) { b.residual.fade.tolerance[0] = kNan; }},
+      {"residual.fade.region_begin has 2", [](Basis& b) { b.residual.fade.region_begin.pop_back(); }},
+      {"residual.fade.region_begin ends", [](Basis& b) { b.residual.fade.region_joints.push_back(0); }},
+      {"residual.fade.region_joints[0] is 1", [](Basis& b) { b.residual.fade.region_joints[0] = 1; }},
+      {"residual.fade.region_weights has 0", [](Basis& b) { b.residual.fade.region_weights.clear(); }},
+      {"residual.fade.region_weights[0] is -2", [](Basis& b) { b.residual.fade.region_weights[0] = -2; }},
+      {"residual.fade.region_weights[0] is inf", [](Basis& b) { b.residual.fade.region_weights[0] = kInfinity; }},
+  });
+  Basis without = small_basis();
+  without.residual.fade = {};
+  EXPECT_NO_THROW(validate(without, "basis"));
+}
+
 // 65,536 coefficients fill the 16-bit index; one more is one too many.
 TEST(ValidateBasis, CoefficientsFillTheirIndexAndNoMore) {
   Basis basis = small_basis();
@@ -173,8 +207,8 @@ TEST(ValidateBasis, CoefficientsFillTheirIndexAndNoMore) {
     Region& region = residual.regions[1];
     region.coefficient_count = count - region.coefficient_begin;
     residual.coefficient_region.resize(count, 1);
-    residual.weights.resize(region.weight_values +
-                            std::size_t{region.coefficient_count} * (1 + region.feature_count + region.centre_count));
+    residual.weights.resize(region.weight_values + std::size_t{region.coefficient_count} *
+                                                       (1 + region.coordinate_count + region.centre_count));
   };
   grow_to(65536);
   EXPECT_NO_THROW(validate(basis, "basis"));

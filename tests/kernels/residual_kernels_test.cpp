@@ -15,20 +15,20 @@ struct Case {
       : random(centres + 31 * frame_count),
         frames(frame_count),
         residual(random_residual(random, kFeatures, centres, 0, 0)),
-        features(random.floats(std::size_t{kFeatures} * frames, -2, 2)),
+        coordinates(random.floats(std::size_t{residual.coordinate_count()} * frames, -2, 2)),
         kernels(std::size_t{centres} * frames) {
-    cpu::residual_kernels(residual, features, frames, kernels);
+    cpu::residual_kernels(residual, coordinates, frames, kernels);
   }
 
   bool has_rows(bool odd) const {
     return std::any_of(residual.regions.begin(), residual.regions.end(),
-                       [&](const Region& r) { return r.centre_count > 0 && (r.feature_count % 2 == 1) == odd; });
+                       [&](const Region& r) { return r.centre_count > 0 && (r.coordinate_count % 2 == 1) == odd; });
   }
 
   Random random;
   std::uint32_t frames;
   ResidualTable residual;
-  std::vector<float> features;
+  std::vector<float> coordinates;
   std::vector<float> kernels;  // by the reference
 };
 
@@ -40,13 +40,12 @@ class ResidualKernels : public GpuTest {
   std::vector<float> run(const Case& c) const {
     const vulkan::ResidualKernels kernel(*device_);
     const auto regions = vulkan::upload(*device_, c.residual.regions, "regions"),
-               region_features = vulkan::upload(*device_, c.residual.region_features, "region features"),
                centre_region = vulkan::upload(*device_, c.residual.centre_region, "centre regions"),
                centres = vulkan::upload(*device_, c.residual.centres, "centres"),
-               features = vulkan::upload(*device_, c.features, "features");
-    const ResidualKernelsPush push{c.residual.centre_count(), kFeatures};
+               coordinates = vulkan::upload(*device_, c.coordinates, "coordinates");
+    const ResidualKernelsPush push{c.residual.centre_count(), c.residual.coordinate_count()};
     return run_kernel(*device_, {c.kernels.size()}, [&](auto& commands, const auto& out) {
-      kernel.record(commands, {regions, region_features, centre_region, centres, features, out[0]}, push, c.frames);
+      kernel.record(commands, {regions, centre_region, centres, coordinates, out[0]}, push, c.frames);
     })[0];
   }
 };
@@ -66,15 +65,15 @@ TEST_F(ResidualKernels, UnusedHalvesAreNotRead) {
   Case c(200, 2);
   ASSERT_TRUE(c.has_rows(true) && c.has_rows(false));
   for (const Region& region : c.residual.regions) {
-    const std::size_t row_words = (region.feature_count + 1) / 2;
-    for (std::size_t k = 0; region.feature_count % 2 == 1 && k < region.centre_count; ++k) {
+    const std::size_t row_words = (region.coordinate_count + 1) / 2;
+    for (std::size_t k = 0; region.coordinate_count % 2 == 1 && k < region.centre_count; ++k) {
       std::uint32_t& last = c.residual.centres[region.centre_values + (k + 1) * row_words - 1];
       ASSERT_EQ(last >> 16, 0u);
       last |= half_from_float(-1.5f) << 16;
     }
   }
   std::vector<float> kernels(c.kernels.size());
-  cpu::residual_kernels(c.residual, c.features, c.frames, kernels);
+  cpu::residual_kernels(c.residual, c.coordinates, c.frames, kernels);
   EXPECT_EQ(kernels, c.kernels);
   expect_close(run(c), c.kernels, kTolerance);
 }
@@ -86,9 +85,10 @@ TEST_F(ResidualKernels, ReferenceEqualsTheTextbook) {
     for (const Region& region : c.residual.regions) {
       for (std::size_t k = 0; k < region.centre_count; ++k, ++m) {
         double distance2 = 0;
-        for (std::size_t i = 0; i < region.feature_count; ++i) {
-          const double feature = c.features[kFeatures * f + c.residual.region_features[region.feature_begin + i]];
-          distance2 += std::pow(feature - double{centre_value(c.residual, region, k, i)}, 2);
+        for (std::size_t i = 0; i < region.coordinate_count; ++i) {
+          const double coordinate =
+              c.coordinates[std::size_t{c.residual.coordinate_count()} * f + region.coordinate_begin + i];
+          distance2 += std::pow(coordinate - double{centre_value(c.residual, region, k, i)}, 2);
         }
         ASSERT_NEAR(c.kernels[100 * f + m], std::exp(-distance2 * region.inverse_width2), 1e-6);
       }

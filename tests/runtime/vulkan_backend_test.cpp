@@ -32,6 +32,7 @@ Batch random_batch(const Basis& basis, std::uint32_t frames) {
   batch.origins = random.floats(std::size_t{4} * frames, -3, 3);
   batch.joint_features = random.floats(std::size_t{9} * (kJoints - 1) * frames, -1, 1);
   batch.controls = random.floats(basis.residual.controls.size() * frames, 0, 1);
+  batch.fades = random.floats(basis.residual.regions.size() * frames, 0, 1);
   return batch;
 }
 
@@ -66,7 +67,8 @@ TEST(VulkanBackend, EqualsTheCpuBackend) {
 TEST(VulkanBackend, RestCoefficientsAreTakenOutExactly) {
   const Basis basis = random_basis(20, 70);
   const auto gpu = make_vulkan_backend(basis, open_test_device());
-  const Batch batch = random_batch(basis, 1);
+  Batch batch = random_batch(basis, 1);
+  std::fill(batch.fades.begin(), batch.fades.end(), 1.0f);  // as at rest
   gpu->set_rest_coefficients(gpu->run(batch).coefficients);
   const BatchResult rest = gpu->run(batch);
   EXPECT_EQ(rest.coefficients, std::vector<float>(70, 0.0f));

@@ -147,22 +147,32 @@ inline BlendEntry random_blend_entry(Random& random, double scale, std::uint32_t
 }
 
 // A row of halves, two a word.
-inline void append_centre(std::vector<std::uint32_t>& centres, const std::vector<float>& values) {
+inline void append_halves(std::vector<std::uint32_t>& centres, const std::vector<float>& values) {
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (k % 2 == 0) centres.push_back(0);
     centres.back() |= half_from_float(values[k]) << 16 * (k % 2);
   }
 }
 
-// Value k of a centre of the region, counted from the region's first.
-inline float centre_value(const ResidualTable& table, const Region& region, std::size_t centre, std::size_t k) {
-  const std::size_t row_words = (std::size_t{region.feature_count} + 1) / 2;
-  const std::uint32_t word = table.centres[region.centre_values + centre * row_words + k / 2];
-  return k % 2 == 0 ? half_low(word) : half_high(word);
+// Number `column` of a row of `width` halves, counted from the row that begins at word `first`.
+inline float half_in(const std::vector<std::uint32_t>& words, std::size_t first, std::size_t width, std::size_t row,
+                     std::size_t column) {
+  const std::uint32_t word = words[first + row * ((width + 1) / 2) + column / 2];
+  return column % 2 == 0 ? half_low(word) : half_high(word);
 }
 
-// Regions over `features` features with `centres` centres and `coefficients` coefficients in all; none when there are
-// no coefficients.
+// Value k of a centre of the region, counted from the region's first.
+inline float centre_value(const ResidualTable& table, const Region& region, std::size_t centre, std::size_t k) {
+  return half_in(table.centres, region.centre_values, region.coordinate_count, centre, k);
+}
+
+// What a coordinate of the region takes of its feature k.
+inline float projection_value(const ResidualTable& table, const Region& region, std::size_t coordinate, std::size_t k) {
+  return half_in(table.projections, region.projection_values, region.feature_count, coordinate, k);
+}
+
+// Regions over `features` features with one to four coordinates each, `centres` centres and `coefficients` coefficients
+// in all; none when there are neither.
 inline ResidualTable random_residual(Random& random, std::uint32_t features, std::uint32_t centres,
                                      std::uint32_t coefficients, std::uint32_t vertices) {
   ResidualTable table;
@@ -176,6 +186,9 @@ inline ResidualTable random_residual(Random& random, std::uint32_t features, std
     Region r{};
     r.feature_begin = static_cast<std::uint32_t>(table.region_features.size());
     r.feature_count = 1 + random.below(std::min(6u, features));
+    r.coordinate_begin = table.coordinate_count();
+    r.coordinate_count = 1 + random.below(4);
+    r.projection_values = static_cast<std::uint32_t>(table.projections.size());
     r.centre_begin = centre;
     r.centre_count = std::min(random.below(8), centres - centre);
     r.centre_values = static_cast<std::uint32_t>(table.centres.size());
@@ -186,11 +199,15 @@ inline ResidualTable random_residual(Random& random, std::uint32_t features, std
     const auto index = static_cast<std::uint32_t>(table.regions.size());
     for (std::uint32_t k = 0; k < r.feature_count; ++k) table.region_features.push_back(random.below(features));
     for (std::uint32_t k = 0; k < r.centre_count; ++k) {
-      append_centre(table.centres, random.floats(r.feature_count, -2, 2));
+      append_halves(table.centres, random.floats(r.coordinate_count, -2, 2));
+    }
+    for (std::uint32_t k = 0; k < r.coordinate_count; ++k) {
+      append_halves(table.projections, random.floats(r.feature_count, -1, 1));
     }
     const std::vector<float> weights =
-        random.floats(std::size_t{r.coefficient_count} * (1 + r.feature_count + r.centre_count), -1, 1);
+        random.floats(std::size_t{r.coefficient_count} * (1 + r.coordinate_count + r.centre_count), -1, 1);
     table.weights.insert(table.weights.end(), weights.begin(), weights.end());
+    table.coordinate_region.insert(table.coordinate_region.end(), r.coordinate_count, index);
     table.centre_region.insert(table.centre_region.end(), r.centre_count, index);
     table.coefficient_region.insert(table.coefficient_region.end(), r.coefficient_count, index);
     table.regions.push_back(r);

@@ -48,10 +48,18 @@ inline std::string difference(const Basis& a, const Basis& b) {
     return "strain";
   }
   if (r.controls != s.controls || !same_bits(r.features, s.features) || !same_bits(r.regions, s.regions) ||
-      !same_bits(r.region_features, s.region_features) || !same_bits(r.centre_region, s.centre_region) ||
+      !same_bits(r.region_features, s.region_features) || !same_bits(r.coordinate_region, s.coordinate_region) ||
+      !same_bits(r.projections, s.projections) || !same_bits(r.centre_region, s.centre_region) ||
       !same_bits(r.centres, s.centres) || !same_bits(r.coefficient_region, s.coefficient_region) ||
       !same_bits(r.weights, s.weights) || !same_bits(r.blend_begin, s.blend_begin) || !same_bits(r.blend, s.blend)) {
     return "residual";
+  }
+  const FadeTable &f = r.fade, &g = s.fade;
+  if (!same_bits(f.joint_begin, g.joint_begin) || !same_bits(f.joints, g.joints) ||
+      !same_bits(f.direction_begin, g.direction_begin) || !same_bits(f.directions, g.directions) ||
+      !same_bits(f.tolerance, g.tolerance) || !same_bits(f.region_begin, g.region_begin) ||
+      !same_bits(f.region_joints, g.region_joints) || !same_bits(f.region_weights, g.region_weights)) {
+    return "fade";
   }
   return a.metadata == b.metadata ? "" : "metadata";
 }

@@ -210,8 +210,8 @@ class SmallBasisBuilder {
     for (int k = 0; k < 9; ++k) residual.features.push_back({-1.5f, 0.75f, -0.1f, 2.5f});  // the upper joint's rotation
     for (int k = 0; k < 2; ++k) residual.features.push_back({-0.3f, 0.2f, -0.02f, 8.0f});  // strains
     residual.features.push_back({0.0f, 1.0f, 0.5f, 2.0f});                                 // breath
-    add_region({0, 1, 2, 3, 4, 5, 6, 7, 8}, 0, 3, 0.0f);
-    add_region({9, 10, 11}, 5, 4, 0.3f);
+    add_region({0, 1, 2, 3, 4, 5, 6, 7, 8}, 4, 0, 3, 0.0f);
+    add_region({9, 10, 11}, 3, 5, 4, 0.3f);
     residual.blend_begin.push_back(0);
     for (std::uint32_t first = 0; first < kVertices; first += kBlockSize) {
       const std::uint32_t lanes = std::min(kBlockSize, kVertices - first);
@@ -221,23 +221,37 @@ class SmallBasisBuilder {
       }
       residual.blend_begin.push_back(static_cast<std::uint32_t>(residual.blend.size()));
     }
+    // Training never bent the joint about x, and the second region minds.
+    residual.fade = {.joint_begin = {0, 1},
+                     .joints = {0},
+                     .direction_begin = {0, 1},
+                     .directions = {0, 0, 0, 0, 0, -0.6f, 0, 0.8f, 0},
+                     .tolerance = {0.01f},
+                     .region_begin = {0, 0, 1},
+                     .region_joints = {0},
+                     .region_weights = {3.0f}};
   }
 
-  void add_region(const std::vector<std::uint32_t>& features, std::uint32_t centres, std::uint32_t coefficients,
-                  float inverse_width2) {
+  void add_region(const std::vector<std::uint32_t>& features, std::uint32_t coordinates, std::uint32_t centres,
+                  std::uint32_t coefficients, float inverse_width2) {
     ResidualTable& residual = basis_.residual;
     const auto size = [](const auto& list) { return static_cast<std::uint32_t>(list.size()); };
     const std::uint32_t index = size(residual.regions);
-    residual.regions.push_back({size(residual.region_features), size(features), size(residual.centre_region), centres,
+    residual.regions.push_back({size(residual.region_features), size(features), size(residual.coordinate_region),
+                                coordinates, size(residual.projections), size(residual.centre_region), centres,
                                 size(residual.centres), size(residual.coefficient_region), coefficients,
                                 size(residual.weights), inverse_width2});
     residual.region_features.insert(residual.region_features.end(), features.begin(), features.end());
+    residual.coordinate_region.insert(residual.coordinate_region.end(), coordinates, index);
+    for (std::uint32_t k = 0; k < coordinates; ++k) {
+      append_halves(residual.projections, random_.floats(features.size(), -1, 1));
+    }
     residual.centre_region.insert(residual.centre_region.end(), centres, index);
     residual.coefficient_region.insert(residual.coefficient_region.end(), coefficients, index);
     for (std::uint32_t k = 0; k < centres; ++k) {
-      append_centre(residual.centres, random_.floats(features.size(), -1, 1));
+      append_halves(residual.centres, random_.floats(coordinates, -1, 1));
     }
-    for (std::size_t k = 0; k < coefficients * (1 + features.size() + centres); ++k) {
+    for (std::size_t k = 0; k < coefficients * (1 + coordinates + centres); ++k) {
       residual.weights.push_back(static_cast<float>(random_.uniform(-0.5, 0.5)));
     }
   }

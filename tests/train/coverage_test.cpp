@@ -78,29 +78,35 @@ TEST(Coverage, IsCalibratedFromTheFramesAroundEachCentre) {
   for (int n = 0; n < kFrames; ++n) data.folds.push_back(n % 2);
   std::vector<double> energies(kFrames / 2, 1);
   energies.resize(kFrames, 9);
-  const ErrorModel model = calibrate(data, regression, energies, {3});
-  EXPECT_EQ(model.metric, std::vector<double>{1});
+  const ErrorModel model = calibrate(data, regression, energies, std::vector<double>(kFrames, 10));
   ASSERT_EQ(model.local.size(), 2u);
   EXPECT_NEAR(model.local[0], (20 * 1 + 5) / 21.0, 1e-12);  // the mean of all counts as one frame more
   EXPECT_NEAR(model.local[1], (20 * 9 + 5) / 21.0, 1e-12);
+  EXPECT_EQ(model.motion, std::vector<double>(2, 10));
   EXPECT_GT(model.usual, 0);
   EXPECT_GT(model.distance, 0);
 }
 
-// By plain distance the frames were near the second centre; the feature that explains something says the first.
-TEST(Coverage, FeaturesCountByWhatTheyExplain) {
-  RegressionData data;
-  data.features = Eigen::MatrixXd::Zero(10, 2);
-  data.rest = Eigen::RowVector2d(5, 5);
-  data.folds = {0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-  Regression regression;
-  regression.centres = (Eigen::MatrixXd(2, 2) << 0, 1.2, 1, 0).finished();
-  regression.centre_frames = {-1, -1};
-  const ErrorModel model = calibrate(data, regression, std::vector<double>(10, 4), {7, 0});
-  EXPECT_EQ(model.metric, (std::vector<double>{1.5, 0.5}));
-  EXPECT_NEAR(model.usual, 0.5 * 1.44, 1e-12);
-  const ErrorModel plain = calibrate(data, regression, std::vector<double>(10, 4), {1, 1});
-  EXPECT_NEAR(plain.usual, 1, 1e-12);
+// However far a pose is, Direct Delta Mush is all that it can fall back to.
+TEST(Coverage, ExpectsNoMoreThanWhatTheSkinMoves) {
+  std::vector<RegionCoverage> regions = read_coverage(basis());
+  Pose far = bind_pose(basis().skeleton);
+  far.joints.back().rotation = far.joints.back().rotation * axis_angle({0, 1, 0}, 3);
+  const std::vector<double> before = expected_errors(basis(), regions, {far})[0].region_mm;
+  double largest = 0;
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    ErrorModel& model = regions[r].expected;
+    ASSERT_EQ(model.motion.size(), model.local.size());
+    const double most = 1e3 * std::sqrt(*std::max_element(model.motion.begin(), model.motion.end()) / regions[r].size);
+    EXPECT_LE(before[r], most * (1 + 1e-9)) << regions[r].name;
+    largest = std::max(largest, before[r] / most);
+    model.distance *= 1e6;
+  }
+  EXPECT_GT(largest, 0.5);
+  const std::vector<double> further = expected_errors(basis(), regions, {far})[0].region_mm;
+  for (std::size_t r = 0; r < regions.size(); ++r) EXPECT_LT(further[r], 1e3) << regions[r].name;
+  for (RegionCoverage& region : regions) region.expected.motion.clear();  // as files of older versions are: not capped
+  EXPECT_GT(expected_errors(basis(), regions, {far})[0].rms_mm, 1e3);
 }
 
 TEST(Coverage, RanksAreCorrelatedAsSpearmanHasIt) {

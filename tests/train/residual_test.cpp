@@ -188,6 +188,7 @@ TEST(PackResidual, CentresAreThoseOfTheRegression) {
   for (std::size_t r = 0; r < 2; ++r) {
     const auto count = static_cast<Eigen::Index>(3 + r);
     model.regions[r].features.assign(features.begin(), features.begin() + count);
+    model.regions[r].projection = Eigen::MatrixXd::Identity(count, count);
     model.regions[r].fits[0] = random_regression(random, count);
   }
   const ResidualTable table = pack_residual(model, everything(model)).table;

@@ -57,14 +57,14 @@ TEST(Train, BeatsDirectDeltaMushAndJointLinearOnHeldoutFrames) {
   const Basis& full = full_basis();
   const Distance learned = distance(full, set.character, set.heldout);
   const Distance ddm = distance(without_residual(full), set.character, set.heldout);
-  const Basis linear =
-      train(set, {.components = 128, .method = {.strains = false, .kernels = false}, .budget = bytes_per_vertex(full)});
+  // Given more bytes, which it cannot make use of.
+  const Basis linear = train(
+      set, {.components = 128, .method = {.strains = false, .kernels = false}, .budget = 2 * bytes_per_vertex(full)});
   const Distance joint_linear = distance(linear, set.character, set.heldout);
   RecordProperty("rms_mm", std::to_string(ddm.rms) + " DDM, " + std::to_string(joint_linear.rms) + " linear, " +
                                std::to_string(learned.rms) + " full");
   EXPECT_LE(learned.rms, 0.5 * ddm.rms);
   EXPECT_LT(learned.rms, joint_linear.rms);
-  EXPECT_GT(linear.residual.coefficient_count(), full.residual.coefficient_count());
 }
 
 TEST(Train, ReproducesTrainingFramesGivenEnoughComponentsAndCentres) {
@@ -114,7 +114,12 @@ TEST(Train, DisplacementAtRestIsExactlyZero) {
   const Basis& basis = full_basis();
   const std::unique_ptr<Backend> backend = make_cpu_backend(basis);
   const RigFrame rig = pose_rig(basis.skeleton, bind_pose(basis.skeleton));
-  const Batch batch{1, rig.skinning, {rig.origin[0], rig.origin[1], rig.origin[2], 0}, rig.joint_features, {}};
+  Batch batch;
+  batch.frame_count = 1;
+  batch.skinning = rig.skinning;
+  batch.origins = {rig.origin[0], rig.origin[1], rig.origin[2], 0};
+  batch.joint_features = rig.joint_features;
+  batch.fades.assign(basis.residual.regions.size(), 1);
   backend->set_rest_coefficients(backend->run(batch).coefficients);
   for (const float c : backend->run(batch).coefficients) EXPECT_EQ(c, 0);
 }

@@ -30,6 +30,7 @@ ResidualModel small_model() {
   for (std::uint32_t v = 0; v < kVertices; ++v) region.region.vertices.push_back(v);
   region.region.weights.assign(kVertices, 1.0);
   region.features = {0};
+  region.projection = Eigen::MatrixXd::Identity(1, 1);
   Components& components = region.components;
   components.coefficients = Eigen::RowVector2d(2, 1).replicate(kFrames, 1);
   components.basis = Eigen::MatrixXd::Zero(2, 3 * kVertices);
@@ -51,7 +52,8 @@ double bytes(const ResidualModel& model, const Selection& selection) {
   const ResidualTable table = pack_residual(model, selection).table;
   return static_cast<double>(table.blend.size() * sizeof(BlendEntry) + table.regions.size() * sizeof(Region) +
                              sizeof(float) *
-                                 (table.region_features.size() + table.centre_region.size() + table.centres.size() +
+                                 (table.region_features.size() + table.projections.size() +
+                                  table.coordinate_region.size() + table.centre_region.size() + table.centres.size() +
                                   table.coefficient_region.size() + table.weights.size()));
 }
 

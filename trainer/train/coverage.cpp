@@ -12,6 +12,7 @@
 #include "runtime/basis/strict_json.h"
 #include "runtime/cpu/half.h"
 #include "runtime/cpu/kernels.h"
+#include "runtime/fade.h"
 #include "runtime/rig.h"
 #include "trainer/parallel.h"
 #include "trainer/progress.h"
@@ -49,57 +50,58 @@ double growth(const std::vector<double>& x, const std::vector<double>& y) {
   return xx > 0 ? std::max(0.0, xy / xx) : 0;
 }
 
-// Half of it the same for all features: one that explains little by itself may still tell poses apart.
-std::vector<double> metric_of(const std::vector<double>& worth) {
-  const double sum = std::accumulate(worth.begin(), worth.end(), 0.0), count = static_cast<double>(worth.size());
-  std::vector<double> metric;
-  for (const double w : worth) metric.push_back(sum > 0 ? 0.5 + 0.5 * count * w / sum : 1);
-  return metric;
+double mean_of(const std::vector<double>& values) {
+  return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+// A mean for every centre of what the frames nearest to it have. The mean of all counts as one frame more: a single frame
+// says little.
+std::vector<double> means_at(const std::vector<std::size_t>& closest, const std::vector<double>& values,
+                             std::size_t centres) {
+  const double mean = mean_of(values);
+  std::vector<double> sums(centres, mean), counts(centres, 1);
+  for (std::size_t k = 0; k < closest.size(); ++k) {
+    sums[closest[k]] += values[k];
+    counts[closest[k]] += 1;
+  }
+  for (std::size_t m = 0; m < centres; ++m) sums[m] /= counts[m];
+  return centres > 0 ? sums : std::vector<double>{mean};
 }
 
 }  // namespace
 
-ErrorModel calibrate(const RegressionData& data, const Regression& regression, const std::vector<double>& energies,
-                     const std::vector<double>& worth) {
-  ErrorModel model;
-  model.metric = metric_of(worth);
-  const Eigen::Map<const Eigen::RowVectorXd> metric(model.metric.data(), static_cast<Index>(worth.size()));
-  const auto squared_length = [&](const Eigen::RowVectorXd& difference) { return difference.cwiseAbs2().dot(metric); };
+ErrorModel calibrate(const RegressionData& data, const Regression& regression, const std::vector<double>& left,
+                     const std::vector<double>& motions) {
   const std::size_t centres = regression.centre_frames.size();
-  std::vector<double> nearest, error;
-  std::vector<double> sums(centres), counts(centres);
+  std::vector<double> nearest, errors, moved;
+  std::vector<std::size_t> closest;
   for (std::size_t n = 0; n < data.folds.size(); ++n) {
     if (data.folds[n] < 0) continue;
-    const Eigen::RowVectorXd features = data.features.row(static_cast<Index>(n));
-    double of_others = squared_length(features - data.rest), of_all = std::numeric_limits<double>::infinity();
-    std::size_t closest = 0;
+    const Eigen::RowVectorXd coordinates = data.features.row(static_cast<Index>(n));
+    double of_others = (coordinates - data.rest).squaredNorm(), of_all = std::numeric_limits<double>::infinity();
+    std::size_t own = 0;
     for (std::size_t m = 0; m < centres; ++m) {
-      const double distance = squared_length(features - regression.centres.row(static_cast<Index>(m)));
+      const double distance = (coordinates - regression.centres.row(static_cast<Index>(m))).squaredNorm();
       if (distance < of_all) {
         of_all = distance;
-        closest = m;
+        own = m;
       }
       const int frame = regression.centre_frames[m];
       const bool same_fold = frame >= 0 && data.folds[static_cast<std::size_t>(frame)] == data.folds[n];
       if (!same_fold) of_others = std::min(of_others, distance);
     }
     nearest.push_back(of_others);
-    error.push_back(energies[n]);
-    if (centres > 0) {
-      sums[closest] += error.back();
-      counts[closest] += 1;
-    }
+    errors.push_back(left[n]);
+    moved.push_back(motions[n]);
+    if (centres > 0) closest.push_back(own);
   }
-  const double mean =
-      error.empty() ? 0 : std::accumulate(error.begin(), error.end(), 0.0) / static_cast<double>(error.size());
-  if (!nearest.empty())
-    model.usual = std::accumulate(nearest.begin(), nearest.end(), 0.0) / static_cast<double>(nearest.size());
+  ErrorModel model;
+  model.usual = mean_of(nearest);
   // Never nothing: ten times as far away, in squares, the error has at least doubled.
-  const double least = model.usual > 0 ? 0.1 * mean / model.usual : 0;
-  model.distance = nearest.empty() ? 0 : std::max(least, growth(nearest, error));
-  // The mean counts as one frame more: a single frame says little.
-  for (std::size_t m = 0; m < centres; ++m) model.local.push_back((sums[m] + mean) / (counts[m] + 1));
-  if (centres == 0) model.local.push_back(mean);
+  const double least = model.usual > 0 ? 0.1 * mean_of(errors) / model.usual : 0;
+  model.distance = nearest.empty() ? 0 : std::max(least, growth(nearest, errors));
+  model.local = means_at(closest, errors, centres);
+  model.motion = means_at(closest, moved, centres);
   return model;
 }
 
@@ -112,10 +114,11 @@ std::vector<double> in_mm(const std::vector<double>& energies, double size) {
   return result;
 }
 
-// To three decimals.
-std::vector<double> rounded(std::vector<double> values) {
-  for (double& value : values) value = std::round(1e3 * value) / 1e3;
-  return values;
+// And back.
+std::vector<double> from_mm(const std::vector<double>& values, double size) {
+  std::vector<double> energies;
+  for (const double mm : values) energies.push_back(size * mm * mm * 1e-6);
+  return energies;
 }
 
 }  // namespace
@@ -128,8 +131,8 @@ std::string coverage_text(const std::vector<RegionCoverage>& regions) {
                     {"size", region.size},
                     {"distance_m2", region.expected.distance},
                     {"usual", region.expected.usual},
-                    {"metric", rounded(region.expected.metric)},
-                    {"local_mm", in_mm(region.expected.local, region.size)}});
+                    {"local_mm", in_mm(region.expected.local, region.size)},
+                    {"motion_mm", in_mm(region.expected.motion, region.size)}});
   }
   return list.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -152,10 +155,9 @@ std::vector<RegionCoverage> read_coverage(const Basis& basis) {
       region.size = entry.at("size").get<double>();
       region.expected.distance = entry.at("distance_m2").get<double>();
       region.expected.usual = entry.at("usual").get<double>();
-      region.expected.metric = entry.at("metric").get<std::vector<double>>();
-      for (const double mm : entry.at("local_mm").get<std::vector<double>>()) {
-        region.expected.local.push_back(region.size * mm * mm * 1e-6);
-      }
+      region.expected.metric = entry.value("metric", std::vector<double>());
+      region.expected.local = from_mm(entry.at("local_mm").get<std::vector<double>>(), region.size);
+      region.expected.motion = from_mm(entry.value("motion_mm", std::vector<double>()), region.size);
     }
   } catch (const nlohmann::json::exception& error) {
     throw Error(ErrorKind::file, where + " is damaged: " + error.what());
@@ -169,31 +171,40 @@ std::vector<RegionCoverage> read_coverage(const Basis& basis) {
     const std::size_t centres = std::max<std::size_t>(1, basis.residual.regions[r].centre_count);
     const bool known = std::all_of(regions[r].joints.begin(), regions[r].joints.end(),
                                    [&](const std::string& name) { return basis.skeleton.find(name) >= 0; });
+    const auto fits = [](const std::vector<double>& values, std::size_t count) {
+      return values.empty() || values.size() == count;
+    };
     if (known && !regions[r].joints.empty() && regions[r].size > 0 && expected.distance >= 0 &&
-        expected.local.size() == centres && expected.metric.size() == basis.residual.regions[r].feature_count) {
+        expected.local.size() == centres && fits(expected.motion, centres) &&
+        fits(expected.metric, basis.residual.regions[r].coordinate_count)) {
       continue;
     }
     throw Error(ErrorKind::file, where + ", region " + std::to_string(r) +
-                                     ": expected joints of the skeleton, a positive size, an error for each of its " +
-                                     std::to_string(centres) + " centres and a number for each of its features");
+                                     ": expected joints of the skeleton, a positive size, an error and a motion for "
+                                     "each of its " +
+                                     std::to_string(centres) + " centres and a number for each of its coordinates");
   }
   return regions;
 }
 
 namespace {
 
-// Standardised features and how far they were outside the trained range.
-struct Features {
-  std::vector<float> inside, excess;
+// What the residual knows of a pose.
+struct PoseFeatures {
+  std::vector<float> coordinates, excess;  // of all regions; of all features
+  std::vector<float> fades;                // of all regions
 };
 
-Features features_of(const Basis& basis, const Pose& pose) {
+PoseFeatures features_of(const Basis& basis, const Pose& pose) {
   const ResidualTable& residual = basis.residual;
-  Features features{std::vector<float>(residual.feature_count()), std::vector<float>(residual.feature_count())};
-  std::vector<float> controls = pose.controls;
+  PoseFeatures features{std::vector<float>(residual.coordinate_count()), std::vector<float>(residual.feature_count()),
+                        {}};
+  std::vector<float> controls = pose.controls, inside(residual.feature_count());
   controls.resize(residual.controls.size(), 0.0f);
-  cpu::residual_features(residual, pose_rig(basis.skeleton, pose).joint_features, measure_strains(basis, pose),
-                         controls, 1, features.inside, features.excess);
+  const std::vector<float> joint_features = pose_rig(basis.skeleton, pose).joint_features;
+  cpu::residual_features(residual, joint_features, measure_strains(basis, pose), controls, 1, inside, features.excess);
+  cpu::residual_project(residual, inside, 1, features.coordinates);
+  features.fades = region_fades(residual, joint_features);
   return features;
 }
 
@@ -212,25 +223,31 @@ std::set<std::uint32_t> watched_features(const Basis& basis, const Region& regio
 }
 
 // Square metres.
-double expected_energy(const ResidualTable& residual, const Region& region, const ErrorModel& expected,
-                       const std::set<std::uint32_t>& watched, const Features& features) {
-  const std::uint32_t* index = residual.region_features.data() + region.feature_begin;
+double expected_energy(const ResidualTable& residual, std::size_t r, const ErrorModel& expected,
+                       const std::set<std::uint32_t>& watched, const PoseFeatures& features) {
+  const Region& region = residual.regions[r];
   double outside = 0;
   for (const std::uint32_t f : watched) outside += double{features.excess[f]} * double{features.excess[f]};
-  if (region.centre_count == 0) return expected.local[0] + expected.distance * outside;
   double nearest = std::numeric_limits<double>::infinity();
-  Blend local;
-  for (std::uint32_t m = 0; m < region.centre_count; ++m) {
-    const std::uint32_t* centre = residual.centres.data() + region.centre_values + m * ((region.feature_count + 1) / 2);
+  Blend local, motion;
+  for (std::uint32_t m = 0; m < std::max(1u, region.centre_count); ++m) {
+    const std::uint32_t* centre =
+        residual.centres.data() + region.centre_values + m * ((region.coordinate_count + 1) / 2);
     double distance = 0;
-    for (std::uint32_t k = 0; k < region.feature_count; ++k) {
-      const double difference = double{features.inside[index[k]]} - double{half_low(centre[k / 2] >> 16 * (k % 2))};
-      distance += expected.metric[k] * difference * difference;
+    for (std::uint32_t k = 0; m < region.centre_count && k < region.coordinate_count; ++k) {
+      const double difference = double{features.coordinates[region.coordinate_begin + k]} -
+                                double{half_low(centre[k / 2] >> 16 * (k % 2))};
+      distance += (expected.metric.empty() ? 1 : expected.metric[k]) * difference * difference;
     }
     nearest = std::min(nearest, distance);
     local.add(distance, expected.local[m]);
+    if (!expected.motion.empty()) motion.add(distance, expected.motion[m]);
   }
-  return local.value() + expected.distance * std::max(0.0, nearest + outside - expected.usual);
+  const double further = region.centre_count == 0 ? outside : std::max(0.0, nearest + outside - expected.usual);
+  const double learned = local.value() + expected.distance * further;
+  if (expected.motion.empty()) return learned;
+  const double fade{features.fades[r]};
+  return fade * std::min(learned, motion.value()) + (1 - fade) * motion.value();
 }
 
 using Watched = std::vector<std::set<std::uint32_t>>;  // per region
@@ -245,12 +262,12 @@ Watched watched_features(const Basis& basis, const std::vector<RegionCoverage>& 
 
 ExpectedError expected_error(const Basis& basis, const std::vector<RegionCoverage>& regions, const Watched& watched,
                              const Pose& pose) {
-  const Features features = features_of(basis, pose);
+  const PoseFeatures features = features_of(basis, pose);
   ExpectedError result;
   double sum = 0;
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const double energy =
-        expected_energy(basis.residual, basis.residual.regions[r], regions[r].expected, watched[r], features);
+        expected_energy(basis.residual, r, regions[r].expected, watched[r], features);
     sum += energy;
     result.region_mm.push_back(1e3 * std::sqrt(energy / regions[r].size));
   }

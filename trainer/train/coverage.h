@@ -1,10 +1,12 @@
 // How far a pose is from what training saw, and the error to expect of it.
-//   e_r^2 = local error + distance x (what the nearest kernel centre is further away than usual, squared)
+//   e_r^2 = fade x (local error + distance x (what the nearest kernel centre is further away than usual, squared))
+//           + (1 - fade) x motion
 // per region, in square metres over its vertices. The local error is what cross-validation left at the training frames
 // around each centre, blended between centres by inverse distance (Shepard 1968); the second term is what that error
-// grew by with the distance from what was learned. Distances count features by what they explain. How far features lie
-// outside the trained range, those of the region and those of all joints that move its skin, is added to the distance,
-// squares to squares.
+// grew by with the distance from what was learned. Motion is what Direct Delta Mush alone was off by around there:
+// neither is more than that, and where the correction fades it is what is left. Distances are those of the region's
+// coordinates; how far features lie outside the trained range, those of the region and those of all joints that move
+// its skin, is added to them, squares to squares.
 #pragma once
 
 #include <string>
@@ -18,17 +20,17 @@
 namespace bodyopt {
 
 struct ErrorModel {
-  std::vector<double> metric;  // per feature: what its squared differences are multiplied with; 1 on average
   std::vector<double> local;   // per centre, square metres
-  double distance = 0;         // square metres per squared standardised feature, above zero where there is any error
+  std::vector<double> motion;  // per centre, square metres; none in files of older versions: not known
+  double distance = 0;         // square metres per squared unit of a coordinate, above zero where there is any error
   double usual = 0;            // mean square distance from a held-out frame to the nearest centre
+  std::vector<double> metric;  // per coordinate, what its squared differences count; none: all 1 (older versions differ)
 };
 
-// From the held-out frames of cross-validation, each with the centres of other folds only. `energies`: what is left of
-// every frame, square metres over the region's vertices; `worth`: of every feature, what it explains. Targets are not
-// looked at.
-ErrorModel calibrate(const RegressionData& data, const Regression& regression, const std::vector<double>& energies,
-                     const std::vector<double>& worth);
+// From the held-out frames of cross-validation, each with the centres of other folds only. Of every frame, in square
+// metres over the region's vertices, `left`: what is left of it, and `motions`: all of it. Targets are not looked at.
+ErrorModel calibrate(const RegressionData& data, const Regression& regression, const std::vector<double>& left,
+                     const std::vector<double>& motions);
 
 // A region as a basis' metadata "coverage" tells it.
 struct RegionCoverage {

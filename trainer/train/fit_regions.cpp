@@ -11,6 +11,7 @@
 #include "trainer/parallel.h"
 #include "trainer/progress.h"
 #include "trainer/train/mesh_table.h"
+#include "trainer/train/projection.h"
 #include "trainer/train/select_features.h"
 
 namespace bodyopt {
@@ -18,9 +19,9 @@ namespace {
 
 using Eigen::Index;
 
-// Features of a region at most, where there are kernels: more cost bytes and time and teach it nothing (measured from
-// 32 to 400).
-constexpr std::size_t kMostFeatures = 40, kMostFeaturesOfAll = 200;  // of a region that is the whole skin
+// Features of a region at most, where there are kernels: more cost bytes and time and teach it next to nothing (measured
+// from 60 to 200).
+constexpr std::size_t kMostFeatures = 80, kMostFeaturesOfAll = 200;  // of a region that is the whole skin
 // A region may do with all centres that it may have, a half or a quarter of them.
 constexpr int kCentreFractions[] = {1, 2, 4};
 // Cross-validation: blocks of consecutive frames, dealt to folds.
@@ -134,7 +135,7 @@ std::size_t most_features(const Method& method) {
   return method.support == Method::Support::whole_skin ? kMostFeaturesOfAll : kMostFeatures;
 }
 
-// The features that tell most, ascending, and what each explains.
+// The features that tell most, ascending, what each explains, and the coordinates among them.
 void choose_features(const FeatureSamples& samples, const std::vector<std::uint32_t>& choice, std::size_t most,
                      RegionModel& model) {
   const std::vector<Index> columns(choice.begin(), choice.end());
@@ -146,10 +147,13 @@ void choose_features(const FeatureSamples& samples, const std::vector<std::uint3
             [](const SelectedFeature& a, const SelectedFeature& b) { return a.column < b.column; });
   model.features.clear();
   model.worth.clear();
+  std::vector<Index> chosen;
   for (const SelectedFeature& feature : selected) {
+    chosen.push_back(feature.column);
     model.features.push_back(choice[feature.column]);
     model.worth.push_back(feature.gain * targets.squaredNorm());
   }
+  model.projection = projection(values(Eigen::all, chosen), targets);
 }
 
 // Features and regression are chosen before the columns are scaled: until then the error of a coefficient is the error
@@ -164,18 +168,15 @@ RegionModel fit_region(const FitContext& context, std::size_t r, const PartFrame
   model.contradictions = frames.contradictions_of(r, context.pairs, model.components);
   const int centres = options.method.kernels ? options.centres : 0;
   double least = std::numeric_limits<double>::infinity();
-  std::vector<std::uint32_t> best;
-  std::vector<double> worth;
+  RegionModel best = model;
   for (const std::vector<std::uint32_t>& choice : context.layout.choices[r]) {
     choose_features(features, choice, most_features(options.method), model);
     const double error = trial_error(regression_data(features, model, context.folds), centres);
     if (!(error < least)) continue;
     least = error;
-    best = model.features;
-    worth = model.worth;
+    best = model;
   }
-  model.features = best;
-  model.worth = worth;
+  model = std::move(best);
   const RegressionData chosen = regression_data(features, model, context.folds);
   for (const int fraction : kCentreFractions) {
     model.fits.push_back(fit_regression(chosen, centres / fraction));

@@ -103,22 +103,6 @@ class WithoutLinearFit {
   Eigen::LLT<MatrixXd> factor_;
 };
 
-// Joints a muscle acts across: those between its points, below their common ancestor.
-std::vector<std::uint32_t> spanned_joints(const Skeleton& skeleton, const Muscle& muscle) {
-  std::vector<int> points_below(skeleton.size(), 0);
-  for (const MusclePoint& point : muscle.path) {
-    for (int j = static_cast<int>(point.joint); j >= 0; j = skeleton.joints[static_cast<std::size_t>(j)].parent) {
-      ++points_below[static_cast<std::size_t>(j)];
-    }
-  }
-  std::vector<std::uint32_t> joints;
-  for (std::size_t j = 0; j < skeleton.size(); ++j) {
-    const bool between = points_below[j] > 0 && points_below[j] < static_cast<int>(muscle.path.size());
-    if (between) joints.push_back(static_cast<std::uint32_t>(j));
-  }
-  return joints;
-}
-
 Positions fibre_points(const Basis& basis, std::uint32_t fibre) {
   const StrainTable& strain = basis.strain;
   const std::uint32_t begin = strain.fibre_begin[fibre], end = strain.fibre_begin[fibre + 1];
@@ -234,6 +218,21 @@ std::vector<FeatureGroup> muscle_groups(const Basis& basis, const std::vector<Mu
 }
 
 }  // namespace
+
+std::vector<std::uint32_t> spanned_joints(const Skeleton& skeleton, const Muscle& muscle) {
+  std::vector<int> points_below(skeleton.size(), 0);
+  for (const MusclePoint& point : muscle.path) {
+    for (int j = static_cast<int>(point.joint); j >= 0; j = skeleton.joints[static_cast<std::size_t>(j)].parent) {
+      ++points_below[static_cast<std::size_t>(j)];
+    }
+  }
+  std::vector<std::uint32_t> joints;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const bool between = points_below[j] > 0 && points_below[j] < static_cast<int>(muscle.path.size());
+    if (between) joints.push_back(static_cast<std::uint32_t>(j));
+  }
+  return joints;
+}
 
 std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vector<VertexMoments>& moments,
                                               const std::vector<Muscle>& muscles, const MatrixXd& features,

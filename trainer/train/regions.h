@@ -29,6 +29,9 @@ std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vec
                                               const std::vector<Muscle>& muscles, const Eigen::MatrixXd& features,
                                               const Displacements& displacements);
 
+// Joints a muscle acts across: those between its points, below their common ancestor.
+std::vector<std::uint32_t> spanned_joints(const Skeleton& skeleton, const Muscle& muscle);
+
 // The `painted` regions (whose weights sum to 1 at most), and regions of what they leave of the skin, whose vertices
 // lie together and have like influences: k-means from farthest-point seeds, then smoothed. All weights together are a
 // partition of unity. Regions without a name get that of the joint they lie at, and a number where it is taken.

@@ -7,7 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "runtime/cpu/half.h"
+#include "trainer/train/stored_half.h"
 
 namespace bodyopt {
 namespace {
@@ -19,14 +19,6 @@ using Eigen::MatrixXd;
 constexpr double kWidths[] = {1, 2, 4};
 constexpr double kLinearPenalties[] = {1e-4, 1e-3, 1e-2, 1e-1};
 constexpr double kKernelPenalties[] = {1e-5, 1e-4, 1e-3, 1e-2};
-
-// As the basis stores it, so that the weights are fitted to the centres that will run.
-double as_half(double value) {
-  const double largest{float_from_half(kLargestHalf)}, smallest{float_from_half(kSmallestNormalHalf)};
-  const float clamped = static_cast<float>(std::clamp(value, -largest, largest));
-  const double rounded{float_from_half(half_from_float(clamped))};
-  return std::abs(rounded) < smallest ? 0 : rounded;
-}
 
 struct Centres {
   MatrixXd points;          // M x F
@@ -47,7 +39,7 @@ Centres choose_centres(const RegressionData& data, int count) {
     frames.push_back(static_cast<int>(farthest));
     nearest = nearest.cwiseMin((data.features.rowwise() - points.row(m)).rowwise().squaredNorm());
   }
-  return {points.topRows(static_cast<Index>(frames.size())).unaryExpr(&as_half), frames};
+  return {points.topRows(static_cast<Index>(frames.size())).unaryExpr(&stored_half), frames};
 }
 
 double median_distance(const MatrixXd& centres) {

@@ -9,7 +9,7 @@
 namespace bodyopt {
 
 struct RegressionData {
-  Eigen::MatrixXd features;  // N x F, standardised
+  Eigen::MatrixXd features;  // N x F, of like scales: a region's coordinates
   Eigen::RowVectorXd rest;   // F: the features at rest, where the answer is zero
   Eigen::MatrixXd targets;   // N x K
   std::vector<int> folds;    // N: the cross-validation fold that holds each frame out, -1: used by none for fitting

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "runtime/cpu/half.h"
+#include "trainer/train/fade.h"
 #include "trainer/train/mesh_table.h"
 #include "trainer/train/select_features.h"
 #include "trainer/train/strain.h"
@@ -22,8 +23,8 @@ RegressionData regression_data(const FeatureSamples& features, const RegionModel
                                const std::vector<int>& folds) {
   RegressionData data;
   const std::vector<Index> columns(region.features.begin(), region.features.end());
-  data.features = features.values(Eigen::all, columns);
-  data.rest = features.rest(columns);
+  data.features = features.values(Eigen::all, columns) * region.projection.transpose();
+  data.rest = features.rest(columns) * region.projection.transpose();
   data.targets = region.components.coefficients;
   data.folds = folds;
   return data;
@@ -110,6 +111,7 @@ class Packer {
       table_.blend.insert(table_.blend.end(), entries.begin(), entries.end());
       table_.blend_begin.push_back(static_cast<std::uint32_t>(table_.blend.size()));
     }
+    if (!regions_.empty()) table_.fade = fade_of(model.fade, regions_);
   }
 
   PackedResidual take() { return {std::move(table_), std::move(regions_)}; }
@@ -124,6 +126,9 @@ class Packer {
     Region region;
     region.feature_begin = count(table_.region_features.size());
     region.feature_count = count(model.features.size());
+    region.coordinate_begin = table_.coordinate_count();
+    region.coordinate_count = count(static_cast<std::size_t>(model.projection.rows()));
+    region.projection_values = count(table_.projections.size());
     region.centre_begin = table_.centre_count();
     region.centre_count = count(static_cast<std::size_t>(regression.centres.rows()));
     region.centre_values = count(table_.centres.size());
@@ -134,9 +139,11 @@ class Packer {
 
     const std::uint32_t number = count(table_.regions.size());
     table_.region_features.insert(table_.region_features.end(), model.features.begin(), model.features.end());
+    table_.coordinate_region.insert(table_.coordinate_region.end(), region.coordinate_count, number);
     table_.centre_region.insert(table_.centre_region.end(), region.centre_count, number);
     table_.coefficient_region.insert(table_.coefficient_region.end(), kept.size(), number);
-    for (Index m = 0; m < regression.centres.rows(); ++m) add_centre(regression.centres.row(m));
+    add_halves(model.projection, table_.projections);
+    add_halves(regression.centres, table_.centres);
     for (const Index k : kept) {
       table_.weights.push_back(0.0f);  // nothing is added at rest
       for (Index f = 0; f < regression.weights.rows(); ++f) {
@@ -147,10 +154,14 @@ class Packer {
     return true;
   }
 
-  // The regression's centres are halves already: nothing is lost.
-  void add_centre(const Eigen::RowVectorXd& centre) {
-    const auto half = [&](Index k) { return k < centre.size() ? half_from_float(static_cast<float>(centre[k])) : 0u; };
-    for (Index k = 0; k < centre.size(); k += 2) table_.centres.push_back(half(k) | half(k + 1) << 16);
+  // Row by row, two a word. The numbers are halves already: nothing is lost.
+  static void add_halves(const Eigen::MatrixXd& rows, std::vector<std::uint32_t>& words) {
+    for (Index m = 0; m < rows.rows(); ++m) {
+      const auto half = [&](Index k) {
+        return k < rows.cols() ? half_from_float(static_cast<float>(rows(m, k))) : 0u;
+      };
+      for (Index k = 0; k < rows.cols(); k += 2) words.push_back(half(k) | half(k + 1) << 16);
+    }
   }
 
   // Blend entries of the region's components, and which components have any.

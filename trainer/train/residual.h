@@ -21,6 +21,7 @@ struct RegionModel {
   RegionWeights region;
   std::vector<std::uint32_t> features;  // feature indices, ascending
   std::vector<double> worth;            // square metres: the energy of the motion that each explains, in a linear fit
+  Eigen::MatrixXd projection;           // coordinates x features, see projection.h
   Components components;                // every basis column scaled so that its largest entry is 1
   std::vector<Regression> fits;         // with ever fewer centres; never none
   std::vector<Contradiction> contradictions;
@@ -34,12 +35,13 @@ struct ResidualModel {
   std::vector<RegionModel> regions;
   std::uint32_t vertices = 0;
   std::vector<int> folds;  // of every training frame, see RegressionData
+  FadeTable fade{};        // of all regions; empty: nothing fades
 };
 
 // Those of the training frames that cross-validation held out: all but guard frames.
 std::vector<Eigen::Index> heldout_frames(const ResidualModel& model);
 
-// What a region's regression learns from. `features`: of all training frames.
+// What a region's regression learns from, in its coordinates. `features`: of all training frames.
 RegressionData regression_data(const FeatureSamples& features, const RegionModel& region,
                                const std::vector<int>& folds);
 

@@ -14,6 +14,7 @@
 #include "trainer/train/coverage.h"
 #include "trainer/train/data_warnings.h"
 #include "trainer/train/ddm.h"
+#include "trainer/train/fade.h"
 #include "trainer/train/features.h"
 #include "trainer/train/groundwork.h"
 #include "trainer/train/mesh_table.h"
@@ -60,7 +61,8 @@ std::vector<RegionCoverage> region_coverage(const Character& character, const Re
     const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
     regions.push_back({region.region.name, joints_of(character, region.region), size,
                        calibrate(regression_data(features, region, model.folds), region.fits[selection[r].fit],
-                                 frame_energies(region, selection[r]), region.worth)});
+                                 frame_energies(region, selection[r]),
+                                 {region.components.energy.begin(), region.components.energy.end()})});
   }
   return regions;
 }
@@ -207,8 +209,10 @@ Basis train(const SampleSet& set, const TrainOptions& options, std::vector<std::
                   [&](StagedFit& fit, const SampleSet& samples, Groundwork& ground) {
                     const Layout layout = fit.layout(samples, ground);
                     if (fit.is_update(ground)) say_updated(ground.base.basis);
-                    const ResidualModel model{set.controls, ground.features.ranges, fit.regions(ground, layout),
-                                              ground.shapes.vertex_count(), training_folds(set)};
+                    ResidualModel model{set.controls, ground.features.ranges, fit.regions(ground, layout),
+                                        ground.shapes.vertex_count(), training_folds(set)};
+                    const std::vector<Muscle>& muscles = options.method.strains ? samples.muscles : set.muscles;
+                    model.fade = fade_table(ground, muscles, model.regions, model.folds);
                     return packed_basis(samples, options, ground, model);
                   });
 }

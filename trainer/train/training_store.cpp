@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using Eigen::Index;
 
 // Raised whenever the same inputs are fitted in another way, or kept in another form.
-constexpr std::uint64_t kTrainerVersion = 1;
+constexpr std::uint64_t kTrainerVersion = 2;
 
 void add(ContentHash& hash, const std::vector<RegionWeights>& regions) {
   for (const RegionWeights& region : regions) {
@@ -455,6 +455,7 @@ std::optional<RegionModel> TrainingStore::region(std::size_t number, std::uint64
   model.region = region_weights(file, "");
   model.features = file.list<std::uint32_t>("features");
   model.worth = file.list<double>("worth");
+  model.projection = file.matrix("projection");
   model.components = components_in(file);
   for (std::size_t f = 0; file.has(fit_prefix(f) + "dials"); ++f) {
     model.fits.push_back(regression_in(file, fit_prefix(f)));
@@ -470,6 +471,7 @@ void TrainingStore::keep(std::size_t number, std::uint64_t key, const RegionMode
   put(file, "", model.region);
   put(file, "features", model.features);
   put(file, "worth", model.worth);
+  put(file, "projection", model.projection);
   put(file, model.components);
   for (std::size_t f = 0; f < model.fits.size(); ++f) put(file, fit_prefix(f), model.fits[f]);
   put(file, model.contradictions, model.strays);

@@ -23,11 +23,13 @@ Worth::Candidate Worth::candidate(const RegionModel& region, const Regression& f
       region.components.coefficients(frames, Eigen::all).colwise().squaredNorm() / static_cast<double>(frames.size());
   const Eigen::RowVectorXd saved = motion - fit.errors.colwise().squaredNorm() / static_cast<double>(frames.size());
   const auto features = static_cast<double>(region.features.size());
+  const auto coordinates = static_cast<double>(region.projection.rows());
   const auto centres = static_cast<double>(fit.centres.rows());
   constexpr double kWord = 4;
   Candidate result;
-  result.bytes = sizeof(Region) + kWord * (features + centres * (1 + std::ceil(features / 2)));
-  result.component_bytes = kWord * (2 + features + centres);
+  result.bytes = sizeof(Region) + kWord * (features + coordinates * (1 + std::ceil(features / 2)) +
+                                           centres * (1 + std::ceil(coordinates / 2)));
+  result.component_bytes = kWord * (2 + coordinates + centres);
   for (Index k = 0; k < basis.rows(); ++k) {
     std::vector<Entry>& entries = result.components.emplace_back();
     for (std::size_t v = 0; v < region.region.vertices.size(); ++v) {

@@ -1,0 +1,125 @@
+// bodyopt test: how well a basis does on shapes that it did not learn from.
+#include <algorithm>
+#include <filesystem>
+
+#include "cli/common.h"
+#include "runtime/basis/error.h"
+#include "trainer/train/test_errors.h"
+
+namespace bodyopt::cli {
+namespace {
+
+constexpr double kHarm = 0.02;  // a part that is worse by less than this share is as good
+
+struct TestArguments {
+  std::string basis, dataset;
+  JsonOption json;
+};
+
+Json numbers_of(const MethodErrors& errors) {
+  return {{"ddm_mm", errors.ddm},
+          {"full_mm", errors.full},
+          {"ratio", errors.ddm > 0 ? errors.full / errors.ddm : 0},
+          {"expected_mm", errors.expected}};
+}
+
+Json details_of(const TakeErrors& take) {
+  Json parts = Json::array(), frames = Json::array();
+  for (const PartErrors& part : take.parts) {
+    Json entry = {{"part", part.part}, {"area_m2", part.area}};
+    entry.update(numbers_of(part.errors));
+    parts.push_back(entry);
+  }
+  for (const FrameErrors& frame : take.frames) {
+    Json entry = {{"frame", frame.frame}};
+    entry.update(numbers_of(frame.errors));
+    entry["fade"] = frame.fade;
+    entry["fading_joint"] = frame.fading_joint;
+    frames.push_back(entry);
+  }
+  Json result = {{"take", take.take}, {"frames", take.frames.size()}};
+  result.update(numbers_of(take.errors));
+  result["rank_correlation"] = take.rank_correlation;
+  result["parts"] = parts;
+  result["per_frame"] = frames;
+  return result;
+}
+
+std::string columns_of(const MethodErrors& errors) {
+  return format("%9.3f %9.3f %7.3f %9.3f", errors.ddm, errors.full, errors.ddm > 0 ? errors.full / errors.ddm : 0.0,
+                errors.expected);
+}
+
+// Frames in which something fades, and the joint that takes most in most of them.
+std::string describe_fading(const TakeErrors& take) {
+  std::map<std::string, std::size_t> joints;
+  for (const FrameErrors& frame : take.frames) {
+    if (!frame.fading_joint.empty()) ++joints[frame.fading_joint];
+  }
+  if (joints.empty()) return "";
+  std::size_t count = 0;
+  for (const auto& [joint, frames] : joints) count += frames;
+  const auto most =
+      std::max_element(joints.begin(), joints.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return format(
+      "  %zu of %zu frames hold poses that training did not show, most of all of %s: there it fades to Direct "
+      "Delta Mush\n",
+      count, take.frames.size(), most->first.c_str());
+}
+
+std::string lines_of(const TakeErrors& take) {
+  std::string text = format("%-20s %6zu %s %6.2f\n", take.take.c_str(), take.frames.size(),
+                            columns_of(take.errors).c_str(), take.rank_correlation);
+  std::vector<PartErrors> parts = take.parts;
+  std::sort(parts.begin(), parts.end(), [](const PartErrors& a, const PartErrors& b) {
+    return a.errors.full * b.errors.ddm > b.errors.full * a.errors.ddm;
+  });
+  parts.resize(std::min<std::size_t>(3, parts.size()));
+  for (const PartErrors& part : parts) {
+    text += format("  %-18s %6s %s\n", part.part.c_str(), "", columns_of(part.errors).c_str());
+  }
+  const std::size_t harmed = harmed_parts(take, kHarm).size();
+  text += harmed == 0 ? "  no part is worse than untrained\n"
+                      : format("  %zu of %zu parts are worse than untrained\n", harmed, take.parts.size());
+  return text + describe_fading(take);
+}
+
+void run(const TestArguments& arguments) {
+  arguments.json.require_writable();
+  const Basis basis = load_basis(arguments.basis);
+  std::filesystem::path path = arguments.dataset;
+  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  const SampleSet set = read_samples(read_dataset(path));
+  say(set.notes);
+  Json takes = Json::array();
+  std::string text = format(
+      "RMS by area, mm; of the parts of the body, by joint, those that gained least\n%-20s %6s "
+      "%9s %9s %7s %9s %6s\n",
+      "take", "frames", "DDM", "full", "ratio", "expected", "rho");
+  for (const TakeErrors& take : test_errors(basis, set)) {
+    Json entry = details_of(take);
+    Json harmed = Json::array();
+    for (const PartErrors& part : harmed_parts(take, kHarm)) harmed.push_back(part.part);
+    entry["harmed_parts"] = harmed;
+    takes.push_back(entry);
+    text += lines_of(take);
+  }
+  arguments.json.emit({{"basis", arguments.basis}, {"takes", takes}}, text);
+}
+
+}  // namespace
+
+void add_test(CLI::App& app) {
+  auto arguments = std::make_shared<TestArguments>();
+  CLI::App& verb = *app.add_subcommand(
+      "test", "How well a basis does on shapes that it did not learn from, by area and by part of the body");
+  verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
+  verb.add_option("dataset", arguments->dataset,
+                  "dataset.json or its folder: its held-out frames are tested, or all of them where none is held out")
+      ->required()
+      ->type_name("DATASET");
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli

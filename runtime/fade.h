@@ -1,0 +1,22 @@
+// How much of what was learned holds in a pose. On the host, as the rig stage: a few numbers per joint and frame.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "runtime/basis/basis.h"
+
+namespace bodyopt {
+
+// How far each joint (in the order of feature_joints()) stands off what training showed of it and its neighbours:
+// off_j^2 beyond its tolerance, radians squared. joint_features: of one frame, see RigFrame. Empty without a FadeTable.
+std::vector<double> joints_off(const ResidualTable& residual, std::span<const float> joint_features);
+
+// fade_r of every region, see FadeTable: 1 where the pose is like those of training, towards 0 away from them.
+std::vector<float> region_fades(const ResidualTable& residual, std::span<const float> joint_features);
+
+// The joint (in the order of feature_joints()) that takes most from all regions together; -1 where nothing fades.
+int fading_joint(const ResidualTable& residual, std::span<const float> joint_features);
+
+}  // namespace bodyopt

@@ -1,0 +1,96 @@
+#include "runtime/vulkan/residual_project.h"
+
+#include "runtime/cpu/half.h"
+#include "runtime/cpu/kernels.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/random_tables.h"
+
+namespace bodyopt::testing {
+namespace residual_project_test {
+
+constexpr std::uint32_t kFeatures = 23;
+
+// As many regions as it takes; the coordinates come out as they do.
+struct Case {
+  Case(std::uint32_t coefficients, std::uint32_t frame_count)
+      : random(coefficients + 31 * frame_count),
+        frames(frame_count),
+        residual(random_residual(random, kFeatures, 0, coefficients, 0)),
+        features(random.floats(std::size_t{kFeatures} * frames, -2, 2)),
+        coordinates(std::size_t{residual.coordinate_count()} * frames) {
+    cpu::residual_project(residual, features, frames, coordinates);
+  }
+
+  Random random;
+  std::uint32_t frames;
+  ResidualTable residual;
+  std::vector<float> features;
+  std::vector<float> coordinates;  // by the reference
+};
+
+class ResidualProject : public GpuTest {
+ protected:
+  std::vector<float> run(const Case& c) const {
+    const vulkan::ResidualProject kernel(*device_);
+    const auto regions = vulkan::upload(*device_, c.residual.regions, "regions"),
+               region_features = vulkan::upload(*device_, c.residual.region_features, "region features"),
+               coordinate_region = vulkan::upload(*device_, c.residual.coordinate_region, "coordinate regions"),
+               projections = vulkan::upload(*device_, c.residual.projections, "projections"),
+               features = vulkan::upload(*device_, c.features, "features");
+    const ResidualProjectPush push{c.residual.coordinate_count(), kFeatures};
+    return run_kernel(*device_, {c.coordinates.size()}, [&](auto& commands, const auto& out) {
+      kernel.record(commands, {regions, region_features, coordinate_region, projections, features, out[0]}, push,
+                    c.frames);
+    })[0];
+  }
+};
+
+TEST_F(ResidualProject, EqualsTheReference) {
+  for (const std::uint32_t coefficients : kSizes) {
+    for (const std::uint32_t frames : kFrames) {
+      SCOPED_TRACE(std::to_string(coefficients) + " coefficients, " + std::to_string(frames) + " frames");
+      const Case c(coefficients, frames);
+      expect_close(run(c), c.coordinates, 0);  // sums and products in one order, without contraction
+    }
+  }
+}
+
+// Rows of an odd number of halves end in one that means nothing.
+TEST_F(ResidualProject, UnusedHalvesAreNotRead) {
+  Case c(200, 2);
+  bool any = false;
+  for (const Region& region : c.residual.regions) {
+    const std::size_t row_words = (region.feature_count + 1) / 2;
+    for (std::size_t k = 0; region.feature_count % 2 == 1 && k < region.coordinate_count; ++k) {
+      c.residual.projections[region.projection_values + (k + 1) * row_words - 1] |= half_from_float(-1.5f) << 16;
+      any = true;
+    }
+  }
+  ASSERT_TRUE(any);
+  std::vector<float> coordinates(c.coordinates.size());
+  cpu::residual_project(c.residual, c.features, c.frames, coordinates);
+  EXPECT_EQ(coordinates, c.coordinates);
+  expect_close(run(c), c.coordinates, 0);
+}
+
+TEST_F(ResidualProject, ReferenceEqualsTheTextbook) {
+  const Case c(100, 2);
+  ASSERT_GT(c.residual.coordinate_count(), 20u);
+  for (std::uint32_t f = 0; f < c.frames; ++f) {
+    std::size_t at = 0;
+    for (const Region& region : c.residual.regions) {
+      for (std::size_t k = 0; k < region.coordinate_count; ++k, ++at) {
+        double sum = 0;
+        for (std::size_t i = 0; i < region.feature_count; ++i) {
+          sum += double{projection_value(c.residual, region, k, i)} *
+                 double{c.features[kFeatures * f + c.residual.region_features[region.feature_begin + i]]};
+        }
+        ASSERT_NEAR(c.coordinates[std::size_t{c.residual.coordinate_count()} * f + at], sum, 2e-6);
+      }
+    }
+    ASSERT_EQ(at, c.residual.coordinate_count());
+  }
+}
+
+}  // namespace residual_project_test
+}  // namespace bodyopt::testing
