@@ -34,7 +34,7 @@ std::vector<Pose> example_poses(const RomArguments& arguments, const Skeleton& s
 std::vector<Pose> wanted_poses(const Character& character, const JointLimits& limits,
                                const RangeOfMotionOptions& options) {
   if (!options.examples.empty()) return options.examples;
-  return random_poses(limits, character.skeleton, overlap_of_sweeps(character, limits), kCoverageSamples,
+  return random_poses(limits, character.skeleton, overlap_of_limits(character, limits), kCoverageSamples,
                       options.seed + 1);
 }
 
@@ -71,7 +71,7 @@ void run(const RomArguments& arguments) {
 
   std::string text = format("%zu frames: rest, %zu of sweeps, %zu of pairs, %zu random\n", clip.poses.size(),
                             motion.sweep_frames, motion.pair_frames, motion.random_frames);
-  text += format("random frames step %.1f degrees at most; the largest step of all is %.1f\n", motion.step,
+  text += format("random frames step %.1f degrees at most; the largest step of all is %.1f\n", options.step,
                  motion.largest_step);
   text += arguments.from.empty() ? "degrees from random poses, in which no limbs overlap, to the nearest frame:\n"
                                  : "degrees from the poses of the clips given to the nearest frame:\n";
@@ -86,7 +86,7 @@ void run(const RomArguments& arguments) {
                        {"sweep_frames", motion.sweep_frames},
                        {"pair_frames", motion.pair_frames},
                        {"random_frames", motion.random_frames},
-                       {"step_degrees", motion.step},
+                       {"step_degrees", options.step},
                        {"largest_step_degrees", motion.largest_step},
                        {"coverage", per_joint}},
                       text);
@@ -108,6 +108,10 @@ void add_rom(CLI::App& app) {
   verb.add_option("--from", arguments->from,
                   "Clips whose poses the random poses are blended from, beyond the limits if they go there")
       ->type_name("CLIP");
+  verb.add_option(
+          "--step", arguments->options.step,
+          "Degrees that a joint may turn from a random frame to the next: for solvers that need a smooth motion")
+      ->check(CLI::Range(1.0, 360.0));
   add_unit(verb, arguments->unit);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

@@ -61,7 +61,7 @@ double reach(const std::string& joint) {
 
 TEST(ArmAngles, RestAnglesAreTheBindPose) {
   const Angles rest = rest_angles(limits());
-  EXPECT_NEAR(largest_angle(limited_pose(skeleton(), limits(), rest), bind_pose(skeleton())), 0, 1e-12);
+  EXPECT_NEAR(largest_angle(limited_pose(skeleton(), limits(), {rest}), bind_pose(skeleton())), 0, 1e-12);
 }
 
 TEST(ArmAngles, MoveTheRightWay) {
@@ -69,7 +69,7 @@ TEST(ArmAngles, MoveTheRightWay) {
     Angles angles = rest_angles(limits());
     angles[dof] = degrees;
     const Affine at =
-        posed_joints(skeleton(), limited_pose(skeleton(), limits(), angles).joints)[skeleton().find(joint)];
+        posed_joints(skeleton(), limited_pose(skeleton(), limits(), {angles}).joints)[skeleton().find(joint)];
     return Vec3{at.m[0][3], at.m[1][3], at.m[2][3]};
   };
   EXPECT_GT(joint_at("shoulder", kClavicleElevation, 20)[1], joint_at("shoulder", kClavicleElevation, 0)[1] + 0.02);

@@ -37,7 +37,7 @@ double winding_number(const Vector3d& p) {
 
 double length_at(const Muscle& muscle, const Angles& angles) {
   const Skeleton& skeleton = arm().character.skeleton;
-  const std::vector<Affine> skinning = skinning_matrices(skeleton, limited_pose(skeleton, limits(), angles).joints);
+  const std::vector<Affine> skinning = skinning_matrices(skeleton, limited_pose(skeleton, limits(), {angles}).joints);
   double sum = 0;
   for (std::size_t k = 0; k + 1 < muscle.path.size(); ++k) {
     sum += length(skinning[muscle.path[k + 1].joint] * muscle.path[k + 1].position -

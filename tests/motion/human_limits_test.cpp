@@ -28,7 +28,7 @@ class HumanLimits : public testing::Test {
         if (limits_.dofs[k].name == name) angles[k] = degrees;
       }
     }
-    const Pose pose = limited_pose(skeleton_, limits_, angles);
+    const Pose pose = limited_pose(skeleton_, limits_, {angles});
     const Affine world = posed_joints(skeleton_, pose.joints)[static_cast<std::size_t>(skeleton_.find(joint))];
     return {world.m[0][3], world.m[1][3], world.m[2][3]};
   }

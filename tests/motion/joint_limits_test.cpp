@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/hostile_bytes.h"
@@ -52,14 +53,52 @@ TEST(JointLimitsFile, MirrorsAcrossTheMiddle) {
   }
 }
 
+// As small_limits(), with all that a range of motion needs beside.
+Json whole_limits() {
+  Json limits = small_limits();
+  limits["dofs"].push_back(Json::parse(
+      R"({"name": "turn", "rest": 10, "min": -50, "max": 60, "turns": [{"joint": "chest", "axis": [0, 1, 0]}]})"));
+  limits["deviations"] = Json::parse(R"([{"joint": "right_arm", "degrees": 30, "source": "own"}])");
+  limits["poses"] = Json::parse(R"([{"name": "both", "source": "own", "angles": {"left_raise": 90}},
+                                    {"name": "one", "angles": {"left_raise": 90, "right_raise": 20, "turn": 30}}])");
+  return limits;
+}
+
+TEST(JointLimitsFile, DeviationsAndPosesHaveMirrorImages) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "limits.json", whole_limits().dump());
+  const JointLimits limits = read_joint_limits(folder / "limits.json", two_arms());
+  std::map<std::uint32_t, double> deviations;
+  for (const JointDeviation& deviation : limits.deviations) deviations[deviation.joint] = deviation.degrees;
+  EXPECT_EQ(deviations, (std::map<std::uint32_t, double>{{0, kUsualDeviation}, {1, 30}, {2, 30}}));
+  ASSERT_EQ(limits.poses.size(), 3u);  // the first is its own mirror image
+  using Angles = std::vector<double>;
+  EXPECT_EQ(limits.poses[0].angles, (Angles{90, 90, 10}));
+  EXPECT_EQ(limits.poses[1].angles, (Angles{90, 20, 30}));
+  EXPECT_EQ(limits.poses[2].name, "one, mirrored");
+  EXPECT_EQ(limits.poses[2].angles, (Angles{20, 90, -10}));
+}
+
+TEST(JointLimitsFile, NoDegreesAreNoDeviation) {
+  const TemporaryFolder folder;
+  Json limits = whole_limits();
+  limits["deviations"] = Json::parse(R"([{"joint": "left_arm", "degrees": 0}, {"joint": "right_arm", "degrees": 5}])");
+  write_bytes(folder / "limits.json", limits.dump());
+  const JointLimits read = read_joint_limits(folder / "limits.json", two_arms());
+  ASSERT_EQ(read.deviations.size(), 2u);
+  EXPECT_EQ(read.deviations[0].joint, 0u);
+  EXPECT_EQ(read.deviations[1].joint, 2u);
+  EXPECT_EQ(read.deviations[1].degrees, 5);
+}
+
 TEST(JointLimitsFile, RoundTrip) {
   const TemporaryFolder folder;
-  write_bytes(folder / "limits.json", small_limits().dump());
+  write_bytes(folder / "limits.json", whole_limits().dump());
   const JointLimits limits = read_joint_limits(folder / "limits.json", two_arms());
   write_joint_limits(limits, two_arms(), folder / "again.json");
   const JointLimits again = read_joint_limits(folder / "again.json", two_arms());
-  ASSERT_EQ(again.dofs.size(), 2u);
-  for (std::size_t k = 0; k < 2; ++k) {
+  ASSERT_EQ(again.dofs.size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) {
     const DegreeOfFreedom &a = limits.dofs[k], &b = again.dofs[k];
     EXPECT_EQ(a.name, b.name);
     EXPECT_EQ(a.rest, b.rest);
@@ -70,12 +109,19 @@ TEST(JointLimitsFile, RoundTrip) {
     EXPECT_EQ(a.turns[0].share, b.turns[0].share);
     for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(a.turns[0].axis[i], b.turns[0].axis[i], 1e-15);
   }
+  ASSERT_EQ(again.deviations.size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(again.deviations[k].joint, limits.deviations[k].joint);
+    EXPECT_EQ(again.deviations[k].degrees, limits.deviations[k].degrees);
+  }
+  ASSERT_EQ(again.poses.size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(again.poses[k].angles, limits.poses[k].angles);
 }
 
 TEST(JointLimitsFile, RefusesEachMistakeByName) {
   const TemporaryFolder folder;
   const auto refused = [&](const char* pointer, const Json& value, const std::string& named, ErrorKind kind) {
-    Json json = small_limits();
+    Json json = whole_limits();
     json[Json::json_pointer(pointer)] = value;
     write_bytes(folder / "limits.json", json.dump());
     try {
@@ -106,6 +152,12 @@ TEST(JointLimitsFile, RefusesEachMistakeByName) {
   refused("/dofs/0/rests", 0, "rests", file);
   refused("/dofs", Json::array(), "dofs", file);
   refused("/mirrored_joints", Json::array(), "mirrored_joints", file);
+  refused("/deviations/0/joint", "tail", "'tail'", mismatch);
+  refused("/deviations/0/degrees", 181, "degrees", file);
+  refused("/deviations/1", {{"joint", "right_arm"}, {"degrees", 1}}, "right_arm", file);
+  refused("/poses/0/angles/left_raise", 130, "left_raise", file);
+  refused("/poses/0/angles/tail", 1, "'tail', which is no degree of freedom", file);
+  refused("/poses/0/angles", 3, "no object 'angles'", file);
   refused("/schema", "bodyopt-joint-limits-2", "schema", file);
 }
 

@@ -29,7 +29,8 @@ const JointLimits& limits() {
        {"raise", 50, 30, 115, {{joint("shoulder"), {0, 0, -1}}, {joint("clavicle"), {0, 0, -1}, 0.2}}},
        {"spin", 0, -50, 50, {{joint("shoulder"), {-0.766, -0.643, 0}}}},
        {"elbow", 20, 0, 120, {{joint("elbow"), {-0.643, 0.766, 0}}}},
-       {"curl", 10, 0, 70, {{joint("fingers"), {0, 0, 1}}, {joint("fingertips"), {0, 0, 1}, 1.1}}}}};
+       {"curl", 10, 0, 70, {{joint("fingers"), {0, 0, 1}}, {joint("fingertips"), {0, 0, 1}, 1.1}}}},
+      {{joint("fingers"), 25}}};
   return made;
 }
 
@@ -39,15 +40,18 @@ const RangeOfMotion& motion() {
 }
 
 TEST(RangeOfMotion, StartsAtRestAndStaysWithinLimits) {
-  ASSERT_EQ(motion().angles.size(), 1200u);
+  ASSERT_EQ(motion().postures.size(), 1200u);
   EXPECT_EQ(1 + motion().sweep_frames + motion().pair_frames + motion().random_frames, 1200u);
   EXPECT_LE(motion().sweep_frames, 240u);
   EXPECT_LE(motion().pair_frames, 120u);
-  EXPECT_EQ(motion().angles[0], rest_angles(limits()));
-  for (const Angles& angles : motion().angles) {
-    for (std::size_t k = 0; k < angles.size(); ++k) {
-      ASSERT_GE(angles[k], limits().dofs[k].min - 1e-9);
-      ASSERT_LE(angles[k], limits().dofs[k].max + 1e-9);
+  EXPECT_EQ(motion().postures[0], Posture{rest_angles(limits())});
+  for (const Posture& posture : motion().postures) {
+    for (std::size_t k = 0; k < posture.angles.size(); ++k) {
+      ASSERT_GE(posture.angles[k], limits().dofs[k].min - 1e-9);
+      ASSERT_LE(posture.angles[k], limits().dofs[k].max + 1e-9);
+    }
+    for (std::size_t j = 0; j < posture.deviations.size(); ++j) {
+      ASSERT_LE(length(posture.deviations[j]), j == joint("fingers") ? 25 : 0) << skeleton().joints[j].name;
     }
   }
 }
@@ -57,32 +61,68 @@ TEST(RangeOfMotion, SweepsReachEachLimitAlone) {
     for (const double limit : {limits().dofs[k].min, limits().dofs[k].max}) {
       Angles wanted = rest_angles(limits());
       wanted[k] = limit;
-      const auto begin = motion().angles.begin() + 1, end = begin + static_cast<long>(motion().sweep_frames);
-      EXPECT_TRUE(std::any_of(begin, end, [&](const Angles& a) { return largest_change(a, wanted) < 1e-9; }))
+      const auto begin = motion().postures.begin() + 1, end = begin + static_cast<long>(motion().sweep_frames);
+      EXPECT_TRUE(std::any_of(begin, end, [&](const Posture& p) { return largest_change(p, {wanted}) < 1e-9; }))
           << limits().dofs[k].name << " " << limit;
     }
   }
 }
 
-TEST(RangeOfMotion, NeighboursAreClose) {
-  EXPECT_LE(motion().step, 26);
-  int jumps = 0;
-  for (std::size_t k = 1; k < motion().angles.size(); ++k) {
-    jumps += largest_change(motion().angles[k - 1], motion().angles[k]) > motion().step + 1e-9 ? 1 : 0;
+TEST(RangeOfMotion, NeighboursAreAsCloseAsAskedFor) {
+  const RangeOfMotion smooth = range_of_motion(arm().character, limits(), {1200, 7, {}, 25});
+  const std::vector<Posture>& postures = smooth.postures;
+  double largest = 0;
+  for (std::size_t k = 1 + smooth.sweep_frames + smooth.pair_frames; k < postures.size(); ++k) {
+    largest = std::max(largest, largest_change(postures[k - 1], postures[k]));
   }
-  EXPECT_LE(jumps, 12);  // where limbs were in each other's way
+  EXPECT_NEAR(largest, 25, 1e-6);
+  const std::vector<Posture>& free = motion().postures;
+  EXPECT_GT(largest_change(free[free.size() - 2], free.back()), 25);
+}
+
+// Fingers and fingertips curl in fixed shares; what deviates tells them apart, in random frames only.
+TEST(RangeOfMotion, JointsDeviateFromWhatCouplesThem) {
+  const std::size_t first_random = motion().postures.size() - motion().random_frames;
+  double sum = 0;
+  for (std::size_t k = 0; k < motion().postures.size(); ++k) {
+    const Posture& posture = motion().postures[k];
+    const double turned = posture.deviations.empty() ? 0 : length(posture.deviations[joint("fingers")]);
+    if (k < first_random) {
+      ASSERT_EQ(turned, 0);
+    }
+    sum += turned;
+  }
+  // Four of five draws, anywhere in a ball of 25 degrees.
+  EXPECT_GT(sum / static_cast<double>(motion().random_frames), 0.9 * 0.8 * 0.75 * 25);
+}
+
+// Between two poses an elbow bends as they do; anywhere within the limits it rarely would.
+TEST(RangeOfMotion, ManyPosesLieBetweenCommonOnes) {
+  JointLimits common = limits();
+  common.poses = {{"straight", rest_angles(limits())}, {"bent", rest_angles(limits())}};
+  common.poses[0].angles[3] = 10;
+  common.poses[1].angles[3] = 20;
+  const RangeOfMotion made = range_of_motion(arm().character, common, {600, 7, {}});
+  const auto near = [&](const RangeOfMotion& motion) {
+    const auto begin = motion.postures.end() - static_cast<long>(motion.random_frames);
+    const auto count = std::count_if(begin, motion.postures.end(), [](const Posture& posture) {
+      return posture.angles[3] > 2 && posture.angles[3] < 28;
+    });
+    return static_cast<double>(count) / static_cast<double>(motion.random_frames);
+  };
+  EXPECT_GT(near(made), 1.2 * near(motion()));
 }
 
 TEST(RangeOfMotion, DependsOnItsSeedOnly) {
   const RangeOfMotion again = range_of_motion(arm().character, limits(), {1200, 7, {}});
-  EXPECT_EQ(again.angles, motion().angles);
+  EXPECT_EQ(again.postures, motion().postures);
   const RangeOfMotion other = range_of_motion(arm().character, limits(), {1200, 8, {}});
-  EXPECT_GT(largest_change(other.angles.back(), motion().angles.back()), 1);
+  EXPECT_GT(largest_change(other.postures.back(), motion().postures.back()), 1);
 }
 
 TEST(RangeOfMotion, TakesAnyLength) {
   for (const int count : {1, 2, 7, 20, 48}) {
-    EXPECT_EQ(range_of_motion(arm().character, limits(), {count, 3, {}}).angles.size(),
+    EXPECT_EQ(range_of_motion(arm().character, limits(), {count, 3, {}}).postures.size(),
               static_cast<std::size_t>(count));
   }
   EXPECT_THROW(range_of_motion(arm().character, limits(), {0, 3, {}}), Error);
@@ -92,8 +132,8 @@ TEST(RangeOfMotion, TakesAnyLength) {
 TEST(RangeOfMotion, CoversNearlyAsMuchAsPosesThatAreNotConnected) {
   UniformRandom random(99);
   RangeOfMotion plain;
-  while (plain.angles.size() < motion().random_frames) plain.angles.push_back(random_angles(limits(), random));
-  const SelfOverlap overlap = overlap_of_sweeps(arm().character, limits());
+  while (plain.postures.size() < motion().random_frames) plain.postures.push_back({random_angles(limits(), random)});
+  const SelfOverlap overlap = overlap_of_limits(arm().character, limits());
   const std::vector<Pose> wanted = random_poses(limits(), skeleton(), overlap, 1000, 5);
   const auto ours = coverage(clip_of(motion(), limits(), skeleton()).poses, wanted, skeleton());
   const auto theirs = coverage(clip_of(plain, limits(), skeleton()).poses, wanted, skeleton());
@@ -110,10 +150,10 @@ TEST(RangeOfMotion, CoversNearlyAsMuchAsPosesThatAreNotConnected) {
 }
 
 TEST(RangeOfMotion, RandomPosesOverlapNoMoreThanTheSweeps) {
-  const SelfOverlap overlap = overlap_of_sweeps(arm().character, limits());
+  const SelfOverlap overlap = overlap_of_limits(arm().character, limits());
   const std::size_t swept = 1 + motion().sweep_frames;
-  for (std::size_t k = swept; k < motion().angles.size(); ++k) {
-    ASSERT_FALSE(overlap.find(limited_pose(skeleton(), limits(), motion().angles[k]))) << "frame " << k + 1;
+  for (std::size_t k = swept; k < motion().postures.size(); ++k) {
+    ASSERT_FALSE(overlap.find(limited_pose(skeleton(), limits(), motion().postures[k]))) << "frame " << k + 1;
   }
 }
 
@@ -127,7 +167,9 @@ TEST(RangeOfMotion, StaysWithTheExamplesBeyondTheLimits) {
     pose.joints[0].rotation = axis_angle({0, 1, 0}, 0.3 * k);  // the root's: left out
     pose.joints[0].translation = {1.0 * k, 0, 0};
   }
-  const RangeOfMotion made = range_of_motion(arm().character, limits(), {400, 3, examples});
+  JointLimits coupled = limits();
+  coupled.deviations.clear();
+  const RangeOfMotion made = range_of_motion(arm().character, coupled, {400, 3, examples});
   const Clip clip = clip_of(made, limits(), skeleton());
   ASSERT_EQ(clip.poses.size(), 400u);
   ASSERT_EQ(made.blends.size(), made.random_frames);
@@ -146,10 +188,17 @@ TEST(RangeOfMotion, StaysWithTheExamplesBeyondTheLimits) {
   EXPECT_LT(lowest, 12);
   EXPECT_GT(highest, 103);
   EXPECT_LT(highest, 114.6);  // 2 radians: what the examples reach
-  for (std::size_t k = made.angles.size(); k < 400; ++k) {
+  for (std::size_t k = made.postures.size(); k < 400; ++k) {
     EXPECT_LE(largest_turn(clip.poses[k - 1], clip.poses[k]), made.largest_step + 1e-9) << "frame " << k + 1;
   }
   for (const JointCoverage& covered : coverage(clip.poses, examples, skeleton())) EXPECT_LT(covered.largest, 3);
+  double turned = 0;  // joints deviate from examples, too
+  for (const Pose& pose : range_of_motion(arm().character, limits(), {400, 3, examples}).blends) {
+    const Quat bound = skeleton().joints[joint("fingers")].bind.rotation;
+    turned = std::max(turned, angle_of(conjugate(bound) * pose.joints[joint("fingers")].rotation));
+  }
+  EXPECT_GT(turned, 15);
+  EXPECT_LT(turned, 25 + 1e-6);
 }
 
 // Between an arm on one side of the torso and one on the other lie poses that go through it.

@@ -1,5 +1,6 @@
 #include "trainer/builtin/arm_dofs.h"
 
+#include <set>
 #include <string>
 
 #include "runtime/basis/error.h"
@@ -59,6 +60,16 @@ JointLimits arm_limits(const Skeleton& skeleton) {
       const Vector3d axis = turn.axis.normalized();
       added.turns.push_back({find_joint(skeleton, turn.joint), {axis.x(), axis.y(), axis.z()}, turn.share});
     }
+  }
+  // Joints that one degree of freedom turns together are told apart; the others have degrees of freedom of their own,
+  // and go a little beyond them, as motion that comes from elsewhere does.
+  const std::set<std::string> coupled = {"forearm", "forearm_twist", "fingers", "fingertips", "thumb"};
+  std::set<std::string> driven;
+  for (const Dof& dof : dofs) {
+    for (const Turn& turn : dof.turns) driven.insert(turn.joint);
+  }
+  for (const std::string& name : driven) {
+    limits.deviations.push_back({find_joint(skeleton, name), coupled.contains(name) ? 20.0 : 10.0});
   }
   return limits;
 }

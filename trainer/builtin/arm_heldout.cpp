@@ -72,7 +72,7 @@ Clip arm_heldout(const Skeleton& skeleton, int frame_count) {
     const double seconds = length * (frame + 0.5) / frame_count;
     Angles angles(kArmDofCount);
     for (int dof = 0; dof < kArmDofCount; ++dof) angles[dof] = angle_at(dof, seconds - kLag[dof]);
-    clip.poses.push_back(limited_pose(skeleton, limits, angles));
+    clip.poses.push_back(limited_pose(skeleton, limits, {angles}));
   }
   return clip;
 }

@@ -35,7 +35,7 @@ Clip arm_stop(const Skeleton& skeleton) {
     for (std::size_t dof = 0; dof < angles.size(); ++dof) {
       angles[dof] = kBefore[dof] + share_at(frame) * (kAfter[dof] - kBefore[dof]);
     }
-    clip.poses.push_back(limited_pose(skeleton, limits, angles));
+    clip.poses.push_back(limited_pose(skeleton, limits, {angles}));
   }
   return clip;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "trainer/motion/explore.h"
 
@@ -9,7 +10,8 @@ namespace bodyopt {
 namespace {
 
 constexpr int kPoseCandidates = 24;
-constexpr int kOtherTargets = 12;  // other targets when limbs are in the way
+constexpr int kOtherTargets = 12;    // other targets when limbs are in the way
+constexpr double kAsExamples = 0.2;  // share of the blends in which no joint deviates
 
 double cosine(const Quat& a, const Quat& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]; }
 
@@ -68,13 +70,25 @@ class BlendWalk {
     Pose best = example();
     for (int k = 0; k < kPoseCandidates; ++k) {
       const Pose &a = example(), &b = example();
-      Pose candidate = blend(a, b, random_.next());
+      Pose candidate = deviating(blend(a, b, random_.next()));
       const double distance = squared_distance_to_been(candidate, farthest);
       if (distance <= farthest || overlap_.find(candidate)) continue;
       farthest = distance;
       best = std::move(candidate);
     }
     return best;
+  }
+
+  // About axes of the joint's own space: deviations know no direction.
+  Pose deviating(Pose pose) {
+    if (random_.next() < kAsExamples) return pose;
+    for (const JointDeviation& deviation : options_.deviations) {
+      const Vec3 turn = (deviation.degrees * std::numbers::pi / 180) * random_.in_ball();
+      const double angle = length(turn);
+      Quat& rotation = pose.joints[deviation.joint].rotation;
+      if (angle > 0) rotation = rotation * axis_angle((1 / angle) * turn, angle);
+    }
+    return pose;
   }
 
   // May stop once it is known to be `enough` or less.

@@ -12,13 +12,14 @@ namespace bodyopt {
 struct BlendOptions {
   std::size_t frames;
   std::uint64_t seed;
-  double step;  // degrees that a joint turns from a frame to the next, at most
+  double step;                               // degrees that a joint turns from a frame to the next, at most
+  std::vector<JointDeviation> deviations{};  // by which joints turn beside
 };
 
 // Straight to the blend (every joint's rotation on the shortest way) of two examples (of kCandidates random ones) whose
-// joints are furthest from all poses so far, `covered` first; then to the next. Limbs may overlap as `overlap` allows;
-// where they would on the way, the walk jumps to its end. Examples are not held to any limits: what the clips do, the
-// character does.
+// joints are furthest from all poses so far, `covered` first; then to the next. Joints deviate from the blends. Limbs
+// may overlap as `overlap` allows; where they would on the way, the walk jumps to its end. Examples are not held to any
+// limits: what the clips do, the character does.
 std::vector<Pose> blend_clips(const std::vector<Pose>& examples, const SelfOverlap& overlap,
                               const std::vector<Pose>& covered, const BlendOptions& options);
 

@@ -2,108 +2,187 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
-#include "trainer/motion/walk.h"
+#include "trainer/progress.h"
 
 namespace bodyopt {
 namespace {
 
-constexpr int kCandidates = 24;
-constexpr int kTries = 12;  // other targets when nothing can move, before a frame is repeated
+constexpr int kTargetCandidates = 16;
+constexpr int kTargetsInTheWay = 8;        // of a group whose limbs are in the way, before it is held
+constexpr int kTries = 12;                 // other targets when nothing can move, before a frame is repeated
+constexpr std::size_t kCompared = 2000;    // earlier frames, spread evenly, that a candidate is held against
+constexpr double kAnywhere = 0.4;          // share of the targets; the others lie between common poses
+constexpr double kAround = 8;              // degrees either way of such a blend
+constexpr double kWithoutDeviation = 0.2;  // share of the targets
+
+// Degrees of freedom that turn joints in common, and the joints. One of either may be missing.
+struct MotionGroup {
+  DofGroup dofs;
+  std::vector<std::uint32_t> joints;
+  std::vector<double> deviations;  // of every joint, degrees
+};
+
+std::vector<MotionGroup> motion_groups(const JointLimits& limits) {
+  std::map<std::uint32_t, double> left;
+  for (const JointDeviation& deviation : limits.deviations) left[deviation.joint] = deviation.degrees;
+  std::vector<MotionGroup> groups;
+  for (const DofGroup& dofs : dof_groups(limits)) {
+    std::set<std::uint32_t> joints;
+    for (const std::size_t k : dofs) {
+      for (const JointTurn& turn : limits.dofs[k].turns) joints.insert(turn.joint);
+    }
+    MotionGroup& group = groups.emplace_back(MotionGroup{dofs, {joints.begin(), joints.end()}, {}});
+    for (const std::uint32_t joint : joints) {
+      group.deviations.push_back(left[joint]);
+      left.erase(joint);
+    }
+  }
+  for (const auto& [joint, degrees] : left) groups.push_back({{}, {joint}, {degrees}});
+  return groups;
+}
 
 class Explorer {
  public:
   Explorer(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
-           const std::vector<Angles>& covered, const ExploreOptions& options)
+           const std::vector<Posture>& covered, const ExploreOptions& options)
       : limits_(limits),
         skeleton_(skeleton),
         overlap_(overlap),
         options_(options),
         random_(options.seed),
-        groups_(dof_groups(limits)),
-        been_(covered),
-        at_(covered.back()),
-        target_(at_) {
-    been_.reserve(covered.size() + options.frames);
+        groups_(motion_groups(limits)),
+        at_(covered.back()) {
+    at_.deviations.resize(skeleton.size());
+    target_ = at_;
+    for (const Posture& posture : covered) been_.push_back(turns_of(posture));
   }
 
-  std::vector<Angles> run() {
-    const std::size_t begin = been_.size();
-    while (been_.size() < begin + options_.frames) {
+  std::vector<Posture> run() {
+    std::vector<Posture> frames;
+    Progress progress("rom", options_.frames);
+    while (frames.size() < options_.frames) {
       for (int tried = 0; tried < kTries && !step(); ++tried) {
       }
-      been_.push_back(at_);
+      frames.push_back(at_);
+      been_.push_back(turns_of(at_));
+      progress.advance();
     }
-    return {been_.begin() + static_cast<std::ptrdiff_t>(begin), been_.end()};
+    return frames;
   }
 
  private:
-  // Every group moves on that can; those whose limbs would run into each other stay and choose another target. Ends,
-  // because where all stay, nothing overlaps more than before. False when nothing moves.
+  using Turns = std::vector<Quat>;  // per joint, away from the bind pose
+
+  Turns turns_of(const Posture& posture) const { return joint_turns(skeleton_.size(), limits_, posture); }
+
+  // Every group moves on that can. Those whose limbs would run into each other choose other targets, and stay where all
+  // are in the way. Ends, because where all stay, nothing overlaps more than before. False when nothing moves.
   bool step() {
-    for (const DofGroup& group : groups_) {
-      if (arrived(group)) choose_target(group);
+    for (const MotionGroup& group : groups_) {
+      if (left(group) == 0) choose_target(group);
     }
-    std::vector<bool> moves(groups_.size(), true);
-    Angles next = towards_target(moves);
+    std::vector<int> chosen(groups_.size());
+    Posture next = towards_target(chosen);
     while (const auto found = overlap_.find(limited_pose(skeleton_, limits_, next))) {
       const std::set<std::uint32_t> between = joints_between(found->first, found->second);
-      bool held = false;
+      bool changed = false;
       for (std::size_t g = 0; g < groups_.size(); ++g) {
-        if (!moves[g] || !turns_any(groups_[g], between)) continue;
-        moves[g] = false;
-        held = true;
-        choose_target(groups_[g]);
+        if (chosen[g] > kTargetsInTheWay || !turns_any(groups_[g], between)) continue;
+        ++chosen[g];
+        changed = true;
+        draw(groups_[g], target_);
       }
-      if (!held) return false;
-      next = towards_target(moves);
+      if (!changed) return false;
+      next = towards_target(chosen);
     }
     const bool moved = next != at_;
     at_ = next;
     return moved;
   }
 
-  bool arrived(const DofGroup& group) const {
-    return std::all_of(group.begin(), group.end(), [&](std::size_t k) { return at_[k] == target_[k]; });
+  // The largest change that is left to a group's target, degrees.
+  double left(const MotionGroup& group) const {
+    double most = 0;
+    for (const std::size_t k : group.dofs) most = std::max(most, std::abs(target_.angles[k] - at_.angles[k]));
+    for (const std::uint32_t j : group.joints) {
+      most = std::max(most, length(target_.deviations[j] - at_.deviations[j]));
+    }
+    return most;
   }
 
-  void choose_target(const DofGroup& group) {
+  // Of random targets the one whose rotations lie farthest from those of the frames so far.
+  void choose_target(const MotionGroup& group) {
     double farthest = -1;
-    Angles best;
-    for (int k = 0; k < kCandidates; ++k) {
-      const Angles candidate = random_angles(limits_, random_);
+    Posture best = target_, candidate = target_;
+    for (int k = 0; k < kTargetCandidates; ++k) {
+      draw(group, candidate);
       const double distance = squared_distance_to_covered(candidate, group, farthest);
       if (distance <= farthest) continue;
       farthest = distance;
       best = candidate;
     }
-    for (const std::size_t k : group) target_[k] = best[k];
+    target_ = std::move(best);
   }
 
-  // In the group's angles; may stop once it is known to be `enough` or less.
-  double squared_distance_to_covered(const Angles& angles, const DofGroup& group, double enough) const {
+  void draw(const MotionGroup& group, Posture& posture) {
+    if (limits_.poses.empty() || random_.next() < kAnywhere) {
+      for (const std::size_t k : group.dofs) {
+        const DegreeOfFreedom& dof = limits_.dofs[k];
+        posture.angles[k] = dof.min + random_.next() * (dof.max - dof.min);
+      }
+    } else {
+      draw_between_common_poses(group, posture);
+    }
+    const bool deviates = random_.next() >= kWithoutDeviation;
+    for (std::size_t n = 0; n < group.joints.size(); ++n) {
+      const Vec3 inside = random_.in_ball();
+      posture.deviations[group.joints[n]] = deviates ? group.deviations[n] * inside : Vec3{};
+    }
+  }
+
+  void draw_between_common_poses(const MotionGroup& group, Posture& posture) {
+    const CommonPose &a = limits_.poses[random_.below(limits_.poses.size())],
+                     &b = limits_.poses[random_.below(limits_.poses.size())];
+    const double t = random_.next();
+    for (const std::size_t k : group.dofs) {
+      const double angle = a.angles[k] + t * (b.angles[k] - a.angles[k]) + kAround * (2 * random_.next() - 1);
+      posture.angles[k] = std::clamp(angle, limits_.dofs[k].min, limits_.dofs[k].max);
+    }
+  }
+
+  // Sum of the squared sines of half the angles between the rotations; may stop once it is known to be `enough` or
+  // less.
+  double squared_distance_to_covered(const Posture& posture, const MotionGroup& group, double enough) const {
+    const Turns turns = turns_of(posture);
+    const std::size_t stride = 1 + been_.size() / kCompared;
     double nearest = 1e300;
-    for (auto other = been_.rbegin(); other != been_.rend() && nearest > enough; ++other) {
+    for (std::size_t n = been_.size(); n >= stride && nearest > enough; n -= stride) {
       double sum = 0;
-      for (const std::size_t k : group) sum += (angles[k] - (*other)[k]) * (angles[k] - (*other)[k]);
+      for (const std::uint32_t j : group.joints) {
+        const Quat &a = turns[j], &b = been_[n - 1][j];
+        const double cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+        sum += std::max(0.0, 1 - cosine * cosine);
+      }
       nearest = std::min(nearest, sum);
     }
     return nearest;
   }
 
-  // One step of the groups that move on the straight line to their targets.
-  Angles towards_target(const std::vector<bool>& moves) const {
-    Angles next = at_;
+  // One step, on the straight line to their targets, of the groups that found one.
+  Posture towards_target(const std::vector<int>& chosen) const {
+    Posture next = at_;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-      if (!moves[g]) continue;
-      const DofGroup& group = groups_[g];
-      double left = 0;
-      for (const std::size_t k : group) left = std::max(left, std::abs(target_[k] - at_[k]));
-      if (left <= options_.step) {
-        for (const std::size_t k : group) next[k] = target_[k];
-      } else {
-        for (const std::size_t k : group) next[k] = at_[k] + options_.step / left * (target_[k] - at_[k]);
+      if (chosen[g] > kTargetsInTheWay) continue;
+      const double distance = left(groups_[g]), t = distance > options_.step ? options_.step / distance : 1;
+      for (const std::size_t k : groups_[g].dofs) {
+        next.angles[k] = t == 1 ? target_.angles[k] : at_.angles[k] + t * (target_.angles[k] - at_.angles[k]);
+      }
+      for (const std::uint32_t j : groups_[g].joints) {
+        next.deviations[j] =
+            t == 1 ? target_.deviations[j] : at_.deviations[j] + t * (target_.deviations[j] - at_.deviations[j]);
       }
     }
     return next;
@@ -125,12 +204,8 @@ class Explorer {
     return between;
   }
 
-  bool turns_any(const DofGroup& group, const std::set<std::uint32_t>& joints) const {
-    return std::any_of(group.begin(), group.end(), [&](std::size_t k) {
-      const std::vector<JointTurn>& turns = limits_.dofs[k].turns;
-      return std::any_of(turns.begin(), turns.end(),
-                         [&](const JointTurn& turn) { return joints.contains(turn.joint); });
-    });
+  static bool turns_any(const MotionGroup& group, const std::set<std::uint32_t>& joints) {
+    return std::any_of(group.joints.begin(), group.joints.end(), [&](std::uint32_t j) { return joints.contains(j); });
   }
 
   const JointLimits& limits_;
@@ -138,9 +213,9 @@ class Explorer {
   const SelfOverlap& overlap_;
   const ExploreOptions& options_;
   UniformRandom random_;
-  std::vector<DofGroup> groups_;
-  std::vector<Angles> been_;
-  Angles at_, target_;
+  std::vector<MotionGroup> groups_;
+  std::vector<Turns> been_;
+  Posture at_, target_;
 };
 
 }  // namespace
@@ -158,14 +233,22 @@ std::size_t UniformRandom::below(std::size_t count) {
   return static_cast<std::size_t>(next() * static_cast<double>(count));
 }
 
+Vec3 UniformRandom::in_ball() {
+  Vec3 v;
+  do {
+    for (double& x : v) x = 2 * next() - 1;
+  } while (length(v) > 1);
+  return v;
+}
+
 Angles random_angles(const JointLimits& limits, UniformRandom& random) {
   Angles angles;
   for (const DegreeOfFreedom& dof : limits.dofs) angles.push_back(dof.min + random.next() * (dof.max - dof.min));
   return angles;
 }
 
-std::vector<Angles> explore(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
-                            const std::vector<Angles>& covered, const ExploreOptions& options) {
+std::vector<Posture> explore(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
+                             const std::vector<Posture>& covered, const ExploreOptions& options) {
   return Explorer(limits, skeleton, overlap, covered, options).run();
 }
 

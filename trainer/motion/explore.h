@@ -1,4 +1,4 @@
-// The random part of a range of motion: a walk that goes where it has not been.
+// The random part of a range of motion: it goes where it has not been.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +15,7 @@ class UniformRandom {
   explicit UniformRandom(std::uint64_t seed) : state_(seed) {}
   double next();
   std::size_t below(std::size_t count);
+  Vec3 in_ball();  // anywhere not further than 1 from the origin
 
  private:
   std::uint64_t state_;
@@ -26,13 +27,15 @@ Angles random_angles(const JointLimits& limits, UniformRandom& random);
 struct ExploreOptions {
   std::size_t frames;
   std::uint64_t seed;
-  double step;  // degrees that an angle changes from a frame to the next, at most
+  double step;  // degrees that an angle or a deviation changes from a frame to the next, at most
 };
 
-// Each group walks straight to the candidate pose (of kCandidates random ones) that lies farthest from where the group
-// has been, in `covered` and since; then to the next. Groups walk at the same time, each at its own pace. Groups
-// whose limbs would overlap choose again.
-std::vector<Angles> explore(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
-                            const std::vector<Angles>& covered, const ExploreOptions& options);
+// Each group (of degrees of freedom that share joints) goes straight to the candidate (of kTargetCandidates random
+// ones) that lies farthest from where the group has been, in `covered` and since; then to the next. Candidates lie
+// anywhere within the limits or between two common poses, and joints turn beside that by as much as their deviations
+// allow. Groups move at the same time, each at its own pace. Groups whose limbs would overlap choose again. Shows
+// progress.
+std::vector<Posture> explore(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
+                             const std::vector<Posture>& covered, const ExploreOptions& options);
 
 }  // namespace bodyopt

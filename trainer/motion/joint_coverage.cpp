@@ -54,7 +54,7 @@ std::vector<Pose> random_poses(const JointLimits& limits, const Skeleton& skelet
   UniformRandom random(seed);
   std::vector<Pose> poses;
   for (std::size_t k = 0; k < kTriesPerSample * count && poses.size() < count; ++k) {
-    Pose pose = limited_pose(skeleton, limits, random_angles(limits, random));
+    Pose pose = limited_pose(skeleton, limits, {random_angles(limits, random)});
     if (!overlap.find(pose)) poses.push_back(std::move(pose));
   }
   return poses;

@@ -1,5 +1,6 @@
 #include "trainer/motion/joint_limits.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -11,7 +12,8 @@ namespace bodyopt {
 namespace {
 
 constexpr const char* kSchema = "bodyopt-joint-limits-1";
-constexpr double kLargestAngle = 360;  // degrees
+constexpr double kLargestAngle = 360;      // degrees
+constexpr double kLargestDeviation = 180;  // degrees
 
 using JointPairs = std::map<std::uint32_t, std::uint32_t>;
 
@@ -22,12 +24,15 @@ class LimitsReader {
   JointLimits read() {
     const Json json = read_json(path_, kSchema);
     const JsonObject top(json, path_, "the file");
-    top.allow({"schema", "source", "mirrored_joints", "dofs"});
+    top.allow({"schema", "source", "mirrored_joints", "dofs", "deviations", "poses"});
     if (top.has("source")) top.text("source");
     if (top.has("mirrored_joints")) read_pairs(top.array("mirrored_joints"));
     const Json& list = top.array("dofs");
     if (list.empty()) top.refuse("has no degree of freedom in 'dofs'");
     for (std::size_t k = 0; k < list.size(); ++k) read_dof(list[k], "dofs[" + std::to_string(k) + "]");
+    if (top.has("deviations")) read_deviations(top.array("deviations"));
+    add_usual_deviations();
+    if (top.has("poses")) read_poses(top.array("poses"));
     return limits_;
   }
 
@@ -68,7 +73,10 @@ class LimitsReader {
     }
     check_range(dof, object);
     add(dof, object);
-    if (object.has("mirror")) add(mirror_image(dof, object), object);
+    if (!object.has("mirror")) return;
+    mirrored_dofs_[limits_.dofs.size() - 1] = limits_.dofs.size();
+    mirrored_dofs_[limits_.dofs.size()] = limits_.dofs.size() - 1;
+    add(mirror_image(dof, object), object);
   }
 
   JointTurn read_turn(const JsonObject& object) const {
@@ -119,9 +127,84 @@ class LimitsReader {
     limits_.dofs.push_back(dof);
   }
 
+  // Those named first; then their mirror images that are not named themselves.
+  void read_deviations(const Json& list) {
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      const JsonObject object(list[k], path_, "deviations[" + std::to_string(k) + "]");
+      object.allow({"joint", "degrees", "source"});
+      if (object.has("source")) object.text("source");
+      const std::string name = object.name("joint");
+      if (!deviations_.emplace(joint(name), object.number("degrees", 0, kLargestDeviation)).second) {
+        object.refuse("has the joint '" + name + "' of an earlier one");
+      }
+    }
+    for (const auto& [one, other] : mirrored_) {
+      if (deviations_.contains(one)) deviations_.emplace(other, deviations_.at(one));
+      if (deviations_.contains(other)) deviations_.emplace(one, deviations_.at(other));
+    }
+  }
+
+  void add_usual_deviations() {
+    for (const DegreeOfFreedom& dof : limits_.dofs) {
+      for (const JointTurn& turn : dof.turns) deviations_.emplace(turn.joint, kUsualDeviation);
+    }
+    for (const auto& [joint, degrees] : deviations_) {
+      if (degrees > 0) limits_.deviations.push_back({joint, degrees});
+    }
+  }
+
+  void read_poses(const Json& list) {
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      const JsonObject object(list[k], path_, "poses[" + std::to_string(k) + "]");
+      object.allow({"name", "source", "angles"});
+      if (object.has("source")) object.text("source");
+      const CommonPose pose{object.name("name"), read_angles(list[k], object)};
+      const CommonPose image{pose.name + ", mirrored", mirror_image(pose.angles)};
+      limits_.poses.push_back(pose);
+      if (!mirrored_.empty() && image.angles != pose.angles) limits_.poses.push_back(image);
+    }
+  }
+
+  // What is not named is at rest, or as its mirror image is.
+  std::vector<double> read_angles(const Json& json, const JsonObject& pose) const {
+    if (!json.contains("angles") || !json.at("angles").is_object()) pose.refuse("has no object 'angles'");
+    const JsonObject angles(json.at("angles"), path_, "the pose '" + pose.name("name") + "'");
+    for (const auto& [name, angle] : json.at("angles").items()) {
+      if (!names_.contains(name)) angles.refuse("has an angle of '" + name + "', which is no degree of freedom");
+    }
+    std::vector<double> result;
+    for (std::size_t k = 0; k < limits_.dofs.size(); ++k) {
+      const DegreeOfFreedom& dof = limits_.dofs[k];
+      const auto other = mirrored_dofs_.find(k);
+      const std::string image = other == mirrored_dofs_.end() ? dof.name : limits_.dofs[other->second].name;
+      const std::string& named = angles.has(dof.name.c_str()) ? dof.name : image;
+      result.push_back(angles.has(named.c_str()) ? angles.number(named.c_str(), dof.min, dof.max) : dof.rest);
+    }
+    return result;
+  }
+
+  std::vector<double> mirror_image(const std::vector<double>& angles) const {
+    std::vector<double> image = angles;
+    for (std::size_t k = 0; k < angles.size(); ++k) {
+      const DegreeOfFreedom& dof = limits_.dofs[k];
+      const auto other = mirrored_dofs_.find(k);
+      if (other != mirrored_dofs_.end()) {
+        image[other->second] = angles[k];
+      } else if (turns_sideways(dof)) {
+        image[k] = std::clamp(2 * dof.rest - angles[k], dof.min, dof.max);
+      }
+    }
+    return image;
+  }
+
+  // Across the plane x = 0 it goes the other way.
+  static bool turns_sideways(const DegreeOfFreedom& dof) { return std::abs(dof.turns[0].axis[0]) < 0.5; }
+
   const std::filesystem::path& path_;
   const Skeleton& skeleton_;
   JointPairs mirrored_;
+  std::map<std::size_t, std::size_t> mirrored_dofs_;  // either way
+  std::map<std::uint32_t, double> deviations_;        // degrees
   std::set<std::string> names_;
   JointLimits limits_;
 };
@@ -141,7 +224,21 @@ void write_joint_limits(const JointLimits& limits, const Skeleton& skeleton, con
     }
     dofs.push_back({{"name", dof.name}, {"rest", dof.rest}, {"min", dof.min}, {"max", dof.max}, {"turns", turns}});
   }
-  write_json({{"schema", kSchema}, {"dofs", dofs}}, path);
+  Json deviations = Json::array(), poses = Json::array();
+  std::map<std::uint32_t, double> degrees;
+  for (const DegreeOfFreedom& dof : limits.dofs) {
+    for (const JointTurn& turn : dof.turns) degrees[turn.joint] = 0;  // the reader's default is another
+  }
+  for (const JointDeviation& deviation : limits.deviations) degrees[deviation.joint] = deviation.degrees;
+  for (const auto& [joint, most] : degrees) {
+    deviations.push_back({{"joint", skeleton.joints.at(joint).name}, {"degrees", most}});
+  }
+  for (const CommonPose& pose : limits.poses) {
+    Json angles = Json::object();
+    for (std::size_t k = 0; k < limits.dofs.size(); ++k) angles[limits.dofs[k].name] = pose.angles[k];
+    poses.push_back({{"name", pose.name}, {"angles", angles}});
+  }
+  write_json({{"schema", kSchema}, {"dofs", dofs}, {"deviations", deviations}, {"poses", poses}}, path);
 }
 
 }  // namespace bodyopt

@@ -23,14 +23,33 @@ struct DegreeOfFreedom {
   std::vector<JointTurn> turns;
 };
 
-// A joint's rotation away from the bind pose is the product of its turns in the order of the list: the last is applied
-// first.
-struct JointLimits {
-  std::vector<DegreeOfFreedom> dofs;
+// How far a joint may turn by itself, about any axis: what tells it from joints that its degrees of freedom couple it
+// to.
+struct JointDeviation {
+  std::uint32_t joint;
+  double degrees;  // above 0
 };
 
-// A mirrored degree of freedom follows the one it is the mirror image of. Throws Error(file) for bad bytes, and
-// Error(mismatch) for joints the skeleton lacks and for limits that exclude the rest pose.
+// A pose that the character takes often.
+struct CommonPose {
+  std::string name;
+  std::vector<double> angles;  // one per degree of freedom, degrees, within its limits
+};
+
+// A joint's rotation away from the bind pose is its deviation times the product of its turns in the order of the list:
+// the last is applied first.
+struct JointLimits {
+  std::vector<DegreeOfFreedom> dofs;
+  std::vector<JointDeviation> deviations{};  // at most one for a joint
+  std::vector<CommonPose> poses{};
+};
+
+// Of joints that degrees of freedom turn, where a file says nothing.
+inline constexpr double kUsualDeviation = 15;  // degrees
+
+// A mirrored degree of freedom follows the one it is the mirror image of; mirror images of common poses follow where
+// they differ. Throws Error(file) for bad bytes, and Error(mismatch) for joints the skeleton lacks and for limits that
+// exclude the rest pose.
 JointLimits read_joint_limits(const std::filesystem::path& path, const Skeleton& skeleton);
 void write_joint_limits(const JointLimits& limits, const Skeleton& skeleton, const std::filesystem::path& path);
 

@@ -7,15 +7,23 @@
 
 namespace bodyopt {
 
-using Angles = std::vector<double>;  // one per degree of freedom, degrees
+using Angles = std::vector<double>;    // one per degree of freedom, degrees
+using Deviations = std::vector<Vec3>;  // one per joint, axis times degrees; empty: none
+
+// All that makes a pose.
+struct Posture {
+  Angles angles;
+  Deviations deviations{};
+  bool operator==(const Posture&) const = default;
+};
 
 Angles rest_angles(const JointLimits& limits);
 
 // Rotations away from the bind pose, one per joint, about the world's axes with all parents at rest.
-std::vector<Quat> joint_turns(std::size_t joint_count, const JointLimits& limits, const Angles& angles);
+std::vector<Quat> joint_turns(std::size_t joint_count, const JointLimits& limits, const Posture& posture);
 
-// The bind pose, turned. Joints without limits stay as they are in the bind pose.
-Pose limited_pose(const Skeleton& skeleton, const JointLimits& limits, const Angles& angles);
+// The bind pose, turned. Joints without limits and deviations stay as they are in the bind pose.
+Pose limited_pose(const Skeleton& skeleton, const JointLimits& limits, const Posture& posture);
 
 // The rotation's angle, degrees, 0 to 180.
 double angle_of(const Quat& rotation);

@@ -13,24 +13,25 @@ namespace bodyopt {
 struct RangeOfMotionOptions {
   int frames = 3200;
   std::uint64_t seed = 1;
-  std::vector<Pose> examples{};  // random poses are blends of two of these; empty: anywhere within the limits
+  std::vector<Pose> examples{};  // random poses are blends of two of these; empty: of common ones, or anywhere
+  double step = 360;             // degrees that any joint may turn from a random frame to the next: here as it likes
 };
 
 struct RangeOfMotion {
-  std::vector<Angles> angles;  // per frame that the limits made: of all, or with examples of all but the random ones
-  std::vector<Pose> blends;    // the random frames where there are examples
+  std::vector<Posture> postures;  // per frame that the limits made: of all, or with examples all but the random ones
+  std::vector<Pose> blends;       // the random frames where there are examples
   std::size_t sweep_frames = 0, pair_frames = 0, random_frames = 0;  // after frame 1, which is the rest pose
-  double step = 0;          // degrees: no angle changes more between random frames, but where limbs were in the way
   double largest_step = 0;  // degrees, of any angle, or of any joint from and to blends, between two frames
 };
 
 // Frame 1 is the rest pose; then sweeps and pair blends (at most kSweepShare and kPairShare of the frames), then random
-// poses. The same for the same seed, on any number of threads. Throws Error(usage) for less than a frame.
+// poses, in which every joint deviates. The same for the same seed, on any number of threads. Throws Error(usage) for
+// less than a frame.
 RangeOfMotion range_of_motion(const Character& character, const JointLimits& limits,
                               const RangeOfMotionOptions& options);
 
-// What limbs may overlap: as much as when one degree of freedom alone goes through its range.
-SelfOverlap overlap_of_sweeps(const Character& character, const JointLimits& limits);
+// What limbs may overlap: as much as when one degree of freedom alone goes through its range, and in common poses.
+SelfOverlap overlap_of_limits(const Character& character, const JointLimits& limits);
 
 // 24 frames a second.
 Clip clip_of(const RangeOfMotion& motion, const JointLimits& limits, const Skeleton& skeleton);

@@ -79,7 +79,7 @@ std::vector<Angles> sweeps(const JointLimits& limits, std::size_t most) {
 std::vector<Angles> pair_blends(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
                                 std::size_t most) {
   const Angles rest = rest_angles(limits);
-  const auto clear = [&](const Angles& angles) { return !overlap.find(limited_pose(skeleton, limits, angles)); };
+  const auto clear = [&](const Angles& angles) { return !overlap.find(limited_pose(skeleton, limits, {angles})); };
   const std::vector<std::vector<bool>> touch = touching(limits, skeleton);
   std::vector<Corner> left = corners(limits, skeleton);
   std::vector<Angles> keys{rest};

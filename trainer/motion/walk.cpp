@@ -11,6 +11,17 @@ double largest_change(const Angles& from, const Angles& to) {
   return largest;
 }
 
+double largest_change(const Posture& from, const Posture& to) {
+  double largest = largest_change(from.angles, to.angles);
+  const auto deviation = [](const Posture& posture, std::size_t j) {
+    return j < posture.deviations.size() ? posture.deviations[j] : Vec3{};
+  };
+  for (std::size_t j = 0; j < std::max(from.deviations.size(), to.deviations.size()); ++j) {
+    largest = std::max(largest, length(deviation(to, j) - deviation(from, j)));
+  }
+  return largest;
+}
+
 std::size_t steps_between(const Angles& from, const Angles& to, double step) {
   return static_cast<std::size_t>(std::ceil(largest_change(from, to) / step - 1e-9));
 }

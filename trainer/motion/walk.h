@@ -8,6 +8,9 @@ namespace bodyopt {
 // The largest change of any angle, degrees.
 double largest_change(const Angles& from, const Angles& to);
 
+// That of any angle or of any joint's deviation.
+double largest_change(const Posture& from, const Posture& to);
+
 // Number of steps of at most `step` degrees.
 std::size_t steps_between(const Angles& from, const Angles& to, double step);
 
