@@ -153,11 +153,12 @@ TEST(Retarget, ClipsOfAnotherRestPoseLayBonesAlongEachOther) {
 TEST(Retarget, TheSkinTellsTheRestPose) {
   const Skeleton skeleton = skeleton_of(stretched_arm());
   GltfBlob blob = skinned_nodes_of(hanging_arm());
-  blob.root["nodes"][1]["rotation"] = axis_angle({0, 0, 1}, 1);
+  blob.root["nodes"][1]["rotation"] = axis_angle({0, 1, 0}, 1);
   turn(blob, 1, {0, 0, 0, 1}, axis_angle({1, 0, 0}, -kQuarter));
   const Clip clip = read(blob, skeleton);
   expect_bone(skeleton, clip.poses[0], "upper", "lower", {0, -1, 0});
   expect_bone(skeleton, clip.poses[1], "upper", "lower", {0, 0, 1});
+  EXPECT_NEAR(length(rotate(clip.poses[0].joints[1].rotation, {0, 1, 0}) - Vec3{1, 0, 0}), 0, 1e-5);  // not twisted
 }
 
 TEST(Retarget, ClipsOfTheSameSkeletonAreTakenBitForBit) {
@@ -310,6 +311,40 @@ TEST(Retarget, HostileRestPosesAreErrors) {
   turn(unbound, 1, {0, 0, 0, 1}, axis_angle({1, 0, 0}, -kQuarter));
   const Clip clip = read(unbound, skeleton);
   expect_bone(skeleton, clip.poses[1], "upper", "lower", {0, 0, 1});
+}
+
+TEST(Retarget, DamagedBytesNeverCrash) {
+  const TemporaryFolder folder;
+  GltfBlob blob = skinned_nodes_of(hanging_arm());
+  turn(blob, 1, {0, 0, 0, 1}, axis_angle({1, 0, 0}, -kQuarter));
+  animate(blob, 0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0});
+  const std::string good = blob.glb();
+  const Skeleton skeleton = skeleton_of(stretched_arm());
+  unsigned state = 5;
+  const auto random = [&](std::size_t below) {
+    state = state * 1664525u + 1013904223u;
+    return (state >> 8) % below;
+  };
+  std::size_t read_whole = 0;
+  for (int round = 0; round < 400; ++round) {
+    std::string bytes = good;
+    for (std::size_t k = 0; k <= random(3); ++k) {
+      bytes[20 + random(bytes.size() - 20)] = "0123456789-,:[]{}\"\xff\0eE."[random(22)];
+    }
+    put_bytes(folder / "d.glb", bytes);
+    try {
+      const Clip clip = read_clip((folder / "d.glb").string(), skeleton, {.fps = 1});
+      for (const Pose& pose : clip.poses) {
+        for (const JointTransform& joint : pose.joints) {
+          ASSERT_TRUE(std::isfinite(length(joint.translation)) && std::isfinite(joint.rotation[3])) << round;
+        }
+      }
+      ++read_whole;
+    } catch (const Error& error) {
+      EXPECT_TRUE(error.kind() == ErrorKind::file || error.kind() == ErrorKind::mismatch) << error.what();
+    }
+  }
+  EXPECT_GT(read_whole, 100u);
 }
 
 const std::string kWalk =

@@ -101,6 +101,7 @@ TEST(HeldTurns, WhatComesAndGoesIsNotHeld) {
   EXPECT_EQ(arm.held(poses([](int) { return 30; })).size(), 1u);
   EXPECT_TRUE(arm.held(poses([](int) { return 20; })).empty());                       // little
   EXPECT_TRUE(arm.held(poses([](int k) { return k % 2 == 0 ? 60 : -60; })).empty());  // to and fro
+  EXPECT_TRUE(arm.held(poses([](int k) { return k % 2 == 0 ? 60 : 8; })).empty());    // more and less
   EXPECT_TRUE(arm.held(poses([](int k) { return k < 10 ? 0 : 60; })).empty());        // not from the beginning
   const std::vector<HeldTurn> mostly = arm.held(poses([](int k) { return k < 2 ? 0 : 60; }));
   ASSERT_EQ(mostly.size(), 1u);
