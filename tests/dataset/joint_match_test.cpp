@@ -60,6 +60,12 @@ TEST(JointMatch, EqualNamesOfOtherPartsAreNotMatched) {
   EXPECT_EQ(moved_by({"lowerneck", "Neck", "Head"}, {"Neck", "Neck1", "Head"}), (Names{"lowerneck", "Neck", "Head"}));
 }
 
+// A camera's target called like a part of the body, in the character's own file.
+TEST(JointMatch, WhoHasAllNamesIsMatchedByThem) {
+  EXPECT_EQ(moved_by({"Head", "mixamorig:Hips", "mixamorig:Head"}, {"mixamorig:Hips", "mixamorig:Head"}),
+            (Names{"mixamorig:Hips", "mixamorig:Head"}));
+}
+
 TEST(JointMatch, CaseIsSaid) {
   Names notes;
   EXPECT_EQ(moved_by({"TAIL", "Wing"}, {"tail", "Wing"}, "", &notes), (Names{"TAIL", "Wing"}));

@@ -255,6 +255,15 @@ void note_lost_scale(const Motion& motion, std::size_t frames, double fps, std::
   }
 }
 
+// Less than a third of the joints of either: a few names are those of any creature.
+bool has_few_in_common(const Motion& motion) {
+  std::set<std::size_t> animated;
+  for (const AnimationChannel& channel : motion.channels) animated.insert(channel.node);
+  const auto matched = static_cast<std::size_t>(
+      std::count_if(motion.joint_nodes.begin(), motion.joint_nodes.end(), [](int node) { return node >= 0; }));
+  return 3 * matched < std::min(motion.skeleton.size(), animated.size());
+}
+
 // Motion of a character that rests in another pose.
 void carry_motion(const GltfFile& file, const Motion& motion, const RestNodes& rest, std::size_t frames, Clip& clip) {
   const SourceMotion source = source_of(motion, rest);
@@ -263,9 +272,7 @@ void carry_motion(const GltfFile& file, const Motion& motion, const RestNodes& r
   for (const int node : motion.joint_nodes) match.push_back(node < 0 ? -1 : place[static_cast<std::size_t>(node)]);
   const Retarget retarget(source, motion.skeleton, match, frames, clip.fps, clip.notes);
   const double unit = retarget.fitted_unit() > 0 ? retarget.fitted_unit() : 1;
-  const auto matched =
-      static_cast<std::size_t>(std::count_if(match.begin(), match.end(), [](int n) { return n >= 0; }));
-  if (is_other_build(1 / unit) && 2 * matched < motion.skeleton.size()) fail_build(file, 1 / unit);
+  if (is_other_build(1 / unit) && has_few_in_common(motion)) fail_build(file, 1 / unit);
   if (std::abs(unit - 1) > 0.01) {
     clip.notes.push_back("The bones of the clip's character are " + rounded(1 / unit) +
                          " times as long as this one's; how far it travels is scaled by " + rounded(unit) + ".");

@@ -44,10 +44,13 @@ class Matcher {
   Matcher(std::span<const NamedJoint> source, const Skeleton& skeleton)
       : source_(source.begin(), source.end()),
         target_(named_joints(skeleton)),
-        source_roles_(joint_roles(source_)),
-        target_roles_(joint_roles(target_)),
+        source_roles_(source_.size()),
+        target_roles_(target_.size()),
         match_(target_.size(), -1),
         taken_(source_.size(), false) {
+    if (has_all_names()) return;
+    source_roles_ = joint_roles(source_);
+    target_roles_ = joint_roles(target_);
     pair_roles();
   }
 
@@ -88,6 +91,13 @@ class Matcher {
   const std::vector<int>& match() const { return match_; }
 
  private:
+  // A clip of the character's own skeleton, whatever else is in its file.
+  bool has_all_names() const {
+    const std::vector<std::string> names = names_of(source_);
+    const std::set<std::string> known(names.begin(), names.end());
+    return std::all_of(target_.begin(), target_.end(), [&](const auto& joint) { return known.contains(joint.name); });
+  }
+
   void pair(std::size_t s, std::size_t t) {
     match_[t] = static_cast<int>(s);
     taken_[s] = true;
