@@ -59,7 +59,8 @@ std::string relative_clip(const std::string& clip, const std::filesystem::path& 
 }
 
 DatasetTake read_take(const JsonObject& json) {
-  json.allow({"name", "clip", "fps", "first_frame", "frames", "controls", "joint_map", "shapes", "shapes_status", "heldout"});
+  json.allow(
+      {"name", "clip", "fps", "first_frame", "frames", "controls", "joint_map", "shapes", "shapes_status", "heldout"});
   DatasetTake take;
   take.name = json.name("name");
   take.clip = json.name("clip");
