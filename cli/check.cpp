@@ -1,16 +1,19 @@
-// bodyopt check: does a dataset belong together; is a character fit for use.
+// bodyopt check: does a dataset belong together; is a character fit for use; does a clip suit a character.
 #include "trainer/dataset/check.h"
 
 #include <filesystem>
 
 #include "cli/common.h"
 #include "runtime/basis/error.h"
+#include "trainer/dataset/notes.h"
+#include "trainer/motion/held_turns.h"
 
 namespace bodyopt::cli {
 namespace {
 
 struct CheckArguments {
-  std::string path;
+  std::string path, limits;
+  ClipArguments clip;
   double unit = 0;
   JsonOption json;
 };
@@ -32,6 +35,40 @@ void check_character(const CheckArguments& arguments) {
                        {"surface", surface},
                        {"notes", character.notes}},
                       text);
+}
+
+// What the frames asked for hold beyond the character's limits.
+Json held_beyond_limits(const std::string& path, const Skeleton& skeleton, const std::vector<Pose>& poses,
+                        std::string& text) {
+  const JointLimits limits = read_joint_limits(path, skeleton);
+  Json held = Json::array();
+  for (const HeldTurn& turn : held_turns(limits, skeleton, poses)) {
+    const std::string description = describe(turn, skeleton, poses.size());
+    text += "  PROBLEM: " + description + "\n";
+    held.push_back({{"joint", skeleton.joints[turn.joint].name},
+                    {"degrees", turn.degrees},
+                    {"axis", turn.axis},
+                    {"share_of_frames", turn.share},
+                    {"problem", description}});
+  }
+  if (held.empty()) text += "no joint is held beyond its limits\n";
+  const std::vector<std::string> unknown = turning_without_limits(limits, skeleton, poses);
+  if (!unknown.empty()) text += "note: the limits say nothing of " + list_names(unknown) + ": not judged\n";
+  return held;
+}
+
+// Reading it says how it suits the character; limits say whether it keeps to them.
+void check_clip(const CheckArguments& arguments) {
+  const Character character = read_character(arguments.path, arguments.unit);
+  std::vector<int> frames;
+  const Clip clip = arguments.clip.read(character.skeleton, arguments.unit, frames);
+  std::string text = clip.name + ": " + count_of(frames.size(), "frame", "frames") + "\n";
+  Json result = {{"clip", clip.name}, {"frames", frames.size()}, {"notes", clip.notes}};
+  if (!arguments.limits.empty()) {
+    result["held_beyond_limits"] =
+        held_beyond_limits(arguments.limits, character.skeleton, poses_of(clip, frames), text);
+  }
+  arguments.json.emit(result, text);
 }
 
 void check(const CheckArguments& arguments) {
@@ -63,7 +100,12 @@ void check(const CheckArguments& arguments) {
 void run(const CheckArguments& arguments) {
   arguments.json.require_writable();
   const std::string extension = std::filesystem::path(arguments.path).extension();
-  if (extension == ".glb" || extension == ".gltf") return check_character(arguments);
+  const bool is_character = extension == ".glb" || extension == ".gltf";
+  if (!arguments.clip.source.empty()) {
+    if (!is_character) throw Error(ErrorKind::usage, "--clip is checked with a character (.glb, .gltf), not a dataset");
+    return check_clip(arguments);
+  }
+  if (is_character) return check_character(arguments);
   check(arguments);
 }
 
@@ -71,10 +113,20 @@ void run(const CheckArguments& arguments) {
 
 void add_check(CLI::App& app) {
   auto arguments = std::make_shared<CheckArguments>();
-  CLI::App& verb = *app.add_subcommand("check", "Does a dataset belong together? Is a character fit for use?");
+  CLI::App& verb =
+      *app.add_subcommand("check", "Does a dataset belong together? Is a character fit for use? Does a clip suit it?");
   verb.add_option("dataset", arguments->path, "dataset.json or its folder, or a character (.glb, .gltf)")
       ->required()
       ->type_name("DATASET");
+  arguments->clip.add(verb);
+  CLI::Option& clip = *verb.get_option("--clip")->required(false);
+  verb.add_option("--limits", arguments->limits, "Joint limits (limits.json): does the clip hold joints beyond them?")
+      ->type_name("FILE")
+      ->check(refuse_empty)
+      ->needs(&clip);
+  for (const char* of_clip : {"--frames", "--fps", "--first-frame", "--controls", "--joint-map"}) {
+    verb.get_option(of_clip)->needs(&clip);
+  }
   add_unit(verb, arguments->unit);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

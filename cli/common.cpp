@@ -48,6 +48,7 @@ void ClipArguments::add(CLI::App& verb) {
                   "Controls over the clip's frames, such as muscles flexed (controls.json)")
       ->type_name("FILE")
       ->check(refuse_empty);
+  add_joint_map(verb, options.joint_map);
 }
 
 Clip ClipArguments::read(const Skeleton& skeleton, double unit, std::vector<int>& frame_numbers) const {
@@ -79,6 +80,12 @@ void DeviceArguments::add(CLI::App& verb) {
 void add_unit(CLI::App& verb, double& unit) {
   verb.add_option("--unit", unit, "Metres per unit of the character's file (default: it must be in metres)")
       ->check(CLI::PositiveNumber);
+}
+
+void add_joint_map(CLI::App& verb, std::string& path) {
+  verb.add_option("--joint-map", path, "Which joint of the clip moves which, where names do not tell (joint_map.json)")
+      ->type_name("FILE")
+      ->check(refuse_empty);
 }
 
 std::string refuse_empty(const std::string& value) {

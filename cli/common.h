@@ -30,7 +30,7 @@ struct JsonOption {
   void emit(const Json& result, const std::string& text) const;
 };
 
-// --clip CLIP [--frames R] [--fps N] [--first-frame N] [--controls FILE]
+// --clip CLIP [--frames R] [--fps N] [--first-frame N] [--controls FILE] [--joint-map FILE]
 struct ClipArguments {
   std::string source, frames;
   ClipOptions options;
@@ -48,6 +48,7 @@ struct DeviceArguments {
 };
 
 void add_unit(CLI::App& verb, double& unit);
+void add_joint_map(CLI::App& verb, std::string& path);
 
 // A check of options: an empty value is most likely a shell variable that is not set, and must not mean the default.
 std::string refuse_empty(const std::string& value);

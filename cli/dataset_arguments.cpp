@@ -59,6 +59,7 @@ DatasetTake TakeArguments::take(const std::vector<int>& frames, const fs::path& 
   take.fps = clip.options.fps;
   take.first_frame = clip.options.first_frame;
   take.controls = relative_to(folder, clip.options.controls);
+  take.joint_map = relative_to(folder, clip.options.joint_map);
   take.frames = frames;
   if (heldout == "all") {
     take.heldout = frames;

@@ -6,6 +6,7 @@
 
 #include "cli/attachments.h"
 #include "cli/common.h"
+#include "cli/fade_log.h"
 #include "cli/jiggle_arguments.h"
 #include "runtime/basis/error.h"
 #include "runtime/carry_skin.h"
@@ -128,6 +129,7 @@ void run(const EvalArguments& arguments) {
   std::uint32_t worst_feature = 0;
   const auto start = std::chrono::steady_clock::now();
   JiggleLog jiggle;
+  FadeLog fades;
   // Frames held in memory at once. Of the jiggle each is measured, and it may be slow.
   const std::size_t step = arguments.jiggle.jiggle ? 1 : 64;
   for (std::size_t begin = 0; begin < poses.size(); begin += step) {
@@ -145,6 +147,7 @@ void run(const EvalArguments& arguments) {
       writer.append(skin.subspan(3 * k * points, 3 * std::size_t{points}));
       attached.append(std::span(part.positions).subspan(k * own, own), poses[begin + k]);
       per_frame.push_back({{"frame", frames[begin + k]}, {"outside", part.outside[k]}});
+      fades.add(deformer.basis().skeleton, part, k, frames[begin + k], per_frame.back());
       if (arguments.jiggle.jiggle) jiggle.add(deformer, frames[begin + k], per_frame.back());
       if (part.outside[k] > 0) outside_frames.push_back(frames[begin + k]);
       if (static_cast<double>(part.outside[k]) > worst_outside) {
@@ -181,7 +184,7 @@ void run(const EvalArguments& arguments) {
                outside_frames.size(), worst_name.c_str(), worst_outside) +
         format_frame_range(outside_frames) + "\n";
   }
-  text += expected.line + jiggle.text();
+  text += fades.text() + expected.line + jiggle.text();
   for (const std::string& note : notes) text += note + "\n";
   text += "wrote " + arguments.out + "\n";
   const Json caches = attached.written();

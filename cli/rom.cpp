@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "cli/common.h"
+#include "trainer/motion/held_turns.h"
 #include "trainer/motion/joint_coverage.h"
 #include "trainer/motion/range_of_motion.h"
 
@@ -9,7 +10,7 @@ namespace bodyopt::cli {
 namespace {
 
 struct RomArguments {
-  std::string character, limits, out;
+  std::string character, limits, out, joint_map;
   double unit = 0;
   std::vector<std::string> from;
   RangeOfMotionOptions options;
@@ -18,13 +19,24 @@ struct RomArguments {
 
 constexpr std::size_t kCoverageSamples = 1000;
 
-std::vector<Pose> example_poses(const RomArguments& arguments, const Skeleton& skeleton) {
+// Poses that no body takes make a basis of such poses: what the clip holds beyond the limits is said.
+void say_held_turns(const std::string& source, const Clip& clip, const JointLimits& limits, const Skeleton& skeleton) {
+  std::vector<std::string> notes;
+  for (const HeldTurn& turn : held_turns(limits, skeleton, clip.poses)) {
+    notes.push_back(source + ": " + describe(turn, skeleton, clip.poses.size()));
+  }
+  say(notes);
+}
+
+std::vector<Pose> example_poses(const RomArguments& arguments, const JointLimits& limits, const Skeleton& skeleton) {
   std::vector<Pose> examples;
   for (const std::string& source : arguments.from) {
     ClipOptions options;
     options.unit = clip_unit(source, arguments.unit);
+    options.joint_map = arguments.joint_map;
     const Clip clip = read_clip(source, skeleton, options);
     say(clip.notes);
+    say_held_turns(source, clip, limits, skeleton);
     examples.insert(examples.end(), clip.poses.begin(), clip.poses.end());
   }
   return examples;
@@ -63,7 +75,7 @@ void run(const RomArguments& arguments) {
   const Skeleton& skeleton = character.skeleton;
   const JointLimits limits = read_joint_limits(arguments.limits, skeleton);
   RangeOfMotionOptions options = arguments.options;
-  options.examples = example_poses(arguments, skeleton);
+  options.examples = example_poses(arguments, limits, skeleton);
 
   const RangeOfMotion motion = range_of_motion(character, limits, options);
   const Clip clip = clip_of(motion, limits, skeleton);
@@ -112,6 +124,7 @@ void add_rom(CLI::App& app) {
           "--step", arguments->options.step,
           "Degrees that a joint may turn from a random frame to the next: for solvers that need a smooth motion")
       ->check(CLI::Range(1.0, 360.0));
+  add_joint_map(verb, arguments->joint_map);
   add_unit(verb, arguments->unit);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

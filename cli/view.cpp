@@ -83,6 +83,7 @@ void add_view(CLI::App& app) {
                   "Joint limits (limits.json) of the first character: how far joints can be turned")
       ->type_name("FILE")
       ->check(refuse_empty);
+  add_joint_map(verb, options.joint_map);
   verb.add_option("--state", options.state, "Cameras and settings that the viewport saved")->type_name("FILE");
   verb.add_option("--do", options.commands, "Commands of the viewport, parted by ';'")->type_name("COMMANDS");
   add_unit(verb, options.clip.unit);

@@ -47,7 +47,8 @@ fs::path ActorFiles::attached() const { return fs::path(basis).replace_extension
 std::vector<fs::path> ActorFiles::paths() const {
   std::vector<fs::path> all;
   if (is_basis(basis)) all = {dynamics(), attached()};
-  for (const std::string& file : {basis, split_source(clip).path.string(), truth, proxy, character, limits}) {
+  for (const std::string& file :
+       {basis, split_source(clip).path.string(), truth, proxy, character, limits, joint_map}) {
     if (!file.empty()) all.emplace_back(file);
   }
   return all;
@@ -139,6 +140,7 @@ std::string Actor::why_still() const {
 void Actor::open_clip(const std::string& source) {
   ClipOptions options = clip_options_;
   options.unit = clip_unit(source, kept_unit(basis()));
+  options.joint_map = files_.joint_map;
   Clip clip = read_clip(source, basis().skeleton, options);
   arrange_controls(basis().residual.controls, clip);
   if (clip.poses.empty()) throw Error(ErrorKind::file, source + ": the clip has no frame");

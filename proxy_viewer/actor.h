@@ -32,6 +32,7 @@ struct ActorFiles {
   std::string clip{}, truth{}, proxy{};
   std::string character{};  // for linear blending
   std::string limits{};     // of its joints
+  std::string joint_map{};  // of its clips
 
   std::filesystem::path dynamics() const;
   std::filesystem::path attached() const;

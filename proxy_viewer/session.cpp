@@ -32,8 +32,11 @@ std::vector<std::string> Session::open_first() {
     throw Error(ErrorKind::usage,
                 file + ": a basis (.safetensors) or a character (.glb, .gltf) must come before its clips and caches");
   }
-  std::vector<std::string> notes =
-      add({.basis = file, .proxy = options_.proxy, .character = options_.character, .limits = options_.limits});
+  std::vector<std::string> notes = add({.basis = file,
+                                        .proxy = options_.proxy,
+                                        .character = options_.character,
+                                        .limits = options_.limits,
+                                        .joint_map = options_.joint_map});
   describe_cast();
   watch();
   return notes;

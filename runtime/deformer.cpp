@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 
 #include "runtime/basis/error.h"
 #include "runtime/fade.h"
@@ -125,6 +126,13 @@ double size_of(const MeshTable& mesh) {
 }
 
 }  // namespace
+
+double mean_fade(const Evaluation& evaluation, std::size_t k) {
+  const std::size_t regions = evaluation.fades.size() / std::max<std::size_t>(1, evaluation.fading_joint.size());
+  if (regions == 0) return 1;
+  const auto begin = evaluation.fades.begin() + static_cast<std::ptrdiff_t>(k * regions);
+  return std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(regions), 0.0) / static_cast<double>(regions);
+}
 
 std::string feature_name(const Basis& basis, std::uint32_t feature) {
   const std::vector<std::uint32_t> joints = feature_joints(basis.skeleton);

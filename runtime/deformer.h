@@ -42,6 +42,9 @@ struct Evaluation {
   std::map<std::string, double> stage_seconds;  // by stage name, summed over the batch
 };
 
+// The mean over the regions of frame k: how much is left of what was learned. 1 without regions.
+double mean_fade(const Evaluation& evaluation, std::size_t k);
+
 // "joint LeftArm", "strain biceps/1" or "control breath": what a feature of the residual is of.
 std::string feature_name(const Basis& basis, std::uint32_t feature);
 

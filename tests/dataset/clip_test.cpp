@@ -36,16 +36,6 @@ GltfBlob two_nodes() {
   return blob;
 }
 
-void animate(GltfBlob& blob, int node, const std::string& path, const std::vector<float>& times,
-             const std::vector<float>& values, const std::string& interpolation = "LINEAR") {
-  auto& animation = blob.root["animations"][0];
-  const std::size_t input = blob.scalars(times);
-  const std::size_t output = path == "rotation" ? blob.quads(values) : blob.vectors(values);
-  animation["channels"].push_back(
-      {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", path}}}});
-  animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", interpolation}});
-}
-
 Clip clip_of(const GltfBlob& blob, const TemporaryFolder& folder, const ClipOptions& options = {},
              const Skeleton& skeleton = two_joints(), const std::string& name = "") {
   put_bytes(folder / "a.glb", blob.glb());
@@ -362,8 +352,9 @@ TEST(Clip, RealHumanStandsInItsOwnClip) {
   const Clip carried = read_clip(path->string(), average.skeleton, {.fps = 30});
   const int shin = average.skeleton.find("LeftFoot");
   ASSERT_GE(shin, 0);
-  EXPECT_EQ(carried.poses[99].joints[static_cast<std::size_t>(shin)].translation,
-            average.skeleton.joints[static_cast<std::size_t>(shin)].default_local.translation);
+  EXPECT_NEAR(length(carried.poses[99].joints[static_cast<std::size_t>(shin)].translation -
+                     average.skeleton.joints[static_cast<std::size_t>(shin)].default_local.translation),
+              0, 1e-6);
 }
 
 TEST(Clip, RealClipsReadAndRoundTrip) {

@@ -25,6 +25,7 @@ Dataset small_dataset() {
   dataset.takes = {
       {"walk", "clips/walk.glb#walk 1", "", 23.976, -3, {-3, -2, -1, 5, 7, 9}, "walk.pc2", "walk.status.json", {5, 7}},
       {"run", "run.bvh", "flex.json", 24, 1, {10, 1, 2, 3}, "run.pc2", "", {}}};
+  dataset.takes[1].joint_map = "names.json";
   return dataset;
 }
 
@@ -46,6 +47,7 @@ void expect_same(const Dataset& a, const Dataset& b) {
     EXPECT_EQ(x.shapes, y.shapes);
     EXPECT_EQ(x.shapes_status, y.shapes_status);
     EXPECT_EQ(x.heldout, y.heldout);
+    EXPECT_EQ(x.joint_map, y.joint_map);
   }
 }
 
@@ -78,12 +80,14 @@ TEST(DatasetFile, AbsolutePathsAreWrittenRelative) {
   dataset.character = (folder / "in/hero.glb").string();
   dataset.takes[0].clip = (folder / "clip.glb").string() + "#walk";
   dataset.takes[0].shapes = (folder / "out/walk.pc2").string();
+  dataset.takes[0].joint_map = (folder / "names.json").string();
   std::filesystem::create_directory(folder / "out");
   write_dataset(dataset, folder / "out/dataset.json");
   const Dataset loaded = read_dataset(folder / "out/dataset.json");
   EXPECT_EQ(loaded.character, "../in/hero.glb");
   EXPECT_EQ(loaded.takes[0].clip, "../clip.glb#walk");
   EXPECT_EQ(loaded.takes[0].shapes, "walk.pc2");
+  EXPECT_EQ(loaded.takes[0].joint_map, "../names.json");
 }
 
 TEST(DatasetFile, AbsolutePathsAreRead) {

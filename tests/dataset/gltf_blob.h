@@ -88,6 +88,17 @@ struct GltfBlob {
   }
 };
 
+// Adds a channel to the first animation, which must be there.
+inline void animate(GltfBlob& blob, int node, const std::string& path, const std::vector<float>& times,
+                    const std::vector<float>& values, const std::string& interpolation = "LINEAR") {
+  auto& animation = blob.root["animations"][0];
+  const std::size_t input = blob.scalars(times);
+  const std::size_t output = path == "rotation" ? blob.quads(values) : blob.vectors(values);
+  animation["channels"].push_back(
+      {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", path}}}});
+  animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", interpolation}});
+}
+
 inline std::vector<float> identity_matrices(std::size_t count) {
   std::vector<float> values;
   for (std::size_t i = 0; i < 16 * count; ++i) values.push_back(i % 16 % 5 == 0 ? 1.0f : 0.0f);

@@ -56,6 +56,24 @@ TEST_F(ViewProgramTest, ACharacterIsShownWithoutTraining) {
   }
 }
 
+TEST_F(ViewProgramTest, AJointMapTellsWhatMovesTheFirstCharacter) {
+  Skeleton renamed = small_.made.skeleton;
+  for (Joint& joint : renamed.joints) joint.name = "bone_" + joint.name;
+  write_clip(bending_clip(small_.made.skeleton), renamed, path("renamed.glb"));
+  std::string joints;
+  for (const Joint& joint : small_.made.skeleton.joints) {
+    joints += std::string(joints.empty() ? "" : ",") + R"({"from": "bone_)" + joint.name + R"(", "to": ")" +
+              joint.name + "\"}";
+  }
+  std::ofstream(path("map.json")) << R"({"schema": "bodyopt-joint-map-1", "joints": [)" << joints << "]}";
+  const std::string shown = small_.basis + " " + path("renamed.glb") + " --cf 9";
+  expect(view(shown + " -o " + path("a.png")), 3, "moves no joint");
+  const Image mapped = picture(shown + " --joint-map " + path("map.json"));
+  EXPECT_TRUE(mapped.rgba == picture(small_.basis + " " + small_.clip + " --cf 9").rgba);
+  std::ofstream(path("map.json")) << R"({"schema": "bodyopt-joint-map-1", "joints": [{"from": "x", "to": "y"}]})";
+  expect(view(shown + " -o " + path("a.png") + " --joint-map " + path("map.json")), 3, "'x'");
+}
+
 TEST_F(ViewProgramTest, WithoutAFileItIsTheBuiltInArm) {
   const Image rest = picture("");
   expect(view("-o " + path("a.png")), 0, "bodyopt demo --out demo");

@@ -63,8 +63,20 @@ std::size_t frame_count(const std::string& file, double duration, std::size_t jo
 void fail_unmatched(const std::string& file, const Skeleton& skeleton, std::span<const std::string> names) {
   std::vector<std::string> joints;
   for (const Joint& joint : skeleton.joints) joints.push_back(joint.name);
-  throw Error(ErrorKind::mismatch, file + ": moves no joint of the character; the clip has " + list_names(names) +
-                                       ", the character " + list_names(joints) + ". Was it made for another skeleton?");
+  throw Error(ErrorKind::mismatch,
+              file + ": moves no joint of the character; the clip has " + list_names(names) + ", the character " +
+                  list_names(joints) +
+                  ". Was it made for another skeleton? A joint map (--joint-map) can say what moves what");
+}
+
+void check_positions(const Clip& clip, const std::string& file) {
+  for (const Pose& pose : clip.poses) {
+    for (const JointTransform& t : pose.joints) {
+      if (!std::isfinite(length(t.translation))) {
+        throw Error(ErrorKind::file, file + ": its positions are out of range; the file is damaged");
+      }
+    }
+  }
 }
 
 double clip_unit(const std::string& source, double character_unit) {

@@ -23,15 +23,16 @@ struct Clip {
 struct ClipOptions {
   double fps = 24;
   int first_frame = 1;
-  double unit = 0;         // metres per file unit; 0: as the character was read (glTF: 1), BVH: fitted to the skeleton
-  std::string controls{};  // controls.json that goes with the clip; empty: none
+  double unit = 0;          // metres per file unit; 0: as the character was read (glTF: 1), BVH: fitted to the skeleton
+  std::string controls{};   // controls.json that goes with the clip; empty: none
+  std::string joint_map{};  // joint_map.json: which joint moves which, where names do not tell; empty: none
 };
 
 // The unit of a clip for a character that was read with `character_unit`: glTF clips share it, BVH is fitted (0).
 double clip_unit(const std::string& source, double character_unit);
 
-// `source` is FILE.glb#name, FILE.glb (its only or first clip), or FILE.bvh. Joints are matched by name; a clip that
-// matches no joint at all throws Error(mismatch) with both lists. Throws Error(file).
+// `source` is FILE.glb#name, FILE.glb (its only or first clip), or FILE.bvh. Joints are matched as match_joints() says;
+// a clip that matches no joint at all throws Error(mismatch) with both lists. Throws Error(file).
 Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOptions& options);
 
 // The names of the clips in a .glb, .gltf or .bvh (a BVH's is its file's). Throws Error(file).

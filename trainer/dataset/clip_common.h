@@ -16,4 +16,7 @@ std::size_t frame_count(const std::string& file, double duration, std::size_t jo
 // Throws Error(mismatch) with both lists of names.
 [[noreturn]] void fail_unmatched(const std::string& file, const Skeleton& skeleton, std::span<const std::string> names);
 
+// Throws Error(file) where a joint's place is no finite number.
+void check_positions(const Clip& clip, const std::string& file);
+
 }  // namespace bodyopt

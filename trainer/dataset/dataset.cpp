@@ -59,7 +59,8 @@ std::string relative_clip(const std::string& clip, const std::filesystem::path& 
 }
 
 DatasetTake read_take(const JsonObject& json) {
-  json.allow({"name", "clip", "fps", "first_frame", "frames", "controls", "shapes", "shapes_status", "heldout"});
+  json.allow(
+      {"name", "clip", "fps", "first_frame", "frames", "controls", "joint_map", "shapes", "shapes_status", "heldout"});
   DatasetTake take;
   take.name = json.name("name");
   take.clip = json.name("clip");
@@ -67,6 +68,7 @@ DatasetTake read_take(const JsonObject& json) {
   take.first_frame = json.integer("first_frame");
   take.frames = frames_of(json, "frames");
   if (json.has("controls")) take.controls = json.name("controls");
+  if (json.has("joint_map")) take.joint_map = json.name("joint_map");
   take.shapes = json.name("shapes");
   if (json.has("shapes_status")) take.shapes_status = json.text("shapes_status");
   if (json.has("heldout")) take.heldout = frames_of(json, "heldout");
@@ -86,18 +88,20 @@ Clip read_clip(const Dataset& dataset, const DatasetTake& take, const Skeleton& 
   options.first_frame = take.first_frame;
   options.unit = clip_unit(take.clip, dataset.unit);
   if (!take.controls.empty()) options.controls = (dataset.folder / take.controls).string();
+  if (!take.joint_map.empty()) options.joint_map = (dataset.folder / take.joint_map).string();
   return read_clip((dataset.folder / take.clip).string(), skeleton, options);
 }
 
 void require_same_motion(const DatasetTake& there, const DatasetTake& asked) {
   if (there.clip == asked.clip && there.fps == asked.fps && there.first_frame == asked.first_frame &&
-      there.controls == asked.controls) {
+      there.controls == asked.controls && there.joint_map == asked.joint_map) {
     return;
   }
   const auto described = [](const DatasetTake& take) {
     std::ostringstream text;
     text << "'" << take.clip << "' at " << take.fps << " frames a second from frame " << take.first_frame
          << ", controls '" << take.controls << "'";
+    if (!take.joint_map.empty()) text << ", joint map '" << take.joint_map << "'";
     return text.str();
   };
   throw Error(ErrorKind::mismatch, "the dataset has a take '" + there.name + "' already, of " + described(there) +
@@ -141,6 +145,7 @@ void write_dataset(const Dataset& dataset, const std::filesystem::path& path) {
                   {"frames", range_text(take.frames, take, path)},
                   {"shapes", relative_path(take.shapes, folder)}};
     if (!take.controls.empty()) entry["controls"] = relative_path(take.controls, folder);
+    if (!take.joint_map.empty()) entry["joint_map"] = relative_path(take.joint_map, folder);
     if (!take.shapes_status.empty()) entry["shapes_status"] = relative_path(take.shapes_status, folder);
     if (!take.heldout.empty()) entry["heldout"] = range_text(take.heldout, take, path);
     json["takes"].push_back(entry);

@@ -25,6 +25,7 @@ struct DatasetTake {
   std::string shapes;         // PC2, output vertex order, relative path
   std::string shapes_status;  // side-car JSON of simulate, relative path; empty for shapes from elsewhere
   std::vector<int> heldout;   // frames never trained on
+  std::string joint_map{};    // joint_map.json of the clip, relative path, or empty
 };
 
 struct Dataset {
@@ -40,7 +41,8 @@ struct Dataset {
 // The clip of a take, with its controls. Throws as read_clip.
 Clip read_clip(const Dataset& dataset, const DatasetTake& take, const Skeleton& skeleton);
 
-// Throws Error(mismatch) when two takes of one name are of another clip, other controls or other frame numbers.
+// Throws Error(mismatch) when two takes of one name are of another clip, other controls, another joint map or other
+// frame numbers.
 void require_same_motion(const DatasetTake& there, const DatasetTake& asked);
 
 // Throws Error(file) on bad bytes, wrong schema version or missing keys.

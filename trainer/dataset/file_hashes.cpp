@@ -37,6 +37,7 @@ std::vector<HashedFile> hashed_files(const Dataset& dataset) {
     const std::string of_take = "take '" + take.name + "': ";
     add(of_take + "clip", take.clip.substr(0, take.clip.rfind('#')));
     add(of_take + "controls", take.controls);
+    add(of_take + "joint map", take.joint_map);
     add(of_take + "shapes", take.shapes);
     add(of_take + "side-car", take.shapes_status);
   }

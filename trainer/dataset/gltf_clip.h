@@ -9,9 +9,11 @@
 
 namespace bodyopt {
 
-// `name`: the animation; empty takes the first. The local transforms of the clip's nodes are applied to the joints of
-// the same names as they are, even where the two files rest differently; what the clip does not animate stays as the
-// skeleton's default. Nodes above a joint that are no joints themselves are composed in, as for characters.
+// `name`: the animation; empty takes the first. Joints are matched as match_joints() says. Where the file's rest pose
+// (read_rest()) is the character's bind pose, or its joints have the same bones, the local transforms of the nodes are
+// applied to the joints as they are; what the clip does not animate stays as the skeleton's default. Else the motion is
+// carried over as Retarget says, and how far it travels is scaled by the bones. Nodes above a joint that are no joints
+// themselves are composed in, as for characters.
 Clip read_gltf_clip(const std::filesystem::path& path, const std::string& name, const Skeleton& skeleton,
                     const ClipOptions& options);
 

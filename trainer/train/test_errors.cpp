@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "runtime/deformer.h"
 #include "trainer/progress.h"
@@ -60,9 +59,7 @@ class Tester {
     squares.col(1) = squared_mm(full.positions, truth);
     pose.controls = sample.pose.controls;
     squares.col(2) = expected_squares(sample.pose);
-    if (!full.fades.empty()) {
-      frame.fade = std::accumulate(full.fades.begin(), full.fades.end(), 0.0) / static_cast<double>(full.fades.size());
-    }
+    frame.fade = mean_fade(full, 0);
     if (full.fading_joint[0] >= 0) {
       frame.fading_joint = full_.basis().skeleton.joints[static_cast<std::size_t>(full.fading_joint[0])].name;
     }

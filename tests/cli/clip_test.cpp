@@ -1,0 +1,123 @@
+// What is said of clips, and joint maps, on the command line.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/limb_files.h"
+#include "tests/support/hostile_bytes.h"
+#include "tests/support/run_program.h"
+#include "trainer/dataset/dataset.h"
+#include "trainer/dataset/file_hashes.h"
+#include "trainer/dataset/pc2.h"
+#include "trainer/train/train.h"
+
+namespace bodyopt {
+namespace clip_program_test {
+
+using testing::write_bytes;
+
+// The limb, a clip that bends it, one whose joints have other names, one that twists it all the time; a map and limits.
+class ClipProgram : public ::testing::Test {
+ protected:
+  ClipProgram() : files_(folder_, 1), limb_(read_character(files_.character)) {
+    Clip clip = read_clip(files_.motion, limb_.skeleton, {});
+    Skeleton renamed = limb_.skeleton;
+    renamed.joints[0].name = "bone_a";
+    renamed.joints[1].name = "bone_b";
+    write_clip(clip, renamed, folder_ / "renamed.glb");
+    for (Pose& pose : clip.poses)
+      pose.joints[1].rotation = pose.joints[1].rotation * axis_angle({1, 0, 0}, degrees(45));
+    write_clip(clip, limb_.skeleton, folder_ / "twisted.glb");
+    put_map(R"([{"from": "bone_a", "to": "upper"}, {"from": "bone_b", "to": "lower"}])");
+    write_bytes(folder_ / "limits.json", R"({"schema": "bodyopt-joint-limits-1", "dofs": [{"name": "elbow", "rest": 0,
+        "min": -10, "max": 120, "turns": [{"joint": "lower", "axis": [0, 0, 1]}]}]})");
+  }
+
+  std::string at(const std::string& name) const { return (folder_ / name).string(); }
+  void put_map(const std::string& joints) const {
+    write_bytes(folder_ / "map.json", R"({"schema": "bodyopt-joint-map-1", "joints": )" + joints + "}");
+  }
+  void expect(const std::string& arguments, int exit_code, const std::string& named) const {
+    const ProgramResult result = run_bodyopt(arguments);
+    EXPECT_EQ(result.exit_code, exit_code) << arguments << "\n" << result.output;
+    EXPECT_NE(result.output.find(named), std::string::npos) << "expected '" << named << "' in:\n" << result.output;
+  }
+
+  TemporaryFolder folder_;
+  LimbFiles files_;
+  Character limb_;
+};
+
+TEST_F(ClipProgram, CheckSaysWhatAClipHoldsBeyondTheLimits) {
+  const std::string check = "check " + files_.character + " --clip ", limits = " --limits " + at("limits.json");
+  expect(check + at("twisted.glb") + limits, 0, "PROBLEM: 'lower' is turned by 45 degrees about the left-right axis");
+  expect(check + files_.motion + limits, 0, "no joint is held beyond its limits");
+  expect(check + files_.motion, 0, "bend: 6 frames");
+  expect(check + at("twisted.glb") + limits + " --frames 2", 0, "in the only frame");
+  const ProgramResult json = run_bodyopt(check + at("twisted.glb") + limits + " --json -");
+  const nlohmann::json result = nlohmann::json::parse(json.output);
+  ASSERT_EQ(result.at("held_beyond_limits").size(), 1u);
+  EXPECT_EQ(result["held_beyond_limits"][0]["joint"], "lower");
+  EXPECT_NEAR(result["held_beyond_limits"][0]["degrees"], 45, 1e-3);
+  EXPECT_EQ(result["held_beyond_limits"][0]["share_of_frames"], 1);
+  EXPECT_EQ(result["frames"], 6);
+
+  expect("check " + files_.character + limits, 64, "--clip");
+  expect("check " + files_.character + " --joint-map " + at("map.json"), 64, "--clip");
+  expect("check " + at("") + " --clip " + files_.motion, 64, "not a dataset");
+  expect(check + at("renamed.glb"), 3, "moves no joint of the character");
+  expect(check + at("renamed.glb") + " --joint-map " + at("map.json"), 0, "bend: 6 frames");
+}
+
+TEST_F(ClipProgram, RomSaysItOfTheClipsItIsMadeFrom) {
+  const std::string rom =
+      "rom " + files_.character + " --limits " + at("limits.json") + " --frames 20 --out " + at("r.glb");
+  expect(rom + " --from " + at("twisted.glb"), 0, "twisted.glb: 'lower' is turned by 45 degrees");
+  EXPECT_EQ(run_bodyopt(rom + " --from " + files_.motion).output.find("beyond its limits"), std::string::npos);
+  expect(rom + " --from " + at("renamed.glb"), 3, "moves no joint");
+  expect(rom + " --from " + at("renamed.glb") + " --joint-map " + at("map.json"), 0, "wrote");
+}
+
+// The dataset remembers the map, so that whoever reads the motion again reads the same.
+TEST_F(ClipProgram, ATakeRemembersItsJointMap) {
+  const Clip clip = read_clip(files_.motion, limb_.skeleton, {});
+  Pc2Writer writer(folder_ / "all.pc2", limb_.output_count(), 6);
+  for (const Pose& pose : clip.poses) writer.append(output_from_welded(limb_, skin_linear(limb_, pose)));
+  writer.close();
+  const std::string add = "dataset add " + at("data") + " --clip " + at("renamed.glb") + " --shapes " + at("all.pc2");
+  const std::string character = " --character " + files_.character, map = " --joint-map " + at("map.json");
+  expect(add + character, 3, "moves no joint");
+  expect(add + character + map, 0, "");
+  const Dataset dataset = read_dataset(folder_ / "data/dataset.json");
+  EXPECT_EQ(dataset.takes[0].joint_map, "../map.json");
+  const Clip again = read_clip(dataset, dataset.takes[0], limb_.skeleton);
+  for (std::size_t k = 0; k < 6; ++k) {
+    EXPECT_NEAR(again.poses[k].joints[1].rotation[2], clip.poses[k].joints[1].rotation[2], 1e-6);
+  }
+  expect("check " + at("data"), 0, "it belongs together");
+  bool hashed = false;
+  for (const HashedFile& file : hashed_files(dataset)) hashed = hashed || file.path == "../map.json";
+  EXPECT_TRUE(hashed);
+
+  std::filesystem::copy_file(folder_ / "map.json", folder_ / "other.json");
+  expect(add + " --replace --joint-map " + at("other.json"), 3, "joint map '../map.json'");
+  put_map(R"([{"from": "bone_x", "to": "lower"}])");
+  expect("check " + at("data"), 3, "'bone_x'");
+  std::filesystem::remove(folder_ / "map.json");
+  expect("check " + at("data"), 4, "map.json");
+}
+
+TEST_F(ClipProgram, MapsOfOtherJointsAreRefused) {
+  const std::string check = "check " + files_.character + " --clip " + at("renamed.glb") + " --joint-map ";
+  put_map(R"([{"from": "bone_c", "to": "upper"}])");
+  expect(check + at("map.json"), 3, "maps the joint 'bone_c', which the clip");
+  put_map(R"([{"from": "bone_a", "to": "uper"}])");
+  expect(check + at("map.json"), 3, "'uper', which the character does not have: 'upper'");
+  put_map("[]");
+  expect(check + at("map.json"), 4, "maps no joint");
+  expect(check + "''", 64, "--joint-map");
+  expect(check + at("none.json"), 4, "none.json");
+}
+
+}  // namespace clip_program_test
+}  // namespace bodyopt

@@ -1,0 +1,18 @@
+// Which way up: rotations between coordinate axes.
+#pragma once
+
+#include <vector>
+
+#include "runtime/basis/skeleton.h"
+
+namespace bodyopt {
+
+// All 24: none first, then between Z-up and Y-up, then the rest, so that the plainest wins a tie.
+std::vector<Quat> axis_turns();
+
+// Meshes may lie in their own space and be stood upright by the nodes above the joints: the one of axis_turns() that
+// turns the first joint, within 15 degrees, from the bind pose to where the file's nodes have it; none where that
+// leaves upright what is upright.
+Quat turn_upright(const Skeleton& skeleton);
+
+}  // namespace bodyopt

@@ -1,0 +1,59 @@
+// Which part of a body a joint is, told from the names that rigs and motion capture commonly give.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/skeleton.h"
+
+namespace bodyopt {
+
+enum class BodyPart : std::uint8_t {
+  hips,
+  spine,
+  neck,
+  head,  // of the middle
+  hip_joint,
+  thigh,
+  shin,
+  foot,
+  toe,  // of either side
+  clavicle,
+  upper_arm,
+  forearm,
+  hand,
+  palm,  // palm: a joint between the hand's and the fingers'
+  thumb,
+  index,
+  middle,
+  ring,
+  pinky  // index: also all fingers where they are one joint
+};
+
+enum class BodySide : std::uint8_t { middle, left, right };
+
+struct JointRole {
+  BodyPart part;
+  BodySide side;
+  std::size_t nested = 0;  // how many joints above are of the same part: of spines, necks and fingers
+
+  bool operator==(const JointRole&) const = default;
+};
+
+// A joint of a character or of a clip's file.
+struct NamedJoint {
+  std::string name;
+  int parent = -1;  // index, -1 for none; parents come before children
+};
+
+std::vector<NamedJoint> named_joints(const Skeleton& skeleton);
+
+// The names of CMU's motion capture (as 3ds Max, MotionBuilder, Poser and Daz have them), Mixamo, HumanIK and Unreal.
+// What a name means may depend on the others: "LeftShoulder" is the upper arm beside a "LeftCollar", the clavicle
+// beside a "LeftArm". Nothing for other names, and for a second joint of the same role.
+std::vector<std::optional<JointRole>> joint_roles(std::span<const NamedJoint> joints);
+
+}  // namespace bodyopt

@@ -1,0 +1,191 @@
+#include "trainer/motion/held_turns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "runtime/rig.h"
+#include "trainer/dataset/notes.h"
+#include "trainer/motion/limited_pose.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kLeastTurn = 25, kBeyond = 5;  // degrees
+constexpr double kLeastShare = 0.95;
+constexpr double kMostVariation = 0.5;  // of the turn
+
+// One of the turns that make up a joint's rotation.
+struct TurnRange {
+  Vec3 axis;
+  double low, high;  // radians
+};
+
+std::vector<TurnRange> turns_of(const JointLimits& limits, std::uint32_t joint) {
+  std::vector<TurnRange> turns;
+  for (const DegreeOfFreedom& dof : limits.dofs) {
+    for (const JointTurn& turn : dof.turns) {
+      if (turn.joint != joint) continue;
+      const double scale = turn.share * std::numbers::pi / 180;
+      const auto [low, high] = std::minmax({scale * (dof.min - dof.rest), scale * (dof.max - dof.rest)});
+      turns.push_back({turn.axis, low, high});
+    }
+  }
+  return turns;
+}
+
+// The part of a turn range that comes nearest to a rotation, the others being as they are: |cos((angle - best) / 2)|
+// is to be large.
+double nearest_angle(const Quat& wanted, const TurnRange& turn) {
+  const double along = wanted[0] * turn.axis[0] + wanted[1] * turn.axis[1] + wanted[2] * turn.axis[2];
+  const double best = 2 * std::atan2(along, wanted[3]), whole = 2 * std::numbers::pi;
+  double nearest = turn.low, cosine = -1;
+  for (const double angle : {best, best - whole, best + whole, turn.low, turn.high}) {
+    const double within = std::clamp(angle, turn.low, turn.high);
+    const double here = std::abs(std::cos((within - best) / 2));
+    if (here > cosine + 1e-12) {
+      cosine = here;
+      nearest = within;
+    }
+  }
+  return nearest;
+}
+
+Quat product(const std::vector<TurnRange>& turns, const std::vector<double>& angles, std::size_t begin,
+             std::size_t end) {
+  Quat q{0, 0, 0, 1};
+  for (std::size_t k = begin; k < end; ++k) q = q * axis_angle(turns[k].axis, angles[k]);
+  return q;
+}
+
+// From the nearest rotation within the ranges to `wanted`, before the other turns. `angles`: where to begin, and the
+// nearest. One angle after the other is made the best it can be, which never makes it worse.
+Quat beyond(const std::vector<TurnRange>& turns, const Quat& wanted, std::vector<double>& angles) {
+  constexpr int kMostRounds = 60;
+  constexpr double kSettled = 1e-6;  // radians
+  for (int round = 0; round < kMostRounds; ++round) {
+    double step = 0;
+    for (std::size_t k = 0; k < turns.size(); ++k) {
+      const Quat left =
+          conjugate(product(turns, angles, 0, k)) * wanted * conjugate(product(turns, angles, k + 1, turns.size()));
+      const double angle = nearest_angle(left, turns[k]);
+      step = std::max(step, std::abs(angle - angles[k]));
+      angles[k] = angle;
+    }
+    if (step < kSettled) break;
+  }
+  return normalized(conjugate(product(turns, angles, 0, turns.size())) * wanted);
+}
+
+// Axis times degrees, at most half a turn.
+Vec3 rotation_vector(const Quat& q) {
+  const double sine = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+  const double scale = sine > 0 ? std::copysign(angle_of(q) / sine, q[3]) : 0;
+  return {scale * q[0], scale * q[1], scale * q[2]};
+}
+
+// What a joint is beyond its limits in every pose. Begins where the frame before ended and, where that leaves
+// something, at rest, too: the nearest rotation may be found from one of them only. A turn of more than half a circle
+// may follow one of less, so that a joint held at about that does not seem to go to and fro.
+std::vector<Vec3> turns_beyond(const std::vector<TurnRange>& turns, const std::vector<Quat>& rotations) {
+  const std::vector<double> rest(turns.size(), 0);
+  std::vector<double> angles = rest;
+  std::vector<Vec3> result;
+  for (const Quat& rotation : rotations) {
+    Quat found = beyond(turns, rotation, angles);
+    if (angle_of(found) > kBeyond) {
+      std::vector<double> from_rest = rest;
+      const Quat other = beyond(turns, rotation, from_rest);
+      if (angle_of(other) < angle_of(found)) {
+        found = other;
+        angles = from_rest;
+      }
+    }
+    Vec3 turn = rotation_vector(found);
+    if (!result.empty() && length(turn) > 90 && dot(turn, result.back()) < 0) turn = (1 - 360 / length(turn)) * turn;
+    result.push_back(turn);
+  }
+  return result;
+}
+
+// Away from the bind pose, about the world's axes with all parents at rest: as joint_turns().
+std::vector<Quat> turns_from_bind(const Skeleton& skeleton, const std::vector<Pose>& poses, std::size_t joint) {
+  const Quat world = bind_rotations(skeleton)[joint];
+  const Quat to_bind = world * conjugate(normalized(skeleton.joints[joint].bind.rotation));
+  std::vector<Quat> turns;
+  for (const Pose& pose : poses) {
+    turns.push_back(normalized(to_bind * normalized(pose.joints[joint].rotation) * conjugate(world)));
+  }
+  return turns;
+}
+
+// To the middle of the joints below, in the bind pose.
+Vec3 length_of_bone(const Skeleton& skeleton, std::size_t joint) {
+  const std::vector<Affine> bind = posed_joints(skeleton, bind_pose(skeleton).joints);
+  const auto at = [&](std::size_t j) { return bind[j] * Vec3{0, 0, 0}; };
+  Vec3 sum{0, 0, 0};
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    if (skeleton.joints[j].parent == static_cast<int>(joint)) sum = sum + (at(j) - at(joint));
+  }
+  return sum;
+}
+
+std::string describe_axis(const HeldTurn& turn, const Skeleton& skeleton) {
+  const Vec3 bone = length_of_bone(skeleton, turn.joint);
+  constexpr double kAlong = 0.9;
+  if (std::abs(dot(bone, turn.axis)) > kAlong * length(bone)) return "about its length";
+  const Vec3 size{std::abs(turn.axis[0]), std::abs(turn.axis[1]), std::abs(turn.axis[2])};
+  const auto largest = std::max_element(size.begin(), size.end()) - size.begin();
+  constexpr const char* kAxes[] = {"left-right", "vertical", "front-back"};
+  return std::string("about the ") + kAxes[largest] + " axis";
+}
+
+}  // namespace
+
+std::vector<HeldTurn> held_turns(const JointLimits& limits, const Skeleton& skeleton, const std::vector<Pose>& poses) {
+  std::vector<HeldTurn> held;
+  if (poses.empty()) return held;
+  const auto count = static_cast<double>(poses.size());
+  for (std::uint32_t j = 0; j < skeleton.size(); ++j) {
+    const std::vector<TurnRange> turns = turns_of(limits, j);
+    if (turns.empty()) continue;
+    const std::vector<Vec3> excess = turns_beyond(turns, turns_from_bind(skeleton, poses, j));
+    Vec3 mean{0, 0, 0};
+    double variance = 0;
+    for (const Vec3& turn : excess) mean = mean + (1 / count) * turn;
+    for (const Vec3& turn : excess) variance += dot(turn - mean, turn - mean) / count;
+    const auto frames =
+        std::count_if(excess.begin(), excess.end(), [](const Vec3& turn) { return length(turn) > kBeyond; });
+    const double degrees = length(mean), share = static_cast<double>(frames) / count;
+    if (degrees < kLeastTurn || share < kLeastShare || std::sqrt(variance) > kMostVariation * degrees) continue;
+    const double sign = degrees > 180 ? -1 : 1;
+    held.push_back({j, (sign / degrees) * mean, std::min(degrees, 360 - degrees), share});
+  }
+  return held;
+}
+
+std::string describe(const HeldTurn& turn, const Skeleton& skeleton, std::size_t frames) {
+  const long percent = std::lround(100 * turn.share);
+  const std::string when =
+      frames == 1 ? "in the only frame"
+                  : (percent == 100 ? "in every frame" : "in " + std::to_string(percent) + " % of the frames");
+  return "'" + skeleton.joints[turn.joint].name + "' is turned by " + std::to_string(std::lround(turn.degrees)) +
+         " degrees " + describe_axis(turn, skeleton) + " beyond its limits " + when +
+         ": was the clip made for another rest pose?";
+}
+
+std::vector<std::string> turning_without_limits(const JointLimits& limits, const Skeleton& skeleton,
+                                                const std::vector<Pose>& poses) {
+  constexpr double kTurns = 1;  // degrees
+  std::vector<std::string> names;
+  for (std::uint32_t j = 0; j < skeleton.size(); ++j) {
+    if (skeleton.joints[j].parent < 0 || !turns_of(limits, j).empty()) continue;
+    const std::vector<Quat> turns = turns_from_bind(skeleton, poses, j);
+    if (std::any_of(turns.begin(), turns.end(), [](const Quat& q) { return angle_of(q) > kTurns; })) {
+      names.push_back(skeleton.joints[j].name);
+    }
+  }
+  return names;
+}
+
+}  // namespace bodyopt

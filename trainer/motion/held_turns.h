@@ -1,0 +1,31 @@
+// Joints that a clip holds turned beyond what the joint limits allow: most likely it rests in another pose.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "trainer/motion/joint_limits.h"
+
+namespace bodyopt {
+
+// A turn from the nearest rotation that a joint's degrees of freedom reach to the joint's own, nearly the same in
+// nearly every frame.
+struct HeldTurn {
+  std::uint32_t joint;
+  Vec3 axis;       // unit; rest space, as axes of limits are; the turn is applied before the joint's others
+  double degrees;  // on average
+  double share;    // of the frames, those in which the joint is beyond its limits
+};
+
+// Those of 25 degrees and more that vary by less than half their size and are there in 95 % of the frames or more, in
+// joint order. Joints without limits are not judged.
+std::vector<HeldTurn> held_turns(const JointLimits& limits, const Skeleton& skeleton, const std::vector<Pose>& poses);
+
+// "'LeftArm' is turned by 31 degrees about its length, beyond its limits in every frame: ..."
+std::string describe(const HeldTurn& turn, const Skeleton& skeleton, std::size_t frames);
+
+// Names of joints that some frame turns but no degree of freedom does; roots turn as they like and are left out.
+std::vector<std::string> turning_without_limits(const JointLimits& limits, const Skeleton& skeleton,
+                                                const std::vector<Pose>& poses);
+
+}  // namespace bodyopt
