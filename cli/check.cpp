@@ -1,11 +1,13 @@
 // bodyopt check: does a dataset belong together; is a character fit for use; does a clip suit a character.
 #include "trainer/dataset/check.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "cli/common.h"
 #include "runtime/basis/error.h"
 #include "trainer/dataset/notes.h"
+#include "trainer/motion/coupled_joints.h"
 #include "trainer/motion/held_turns.h"
 
 namespace bodyopt::cli {
@@ -71,6 +73,20 @@ void check_clip(const CheckArguments& arguments) {
   arguments.json.emit(result, text);
 }
 
+// Joints that the frames to learn from do not tell apart.
+std::string coupling_of(const Dataset& dataset) {
+  const Skeleton skeleton = read_character(dataset.folder / dataset.character, dataset.unit).skeleton;
+  std::vector<Pose> poses;
+  for (const DatasetTake& take : dataset.takes) {
+    std::vector<int> learned = take.frames;
+    std::erase_if(learned, [&](int frame) {
+      return std::find(take.heldout.begin(), take.heldout.end(), frame) != take.heldout.end();
+    });
+    for (Pose& pose : poses_of(read_clip(dataset, take, skeleton), learned)) poses.push_back(std::move(pose));
+  }
+  return describe(coupled_joints(skeleton, poses), skeleton);
+}
+
 void check(const CheckArguments& arguments) {
   std::filesystem::path path = arguments.path;
   if (std::filesystem::is_directory(path)) path /= "dataset.json";
@@ -91,6 +107,10 @@ void check(const CheckArguments& arguments) {
                       {"fit_mm", take.fit_mm},
                       {"rest_fit_mm", take.rest_fit_mm},
                       {"problems", take.problems}});
+  }
+  if (mismatch.empty()) {
+    const std::string coupled = coupling_of(dataset);
+    if (!coupled.empty()) text += "note: " + coupled + "\n";
   }
   text += mismatch.empty() ? "it belongs together\n" : "it does not belong together\n";
   arguments.json.emit({{"takes", result}, {"belongs_together", mismatch.empty()}}, text);

@@ -93,6 +93,7 @@ void add_dataset(CLI::App& app);
 void add_check(CLI::App& app);
 void add_train(CLI::App& app);
 void add_test(CLI::App& app);
+void add_improve(CLI::App& app);
 void add_proxy(CLI::App& app);
 void add_dynamics(CLI::App& app);
 void add_attach(CLI::App& app);

@@ -20,7 +20,7 @@ std::string relative_source(const fs::path& folder, const std::string& source) {
   return relative_to(folder, source.substr(0, hash)) + name;
 }
 
-std::string take_name(const std::string& source) {
+std::string called(const std::string& source) {
   const std::size_t hash = source.find('#');
   std::string name = hash == std::string::npos ? fs::path(source).stem().string() : source.substr(hash + 1);
   for (char& c : name) {
@@ -44,6 +44,8 @@ bool has(const std::vector<int>& frames, int frame) {
 
 }  // namespace
 
+std::string TakeArguments::take_name() const { return name.empty() ? called(clip.source) : name; }
+
 void TakeArguments::add(CLI::App& verb) {
   clip.add(verb);
   verb.add_option("--name", name, "Name of the take (default: the clip's)")->check(refuse_as_name);
@@ -54,7 +56,7 @@ void TakeArguments::add(CLI::App& verb) {
 
 DatasetTake TakeArguments::take(const std::vector<int>& frames, const fs::path& folder) const {
   DatasetTake take;
-  take.name = name.empty() ? take_name(clip.source) : name;
+  take.name = take_name();
   take.clip = relative_source(folder, clip.source);
   take.fps = clip.options.fps;
   take.first_frame = clip.options.first_frame;

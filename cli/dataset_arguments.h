@@ -15,6 +15,8 @@ struct TakeArguments {
   ClipArguments clip;
   std::string name, heldout;
   void add(CLI::App& verb);
+  // As --name says, or as the clip is called.
+  std::string take_name() const;
   // A take of these frames in a dataset of that folder, without shapes. Throws Error(usage) where --heldout names a
   // frame that is not among them.
   DatasetTake take(const std::vector<int>& frames, const std::filesystem::path& folder) const;

@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
   add_regions(app);
   add_train(app);
   add_test(app);
+  add_improve(app);
   add_proxy(app);
   add_dynamics(app);
   add_attach(app);

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "cli/common.h"
+#include "trainer/motion/coupled_joints.h"
 #include "trainer/motion/held_turns.h"
 #include "trainer/motion/joint_coverage.h"
 #include "trainer/motion/range_of_motion.h"
@@ -92,6 +93,15 @@ void run(const RomArguments& arguments) {
     text += format("  %-20s mean %5.1f  largest %5.1f\n", joint.joint.c_str(), joint.mean, joint.largest);
     per_joint.push_back({{"joint", joint.joint}, {"mean_degrees", joint.mean}, {"largest_degrees", joint.largest}});
   }
+  Json coupled = Json::array();
+  const std::vector<CoupledJoints> pairs = coupled_joints(skeleton, clip.poses);
+  for (const CoupledJoints& pair : pairs) {
+    coupled.push_back({{"joint", skeleton.joints[pair.joint].name},
+                       {"parent", skeleton.joints[pair.parent].name},
+                       {"correlation", pair.correlation}});
+  }
+  const std::string together = describe(pairs, skeleton);
+  if (!together.empty()) say({together});
   text += "wrote " + arguments.out + "\n";
   arguments.json.emit({{"clip", arguments.out},
                        {"frames", clip.poses.size()},
@@ -100,6 +110,7 @@ void run(const RomArguments& arguments) {
                        {"random_frames", motion.random_frames},
                        {"step_degrees", options.step},
                        {"largest_step_degrees", motion.largest_step},
+                       {"coupled_joints", coupled},
                        {"coverage", per_joint}},
                       text);
 }

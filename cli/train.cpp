@@ -12,6 +12,7 @@
 #include "cli/provenance.h"
 #include "runtime/basis/error.h"
 #include "trainer/dataset/check.h"
+#include "trainer/motion/coupled_joints.h"
 #include "trainer/train/heldout.h"
 #include "trainer/train/trade_off.h"
 
@@ -60,6 +61,12 @@ Json ablation(const std::vector<MethodReport>& methods) {
   return list;
 }
 
+std::vector<Pose> training_poses(const SampleSet& set) {
+  std::vector<Pose> poses;
+  for (const Sample& sample : set.train) poses.push_back(sample.pose);
+  return poses;
+}
+
 // `path`: the dataset.json.
 void report(const TrainArguments& arguments, const Dataset& dataset, const std::filesystem::path& path,
             const SampleSet& set, const Training& training) {
@@ -100,6 +107,9 @@ void run(TrainArguments arguments) {
                 "--ablate compares methods on held-out frames, and the dataset has none: try "
                 "--heldout-every 5");
   }
+  const std::string coupled =
+      describe(coupled_joints(set.character.skeleton, training_poses(set)), set.character.skeleton);
+  if (!coupled.empty()) say({coupled});
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
 
   const double preparing = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -15,8 +15,9 @@ namespace {
 
 TEST(Program, HelpOfEveryVerbExitsWithZero) {
   EXPECT_EQ(run_bodyopt("--help").exit_code, 0);
-  for (const char* verb : {"demo", "muscles import", "rom", "simulate", "dataset add", "export", "check", "train",
-                           "attach", "eval", "compare", "coverage", "picture", "regions", "info", "devices"}) {
+  for (const char* verb :
+       {"demo", "muscles import", "rom", "simulate", "dataset add", "export", "check", "train", "test", "improve",
+        "attach", "eval", "compare", "coverage", "picture", "regions", "info", "devices"}) {
     const ProgramResult result = run_bodyopt(std::string(verb) + " --help");
     EXPECT_EQ(result.exit_code, 0) << verb;
     EXPECT_NE(result.output.find("--json"), std::string::npos) << verb;

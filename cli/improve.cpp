@@ -1,0 +1,262 @@
+// bodyopt improve: what shots lack is simulated and learned, as long as it helps.
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "cli/attachments.h"
+#include "cli/measure.h"
+#include "cli/simulate_take.h"
+#include "runtime/basis/error.h"
+#include "trainer/dataset/frame_range.h"
+#include "trainer/train/coverage.h"
+#include "trainer/train/test_errors.h"
+
+namespace bodyopt::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kRound = 25;         // frames between two trainings
+constexpr int kTested = 5;         // every fifth of them is held out, and tells what was gained
+constexpr double kWorthIt = 0.02;  // of the error on these: less than that is no gain
+
+struct ImproveArguments {
+  std::string dataset, basis;
+  std::vector<std::string> clips;
+  int frames = 50;
+  ClipOptions options;
+  JsonOption json;
+};
+
+// A shot and what of it is not simulated yet.
+struct Shot {
+  TakeArguments take;
+  std::vector<int> frames;
+  std::vector<Pose> poses;
+};
+
+// A chosen frame.
+struct Chosen {
+  std::size_t shot;
+  int frame;
+  bool heldout;
+};
+
+TakeArguments take_of(const ImproveArguments& arguments, const std::string& source) {
+  TakeArguments take;
+  take.clip.source = source;
+  take.clip.options = arguments.options;
+  return take;
+}
+
+// The frames of the take of that name that are there already.
+std::set<int> known_frames(const Dataset& dataset, const std::string& name) {
+  for (const DatasetTake& take : dataset.takes) {
+    if (take.name == name) return {take.frames.begin(), take.frames.end()};
+  }
+  return {};
+}
+
+std::vector<Shot> read_shots(const ImproveArguments& arguments, const Dataset& dataset, const Skeleton& skeleton) {
+  std::vector<Shot> shots;
+  for (const std::string& source : arguments.clips) {
+    Shot& shot = shots.emplace_back(Shot{take_of(arguments, source), {}, {}});
+    std::vector<int> frames;
+    const Clip clip = shot.take.clip.read(skeleton, dataset.unit, frames);
+    const std::set<int> known = known_frames(dataset, shot.take.take_name());
+    std::erase_if(frames, [&](int frame) { return known.contains(frame); });
+    shot.frames = frames;
+    shot.poses = poses_of(clip, frames);
+  }
+  return shots;
+}
+
+// Of all shots, one after the other, mm.
+std::vector<double> expected_of(const Basis& basis, const std::vector<Shot>& shots) {
+  const std::vector<RegionCoverage> regions = read_coverage(basis);
+  std::vector<double> expected;
+  for (const Shot& shot : shots) {
+    for (const ExpectedError& error : expected_errors(basis, regions, shot.poses)) expected.push_back(error.rms_mm);
+  }
+  return expected;
+}
+
+// Takes the worst frames, no two of them neighbours, out of the shots.
+std::vector<Chosen> choose(std::vector<Shot>& shots, const std::vector<double>& expected, std::size_t count) {
+  std::vector<Chosen> chosen;
+  const std::vector<std::size_t> worst = worth_simulating(expected, count, spreading_gap(expected.size(), count));
+  for (const std::size_t at : worst) {
+    std::size_t shot = 0, first = 0;
+    while (at >= first + shots[shot].frames.size()) first += shots[shot++].frames.size();
+    const bool heldout = chosen.size() % kTested == kTested / 2;
+    chosen.push_back({shot, shots[shot].frames[at - first], heldout});
+  }
+  for (std::size_t s = 0; s < shots.size(); ++s) {
+    Shot left = shots[s];
+    left.frames.clear();
+    left.poses.clear();
+    for (std::size_t k = 0; k < shots[s].frames.size(); ++k) {
+      const bool taken = std::any_of(chosen.begin(), chosen.end(),
+                                     [&](const Chosen& c) { return c.shot == s && c.frame == shots[s].frames[k]; });
+      if (taken) continue;
+      left.frames.push_back(shots[s].frames[k]);
+      left.poses.push_back(shots[s].poses[k]);
+    }
+    shots[s] = std::move(left);
+  }
+  return chosen;
+}
+
+bool is_draft(const Dataset& dataset) {
+  return !dataset.takes.empty() && fs::path(dataset.takes.front().shapes).extension() == ".nodes";
+}
+
+void simulate_chosen(const Dataset& dataset, const std::vector<Shot>& shots, const std::vector<Chosen>& chosen) {
+  const auto in_folder = [&](const std::string& file) { return file.empty() ? "" : (dataset.folder / file).string(); };
+  for (std::size_t s = 0; s < shots.size(); ++s) {
+    std::vector<int> frames, heldout;
+    for (const Chosen& c : chosen) {
+      if (c.shot != s) continue;
+      frames.push_back(c.frame);
+      if (c.heldout) heldout.push_back(c.frame);
+    }
+    if (frames.empty()) continue;
+    std::sort(frames.begin(), frames.end());
+    std::sort(heldout.begin(), heldout.end());
+    SimulationArguments simulation;
+    simulation.character = in_folder(dataset.character);
+    simulation.muscles = in_folder(dataset.muscles);
+    simulation.materials = in_folder(dataset.materials);
+    simulation.out = dataset.folder.string();
+    simulation.unit = dataset.unit;
+    simulation.take = shots[s].take;
+    simulation.take.clip.frames = format_frame_range(frames);
+    if (!heldout.empty()) simulation.take.heldout = format_frame_range(heldout);
+    simulation.options.draft = is_draft(dataset);
+    simulate_take(simulation);
+  }
+}
+
+// Of the held-out frames of the shots, all takes together.
+MethodErrors errors_on(const Basis& basis, const SampleSet& set) {
+  double ddm = 0, full = 0, expected = 0, frames = 0;
+  for (const TakeErrors& take : test_errors(basis, set)) {
+    const auto count = static_cast<double>(take.frames.size());
+    ddm += count * take.errors.ddm * take.errors.ddm;
+    full += count * take.errors.full * take.errors.full;
+    expected += count * take.errors.expected * take.errors.expected;
+    frames += count;
+  }
+  const double each = std::max(1.0, frames);
+  return {std::sqrt(ddm / each), std::sqrt(full / each), std::sqrt(expected / each)};
+}
+
+// Held-out frames of these shots only.
+SampleSet tested(SampleSet set, const std::vector<Shot>& shots) {
+  std::set<std::string> names;
+  for (const Shot& shot : shots) names.insert(shot.take.take_name());
+  std::erase_if(set.heldout, [&](const Sample& sample) {
+    return !names.contains(set.takes[static_cast<std::size_t>(sample.take)]);
+  });
+  return set;
+}
+
+// As the basis was trained, with what is new.
+TrainOptions options_of(const Basis& basis, const std::string& path) {
+  const auto found = basis.metadata.find("provenance");
+  if (found == basis.metadata.end() || !has_coverage(basis)) {
+    throw Error(ErrorKind::mismatch, path + " was not trained on shapes: improve goes on from what train wrote");
+  }
+  const Json provenance = Json::parse(found->second);
+  TrainOptions options;
+  options.smoothing_radius = provenance.at("smoothing_radius_m");
+  options.components = provenance.at("components");
+  options.centres = provenance.at("centres");
+  options.surface_curves = provenance.at("surface_curves");
+  options.seed = provenance.at("seed");
+  options.budget = provenance.at("budget");
+  options.tolerance_mm = provenance.at("tolerance_mm");
+  options.keep_in = fs::path(path).replace_extension(".training");
+  options.update = true;
+  return options;
+}
+
+void run(const ImproveArguments& arguments) {
+  arguments.json.require_writable();
+  require_writable(arguments.basis);
+  fs::path path = arguments.dataset;
+  if (fs::is_directory(path)) path /= "dataset.json";
+  Basis basis = load_basis(arguments.basis);
+  const TrainOptions options = options_of(basis, arguments.basis);
+  const Dataset dataset = read_dataset(path);
+  std::vector<Shot> shots = read_shots(arguments, dataset, basis.skeleton);
+
+  Json rounds = Json::array();
+  std::string text;
+  int left = arguments.frames;
+  while (left > 0) {
+    const std::vector<double> expected = expected_of(basis, shots);
+    const auto count = static_cast<std::size_t>(std::min(left, kRound));
+    const std::vector<Chosen> chosen = choose(shots, expected, count);
+    if (chosen.empty()) {
+      text += "every frame of the shots is simulated\n";
+      break;
+    }
+    left -= static_cast<int>(chosen.size());
+    simulate_chosen(dataset, shots, chosen);
+    const Dataset grown = read_dataset(path);
+    const SampleSet set = read_samples(grown), test = tested(set, shots);
+    const MethodErrors before = errors_on(basis, test);
+    basis = train_and_measure(set, options, false, grown.unit, arguments.basis).basis;
+    attach_own_meshes(grown.folder / grown.character, grown.unit, set.character.output_count(), basis, arguments.basis);
+    const MethodErrors after = errors_on(basis, test);
+    const double rest_before = root_mean_square(expected), rest_after = root_mean_square(expected_of(basis, shots));
+    rounds.push_back({{"frames", chosen.size()},
+                      {"heldout_frames", test.heldout.size()},
+                      {"ddm_mm", before.ddm},
+                      {"before_mm", before.full},
+                      {"after_mm", after.full},
+                      {"expected_on_the_rest_before_mm", rest_before},
+                      {"expected_on_the_rest_after_mm", rest_after}});
+    text += format(
+        "%zu frames more: on the %zu that are held out %.3f -> %.3f mm RMS (DDM %.3f); expected of the rest "
+        "%.3f -> %.3f mm\n",
+        chosen.size(), test.heldout.size(), before.full, after.full, before.ddm, rest_before, rest_after);
+    if (test.heldout.empty() || after.full <= (1 - kWorthIt) * before.full) continue;
+    text += "more frames of these shots gain nothing\n";
+    break;
+  }
+  arguments.json.emit({{"basis", arguments.basis}, {"dataset", path.string()}, {"rounds", rounds}},
+                      text + "wrote " + arguments.basis + "\n");
+}
+
+}  // namespace
+
+void add_improve(CLI::App& app) {
+  auto arguments = std::make_shared<ImproveArguments>();
+  CLI::App& verb = *app.add_subcommand(
+      "improve", "Simulates the frames of shots that a basis knows least, and learns them, as long as it helps");
+  verb.add_option("dataset", arguments->dataset, "dataset.json, or its folder: what the basis was trained on")
+      ->required()
+      ->type_name("DATASET");
+  verb.add_option("--basis", arguments->basis, "The basis to improve, in place")
+      ->required()
+      ->type_name("BASIS")
+      ->check(must_end_in(".safetensors"));
+  verb.add_option("--clip", arguments->clips, "Shots: FILE.glb#name, FILE.glb (its only or first clip) or FILE.bvh")
+      ->required()
+      ->type_name("CLIP");
+  verb.add_option("--frames", arguments->frames, "Frames to simulate at most; every fifth is held out to tell the gain")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100000));
+  verb.add_option("--fps", arguments->options.fps, "Frames a second at which the shots are sampled")
+      ->capture_default_str()
+      ->check(number_from(kLeastRate, kMostRate));
+  add_joint_map(verb, arguments->options.joint_map);
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli

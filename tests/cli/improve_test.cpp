@@ -1,0 +1,63 @@
+// The loop of coverage, simulation and training in one command, and what it says of other motion.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/limb_files.h"
+#include "tests/support/run_program.h"
+
+namespace bodyopt {
+namespace {
+
+class Improve : public ::testing::Test {
+ protected:
+  nlohmann::json json(const std::string& name) const {
+    return nlohmann::json::parse(std::ifstream(folder_ / (name + ".json")));
+  }
+  ProgramResult run(const std::string& arguments) const { return run_bodyopt(arguments); }
+
+  TemporaryFolder folder_;
+  LimbFiles files_{folder_, 1};
+  std::string data_ = (folder_ / "data").string(), basis_ = (folder_ / "limb.safetensors").string();
+  std::string simulate_ = "simulate " + files_.character + " --clip " + files_.motion + " --fps 120 --draft --out ";
+};
+
+// Learned from half of the bend; the shot goes on.
+TEST_F(Improve, LearnsWhatAShotLacksAndStopsWithoutAGain) {
+  ASSERT_EQ(run(simulate_ + data_ + " --name half --frames 1-13").exit_code, 0);
+  ASSERT_EQ(run("train " + data_ + " --surface-curves 2 --out " + basis_).exit_code, 0);
+  ASSERT_EQ(run(simulate_ + (folder_ / "shot").string() + " --frames 2-26x4").exit_code, 0);
+  const std::string test = "test " + basis_ + " " + (folder_ / "shot").string() + " --json " + folder_.path().string();
+  ASSERT_EQ(run(test + "/before.json").exit_code, 0);
+  const std::string improve = "improve " + data_ + " --basis " + basis_ + " --clip " + files_.motion +
+                              " --fps 120 --json " + (folder_ / "improved.json").string();
+  const ProgramResult improved = run(improve + " --frames 10");
+  ASSERT_EQ(improved.exit_code, 0) << improved.output;
+  ASSERT_EQ(run(test + "/after.json").exit_code, 0);
+  const auto before = json("before")["takes"][0], after = json("after")["takes"][0];
+  EXPECT_LT(after["full_mm"], 0.7 * before["full_mm"].get<double>());
+  EXPECT_EQ(after["ddm_mm"], before["ddm_mm"]);
+  const auto rounds = json("improved")["rounds"];
+  ASSERT_EQ(rounds.size(), 1u);
+  EXPECT_EQ(rounds[0]["frames"], 10);
+  EXPECT_EQ(rounds[0]["heldout_frames"], 2);
+  EXPECT_LT(rounds[0]["after_mm"], rounds[0]["before_mm"]);
+  // Once every frame is there, there is nothing left to do.
+  const ProgramResult rest = run(improve + " --frames 100");
+  ASSERT_EQ(rest.exit_code, 0) << rest.output;
+  const bool ended = rest.output.find("every frame of the shots is simulated") != std::string::npos ||
+                     rest.output.find("gain nothing") != std::string::npos;
+  EXPECT_TRUE(ended) << rest.output;
+}
+
+TEST_F(Improve, NeedsABasisThatWasTrainedOnShapes) {
+  ASSERT_EQ(run(simulate_ + data_ + " --frames 1-3").exit_code, 0);
+  ASSERT_EQ(run("train --ddm-only " + files_.character + " --out " + basis_).exit_code, 0);
+  const ProgramResult refused = run("improve " + data_ + " --basis " + basis_ + " --clip " + files_.motion);
+  EXPECT_EQ(refused.exit_code, 3) << refused.output;
+  EXPECT_NE(refused.output.find("was not trained on shapes"), std::string::npos) << refused.output;
+}
+
+}  // namespace
+}  // namespace bodyopt
