@@ -9,6 +9,7 @@
 #include "cli/report_pictures.h"
 #include "trainer/train/ablation.h"
 #include "trainer/train/coverage.h"
+#include "trainer/train/test_errors.h"
 #include "trainer/train/trade_off.h"
 
 namespace bodyopt::cli {
@@ -112,6 +113,27 @@ void add_heldout_errors(const std::vector<RegionWeights>& weights, const VertexE
   }
 }
 
+AreaErrorsReport area_errors(const MethodErrors& errors) { return {errors.ddm, errors.full, errors.expected}; }
+
+bool is_foreign(const SampleSet& set, const std::string& take) {
+  return std::none_of(set.train.begin(), set.train.end(),
+                      [&](const Sample& sample) { return set.takes[static_cast<std::size_t>(sample.take)] == take; });
+}
+
+std::vector<TakeReport> take_reports(const SampleSet& set, const Basis& basis) {
+  std::vector<TakeReport> reports;
+  for (const TakeErrors& take : test_errors(basis, set)) {
+    TakeReport& report = reports.emplace_back();
+    report.name = take.take;
+    report.foreign = is_foreign(set, take.take);
+    report.frames = static_cast<std::uint32_t>(take.frames.size());
+    report.errors = area_errors(take.errors);
+    for (const PartErrors& part : take.parts) report.parts.push_back({part.part, part.area, area_errors(part.errors)});
+    if (std::isfinite(take.rank_correlation)) report.rank_correlation = take.rank_correlation;
+  }
+  return reports;
+}
+
 }  // namespace
 
 Training train_and_measure(const SampleSet& set, const TrainOptions& options, bool ablate, double unit,
@@ -159,6 +181,7 @@ ReportData report_of(const SampleSet& set, const TrainOptions& options, const Tr
   report.train_seconds = training.seconds;
   report.methods = training.methods;
   if (!training.methods.empty()) {
+    report.takes = take_reports(set, training.basis);
     const VertexErrors errors = vertex_errors(set, shapes);
     report.heldout = heldout_axis(set);
     report.coverage = heldout_coverage(set, training);

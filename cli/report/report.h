@@ -62,6 +62,27 @@ struct CoverageReport {
   std::vector<std::size_t> worth_simulating;   // held-out frames (columns), worst first
 };
 
+// RMS over held-out frames of a take and an area of the rest skin, in millimetres.
+struct AreaErrorsReport {
+  double ddm_mm = 0, full_mm = 0;  // Direct Delta Mush alone; all that was learned
+  double expected_mm = 0;          // what the basis itself expects of `full_mm`
+};
+
+// Errors on the held-out frames of a take, by area: dense parts of a mesh count as much as they are large.
+struct TakeReport {
+  std::string name;
+  bool foreign = false;  // none of its frames was trained on
+  std::uint32_t frames = 0;
+  AreaErrorsReport errors;
+  struct Part {
+    std::string name;  // a joint, whose skin it is
+    double area_m2 = 0;
+    AreaErrorsReport errors;
+  };
+  std::vector<Part> parts;
+  std::optional<double> rank_correlation;  // of expected with true errors of every frame and part; none where equal
+};
+
 // A basis of another size that the training could have given.
 struct TradeOffReport {
   double bytes_per_vertex = 0, expected_rms_mm = 0, microseconds = 0;
@@ -129,7 +150,8 @@ struct ReportData {
   } dataset;
   // Linear blending, Direct Delta Mush, any others, and last what was trained; none without held-out frames.
   std::vector<MethodReport> methods;
-  FrameAxis heldout;  // of the per-frame errors
+  FrameAxis heldout;              // of the per-frame errors
+  std::vector<TakeReport> takes;  // those that hold frames out
   struct {
     double lbs = 0, ddm = 0;
   } unposing_residual_mm;                            // RMS of what is left to learn after un-posing, training frames

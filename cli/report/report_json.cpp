@@ -58,6 +58,28 @@ Json coverage(const CoverageReport& coverage) {
           {"worth_simulating_index", coverage.worth_simulating}};
 }
 
+Json area_errors(const AreaErrorsReport& errors) {
+  return {{"ddm_mm", errors.ddm_mm}, {"full_mm", errors.full_mm}, {"expected_mm", errors.expected_mm}};
+}
+
+Json takes(const ReportData& data) {
+  Json list = Json::array();
+  for (const TakeReport& take : data.takes) {
+    Json parts = Json::array();
+    for (const TakeReport::Part& part : take.parts) {
+      Json entry = {{"part", part.name}, {"area_m2", part.area_m2}};
+      entry.update(area_errors(part.errors));
+      parts.push_back(entry);
+    }
+    Json entry = {{"take", take.name}, {"foreign", take.foreign}, {"frames", take.frames}};
+    entry.update(area_errors(take.errors));
+    entry["rank_correlation"] = optional_number(take.rank_correlation);
+    entry["parts"] = parts;
+    list.push_back(entry);
+  }
+  return list;
+}
+
 Json trade_off(const ReportData& data) {
   Json json = Json::array();
   for (const TradeOffReport& point : data.trade_off) {
@@ -156,6 +178,7 @@ Json report_json(const ReportData& data) {
                      {"unconverged", data.dataset.unconverged}};
   json["methods"] = methods(data);
   json["heldout"] = heldout_frames(data);
+  json["takes"] = takes(data);
   json["unposing_residual_mm"] = {{"lbs", data.unposing_residual_mm.lbs}, {"ddm", data.unposing_residual_mm.ddm}};
   json["bytes_per_vertex"] = data.bytes_per_vertex;
   json["bytes_by_stage"] = pairs(data.bytes_by_stage);

@@ -19,6 +19,7 @@ std::string report_page(const ReportData& data) {
                 plural(data.dataset.heldout_frames, "held-out frame"));
   add_summary(data, page);
   add_warnings(data, page);
+  add_takes(data, page);
   add_pictures(data, page);
   add_methods(data, page);
   add_curves(data, page);

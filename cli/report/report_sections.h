@@ -11,6 +11,8 @@ void add_summary(const ReportData& data, Page& page);
 void add_pictures(const ReportData& data, Page& page);
 void add_methods(const ReportData& data, Page& page);
 void add_curves(const ReportData& data, Page& page);
+// takes_section.cpp
+void add_takes(const ReportData& data, Page& page);
 // learning_sections.cpp
 void add_regions(const ReportData& data, Page& page);
 void add_muscles(const ReportData& data, Page& page);

@@ -86,12 +86,12 @@ TEST(BasisFile, RoundTripIsBitExact) {
   }
 }
 
-const std::string kEarlierFile = kSourceFolder + "/tests/data/basis_schema_2";
+std::string earlier_file(const std::string& ending) { return kSourceFolder + "/tests/data/basis_schema_2" + ending; }
 
 // The small basis as the program wrote it before residuals had coordinates, and the positions it gave then.
 TEST(BasisFile, TheEarlierSchemaGivesTheSameBits) {
   const TemporaryFolder folder;
-  const Basis basis = load_basis(kEarlierFile + ".safetensors");
+  const Basis basis = load_basis(earlier_file(".safetensors"));
   std::vector<Pose> poses;
   for (int k = 0; k < 3; ++k) {
     Pose& pose = poses.emplace_back(bind_pose(basis.skeleton));
@@ -100,7 +100,7 @@ TEST(BasisFile, TheEarlierSchemaGivesTheSameBits) {
     pose.joints[1].rotation = pose.joints[1].rotation * axis_angle({1, 0, 0}, 0.7 * k);
     pose.controls = {0.3f * static_cast<float>(k)};
   }
-  const std::string bytes = read_bytes(kEarlierFile + ".positions");
+  const std::string bytes = read_bytes(earlier_file(".positions"));
   std::vector<float> before(bytes.size() / sizeof(float));
   std::memcpy(before.data(), bytes.data(), bytes.size());
   EXPECT_EQ(Deformer(basis, {.name = "cpu"}).evaluate(poses).positions, before);
@@ -198,13 +198,13 @@ TEST(BasisFile, ForgedTablesAreRefusedOrEvaluateToNumbers) {
   const TemporaryFolder folder;
   save_basis(small_basis(), folder / "a.safetensors");
   EXPECT_GT(forged_and_accepted(read_safetensors(folder / "a.safetensors")), 50);  // or the kernels were hardly tried
-  EXPECT_GT(forged_and_accepted(read_safetensors(kEarlierFile + ".safetensors")), 50);
+  EXPECT_GT(forged_and_accepted(read_safetensors(earlier_file(".safetensors"))), 50);
 }
 
 // Its regions become rows of coordinates, as many as they claim to have features.
 TEST(BasisFile, AnEarlierRegionOfFarTooManyFeaturesIsRefused) {
   const TemporaryFolder folder;
-  Safetensors forged = read_safetensors(kEarlierFile + ".safetensors");
+  Safetensors forged = read_safetensors(earlier_file(".safetensors"));
   const std::uint32_t many = 4097;
   std::memcpy(forged.tensors.at("residual.regions").bytes.data() + 4, &many, 4);
   forged.metadata["checksum"] = content_checksum(forged);

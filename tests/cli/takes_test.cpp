@@ -59,6 +59,7 @@ TEST(Takes, SimulateRefusesWhatWouldGoWrongAtItsEnd) {
   expect(64, " --frames ''", "--frames");
   expect(64, " --frames 1 --heldout ''", "--heldout");
   expect(4, " --frames 1 --json " + (folder / "no/a.json").string(), "a.json");
+  std::filesystem::create_directory(folder / "data");
   const TakeLock another_run(folder / "data/bend.pc2");
   expect(4, " --frames 1", "another run");
   expect(4, " --frames 1 --draft", "another run");

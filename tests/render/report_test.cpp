@@ -106,6 +106,8 @@ ReportData example() {
   data.methods = {method("LBS", 8, 32), method("DDM", 4, 120), method("DDM + joints, linear, dense", 1, 350),
                   method("DDM + joints, linear, local", 1.5, 340), method("full: everything", 0.5, 351)};
   data.heldout = {{1, 3, 5, 11, 13}, {{"shot", 0}}};
+  data.takes = {{"rom", false, 2, {3, 1, 2}, {{"hip", 0.5, {3, 1, 2}}}, {}},
+                {"shot", true, 3, {4, 2, 2.5}, {{"hip", 0.25, {8, 2, 3}}, {"knee", 0.125, {1, 0.75, 0.5}}}, 0.75}};
   data.unposing_residual_mm.lbs = 6.25;
   data.unposing_residual_mm.ddm = 4.5;
   data.bytes_per_vertex = 351;
@@ -223,6 +225,36 @@ TEST(Report, JsonHoldsWhatWasLearnedAndHowToRepeatIt) {
   EXPECT_EQ(provenance.at("files")[0].at("xxh3"), "0123456789abcdef");
   EXPECT_EQ(provenance.at("takes")[0].at("left_out"), "7-9");
   EXPECT_EQ(provenance.at("takes")[1].at("heldout"), "1-5x2,11,13");
+}
+
+TEST(Report, TakesAreToldByAreaAndPart) {
+  const TemporaryFolder folder;
+  ReportData data = example();
+  write_report(data, folder.path());
+  const auto json = nlohmann::ordered_json::parse(read(folder / "report.json"));
+  const auto& shot = json.at("takes")[1];
+  EXPECT_EQ(shot.at("take"), "shot");
+  EXPECT_EQ(shot.at("foreign"), true);
+  EXPECT_EQ(shot.at("frames"), 3);
+  EXPECT_EQ(shot.at("ddm_mm"), 4);
+  EXPECT_EQ(shot.at("expected_mm"), 2.5);
+  EXPECT_EQ(shot.at("rank_correlation"), 0.75);
+  EXPECT_EQ(shot.at("parts")[1].at("part"), "knee");
+  EXPECT_EQ(shot.at("parts")[1].at("full_mm"), 0.75);
+  EXPECT_TRUE(json.at("takes")[0].at("rank_correlation").is_null());
+  std::string page = read(folder / "report.html");
+  EXPECT_TRUE(contains(page, "On motion that shares nothing with what was trained on"));
+  EXPECT_TRUE(contains(page, "rom (between trained frames)"));
+  const std::size_t take = page.find("<th scope=\"row\">shot</th>"), knee = page.find("knee</th>", take),
+                    hip = page.find("hip</th>", take);
+  ASSERT_NE(take, std::string::npos);
+  EXPECT_LT(knee, hip);  // which gained least
+  EXPECT_LT(hip, page.find("truth, result, and where they differ"));
+
+  data.takes.resize(1);
+  write_report(data, folder.path());
+  page = read(folder / "report.html");
+  EXPECT_TRUE(contains(page, "not how a shot will look"));
 }
 
 TEST(Report, PageSaysWhatWouldHelp) {
