@@ -54,5 +54,16 @@ TEST(SelectFeatures, TakesNothingTwiceAndNoNoise) {
   EXPECT_TRUE(select_features(Eigen::MatrixXd(200, 0), targets, 6).empty());
 }
 
+// What many features that mean nothing explain of few frames is chance.
+TEST(SelectFeatures, LuckIsNotTaken) {
+  const Eigen::MatrixXd features = random_matrix(400, 80, 6);
+  const Eigen::MatrixXd targets = features.leftCols(2) * random_matrix(2, 5, 7) + 0.5 * random_matrix(400, 5, 8);
+  const std::vector<SelectedFeature> selected = select_features(features, targets, 80);
+  ASSERT_GE(selected.size(), 2u);
+  EXPECT_LT(selected[0].column, 2u);
+  EXPECT_LT(selected[1].column, 2u);
+  EXPECT_LE(selected.size(), 3u);
+}
+
 }  // namespace
 }  // namespace bodyopt

@@ -13,7 +13,8 @@ struct SelectedFeature {
 
 // Columns of `features` (N x F, standardised, less their values at rest) in the order in which each explains most of
 // what is left of the targets (N x K) in a linear fit: orthogonal matching pursuit (Pati et al. 1993) for several
-// targets. At most `limit`; none that earlier ones tell already, or that explains nothing.
+// targets. At most `limit`; none that earlier ones tell already, or that explains no more than features that have
+// nothing to do with the targets may by chance.
 std::vector<SelectedFeature> select_features(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets,
                                              std::size_t limit);
 
