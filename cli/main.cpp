@@ -2,13 +2,56 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "cli/common.h"
 #include "runtime/basis/error.h"
+#include "trainer/dataset/notes.h"
 #include "trainer/progress.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct VerbGroup {
+  const char* title;
+  std::vector<void (*)(CLI::App&)> verbs;
+};
+
+void add_verbs(CLI::App& app) {
+  const VerbGroup groups[] = {
+      {"To begin with", {add_demo, add_info, add_check, add_devices}},
+      {"A character's muscles and motion", {add_muscles, add_rom}},
+      {"Shapes to learn from", {add_simulate, add_dataset, add_export, add_picture}},
+      {"Learning", {add_train, add_test, add_coverage, add_improve, add_regions}},
+      {"What goes with a trained character", {add_proxy, add_dynamics, add_attach}},
+      {"Using it", {add_eval, add_view, add_compare}},
+  };
+  std::size_t grouped = 0;
+  for (const VerbGroup& group : groups) {
+    for (const auto add : group.verbs) add(app);
+    const std::vector<CLI::App*> verbs = app.get_subcommands([](CLI::App*) { return true; });
+    for (; grouped < verbs.size(); ++grouped) verbs[grouped]->group(group.title);
+  }
+}
+
+// Throws Error(usage) where the first argument is no verb, with the verb that may be meant.
+void require_verb(const CLI::App& app, const std::string& name) {
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
+    verbs.push_back(verb->get_name());
+  }
+  if (name.starts_with('-') || std::find(verbs.begin(), verbs.end(), name) != verbs.end()) return;
+  throw Error(ErrorKind::usage, "'" + name + "' is no verb of bodyopt; the nearest is '" +
+                                    nearest_names(verbs, name).front() + "' (bodyopt --help lists all)");
+}
+
+}  // namespace
+}  // namespace bodyopt::cli
 
 int main(int argc, char** argv) {
   using namespace bodyopt;
@@ -23,29 +66,17 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", BODYOPT_VERSION);
   app.require_subcommand(1);
   app.option_defaults()->always_capture_default(false);
-  add_demo(app);
-  add_rom(app);
-  add_simulate(app);
-  add_muscles(app);
-  add_dataset(app);
-  add_check(app);
-  add_regions(app);
-  add_train(app);
-  add_test(app);
-  add_improve(app);
-  add_proxy(app);
-  add_dynamics(app);
-  add_attach(app);
-  add_eval(app);
-  add_compare(app);
-  add_coverage(app);
-  add_view(app);
-  add_export(app);
-  add_picture(app);
-  add_info(app);
-  add_devices(app);
+  app.footer(
+      "To see it work: bodyopt demo --quick --out demo, then bodyopt view demo/basis.safetensors demo/heldout.glb\n"
+      "bodyopt VERB --help tells of a verb; README.md leads from a character of your own to a trained one.");
+  add_verbs(app);
 
   try {
+    if (argc < 2) {
+      std::fputs(app.help().c_str(), stderr);
+      return static_cast<int>(ErrorKind::usage);
+    }
+    require_verb(app, argv[1]);
     app.parse(argc, argv);
     return std::fflush(stdout) == 0 ? 0 : static_cast<int>(ErrorKind::file);
   } catch (const CLI::Success& success) {

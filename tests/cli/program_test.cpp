@@ -32,6 +32,18 @@ TEST(Program, WrongArgumentsExitWith64) {
   EXPECT_EQ(run_bodyopt("train --out x.safetensors").exit_code, 64);
 }
 
+TEST(Program, AloneItShowsItsVerbsAndAMisspeltOneGetsTheNearest) {
+  const ProgramResult alone = run_bodyopt("");
+  const std::size_t learning = alone.output.find("Learning:"), train = alone.output.find("  train "),
+                    use = alone.output.find("Using it:");
+  EXPECT_LT(learning, train);
+  EXPECT_LT(train, use);
+  EXPECT_NE(alone.output.find("bodyopt demo --quick"), std::string::npos) << alone.output;
+  const ProgramResult misspelt = run_bodyopt("trian data --out x.safetensors");
+  EXPECT_EQ(misspelt.exit_code, 64);
+  EXPECT_NE(misspelt.output.find("the nearest is 'train'"), std::string::npos) << misspelt.output;
+}
+
 TEST(Program, MissingFilesExitWith4AndAreNamed) {
   for (const char* command :
        {"info nowhere.glb", "info nowhere.pc2", "check nowhere/dataset.json", "export nowhere.nodes --out b.pc2",
