@@ -1,9 +1,9 @@
 // The CPU as a backend: the kernels of runtime/cpu one after the other, frames in parallel.
 #include <chrono>
 
+#include "runtime/backend.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/cpu_dynamics.h"
-#include "runtime/deformer.h"
 
 namespace bodyopt {
 namespace {

@@ -1,8 +1,8 @@
 // Diffuse and jiggle on the CPU: their kernels one after the other.
 #pragma once
 
+#include "runtime/backend.h"
 #include "runtime/cpu/corotated_solve.h"
-#include "runtime/deformer.h"
 
 namespace bodyopt {
 

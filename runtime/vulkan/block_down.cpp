@@ -3,6 +3,7 @@
 #include <array>
 
 #include "block_down.spv.h"
+#include "shaders/include/layout.h"
 
 namespace bodyopt::vulkan {
 

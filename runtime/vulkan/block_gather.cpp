@@ -3,6 +3,7 @@
 #include <array>
 
 #include "block_gather.spv.h"
+#include "shaders/include/layout.h"
 
 namespace bodyopt::vulkan {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "runtime/basis/error.h"
+#include "shaders/include/layout.h"
 
 namespace bodyopt::vulkan {
 namespace {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "runtime/jiggle_stages.h"
+#include "shaders/include/layout.h"
 
 namespace bodyopt::vulkan {
 namespace {

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "pose_skin.spv.h"
+#include "shaders/include/layout.h"
 
 namespace bodyopt::vulkan {
 

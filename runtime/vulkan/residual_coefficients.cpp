@@ -11,9 +11,10 @@ ResidualCoefficients::ResidualCoefficients(const Device& device)
 
 void ResidualCoefficients::record(Commands& commands, const Buffers& buffers, const ResidualCoefficientsPush& push,
                                   std::uint32_t frames) const {
-  const std::array bindings = {buffers.regions,           buffers.coefficient_region, buffers.weights,
-                               buffers.rest_coefficients, buffers.coordinates,        buffers.kernels,
-                               buffers.fades,             buffers.coefficients};
+  const std::array bindings = {buffers.regions,     buffers.coefficient_region,
+                               buffers.weights,     buffers.rest_coefficients,
+                               buffers.coordinates, buffers.kernels,
+                               buffers.fades,       buffers.coefficients};
   commands.dispatch(kernel_, bindings, push, push.coefficient_count, frames);
 }
 

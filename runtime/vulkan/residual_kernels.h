@@ -2,6 +2,7 @@
 #pragma once
 
 #include "runtime/vulkan/commands.h"
+#include "shaders/include/layout.h"
 
 namespace bodyopt::vulkan {
 

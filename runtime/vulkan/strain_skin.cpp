@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "shaders/include/layout.h"
 #include "strain_skin.spv.h"
 
 namespace bodyopt::vulkan {

@@ -100,7 +100,8 @@ struct BatchBuffers {
         displacements(device, frames, std::uint64_t{3} * n.vertices, "the displacements"),
         positions(device, frames, std::uint64_t{3} * n.vertices, "the positions"),
         normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
-        staging_in(device, total({&skinning, &origins, &joint_features, &controls, &fades}), Memory::staging, "staging"),
+        staging_in(device, total({&skinning, &origins, &joint_features, &controls, &fades}), Memory::staging,
+                   "staging"),
         staging_out(device, total({&positions, &normals, &strains, &excess, &coefficients}), Memory::staging,
                     "staging") {}
 
@@ -145,9 +146,10 @@ class VulkanBackend final : public Backend {
     const Counts& n = counts_;
     const std::uint64_t skin = std::uint64_t{3} * n.vertices, skinning = std::uint64_t{12} * n.joints;
     const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
-    const std::uint64_t largest = std::max<std::uint64_t>({skin, skinning, strain, n.coordinates, n.centres, n.features});
-    const std::uint64_t all =
-        3 * skin + skinning + strain + n.coordinates + n.centres + 3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
+    const std::uint64_t largest =
+        std::max<std::uint64_t>({skin, skinning, strain, n.coordinates, n.centres, n.features});
+    const std::uint64_t all = 3 * skin + skinning + strain + n.coordinates + n.centres + 3 * n.features +
+                              (dynamics_ ? dynamics_->frame_floats() : 0);
     const std::uint64_t by_range =
         device_.info().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
     const std::uint64_t by_memory =
@@ -284,13 +286,12 @@ class VulkanBackend final : public Backend {
         {t.ranges, b.joint_features.buffer, b.strains.buffer, b.controls.buffer, b.features.buffer, b.excess.buffer},
         {n.joint_features, n.features == 0 ? 0 : n.fibres, n.controls}, frames);
     commands_.barrier();
-    residual_project_.record(commands_,
-                             {t.regions, t.region_features, t.coordinate_region, t.projections, b.features.buffer,
-                              b.coordinates.buffer},
-                             {n.coordinates, n.features}, frames);
+    residual_project_.record(
+        commands_,
+        {t.regions, t.region_features, t.coordinate_region, t.projections, b.features.buffer, b.coordinates.buffer},
+        {n.coordinates, n.features}, frames);
     commands_.barrier();
-    residual_kernels_.record(commands_,
-                             {t.regions, t.centre_region, t.centres, b.coordinates.buffer, b.kernels.buffer},
+    residual_kernels_.record(commands_, {t.regions, t.centre_region, t.centres, b.coordinates.buffer, b.kernels.buffer},
                              {n.centres, n.coordinates}, frames);
     commands_.barrier();
     residual_coefficients_.record(commands_,

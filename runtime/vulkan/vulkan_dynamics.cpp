@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "runtime/jiggle_stages.h"
+#include "shaders/include/layout.h"
 
 namespace bodyopt::vulkan {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "runtime/deformer.h"
+#include "runtime/backend.h"
 #include "runtime/jiggle_stages.h"
 #include "runtime/vulkan/block_solve.h"
 #include "runtime/vulkan/corotated_solve.h"

@@ -1,8 +1,8 @@
 // A tet mesh with reference values of a finite-element problem on it.
 #pragma once
 
+#include "geometry/tet_mesh.h"
 #include "tests/support/reference_tensors.h"
-#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 

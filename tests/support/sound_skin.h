@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "trainer/dataset/character.h"
+#include "geometry/mesh.h"
 
 namespace bodyopt::testing {
 

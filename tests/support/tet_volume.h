@@ -1,7 +1,7 @@
 // The volume that tets fill.
 #pragma once
 
-#include "trainer/tets/tets.h"
+#include "geometry/tet_mesh.h"
 
 namespace bodyopt {
 

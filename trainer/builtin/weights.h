@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "geometry/mesh.h"
 #include "trainer/builtin/implicit.h"
-#include "trainer/dataset/character.h"
 
 namespace bodyopt {
 

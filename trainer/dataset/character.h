@@ -1,23 +1,15 @@
 // A character as it comes from a file: skin, skeleton, weights. Rest space, metres.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "geometry/mesh.h"
 #include "runtime/basis/skeleton.h"
 
 namespace bodyopt {
-
-using Positions = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;         // #V x 3
-using Triangles = Eigen::Matrix<std::uint32_t, Eigen::Dynamic, 3, Eigen::RowMajor>;  // #T x 3
-
-struct JointWeight {
-  std::uint32_t joint;
-  double weight;
-};
 
 struct Character {
   std::string name;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "trainer/dataset/character.h"
+#include "geometry/mesh.h"
 #include "trainer/dataset/gltf_file.h"
 
 namespace bodyopt {

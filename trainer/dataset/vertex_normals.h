@@ -1,7 +1,7 @@
 // Normals of a mesh's vertices.
 #pragma once
 
-#include "trainer/dataset/character.h"
+#include "geometry/mesh.h"
 
 namespace bodyopt {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "trainer/dataset/character.h"
+#include "geometry/mesh.h"
 
 namespace bodyopt {
 

@@ -3,8 +3,8 @@
 
 #include <Eigen/SparseCore>
 
+#include "geometry/mesh.h"
 #include "runtime/basis/block_inverse.h"
-#include "trainer/dataset/character.h"
 
 namespace bodyopt {
 

@@ -1,8 +1,8 @@
 // Diffuse: from the skin's nodes to those inside.
 #pragma once
 
+#include "geometry/tet_mesh.h"
 #include "runtime/basis/dynamics.h"
-#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "trainer/dataset/character.h"
+#include "geometry/mesh.h"
 
 namespace bodyopt {
 

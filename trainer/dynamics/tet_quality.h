@@ -1,7 +1,7 @@
 // Whether tetrahedra can carry finite elements, and how well shaped they are.
 #pragma once
 
-#include "trainer/tets/tets.h"
+#include "geometry/tet_mesh.h"
 
 namespace bodyopt {
 

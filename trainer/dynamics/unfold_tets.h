@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "geometry/tet_mesh.h"
 #include "trainer/tets/nearest_skin.h"
-#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 

@@ -1,9 +1,9 @@
 // Which inputs a simulated shape came from.
 #pragma once
 
+#include "geometry/tet_mesh.h"
 #include "trainer/dataset/muscles.h"
 #include "trainer/simulate/materials.h"
-#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 

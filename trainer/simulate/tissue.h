@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "geometry/tet_mesh.h"
 #include "trainer/simulate/materials.h"
-#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 

@@ -1,7 +1,7 @@
 // Whether a skin encloses a volume.
 #pragma once
 
-#include "trainer/dataset/character.h"
+#include "geometry/mesh.h"
 
 namespace bodyopt {
 

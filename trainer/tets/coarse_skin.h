@@ -4,8 +4,8 @@
 #include <functional>
 #include <limits>
 
+#include "geometry/tet_mesh.h"
 #include "trainer/tets/nearest_skin.h"
-#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 

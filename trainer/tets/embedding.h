@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "trainer/tets/tets.h"
+#include "geometry/tet_mesh.h"
 
 namespace bodyopt {
 

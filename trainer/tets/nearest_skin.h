@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "trainer/dataset/character.h"
+#include "geometry/mesh.h"
 
 namespace bodyopt {
 

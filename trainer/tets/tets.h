@@ -1,36 +1,13 @@
 // Tetrahedra that fill a body.
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
-#include "trainer/dataset/character.h"
+#include "geometry/tet_mesh.h"
 
 namespace bodyopt {
-
-using Tets = Eigen::Matrix<int, Eigen::Dynamic, 4, Eigen::RowMajor>;  // nodes of every tet
-
-struct TetMesh {
-  Positions nodes;           // N x 3, rest space, metres
-  Tets tets;                 // positive volume
-  double worst_quality = 0;  // smallest mean-ratio quality, 0 (flat) .. 1 (regular)
-};
 
 // Netgen's nglib on the welded skin (which must be closed and free of self-intersections). The first V nodes are the
 // skin's vertices, unmoved. `size` is the largest edge wanted inside, metres. Throws Error(mismatch) naming the cause
 // when the skin cannot be filled.
 TetMesh tetrahedralise(const Positions& vertices, const Triangles& triangles, double size);
-
-// Turns every tet to positive volume and sets the worst quality.
-void orient(TetMesh& mesh);
-
-// Edges from corner 0 to corners 1..3 as columns, metres; their determinant is six times the tet's volume.
-Eigen::Matrix3d tet_edges(const TetMesh& mesh, Eigen::Index tet);
-
-// Mean-ratio quality, 0 (flat) .. 1 (regular): 12 (3 volume)^(2/3) over the sum of squared edges (Liu and Joe 1994).
-double mean_ratio(const TetMesh& mesh, Eigen::Index tet);
-
-// Barycentric weights of points spread evenly in a tet, rows + 1 along an edge: each stands for as much of the volume.
-std::vector<Eigen::Vector4d> tet_lattice(int rows);
 
 }  // namespace bodyopt

@@ -1,7 +1,7 @@
 // How thick a body is behind its skin.
 #pragma once
 
-#include "trainer/dataset/character.h"
+#include "geometry/mesh.h"
 
 namespace bodyopt {
 

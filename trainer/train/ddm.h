@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/mesh.h"
 #include "runtime/basis/basis.h"
-#include "trainer/dataset/character.h"
 
 namespace bodyopt {
 

@@ -51,11 +51,11 @@ Eigen::SparseMatrix<double> cotangent_laplacian(const Positions& rest, const Tri
   return laplacian;
 }
 
-Eigen::MatrixXd smoothed(const Character& character, const Eigen::MatrixXd& values, double radius) {
+Eigen::MatrixXd smoothed(const Positions& rest, const Triangles& triangles, const Eigen::MatrixXd& values,
+                         double radius) {
   constexpr int kSteps = 4;
-  const Eigen::VectorXd areas = lumped_areas(character.vertices, character.triangles);
-  Eigen::SparseMatrix<double> matrix =
-      radius * radius / (2 * kSteps) * cotangent_laplacian(character.vertices, character.triangles);
+  const Eigen::VectorXd areas = lumped_areas(rest, triangles);
+  Eigen::SparseMatrix<double> matrix = radius * radius / (2 * kSteps) * cotangent_laplacian(rest, triangles);
   matrix.diagonal() += areas;
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
   Eigen::MatrixXd result = values;

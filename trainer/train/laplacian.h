@@ -3,7 +3,7 @@
 
 #include <Eigen/SparseCore>
 
-#include "trainer/dataset/character.h"
+#include "geometry/mesh.h"
 
 namespace bodyopt {
 
@@ -16,6 +16,7 @@ Eigen::SparseMatrix<double> cotangent_laplacian(const Positions& rest, const Tri
 
 // V x any: the values after a diffusion by a Gaussian of this deviation (metres), in implicit steps; every column keeps
 // its integral over the skin.
-Eigen::MatrixXd smoothed(const Character& character, const Eigen::MatrixXd& values, double radius);
+Eigen::MatrixXd smoothed(const Positions& rest, const Triangles& triangles, const Eigen::MatrixXd& values,
+                         double radius);
 
 }  // namespace bodyopt

@@ -261,7 +261,7 @@ std::vector<RegionWeights> automatic_regions(const Character& character, const s
   const std::vector<Index> labels = cluster(descriptors(character, groups, patch), left, count);
   MatrixXd weights = MatrixXd::Zero(vertices, count);
   for (Index v = 0; v < vertices; ++v) weights(v, labels[static_cast<std::size_t>(v)]) = 1;
-  weights = smoothed(character, weights, 0.25 * patch);
+  weights = smoothed(character.vertices, character.triangles, weights, 0.25 * patch);
   weights = (weights.array() < kNegligibleRegionWeight).select(0, weights);
   weights.array().colwise() /= weights.rowwise().sum().array().eval();
   weights.array().colwise() *= left.array();

@@ -127,7 +127,8 @@ std::vector<Muscle> surface_curves(const SampleSet& set, const TrainOptions& opt
   const Groundwork ground(set, options);
   const Character& character = ground.ordered;
   const double apart = kApart * longest_extent(character.vertices);
-  Eigen::VectorXd left = smoothed(character, left_by_linear_map(set, ground), 0.5 * apart);
+  Eigen::VectorXd left =
+      smoothed(character.vertices, character.triangles, left_by_linear_map(set, ground), 0.5 * apart);
   const double least = 1e-3 * left.maxCoeff();
   const CurveMaker maker(character);
   std::vector<Muscle> curves;

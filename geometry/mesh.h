@@ -1,0 +1,17 @@
+// What geometry is computed on: points, triangles, and how joints hold points.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+namespace bodyopt {
+
+using Positions = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;         // #V x 3
+using Triangles = Eigen::Matrix<std::uint32_t, Eigen::Dynamic, 3, Eigen::RowMajor>;  // #T x 3
+
+struct JointWeight {
+  std::uint32_t joint;
+  double weight;
+};
+
+}  // namespace bodyopt

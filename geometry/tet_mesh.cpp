@@ -1,0 +1,49 @@
+#include "geometry/tet_mesh.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace bodyopt {
+
+void orient(TetMesh& mesh) {
+  mesh.worst_quality = 1;
+  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
+    if (tet_edges(mesh, t).determinant() < 0) std::swap(mesh.tets(t, 2), mesh.tets(t, 3));
+    mesh.worst_quality = std::min(mesh.worst_quality, mean_ratio(mesh, t));
+  }
+}
+
+double mean_ratio(const TetMesh& mesh, Eigen::Index tet) {
+  Eigen::Vector3d corner[4];
+  for (int k = 0; k < 4; ++k) corner[k] = mesh.nodes.row(mesh.tets(tet, k));
+  const double volume = (corner[1] - corner[0]).cross(corner[2] - corner[0]).dot(corner[3] - corner[0]) / 6;
+  double squares = 0;
+  for (int a = 0; a < 4; ++a) {
+    for (int b = a + 1; b < 4; ++b) squares += (corner[a] - corner[b]).squaredNorm();
+  }
+  return squares > 0 ? 12 * std::cbrt(9 * volume * volume) / squares : 0;
+}
+
+Eigen::Matrix3d tet_edges(const TetMesh& mesh, Eigen::Index tet) {
+  Eigen::Matrix3d edges;
+  for (int a = 0; a < 3; ++a) edges.col(a) = mesh.nodes.row(mesh.tets(tet, a + 1)) - mesh.nodes.row(mesh.tets(tet, 0));
+  return edges;
+}
+
+std::vector<Eigen::Vector4d> tet_lattice(int rows) {
+  std::vector<Eigen::Vector4d> points;
+  for (int i = 0; i <= rows; ++i) {
+    for (int j = 0; i + j <= rows; ++j) {
+      for (int k = 0; i + j + k <= rows; ++k) {
+        const Eigen::Vector4d corner(i, j, k, rows - i - j - k);
+        points.push_back((corner.array() + 0.25) / (rows + 1.0));
+      }
+    }
+  }
+  return points;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,17 @@
+// Which device a user asks for.
+#pragma once
+
+#include <string>
+
+namespace bodyopt {
+
+// Which backend runs. "auto" prefers a discrete GPU, then any Vulkan device, then the CPU; "cpu"; an index or (part of)
+// a name as listed by `bodyopt devices`. With require_device, "auto" throws instead of taking the CPU. A device that
+// exists but fails is an error, never a reason to fall back.
+struct DeviceChoice {
+  std::string name = "auto";
+  bool require_device = false;
+  bool validation = false;  // Vulkan validation and synchronization validation; every message is an error
+};
+
+}  // namespace bodyopt
