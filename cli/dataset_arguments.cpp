@@ -80,18 +80,6 @@ std::string relative_to(const fs::path& folder, const std::string& path) {
   return path.empty() ? path : fs::proximate(path, folder).string();
 }
 
-Dataset open_dataset(const Dataset& asked, const fs::path& path) {
-  if (!fs::exists(path)) return asked;
-  Dataset there = read_dataset(path);
-  const auto described = [](const Dataset& dataset) {
-    return format("'%s' (unit %g m) with muscles '%s' and materials '%s'", dataset.character.c_str(),
-                  dataset.unit > 0 ? dataset.unit : 1.0, dataset.muscles.c_str(), dataset.materials.c_str());
-  };
-  if (described(there) == described(asked)) return there;
-  throw Error(ErrorKind::mismatch, format("%s holds shapes of %s; asked for %s: use another folder", path.c_str(),
-                                          described(there).c_str(), described(asked).c_str()));
-}
-
 void say_heldout(const DatasetTake& take, const DatasetTake& asked) {
   const auto kept = std::count_if(asked.frames.begin(), asked.frames.end(),
                                   [&](int frame) { return has(take.heldout, frame) && !has(asked.heldout, frame); });

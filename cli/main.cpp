@@ -2,6 +2,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <new>
@@ -16,6 +17,7 @@ int main(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("bodyopt"));
   spdlog::set_pattern("%^%l%$: %v");
   catch_interrupts();
+  std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit (ulimit -f) is then an error of writing it, as a full disk is
   keep_command_line(argc, argv);
 
   CLI::App app{"Bodyopt learns how a character's skin moves and replays it in real time."};

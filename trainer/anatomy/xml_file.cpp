@@ -10,7 +10,6 @@ namespace {
 
 constexpr std::uintmax_t kLargestFile = 64 << 20;  // bytes
 constexpr int kDeepest = 256;                      // elements within elements
-constexpr int kMostElements = 200000;
 
 }  // namespace
 
@@ -36,7 +35,7 @@ void refuse(const std::filesystem::path& path, pugi::xml_node element, const std
               path.string() + ": <" + element.name() + (name.empty() ? "" : " name=\"" + name + "\"") + "> " + what);
 }
 
-void require_shallow(const std::filesystem::path& path, pugi::xml_node tree) {
+int require_shallow(const std::filesystem::path& path, pugi::xml_node tree) {
   struct Walker : pugi::xml_tree_walker {
     int count = 0;
     bool for_each(pugi::xml_node&) override { return depth() < kDeepest && ++count <= kMostElements; }
@@ -46,6 +45,7 @@ void require_shallow(const std::filesystem::path& path, pugi::xml_node tree) {
                                      " deep, or holds more than " + std::to_string(kMostElements) +
                                      ": no muscle model does");
   }
+  return walker.count;
 }
 
 std::vector<double> parse_numbers(const std::filesystem::path& path, pugi::xml_node element, const std::string& what,

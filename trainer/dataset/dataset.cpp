@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "runtime/basis/error.h"
+#include "runtime/basis/file_lock.h"
 #include "runtime/basis/hexadecimal.h"
 #include "trainer/dataset/frame_range.h"
 #include "trainer/dataset/json_file.h"
@@ -56,6 +57,14 @@ std::string relative_clip(const std::string& clip, const std::filesystem::path& 
   const std::size_t hash = clip.rfind('#');
   const std::string name = hash == std::string::npos ? "" : clip.substr(hash);
   return relative_path(clip.substr(0, hash), folder) + name;
+}
+
+// What takes must share to stand in one dataset.
+std::string described(const Dataset& dataset) {
+  std::ostringstream text;
+  text << "'" << dataset.character << "' (unit " << (dataset.unit > 0 ? dataset.unit : 1.0) << " m) with muscles '"
+       << dataset.muscles << "' and materials '" << dataset.materials << "'";
+  return text.str();
 }
 
 DatasetTake read_take(const JsonObject& json) {
@@ -129,6 +138,15 @@ Dataset read_dataset(const std::filesystem::path& path) {
   return dataset;
 }
 
+Dataset open_dataset(const Dataset& asked, const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return asked;
+  Dataset there = read_dataset(path);
+  const std::string found = described(there), wanted = described(asked);
+  if (found == wanted) return there;
+  throw Error(ErrorKind::mismatch,
+              path.string() + " holds shapes of " + found + "; asked for " + wanted + ": use another folder");
+}
+
 void write_dataset(const Dataset& dataset, const std::filesystem::path& path) {
   const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
   Json json = {{"schema", kDatasetSchema}, {"character", relative_path(dataset.character, folder)}};
@@ -151,6 +169,20 @@ void write_dataset(const Dataset& dataset, const std::filesystem::path& path) {
     json["takes"].push_back(entry);
   }
   write_json(json, path);
+}
+
+Dataset put_take(const Dataset& asked, const DatasetTake& take, const std::filesystem::path& path) {
+  const FileLock lock = lock_to_change(path);
+  Dataset dataset = open_dataset(asked, path);
+  const auto place = std::find_if(dataset.takes.begin(), dataset.takes.end(),
+                                  [&](const DatasetTake& there) { return there.name == take.name; });
+  if (place == dataset.takes.end()) {
+    dataset.takes.push_back(take);
+  } else {
+    *place = take;
+  }
+  write_dataset(dataset, path);
+  return dataset;
 }
 
 std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path) {
