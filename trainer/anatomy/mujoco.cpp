@@ -2,6 +2,7 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <map>
 #include <numbers>
 #include <set>
@@ -23,11 +24,21 @@ constexpr int kDeepestIncludes = 32;  // files within files
 
 Vector3d unit_axis(char letter) { return Vector3d::Unit(letter - 'x'); }
 
+// The folder that holds those of a library's models, which include each other's parts.
+std::filesystem::path library_of(const std::filesystem::path& model) {
+  return std::filesystem::weakly_canonical(std::filesystem::absolute(model)).parent_path().parent_path();
+}
+
+bool lies_in(const std::filesystem::path& folder, const std::filesystem::path& file) {
+  const std::filesystem::path place = std::filesystem::weakly_canonical(std::filesystem::absolute(file));
+  return std::mismatch(folder.begin(), folder.end(), place.begin(), place.end()).first == folder.end();
+}
+
 // Replaces every <include> by what its file holds.
 class Includes {
  public:
-  Includes(XmlFile& main, std::vector<std::string>& notes) : folder_(main.path.parent_path()), notes_(notes) {
-    elements_ = require_shallow(main.path, main.document);
+  Includes(XmlFile& main, std::vector<std::string>& notes)
+      : folder_(main.path.parent_path()), library_(library_of(main.path)), notes_(notes), elements_(main.elements) {
     read_.insert(identity(main.path));
     expand(main.path, main.document.document_element(), 0);
     require_shallow(main.path, main.document);
@@ -70,14 +81,20 @@ class Includes {
       notes_.push_back("'" + name + "', which " + path.string() + " includes, is missing: left out");
       return;
     }
+    if (!lies_in(library_, target)) {
+      refuse(path, include,
+             "names '" + name + "', which lies neither in the model's folder nor in one beside it, links " +
+                 "followed: only those are read");
+    }
     if (!read_.insert(identity(target)).second) {
       refuse(path, include, "names '" + name + "', which is included already: a loop?");
     }
     XmlFile file(target);
-    elements_ += require_shallow(target, file.document);
+    elements_ += file.elements;
     if (elements_ > kMostElements) {
-      refuse(path, include, "names '" + name + "', with which the model has more than " +
-                                std::to_string(kMostElements) + " elements: no muscle model does");
+      refuse(path, include,
+             "names '" + name + "', with which the model has more than " + std::to_string(kMostElements) +
+                 " elements: no muscle model does");
     }
     expand(target, file.document.document_element(), depth);
     for (const xml_node child : file.document.document_element().children()) {
@@ -85,10 +102,10 @@ class Includes {
     }
   }
 
-  std::filesystem::path folder_;
+  std::filesystem::path folder_, library_;
   std::vector<std::string>& notes_;
   std::set<Identity> read_;
-  int elements_ = 0;  // of all files
+  int elements_;  // of all files
 };
 
 class MujocoReader {
