@@ -1,6 +1,7 @@
 // The `bodyopt` program.
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include <csignal>
 #include <cstdio>
@@ -11,6 +12,18 @@
 #include "runtime/basis/error.h"
 #include "trainer/progress.h"
 
+namespace {
+
+// While a dataset is trained on, the caches of all its takes are open.
+void allow_many_open_files() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using namespace bodyopt;
   using namespace bodyopt::cli;
@@ -18,6 +31,7 @@ int main(int argc, char** argv) {
   spdlog::set_pattern("%^%l%$: %v");
   catch_interrupts();
   std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit (ulimit -f) is then an error of writing it, as a full disk is
+  allow_many_open_files();
   keep_command_line(argc, argv);
 
   CLI::App app{"Bodyopt learns how a character's skin moves and replays it in real time."};
