@@ -6,6 +6,7 @@
 #include <cctype>
 
 #include "runtime/basis/error.h"
+#include "trainer/dataset/clip_source.h"
 #include "trainer/dataset/frame_range.h"
 
 namespace bodyopt::cli {
@@ -13,16 +14,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The part of a clip source before '#' made relative to a folder.
+// A clip's source with its file made relative to a folder.
 std::string relative_source(const fs::path& folder, const std::string& source) {
-  const std::size_t hash = source.find('#');
-  const std::string name = hash == std::string::npos ? "" : source.substr(hash);
-  return relative_to(folder, source.substr(0, hash)) + name;
+  const ClipSource split = split_source(source);
+  return relative_to(folder, split.path.string()) + (split.name.empty() ? "" : '#' + split.name);
 }
 
 std::string called(const std::string& source) {
-  const std::size_t hash = source.find('#');
-  std::string name = hash == std::string::npos ? fs::path(source).stem().string() : source.substr(hash + 1);
+  const ClipSource split = split_source(source);
+  std::string name = split.name.empty() ? split.path.stem().string() : split.name;
   for (char& c : name) {
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_') c = '_';
   }

@@ -78,7 +78,7 @@ std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments) {
   for (const DatasetTake& there : dataset.takes) {
     if (there.name == take.name) add_frames(dataset, there, take);
   }
-  require_writable(dataset_path);
+  require_place_for(asked, take, dataset_path);
   spdlog::info("preparing the body: tetrahedra, bones, muscles");
   std::vector<FrameStatus> status =
       simulate(character, muscles, clip, take.frames, lock, folder / take.shapes_status, options);

@@ -139,6 +139,7 @@ AddedShapes add_shapes(const Dataset& begun, const fs::path& path, const Dataset
   }
   AddedShapes added{given, check_given(dataset, given, source), static_cast<int>(replaced.size())};
 
+  require_place_for(begun, given, path);
   NewFiles files(dataset.folder);
   std::vector<Source> sources;
   if (!old.name.empty()) sources.push_back(open_source(dataset.folder / old.shapes, old.frames));

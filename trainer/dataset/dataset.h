@@ -55,6 +55,9 @@ void write_dataset(const Dataset& dataset, const std::filesystem::path& path);
 // Puts a take in the place of that of its name, or after all others, and returns the dataset as it is then. Alone: what
 // other processes do to `path` meanwhile is neither lost nor does it undo this. Throws as open_dataset().
 Dataset put_take(const Dataset& asked, const DatasetTake& take, const std::filesystem::path& path);
+// What put_take() would throw after the long work that makes the take's shapes: for a folder that cannot be written to,
+// or a name that JSON cannot hold.
+void require_place_for(const Dataset& asked, const DatasetTake& take, const std::filesystem::path& path);
 
 // The side-car of a simulated cache: what the solver says of each frame.
 struct FrameStatus {
