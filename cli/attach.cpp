@@ -107,7 +107,7 @@ void add_attach(CLI::App& app) {
       ->type_name("NAME")
       ->check(refuse_empty);
   verb.add_option("--unit", arguments->unit, "Metres per unit of the file (default: that of the character)")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero);
   verb.add_option("--out", arguments->out,
                   "Attachments to write, or to add to: a mesh takes the place of one of its name (default: "
                   "BASIS.attached.safetensors beside the basis)")
