@@ -28,15 +28,18 @@ constexpr auto kLongestWait = 60s;
 }
 
 int open_lock(const fs::path& path) {
-  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
-  if (file < 0)
+  constexpr int kHow = O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+  int file = open(path.c_str(), O_RDWR | O_CREAT | kHow, 0666);
+  if (file < 0 && errno == EACCES)
+    file = open(path.c_str(), O_RDONLY | kHow);  // another user's: local locks need no more
+  if (file < 0) {
     fail(path, "cannot be created", "is the folder there, writable, with space left, and no link of that name?");
+  }
   struct stat status {};
   if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
     close(file);
     throw Error(ErrorKind::file, path.string() + ": is no file, and locks are files of their own: remove it");
   }
-  if (status.st_uid == geteuid()) fchmod(file, 0666);  // all who may write into the folder change its files
   return file;
 }
 

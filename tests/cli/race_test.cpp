@@ -16,7 +16,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr int kRounds = 5, kProcesses = 8;
+constexpr int kRounds = 2, kProcesses = 8;
 
 // Runs them at once; every one must say that it is done.
 void run_together(const TemporaryFolder& folder, const std::vector<std::string>& commands) {
@@ -58,16 +58,24 @@ TEST_F(Race, NoTakeIsLost) {
   }
 }
 
-// Which begin the dataset and solve in the meantime.
+// Of shapes that are solved already, so that all are done at the same time.
 TEST_F(Race, NoSimulatedTakeIsLost) {
   std::vector<std::string> commands;
   for (int k = 0; k < kProcesses; ++k) {
     commands.push_back("simulate " + files_.character + " --clip " + files_.motion +
-                       " --draft --threads 1 --frames 1-2" + " --out " + at("data") + " --name take" +
-                       std::to_string(k));
+                       " --draft --threads 1 --frames 1-2 --out " + at("data") + " --name take" + std::to_string(k));
   }
-  run_together(folder_, commands);
-  EXPECT_EQ(read_dataset(at("data/dataset.json")).takes.size(), std::size_t{kProcesses});
+  ASSERT_EQ(run_bodyopt(commands[0]).exit_code, 0);
+  for (int k = 1; k < kProcesses; ++k) {
+    for (const char* ending : {".nodes", ".status.json"}) {
+      std::filesystem::copy_file(at("data/take0") + ending, at("data/take" + std::to_string(k)) + ending);
+    }
+  }
+  for (int round = 0; round < kRounds; ++round) {
+    std::filesystem::remove(at("data/dataset.json"));
+    run_together(folder_, commands);
+    EXPECT_EQ(read_dataset(at("data/dataset.json")).takes.size(), std::size_t{kProcesses});
+  }
   EXPECT_EQ(run_bodyopt("check " + at("data")).exit_code, 0);
 }
 
