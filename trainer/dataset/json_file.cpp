@@ -18,13 +18,15 @@ namespace {
 constexpr std::uint64_t kLargestFile = 64 << 20;  // bytes; parsed JSON takes many times its text in memory
 
 std::string read_text(const std::filesystem::path& path) {
-  std::error_code failure;
-  const std::uint64_t size = std::filesystem::file_size(path, failure);  // fails for folders, pipes and devices
+  std::error_code ignored;
   std::ifstream file;
-  if (!failure) file.open(path, std::ios::binary);
-  if (failure || !file) {
+  if (std::filesystem::is_regular_file(path, ignored)) file.open(path, std::ios::binary | std::ios::ate);
+  if (!file.is_open()) {
     throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file, or no permission?");
   }
+  // Of the file that is open: by the path another may have taken its place.
+  const auto size = static_cast<std::uint64_t>(file.tellg());
+  file.seekg(0);
   if (size > kLargestFile) {
     throw Error(ErrorKind::file, path.string() + ": has " + std::to_string(size) + " bytes, expected " +
                                      std::to_string(kLargestFile) + " at most: not a file of ours");
