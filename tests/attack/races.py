@@ -33,8 +33,9 @@ def simulate_and_add(stage, findings, random):
 
 def simulation(k, random):
     first = random.randint(1, 40)
-    return (f"simulate limb.glb --clip bend.glb --tet-size 0.2 --threads 1 --frames {first}-{first + random.randint(0, 5)}"
-            f" --out elsewhere --name take{k}")
+    last = first + random.randint(0, 5)
+    return (f"simulate limb.glb --clip bend.glb --tet-size 0.2 --threads 1 --frames {first}-{last} --out elsewhere "
+            f"--name take{k}")
 
 
 def addition(k):
@@ -94,7 +95,8 @@ def race(stage, findings, random, commands, reading):
         # One may be asked to wait until another run has ended; any other refusal is of a file that is sound.
         if not findings.ended(NAME, outcome, [work]) and outcome.code != 0 and "another run" not in outcome.output:
             findings.add(NAME, "losses", f"refused: {' '.join(outcome.command[1:])}", [work], outcome.text())
-    stranded = sorted(name for name in contents(work).keys() - before if is_temporary(name) or name.endswith(".partial"))
+    new = contents(work).keys() - before
+    stranded = sorted(name for name in new if is_temporary(name) or name.endswith(".partial"))
     if stranded:
         findings.add(NAME, "stranded", ", ".join(stranded), [work])
     return work, outcomes

@@ -1,5 +1,6 @@
 """The small character that the program is run on, every verb that writes, and what belongs to a folder afterwards."""
 import fnmatch
+import pathlib
 import shutil
 import struct
 from array import array
@@ -18,13 +19,14 @@ class Verb:
     once: bool = False
 
 
+_ADD = "dataset add elsewhere --clip bend.glb --frames 1-6"
+_DYNAMICS = "dynamics draft --basis limb.safetensors --out limb.dynamics.safetensors"
 _SIMULATE = "simulate limb.glb --clip bend.glb --muscles muscles.json --out draft"
 VERBS = [
     Verb("simulate", f"{_SIMULATE} --frames 1-30 --tet-size 0.05 --name full"),
     Verb("simulate --draft", f"{_SIMULATE} --frames 1-48 --draft --name a --heldout 31-36"),
-    Verb("dataset add", "dataset add elsewhere --clip bend.glb --frames 1-6 --shapes shapes1.pc2 --name more", once=True),
-    Verb("dataset add --replace", "dataset add elsewhere --clip bend.glb --frames 1-6 --shapes shapes2.pc2 --name s0 "
-                                  "--replace", same_bytes=False),
+    Verb("dataset add", f"{_ADD} --shapes shapes1.pc2 --name more", once=True),
+    Verb("dataset add --replace", f"{_ADD} --shapes shapes2.pc2 --name s0 --replace", same_bytes=False),
     Verb("muscles import", "muscles import limb.glb --from model.osim mapping.json --out imported.json"),
     Verb("rom", "rom limb.glb --limits limits.json --frames 400 --out rom.glb"),
     Verb("train", "train draft --out limb.safetensors --surface-curves 3"),
@@ -33,7 +35,7 @@ VERBS = [
     Verb("train --ddm-only", "train --ddm-only limb.glb --out ddm.safetensors"),
     Verb("regions", "regions draft --out regions.json --picture regions.png"),
     Verb("proxy", "proxy draft --out proxy.safetensors --error 3"),
-    Verb("dynamics", "dynamics draft --basis limb.safetensors --out limb.dynamics.safetensors --dynamics-resolution 900"),
+    Verb("dynamics", f"{_DYNAMICS} --dynamics-resolution 900"),
     Verb("attach", "attach prop1.glb limb.safetensors"),
     Verb("eval", "eval limb.safetensors --clip bend.glb --fps 960 --device cpu --out shot.pc2"),
     Verb("eval --jiggle", "eval limb.safetensors --clip bend.glb --fps 24 --jiggle --device cpu --state-out end.state "
@@ -49,9 +51,9 @@ VERBS = [
 # What is there before any attack.
 _PREPARATION = [
     f"{_SIMULATE} --frames 1-36 --draft --name a --heldout 31-36",
-    "dataset add elsewhere --clip bend.glb --character limb.glb --frames 1-6 --shapes shapes0.pc2 --name s0",
+    f"{_ADD} --character limb.glb --shapes shapes0.pc2 --name s0",
     "train draft --out limb.safetensors --surface-curves 2",
-    "dynamics draft --basis limb.safetensors --out limb.dynamics.safetensors --dynamics-resolution 500",
+    f"{_DYNAMICS} --dynamics-resolution 500",
     "attach prop0.glb limb.safetensors",
     "rom limb.glb --limits limits.json --frames 20 --out rom.glb",
     "eval limb.safetensors --clip bend.glb --device cpu --out shot.pc2",
@@ -136,7 +138,7 @@ def different(found, expected):
 def not_finite(folder):
     """Names of point caches that hold a number that is none."""
     bad = []
-    for path in folder.rglob("*.pc2"):
+    for path in filter(pathlib.Path.is_file, folder.rglob("*.pc2")):
         data = path.read_bytes()
         if len(data) < 32 or struct.unpack_from("<i", data, 12)[0] != 1:
             continue
