@@ -71,13 +71,13 @@ void run(AttachArguments arguments) {
   const double kept = kept_unit(basis);
   options.unit = arguments.unit > 0 ? arguments.unit : kept > 0 ? kept : 1;
 
-  Attachments attachments = attachments_in(arguments.out, basis, arguments.basis);
+  attachments_in(arguments.out, basis, arguments.basis);  // refused before any work
   std::vector<std::string> notes;
   std::vector<LooseMesh> meshes =
       read_loose_meshes(arguments.mesh, basis.skeleton, basis.mesh.output_count(), options.unit, notes);
   say(notes);
-  const std::vector<AttachedMesh> bound = attach(chosen(std::move(meshes), arguments), basis, options, attachments);
-  save_attachments(attachments, arguments.out);
+  const std::vector<AttachedMesh> bound = bind_meshes(chosen(std::move(meshes), arguments), basis, options);
+  const Attachments attachments = attach(bound, arguments.out, basis, arguments.basis);
   arguments.json.emit({{"attachments", arguments.out}, {"meshes", to_json(attachments.meshes)}},
                       describe(bound) + format("wrote %s: %s\n", arguments.out.c_str(),
                                                count_of(attachments.meshes.size(), "mesh", "meshes").c_str()));
@@ -107,7 +107,7 @@ void add_attach(CLI::App& app) {
       ->type_name("NAME")
       ->check(refuse_empty);
   verb.add_option("--unit", arguments->unit, "Metres per unit of the file (default: that of the character)")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero);
   verb.add_option("--out", arguments->out,
                   "Attachments to write, or to add to: a mesh takes the place of one of its name (default: "
                   "BASIS.attached.safetensors beside the basis)")

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "runtime/basis/error.h"
+#include "runtime/basis/file_lock.h"
 #include "runtime/basis/hexadecimal.h"
 
 namespace bodyopt::cli {
@@ -32,21 +33,29 @@ Attachments attachments_in(const fs::path& path, const Basis& basis, const std::
   return none;
 }
 
-std::vector<AttachedMesh> attach(const std::vector<LooseMesh>& meshes, const Basis& basis, const AttachOptions& options,
-                                 Attachments& attachments) {
+std::vector<AttachedMesh> bind_meshes(const std::vector<LooseMesh>& meshes, const Basis& basis,
+                                      const AttachOptions& options) {
   const RestSkin skin(basis);
   std::vector<AttachedMesh> bound;
-  for (const LooseMesh& mesh : meshes) {
-    bound.push_back(bind_mesh(mesh, skin, options));
+  for (const LooseMesh& mesh : meshes) bound.push_back(bind_mesh(mesh, skin, options));
+  return bound;
+}
+
+Attachments attach(const std::vector<AttachedMesh>& meshes, const fs::path& path, const Basis& basis,
+                   const std::string& basis_name) {
+  const FileLock lock = lock_to_change(path);
+  Attachments attachments = attachments_in(path, basis, basis_name);
+  for (const AttachedMesh& mesh : meshes) {
     const auto same = std::find_if(attachments.meshes.begin(), attachments.meshes.end(),
                                    [&](const AttachedMesh& known) { return known.name == mesh.name; });
     if (same == attachments.meshes.end()) {
-      attachments.meshes.push_back(bound.back());
+      attachments.meshes.push_back(mesh);
     } else {
-      *same = bound.back();
+      *same = mesh;
     }
   }
-  return bound;
+  save_attachments(attachments, path);
+  return attachments;
 }
 
 std::string describe(const std::vector<AttachedMesh>& meshes) {
@@ -76,10 +85,8 @@ std::vector<AttachedMesh> attach_own_meshes(const fs::path& character, double un
         read_loose_meshes(character, basis.skeleton, skin_vertices, unit > 0 ? unit : 1, notes);
     say(notes);
     if (meshes.empty()) return {};
-    const fs::path path = attachments_beside(basis_path);
-    Attachments attachments = attachments_in(path, basis, basis_path.string());
-    const std::vector<AttachedMesh> bound = attach(meshes, basis, {}, attachments);
-    save_attachments(attachments, path);
+    const std::vector<AttachedMesh> bound = bind_meshes(meshes, basis, {});
+    attach(bound, attachments_beside(basis_path), basis, basis_path.string());
     return bound;
   } catch (const Error& error) {
     spdlog::warn("the character's other meshes are not attached: {}", error.what());

@@ -17,9 +17,13 @@ std::filesystem::path attachments_beside(const std::filesystem::path& basis);
 // Those of a file, or none yet where it is not there. Throws as load_attachments, of which see `basis_name`.
 Attachments attachments_in(const std::filesystem::path& path, const Basis& basis, const std::string& basis_name);
 
-// Binds the meshes and puts them into the attachments, each in the place of one of its name. Returns those it bound.
-std::vector<AttachedMesh> attach(const std::vector<LooseMesh>& meshes, const Basis& basis, const AttachOptions& options,
-                                 Attachments& attachments);
+std::vector<AttachedMesh> bind_meshes(const std::vector<LooseMesh>& meshes, const Basis& basis,
+                                      const AttachOptions& options);
+
+// Puts the meshes into a file, each in the place of one of its name, and returns all that is in it then. Alone: what
+// other processes put there meanwhile stays. Throws as attachments_in().
+Attachments attach(const std::vector<AttachedMesh>& meshes, const std::filesystem::path& path, const Basis& basis,
+                   const std::string& basis_name);
 
 // One line, and one JSON object, per mesh.
 std::string describe(const std::vector<AttachedMesh>& meshes);

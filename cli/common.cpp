@@ -6,6 +6,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 
 #include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
@@ -79,7 +80,7 @@ void DeviceArguments::add(CLI::App& verb) {
 
 void add_unit(CLI::App& verb, double& unit) {
   verb.add_option("--unit", unit, "Metres per unit of the character's file (default: it must be in metres)")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero);
 }
 
 void add_joint_map(CLI::App& verb, std::string& path) {
@@ -102,6 +103,12 @@ std::function<std::string(const std::string&)> number_from(double low, double hi
                ? std::string()
                : format("expected a number from %g to %g, found '%s'", low, high, begin);
   };
+}
+
+std::string above_zero(const std::string& text) {
+  const bool is_one =
+      number_from(std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max())(text).empty();
+  return is_one ? "" : "expected a number above 0, found '" + text + "'";
 }
 
 std::function<std::string(const std::string&)> must_end_in(const std::string& extension) {

@@ -56,6 +56,9 @@ std::string refuse_empty(const std::string& value);
 // A check of options: a number, finite, within these ends.
 std::function<std::string(const std::string&)> number_from(double low, double high);
 
+// A check of options: a number above 0 and finite, which CLI11 does not ask of "nan".
+std::string above_zero(const std::string& text);
+
 // A check of options: the file's name ends as said.
 std::function<std::string(const std::string&)> must_end_in(const std::string& extension);
 

@@ -63,7 +63,7 @@ void add_compare(CLI::App& app) {
   verb.add_option("b", arguments->b, "Cache of the same mesh and frames")->required()->type_name("B");
   verb.add_option("--fail-above", arguments->fail_above, "Exit with 2 when the maximum is above MM millimetres")
       ->type_name("MM")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_from(0, std::numeric_limits<double>::infinity()));
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

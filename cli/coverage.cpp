@@ -142,7 +142,7 @@ void add_coverage(CLI::App& app) {
       ->check(must_end_in(".svg"));
   verb.add_option("--unit", arguments->unit,
                   "Metres per unit of the clip's file (default: as the character was read for training)")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

@@ -6,6 +6,7 @@
 #include <cctype>
 
 #include "runtime/basis/error.h"
+#include "trainer/dataset/clip_source.h"
 #include "trainer/dataset/frame_range.h"
 
 namespace bodyopt::cli {
@@ -13,16 +14,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The part of a clip source before '#' made relative to a folder.
+// A clip's source with its file made relative to a folder.
 std::string relative_source(const fs::path& folder, const std::string& source) {
-  const std::size_t hash = source.find('#');
-  const std::string name = hash == std::string::npos ? "" : source.substr(hash);
-  return relative_to(folder, source.substr(0, hash)) + name;
+  const ClipSource split = split_source(source);
+  return relative_to(folder, split.path.string()) + (split.name.empty() ? "" : '#' + split.name);
 }
 
 std::string called(const std::string& source) {
-  const std::size_t hash = source.find('#');
-  std::string name = hash == std::string::npos ? fs::path(source).stem().string() : source.substr(hash + 1);
+  const ClipSource split = split_source(source);
+  std::string name = split.name.empty() ? split.path.stem().string() : split.name;
   for (char& c : name) {
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_') c = '_';
   }
@@ -78,18 +78,6 @@ DatasetTake TakeArguments::take(const std::vector<int>& frames, const fs::path& 
 
 std::string relative_to(const fs::path& folder, const std::string& path) {
   return path.empty() ? path : fs::proximate(path, folder).string();
-}
-
-Dataset open_dataset(const Dataset& asked, const fs::path& path) {
-  if (!fs::exists(path)) return asked;
-  Dataset there = read_dataset(path);
-  const auto described = [](const Dataset& dataset) {
-    return format("'%s' (unit %g m) with muscles '%s' and materials '%s'", dataset.character.c_str(),
-                  dataset.unit > 0 ? dataset.unit : 1.0, dataset.muscles.c_str(), dataset.materials.c_str());
-  };
-  if (described(there) == described(asked)) return there;
-  throw Error(ErrorKind::mismatch, format("%s holds shapes of %s; asked for %s: use another folder", path.c_str(),
-                                          described(there).c_str(), described(asked).c_str()));
 }
 
 void say_heldout(const DatasetTake& take, const DatasetTake& asked) {

@@ -25,10 +25,6 @@ struct TakeArguments {
 // A file's name relative to a folder; an empty one stays empty.
 std::string relative_to(const std::filesystem::path& folder, const std::string& path);
 
-// The dataset in `path`, or, where there is none yet, `asked`. One dataset holds the takes of one character: throws
-// Error(mismatch) where that in the file has another character, unit, muscles or materials.
-Dataset open_dataset(const Dataset& asked, const std::filesystem::path& path);
-
 // Warns of frames that the take holds out although `asked` did not ask for it.
 void say_heldout(const DatasetTake& take, const DatasetTake& asked);
 

@@ -222,7 +222,7 @@ void add_eval(CLI::App& app) {
   arguments->device.add(verb);
   verb.add_option("--unit", arguments->unit,
                   "Metres per unit of the clip's file (default: as the character was read for training)")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero);
   add_output(verb, arguments->out, ".pc2", "Point cache to write");
   verb.add_option("--attached", arguments->attached,
                   "Geometry that rides on the skin (default: BASIS.attached.safetensors beside the basis, where it is "

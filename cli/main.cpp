@@ -1,8 +1,10 @@
 // The `bodyopt` program.
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <new>
@@ -50,6 +52,14 @@ void require_verb(const CLI::App& app, const std::string& name) {
                                     nearest_names(verbs, name).front() + "' (bodyopt --help lists all)");
 }
 
+// While a dataset is trained on, the caches of all its takes are open.
+void allow_many_open_files() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 }  // namespace
 }  // namespace bodyopt::cli
 
@@ -59,6 +69,8 @@ int main(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("bodyopt"));
   spdlog::set_pattern("%^%l%$: %v");
   catch_interrupts();
+  std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit (ulimit -f) is then an error of writing it, as a full disk is
+  allow_many_open_files();
   keep_command_line(argc, argv);
 
   CLI::App app{"Bodyopt learns how a character's skin moves and replays it in real time."};

@@ -256,7 +256,7 @@ void add_picture(CLI::App& app) {
   CLI::Option* around = verb.add_option("--around", arguments->around, "Joint to look at (default: the whole body)");
   verb.add_option("--radius", arguments->radius, "Metres around that joint")
       ->needs(around)
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero)
       ->capture_default_str();
   verb.add_flag("--cut-open", arguments->cut_open,
                 "Take away what is in front of the middle: fat yellow, bone white, muscles red, orange where they are "

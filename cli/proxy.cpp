@@ -111,7 +111,7 @@ void add_proxy(CLI::App& app) {
   verb.add_option("--error", arguments->errors_mm,
                   "What the skin of each level may be off, mm (default: 1/500, 1/250 and 1/125 of the size)")
       ->type_name("MM")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero)
       ->expected(1, static_cast<int>(kMostLevels));
   verb.add_option("--character", arguments->character, "The basis' character (.glb, .gltf)")->type_name("CHARACTER");
   verb.add_option("--muscles", arguments->muscles, "The basis' muscles (muscles.json)")->type_name("FILE");

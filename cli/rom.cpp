@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "cli/common.h"
+#include "trainer/dataset/clip_source.h"
 #include "trainer/motion/coupled_joints.h"
 #include "trainer/motion/held_turns.h"
 #include "trainer/motion/joint_coverage.h"
@@ -72,7 +73,7 @@ void run(const RomArguments& arguments) {
   const Character character = read_character(arguments.character, arguments.unit);
   say(character.notes);
   refuse_overwriting(arguments.out, arguments.character);
-  for (const std::string& clip : arguments.from) refuse_overwriting(arguments.out, clip.substr(0, clip.find('#')));
+  for (const std::string& clip : arguments.from) refuse_overwriting(arguments.out, split_source(clip).path);
   const Skeleton& skeleton = character.skeleton;
   const JointLimits limits = read_joint_limits(arguments.limits, skeleton);
   RangeOfMotionOptions options = arguments.options;
@@ -134,7 +135,7 @@ void add_rom(CLI::App& app) {
   verb.add_option(
           "--step", arguments->options.step,
           "Degrees that a joint may turn from a random frame to the next: for solvers that need a smooth motion")
-      ->check(CLI::Range(1.0, 360.0));
+      ->check(number_from(1, 360));
   add_joint_map(verb, arguments->joint_map);
   add_unit(verb, arguments->unit);
   arguments->json.add(verb);

@@ -89,7 +89,7 @@ void add_simulate(CLI::App& app) {
       ->type_name("DATASET_DIR");
   CLI::Option* size = verb.add_option("--tet-size", arguments->options.tet_size,
                                       "Largest tet edge inside, metres (default: from the skin)")
-                          ->check(CLI::PositiveNumber);
+                          ->check(above_zero);
   verb.add_flag("--draft", arguments->options.draft, "Fast: in a cage of 1,500 nodes or fewer; stores nodes (.nodes)")
       ->excludes(size);
   verb.add_option("--threads", arguments->options.threads, "Frames solved at once (default: one per core)")

@@ -74,18 +74,15 @@ std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments) {
   DatasetTake take = new_take(arguments, frames, folder);
   const TakeLock lock(folder / take.shapes);  // until dataset.json names the frames that the shapes are of
   const Dataset asked = asked_dataset(arguments, folder);
-  Dataset dataset = open_dataset(asked, dataset_path);
+  const Dataset dataset = open_dataset(asked, dataset_path);
   for (const DatasetTake& there : dataset.takes) {
     if (there.name == take.name) add_frames(dataset, there, take);
   }
-  require_writable(dataset_path);
+  require_place_for(asked, take, dataset_path);
   spdlog::info("preparing the body: tetrahedra, bones, muscles");
   std::vector<FrameStatus> status =
       simulate(character, muscles, clip, take.frames, lock, folder / take.shapes_status, options);
-  dataset = open_dataset(asked, dataset_path);  // another run may have added a take meanwhile
-  std::erase_if(dataset.takes, [&](const DatasetTake& other) { return other.name == take.name; });
-  dataset.takes.push_back(take);
-  write_dataset(dataset, dataset_path);
+  put_take(asked, take, dataset_path);
   return status;
 }
 

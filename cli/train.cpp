@@ -194,14 +194,14 @@ void add_train(CLI::App& app) {
   verb.add_option("--smoothing-radius", arguments->options.smoothing_radius,
                   "Radius of Direct Delta Mush, metres (default: 1/40 of the size, or twice that where it leaves less "
                   "to learn)")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero);
   CLI::Option* budget = verb.add_option("--budget", arguments->options.budget,
                                         "The best basis of so many bytes per vertex at most, all tables together");
-  budget->type_name("BYTES")->check(CLI::PositiveNumber)->excludes(ddm_only);
+  budget->type_name("BYTES")->check(above_zero)->excludes(ddm_only);
   verb.add_option("--tolerance", arguments->options.tolerance_mm,
                   "The smallest basis with an expected RMS error of so many mm at most")
       ->type_name("MM")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero)
       ->excludes(ddm_only)
       ->excludes(budget);
   verb.add_option("--components", arguments->options.components, "Coefficients per region at most")
@@ -213,7 +213,7 @@ void add_train(CLI::App& app) {
   verb.add_option("--memory", arguments->options.memory_gib,
                   "GiB that shapes in memory may take; with less, they are read several times")
       ->capture_default_str()
-      ->check(CLI::Range(1e-6, 1e6));
+      ->check(number_from(1e-6, 1e6));
   verb.add_option("--seed", arguments->options.seed, "Seed of every random choice")->capture_default_str();
   add_unit(verb, arguments->unit);
   arguments->json.add(verb);

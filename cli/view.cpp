@@ -74,7 +74,7 @@ void add_view(CLI::App& app) {
   verb.add_option("--lf", options.last, "Last frame")->type_name("FRAME");
   verb.add_option("--cf", options.current, "Frame to begin at")->type_name("FRAME");
   verb.add_option("--fps", options.clip.fps, "Frames a second that clips are sampled at (default: 24)")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero);
   verb.add_option("--size", arguments->size, "Width and height of the picture, pixels")
       ->expected(2)
       ->allow_extra_args(false)
@@ -91,7 +91,7 @@ void add_view(CLI::App& app) {
       ->type_name("PORT")
       ->check(CLI::Range(0, 65535));
   verb.add_flag("--no-vsync", arguments->no_vsync, "As many pictures a second as there can be");
-  verb.add_option("--seconds", options.seconds, "Close after so long")->check(CLI::PositiveNumber);
+  verb.add_option("--seconds", options.seconds, "Close after so long")->check(above_zero);
   verb.add_flag("--headless", options.headless, "Without a window");
   verb.add_option("-o,--out", options.out,
                   "With --headless: a picture (.png), one per frame where the name has #### or %04d, or all frames in "

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "runtime/basis/error.h"
+
 namespace bodyopt {
 namespace {
 
@@ -24,9 +26,15 @@ std::optional<SampleTime> sample_time(const Pc2Reader& truth, int frame) {
 }
 
 std::vector<float> read_sample(const Pc2Reader& truth, const SampleTime& time) {
-  std::vector<float> points = truth.read_sample(time.sample);
+  const Pc2Reader now(truth.path());
+  if (now.point_count() != truth.point_count()) {
+    throw Error(ErrorKind::mismatch, truth.path().string() + ": it was written anew with " +
+                                         std::to_string(now.point_count()) + " points, it had " +
+                                         std::to_string(truth.point_count()));
+  }
+  std::vector<float> points = now.sample(time.sample);
   if (time.on_sample()) return points;
-  const std::vector<float> next = truth.read_sample(time.sample + 1);
+  const std::vector<float> next = now.sample(time.sample + 1);
   for (std::size_t k = 0; k < points.size(); ++k) points[k] += time.share * (next[k] - points[k]);
   return points;
 }

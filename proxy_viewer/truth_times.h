@@ -22,8 +22,9 @@ struct SampleTime {
 // Nothing for frames before the first sample or after the last.
 std::optional<SampleTime> sample_time(const Pc2Reader& truth, int frame);
 
-// point_count x 3; between two samples, what lies between them by a straight line. Throws Error(file) as
-// Pc2Reader::read_sample().
+// point_count x 3; between two samples, what lies between them by a straight line. Of the file as it is now: it may
+// have been written anew since `truth` was opened. Throws as Pc2Reader, and Error(mismatch) where it has other points
+// now.
 std::vector<float> read_sample(const Pc2Reader& truth, const SampleTime& time);
 
 // One sentence or two for the user, where they are not one for one; otherwise empty. `file`: the cache's name.

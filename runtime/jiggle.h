@@ -69,8 +69,8 @@ struct StateFile {
 };
 
 // Safetensors with a checksum and the hash of the dynamics it belongs to. Written to a temporary name, then renamed.
-// Throws Error(file); load_state: Error(mismatch)
-// where it is of other dynamics. Whether a state fits the character is looked at by Deformer::set_state.
+// Throws Error(file), also at numbers far beyond the character's size; load_state: Error(mismatch) where it is of other
+// dynamics. Whether a state fits the character is looked at by Deformer::set_state.
 void save_state(const JiggleState& state, const Dynamics& dynamics, const std::filesystem::path& path);
 StateFile read_state(const std::filesystem::path& path);
 JiggleState load_state(const std::filesystem::path& path, const Dynamics& dynamics);

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <sstream>
 #include <utility>
 
 #include "runtime/basis/error.h"
@@ -10,6 +12,12 @@ namespace bodyopt {
 namespace {
 
 constexpr const char* kSchema = "bodyopt-jiggle-state-1";
+
+// Of the character's size, and of that a frame: what jiggles is nowhere near, and further away single precision may run
+// out of numbers.
+constexpr double kMostJiggle = 1e3;  // off its quasi-static place
+constexpr double kMostPlace = 1e6;   // in the world
+constexpr int kMostFrame = 2000000000;
 
 template <typename T>
 Tensor rows_of_three(const std::vector<T>& values) {
@@ -28,6 +36,41 @@ void for_each_array(State& state, Visit visit) {
   visit("velocity", state.motion.velocity);
   visit("nodes", state.motion.nodes);
   visit("node_velocity", state.motion.node_velocity);
+}
+
+// Diagonal of the box around the rest nodes, metres.
+double size_of(const TetTable& tets) {
+  double squared = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    float low = tets.nodes.empty() ? 0 : tets.nodes[axis], high = low;
+    for (std::size_t k = axis; k < tets.nodes.size(); k += 3) {
+      low = std::min(low, tets.nodes[k]);
+      high = std::max(high, tets.nodes[k]);
+    }
+    squared += static_cast<double>(high - low) * static_cast<double>(high - low);
+  }
+  return std::sqrt(squared);
+}
+
+// Throws Error(file) where a number is beyond what a character of these dynamics does, or none at all.
+void require_bounded(const JiggleState& state, const Dynamics& dynamics, const std::filesystem::path& path) {
+  const double size = size_of(dynamics.tets), rate = static_cast<double>(dynamics.jiggle.step.frames_per_second);
+  const auto check = [&](const char* name, const auto& values, double most) {
+    for (const auto value : values) {
+      if (std::abs(static_cast<double>(value)) <= most) continue;
+      std::ostringstream text;
+      text << path.string() << ": '" << name << "' has the number " << value << ", expected " << most
+           << " at most for a character of " << size << " m: the jiggle blew up, or the file is damaged";
+      throw Error(ErrorKind::file, text.str());
+    }
+  };
+  check("displacement", state.motion.displacement, kMostJiggle * size);
+  check("velocity", state.motion.velocity, kMostJiggle * size * rate);
+  check("nodes", state.motion.nodes, kMostPlace * size);
+  check("node_velocity", state.motion.node_velocity, kMostPlace * size * rate);
+  check("joints", state.joints, kMostPlace * size);
+  check("joint_velocity", state.joint_velocity, kMostPlace * size * rate);
+  check("origin", state.origin, kMostPlace * size);
 }
 
 class StateReader {
@@ -82,6 +125,7 @@ class StateReader {
 }  // namespace
 
 void save_state(const JiggleState& state, const Dynamics& dynamics, const std::filesystem::path& path) {
+  require_bounded(state, dynamics, path);
   Safetensors file;
   for_each_array(state, [&](const char* name, const auto& values) { file.tensors[name] = rows_of_three(values); });
   file.tensors["origin"] = rows_of_three(std::vector<double>(state.origin, state.origin + 3));
@@ -104,16 +148,20 @@ StateFile read_state(const std::filesystem::path& path) {
   if (known < 0 || known > 2 || origin.size() != 3) reader.refuse("its numbers of frames or its origin are not sound");
   std::copy(origin.begin(), origin.end(), state.origin);
   state.frame = reader.integer("frame");
+  if (std::abs(static_cast<double>(state.frame)) > kMostFrame) reader.refuse("its frame is out of range");
   state.known = static_cast<std::uint32_t>(known);
   return file;
 }
 
 JiggleState load_state(const std::filesystem::path& path, const Dynamics& dynamics) {
   StateFile file = read_state(path);
-  if (file.dynamics == checksum(dynamics)) return std::move(file.state);
-  throw Error(ErrorKind::mismatch, path.string() + ": it is a state of other dynamics (checksum " + file.dynamics +
-                                       ", these have " + checksum(dynamics) +
-                                       "): made again since, or of another character");
+  if (file.dynamics != checksum(dynamics)) {
+    throw Error(ErrorKind::mismatch, path.string() + ": it is a state of other dynamics (checksum " + file.dynamics +
+                                         ", these have " + checksum(dynamics) +
+                                         "): made again since, or of another character");
+  }
+  require_bounded(file.state, dynamics, path);
+  return std::move(file.state);
 }
 
 }  // namespace bodyopt

@@ -9,6 +9,7 @@ build_packages=(
 )
 run_packages=(mesa-vulkan-drivers fonts-dejavu-core)
 test_packages=(vulkan-validationlayers xvfb xauth xdotool)
+attack_packages=(clang libclang-rt-dev libomp-dev python3)
 bench_packages=(libbenchmark-dev libsuitesparse-dev)
 other_program_packages=(blender python3-numpy)
 # Node.js from elsewhere brings its own npm, and Debian's would clash with it.

@@ -166,13 +166,15 @@ void write_safetensors(const Safetensors& file, const std::filesystem::path& pat
 }
 
 Safetensors read_safetensors(const std::filesystem::path& path) {
-  std::error_code failure;
-  const std::uint64_t size = std::filesystem::file_size(path, failure);  // fails for folders, pipes and devices
+  std::error_code ignored;
   std::ifstream stream;
-  if (!failure) stream.open(path, std::ios::binary);
-  if (failure || !stream) {
+  if (std::filesystem::is_regular_file(path, ignored)) stream.open(path, std::ios::binary | std::ios::ate);
+  if (!stream.is_open()) {
     throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file, or no permission?");
   }
+  // Of the file that is open: by the path another may have taken its place.
+  const auto size = static_cast<std::uint64_t>(stream.tellg());
+  stream.seekg(0);
 
   std::uint64_t length = 0;
   if (size < 8 || !stream.read(reinterpret_cast<char*>(&length), 8))

@@ -80,6 +80,8 @@ Quat quaternion_from(const Mat3& r) {
   return normalized(q);
 }
 
+double norm(const Quat& q) { return std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]); }
+
 }  // namespace
 
 Affine inverse(const Affine& a) {
@@ -121,9 +123,14 @@ Quat operator*(const Quat& a, const Quat& b) {
 
 Quat conjugate(const Quat& q) { return {-q[0], -q[1], -q[2], q[3]}; }
 
+bool has_length(const Quat& q) {
+  const double n = norm(q);
+  return n > 1e-12 && std::isfinite(n);
+}
+
 Quat normalized(const Quat& q) {
-  const double n = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  if (!(n > 1e-12) || !std::isfinite(n)) return {0, 0, 0, 1};
+  if (!has_length(q)) return {0, 0, 0, 1};
+  const double n = norm(q);
   return {q[0] / n, q[1] / n, q[2] / n, q[3] / n};
 }
 

@@ -32,7 +32,8 @@ JointTransform decompose(const Affine& a);
 
 Quat operator*(const Quat& a, const Quat& b);
 Quat conjugate(const Quat& q);
-Quat normalized(const Quat& q);  // identity for a zero or non-finite quaternion
+bool has_length(const Quat& q);  // false for a zero or non-finite quaternion
+Quat normalized(const Quat& q);  // identity where it has none
 Quat axis_angle(const Vec3& axis, double angle);
 Quat slerp(const Quat& a, Quat b, double t);
 Vec3 rotate(const Quat& q, const Vec3& v);

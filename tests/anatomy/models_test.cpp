@@ -171,6 +171,61 @@ TEST(Mujoco, IncludesAreReadOnceAndMissingOnesNoted) {
                  "cannot be read");
 }
 
+// A library's models include parts of those in the folders beside theirs; nothing else of the disk is read.
+TEST(Mujoco, IncludesStayInTheModelsFolderAndThoseBesideIt) {
+  const TemporaryFolder folder;
+  const Reader read_path = [](const std::filesystem::path& path) { read_model(path); };
+  const std::string whole = small_mujoco();
+  const auto including = [&](const std::string& name) {
+    return replaced(whole, "<default>", "<include file=\"" + name + "\"/><default>");
+  };
+  for (const char* name : {"library/arm", "library/leg", "elsewhere"}) {
+    std::filesystem::create_directories(folder / name);
+  }
+  const std::string part = "<mujocoinclude><size/></mujocoinclude>";
+  write_bytes(folder / "library/leg/part.xml", part);
+  write_bytes(folder / "elsewhere/part.xml", part);
+  const std::filesystem::path model = folder / "library/arm/limb.xml";
+  write_bytes(model, including("../leg/part.xml"));
+  EXPECT_TRUE(read_model(model).notes.size() == 1u);  // the ligament
+  expect_refused(read_path, model, including((folder / "library/leg/part.xml").string()), "relative to the model");
+  expect_refused(read_path, model, including("../../elsewhere/part.xml"), "only those are read");
+  std::filesystem::create_symlink(folder / "elsewhere/part.xml", folder / "library/arm/link.xml");
+  expect_refused(read_path, model, including("link.xml"), "only those are read");
+}
+
+// Neither a chain of files that include one another, nor many names of one file, nor many files.
+TEST(Mujoco, IncludesAreBounded) {
+  const TemporaryFolder folder;
+  const Reader read_path = [](const std::filesystem::path& path) { read_model(path); };
+  const std::filesystem::path model = folder / "limb.xml";
+  const auto including = [](const std::string& name) { return "<include file=\"" + name + "\"/>"; };
+  const auto part = [](const std::string& content) { return "<mujocoinclude>" + content + "</mujocoinclude>"; };
+  const auto with = [](const std::string& includes) {
+    return replaced(small_mujoco(), "<default>", includes + "<default>");
+  };
+  for (int k = 0; k < 40; ++k) {
+    write_bytes(folder / ("chain" + std::to_string(k) + ".xml"),
+                part(including("chain" + std::to_string(k + 1) + ".xml")));
+  }
+  write_bytes(folder / "chain40.xml", part("<size/>"));
+  EXPECT_NO_THROW(read(folder, "limb.xml", with(including("chain20.xml"))));
+  expect_refused(read_path, model, with(including("chain0.xml")), "files deep");
+
+  write_bytes(folder / "one.xml", part("<size/>"));
+  std::filesystem::create_hard_link(folder / "one.xml", folder / "same.xml");
+  expect_refused(read_path, model, with(including("one.xml") + including("same.xml")), "included already");
+
+  std::string many, includes;
+  for (int k = 0; k < 60000; ++k) many += "<size/>";
+  for (int k = 0; k < 4; ++k) {
+    const std::string name = "many" + std::to_string(k) + ".xml";
+    write_bytes(folder / name, part(many));
+    includes += including(name);
+  }
+  expect_refused(read_path, model, with(includes), "'many3.xml', with which the model has more");
+}
+
 TEST(Mujoco, RefusesEveryTruncationAndNamesWhatIsWrong) {
   const TemporaryFolder folder;
   const Reader read_path = [](const std::filesystem::path& path) { read_model(path); };

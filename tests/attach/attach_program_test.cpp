@@ -98,7 +98,7 @@ TEST_F(Attach, TrainAndProxyOfADatasetAttachThemToo) {
     expect(run_bodyopt("eval " + path(std::string(name) + ".safetensors") + clip + " --device cpu --out " +
                        path(std::string(name) + ".pc2")),
            0, path(std::string(name) + ".eye.pc2"));
-    eyes.push_back(Pc2Reader(path(std::string(name) + ".eye.pc2")).read_sample(9));
+    eyes.push_back(Pc2Reader(path(std::string(name) + ".eye.pc2")).sample(9));
     // The eye, not the skin that a proxy replaces.
     EXPECT_EQ(load_attachments(path(std::string(name) + ".attached.safetensors")).meshes.size(), 1u) << name;
   }

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <csignal>
+#include <fstream>
 #include <thread>
 
 #include "tests/support/hostile_bytes.h"
@@ -88,6 +91,54 @@ TEST(AtomicFile, AFullDiskLeavesTheOldFile) {
   EXPECT_TRUE(refused);
   EXPECT_EQ(read_bytes(folder / "a"), "old");
   EXPECT_EQ(entries(folder.path()), 1u);
+}
+
+// What a killed process left goes with the next write beside it; what a living one is writing stays, and so does what
+// only looks alike.
+TEST(AtomicFile, LeftoversOfDeadProcessesAreCleared) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "there");
+  const pid_t child = fork();
+  if (child == 0) {
+    AtomicFile file(folder / "there/a");
+    kill(getpid(), SIGKILL);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  ASSERT_EQ(entries(folder / "there"), 1u);
+  const std::string left = std::filesystem::directory_iterator(folder / "there")->path().filename();
+
+  int ready[2], done[2];
+  ASSERT_EQ(pipe(ready), 0);
+  ASSERT_EQ(pipe(done), 0);
+  const pid_t writing = fork();
+  char byte = 0;
+  if (writing == 0) {  // clears what the first one left
+    AtomicFile file(folder / "there/b");
+    const bool cleared = !std::filesystem::exists(folder / "there" / left);
+    const bool told = ::write(ready[1], &byte, 1) == 1 && ::read(done[0], &byte, 1) == 1;
+    _exit(cleared && told ? 0 : 1);
+  }
+  ASSERT_EQ(::read(ready[0], &byte, 1), 1);
+  ASSERT_EQ(entries(folder / "there"), 1u);
+  for (const char* other : {".bodyopt.tmp", ".bodyopt.elsewhere.1.00.tmp", "notes.tmp"}) {
+    std::ofstream(folder / "there" / other) << "kept";
+  }
+  write(folder / "there/c", "c");
+  EXPECT_EQ(entries(folder / "there"), 5u);  // c, three that are not ours, and that which is being written
+  ASSERT_EQ(::write(done[1], &byte, 1), 1);
+  waitpid(writing, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+// That came after the writer had begun.
+TEST(AtomicFile, APipeIsNotReplaced) {
+  const TemporaryFolder folder;
+  AtomicFile file(folder / "a");
+  ASSERT_EQ(mkfifo((folder / "a").c_str(), 0600), 0);
+  EXPECT_THROW(file.commit(), Error);
+  EXPECT_TRUE(std::filesystem::is_fifo(folder / "a"));
 }
 
 TEST(AtomicFile, WritersOfOneFileDoNotMix) {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "tests/support/hostile_bytes.h"
+#include "tests/support/replaced_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
@@ -116,6 +117,17 @@ TEST(Safetensors, WrongChecksumIsRefused) {
   std::string bytes = read_bytes(folder / "a");
   bytes.back() ^= 1;
   expect_refused(read, folder / "a", bytes, "checksum");
+}
+
+TEST(Safetensors, ThatIsReplacedMeanwhileIsOneOrTheOther) {
+  const TemporaryFolder folder;
+  const auto of = [](const std::string& shape, std::size_t bytes) {
+    return container(
+        R"({"a":{"dtype":"U32","shape":[)" + shape + R"(],"data_offsets":[0,)" + std::to_string(bytes) + "]}}",
+        std::string(bytes, '\0'));
+  };
+  const ReplacedFile replaced(folder / "a", of("1", 4), of("3", 12));
+  for (int k = 0; k < 20000; ++k) ASSERT_EQ(read_safetensors(folder / "a").tensors.size(), 1u);
 }
 
 }  // namespace safetensors_test

@@ -44,9 +44,7 @@ class Jiggle : public ::testing::Test {
                path(out) + " " + options);
   }
   std::vector<float> frame(const std::string& cache, std::uint32_t sample) const {
-    const Pc2Reader reader(path(cache));
-    const std::span<const float> values = reader.sample(sample);
-    return {values.begin(), values.end()};
+    return Pc2Reader(path(cache)).sample(sample);
   }
   void expect_refused(int exit_code, const std::string& options, const std::string& named) const {
     const ProgramResult result = eval(options, "refused.pc2");

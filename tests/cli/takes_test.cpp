@@ -305,7 +305,7 @@ TEST(Takes, TrainRefusesWhatCheckRefuses) {
     const Pc2Reader shapes(folder / "data/bend.pc2");
     Pc2Writer writer(folder / "data/bend.pc2", shapes.point_count(), shapes.sample_count());
     for (std::uint32_t k = 0; k < shapes.sample_count(); ++k) {
-      std::vector<float> sample(shapes.sample(k).begin(), shapes.sample(k).end());
+      std::vector<float> sample = shapes.sample(k);
       for (float& x : sample) x *= k < count ? scale : 1;
       writer.append(sample);
     }

@@ -80,7 +80,7 @@ TEST(CharacterHostile, HostileHeadersAreErrors) {
 TEST(CharacterHostile, HostileJsonIsAnError) {
   const TemporaryFolder folder;
   using json = nlohmann::json;
-  const std::map<std::string, json> patches{
+  const std::vector<std::pair<std::string, json>> patches{
       {"/asset/version", "1.0"},
       {"/asset/version", 2},
       {"/asset", 5},
@@ -115,6 +115,10 @@ TEST(CharacterHostile, HostileJsonIsAnError) {
       {"/bufferViews/0/byteLength", 18446744073709551600ull},
       {"/bufferViews/0/byteLength", 1},
       {"/bufferViews/0/byteStride", 4},
+      {"/bufferViews/0/byteStride", -4},
+      {"/bufferViews/0/byteStride", 12.5},
+      {"/bufferViews/0/byteOffset", -4},
+      {"/accessors/0/byteOffset", -12},
       {"/bufferViews/0/byteStride", 16},
       {"/bufferViews/0/byteStride", 18446744073709551600ull},
       {"/bufferViews/0/buffer", 1},

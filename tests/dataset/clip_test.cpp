@@ -1,6 +1,7 @@
 #include "trainer/dataset/clip.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <numbers>
@@ -71,6 +72,23 @@ TEST(Clip, SamplesLinearStepAndCubic) {
     EXPECT_NEAR(pose.joints[1].scale[1], 1, 1e-6);
   }
   EXPECT_TRUE(mentions(clip.notes, "scales joints ('tip')"));
+}
+
+TEST(Clip, RotationsWithoutLengthAreSaid) {
+  const TemporaryFolder folder;
+  GltfBlob blob = two_nodes();
+  animate(blob, 0, "rotation", {0, 1}, {0, 0, 0, 1, 0, 0, 0, 1});
+  animate(blob, 1, "rotation", {0, 1}, {0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0},
+          "CUBICSPLINE");
+  EXPECT_FALSE(mentions(clip_of(blob, folder).notes, "length zero"));  // tangents have none
+  blob = two_nodes();
+  animate(blob, 1, "rotation", {0, 1}, {0, 0, 0, 1, 0, 0, 0, 0});
+  EXPECT_TRUE(
+      mentions(clip_of(blob, folder).notes, "in the clip are quaternions of length zero, taken as none: 'tip'"));
+  blob = two_nodes();
+  animate(blob, 1, "translation", {0, 1}, {0, 1, 0, 0, 1, 0});
+  blob.root["nodes"][0]["rotation"] = {0, 0, 0, 0};
+  EXPECT_TRUE(mentions(clip_of(blob, folder).notes, "of nodes are quaternions of length zero, taken as none: 'root'"));
 }
 
 TEST(Clip, CubicTangentsAreScaledByTheKeyDistance) {
@@ -320,6 +338,25 @@ TEST(Clip, WhatCannotBeWrittenLeavesNothing) {
   clip.poses[1].joints.pop_back();
   error_of(ErrorKind::file, [&] { write_clip(clip, skeleton, folder / "w.glb"); });
   EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
+}
+
+// Under a name of its own: what stands beside the file, or what that links to, is not written over.
+TEST(Clip, WritingOneTouchesNothingBesideIt) {
+  const TemporaryFolder folder;
+  const Skeleton skeleton = two_joints();
+  Clip clip;
+  clip.poses.assign(2, bind_pose(skeleton));
+  put_bytes(folder / "w.glb.tmp", "a user's");
+  put_bytes(folder / "precious", "another's");
+  std::filesystem::create_symlink(folder / "precious", folder / "x.glb.tmp");
+  write_clip(clip, skeleton, folder / "w.glb");
+  write_clip(clip, skeleton, folder / "x.glb");
+  EXPECT_EQ(bytes_of(folder / "w.glb.tmp"), "a user's");
+  EXPECT_EQ(bytes_of(folder / "precious"), "another's");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "x.glb.tmp"));
+  ASSERT_EQ(mkfifo((folder / "pipe.glb").c_str(), 0600), 0);
+  error_of(ErrorKind::file, [&] { write_clip(clip, skeleton, folder / "pipe.glb"); });
+  EXPECT_TRUE(std::filesystem::is_fifo(folder / "pipe.glb"));
 }
 
 // Linear blend skinning, the textbook way.

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <numeric>
 
 #include "runtime/basis/error.h"
@@ -14,6 +17,7 @@
 #include "trainer/motion/explore.h"
 #include "trainer/motion/joint_coverage.h"
 #include "trainer/motion/walk.h"
+#include "trainer/progress.h"
 
 namespace bodyopt {
 namespace {
@@ -54,6 +58,23 @@ TEST(RangeOfMotion, StartsAtRestAndStaysWithinLimits) {
       ASSERT_LE(length(posture.deviations[j]), j == joint("fingers") ? 25 : 0) << skeleton().joints[j].name;
     }
   }
+}
+
+TEST(RangeOfMotion, CanBeInterrupted) {
+  const auto interrupted = [] {
+    arm();  // which is made with progress, too
+    catch_interrupts();
+    std::raise(SIGINT);
+    try {
+      range_of_motion(arm().character, limits(), {1200, 7, {}});
+    } catch (const Error& error) {
+      std::fputs(error.what(), stderr);
+      std::exit(error.exit_code());
+    }
+    std::exit(0);
+  };
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(interrupted(), ::testing::ExitedWithCode(75), "rom: interrupted");
 }
 
 TEST(RangeOfMotion, SweepsReachEachLimitAlone) {

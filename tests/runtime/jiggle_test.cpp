@@ -219,6 +219,25 @@ TEST(Jiggle, RefusesStatesThatAreDamagedOrOfOtherDynamics) {
                 std::byte{0xff});
     });
   }
+  for (const auto& [name, number] : std::map<std::string, double>{{"joints", 1e9},
+                                                                  {"joint_velocity", 1e12},
+                                                                  {"displacement", 1e5},
+                                                                  {"velocity", -1e7},
+                                                                  {"nodes", 1e9},
+                                                                  {"node_velocity", 1e30},
+                                                                  {"origin", -1e300}}) {
+    refused("'" + name + "' has the number", [&](Safetensors& f) {
+      Tensor& tensor = f.tensors.at(name);
+      const auto small = static_cast<float>(number);
+      const bool is_double = tensor.dtype == "F64";
+      std::memcpy(tensor.bytes.data(), is_double ? static_cast<const void*>(&number) : &small, is_double ? 8 : 4);
+    });
+  }
+  refused("frame is out of range", [](Safetensors& f) { f.metadata["frame"] = "2147483647"; });
+  JiggleState blown_up = limb.state();
+  blown_up.motion.velocity[5] = std::nanf("");
+  EXPECT_THROW(save_state(blown_up, *limb.dynamics(), folder / "none.state"), Error);
+  EXPECT_FALSE(std::filesystem::exists(folder / "none.state"));
   const auto size = std::filesystem::file_size(path);
   for (const double part : {0.0, 0.1, 0.5, 0.99}) {
     const std::filesystem::path cut = folder.path() / "cut.state";

@@ -8,6 +8,7 @@
 
 #include "runtime/basis/error.h"
 #include "tests/support/capsule_limb.h"
+#include "tests/support/damaged_cache.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/dataset/pc2.h"
@@ -255,11 +256,10 @@ TEST(BadData, AFileThatHoldsNoNumbersIsNamedWithItsFrame) {
   const std::string path = folder / "shapes.pc2";
   Pc2Writer writer(path, set.character.output_count(), 80);
   for (std::size_t n = 0; n < 80; ++n) {
-    std::vector<float> shape = output_from_welded(set.character, set.train[n].shape.read());
-    if (n == 55) shape[3 * 17 + 1] = std::nanf("");
-    writer.append(shape);
+    writer.append(output_from_welded(set.character, set.train[n].shape.read()));
   }
   writer.close();
+  put_nan(path, 55, 3 * 17 + 1);
   const auto cache =
       std::make_shared<const ShapeCache>(ShapeReader(path), std::make_shared<const Character>(set.character));
   for (std::uint32_t n = 0; n < 80; ++n) set.train[n].shape = {cache, n};

@@ -1,5 +1,8 @@
 #include "trainer/anatomy/mujoco.h"
 
+#include <sys/stat.h>
+
+#include <algorithm>
 #include <map>
 #include <numbers>
 #include <set>
@@ -17,55 +20,92 @@ using Eigen::Vector3d;
 using pugi::xml_node;
 
 constexpr std::size_t kMostSegments = 1000;
+constexpr int kDeepestIncludes = 32;  // files within files
 
 Vector3d unit_axis(char letter) { return Vector3d::Unit(letter - 'x'); }
+
+// The folder that holds those of a library's models, which include each other's parts.
+std::filesystem::path library_of(const std::filesystem::path& model) {
+  return std::filesystem::weakly_canonical(std::filesystem::absolute(model)).parent_path().parent_path();
+}
+
+bool lies_in(const std::filesystem::path& folder, const std::filesystem::path& file) {
+  const std::filesystem::path place = std::filesystem::weakly_canonical(std::filesystem::absolute(file));
+  return std::mismatch(folder.begin(), folder.end(), place.begin(), place.end()).first == folder.end();
+}
 
 // Replaces every <include> by what its file holds.
 class Includes {
  public:
-  Includes(XmlFile& main, std::vector<std::string>& notes) : folder_(main.path.parent_path()), notes_(notes) {
-    std::error_code ignored;
-    read_.insert(std::filesystem::weakly_canonical(main.path, ignored));
-    expand(main.path, main.document.document_element());
+  Includes(XmlFile& main, std::vector<std::string>& notes)
+      : folder_(main.path.parent_path()), library_(library_of(main.path)), notes_(notes), elements_(main.elements) {
+    read_.insert(identity(main.path));
+    expand(main.path, main.document.document_element(), 0);
     require_shallow(main.path, main.document);
   }
 
  private:
-  void expand(const std::filesystem::path& path, xml_node parent) {
+  // The same for all links to a file.
+  using Identity = std::pair<dev_t, ino_t>;
+  static Identity identity(const std::filesystem::path& path) {
+    struct stat status {};
+    if (stat(path.c_str(), &status) != 0) return {};  // reading it will say so
+    return {status.st_dev, status.st_ino};
+  }
+
+  void expand(const std::filesystem::path& path, xml_node parent, int depth) {
     for (xml_node child = parent.first_child(); child;) {
       const xml_node next = child.next_sibling();
       if (std::string(child.name()) == "include") {
-        insert(path, child);
+        insert(path, child, depth + 1);
         parent.remove_child(child);
       } else {
-        expand(path, child);
+        expand(path, child, depth);
       }
       child = next;
     }
   }
 
-  void insert(const std::filesystem::path& path, xml_node include) {
+  void insert(const std::filesystem::path& path, xml_node include, int depth) {
     const std::string name = include.attribute("file").value();
     if (name.empty()) refuse(path, include, "names no file");
+    if (std::filesystem::path(name).is_absolute()) {
+      refuse(path, include, "names '" + name + "': expected a path relative to the model's folder");
+    }
+    if (depth > kDeepestIncludes) {
+      refuse(path, include, "names '" + name + "', more than " + std::to_string(kDeepestIncludes) + " files deep");
+    }
     const std::filesystem::path target = folder_ / name;
     std::error_code ignored;
     if (!std::filesystem::exists(target, ignored)) {
       notes_.push_back("'" + name + "', which " + path.string() + " includes, is missing: left out");
       return;
     }
-    if (!read_.insert(std::filesystem::weakly_canonical(target, ignored)).second) {
+    if (!lies_in(library_, target)) {
+      refuse(path, include,
+             "names '" + name + "', which lies neither in the model's folder nor in one beside it, links " +
+                 "followed: only those are read");
+    }
+    if (!read_.insert(identity(target)).second) {
       refuse(path, include, "names '" + name + "', which is included already: a loop?");
     }
     XmlFile file(target);
-    expand(target, file.document.document_element());
+    elements_ += file.elements;
+    if (elements_ > kMostElements) {
+      refuse(path, include,
+             "names '" + name + "', with which the model has more than " + std::to_string(kMostElements) +
+                 " elements: no muscle model does");
+    }
+    expand(target, file.document.document_element(), depth);
     for (const xml_node child : file.document.document_element().children()) {
       include.parent().insert_copy_before(child, include);
     }
   }
 
-  std::filesystem::path folder_;
+  std::filesystem::path folder_, library_;
   std::vector<std::string>& notes_;
-  std::set<std::filesystem::path> read_;
+  std::set<Identity> read_;
+  int elements_;  // of all files
 };
 
 class MujocoReader {

@@ -4,30 +4,24 @@
 #include <cmath>
 
 #include "runtime/basis/error.h"
+#include "runtime/basis/read_file.h"
 
 namespace bodyopt::anatomy {
 namespace {
 
-constexpr std::uintmax_t kLargestFile = 64 << 20;  // bytes
-constexpr int kDeepest = 256;                      // elements within elements
-constexpr int kMostElements = 200000;
+constexpr std::uint64_t kLargestFile = 64 << 20;  // bytes
+constexpr int kDeepest = 256;                     // elements within elements
 
 }  // namespace
 
 XmlFile::XmlFile(const std::filesystem::path& file) : path(file) {
-  std::error_code failure;
-  const std::uintmax_t size = std::filesystem::file_size(path, failure);  // fails for folders, pipes and devices
-  if (failure) throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file, or no permission?");
-  if (size > kLargestFile) {
-    throw Error(ErrorKind::file, path.string() + ": has " + std::to_string(size) + " bytes, expected " +
-                                     std::to_string(kLargestFile) + " at most: not a muscle model?");
-  }
-  const pugi::xml_parse_result result = document.load_file(path.c_str());
+  const std::string text = read_file(path, kLargestFile, "a muscle model");
+  const pugi::xml_parse_result result = document.load_buffer(text.data(), text.size());
   if (!result) {
     throw Error(ErrorKind::file, path.string() + ": is not whole XML: " + result.description() + " at byte " +
                                      std::to_string(result.offset) + ": cut off, or another kind of file?");
   }
-  require_shallow(path, document);
+  elements = require_shallow(path, document);
 }
 
 void refuse(const std::filesystem::path& path, pugi::xml_node element, const std::string& what) {
@@ -36,7 +30,7 @@ void refuse(const std::filesystem::path& path, pugi::xml_node element, const std
               path.string() + ": <" + element.name() + (name.empty() ? "" : " name=\"" + name + "\"") + "> " + what);
 }
 
-void require_shallow(const std::filesystem::path& path, pugi::xml_node tree) {
+int require_shallow(const std::filesystem::path& path, pugi::xml_node tree) {
   struct Walker : pugi::xml_tree_walker {
     int count = 0;
     bool for_each(pugi::xml_node&) override { return depth() < kDeepest && ++count <= kMostElements; }
@@ -46,6 +40,7 @@ void require_shallow(const std::filesystem::path& path, pugi::xml_node tree) {
                                      " deep, or holds more than " + std::to_string(kMostElements) +
                                      ": no muscle model does");
   }
+  return walker.count;
 }
 
 std::vector<double> parse_numbers(const std::filesystem::path& path, pugi::xml_node element, const std::string& what,

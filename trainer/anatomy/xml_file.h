@@ -13,13 +13,17 @@ struct XmlFile {
   explicit XmlFile(const std::filesystem::path& path);
   std::filesystem::path path;
   pugi::xml_document document;
+  int elements = 0;
 };
 
 // Throws Error(file): "FILE: <body name="x"> WHAT".
 [[noreturn]] void refuse(const std::filesystem::path& path, pugi::xml_node element, const std::string& what);
 
-// Refuses trees deeper than what walking them by recursion can bear, or larger than any model.
-void require_shallow(const std::filesystem::path& path, pugi::xml_node tree);
+constexpr int kMostElements = 200000;  // of a model, all of its files together
+
+// Refuses trees deeper than what walking them by recursion can bear, or larger than any model. Returns how many
+// elements there are.
+int require_shallow(const std::filesystem::path& path, pugi::xml_node tree);
 
 // Numbers separated by blanks, `least` to `most` of them, each finite and below 1e6 in size. `what` names the text in
 // messages.

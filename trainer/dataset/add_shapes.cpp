@@ -16,8 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Dataset as_it_is(const fs::path& path, const Dataset& begun) { return fs::exists(path) ? read_dataset(path) : begun; }
-
 const DatasetTake* find_take(const Dataset& dataset, const std::string& name) {
   for (const DatasetTake& take : dataset.takes) {
     if (take.name == name) return &take;
@@ -131,7 +129,7 @@ void remove_unnamed(const Dataset& dataset, const DatasetTake& old) {
 AddedShapes add_shapes(const Dataset& begun, const fs::path& path, const DatasetTake& given, const fs::path& source,
                        bool replace) {
   const TakeLock lock(begun.folder / (given.name + ".pc2"));
-  const Dataset dataset = as_it_is(path, begun);
+  const Dataset dataset = open_dataset(begun, path);
   const DatasetTake old = find_take(dataset, given.name) ? *find_take(dataset, given.name) : DatasetTake{};
   if (!old.name.empty()) require_same_motion(old, given);
   const std::vector<int> replaced = frames_in_both(old.frames, given.frames);
@@ -141,6 +139,7 @@ AddedShapes add_shapes(const Dataset& begun, const fs::path& path, const Dataset
   }
   AddedShapes added{given, check_given(dataset, given, source), static_cast<int>(replaced.size())};
 
+  require_place_for(begun, given, path);
   NewFiles files(dataset.folder);
   std::vector<Source> sources;
   if (!old.name.empty()) sources.push_back(open_source(dataset.folder / old.shapes, old.frames));
@@ -154,15 +153,7 @@ AddedShapes add_shapes(const Dataset& begun, const fs::path& path, const Dataset
     write_frame_status(with_given(read_frame_status(dataset.folder / old.shapes_status), given.frames),
                        dataset.folder / take.shapes_status);
   }
-  Dataset changed = as_it_is(path, begun);  // another run may have added a take meanwhile
-  const auto place = std::find_if(changed.takes.begin(), changed.takes.end(),
-                                  [&](const DatasetTake& other) { return other.name == take.name; });
-  if (place == changed.takes.end()) {
-    changed.takes.push_back(take);
-  } else {
-    *place = take;
-  }
-  write_dataset(changed, path);
+  const Dataset changed = put_take(begun, take, path);
   files.keep();
   remove_unnamed(changed, old);
   return added;

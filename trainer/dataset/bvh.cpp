@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <numbers>
 #include <string_view>
 
 #include "runtime/basis/error.h"
+#include "runtime/basis/read_file.h"
 
 namespace bodyopt {
 namespace {
@@ -216,10 +215,8 @@ JointTransform Bvh::local_at(std::size_t joint, double seconds) const {
 }
 
 Bvh read_bvh(const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path)) throw Error(ErrorKind::file, path.string() + ": no such file");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw Error(ErrorKind::file, path.string() + ": cannot be opened (no permission?)");
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  constexpr std::uint64_t kLargestFile = std::uint64_t{4} << 30;  // bytes
+  const std::string text = read_file(path, kLargestFile, "a BVH file");
   return Parser(path, text).parse();
 }
 

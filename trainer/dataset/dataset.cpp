@@ -6,8 +6,11 @@
 #include <set>
 #include <sstream>
 
+#include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
+#include "runtime/basis/file_lock.h"
 #include "runtime/basis/hexadecimal.h"
+#include "trainer/dataset/clip_source.h"
 #include "trainer/dataset/frame_range.h"
 #include "trainer/dataset/json_file.h"
 
@@ -53,9 +56,16 @@ std::string relative_path(const std::string& name, const std::filesystem::path& 
 
 // FILE or FILE#name.
 std::string relative_clip(const std::string& clip, const std::filesystem::path& folder) {
-  const std::size_t hash = clip.rfind('#');
-  const std::string name = hash == std::string::npos ? "" : clip.substr(hash);
-  return relative_path(clip.substr(0, hash), folder) + name;
+  const ClipSource source = split_source(clip);
+  return relative_path(source.path.string(), folder) + (source.name.empty() ? "" : '#' + source.name);
+}
+
+// What takes must share to stand in one dataset.
+std::string described(const Dataset& dataset) {
+  std::ostringstream text;
+  text << "'" << dataset.character << "' (unit " << (dataset.unit > 0 ? dataset.unit : 1.0) << " m) with muscles '"
+       << dataset.muscles << "' and materials '" << dataset.materials << "'";
+  return text.str();
 }
 
 DatasetTake read_take(const JsonObject& json) {
@@ -80,16 +90,52 @@ DatasetTake read_take(const JsonObject& json) {
   return take;
 }
 
+Json to_json(const Dataset& dataset, const std::filesystem::path& path) {
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  Json json = {{"schema", kDatasetSchema}, {"character", relative_path(dataset.character, folder)}};
+  if (dataset.unit > 0) json["unit"] = dataset.unit;
+  if (!dataset.muscles.empty()) json["muscles"] = relative_path(dataset.muscles, folder);
+  if (!dataset.materials.empty()) json["materials"] = relative_path(dataset.materials, folder);
+  if (!dataset.regions.empty()) json["regions"] = relative_path(dataset.regions, folder);
+  json["takes"] = Json::array();
+  for (const DatasetTake& take : dataset.takes) {
+    Json entry = {{"name", take.name},
+                  {"clip", relative_clip(take.clip, folder)},
+                  {"fps", take.fps},
+                  {"first_frame", take.first_frame},
+                  {"frames", range_text(take.frames, take, path)},
+                  {"shapes", relative_path(take.shapes, folder)}};
+    if (!take.controls.empty()) entry["controls"] = relative_path(take.controls, folder);
+    if (!take.joint_map.empty()) entry["joint_map"] = relative_path(take.joint_map, folder);
+    if (!take.shapes_status.empty()) entry["shapes_status"] = relative_path(take.shapes_status, folder);
+    if (!take.heldout.empty()) entry["heldout"] = range_text(take.heldout, take, path);
+    json["takes"].push_back(entry);
+  }
+  return json;
+}
+
+Dataset with_take(Dataset dataset, const DatasetTake& take) {
+  const auto place = std::find_if(dataset.takes.begin(), dataset.takes.end(),
+                                  [&](const DatasetTake& there) { return there.name == take.name; });
+  if (place == dataset.takes.end()) {
+    dataset.takes.push_back(take);
+  } else {
+    *place = take;
+  }
+  return dataset;
+}
+
 }  // namespace
 
 Clip read_clip(const Dataset& dataset, const DatasetTake& take, const Skeleton& skeleton) {
   ClipOptions options;
   options.fps = take.fps;
   options.first_frame = take.first_frame;
-  options.unit = clip_unit(take.clip, dataset.unit);
+  const std::string source = (dataset.folder / take.clip).string();
+  options.unit = clip_unit(source, dataset.unit);
   if (!take.controls.empty()) options.controls = (dataset.folder / take.controls).string();
   if (!take.joint_map.empty()) options.joint_map = (dataset.folder / take.joint_map).string();
-  return read_clip((dataset.folder / take.clip).string(), skeleton, options);
+  return read_clip(source, skeleton, options);
 }
 
 void require_same_motion(const DatasetTake& there, const DatasetTake& asked) {
@@ -129,28 +175,30 @@ Dataset read_dataset(const std::filesystem::path& path) {
   return dataset;
 }
 
+Dataset open_dataset(const Dataset& asked, const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return asked;
+  Dataset there = read_dataset(path);
+  const std::string found = described(there), wanted = described(asked);
+  if (found == wanted) return there;
+  throw Error(ErrorKind::mismatch,
+              path.string() + " holds shapes of " + found + "; asked for " + wanted + ": use another folder");
+}
+
 void write_dataset(const Dataset& dataset, const std::filesystem::path& path) {
-  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
-  Json json = {{"schema", kDatasetSchema}, {"character", relative_path(dataset.character, folder)}};
-  if (dataset.unit > 0) json["unit"] = dataset.unit;
-  if (!dataset.muscles.empty()) json["muscles"] = relative_path(dataset.muscles, folder);
-  if (!dataset.materials.empty()) json["materials"] = relative_path(dataset.materials, folder);
-  if (!dataset.regions.empty()) json["regions"] = relative_path(dataset.regions, folder);
-  json["takes"] = Json::array();
-  for (const DatasetTake& take : dataset.takes) {
-    Json entry = {{"name", take.name},
-                  {"clip", relative_clip(take.clip, folder)},
-                  {"fps", take.fps},
-                  {"first_frame", take.first_frame},
-                  {"frames", range_text(take.frames, take, path)},
-                  {"shapes", relative_path(take.shapes, folder)}};
-    if (!take.controls.empty()) entry["controls"] = relative_path(take.controls, folder);
-    if (!take.joint_map.empty()) entry["joint_map"] = relative_path(take.joint_map, folder);
-    if (!take.shapes_status.empty()) entry["shapes_status"] = relative_path(take.shapes_status, folder);
-    if (!take.heldout.empty()) entry["heldout"] = range_text(take.heldout, take, path);
-    json["takes"].push_back(entry);
-  }
-  write_json(json, path);
+  write_json(to_json(dataset, path), path);
+}
+
+void require_place_for(const Dataset& asked, const DatasetTake& take, const std::filesystem::path& path) {
+  const FileLock lock = lock_to_change(path);
+  text_of(to_json(with_take(open_dataset(asked, path), take), path), path);
+  const AtomicFile probe(path);
+}
+
+Dataset put_take(const Dataset& asked, const DatasetTake& take, const std::filesystem::path& path) {
+  const FileLock lock = lock_to_change(path);
+  const Dataset dataset = with_take(open_dataset(asked, path), take);
+  write_dataset(dataset, path);
+  return dataset;
 }
 
 std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path) {

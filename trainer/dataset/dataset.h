@@ -47,8 +47,17 @@ void require_same_motion(const DatasetTake& there, const DatasetTake& asked);
 
 // Throws Error(file) on bad bytes, wrong schema version or missing keys.
 Dataset read_dataset(const std::filesystem::path& path);
+// The dataset in `path`, or, where there is none yet, `asked`. One dataset holds the takes of one character: throws
+// Error(mismatch) where that in the file has another character, unit, muscles or materials.
+Dataset open_dataset(const Dataset& asked, const std::filesystem::path& path);
 // Written to a temporary name, then renamed. `path` is the dataset.json; its folder must exist.
 void write_dataset(const Dataset& dataset, const std::filesystem::path& path);
+// Puts a take in the place of that of its name, or after all others, and returns the dataset as it is then. Alone: what
+// other processes do to `path` meanwhile is neither lost nor does it undo this. Throws as open_dataset().
+Dataset put_take(const Dataset& asked, const DatasetTake& take, const std::filesystem::path& path);
+// What put_take() would throw after the long work that makes the take's shapes: for a folder that cannot be written to,
+// or a name that JSON cannot hold.
+void require_place_for(const Dataset& asked, const DatasetTake& take, const std::filesystem::path& path);
 
 // The side-car of a simulated cache: what the solver says of each frame.
 struct FrameStatus {

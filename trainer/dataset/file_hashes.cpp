@@ -8,6 +8,7 @@
 #include <set>
 
 #include "runtime/basis/error.h"
+#include "trainer/dataset/clip_source.h"
 
 namespace bodyopt {
 
@@ -23,6 +24,16 @@ std::uint64_t file_hash(const std::filesystem::path& path) {
   return XXH3_64bits_digest(state.get());
 }
 
+namespace {
+
+// As the take names it, without the name of a clip within.
+std::string clip_file(const Dataset& dataset, const DatasetTake& take) {
+  const std::string source = (dataset.folder / take.clip).string();
+  return take.clip.substr(0, take.clip.size() - (source.size() - split_source(source).path.string().size()));
+}
+
+}  // namespace
+
 std::vector<HashedFile> hashed_files(const Dataset& dataset) {
   std::vector<HashedFile> files;
   std::set<std::string> known;
@@ -35,7 +46,7 @@ std::vector<HashedFile> hashed_files(const Dataset& dataset) {
   add("regions", dataset.regions);
   for (const DatasetTake& take : dataset.takes) {
     const std::string of_take = "take '" + take.name + "': ";
-    add(of_take + "clip", take.clip.substr(0, take.clip.rfind('#')));
+    add(of_take + "clip", clip_file(dataset, take));
     add(of_take + "controls", take.controls);
     add(of_take + "joint map", take.joint_map);
     add(of_take + "shapes", take.shapes);

@@ -34,6 +34,17 @@ AnimationChannel read_channel(const GltfFile& file, const tinygltf::AnimationSam
   return channel;
 }
 
+// Tangents may be zero.
+bool has_turnless_key(const AnimationChannel& channel) {
+  if (channel.path != ChannelPath::rotation) return false;
+  const bool is_cubic = channel.interpolation == Interpolation::cubic;
+  for (std::size_t k = 0; k < channel.times.size(); ++k) {
+    const double* key = channel.values.data() + 4 * (is_cubic ? 3 * k + 1 : k);
+    if (!has_length({key[0], key[1], key[2], key[3]})) return true;
+  }
+  return false;
+}
+
 std::array<double, 4> unit_length(const std::array<double, 4>& value, ChannelPath path) {
   return path == ChannelPath::rotation ? normalized(value) : value;
 }
@@ -78,6 +89,7 @@ std::vector<AnimationChannel> read_channels(const GltfFile& file, std::size_t an
   const tinygltf::Animation& source = file.model().animations[animation];
   std::vector<AnimationChannel> channels;
   std::set<std::pair<int, std::string>> seen;
+  std::vector<std::string> turnless;
   bool morphs = false;
   for (std::size_t c = 0; c < source.channels.size(); ++c) {
     const tinygltf::AnimationChannel& target = source.channels[c];
@@ -99,8 +111,15 @@ std::vector<AnimationChannel> read_channels(const GltfFile& file, std::size_t an
     channels.push_back(read_channel(
         file, source.samplers[static_cast<std::size_t>(target.sampler)], static_cast<std::size_t>(target.target_node),
         is_translation ? ChannelPath::translation : (is_rotation ? ChannelPath::rotation : ChannelPath::scale), what));
+    if (!has_turnless_key(channels.back())) continue;
+    const std::string& name = file.model().nodes[channels.back().node].name;
+    turnless.push_back(name.empty() ? "node " + std::to_string(channels.back().node) : name);
   }
   if (morphs) notes.push_back("Morph target weights in the clip are left out.");
+  if (!turnless.empty()) {
+    notes.push_back("Rotations in the clip are quaternions of length zero, taken as none: " + list_names(turnless) +
+                    ".");
+  }
   return channels;
 }
 

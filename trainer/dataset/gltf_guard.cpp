@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <span>
 
 #include "runtime/basis/error.h"
 #include "runtime/basis/file_kind.h"
+#include "runtime/basis/read_file.h"
 
 namespace bodyopt {
 namespace {
@@ -26,10 +26,8 @@ constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 }
 
 Bytes read_bytes(const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path)) fail(path, "no such file");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) fail(path, "cannot be opened (no permission?)");
-  return Bytes(std::istreambuf_iterator<char>(in), {});
+  const std::string bytes = read_file(path, kMaxBufferBytes, "a glTF file");
+  return Bytes(bytes.begin(), bytes.end());
 }
 
 struct Chunks {
@@ -109,6 +107,21 @@ void check_extensions(const std::filesystem::path& path, const json& root) {
   }
 }
 
+// What tinygltf would take as 0 where it is no number that may stand there.
+void check_counts(const std::filesystem::path& path, const json& root) {
+  for (const char* list : {"bufferViews", "accessors"}) {
+    if (!root.contains(list) || !root[list].is_array()) continue;  // tinygltf refuses what is no list
+    for (std::size_t k = 0; k < root[list].size(); ++k) {
+      for (const char* key : {"byteOffset", "byteLength", "byteStride", "count"}) {
+        const json& entry = root[list][k];
+        if (!entry.is_object() || !entry.contains(key) || entry[key].is_number_unsigned()) continue;
+        fail(path, std::string(key) + " of " + list + " " + std::to_string(k) + " is " +
+                       entry[key].dump().substr(0, 40) + ", expected a whole number, 0 or above");
+      }
+    }
+  }
+}
+
 std::string percent_decoded(const std::string& uri) {
   std::string text;
   for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -174,6 +187,7 @@ GuardedGltf guard_gltf(const std::filesystem::path& path) {
   json root = parse_json(path, chunks.json);
   check_version(path, root);
   check_extensions(path, root);
+  check_counts(path, root);
 
   GuardedGltf guarded;
   std::size_t buffer_bytes = 0;

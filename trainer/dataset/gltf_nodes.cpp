@@ -41,7 +41,12 @@ JointTransform from_matrix(const std::vector<double>& columns, bool& sheared) {
   return t;
 }
 
-JointTransform node_transform(const GltfFile& file, std::size_t index, double unit, bool& sheared) {
+// What of a node's transform could not be taken as it is.
+struct Repairs {
+  bool sheared = false, has_no_turn = false;
+};
+
+JointTransform node_transform(const GltfFile& file, std::size_t index, double unit, Repairs& repairs) {
   const tinygltf::Node& node = file.model().nodes[index];
   const auto has = [&](const std::vector<double>& values, std::size_t count) {
     if (!values.empty() && values.size() != count) {
@@ -52,7 +57,7 @@ JointTransform node_transform(const GltfFile& file, std::size_t index, double un
   };
   JointTransform t;
   if (has(node.matrix, 16)) {
-    t = from_matrix(node.matrix, sheared);
+    t = from_matrix(node.matrix, repairs.sheared);
   } else {
     if (has(node.translation, 3)) std::copy(node.translation.begin(), node.translation.end(), t.translation.begin());
     if (has(node.scale, 3)) std::copy(node.scale.begin(), node.scale.end(), t.scale.begin());
@@ -60,6 +65,7 @@ JointTransform node_transform(const GltfFile& file, std::size_t index, double un
   }
   t.translation = unit * t.translation;
   if (!is_finite(t)) file.fail(node_label(file.model(), index) + " has a transform that is not finite");
+  repairs.has_no_turn = !has_length(t.rotation);
   t.rotation = normalized(t.rotation);
   return t;
 }
@@ -82,7 +88,7 @@ NodeTree read_nodes(const GltfFile& file, double unit, std::vector<std::string>&
   const tinygltf::Model& model = file.model();
   NodeTree tree;
   tree.parent.assign(model.nodes.size(), -1);
-  std::vector<std::string> sheared_nodes;
+  std::vector<std::string> sheared_nodes, turnless_nodes;
   for (std::size_t n = 0; n < model.nodes.size(); ++n) {
     for (const int child : model.nodes[n].children) {
       if (child < 0 || child >= std::ssize(model.nodes)) {
@@ -92,11 +98,17 @@ NodeTree read_nodes(const GltfFile& file, double unit, std::vector<std::string>&
       if (parent >= 0) file.fail(node_label(model, static_cast<std::size_t>(child)) + " has two parents");
       parent = static_cast<int>(n);
     }
-    bool sheared = false;
-    tree.local.push_back(node_transform(file, n, unit, sheared));
-    if (sheared) sheared_nodes.push_back(model.nodes[n].name.empty() ? std::to_string(n) : model.nodes[n].name);
+    Repairs repairs;
+    tree.local.push_back(node_transform(file, n, unit, repairs));
+    const std::string name = model.nodes[n].name.empty() ? std::to_string(n) : model.nodes[n].name;
+    if (repairs.sheared) sheared_nodes.push_back(name);
+    if (repairs.has_no_turn) turnless_nodes.push_back(name);
   }
   if (!sheared_nodes.empty()) notes.push_back("Shear in node matrices is dropped: " + list_names(sheared_nodes) + ".");
+  if (!turnless_nodes.empty()) {
+    notes.push_back("Rotations of nodes are quaternions of length zero, taken as none: " + list_names(turnless_nodes) +
+                    ".");
+  }
   tree.order = topological_order(model, tree.parent);
   if (tree.order.size() != model.nodes.size()) file.fail("its nodes form a cycle");
   return tree;

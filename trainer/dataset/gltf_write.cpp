@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <map>
 
+#include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
 
 namespace bodyopt {
@@ -119,16 +119,7 @@ void GlbWriter::write(const std::filesystem::path& path) {
   put_chunk(bytes, "JSON", json);
   put_chunk(bytes, "BIN\0", std::string(binary_.begin(), binary_.end()));
 
-  const std::filesystem::path temporary = path.string() + ".tmp";
-  std::ofstream out(temporary, std::ios::binary);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(temporary, path, error);
-  if (!out || error) {
-    std::filesystem::remove(temporary, error);
-    fail("cannot be written (no such folder, no permission, or the disk is full)");
-  }
+  write_file_atomically(path, std::as_bytes(std::span(bytes)));
 }
 
 }  // namespace bodyopt

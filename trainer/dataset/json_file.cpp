@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 
 #include "runtime/basis/atomic_file.h"
 #include "runtime/basis/error.h"
 #include "runtime/basis/file_kind.h"
+#include "runtime/basis/read_file.h"
 #include "runtime/basis/strict_json.h"
 
 namespace bodyopt {
@@ -17,29 +17,10 @@ namespace {
 
 constexpr std::uint64_t kLargestFile = 64 << 20;  // bytes; parsed JSON takes many times its text in memory
 
-std::string read_text(const std::filesystem::path& path) {
-  std::error_code failure;
-  const std::uint64_t size = std::filesystem::file_size(path, failure);  // fails for folders, pipes and devices
-  std::ifstream file;
-  if (!failure) file.open(path, std::ios::binary);
-  if (failure || !file) {
-    throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file, or no permission?");
-  }
-  if (size > kLargestFile) {
-    throw Error(ErrorKind::file, path.string() + ": has " + std::to_string(size) + " bytes, expected " +
-                                     std::to_string(kLargestFile) + " at most: not a file of ours");
-  }
-  std::string text(size, '\0');
-  if (!file.read(text.data(), static_cast<std::streamsize>(size))) {
-    throw Error(ErrorKind::file, path.string() + ": cannot be read to its end: was it changed meanwhile?");
-  }
-  return text;
-}
-
 }  // namespace
 
 Json read_json(const std::filesystem::path& path, const std::string& schema) {
-  const std::string content = read_text(path);
+  const std::string content = read_file(path, kLargestFile, "a file of ours");
   const std::string kind = looks_like(path);
   if (!kind.empty() && !content.starts_with('{')) {
     throw Error(ErrorKind::file, path.string() + ": expected JSON" + kind);
@@ -56,14 +37,17 @@ Json read_json(const std::filesystem::path& path, const std::string& schema) {
   return json;
 }
 
-void write_json(const Json& json, const std::filesystem::path& path) {
-  std::string text;
+std::string text_of(const Json& json, const std::filesystem::path& path) {
   try {
-    text = json.dump(2) + "\n";
+    return json.dump(2) + "\n";
   } catch (const Json::exception& error) {
     throw Error(ErrorKind::file,
                 path.string() + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
   }
+}
+
+void write_json(const Json& json, const std::filesystem::path& path) {
+  const std::string text = text_of(json, path);
   write_file_atomically(path, std::as_bytes(std::span(text)));
 }
 

@@ -13,6 +13,8 @@ using Json = nlohmann::ordered_json;
 // Parses a file whose top level is an object with "schema": `schema`. Throws Error(file).
 Json read_json(const std::filesystem::path& path, const std::string& schema);
 void write_json(const Json& json, const std::filesystem::path& path);
+// What write_json() would write. Throws Error(file), too.
+std::string text_of(const Json& json, const std::filesystem::path& path);
 
 // One object of a JSON file, read strictly: every access that fails throws Error(file) naming the file and the key.
 class JsonObject {

@@ -1,13 +1,12 @@
 #include "trainer/dataset/pc2.h"
 
 #include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <string>
 #include <utility>
@@ -33,42 +32,54 @@ constexpr char kMagic[12] = "POINTCACHE2";
   throw Error(ErrorKind::file, path.string() + ": " + what + " (not a PC2 point cache, or a damaged or cut-off one)");
 }
 
-void refuse_infinite(const std::filesystem::path& path, std::uint32_t sample, std::span<const float> values) {
+void require_finite(const std::filesystem::path& path, std::uint32_t sample, std::span<const float> values) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (std::isfinite(values[i])) continue;
     throw Error(ErrorKind::file, path.string() + ": sample " + std::to_string(sample) + ", point " +
-                                     std::to_string(i / 3) + " is not a finite number: the simulation blew up?");
+                                     std::to_string(i / 3) +
+                                     " is not a finite number: did a simulation, or what it began from, blow up?");
   }
 }
 
 }  // namespace
 
-struct Pc2Reader::Mapping {
+struct Pc2Reader::File {
   std::filesystem::path path;
-  void* address = MAP_FAILED;
-  std::size_t size = 0;
+  int descriptor = -1;
+  std::uint64_t size = 0;
   Pc2Header header{};
 
-  ~Mapping() {
-    if (address != MAP_FAILED) munmap(address, size);
+  ~File() {
+    if (descriptor >= 0) close(descriptor);
   }
 
-  void map() {
-    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe must not block
+  void open_file() {
+    descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe must not block
     struct stat status {};
-    if (file < 0 || fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
-      if (file >= 0) close(file);
+    if (descriptor < 0 || fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
       throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file, or no permission?");
     }
-    size = static_cast<std::size_t>(status.st_size);
-    if (size >= sizeof(Pc2Header)) address = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
-    close(file);
+    size = static_cast<std::uint64_t>(status.st_size);
     if (size < sizeof(Pc2Header)) refuse(path, "it has " + std::to_string(size) + " bytes, less than a header");
-    if (address == MAP_FAILED) throw Error(ErrorKind::file, path.string() + ": cannot be mapped into memory");
+  }
+
+  void read(void* to, std::size_t bytes, std::uint64_t offset, const std::string& what) const {
+    for (std::size_t done = 0; done < bytes;) {
+      const ssize_t got =
+          pread(descriptor, static_cast<char*>(to) + done, bytes - done, static_cast<off_t>(offset + done));
+      if (got < 0 && errno == EINTR) continue;
+      if (got > 0) {
+        done += static_cast<std::size_t>(got);
+        continue;
+      }
+      const std::string reason = got < 0 ? std::strerror(errno) : "it ends before";
+      throw Error(ErrorKind::file, path.string() + ": " + what + " cannot be read: " + reason +
+                                       ": was the file cut off, or is it being written?");
+    }
   }
 
   void check() {
-    std::memcpy(&header, address, sizeof(Pc2Header));
+    read(&header, sizeof(Pc2Header), 0, "the header");
     if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) refuse(path, "it does not start with POINTCACHE2");
     if (header.version != 1) refuse(path, "its version is " + std::to_string(header.version) + ", expected 1");
     if (header.points < 1 || header.samples < 0) {
@@ -88,53 +99,41 @@ struct Pc2Reader::Mapping {
   }
 };
 
-Pc2Reader::Pc2Reader(const std::filesystem::path& path) : mapping_(new Mapping) {
-  mapping_->path = path;
+Pc2Reader::Pc2Reader(const std::filesystem::path& path) : file_(new File) {
+  file_->path = path;
   try {
-    mapping_->map();
-    mapping_->check();
+    file_->open_file();
+    file_->check();
   } catch (...) {
-    delete mapping_;
+    delete file_;
     throw;
   }
 }
 
-Pc2Reader::~Pc2Reader() { delete mapping_; }
-Pc2Reader::Pc2Reader(Pc2Reader&& other) noexcept : mapping_(std::exchange(other.mapping_, nullptr)) {}
+Pc2Reader::~Pc2Reader() { delete file_; }
+Pc2Reader::Pc2Reader(Pc2Reader&& other) noexcept : file_(std::exchange(other.file_, nullptr)) {}
 Pc2Reader& Pc2Reader::operator=(Pc2Reader&& other) noexcept {
-  std::swap(mapping_, other.mapping_);
+  std::swap(file_, other.file_);
   return *this;
 }
 
-std::uint32_t Pc2Reader::point_count() const { return static_cast<std::uint32_t>(mapping_->header.points); }
-std::uint32_t Pc2Reader::sample_count() const { return static_cast<std::uint32_t>(mapping_->header.samples); }
-float Pc2Reader::start_frame() const { return mapping_->header.start_frame; }
-float Pc2Reader::sample_rate() const { return mapping_->header.sample_rate; }
+const std::filesystem::path& Pc2Reader::path() const { return file_->path; }
+std::uint32_t Pc2Reader::point_count() const { return static_cast<std::uint32_t>(file_->header.points); }
+std::uint32_t Pc2Reader::sample_count() const { return static_cast<std::uint32_t>(file_->header.samples); }
+float Pc2Reader::start_frame() const { return file_->header.start_frame; }
+float Pc2Reader::sample_rate() const { return file_->header.sample_rate; }
 
-std::span<const float> Pc2Reader::sample(std::uint32_t k) const {
-  const std::size_t stride = 3 * std::size_t{point_count()};
+std::vector<float> Pc2Reader::sample(std::uint32_t k) const {
   if (k >= sample_count()) {
-    throw Error(ErrorKind::mismatch, mapping_->path.string() + ": sample " + std::to_string(k) +
+    throw Error(ErrorKind::mismatch, file_->path.string() + ": sample " + std::to_string(k) +
                                          " was asked for, it has " + std::to_string(sample_count()));
   }
-  const auto* first = static_cast<const char*>(mapping_->address) + sizeof(Pc2Header);
-  return {reinterpret_cast<const float*>(first) + k * stride, stride};
-}
-
-std::vector<float> Pc2Reader::read_sample(std::uint32_t k) const {
-  std::vector<float> values(sample(k).size());
-  const std::size_t bytes = 4 * values.size();
-  std::ifstream file(mapping_->path, std::ios::binary);
-  file.seekg(static_cast<std::streamoff>(sizeof(Pc2Header) + k * bytes));
-  if (!file.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(bytes))) {
-    throw Error(ErrorKind::file, mapping_->path.string() + ": sample " + std::to_string(k) +
-                                     " can no longer be read: the file was taken away or cut off, or is being written");
-  }
-  refuse_infinite(mapping_->path, k, values);
+  std::vector<float> values(3 * std::size_t{point_count()});
+  const std::size_t bytes = sizeof(float) * values.size();
+  file_->read(values.data(), bytes, sizeof(Pc2Header) + std::uint64_t{k} * bytes, "sample " + std::to_string(k));
+  require_finite(file_->path, k, values);
   return values;
 }
-
-void Pc2Reader::require_finite(std::uint32_t k) const { refuse_infinite(mapping_->path, k, sample(k)); }
 
 struct Pc2Writer::File {
   File(const std::filesystem::path& where, std::uint32_t points, std::uint32_t samples)
@@ -189,6 +188,7 @@ void Pc2Writer::append(std::span<const float> sample) {
     throw Error(ErrorKind::mismatch, file_->path.string() + ": more than the " + std::to_string(file_->expected) +
                                          " samples it was opened for were given");
   }
+  require_finite(file_->path, file_->written, sample);
   file_->out.write(std::as_bytes(sample));
   ++file_->written;
 }

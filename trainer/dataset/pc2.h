@@ -9,7 +9,8 @@
 
 namespace bodyopt {
 
-// Memory-mapped reader. Throws Error(file) when the header or the size is wrong.
+// Keeps the file open: one that is replaced meanwhile is read to its end as it was. Not by a mapping, which would be
+// fatal where the file is cut off. Throws Error(file) when the header or the size is wrong.
 class Pc2Reader {
  public:
   explicit Pc2Reader(const std::filesystem::path& path);
@@ -17,24 +18,22 @@ class Pc2Reader {
   Pc2Reader(Pc2Reader&&) noexcept;
   Pc2Reader& operator=(Pc2Reader&&) noexcept;
 
+  const std::filesystem::path& path() const;
   std::uint32_t point_count() const;
   std::uint32_t sample_count() const;
   float start_frame() const;
   float sample_rate() const;
-  // Sample k: point_count x 3, metres. Valid while the reader lives. Not checked for NaN (see require_finite).
-  std::span<const float> sample(std::uint32_t k) const;
-  // Throws Error(file) naming sample and point when sample k holds a NaN or infinity.
-  void require_finite(std::uint32_t k) const;
-  // Sample k of a file that may be written anew meanwhile: not by the mapping, which would be fatal where the file was
-  // cut off. Throws Error(file) where it was, and as require_finite().
-  std::vector<float> read_sample(std::uint32_t k) const;
+  // Sample k: point_count x 3, metres. On any thread. Throws Error(file) naming sample and point at a NaN or infinity,
+  // and where the file was cut off.
+  std::vector<float> sample(std::uint32_t k) const;
 
  private:
-  struct Mapping;
-  Mapping* mapping_;
+  struct File;
+  File* file_;
 };
 
-// Writes to a temporary name; close() checks the count and renames. Destroying it before leaves nothing behind.
+// Writes to a temporary name; close() checks the count and renames. Destroying it before leaves nothing behind. Numbers
+// that are not finite are refused: Error(file).
 class Pc2Writer {
  public:
   Pc2Writer(const std::filesystem::path& path, std::uint32_t point_count, std::uint32_t sample_count,

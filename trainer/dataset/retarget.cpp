@@ -15,8 +15,6 @@
 namespace bodyopt {
 namespace {
 
-constexpr double kSameBuild = std::numbers::pi / 4;
-
 double cosine(const Vec3& a, const Vec3& b) {
   const double size = length(a) * length(b);
   return size > 0 ? dot(a, b) / size : 1;

@@ -29,11 +29,7 @@ float ShapeReader::sample_rate() const {
 }
 
 std::vector<float> ShapeReader::sample(std::uint32_t k) const {
-  if (const auto* nodes = std::get_if<NodesReader>(&reader_)) return nodes->sample(k);
-  const auto& pc2 = std::get<Pc2Reader>(reader_);
-  pc2.require_finite(k);
-  const std::span<const float> values = pc2.sample(k);
-  return {values.begin(), values.end()};
+  return std::visit([k](const auto& reader) { return reader.sample(k); }, reader_);
 }
 
 }  // namespace bodyopt

@@ -87,8 +87,11 @@ PartialShapes::~PartialShapes() {
 std::size_t PartialShapes::record_size() const { return kFixedSize + values_ * sizeof(float) + sizeof(std::uint64_t); }
 
 void PartialShapes::open_file() {
-  file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (file_ < 0) fail("opened");
+  file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
+  struct stat status {};
+  if (file_ < 0 || fstat(file_, &status) != 0) fail("opened");
+  if (S_ISREG(status.st_mode)) return;
+  throw Error(ErrorKind::file, path_.string() + ": is no file; finished frames are kept there: remove it");
 }
 
 // Hours of work may be in it: the last of such files is kept.

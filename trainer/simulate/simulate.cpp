@@ -99,9 +99,7 @@ std::vector<Job> jobs_of(const QuasiStaticBody& body, const std::vector<Muscle>&
 using NodesOfFrame = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 // What a cache keeps of a sample: the shape, or a draft's nodes.
-std::vector<float> stored_sample(const Pc2Reader& cache, std::uint32_t k) {
-  return {cache.sample(k).begin(), cache.sample(k).end()};
-}
+std::vector<float> stored_sample(const Pc2Reader& cache, std::uint32_t k) { return cache.sample(k); }
 std::vector<float> stored_sample(const NodesReader& cache, std::uint32_t k) {
   const NodesOfFrame nodes = cache.nodes(k).cast<float>();
   return {nodes.data(), nodes.data() + nodes.size()};

@@ -37,7 +37,8 @@ void read_take(const Dataset& dataset, int index, const Clip& clip, const std::s
                SampleSet& set) {
   const DatasetTake& take = dataset.takes[static_cast<std::size_t>(index)];
   for (const std::string& note : clip.notes) set.notes.push_back("take '" + take.name + "': " + note);
-  const auto cache = std::make_shared<const ShapeCache>(ShapeReader(dataset.folder / take.shapes), character);
+  const auto cache =
+      std::make_shared<const ShapeCache>(ShapeCache{ShapeReader(dataset.folder / take.shapes), character});
   check_take(take, set.character, clip, cache->reader);
   const std::set<int> heldout(take.heldout.begin(), take.heldout.end());
   const std::set<int> unconverged = unconverged_frames(dataset, take);

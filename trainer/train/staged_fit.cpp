@@ -31,6 +31,9 @@ std::vector<int> frames_in(const std::vector<std::uint64_t>& earlier, const std:
 StagedFit::StagedFit(const SampleSet& set, const TrainOptions& options, std::vector<std::string>& notes)
     : set_(set), options_(options), notes_(notes), store_(options.keep_in) {
   if (!store_.keeps()) return;
+  lock_.emplace(options.keep_in.string() + ".lock",
+                "training this basis right now, and each would delete what the other keeps: wait for it to end, or "
+                "name the basis otherwise");
   keys_ = training_keys(set, options);
   earlier_ = store_.layout();
   if (earlier_ && earlier_->from.subject != keys_.subject) earlier_.reset();

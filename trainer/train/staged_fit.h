@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/basis/file_lock.h"
 #include "trainer/train/fit_regions.h"
 #include "trainer/train/residual.h"
 #include "trainer/train/train.h"
@@ -14,7 +15,8 @@ namespace bodyopt {
 
 class StagedFit {
  public:
-  // `notes`: what the user should know of what was used. All must outlive this.
+  // `notes`: what the user should know of what was used. All must outlive this. Throws Error(file) where another run
+  // keeps what it finds in the same folder.
   StagedFit(const SampleSet& set, const TrainOptions& options, std::vector<std::string>& notes);
 
   // What to lay the groundwork from: the samples with the curves on their surface among the muscles, the options with
@@ -44,6 +46,7 @@ class StagedFit {
   const TrainOptions& options_;
   std::vector<std::string>& notes_;
   TrainingStore store_;
+  std::optional<RunLock> lock_;  // on the store
   TrainingKeys keys_;
   std::optional<KeptLayout> earlier_;
   std::vector<int> earlier_frames_;  // of every frame its number in the earlier training, -1: new

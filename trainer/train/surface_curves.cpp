@@ -112,15 +112,6 @@ class CurveMaker {
 
 }  // namespace
 
-Muscle surface_curve(const std::string& name, std::vector<MusclePoint> path) {
-  Muscle muscle;
-  muscle.name = name;
-  muscle.path = std::move(path);
-  muscle.radius = 0;
-  muscle.fibre_count = 1;
-  return muscle;
-}
-
 std::vector<Muscle> surface_curves(const SampleSet& set, const TrainOptions& options) {
   check_samples(set);
   const SingleThreadedProducts single_threaded;

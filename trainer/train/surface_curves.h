@@ -15,6 +15,13 @@ namespace bodyopt {
 std::vector<Muscle> surface_curves(const SampleSet& set, const TrainOptions& options);
 
 // A curve through points on the skin, as a muscle of one fibre.
-Muscle surface_curve(const std::string& name, std::vector<MusclePoint> path);
+inline Muscle surface_curve(const std::string& name, std::vector<MusclePoint> path) {
+  Muscle muscle;
+  muscle.name = name;
+  muscle.path = std::move(path);
+  muscle.radius = 0;
+  muscle.fibre_count = 1;
+  return muscle;
+}
 
 }  // namespace bodyopt

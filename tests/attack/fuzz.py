@@ -1,0 +1,58 @@
+"""libFuzzer on every reader of bytes from outside (tests/fuzz)."""
+import os
+import re
+import shutil
+
+from running import run
+
+NAME = "fuzz"
+
+
+def attack(stage, findings, random, clock, tools):
+    """Every reader gets the same share of the time, so that a reader's executions depend on the seed and on how fast
+    the machine is alone."""
+    folder = stage.folder / "fuzz"
+    temporary = folder / "tmp"
+    temporary.mkdir(parents=True)
+    files = findings.folder.parent / "fuzz_files"  # kept: what is found is read again with them
+    shutil.copytree(stage.for_fuzzers, files)
+    environment = dict(os.environ, BODYOPT_FUZZ_FILES=str(files), TMPDIR=str(temporary), OMP_NUM_THREADS="1")
+    listed = run([tools.fuzzer, "--list"], folder)
+    made = run([tools.fuzzer, "--write-seeds=seeds"], folder, environment=environment)
+    if listed.code != 0 or made.code != 0:
+        raise SystemExit(f"the fuzzers cannot begin: {made.text()}")
+    readers = listed.output.split()
+    random.shuffle(readers)
+    for k, reader in enumerate(readers):
+        seconds = clock.left() / (len(readers) - k)
+        fuzz(findings, tools.fuzzer, environment, folder, reader, random.getrandbits(31), seconds)
+
+
+def fuzz(findings, fuzzer, environment, folder, reader, seed, seconds):
+    corpus, found = folder / "corpus" / reader, folder / "found" / reader
+    corpus.mkdir(parents=True)
+    found.mkdir(parents=True)
+    largest = max(path.stat().st_size for path in (folder / "seeds" / reader).iterdir())
+    command = [fuzzer, f"--reader={reader}", f"-seed={seed}", f"-max_total_time={max(1, int(seconds))}",
+               f"-max_len={max(2 * largest, 4096)}", f"-dict=seeds/{reader}.dict", f"-artifact_prefix={found}/",
+               "-timeout=20", "-rss_limit_mb=3000", "-malloc_limit_mb=1000", corpus, folder / "seeds" / reader]
+    outcome = run(command, folder, seconds=seconds + 120, environment=environment)
+    executed = re.findall(r"^#(\d+)", outcome.output, re.M)
+    findings.attempt(NAME, int(executed[-1]) if executed else 0)
+    if outcome.code == 0 and not outcome.hung:
+        shutil.rmtree(corpus)
+        return
+    kind = "hangs" if outcome.hung or "ERROR: libFuzzer: timeout" in outcome.output else "crashes"
+    if "NaN: accepted" in outcome.output:
+        kind = "NaN"
+    again = f"BODYOPT_FUZZ_FILES={environment['BODYOPT_FUZZ_FILES']} {fuzzer} --reader={reader} FILE"
+    findings.add(NAME, kind, f"reader {reader}: {first_cause(outcome.output)}", sorted(found.iterdir()),
+                 f"{again}\n\n{outcome.text()}")
+
+
+def first_cause(output):
+    for pattern in (r"NaN: accepted.*", r"runtime error: .*", r"what\(\): .*", r"SUMMARY: .*", r"ERROR: .*"):
+        found = re.search(pattern, output)
+        if found:
+            return found.group(0)
+    return "see what.txt"

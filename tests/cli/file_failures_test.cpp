@@ -1,0 +1,178 @@
+// Files, limits and options that fail: exit codes, and that nothing is written over, left behind or lost.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "runtime/basis/file_lock.h"
+#include "tests/cli/limb_files.h"
+#include "tests/support/background_program.h"
+#include "tests/support/hostile_bytes.h"
+#include "tests/support/run_program.h"
+#include "trainer/dataset/dataset.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace testing;
+
+class FileFailures : public ::testing::Test {
+ protected:
+  FileFailures() : files_(folder_, 1) {}
+  std::string at(const std::string& name) const { return (folder_ / name).string(); }
+  std::size_t entries() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_.path()), {}));
+  }
+  std::string simulate(const std::string& out) const {
+    return "simulate " + files_.character + " --clip " + files_.motion + " --draft --out " + out;
+  }
+  std::string clip_of_24_frames() const {
+    return " --clip " + files_.motion + " --fps 120 --frames 1-24 --draft --out ";
+  }
+  static void expect(const ProgramResult& result, int exit_code, const std::string& named) {
+    EXPECT_EQ(result.exit_code, exit_code) << result.output;
+    EXPECT_NE(result.output.find(named), std::string::npos) << named << " is not in:\n" << result.output;
+  }
+
+  TemporaryFolder folder_;
+  LimbFiles files_;
+};
+
+// A file whose bytes cannot be read, as on a disk that fails: no defect of the program.
+TEST_F(FileFailures, AFailureOfReadingIsAnErrorOfTheFile) {
+  for (const char* name : {"a.glb", "a.gltf", "a.bvh", "a.safetensors", "a.pc2", "dataset.json"}) {
+    fs::create_symlink("/proc/self/mem", folder_ / name);
+    expect(run_bodyopt("info " + at(name)), 4, at(name));
+  }
+  fs::create_symlink("/proc/self/mem", folder_ / "a.xml");
+  expect(run_bodyopt("muscles import " + files_.character + " --from " + at("a.xml") + " " + at("dataset.json") +
+                     " --out " + at("muscles.json")),
+         4, "cannot be read to its end");
+}
+
+// A limit on the size of files is as a full disk is.
+TEST_F(FileFailures, ALimitOnTheSizeOfFilesIsAnErrorOfTheFile) {
+  ASSERT_EQ(run_bodyopt("train --ddm-only " + files_.character + " --out " + at("limb.safetensors")).exit_code, 0);
+  const std::size_t before = entries();
+  for (const std::string& command :
+       {"train --ddm-only " + files_.character + " --out " + at("again.safetensors"),
+        "eval " + at("limb.safetensors") + " --clip " + files_.motion + " --device cpu --out " + at("out.pc2")}) {
+    expect(run_program("ulimit -f 1; exec " + kProgram + " " + command), 4, "File too large");
+    EXPECT_EQ(entries(), before) << command;
+  }
+  expect(run_program("ulimit -f 1; exec " + kProgram + " " + simulate(at("data"))), 4, "File too large");
+  EXPECT_FALSE(fs::exists(folder_ / "data/dataset.json"));
+  expect(run_bodyopt(simulate(at("data"))), 0, "wrote");  // nothing that was left stands in the way
+}
+
+TEST_F(FileFailures, LinksInThePlaceOfAPartialFileOrALockAreNotFollowed) {
+  for (const char* name : {"bend.nodes.partial", "bend.lock", ".dataset.json.lock"}) {
+    fs::remove_all(folder_ / "data");
+    fs::create_directory(folder_ / "data");
+    write_bytes(folder_ / "precious", "as it was");
+    fs::create_symlink(folder_ / "precious", folder_ / "data" / name);
+    expect(run_bodyopt(simulate(at("data"))), 4, name);
+    EXPECT_TRUE(read_bytes(folder_ / "precious") == "as it was") << name;
+    EXPECT_FALSE(fs::exists(folder_ / "data/bend.nodes"));  // refused before the work
+  }
+}
+
+TEST_F(FileFailures, ANameThatJsonCannotHoldIsRefusedBeforeTheWork) {
+  const std::string name = "no\xfftext";
+  fs::create_directory(folder_ / name);
+  fs::copy_file(files_.character, folder_ / name / "limb.glb");
+  fs::copy_file(files_.motion, folder_ / name / "bend.glb");
+  expect(run_bodyopt("simulate " + at(name + "/limb.glb") + " --clip " + files_.motion + " --draft --out " + at("a")),
+         4, "not UTF-8");
+  expect(
+      run_bodyopt("simulate " + files_.character + " --clip " + at(name + "/bend.glb") + " --draft --out " + at("b")),
+      4, "not UTF-8");
+  for (const char* data : {"a", "b"}) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_ / data)) {
+      EXPECT_EQ(entry.path().filename(), ".dataset.json.lock");
+    }
+  }
+  const std::string inside = at(name + "/data");  // where no name in the file has to tell of it
+  expect(run_bodyopt("simulate " + at(name + "/limb.glb") + " --clip " + at(name + "/bend.glb") + " --draft --out " +
+                     inside),
+         0, "wrote");
+  expect(run_bodyopt("check " + inside), 0, "");
+}
+
+TEST_F(FileFailures, ANumberSignInTheNameOfAClipsFileIsPartOfIt) {
+  fs::create_directory(folder_ / "shots#2");
+  fs::rename(files_.motion, folder_ / "shots#2/bend#4.glb");
+  const std::string clip = at("shots#2/bend#4.glb"), data = at("data");
+  const std::string command = "simulate " + files_.character + " --fps 120 --draft --out " + data + " --clip ";
+  expect(run_bodyopt(command + clip + " --frames 1-24"), 0, "wrote");
+  expect(run_bodyopt(command + clip + "#bend --name named --frames 1-2"), 0, "wrote");
+  const Dataset dataset = read_dataset(data + "/dataset.json");
+  ASSERT_EQ(dataset.takes.size(), 2u);
+  EXPECT_EQ(dataset.takes[0].clip, "../shots#2/bend#4.glb");
+  EXPECT_EQ(dataset.takes[0].name, "bend_4");
+  EXPECT_EQ(dataset.takes[1].clip, "../shots#2/bend#4.glb#bend");
+  expect(run_bodyopt("train " + data + " --out " + at("limb.safetensors") + " --report " + at("report")), 0, "wrote");
+  EXPECT_TRUE(fs::exists(folder_ / "report/report.html"));
+}
+
+TEST_F(FileFailures, NumbersThatAreNoneAreRefusedAsOptions) {
+  const std::string limb = files_.character, clip = " --clip " + files_.motion, out = " --out " + at("out");
+  const std::string basis = at("limb.safetensors");
+  const std::vector<std::pair<std::string, std::string>> options{
+      {"simulate " + limb + clip + out, "--unit"},
+      {"simulate " + limb + clip + out, "--tet-size"},
+      {"simulate " + limb + clip + out, "--fps"},
+      {"train --ddm-only " + limb + out + ".safetensors", "--smoothing-radius"},
+      {"train " + at("data") + out + ".safetensors", "--budget"},
+      {"train " + at("data") + out + ".safetensors", "--tolerance"},
+      {"train " + at("data") + out + ".safetensors", "--memory"},
+      {"rom " + limb + " --limits " + at("limits.json") + out + ".glb", "--step"},
+      {"eval " + basis + clip + out + ".pc2", "--unit"},
+      {"coverage " + basis + clip, "--unit"},
+      {"attach " + limb + " " + basis, "--unit"},
+      {"compare a.pc2 b.pc2", "--fail-above"},
+      {"picture " + at("data") + " --frame 1 --around joint0" + out + ".png", "--radius"},
+      {"proxy " + basis + out + ".safetensors", "--error"},
+      {"dynamics " + limb + " --basis " + basis + out + ".safetensors", "--fps"},
+      {"view --headless", "--seconds"},
+      {"view --headless", "--fps"},
+      {"view --headless", "--unit"},
+      {"check " + limb, "--unit"},
+      {"info " + limb, "--unit"},
+      {"improve " + at("data") + " --basis " + basis + clip, "--fps"}};
+  for (const auto& [command, option] : options) {
+    const ProgramResult result = run_bodyopt(command + " " + option + " nan");
+    EXPECT_EQ(result.exit_code, 64) << command << " " << option << "\n" << result.output;
+    EXPECT_NE(result.output.find(option), std::string::npos) << result.output;
+  }
+}
+
+// Two runs that train one basis would delete what the other keeps.
+TEST_F(FileFailures, OneRunTrainsABasis) {
+  ASSERT_EQ(run_bodyopt("simulate " + files_.character + clip_of_24_frames() + at("data")).exit_code, 0);
+  const std::string train = "train " + at("data") + " --out " + at("limb.safetensors");
+  {
+    const RunLock other(folder_ / "limb.training.lock", "training");
+    expect(run_bodyopt(train), 4, "another run is training this basis");
+  }
+  expect(run_bodyopt(train), 0, "wrote");
+  EXPECT_FALSE(fs::exists(folder_ / "limb.training.lock"));
+}
+
+// More takes than files that may be open by default.
+TEST_F(FileFailures, ManyTakesAreTrainedOn) {
+  ASSERT_EQ(run_bodyopt("simulate " + files_.character + clip_of_24_frames() + at("data")).exit_code, 0);
+  ASSERT_EQ(run_bodyopt("export " + at("data/bend.nodes") + " --out " + at("data/bend.pc2")).exit_code, 0);
+  Dataset dataset = read_dataset(folder_ / "data/dataset.json");
+  dataset.takes[0].shapes = "bend.pc2";
+  dataset.takes.resize(60, dataset.takes[0]);
+  for (std::size_t k = 0; k < dataset.takes.size(); ++k) dataset.takes[k].name = "take" + std::to_string(k);
+  write_dataset(dataset, folder_ / "data/dataset.json");
+  const ProgramResult result = run_program("ulimit -Sn 40; exec " + kProgram + " regions " + at("data"));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+}
+
+}  // namespace
+}  // namespace bodyopt

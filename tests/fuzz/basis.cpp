@@ -1,0 +1,28 @@
+// A basis, or levels of detail; what is accepted is evaluated.
+#include "runtime/basis/levels.h"
+#include "runtime/deformer.h"
+#include "tests/fuzz/given_file.h"
+#include "tests/support/small_basis.h"
+
+namespace bodyopt::fuzz {
+namespace {
+
+// The smallest first: most of what can go wrong is in the tables' counts.
+std::vector<std::string> seeds() {
+  const Basis basis = testing::small_basis();
+  return {bytes_of_file(given_file("tet.safetensors")),
+          written("basis.safetensors", [&](const auto& path) { save_basis(basis, path); })};
+}
+
+void read(const std::string& bytes) {
+  for (const Level& level : load_levels(as_file("basis.safetensors", with_checksum(bytes)))) {
+    Pose pose = bind_pose(level.basis.skeleton);
+    pose.controls.resize(level.basis.residual.controls.size());
+    Deformer(level.basis, {.name = "cpu"}).evaluate({&pose, 1});
+  }
+}
+
+const bool added = add_target({"basis", seeds, read});
+
+}  // namespace
+}  // namespace bodyopt::fuzz
