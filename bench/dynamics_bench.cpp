@@ -9,7 +9,7 @@
 
 #include "bench/refine_tets.h"
 #include "runtime/cpu/dynamics_kernels.h"
-#include "runtime/jiggle_stages.h"
+#include "runtime/host/jiggle_stages.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/dynamics/block_inverse.h"
 #include "trainer/dynamics/build_dynamics.h"

@@ -6,10 +6,10 @@
 #include <limits>
 #include <numeric>
 
-#include "runtime/cpu/half.h"
-#include "runtime/deformer.h"
-#include "trainer/parallel.h"
-#include "trainer/single_threaded_products.h"
+#include "base/parallel.h"
+#include "base/single_threaded_products.h"
+#include "runtime/core/half.h"
+#include "runtime/deformer/deformer.h"
 #include "trainer/train/fit_regions.h"
 #include "trainer/train/trade_off.h"
 

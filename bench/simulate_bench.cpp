@@ -5,12 +5,12 @@
 #include <cmath>
 #include <sstream>
 
+#include "base/single_threaded_products.h"
 #include "bench/newton.h"
 #include "bench/subdivide.h"
-#include "runtime/rig.h"
+#include "runtime/host/rig.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/simulate/quasi_static.h"
-#include "trainer/single_threaded_products.h"
 #include "trainer/train/blend_matrix.h"
 
 namespace bodyopt::bench {

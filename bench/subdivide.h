@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "trainer/dataset/character.h"
+#include "assets/character.h"
 
 namespace bodyopt::bench {
 

@@ -11,13 +11,13 @@
 #include <memory>
 #include <string>
 
+#include "assets/pc2.h"
+#include "base/parallel.h"
 #include "bench/over_large.h"
 #include "bench/randomised_svd.h"
 #include "bench/subdivide.h"
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "runtime/cpu/kernels.h"
-#include "trainer/dataset/pc2.h"
-#include "trainer/parallel.h"
 #include "trainer/train/mesh_table.h"
 #include "trainer/train/train.h"
 #include "trainer/train/unpose.h"

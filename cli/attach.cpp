@@ -1,10 +1,10 @@
 // bodyopt attach: meshes that ride on the skin of a basis.
 #include <algorithm>
 
-#include "cli/attachments.h"
-#include "cli/common.h"
-#include "runtime/basis/error.h"
-#include "trainer/dataset/notes.h"
+#include "assets/notes.h"
+#include "cli/arguments/common.h"
+#include "cli/results/attachments.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt::cli {
 namespace {

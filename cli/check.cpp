@@ -1,12 +1,12 @@
 // bodyopt check: does a dataset belong together; is a character fit for use; does a clip suit a character.
-#include "trainer/dataset/check.h"
+#include "trainer/check/check.h"
 
 #include <algorithm>
 #include <filesystem>
 
-#include "cli/common.h"
-#include "runtime/basis/error.h"
-#include "trainer/dataset/notes.h"
+#include "assets/notes.h"
+#include "cli/arguments/common.h"
+#include "runtime/core/error.h"
 #include "trainer/motion/coupled_joints.h"
 #include "trainer/motion/held_turns.h"
 

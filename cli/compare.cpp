@@ -1,15 +1,15 @@
 // bodyopt compare: how far two caches are apart.
-#include "trainer/dataset/compare.h"
+#include "dataset/compare.h"
 
 #include <spdlog/spdlog.h>
 
 #include <cmath>
 #include <limits>
 
-#include "cli/common.h"
-#include "runtime/basis/error.h"
-#include "trainer/dataset/shape_reader.h"
-#include "trainer/progress.h"
+#include "assets/shape_reader.h"
+#include "base/progress.h"
+#include "cli/arguments/common.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt::cli {
 namespace {

@@ -6,14 +6,14 @@
 #include <algorithm>
 #include <span>
 
-#include "cli/common.h"
-#include "cli/report/heat_strip.h"
-#include "cli/report/svg.h"
-#include "runtime/basis/atomic_file.h"
-#include "runtime/basis/error.h"
-#include "trainer/dataset/controls.h"
-#include "trainer/dataset/frame_range.h"
-#include "trainer/dataset/shape_reader.h"
+#include "assets/controls.h"
+#include "assets/frame_range.h"
+#include "assets/shape_reader.h"
+#include "cli/arguments/common.h"
+#include "report/heat_strip.h"
+#include "report/svg.h"
+#include "runtime/core/atomic_file.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt::cli {
 namespace {

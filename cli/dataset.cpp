@@ -1,9 +1,9 @@
 // bodyopt dataset add: shapes that come from elsewhere into a dataset.
 #include <filesystem>
 
-#include "cli/dataset_arguments.h"
-#include "runtime/basis/error.h"
-#include "trainer/dataset/add_shapes.h"
+#include "cli/arguments/dataset_arguments.h"
+#include "runtime/core/error.h"
+#include "trainer/check/add_shapes.h"
 
 namespace bodyopt::cli {
 namespace {

@@ -9,17 +9,17 @@
 #include <map>
 #include <set>
 
-#include "cli/common.h"
-#include "cli/demo_jiggle.h"
-#include "cli/measure.h"
-#include "cli/provenance.h"
-#include "cli/report_pictures.h"
-#include "runtime/basis/error.h"
-#include "runtime/rig.h"
+#include "assets/json_file.h"
+#include "assets/pc2.h"
+#include "cli/arguments/common.h"
+#include "cli/results/demo_jiggle.h"
+#include "cli/results/measure.h"
+#include "cli/results/provenance.h"
+#include "cli/results/report_pictures.h"
+#include "runtime/core/error.h"
+#include "runtime/host/rig.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/builtin/arm_dofs.h"
-#include "trainer/dataset/json_file.h"
-#include "trainer/dataset/pc2.h"
 #include "trainer/motion/range_of_motion.h"
 #include "trainer/simulate/simulate.h"
 

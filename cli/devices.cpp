@@ -1,5 +1,5 @@
 // bodyopt devices: what can run a basis here.
-#include "cli/common.h"
+#include "cli/arguments/common.h"
 #include "runtime/vulkan/device.h"
 
 namespace bodyopt::cli {

@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <set>
 
-#include "cli/common.h"
-#include "runtime/basis/error.h"
-#include "trainer/dataset/controls.h"
-#include "trainer/dataset/dataset.h"
-#include "trainer/dataset/regions_file.h"
+#include "assets/controls.h"
+#include "cli/arguments/common.h"
+#include "dataset/dataset.h"
+#include "dataset/regions_file.h"
+#include "runtime/core/error.h"
 #include "trainer/dynamics/build_dynamics.h"
 
 namespace bodyopt::cli {

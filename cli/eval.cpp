@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <chrono>
 
-#include "cli/attachments.h"
-#include "cli/common.h"
-#include "cli/fade_log.h"
-#include "cli/jiggle_arguments.h"
-#include "runtime/basis/error.h"
-#include "runtime/carry_skin.h"
-#include "trainer/dataset/controls.h"
-#include "trainer/dataset/frame_range.h"
-#include "trainer/dataset/pc2.h"
+#include "assets/controls.h"
+#include "assets/frame_range.h"
+#include "assets/pc2.h"
+#include "base/progress.h"
+#include "cli/arguments/common.h"
+#include "cli/arguments/jiggle_arguments.h"
+#include "cli/results/attachments.h"
+#include "cli/results/fade_log.h"
+#include "runtime/core/error.h"
+#include "runtime/host/carry_skin.h"
 #include "trainer/dynamics/measure_jiggle.h"
-#include "trainer/progress.h"
 #include "trainer/train/coverage.h"
 
 namespace bodyopt::cli {

@@ -1,7 +1,7 @@
 // bodyopt export: a draft's nodes to a point cache that other programs read.
-#include "cli/common.h"
-#include "trainer/dataset/nodes_cache.h"
-#include "trainer/dataset/pc2.h"
+#include "assets/nodes_cache.h"
+#include "assets/pc2.h"
+#include "cli/arguments/common.h"
 
 namespace bodyopt::cli {
 namespace {

@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <set>
 
-#include "cli/attachments.h"
-#include "cli/measure.h"
-#include "cli/simulate_take.h"
-#include "runtime/basis/error.h"
-#include "trainer/dataset/frame_range.h"
+#include "assets/frame_range.h"
+#include "cli/arguments/simulate_take.h"
+#include "cli/results/attachments.h"
+#include "cli/results/measure.h"
+#include "runtime/core/error.h"
 #include "trainer/train/coverage.h"
 #include "trainer/train/test_errors.h"
 

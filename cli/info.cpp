@@ -2,18 +2,18 @@
 #include <filesystem>
 #include <fstream>
 
-#include "cli/attachments.h"
-#include "cli/common.h"
-#include "cli/info_text.h"
-#include "cli/level_table.h"
-#include "runtime/basis/error.h"
+#include "assets/bvh.h"
+#include "assets/character.h"
+#include "assets/frame_range.h"
+#include "assets/nodes_cache.h"
+#include "assets/pc2.h"
+#include "cli/arguments/common.h"
+#include "cli/results/attachments.h"
+#include "cli/results/info_text.h"
+#include "cli/results/level_table.h"
+#include "dataset/dataset.h"
 #include "runtime/basis/safetensors.h"
-#include "trainer/dataset/bvh.h"
-#include "trainer/dataset/character.h"
-#include "trainer/dataset/dataset.h"
-#include "trainer/dataset/frame_range.h"
-#include "trainer/dataset/nodes_cache.h"
-#include "trainer/dataset/pc2.h"
+#include "runtime/core/error.h"
 #include "trainer/train/trade_off.h"
 
 namespace bodyopt::cli {

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "cli/common.h"
-#include "runtime/basis/error.h"
-#include "trainer/dataset/notes.h"
-#include "trainer/progress.h"
+#include "assets/notes.h"
+#include "base/progress.h"
+#include "cli/arguments/common.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt::cli {
 namespace {

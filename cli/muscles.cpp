@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <set>
 
-#include "cli/common.h"
-#include "cli/report/muscle_picture.h"
-#include "runtime/basis/error.h"
+#include "assets/notes.h"
+#include "cli/arguments/common.h"
+#include "report/muscle_picture.h"
+#include "runtime/core/error.h"
 #include "trainer/anatomy/fit.h"
-#include "trainer/dataset/notes.h"
 
 namespace bodyopt::cli {
 namespace {

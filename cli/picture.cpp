@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cli/common.h"
-#include "cli/report/pictures.h"
-#include "cli/report/section.h"
-#include "runtime/basis/error.h"
-#include "runtime/basis/hexadecimal.h"
-#include "runtime/rig.h"
-#include "trainer/dataset/notes.h"
-#include "trainer/dataset/shape_reader.h"
+#include "assets/notes.h"
+#include "assets/shape_reader.h"
+#include "cli/arguments/common.h"
+#include "geometry/embedding.h"
+#include "report/pictures.h"
+#include "report/section.h"
+#include "runtime/core/error.h"
+#include "runtime/core/hexadecimal.h"
+#include "runtime/host/rig.h"
 #include "trainer/simulate/simulate.h"
-#include "trainer/tets/embedding.h"
 
 namespace bodyopt::cli {
 namespace {

@@ -5,12 +5,12 @@
 #include <chrono>
 #include <filesystem>
 
-#include "cli/attachments.h"
-#include "cli/common.h"
-#include "cli/level_table.h"
-#include "runtime/basis/error.h"
-#include "trainer/dataset/check.h"
-#include "trainer/dataset/controls.h"
+#include "assets/controls.h"
+#include "cli/arguments/common.h"
+#include "cli/results/attachments.h"
+#include "cli/results/level_table.h"
+#include "runtime/core/error.h"
+#include "trainer/check/check.h"
 #include "trainer/proxy/build_proxy.h"
 #include "trainer/proxy/taught_samples.h"
 

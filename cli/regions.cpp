@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <numeric>
 
-#include "cli/common.h"
-#include "cli/report/region_picture.h"
-#include "runtime/basis/error.h"
-#include "trainer/dataset/notes.h"
-#include "trainer/dataset/regions_file.h"
+#include "assets/notes.h"
+#include "cli/arguments/common.h"
+#include "dataset/regions_file.h"
+#include "report/region_picture.h"
+#include "runtime/core/error.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt::cli {

@@ -1,8 +1,8 @@
 // bodyopt rom: a character and its joint limits to a clip that shows the whole range of motion.
 #include <algorithm>
 
-#include "cli/common.h"
-#include "trainer/dataset/clip_source.h"
+#include "assets/clip_source.h"
+#include "cli/arguments/common.h"
 #include "trainer/motion/coupled_joints.h"
 #include "trainer/motion/held_turns.h"
 #include "trainer/motion/joint_coverage.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "cli/simulate_take.h"
+#include "cli/arguments/simulate_take.h"
 
 namespace bodyopt::cli {
 namespace {

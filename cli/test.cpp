@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "cli/common.h"
-#include "runtime/basis/error.h"
+#include "cli/arguments/common.h"
+#include "runtime/core/error.h"
 #include "trainer/train/test_errors.h"
 
 namespace bodyopt::cli {

@@ -6,12 +6,12 @@
 #include <chrono>
 #include <filesystem>
 
-#include "cli/attachments.h"
-#include "cli/common.h"
-#include "cli/measure.h"
-#include "cli/provenance.h"
-#include "runtime/basis/error.h"
-#include "trainer/dataset/check.h"
+#include "cli/arguments/common.h"
+#include "cli/results/attachments.h"
+#include "cli/results/measure.h"
+#include "cli/results/provenance.h"
+#include "runtime/core/error.h"
+#include "trainer/check/check.h"
 #include "trainer/motion/coupled_joints.h"
 #include "trainer/train/heldout.h"
 #include "trainer/train/trade_off.h"

@@ -2,12 +2,12 @@
 #include <set>
 #include <sstream>
 
-#include "cli/common.h"
-#include "proxy_viewer/commands.h"
+#include "cli/arguments/common.h"
+#include "draw/viewport.h"
+#include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/picture_files.h"
-#include "proxy_viewer/render/viewport.h"
 #include "proxy_viewer/viewer.h"
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt::cli {
 namespace {

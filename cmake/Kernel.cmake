@@ -1,30 +1,29 @@
-# bodyopt_kernel(NAME): a compute kernel is four files with one name. Stops the configuration, naming the missing one,
-# unless all are there, and compiles the shader into a header: <kernel_include>/NAME.spv.h, array NAME_spv.
-set(BODYOPT_SHADER_DIR ${PROJECT_BINARY_DIR}/shaders)
-find_program(GLSLANG glslangValidator REQUIRED)
+# A compute kernel is four files with one name: the shader, its reference on the CPU, its dispatch, its test. Stops the
+# configuration, naming the missing one, unless all are there.
+file(GLOB kernel_shaders CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/shaders/kernels/*.comp)
+set(BODYOPT_KERNELS "")
+foreach(shader ${kernel_shaders})
+  get_filename_component(kernel ${shader} NAME_WE)
+  list(APPEND BODYOPT_KERNELS ${kernel})
+endforeach()
 
-# compile_shader(SOURCE OUTPUT ARRAY): GLSL to a C++ header that holds SPIR-V words.
-function(compile_shader SOURCE OUTPUT ARRAY)
-  add_custom_command(
-    OUTPUT ${OUTPUT}
-    COMMAND ${CMAKE_COMMAND} -E make_directory ${BODYOPT_SHADER_DIR}
-    COMMAND ${GLSLANG} --quiet -V --target-env vulkan1.2 -I${PROJECT_SOURCE_DIR}/shaders/include
-            --depfile ${OUTPUT}.d --vn ${ARRAY} -o ${OUTPUT} ${SOURCE}
-    DEPENDS ${SOURCE}
-    DEPFILE ${OUTPUT}.d
-    COMMENT "Compiling ${SOURCE}"
-    VERBATIM)
-endfunction()
-
-function(bodyopt_kernel NAME)
-  set(files shaders/${NAME}.comp runtime/cpu/${NAME}.cpp runtime/vulkan/${NAME}.cpp tests/kernels/${NAME}_test.cpp)
-  foreach(file ${files})
-    if(NOT EXISTS ${PROJECT_SOURCE_DIR}/${file})
-      message(FATAL_ERROR "kernel ${NAME}: ${file} is missing (a kernel is four files: ${files})")
+foreach(file runtime/cpu/@.cpp runtime/vulkan/kernels/@.cpp tests/kernels/@_test.cpp)
+  foreach(kernel ${BODYOPT_KERNELS})
+    string(REPLACE "@" ${kernel} path ${file})
+    if(NOT EXISTS ${PROJECT_SOURCE_DIR}/${path})
+      message(FATAL_ERROR "${path} is missing: a kernel is shaders/kernels/${kernel}.comp, runtime/cpu/${kernel}.cpp, "
+                          "runtime/vulkan/kernels/${kernel}.cpp, and tests/kernels/${kernel}_test.cpp")
     endif()
   endforeach()
-  set(header ${BODYOPT_SHADER_DIR}/${NAME}.spv.h)
-  compile_shader(${PROJECT_SOURCE_DIR}/shaders/${NAME}.comp ${header} ${NAME}_spv)
-  target_sources(bodyopt_runtime PRIVATE runtime/cpu/${NAME}.cpp runtime/vulkan/${NAME}.cpp ${header})
-  set_property(GLOBAL APPEND PROPERTY BODYOPT_KERNEL_TESTS ${PROJECT_SOURCE_DIR}/tests/kernels/${NAME}_test.cpp)
-endfunction()
+endforeach()
+
+# The most storage buffers of any kernel: a device with fewer is refused.
+set(BODYOPT_MOST_BINDINGS 0)
+foreach(shader ${kernel_shaders})
+  file(STRINGS ${shader} buffers REGEX "binding = [0-9]+\\).* buffer ")
+  list(LENGTH buffers count)
+  if(count GREATER BODYOPT_MOST_BINDINGS)
+    set(BODYOPT_MOST_BINDINGS ${count})
+  endif()
+endforeach()
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${kernel_shaders})

@@ -1,6 +1,6 @@
 #include "proxy_viewer/describe_scene.h"
 
-#include "proxy_viewer/commands.h"
+#include "proxy_viewer/commands/commands.h"
 
 namespace bodyopt {
 namespace {

@@ -1,9 +1,9 @@
 // What panels are told of a scene.
 #pragma once
 
-#include "proxy_viewer/error_curve.h"
-#include "proxy_viewer/scene.h"
-#include "proxy_viewer/snapshot.h"
+#include "proxy_viewer/compare/error_curve.h"
+#include "proxy_viewer/panels/snapshot.h"
+#include "proxy_viewer/scene/scene.h"
 
 namespace bodyopt {
 

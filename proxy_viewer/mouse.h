@@ -2,9 +2,9 @@
 // joint, also by the skin over it.
 #pragma once
 
-#include "proxy_viewer/controls.h"
-#include "proxy_viewer/render/view.h"
-#include "proxy_viewer/scene.h"
+#include "draw/view.h"
+#include "proxy_viewer/commands/controls.h"
+#include "proxy_viewer/scene/scene.h"
 
 namespace bodyopt {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "proxy_viewer/output_points.h"
-#include "proxy_viewer/render/camera.h"
+#include "draw/camera.h"
+#include "proxy_viewer/scene/output_points.h"
 
 namespace bodyopt {
 namespace {

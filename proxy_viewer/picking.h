@@ -5,9 +5,9 @@
 #include <span>
 #include <string>
 
-#include "proxy_viewer/controls.h"
-#include "proxy_viewer/render/view.h"
-#include "proxy_viewer/scene.h"
+#include "draw/view.h"
+#include "proxy_viewer/commands/controls.h"
+#include "proxy_viewer/scene/scene.h"
 
 namespace bodyopt {
 

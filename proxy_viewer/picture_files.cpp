@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/basis/atomic_file.h"
-#include "runtime/basis/error.h"
-#include "trainer/dataset/clip_source.h"
-#include "trainer/progress.h"
+#include "assets/clip_source.h"
+#include "base/progress.h"
+#include "runtime/core/atomic_file.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {

@@ -6,10 +6,10 @@
 #include <optional>
 #include <string>
 
-#include "proxy_viewer/controls.h"
-#include "proxy_viewer/frame_sequence_name.h"
-#include "proxy_viewer/render/animation.h"
-#include "proxy_viewer/render/renderer.h"
+#include "draw/animation.h"
+#include "draw/renderer.h"
+#include "proxy_viewer/commands/controls.h"
+#include "proxy_viewer/platform/frame_sequence_name.h"
 
 namespace bodyopt {
 

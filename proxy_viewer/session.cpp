@@ -5,11 +5,11 @@
 #include <iterator>
 #include <utility>
 
+#include "assets/clip_source.h"
 #include "proxy_viewer/describe_scene.h"
-#include "proxy_viewer/open_character.h"
-#include "proxy_viewer/truth_times.h"
-#include "runtime/basis/error.h"
-#include "trainer/dataset/clip_source.h"
+#include "proxy_viewer/scene/open_character.h"
+#include "proxy_viewer/scene/truth_times.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "proxy_viewer/controls.h"
-#include "proxy_viewer/scene.h"
-#include "proxy_viewer/snapshot.h"
+#include "proxy_viewer/commands/controls.h"
+#include "proxy_viewer/panels/snapshot.h"
+#include "proxy_viewer/platform/watched_files.h"
+#include "proxy_viewer/scene/scene.h"
 #include "proxy_viewer/viewer.h"
-#include "proxy_viewer/watched_files.h"
 
 namespace bodyopt {
 

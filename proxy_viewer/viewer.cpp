@@ -14,21 +14,21 @@
 #include <memory>
 #include <utility>
 
-#include "proxy_viewer/commands.h"
+#include "base/progress.h"
+#include "draw/viewport.h"
+#include "proxy_viewer/commands/commands.h"
+#include "proxy_viewer/compare/error_measuring.h"
+#include "proxy_viewer/compare/heat_scale.h"
 #include "proxy_viewer/describe_scene.h"
-#include "proxy_viewer/error_measuring.h"
-#include "proxy_viewer/gui.h"
-#include "proxy_viewer/heat_scale.h"
-#include "proxy_viewer/live_pose.h"
 #include "proxy_viewer/mouse.h"
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
+#include "proxy_viewer/panels/shown_texts.h"
 #include "proxy_viewer/picture_files.h"
-#include "proxy_viewer/render/viewport.h"
+#include "proxy_viewer/platform/gui.h"
+#include "proxy_viewer/platform/live_pose.h"
+#include "proxy_viewer/platform/window.h"
 #include "proxy_viewer/session.h"
-#include "proxy_viewer/shown_texts.h"
-#include "proxy_viewer/window.h"
-#include "runtime/basis/error.h"
-#include "trainer/progress.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {

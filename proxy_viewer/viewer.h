@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/deformer.h"
-#include "trainer/dataset/clip.h"
+#include "assets/clip.h"
+#include "runtime/deformer/deformer.h"
 
 namespace bodyopt {
 

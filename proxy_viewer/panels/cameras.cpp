@@ -1,5 +1,5 @@
 // Views along the axes, and cameras that were kept.
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 
 namespace bodyopt {

@@ -1,9 +1,9 @@
 // Who is in the scene.
 #include <filesystem>
 
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
-#include "proxy_viewer/setting_limits.h"
+#include "proxy_viewer/state/setting_limits.h"
 
 namespace bodyopt {
 namespace {

@@ -1,7 +1,7 @@
 // All keys, menu by menu, and what the mouse does.
 #include <algorithm>
 
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 
 namespace bodyopt {

@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include "proxy_viewer/cut_tets.h"
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
-#include "proxy_viewer/strain_colour.h"
+#include "proxy_viewer/scene/cut_tets.h"
+#include "proxy_viewer/state/strain_colour.h"
 
 namespace bodyopt {
 namespace {

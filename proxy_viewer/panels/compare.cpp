@@ -3,9 +3,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
-#include "proxy_viewer/setting_limits.h"
+#include "proxy_viewer/state/setting_limits.h"
 
 namespace bodyopt {
 namespace {

@@ -1,7 +1,7 @@
 // Over the picture: what is compared with what, and the line of a wipe, to be dragged.
 #include <algorithm>
 
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 
 namespace bodyopt {

@@ -1,7 +1,7 @@
 // Instead of all else, while there is nothing to show yet.
 #include <imgui.h>
 
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
 
 namespace bodyopt {
 

@@ -1,7 +1,7 @@
 // How the character looks, and what is shown of its inside.
 #include <algorithm>
 
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 
 namespace bodyopt {

@@ -1,6 +1,6 @@
 // Every command, in its menu: those with a choice of words as menus of their own, those with any other argument by the
 // prompt.
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 
 namespace bodyopt {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
 
 namespace bodyopt {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
-#include "proxy_viewer/strain_colour.h"
+#include "proxy_viewer/state/strain_colour.h"
 
 namespace bodyopt {
 namespace {

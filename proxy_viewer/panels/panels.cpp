@@ -1,10 +1,10 @@
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
 
 #include <imgui.h>
 
 #include <algorithm>
 
-#include "proxy_viewer/sections.h"
+#include "proxy_viewer/state/sections.h"
 
 namespace bodyopt {
 namespace {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 
 namespace bodyopt {

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <array>
 
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
-#include "proxy_viewer/sections.h"
+#include "proxy_viewer/state/sections.h"
 
 namespace bodyopt {
 namespace {

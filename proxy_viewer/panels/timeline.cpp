@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <utility>
 
-#include "proxy_viewer/fonts.h"
-#include "proxy_viewer/panels.h"
+#include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
+#include "proxy_viewer/platform/fonts.h"
 
 namespace bodyopt {
 namespace {

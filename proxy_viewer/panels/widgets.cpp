@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "proxy_viewer/render/srgb.h"
+#include "draw/srgb.h"
 
 namespace bodyopt {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "proxy_viewer/commands.h"
+#include "proxy_viewer/commands/commands.h"
 
 namespace bodyopt {
 

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/basis/attachments.h"
-#include "runtime/basis/strict_json.h"
 #include "runtime/basis/table_file.h"
+#include "runtime/core/strict_json.h"
 
 namespace bodyopt {
 namespace {

@@ -6,10 +6,10 @@
 
 #include "runtime/basis/basis.h"
 #include "runtime/basis/earlier_residual.h"
-#include "runtime/basis/error.h"
 #include "runtime/basis/levels.h"
-#include "runtime/basis/strict_json.h"
 #include "runtime/basis/table_file.h"
+#include "runtime/core/error.h"
+#include "runtime/core/strict_json.h"
 
 namespace bodyopt {
 namespace {

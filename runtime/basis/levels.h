@@ -14,8 +14,8 @@ namespace bodyopt {
 constexpr std::size_t kMostLevels = 16;
 
 // A vertex of the full skin on a triangle of a level: the point at the barycentric weights (255 - b - c, b, c) / 255 of
-// its corners, and from there, in the frame of runtime/carry_skin.h, an offset that is the same in every pose. As the
-// offset begins where the rounded weights are, these cost no accuracy.
+// its corners, and from there, in the frame of runtime/host/carry_skin.h, an offset that is the same in every pose. As
+// the offset begins where the rounded weights are, these cost no accuracy.
 struct CarriedPoint {
   std::uint32_t triangle = 0;               // of the level's mesh.output_triangles
   std::uint8_t b = 0, c = 0;                // sum 255 at most

@@ -6,11 +6,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "runtime/basis/atomic_file.h"
-#include "runtime/basis/error.h"
-#include "runtime/basis/file_kind.h"
-#include "runtime/basis/hexadecimal.h"
-#include "runtime/basis/strict_json.h"
+#include "runtime/core/atomic_file.h"
+#include "runtime/core/error.h"
+#include "runtime/core/file_kind.h"
+#include "runtime/core/hexadecimal.h"
+#include "runtime/core/strict_json.h"
 
 namespace bodyopt {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/basis/transform.h"
+#include "runtime/core/transform.h"
 
 namespace bodyopt {
 

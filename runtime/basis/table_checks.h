@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 

@@ -8,8 +8,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "runtime/basis/error.h"
 #include "runtime/basis/safetensors.h"
+#include "runtime/core/error.h"
 #include "shaders/include/layout.h"
 
 namespace bodyopt {

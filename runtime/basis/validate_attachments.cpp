@@ -4,8 +4,8 @@
 #include <set>
 
 #include "runtime/basis/attachments.h"
-#include "runtime/basis/hexadecimal.h"
 #include "runtime/basis/table_checks.h"
+#include "runtime/core/hexadecimal.h"
 
 namespace bodyopt {
 namespace {

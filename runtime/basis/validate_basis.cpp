@@ -171,7 +171,8 @@ class Validator : TableChecks {
   void check_residual() const {
     const ResidualTable& residual = basis_.residual;
     expect_offsets("residual.blend_begin", residual.blend_begin, basis_.mesh.block_count(), residual.blend.size());
-    const std::size_t features = 9 * feature_joint_count() + basis_.strain.rest_length.size() + residual.controls.size();
+    const std::size_t features =
+        9 * feature_joint_count() + basis_.strain.rest_length.size() + residual.controls.size();
     if (residual.regions.empty() && residual.features.empty()) {
       if (!residual.controls.empty())
         refuse("residual.features has 0 entries, expected one for every control at least");

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "runtime/basis/dynamics.h"
-#include "runtime/basis/hexadecimal.h"
 #include "runtime/basis/table_checks.h"
+#include "runtime/core/hexadecimal.h"
 
 namespace bodyopt {
 namespace {

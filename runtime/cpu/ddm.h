@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "runtime/basis/basis.h"
-#include "runtime/cpu/half.h"
+#include "runtime/core/half.h"
 #include "shaders/include/rotation.h"
 
 namespace bodyopt::cpu {

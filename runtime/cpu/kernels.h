@@ -1,6 +1,6 @@
 // The CPU path: one function per kernel, plain loops over the GPU's own tables, one file each. The reference for every
 // Vulkan kernel and the backend of machines without one. All arrays are frame-major over frame_count frames; shapes are
-// those of runtime/basis/basis.h and runtime/deformer.h.
+// those of runtime/basis/basis.h and runtime/deformer/deformer.h.
 #pragma once
 
 #include <cstdint>

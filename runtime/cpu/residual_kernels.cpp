@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "runtime/cpu/half.h"
+#include "runtime/core/half.h"
 #include "runtime/cpu/kernels.h"
 
 namespace bodyopt::cpu {

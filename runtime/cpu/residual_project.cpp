@@ -1,4 +1,4 @@
-#include "runtime/cpu/half.h"
+#include "runtime/core/half.h"
 #include "runtime/cpu/kernels.h"
 
 namespace bodyopt::cpu {

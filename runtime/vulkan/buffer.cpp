@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "runtime/vulkan/commands.h"
 
 namespace bodyopt::vulkan {

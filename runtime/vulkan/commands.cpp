@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "shaders/include/layout.h"
 
 namespace bodyopt::vulkan {

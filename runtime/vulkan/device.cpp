@@ -5,13 +5,13 @@
 #include <cstring>
 #include <optional>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "runtime/vulkan/object.h"
 
 namespace bodyopt::vulkan {
 namespace {
 
-constexpr std::uint32_t kMinStorageBindings = 8;  // the most of any kernel
+constexpr std::uint32_t kMinStorageBindings = BODYOPT_MOST_BINDINGS;  // of the kernel that has most
 
 std::string version_text(std::uint32_t version) {
   return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." +

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/device_choice.h"
+#include "runtime/host/device_choice.h"
 #include "runtime/vulkan/instance.h"
 
 namespace bodyopt::vulkan {

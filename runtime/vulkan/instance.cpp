@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "runtime/vulkan/object.h"
 
 namespace bodyopt::vulkan {

@@ -1,19 +1,33 @@
 #include "runtime/vulkan/kernel.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace bodyopt::vulkan {
+namespace {
 
-Kernel::Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t binding_count,
-               std::uint32_t push_bytes)
-    : binding_count_(binding_count) {
+// How many bindings a shader declares, numbered from 0. SPIR-V 1.0, 2.3 and 3.32.3: after a header of five words come
+// instructions, each begun by its length (the upper half of a word) and its number.
+std::uint32_t count_bindings(std::span<const std::uint32_t> spirv) {
+  constexpr std::uint32_t kHeader = 5, kDecorate = 71, kBinding = 33;
+  std::uint32_t count = 0;
+  for (std::size_t i = kHeader; i < spirv.size(); i += spirv[i] >> 16) {
+    if ((spirv[i] & 0xffff) == kDecorate && spirv[i + 2] == kBinding) count = std::max(count, spirv[i + 3] + 1);
+  }
+  return count;
+}
+
+}  // namespace
+
+Kernel::Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t push_bytes)
+    : binding_count_(count_bindings(spirv)) {
   const VkDevice handle = device.handle();
-  std::vector<VkDescriptorSetLayoutBinding> bindings(binding_count);
-  for (std::uint32_t b = 0; b < binding_count; ++b) {
+  std::vector<VkDescriptorSetLayoutBinding> bindings(binding_count_);
+  for (std::uint32_t b = 0; b < binding_count_; ++b) {
     bindings[b] = {b, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
   }
   auto set = structure<VkDescriptorSetLayoutCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
-  set.bindingCount = binding_count;
+  set.bindingCount = binding_count_;
   set.pBindings = bindings.data();
   VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
   check(vkCreateDescriptorSetLayout(handle, &set, nullptr, &set_layout), "vkCreateDescriptorSetLayout");

@@ -11,9 +11,8 @@ namespace bodyopt::vulkan {
 
 class Kernel {
  public:
-  // Throws Error(device).
-  Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t binding_count,
-         std::uint32_t push_bytes);
+  // The bindings are those that the shader declares. Throws Error(device).
+  Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t push_bytes);
 
   VkPipeline pipeline() const { return pipeline_.get(); }
   VkPipelineLayout layout() const { return layout_.get(); }

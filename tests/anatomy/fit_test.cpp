@@ -6,12 +6,12 @@
 #include <numbers>
 #include <random>
 
+#include "geometry/skin_depth.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/anatomy/align.h"
-#include "trainer/tets/skin_depth.h"
 
 namespace bodyopt::anatomy {
 namespace {

@@ -1,11 +1,11 @@
 // train, attach, eval and info with geometry that rides on the skin.
 #include <cmath>
 
-#include "runtime/rig.h"
+#include "assets/clip.h"
+#include "assets/pc2.h"
+#include "runtime/host/rig.h"
 #include "tests/support/limb_glb.h"
 #include "tests/support/run_program.h"
-#include "trainer/dataset/clip.h"
-#include "trainer/dataset/pc2.h"
 
 namespace bodyopt {
 namespace {

@@ -7,8 +7,8 @@
 #include <random>
 #include <span>
 
-#include "runtime/attachments.h"
 #include "runtime/basis/safetensors.h"
+#include "runtime/host/attachments.h"
 #include "tests/support/attached_limb.h"
 #include "tests/support/forged_word.h"
 #include "tests/support/hostile_bytes.h"

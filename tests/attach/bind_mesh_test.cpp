@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "tests/support/attached_limb.h"
 
 namespace bodyopt {

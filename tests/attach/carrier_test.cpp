@@ -5,11 +5,11 @@
 #include <Eigen/SVD>
 #include <cmath>
 
-#include "runtime/attachments.h"
-#include "runtime/basis/error.h"
-#include "runtime/deformer.h"
+#include "geometry/nearest_skin.h"
+#include "runtime/core/error.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/attachments.h"
 #include "tests/support/attached_limb.h"
-#include "trainer/tets/nearest_skin.h"
 
 namespace bodyopt {
 namespace {

@@ -3,14 +3,14 @@
 //   attack_stage FOLDER
 #include <iostream>
 
-#include "runtime/deformer.h"
+#include "assets/pc2.h"
+#include "runtime/deformer/deformer.h"
 #include "tests/anatomy/small_models.h"
+#include "tests/assets/gltf_blob.h"
 #include "tests/attack/limb_mapping.h"
-#include "tests/dataset/gltf_blob.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/attached_limb.h"
 #include "tests/support/small_dynamics.h"
-#include "trainer/dataset/pc2.h"
 #include "trainer/motion/joint_limits.h"
 
 namespace bodyopt {

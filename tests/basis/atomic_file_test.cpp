@@ -1,4 +1,4 @@
-#include "runtime/basis/atomic_file.h"
+#include "runtime/core/atomic_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

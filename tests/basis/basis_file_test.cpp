@@ -6,7 +6,7 @@
 
 #include "runtime/basis/basis.h"
 #include "runtime/basis/safetensors.h"
-#include "runtime/deformer.h"
+#include "runtime/deformer/deformer.h"
 #include "tests/support/forged_word.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/paths.h"

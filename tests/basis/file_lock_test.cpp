@@ -1,4 +1,4 @@
-#include "runtime/basis/file_lock.h"
+#include "runtime/core/file_lock.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>

@@ -5,8 +5,8 @@
 
 #include "runtime/basis/levels.h"
 #include "runtime/basis/safetensors.h"
-#include "runtime/carry_skin.h"
-#include "runtime/deformer.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/carry_skin.h"
 #include "tests/support/forged_word.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/same_basis.h"

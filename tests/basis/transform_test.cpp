@@ -1,4 +1,4 @@
-#include "runtime/basis/transform.h"
+#include "runtime/core/transform.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "runtime/cpu/half.h"
+#include "runtime/core/half.h"
 
 namespace bodyopt {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "runtime/basis/basis.h"
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "tests/support/small_basis.h"
 
 namespace bodyopt {

@@ -4,9 +4,9 @@
 
 #include <Eigen/LU>
 
+#include "geometry/closed_skin.h"
 #include "tests/simulate/limb.h"
 #include "trainer/dynamics/dynamics_tets.h"
-#include "trainer/tets/closed_skin.h"
 
 namespace bodyopt::bench {
 namespace {

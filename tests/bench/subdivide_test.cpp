@@ -7,7 +7,7 @@
 #include <map>
 
 #include "tests/simulate/limb.h"
-#include "trainer/dataset/check.h"
+#include "trainer/check/check.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt::bench {

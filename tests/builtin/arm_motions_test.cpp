@@ -5,8 +5,8 @@
 #include <cmath>
 #include <set>
 
-#include "runtime/basis/error.h"
-#include "runtime/rig.h"
+#include "runtime/core/error.h"
+#include "runtime/host/rig.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/builtin/arm_dofs.h"
 #include "trainer/builtin/arm_skeleton.h"

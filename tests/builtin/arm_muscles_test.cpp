@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "runtime/rig.h"
+#include "runtime/host/rig.h"
 #include "tests/builtin/shared_arm.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/builtin/arm_dofs.h"

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "runtime/rig.h"
+#include "runtime/host/rig.h"
 #include "tests/builtin/shared_arm.h"
 #include "trainer/builtin/arm.h"
 

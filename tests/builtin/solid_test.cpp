@@ -5,9 +5,9 @@
 #include <cmath>
 #include <set>
 
+#include "geometry/remesh.h"
 #include "trainer/builtin/implicit.h"
 #include "trainer/builtin/march.h"
-#include "trainer/tets/remesh.h"
 
 namespace bodyopt {
 namespace {

@@ -3,12 +3,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "assets/pc2.h"
+#include "dataset/dataset.h"
+#include "dataset/file_hashes.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/run_program.h"
-#include "trainer/dataset/dataset.h"
-#include "trainer/dataset/file_hashes.h"
-#include "trainer/dataset/pc2.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt {

@@ -6,13 +6,13 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "assets/pc2.h"
+#include "assets/shape_reader.h"
+#include "dataset/compare.h"
+#include "dataset/dataset.h"
 #include "tests/support/decoded_animation.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/dataset/compare.h"
-#include "trainer/dataset/dataset.h"
-#include "trainer/dataset/pc2.h"
-#include "trainer/dataset/shape_reader.h"
 
 namespace bodyopt {
 namespace {

@@ -5,12 +5,12 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "runtime/basis/file_lock.h"
+#include "dataset/dataset.h"
+#include "runtime/core/file_lock.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/background_program.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/run_program.h"
-#include "trainer/dataset/dataset.h"
 
 namespace bodyopt {
 namespace {

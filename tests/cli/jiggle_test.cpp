@@ -6,10 +6,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "assets/pc2.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/dataset/pc2.h"
 
 namespace bodyopt {
 namespace {

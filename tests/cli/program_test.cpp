@@ -4,10 +4,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "assets/pc2.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
-#include "trainer/dataset/pc2.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt {

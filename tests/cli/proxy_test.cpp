@@ -5,13 +5,13 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "assets/muscles.h"
+#include "assets/pc2.h"
 #include "runtime/basis/levels.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
-#include "trainer/dataset/muscles.h"
-#include "trainer/dataset/pc2.h"
 #include "trainer/train/strain.h"
 
 namespace bodyopt {

@@ -3,14 +3,14 @@
 
 #include <memory>
 
+#include "assets/pc2.h"
+#include "dataset/dataset.h"
 #include "runtime/basis/attachments.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/background_program.h"
 #include "tests/support/limb_glb.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_program.h"
-#include "trainer/dataset/dataset.h"
-#include "trainer/dataset/pc2.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt {

@@ -1,4 +1,4 @@
-#include "cli/report/section.h"
+#include "report/section.h"
 
 #include <gtest/gtest.h>
 

@@ -4,18 +4,18 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "runtime/basis/hexadecimal.h"
+#include "assets/frame_range.h"
+#include "assets/muscles.h"
+#include "assets/pc2.h"
+#include "dataset/dataset.h"
+#include "dataset/file_hashes.h"
+#include "dataset/take_lock.h"
 #include "runtime/basis/safetensors.h"
+#include "runtime/core/hexadecimal.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/dataset/dataset.h"
-#include "trainer/dataset/file_hashes.h"
-#include "trainer/dataset/frame_range.h"
-#include "trainer/dataset/muscles.h"
-#include "trainer/dataset/pc2.h"
-#include "trainer/simulate/take_lock.h"
 
 namespace bodyopt {
 namespace {

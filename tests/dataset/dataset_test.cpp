@@ -1,4 +1,4 @@
-#include "trainer/dataset/dataset.h"
+#include "dataset/dataset.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "trainer/progress.h"
+#include "base/progress.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <csignal>
 #include <cstdlib>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {

@@ -1,14 +1,14 @@
 // regions.json: painted weights, vertex colours, and every way to get them wrong.
-#include "trainer/dataset/regions_file.h"
+#include "dataset/regions_file.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tests/dataset/character_checks.h"
+#include "assets/gltf_skin.h"
+#include "assets/json_file.h"
+#include "tests/assets/character_checks.h"
 #include "tests/support/hostile_bytes.h"
-#include "trainer/dataset/gltf_skin.h"
-#include "trainer/dataset/json_file.h"
 
 namespace bodyopt {
 namespace {

@@ -6,7 +6,7 @@
 #include <Eigen/SparseCholesky>
 #include <random>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "trainer/dynamics/dissection.h"
 

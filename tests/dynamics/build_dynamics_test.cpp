@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
 #include "trainer/train/train.h"
 

@@ -5,12 +5,12 @@
 #include <Eigen/LU>
 #include <limits>
 
-#include "runtime/basis/error.h"
+#include "geometry/closed_skin.h"
+#include "runtime/core/error.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/tet_volume.h"
 #include "trainer/dynamics/tet_quality.h"
-#include "trainer/tets/closed_skin.h"
 
 namespace bodyopt {
 namespace {

@@ -1,9 +1,9 @@
 // The settings that come with the shared human rig.
 #include <gtest/gtest.h>
 
+#include "assets/character.h"
 #include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
-#include "trainer/dataset/character.h"
 #include "trainer/dynamics/jiggle_settings.h"
 #include "trainer/simulate/muscle_fibres.h"
 

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "runtime/cpu/dynamics_kernels.h"
-#include "runtime/jiggle_stages.h"
+#include "runtime/host/jiggle_stages.h"
 #include "tests/simulate/tet_block.h"
 #include "tests/support/fem_reference.h"
 #include "tests/support/shared_data.h"

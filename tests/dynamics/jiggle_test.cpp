@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/simulate/limb.h"
 

@@ -4,7 +4,7 @@
 
 #include <Eigen/LU>
 
-#include "runtime/deformer.h"
+#include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/limb_dynamics.h"
 #include "trainer/dynamics/diffuse.h"

@@ -1,8 +1,8 @@
-#include "trainer/dataset/character.h"
+#include "assets/character.h"
 
-#include "tests/dataset/gltf_blob.h"
+#include "assets/gltf_skin.h"
+#include "tests/assets/gltf_blob.h"
 #include "tests/fuzz/fuzz_target.h"
-#include "trainer/dataset/gltf_skin.h"
 
 namespace bodyopt::fuzz {
 namespace {

@@ -1,8 +1,8 @@
 // What is looked at in clips that are accepted.
 #pragma once
 
+#include "assets/clip.h"
 #include "tests/fuzz/fuzz_target.h"
-#include "trainer/dataset/clip.h"
 
 namespace bodyopt::fuzz {
 

@@ -1,5 +1,5 @@
 // dataset.json, and the side-car of a simulation.
-#include "trainer/dataset/dataset.h"
+#include "dataset/dataset.h"
 
 #include "tests/fuzz/fuzz_target.h"
 

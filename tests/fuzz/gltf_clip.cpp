@@ -1,4 +1,4 @@
-#include "tests/dataset/gltf_blob.h"
+#include "tests/assets/gltf_blob.h"
 #include "tests/fuzz/clip.h"
 #include "tests/fuzz/small_limb.h"
 

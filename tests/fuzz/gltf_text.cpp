@@ -1,7 +1,7 @@
 // A character as .gltf, its buffers inside it as base64.
-#include "tests/dataset/gltf_blob.h"
+#include "assets/character.h"
+#include "tests/assets/gltf_blob.h"
 #include "tests/fuzz/fuzz_target.h"
-#include "trainer/dataset/character.h"
 
 namespace bodyopt::fuzz {
 namespace {

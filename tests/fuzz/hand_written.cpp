@@ -1,15 +1,15 @@
 // The small JSON files that people write and edit.
 #include <array>
 
-#include "proxy_viewer/view_settings.h"
+#include "assets/controls.h"
+#include "assets/joint_map.h"
+#include "dataset/regions_file.h"
+#include "proxy_viewer/state/view_settings.h"
 #include "tests/attack/limb_mapping.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/small_limb.h"
 #include "tests/support/paths.h"
 #include "trainer/anatomy/mapping.h"
-#include "trainer/dataset/controls.h"
-#include "trainer/dataset/joint_map.h"
-#include "trainer/dataset/regions_file.h"
 #include "trainer/dynamics/jiggle_settings.h"
 #include "trainer/motion/joint_limits.h"
 #include "trainer/simulate/materials.h"

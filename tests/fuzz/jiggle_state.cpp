@@ -1,6 +1,6 @@
 // A state that is accepted must lead to a finite skin.
-#include "runtime/deformer.h"
-#include "runtime/rig.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/rig.h"
 #include "tests/fuzz/given_file.h"
 
 namespace bodyopt::fuzz {

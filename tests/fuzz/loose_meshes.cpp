@@ -1,6 +1,6 @@
 #include "trainer/attach/loose_meshes.h"
 
-#include "tests/dataset/gltf_blob.h"
+#include "tests/assets/gltf_blob.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/small_limb.h"
 

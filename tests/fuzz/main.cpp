@@ -12,7 +12,7 @@
 #include <regex>
 #include <set>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/support/temporary_folder.h"
 

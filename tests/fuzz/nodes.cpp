@@ -1,5 +1,5 @@
+#include "assets/shape_reader.h"
 #include "tests/fuzz/fuzz_target.h"
-#include "trainer/dataset/shape_reader.h"
 
 namespace bodyopt::fuzz {
 namespace {

@@ -1,4 +1,4 @@
-#include "trainer/dataset/pc2.h"
+#include "assets/pc2.h"
 
 #include "tests/fuzz/fuzz_target.h"
 

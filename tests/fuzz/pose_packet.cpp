@@ -1,7 +1,7 @@
-#include "proxy_viewer/pose_packet.h"
+#include "proxy_viewer/platform/pose_packet.h"
 
 #include "tests/fuzz/fuzz_target.h"
-#include "tests/viewer/pose_packet_bytes.h"
+#include "tests/proxy_viewer/pose_packet_bytes.h"
 
 namespace bodyopt::fuzz {
 namespace {

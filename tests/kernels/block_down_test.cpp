@@ -1,4 +1,4 @@
-#include "runtime/vulkan/block_down.h"
+#include "runtime/vulkan/kernels/block_down.h"
 
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/gpu_fixture.h"

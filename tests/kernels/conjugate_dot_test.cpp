@@ -1,4 +1,4 @@
-#include "runtime/vulkan/conjugate_dot.h"
+#include "runtime/vulkan/kernels/conjugate_dot.h"
 
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/gpu_fixture.h"

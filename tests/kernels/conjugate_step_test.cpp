@@ -1,4 +1,4 @@
-#include "runtime/vulkan/conjugate_step.h"
+#include "runtime/vulkan/kernels/conjugate_step.h"
 
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/gpu_fixture.h"

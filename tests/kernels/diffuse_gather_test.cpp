@@ -1,4 +1,4 @@
-#include "runtime/vulkan/diffuse_gather.h"
+#include "runtime/vulkan/kernels/diffuse_gather.h"
 
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/simulate/tet_block.h"

@@ -1,4 +1,4 @@
-#include "runtime/vulkan/diffuse_surface.h"
+#include "runtime/vulkan/kernels/diffuse_surface.h"
 
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/gpu_fixture.h"

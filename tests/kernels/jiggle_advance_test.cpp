@@ -1,4 +1,4 @@
-#include "runtime/vulkan/jiggle_advance.h"
+#include "runtime/vulkan/kernels/jiggle_advance.h"
 
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/gpu_fixture.h"

@@ -1,4 +1,4 @@
-#include "runtime/vulkan/jiggle_force.h"
+#include "runtime/vulkan/kernels/jiggle_force.h"
 
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/corotated_matrix.h"

@@ -1,4 +1,4 @@
-#include "runtime/vulkan/jiggle_kick.h"
+#include "runtime/vulkan/kernels/jiggle_kick.h"
 
 #include <limits>
 

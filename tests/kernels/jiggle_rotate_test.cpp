@@ -1,4 +1,4 @@
-#include "runtime/vulkan/jiggle_rotate.h"
+#include "runtime/vulkan/kernels/jiggle_rotate.h"
 
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/gpu_fixture.h"

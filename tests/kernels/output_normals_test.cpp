@@ -1,4 +1,4 @@
-#include "runtime/vulkan/output_normals.h"
+#include "runtime/vulkan/kernels/output_normals.h"
 
 #include <Eigen/Dense>
 

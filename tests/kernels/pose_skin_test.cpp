@@ -1,6 +1,6 @@
-#include "runtime/vulkan/pose_skin.h"
+#include "runtime/vulkan/kernels/pose_skin.h"
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "runtime/cpu/kernels.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"

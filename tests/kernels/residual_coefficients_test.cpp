@@ -1,4 +1,4 @@
-#include "runtime/vulkan/residual_coefficients.h"
+#include "runtime/vulkan/kernels/residual_coefficients.h"
 
 #include "runtime/cpu/kernels.h"
 #include "tests/support/gpu_fixture.h"
@@ -45,8 +45,7 @@ TEST_F(ResidualCoefficients, EqualsTheReference) {
                  fades = vulkan::upload(*device_, c.fades, "fades"),
                  kernels = vulkan::upload(*device_, c.kernels, "kernels");
       const auto outputs = run_kernel(*device_, {c.coefficients.size()}, [&](auto& commands, const auto& out) {
-        kernel.record(commands,
-                      {regions, coefficient_region, weights, rest, coordinates, kernels, fades, out[0]},
+        kernel.record(commands, {regions, coefficient_region, weights, rest, coordinates, kernels, fades, out[0]},
                       {count, c.residual.coordinate_count(), c.residual.centre_count(),
                        static_cast<std::uint32_t>(c.residual.regions.size())},
                       frames);

@@ -1,4 +1,4 @@
-#include "runtime/vulkan/residual_features.h"
+#include "runtime/vulkan/kernels/residual_features.h"
 
 #include "runtime/cpu/kernels.h"
 #include "tests/support/gpu_fixture.h"

@@ -1,6 +1,6 @@
-#include "runtime/vulkan/residual_project.h"
+#include "runtime/vulkan/kernels/residual_project.h"
 
-#include "runtime/cpu/half.h"
+#include "runtime/core/half.h"
 #include "runtime/cpu/kernels.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"

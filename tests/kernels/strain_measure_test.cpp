@@ -1,4 +1,4 @@
-#include "runtime/vulkan/strain_measure.h"
+#include "runtime/vulkan/kernels/strain_measure.h"
 
 #include <Eigen/Dense>
 

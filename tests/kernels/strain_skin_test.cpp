@@ -1,4 +1,4 @@
-#include "runtime/vulkan/strain_skin.h"
+#include "runtime/vulkan/kernels/strain_skin.h"
 
 #include "runtime/cpu/kernels.h"
 #include "tests/support/gpu_fixture.h"

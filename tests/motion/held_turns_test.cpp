@@ -5,10 +5,10 @@
 #include <cmath>
 #include <random>
 
+#include "assets/character.h"
+#include "assets/clip.h"
 #include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
-#include "trainer/dataset/character.h"
-#include "trainer/dataset/clip.h"
 #include "trainer/motion/limited_pose.h"
 
 namespace bodyopt {

@@ -1,10 +1,10 @@
 // The limits of the shared human rig, on the real character.
 #include <gtest/gtest.h>
 
-#include "runtime/rig.h"
+#include "assets/character.h"
+#include "runtime/host/rig.h"
 #include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
-#include "trainer/dataset/character.h"
 #include "trainer/motion/body_spheres.h"
 #include "trainer/motion/limited_pose.h"
 

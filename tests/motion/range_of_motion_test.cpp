@@ -10,14 +10,14 @@
 #include <cstdlib>
 #include <numeric>
 
-#include "runtime/basis/error.h"
+#include "base/progress.h"
+#include "runtime/core/error.h"
 #include "tests/builtin/shared_arm.h"
 #include "trainer/motion/blend_clips.h"
 #include "trainer/motion/body_spheres.h"
 #include "trainer/motion/explore.h"
 #include "trainer/motion/joint_coverage.h"
 #include "trainer/motion/walk.h"
-#include "trainer/progress.h"
 
 namespace bodyopt {
 namespace {

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 #include <omp.h>
 
-#include "runtime/basis/error.h"
-#include "runtime/carry_skin.h"
-#include "runtime/deformer.h"
+#include "runtime/core/error.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/carry_skin.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/same_basis.h"

@@ -4,9 +4,9 @@
 
 #include <Eigen/Geometry>
 
-#include "runtime/carry_skin.h"
+#include "geometry/vertex_normals.h"
+#include "runtime/host/carry_skin.h"
 #include "tests/support/capsule_limb.h"
-#include "trainer/dataset/vertex_normals.h"
 #include "trainer/proxy/proxy_samples.h"
 #include "trainer/train/mesh_table.h"
 

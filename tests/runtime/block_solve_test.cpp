@@ -1,6 +1,6 @@
-#include "runtime/vulkan/block_solve.h"
+#include "runtime/vulkan/backend/block_solve.h"
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/small_inverse.h"

@@ -2,9 +2,10 @@
 
 #include <optional>
 
-#include "runtime/basis/error.h"
-#include "runtime/vulkan/output_normals.h"
-#include "runtime/vulkan/residual_blend.h"
+#include "runtime/core/error.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/vulkan/kernels/output_normals.h"
+#include "runtime/vulkan/kernels/residual_blend.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"
 

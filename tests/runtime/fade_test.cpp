@@ -1,11 +1,11 @@
-#include "runtime/fade.h"
+#include "runtime/host/fade.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "runtime/deformer.h"
-#include "runtime/rig.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/rig.h"
 #include "tests/support/small_basis.h"
 
 namespace bodyopt::testing {

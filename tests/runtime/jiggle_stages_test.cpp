@@ -1,4 +1,4 @@
-#include "runtime/jiggle_stages.h"
+#include "runtime/host/jiggle_stages.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "runtime/rig.h"
+#include "runtime/host/rig.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {

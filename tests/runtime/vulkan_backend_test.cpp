@@ -1,7 +1,10 @@
+#include "runtime/vulkan/backend/vulkan_backend.h"
+
 #include <algorithm>
 
-#include "runtime/basis/error.h"
-#include "runtime/deformer.h"
+#include "runtime/core/error.h"
+#include "runtime/cpu/cpu_backend.h"
+#include "runtime/deformer/deformer.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"
 

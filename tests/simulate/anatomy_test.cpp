@@ -3,12 +3,13 @@
 
 #include <Eigen/Geometry>
 
-#include "runtime/rig.h"
+#include "runtime/host/rig.h"
 #include "tests/simulate/limb.h"
 #include "trainer/simulate/bone_springs.h"
 #include "trainer/simulate/muscle_fibres.h"
 #include "trainer/simulate/node_weights.h"
 #include "trainer/simulate/skin_bending.h"
+#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 namespace {

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/basis/error.h"
-#include "runtime/rig.h"
+#include "assets/shape_reader.h"
+#include "runtime/core/error.h"
+#include "runtime/host/rig.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/dataset/shape_reader.h"
 #include "trainer/simulate/quasi_static.h"
 #include "trainer/simulate/simulate.h"
 #include "trainer/tets/lattice_cage.h"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
 #include "trainer/tets/lattice_cage.h"
 

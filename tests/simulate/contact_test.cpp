@@ -9,6 +9,7 @@
 #include "tests/simulate/tet_block.h"
 #include "trainer/simulate/lbfgs.h"
 #include "trainer/simulate/quasi_static.h"
+#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 namespace {

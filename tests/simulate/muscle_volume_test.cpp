@@ -8,6 +8,7 @@
 #include "trainer/simulate/materials.h"
 #include "trainer/simulate/muscle_fibres.h"
 #include "trainer/simulate/quasi_static.h"
+#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 namespace {

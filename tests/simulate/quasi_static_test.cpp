@@ -9,10 +9,10 @@
 #include <map>
 #include <set>
 
-#include "runtime/basis/error.h"
-#include "runtime/rig.h"
+#include "geometry/closed_skin.h"
+#include "runtime/core/error.h"
+#include "runtime/host/rig.h"
 #include "tests/simulate/limb.h"
-#include "trainer/tets/closed_skin.h"
 
 namespace bodyopt {
 namespace {

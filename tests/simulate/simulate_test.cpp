@@ -10,11 +10,11 @@
 #include <fstream>
 #include <thread>
 
-#include "runtime/basis/error.h"
+#include "assets/pc2.h"
+#include "base/progress.h"
+#include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/dataset/pc2.h"
-#include "trainer/progress.h"
 #include "trainer/simulate/partial_shapes.h"
 
 namespace bodyopt {

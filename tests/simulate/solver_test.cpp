@@ -2,9 +2,10 @@
 
 #include <Eigen/Dense>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
 #include "trainer/simulate/lbfgs.h"
+#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-#include "runtime/basis/hexadecimal.h"
+#include "runtime/core/hexadecimal.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/attach/bind_mesh.h"
 

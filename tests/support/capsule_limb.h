@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-#include "runtime/rig.h"
+#include "runtime/host/rig.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <limits>
 
-#include "trainer/dataset/pc2.h"
+#include "assets/pc2.h"
 
 namespace bodyopt {
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt::testing {
 

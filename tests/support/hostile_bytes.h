@@ -10,7 +10,7 @@
 #include <random>
 #include <string>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt::testing {
 

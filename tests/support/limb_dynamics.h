@@ -1,7 +1,7 @@
 // A limb that jiggles: the synthetic limb with Direct Delta Mush alone, and dynamics of few tets.
 #pragma once
 
-#include "runtime/deformer.h"
+#include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/dynamics/build_dynamics.h"
 

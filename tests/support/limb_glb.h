@@ -1,7 +1,7 @@
 // The capsule limb as a glTF file that more can be added to by hand. Nodes 0 to 2 are its joints.
 #pragma once
 
-#include "tests/dataset/gltf_blob.h"
+#include "tests/assets/gltf_blob.h"
 #include "tests/support/attached_limb.h"
 
 namespace bodyopt {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "proxy_viewer/render/renderer.h"
+#include "draw/renderer.h"
 
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC

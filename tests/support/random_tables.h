@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "runtime/basis/basis.h"
-#include "runtime/cpu/half.h"
+#include "runtime/core/half.h"
 
 namespace bodyopt::testing {
 

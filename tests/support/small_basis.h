@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "runtime/basis/basis.h"
-#include "runtime/cpu/half.h"
-#include "runtime/rig.h"
+#include "runtime/core/half.h"
+#include "runtime/host/rig.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {

@@ -1,7 +1,7 @@
 // Dynamics that are small enough to be damaged many times.
 #pragma once
 
-#include "runtime/basis/hexadecimal.h"
+#include "runtime/core/hexadecimal.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/dynamics/build_dynamics.h"
 #include "trainer/dynamics/diffuse.h"

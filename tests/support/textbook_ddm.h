@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 
 #include "runtime/basis/basis.h"
-#include "runtime/cpu/half.h"
+#include "runtime/core/half.h"
 
 namespace bodyopt::testing {
 

@@ -5,11 +5,11 @@
 #include <Eigen/LU>
 #include <set>
 
-#include "runtime/basis/error.h"
+#include "geometry/closed_skin.h"
+#include "runtime/core/error.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/shared_data.h"
-#include "trainer/tets/closed_skin.h"
 
 namespace bodyopt {
 namespace {

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <set>
 
-#include "runtime/basis/error.h"
+#include "geometry/closed_skin.h"
+#include "geometry/thickness.h"
+#include "runtime/core/error.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/tet_volume.h"
-#include "trainer/tets/closed_skin.h"
-#include "trainer/tets/thickness.h"
 
 namespace bodyopt {
 namespace {

@@ -4,11 +4,11 @@
 
 #include <Eigen/LU>
 
-#include "runtime/basis/error.h"
+#include "geometry/closed_skin.h"
+#include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/tet_volume.h"
-#include "trainer/tets/closed_skin.h"
 
 namespace bodyopt {
 namespace {

@@ -6,12 +6,12 @@
 #include <random>
 #include <tuple>
 
-#include "runtime/basis/error.h"
+#include "assets/pc2.h"
+#include "runtime/core/error.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/damaged_cache.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/dataset/pc2.h"
 #include "trainer/train/contradictions.h"
 #include "trainer/train/heldout.h"
 #include "trainer/train/stray_vertices.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/train/heldout.h"
 

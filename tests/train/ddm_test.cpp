@@ -8,7 +8,7 @@
 #include <Eigen/SVD>
 #include <random>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "runtime/cpu/ddm.h"
 #include "tests/support/capsule_limb.h"
 

@@ -1,8 +1,8 @@
 // Training where there is little to train on: no NaN, no crash, a basis that the runtime accepts.
 #include <gtest/gtest.h>
 
-#include "runtime/basis/error.h"
-#include "runtime/deformer.h"
+#include "runtime/core/error.h"
+#include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"
 
 namespace bodyopt {

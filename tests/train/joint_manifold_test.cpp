@@ -5,8 +5,8 @@
 
 #include <random>
 
-#include "runtime/fade.h"
-#include "runtime/rig.h"
+#include "runtime/host/fade.h"
+#include "runtime/host/rig.h"
 
 namespace bodyopt {
 namespace {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <set>
 
+#include "geometry/nearest_skin.h"
 #include "runtime/cpu/kernels.h"
-#include "runtime/rig.h"
+#include "runtime/host/rig.h"
 #include "tests/support/capsule_limb.h"
-#include "trainer/tets/nearest_skin.h"
 #include "trainer/train/features.h"
 #include "trainer/train/mesh_table.h"
 #include "trainer/train/strain.h"

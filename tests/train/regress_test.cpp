@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-#include "runtime/cpu/half.h"
+#include "runtime/core/half.h"
 #include "trainer/train/components.h"
 
 namespace bodyopt {

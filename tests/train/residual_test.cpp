@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/cpu/half.h"
+#include "runtime/core/half.h"
 #include "runtime/cpu/kernels.h"
 #include "tests/support/random_tables.h"
 

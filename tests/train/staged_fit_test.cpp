@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "runtime/basis/error.h"
-#include "runtime/deformer.h"
+#include "runtime/core/error.h"
+#include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
@@ -265,7 +265,8 @@ TEST(StagedFit, SurfaceCurvesStayWhereTheyAre) {
   options.update = true;
   std::vector<std::string> notes;
   const Basis updated = train(bare, options, &notes);
-  for (const std::string& note : notes) EXPECT_NE(note.find("what the earlier training found does not fit"), std::string::npos) << note;
+  for (const std::string& note : notes)
+    EXPECT_NE(note.find("what the earlier training found does not fit"), std::string::npos) << note;
   EXPECT_GT(before.strain.fibre_count(), 0u);
   EXPECT_EQ(TrainingStore(folder / "kept").layout()->curves.size(), 6u);
   options.update = false;

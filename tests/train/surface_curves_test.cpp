@@ -5,8 +5,8 @@
 
 #include <set>
 
-#include "runtime/basis/error.h"
-#include "runtime/deformer.h"
+#include "runtime/core/error.h"
+#include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/train/features.h"
 #include "trainer/train/heldout.h"

@@ -5,11 +5,11 @@
 
 #include <cmath>
 
-#include "runtime/basis/error.h"
+#include "geometry/laplacian.h"
+#include "runtime/core/error.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/train/coverage.h"
 #include "trainer/train/heldout.h"
-#include "trainer/train/laplacian.h"
 
 namespace bodyopt {
 namespace {

@@ -5,17 +5,18 @@
 #include <csignal>
 #include <cstdlib>
 
-#include "runtime/basis/error.h"
+#include "assets/json_file.h"
+#include "base/progress.h"
+#include "dataset/regions_file.h"
+#include "runtime/core/error.h"
+#include "runtime/cpu/cpu_backend.h"
 #include "runtime/cpu/kernels.h"
-#include "runtime/deformer.h"
-#include "runtime/rig.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/rig.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/dataset/json_file.h"
-#include "trainer/dataset/regions_file.h"
-#include "trainer/progress.h"
 #include "trainer/train/heldout.h"
 #include "trainer/train/trade_off.h"
 

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <set>
 
-#include "runtime/basis/error.h"
+#include "geometry/skin_depth.h"
+#include "runtime/core/error.h"
 #include "trainer/anatomy/align.h"
-#include "trainer/tets/skin_depth.h"
 
 namespace bodyopt::anatomy {
 namespace {

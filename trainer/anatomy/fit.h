@@ -3,10 +3,10 @@
 
 #include <vector>
 
+#include "assets/character.h"
+#include "assets/muscles.h"
 #include "trainer/anatomy/mapping.h"
 #include "trainer/anatomy/model.h"
-#include "trainer/dataset/character.h"
-#include "trainer/dataset/muscles.h"
 
 namespace bodyopt::anatomy {
 

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "trainer/dataset/json_file.h"
+#include "assets/json_file.h"
 
 namespace bodyopt::anatomy {
 namespace {

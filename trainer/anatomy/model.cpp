@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "trainer/anatomy/mujoco.h"
 #include "trainer/anatomy/opensim.h"
 #include "trainer/anatomy/wrap.h"

@@ -7,9 +7,9 @@
 #include <numbers>
 #include <set>
 
-#include "runtime/basis/error.h"
+#include "assets/notes.h"
+#include "runtime/core/error.h"
 #include "trainer/anatomy/xml_file.h"
-#include "trainer/dataset/notes.h"
 
 namespace bodyopt::anatomy {
 namespace {

@@ -4,9 +4,9 @@
 #include <map>
 #include <set>
 
-#include "runtime/basis/error.h"
+#include "assets/notes.h"
+#include "runtime/core/error.h"
 #include "trainer/anatomy/xml_file.h"
-#include "trainer/dataset/notes.h"
 
 namespace bodyopt::anatomy {
 namespace {

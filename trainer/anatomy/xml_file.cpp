@@ -3,8 +3,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "runtime/basis/error.h"
 #include "runtime/basis/read_file.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt::anatomy {
 namespace {

@@ -6,11 +6,11 @@
 #include <map>
 #include <numeric>
 
-#include "runtime/basis/error.h"
-#include "trainer/dataset/notes.h"
-#include "trainer/dataset/vertex_normals.h"
-#include "trainer/dataset/weld.h"
-#include "trainer/parallel.h"
+#include "assets/notes.h"
+#include "base/parallel.h"
+#include "geometry/vertex_normals.h"
+#include "geometry/weld.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {

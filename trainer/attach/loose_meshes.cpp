@@ -4,11 +4,11 @@
 #include <set>
 #include <stdexcept>
 
+#include "assets/gltf_skeleton.h"
+#include "assets/gltf_skin.h"
+#include "assets/notes.h"
 #include "runtime/basis/attachments.h"
-#include "runtime/basis/error.h"
-#include "trainer/dataset/gltf_skeleton.h"
-#include "trainer/dataset/gltf_skin.h"
-#include "trainer/dataset/notes.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "assets/character.h"
 #include "runtime/basis/basis.h"
-#include "trainer/dataset/character.h"
 
 namespace bodyopt {
 

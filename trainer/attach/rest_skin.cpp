@@ -2,7 +2,7 @@
 
 #include <bit>
 
-#include "trainer/dataset/vertex_normals.h"
+#include "geometry/vertex_normals.h"
 
 namespace bodyopt {
 namespace {

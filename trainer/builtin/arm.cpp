@@ -1,11 +1,11 @@
 #include "trainer/builtin/arm.h"
 
+#include "geometry/remesh.h"
 #include "trainer/builtin/anatomy.h"
 #include "trainer/builtin/arm_muscles.h"
 #include "trainer/builtin/arm_skeleton.h"
 #include "trainer/builtin/march.h"
 #include "trainer/builtin/weights.h"
-#include "trainer/tets/remesh.h"
 
 namespace bodyopt {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "trainer/dataset/character.h"
-#include "trainer/dataset/clip.h"
-#include "trainer/dataset/muscles.h"
+#include "assets/character.h"
+#include "assets/clip.h"
+#include "assets/muscles.h"
 
 namespace bodyopt {
 

@@ -3,7 +3,7 @@
 #include <set>
 #include <string>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "trainer/builtin/anatomy.h"
 
 namespace bodyopt {

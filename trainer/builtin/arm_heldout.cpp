@@ -3,7 +3,7 @@
 #include <iterator>
 #include <string>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/builtin/arm_dofs.h"
 #include "trainer/motion/limited_pose.h"

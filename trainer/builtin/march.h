@@ -3,8 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "geometry/remesh.h"
 #include "trainer/builtin/implicit.h"
-#include "trainer/tets/remesh.h"
 
 namespace bodyopt {
 

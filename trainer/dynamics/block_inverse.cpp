@@ -5,7 +5,7 @@
 #include <numeric>
 #include <string>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "trainer/dynamics/dissection.h"
 
 namespace bodyopt {

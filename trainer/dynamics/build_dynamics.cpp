@@ -4,14 +4,14 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "runtime/basis/hexadecimal.h"
-#include "runtime/deformer.h"
+#include "base/progress.h"
+#include "base/single_threaded_products.h"
+#include "runtime/core/hexadecimal.h"
+#include "runtime/deformer/deformer.h"
 #include "trainer/dynamics/core_springs.h"
 #include "trainer/dynamics/diffuse.h"
 #include "trainer/dynamics/jiggle.h"
 #include "trainer/dynamics/tet_quality.h"
-#include "trainer/progress.h"
-#include "trainer/single_threaded_products.h"
 #include "trainer/train/mesh_table.h"
 #include "trainer/train/same_character.h"
 

@@ -1,10 +1,10 @@
 // From a character and its trained basis to its dynamics.
 #pragma once
 
+#include "assets/character.h"
+#include "assets/muscles.h"
+#include "geometry/region_weights.h"
 #include "runtime/basis/dynamics.h"
-#include "trainer/dataset/character.h"
-#include "trainer/dataset/muscles.h"
-#include "trainer/dataset/region_weights.h"
 #include "trainer/dynamics/jiggle_settings.h"
 #include "trainer/simulate/materials.h"
 

@@ -3,7 +3,7 @@
 #include <Eigen/SparseCholesky>
 #include <numeric>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "trainer/dynamics/block_inverse.h"
 #include "trainer/simulate/metric.h"
 

@@ -3,10 +3,11 @@
 #include <Eigen/LU>
 #include <optional>
 
-#include "runtime/basis/error.h"
+#include "geometry/closed_skin.h"
+#include "runtime/core/error.h"
 #include "trainer/dynamics/tet_quality.h"
-#include "trainer/tets/closed_skin.h"
 #include "trainer/tets/skin_cage.h"
+#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <vector>
 
+#include "geometry/nearest_skin.h"
 #include "runtime/basis/dynamics.h"
 #include "trainer/dynamics/unfold_tets.h"
 #include "trainer/tets/cage.h"
-#include "trainer/tets/nearest_skin.h"
 
 namespace bodyopt {
 

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "runtime/basis/error.h"
-#include "trainer/dataset/notes.h"
+#include "assets/notes.h"
+#include "runtime/core/error.h"
 #include "trainer/dynamics/block_inverse.h"
 
 namespace bodyopt {

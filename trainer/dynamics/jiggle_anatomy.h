@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "trainer/dataset/muscles.h"
+#include "assets/muscles.h"
 #include "trainer/simulate/bone_springs.h"
 #include "trainer/simulate/muscle_fibres.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/basis/error.h"
-#include "trainer/dataset/notes.h"
+#include "assets/notes.h"
+#include "runtime/core/error.h"
 #include "trainer/dynamics/diffuse.h"
 #include "trainer/train/mesh_table.h"
 

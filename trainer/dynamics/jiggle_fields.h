@@ -1,7 +1,7 @@
 // The settings of jiggle, spread over the body.
 #pragma once
 
-#include "trainer/dataset/region_weights.h"
+#include "geometry/region_weights.h"
 #include "trainer/dynamics/dynamics_tets.h"
 #include "trainer/dynamics/jiggle_anatomy.h"
 #include "trainer/dynamics/jiggle_settings.h"

@@ -5,8 +5,8 @@
 #include <sstream>
 #include <utility>
 
-#include "runtime/basis/error.h"
-#include "trainer/dataset/json_file.h"
+#include "assets/json_file.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {

@@ -1,7 +1,7 @@
 // What diffuse and jiggle do in a frame.
 #pragma once
 
-#include "runtime/jiggle.h"
+#include "runtime/host/jiggle.h"
 
 namespace bodyopt {
 

@@ -9,8 +9,8 @@
 #include <limits>
 #include <set>
 
+#include "base/progress.h"
 #include "trainer/dynamics/diffuse.h"
-#include "trainer/progress.h"
 
 namespace bodyopt {
 namespace {

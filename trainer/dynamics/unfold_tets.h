@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "geometry/nearest_skin.h"
 #include "geometry/tet_mesh.h"
-#include "trainer/tets/nearest_skin.h"
 
 namespace bodyopt {
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/rig.h"
-#include "trainer/dataset/vertex_normals.h"
-#include "trainer/parallel.h"
+#include "base/parallel.h"
+#include "geometry/vertex_normals.h"
+#include "runtime/host/rig.h"
 
 namespace bodyopt {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "trainer/dataset/character.h"
+#include "assets/character.h"
 
 namespace bodyopt {
 

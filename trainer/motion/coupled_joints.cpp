@@ -5,13 +5,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "trainer/dataset/notes.h"
+#include "assets/notes.h"
 
 namespace bodyopt {
 namespace {
 
 constexpr double kCoupled = 0.97;
-constexpr double kLeastTurn = 3 * std::numbers::pi / 180;
+constexpr double kLeastCoupledTurn = 3 * std::numbers::pi / 180;
 constexpr double kRidge = 1e-4;  // square radians: turns about an axis that is not used tell nothing
 
 using Turns = Eigen::MatrixX3d;  // N x 3: axis times twice the sine of half the angle
@@ -49,7 +49,7 @@ std::vector<CoupledJoints> coupled_joints(const Skeleton& skeleton, const std::v
   std::vector<CoupledJoints> coupled;
   if (poses.empty()) return coupled;
   const auto turns_enough = [&](const Turns& turns) {
-    return turns.squaredNorm() > kLeastTurn * kLeastTurn * static_cast<double>(poses.size());
+    return turns.squaredNorm() > kLeastCoupledTurn * kLeastCoupledTurn * static_cast<double>(poses.size());
   };
   for (std::uint32_t j = 0; j < skeleton.size(); ++j) {
     const int above = skeleton.joints[j].parent;

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "trainer/progress.h"
+#include "base/progress.h"
 
 namespace bodyopt {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "runtime/rig.h"
-#include "trainer/dataset/notes.h"
+#include "assets/notes.h"
+#include "runtime/host/rig.h"
 #include "trainer/motion/limited_pose.h"
 
 namespace bodyopt {

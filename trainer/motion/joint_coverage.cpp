@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "runtime/rig.h"
+#include "runtime/host/rig.h"
 #include "trainer/motion/explore.h"
 
 namespace bodyopt {

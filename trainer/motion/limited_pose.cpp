@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "runtime/rig.h"
+#include "runtime/host/rig.h"
 
 namespace bodyopt {
 

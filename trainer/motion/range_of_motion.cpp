@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "trainer/motion/blend_clips.h"
 #include "trainer/motion/body_spheres.h"
 #include "trainer/motion/explore.h"

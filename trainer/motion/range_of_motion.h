@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "trainer/dataset/character.h"
-#include "trainer/dataset/clip.h"
+#include "assets/character.h"
+#include "assets/clip.h"
 #include "trainer/motion/body_spheres.h"
 #include "trainer/motion/limited_pose.h"
 

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "runtime/basis/error.h"
-#include "runtime/basis/strict_json.h"
-#include "trainer/dataset/notes.h"
+#include "assets/notes.h"
+#include "runtime/core/error.h"
+#include "runtime/core/strict_json.h"
 #include "trainer/proxy/level_errors.h"
 #include "trainer/proxy/proxy_samples.h"
 #include "trainer/proxy/skin_map.h"

@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "runtime/carry_skin.h"
-#include "runtime/deformer.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/carry_skin.h"
 
 namespace bodyopt {
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "runtime/carry_skin.h"
-#include "runtime/deformer.h"
-#include "trainer/parallel.h"
+#include "base/parallel.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/carry_skin.h"
 #include "trainer/proxy/skin_map.h"
 #include "trainer/train/unposed_shapes.h"
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "dataset/compare.h"
 #include "runtime/basis/levels.h"
-#include "trainer/dataset/compare.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt {

@@ -7,7 +7,7 @@
 #include <queue>
 #include <tuple>
 
-#include "trainer/proxy/quadric.h"
+#include "geometry/quadric.h"
 
 namespace bodyopt {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "trainer/dataset/character.h"
+#include "assets/character.h"
 
 namespace bodyopt {
 

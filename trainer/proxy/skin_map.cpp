@@ -5,11 +5,11 @@
 #include <limits>
 #include <utility>
 
-#include "runtime/carry_skin.h"
+#include "base/parallel.h"
+#include "geometry/nearest_skin.h"
+#include "geometry/vertex_normals.h"
 #include "runtime/cpu/kernels.h"
-#include "trainer/dataset/vertex_normals.h"
-#include "trainer/parallel.h"
-#include "trainer/tets/nearest_skin.h"
+#include "runtime/host/carry_skin.h"
 
 namespace bodyopt {
 namespace {

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "assets/character.h"
 #include "runtime/basis/levels.h"
-#include "trainer/dataset/character.h"
 
 namespace bodyopt {
 

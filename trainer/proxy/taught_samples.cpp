@@ -1,7 +1,7 @@
 #include "trainer/proxy/taught_samples.h"
 
-#include "runtime/deformer.h"
-#include "trainer/progress.h"
+#include "base/progress.h"
+#include "runtime/deformer/deformer.h"
 #include "trainer/train/mesh_table.h"
 #include "trainer/train/same_character.h"
 

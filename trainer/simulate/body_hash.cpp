@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "trainer/content_hash.h"
+#include "base/content_hash.h"
 
 namespace bodyopt {
 namespace {

@@ -1,8 +1,9 @@
 // Which inputs a simulated shape came from.
 #pragma once
 
+#include "assets/character.h"
+#include "assets/muscles.h"
 #include "geometry/tet_mesh.h"
-#include "trainer/dataset/muscles.h"
 #include "trainer/simulate/materials.h"
 
 namespace bodyopt {

@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
-#include "trainer/parallel.h"
-#include "trainer/tets/nearest_skin.h"
-#include "trainer/tets/thickness.h"
+#include "base/parallel.h"
+#include "geometry/nearest_skin.h"
+#include "geometry/thickness.h"
 
 namespace bodyopt {
 namespace {

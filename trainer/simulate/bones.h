@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "assets/character.h"
 #include "trainer/simulate/metric.h"
 #include "trainer/tets/cage.h"
 

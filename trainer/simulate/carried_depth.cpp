@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "trainer/dataset/vertex_normals.h"
-#include "trainer/simulate/point_grid.h"
-#include "trainer/tets/closed_skin.h"
+#include "geometry/closed_skin.h"
+#include "geometry/point_grid.h"
+#include "geometry/vertex_normals.h"
 
 namespace bodyopt {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "trainer/dataset/character.h"
+#include "assets/character.h"
+#include "geometry/nearest_skin.h"
 #include "trainer/tets/cage.h"
-#include "trainer/tets/nearest_skin.h"
 #include "trainer/tets/voxels.h"
 
 namespace bodyopt {

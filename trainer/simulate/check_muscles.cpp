@@ -1,8 +1,8 @@
 #include "trainer/simulate/check_muscles.h"
 
-#include "runtime/basis/error.h"
-#include "trainer/dataset/notes.h"
-#include "trainer/tets/skin_depth.h"
+#include "assets/notes.h"
+#include "geometry/skin_depth.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "trainer/dataset/character.h"
+#include "assets/character.h"
 #include "trainer/simulate/quasi_static.h"
 
 namespace bodyopt {

@@ -8,8 +8,8 @@
 #include <map>
 #include <optional>
 
-#include "trainer/dataset/vertex_normals.h"
-#include "trainer/simulate/point_grid.h"
+#include "geometry/point_grid.h"
+#include "geometry/vertex_normals.h"
 
 namespace bodyopt {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "trainer/dataset/json_file.h"
+#include "assets/json_file.h"
 
 namespace bodyopt {
 namespace {

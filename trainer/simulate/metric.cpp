@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {

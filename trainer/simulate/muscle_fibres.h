@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "trainer/dataset/muscles.h"
+#include "assets/muscles.h"
 #include "trainer/simulate/tissue.h"
 #include "trainer/tets/cage.h"
 

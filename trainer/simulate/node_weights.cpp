@@ -2,7 +2,7 @@
 
 #include <Eigen/SparseCholesky>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {

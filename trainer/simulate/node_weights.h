@@ -1,6 +1,7 @@
 // Joint weights inside the body.
 #pragma once
 
+#include "assets/character.h"
 #include "trainer/simulate/bones.h"
 
 namespace bodyopt {

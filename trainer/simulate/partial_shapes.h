@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "trainer/dataset/dataset.h"
+#include "dataset/dataset.h"
 
 namespace bodyopt {
 

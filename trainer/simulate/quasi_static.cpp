@@ -6,12 +6,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "runtime/basis/error.h"
-#include "runtime/rig.h"
+#include "geometry/closed_skin.h"
+#include "runtime/core/error.h"
+#include "runtime/host/rig.h"
 #include "trainer/simulate/body_hash.h"
 #include "trainer/simulate/lbfgs.h"
 #include "trainer/simulate/node_weights.h"
-#include "trainer/tets/closed_skin.h"
+#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 namespace {

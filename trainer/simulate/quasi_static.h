@@ -1,7 +1,8 @@
 // The shape a body takes in a pose: elastic equilibrium between bones that drive and skin that is free.
 #pragma once
 
-#include "trainer/dataset/dataset.h"
+#include "assets/character.h"
+#include "dataset/dataset.h"
 #include "trainer/simulate/bone_springs.h"
 #include "trainer/simulate/carried_depth.h"
 #include "trainer/simulate/contact.h"

@@ -7,14 +7,14 @@
 #include <set>
 #include <thread>
 
-#include "runtime/basis/error.h"
-#include "trainer/dataset/nodes_cache.h"
-#include "trainer/dataset/pc2.h"
-#include "trainer/progress.h"
+#include "assets/nodes_cache.h"
+#include "assets/pc2.h"
+#include "base/progress.h"
+#include "base/single_threaded_products.h"
+#include "runtime/core/error.h"
 #include "trainer/simulate/body_hash.h"
 #include "trainer/simulate/check_muscles.h"
 #include "trainer/simulate/partial_shapes.h"
-#include "trainer/single_threaded_products.h"
 #include "trainer/tets/lattice_cage.h"
 
 namespace bodyopt {

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "trainer/dataset/character.h"
-#include "trainer/dataset/clip.h"
-#include "trainer/dataset/dataset.h"
-#include "trainer/dataset/muscles.h"
+#include "assets/character.h"
+#include "assets/clip.h"
+#include "assets/muscles.h"
+#include "dataset/dataset.h"
+#include "dataset/take_lock.h"
 #include "trainer/simulate/quasi_static.h"
-#include "trainer/simulate/take_lock.h"
 
 namespace bodyopt {
 

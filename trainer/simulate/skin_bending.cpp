@@ -1,6 +1,6 @@
 #include "trainer/simulate/skin_bending.h"
 
-#include "trainer/train/laplacian.h"
+#include "geometry/laplacian.h"
 
 namespace bodyopt {
 

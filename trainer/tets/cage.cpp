@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "runtime/basis/error.h"
-#include "trainer/tets/closed_skin.h"
+#include "geometry/closed_skin.h"
+#include "runtime/core/error.h"
 #include "trainer/tets/lattice_cage.h"
 #include "trainer/tets/skin_cage.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "trainer/tets/embedding.h"
+#include "geometry/embedding.h"
 
 namespace bodyopt {
 

@@ -5,11 +5,12 @@
 #include <cmath>
 #include <optional>
 
-#include "runtime/basis/error.h"
-#include "trainer/dataset/vertex_normals.h"
-#include "trainer/tets/closed_skin.h"
-#include "trainer/tets/remesh.h"
-#include "trainer/tets/thickness.h"
+#include "geometry/closed_skin.h"
+#include "geometry/remesh.h"
+#include "geometry/thickness.h"
+#include "geometry/vertex_normals.h"
+#include "runtime/core/error.h"
+#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 namespace {

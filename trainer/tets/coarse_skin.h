@@ -4,8 +4,8 @@
 #include <functional>
 #include <limits>
 
+#include "geometry/nearest_skin.h"
 #include "geometry/tet_mesh.h"
-#include "trainer/tets/nearest_skin.h"
 
 namespace bodyopt {
 

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <optional>
 
-#include "runtime/basis/error.h"
+#include "runtime/core/error.h"
 #include "trainer/tets/voxels.h"
 
 namespace bodyopt {

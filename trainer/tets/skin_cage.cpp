@@ -2,8 +2,8 @@
 
 #include <Eigen/LU>
 
+#include "geometry/tet_finder.h"
 #include "trainer/tets/coarse_skin.h"
-#include "trainer/tets/tet_finder.h"
 
 namespace bodyopt {
 namespace {

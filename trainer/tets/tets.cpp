@@ -12,8 +12,8 @@
 #include <memory>
 #include <mutex>
 
-#include "runtime/basis/error.h"
-#include "trainer/tets/closed_skin.h"
+#include "geometry/closed_skin.h"
+#include "runtime/core/error.h"
 
 namespace nglib {
 #include <nglib.h>

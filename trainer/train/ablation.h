@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "dataset/compare.h"
 #include "runtime/basis/basis.h"
-#include "trainer/dataset/compare.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt {

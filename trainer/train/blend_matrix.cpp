@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "runtime/basis/error.h"
-#include "runtime/rig.h"
+#include "runtime/core/error.h"
+#include "runtime/host/rig.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt {

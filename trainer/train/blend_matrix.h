@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "assets/character.h"
 #include "runtime/basis/skeleton.h"
-#include "trainer/dataset/character.h"
 
 namespace bodyopt {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "trainer/dataset/region_weights.h"
+#include "geometry/region_weights.h"
 
 namespace bodyopt {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "trainer/dataset/region_weights.h"
+#include "geometry/region_weights.h"
 #include "trainer/train/components.h"
 
 namespace bodyopt {

@@ -8,14 +8,14 @@
 #include <numeric>
 #include <set>
 
-#include "runtime/basis/error.h"
-#include "runtime/basis/strict_json.h"
-#include "runtime/cpu/half.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "runtime/core/error.h"
+#include "runtime/core/half.h"
+#include "runtime/core/strict_json.h"
 #include "runtime/cpu/kernels.h"
-#include "runtime/fade.h"
-#include "runtime/rig.h"
-#include "trainer/parallel.h"
-#include "trainer/progress.h"
+#include "runtime/host/fade.h"
+#include "runtime/host/rig.h"
 #include "trainer/train/features.h"
 
 namespace bodyopt {
@@ -54,8 +54,8 @@ double mean_of(const std::vector<double>& values) {
   return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-// A mean for every centre of what the frames nearest to it have. The mean of all counts as one frame more: a single frame
-// says little.
+// A mean for every centre of what the frames nearest to it have. The mean of all counts as one frame more: a single
+// frame says little.
 std::vector<double> means_at(const std::vector<std::size_t>& closest, const std::vector<double>& values,
                              std::size_t centres) {
   const double mean = mean_of(values);
@@ -197,8 +197,8 @@ struct PoseFeatures {
 
 PoseFeatures features_of(const Basis& basis, const Pose& pose) {
   const ResidualTable& residual = basis.residual;
-  PoseFeatures features{std::vector<float>(residual.coordinate_count()), std::vector<float>(residual.feature_count()),
-                        {}};
+  PoseFeatures features{
+      std::vector<float>(residual.coordinate_count()), std::vector<float>(residual.feature_count()), {}};
   std::vector<float> controls = pose.controls, inside(residual.feature_count());
   controls.resize(residual.controls.size(), 0.0f);
   const std::vector<float> joint_features = pose_rig(basis.skeleton, pose).joint_features;
@@ -235,8 +235,8 @@ double expected_energy(const ResidualTable& residual, std::size_t r, const Error
         residual.centres.data() + region.centre_values + m * ((region.coordinate_count + 1) / 2);
     double distance = 0;
     for (std::uint32_t k = 0; m < region.centre_count && k < region.coordinate_count; ++k) {
-      const double difference = double{features.coordinates[region.coordinate_begin + k]} -
-                                double{half_low(centre[k / 2] >> 16 * (k % 2))};
+      const double difference =
+          double{features.coordinates[region.coordinate_begin + k]} - double{half_low(centre[k / 2] >> 16 * (k % 2))};
       distance += (expected.metric.empty() ? 1 : expected.metric[k]) * difference * difference;
     }
     nearest = std::min(nearest, distance);
@@ -266,8 +266,7 @@ ExpectedError expected_error(const Basis& basis, const std::vector<RegionCoverag
   ExpectedError result;
   double sum = 0;
   for (std::size_t r = 0; r < regions.size(); ++r) {
-    const double energy =
-        expected_energy(basis.residual, r, regions[r].expected, watched[r], features);
+    const double energy = expected_energy(basis.residual, r, regions[r].expected, watched[r], features);
     sum += energy;
     result.region_mm.push_back(1e3 * std::sqrt(energy / regions[r].size));
   }

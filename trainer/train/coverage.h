@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "assets/character.h"
 #include "runtime/basis/basis.h"
-#include "trainer/dataset/character.h"
 #include "trainer/train/components.h"
 #include "trainer/train/regress.h"
 
@@ -24,7 +24,8 @@ struct ErrorModel {
   std::vector<double> motion;  // per centre, square metres; none in files of older versions: not known
   double distance = 0;         // square metres per squared unit of a coordinate, above zero where there is any error
   double usual = 0;            // mean square distance from a held-out frame to the nearest centre
-  std::vector<double> metric;  // per coordinate, what its squared differences count; none: all 1 (older versions differ)
+  std::vector<double>
+      metric;  // per coordinate, what its squared differences count; none: all 1 (older versions differ)
 };
 
 // From the held-out frames of cross-validation, each with the centres of other folds only. Of every frame, in square

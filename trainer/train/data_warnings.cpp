@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <set>
 
-#include "trainer/dataset/notes.h"
+#include "assets/notes.h"
 
 namespace bodyopt {
 namespace {

@@ -6,9 +6,9 @@
 #include <bit>
 #include <string>
 
-#include "runtime/basis/error.h"
-#include "runtime/cpu/half.h"
-#include "trainer/train/laplacian.h"
+#include "geometry/laplacian.h"
+#include "runtime/core/error.h"
+#include "runtime/core/half.h"
 
 namespace bodyopt {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "runtime/rig.h"
+#include "runtime/host/rig.h"
 #include "trainer/train/joint_manifold.h"
 #include "trainer/train/strain.h"
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/basis/error.h"
+#include "base/parallel.h"
+#include "runtime/core/error.h"
 #include "runtime/cpu/kernels.h"
-#include "runtime/rig.h"
-#include "trainer/parallel.h"
+#include "runtime/host/rig.h"
 
 namespace bodyopt {
 namespace {

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <set>
 
-#include "trainer/parallel.h"
-#include "trainer/progress.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "trainer/train/mesh_table.h"
 #include "trainer/train/projection.h"
 #include "trainer/train/select_features.h"
@@ -19,8 +19,8 @@ namespace {
 
 using Eigen::Index;
 
-// Features of a region at most, where there are kernels: more cost bytes and time and teach it next to nothing (measured
-// from 60 to 200).
+// Features of a region at most, where there are kernels: more cost bytes and time and teach it next to nothing
+// (measured from 60 to 200).
 constexpr std::size_t kMostFeatures = 80, kMostFeaturesOfAll = 200;  // of a region that is the whole skin
 // A region may do with all centres that it may have, a half or a quarter of them.
 constexpr int kCentreFractions[] = {1, 2, 4};

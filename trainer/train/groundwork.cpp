@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "runtime/basis/hexadecimal.h"
-#include "runtime/rig.h"
+#include "runtime/core/hexadecimal.h"
+#include "runtime/host/rig.h"
 #include "trainer/train/mesh_table.h"
 #include "trainer/train/strain.h"
 #include "trainer/train/trade_off.h"

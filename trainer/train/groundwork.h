@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "assets/character.h"
 #include "runtime/basis/basis.h"
-#include "trainer/dataset/character.h"
 #include "trainer/train/ddm.h"
 #include "trainer/train/features.h"
 #include "trainer/train/regions.h"

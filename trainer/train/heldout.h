@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "runtime/deformer.h"
-#include "trainer/dataset/compare.h"
+#include "dataset/compare.h"
+#include "runtime/deformer/deformer.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt {

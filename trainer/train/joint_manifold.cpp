@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/rig.h"
-#include "trainer/parallel.h"
+#include "base/parallel.h"
+#include "runtime/host/rig.h"
 
 namespace bodyopt {
 namespace {
@@ -13,8 +13,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kShown = 0.03;  // radians: an axis along which training moves less was not shown
-constexpr double kUsual = 0.99;  // of the frames that cross-validation holds out
+constexpr double kLeastShown = 0.03;  // radians: an axis along which training moves less was not shown
+constexpr double kUsualShare = 0.99;  // of the frames that cross-validation holds out
 
 // Of every joint that has features: itself, its parent and its children, as places in feature_joints().
 std::vector<std::vector<std::uint32_t>> neighbourhoods(const Skeleton& skeleton) {
@@ -42,7 +42,7 @@ std::vector<Index> columns_of(const std::vector<std::uint32_t>& joints) {
 MatrixXd axes_not_shown(const MatrixXd& frames) {
   const MatrixXd spread = frames.transpose() * frames / static_cast<double>(std::max<Index>(1, frames.rows()));
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(spread);
-  const Index count = (solver.eigenvalues().array() < kShown * kShown).count();
+  const Index count = (solver.eigenvalues().array() < kLeastShown * kLeastShown).count();
   return solver.eigenvectors().leftCols(count).transpose();
 }
 
@@ -82,7 +82,7 @@ double tolerance_of(const JointFrames& frames, const std::vector<int>& folds) {
   }
   const auto usual =
       distances.begin() +
-      static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(std::max<std::size_t>(1, distances.size()) - 1));
+      static_cast<std::ptrdiff_t>(kUsualShare * static_cast<double>(std::max<std::size_t>(1, distances.size()) - 1));
   std::nth_element(distances.begin(), usual, distances.end());
   return std::max(squared_distance(frames, frames).maxCoeff(), distances.empty() ? 0 : *usual);
 }

@@ -14,8 +14,8 @@ using Eigen::MatrixXd;
 
 namespace {
 
-constexpr double kRidge = 1e-3;        // times the number of frames
-constexpr double kLeastScale = 1e-2;   // of a coordinate, to the first: less is noise
+constexpr double kRidge = 1e-3;       // times the number of frames
+constexpr double kLeastScale = 1e-2;  // of a coordinate, to the first: less is noise
 
 }  // namespace
 

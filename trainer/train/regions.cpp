@@ -8,10 +8,10 @@
 #include <map>
 #include <set>
 
-#include "runtime/rig.h"
-#include "trainer/parallel.h"
+#include "base/parallel.h"
+#include "geometry/laplacian.h"
+#include "runtime/host/rig.h"
 #include "trainer/train/features.h"
-#include "trainer/train/laplacian.h"
 #include "trainer/train/strain.h"
 
 namespace bodyopt {

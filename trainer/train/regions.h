@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "assets/character.h"
+#include "assets/muscles.h"
 #include "runtime/basis/basis.h"
-#include "trainer/dataset/character.h"
-#include "trainer/dataset/muscles.h"
 #include "trainer/train/components.h"
 #include "trainer/train/ddm.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "runtime/cpu/half.h"
+#include "runtime/core/half.h"
 #include "trainer/train/fade.h"
 #include "trainer/train/mesh_table.h"
 #include "trainer/train/select_features.h"
@@ -157,9 +157,7 @@ class Packer {
   // Row by row, two a word. The numbers are halves already: nothing is lost.
   static void add_halves(const Eigen::MatrixXd& rows, std::vector<std::uint32_t>& words) {
     for (Index m = 0; m < rows.rows(); ++m) {
-      const auto half = [&](Index k) {
-        return k < rows.cols() ? half_from_float(static_cast<float>(rows(m, k))) : 0u;
-      };
+      const auto half = [&](Index k) { return k < rows.cols() ? half_from_float(static_cast<float>(rows(m, k))) : 0u; };
       for (Index k = 0; k < rows.cols(); k += 2) words.push_back(half(k) | half(k + 1) << 16);
     }
   }

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "trainer/dataset/character.h"
-#include "trainer/dataset/shape_reader.h"
+#include "assets/character.h"
+#include "assets/shape_reader.h"
 
 namespace bodyopt {
 

@@ -2,10 +2,10 @@
 #include <set>
 #include <string>
 
-#include "runtime/basis/error.h"
-#include "trainer/dataset/controls.h"
-#include "trainer/dataset/regions_file.h"
-#include "trainer/dataset/shape_reader.h"
+#include "assets/controls.h"
+#include "assets/shape_reader.h"
+#include "dataset/regions_file.h"
+#include "runtime/core/error.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt {

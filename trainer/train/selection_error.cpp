@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "trainer/parallel.h"
+#include "base/parallel.h"
 
 namespace bodyopt {
 

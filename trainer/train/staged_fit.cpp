@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "trainer/dataset/notes.h"
+#include "assets/notes.h"
 #include "trainer/train/mesh_table.h"
 #include "trainer/train/surface_curves.h"
 #include "trainer/train/trade_off.h"

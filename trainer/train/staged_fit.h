@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/basis/file_lock.h"
+#include "runtime/core/file_lock.h"
 #include "trainer/train/fit_regions.h"
 #include "trainer/train/residual.h"
 #include "trainer/train/train.h"

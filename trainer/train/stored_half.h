@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/cpu/half.h"
+#include "runtime/core/half.h"
 
 namespace bodyopt {
 

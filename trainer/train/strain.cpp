@@ -6,7 +6,7 @@
 #include <map>
 #include <numbers>
 
-#include "trainer/tets/nearest_skin.h"
+#include "geometry/nearest_skin.h"
 #include "trainer/train/features.h"
 
 namespace bodyopt {

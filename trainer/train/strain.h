@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "assets/muscles.h"
 #include "runtime/basis/basis.h"
-#include "trainer/dataset/muscles.h"
 
 namespace bodyopt {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "trainer/parallel.h"
+#include "base/parallel.h"
 #include "trainer/train/mesh_table.h"
 
 namespace bodyopt {

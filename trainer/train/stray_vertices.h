@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "trainer/dataset/character.h"
+#include "assets/character.h"
 #include "trainer/train/components.h"
 
 namespace bodyopt {

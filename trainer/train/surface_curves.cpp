@@ -6,11 +6,11 @@
 #include <numeric>
 #include <string>
 
-#include "trainer/dataset/vertex_normals.h"
-#include "trainer/single_threaded_products.h"
-#include "trainer/tets/nearest_skin.h"
+#include "base/single_threaded_products.h"
+#include "geometry/laplacian.h"
+#include "geometry/nearest_skin.h"
+#include "geometry/vertex_normals.h"
 #include "trainer/train/groundwork.h"
-#include "trainer/train/laplacian.h"
 #include "trainer/train/mesh_table.h"
 
 namespace bodyopt {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "trainer/dataset/muscles.h"
+#include "assets/muscles.h"
 #include "trainer/train/train.h"
 
 namespace bodyopt {

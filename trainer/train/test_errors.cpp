@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/deformer.h"
-#include "trainer/progress.h"
+#include "base/progress.h"
+#include "geometry/laplacian.h"
+#include "runtime/deformer/deformer.h"
 #include "trainer/train/coverage.h"
 #include "trainer/train/heldout.h"
-#include "trainer/train/laplacian.h"
 #include "trainer/train/mesh_table.h"
 #include "trainer/train/same_character.h"
 #include "trainer/train/vertex_coverage.h"

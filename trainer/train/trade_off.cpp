@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "runtime/basis/error.h"
-#include "runtime/basis/strict_json.h"
-#include "runtime/rig.h"
-#include "trainer/progress.h"
+#include "base/progress.h"
+#include "runtime/core/error.h"
+#include "runtime/core/strict_json.h"
+#include "runtime/host/rig.h"
 #include "trainer/train/selection_error.h"
 
 namespace bodyopt {

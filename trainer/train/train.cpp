@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "runtime/basis/error.h"
-#include "runtime/rig.h"
-#include "trainer/parallel.h"
-#include "trainer/single_threaded_products.h"
+#include "base/parallel.h"
+#include "base/single_threaded_products.h"
+#include "runtime/core/error.h"
+#include "runtime/host/rig.h"
 #include "trainer/train/coverage.h"
 #include "trainer/train/data_warnings.h"
 #include "trainer/train/ddm.h"

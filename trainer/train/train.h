@@ -3,10 +3,10 @@
 
 #include <filesystem>
 
+#include "assets/character.h"
+#include "dataset/dataset.h"
+#include "geometry/region_weights.h"
 #include "runtime/basis/basis.h"
-#include "trainer/dataset/character.h"
-#include "trainer/dataset/dataset.h"
-#include "trainer/dataset/region_weights.h"
 #include "trainer/train/sample_shape.h"
 
 namespace bodyopt {

@@ -4,12 +4,12 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "runtime/basis/error.h"
-#include "runtime/basis/hexadecimal.h"
+#include "base/content_hash.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "runtime/basis/safetensors.h"
-#include "trainer/content_hash.h"
-#include "trainer/parallel.h"
-#include "trainer/progress.h"
+#include "runtime/core/error.h"
+#include "runtime/core/hexadecimal.h"
 #include "trainer/train/surface_curves.h"
 
 namespace bodyopt {

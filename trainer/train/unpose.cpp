@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "runtime/cpu/ddm.h"
-#include "runtime/rig.h"
+#include "runtime/host/rig.h"
 #include "trainer/train/blend_matrix.h"
 
 namespace bodyopt {

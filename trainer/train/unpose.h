@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
+#include "assets/character.h"
 #include "runtime/basis/basis.h"
-#include "trainer/dataset/character.h"
 
 namespace bodyopt {
 

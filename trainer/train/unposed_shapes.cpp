@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "runtime/basis/error.h"
-#include "trainer/parallel.h"
-#include "trainer/progress.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "runtime/core/error.h"
 #include "trainer/train/unpose.h"
 
 namespace bodyopt {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "runtime/cpu/half.h"
+#include "runtime/core/half.h"
 
 namespace bodyopt {
 namespace {

@@ -1,0 +1,86 @@
+#include "assets/bvh_clip.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "assets/bvh.h"
+#include "assets/clip_common.h"
+#include "assets/joint_match.h"
+#include "assets/notes.h"
+#include "assets/retarget.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+void note_unmatched(const Bvh& bvh, const Skeleton& skeleton, const std::vector<int>& match,
+                    std::vector<std::string>& notes) {
+  std::vector<std::string> still, foreign;
+  std::vector<bool> taken(bvh.joints.size(), false);
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    if (match[j] < 0) still.push_back(skeleton.joints[j].name);
+    if (match[j] >= 0) taken[static_cast<std::size_t>(match[j])] = true;
+  }
+  for (std::size_t b = 0; b < bvh.joints.size(); ++b) {
+    if (!taken[b]) foreign.push_back(bvh.joints[b].name);
+  }
+  if (!still.empty()) notes.push_back("Joints that the BVH does not have stay at rest: " + list_names(still) + ".");
+  if (!foreign.empty()) notes.push_back("BVH joints that the skeleton does not have: " + list_names(foreign) + ".");
+}
+
+// The BVH must outlive it.
+SourceMotion motion_of(const Bvh& bvh) {
+  SourceMotion motion;
+  motion.kind = "BVH";
+  for (const BvhJoint& joint : bvh.joints) {
+    JointTransform rest;
+    rest.translation = joint.offset;
+    motion.joints.push_back({{joint.name, joint.parent}, rest, joint.has_position()});
+  }
+  motion.locals_at = [&bvh](double seconds) {
+    std::vector<JointTransform> locals;
+    for (std::size_t b = 0; b < bvh.joints.size(); ++b) locals.push_back(bvh.local_at(b, seconds));
+    return locals;
+  };
+  return motion;
+}
+
+}  // namespace
+
+Clip read_bvh_clip(const std::filesystem::path& path, const Skeleton& skeleton, const ClipOptions& options) {
+  const Bvh bvh = read_bvh(path);
+  Clip clip;
+  clip.name = path.stem().string();
+  clip.fps = options.fps;
+  clip.first_frame = options.first_frame;
+
+  const SourceMotion motion = motion_of(bvh);
+  std::vector<NamedJoint> joints;
+  for (const SourceJoint& joint : motion.joints) joints.push_back(joint.joint);
+  const std::vector<int> match = match_joints(joints, skeleton, options.joint_map, path.string(), clip.notes);
+  if (std::all_of(match.begin(), match.end(), [](int b) { return b < 0; })) {
+    std::vector<std::string> names;
+    for (const NamedJoint& joint : joints) names.push_back(joint.name);
+    fail_unmatched(path.string(), skeleton, names);
+  }
+  note_unmatched(bvh, skeleton, match, clip.notes);
+  const std::size_t frames =
+      frame_count(path.string(), bvh.duration(), std::max(skeleton.size(), bvh.joints.size()), options);
+  const Retarget retarget(motion, skeleton, match, frames, options.fps, clip.notes);
+  double unit = options.unit;
+  if (unit == 0) {
+    unit = retarget.fitted_unit();
+    if (unit == 0) {
+      throw Error(ErrorKind::mismatch,
+                  path.string() + ": too few joints match to tell its unit from the bones; say it (--unit)");
+    }
+    clip.notes.push_back("One BVH unit is taken as " + rounded(unit) + " m, from the length of the bones.");
+  }
+  for (std::size_t k = 0; k < frames; ++k) {
+    clip.poses.push_back(retarget.at(static_cast<double>(k) / options.fps, unit));
+  }
+  check_positions(clip, path.string());
+  return clip;
+}
+
+}  // namespace bodyopt

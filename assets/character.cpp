@@ -1,0 +1,154 @@
+#include "assets/character.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "assets/gltf_skeleton.h"
+#include "assets/gltf_skin.h"
+#include "assets/notes.h"
+#include "geometry/weld.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kSmallestDiagonal = 0.05, kLargestDiagonal = 50;  // metres
+constexpr double kWeldTolerance = 1e-6;                            // of the bounding box's diagonal
+
+double bounding_box_diagonal(const std::vector<Vec3>& points) {
+  Vec3 low = points[0], high = points[0];
+  for (const Vec3& p : points) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], p[i]);
+      high[i] = std::max(high[i], p[i]);
+    }
+  }
+  return length(high - low);
+}
+
+// Refuses what is plainly not in metres, unless a unit was given.
+void check_size(const GltfFile& file, double diagonal, double unit) {
+  if (!(diagonal > 0) || !std::isfinite(diagonal)) file.fail("all vertices of the skin lie at one point");
+  if (unit != 0 || (diagonal >= kSmallestDiagonal && diagonal <= kLargestDiagonal)) return;
+  const double likely = std::pow(10.0, std::round(-std::log10(diagonal / 2)));
+  file.fail("the skin's bounding box measures " + rounded(diagonal) + " from corner to corner, " +
+            rounded(diagonal / 2) + " times a person's 2 metres; expected metres (" + rounded(kSmallestDiagonal) +
+            " to " + rounded(kLargestDiagonal) + "). Say what a unit is, likely --unit " + rounded(likely));
+}
+
+void bind_weights(const SkinSkeleton& skin, SkinGeometry& geometry, std::vector<std::string>& notes) {
+  std::size_t unbound = 0;
+  for (std::vector<JointWeight>& weights : geometry.weights) {
+    for (JointWeight& w : weights) w.joint = skin.joint_of_skin[w.joint];
+    if (weights.empty()) {
+      weights.push_back({0, 1});  // parents come first: joint 0 is a root
+      ++unbound;
+    }
+    std::sort(weights.begin(), weights.end(), [](const auto& a, const auto& b) { return a.joint < b.joint; });
+  }
+  if (unbound > 0) {
+    notes.push_back(count_of(unbound, "vertex has", "vertices have") + " no weights; bound to the root joint '" +
+                    skin.skeleton.joints[0].name + "'.");
+  }
+}
+
+void set_welded(const GltfFile& file, const SkinGeometry& geometry, double tolerance, Character& character) {
+  std::optional<Weld> weld = weld_vertices(geometry.positions, geometry.weights, tolerance);
+  if (!weld) {
+    file.fail(
+        "thousands of different vertices lie at one point (within a millionth of the bounding box); is a stray "
+        "vertex far away?");
+  }
+  const std::size_t count = weld->first.size();
+  character.vertices.resize(static_cast<Eigen::Index>(count), 3);
+  for (std::size_t v = 0; v < count; ++v) {
+    const Vec3& p = geometry.positions[weld->first[v]];
+    character.vertices.row(static_cast<Eigen::Index>(v)) << p[0], p[1], p[2];
+    character.weights.push_back(geometry.weights[weld->first[v]]);
+    std::stable_sort(character.weights.back().begin(), character.weights.back().end(),
+                     [](const JointWeight& a, const JointWeight& b) { return a.weight > b.weight; });
+  }
+  if (const std::size_t merged = geometry.positions.size() - count; merged > 0) {
+    character.notes.push_back(count_of(merged, "seam duplicate", "seam duplicates") +
+                              " welded: " + std::to_string(geometry.positions.size()) + " vertices solve as " +
+                              std::to_string(count) + ".");
+  }
+  character.output_vertex = std::move(weld->welded_of);
+}
+
+void set_triangles(const GltfFile& file, const SkinGeometry& geometry, Character& character) {
+  std::vector<std::array<std::uint32_t, 3>> kept;
+  std::vector<bool> used(character.weights.size(), false);
+  character.output_triangles.resize(static_cast<Eigen::Index>(geometry.triangles.size()), 3);
+  for (std::size_t t = 0; t < geometry.triangles.size(); ++t) {
+    const auto& [a, b, c] = geometry.triangles[t];
+    character.output_triangles.row(static_cast<Eigen::Index>(t)) << a, b, c;
+    const std::uint32_t i = character.output_vertex[a], j = character.output_vertex[b], k = character.output_vertex[c];
+    if (i == j || j == k || k == i) continue;
+    kept.push_back({i, j, k});
+    used[i] = used[j] = used[k] = true;
+  }
+  if (kept.empty()) file.fail("the skin has no triangle with three different corners");
+  character.triangles.resize(static_cast<Eigen::Index>(kept.size()), 3);
+  for (std::size_t t = 0; t < kept.size(); ++t) {
+    character.triangles.row(static_cast<Eigen::Index>(t)) << kept[t][0], kept[t][1], kept[t][2];
+  }
+  if (const std::size_t dropped = geometry.triangles.size() - kept.size(); dropped > 0) {
+    character.notes.push_back(count_of(dropped, "triangle without area was", "triangles without area were") +
+                              " dropped (corners at one point).");
+  }
+  const auto loose = static_cast<std::size_t>(std::count(used.begin(), used.end(), false));
+  if (loose > 0) character.notes.push_back(count_of(loose, "vertex belongs", "vertices belong") + " to no triangle.");
+}
+
+}  // namespace
+
+Positions welded_from_output(const Character& character, const float* output) {
+  Positions welded(character.vertices.rows(), 3);
+  for (std::size_t o = character.output_vertex.size(); o-- > 0;) {  // backwards: the first output vertex stays
+    for (int i = 0; i < 3; ++i) {
+      welded(character.output_vertex[o], i) = static_cast<double>(output[3 * o + static_cast<std::size_t>(i)]);
+    }
+  }
+  return welded;
+}
+
+std::vector<float> output_from_welded(const Character& character, const Positions& welded) {
+  std::vector<float> output;
+  output.reserve(3 * character.output_vertex.size());
+  for (const std::uint32_t v : character.output_vertex) {
+    for (int i = 0; i < 3; ++i) output.push_back(static_cast<float>(welded(v, i)));
+  }
+  return output;
+}
+
+Character read_character(const std::filesystem::path& path, double unit) {
+  if (!(unit >= 0) || !std::isfinite(unit)) {
+    throw Error(ErrorKind::usage, "a unit is a positive number of metres, not " + rounded(unit));
+  }
+  const double metres = unit == 0 ? 1 : unit;
+  const GltfFile file(path);
+  Character character;
+  const int skin_index = choose_skin(file, character.notes);
+  if (skin_index < 0) {
+    file.fail("has no skinned mesh (a node with both a mesh and a skin); bind the mesh to joints and export the skin");
+  }
+  SkinSkeleton skin = read_skin_skeleton(file, skin_index, metres, character.notes);
+  SkinGeometry geometry = read_skin_geometry(file, skin_index, character.notes);
+  if (geometry.positions.empty()) file.fail("the skinned mesh has no vertices");
+  for (Vec3& p : geometry.positions) p = metres * skin.rest_scale * p;
+  const double diagonal = bounding_box_diagonal(geometry.positions);
+  check_size(file, diagonal, unit);
+  bind_weights(skin, geometry, character.notes);
+
+  character.name = geometry.name.empty() ? path.stem().string() : geometry.name;
+  character.skeleton = std::move(skin.skeleton);
+  set_welded(file, geometry, kWeldTolerance * diagonal, character);
+  set_triangles(file, geometry, character);
+  return character;
+}
+
+bool has_skin(const std::filesystem::path& path) { return !GltfFile(path).model().skins.empty(); }
+
+}  // namespace bodyopt

@@ -1,0 +1,102 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+
+#include "assets/character.h"
+#include "assets/gltf_write.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+// Area-weighted normals, O x 3; straight up where a vertex has no area around it.
+std::vector<float> normals(const Character& character) {
+  Positions sums = Positions::Zero(character.vertices.rows(), 3);
+  for (Eigen::Index t = 0; t < character.triangles.rows(); ++t) {
+    const Eigen::RowVector3d a = character.vertices.row(character.triangles(t, 0));
+    const Eigen::RowVector3d b = character.vertices.row(character.triangles(t, 1));
+    const Eigen::RowVector3d c = character.vertices.row(character.triangles(t, 2));
+    for (int k = 0; k < 3; ++k) sums.row(character.triangles(t, k)) += (b - a).cross(c - a);
+  }
+  for (Eigen::Index v = 0; v < sums.rows(); ++v) {
+    const double n = sums.row(v).norm();
+    if (n > 1e-30) {
+      sums.row(v) /= n;
+    } else {
+      sums.row(v) << 0, 1, 0;
+    }
+  }
+  return output_from_welded(character, sums);
+}
+
+struct WeightSet {
+  std::vector<std::uint16_t> joints;  // O x 4
+  std::vector<float> weights;         // O x 4
+};
+
+std::vector<WeightSet> weight_sets(const Character& character) {
+  std::size_t most = 1;
+  for (const auto& weights : character.weights) most = std::max(most, weights.size());
+  const std::size_t outputs = character.output_vertex.size();
+  std::vector<WeightSet> sets((most + 3) / 4,
+                              {std::vector<std::uint16_t>(4 * outputs), std::vector<float>(4 * outputs)});
+  for (std::size_t o = 0; o < outputs; ++o) {
+    const auto& weights = character.weights[character.output_vertex[o]];
+    double rest = 1;  // the first weight takes the rounding of the others, so that they add up to one
+    for (std::size_t k = weights.size(); k-- > 0;) {
+      const auto weight = static_cast<float>(k == 0 ? rest : weights[k].weight);
+      rest -= static_cast<double>(weight);
+      sets[k / 4].weights[4 * o + k % 4] = weight;
+      sets[k / 4].joints[4 * o + k % 4] = weight == 0 ? std::uint16_t{0} : static_cast<std::uint16_t>(weights[k].joint);
+    }
+  }
+  return sets;
+}
+
+std::vector<float> inverse_binds(const Skeleton& skeleton) {
+  std::vector<float> columns;
+  for (const Joint& joint : skeleton.joints) {
+    for (int c = 0; c < 4; ++c) {
+      for (int r = 0; r < 3; ++r) columns.push_back(static_cast<float>(joint.inverse_bind.m[r][c]));
+      columns.push_back(c == 3 ? 1.0f : 0.0f);
+    }
+  }
+  return columns;
+}
+
+std::span<const std::uint32_t> flat(const Triangles& triangles) {
+  return {triangles.data(), static_cast<std::size_t>(triangles.size())};
+}
+
+}  // namespace
+
+void write_character(const Character& character, const std::filesystem::path& path) {
+  if (character.skeleton.size() > 65536 || character.skeleton.size() == 0 || character.output_triangles.rows() == 0) {
+    throw Error(ErrorKind::file, path.string() + ": not written; a character has 1 to 65,536 joints and triangles");
+  }
+  using nlohmann::ordered_json;
+  GlbWriter glb;
+  const std::size_t skeleton = glb.add_skeleton(character.skeleton);
+  ordered_json attributes;
+  attributes["POSITION"] = glb.add(output_from_welded(character, character.vertices), "VEC3", GlbTarget::vertices);
+  attributes["NORMAL"] = glb.add(normals(character), "VEC3", GlbTarget::vertices);
+  const std::vector<WeightSet> sets = weight_sets(character);
+  for (std::size_t s = 0; s < sets.size(); ++s) {
+    attributes["JOINTS_" + std::to_string(s)] = glb.add(sets[s].joints, "VEC4", GlbTarget::vertices);
+    attributes["WEIGHTS_" + std::to_string(s)] = glb.add(sets[s].weights, "VEC4", GlbTarget::vertices);
+  }
+  const std::size_t triangles = glb.add(flat(character.output_triangles), "SCALAR", GlbTarget::indices);
+  const std::size_t binds = glb.add(inverse_binds(character.skeleton), "MAT4", GlbTarget::none);
+
+  std::vector<std::size_t> joints(character.skeleton.size());
+  for (std::size_t j = 0; j < joints.size(); ++j) joints[j] = j;
+  glb.root["meshes"].push_back(
+      {{"name", character.name},
+       {"primitives", ordered_json::array({{{"attributes", attributes}, {"indices", triangles}, {"mode", 4}}})}});
+  glb.root["skins"].push_back({{"inverseBindMatrices", binds}, {"skeleton", skeleton}, {"joints", joints}});
+  glb.root["nodes"].push_back({{"name", character.name}, {"mesh", 0}, {"skin", 0}});
+  glb.root["scenes"][0]["nodes"].push_back(glb.root["nodes"].size() - 1);
+  glb.write(path);
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,22 @@
+// What the readers of glTF and BVH clips share.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "assets/clip.h"
+
+namespace bodyopt {
+
+// Frames from time 0 to the end, both included, at options.fps (an end short of a frame by 1e-5 of the duration counts
+// as that frame). Throws Error(file) for a motion of `joints` joints too long to hold and Error(usage) when the frame
+// numbers overflow.
+std::size_t frame_count(const std::string& file, double duration, std::size_t joints, const ClipOptions& options);
+
+// Throws Error(mismatch) with both lists of names.
+[[noreturn]] void fail_unmatched(const std::string& file, const Skeleton& skeleton, std::span<const std::string> names);
+
+// Throws Error(file) where a joint's place is no finite number.
+void check_positions(const Clip& clip, const std::string& file);
+
+}  // namespace bodyopt

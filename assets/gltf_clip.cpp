@@ -1,0 +1,341 @@
+#include "assets/gltf_clip.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "assets/clip_common.h"
+#include "assets/gltf_animation.h"
+#include "assets/gltf_nodes.h"
+#include "assets/gltf_rest.h"
+#include "assets/joint_match.h"
+#include "assets/notes.h"
+#include "assets/retarget.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+std::string animation_name(const tinygltf::Model& model, std::size_t animation) {
+  const std::string& name = model.animations[animation].name;
+  return name.empty() ? "animation_" + std::to_string(animation) : name;
+}
+
+std::size_t find_animation(const GltfFile& file, const std::string& name) {
+  const tinygltf::Model& model = file.model();
+  if (model.animations.empty()) file.fail("has no animation");
+  if (name.empty()) return 0;
+  std::vector<std::string> names;
+  for (std::size_t a = 0; a < model.animations.size(); ++a) {
+    names.push_back(animation_name(model, a));
+    if (names.back() == name) return a;
+  }
+  file.fail("has no clip '" + name + "'; its clips are " + list_names(names));
+}
+
+// What joints are matched by, per node. Joints of the file's own skin come before other nodes (a mesh may be called
+// like a joint), animated nodes before still ones; other nodes have no name.
+std::vector<std::string> joint_names(const GltfFile& file, const std::vector<bool>& animated) {
+  const tinygltf::Model& model = file.model();
+  std::vector<std::string> names(model.nodes.size());
+  std::set<std::string> known;
+  std::vector<std::string> unused;  // what reading the character notes already
+  if (const int skin = choose_skin(file, unused); skin >= 0) {
+    const SkinJoints joints = read_skin_joints(file, skin, unused);
+    for (std::size_t k = 0; k < joints.nodes.size(); ++k) {
+      names[static_cast<std::size_t>(joints.nodes[k])] = joints.names[k];
+      known.insert(joints.names[k]);
+    }
+  }
+  for (const bool wanted : {true, false}) {
+    for (std::size_t n = 0; n < model.nodes.size(); ++n) {
+      const tinygltf::Node& node = model.nodes[n];
+      const bool may_move = animated[n] || node.mesh < 0;
+      if (animated[n] == wanted && may_move && names[n].empty() && known.insert(node.name).second) names[n] = node.name;
+    }
+  }
+  return names;
+}
+
+// The node of each joint of the skeleton; -1 for none.
+std::vector<int> match_nodes(const GltfFile& file, const NodeTree& tree, const Skeleton& skeleton,
+                             const std::vector<bool>& animated, const std::string& joint_map,
+                             std::vector<std::string>& notes) {
+  const std::vector<std::string> names = joint_names(file, animated);
+  std::vector<NamedJoint> joints;
+  std::vector<int> place(tree.parent.size(), -1);
+  for (const std::size_t n : tree.order) {
+    const int above = tree.parent[n];
+    place[n] = static_cast<int>(joints.size());
+    joints.push_back({names[n], above < 0 ? -1 : place[static_cast<std::size_t>(above)]});
+  }
+  std::vector<int> matched = match_joints(joints, skeleton, joint_map, file.path().string(), notes);
+  for (int& node : matched) node = node < 0 ? -1 : static_cast<int>(tree.order[static_cast<std::size_t>(node)]);
+  return matched;
+}
+
+void set_component(JointTransform& t, ChannelPath path, const std::array<double, 4>& value, double unit) {
+  switch (path) {
+    case ChannelPath::translation:
+      t.translation = unit * Vec3{value[0], value[1], value[2]};
+      return;
+    case ChannelPath::rotation:
+      t.rotation = value;
+      return;
+    case ChannelPath::scale:
+      t.scale = {value[0], value[1], value[2]};
+      return;
+  }
+}
+
+// Everything that stays the same from frame to frame.
+struct Motion {
+  const Skeleton& skeleton;
+  std::vector<AnimationChannel> channels;
+  NodeTree tree;
+  std::vector<int> joint_nodes;
+  JointFold fold;
+  double unit;
+
+  std::vector<JointTransform> nodes_at(double seconds) const {
+    std::vector<JointTransform> nodes = tree.local;
+    for (const AnimationChannel& channel : channels) {
+      set_component(nodes[channel.node], channel.path, channel.sample(seconds), unit);
+    }
+    return nodes;
+  }
+
+  // Joint by joint.
+  Pose at(double seconds) const {
+    Pose pose;
+    pose.joints = fold.locals(nodes_at(seconds));
+    for (std::size_t j = 0; j < skeleton.size(); ++j) {
+      if (!fold.is_animated(j)) pose.joints[j] = skeleton.joints[j].default_local;
+    }
+    return pose;
+  }
+};
+
+void note_names(const GltfFile& file, const Motion& motion, const std::vector<bool>& animated,
+                std::vector<std::string>& notes) {
+  std::vector<std::string> still, foreign;
+  for (std::size_t j = 0; j < motion.skeleton.size(); ++j) {
+    if (motion.joint_nodes[j] < 0) still.push_back(motion.skeleton.joints[j].name);
+  }
+  for (std::size_t n = 0; n < animated.size(); ++n) {
+    if (!animated[n] || motion.fold.joint_of_node()[n] >= 0 || motion.fold.folds(n)) continue;
+    const std::string& name = file.model().nodes[n].name;
+    foreign.push_back(name.empty() ? "node " + std::to_string(n) : name);
+  }
+  bool moves = false;
+  for (std::size_t j = 0; j < motion.skeleton.size(); ++j) moves = moves || motion.fold.is_animated(j);
+  if (!moves) fail_unmatched(file.path().string(), motion.skeleton, foreign);
+  if (!still.empty())
+    notes.push_back("Joints that the clip's file does not have stay at rest: " + list_names(still) + ".");
+  if (!foreign.empty())
+    notes.push_back("Animated nodes that are no joints of the skeleton: " + list_names(foreign) + ".");
+}
+
+void note_moved(const Motion& motion, std::vector<std::string>& notes) {
+  std::vector<std::string> moved;
+  for (std::size_t j = 0; j < motion.skeleton.size(); ++j) {
+    const int node = motion.joint_nodes[j], parent = motion.skeleton.joints[j].parent;
+    if (node >= 0 && motion.fold.joint_above(static_cast<std::size_t>(node)) != parent) {
+      moved.push_back(motion.skeleton.joints[j].name);
+    }
+  }
+  if (!moved.empty()) {
+    notes.push_back("Joints with another parent in the clip's file (their local motion is applied as it is): " +
+                    list_names(moved) + ".");
+  }
+}
+
+void note_scale(const Clip& clip, const Skeleton& skeleton, std::vector<std::string>& notes) {
+  std::vector<std::string> scaled;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const Vec3& rest = skeleton.joints[j].default_local.scale;
+    if (std::any_of(clip.poses.begin(), clip.poses.end(),
+                    [&](const Pose& pose) { return length(pose.joints[j].scale - rest) > 1e-4; })) {
+      scaled.push_back(skeleton.joints[j].name);
+    }
+  }
+  if (!scaled.empty()) {
+    notes.push_back("The clip scales joints (" + list_names(scaled) +
+                    "): scale moves the smoothed skin only, details keep their size.");
+  }
+}
+
+[[noreturn]] void fail_build(const GltfFile& file, double ratio) {
+  throw Error(ErrorKind::mismatch, file.path().string() + ": the bones it moves are " + std::to_string(ratio) +
+                                       " times as long as the character's: it was made for another character, or in "
+                                       "another unit");
+}
+
+bool is_other_build(double ratio) {
+  constexpr double kMostRatio = 2;
+  return !(ratio < kMostRatio && ratio * kMostRatio > 1);
+}
+
+// The offsets of joints are the character's own build: a clip that brings very different ones is of another.
+void require_same_build(const GltfFile& file, const Motion& motion, const Clip& clip) {
+  double own = 0, brought = 0;
+  for (std::size_t j = 0; j < motion.skeleton.size(); ++j) {
+    if (motion.skeleton.joints[j].parent < 0 || !motion.fold.is_animated(j)) continue;
+    own += length(motion.skeleton.joints[j].default_local.translation);
+    brought += length(clip.poses.front().joints[j].translation);
+  }
+  if (own > 0 && is_other_build(brought / own)) fail_build(file, brought / own);
+}
+
+void copy_motion(const GltfFile& file, Motion motion, std::size_t frames, Clip& clip) {
+  for (std::size_t j = 0; j < motion.skeleton.size(); ++j) {  // what is not animated stays as the skeleton has it
+    if (motion.joint_nodes[j] >= 0 && !motion.fold.is_folded(j)) {
+      motion.tree.local[static_cast<std::size_t>(motion.joint_nodes[j])] = motion.skeleton.joints[j].default_local;
+    }
+  }
+  note_moved(motion, clip.notes);
+  for (std::size_t k = 0; k < frames; ++k) clip.poses.push_back(motion.at(static_cast<double>(k) / clip.fps));
+  require_same_build(file, motion, clip);
+  note_scale(clip, motion.skeleton, clip.notes);
+}
+
+// With the bind pose. Nodes that no skin vouches for may also stand as the character's own do.
+RestComparison compare_with_character(const Motion& motion, const RestNodes& rest) {
+  std::vector<bool> matched;
+  for (const int node : motion.joint_nodes) matched.push_back(node >= 0);
+  std::vector<JointTransform> bind, own;
+  for (const Joint& joint : motion.skeleton.joints) {
+    bind.push_back(joint.bind);
+    own.push_back(joint.default_local);
+  }
+  const std::vector<JointTransform> locals = motion.fold.locals(rest.local);
+  RestComparison with_bind = compare_rests(locals, bind, matched, motion.skeleton);
+  if (rest.is_bound || with_bind.fit != RestFit::other) return with_bind;
+  return compare_rests(locals, own, matched, motion.skeleton);
+}
+
+SourceMotion source_of(const Motion& motion, const RestNodes& rest) {
+  SourceMotion source;
+  source.kind = "clip";
+  source.in_world = true;
+  std::vector<int> place(motion.tree.parent.size(), -1);
+  std::vector<bool> travels(motion.tree.parent.size(), false);
+  for (const AnimationChannel& channel : motion.channels) {
+    if (channel.path == ChannelPath::translation) travels[channel.node] = true;
+  }
+  for (const std::size_t n : motion.tree.order) {
+    const int above = motion.tree.parent[n];
+    place[n] = static_cast<int>(source.joints.size());
+    source.joints.push_back({{"", above < 0 ? -1 : place[static_cast<std::size_t>(above)]}, rest.local[n], travels[n]});
+  }
+  source.locals_at = [&motion](double seconds) {
+    const std::vector<JointTransform> nodes = motion.nodes_at(seconds);
+    std::vector<JointTransform> locals;
+    for (const std::size_t n : motion.tree.order) locals.push_back(nodes[n]);
+    return locals;
+  };
+  return source;
+}
+
+void note_lost_scale(const Motion& motion, std::size_t frames, double fps, std::vector<std::string>& notes) {
+  std::vector<std::string> scaled;
+  for (const AnimationChannel& channel : motion.channels) {
+    const int joint = motion.fold.joint_of_node()[channel.node];
+    if (channel.path != ChannelPath::scale || joint < 0) continue;
+    const Vec3& rest = motion.tree.local[channel.node].scale;
+    for (std::size_t k = 0; k < frames; ++k) {
+      const std::array<double, 4> scale = channel.sample(static_cast<double>(k) / fps);
+      if (length(Vec3{scale[0], scale[1], scale[2]} - rest) <= 1e-4) continue;
+      scaled.push_back(motion.skeleton.joints[static_cast<std::size_t>(joint)].name);
+      break;
+    }
+  }
+  if (!scaled.empty()) {
+    notes.push_back("The clip scales joints (" + list_names(scaled) + "): scale is left out where rest poses differ.");
+  }
+}
+
+// Less than a third of the joints of either: a few names are those of any creature.
+bool has_few_in_common(const Motion& motion) {
+  std::set<std::size_t> animated;
+  for (const AnimationChannel& channel : motion.channels) animated.insert(channel.node);
+  const auto matched = static_cast<std::size_t>(
+      std::count_if(motion.joint_nodes.begin(), motion.joint_nodes.end(), [](int node) { return node >= 0; }));
+  return 3 * matched < std::min(motion.skeleton.size(), animated.size());
+}
+
+// Motion of a character that rests in another pose.
+void carry_motion(const GltfFile& file, const Motion& motion, const RestNodes& rest, std::size_t frames, Clip& clip) {
+  const SourceMotion source = source_of(motion, rest);
+  std::vector<int> place(motion.tree.order.size()), match;
+  for (std::size_t k = 0; k < place.size(); ++k) place[motion.tree.order[k]] = static_cast<int>(k);
+  for (const int node : motion.joint_nodes) match.push_back(node < 0 ? -1 : place[static_cast<std::size_t>(node)]);
+  const Retarget retarget(source, motion.skeleton, match, frames, clip.fps, clip.notes);
+  const double unit = retarget.fitted_unit() > 0 ? retarget.fitted_unit() : 1;
+  if (is_other_build(1 / unit) && has_few_in_common(motion)) fail_build(file, 1 / unit);
+  if (std::abs(unit - 1) > 0.01) {
+    clip.notes.push_back("The bones of the clip's character are " + rounded(1 / unit) +
+                         " times as long as this one's; how far it travels is scaled by " + rounded(unit) + ".");
+  }
+  for (std::size_t k = 0; k < frames; ++k) clip.poses.push_back(retarget.at(static_cast<double>(k) / clip.fps, unit));
+  note_lost_scale(motion, frames, clip.fps, clip.notes);
+  check_positions(clip, file.path().string());
+}
+
+}  // namespace
+
+Clip read_gltf_clip(const std::filesystem::path& path, const std::string& name, const Skeleton& skeleton,
+                    const ClipOptions& options) {
+  const GltfFile file(path);
+  const std::size_t animation = find_animation(file, name);
+  Clip clip;
+  clip.name =
+      file.model().animations[animation].name.empty() ? path.stem().string() : file.model().animations[animation].name;
+  clip.fps = options.fps;
+  clip.first_frame = options.first_frame;
+
+  const double unit = options.unit == 0 ? 1 : options.unit;
+  NodeTree tree = read_nodes(file, unit, clip.notes);
+  std::vector<AnimationChannel> channels = read_channels(file, animation, clip.notes);
+  std::vector<bool> animated(tree.parent.size(), false);
+  double duration = 0;
+  for (const AnimationChannel& channel : channels) {
+    animated[channel.node] = true;
+    duration = std::max(duration, channel.times.back());
+  }
+  const RestNodes rest = read_rest(file, tree, unit);
+  const std::vector<int> joint_nodes = match_nodes(file, tree, skeleton, animated, options.joint_map, clip.notes);
+  JointFold fold(tree, joint_nodes, animated);
+  Motion motion{skeleton, std::move(channels), std::move(tree), joint_nodes, std::move(fold), unit};
+  note_names(file, motion, animated, clip.notes);
+  const std::size_t frames =
+      frame_count(file.path().string(), duration, std::max(skeleton.size(), animated.size()), options);
+
+  const RestComparison rests = compare_with_character(motion, rest);
+  if (rests.fit == RestFit::other) {
+    carry_motion(file, motion, rest, frames, clip);
+    return clip;
+  }
+  if (rests.fit == RestFit::same_axes && rest.is_bound) {
+    clip.notes.push_back("The rest poses of clip and character differ by up to " + rounded(rests.worst) +
+                         " degrees ('" + rests.joint +
+                         "'), in joints with the same bones: their rotations are applied as they are.");
+  }
+  copy_motion(file, std::move(motion), frames, clip);
+  return clip;
+}
+
+std::vector<int> read_gltf_keys(const std::filesystem::path& path, const std::string& name,
+                                const ClipOptions& options) {
+  const GltfFile file(path);
+  std::vector<std::string> unused;  // what reading the clip notes already
+  std::set<int> frames;
+  for (const AnimationChannel& channel : read_channels(file, find_animation(file, name), unused)) {
+    for (const double time : channel.times) {
+      if (time >= 0) frames.insert(options.first_frame + static_cast<int>(std::lround(time * options.fps)));
+    }
+  }
+  return {frames.begin(), frames.end()};
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,213 @@
+#include "assets/gltf_guard.h"
+
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "runtime/basis/read_file.h"
+#include "runtime/core/error.h"
+#include "runtime/core/file_kind.h"
+
+namespace bodyopt {
+namespace {
+
+using nlohmann::json;
+using Bytes = std::vector<unsigned char>;
+
+constexpr int kMaxNesting = 64;
+constexpr std::size_t kMaxBufferBytes = std::size_t{4} << 30;  // many buffers may name the same large file
+constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
+
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& problem) {
+  throw Error(ErrorKind::file, path.string() + ": " + problem);
+}
+
+Bytes read_bytes(const std::filesystem::path& path) {
+  const std::string bytes = read_file(path, kMaxBufferBytes, "a glTF file");
+  return Bytes(bytes.begin(), bytes.end());
+}
+
+struct Chunks {
+  std::string json;
+  Bytes binary;
+};
+
+std::uint32_t word_at(const Bytes& bytes, std::size_t offset) {
+  std::uint32_t word = 0;
+  for (int i = 3; i >= 0; --i) word = word << 8 | bytes[offset + static_cast<std::size_t>(i)];
+  return word;
+}
+
+Chunks split_glb(const std::filesystem::path& path, const Bytes& bytes) {
+  if (bytes.size() < 20) fail(path, "the file ends inside its header; it is cut off");
+  if (word_at(bytes, 4) != 2) {
+    fail(path, "glTF container version " + std::to_string(word_at(bytes, 4)) + ", expected 2; export it as glTF 2.0");
+  }
+  if (word_at(bytes, 8) != bytes.size()) {
+    fail(path, "its header says " + std::to_string(word_at(bytes, 8)) + " bytes, the file has " +
+                   std::to_string(bytes.size()) + "; it is cut off or damaged");
+  }
+  Chunks chunks;
+  for (std::size_t offset = 12; offset < bytes.size();) {
+    if (bytes.size() - offset < 8) fail(path, "a chunk header is cut off");
+    const std::size_t length = word_at(bytes, offset);
+    const std::uint32_t type = word_at(bytes, offset + 4);
+    if (offset == 12 && type != kJsonChunk) fail(path, "its first chunk is not JSON");
+    offset += 8;
+    if (length > bytes.size() - offset) fail(path, "a chunk is longer than the file");
+    const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(offset);
+    const auto end = begin + static_cast<std::ptrdiff_t>(length);
+    if (type == kJsonChunk && chunks.json.empty()) chunks.json.assign(begin, end);
+    if (type == kBinaryChunk && chunks.binary.empty()) chunks.binary.assign(begin, end);
+    offset += length;
+  }
+  return chunks;
+}
+
+// Parses with a limit on nesting (destructors and tinygltf recurse), without extras and extensions.
+json parse_json(const std::filesystem::path& path, const std::string& text) {
+  const auto filter = [&](int depth, json::parse_event_t event, const json& value) {
+    if (depth > kMaxNesting) fail(path, "its JSON is nested deeper than 64 levels");
+    return event != json::parse_event_t::key || (value != "extras" && value != "extensions");
+  };
+  try {
+    return json::parse(text, filter);
+  } catch (const json::exception& error) {
+    fail(path, std::string("its JSON cannot be read (") + error.what() + "); not a glTF file, or damaged");
+  }
+}
+
+void check_version(const std::filesystem::path& path, const json& root) {
+  if (!root.is_object() || !root.contains("asset") || !root["asset"].is_object() ||
+      !root["asset"].contains("version") || !root["asset"]["version"].is_string()) {
+    fail(path, "has no asset.version; it is not a glTF file");
+  }
+  const std::string version = root["asset"]["version"];
+  if (version.rfind("2.", 0) != 0) fail(path, "glTF version " + version + ", expected 2.0; export it as glTF 2.0");
+}
+
+// Extensions that change only what is not read here (materials, textures, lights) or what is read anyway.
+bool is_harmless(const std::string& extension) {
+  const auto starts = [&](const char* prefix) { return extension.rfind(prefix, 0) == 0; };
+  return starts("KHR_materials_") || starts("KHR_texture_") || starts("EXT_texture_") || starts("KHR_lights_") ||
+         extension == "KHR_mesh_quantization";
+}
+
+void check_extensions(const std::filesystem::path& path, const json& root) {
+  if (!root.contains("extensionsRequired")) return;
+  const json& required = root["extensionsRequired"];
+  if (!required.is_array()) fail(path, "extensionsRequired is not an array");
+  for (const json& extension : required) {
+    if (extension.is_string() && is_harmless(extension)) continue;
+    fail(path,
+         "requires the extension " + extension.dump() + ", which is not supported; export it without compression");
+  }
+}
+
+// What tinygltf would take as 0 where it is no number that may stand there.
+void check_counts(const std::filesystem::path& path, const json& root) {
+  for (const char* list : {"bufferViews", "accessors"}) {
+    if (!root.contains(list) || !root[list].is_array()) continue;  // tinygltf refuses what is no list
+    for (std::size_t k = 0; k < root[list].size(); ++k) {
+      for (const char* key : {"byteOffset", "byteLength", "byteStride", "count"}) {
+        const json& entry = root[list][k];
+        if (!entry.is_object() || !entry.contains(key) || entry[key].is_number_unsigned()) continue;
+        fail(path, std::string(key) + " of " + list + " " + std::to_string(k) + " is " +
+                       entry[key].dump().substr(0, 40) + ", expected a whole number, 0 or above");
+      }
+    }
+  }
+}
+
+std::string percent_decoded(const std::string& uri) {
+  std::string text;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    if (uri[i] == '%' && i + 2 < uri.size() && std::isxdigit(static_cast<unsigned char>(uri[i + 1])) &&
+        std::isxdigit(static_cast<unsigned char>(uri[i + 2]))) {
+      text += static_cast<char>(std::stoi(uri.substr(i + 1, 2), nullptr, 16));
+      i += 2;
+    } else {
+      text += uri[i];
+    }
+  }
+  return text;
+}
+
+// The file a buffer's URI names: only one that lies, links followed, in the folder of the glTF file.
+std::filesystem::path external_file(const std::filesystem::path& path, const std::string& uri) {
+  const std::filesystem::path relative = percent_decoded(uri);
+  if (relative.is_absolute() || uri.find("://") != std::string::npos) {
+    fail(path, "buffer '" + uri + "' lies outside the file's folder; only files beside it are read");
+  }
+  const std::filesystem::path folder = std::filesystem::weakly_canonical(std::filesystem::absolute(path)).parent_path();
+  const std::filesystem::path file = std::filesystem::weakly_canonical(folder / relative);
+  const auto [end, unused] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
+  if (end != folder.end())
+    fail(path, "buffer '" + uri + "' lies outside the file's folder; only files beside it are read");
+  return file;
+}
+
+Bytes resolve_buffer(const std::filesystem::path& path, const json& buffer, const Bytes* binary) {
+  if (!buffer.is_object() || !buffer.contains("byteLength") || !buffer["byteLength"].is_number_unsigned()) {
+    fail(path, "a buffer has no byteLength");
+  }
+  const std::uint64_t length = buffer["byteLength"];
+  Bytes bytes;
+  if (!buffer.contains("uri")) {
+    if (binary == nullptr) fail(path, "a buffer has no data (no uri and no BIN chunk)");
+    bytes = *binary;
+  } else if (!buffer["uri"].is_string()) {
+    fail(path, "a buffer's uri is not a string");
+  } else if (const std::string uri = buffer["uri"]; tinygltf::IsDataURI(uri)) {
+    std::string mime;
+    if (!tinygltf::DecodeDataURI(&bytes, mime, uri, 0, false)) fail(path, "a buffer's data URI cannot be decoded");
+  } else {
+    bytes = read_bytes(external_file(path, uri));
+  }
+  if (length > bytes.size()) {
+    fail(path, "a buffer of " + std::to_string(length) + " bytes has only " + std::to_string(bytes.size()) +
+                   "; the file is cut off or damaged");
+  }
+  bytes.resize(length);
+  return bytes;
+}
+
+}  // namespace
+
+GuardedGltf guard_gltf(const std::filesystem::path& path) {
+  const Bytes bytes = read_bytes(path);
+  const bool is_glb = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
+  if (!is_glb && path.extension() == ".glb")
+    fail(path, "does not start with 'glTF'; it is not a .glb file" + looks_like(path));
+  const Chunks chunks = is_glb ? split_glb(path, bytes) : Chunks{std::string(bytes.begin(), bytes.end()), {}};
+
+  json root = parse_json(path, chunks.json);
+  check_version(path, root);
+  check_extensions(path, root);
+  check_counts(path, root);
+
+  GuardedGltf guarded;
+  std::size_t buffer_bytes = 0;
+  const json buffers = root.contains("buffers") ? root["buffers"] : json::array();
+  if (!buffers.is_array()) fail(path, "buffers is not an array");
+  try {
+    for (std::size_t i = 0; i < buffers.size(); ++i) {
+      guarded.buffers.push_back(resolve_buffer(path, buffers[i], is_glb && i == 0 ? &chunks.binary : nullptr));
+      buffer_bytes += guarded.buffers.back().size();
+      if (buffer_bytes > kMaxBufferBytes) fail(path, "its buffers hold more than 4 GiB");
+    }
+  } catch (const std::filesystem::filesystem_error& error) {
+    fail(path, std::string("a buffer's file cannot be found: ") + error.what());
+  }
+  for (const char* key :
+       {"buffers", "images", "textures", "samplers", "materials", "cameras", "extensionsRequired", "extensionsUsed"}) {
+    root.erase(key);
+  }
+  guarded.json = root.dump(-1, ' ', false, json::error_handler_t::replace);
+  return guarded;
+}
+
+}  // namespace bodyopt

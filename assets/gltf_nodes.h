@@ -1,0 +1,58 @@
+// The node hierarchy of a glTF file and how a skeleton's joints come out of it.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "assets/gltf_file.h"
+#include "runtime/basis/skeleton.h"
+
+namespace bodyopt {
+
+struct NodeTree {
+  std::vector<int> parent;            // -1 at the top
+  std::vector<std::size_t> order;     // parents before children
+  std::vector<JointTransform> local;  // metres, unit rotations
+};
+
+// `unit`: metres per file unit. Adds a note when a node's matrix holds shear, which is dropped. Throws Error(file) for
+// cycles, two parents, indices out of range, numbers that are not finite.
+NodeTree read_nodes(const GltfFile& file, double unit, std::vector<std::string>& notes);
+
+// The joints of a skin by name: unnamed joints are called joint_<index in the skin>, a name that is already taken gets
+// a suffix and a note. Throws Error(file) for an empty skin, joints out of range or listed twice.
+struct SkinJoints {
+  std::vector<int> nodes;
+  std::vector<std::string> names;
+};
+SkinJoints read_skin_joints(const GltfFile& file, int skin, std::vector<std::string>& notes);
+
+// The skin whose nodes draw the most vertices (a note names it when there are several), or -1 when nothing is skinned.
+int choose_skin(const GltfFile& file, std::vector<std::string>& notes);
+
+// Local transforms of joints from those of nodes: the nodes above a joint that are no joints themselves, up to the
+// nearest one that is, are folded into it. Resting identity nodes change nothing and are left out.
+class JointFold {
+ public:
+  // joint_nodes: the node of each joint, -1 for none. animated: per node.
+  JointFold(const NodeTree& tree, std::span<const int> joint_nodes, const std::vector<bool>& animated);
+
+  // J local transforms; identity for joints without a node. Shear is dropped.
+  std::vector<JointTransform> locals(std::span<const JointTransform> node_local) const;
+
+  bool is_folded(std::size_t joint) const { return folded_[joint]; }      // nodes above belong to the joint
+  bool is_animated(std::size_t joint) const { return animated_[joint]; }  // the joint's node or one folded into it is
+  bool folds(std::size_t node) const { return folds_[node]; }             // the node is folded into some joint
+  const std::vector<int>& joint_of_node() const { return joint_of_node_; }
+  int joint_above(std::size_t node) const { return joint_above_[node]; }  // nearest joint above a node, or -1
+
+ private:
+  std::vector<int> joint_nodes_, joint_of_node_, joint_above_;
+  std::vector<int> above_;                 // per node: the next node to fold, or -1
+  std::vector<std::size_t> folded_nodes_;  // nodes that some joint folds in, parents first
+  std::vector<bool> folds_;                // per node
+  std::vector<bool> folded_, animated_;    // per joint
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,31 @@
+// The geometry of a skin: every primitive of every node that uses it, one after the other.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "assets/gltf_file.h"
+#include "geometry/mesh.h"
+
+namespace bodyopt {
+
+struct SkinGeometry {
+  std::vector<Vec3> positions;                    // file units
+  std::vector<std::vector<JointWeight>> weights;  // by joint of the skin, ascending; sum 1, or empty
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::string name;  // of the skinned node or its mesh; empty when unnamed
+};
+
+// Throws Error(file): attributes missing, of different counts, indices or joints out of range, points or lines.
+SkinGeometry read_skin_geometry(const GltfFile& file, int skin, std::vector<std::string>& notes);
+
+// The mesh of one node, which has one; without weights where the node has no skin. Throws as above.
+SkinGeometry read_node_geometry(const GltfFile& file, std::size_t node, std::vector<std::string>& notes);
+
+// O x 3 in output order: red, green and blue of an attribute of a character's skin, COLOR_0 say, from 0 to 1; 0 where
+// only other parts of the skin have it. Throws Error(file), also where no part has it.
+std::vector<double> read_vertex_colours(const std::filesystem::path& character, const std::string& name);
+
+}  // namespace bodyopt

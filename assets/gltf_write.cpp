@@ -1,0 +1,118 @@
+#include "assets/gltf_write.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "runtime/core/atomic_file.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+using nlohmann::ordered_json;
+
+static_assert(std::endian::native == std::endian::little, "glTF is little-endian, and values are copied as they are");
+
+void put_word(std::string& bytes, std::size_t word) {
+  for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(word >> shift & 255);
+}
+
+void put_chunk(std::string& bytes, const char* type, const std::string& data) {
+  put_word(bytes, data.size());
+  bytes.append(type, 4);
+  bytes += data;
+}
+
+ordered_json node_of(const Joint& joint) {
+  const JointTransform& t = joint.default_local;
+  return {
+      {"name", joint.name}, {"translation", t.translation}, {"rotation", normalized(t.rotation)}, {"scale", t.scale}};
+}
+
+}  // namespace
+
+GlbWriter::GlbWriter() {
+  root["asset"] = {{"version", "2.0"}, {"generator", "bodyopt"}};
+  root["scene"] = 0;
+  root["scenes"] = ordered_json::array({{{"nodes", ordered_json::array()}}});
+  root["nodes"] = ordered_json::array();
+}
+
+template <class T>
+std::size_t GlbWriter::add_values(std::span<const T> values, int component_type, const std::string& type,
+                                  GlbTarget target) {
+  const std::size_t components =
+      std::map<std::string, std::size_t>{{"SCALAR", 1}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}}.at(type);
+  std::vector<double> low(components, INFINITY), high(components, -INFINITY);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto value = static_cast<double>(values[i]);
+    finite_ = finite_ && std::isfinite(value);
+    low[i % components] = std::min(low[i % components], value);
+    high[i % components] = std::max(high[i % components], value);
+  }
+  ordered_json view = {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", values.size_bytes()}};
+  if (target != GlbTarget::none) view["target"] = static_cast<int>(target);
+  root["bufferViews"].push_back(view);
+  root["accessors"].push_back({{"bufferView", root["bufferViews"].size() - 1},
+                               {"componentType", component_type},
+                               {"count", values.size() / components},
+                               {"type", type},
+                               {"min", low},
+                               {"max", high}});
+  const std::size_t offset = binary_.size();
+  binary_.resize((offset + values.size_bytes() + 3) / 4 * 4, 0);
+  if (!values.empty()) std::memcpy(binary_.data() + offset, values.data(), values.size_bytes());
+  return root["accessors"].size() - 1;
+}
+
+std::size_t GlbWriter::add(std::span<const float> values, const std::string& type, GlbTarget target) {
+  return add_values(values, 5126, type, target);
+}
+std::size_t GlbWriter::add(std::span<const std::uint16_t> values, const std::string& type, GlbTarget target) {
+  return add_values(values, 5123, type, target);
+}
+std::size_t GlbWriter::add(std::span<const std::uint32_t> values, const std::string& type, GlbTarget target) {
+  return add_values(values, 5125, type, target);
+}
+
+std::size_t GlbWriter::add_skeleton(const Skeleton& skeleton) {
+  ordered_json& nodes = root["nodes"];
+  const std::size_t first = nodes.size(), top = first + skeleton.size();
+  for (const Joint& joint : skeleton.joints) {
+    finite_ = finite_ && is_finite(joint.default_local);
+    nodes.push_back(node_of(joint));
+  }
+  nodes.push_back({{"name", "skeleton"}});
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    nodes[parent < 0 ? top : first + static_cast<std::size_t>(parent)]["children"].push_back(first + j);
+  }
+  root["scenes"][0]["nodes"].push_back(top);
+  return top;
+}
+
+void GlbWriter::write(const std::filesystem::path& path) {
+  const auto fail = [&](const std::string& problem) { throw Error(ErrorKind::file, path.string() + ": " + problem); };
+  if (!finite_) fail("not written, because a number is not finite");
+  root["buffers"] = ordered_json::array({{{"byteLength", binary_.size()}}});
+  std::string json;
+  try {
+    json = root.dump();
+  } catch (const nlohmann::json::exception& error) {
+    fail(std::string("not written, because a name is not UTF-8 text (") + error.what() + ")");
+  }
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const std::size_t total = 12 + 8 + json.size() + 8 + binary_.size();
+  if (total > 0xFFFFFFFFu) fail("not written, because a .glb file holds at most 4 GiB");
+  std::string bytes = "glTF";
+  put_word(bytes, 2);
+  put_word(bytes, total);
+  put_chunk(bytes, "JSON", json);
+  put_chunk(bytes, "BIN\0", std::string(binary_.begin(), binary_.end()));
+
+  write_file_atomically(path, std::as_bytes(std::span(bytes)));
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,132 @@
+#include "assets/json_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include "runtime/basis/read_file.h"
+#include "runtime/core/atomic_file.h"
+#include "runtime/core/error.h"
+#include "runtime/core/file_kind.h"
+#include "runtime/core/strict_json.h"
+
+namespace bodyopt {
+
+namespace {
+
+constexpr std::uint64_t kLargestFile = 64 << 20;  // bytes; parsed JSON takes many times its text in memory
+
+}  // namespace
+
+Json read_json(const std::filesystem::path& path, const std::string& schema) {
+  const std::string content = read_file(path, kLargestFile, "a file of ours");
+  const std::string kind = looks_like(path);
+  if (!kind.empty() && !content.starts_with('{')) {
+    throw Error(ErrorKind::file, path.string() + ": expected JSON" + kind);
+  }
+  Json json = parse_strict_json<Json>(content, path.string());
+  if (!json.is_object() || !json.contains("schema") || !json["schema"].is_string()) {
+    throw Error(ErrorKind::file, path.string() + ": expected an object with \"schema\": \"" + schema +
+                                     "\"; it is JSON of something else");
+  }
+  if (json["schema"] != schema) {
+    throw Error(ErrorKind::file, path.string() + ": its schema is '" + json["schema"].get<std::string>() +
+                                     "', expected '" + schema + "': another kind of file, or another version");
+  }
+  return json;
+}
+
+std::string text_of(const Json& json, const std::filesystem::path& path) {
+  try {
+    return json.dump(2) + "\n";
+  } catch (const Json::exception& error) {
+    throw Error(ErrorKind::file,
+                path.string() + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
+  }
+}
+
+void write_json(const Json& json, const std::filesystem::path& path) {
+  const std::string text = text_of(json, path);
+  write_file_atomically(path, std::as_bytes(std::span(text)));
+}
+
+JsonObject::JsonObject(const Json& object, const std::filesystem::path& path, std::string place)
+    : object_(object), path_(path), place_(std::move(place)) {
+  if (!object_.is_object()) refuse("is not an object");
+}
+
+void JsonObject::allow(std::initializer_list<const char*> keys) const {
+  for (const auto& [key, value] : object_.items()) {
+    if (std::none_of(keys.begin(), keys.end(), [&k = key](const char* known) { return k == known; })) {
+      refuse("has the unknown key '" + key + "': misspelt?");
+    }
+  }
+}
+
+std::string JsonObject::text(const char* key) const {
+  const Json& value = at(key);
+  if (!value.is_string()) refuse(std::string("'") + key + "' is not text");
+  return value.get<std::string>();
+}
+
+std::string JsonObject::name(const char* key) const {
+  const std::string value = text(key);
+  if (value.empty()) refuse(std::string("'") + key + "' is empty");
+  return value;
+}
+
+double JsonObject::number(const char* key, double low, double high) const {
+  const Json& value = at(key);
+  const double number = value.is_number() ? value.get<double>() : std::nan("");
+  if (!(number >= low && number <= high)) {
+    std::ostringstream message;
+    message << "'" << key << "' is " << value.dump() << ", expected a number from " << low << " to " << high;
+    refuse(message.str());
+  }
+  return number;
+}
+
+bool JsonObject::is_null(const char* key) const { return at(key).is_null(); }
+
+int JsonObject::integer(const char* key, double low, double high) const {
+  const double value = number(key, low, high);
+  if (value != std::floor(value))
+    refuse(std::string("'") + key + "' is " + at(key).dump() + ", expected a whole number");
+  return static_cast<int>(value);
+}
+
+bool JsonObject::boolean(const char* key) const {
+  const Json& value = at(key);
+  if (!value.is_boolean()) refuse(std::string("'") + key + "' is " + value.dump() + ", expected true or false");
+  return value.get<bool>();
+}
+
+std::uint64_t JsonObject::hash(const char* key) const {
+  const std::string digits = text(key);
+  std::uint64_t value = 0;
+  const char* end = digits.data() + digits.size();
+  const auto [stop, failure] = std::from_chars(digits.data(), end, value, 16);
+  if (digits.size() != 16 || failure != std::errc() || stop != end) {
+    refuse(std::string("'") + key + "' is not 16 hexadecimal digits");
+  }
+  return value;
+}
+
+const Json& JsonObject::array(const char* key) const {
+  const Json& value = at(key);
+  if (!value.is_array()) refuse(std::string("'") + key + "' is not a list");
+  return value;
+}
+
+void JsonObject::refuse(const std::string& what) const {
+  throw Error(ErrorKind::file, path_.string() + ": " + place_ + " " + what);
+}
+
+const Json& JsonObject::at(const char* key) const {
+  const auto found = object_.find(key);
+  if (found == object_.end()) refuse(std::string("lacks '") + key + "'");
+  return *found;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,88 @@
+#include "assets/muscles.h"
+
+#include <cmath>
+#include <set>
+
+#include "assets/json_file.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr const char* kMusclesSchema = "bodyopt-muscles-1";
+
+MusclePoint read_point(const JsonObject& json, const std::filesystem::path& path, const Skeleton& skeleton) {
+  json.allow({"joint", "position"});
+  const std::string name = json.text("joint");
+  const int joint = skeleton.find(name);
+  if (joint < 0) {
+    throw Error(ErrorKind::mismatch, path.string() + ": a muscle is bound to the joint '" + name +
+                                         "', which the character does not have: muscles of another character?");
+  }
+  const Json& position = json.array("position");
+  MusclePoint point{static_cast<std::uint32_t>(joint), {}};
+  if (position.size() != 3) json.refuse("'position' is not three numbers");
+  for (std::size_t i = 0; i < 3; ++i) {
+    point.position[i] = position[i].is_number() ? position[i].get<double>() : std::nan("");
+    if (!(std::abs(point.position[i]) < 1e4)) json.refuse("'position' is not three finite numbers in metres");
+  }
+  return point;
+}
+
+Muscle read_muscle(const JsonObject& json, const std::filesystem::path& path, const std::string& place,
+                   const Skeleton& skeleton) {
+  json.allow({"name", "radius", "fibre_count", "max_activation", "path"});
+  Muscle muscle;
+  muscle.name = json.name("name");
+  muscle.radius = json.number("radius", 1e-5, 1);
+  muscle.fibre_count = json.integer("fibre_count", 0, 64);
+  muscle.max_activation = json.number("max_activation", 0, 1);
+  const Json& points = json.array("path");
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const JsonObject point(points[k], path, place + ".path[" + std::to_string(k) + "]");
+    muscle.path.push_back(read_point(point, path, skeleton));
+  }
+  double total = 0;
+  for (std::size_t k = 1; k < muscle.path.size(); ++k) {
+    total += length(muscle.path[k].position - muscle.path[k - 1].position);
+  }
+  if (muscle.path.size() < 2 || !(total > 1e-4))
+    json.refuse("has a path without length: two different points at least");
+  return muscle;
+}
+
+}  // namespace
+
+std::vector<Muscle> read_muscles(const std::filesystem::path& path, const Skeleton& skeleton) {
+  const Json json = read_json(path, kMusclesSchema);
+  const JsonObject top(json, path, "the file");
+  top.allow({"schema", "muscles"});
+  std::vector<Muscle> muscles;
+  std::set<std::string> names;
+  const Json& list = top.array("muscles");
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const std::string place = "muscles[" + std::to_string(k) + "]";
+    const JsonObject entry(list[k], path, place);
+    muscles.push_back(read_muscle(entry, path, place, skeleton));
+    if (!names.insert(muscles.back().name).second) entry.refuse("has the name of an earlier muscle");
+  }
+  return muscles;
+}
+
+void write_muscles(const std::vector<Muscle>& muscles, const Skeleton& skeleton, const std::filesystem::path& path) {
+  Json list = Json::array();
+  for (const Muscle& muscle : muscles) {
+    Json points = Json::array();
+    for (const MusclePoint& point : muscle.path) {
+      points.push_back({{"joint", skeleton.joints.at(point.joint).name}, {"position", point.position}});
+    }
+    list.push_back({{"name", muscle.name},
+                    {"radius", muscle.radius},
+                    {"fibre_count", muscle.fibre_count},
+                    {"max_activation", muscle.max_activation},
+                    {"path", points}});
+  }
+  write_json({{"schema", kMusclesSchema}, {"muscles", list}}, path);
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,213 @@
+#include "assets/pc2.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "runtime/core/atomic_file.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+
+struct Pc2Header {
+  char magic[12];
+  std::int32_t version, points;
+  float start_frame, sample_rate;
+  std::int32_t samples;
+};
+static_assert(sizeof(Pc2Header) == 32);
+
+namespace {
+
+constexpr char kMagic[12] = "POINTCACHE2";
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what) {
+  throw Error(ErrorKind::file, path.string() + ": " + what + " (not a PC2 point cache, or a damaged or cut-off one)");
+}
+
+void require_finite(const std::filesystem::path& path, std::uint32_t sample, std::span<const float> values) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::isfinite(values[i])) continue;
+    throw Error(ErrorKind::file, path.string() + ": sample " + std::to_string(sample) + ", point " +
+                                     std::to_string(i / 3) +
+                                     " is not a finite number: did a simulation, or what it began from, blow up?");
+  }
+}
+
+}  // namespace
+
+struct Pc2Reader::File {
+  std::filesystem::path path;
+  int descriptor = -1;
+  std::uint64_t size = 0;
+  Pc2Header header{};
+
+  ~File() {
+    if (descriptor >= 0) close(descriptor);
+  }
+
+  void open_file() {
+    descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe must not block
+    struct stat status {};
+    if (descriptor < 0 || fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
+      throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file, or no permission?");
+    }
+    size = static_cast<std::uint64_t>(status.st_size);
+    if (size < sizeof(Pc2Header)) refuse(path, "it has " + std::to_string(size) + " bytes, less than a header");
+  }
+
+  void read(void* to, std::size_t bytes, std::uint64_t offset, const std::string& what) const {
+    for (std::size_t done = 0; done < bytes;) {
+      const ssize_t got =
+          pread(descriptor, static_cast<char*>(to) + done, bytes - done, static_cast<off_t>(offset + done));
+      if (got < 0 && errno == EINTR) continue;
+      if (got > 0) {
+        done += static_cast<std::size_t>(got);
+        continue;
+      }
+      const std::string reason = got < 0 ? std::strerror(errno) : "it ends before";
+      throw Error(ErrorKind::file, path.string() + ": " + what + " cannot be read: " + reason +
+                                       ": was the file cut off, or is it being written?");
+    }
+  }
+
+  void check() {
+    read(&header, sizeof(Pc2Header), 0, "the header");
+    if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) refuse(path, "it does not start with POINTCACHE2");
+    if (header.version != 1) refuse(path, "its version is " + std::to_string(header.version) + ", expected 1");
+    if (header.points < 1 || header.samples < 0) {
+      refuse(path, "it claims " + std::to_string(header.samples) + " samples of " + std::to_string(header.points) +
+                       " points, expected 0 or more samples of 1 or more points");
+    }
+    if (!std::isfinite(header.start_frame) || !std::isfinite(header.sample_rate)) {
+      refuse(path, "its start frame or sample rate is not a number");
+    }
+    // Below 2^62 values; the bytes they take may not fit 64 bits, so the file's are divided instead.
+    const std::uint64_t values = static_cast<std::uint64_t>(header.points) * static_cast<std::uint64_t>(header.samples);
+    const std::uint64_t bytes = size - sizeof(Pc2Header);
+    if (bytes % 12 != 0 || bytes / 12 != values) {
+      refuse(path, std::to_string(header.samples) + " samples of " + std::to_string(header.points) +
+                       " points take 12 bytes a point, found " + std::to_string(bytes) + " bytes after the header");
+    }
+  }
+};
+
+Pc2Reader::Pc2Reader(const std::filesystem::path& path) : file_(new File) {
+  file_->path = path;
+  try {
+    file_->open_file();
+    file_->check();
+  } catch (...) {
+    delete file_;
+    throw;
+  }
+}
+
+Pc2Reader::~Pc2Reader() { delete file_; }
+Pc2Reader::Pc2Reader(Pc2Reader&& other) noexcept : file_(std::exchange(other.file_, nullptr)) {}
+Pc2Reader& Pc2Reader::operator=(Pc2Reader&& other) noexcept {
+  std::swap(file_, other.file_);
+  return *this;
+}
+
+const std::filesystem::path& Pc2Reader::path() const { return file_->path; }
+std::uint32_t Pc2Reader::point_count() const { return static_cast<std::uint32_t>(file_->header.points); }
+std::uint32_t Pc2Reader::sample_count() const { return static_cast<std::uint32_t>(file_->header.samples); }
+float Pc2Reader::start_frame() const { return file_->header.start_frame; }
+float Pc2Reader::sample_rate() const { return file_->header.sample_rate; }
+
+std::vector<float> Pc2Reader::sample(std::uint32_t k) const {
+  if (k >= sample_count()) {
+    throw Error(ErrorKind::mismatch, file_->path.string() + ": sample " + std::to_string(k) +
+                                         " was asked for, it has " + std::to_string(sample_count()));
+  }
+  std::vector<float> values(3 * std::size_t{point_count()});
+  const std::size_t bytes = sizeof(float) * values.size();
+  file_->read(values.data(), bytes, sizeof(Pc2Header) + std::uint64_t{k} * bytes, "sample " + std::to_string(k));
+  require_finite(file_->path, k, values);
+  return values;
+}
+
+struct Pc2Writer::File {
+  File(const std::filesystem::path& where, std::uint32_t points, std::uint32_t samples)
+      : path(where), out(where), stride(3 * std::size_t{points}), expected(samples) {}
+  std::filesystem::path path;
+  AtomicFile out;
+  std::size_t stride;
+  std::uint32_t expected, written = 0;
+};
+
+namespace {
+
+// The header's counts are 32 bits with a sign.
+std::uint32_t checked_count(const std::filesystem::path& path, std::uint32_t count, std::uint32_t least,
+                            const char* what) {
+  constexpr std::uint32_t kMost = std::numeric_limits<std::int32_t>::max();
+  if (count >= least && count <= kMost) return count;
+  throw Error(ErrorKind::file, path.string() + ": cannot be written: it would have " + std::to_string(count) + ' ' +
+                                   what + ", a PC2 cache holds " + std::to_string(least) + " to " +
+                                   std::to_string(kMost));
+}
+
+}  // namespace
+
+Pc2Writer::Pc2Writer(const std::filesystem::path& path, std::uint32_t point_count, std::uint32_t sample_count,
+                     float start_frame, float sample_rate)
+    : file_(new File(path, checked_count(path, point_count, 1, "points"),
+                     checked_count(path, sample_count, 0, "samples"))) {
+  Pc2Header header{};
+  std::memcpy(header.magic, kMagic, sizeof(kMagic));
+  header.version = 1;
+  header.points = static_cast<std::int32_t>(point_count);
+  header.samples = static_cast<std::int32_t>(sample_count);
+  header.start_frame = start_frame;
+  header.sample_rate = sample_rate;
+  try {
+    file_->out.write(std::as_bytes(std::span(&header, 1)));
+  } catch (...) {
+    delete file_;
+    throw;
+  }
+}
+
+Pc2Writer::~Pc2Writer() { delete file_; }
+
+void Pc2Writer::append(std::span<const float> sample) {
+  if (sample.size() != file_->stride) {
+    throw Error(ErrorKind::mismatch, file_->path.string() + ": a sample of " + std::to_string(sample.size() / 3) +
+                                         " points was given to a cache of " + std::to_string(file_->stride / 3));
+  }
+  if (file_->written == file_->expected) {
+    throw Error(ErrorKind::mismatch, file_->path.string() + ": more than the " + std::to_string(file_->expected) +
+                                         " samples it was opened for were given");
+  }
+  require_finite(file_->path, file_->written, sample);
+  file_->out.write(std::as_bytes(sample));
+  ++file_->written;
+}
+
+void Pc2Writer::close() {
+  if (file_->written != file_->expected) {
+    throw Error(ErrorKind::file, file_->path.string() + ": " + std::to_string(file_->written) + " of " +
+                                     std::to_string(file_->expected) + " samples were given; nothing is written");
+  }
+  file_->out.commit();
+}
+
+float frame_spacing(const std::vector<int>& frames) {
+  if (frames.size() < 2) return 1;
+  const int step = frames[1] - frames[0];
+  for (std::size_t k = 2; k < frames.size(); ++k) {
+    if (frames[k] - frames[k - 1] != step) return 1;
+  }
+  return step > 0 ? static_cast<float>(step) : 1;
+}
+
+}  // namespace bodyopt

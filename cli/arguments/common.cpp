@@ -1,0 +1,202 @@
+#include "cli/arguments/common.h"
+
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+
+#include "assets/frame_range.h"
+#include "runtime/core/atomic_file.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt::cli {
+
+void JsonOption::add(CLI::App& verb) {
+  verb.add_option("--json", path, "Write the result as JSON to FILE ('-': standard output)")->type_name("FILE");
+}
+
+void JsonOption::require_writable() const {
+  if (!path.empty() && path != "-") cli::require_writable(path);
+}
+
+void JsonOption::emit(const Json& result, const std::string& text) const {
+  // Names of files may be any bytes: those that are no text are replaced.
+  const std::string json = result.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  if (path == "-") {
+    std::fputs(json.c_str(), stdout);
+    return;
+  }
+  if (!path.empty()) write_file_atomically(path, std::as_bytes(std::span(json)));
+  std::fputs(text.c_str(), stdout);
+}
+
+void ClipArguments::add(CLI::App& verb) {
+  verb.add_option("--clip", source, "Motion: FILE.glb#name, FILE.glb (its only or first clip) or FILE.bvh")
+      ->required()
+      ->type_name("CLIP")
+      ->check(refuse_empty);
+  verb.add_option("--frames", frames, "Frames, as 1-100, 1-100x2 or comma lists of them (default: all)")
+      ->type_name("R")
+      ->check(refuse_empty);
+  verb.add_option("--fps", options.fps, "Frames a second at which the clip is sampled")
+      ->capture_default_str()
+      ->check(number_from(kLeastRate, kMostRate));
+  verb.add_option("--first-frame", options.first_frame, "Number of the clip's first frame")->capture_default_str();
+  verb.add_option("--controls", options.controls,
+                  "Controls over the clip's frames, such as muscles flexed (controls.json)")
+      ->type_name("FILE")
+      ->check(refuse_empty);
+  add_joint_map(verb, options.joint_map);
+}
+
+Clip ClipArguments::read(const Skeleton& skeleton, double unit, std::vector<int>& frame_numbers) const {
+  ClipOptions with_unit = options;
+  with_unit.unit = clip_unit(source, unit);
+  Clip clip = read_clip(source, skeleton, with_unit);
+  say(clip.notes);
+  if (frames.empty()) {
+    for (int frame = clip.first_frame; frame <= clip.last_frame(); ++frame) frame_numbers.push_back(frame);
+  } else {
+    frame_numbers = parse_frame_range(frames);
+  }
+  for (const int frame : frame_numbers) {
+    if (frame < clip.first_frame || frame > clip.last_frame()) {
+      throw Error(ErrorKind::usage, format("--frames asks for frame %d; '%s' has frames %d to %d at %g frames a second",
+                                           frame, source.c_str(), clip.first_frame, clip.last_frame(), clip.fps));
+    }
+  }
+  return clip;
+}
+
+void DeviceArguments::add(CLI::App& verb) {
+  verb.add_option("--device", choice.name, "auto, cpu, or a Vulkan device by index or name (see 'bodyopt devices')")
+      ->capture_default_str()
+      ->type_name("D");
+  verb.add_flag("--require-device", choice.require_device, "Fail when there is no Vulkan device, never use the CPU");
+}
+
+void add_unit(CLI::App& verb, double& unit) {
+  verb.add_option("--unit", unit, "Metres per unit of the character's file (default: it must be in metres)")
+      ->check(above_zero);
+}
+
+void add_joint_map(CLI::App& verb, std::string& path) {
+  verb.add_option("--joint-map", path, "Which joint of the clip moves which, where names do not tell (joint_map.json)")
+      ->type_name("FILE")
+      ->check(refuse_empty);
+}
+
+std::string refuse_empty(const std::string& value) {
+  return value.empty() ? "expected a value, found an empty one: a shell variable that is not set?" : "";
+}
+
+std::function<std::string(const std::string&)> number_from(double low, double high) {
+  return [low, high](const std::string& text) {
+    const char* begin = text.c_str();
+    char* end = nullptr;
+    const double value = std::strtod(begin, &end);
+    const bool is_number = end == begin + text.size() && !text.empty();
+    return is_number && value >= low && value <= high
+               ? std::string()
+               : format("expected a number from %g to %g, found '%s'", low, high, begin);
+  };
+}
+
+std::string above_zero(const std::string& text) {
+  const bool is_one =
+      number_from(std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max())(text).empty();
+  return is_one ? "" : "expected a number above 0, found '" + text + "'";
+}
+
+std::function<std::string(const std::string&)> must_end_in(const std::string& extension) {
+  return [extension](const std::string& name) {
+    return name.ends_with(extension) ? std::string() : "'" + name + "' does not end in " + extension;
+  };
+}
+
+void add_output(CLI::App& verb, std::string& path, const std::string& extension, const std::string& description) {
+  verb.add_option("--out", path, description)->required()->type_name("FILE" + extension)->check(must_end_in(extension));
+}
+
+void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input) {
+  std::error_code ignored;
+  if (std::filesystem::equivalent(out, input, ignored)) {
+    throw Error(ErrorKind::usage, "--out " + out.string() + " would write over the input of that name");
+  }
+}
+
+void require_writable(const std::filesystem::path& path) { const AtomicFile probe(path); }
+
+std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames) {
+  std::vector<Pose> poses;
+  for (const int frame : frames) poses.push_back(clip.poses[static_cast<std::size_t>(frame - clip.first_frame)]);
+  return poses;
+}
+
+namespace {
+
+std::string& kept_command_line() {
+  static std::string line;
+  return line;
+}
+
+}  // namespace
+
+void keep_command_line(int argc, char** argv) {
+  kept_command_line() = "bodyopt";
+  for (int k = 1; k < argc; ++k) {
+    const std::string argument = argv[k];
+    const bool plain = !argument.empty() && argument.find_first_of(" \t\n\"'$*?#&;|<>()\\") == std::string::npos;
+    std::string quoted;
+    for (const char c : argument) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    kept_command_line() += " " + (plain ? argument : "'" + quoted + "'");
+  }
+}
+
+const std::string& command_line() { return kept_command_line(); }
+
+void say(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) spdlog::warn("{}", note);
+}
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::filesystem::create_directories(folder, ignored);
+  if (!std::filesystem::is_directory(folder)) {
+    throw Error(ErrorKind::file, "'" + folder.string() +
+                                     "' cannot be made a folder: a file of that name is in the "
+                                     "way, or the folder above is not writable");
+  }
+}
+
+Json to_json(const ErrorStatistics& errors) {
+  return {{"rms", errors.rms}, {"p99", errors.p99}, {"max", errors.max}, {"jitter", errors.jitter}};
+}
+
+std::string describe(const ErrorStatistics& errors) {
+  return format("RMS %.3f mm, p99 %.3f mm, max %.3f mm, jitter %.3f mm", errors.rms, errors.p99, errors.max,
+                errors.jitter);
+}
+
+double peak_memory_mib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+std::string format(const char* pattern, ...) {
+  va_list arguments, again;
+  va_start(arguments, pattern);
+  va_copy(again, arguments);
+  const int size = std::vsnprintf(nullptr, 0, pattern, arguments);
+  va_end(arguments);
+  std::string text(static_cast<std::size_t>(size), '\0');
+  std::vsnprintf(text.data(), text.size() + 1, pattern, again);
+  va_end(again);
+  return text;
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,113 @@
+// What the verbs share: their registration, the clip arguments, the result's two forms.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "assets/clip.h"
+#include "dataset/compare.h"
+#include "runtime/basis/character_unit.h"
+#include "runtime/deformer/deformer.h"
+
+namespace bodyopt::cli {
+
+using Json = nlohmann::ordered_json;
+
+// Frames a second that clips and dynamics may have.
+constexpr double kLeastRate = 1e-3, kMostRate = 1e5;
+
+// --json FILE; '-' is standard output, which then holds nothing else.
+struct JsonOption {
+  std::string path;
+  void add(CLI::App& verb);
+  // Throws Error(file) now rather than after long work.
+  void require_writable() const;
+  // Prints `text` for people (unless standard output is taken by the JSON) and writes `result` where asked.
+  void emit(const Json& result, const std::string& text) const;
+};
+
+// --clip CLIP [--frames R] [--fps N] [--first-frame N] [--controls FILE] [--joint-map FILE]
+struct ClipArguments {
+  std::string source, frames;
+  ClipOptions options;
+  void add(CLI::App& verb);
+  // Reads the clip, says its notes, and gives the frames asked for (all without --frames). Throws Error(usage) when a
+  // frame lies outside the clip.
+  // `unit`: that of the character.
+  Clip read(const Skeleton& skeleton, double unit, std::vector<int>& frame_numbers) const;
+};
+
+// --device D [--require-device]
+struct DeviceArguments {
+  DeviceChoice choice;
+  void add(CLI::App& verb);
+};
+
+void add_unit(CLI::App& verb, double& unit);
+void add_joint_map(CLI::App& verb, std::string& path);
+
+// A check of options: an empty value is most likely a shell variable that is not set, and must not mean the default.
+std::string refuse_empty(const std::string& value);
+
+// A check of options: a number, finite, within these ends.
+std::function<std::string(const std::string&)> number_from(double low, double high);
+
+// A check of options: a number above 0 and finite, which CLI11 does not ask of "nan".
+std::string above_zero(const std::string& text);
+
+// A check of options: the file's name ends as said.
+std::function<std::string(const std::string&)> must_end_in(const std::string& extension);
+
+// An option that names a file to write, which must end as said: a slip must not overwrite a character.
+void add_output(CLI::App& verb, std::string& path, const std::string& extension, const std::string& description);
+// Throws Error(usage) when `out` is the file `input`.
+void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input);
+// Throws Error(file) now rather than after long work.
+void require_writable(const std::filesystem::path& path);
+
+// The poses of some frames of a clip.
+std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames);
+
+// What the user typed, "bodyopt" and its arguments; kept by main().
+void keep_command_line(int argc, char** argv);
+const std::string& command_line();
+
+// Says each note once, as a warning on standard error.
+void say(const std::vector<std::string>& notes);
+
+// Makes the folder where it is missing. Throws Error(file).
+void make_folder(const std::filesystem::path& folder);
+
+Json to_json(const ErrorStatistics& errors);
+std::string describe(const ErrorStatistics& errors);
+double peak_memory_mib();
+std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
+
+// One per verb, in the file of its name: declares its arguments and what it runs.
+void add_demo(CLI::App& app);
+void add_rom(CLI::App& app);
+void add_simulate(CLI::App& app);
+void add_muscles(CLI::App& app);
+void add_dataset(CLI::App& app);
+void add_check(CLI::App& app);
+void add_train(CLI::App& app);
+void add_test(CLI::App& app);
+void add_improve(CLI::App& app);
+void add_proxy(CLI::App& app);
+void add_dynamics(CLI::App& app);
+void add_attach(CLI::App& app);
+void add_eval(CLI::App& app);
+void add_compare(CLI::App& app);
+void add_coverage(CLI::App& app);
+void add_regions(CLI::App& app);
+void add_view(CLI::App& app);
+void add_export(CLI::App& app);
+void add_picture(CLI::App& app);
+void add_info(CLI::App& app);
+void add_devices(CLI::App& app);
+
+}  // namespace bodyopt::cli

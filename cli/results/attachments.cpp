@@ -1,0 +1,129 @@
+#include "cli/results/attachments.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "runtime/core/error.h"
+#include "runtime/core/file_lock.h"
+#include "runtime/core/hexadecimal.h"
+
+namespace bodyopt::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+Attachments found_attachments(const std::string& file, const fs::path& basis_path, const Basis& basis) {
+  if (!file.empty()) return load_attachments(file, basis);
+  if (basis_path.empty()) return {};
+  return attachments_in(attachments_beside(basis_path), basis, basis_path.string());
+}
+
+}  // namespace
+
+fs::path attachments_beside(const fs::path& basis) {
+  return fs::path(basis).replace_extension(".attached.safetensors");
+}
+
+Attachments attachments_in(const fs::path& path, const Basis& basis, const std::string& basis_name) {
+  if (fs::exists(path)) return load_attachments(path, basis, basis_name);
+  Attachments none;
+  none.metadata["topology_hash"] = hexadecimal(topology_hash(basis.mesh));
+  none.metadata["skeleton_hash"] = hexadecimal(skeleton_hash(basis.skeleton));
+  return none;
+}
+
+std::vector<AttachedMesh> bind_meshes(const std::vector<LooseMesh>& meshes, const Basis& basis,
+                                      const AttachOptions& options) {
+  const RestSkin skin(basis);
+  std::vector<AttachedMesh> bound;
+  for (const LooseMesh& mesh : meshes) bound.push_back(bind_mesh(mesh, skin, options));
+  return bound;
+}
+
+Attachments attach(const std::vector<AttachedMesh>& meshes, const fs::path& path, const Basis& basis,
+                   const std::string& basis_name) {
+  const FileLock lock = lock_to_change(path);
+  Attachments attachments = attachments_in(path, basis, basis_name);
+  for (const AttachedMesh& mesh : meshes) {
+    const auto same = std::find_if(attachments.meshes.begin(), attachments.meshes.end(),
+                                   [&](const AttachedMesh& known) { return known.name == mesh.name; });
+    if (same == attachments.meshes.end()) {
+      attachments.meshes.push_back(mesh);
+    } else {
+      *same = mesh;
+    }
+  }
+  save_attachments(attachments, path);
+  return attachments;
+}
+
+std::string describe(const std::vector<AttachedMesh>& meshes) {
+  std::string text;
+  for (const AttachedMesh& mesh : meshes) {
+    text += format("attached %s, %u vertices: %s\n", mesh.name.c_str(), mesh.vertex_count(), mesh.bound.c_str());
+  }
+  return text;
+}
+
+Json to_json(const std::vector<AttachedMesh>& meshes) {
+  Json list = Json::array();
+  for (const AttachedMesh& mesh : meshes) {
+    list.push_back({{"name", mesh.name},
+                    {"vertices", mesh.vertex_count()},
+                    {"triangles", mesh.triangle_count()},
+                    {"bound", mesh.bound}});
+  }
+  return list;
+}
+
+std::vector<AttachedMesh> attach_own_meshes(const fs::path& character, double unit, std::size_t skin_vertices,
+                                            const Basis& basis, const fs::path& basis_path) {
+  try {
+    std::vector<std::string> notes;
+    const std::vector<LooseMesh> meshes =
+        read_loose_meshes(character, basis.skeleton, skin_vertices, unit > 0 ? unit : 1, notes);
+    say(notes);
+    if (meshes.empty()) return {};
+    const std::vector<AttachedMesh> bound = bind_meshes(meshes, basis, {});
+    attach(bound, attachments_beside(basis_path), basis, basis_path.string());
+    return bound;
+  } catch (const Error& error) {
+    spdlog::warn("the character's other meshes are not attached: {}", error.what());
+    return {};
+  }
+}
+
+AttachedCaches::AttachedCaches(const std::string& file, const fs::path& basis_path, const Basis& basis)
+    : attachments_(found_attachments(file, basis_path, basis)), carrier_(basis, attachments_) {}
+
+void AttachedCaches::open(const fs::path& skin_cache, const std::vector<int>& frames) {
+  for (const AttachedMesh& mesh : attachments_.meshes) {
+    paths_.push_back(fs::path(skin_cache).replace_extension("." + mesh.name + ".pc2").string());
+    writers_.push_back(
+        std::make_unique<Pc2Writer>(paths_.back(), mesh.vertex_count(), static_cast<std::uint32_t>(frames.size()),
+                                    frames.empty() ? 1.0f : static_cast<float>(frames.front()), frame_spacing(frames)));
+  }
+}
+
+void AttachedCaches::append(std::span<const float> skin, const Pose& pose) {
+  if (writers_.empty()) return;
+  const std::vector<std::vector<float>> carried = carrier_.carry(skin, pose.joints);
+  for (std::size_t k = 0; k < carried.size(); ++k) writers_[k]->append(carried[k]);
+}
+
+void AttachedCaches::close() {
+  for (const auto& writer : writers_) writer->close();
+}
+
+Json AttachedCaches::written() const {
+  Json list = Json::array();
+  for (std::size_t k = 0; k < paths_.size(); ++k) {
+    list.push_back({{"name", attachments_.meshes[k].name},
+                    {"points", attachments_.meshes[k].vertex_count()},
+                    {"cache", paths_[k]}});
+  }
+  return list;
+}
+
+}  // namespace bodyopt::cli

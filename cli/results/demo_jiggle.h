@@ -1,0 +1,18 @@
+// The demo's flip-book: the arm stops suddenly, static and jiggling.
+#pragma once
+
+#include <filesystem>
+
+#include "report/report.h"
+#include "runtime/deformer/deformer.h"
+#include "trainer/train/train.h"
+
+namespace bodyopt::cli {
+
+// Makes the dynamics of the built-in arm, from which `set` is, and evaluates the clip `stop.glb` in `folder` with and
+// without them. Writes basis.dynamics.safetensors and, where `pictures_on` names a Vulkan device (empty: none),
+// stop_strip.png and stop.webp. Throws Error(file), Error(device).
+JiggleReport demo_jiggle(const SampleSet& set, const Basis& basis, const DeviceChoice& device,
+                         const std::string& pictures_on, const std::filesystem::path& folder);
+
+}  // namespace bodyopt::cli

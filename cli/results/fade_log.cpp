@@ -1,0 +1,36 @@
+#include "cli/results/fade_log.h"
+
+#include <algorithm>
+
+#include "assets/frame_range.h"
+
+namespace bodyopt::cli {
+namespace {
+
+constexpr double kNoted = 0.95;  // of what was learned: more is hardly seen
+
+}  // namespace
+
+void FadeLog::add(const Skeleton& skeleton, const Evaluation& evaluation, std::size_t k, int frame, Json& entry) {
+  const double fade = mean_fade(evaluation, k);
+  const int joint = evaluation.fading_joint[k];
+  const std::string name = joint < 0 ? "" : skeleton.joints[static_cast<std::size_t>(joint)].name;
+  entry["fade"] = fade;
+  entry["fading_joint"] = name;
+  if (fade >= kNoted) return;
+  frames_.push_back(frame);
+  ++joints_[name];
+  least_ = std::min(least_, fade);
+}
+
+std::string FadeLog::text() const {
+  if (frames_.empty()) return "";
+  const auto most = std::max_element(joints_.begin(), joints_.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  return format(
+      "%zu frames hold poses that training did not show (most of all of %s); there the correction fades, to %.0f %% "
+      "at the least: %s\n",
+      frames_.size(), most->first.c_str(), 100 * least_, format_frame_range(frames_).c_str());
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,26 @@
+// Frames in which what was learned fades to Direct Delta Mush.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "cli/arguments/common.h"
+
+namespace bodyopt::cli {
+
+class FadeLog {
+ public:
+  // Of sample k of an evaluation, which is this frame; `entry` gets "fade" and "fading_joint".
+  void add(const Skeleton& skeleton, const Evaluation& evaluation, std::size_t k, int frame, Json& entry);
+
+  // A line for people; none where hardly anything fades.
+  std::string text() const;
+
+ private:
+  std::vector<int> frames_;
+  std::map<std::string, std::size_t> joints_;  // and of how many of these frames they are
+  double least_ = 1;
+};
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,201 @@
+#include "cli/results/measure.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "cli/results/report_pictures.h"
+#include "trainer/train/ablation.h"
+#include "trainer/train/coverage.h"
+#include "trainer/train/test_errors.h"
+#include "trainer/train/trade_off.h"
+
+namespace bodyopt::cli {
+namespace {
+
+MethodReport method_of(const AblationRow& row) {
+  MethodReport report;
+  report.name = row.name;
+  report.rms = row.errors.rms;
+  report.p99 = row.errors.p99;
+  report.max = row.errors.max;
+  report.jitter = row.errors.jitter;
+  report.frame_rms = row.errors.frame_rms;
+  report.frame_max = row.errors.frame_max;
+  report.bytes_per_vertex = row.bytes_per_vertex;
+  report.coefficients = row.coefficients;
+  report.seconds = row.seconds;
+  return report;
+}
+
+FrameAxis heldout_axis(const SampleSet& set) {
+  FrameAxis axis;
+  for (std::size_t k = 0; k < set.heldout.size(); ++k) {
+    const Sample& sample = set.heldout[k];
+    if (k == 0 || sample.take != set.heldout[k - 1].take) {
+      axis.takes.push_back({set.takes[static_cast<std::size_t>(sample.take)], k});
+    }
+    axis.frames.push_back(sample.frame);
+  }
+  return axis;
+}
+
+void describe_character(const SampleSet& set, ReportData& report) {
+  const Character& character = set.character;
+  const auto box = (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).eval();
+  report.character.name = character.name;
+  report.character.vertices = static_cast<std::uint32_t>(character.vertices.rows());
+  report.character.joints = static_cast<std::uint32_t>(character.skeleton.size());
+  report.character.muscles = static_cast<std::uint32_t>(set.muscles.size());
+  report.character.bounding_box_m = {box(0), box(1), box(2)};
+  report.dataset.train_frames = static_cast<std::uint32_t>(set.train.size());
+  report.dataset.heldout_frames = static_cast<std::uint32_t>(set.heldout.size());
+  report.dataset.unconverged = static_cast<std::uint32_t>(set.unconverged);
+}
+
+// What the basis' metadata tell.
+void describe_basis(const Basis& basis, ReportData& report) {
+  const double vertices = std::max(1u, basis.mesh.vertex_count());
+  report.bytes_per_vertex = bytes_per_vertex(basis);
+  for (const auto& [stage, bytes] : table_bytes(basis)) {
+    report.bytes_by_stage.emplace_back(stage, static_cast<double>(bytes) / vertices);
+  }
+  for (const TradeOffPoint& point : read_curve(basis)) {
+    report.trade_off.push_back({point.bytes_per_vertex, point.expected_mm, point.microseconds, point.coefficients});
+  }
+  const Json own = Json::parse(basis.metadata.at("report"));
+  report.expected_rms_mm = own.at("expected_rms_mm");
+  for (const Json& region : own.at("regions")) {
+    report.regions.push_back({region.at("name"), region.at("motion_rms_mm"), region.at("validation_rms_mm"), {}, {}});
+  }
+  for (const auto& [name, percent] : own.at("muscles_explain_percent").items()) {
+    report.muscles.push_back({name, percent});
+  }
+  std::stable_sort(report.muscles.begin(), report.muscles.end(),
+                   [](const MuscleReport& a, const MuscleReport& b) { return a.percent > b.percent; });
+  report.warnings = training_warnings(basis);
+}
+
+CoverageReport heldout_coverage(const SampleSet& set, const Training& training) {
+  constexpr std::size_t kWorst = 20;
+  const std::vector<RegionCoverage> regions = read_coverage(training.basis);
+  CoverageReport report;
+  for (const RegionCoverage& region : regions) report.regions.push_back(region.name);
+  for (const ExpectedError& error : expected_errors(training.basis, regions, heldout_poses(set))) {
+    report.frame_mm.push_back(error.rms_mm);
+    report.region_mm.push_back(error.region_mm);
+  }
+  report.rms_mm = root_mean_square(report.frame_mm);
+  const double correlation = rank_correlation(report.frame_mm, training.methods.back().frame_rms);
+  if (std::isfinite(correlation)) report.rank_correlation = correlation;
+  report.worth_simulating = worth_simulating(report.frame_mm, kWorst, spreading_gap(report.frame_mm.size(), kWorst));
+  return report;
+}
+
+// Of the regions that the basis keeps: over the held-out frames, expected and true.
+void add_heldout_errors(const std::vector<RegionWeights>& weights, const VertexErrors& errors, ReportData& report) {
+  const CoverageReport& coverage = *report.coverage;
+  for (RegionReport& region : report.regions) {
+    const auto kept = std::find(coverage.regions.begin(), coverage.regions.end(), region.name);
+    if (kept == coverage.regions.end()) continue;
+    std::vector<double> frames;
+    for (const std::vector<double>& frame : coverage.region_mm) {
+      frames.push_back(frame[static_cast<std::size_t>(kept - coverage.regions.begin())]);
+    }
+    region.expected_mm = root_mean_square(frames);
+  }
+  for (const RegionWeights& region : weights) {
+    const auto same = std::find_if(report.regions.begin(), report.regions.end(),
+                                   [&](const RegionReport& other) { return other.name == region.name; });
+    if (same != report.regions.end()) same->true_mm = region_rms(errors, region);
+  }
+}
+
+AreaErrorsReport area_errors(const MethodErrors& errors) { return {errors.ddm, errors.full, errors.expected}; }
+
+bool is_foreign(const SampleSet& set, const std::string& take) {
+  return std::none_of(set.train.begin(), set.train.end(),
+                      [&](const Sample& sample) { return set.takes[static_cast<std::size_t>(sample.take)] == take; });
+}
+
+std::vector<TakeReport> take_reports(const SampleSet& set, const Basis& basis) {
+  std::vector<TakeReport> reports;
+  for (const TakeErrors& take : test_errors(basis, set)) {
+    TakeReport& report = reports.emplace_back();
+    report.name = take.take;
+    report.foreign = is_foreign(set, take.take);
+    report.frames = static_cast<std::uint32_t>(take.frames.size());
+    report.errors = area_errors(take.errors);
+    for (const PartErrors& part : take.parts) report.parts.push_back({part.part, part.area, area_errors(part.errors)});
+    if (std::isfinite(take.rank_correlation)) report.rank_correlation = take.rank_correlation;
+  }
+  return reports;
+}
+
+}  // namespace
+
+Training train_and_measure(const SampleSet& set, const TrainOptions& options, bool ablate, double unit,
+                           const std::string& out) {
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<std::string> notes;
+  Training training{train(set, options, &notes), 0, {}, {}};
+  for (const std::string& note : notes) spdlog::info(note);
+  training.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  say(training_warnings(training.basis));
+  keep_unit(training.basis, unit);
+  save_basis(training.basis, out);
+  training.unposing = unposing_residual(set, training.basis);
+  if (set.heldout.empty()) return training;
+  for (const AblationRow& row : ablate ? bodyopt::ablate(set, options, training.basis, training.seconds)
+                                       : compare_with_skinning(set, training.basis, training.seconds)) {
+    training.methods.push_back(method_of(row));
+  }
+  return training;
+}
+
+std::string method_table(const std::vector<MethodReport>& methods) {
+  std::string text = format("%-40s %8s %8s %8s %8s %10s %8s\n", "method (errors in mm)", "RMS", "p99", "max", "jitter",
+                            "bytes/vtx", "seconds");
+  for (const MethodReport& method : methods) {
+    text += format("%-40s %8.3f %8.3f %8.2f %8.3f %10.0f %8.1f\n", method.name.c_str(), method.rms, method.p99,
+                   method.max, method.jitter, method.bytes_per_vertex, method.seconds);
+  }
+  return text;
+}
+
+std::vector<Pose> heldout_poses(const SampleSet& set) {
+  std::vector<Pose> poses;
+  for (const Sample& sample : set.heldout) poses.push_back(sample.pose);
+  return poses;
+}
+
+ReportData report_of(const SampleSet& set, const TrainOptions& options, const Training& training,
+                     const std::vector<Positions>& shapes, const std::string& pictures_on) {
+  ReportData report;
+  describe_character(set, report);
+  describe_basis(training.basis, report);
+  report.unposing_residual_mm.lbs = training.unposing.lbs;
+  report.unposing_residual_mm.ddm = training.unposing.ddm;
+  report.train_seconds = training.seconds;
+  report.methods = training.methods;
+  if (!training.methods.empty()) {
+    report.takes = take_reports(set, training.basis);
+    const VertexErrors errors = vertex_errors(set, shapes);
+    report.heldout = heldout_axis(set);
+    report.coverage = heldout_coverage(set, training);
+    const std::vector<RegionWeights> regions = training_regions(set, options);
+    add_heldout_errors(regions, errors, report);
+    if (!pictures_on.empty()) {
+      ReportPictures pictures(set, shapes, training.methods.back(), pictures_on);
+      report.pictures = pictures.worst_and_median();
+      report.mean_error = pictures.mean_error(errors);
+      report.region_picture = pictures.regions(regions);
+    }
+  }
+  report.peak_memory_mib = peak_memory_mib();
+  return report;
+}
+
+}  // namespace bodyopt::cli

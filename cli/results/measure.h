@@ -1,0 +1,37 @@
+// A training and what it says of itself and of the held-out frames: the figures of `train` and `demo`.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cli/arguments/common.h"
+#include "report/report.h"
+#include "trainer/train/heldout.h"
+
+namespace bodyopt::cli {
+
+struct Training {
+  Basis basis;
+  double seconds = 0;
+  std::vector<MethodReport> methods;  // linear blending, Direct Delta Mush, any others, the basis; none without
+                                      // held-out frames
+  UnposingResidual unposing;
+};
+
+// Trains, says what training has to say, writes the basis, and holds it against others: all of them with `ablate`.
+// `unit`: that of the character.
+Training train_and_measure(const SampleSet& set, const TrainOptions& options, bool ablate, double unit,
+                           const std::string& out);
+
+// The methods, a line each.
+std::string method_table(const std::vector<MethodReport>& methods);
+
+// Those of the held-out frames.
+std::vector<Pose> heldout_poses(const SampleSet& set);
+
+// The report of a training, but for its provenance. `shapes`: of the held-out frames, by the basis; `pictures_on`: the
+// Vulkan device that draws pictures, empty for none.
+ReportData report_of(const SampleSet& set, const TrainOptions& options, const Training& training,
+                     const std::vector<Positions>& shapes, const std::string& pictures_on);
+
+}  // namespace bodyopt::cli

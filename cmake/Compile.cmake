@@ -1,0 +1,27 @@
+# What our own sources are compiled with. The language goes on to whoever links a room; warnings stay with its sources:
+# what third-party headers or a host's sources do is not our concern.
+add_library(bodyopt_language INTERFACE)
+target_compile_features(bodyopt_language INTERFACE cxx_std_20)
+target_include_directories(bodyopt_language INTERFACE ${PROJECT_SOURCE_DIR})
+
+add_library(bodyopt_warnings INTERFACE)
+target_compile_options(bodyopt_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror)
+# GCC 12 reports overlapping copies inside its own std::string (its bug 105651).
+target_compile_options(bodyopt_warnings INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
+# GPU results are compared with CPU results: a multiply and an add stay two roundings on both.
+target_compile_options(bodyopt_warnings INTERFACE -ffp-contract=off)
+
+option(BODYOPT_SANITIZE "Build with AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
+if(BODYOPT_SANITIZE)
+  target_compile_definitions(bodyopt_language INTERFACE BODYOPT_SANITIZED)
+  target_compile_options(bodyopt_language INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all
+                         -fno-omit-frame-pointer -O1)
+  target_link_options(bodyopt_language INTERFACE -fsanitize=address,undefined)
+  target_sources(bodyopt_language INTERFACE
+                 $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${PROJECT_SOURCE_DIR}/cmake/sanitizers.cpp>)
+endif()
+
+option(BODYOPT_FUZZ "Build for libFuzzer, which clang brings" OFF)
+if(BODYOPT_FUZZ)
+  target_compile_options(bodyopt_language INTERFACE -fsanitize=fuzzer-no-link,float-cast-overflow)
+endif()

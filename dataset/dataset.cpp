@@ -1,0 +1,273 @@
+#include "dataset/dataset.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <sstream>
+
+#include "assets/clip_source.h"
+#include "assets/frame_range.h"
+#include "assets/json_file.h"
+#include "runtime/core/atomic_file.h"
+#include "runtime/core/error.h"
+#include "runtime/core/file_lock.h"
+#include "runtime/core/hexadecimal.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr const char* kDatasetSchema = "bodyopt-dataset-1";
+constexpr const char* kStatusSchema = "bodyopt-frame-status-1";
+constexpr double kNoResidual = std::numeric_limits<double>::infinity();  // null: the solver blew up
+constexpr double kConverged = 1e-4;      // residual below which a frame counts as solved
+constexpr std::size_t kMaxReason = 300;  // characters of a message about text that may be long
+
+std::vector<int> frames_of(const JsonObject& take, const char* key) {
+  const std::string text = take.text(key);
+  if (text.empty()) return {};
+  try {
+    return parse_frame_range(text);
+  } catch (const Error& error) {
+    take.refuse(std::string("'") + key + "': " + std::string(error.what()).substr(0, kMaxReason));
+  }
+}
+
+// Range text for frames in any order: ranges rise, so every stretch that rises is formatted by itself.
+std::string range_text(const std::vector<int>& frames, const DatasetTake& take, const std::filesystem::path& path) {
+  std::string text;
+  for (auto begin = frames.begin(); begin != frames.end();) {
+    const auto end = std::is_sorted_until(begin, frames.end());
+    if (!text.empty()) text += ',';
+    text += format_frame_range({begin, end});
+    begin = end;
+  }
+  if (!frames.empty() && parse_frame_range(text) != frames) {
+    throw Error(ErrorKind::file, path.string() + ": cannot be written: take '" + take.name +
+                                     "' names a frame twice, expected every frame once");
+  }
+  return text;
+}
+
+std::string relative_path(const std::string& name, const std::filesystem::path& folder) {
+  if (!std::filesystem::path(name).is_absolute()) return name;
+  return std::filesystem::proximate(name, folder).string();
+}
+
+// FILE or FILE#name.
+std::string relative_clip(const std::string& clip, const std::filesystem::path& folder) {
+  const ClipSource source = split_source(clip);
+  return relative_path(source.path.string(), folder) + (source.name.empty() ? "" : '#' + source.name);
+}
+
+// What takes must share to stand in one dataset.
+std::string described(const Dataset& dataset) {
+  std::ostringstream text;
+  text << "'" << dataset.character << "' (unit " << (dataset.unit > 0 ? dataset.unit : 1.0) << " m) with muscles '"
+       << dataset.muscles << "' and materials '" << dataset.materials << "'";
+  return text.str();
+}
+
+DatasetTake read_take(const JsonObject& json) {
+  json.allow(
+      {"name", "clip", "fps", "first_frame", "frames", "controls", "joint_map", "shapes", "shapes_status", "heldout"});
+  DatasetTake take;
+  take.name = json.name("name");
+  take.clip = json.name("clip");
+  take.fps = json.number("fps", 1e-3, 1e5);
+  take.first_frame = json.integer("first_frame");
+  take.frames = frames_of(json, "frames");
+  if (json.has("controls")) take.controls = json.name("controls");
+  if (json.has("joint_map")) take.joint_map = json.name("joint_map");
+  take.shapes = json.name("shapes");
+  if (json.has("shapes_status")) take.shapes_status = json.text("shapes_status");
+  if (json.has("heldout")) take.heldout = frames_of(json, "heldout");
+  if (take.frames.empty()) json.refuse("names no frames");
+  const std::set<int> known(take.frames.begin(), take.frames.end());
+  for (const int frame : take.heldout) {
+    if (!known.contains(frame)) json.refuse("holds out frame " + std::to_string(frame) + ", which it does not have");
+  }
+  return take;
+}
+
+Json to_json(const Dataset& dataset, const std::filesystem::path& path) {
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  Json json = {{"schema", kDatasetSchema}, {"character", relative_path(dataset.character, folder)}};
+  if (dataset.unit > 0) json["unit"] = dataset.unit;
+  if (!dataset.muscles.empty()) json["muscles"] = relative_path(dataset.muscles, folder);
+  if (!dataset.materials.empty()) json["materials"] = relative_path(dataset.materials, folder);
+  if (!dataset.regions.empty()) json["regions"] = relative_path(dataset.regions, folder);
+  json["takes"] = Json::array();
+  for (const DatasetTake& take : dataset.takes) {
+    Json entry = {{"name", take.name},
+                  {"clip", relative_clip(take.clip, folder)},
+                  {"fps", take.fps},
+                  {"first_frame", take.first_frame},
+                  {"frames", range_text(take.frames, take, path)},
+                  {"shapes", relative_path(take.shapes, folder)}};
+    if (!take.controls.empty()) entry["controls"] = relative_path(take.controls, folder);
+    if (!take.joint_map.empty()) entry["joint_map"] = relative_path(take.joint_map, folder);
+    if (!take.shapes_status.empty()) entry["shapes_status"] = relative_path(take.shapes_status, folder);
+    if (!take.heldout.empty()) entry["heldout"] = range_text(take.heldout, take, path);
+    json["takes"].push_back(entry);
+  }
+  return json;
+}
+
+Dataset with_take(Dataset dataset, const DatasetTake& take) {
+  const auto place = std::find_if(dataset.takes.begin(), dataset.takes.end(),
+                                  [&](const DatasetTake& there) { return there.name == take.name; });
+  if (place == dataset.takes.end()) {
+    dataset.takes.push_back(take);
+  } else {
+    *place = take;
+  }
+  return dataset;
+}
+
+}  // namespace
+
+Clip read_clip(const Dataset& dataset, const DatasetTake& take, const Skeleton& skeleton) {
+  ClipOptions options;
+  options.fps = take.fps;
+  options.first_frame = take.first_frame;
+  const std::string source = (dataset.folder / take.clip).string();
+  options.unit = clip_unit(source, dataset.unit);
+  if (!take.controls.empty()) options.controls = (dataset.folder / take.controls).string();
+  if (!take.joint_map.empty()) options.joint_map = (dataset.folder / take.joint_map).string();
+  return read_clip(source, skeleton, options);
+}
+
+void require_same_motion(const DatasetTake& there, const DatasetTake& asked) {
+  if (there.clip == asked.clip && there.fps == asked.fps && there.first_frame == asked.first_frame &&
+      there.controls == asked.controls && there.joint_map == asked.joint_map) {
+    return;
+  }
+  const auto described = [](const DatasetTake& take) {
+    std::ostringstream text;
+    text << "'" << take.clip << "' at " << take.fps << " frames a second from frame " << take.first_frame
+         << ", controls '" << take.controls << "'";
+    if (!take.joint_map.empty()) text << ", joint map '" << take.joint_map << "'";
+    return text.str();
+  };
+  throw Error(ErrorKind::mismatch, "the dataset has a take '" + there.name + "' already, of " + described(there) +
+                                       "; asked for " + described(asked) + ": give the new one a --name");
+}
+
+Dataset read_dataset(const std::filesystem::path& path) {
+  const Json json = read_json(path, kDatasetSchema);
+  const JsonObject top(json, path, "the dataset");
+  top.allow({"schema", "character", "unit", "muscles", "materials", "regions", "takes"});
+  Dataset dataset;
+  dataset.folder = path.parent_path().empty() ? "." : path.parent_path();
+  dataset.character = top.name("character");
+  if (top.has("unit")) dataset.unit = top.number("unit", 0, 1e6);
+  if (top.has("muscles")) dataset.muscles = top.text("muscles");
+  if (top.has("materials")) dataset.materials = top.name("materials");
+  if (top.has("regions")) dataset.regions = top.name("regions");
+  std::set<std::string> names;
+  const Json& takes = top.array("takes");
+  for (std::size_t k = 0; k < takes.size(); ++k) {
+    const JsonObject take(takes[k], path, "takes[" + std::to_string(k) + "]");
+    dataset.takes.push_back(read_take(take));
+    if (!names.insert(dataset.takes.back().name).second) take.refuse("has the name of an earlier take");
+  }
+  return dataset;
+}
+
+Dataset open_dataset(const Dataset& asked, const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return asked;
+  Dataset there = read_dataset(path);
+  const std::string found = described(there), wanted = described(asked);
+  if (found == wanted) return there;
+  throw Error(ErrorKind::mismatch,
+              path.string() + " holds shapes of " + found + "; asked for " + wanted + ": use another folder");
+}
+
+void write_dataset(const Dataset& dataset, const std::filesystem::path& path) {
+  write_json(to_json(dataset, path), path);
+}
+
+void require_place_for(const Dataset& asked, const DatasetTake& take, const std::filesystem::path& path) {
+  const FileLock lock = lock_to_change(path);
+  text_of(to_json(with_take(open_dataset(asked, path), take), path), path);
+  const AtomicFile probe(path);
+}
+
+Dataset put_take(const Dataset& asked, const DatasetTake& take, const std::filesystem::path& path) {
+  const FileLock lock = lock_to_change(path);
+  const Dataset dataset = with_take(open_dataset(asked, path), take);
+  write_dataset(dataset, path);
+  return dataset;
+}
+
+std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path) {
+  const Json json = read_json(path, kStatusSchema);
+  const JsonObject top(json, path, "the side-car");
+  top.allow({"schema", "frames"});
+  std::vector<FrameStatus> status;
+  std::set<int> known;
+  const Json& frames = top.array("frames");
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const JsonObject frame(frames[k], path, "frames[" + std::to_string(k) + "]");
+    frame.allow({"frame", "residual", "converged", "iterations", "seconds", "inverted_tets", "contact_depth",
+                 "volume_change", "inputs"});
+    FrameStatus entry;
+    entry.frame = frame.integer("frame");
+    entry.residual = frame.is_null("residual") ? kNoResidual : frame.number("residual", 0, 1e300);
+    entry.converged = frame.boolean("converged");
+    entry.iterations = frame.integer("iterations", 0);
+    entry.seconds = frame.number("seconds", 0, 1e9);
+    entry.inverted_tets = frame.integer("inverted_tets", 0);
+    if (frame.has("contact_depth") && !frame.is_null("contact_depth"))
+      entry.contact_depth = frame.number("contact_depth", 0, 1e9);
+    if (frame.has("volume_change") && !frame.is_null("volume_change"))  // below -1: turned inside out
+      entry.volume_change = frame.number("volume_change", -1e9, 1e9);
+    if (frame.has("inputs")) entry.inputs = frame.hash("inputs");
+    if (!known.insert(entry.frame).second) frame.refuse("names frame " + std::to_string(entry.frame) + " again");
+    if (entry.converged && !(entry.residual < kConverged && entry.inverted_tets == 0)) {
+      frame.refuse("says 'converged' of a frame with a residual of 1e-4 or more, or inverted tets: edited by hand?");
+    }
+    status.push_back(entry);
+  }
+  return status;
+}
+
+void write_frame_status(const std::vector<FrameStatus>& status, const std::filesystem::path& path) {
+  Json frames = Json::array();
+  for (const FrameStatus& entry : status) {
+    Json frame = {{"frame", entry.frame},
+                  {"residual", std::isfinite(entry.residual) ? Json(entry.residual) : Json()},
+                  {"converged", entry.converged},
+                  {"iterations", entry.iterations},
+                  {"seconds", entry.seconds},
+                  {"inverted_tets", entry.inverted_tets},
+                  {"contact_depth", std::isfinite(entry.contact_depth) ? Json(entry.contact_depth) : Json()},
+                  {"volume_change", std::isfinite(entry.volume_change) ? Json(entry.volume_change) : Json()}};
+    if (entry.inputs != 0) frame["inputs"] = hexadecimal(entry.inputs);
+    frames.push_back(frame);
+  }
+  write_json({{"schema", kStatusSchema}, {"frames", frames}}, path);
+}
+
+std::set<int> unconverged_frames(const Dataset& dataset, const DatasetTake& take) {
+  if (take.shapes_status.empty()) return {};
+  std::set<int> frames(take.frames.begin(), take.frames.end());
+  for (const FrameStatus& status : read_frame_status(dataset.folder / take.shapes_status)) {
+    if (status.converged) frames.erase(status.frame);
+  }
+  return frames;
+}
+
+bool has_given_shapes(const Dataset& dataset, const DatasetTake& take) {
+  if (take.shapes_status.empty()) return true;
+  // Named but missing: a simulation was killed just before it wrote it.
+  if (!std::filesystem::exists(dataset.folder / take.shapes_status)) return false;
+  std::set<int> given(take.frames.begin(), take.frames.end());
+  for (const FrameStatus& status : read_frame_status(dataset.folder / take.shapes_status)) {
+    if (status.inputs != 0) given.erase(status.frame);
+  }
+  return !given.empty();
+}
+
+}  // namespace bodyopt

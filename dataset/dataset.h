@@ -1,0 +1,84 @@
+// dataset.json: which character, clips and shapes belong together, and which frames are held out.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "assets/character.h"
+#include "assets/clip.h"
+#include "assets/muscles.h"
+
+namespace bodyopt {
+
+// One clip and its shapes. Sample k of the cache is frame frames[k] of the clip.
+struct DatasetTake {
+  std::string name;
+  std::string clip;      // as given to read_clip; the file part relative to the dataset's folder
+  std::string controls;  // controls.json of the clip, relative path, or empty
+  double fps = 24;
+  int first_frame = 1;
+  std::vector<int> frames;
+  std::string shapes;         // PC2, output vertex order, relative path
+  std::string shapes_status;  // side-car JSON of simulate, relative path; empty for shapes from elsewhere
+  std::vector<int> heldout;   // frames never trained on
+  std::string joint_map{};    // joint_map.json of the clip, relative path, or empty
+};
+
+struct Dataset {
+  std::filesystem::path folder;
+  std::string character;  // relative path
+  double unit = 0;        // as read_character
+  std::string muscles;    // relative path, or empty
+  std::string materials;  // relative path, or empty: the defaults
+  std::string regions;    // regions.json, relative path, or empty: chosen by training
+  std::vector<DatasetTake> takes;
+};
+
+// The clip of a take, with its controls. Throws as read_clip.
+Clip read_clip(const Dataset& dataset, const DatasetTake& take, const Skeleton& skeleton);
+
+// Throws Error(mismatch) when two takes of one name are of another clip, other controls, another joint map or other
+// frame numbers.
+void require_same_motion(const DatasetTake& there, const DatasetTake& asked);
+
+// Throws Error(file) on bad bytes, wrong schema version or missing keys.
+Dataset read_dataset(const std::filesystem::path& path);
+// The dataset in `path`, or, where there is none yet, `asked`. One dataset holds the takes of one character: throws
+// Error(mismatch) where that in the file has another character, unit, muscles or materials.
+Dataset open_dataset(const Dataset& asked, const std::filesystem::path& path);
+// Written to a temporary name, then renamed. `path` is the dataset.json; its folder must exist.
+void write_dataset(const Dataset& dataset, const std::filesystem::path& path);
+// Puts a take in the place of that of its name, or after all others, and returns the dataset as it is then. Alone: what
+// other processes do to `path` meanwhile is neither lost nor does it undo this. Throws as open_dataset().
+Dataset put_take(const Dataset& asked, const DatasetTake& take, const std::filesystem::path& path);
+// What put_take() would throw after the long work that makes the take's shapes: for a folder that cannot be written to,
+// or a name that JSON cannot hold.
+void require_place_for(const Dataset& asked, const DatasetTake& take, const std::filesystem::path& path);
+
+// The side-car of a simulated cache: what the solver says of each frame.
+struct FrameStatus {
+  int frame = 0;
+  double residual = 0;     // norm of the force left over / norm of the elastic forces
+  bool converged = false;  // residual below 1e-4 and no inverted tet
+  int iterations = 0;
+  double seconds = 0;
+  int inverted_tets = 0;
+  // Metres that skin has passed through skin, at the deepest; not a number where that is not measured (in cages).
+  double contact_depth = std::numeric_limits<double>::quiet_NaN();
+  double volume_change = 0;  // relative, of the muscle that changes most
+  std::uint64_t inputs = 0;  // hash of everything the shape depends on; 0: not known
+};
+std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path);
+void write_frame_status(const std::vector<FrameStatus>& status, const std::filesystem::path& path);
+
+// Frames of a take that its side-car does not vouch for; none without a side-car.
+std::set<int> unconverged_frames(const Dataset& dataset, const DatasetTake& take);
+
+// Does a take have shapes that come from elsewhere: those that its side-car has no `inputs` of?
+bool has_given_shapes(const Dataset& dataset, const DatasetTake& take);
+
+}  // namespace bodyopt

@@ -1,0 +1,12 @@
+#include "dataset/take_lock.h"
+
+namespace bodyopt {
+
+TakeLock::TakeLock(std::filesystem::path cache)
+    : cache_(std::move(cache)),
+      lock_(
+          std::filesystem::path(cache_).replace_extension(".lock"),
+          "writing this take right now, and two would mix up its frames: wait for it to end, or give this one another "
+          "--name") {}
+
+}  // namespace bodyopt

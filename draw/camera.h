@@ -1,0 +1,40 @@
+// The camera's frame: x to the right, y up, z from the scene towards the camera.
+#pragma once
+
+#include <array>
+
+#include "draw/renderer.h"
+#include "runtime/core/transform.h"
+
+namespace bodyopt {
+
+constexpr float kVerticalAngle = 0.45f;  // about the 50 mm lens of a portrait: little perspective distortion
+constexpr float kMaxCoordinate = 1e9f;   // metres; beyond it single precision overflows on the way to the screen
+
+inline Vec3 to_double(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
+
+inline std::array<float, 3> to_float(const Vec3& v) {
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
+
+struct ViewAxes {
+  Vec3 right, up, back;  // orthonormal, world
+};
+
+// Axes of a camera that looks against `direction` (world, towards the camera): upright, whatever the direction.
+ViewAxes view_axes(const Vec3& direction);
+
+// World to camera space, rows of a 3 x 4 matrix. Throws Error(usage) for a camera that is not finite or beyond
+// kMaxCoordinate.
+std::array<std::array<float, 4>, 3> view_matrix(const Camera& camera);
+
+struct DepthRange {
+  double nearest = 1e30, farthest = -1e30;  // metres before the camera
+};
+
+// x and y scale, and depth terms a, b: depth = (z a + b) / w with w = -z, or 1 of an orthographic camera. The near and
+// far planes enclose what is seen as tightly as they can, so that depth is exact from a thimble to a house; an
+// orthographic camera also sees what lies behind its eye. aspect: width over height.
+std::array<float, 4> projection(const Camera& camera, const DepthRange& seen, double aspect);
+
+}  // namespace bodyopt

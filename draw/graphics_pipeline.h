@@ -1,0 +1,84 @@
+// A graphics pipeline whose shaders pull all they read from storage buffers, by number; and the sets that bind them.
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+#include <vector>
+
+#include "draw/attachment.h"
+
+namespace bodyopt {
+
+enum class Blending {
+  none,
+  alpha,    // over what is there, by the alpha of what is drawn
+  greatest  // the greater of both
+};
+
+struct PipelineInfo {
+  std::span<const std::uint32_t> vertex, fragment;  // SPIR-V
+  std::uint32_t storage_buffers = 0;                // bindings 0, 1, ...
+  bool samples_image = false;                       // the binding after those
+  std::uint32_t push_bytes = 0;                     // of a block that both stages see
+  VkSampleCountFlagBits samples = kSamples;
+  Blending blending = Blending::none;
+  bool depth_test = true, depth_write = true;
+  bool culls_back = false;
+};
+
+class GraphicsPipeline {
+ public:
+  // Throws Error(device).
+  GraphicsPipeline(const vulkan::Device& device, VkRenderPass render_pass, const PipelineInfo& info);
+
+  VkDescriptorSetLayout set_layout() const { return set_layout_.get(); }
+  std::uint32_t storage_buffers() const { return storage_buffers_; }
+
+  // Recording. `corners`: three per triangle; what they are the numbers of, where shaders do not look that up.
+  void bind(VkCommandBuffer commands) const;
+  template <typename Push>
+  void draw(VkCommandBuffer commands, VkDescriptorSet set, const Push& push, std::uint32_t corners,
+            const vulkan::Buffer* indices = nullptr) const {
+    static_assert(sizeof(Push) <= 128);
+    record(commands, set, &push, sizeof(Push), corners, indices);
+  }
+
+ private:
+  void make_layout(VkDevice device, const PipelineInfo& info);
+  void make_pipeline(VkDevice device, VkRenderPass render_pass, const PipelineInfo& info);
+  void record(VkCommandBuffer commands, VkDescriptorSet set, const void* push, std::uint32_t bytes,
+              std::uint32_t corners, const vulkan::Buffer* indices) const;
+
+  std::uint32_t storage_buffers_;
+  vulkan::Owned<VkDescriptorSetLayout, vkDestroyDescriptorSetLayout> set_layout_;
+  vulkan::Owned<VkPipelineLayout, vkDestroyPipelineLayout> layout_;
+  vulkan::Owned<VkPipeline, vkDestroyPipeline> pipeline_;
+};
+
+struct SampledImage {
+  VkImageView view = VK_NULL_HANDLE;
+  VkSampler sampler = VK_NULL_HANDLE;
+};
+
+using DescriptorPool = vulkan::Owned<VkDescriptorPool, vkDestroyDescriptorPool>;
+
+// The descriptor sets of one picture, however many.
+class PictureSets {
+ public:
+  explicit PictureSets(const vulkan::Device& device) : device_(device) {}
+  // Forgets all sets; nothing that uses them may be running.
+  void reset();
+  // Throws Error(device) when a buffer is larger than the device lets a shader see.
+  VkDescriptorSet make(const GraphicsPipeline& pipeline, std::initializer_list<const vulkan::Buffer*> buffers,
+                       const SampledImage& image = {});
+
+ private:
+  VkDescriptorSet allocate(VkDescriptorSetLayout layout);
+
+  const vulkan::Device& device_;
+  std::vector<DescriptorPool> pools_;  // made when those before are used up, and kept
+  std::size_t made_ = 0;               // sets of this picture
+};
+
+}  // namespace bodyopt

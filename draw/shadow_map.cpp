@@ -1,0 +1,152 @@
+#include "draw/shadow_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "view_blur.frag.spv.h"
+#include "view_blur.vert.spv.h"
+#include "view_shadow.frag.spv.h"
+#include "view_shadow.vert.spv.h"
+
+namespace bodyopt {
+
+using vulkan::check;
+using vulkan::structure;
+
+namespace {
+
+constexpr std::uint32_t kSide = 512;  // pixels
+constexpr float kCasterShare = 0.5f;  // of the map's side: the pixels of one caster
+constexpr VkFormat kFormat = VK_FORMAT_R8_UNORM;
+constexpr float kReach = 1.1f;  // of the caster's radius: what is higher casts no shadow
+
+struct ShadowPush {
+  std::array<float, 4> shadow, offset_reach;
+  std::uint32_t first_vertex;
+};
+
+constexpr VkRect2D kWhole{{0, 0}, {kSide, kSide}};
+
+float caster_radius(const View& view) { return view.ground.caster > 0 ? view.ground.caster : view.radius; }
+
+// Where there are shadows: all else is not blurred, for that takes long.
+VkRect2D used_part(const View& view) {
+  const float half = std::ceil(0.5f * kSide * shadow_scale(view) * view.radius) + 1;
+  const auto used = static_cast<std::uint32_t>(std::min(half, 0.5f * kSide));
+  const auto corner = static_cast<std::int32_t>(kSide / 2 - used);
+  return {{corner, corner}, {2 * used, 2 * used}};
+}
+
+RenderPass make_pass(const vulkan::Device& device) {
+  const VkAttachmentDescription attachment = PassAttachment{kFormat,
+                                                            VK_SAMPLE_COUNT_1_BIT,
+                                                            VK_ATTACHMENT_LOAD_OP_CLEAR,
+                                                            VK_ATTACHMENT_STORE_OP_STORE,
+                                                            VK_IMAGE_LAYOUT_UNDEFINED,
+                                                            VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL}
+                                                 .description();
+  const VkAttachmentReference colour{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+  VkSubpassDescription subpass{};
+  subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
+  subpass.colorAttachmentCount = 1;
+  subpass.pColorAttachments = &colour;
+  const VkAccessFlags writes = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+  const std::array dependencies = {
+      VkSubpassDependency{VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+                          VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_SHADER_READ_BIT, writes, 0},
+      VkSubpassDependency{0, VK_SUBPASS_EXTERNAL, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+                          VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
+                          VK_ACCESS_SHADER_READ_BIT, 0}};
+  auto info = structure<VkRenderPassCreateInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO);
+  info.attachmentCount = 1;
+  info.pAttachments = &attachment;
+  info.subpassCount = 1;
+  info.pSubpasses = &subpass;
+  info.dependencyCount = dependencies.size();
+  info.pDependencies = dependencies.data();
+  VkRenderPass pass = VK_NULL_HANDLE;
+  check(vkCreateRenderPass(device.handle(), &info, nullptr, &pass), "vkCreateRenderPass");
+  return {device.handle(), pass};
+}
+
+Attachment make_picture(const vulkan::Device& device) {
+  return make_attachment(device, {{kSide, kSide},
+                                  kFormat,
+                                  VK_SAMPLE_COUNT_1_BIT,
+                                  VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
+}
+
+}  // namespace
+
+float shadow_scale(const View& view) { return std::min(kCasterShare / caster_radius(view), 1 / view.radius); }
+
+vulkan::Owned<VkSampler, vkDestroySampler> make_sampler(const vulkan::Device& device) {
+  auto info = structure<VkSamplerCreateInfo>(VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO);
+  info.magFilter = info.minFilter = VK_FILTER_LINEAR;
+  info.addressModeU = info.addressModeV = info.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+  VkSampler sampler = VK_NULL_HANDLE;
+  check(vkCreateSampler(device.handle(), &info, nullptr, &sampler), "vkCreateSampler");
+  return {device.handle(), sampler};
+}
+
+ShadowMap::ShadowMap(const vulkan::Device& device)
+    : pass_(make_pass(device)),
+      hard_(make_picture(device)),
+      soft_(make_picture(device)),
+      hard_framebuffer_(make_framebuffer(device, pass_.get(), {kSide, kSide}, {hard_.view.get()})),
+      soft_framebuffer_(make_framebuffer(device, pass_.get(), {kSide, kSide}, {soft_.view.get()})),
+      sampler_(make_sampler(device)),
+      draw_(device, pass_.get(),
+            {.vertex = view_shadow_vert_spv,
+             .fragment = view_shadow_frag_spv,
+             .storage_buffers = 1,
+             .push_bytes = sizeof(ShadowPush),
+             .samples = VK_SAMPLE_COUNT_1_BIT,
+             .blending = Blending::greatest,
+             .depth_test = false,
+             .depth_write = false}),
+      blur_(device, pass_.get(),
+            {.vertex = view_blur_vert_spv,
+             .fragment = view_blur_frag_spv,
+             .samples_image = true,
+             .push_bytes = sizeof(float),
+             .samples = VK_SAMPLE_COUNT_1_BIT,
+             .depth_test = false,
+             .depth_write = false}) {}
+
+void ShadowMap::begin(VkCommandBuffer commands, VkFramebuffer framebuffer, const VkRect2D& part) const {
+  const VkClearValue clear{};
+  auto info = structure<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
+  info.renderPass = pass_.get();
+  info.framebuffer = framebuffer;
+  info.renderArea = kWhole;
+  info.clearValueCount = 1;
+  info.pClearValues = &clear;
+  vkCmdBeginRenderPass(commands, &info, VK_SUBPASS_CONTENTS_INLINE);
+  const VkViewport viewport{0, 0, kSide, kSide, 0, 1};
+  vkCmdSetViewport(commands, 0, 1, &viewport);
+  vkCmdSetScissor(commands, 0, 1, &part);
+}
+
+void ShadowMap::record(VkCommandBuffer commands, PictureSets& sets, const View& view) const {
+  const float scale = shadow_scale(view), caster = caster_radius(view);
+  begin(commands, hard_framebuffer_.get(), kWhole);
+  draw_.bind(commands);
+  for (const SkinDraw& skin : view.skins) {
+    if (!skin.shadow || view.ground.shadow <= 0) continue;
+    const ShadowPush push{{view.middle[0], view.middle[2], scale, view.ground.height},
+                          {skin.offset[0], skin.offset[1], skin.offset[2], 1 / (kReach * caster)},
+                          skin.first_vertex};
+    draw_.draw(commands, sets.make(draw_, {skin.positions}), push, 3 * skin.triangle_count, skin.triangles);
+  }
+  vkCmdEndRenderPass(commands);
+  begin(commands, soft_framebuffer_.get(), used_part(view));
+  if (view.ground.shadow > 0) {
+    blur_.bind(commands);
+    blur_.draw(commands, sets.make(blur_, {}, {hard_.view.get(), sampler_.get()}), scale * caster, 3);
+  }
+  vkCmdEndRenderPass(commands);
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,92 @@
+// What the viewport draws: views of skins that are on the device, lines, the ground.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "draw/renderer.h"
+#include "runtime/vulkan/buffer.h"
+
+namespace bodyopt {
+
+enum class SurfaceStyle : std::uint32_t { clay = 0, matcap = 1, flat = 2, normals = 3 };
+
+constexpr std::array<float, 3> kClayColour = {0.545f, 0.500f, 0.440f};  // linear RGB, as in studio.glsl
+
+// One frame of a skin. Its buffers must live until the picture is drawn.
+struct SkinDraw {
+  const vulkan::Buffer* triangles = nullptr;  // T x 3
+  std::uint32_t triangle_count = 0;
+  const vulkan::Buffer* positions = nullptr;  // F x V x 3, metres, world
+  const vulkan::Buffer* normals = nullptr;    // F x V x 3
+  std::uint32_t first_vertex = 0;             // of the frame to draw: number of the frame x V
+  std::array<float, 3> offset{};              // world, metres
+  SurfaceStyle style = SurfaceStyle::clay;
+  std::array<float, 3> colour = kClayColour;
+  bool wire = false;
+  bool shadow = true;
+  float alpha = 1;  // below 1: a ghost
+  // Coloured by the distance to these positions, F' x V x 3, or by these distances, F' x V, metres; red at `heat_range`
+  // metres. Null: not.
+  const vulkan::Buffer *reference = nullptr, *distances = nullptr;
+  std::uint32_t first_reference = 0;
+  float heat_range = 0.005f;
+};
+
+struct LinePoint {
+  float x, y, z;         // metres, world
+  std::uint32_t colour;  // sRGB and alpha, red in the lowest byte
+};
+
+struct LineDraw {
+  std::span<const LinePoint> points;  // two per line
+  std::array<float, 3> offset{};
+  float width = 1.5f;   // pixels
+  bool on_top = false;  // seen through skins
+};
+
+struct FibreSegment {
+  std::uint32_t from, to, fibre;
+};
+
+// Fibres on a skin. Buffers as those of SkinDraw.
+struct FibreDraw {
+  const vulkan::Buffer* segments = nullptr;  // FibreSegment
+  std::uint32_t segment_count = 0;
+  const vulkan::Buffer* points = nullptr;  // FibrePoint, of runtime vertices
+  const vulkan::Buffer *positions = nullptr, *normals = nullptr;
+  std::uint32_t first_vertex = 0;
+  std::span<const std::uint32_t> colours;  // per fibre, as LinePoint::colour
+  std::array<float, 3> offset{};
+  float lift = 0.002f;  // metres above the skin
+  float width = 2;      // pixels
+};
+
+struct Rectangle {
+  std::int32_t x = 0, y = 0;  // pixels, from the top left
+  std::uint32_t width = 0, height = 0;
+};
+
+struct Ground {
+  bool grid = true, axes = false;
+  float height = 0, spacing = 0.1f;  // metres
+  float shadow = 0.75f;              // strength; 0: none
+  float caster = 0;  // radius of the smallest of those that cast it, metres: how soft it is; 0: the view's
+};
+
+// A part of the picture.
+struct View {
+  Camera camera;
+  Rectangle area;  // that the camera fills
+  Rectangle part;  // of it that is drawn: a wipe draws two views into one area
+  std::array<float, 3> middle{};
+  float radius = 1;  // all that is drawn lies in this sphere, world, metres
+  Ground ground;
+  std::vector<SkinDraw> skins;  // ghosts last
+  std::vector<LineDraw> lines;
+  std::vector<FibreDraw> fibres;
+};
+
+}  // namespace bodyopt

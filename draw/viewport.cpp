@@ -1,0 +1,343 @@
+#include "draw/viewport.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <string>
+
+#include "draw/camera.h"
+#include "draw/graphics_pipeline.h"
+#include "draw/shadow_map.h"
+#include "draw/viewport_picture.h"
+#include "runtime/core/error.h"
+#include "runtime/vulkan/commands.h"
+#include "view_fibre.vert.spv.h"
+#include "view_ground.frag.spv.h"
+#include "view_ground.vert.spv.h"
+#include "view_line.frag.spv.h"
+#include "view_line.vert.spv.h"
+#include "view_surface.frag.spv.h"
+#include "view_surface.vert.spv.h"
+
+namespace bodyopt {
+
+using vulkan::structure;
+
+namespace {
+
+constexpr std::uint32_t kPaletteSize = 256;
+
+struct ViewPush {
+  std::array<std::array<float, 4>, 3> rows;
+  std::array<float, 4> projection;
+};
+
+struct SurfacePush {
+  ViewPush view;
+  std::array<float, 4> offset_alpha, tint_heat;
+  std::uint32_t style, wire, orthographic, first_vertex, first_reference, measured;
+};
+static_assert(sizeof(SurfacePush) == 120);
+
+struct GroundPush {
+  ViewPush view;
+  std::array<float, 4> shadow, ground;
+  std::uint32_t grid, orthographic;
+};
+static_assert(sizeof(GroundPush) == 104);
+
+struct LinePush {
+  ViewPush view;
+  std::array<float, 4> offset;
+  std::array<float, 2> half_width;
+  std::uint32_t orthographic;
+};
+static_assert(sizeof(LinePush) == 92);
+
+struct FibrePush {
+  ViewPush view;
+  std::array<float, 4> offset_lift;
+  std::array<float, 2> half_width;
+  std::uint32_t orthographic, first_vertex;
+};
+static_assert(sizeof(FibrePush) == 96);
+
+// The near and far planes enclose the view's sphere.
+ViewPush view_push(const View& view) {
+  ViewPush push;
+  push.rows = view_matrix(view.camera);
+  const auto& back = push.rows[2];
+  const double z = -(static_cast<double>(back[0]) * view.middle[0] + static_cast<double>(back[1]) * view.middle[1] +
+                     static_cast<double>(back[2]) * view.middle[2] + static_cast<double>(back[3]));
+  push.projection = projection(view.camera, {z - view.radius, z + view.radius},
+                               static_cast<double>(view.area.width) / view.area.height);
+  return push;
+}
+
+// What deformers and the host wrote before is seen by the shaders.
+void await_data(VkCommandBuffer commands) {
+  auto memory = structure<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
+  memory.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+  memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_INDEX_READ_BIT;
+  vkCmdPipelineBarrier(
+      commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
+      VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_VERTEX_INPUT_BIT,
+      0, 1, &memory, 0, nullptr, 0, nullptr);
+}
+
+VkRect2D inside(const Rectangle& part, VkExtent2D size) {
+  const auto clamp = [](std::int64_t value, std::uint32_t limit) {
+    return static_cast<std::int32_t>(std::clamp<std::int64_t>(value, 0, limit));
+  };
+  const std::int32_t left = clamp(part.x, size.width), top = clamp(part.y, size.height);
+  const std::int32_t right = clamp(std::int64_t{part.x} + part.width, size.width),
+                     bottom = clamp(std::int64_t{part.y} + part.height, size.height);
+  return {{left, top}, {static_cast<std::uint32_t>(right - left), static_cast<std::uint32_t>(bottom - top)}};
+}
+
+std::vector<float> palette_numbers() {
+  std::vector<float> numbers;
+  for (std::uint32_t k = 0; k < kPaletteSize; ++k) {
+    const std::array<float, 3> colour = heat_colour(static_cast<float>(k) / (kPaletteSize - 1));
+    numbers.insert(numbers.end(), colour.begin(), colour.end());
+  }
+  return numbers;
+}
+
+PipelineInfo line_info(std::span<const std::uint32_t> vertex, std::uint32_t buffers, std::uint32_t push_bytes,
+                       VkSampleCountFlagBits samples, bool depth_test) {
+  return {.vertex = vertex,
+          .fragment = view_line_frag_spv,
+          .storage_buffers = buffers,
+          .push_bytes = push_bytes,
+          .samples = samples,
+          .blending = Blending::alpha,
+          .depth_test = depth_test,
+          .depth_write = false};
+}
+
+PipelineInfo surface_info(VkSampleCountFlagBits samples, bool ghost) {
+  return {.vertex = view_surface_vert_spv,
+          .fragment = view_surface_frag_spv,
+          .storage_buffers = 5,
+          .push_bytes = sizeof(SurfacePush),
+          .samples = samples,
+          .blending = ghost ? Blending::alpha : Blending::none,
+          .depth_write = !ghost,
+          .culls_back = ghost};
+}
+
+// What draws the scene with so many samples a pixel.
+struct Scene {
+  Scene(const vulkan::Device& device, VkSampleCountFlagBits samples_)
+      : samples(samples_),
+        pass(make_scene_pass(device, samples)),
+        ground(device, pass.get(),
+               {.vertex = view_ground_vert_spv,
+                .fragment = view_ground_frag_spv,
+                .samples_image = true,
+                .push_bytes = sizeof(GroundPush),
+                .samples = samples,
+                .depth_test = false,
+                .depth_write = false}),
+        surface(device, pass.get(), surface_info(samples, false)),
+        ghost(device, pass.get(), surface_info(samples, true)),
+        line(device, pass.get(), line_info(view_line_vert_spv, 1, sizeof(LinePush), samples, true)),
+        line_on_top(device, pass.get(), line_info(view_line_vert_spv, 1, sizeof(LinePush), samples, false)),
+        fibre(device, pass.get(), line_info(view_fibre_vert_spv, 5, sizeof(FibrePush), samples, true)) {}
+
+  VkSampleCountFlagBits samples;
+  RenderPass pass;
+  GraphicsPipeline ground, surface, ghost, line, line_on_top, fibre;
+};
+
+}  // namespace
+
+struct Viewport::Impl {
+  explicit Impl(const vulkan::Device& d)
+      : device(d),
+        panel_pass(make_panel_pass(device)),
+        sets(device),
+        palette(vulkan::upload(device, palette_numbers(), "the colour bar")),
+        commands(device) {}
+
+  // A copy of host data that lives until the next picture.
+  template <typename T>
+  const vulkan::Buffer& stream(std::span<const T> values) {
+    streamed.push_back(std::make_unique<vulkan::Buffer>(device, values.size_bytes(), vulkan::Memory::staging, "lines"));
+    if (!values.empty()) std::memcpy(streamed.back()->mapped(), values.data(), values.size_bytes());
+    return *streamed.back();
+  }
+
+  void record_ground(VkCommandBuffer recorder, const View& view, const ViewPush& push, const ShadowMap& shadow) {
+    const Ground& g = view.ground;
+    scene->ground.bind(recorder);
+    scene->ground.draw(recorder, sets.make(scene->ground, {}, shadow.image()),
+                       GroundPush{push,
+                                  {view.middle[0], view.middle[2], shadow_scale(view), g.shadow},
+                                  {g.height, g.spacing, 2.5f * view.radius, g.axes ? 1.0f : 0.0f},
+                                  g.grid,
+                                  view.camera.orthographic_height > 0},
+                       3);
+  }
+
+  void record_skin(VkCommandBuffer recorder, const SkinDraw& skin, const ViewPush& push, bool orthographic) {
+    const GraphicsPipeline& pipeline = skin.alpha < 1 ? scene->ghost : scene->surface;
+    pipeline.bind(recorder);
+    const vulkan::Buffer* heat = skin.distances ? skin.distances : skin.reference;
+    const VkDescriptorSet set =
+        sets.make(pipeline, {skin.triangles, skin.positions, skin.normals, heat ? heat : skin.positions, &palette});
+    pipeline.draw(
+        recorder, set,
+        SurfacePush{push,
+                    {skin.offset[0], skin.offset[1], skin.offset[2], skin.alpha},
+                    {skin.colour[0], skin.colour[1], skin.colour[2], heat ? 1 / std::max(1e-6f, skin.heat_range) : 0},
+                    static_cast<std::uint32_t>(skin.style),
+                    skin.wire,
+                    orthographic,
+                    skin.first_vertex,
+                    skin.first_reference,
+                    skin.distances != nullptr},
+        3 * skin.triangle_count, skin.wire ? nullptr : skin.triangles);
+  }
+
+  void record_lines(VkCommandBuffer recorder, const LineDraw& lines, const ViewPush& push, const View& view) {
+    if (lines.points.empty()) return;
+    const GraphicsPipeline& pipeline = lines.on_top ? scene->line_on_top : scene->line;
+    pipeline.bind(recorder);
+    pipeline.draw(recorder, sets.make(pipeline, {&stream(lines.points)}),
+                  LinePush{push,
+                           {lines.offset[0], lines.offset[1], lines.offset[2], 0},
+                           half_width(lines.width, view),
+                           view.camera.orthographic_height > 0},
+                  static_cast<std::uint32_t>(3 * lines.points.size()));
+  }
+
+  void record_fibres(VkCommandBuffer recorder, const FibreDraw& fibres, const ViewPush& push, const View& view) {
+    if (fibres.segment_count == 0) return;
+    scene->fibre.bind(recorder);
+    const VkDescriptorSet set = sets.make(
+        scene->fibre, {fibres.segments, fibres.points, fibres.positions, fibres.normals, &stream(fibres.colours)});
+    scene->fibre.draw(recorder, set,
+                      FibrePush{push,
+                                {fibres.offset[0], fibres.offset[1], fibres.offset[2], fibres.lift},
+                                half_width(fibres.width, view),
+                                view.camera.orthographic_height > 0,
+                                fibres.first_vertex},
+                      6 * fibres.segment_count);
+  }
+
+  static std::array<float, 2> half_width(float width, const View& view) {
+    return {width / static_cast<float>(view.area.width), width / static_cast<float>(view.area.height)};
+  }
+
+  void record_view(VkCommandBuffer recorder, const View& view, const ShadowMap& shadow) {
+    const VkRect2D part = inside(view.part, picture->size());
+    if (part.extent.width == 0 || part.extent.height == 0) return;
+    const VkViewport area{static_cast<float>(view.area.x),
+                          static_cast<float>(view.area.y),
+                          static_cast<float>(view.area.width),
+                          static_cast<float>(view.area.height),
+                          0,
+                          1};
+    vkCmdSetViewport(recorder, 0, 1, &area);
+    vkCmdSetScissor(recorder, 0, 1, &part);
+    const ViewPush push = view_push(view);
+    record_ground(recorder, view, push, shadow);
+    for (const SkinDraw& skin : view.skins) {
+      record_skin(recorder, skin, push, view.camera.orthographic_height > 0);
+    }
+    for (const FibreDraw& fibres : view.fibres) record_fibres(recorder, fibres, push, view);
+    for (const LineDraw& lines : view.lines) record_lines(recorder, lines, push, view);
+  }
+
+  void prepare(VkExtent2D size, Edges edges) {
+    std::unique_ptr<Scene>& wanted = edges == Edges::smooth ? smooth : quick;
+    if (!wanted) wanted = std::make_unique<Scene>(device, edges == Edges::smooth ? kSamples : VK_SAMPLE_COUNT_1_BIT);
+    const bool fits = picture && scene == wanted.get() && picture->size().width == size.width &&
+                      picture->size().height == size.height;
+    scene = wanted.get();
+    if (fits) return;
+    picture.reset();
+    picture.emplace(device, scene->pass.get(), panel_pass.get(), size, scene->samples);
+  }
+
+  const vulkan::Device& device;
+  RenderPass panel_pass;
+  PictureSets sets;
+  std::unique_ptr<Scene> smooth, quick;  // made when they are first wanted
+  const Scene* scene = nullptr;          // of this picture
+  vulkan::Buffer palette;
+  vulkan::Commands commands;
+  std::vector<std::unique_ptr<ShadowMap>> shadows;  // of the views
+  std::vector<std::unique_ptr<vulkan::Buffer>> streamed;
+  std::optional<ViewportPicture> picture;
+};
+
+Viewport::Viewport(const vulkan::Device& device) : impl_(std::make_unique<Impl>(device)) {}
+
+Viewport::~Viewport() = default;
+
+VkRenderPass Viewport::panel_pass() const { return impl_->panel_pass.get(); }
+std::uint32_t Viewport::most_pixels() const {
+  VkPhysicalDeviceProperties properties{};
+  vkGetPhysicalDeviceProperties(impl_->device.physical(), &properties);
+  return std::min(kMostViewportPixels, properties.limits.maxImageDimension2D);
+}
+
+VkImage Viewport::image() const { return impl_->picture->image(); }
+VkExtent2D Viewport::size() const { return impl_->picture->size(); }
+
+void Viewport::draw(std::span<const View> views, std::uint32_t width, std::uint32_t height, Edges edges,
+                    const std::function<void(VkCommandBuffer)>& panels) {
+  const std::uint32_t most = most_pixels();
+  if (width == 0 || height == 0 || width > most || height > most) {
+    throw Error(ErrorKind::usage, "a picture has 1 to " + std::to_string(most) + " pixels a side, not " +
+                                      std::to_string(width) + " x " + std::to_string(height));
+  }
+  Impl& v = *impl_;
+  v.prepare({width, height}, edges);
+  v.streamed.clear();
+  v.sets.reset();
+  while (v.shadows.size() < views.size()) v.shadows.push_back(std::make_unique<ShadowMap>(v.device));
+  v.commands.begin();
+  const VkCommandBuffer recorder = v.commands.handle();
+  v.commands.timestamp();
+  await_data(recorder);
+  for (std::size_t k = 0; k < views.size(); ++k) v.shadows[k]->record(recorder, v.sets, views[k]);
+  v.picture->begin_scene(recorder);
+  for (std::size_t k = 0; k < views.size(); ++k) v.record_view(recorder, views[k], *v.shadows[k]);
+  vkCmdEndRenderPass(recorder);
+  v.picture->begin_panels(recorder);
+  if (panels) panels(recorder);
+  vkCmdEndRenderPass(recorder);
+  v.commands.timestamp();
+  v.commands.end();
+  v.commands.run();
+}
+
+double Viewport::seconds() const {
+  const std::vector<double> seconds = impl_->commands.seconds();
+  return seconds.empty() ? 0 : seconds[0];
+}
+
+Image Viewport::picture() const {
+  const VkExtent2D size = this->size();
+  const VkDeviceSize bytes = VkDeviceSize{size.width} * size.height * 4;
+  const vulkan::Buffer readback(impl_->device, bytes, vulkan::Memory::staging, "the picture");
+  vulkan::Commands commands(impl_->device);
+  commands.begin();
+  VkBufferImageCopy region{};
+  region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  region.imageExtent = {size.width, size.height, 1};
+  vkCmdCopyImageToBuffer(commands.handle(), image(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, readback.handle(), 1,
+                         &region);
+  commands.end();
+  commands.run();
+  Image image{size.width, size.height, std::vector<std::uint8_t>(bytes)};
+  std::memcpy(image.rgba.data(), readback.mapped(), bytes);
+  return image;
+}
+
+}  // namespace bodyopt

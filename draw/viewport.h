@@ -1,0 +1,47 @@
+// The picture of the window: views of the scene, and the panels over them, in an image that a window shows, and that
+// can be read back: so that a screenshot, a picture without a window and the window have the same pixels.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "draw/view.h"
+
+namespace bodyopt {
+
+// quick: one sample a pixel, where a software device must keep up.
+enum class Edges { smooth, quick };
+
+constexpr VkFormat kPictureFormat = VK_FORMAT_R8G8B8A8_UNORM;  // its bytes are sRGB
+
+inline constexpr std::uint32_t kMostViewportPixels = 8192;  // a side
+
+class Viewport {
+ public:
+  // The device must outlive it, and draw. Throws Error(device).
+  explicit Viewport(const vulkan::Device& device);
+  ~Viewport();
+
+  // Draws the views, then what `panels` records into panel_pass(), and waits for it. Throws Error(usage) for a picture
+  // of no pixel or more than most_pixels() a side, Error(device).
+  void draw(std::span<const View> views, std::uint32_t width, std::uint32_t height, Edges edges,
+            const std::function<void(VkCommandBuffer)>& panels = {});
+
+  // A side of a picture: kMostViewportPixels, or fewer where the device has no such images.
+  std::uint32_t most_pixels() const;
+  VkRenderPass panel_pass() const;  // one colour attachment of kPictureFormat, no depth
+  // What was drawn: ready to be copied from.
+  VkImage image() const;
+  VkExtent2D size() const;
+  Image picture() const;  // waits for a copy
+
+  // Of the last draw on the device, seconds; 0 where the device has no clock.
+  double seconds() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,70 @@
+#include "geometry/closed_skin.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+struct EdgeUse {
+  int forward = 0, backward = 0;
+};
+
+[[noreturn]] void refuse(const std::string& defect, const std::string& cause) {
+  throw Error(ErrorKind::mismatch, "the skin encloses no volume to simulate: " + defect + " (" + cause + ")");
+}
+
+}  // namespace
+
+void require_closed(const Positions& vertices, const Triangles& triangles) {
+  if (vertices.rows() == 0 || triangles.rows() == 0) refuse("it has no triangles", "an empty mesh");
+  if (!vertices.allFinite()) refuse("a vertex is not a finite number", "a damaged file");
+  std::map<std::pair<std::uint32_t, std::uint32_t>, EdgeUse> edges;
+  std::vector<bool> used(static_cast<std::size_t>(vertices.rows()), false);
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t a = triangles(t, k), b = triangles(t, (k + 1) % 3);
+      if (a >= used.size()) refuse("triangle " + std::to_string(t) + " names a missing vertex", "a damaged file");
+      used[a] = true;
+      EdgeUse& use = edges[std::minmax(a, b)];
+      (a < b ? use.forward : use.backward)++;
+    }
+  }
+  int open = 0, shared = 0, flipped = 0;
+  for (const auto& [edge, use] : edges) {
+    const int count = use.forward + use.backward;
+    open += count == 1 ? 1 : 0;
+    shared += count > 2 ? 1 : 0;
+    flipped += count == 2 && use.forward != use.backward ? 1 : 0;
+  }
+  std::size_t loose = 0;
+  for (const bool u : used) loose += u ? 0 : 1;
+  if (open > 0) refuse("open: " + std::to_string(open) + " boundary edges", "holes, sheets or missing faces");
+  if (shared > 0) refuse(std::to_string(shared) + " edges join more than two triangles", "parts fused along an edge");
+  if (flipped > 0) refuse(std::to_string(flipped) + " edges join triangles that wind oppositely", "flipped faces");
+  if (loose > 0) refuse(std::to_string(loose) + " vertices belong to no triangle", "loose points in the mesh");
+}
+
+double enclosed_volume(const Positions& vertices, const Triangles& triangles) {
+  double six_volumes = 0;
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    const Eigen::Vector3d a = vertices.row(triangles(t, 0)), b = vertices.row(triangles(t, 1)),
+                          c = vertices.row(triangles(t, 2));
+    six_volumes += a.cross(b).dot(c);
+  }
+  return six_volumes / 6;
+}
+
+double mean_edge(const Positions& vertices, const Triangles& triangles) {
+  double sum = 0;
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    for (int k = 0; k < 3; ++k) sum += (vertices.row(triangles(t, k)) - vertices.row(triangles(t, (k + 1) % 3))).norm();
+  }
+  return sum / (3.0 * static_cast<double>(std::max<Eigen::Index>(triangles.rows(), 1)));
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,108 @@
+#include "geometry/thickness.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "geometry/closed_skin.h"
+#include "geometry/vertex_normals.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kThinnest = 1.0 / 180, kThickest = 1.0 / 6;  // of the body's extent
+// Thickness is averaged within about this part of the extent: a ray alone sees every ear and finger.
+constexpr double kNearby = 0.04;
+constexpr double kFewestRounds = 1, kMostRounds = 200;
+constexpr double kEdge = 1e-9;  // barycentric: rays must not slip through between two triangles
+constexpr Eigen::Index kMostRays = 16384;
+
+struct RayTriangle {
+  Eigen::Vector3d origin, first, second;  // a corner, and the edges from it
+};
+
+// Distance along a ray of unit direction to a triangle; infinite where it misses (Moeller, Trumbore 1997).
+double hit(const RayTriangle& triangle, const Eigen::Vector3d& origin, const Eigen::Vector3d& along) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const Eigen::Vector3d p = along.cross(triangle.second);
+  const double determinant = triangle.first.dot(p);
+  if (determinant == 0) return kNone;
+  const Eigen::Vector3d s = origin - triangle.origin;
+  const double u = s.dot(p) / determinant;
+  const Eigen::Vector3d q = s.cross(triangle.first);
+  const double v = along.dot(q) / determinant, distance = triangle.second.dot(q) / determinant;
+  const bool inside = u > -kEdge && v > -kEdge && u + v < 1 + kEdge;
+  return inside && distance > 0 ? distance : kNone;
+}
+
+// Each round averages over a vertex and its neighbours and so widens the average by about an edge's square.
+void smooth(const Triangles& triangles, int rounds, Eigen::VectorXd& values) {
+  for (int k = 0; k < rounds; ++k) {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(values.size()), count = Eigen::VectorXd::Zero(values.size());
+    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+      for (int a = 0; a < 3; ++a) {
+        sum[triangles(t, a)] += values[triangles(t, 0)] + values[triangles(t, 1)] + values[triangles(t, 2)];
+        count[triangles(t, a)] += 3;
+      }
+    }
+    for (Eigen::Index v = 0; v < values.size(); ++v) values[v] = count[v] > 0 ? sum[v] / count[v] : values[v];
+  }
+}
+
+// Triangles that rays are shot at.
+class RayTarget {
+ public:
+  RayTarget(const Positions& vertices, const Triangles& triangles) : triangles_(triangles) {
+    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+      const Eigen::Vector3d a = vertices.row(triangles(t, 0)), b = vertices.row(triangles(t, 1)),
+                            c = vertices.row(triangles(t, 2));
+      corners_.push_back({a, b - a, c - a});
+      radius2_.push_back(std::max((b - a).squaredNorm(), (c - a).squaredNorm()));
+    }
+  }
+
+  // The nearest hit of a ray from a vertex, or `farthest`.
+  double distance(Eigen::Index vertex, const Eigen::Vector3d& origin, const Eigen::Vector3d& along,
+                  double farthest) const {
+    for (std::size_t t = 0; t < corners_.size(); ++t) {
+      const auto of = triangles_.row(static_cast<Eigen::Index>(t)).cast<Eigen::Index>();
+      if (of[0] == vertex || of[1] == vertex || of[2] == vertex) continue;
+      const Eigen::Vector3d to = corners_[t].origin - origin;
+      const double ahead = to.dot(along);
+      if (to.squaredNorm() - ahead * ahead > radius2_[t]) continue;  // the ray passes by
+      farthest = std::min(farthest, hit(corners_[t], origin, along));
+    }
+    return farthest;
+  }
+
+ private:
+  const Triangles& triangles_;
+  std::vector<RayTriangle> corners_;
+  std::vector<double> radius2_;  // of a sphere around the first corner that holds the triangle
+};
+
+}  // namespace
+
+Eigen::VectorXd thickness(const Positions& vertices, const Triangles& triangles) {
+  const double inwards = enclosed_volume(vertices, triangles) < 0 ? 1 : -1;
+  const Positions normals = vertex_normals(vertices, triangles);
+  const RayTarget target(vertices, triangles);
+  const double extent = (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).maxCoeff();
+  const Eigen::Index stride = (vertices.rows() + kMostRays - 1) / kMostRays;
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(vertices.rows()), count = Eigen::VectorXd::Zero(vertices.rows());
+  parallel_for(static_cast<std::size_t>((vertices.rows() + stride - 1) / stride), [&](std::size_t n) {
+    const Eigen::Index v = static_cast<Eigen::Index>(n) * stride;
+    const Eigen::Vector3d along = inwards * normals.row(v).transpose();
+    if (!(along.norm() > 0)) return;
+    sum[v] = std::max(target.distance(v, vertices.row(v), along.normalized(), kThickest * extent), kThinnest * extent);
+    count[v] = 1;
+  });
+  const double rounds = std::pow(kNearby * extent / mean_edge(vertices, triangles), 2);
+  for (Eigen::VectorXd* values : {&sum, &count})
+    smooth(triangles, static_cast<int>(std::clamp(rounds, kFewestRounds, kMostRounds)), *values);
+  return (count.array() > 0).select(sum.array() / count.array(), kThinnest * extent);
+}
+
+}  // namespace bodyopt

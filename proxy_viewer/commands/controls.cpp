@@ -1,0 +1,38 @@
+#include "proxy_viewer/commands/controls.h"
+
+#include <exception>
+#include <iostream>
+
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+
+OrbitView Controls::kept_camera() const {
+  OrbitView view = camera.view();
+  if (settings.look.follow) view.target = view.target - travelled;
+  return view;
+}
+
+void Controls::go_to_camera(const OrbitView& kept) {
+  camera = OrbitCamera(kept);
+  if (settings.look.follow) camera.move(travelled);
+}
+
+void Controls::warn(const std::string& text) {
+  if (!messages.empty() && messages.back().text == text) return;  // of every picture: once is enough
+  std::cerr << "warning: " << text << "\n";
+  messages.push_back({.error = true, .text = text});
+}
+
+void Controls::attempt(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::device) throw;
+    warn(error.what());
+  } catch (const std::exception& error) {  // of the libraries: memory, the file system
+    warn(error.what());
+  }
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,84 @@
+// What the animator drives. Keys, menus, panels, scripts and command lines all write here; the application reads it.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "proxy_viewer/state/orbit_camera.h"
+#include "proxy_viewer/state/playback.h"
+#include "proxy_viewer/state/pose_history.h"
+#include "proxy_viewer/state/view_settings.h"
+
+namespace bodyopt {
+
+// Asked for, and done by the application once a picture is drawn.
+struct Requests {
+  bool quit = false, reload = false, frame_selection = false, reset_jiggle = false;
+  bool worst_frame = false, worst_vertex = false;
+  std::optional<std::string> screenshot, turntable, sequence, save_state, load_state;  // file names
+  std::vector<std::string> open;                                                       // files, by what they hold
+  std::optional<int> lead, remove;                                                     // characters, counted from 1
+  bool operator==(const Requests&) const = default;
+};
+
+// A point of the picture, for as long as its frame is shown.
+struct Marker {
+  int frame;
+  Vec3 at;  // metres, world
+};
+
+// What is being typed into panels, and how their lists stand.
+struct PanelState {
+  bool entered = false;  // the prompt's text, before its field hears
+  std::string prompt, joint_filter, camera, open;
+  std::string screenshot = "bodyopt.png", sequence = "bodyopt.####.png", turntable = "turntable.####.png";
+  std::string state = "view.json";
+  std::string listed_joint;              // to which the list of joints was last scrolled
+  std::vector<std::size_t> fibre_order;  // of the list of muscles
+};
+
+struct Message {
+  bool error = false;  // stays until it is clicked away; what is none goes by itself
+  std::string text;
+  double shown = 0;  // seconds
+};
+
+struct Controls {
+  ViewSettings settings;
+  PoseHistory poses;  // of the settings
+  Playback playback{{1, 1}, 24};
+  OrbitCamera camera;
+  Vec3 travelled{};  // metres, world: how far the lead has gone since its clip's first frame, in the last picture
+  std::vector<std::string> joint_names, control_names;  // of the lead: what commands may name
+  std::vector<Quat> joint_axes;                         // of the lead's joints in the bind pose, joint to world
+  // Why a command has nothing to show ("compare lbs", "jiggle on"), and what would help; by what is refused.
+  std::map<std::string, std::string> missing;
+  std::optional<bool> live;  // poses are shown as they are sent; none: nobody listens
+  std::string joint;         // selected; empty: none
+  bool flipped = false;      // while the key of "hold to flip" is down
+  bool cheat_sheet = false;
+  bool panels = true;
+  bool prompt = false;  // a command is being typed
+  std::optional<Marker> marker;
+  double automatic_heat_mm = 10;  // of the hottest colour, where the settings give none
+  PanelState typed;
+  Requests requests;
+  std::vector<Message> messages;  // newest last
+
+  // A camera as it is kept: one that follows, as the lead stands at its clip's first frame. And to such a one.
+  OrbitView kept_camera() const;
+  void go_to_camera(const OrbitView& kept);
+
+  double heat_mm() const { return settings.compare.heat_scale_mm.value_or(automatic_heat_mm); }
+  void say(const std::string& text) { messages.push_back({.text = text}); }
+  // Also on standard error; once, where it is what was said last.
+  void warn(const std::string& text);
+  // What it throws is said, except Error(device), which passes: nothing more can be drawn.
+  void attempt(const std::function<void()>& action);
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,62 @@
+// How far the lead is from what it is compared with, frame by frame of its clip: measured while there is time, kept
+// until something changes that it depends on.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "proxy_viewer/scene/actor.h"
+
+namespace bodyopt {
+
+// Of vertex distances, mm; not a number: not measured, or nothing to measure. As everywhere the root's motion, which
+// both sides share, is taken out by the subtraction.
+struct FrameError {
+  float rms = std::numeric_limits<float>::quiet_NaN(), max = rms, p99 = rms;
+  std::uint32_t worst_vertex = 0;  // that is furthest off, output order
+  Vec3 worst{};                    // where it is, metres, world
+};
+
+// Both V x 3, metres.
+FrameError frame_error(std::span<const float> shown, std::span<const float> compared);
+
+class ErrorCurve {
+ public:
+  // What is to be measured. Forgets what was measured of anything else, and says so.
+  bool look_at(const Actor& character, const ViewSettings& settings);
+  void forget();  // files have changed
+
+  // One more frame: `frame`, where it was not measured, or one far from those that were. False when all are. Throws
+  // Error(file) of a truth that went away, and then measures no more.
+  bool measure_next(Actor& character, int frame);
+
+  // Per frame of the clip; none where nothing is compared.
+  const std::vector<FrameError>& errors() const { return errors_; }
+  bool is_measured(std::size_t index) const { return is_measured_[index]; }
+  std::size_t measured_count() const { return measured_; }
+  bool is_complete() const { return measured_ == errors_.size(); }
+  std::optional<std::size_t> worst() const;  // of those that were measured: its index
+  std::optional<float> largest_p99() const;  // of those, mm
+
+ private:
+  // Jiggle has a past that a single frame does not: measured is what it swings about.
+  struct Subject {
+    SkinMethod shown, compared;
+    ViewSettings::Posing posing;
+    bool operator==(const Subject&) const = default;
+  };
+
+  void begin(std::size_t count);
+  std::optional<std::size_t> next(std::optional<std::size_t> wanted);
+
+  std::optional<Subject> subject_;
+  std::vector<FrameError> errors_;
+  std::vector<bool> is_measured_;
+  std::size_t measured_ = 0;
+  std::size_t stride_ = 0, cursor_ = 0;  // of the frames that come next
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,52 @@
+// The panels, one file each in panels/. Each reads the snapshot and writes the controls; none computes.
+#pragma once
+
+#include <string>
+
+#include "draw/view.h"
+#include "proxy_viewer/commands/controls.h"
+#include "proxy_viewer/panels/snapshot.h"
+
+namespace bodyopt {
+
+// All of them in a window of so many pixels; gives the part that is left to the characters.
+Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_t width, std::uint32_t height);
+
+// In the middle of a picture without anything else.
+void draw_loading(const std::string& text);
+
+// Where panels stand, pixels. What they leave free is the picture's area.
+struct PanelLayout {
+  float width, height;   // of the window
+  float menu, timeline;  // heights
+  float side;            // width
+
+  float right() const { return width - side; }
+  float bottom() const { return height - timeline; }
+};
+
+void draw_menu_bar(const Snapshot& snapshot, Controls& controls);
+void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout);
+void draw_side_panel(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout);
+void draw_cheat_sheet(Controls& controls, const PanelLayout& layout);
+void draw_prompt(Controls& controls, const PanelLayout& layout);
+
+// Over the picture.
+void draw_comparison(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout);
+void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
+void draw_colour_keys(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
+void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
+void draw_messages(Controls& controls, const PanelLayout& layout);
+
+// Sections of the side panel.
+void draw_look(const Snapshot& snapshot, Controls& controls);
+void draw_cameras(const Snapshot& snapshot, Controls& controls);
+void draw_compare(const Snapshot& snapshot, Controls& controls);
+void draw_pose(const Snapshot& snapshot, Controls& controls);
+void draw_muscles(const Snapshot& snapshot, Controls& controls);
+void draw_jiggle(const Snapshot& snapshot, Controls& controls);
+void draw_ghosts(const Snapshot& snapshot, Controls& controls);
+void draw_cast(const Snapshot& snapshot, Controls& controls);
+void draw_output(const Snapshot& snapshot, Controls& controls);
+
+}  // namespace bodyopt

@@ -1,0 +1,77 @@
+// What panels read: plain values of one picture. They hold nothing that lives longer, and no panel computes.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "runtime/core/transform.h"
+
+namespace bodyopt {
+
+struct JointRow {
+  std::string name;
+  int parent = -1;
+  int depth = 0;                              // of the tree
+  Vec3 low{-90, -90, -90}, high{90, 90, 90};  // of what is added to the clip in this frame, degrees
+};
+
+struct ControlRow {
+  std::string name;
+  double low = 0, high = 1;  // in training
+};
+
+struct CharacterRow {
+  std::string name, basis, clip, truth;
+  std::uint32_t vertices = 0, triangles = 0, tets = 0;  // no tets: it does not jiggle
+  std::uint64_t bytes = 0;                              // of the static tables
+  std::string method{};                                 // that is shown
+  bool wears = false;                                   // attached meshes
+};
+
+// How far the lead is from what it is compared with at a frame, mm; not a number: not measured, or nothing to measure.
+struct ErrorRow {
+  float rms = std::numeric_limits<float>::quiet_NaN(), max = rms;
+  bool measured = false;
+};
+
+// Poses that another program sends.
+struct LiveRow {
+  std::optional<int> frame{};  // of the newest; none: nothing has come
+  std::size_t rejected = 0;
+  std::string last_rejection{};
+};
+
+struct Snapshot {
+  std::vector<CharacterRow> cast;  // the first is the lead, of whom the rest speaks
+  std::vector<JointRow> joints;
+  std::vector<ControlRow> controls;
+  std::vector<std::string> fibres;
+  std::vector<float> strains;  // of the fibres
+  float outside = 0;           // standard deviations beyond what was trained; 0: covered
+  std::string outside_feature;
+  bool knows_coverage = false;
+  std::optional<double> expected_mm, most_expected_mm;  // error, where coverage is looked at: RMS, of a vertex
+  double clip_fps = 24;
+  std::size_t level = 0, level_count = 1;  // of detail
+
+  std::vector<std::string> comparisons;  // with what it can be compared
+  std::string compared;                  // with what it is; empty: nothing
+  int first_frame = 1;                   // of the clip
+  std::vector<ErrorRow> errors;          // per frame of the clip; empty where nothing is compared
+  std::size_t measured = 0;              // how many of them
+  std::optional<std::size_t> worst;      // index of the largest
+
+  std::optional<LiveRow> live;  // none: the clip is shown
+
+  std::string device;
+  double shown_fps = 0;                    // pictures a second, over the last second
+  double frame_ms = 0, draw_ms = 0;        // of the host: the whole picture; of the device: drawing
+  std::map<std::string, double> stage_ms;  // rig, strain, residual, pose, diffuse, jiggle, output
+  double memory_mib = 0;                   // resident
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,329 @@
+#include "proxy_viewer/platform/window.h"
+
+#define GLFW_INCLUDE_VULKAN
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+
+#include "draw/attachment.h"
+#include "proxy_viewer/platform/display_errors.h"
+#include "proxy_viewer/platform/key_names.h"
+#include "runtime/core/error.h"
+#include "runtime/vulkan/object.h"
+
+namespace bodyopt {
+
+using vulkan::check;
+using vulkan::structure;
+
+namespace {
+
+std::string glfw_problem() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text ? text : "no reason given";
+}
+
+using Semaphore = vulkan::Owned<VkSemaphore, vkDestroySemaphore>;
+using Fence = vulkan::Owned<VkFence, vkDestroyFence>;
+using CommandPool = vulkan::Owned<VkCommandPool, vkDestroyCommandPool>;
+
+Semaphore make_semaphore(VkDevice device) {
+  const auto info = structure<VkSemaphoreCreateInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO);
+  VkSemaphore semaphore = VK_NULL_HANDLE;
+  check(vkCreateSemaphore(device, &info, nullptr, &semaphore), "vkCreateSemaphore");
+  return {device, semaphore};
+}
+
+Fence make_fence(VkDevice device) {
+  const auto info = structure<VkFenceCreateInfo>(VK_STRUCTURE_TYPE_FENCE_CREATE_INFO);
+  VkFence fence = VK_NULL_HANDLE;
+  check(vkCreateFence(device, &info, nullptr, &fence), "vkCreateFence");
+  return {device, fence};
+}
+
+KeyEvent key_event(int action) {
+  if (action == GLFW_RELEASE) return KeyEvent::released;
+  return action == GLFW_REPEAT ? KeyEvent::repeated : KeyEvent::pressed;
+}
+
+// One that takes the picture's bytes as they are.
+VkSurfaceFormatKHR choose_format(VkPhysicalDevice physical, VkSurfaceKHR surface) {
+  std::uint32_t count = 0;
+  check(vkGetPhysicalDeviceSurfaceFormatsKHR(physical, surface, &count, nullptr),
+        "vkGetPhysicalDeviceSurfaceFormatsKHR");
+  std::vector<VkSurfaceFormatKHR> formats(count);
+  check(vkGetPhysicalDeviceSurfaceFormatsKHR(physical, surface, &count, formats.data()),
+        "vkGetPhysicalDeviceSurfaceFormatsKHR");
+  for (const VkFormat wanted : {VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_R8G8B8A8_UNORM}) {
+    for (const VkSurfaceFormatKHR& format : formats) {
+      if (format.format == wanted) return format;
+    }
+  }
+  throw Error(ErrorKind::device, "the window's surface offers no 8-bit colours");
+}
+
+// Without vsync the first that does not wait.
+VkPresentModeKHR choose_mode(VkPhysicalDevice physical, VkSurfaceKHR surface, bool vsync) {
+  if (vsync) return VK_PRESENT_MODE_FIFO_KHR;  // always there
+  std::uint32_t count = 0;
+  check(vkGetPhysicalDeviceSurfacePresentModesKHR(physical, surface, &count, nullptr),
+        "vkGetPhysicalDeviceSurfacePresentModesKHR");
+  std::vector<VkPresentModeKHR> modes(count);
+  check(vkGetPhysicalDeviceSurfacePresentModesKHR(physical, surface, &count, modes.data()),
+        "vkGetPhysicalDeviceSurfacePresentModesKHR");
+  for (const VkPresentModeKHR wanted : {VK_PRESENT_MODE_IMMEDIATE_KHR, VK_PRESENT_MODE_MAILBOX_KHR}) {
+    if (std::find(modes.begin(), modes.end(), wanted) != modes.end()) return wanted;
+  }
+  return VK_PRESENT_MODE_FIFO_KHR;
+}
+
+}  // namespace
+
+// The images of the screen, and what copies the picture into them.
+struct Window::Swapchain {
+  Swapchain(std::shared_ptr<const vulkan::Device> d, GLFWwindow* window, bool vsync_)
+      : owned_device(std::move(d)), device(*owned_device), vsync(vsync_) {
+    check(glfwCreateWindowSurface(device.instance(), window, nullptr, &surface), "glfwCreateWindowSurface");
+    VkBool32 shows = VK_FALSE;
+    check(vkGetPhysicalDeviceSurfaceSupportKHR(device.physical(), device.queue_family(), surface, &shows),
+          "vkGetPhysicalDeviceSurfaceSupportKHR");
+    if (!shows) {
+      vkDestroySurfaceKHR(device.instance(), surface, nullptr);
+      throw Error(ErrorKind::device, "the Vulkan device '" + device.info().name +
+                                         "' cannot show pictures in this window; try another with --device, or "
+                                         "--headless");
+    }
+    const VkDevice handle = device.handle();
+    acquired = make_semaphore(handle);
+    copied = make_fence(handle);
+    auto pool_info = structure<VkCommandPoolCreateInfo>(VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO);
+    pool_info.queueFamilyIndex = device.queue_family();
+    VkCommandPool made = VK_NULL_HANDLE;
+    check(vkCreateCommandPool(handle, &pool_info, nullptr, &made), "vkCreateCommandPool");
+    pool = {handle, made};
+    auto info = structure<VkCommandBufferAllocateInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO);
+    info.commandPool = made;
+    info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+    info.commandBufferCount = 1;
+    check(vkAllocateCommandBuffers(handle, &info, &commands), "vkAllocateCommandBuffers");
+  }
+
+  ~Swapchain() {
+    vkDeviceWaitIdle(device.handle());
+    if (chain != VK_NULL_HANDLE) vkDestroySwapchainKHR(device.handle(), chain, nullptr);
+    finished.clear();
+    vkDestroySurfaceKHR(device.instance(), surface, nullptr);
+  }
+
+  // False while the window has no pixel.
+  bool rebuild(VkExtent2D wanted) {
+    vkDeviceWaitIdle(device.handle());
+    VkSurfaceCapabilitiesKHR can{};
+    check(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device.physical(), surface, &can),
+          "vkGetPhysicalDeviceSurfaceCapabilitiesKHR");
+    size = can.currentExtent.width != 0xffffffff ? can.currentExtent : wanted;
+    if (size.width == 0 || size.height == 0) return false;
+    const VkSurfaceFormatKHR format = choose_format(device.physical(), surface);
+    auto info = structure<VkSwapchainCreateInfoKHR>(VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR);
+    info.surface = surface;
+    info.minImageCount = std::max(2u, can.minImageCount);
+    if (can.maxImageCount > 0) info.minImageCount = std::min(info.minImageCount, can.maxImageCount);
+    info.imageFormat = format.format;
+    info.imageColorSpace = format.colorSpace;
+    info.imageExtent = size;
+    info.imageArrayLayers = 1;
+    info.imageUsage = VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+    info.imageSharingMode = VK_SHARING_MODE_EXCLUSIVE;
+    info.preTransform = can.currentTransform;
+    info.compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR;
+    info.presentMode = choose_mode(device.physical(), surface, vsync);
+    info.clipped = VK_TRUE;
+    info.oldSwapchain = chain;
+    VkSwapchainKHR made = VK_NULL_HANDLE;
+    check(vkCreateSwapchainKHR(device.handle(), &info, nullptr, &made), "vkCreateSwapchainKHR");
+    if (chain != VK_NULL_HANDLE) vkDestroySwapchainKHR(device.handle(), chain, nullptr);
+    chain = made;
+    std::uint32_t count = 0;
+    check(vkGetSwapchainImagesKHR(device.handle(), chain, &count, nullptr), "vkGetSwapchainImagesKHR");
+    images.resize(count);
+    check(vkGetSwapchainImagesKHR(device.handle(), chain, &count, images.data()), "vkGetSwapchainImagesKHR");
+    finished.clear();
+    for (std::uint32_t k = 0; k < count; ++k) finished.push_back(make_semaphore(device.handle()));
+    return true;
+  }
+
+  void copy(const Viewport& viewport, VkImage to) {
+    check(vkResetCommandPool(device.handle(), pool.get(), 0), "vkResetCommandPool");
+    auto begin = structure<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
+    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    check(vkBeginCommandBuffer(commands, &begin), "vkBeginCommandBuffer");
+    pass_on(commands, to,
+            {VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_TRANSFER_BIT,
+             VK_PIPELINE_STAGE_TRANSFER_BIT, 0, VK_ACCESS_TRANSFER_WRITE_BIT});
+    const auto corner = [](std::uint32_t width, std::uint32_t height) {
+      return VkOffset3D{static_cast<std::int32_t>(width), static_cast<std::int32_t>(height), 1};
+    };
+    VkImageBlit blit{};
+    blit.srcSubresource = blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    blit.srcOffsets[1] = corner(viewport.size().width, viewport.size().height);
+    blit.dstOffsets[1] = corner(size.width, size.height);
+    const bool same = viewport.size().width == size.width && viewport.size().height == size.height;
+    vkCmdBlitImage(commands, viewport.image(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to,
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
+    pass_on(commands, to,
+            {VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_PIPELINE_STAGE_TRANSFER_BIT,
+             VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, 0});
+    check(vkEndCommandBuffer(commands), "vkEndCommandBuffer");
+  }
+
+  std::shared_ptr<const vulkan::Device> owned_device;  // must outlive the surface
+  const vulkan::Device& device;
+  bool vsync;
+  VkSurfaceKHR surface = VK_NULL_HANDLE;
+  VkSwapchainKHR chain = VK_NULL_HANDLE;
+  VkExtent2D size{};
+  std::vector<VkImage> images;
+  std::vector<Semaphore> finished;  // per image: its copy
+  Semaphore acquired;
+  Fence copied;
+  CommandPool pool;
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+};
+
+Window::Window(const WindowOptions& options) : vsync_(options.vsync) {
+  if (!glfwInit()) {
+    throw Error(ErrorKind::device, "no window can be opened here (" + glfw_problem() +
+                                       "): is there a display? --headless -o FILE.png draws without one");
+  }
+  glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+  window_ = glfwCreateWindow(static_cast<int>(options.width), static_cast<int>(options.height), options.title.c_str(),
+                             nullptr, nullptr);
+  if (!window_) {
+    const std::string problem = glfw_problem();
+    glfwTerminate();
+    throw Error(ErrorKind::device,
+                "no window can be opened here (" + problem + "); --headless -o FILE.png draws without one");
+  }
+  survive_display_errors();
+  glfwSetWindowUserPointer(window_, this);
+  listen();
+}
+
+void Window::listen() {
+  static constexpr auto heard = [](GLFWwindow* window) -> Window& {
+    Window& self = *static_cast<Window*>(glfwGetWindowUserPointer(window));
+    self.woken_ = true;
+    return self;
+  };
+  glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
+    const auto& drop = heard(window).on_drop;
+    if (drop) drop({paths, paths + count});
+  });
+  glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int scancode, int action, int modifiers) {
+    const auto& hear = heard(window).on_key;
+    if (!hear) return;
+    const char* printed = glfwGetKeyName(key, scancode);
+    hear(key_name(key, printed ? printed : "", modifiers), key_event(action));
+  });
+  glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned) { heard(window); });
+  glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double, double) { heard(window); });
+  glfwSetCursorEnterCallback(window_, [](GLFWwindow* window, int) { heard(window); });
+  glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int, int, int) { heard(window); });
+  glfwSetScrollCallback(window_, [](GLFWwindow* window, double, double) { heard(window); });
+  glfwSetWindowFocusCallback(window_, [](GLFWwindow* window, int) { heard(window); });
+  glfwSetWindowRefreshCallback(window_, [](GLFWwindow* window) { heard(window); });
+  glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int, int) { heard(window); });
+}
+
+Window::~Window() {
+  swapchain_.reset();
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+vulkan::DeviceUse Window::device_use() const {
+  vulkan::DeviceUse use{.draws = true};
+  std::uint32_t count = 0;
+  const char** names = glfwGetRequiredInstanceExtensions(&count);
+  if (!names) {
+    throw Error(ErrorKind::device,
+                "no Vulkan device here can show pictures in a window (" + glfw_problem() +
+                    "): is there a driver (Debian package with a software one: mesa-vulkan-drivers)?");
+  }
+  use.instance_extensions.assign(names, names + count);
+  use.extensions = {VK_KHR_SWAPCHAIN_EXTENSION_NAME};
+  return use;
+}
+
+void Window::attach(std::shared_ptr<const vulkan::Device> device) {
+  swapchain_ = std::make_unique<Swapchain>(std::move(device), window_, vsync_);
+}
+
+void Window::show(const Viewport& viewport) {
+  if (!show_once(viewport)) show_once(viewport);
+}
+
+// False when the surface was out of date: it is no longer. One that changes again calls back.
+bool Window::show_once(const Viewport& viewport) {
+  Swapchain& s = *swapchain_;
+  const auto [width, height] = size();
+  if (s.chain == VK_NULL_HANDLE || s.size.width != width || s.size.height != height) {
+    if (!s.rebuild({width, height})) return true;  // minimised
+  }
+  std::uint32_t image = 0;
+  VkResult result =
+      vkAcquireNextImageKHR(s.device.handle(), s.chain, 1'000'000'000, s.acquired.get(), VK_NULL_HANDLE, &image);
+  if (result == VK_ERROR_OUT_OF_DATE_KHR) {
+    s.rebuild({width, height});
+    return false;
+  }
+  if (result == VK_TIMEOUT || result == VK_NOT_READY) return true;  // nobody looks
+  if (result != VK_SUBOPTIMAL_KHR) check(result, "vkAcquireNextImageKHR");
+  s.copy(viewport, s.images[image]);
+  const VkSemaphore wait = s.acquired.get(), signal = s.finished[image].get();
+  const VkFence fence = s.copied.get();
+  const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_TRANSFER_BIT;
+  auto submit = structure<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);
+  submit.waitSemaphoreCount = submit.signalSemaphoreCount = submit.commandBufferCount = 1;
+  submit.pWaitSemaphores = &wait;
+  submit.pWaitDstStageMask = &stage;
+  submit.pSignalSemaphores = &signal;
+  submit.pCommandBuffers = &s.commands;
+  check(vkResetFences(s.device.handle(), 1, &fence), "vkResetFences");
+  check(vkQueueSubmit(s.device.queue(), 1, &submit, fence), "vkQueueSubmit");
+  check(vkWaitForFences(s.device.handle(), 1, &fence, VK_TRUE, ~std::uint64_t{0}), "vkWaitForFences");
+  auto present = structure<VkPresentInfoKHR>(VK_STRUCTURE_TYPE_PRESENT_INFO_KHR);
+  present.waitSemaphoreCount = present.swapchainCount = 1;
+  present.pWaitSemaphores = &signal;
+  present.pSwapchains = &s.chain;
+  present.pImageIndices = &image;
+  result = vkQueuePresentKHR(s.device.queue(), &present);
+  if (result == VK_ERROR_OUT_OF_DATE_KHR) {
+    s.rebuild({width, height});
+    return false;
+  }
+  if (result != VK_SUBOPTIMAL_KHR) check(result, "vkQueuePresentKHR");
+  return true;
+}
+
+bool Window::poll(double seconds) {
+  woken_ = false;
+  if (seconds > 0) {
+    glfwWaitEventsTimeout(seconds);
+  } else {
+    glfwPollEvents();
+  }
+  return woken_;
+}
+
+bool Window::closed() const { return glfwWindowShouldClose(window_); }
+void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
+
+std::array<std::uint32_t, 2> Window::size() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  return {static_cast<std::uint32_t>(std::max(0, width)), static_cast<std::uint32_t>(std::max(0, height))};
+}
+
+}  // namespace bodyopt

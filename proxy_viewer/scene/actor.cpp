@@ -1,0 +1,340 @@
+#include "proxy_viewer/scene/actor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+#include <sstream>
+#include <utility>
+
+#include "assets/clip_keys.h"
+#include "assets/clip_source.h"
+#include "assets/controls.h"
+#include "proxy_viewer/scene/open_character.h"
+#include "proxy_viewer/scene/output_points.h"
+#include "proxy_viewer/state/box.h"
+#include "proxy_viewer/state/euler_angles.h"
+#include "runtime/basis/character_unit.h"
+#include "runtime/core/error.h"
+#include "runtime/cpu/kernels.h"
+#include "runtime/host/carry_skin.h"
+#include "runtime/vulkan/device.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+double diagonal(std::span<const float> points) {
+  Box box;
+  for (std::size_t k = 0; k + 2 < points.size(); k += 3) box.add(Vec3{points[k], points[k + 1], points[k + 2]});
+  return points.empty() ? 0 : 2 * box.radius();
+}
+
+Clip bind_clip(const Basis& basis) {
+  Clip clip;
+  clip.name = "bind pose";
+  clip.poses = {bind_pose(basis.skeleton)};
+  return clip;
+}
+
+}  // namespace
+
+fs::path ActorFiles::dynamics() const { return fs::path(basis).replace_extension(".dynamics.safetensors"); }
+
+fs::path ActorFiles::attached() const { return fs::path(basis).replace_extension(".attached.safetensors"); }
+
+std::vector<fs::path> ActorFiles::paths() const {
+  std::vector<fs::path> all;
+  if (is_basis(basis)) all = {dynamics(), attached()};
+  for (const std::string& file :
+       {basis, split_source(clip).path.string(), truth, proxy, character, limits, joint_map}) {
+    if (!file.empty()) all.emplace_back(file);
+  }
+  return all;
+}
+
+Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& files, const ClipOptions& options)
+    : device_(std::move(device)), files_(files), clip_options_(options) {
+  OpenedCharacter opened = open_character(files.basis, options);
+  notes_ = std::move(opened.notes);
+  Attachments attached = std::move(opened.attached);
+  std::optional<Dynamics> dynamics;
+  if (is_basis(files.basis)) {
+    const Basis& basis = opened.levels.front().basis;
+    if (fs::exists(files.dynamics())) dynamics = load_dynamics(files.dynamics(), basis);
+    if (fs::exists(files.attached())) attached = load_attachments(files.attached(), basis, files.basis);
+  }
+  for (Level& level : opened.levels) {
+    details_.push_back(std::make_unique<Detail>(device_, std::move(level), std::exchange(dynamics, std::nullopt)));
+  }
+  if (!files.proxy.empty()) add_proxy(files.proxy);
+  if (!files.character.empty()) {
+    linear_blend_ = std::make_unique<LinearBlend>(files.character, finest().basis(), kept_unit(finest().basis()));
+  } else if (opened.character) {
+    linear_blend_ = std::make_unique<LinearBlend>(std::move(*opened.character));
+  }
+  if (!attached.meshes.empty()) {
+    worn_ = std::make_unique<WornMeshes>(*device_, finest().basis(), std::move(attached));
+  }
+  if (!files.limits.empty()) {
+    const Skeleton& skeleton = finest().basis().skeleton;
+    ranges_ = joint_ranges(read_joint_limits(files.limits, skeleton), skeleton);
+  }
+  clip_ = opened.clip ? std::move(*opened.clip) : bind_clip(finest().basis());
+  measure_size();
+  if (!files.truth.empty()) open_truth(files.truth);
+  if (files.clip.empty()) {
+    measure_ground();
+  } else {
+    open_clip(files.clip);
+  }
+}
+
+// Coarser levels of the same character.
+void Actor::add_proxy(const std::string& path) {
+  const Basis& full = finest().basis();
+  for (Level& level : load_levels(path)) {
+    if (level.carried.empty()) {
+      throw Error(ErrorKind::mismatch, path + ": is a basis that carries no full skin, expected a proxy of " +
+                                           files_.basis + ": 'bodyopt proxy' makes them");
+    }
+    if (skeleton_hash(level.basis.skeleton) != skeleton_hash(full.skeleton) ||
+        level.carried.size() != full.mesh.output_count()) {
+      throw Error(ErrorKind::mismatch, path + ": is no proxy of " + files_.basis + ": it carries " +
+                                           std::to_string(level.carried.size()) + " vertices of " +
+                                           std::to_string(level.basis.skeleton.size()) + " joints, the character has " +
+                                           std::to_string(full.mesh.output_count()) + " and " +
+                                           std::to_string(full.skeleton.size()) + " (was it made of another basis?)");
+    }
+    details_.push_back(std::make_unique<Detail>(device_, std::move(level), std::nullopt));
+  }
+}
+
+std::string Actor::name() const { return files_.basis.empty() ? "arm" : fs::path(files_.basis).stem().string(); }
+
+bool Actor::has(SkinMethod method) const {
+  if (method == SkinMethod::jiggle) return shown().jiggles() && why_still().empty();
+  const bool of_finest = method == SkinMethod::proxy || method == SkinMethod::lbs || method == SkinMethod::truth;
+  return (level_ == 0 || !of_finest) && has_at_finest(method);
+}
+
+bool Actor::has_at_finest(SkinMethod method) const {
+  if (method == SkinMethod::jiggle) return has_dynamics() && why_still().empty();
+  if (method == SkinMethod::proxy) return details_.size() > 1 && !details_[1]->level().carried.empty();
+  if (method == SkinMethod::lbs) return linear_blend_ != nullptr;
+  return method != SkinMethod::truth || truth_.has_value();
+}
+
+std::string Actor::why_still() const {
+  if (!has_dynamics() || clip_.poses.size() < 2) return "";
+  const double rate = finest().jiggle_rate();
+  if (std::abs(clip_.fps - rate) <= 1e-3 * rate) return "";
+  std::ostringstream text;
+  text << "the dynamics of " << name() << " step " << rate << " frames a second, the clip has " << clip_.fps
+       << ": sample it with --fps " << rate << ", or make the dynamics anew with 'bodyopt dynamics --fps " << clip_.fps
+       << "'";
+  return text.str();
+}
+
+void Actor::open_clip(const std::string& source) {
+  ClipOptions options = clip_options_;
+  options.unit = clip_unit(source, kept_unit(basis()));
+  options.joint_map = files_.joint_map;
+  Clip clip = read_clip(source, basis().skeleton, options);
+  arrange_controls(basis().residual.controls, clip);
+  if (clip.poses.empty()) throw Error(ErrorKind::file, source + ": the clip has no frame");
+  keys_ = clip_keys(source, options);
+  clip_ = std::move(clip);
+  files_.clip = source;
+  measure_ground();
+}
+
+void Actor::open_truth(const std::string& path) {
+  Pc2Reader reader(path);
+  if (reader.point_count() != basis().mesh.output_count()) {
+    throw Error(ErrorKind::mismatch, path + ": the cache has " + std::to_string(reader.point_count()) +
+                                         " points, the character " + std::to_string(basis().mesh.output_count()) +
+                                         " vertices: it is of another character, or another level of it");
+  }
+  if (reader.sample_count() == 0) throw Error(ErrorKind::file, path + ": the cache has no sample");
+  truth_.emplace(Truth{std::move(reader), {}, {}});
+  files_.truth = path;
+}
+
+const Pose& Actor::clip_pose(int frame) const {
+  const int number = std::clamp(frame, clip_.first_frame, clip_.last_frame());
+  return clip_.poses[static_cast<std::size_t>(number - clip_.first_frame)];
+}
+
+const std::optional<JointRange>& Actor::range(std::size_t joint) const {
+  static constexpr std::optional<JointRange> kNone;
+  return joint < ranges_.size() ? ranges_[joint] : kNone;
+}
+
+std::optional<JointRange> Actor::free_turns(std::size_t joint, int frame) const {
+  const std::optional<JointRange>& own = range(joint);
+  if (!own) return std::nullopt;
+  return turns_within(*own, basis().skeleton.joints[joint].bind.rotation, clip_pose(frame).joints[joint].rotation);
+}
+
+Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
+  Pose pose = clip_pose(frame);
+  for (const auto& [joint, degrees] : posing.joints) {
+    const int found = basis().skeleton.find(joint);
+    if (found < 0) continue;
+    const auto index = static_cast<std::size_t>(found);
+    Quat& rotation = pose.joints[index].rotation;
+    const std::optional<JointRange>& own = range(index);
+    rotation = own ? turned_within(*own, basis().skeleton.joints[index].bind.rotation, rotation, degrees)
+                   : normalized(rotation * turn_of(degrees));
+  }
+  const std::vector<std::string>& controls = basis().residual.controls;
+  for (const auto& [control, value] : posing.controls) {
+    const auto at = std::find(controls.begin(), controls.end(), control);
+    if (at == controls.end()) continue;
+    pose.controls.resize(controls.size(), 0.0f);
+    pose.controls[static_cast<std::size_t>(at - controls.begin())] = static_cast<float>(value);
+  }
+  return pose;
+}
+
+const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
+                                  bool dressed) {
+  if (hosted_skin(method)) hosted_pose_ = poses[0];
+  if (method == SkinMethod::truth) {
+    try {
+      show_truth(frame);
+    } catch (...) {
+      truth_.reset();  // until it is read again
+      throw;
+    }
+    return hosted_;
+  }
+  if (method == SkinMethod::lbs) {
+    show_linear_blend(poses[0]);
+    return hosted_;
+  }
+  if (method == SkinMethod::proxy) return carry_proxy(poses.first(1), frame, weights);
+  const bool carries = dressed && worn_ && has_worn_skin();
+  return details_[level_]->evaluate(method, poses, frame, weights, carries);
+}
+
+std::span<const WornMesh> Actor::worn(SkinMethod method) {
+  if (!worn_ || !has_worn_skin()) return {};
+  Worn& worn = worn_on_[method];
+  const HostedSkin* hosted = hosted_skin(method);
+  const Source on = hosted ? Source{0, hosted->number} : Source{level_, shown().last(method).number};
+  const std::vector<Pose> poses = hosted ? std::vector{hosted_pose_} : shown().last(method).poses;
+  if (on == worn.on && same(poses, worn.poses)) return worn.meshes;
+  worn.meshes = worn_->carry(skins_on_host(method), poses);
+  worn.on = on;
+  worn.poses = poses;
+  return worn.meshes;
+}
+
+std::vector<float> Actor::worn_points(std::span<const float> skin, const Pose& pose) const {
+  return worn_ ? worn_->points(skin, pose) : std::vector<float>();
+}
+
+// Null: the method evaluates on the device.
+const Actor::HostedSkin* Actor::hosted_skin(SkinMethod method) const {
+  if (method == SkinMethod::lbs) return &blended_;
+  if (method == SkinMethod::proxy) return &carried_;
+  return method == SkinMethod::truth ? &truth_->skin : nullptr;
+}
+
+// O x 3 of the finest level, of every pose that the method has evaluated last.
+std::vector<std::vector<float>> Actor::skins_on_host(SkinMethod method) const {
+  if (const HostedSkin* hosted = hosted_skin(method)) return {hosted->points};
+  const Detail::Evaluated& last = shown().last(method);
+  std::vector<std::vector<float>> skins;
+  for (std::size_t k = 0; k < last.poses.size(); ++k) skins.push_back(full_skin(shown(), last.result, k));
+  return skins;
+}
+
+void Actor::show_linear_blend(const Pose& pose) {
+  if (same(blended_of_, {&pose, 1})) return;
+  blended_ = upload_output(linear_blend_->skin(pose));
+  blended_of_ = {pose};
+}
+
+// A proxy that stands alone carries the full skin, not that of its own finest level, which its meshes ride on.
+bool Actor::has_worn_skin() const {
+  return level_ == 0 || shown().level().carried.size() == finest().basis().mesh.output_count();
+}
+
+// O x 3 of the finest level.
+std::vector<float> Actor::full_skin(const Detail& detail, const Evaluation& evaluation, std::size_t pose) const {
+  const Level& level = detail.level();
+  const std::size_t count = std::size_t{3} * level.basis.mesh.output_count();
+  const std::span<const float> positions = std::span(evaluation.positions).subspan(pose * count, count);
+  if (&detail == details_.front().get() || level.carried.empty()) return {positions.begin(), positions.end()};
+  return carry_skin(level.basis.mesh, level.carried, positions,
+                    std::span(evaluation.normals).subspan(pose * count, count));
+}
+
+const Evaluation& Actor::carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights) {
+  Detail& proxy = *details_[1];
+  const Evaluation& result = proxy.evaluate(SkinMethod::full, poses, frame, weights, true);
+  const Source from{1, proxy.last(SkinMethod::full).number};
+  if (from != carried_from_) carried_ = upload_output(full_skin(proxy, result, 0));
+  carried_from_ = from;
+  return result;
+}
+
+void Actor::reset_jiggle() {
+  for (const auto& detail : details_) detail->reset_jiggle();
+}
+
+DeviceSkin Actor::skin(SkinMethod method) const {
+  if (const HostedSkin* hosted = hosted_skin(method)) return {&hosted->positions, &hosted->normals};
+  return shown().skin(method);
+}
+
+std::vector<float> Actor::measure(SkinMethod method, const Pose& pose, int frame, float correction) {
+  if (method == SkinMethod::proxy) {
+    return full_skin(*details_[1], details_[1]->measure(SkinMethod::full, pose, correction), 0);
+  }
+  if (method == SkinMethod::lbs) return linear_blend_->skin(pose);
+  if (method != SkinMethod::truth) return finest().measure(method, pose, correction).positions;
+  return read_sample(truth_->reader, truth_time(frame).value());
+}
+
+void Actor::show_truth(int frame) {
+  const std::optional<SampleTime> time = truth_time(frame);
+  if (!time || time == truth_->shown) return;
+  truth_->skin = upload_output(read_sample(truth_->reader, *time));
+  truth_->shown = time;
+}
+
+Actor::HostedSkin Actor::upload_output(std::span<const float> points) {
+  const MeshTable& mesh = finest().basis().mesh;
+  const std::vector<float> positions = vertices_of(mesh, points);
+  std::vector<float> normals(positions.size());
+  cpu::output_normals(mesh, positions, normals);
+  return {++uploads_,
+          {points.begin(), points.end()},
+          vulkan::upload(*device_, positions, "a skin"),
+          vulkan::upload(*device_, normals, "its normals")};
+}
+
+void Actor::measure_size() {
+  const MeshTable& mesh = finest().basis().mesh;
+  size_ = diagonal(mesh.rest);
+  std::vector<float> points = mesh.rest;
+  if (worn_) {
+    const std::vector<float> worn = worn_points(output_of(mesh, mesh.rest), bind_pose(finest().basis().skeleton));
+    std::ranges::copy(worn, std::back_inserter(points));
+  }
+  reach_ = diagonal(points);
+}
+
+void Actor::measure_ground() {
+  const std::vector<float> positions = measure(SkinMethod::full, clip_.poses.front(), clip_.first_frame);
+  double low = positions.empty() ? 0 : static_cast<double>(positions[1]);
+  for (std::size_t k = 1; k < positions.size(); k += 3) low = std::min(low, static_cast<double>(positions[k]));
+  ground_ = low;
+}
+
+}  // namespace bodyopt

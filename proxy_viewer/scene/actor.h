@@ -1,0 +1,178 @@
+// A character of the scene: its basis, the clip it plays, and its skin by several methods, each on the device.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "assets/clip.h"
+#include "assets/pc2.h"
+#include "proxy_viewer/scene/detail.h"
+#include "proxy_viewer/scene/linear_blend.h"
+#include "proxy_viewer/scene/truth_times.h"
+#include "proxy_viewer/scene/worn_meshes.h"
+#include "proxy_viewer/state/joint_ranges.h"
+#include "proxy_viewer/state/view_settings.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/vulkan/buffer.h"
+
+namespace bodyopt {
+
+// The files of a character; what is empty is none. Dynamics and attached geometry: those beside a trained basis, where
+// there are any.
+struct ActorFiles {
+  std::string basis;  // as open_character() takes it
+  std::string clip{}, truth{}, proxy{};
+  std::string character{};  // for linear blending
+  std::string limits{};     // of its joints
+  std::string joint_map{};  // of its clips
+
+  std::filesystem::path dynamics() const;
+  std::filesystem::path attached() const;
+  // All of them, those beside the basis whether they are there or not: to be watched.
+  std::vector<std::filesystem::path> paths() const;
+};
+
+class Actor {
+ public:
+  // Throws Error(file), Error(mismatch), Error(device).
+  Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& files, const ClipOptions& options);
+
+  const ActorFiles& files() const { return files_; }
+  std::string name() const;
+  const std::vector<std::string>& notes() const { return notes_; }  // of opening it, for the user
+  // Of the level that is shown. Joints and controls are the same for all.
+  const Detail& shown() const { return *details_[level_]; }
+  Detail& shown() { return *details_[level_]; }
+  const Basis& basis() const { return shown().basis(); }
+  const Basis& finest_basis() const { return finest().basis(); }
+  std::size_t level_count() const { return details_.size(); }
+  std::size_t level() const { return level_; }
+  void set_level(std::size_t level) { level_ = std::min(level, details_.size() - 1); }
+  bool has_proxy() const { return details_.size() > 1; }
+  const Clip& clip() const { return clip_; }              // one frame, the bind pose, where there is no file
+  const std::vector<int>& keys() const { return keys_; }  // frames; see clip_keys()
+  bool has(SkinMethod method) const;
+  bool has_at_finest(SkinMethod method) const;  // whatever level is shown
+  bool has_dynamics() const { return finest().jiggles(); }
+  // Why it does not jiggle although it has dynamics: they step at another rate than the clip. Empty: it does.
+  std::string why_still() const;
+
+  // These throw as the constructor, and leave what was there.
+  void open_clip(const std::string& source);
+  void open_truth(const std::string& path);
+
+  // The clip's pose, turned joint by joint as the settings say and the ranges let it. Frames beyond the clip: its first
+  // or last.
+  Pose pose(int frame, const ViewSettings::Posing& posing) const;
+  // How it is posed while it is not the lead, whom the settings pose.
+  const ViewSettings::Posing& posing() const { return posing_; }
+  void set_posing(ViewSettings::Posing posing) { posing_ = std::move(posing); }
+  // What the range of a joint lets be added to the clip; none: it has no range.
+  std::optional<JointRange> free_turns(std::size_t joint, int frame) const;
+
+  // Poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
+  // `dressed`: worn() is to follow.
+  const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
+                             bool dressed = true);
+  void reset_jiggle();  // which starts anew with the next frame
+  // What it wears, on the skins that the method has evaluated last, one a pose; empty: nothing.
+  std::span<const WornMesh> worn(SkinMethod method);
+  bool wears() const { return worn_ != nullptr; }
+  // The points of what it wears, on a skin as measure() gives it, metres, world.
+  std::vector<float> worn_points(std::span<const float> skin, const Pose& pose) const;
+  // Of the last evaluation by the method.
+  DeviceSkin skin(SkinMethod method) const;
+
+  // The result of a method on the host, output vertex order: of one pose, for figures; of the truth, where
+  // has_sample_at() only. Quasi-static, of the finest level. `correction`: see Weights.
+  std::vector<float> measure(SkinMethod method, const Pose& pose, int frame, float correction = 1);
+
+  double size() const { return size_; }      // diagonal of the rest skin, metres
+  double reach() const { return reach_; }    // as size(), with what it wears
+  double ground() const { return ground_; }  // height of its lowest point as the clip begins, metres
+  Vec3 start() const { return clip_.poses.front().joints.front().translation; }  // of its root, as the clip begins
+  const Pc2Reader* truth() const { return truth_ ? &truth_->reader : nullptr; }
+  // Where a frame lies among the samples of the truth; nothing: there is none, or it ends before. It is evaluated in
+  // such frames only.
+  std::optional<SampleTime> truth_time(int frame) const {
+    return truth_ ? sample_time(truth_->reader, frame) : std::nullopt;
+  }
+  // What lies between samples is shown, and not measured.
+  bool has_sample_at(int frame) const {
+    const std::optional<SampleTime> time = truth_time(frame);
+    return time && time->on_sample();
+  }
+
+ private:
+  // What the host made something of last: the evaluation of a level, or an upload.
+  struct Source {
+    std::size_t level = 0;
+    std::uint64_t number = 0;
+    bool operator==(const Source&) const = default;
+  };
+  // A skin of the finest level that comes from the host.
+  struct HostedSkin {
+    std::uint64_t number = 0;   // another with every upload
+    std::vector<float> points;  // O x 3
+    vulkan::Buffer positions, normals;
+  };
+  // What is worn on the skins of a method.
+  struct Worn {
+    Source on;
+    std::vector<Pose> poses;
+    std::vector<WornMesh> meshes;
+  };
+  struct Truth {
+    Pc2Reader reader;
+    std::optional<SampleTime> shown;
+    HostedSkin skin;
+  };
+
+  Detail& finest() { return *details_.front(); }
+  const Detail& finest() const { return *details_.front(); }
+  void add_proxy(const std::string& path);
+  const Pose& clip_pose(int frame) const;
+  const std::optional<JointRange>& range(std::size_t joint) const;
+  bool has_worn_skin() const;
+  std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation, std::size_t pose) const;
+  const HostedSkin* hosted_skin(SkinMethod method) const;
+  std::vector<std::vector<float>> skins_on_host(SkinMethod method) const;
+  const Evaluation& carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights);
+  void show_linear_blend(const Pose& pose);
+  HostedSkin upload_output(std::span<const float> points);
+  void show_truth(int frame);
+  void measure_size();
+  void measure_ground();
+
+  std::shared_ptr<const vulkan::Device> device_;
+  ActorFiles files_;
+  ClipOptions clip_options_;
+  std::vector<std::string> notes_;
+  std::vector<std::unique_ptr<Detail>> details_;  // finest first; all but the first are proxies
+  std::size_t level_ = 0;
+  Clip clip_;
+  std::vector<int> keys_;
+  std::vector<std::optional<JointRange>> ranges_;  // of every joint; none: they turn as far as they are turned
+  ViewSettings::Posing posing_;
+  double size_ = 1, reach_ = 1, ground_ = 0;
+  Evaluation hosted_;  // of skins that come from the host: nothing
+  std::uint64_t uploads_ = 0;
+  HostedSkin blended_, carried_;  // by linear blending; by the proxy
+  std::vector<Pose> blended_of_;  // none, or one
+  Source carried_from_;
+  std::optional<Truth> truth_;
+  std::unique_ptr<WornMeshes> worn_;
+  std::map<SkinMethod, Worn> worn_on_;
+  Pose hosted_pose_;  // of the skins from the host that were evaluated last
+  std::unique_ptr<LinearBlend> linear_blend_;
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,179 @@
+#include "proxy_viewer/scene/detail.h"
+
+#include <algorithm>
+
+namespace bodyopt {
+namespace {
+
+struct Segment {
+  std::uint32_t from, to, fibre;
+};
+
+// Fibre points name strain vertices; drawing needs those of the skin.
+std::vector<FibrePoint> points_on_skin(const StrainTable& strain) {
+  std::vector<FibrePoint> points = strain.points;
+  for (FibrePoint& point : points) {
+    point.a = strain.vertices[point.a];
+    point.b = strain.vertices[point.b];
+    point.c = strain.vertices[point.c];
+  }
+  return points;
+}
+
+std::vector<Segment> segments_of(const StrainTable& strain) {
+  std::vector<Segment> segments;
+  for (std::uint32_t fibre = 0; fibre < strain.fibre_count(); ++fibre) {
+    for (std::uint32_t p = strain.fibre_begin[fibre] + 1; p < strain.fibre_begin[fibre + 1]; ++p) {
+      segments.push_back({p - 1, p, fibre});
+    }
+  }
+  return segments;
+}
+
+bool same(const JointTransform& a, const JointTransform& b) {
+  return a.translation == b.translation && a.rotation == b.rotation && a.scale == b.scale;
+}
+
+}  // namespace
+
+bool same(std::span<const Pose> a, std::span<const Pose> b) {
+  return std::ranges::equal(a, b, [](const Pose& p, const Pose& q) {
+    return p.controls == q.controls &&
+           std::ranges::equal(p.joints, q.joints, [](const auto& s, const auto& t) { return same(s, t); });
+  });
+}
+
+Basis linear_part(Basis basis) {
+  ResidualTable& residual = basis.residual;
+  for (const Region& region : residual.regions) {
+    const std::size_t columns = std::size_t{1} + region.feature_count + region.centre_count;
+    for (std::uint32_t k = 0; k < region.coefficient_count; ++k) {
+      const auto row = residual.weights.begin() + static_cast<std::ptrdiff_t>(region.weight_values + k * columns);
+      std::fill(row + 1 + region.feature_count, row + static_cast<std::ptrdiff_t>(columns), 0.0f);
+    }
+  }
+  return basis;
+}
+
+Detail::Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::optional<Dynamics> dynamics)
+    : device_(std::move(device)), level_(std::move(level)), dynamics_(std::move(dynamics)) {
+  triangles_ = vulkan::upload(*device_, basis().mesh.triangles, "the triangles");
+  const std::vector<Segment> segments = segments_of(basis().strain);
+  fibre_segments_ = vulkan::upload(*device_, segments, "the fibres");
+  fibre_points_ = vulkan::upload(*device_, points_on_skin(basis().strain), "the fibre points");
+  fibre_segment_count_ = static_cast<std::uint32_t>(segments.size());
+  if (!knows_coverage()) return;
+  coverage_ = read_coverage(basis());
+  shares_ = RegionShares(basis());
+}
+
+Deformer& Detail::deformer(SkinMethod method, Use use) {
+  std::unique_ptr<Deformer>& made = deformers_[{method, use}];
+  if (made) return *made;
+  made = std::make_unique<Deformer>(method == SkinMethod::linear ? linear_part(basis()) : basis(),
+                                    method == SkinMethod::jiggle ? dynamics_ : std::nullopt, JiggleOptions{}, device_);
+  return *made;
+}
+
+const Evaluation& Detail::evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
+                                   bool host) {
+  Evaluated& last = evaluated_[method];
+  if (method == SkinMethod::jiggle) poses = poses.first(1);
+  const bool again = frame == last.frame && weights == last.weights && host <= last.host && same(poses, last.poses);
+  if (again) return last.result;
+  last.poses.clear();  // should it throw
+  Deformer& d = deformer(method, Use::show);
+  d.set_weights({method == SkinMethod::ddm ? 0.0f : weights.correction, weights.jiggle});
+  if (method == SkinMethod::jiggle) {
+    last.result = host ? d.jiggle(poses, {&frame, 1}) : d.jiggle_on_device(poses, {&frame, 1});
+  } else {
+    if (host) d.require_one_batch(poses);  // what is drawn is on the device, too
+    last.result = host ? d.evaluate(poses) : d.evaluate_on_device(poses);
+  }
+  last.poses.assign(poses.begin(), poses.end());
+  last.frame = frame;
+  last.weights = weights;
+  last.host = host;
+  last.number = ++evaluations_;
+  return last.result;
+}
+
+const ExpectedSkin& Detail::expected_skin(const Pose& pose) {
+  if (expected_ && same({&expected_->first, 1}, {&pose, 1})) return expected_->second;
+  const ExpectedError error = expected_error(basis(), coverage_, pose);
+  std::vector<float> vertices = shares_.carry(error.region_mm);
+  ExpectedSkin skin{error.rms_mm, 0, 0, vulkan::upload(*device_, vertices, "expected errors")};
+  if (!vertices.empty()) {
+    skin.largest_mm = 1e3 * double{*std::ranges::max_element(vertices)};
+    const auto p99 = vertices.begin() + static_cast<std::ptrdiff_t>(99 * (vertices.size() - 1) / 100);
+    std::ranges::nth_element(vertices, p99);
+    skin.p99_mm = 1e3 * double{*p99};
+  }
+  return expected_.emplace(pose, std::move(skin)).second;
+}
+
+DeviceSkin Detail::skin(SkinMethod method) const { return deformers_.at({method, Use::show})->device_skin(); }
+
+void Detail::reset_jiggle() {
+  const auto found = deformers_.find({SkinMethod::jiggle, Use::show});
+  if (found != deformers_.end()) found->second->set_state({});
+  evaluated_.erase(SkinMethod::jiggle);
+}
+
+Evaluation Detail::measure(SkinMethod method, const Pose& pose, float correction) {
+  Deformer& d = deformer(method == SkinMethod::jiggle ? SkinMethod::full : method, Use::measure);
+  d.set_weights({method == SkinMethod::ddm ? 0.0f : correction, 1.0f});
+  return d.evaluate({&pose, 1});
+}
+
+// N x 3, metres, world.
+std::vector<float> Detail::tet_nodes(const Pose& pose, std::optional<float> jiggle) {
+  Deformer& d = deformer(SkinMethod::jiggle, jiggle ? Use::show : Use::measure);
+  if (!jiggle && !same(tet_poses_, {&pose, 1})) {  // without a past: where the skin takes them
+    const int frame = 0;
+    d.set_state({});
+    d.jiggle({&pose, 1}, {&frame, 1});
+    tet_poses_ = {pose};
+  }
+  const JiggleState state = d.state();
+  std::vector<float> nodes(state.motion.nodes.size());
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const float away = jiggle.value_or(0) * state.motion.displacement[k];
+    nodes[k] = static_cast<float>(state.origin[k % 3] + static_cast<double>(state.motion.nodes[k] + away));
+  }
+  return nodes;
+}
+
+const CutTets& Detail::cut_tets(const Pose& pose, std::optional<float> jiggle, const Vec3& towards, double share) {
+  if (!cut_tets_) cut_tets_ = std::make_unique<CutTets>(*device_, *dynamics_);
+  cut_tets_->cut(tet_nodes(pose, jiggle), towards, share);
+  return *cut_tets_;
+}
+
+std::size_t DetailChoice::choose(double seconds, bool playing, std::size_t count) {
+  if (!playing || count <= 1) {
+    sum_ = pictures_ = 0;
+    return 0;
+  }
+  level_ = std::min(level_, count - 1);
+  sum_ += seconds;
+  ++pictures_;
+  if (sum_ < kPatience) return level_;
+  const double mean = sum_ / pictures_;
+  waited_ += sum_;
+  sum_ = pictures_ = 0;
+  if (mean > 1 / kRate && level_ + 1 < count) {
+    if (has_tried_) retry_ = std::min(2 * retry_, kLongestRetry);
+    too_slow_ = level_;
+    waited_ = 0;
+    ++level_;
+  } else if (mean < 0.5 / kRate && level_ > 0) {
+    const bool was_too_slow = too_slow_ && level_ - 1 <= *too_slow_;
+    if (was_too_slow && waited_ < retry_) return level_;
+    has_tried_ = was_too_slow;
+    --level_;
+  }
+  return level_;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,126 @@
+// One level of detail of a character: its basis, what drawing needs of it, and its skin by several methods, each on the
+// device.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "proxy_viewer/scene/cut_tets.h"
+#include "runtime/basis/levels.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/vulkan/buffer.h"
+#include "trainer/train/vertex_coverage.h"
+
+namespace bodyopt {
+
+// What makes the skin. lbs: linear blending; ddm: Direct Delta Mush, what is learned left out; linear: of what is
+// learned the part that is linear in joints and strains; proxy: the full skin as the next coarser level carries it;
+// truth: a point cache.
+enum class SkinMethod { lbs, ddm, linear, full, jiggle, proxy, truth };
+
+// The error that coverage expects at a pose.
+struct ExpectedSkin {
+  double rms_mm = 0, largest_mm = 0, p99_mm = 0;  // over the skin; of a vertex; of 99 of 100
+  vulkan::Buffer vertices;                        // V, metres
+};
+
+class Detail {
+ public:
+  // What a method has evaluated last, and of what.
+  struct Evaluated {
+    std::vector<Pose> poses;
+    int frame = 0;
+    Weights weights;
+    bool host = false;
+    std::uint64_t number = 0;  // that no other evaluation of the level has
+    Evaluation result;
+  };
+
+  // `dynamics`: of the same basis, where there are any. Throws Error(device), and Error(file) where what the basis says
+  // of its coverage is damaged.
+  Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::optional<Dynamics> dynamics);
+
+  const Basis& basis() const { return level_.basis; }
+  const Level& level() const { return level_; }
+  bool jiggles() const { return dynamics_.has_value(); }
+  // Frames a second that the jiggle steps; the level must have dynamics.
+  double jiggle_rate() const { return static_cast<double>(dynamics_->jiggle.step.frames_per_second); }
+  std::uint32_t tet_count() const { return dynamics_ ? dynamics_->tets.tet_count() : 0; }
+  // The tets at a pose, or, where `jiggle` says how much is shown of it, where the jiggle that is shown has them. The
+  // level must have dynamics.
+  const CutTets& cut_tets(const Pose& pose, std::optional<float> jiggle, const Vec3& towards, double share);
+
+  bool knows_coverage() const { return has_coverage(basis()); }
+  // The level must know its coverage. The same pose as the last time is not looked at again.
+  const ExpectedSkin& expected_skin(const Pose& pose);
+
+  // By ddm, linear, full or jiggle. Poses of one frame, then of ghosts; `frame`: of the first. The jiggle steps only
+  // with that. The same as the last time is not evaluated again. On the host, too, when `host` asks for it.
+  const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
+                             bool host);
+  // Of the last evaluation by the method.
+  DeviceSkin skin(SkinMethod method) const;
+  const Evaluated& last(SkinMethod method) const { return evaluated_.at(method); }
+  void reset_jiggle();  // which starts anew with the next frame
+
+  // The quasi-static result on the host, of one pose: does not touch what is shown. `correction`: see Weights.
+  Evaluation measure(SkinMethod method, const Pose& pose, float correction = 1);
+
+  const vulkan::Buffer& triangles() const { return triangles_; }
+  const vulkan::Buffer& fibre_segments() const { return fibre_segments_; }
+  const vulkan::Buffer& fibre_points() const { return fibre_points_; }
+  std::uint32_t fibre_segment_count() const { return fibre_segment_count_; }
+
+ private:
+  enum class Use { show, measure };
+
+  Deformer& deformer(SkinMethod method, Use use);
+  std::vector<float> tet_nodes(const Pose& pose, std::optional<float> jiggle);
+
+  std::shared_ptr<const vulkan::Device> device_;
+  Level level_;
+  std::optional<Dynamics> dynamics_;
+  vulkan::Buffer triangles_, fibre_segments_, fibre_points_;
+  std::uint32_t fibre_segment_count_ = 0;
+  std::map<std::pair<SkinMethod, Use>, std::unique_ptr<Deformer>> deformers_;  // made when they are first wanted
+  std::map<SkinMethod, Evaluated> evaluated_;
+  std::uint64_t evaluations_ = 0;      // so far
+  std::unique_ptr<CutTets> cut_tets_;  // made when they are first wanted
+  std::vector<Pose> tet_poses_;        // of which the tets were measured last; none, or one
+  std::vector<RegionCoverage> coverage_;
+  RegionShares shares_;  // of the regions, where there is coverage
+  std::optional<std::pair<Pose, ExpectedSkin>> expected_;
+};
+
+// To the last bit, joints and controls.
+bool same(std::span<const Pose> a, std::span<const Pose> b);
+
+// The basis without its kernels: what a linear map of joints and strains makes of it.
+Basis linear_part(Basis basis);
+
+// Chooses the level that holds a rate: coarser when pictures are late, finer when there is twice the time. A level that
+// was too slow is tried again after a while, each time a longer one, or the skin would change twice a second. The
+// finest while nothing plays.
+class DetailChoice {
+ public:
+  static constexpr double kRate = 24;                            // pictures a second
+  static constexpr double kPatience = 0.5;                       // seconds of pictures before it changes its mind
+  static constexpr double kFirstRetry = 8, kLongestRetry = 120;  // seconds until what was too slow is tried again
+
+  // `seconds`: what the last picture took. Gives the level to show, 0 to count - 1.
+  std::size_t choose(double seconds, bool playing, std::size_t count);
+
+ private:
+  std::size_t level_ = 0;
+  double sum_ = 0;
+  int pictures_ = 0;
+  std::optional<std::size_t> too_slow_;
+  bool has_tried_ = false;  // what was too slow
+  double waited_ = 0, retry_ = kFirstRetry;
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,496 @@
+#include "proxy_viewer/scene/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "draw/camera.h"
+#include "proxy_viewer/state/box.h"
+#include "proxy_viewer/state/strain_colour.h"
+#include "runtime/host/rig.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr std::array<float, 3> kBeforeColour = {0.12f, 0.30f, 0.75f}, kAfterColour = {0.80f, 0.33f, 0.10f};
+constexpr std::array<float, 3> kWornColour = {0.16f, 0.19f, 0.23f};
+constexpr std::array<float, 3> kOtherColour = {0.25f, 0.47f, 0.62f};  // of what is compared with
+constexpr std::uint32_t kBone = 0xd0f0e4c8, kJoint = 0xffffffff, kSelected = 0xff2fb4ff;
+constexpr std::size_t kColumns = 7;  // of copies
+constexpr std::uint32_t kMarked = 0xff5a40ff;
+constexpr double kSpacing = 0.7;      // between characters, of their size
+constexpr double kInside = 0.3;       // of its size: nearer to another, a character would begin inside it
+constexpr double kSkinAround = 0.12;  // of joints, of the character's size
+constexpr float kSkinOverTets = 0.12f;
+constexpr double kSphere = 0.75;  // around the joints, of the character's size
+
+std::vector<Vec3> centres_of(const Actor& character, const Pose& pose) {
+  std::vector<Vec3> centres;
+  for (const Affine& joint : posed_joints(character.basis().skeleton, pose.joints)) {
+    centres.push_back({joint.m[0][3], joint.m[1][3], joint.m[2][3]});
+  }
+  return centres;
+}
+
+// A round number of metres, about a tenth of the size.
+float grid_spacing(double size) {
+  const double power = std::pow(10, std::floor(std::log10(std::max(1e-3, size / 10))));
+  const double share = size / 10 / power;
+  return static_cast<float>(power * (share < 2 ? 1 : share < 5 ? 2 : 5));
+}
+
+SurfaceStyle surface_style(LookStyle style) {
+  switch (style) {
+    case LookStyle::matcap:
+      return SurfaceStyle::matcap;
+    case LookStyle::flat:
+      return SurfaceStyle::flat;
+    case LookStyle::normals:
+      return SurfaceStyle::normals;
+    default:
+      return SurfaceStyle::clay;
+  }
+}
+
+// Heat is of a character's skin alone: what else is drawn of it keeps its colour.
+SkinDraw without_heat(SkinDraw draw) {
+  draw.reference = draw.distances = nullptr;
+  return draw;
+}
+
+// What is worn over a skin that is drawn, at that of its poses.
+void dress(std::span<const WornMesh> meshes, std::size_t pose, const SkinDraw& skin, const std::array<float, 3>& colour,
+           View& view) {
+  for (const WornMesh& mesh : meshes) {
+    SkinDraw worn = without_heat(skin);
+    worn.triangles = mesh.triangles;
+    worn.triangle_count = mesh.triangle_count;
+    worn.positions = &mesh.positions;
+    worn.normals = &mesh.normals;
+    worn.first_vertex = static_cast<std::uint32_t>(pose) * mesh.vertex_count;
+    worn.colour = colour;
+    view.skins.push_back(worn);
+  }
+}
+
+Rectangle left_half(const Rectangle& r) { return {r.x, r.y, r.width / 2, r.height}; }
+Rectangle right_half(const Rectangle& r) {
+  const std::uint32_t left = r.width / 2;
+  return {r.x + static_cast<std::int32_t>(left), r.y, r.width - left, r.height};
+}
+
+}  // namespace
+
+SkinMethod shown_method(const Actor& character, const ViewSettings& settings) {
+  return settings.jiggle.on && character.has(SkinMethod::jiggle) ? SkinMethod::jiggle : SkinMethod::full;
+}
+
+std::optional<SkinMethod> compared_method(const Actor& character, const ViewSettings& settings) {
+  const auto wanted = [&]() -> std::optional<SkinMethod> {
+    if (settings.compare.activation) return SkinMethod::ddm;
+    switch (settings.compare.with) {
+      case CompareWith::lbs:
+        return SkinMethod::lbs;
+      case CompareWith::ddm:
+        return SkinMethod::ddm;
+      case CompareWith::linear:
+        return SkinMethod::linear;
+      case CompareWith::full:
+        return SkinMethod::full;
+      case CompareWith::jiggle:
+        return SkinMethod::jiggle;
+      case CompareWith::proxy:
+        return SkinMethod::proxy;
+      case CompareWith::truth:
+        return SkinMethod::truth;
+      default:
+        return std::nullopt;
+    }
+  }();
+  if (!wanted || !character.has(*wanted) || *wanted == shown_method(character, settings)) return std::nullopt;
+  return wanted;
+}
+
+void Scene::add(const ActorFiles& files, const ClipOptions& options) { cast_.push_back(make(files, options)); }
+
+std::unique_ptr<Actor> Scene::make(const ActorFiles& files, const ClipOptions& options) const {
+  return std::make_unique<Actor>(device_, files, options);
+}
+
+void Scene::swap(std::size_t index, std::unique_ptr<Actor>& other) {
+  cast_[index].swap(other);
+  forget_look();
+}
+
+void Scene::make_lead(std::size_t index) {
+  const auto lead = cast_.begin() + static_cast<std::ptrdiff_t>(index);
+  std::rotate(cast_.begin(), lead, lead + 1);
+  forget_look();
+}
+
+void Scene::remove(std::size_t index) {
+  cast_.erase(cast_.begin() + static_cast<std::ptrdiff_t>(index));
+  forget_look();
+}
+
+void Scene::forget_look() {
+  lead_evaluation_ = nullptr;
+  lead_expected_ = nullptr;
+}
+
+// Those of one shot stay where their clips have them. Who would begin inside another is put beside it, in a row: to the
+// right, to the left, further to the right...
+std::array<float, 3> Scene::place(std::size_t index) const {
+  const auto begins_inside = [&](const std::unique_ptr<Actor>& other) {
+    const Vec3 apart = cast_[index]->start() - other->start();
+    return std::hypot(apart[0], apart[2]) < kInside * cast_[index]->size();
+  };
+  if (std::none_of(cast_.begin(), cast_.begin() + static_cast<std::ptrdiff_t>(index), begins_inside)) return {0, 0, 0};
+  const double step = kSpacing * cast_[index]->size();
+  const double side = index % 2 == 1 ? static_cast<double>(index + 1) / 2 : -static_cast<double>(index) / 2;
+  return {static_cast<float>(step * side), static_cast<float>(cast_.front()->ground() - cast_[index]->ground()), 0};
+}
+
+// Of the lead: in rows behind it.
+std::array<float, 3> Scene::place_copy(std::size_t copy) const {
+  const std::size_t column = copy % kColumns, row = copy / kColumns;
+  const double side = column % 2 == 1 ? static_cast<double>(column + 1) / 2 : -static_cast<double>(column) / 2;
+  const double step = kSpacing * cast_.front()->size();
+  return {static_cast<float>(step * side), 0, static_cast<float>(-step * static_cast<double>(row))};
+}
+
+void Scene::reset_jiggle() {
+  for (const auto& character : cast_) character->reset_jiggle();
+  forget_look();
+}
+
+Pose Scene::pose_at(const Actor& character, int frame, const Controls& controls) const {
+  const bool leads = &character == &lead();
+  if (leads && live_pose_) return *live_pose_;
+  return character.pose(frame, leads ? controls.settings.pose : character.posing());
+}
+
+std::vector<Pose> Scene::poses_of(const Actor& character, const Controls& controls) const {
+  const ViewSettings& s = controls.settings;
+  const int frame = controls.playback.frame();
+  std::vector<Pose> poses = {pose_at(character, frame, controls)};
+  for (int k = 1; k <= s.ghosts.before; ++k) poses.push_back(pose_at(character, frame - k * s.ghosts.step, controls));
+  for (int k = 1; k <= s.ghosts.after; ++k) poses.push_back(pose_at(character, frame + k * s.ghosts.step, controls));
+  if (&character != cast_.front().get()) return poses;
+  const Playback& playback = controls.playback;
+  const int length = playback.out() - playback.in() + 1;
+  for (int k = 1; k < s.cast.copies; ++k) {  // goes round and round, as they do
+    const int ahead = (frame - playback.in() + k * s.cast.delay) % length;
+    poses.push_back(pose_at(character, playback.in() + (ahead + length) % length, controls));
+  }
+  return poses;
+}
+
+Scene::Shown Scene::evaluate(Actor& character, SkinMethod method, std::span<const Pose> poses,
+                             const Controls& controls) {
+  const Weights weights{static_cast<float>(controls.settings.pose.correction),
+                        static_cast<float>(controls.settings.jiggle.amount)};
+  // Ghosts are quasi-static: they have no past.
+  const auto wanted = method == SkinMethod::full ? poses : poses.first(1);
+  const Evaluation& evaluation =
+      character.evaluate(method, wanted, controls.playback.frame(), weights, controls.settings.look.worn);
+  for (const auto& [stage, seconds] : evaluation.stage_seconds) stage_seconds_[stage] += seconds;
+  return {method, &evaluation, character.skin(method)};
+}
+
+std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
+  stage_seconds_.clear();
+  lead_expected_ = nullptr;
+  lines_.clear();
+  colours_.clear();
+  View view;
+  view.camera = controls.camera.camera();
+  view.area = view.part = area;
+  const ViewSettings::Look& look = controls.settings.look;
+  view.ground.grid = look.grid;
+  view.ground.axes = look.axes;
+  view.ground.shadow = look.shadow ? 0.85f : 0.0f;
+  if (!cast_.empty()) {
+    view.ground.height = static_cast<float>(lead().ground());
+    view.ground.spacing = grid_spacing(lead().size());
+    surround(controls, view);
+  }
+
+  std::vector<View> views = {view};
+  const ViewSettings::Compare& compare = controls.settings.compare;
+  const bool compares = !cast_.empty() && compared_method(lead(), controls.settings) && !compare.activation;
+  if (compares && (compare.layout == CompareLayout::side_by_side || compare.layout == CompareLayout::wipe)) {
+    views.push_back(view);
+    if (compare.layout == CompareLayout::side_by_side) {
+      const std::vector<Rectangle> areas = view_areas(controls.settings, area);
+      for (std::size_t k = 0; k < 2; ++k) views[k].area = views[k].part = areas[k];
+    } else {
+      const auto wipe = static_cast<std::uint32_t>(std::lround(compare.wipe * area.width));
+      views[0].part.width = wipe;
+      views[1].part.x += static_cast<std::int32_t>(wipe);
+      views[1].part.width = area.width - wipe;
+    }
+  }
+  for (std::size_t c = 0; c < cast_.size(); ++c) add_character(c, controls, views);
+  if (controls.marker && controls.marker->frame == controls.playback.frame()) {
+    for (View& v : views) add_marker(controls.marker->at, v);
+  }
+  // What is see-through is drawn over what is not.
+  for (View& v : views) std::ranges::stable_partition(v.skins, [](const SkinDraw& draw) { return draw.alpha >= 1; });
+  return views;
+}
+
+void Scene::surround(const Controls& controls, View& view) const {
+  const auto ghosts = static_cast<std::size_t>(controls.settings.ghosts.before + controls.settings.ghosts.after);
+  Box all;
+  double around_largest = 0, smallest = 1e30;
+  for (std::size_t c = 0; c < cast_.size(); ++c) {
+    const std::vector<Pose> poses = poses_of(*cast_[c], controls);
+    const double around = kSphere * std::max(0.1, cast_[c]->reach());
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      const Vec3 offset = to_double(k > ghosts ? place_copy(k - ghosts) : place(c));
+      Box own;
+      for (const Vec3& centre : centres_of(*cast_[c], poses[k])) own.add(centre + offset);
+      all.add(own.low);
+      all.add(own.high);
+      smallest = std::min(smallest, own.radius() + around);
+    }
+    around_largest = std::max(around_largest, around);
+  }
+  view.middle = to_float(all.middle());
+  view.radius = static_cast<float>(all.radius() + around_largest);
+  view.ground.caster = static_cast<float>(smallest);
+}
+
+std::vector<Rectangle> Scene::view_areas(const ViewSettings& settings, const Rectangle& area) const {
+  const ViewSettings::Compare& compare = settings.compare;
+  const bool two = !cast_.empty() && compare.layout == CompareLayout::side_by_side && !compare.activation &&
+                   compared_method(lead(), settings);
+  if (!two) return {area};
+  return {left_half(area), right_half(area)};
+}
+
+void Scene::add_marker(const Vec3& at, View& view) {
+  const double reach = 0.012 * lead().size();
+  std::vector<LinePoint> cross;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const double side : {-reach, reach}) {
+      Vec3 end = at;
+      end[axis] += side;
+      cross.push_back({static_cast<float>(end[0]), static_cast<float>(end[1]), static_cast<float>(end[2]), kMarked});
+    }
+  }
+  lines_.push_back(std::move(cross));
+  view.lines.push_back({lines_.back(), {}, 2, true});
+}
+
+void Scene::add_character(std::size_t index, const Controls& controls, std::vector<View>& views) {
+  Actor& character = *cast_[index];
+  const ViewSettings& s = controls.settings;
+  const std::vector<Pose> poses = poses_of(character, controls);
+  const SkinMethod method = shown_method(character, s);
+  const std::optional<SkinMethod> other = compared_method(character, s);
+  const Shown shown = evaluate(character, method, poses, controls);
+  if (index == 0) lead_evaluation_ = shown.evaluation;
+  std::optional<Shown> compared;
+  const int frame = controls.playback.frame();
+  const bool is_missing = other == SkinMethod::truth && !character.truth_time(frame);
+  const bool is_measured = other != SkinMethod::truth || character.has_sample_at(frame);
+  if (other && !is_missing) compared = evaluate(character, *other, poses, controls);
+
+  SkinDraw skin;
+  skin.triangles = &character.shown().triangles();
+  skin.triangle_count = static_cast<std::uint32_t>(character.basis().mesh.triangles.size() / 3);
+  skin.positions = shown.skin.positions;
+  skin.normals = shown.skin.normals;
+  skin.offset = place(index);
+  skin.style = surface_style(s.look.style);
+  skin.wire = s.look.wire;
+  skin.shadow = s.look.shadow;
+  skin.heat_range = static_cast<float>(1e-3 * controls.heat_mm());
+  SkinDraw second = skin;
+  if (compared) {
+    second.positions = compared->skin.positions;
+    second.normals = compared->skin.normals;
+    second.colour = kOtherColour;
+    if ((s.compare.heat || s.compare.activation) && is_measured) skin.reference = second.positions;
+  }
+  if (s.compare.coverage && character.shown().knows_coverage()) {
+    const ExpectedSkin& expected = character.shown().expected_skin(poses[0]);
+    skin.distances = &expected.vertices;
+    if (index == 0) lead_expected_ = &expected;
+  }
+
+  if (s.look.tets && character.shown().tet_count() > 0) {
+    add_tets(character, poses[0], skin, controls, views);
+    skin.alpha = kSkinOverTets;
+    skin.shadow = skin.wire = false;
+  }
+  const bool flips = compared && s.compare.layout == CompareLayout::hold && controls.flipped;
+  views[0].skins.push_back(flips ? second : skin);
+  if (views.size() > 1) {
+    if (!is_missing) views[1].skins.push_back(compared ? second : skin);
+  } else if (compared && s.compare.layout == CompareLayout::overlay && !s.compare.activation) {
+    second.alpha = 0.6f;
+    second.shadow = false;
+    views[0].skins.push_back(second);
+  }
+  if (s.look.worn) {
+    const SkinMethod first = flips ? compared->method : method;
+    dress(character.worn(first), 0, skin, kWornColour, views[0]);
+    if (views.size() > 1 && !is_missing) {
+      dress(character.worn(compared ? compared->method : method), 0, skin, kWornColour, views[1]);
+    }
+  }
+  for (View& view : views) {
+    if (s.look.skeleton) add_skeleton(character, poses[0], skin.offset, controls, view);
+    if (s.look.fibres) add_fibres(character, shown, skin.offset, view);
+  }
+  if (poses.size() == 1) return;
+  // Ghosts and copies are quasi-static: they have no past.
+  const Shown others = method == SkinMethod::full ? shown : evaluate(character, SkinMethod::full, poses, controls);
+  const std::span<const WornMesh> worn = s.look.worn ? character.worn(SkinMethod::full) : std::span<const WornMesh>();
+  SkinDraw extra = without_heat(skin);
+  extra.positions = others.skin.positions;
+  extra.normals = others.skin.normals;
+  const std::size_t ghosts = static_cast<std::size_t>(s.ghosts.before + s.ghosts.after);
+  for (std::size_t k = ghosts + 1; k < poses.size(); ++k) {
+    extra.first_vertex = static_cast<std::uint32_t>(k) * character.basis().mesh.vertex_count();
+    extra.offset = place_copy(k - ghosts);
+    for (View& view : views) {
+      view.skins.push_back(extra);
+      dress(worn, k, extra, kWornColour, view);
+    }
+  }
+  extra.offset = skin.offset;
+  extra.wire = extra.shadow = false;
+  for (std::size_t g = 1; g <= ghosts; ++g) {
+    extra.first_vertex = static_cast<std::uint32_t>(g) * character.basis().mesh.vertex_count();
+    const bool before = g <= static_cast<std::size_t>(s.ghosts.before);
+    const std::size_t away = before ? g : g - static_cast<std::size_t>(s.ghosts.before);
+    const int count = before ? s.ghosts.before : s.ghosts.after;
+    extra.colour = before ? kBeforeColour : kAfterColour;
+    const double fades = 1 - 0.6 * static_cast<double>(away - 1) / std::max(1, count);
+    extra.alpha = static_cast<float>(std::clamp(s.ghosts.opacity * fades, 0.0, 0.99));
+    for (View& view : views) {
+      view.skins.push_back(extra);
+      dress(worn, g, extra, extra.colour, view);
+    }
+  }
+}
+
+void Scene::add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, const Controls& controls,
+                     std::vector<View>& views) {
+  const ViewSettings& s = controls.settings;
+  const Camera camera = controls.camera.camera();
+  Vec3 towards;
+  for (std::size_t i = 0; i < 3; ++i) towards[i] = static_cast<double>(camera.eye[i] - camera.target[i]);
+  towards = 1 / length(towards) * towards;
+  const bool jiggles = shown_method(character, s) == SkinMethod::jiggle;
+  const auto amount = jiggles ? std::optional(static_cast<float>(s.jiggle.amount)) : std::nullopt;
+  const CutTets& tets = character.shown().cut_tets(pose, amount, towards, s.look.tet_cut);
+  SkinDraw draw = without_heat(skin);
+  draw.positions = draw.normals = &tets.positions();  // facets need no normals
+  draw.style = SurfaceStyle::flat;
+  for (const CutTets::Part& part : tets.parts()) {
+    draw.triangles = &part.triangles;
+    draw.triangle_count = part.triangle_count;
+    draw.colour = part.colour;
+    for (View& view : views) view.skins.push_back(draw);
+  }
+}
+
+void Scene::add_skeleton(const Actor& character, const Pose& pose, const std::array<float, 3>& offset,
+                         const Controls& controls, View& view) {
+  const Skeleton& skeleton = character.basis().skeleton;
+  const std::vector<Vec3> centres = centres_of(character, pose);
+  const auto point = [](const Vec3& at, std::uint32_t colour) {
+    return LinePoint{static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2]), colour};
+  };
+  std::vector<LinePoint> bones, joints;
+  const double cross = 0.008 * character.size();
+  for (std::size_t j = 0; j < centres.size(); ++j) {
+    const bool selected = skeleton.joints[j].name == controls.joint;
+    const int parent = skeleton.joints[j].parent;
+    if (parent >= 0) {
+      bones.push_back(point(centres[static_cast<std::size_t>(parent)], kBone));
+      bones.push_back(point(centres[j], kBone));
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      Vec3 along{};
+      along[i] = selected ? 2 * cross : cross;
+      joints.push_back(point(centres[j] - along, selected ? kSelected : kJoint));
+      joints.push_back(point(centres[j] + along, selected ? kSelected : kJoint));
+    }
+  }
+  lines_.push_back(std::move(bones));
+  view.lines.push_back({lines_.back(), offset, 3, true});
+  lines_.push_back(std::move(joints));
+  view.lines.push_back({lines_.back(), offset, 1.5f, true});
+}
+
+void Scene::add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view) {
+  if (character.shown().fibre_segment_count() == 0 || shown.method == SkinMethod::truth) return;
+  std::vector<std::uint32_t> colours;
+  const std::uint32_t fibres = character.basis().strain.fibre_count();
+  for (std::uint32_t f = 0; f < fibres; ++f) colours.push_back(strain_colour(shown.evaluation->strains[f]));
+  colours_.push_back(std::move(colours));
+  FibreDraw draw;
+  draw.segments = &character.shown().fibre_segments();
+  draw.segment_count = character.shown().fibre_segment_count();
+  draw.points = &character.shown().fibre_points();
+  draw.positions = shown.skin.positions;
+  draw.normals = shown.skin.normals;
+  draw.colours = colours_.back();
+  draw.offset = offset;
+  draw.lift = static_cast<float>(0.0015 * character.size());
+  view.fibres.push_back(draw);
+}
+
+std::vector<Vec3> Scene::joint_centres(const Controls& controls) const {
+  return cast_.empty() ? std::vector<Vec3>() : centres_of(lead(), lead_pose(controls));
+}
+
+Pose Scene::lead_pose(const Controls& controls) const { return pose_at(lead(), controls.playback.frame(), controls); }
+
+std::vector<float> Scene::lead_skin(const Controls& controls) {
+  return lead().measure(SkinMethod::full, lead_pose(controls), controls.playback.frame(),
+                        static_cast<float>(controls.settings.pose.correction));
+}
+
+Vec3 Scene::whereabouts(int frame) const {
+  const Actor& lead = *cast_.front();
+  const Clip& clip = lead.clip();
+  const int around = static_cast<int>(std::lround(0.5 * clip.fps));
+  Vec3 sum{0, 0, 0};
+  for (int k = -around; k <= around; ++k) {
+    const int at = std::clamp(frame + k, clip.first_frame, clip.last_frame());
+    const Pose& pose = clip.poses[static_cast<std::size_t>(at - clip.first_frame)];
+    sum = sum + pose.joints.front().translation;
+  }
+  const double share = 1.0 / (2 * around + 1);
+  return {share * sum[0], 0, share * sum[2]};
+}
+
+std::vector<float> Scene::points_to_frame(const Controls& controls) {
+  const int frame = controls.playback.frame();
+  const int selected = controls.joint.empty() ? -1 : lead().basis().skeleton.find(controls.joint);
+  std::vector<float> points;
+  if (selected >= 0) {
+    const Vec3 centre = joint_centres(controls)[static_cast<std::size_t>(selected)];
+    for (const double around : {-kSkinAround * lead().size(), kSkinAround * lead().size()}) {
+      for (const double x : centre) points.push_back(static_cast<float>(x + around));
+    }
+    return points;
+  }
+  for (std::size_t c = 0; c < cast_.size(); ++c) {
+    const std::array<float, 3> offset = place(c);
+    const Pose pose = pose_at(*cast_[c], frame, controls);
+    std::vector<float> own = cast_[c]->measure(SkinMethod::full, pose, frame);
+    if (controls.settings.look.worn) std::ranges::copy(cast_[c]->worn_points(own, pose), std::back_inserter(own));
+    for (std::size_t k = 0; k < own.size(); ++k) points.push_back(own[k] + offset[k % 3]);
+  }
+  return points;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,98 @@
+// The characters, and what of them is to be seen at a frame.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "draw/view.h"
+#include "proxy_viewer/commands/controls.h"
+#include "proxy_viewer/scene/actor.h"
+
+namespace bodyopt {
+
+class Scene {
+ public:
+  explicit Scene(std::shared_ptr<const vulkan::Device> device) : device_(std::move(device)) {}
+
+  void add(const ActorFiles& files, const ClipOptions& options);
+  // One that is not in the cast.
+  std::unique_ptr<Actor> make(const ActorFiles& files, const ClipOptions& options) const;
+  void swap(std::size_t index, std::unique_ptr<Actor>& other);
+  void make_lead(std::size_t index);  // the others keep their order
+  void remove(std::size_t index);
+  // In place of the lead's clip.
+  void set_live_pose(Pose pose) { live_pose_ = std::move(pose); }
+  void leave_live_pose() { live_pose_.reset(); }  // back to the clip
+  void reset_jiggle();
+  bool empty() const { return cast_.empty(); }
+  std::vector<std::unique_ptr<Actor>>& cast() { return cast_; }
+  const std::vector<std::unique_ptr<Actor>>& cast() const { return cast_; }
+  Actor& lead() { return *cast_.front(); }  // whom panels speak of
+  const Actor& lead() const { return *cast_.front(); }
+
+  // The views of a frame in a picture whose part `area` is free of panels: evaluates what is not yet. Buffers stay
+  // until the next call. Throws Error(device), Error(file) of a truth that went away.
+  std::vector<View> look(const Controls& controls, const Rectangle& area);
+
+  // Of those views, where in the area they are: two side by side, otherwise all of it.
+  std::vector<Rectangle> view_areas(const ViewSettings& settings, const Rectangle& area) const;
+
+  // Where the lead is over the ground, whichever way it leaps: its root, the mean of half a second before and after
+  // the frame.
+  Vec3 whereabouts(int frame) const;
+  // The skin of all at the frame and what they wear, or what is around the joint that is selected: V x 3, for framing.
+  std::vector<float> points_to_frame(const Controls& controls);
+  // Of one of the cast.
+  Pose pose_at(const Actor& character, int frame, const Controls& controls) const;
+  Pose lead_pose(const Controls& controls) const;
+  // The lead's full skin in that pose, finest level, output vertex order: quasi-static.
+  std::vector<float> lead_skin(const Controls& controls);  // at the frame
+  // Where joint centres of the lead are at the frame, J, metres, world.
+  std::vector<Vec3> joint_centres(const Controls& controls) const;
+
+  // Of the last look: seconds by stage, summed over the cast; strains and outside of the lead.
+  const std::map<std::string, double>& stage_seconds() const { return stage_seconds_; }
+  const Evaluation* lead_evaluation() const { return lead_evaluation_; }
+  // Of the lead, where it is looked at; null: it is not, or is not known.
+  const ExpectedSkin* lead_expected() const { return lead_expected_; }
+
+ private:
+  struct Shown {
+    SkinMethod method;
+    const Evaluation* evaluation;
+    DeviceSkin skin;
+  };
+
+  void forget_look();  // whose results may be gone
+  Shown evaluate(Actor& character, SkinMethod method, std::span<const Pose> poses, const Controls& controls);
+  std::vector<Pose> poses_of(const Actor& character, const Controls& controls) const;
+  // The sphere of all that is seen, and that of the smallest of them.
+  void surround(const Controls& controls, View& view) const;
+  void add_character(std::size_t index, const Controls& controls, std::vector<View>& views);
+  void add_skeleton(const Actor& character, const Pose& pose, const std::array<float, 3>& offset,
+                    const Controls& controls, View& view);
+  void add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view);
+  void add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, const Controls& controls,
+                std::vector<View>& views);
+  void add_marker(const Vec3& at, View& view);
+  std::array<float, 3> place(std::size_t index) const;
+  std::array<float, 3> place_copy(std::size_t copy) const;
+
+  std::shared_ptr<const vulkan::Device> device_;
+  std::vector<std::unique_ptr<Actor>> cast_;
+  std::optional<Pose> live_pose_;
+  std::map<std::string, double> stage_seconds_;
+  const Evaluation* lead_evaluation_ = nullptr;
+  const ExpectedSkin* lead_expected_ = nullptr;
+  // What views point to.
+  std::vector<std::vector<LinePoint>> lines_;
+  std::vector<std::vector<std::uint32_t>> colours_;
+};
+
+// The method that settings choose, and what it is compared with: none where the character has no such skin.
+SkinMethod shown_method(const Actor& character, const ViewSettings& settings);
+std::optional<SkinMethod> compared_method(const Actor& character, const ViewSettings& settings);
+
+}  // namespace bodyopt

@@ -1,0 +1,37 @@
+// What the pose on top of the clip was before, step by step.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "proxy_viewer/state/view_settings.h"
+
+namespace bodyopt {
+
+class PoseHistory {
+ public:
+  static constexpr std::size_t kMostSteps = 100;  // the oldest are forgotten
+
+  // Of another pose, which has no step before it.
+  void begin(const ViewSettings::Posing& now);
+  // Where it has changed since, that is a step; what was undone is forgotten then.
+  void note(const ViewSettings::Posing& now);
+
+  // A step back or forth from what is now. False where there is none.
+  bool undo(ViewSettings::Posing& now);
+  bool redo(ViewSettings::Posing& now);
+
+ private:
+  struct Step {
+    std::map<std::string, Vec3> joints;
+    std::map<std::string, double> controls;
+    bool operator==(const Step&) const = default;
+  };
+
+  static void show(const Step& step, ViewSettings::Posing& now);
+
+  std::vector<Step> steps_ = {{}};  // oldest first
+  std::size_t at_ = 0;              // that is shown
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,106 @@
+// Everything that can be set in the viewport, and its state file (docs/formats.md, view.json).
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "proxy_viewer/state/orbit_camera.h"
+#include "proxy_viewer/state/playback.h"
+
+namespace bodyopt {
+
+enum class LookStyle { clay, matcap, flat, normals };
+enum class CompareWith { none, lbs, ddm, linear, full, jiggle, truth, proxy };
+enum class CompareLayout { side_by_side, overlay, wipe, hold };
+
+// In commands, panels and the state file; in the order of the enumerations.
+inline constexpr std::array kPlayModeNames{"loop", "ping-pong", "once"};
+inline constexpr std::array kStyleNames{"clay", "matcap", "flat", "normals"};
+inline constexpr std::array kComparisonNames{"none", "lbs", "ddm", "linear", "full", "jiggle", "truth", "proxy"};
+inline constexpr std::array kLayoutNames{"side-by-side", "overlay", "wipe", "hold"};
+
+struct ViewSettings {
+  struct Playing {
+    PlayMode mode = PlayMode::loop;
+    double speed = 1;
+    bool backwards = false, real_time = true;
+    std::optional<int> in, out;  // frames; the clip's first and last where they are left out
+    bool operator==(const Playing&) const = default;
+  };
+
+  struct Look {
+    LookStyle style = LookStyle::clay;
+    bool wire = false, grid = true, axes = true, skeleton = false, fibres = false, tets = false;
+    double tet_cut = 0.5;  // share of the tets that is cut away, from the front
+    bool shadow = true;
+    bool worn = true;          // clothes, eyes: what is attached to the skin
+    bool follow = true;        // the camera goes along with the character
+    std::optional<int> level;  // of detail, 0 the finest; otherwise the one that keeps up
+    bool operator==(const Look&) const = default;
+  };
+
+  struct Compare {
+    CompareWith with = CompareWith::none;
+    CompareLayout layout = CompareLayout::side_by_side;
+    double wipe = 0.5;  // where, of the picture's width
+    bool heat = false;
+    std::optional<double> heat_scale_mm;  // the hottest colour; otherwise as the errors of the frame are
+    bool activation = false, coverage = false;
+    bool operator==(const Compare&) const = default;
+  };
+
+  struct Posing {
+    double correction = 1;               // of what is learned; 0: none of it
+    std::map<std::string, Vec3> joints;  // Euler angles about x, y, z in degrees, on top of the clip, by joint
+    std::map<std::string, double> controls;
+    bool operator==(const Posing&) const = default;
+  };
+
+  struct Jiggling {
+    bool on = false;
+    double amount = 1;
+    bool operator==(const Jiggling&) const = default;
+  };
+
+  struct Ghosts {
+    int before = 0, after = 0;  // how many
+    int step = 1;               // frames from one to the next
+    double opacity = 0.3;
+    bool operator==(const Ghosts&) const = default;
+  };
+
+  struct Cast {
+    int copies = 1;  // of the lead on the stage
+    int delay = 8;   // frames from one to the next
+    bool operator==(const Cast&) const = default;
+  };
+
+  struct Hud {
+    bool on = true;                      // figures
+    bool legend = true;                  // what the sides of a comparison and the colours of a heat map are
+    std::map<std::string, bool> panels;  // whether they are open, by name
+    bool operator==(const Hud&) const = default;
+  };
+
+  Playing playback;
+  OrbitView camera;
+  std::map<std::string, OrbitView> cameras;  // saved, by name
+  Look look;
+  Compare compare;
+  Posing pose;
+  Jiggling jiggle;
+  Ghosts ghosts;
+  Cast cast;
+  Hud hud;
+
+  bool operator==(const ViewSettings&) const = default;
+};
+
+// What the file leaves out keeps its default. Throws Error(file).
+ViewSettings read_view_settings(const std::filesystem::path& path);
+void write_view_settings(const ViewSettings& settings, const std::filesystem::path& path);  // throws Error(file)
+
+}  // namespace bodyopt

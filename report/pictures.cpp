@@ -1,0 +1,127 @@
+#include "report/pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+void check_pair(const PosePair& pose) {
+  if (pose.truth.empty() || pose.truth.size() != pose.result.size() || pose.truth.size() % 3 != 0 ||
+      pose.triangles.size() % 3 != 0) {
+    throw Error(ErrorKind::mismatch, "picture: truth and result hold " + std::to_string(pose.truth.size()) + " and " +
+                                         std::to_string(pose.result.size()) + " numbers, the triangles " +
+                                         std::to_string(pose.triangles.size()) +
+                                         " corners; expected three per vertex, the same in both, and three corners");
+  }
+  const std::size_t vertices = pose.truth.size() / 3;
+  if (std::any_of(pose.triangles.begin(), pose.triangles.end(), [&](std::uint32_t v) { return v >= vertices; })) {
+    throw Error(ErrorKind::mismatch,
+                "picture: a triangle names a vertex beyond the " + std::to_string(vertices) + " there are");
+  }
+}
+
+}  // namespace
+
+std::vector<float> heat_map(const PosePair& pose, double scale_mm) {
+  std::vector<float> colours;
+  colours.reserve(pose.truth.size());
+  for (std::size_t v = 0; v < pose.truth.size(); v += 3) {
+    double d[3];
+    for (std::size_t i = 0; i < 3; ++i) {
+      d[i] = static_cast<double>(pose.result[v + i]) - static_cast<double>(pose.truth[v + i]);
+    }
+    const double millimetres = 1000 * std::hypot(d[0], d[1], d[2]);
+    const std::array<float, 3> colour = heat_colour(static_cast<float>(std::min(1.0, millimetres / scale_mm)));
+    colours.insert(colours.end(), colour.begin(), colour.end());
+  }
+  return colours;
+}
+
+std::vector<float> smooth_normals(std::span<const std::uint32_t> triangles, std::span<const float> positions) {
+  std::vector<double> sums(positions.size(), 0.0);
+  for (std::size_t t = 0; t < triangles.size(); t += 3) {
+    const std::size_t a = 3 * std::size_t{triangles[t]};
+    double edge[2][3];
+    for (std::size_t e = 0; e < 2; ++e) {
+      const std::size_t b = 3 * std::size_t{triangles[t + 1 + e]};
+      for (std::size_t i = 0; i < 3; ++i) {
+        edge[e][i] = static_cast<double>(positions[b + i]) - static_cast<double>(positions[a + i]);
+      }
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+      const double area = edge[0][j] * edge[1][k] - edge[0][k] * edge[1][j];
+      for (std::size_t corner = 0; corner < 3; ++corner) sums[3 * std::size_t{triangles[t + corner]} + i] += area;
+    }
+  }
+  std::vector<float> normals(sums.size());
+  for (std::size_t v = 0; v < sums.size(); v += 3) {
+    const double length = std::hypot(sums[v], sums[v + 1], sums[v + 2]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      normals[v + i] = length > 0 ? static_cast<float>(sums[v + i] / length) : 0.0f;
+    }
+  }
+  return normals;
+}
+
+Image side_by_side(std::span<const Image> panels) {
+  const std::uint32_t width = panels[0].width, height = panels[0].height;
+  Image whole{static_cast<std::uint32_t>(panels.size()) * width, height, {}};
+  whole.rgba.reserve(std::size_t{4} * whole.width * height);
+  const std::size_t row = std::size_t{4} * width;
+  for (std::size_t y = 0; y < height; ++y) {
+    for (const Image& panel : panels) {
+      const auto begin = panel.rgba.begin() + static_cast<std::ptrdiff_t>(y * row);
+      whole.rgba.insert(whole.rgba.end(), begin, begin + static_cast<std::ptrdiff_t>(row));
+    }
+  }
+  return whole;
+}
+
+Image triptych(Renderer& renderer, const PosePair& pose, double scale_mm, const Camera& camera,
+               std::uint32_t panel_width, std::uint32_t panel_height) {
+  check_pair(pose);
+  if (!(scale_mm > 0)) throw Error(ErrorKind::usage, "picture: the scale of the heat map must be above 0 mm");
+  const std::vector<float> truth_normals = smooth_normals(pose.triangles, pose.truth);
+  const std::vector<float> result_normals = smooth_normals(pose.triangles, pose.result);
+  const std::vector<float> colours = heat_map(pose, scale_mm);
+  const DrawMesh panels[3] = {{pose.truth, truth_normals, pose.triangles, {}},
+                              {pose.result, result_normals, pose.triangles, {}},
+                              {pose.result, result_normals, pose.triangles, colours}};
+  std::vector<Image> drawn;
+  for (const DrawMesh& panel : panels) {
+    drawn.push_back(renderer.draw(std::span(&panel, 1), camera, panel_width, panel_height));
+  }
+  return side_by_side(drawn);
+}
+
+Image heat_on_skin(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
+                   std::span<const double> heat, std::uint32_t panel_width, std::uint32_t panel_height) {
+  std::vector<float> colours;
+  for (const double value : heat) {
+    const std::array<float, 3> colour = heat_colour(static_cast<float>(std::min(1.0, value)));
+    colours.insert(colours.end(), colour.begin(), colour.end());
+  }
+  const std::vector<float> normals = smooth_normals(triangles, skin);
+  const DrawMesh mesh{skin, normals, triangles, colours};
+  std::vector<Image> panels;
+  for (const std::array<float, 3>& direction : {std::array{0.0f, 0.0f, 1.0f}, std::array{0.0f, 0.0f, -1.0f}}) {
+    const Camera camera =
+        frame_points(skin, direction, static_cast<float>(panel_width) / static_cast<float>(panel_height));
+    panels.push_back(renderer.draw(std::span(&mesh, 1), camera, panel_width, panel_height));
+  }
+  return side_by_side(panels);
+}
+
+Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect) {
+  check_pair(pose);
+  std::vector<float> points(pose.truth.begin(), pose.truth.end());
+  points.insert(points.end(), pose.result.begin(), pose.result.end());
+  return frame_points(points, direction, aspect);
+}
+
+}  // namespace bodyopt

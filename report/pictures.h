@@ -1,0 +1,43 @@
+// Pictures of one pose: the truth, the result, and where they differ.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "draw/renderer.h"
+
+namespace bodyopt {
+
+// One pose, twice. Pass welded vertices: normals are made from the triangles, and a seam would show as an edge.
+struct PosePair {
+  std::span<const std::uint32_t> triangles;  // T x 3
+  std::span<const float> truth, result;      // V x 3, metres, posed
+};
+
+// V x 3, linear RGB: how far the result is from the truth, heat_colour() from 0 to scale_mm (> 0).
+std::vector<float> heat_map(const PosePair& pose, double scale_mm);
+
+// Three pictures side by side, 3 panel_width x panel_height: truth in clay, result in clay, and the result coloured by
+// its distance from the truth, heat_colour() from 0 to scale_mm (> 0). Throws Error(mismatch) when the arrays do not
+// fit, and what Renderer::draw throws.
+Image triptych(Renderer& renderer, const PosePair& pose, double scale_mm, const Camera& camera,
+               std::uint32_t panel_width, std::uint32_t panel_height);
+
+// The skin (V x 3, T x 3) from the front (+z) and from behind, side by side, 2 panel_width x panel_height: coloured by
+// heat_colour() of a number from 0 to 1 per vertex (larger ones as 1). Throws what Renderer::draw throws.
+Image heat_on_skin(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
+                   std::span<const double> heat, std::uint32_t panel_width, std::uint32_t panel_height);
+
+// A camera that sees both shapes whole, from a direction (world, towards the camera); aspect of one panel.
+Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect);
+
+// V x 3: unit normals of a mesh (V x 3), each the direction of the summed areas around its vertex; zero where they
+// cancel.
+std::vector<float> smooth_normals(std::span<const std::uint32_t> triangles, std::span<const float> positions);
+
+// Pictures of the same size, from left to right.
+Image side_by_side(std::span<const Image> panels);
+
+}  // namespace bodyopt

@@ -1,0 +1,180 @@
+#include "report/region_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "draw/camera.h"
+#include "draw/oklab.h"
+#include "report/number_label.h"
+#include "report/pictures.h"
+
+namespace bodyopt {
+namespace {
+
+// Of every region, those with which it shares a vertex.
+std::vector<std::vector<std::size_t>> neighbours_of(std::span<const DrawnRegion> regions, std::size_t vertices) {
+  std::vector<std::vector<std::size_t>> regions_at(vertices);
+  std::vector<std::set<std::size_t>> neighbours(regions.size());
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    for (const std::uint32_t v : regions[r].vertices) {
+      for (const std::size_t other : regions_at[v]) {
+        neighbours[r].insert(other);
+        neighbours[other].insert(r);
+      }
+      regions_at[v].push_back(r);
+    }
+  }
+  std::vector<std::vector<std::size_t>> result;
+  for (const std::set<std::size_t>& of_one : neighbours) result.emplace_back(of_one.begin(), of_one.end());
+  return result;
+}
+
+// Hues all around in three lightnesses.
+std::vector<Oklab> palette(std::size_t count) {
+  constexpr double kLightness[] = {0.80, 0.62, 0.46}, kChroma = 0.15;
+  std::vector<Oklab> colours;
+  for (std::size_t k = 0; k < count; ++k) {
+    colours.push_back(oklab(kLightness[k % 3], kChroma, 360.0 * static_cast<double>(k) / static_cast<double>(count)));
+  }
+  return colours;
+}
+
+double clash(const Oklab& a, const Oklab& b) {
+  double distance2 = 0;
+  for (std::size_t i = 0; i < 3; ++i) distance2 += (a[i] - b[i]) * (a[i] - b[i]);
+  return 1 / (distance2 * distance2);
+}
+
+// The skin as a camera sees it.
+class Panel {
+ public:
+  Panel(std::span<const float> skin, std::span<const float> normals, const Camera& camera, const Image& image)
+      : skin_(skin),
+        normals_(normals),
+        camera_(camera),
+        view_(view_matrix(camera)),
+        width_(image.width),
+        height_(image.height) {}
+
+  // Pixels: the vertex of the region's core that is nearest to the middle of what is seen of the region. None where
+  // that is little.
+  std::optional<std::array<float, 2>> place_of(const DrawnRegion& region) const {
+    constexpr double kLeastSeen = 0.15;  // of its weight
+    double all = 0, seen = 0, x = 0, y = 0;
+    for (std::size_t k = 0; k < region.vertices.size(); ++k) {
+      const double weight = region.weights[k];
+      all += weight;
+      if (!faces(region.vertices[k])) continue;
+      const std::array<float, 2> at = pixel(region.vertices[k]);
+      seen += weight;
+      x += weight * static_cast<double>(at[0]);
+      y += weight * static_cast<double>(at[1]);
+    }
+    if (seen < kLeastSeen * all) return {};
+    std::optional<std::array<float, 2>> place;
+    double nearest = std::numeric_limits<double>::infinity();
+    const double core = 0.5 * *std::max_element(region.weights.begin(), region.weights.end());
+    for (std::size_t k = 0; k < region.vertices.size(); ++k) {
+      if (region.weights[k] < core || !faces(region.vertices[k])) continue;
+      const std::array<float, 2> at = pixel(region.vertices[k]);
+      const double distance = std::hypot(static_cast<double>(at[0]) - x / seen, static_cast<double>(at[1]) - y / seen);
+      if (distance >= nearest) continue;
+      nearest = distance;
+      place = at;
+    }
+    return place;
+  }
+
+ private:
+  bool faces(std::uint32_t vertex) const {
+    constexpr float kEdgeOn = 0.3f;
+    float towards = 0, distance2 = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const float to_eye = camera_.eye[i] - skin_[3 * std::size_t{vertex} + i];
+      towards += normals_[3 * std::size_t{vertex} + i] * to_eye;
+      distance2 += to_eye * to_eye;
+    }
+    return towards > kEdgeOn * std::sqrt(distance2);
+  }
+
+  std::array<float, 2> pixel(std::uint32_t vertex) const {
+    std::array<float, 3> at;
+    for (std::size_t r = 0; r < 3; ++r) {
+      at[r] = view_[r][3];
+      for (std::size_t i = 0; i < 3; ++i) at[r] += view_[r][i] * skin_[3 * std::size_t{vertex} + i];
+    }
+    const auto half = 0.5f * static_cast<float>(height_);
+    const float scale = half / (-at[2] * std::tan(camera_.vertical_angle / 2));
+    return {0.5f * static_cast<float>(width_) + scale * at[0], half - scale * at[1]};
+  }
+
+  std::span<const float> skin_, normals_;
+  Camera camera_;
+  std::array<std::array<float, 4>, 3> view_;
+  std::uint32_t width_, height_;
+};
+
+}  // namespace
+
+std::vector<std::array<float, 3>> region_colours(std::span<const DrawnRegion> regions, std::size_t vertices) {
+  const std::vector<std::vector<std::size_t>> neighbours = neighbours_of(regions, vertices);
+  std::vector<Oklab> colours = palette(regions.size());
+  const auto clashes = [&](std::size_t r) {
+    double sum = 0;
+    for (const std::size_t other : neighbours[r]) sum += clash(colours[r], colours[other]);
+    return sum;
+  };
+  // Swaps while a swap helps.
+  for (bool better = true; better;) {
+    better = false;
+    for (std::size_t a = 0; a < colours.size(); ++a) {
+      for (std::size_t b = a + 1; b < colours.size(); ++b) {
+        const double before = clashes(a) + clashes(b);
+        std::swap(colours[a], colours[b]);
+        if (clashes(a) + clashes(b) < 0.999 * before) {
+          better = true;
+        } else {
+          std::swap(colours[a], colours[b]);
+        }
+      }
+    }
+  }
+  std::vector<std::array<float, 3>> result;
+  for (const Oklab& colour : colours) result.push_back(linear_rgb(colour));
+  return result;
+}
+
+Image region_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
+                     std::span<const DrawnRegion> regions, std::span<const std::array<float, 3>> colours,
+                     std::uint32_t panel_width, std::uint32_t panel_height) {
+  std::vector<float> blended(skin.size(), 0.0f);
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    for (std::size_t k = 0; k < regions[r].vertices.size(); ++k) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        blended[3 * std::size_t{regions[r].vertices[k]} + i] +=
+            static_cast<float>(regions[r].weights[k]) * colours[r][i];
+      }
+    }
+  }
+  const std::vector<float> normals = smooth_normals(triangles, skin);
+  const DrawMesh mesh{skin, normals, triangles, blended};
+  std::vector<Image> panels;
+  for (const std::array<float, 3>& direction : {std::array{0.0f, 0.0f, 1.0f}, std::array{0.0f, 0.0f, -1.0f}}) {
+    const Camera camera =
+        frame_points(skin, direction, static_cast<float>(panel_width) / static_cast<float>(panel_height));
+    Image& image = panels.emplace_back(renderer.draw(std::span(&mesh, 1), camera, panel_width, panel_height));
+    const Panel panel(skin, normals, camera, image);
+    for (std::size_t r = 0; r < regions.size(); ++r) {
+      const auto place = panel.place_of(regions[r]);
+      if (place)
+        draw_number(image, static_cast<int>(r) + 1, static_cast<int>((*place)[0]), static_cast<int>((*place)[1]));
+    }
+  }
+  return side_by_side(panels);
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,28 @@
+// A picture of the regions in which the skin is learned.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "draw/renderer.h"
+
+namespace bodyopt {
+
+struct DrawnRegion {
+  std::span<const std::uint32_t> vertices;
+  std::span<const double> weights;  // as many; of all regions together 1 at every vertex
+};
+
+// A colour for every region (linear RGB), none twice, those of regions that share vertices as different as may be.
+std::vector<std::array<float, 3>> region_colours(std::span<const DrawnRegion> regions, std::size_t vertices);
+
+// The skin (V x 3, T x 3) seen from the front (+z) and from behind, coloured by its regions,
+// each with its number (from 1) where it is seen. Throws what Renderer::draw
+// throws.
+Image region_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
+                     std::span<const DrawnRegion> regions, std::span<const std::array<float, 3>> colours,
+                     std::uint32_t panel_width, std::uint32_t panel_height);
+
+}  // namespace bodyopt

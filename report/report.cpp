@@ -1,0 +1,71 @@
+#include "report/report.h"
+
+#include <cmath>
+#include <span>
+
+#include "report/report_json.h"
+#include "report/report_page.h"
+#include "runtime/core/atomic_file.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// JSON has no way to write a number that is not finite; a report that holds one is wrong.
+void require_finite(const Json& json, const std::string& where) {
+  if (json.is_number_float() && !std::isfinite(json.get<double>())) {
+    throw Error(ErrorKind::mismatch, "report: " + where + " is not a finite number");
+  }
+  if (!json.is_structured()) return;
+  for (const auto& [key, value] : json.items()) require_finite(value, where.empty() ? key : where + "." + key);
+}
+
+void require_curves(const ReportData& data) {
+  const std::size_t frames = data.heldout.frames.size();
+  for (const MethodReport& method : data.methods) {
+    if (method.frame_rms.size() != frames || method.frame_max.size() != frames) {
+      throw Error(ErrorKind::mismatch,
+                  "report: " + method.name + " has errors of " + std::to_string(method.frame_rms.size()) + " and " +
+                      std::to_string(method.frame_max.size()) + " frames, expected " + std::to_string(frames));
+    }
+  }
+}
+
+void require_jiggle(const JiggleReport& jiggle) {
+  const std::size_t frames = jiggle.frames.size();
+  if (frames > 0 && jiggle.rms_mm.size() == frames && jiggle.max_mm.size() == frames &&
+      jiggle.inverted_tets.size() == frames) {
+    return;
+  }
+  throw Error(ErrorKind::mismatch, "report: the jiggle has displacements of " + std::to_string(jiggle.rms_mm.size()) +
+                                       " and " + std::to_string(jiggle.max_mm.size()) +
+                                       " frames and inverted tets of " + std::to_string(jiggle.inverted_tets.size()) +
+                                       ", expected " + std::to_string(frames));
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  write_file_atomically(path, std::as_bytes(std::span(text)));
+}
+
+}  // namespace
+
+void write_report(const ReportData& data, const std::filesystem::path& folder) {
+  require_curves(data);
+  if (data.jiggle) require_jiggle(*data.jiggle);
+  const Json json = report_json(data);
+  require_finite(json, "");
+  // A name may hold bytes that are no UTF-8: they are replaced, not refused.
+  const std::string json_text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  const std::string page = report_page(data);
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) {
+    throw Error(ErrorKind::file, folder.string() + ": the report's folder cannot be made: " + failure.message());
+  }
+  write_text(folder / "report.json", json_text);
+  write_text(folder / "report.html", page);
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,93 @@
+#include "report/trade_off_plot.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "report/plots.h"
+#include "report/svg.h"
+
+namespace bodyopt {
+namespace {
+
+using Point = TradeOffPlot::Point;
+
+constexpr double kWidth = 960, kHeight = 400;
+constexpr FrameArea kArea{.left = 62, .right = 946, .top = 20, .bottom = 350};
+constexpr const char *kCurveColour = "#62aee8", *kChosenColour = "#f2b866", *kHeldoutColour = "#e8837a";
+
+struct Scale {
+  double first, last, low, high;
+
+  double x(const Point& point) const {
+    return kArea.left + (point.bytes - first) / (last - first) * (kArea.right - kArea.left);
+  }
+  double y(const Point& point) const {
+    return kArea.bottom - log_position(point.mm, low, high) * (kArea.bottom - kArea.top);
+  }
+};
+
+Scale make_scale(const TradeOffPlot& plot) {
+  std::vector<Point> points = plot.curve;
+  points.push_back(plot.chosen);
+  if (plot.heldout) points.push_back(*plot.heldout);
+  const auto [first, last] = std::minmax_element(points.begin(), points.end(),
+                                                 [](const Point& a, const Point& b) { return a.bytes < b.bytes; });
+  const auto [low, high] =
+      std::minmax_element(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.mm < b.mm; });
+  const double margin = 0.04 * std::max(1.0, last->bytes - first->bytes);
+  return {first->bytes - margin, last->bytes + margin, 0.8 * std::max(low->mm, 1e-4 * high->mm),
+          1.25 * std::max(high->mm, 1e-9)};
+}
+
+std::string byte_ticks(const Scale& scale) {
+  const double step = round_up((scale.last - scale.first) / 10);
+  std::string svg;
+  for (double bytes = std::ceil(scale.first / step) * step; bytes <= scale.last; bytes += step) {
+    const double x = scale.x({bytes, 0});
+    svg += line(x, kArea.bottom, x, kArea.bottom + 5, kTextColour);
+    svg += text_at(x, kArea.bottom + 19, "middle", kTextColour, number_text(bytes, 9));
+  }
+  return svg + text_at((kArea.left + kArea.right) / 2, kHeight - 8, "middle", kTextColour, "bytes per vertex");
+}
+
+std::string circle(double x, double y, double radius, const std::string& attributes) {
+  return "<circle cx=\"" + coordinate(x) + "\" cy=\"" + coordinate(y) + "\" r=\"" + coordinate(radius) + "\" " +
+         attributes + "/>\n";
+}
+
+std::string expected_curve(const TradeOffPlot& plot, const Scale& scale) {
+  std::string path, dots;
+  for (const Point& point : plot.curve) {
+    path += (path.empty() ? "M" : "L") + coordinate(scale.x(point)) + " " + coordinate(scale.y(point));
+    dots += circle(scale.x(point), scale.y(point), 3, "fill=\"" + std::string(kCurveColour) + "\"");
+  }
+  return "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + kCurveColour + "\" stroke-width=\"1.6\"/>\n" + dots;
+}
+
+// A mark whose words stand beside it, where the curve is not: above to the right, or below to the left.
+std::string mark(const Scale& scale, const Point& point, const char* colour, const std::string& text, bool above) {
+  const double x = scale.x(point), y = scale.y(point);
+  const bool left = above ? x > kArea.right - 300 : x > kArea.left + 300;
+  const double text_y = above ? y - 14 : y + 24;
+  return circle(x, y, 6.5, "fill=\"none\" stroke-width=\"2.5\" stroke=\"" + std::string(colour) + "\"") +
+         text_at(left ? x + (above ? 8 : 0) : x - (above ? 8 : 0), text_y, left ? "end" : "start", colour, text);
+}
+
+}  // namespace
+
+std::string trade_off_plot(const TradeOffPlot& plot) {
+  const Scale scale = make_scale(plot);
+  std::string svg = open_svg(kWidth, kHeight, "RMS error over bytes per vertex");
+  svg += draw_log_axis(kArea, scale.low, scale.high, "RMS error, mm") + byte_ticks(scale);
+  svg += expected_curve(plot, scale);
+  const bool heldout_above = plot.heldout && plot.heldout->mm > plot.chosen.mm;
+  svg += mark(scale, plot.chosen, kChosenColour, "this basis, expected: " + number_text(plot.chosen.mm) + " mm",
+              !heldout_above);
+  if (plot.heldout) {
+    svg +=
+        mark(scale, *plot.heldout, kHeldoutColour, "held out: " + number_text(plot.heldout->mm) + " mm", heldout_above);
+  }
+  return svg + "</svg>\n";
+}
+
+}  // namespace bodyopt

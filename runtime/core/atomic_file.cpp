@@ -1,0 +1,159 @@
+#include "runtime/core/atomic_file.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cstring>
+#include <mutex>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "runtime/core/error.h"
+#include "runtime/core/hexadecimal.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kPrefix = ".bodyopt.", kSuffix = ".tmp";
+
+std::string host_name() {
+  char name[256] = {};
+  return gethostname(name, sizeof(name) - 1) == 0 ? name : "";
+}
+
+std::string random_word() {
+  std::uint64_t word = 0;
+  if (getrandom(&word, sizeof(word), GRND_NONBLOCK) != static_cast<ssize_t>(sizeof(word))) {
+    word = static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
+  }
+  return hexadecimal(word);
+}
+
+// `.bodyopt.HOST.PROCESS.RANDOM.tmp` of this host and a process that is no more.
+bool is_orphan(const std::string& name) {
+  if (!name.starts_with(kPrefix) || !name.ends_with(kSuffix)) return false;
+  const std::string own = std::string(kPrefix) + host_name() + '.';
+  if (!name.starts_with(own)) return false;
+  pid_t process = 0;
+  const char *begin = name.data() + own.size(), *end = name.data() + name.size();
+  const auto [stop, failure] = std::from_chars(begin, end, process);
+  return failure == std::errc() && stop != end && *stop == '.' && process > 0 && kill(process, 0) != 0 &&
+         errno == ESRCH;
+}
+
+// Whoever writes a temporary file has it locked: a process that this one does not see (of another container) lives.
+void remove_unlocked(const fs::path& path) {
+  const int file = open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0) return;
+  if (flock(file, LOCK_EX | LOCK_NB) == 0) unlink(path.c_str());
+  close(file);
+}
+
+// What processes that were killed left in a folder goes when the next one first writes into it.
+void clear_orphans(const fs::path& folder) {
+  static std::mutex mutex;
+  static std::set<fs::path> cleared;
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (!cleared.insert(folder).second) return;
+  std::error_code ignored;
+  for (fs::directory_iterator entry(folder, ignored), end; !ignored && entry != end; entry.increment(ignored)) {
+    if (is_orphan(entry->path().filename().string())) remove_unlocked(entry->path());
+  }
+}
+
+// A new file in the folder of `path`, under a name that nobody else has. Gives -1 and leaves errno on failure.
+int create_temporary(const fs::path& path, fs::path& temporary) {
+  const fs::path folder = path.parent_path().empty() ? "." : path.parent_path();
+  clear_orphans(folder);
+  for (;;) {
+    temporary = folder / (std::string(kPrefix) + host_name() + '.' + std::to_string(getpid()) + '.' + random_word() +
+                          std::string(kSuffix));
+    const int file = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (file >= 0) flock(file, LOCK_EX | LOCK_NB);  // where there are no locks, the process' number has to do
+    if (file >= 0 || errno != EEXIST) return file;
+  }
+}
+
+// The rename itself reaches the disk with its folder. Best effort: not every file system can do it.
+void sync_folder(const fs::path& folder) {
+  const int file = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0) return;
+  fsync(file);
+  close(file);
+}
+
+}  // namespace
+
+fs::path link_target(const fs::path& path) {
+  std::error_code failure;
+  const fs::path target = fs::weakly_canonical(path, failure);
+  return failure ? path : target;
+}
+
+AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(link_target(path)) {
+  require_replaceable();
+  const int file = create_temporary(path_, temporary_);
+  if (file < 0) fail("cannot be created");
+  file_ = fdopen(file, "wb");
+  if (file_ == nullptr) {
+    close(file);
+    std::remove(temporary_.c_str());
+    fail("cannot be created");
+  }
+}
+
+AtomicFile::~AtomicFile() {
+  if (file_ == nullptr) return;
+  std::fclose(file_);
+  std::remove(temporary_.c_str());
+}
+
+// A rename replaces whatever stands there, but for folders.
+void AtomicFile::require_replaceable() const {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path_, ignored);
+  if (fs::is_directory(status) || !path_.has_filename()) {
+    throw Error(ErrorKind::file, path_.string() + ": cannot be written: it is a folder; expected the name of a file");
+  }
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw Error(ErrorKind::file, path_.string() +
+                                     ": cannot be written: it is a device or a pipe, which a rename would replace; "
+                                     "expected the name of a file");
+  }
+}
+
+void AtomicFile::fail(const char* doing) const {
+  const std::string reason = std::strerror(errno);
+  throw Error(ErrorKind::file, path_.string() + ": " + doing + ": " + reason +
+                                   " (is the folder there and writable, and is the disk not full?)");
+}
+
+void AtomicFile::write(std::span<const std::byte> bytes) {
+  if (!bytes.empty() && std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail("cannot be written");
+}
+
+void AtomicFile::commit() {
+  if (std::fflush(file_) != 0 || fsync(fileno(file_)) != 0) fail("cannot be written");
+  require_replaceable();  // it may have come since
+  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot be renamed into place");
+  std::fclose(file_);  // nothing is buffered any more
+  file_ = nullptr;
+  sync_folder(path_.parent_path());
+}
+
+void write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  AtomicFile file(path);
+  file.write(bytes);
+  file.commit();
+}
+
+}  // namespace bodyopt

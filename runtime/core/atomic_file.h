@@ -1,0 +1,37 @@
+// Files that are there whole or not at all: written under a temporary name in the same folder, then renamed.
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <filesystem>
+#include <span>
+
+namespace bodyopt {
+
+// The file that a symbolic link names, which is what is replaced, and not the link; of anything else the path.
+std::filesystem::path link_target(const std::filesystem::path& path);
+
+// A file being written. commit() flushes it to the disk and renames it; destroyed before that, nothing is left behind.
+// Of a process that is killed `.bodyopt.HOST.PROCESS.RANDOM.tmp` is left beside the file, until another on the same
+// host first writes into that folder. Links in the place of the temporary file are not followed; devices and pipes in
+// the place of the file are not replaced. Every failure throws Error(file) naming the path and the system's reason.
+class AtomicFile {
+ public:
+  explicit AtomicFile(const std::filesystem::path& path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  void write(std::span<const std::byte> bytes);
+  void commit();
+
+ private:
+  void require_replaceable() const;
+  [[noreturn]] void fail(const char* doing) const;
+  std::filesystem::path path_, temporary_;
+  std::FILE* file_ = nullptr;
+};
+
+void write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+}  // namespace bodyopt

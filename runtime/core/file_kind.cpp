@@ -1,0 +1,29 @@
+#include "runtime/core/file_kind.h"
+
+#include <fstream>
+#include <utility>
+
+namespace bodyopt {
+
+std::string looks_like(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string start(16, '\0');
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(file.gcount()));
+  if (start.empty()) return "; it is empty";
+  const std::pair<const char*, const char*> kinds[] = {{"glTF", "a binary glTF file (.glb)"},
+                                                       {"HIERARCHY", "a BVH file"},
+                                                       {"POINTCACHE2", "a PC2 point cache"},
+                                                       {"\x89PNG", "a picture"},
+                                                       {"<?xml", "an XML file"},
+                                                       {"{", "a JSON file"}};
+  for (const auto& [magic, kind] : kinds) {
+    if (start.starts_with(magic)) return std::string("; it looks like ") + kind;
+  }
+  // Eight bytes of header size, the upper ones zero, then JSON.
+  if (start.size() > 8 && start[8] == '{' && start.substr(4, 4) == std::string(4, '\0'))
+    return "; it looks like a safetensors file, as bases are";
+  return "";
+}
+
+}  // namespace bodyopt

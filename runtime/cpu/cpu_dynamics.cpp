@@ -1,0 +1,106 @@
+#include "runtime/cpu/cpu_dynamics.h"
+
+#include <chrono>
+
+#include "runtime/cpu/corotated_solve.h"
+#include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/host/jiggle_stages.h"
+
+namespace bodyopt {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// What frame f of `frames` has of values.
+template <typename Values>
+auto part(Values& values, std::size_t f, std::size_t frames) {
+  const std::size_t size = values.size() / frames;
+  return std::span(values).subspan(f * size, size);
+}
+
+}  // namespace
+
+CpuDynamics::CpuDynamics(const JiggleModel& model)
+    : dynamics_(*model.dynamics), options_(model.options), numbers_(dynamics_.tets.nodes.size()) {
+  for (std::vector<float>* values :
+       {&motion.displacement, &motion.velocity, &motion.nodes, &motion.node_velocity, &next_.displacement,
+        &next_.velocity, &next_.nodes, &next_.node_velocity, &u_, &v_, &next_u_, &next_v_, &right_side_, &solution_}) {
+    values->assign(numbers_, 0.0f);
+  }
+  if (options_.iterations > 0) tet_rotations_.resize(std::size_t{9} * dynamics_.tets.tet_count());
+}
+
+void CpuDynamics::run(const Batch& batch, float weight, std::span<const float> strains, std::vector<float>& positions,
+                      std::map<std::string, double>& stage_seconds) {
+  const auto start = std::chrono::steady_clock::now();
+  diffuse(batch, positions);
+  stage_seconds["diffuse"] += seconds_since(start);
+  const auto jiggle_start = std::chrono::steady_clock::now();
+  rotations_.resize(3 * nodes_.size());
+  cpu::jiggle_rotate(dynamics_.tets, nodes_, batch.frame_count, rotations_);
+  std::vector<float> moved(positions.size());
+  for (std::uint32_t f = 0; f < batch.frame_count; ++f) {
+    step(batch, f, part(strains, f, batch.frame_count));
+    cpu::jiggle_skin(dynamics_.tets, part(positions, f, batch.frame_count), motion.displacement, weight,
+                     part(moved, f, batch.frame_count));
+  }
+  positions.swap(moved);
+  stage_seconds["jiggle"] += seconds_since(jiggle_start);
+}
+
+void CpuDynamics::diffuse(const Batch& batch, std::span<const float> positions) {
+  const std::uint32_t frames = batch.frame_count;
+  nodes_.resize(numbers_ * frames);
+  diffuse_right_sides_.resize(nodes_.size());
+  cpu::diffuse_surface(dynamics_.tets, positions, batch.origins, frames, nodes_);
+  cpu::diffuse_gather(dynamics_.diffuse, dynamics_.tets.surface_count(), nodes_, frames, diffuse_right_sides_);
+  cpu::block_solve(dynamics_.diffuse.inverse, diffuse_right_sides_, 3 * frames, 3, scratch_, nodes_);
+}
+
+void CpuDynamics::begin_frame(const JiggleFrame& frame, std::span<const float> nodes) {
+  JiggleKickPush kick = frame.kick;
+  kick.node_count = dynamics_.tets.node_count();
+  cpu::jiggle_kick(kick, nodes, {motion.displacement, motion.velocity, motion.nodes, motion.node_velocity},
+                   {next_.displacement, next_.velocity, next_.nodes, next_.node_velocity});
+  std::swap(motion, next_);
+  if (options_.iterations > 0) cpu::jiggle_tet_rotate(dynamics_.tets, nodes, tet_rotations_);
+}
+
+void CpuDynamics::step(const Batch& batch, std::uint32_t f, std::span<const float> strains) {
+  const JiggleFrame& frame = batch.jiggle[f];
+  if (frame.repeats) return;
+  const std::span<const float> nodes = part(nodes_, f, batch.frame_count);
+  const std::span<const float> rotations = part(rotations_, f, batch.frame_count);
+  const std::span<const float> controls = part(batch.controls, f, batch.frame_count);
+  begin_frame(frame, nodes);
+  const JiggleStepPush push = jiggle_frame(dynamics_, static_cast<std::uint32_t>(strains.size()),
+                                           static_cast<std::uint32_t>(controls.size()), 0, options_.gravity_change);
+  const JiggleTable& jiggle = dynamics_.jiggle;
+  const JiggleStages stages = jiggle_stages(jiggle.step, push);
+  for (std::uint32_t s = 0; s < frame.steps; ++s) {
+    cpu::jiggle_begin(jiggle, stages.begin, rotations, strains, controls, motion.displacement, motion.velocity, u_, v_,
+                      right_side_);
+    solve(stages.begin, rotations);
+    if (stages.advance) {
+      cpu::jiggle_advance(jiggle, *stages.advance, rotations, solution_, u_, v_, next_u_, next_v_, right_side_);
+      u_.swap(next_u_);
+      v_.swap(next_v_);
+      solve(*stages.advance, rotations);
+    }
+    cpu::jiggle_end(stages.end, rotations, solution_, u_, motion.displacement, motion.velocity);
+  }
+}
+
+void CpuDynamics::solve(const JiggleStepPush& stage, std::span<const float> rotations) {
+  if (options_.iterations == 0) {
+    cpu::block_solve(dynamics_.jiggle.inverse, right_side_, 1, 1, scratch_, solution_);
+    return;
+  }
+  cpu::corotated_start(stage, u_, v_, solution_);
+  cpu::corotated_solve({dynamics_.tets, dynamics_.jiggle, rotations, tet_rotations_}, right_side_, options_.iterations,
+                       corotated_scratch_, solution_);
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,37 @@
+// Diffuse and jiggle on the CPU: their kernels one after the other.
+#pragma once
+
+#include "runtime/cpu/corotated_solve.h"
+#include "runtime/host/backend.h"
+
+namespace bodyopt {
+
+class CpuDynamics {
+ public:
+  explicit CpuDynamics(const JiggleModel& model);
+
+  // Steps the frames of a batch in their order. positions: F x V x 3, of the quasi-static skin; replaced by those of
+  // the skin that jiggles, of which `weight` is shown. strains: F x S. Adds the stages' seconds.
+  void run(const Batch& batch, float weight, std::span<const float> strains, std::vector<float>& positions,
+           std::map<std::string, double>& stage_seconds);
+
+  NodeMotion motion;
+
+ private:
+  void diffuse(const Batch& batch, std::span<const float> positions);
+  void step(const Batch& batch, std::uint32_t frame, std::span<const float> strains);
+  void begin_frame(const JiggleFrame& frame, std::span<const float> nodes);
+  void solve(const JiggleStepPush& stage, std::span<const float> rotations);
+
+  const Dynamics& dynamics_;
+  const JiggleOptions options_;
+  std::size_t numbers_;                                         // 3 N
+  std::vector<float> nodes_, rotations_, diffuse_right_sides_;  // of the batch
+  std::vector<float> u_, v_, next_u_, next_v_;                  // of a stage, in the nodes' frames
+  std::vector<float> right_side_, solution_, scratch_;
+  std::vector<float> tet_rotations_;
+  cpu::CorotatedScratch corotated_scratch_;
+  NodeMotion next_;
+};
+
+}  // namespace bodyopt

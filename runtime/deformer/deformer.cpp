@@ -1,0 +1,263 @@
+#include "runtime/deformer/deformer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include "runtime/core/error.h"
+#include "runtime/cpu/cpu_backend.h"
+#include "runtime/host/fade.h"
+#include "runtime/host/rig.h"
+#include "runtime/vulkan/backend/vulkan_backend.h"
+#include "runtime/vulkan/device.h"
+
+namespace bodyopt {
+namespace {
+
+std::unique_ptr<Backend> make_backend(const Basis& basis, const DeviceChoice& choice, const JiggleModel& jiggle) {
+  if (choice.name == "cpu") {
+    if (choice.require_device) {
+      throw Error(ErrorKind::device, "the device 'cpu' was asked for together with a required Vulkan device");
+    }
+    return make_cpu_backend(basis, jiggle);
+  }
+  if (choice.name == "auto" && !choice.require_device && !has_vulkan_device()) return make_cpu_backend(basis, jiggle);
+  return make_vulkan_backend(basis, std::make_shared<const vulkan::Device>(choice), jiggle);
+}
+
+void check_controls(const Basis& basis, const Pose& pose) {
+  const std::size_t controls = basis.residual.controls.size();
+  if (!pose.controls.empty() && pose.controls.size() != controls) {
+    throw Error(ErrorKind::mismatch, "a pose has " + std::to_string(pose.controls.size()) +
+                                         " control values, the basis has " + std::to_string(controls) + " controls");
+  }
+  for (std::size_t c = 0; c < pose.controls.size(); ++c) {
+    if (std::isfinite(pose.controls[c])) continue;
+    throw Error(ErrorKind::mismatch, "the control '" + basis.residual.controls[c] + "' is not a finite number");
+  }
+}
+
+Batch make_batch(const Basis& basis, std::span<const Pose> poses) {
+  Batch batch;
+  batch.frame_count = static_cast<std::uint32_t>(poses.size());
+  const std::size_t controls = basis.residual.controls.size();
+  for (const Pose& pose : poses) {
+    const RigFrame rig = pose_rig(basis.skeleton, pose);
+    batch.skinning.insert(batch.skinning.end(), rig.skinning.begin(), rig.skinning.end());
+    batch.origins.insert(batch.origins.end(), {rig.origin[0], rig.origin[1], rig.origin[2], 0.0f});
+    batch.joint_features.insert(batch.joint_features.end(), rig.joint_features.begin(), rig.joint_features.end());
+    batch.joints.insert(batch.joints.end(), rig.joints.begin(), rig.joints.end());
+    const std::vector<float> fades = region_fades(basis.residual, rig.joint_features);
+    batch.fades.insert(batch.fades.end(), fades.begin(), fades.end());
+    check_controls(basis, pose);
+    std::vector<float> values = pose.controls;
+    values.resize(controls, 0.0f);
+    batch.controls.insert(batch.controls.end(), values.begin(), values.end());
+  }
+  return batch;
+}
+
+// Frame-major V x 3 in runtime order to O x 3 in output order, appended.
+void append_output(const MeshTable& mesh, std::span<const float> values, std::vector<float>& out) {
+  const std::size_t stride = 3 * std::size_t{mesh.vertex_count()};
+  for (std::size_t begin = 0; stride > 0 && begin < values.size(); begin += stride) {
+    for (const std::uint32_t v : mesh.output_vertex) {
+      const float* x = values.data() + begin + 3 * std::size_t{v};
+      out.insert(out.end(), x, x + 3);
+    }
+  }
+}
+
+// Of each of `frames` frames the feature that lies furthest outside its trained range.
+void append_outside(const BatchResult& result, std::size_t frames, Evaluation& evaluation) {
+  const std::size_t features = result.excess.size() / std::max<std::size_t>(1, frames);
+  for (std::size_t f = 0; f < frames; ++f) {
+    const auto begin = result.excess.begin() + static_cast<std::ptrdiff_t>(f * features);
+    const auto worst = std::max_element(begin, begin + static_cast<std::ptrdiff_t>(features));
+    evaluation.outside.push_back(features > 0 ? *worst : 0.0f);
+    evaluation.outside_feature.push_back(static_cast<std::uint32_t>(worst - begin));
+  }
+}
+
+void append_fades(const Basis& basis, const Batch& batch, Evaluation& evaluation) {
+  evaluation.fades.insert(evaluation.fades.end(), batch.fades.begin(), batch.fades.end());
+  const std::vector<std::uint32_t> joints = feature_joints(basis.skeleton);
+  for (std::size_t f = 0; f < batch.frame_count; ++f) {
+    const std::size_t stride = 9 * joints.size();
+    const int joint = fading_joint(basis.residual, std::span(batch.joint_features).subspan(f * stride, stride));
+    evaluation.fading_joint.push_back(joint < 0 ? -1 : static_cast<int>(joints[static_cast<std::size_t>(joint)]));
+  }
+}
+
+void check_state(const JiggleState& state, const Basis& basis, const Dynamics* dynamics) {
+  const auto refuse = [](const std::string& what) {
+    throw Error(ErrorKind::mismatch, "the state of the jiggle " + what + ": it is of another character, or damaged");
+  };
+  if (dynamics == nullptr) refuse("was given to a character without dynamics");
+  const auto check = [&](const auto& values, std::size_t count, const char* name) {
+    if (values.size() != count) {
+      refuse("has " + std::to_string(values.size()) + " numbers of '" + name + "', expected " + std::to_string(count));
+    }
+    for (const auto value : values) {
+      if (!std::isfinite(value)) refuse(std::string("has a number of '") + name + "' that is not finite");
+    }
+  };
+  check(state.joints, 3 * basis.skeleton.size(), "joints");
+  check(state.joint_velocity, 3 * basis.skeleton.size(), "joint_velocity");
+  check(std::span(state.origin), 3, "origin");
+  const std::size_t numbers = dynamics->tets.nodes.size();
+  check(state.motion.displacement, numbers, "displacement");
+  check(state.motion.velocity, numbers, "velocity");
+  check(state.motion.nodes, numbers, "nodes");
+  check(state.motion.node_velocity, numbers, "node_velocity");
+}
+
+// Diagonal of the box around the rest skin, metres.
+double size_of(const MeshTable& mesh) {
+  double squared = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    float low = mesh.rest.empty() ? 0 : mesh.rest[axis], high = low;
+    for (std::size_t k = axis; k < mesh.rest.size(); k += 3) {
+      low = std::min(low, mesh.rest[k]);
+      high = std::max(high, mesh.rest[k]);
+    }
+    squared += static_cast<double>(high - low) * static_cast<double>(high - low);
+  }
+  return std::sqrt(squared);
+}
+
+}  // namespace
+
+double mean_fade(const Evaluation& evaluation, std::size_t k) {
+  const std::size_t regions = evaluation.fades.size() / std::max<std::size_t>(1, evaluation.fading_joint.size());
+  if (regions == 0) return 1;
+  const auto begin = evaluation.fades.begin() + static_cast<std::ptrdiff_t>(k * regions);
+  return std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(regions), 0.0) / static_cast<double>(regions);
+}
+
+std::string feature_name(const Basis& basis, std::uint32_t feature) {
+  const std::vector<std::uint32_t> joints = feature_joints(basis.skeleton);
+  if (feature < 9 * joints.size()) return "joint " + basis.skeleton.joints[joints[feature / 9]].name;
+  const std::size_t strain = feature - 9 * joints.size();
+  if (strain < basis.strain.fibre_count()) return "strain " + basis.strain.names[strain];
+  return "control " + basis.residual.controls.at(strain - basis.strain.fibre_count());
+}
+
+Deformer::Deformer(Basis basis, const DeviceChoice& choice) : basis_(std::move(basis)) {
+  validate(basis_, "the basis");
+  backend_ = make_backend(basis_, choice, {});
+  set_rest();
+}
+
+Deformer::Deformer(Basis basis, Dynamics dynamics, const JiggleOptions& options, const DeviceChoice& choice)
+    : basis_(std::move(basis)), dynamics_(std::move(dynamics)), options_(options), size_(size_of(basis_.mesh)) {
+  validate(basis_, "the basis");
+  validate(*dynamics_, basis_, "the dynamics");
+  backend_ = make_backend(basis_, choice, {&*dynamics_, options_});
+  set_rest();
+}
+
+Deformer::Deformer(Basis basis, std::optional<Dynamics> dynamics, const JiggleOptions& options,
+                   std::shared_ptr<const vulkan::Device> device)
+    : basis_(std::move(basis)), dynamics_(std::move(dynamics)), options_(options), size_(size_of(basis_.mesh)) {
+  validate(basis_, "the basis");
+  if (dynamics_) validate(*dynamics_, basis_, "the dynamics");
+  backend_ = make_vulkan_backend(basis_, std::move(device), {this->dynamics(), options_});
+  set_rest();
+}
+
+// The rest coefficients come from the kernels that will run, so that rest gives rest exactly.
+void Deformer::set_rest() {
+  const Pose rest = bind_pose(basis_.skeleton);
+  backend_->set_rest_coefficients(backend_->run(make_batch(basis_, {&rest, 1})).coefficients);
+}
+
+Deformer::~Deformer() = default;
+
+std::string Deformer::device_name() const { return backend_->name(); }
+
+Evaluation Deformer::evaluate(std::span<const Pose> poses) { return run(poses, {}, false); }
+
+Evaluation Deformer::evaluate_on_device(std::span<const Pose> poses) {
+  require_one_batch(poses);
+  return run(poses, {}, true);
+}
+
+Evaluation Deformer::jiggle(std::span<const Pose> poses, std::span<const int> frames) {
+  return step(poses, frames, false);
+}
+
+Evaluation Deformer::jiggle_on_device(std::span<const Pose> poses, std::span<const int> frames) {
+  require_one_batch(poses);
+  return step(poses, frames, true);
+}
+
+void Deformer::require_one_batch(std::span<const Pose> poses) const {
+  if (poses.size() <= batch_limit()) return;
+  throw Error(ErrorKind::usage, std::to_string(poses.size()) + " poses at once are more than the " +
+                                    std::to_string(batch_limit()) + " that fit on '" + device_name() + "'");
+}
+
+Evaluation Deformer::step(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device) {
+  if (!dynamics_) throw Error(ErrorKind::usage, "the character was loaded without dynamics: it cannot jiggle");
+  if (frames.size() != poses.size()) {
+    throw Error(ErrorKind::usage,
+                std::to_string(poses.size()) + " poses have " + std::to_string(frames.size()) + " frame numbers");
+  }
+  const JiggleState before = state();
+  try {
+    return run(poses, frames, stays_on_device);
+  } catch (...) {
+    set_state(before);
+    throw;
+  }
+}
+
+JiggleState Deformer::state() const {
+  JiggleState state = state_;
+  if (dynamics_ && state.known > 0) state.motion = backend_->motion();
+  return state;
+}
+
+void Deformer::set_state(const JiggleState& state) {
+  if (state.known > 0) check_state(state, basis_, dynamics());
+  state_ = state;
+  if (dynamics_ && state.known > 0) backend_->set_motion(state.motion);
+  state_.motion = {};
+}
+
+Evaluation Deformer::run(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device) {
+  Evaluation evaluation;
+  const std::size_t limit = std::max<std::size_t>(1, backend_->batch_limit());
+  for (std::size_t begin = 0; begin < poses.size(); begin += limit) {
+    const auto part = poses.subspan(begin, std::min(limit, poses.size() - begin));
+    const auto start = std::chrono::steady_clock::now();
+    Batch batch = make_batch(basis_, part);
+    batch.stays_on_device = stays_on_device;
+    if (!frames.empty()) batch.jiggle = plan(batch, frames.subspan(begin, part.size()));
+    evaluation.stage_seconds["rig"] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const BatchResult result = backend_->run(batch);
+    append_output(basis_.mesh, result.positions, evaluation.positions);
+    append_output(basis_.mesh, result.normals, evaluation.normals);
+    evaluation.strains.insert(evaluation.strains.end(), result.strains.begin(), result.strains.end());
+    append_outside(result, part.size(), evaluation);
+    append_fades(basis_, batch, evaluation);
+    for (const JiggleFrame& frame : batch.jiggle) evaluation.starts.push_back(frame.start);
+    for (const auto& [stage, seconds] : result.stage_seconds) evaluation.stage_seconds[stage] += seconds;
+  }
+  return evaluation;
+}
+
+std::vector<JiggleFrame> Deformer::plan(const Batch& batch, std::span<const int> frames) {
+  std::vector<JiggleFrame> plans;
+  const std::size_t numbers = 3 * basis_.skeleton.size();
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    const double origin[3] = {batch.origins[4 * f], batch.origins[4 * f + 1], batch.origins[4 * f + 2]};
+    plans.push_back(plan_frame(frames[f], std::span(batch.joints).subspan(f * numbers, numbers), origin, size_,
+                               dynamics_->jiggle.step, options_, state_));
+  }
+  return plans;
+}
+
+}  // namespace bodyopt

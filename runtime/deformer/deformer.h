@@ -1,0 +1,101 @@
+// The runtime: runs rig, strain, residual, pose, diffuse, jiggle and output for a batch of poses, on the CPU or on a
+// Vulkan device.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/basis.h"
+#include "runtime/host/backend.h"
+#include "runtime/host/device_choice.h"
+#include "runtime/host/jiggle.h"
+
+namespace bodyopt {
+
+namespace vulkan {
+class Device;
+}
+
+// The result of a batch of F frames, in output vertex order (as in the character's file).
+struct Evaluation {
+  std::vector<float> positions;  // F x O x 3, metres, posed (world)
+  std::vector<float> normals;    // F x O x 3, unit (zero where all triangles around a vertex are degenerate)
+  std::vector<float> strains;    // F x S
+  std::vector<float> outside;    // F: how far the worst feature lies outside its trained range, in standard
+                                 // deviations of training; 0 when the frame is covered
+  std::vector<std::uint32_t> outside_feature;   // F: that feature, see feature_name
+  std::vector<float> fades;                     // F x regions: how much of what was learned is left, see region_fades
+  std::vector<int> fading_joint;                // F: the joint that takes most of it; -1: nothing fades
+  std::vector<JiggleStart> starts;              // F where frames jiggle: how each began
+  std::map<std::string, double> stage_seconds;  // by stage name, summed over the batch
+};
+
+// The mean over the regions of frame k: how much is left of what was learned. 1 without regions.
+double mean_fade(const Evaluation& evaluation, std::size_t k);
+
+// "joint LeftArm", "strain biceps/1" or "control breath": what a feature of the residual is of.
+std::string feature_name(const Basis& basis, std::uint32_t feature);
+
+// True when "auto" would find a Vulkan device. Does not throw: a machine without a Vulkan driver has none.
+bool has_vulkan_device();
+
+class Deformer {
+ public:
+  // Validates the basis, takes the device, uploads the tables, records the coefficients at rest.
+  Deformer(Basis basis, const DeviceChoice& choice);
+  // With dynamics, which must belong to the basis (load_dynamics sees to it).
+  Deformer(Basis basis, Dynamics dynamics, const JiggleOptions& options, const DeviceChoice& choice);
+  // On a device that others use as well, to draw the skin where it is. Without dynamics, options have no effect.
+  Deformer(Basis basis, std::optional<Dynamics> dynamics, const JiggleOptions& options,
+           std::shared_ptr<const vulkan::Device> device);
+  ~Deformer();
+
+  // Quasi-static skin. Any number of poses; split into batches as the device allows. Throws Error(mismatch) when a pose
+  // does not fit the skeleton, Error(device) when the device fails.
+  Evaluation evaluate(std::span<const Pose> poses);
+  // The skin with jiggle, in the order given; frames: number of each pose, JiggleStep::frames_per_second apart. It goes
+  // on from the frames of earlier calls, however they are cut into calls: the bits are the same. Throws as above, and
+  // Error(usage) without dynamics; the state is then that of before.
+  Evaluation jiggle(std::span<const Pose> poses, std::span<const int> frames);
+
+  // As these two, with the same bits, for a deformer on a device of others: positions and normals stay there and are
+  // none of the result. One batch: throws Error(usage) for more than batch_limit() poses.
+  Evaluation evaluate_on_device(std::span<const Pose> poses);
+  Evaluation jiggle_on_device(std::span<const Pose> poses, std::span<const int> frames);
+  // Of the last batch of any of the four; its buffers live until the next call of one.
+  DeviceSkin device_skin() const { return backend_->device_skin(); }
+  std::uint32_t batch_limit() const { return backend_->batch_limit(); }
+  // Throws Error(usage) for more poses than that.
+  void require_one_batch(std::span<const Pose> poses) const;
+
+  void set_weights(const Weights& weights) { backend_->set_weights(weights); }
+
+  JiggleState state() const;
+  // Throws Error(mismatch) where the state does not fit the character or holds a number that is not finite.
+  void set_state(const JiggleState& state);
+
+  const Basis& basis() const { return basis_; }
+  const JiggleOptions& jiggle_options() const { return options_; }
+  const Dynamics* dynamics() const { return dynamics_ ? &*dynamics_ : nullptr; }
+  std::string device_name() const;
+
+ private:
+  void set_rest();
+  Evaluation run(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device);
+  Evaluation step(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device);
+  std::vector<JiggleFrame> plan(const Batch& batch, std::span<const int> frames);
+
+  Basis basis_;
+  std::optional<Dynamics> dynamics_;
+  JiggleOptions options_;
+  double size_ = 0;    // of the character, metres
+  JiggleState state_;  // its motion is the backend's
+  std::unique_ptr<Backend> backend_;
+};
+
+}  // namespace bodyopt

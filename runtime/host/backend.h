@@ -1,0 +1,79 @@
+// What runs the stages of a batch: the CPU (runtime/cpu/cpu_backend.h) or a Vulkan device
+// (runtime/vulkan/backend/vulkan_backend.h).
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/basis.h"
+#include "runtime/host/jiggle.h"
+
+namespace bodyopt {
+
+namespace vulkan {
+class Buffer;
+}  // namespace vulkan
+
+// How much is shown of what was learned, and of the jiggle: to compare by eye. 1, as trained, changes no bit; a weight
+// changes no state.
+struct Weights {
+  float correction = 1, jiggle = 1;
+  bool operator==(const Weights&) const = default;
+};
+
+// A skin on the device, F x V x 3 each, world, metres, vertices in runtime order.
+struct DeviceSkin {
+  const vulkan::Buffer* positions = nullptr;
+  const vulkan::Buffer* normals = nullptr;
+};
+
+// One batch as the backends see it: plain arrays, frame-major.
+struct Batch {
+  std::uint32_t frame_count = 0;
+  std::vector<float> skinning;        // F x J x 12, relative to origin
+  std::vector<float> origins;         // F x 4 (the fourth is padding)
+  std::vector<float> joint_features;  // F x joint feature count
+  std::vector<float> controls;        // F x control count
+  std::vector<float> fades;           // F x region count, see region_fades
+  std::vector<double> joints{};       // F x J x 3, metres, world: for the plan of the jiggle
+  std::vector<JiggleFrame> jiggle{};  // F; empty: the skin is quasi-static
+  bool stays_on_device = false;       // positions and normals are wanted there, and not in the result
+};
+
+// What a backend gives back, frame-major, vertices in runtime order.
+struct BatchResult {
+  std::vector<float> positions;     // F x V x 3
+  std::vector<float> normals;       // F x V x 3
+  std::vector<float> strains;       // F x S
+  std::vector<float> excess;        // F x feature count: distance outside the trained range, in standard deviations
+  std::vector<float> coefficients;  // F x coefficient count, after subtracting those at rest
+  std::map<std::string, double> stage_seconds;
+};
+
+class Backend {
+ public:
+  virtual ~Backend() = default;
+  virtual std::string name() const = 0;
+  // Most frames of one batch.
+  virtual std::uint32_t batch_limit() const = 0;
+  virtual BatchResult run(const Batch& batch) = 0;
+  // Coefficients at rest, subtracted from then on. Zero until set.
+  virtual void set_rest_coefficients(std::span<const float> coefficients) = 0;
+  virtual void set_weights(const Weights& weights) = 0;
+  // Of the last batch; nothing of a backend without a device.
+  virtual DeviceSkin device_skin() const { return {}; }
+  // What batches that jiggle start from, and leave behind. Zero until set.
+  virtual void set_motion(const NodeMotion& motion) = 0;
+  virtual NodeMotion motion() const = 0;
+};
+
+// The dynamics, where there are any, must outlive the backend.
+struct JiggleModel {
+  const Dynamics* dynamics = nullptr;
+  JiggleOptions options;
+};
+
+}  // namespace bodyopt

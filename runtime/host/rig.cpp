@@ -1,0 +1,95 @@
+#include "runtime/host/rig.h"
+
+#include <cmath>
+
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+
+std::vector<Affine> posed_joints(const Skeleton& skeleton, std::span<const JointTransform> local) {
+  std::vector<Affine> world(skeleton.size());
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    const Affine own = affine_from(local[j]);
+    world[j] = parent < 0 ? own : world[static_cast<std::size_t>(parent)] * own;
+  }
+  return world;
+}
+
+std::vector<Affine> skinning_matrices(const Skeleton& skeleton, std::span<const JointTransform> local) {
+  std::vector<Affine> matrices = posed_joints(skeleton, local);
+  for (std::size_t j = 0; j < skeleton.size(); ++j) matrices[j] = matrices[j] * skeleton.joints[j].inverse_bind;
+  return matrices;
+}
+
+std::vector<std::uint32_t> feature_joints(const Skeleton& skeleton) {
+  std::vector<std::uint32_t> joints;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    if (skeleton.joints[j].parent >= 0) joints.push_back(static_cast<std::uint32_t>(j));
+  }
+  return joints;
+}
+
+std::uint32_t joint_feature_count(const Skeleton& skeleton) {
+  return 9 * static_cast<std::uint32_t>(feature_joints(skeleton).size());
+}
+
+namespace {
+
+void check_pose(const Skeleton& skeleton, const Pose& pose) {
+  if (pose.joints.size() != skeleton.size()) {
+    throw Error(ErrorKind::mismatch, "a pose of " + std::to_string(pose.joints.size()) +
+                                         " joints was given to a skeleton of " + std::to_string(skeleton.size()) +
+                                         ": it was made for another skeleton");
+  }
+  for (std::size_t j = 0; j < pose.joints.size(); ++j) {
+    const JointTransform& t = pose.joints[j];
+    double sum = 0;
+    for (int i = 0; i < 3; ++i) sum += std::abs(t.translation[i]) + std::abs(t.scale[i]);
+    for (const double x : t.rotation) sum += std::abs(x);
+    if (!(sum < 1e12)) {
+      throw Error(ErrorKind::mismatch, "the pose of joint '" + skeleton.joints[j].name + "' is not a finite number");
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Quat> bind_rotations(const Skeleton& skeleton) {
+  std::vector<Quat> world;
+  for (const Joint& joint : skeleton.joints) {
+    const Quat own = normalized(joint.bind.rotation);
+    world.push_back(joint.parent < 0 ? own : world[static_cast<std::size_t>(joint.parent)] * own);
+  }
+  return world;
+}
+
+RigFrame pose_rig(const Skeleton& skeleton, const Pose& pose) {
+  check_pose(skeleton, pose);
+  RigFrame frame;
+  const std::vector<Affine> world = posed_joints(skeleton, pose.joints);
+  for (int i = 0; i < 3; ++i) frame.origin[i] = world.empty() ? 0.0f : static_cast<float>(world[0].m[i][3]);
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    Affine relative = world[j];
+    for (const auto& row : relative.m) frame.joints.push_back(row[3]);
+    for (int i = 0; i < 3; ++i) relative.m[i][3] -= static_cast<double>(frame.origin[i]);
+    relative = relative * skeleton.joints[j].inverse_bind;
+    for (const auto& row : relative.m) {
+      for (const double x : row) frame.skinning.push_back(static_cast<float>(x));
+    }
+  }
+
+  const std::vector<Quat> bind = bind_rotations(skeleton);
+  for (const std::uint32_t j : feature_joints(skeleton)) {
+    const Joint& joint = skeleton.joints[j];
+    const Quat& axes = bind[static_cast<std::size_t>(joint.parent)];
+    const Quat change = normalized(pose.joints[j].rotation) * conjugate(normalized(joint.bind.rotation));
+    const auto r = rotation_matrix(normalized(axes * change * conjugate(axes)));
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) frame.joint_features.push_back(static_cast<float>(r[i][k] - (i == k ? 1 : 0)));
+    }
+  }
+  return frame;
+}
+
+}  // namespace bodyopt

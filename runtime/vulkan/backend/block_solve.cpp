@@ -1,0 +1,22 @@
+#include "runtime/vulkan/backend/block_solve.h"
+
+namespace bodyopt::vulkan {
+
+BlockSolve::BlockSolve(const Device& device) : gather_(device), up_(device), down_(device) {}
+
+void BlockSolve::record(Commands& commands, const Buffers& buffers, std::uint32_t right_side_count,
+                        std::uint32_t interleave) const {
+  const auto& [inverse, right_sides, gathered, results, solutions] = buffers;
+  for (const InverseBuffers::Level& level : inverse.levels) {
+    gather_.record(commands, {inverse, right_sides, results, gathered}, level, right_side_count, interleave);
+    commands.barrier();
+    up_.record(commands, {inverse, gathered, results}, level, right_side_count);
+    commands.barrier();
+  }
+  for (auto level = inverse.levels.rbegin(); level != inverse.levels.rend(); ++level) {
+    if (level != inverse.levels.rbegin()) commands.barrier();
+    down_.record(commands, {inverse, results, solutions}, *level, right_side_count, interleave);
+  }
+}
+
+}  // namespace bodyopt::vulkan

@@ -1,0 +1,29 @@
+// A block inverse's solve on the device: all levels up, then down (runtime/cpu/dynamics_kernels.h, block_solve).
+#pragma once
+
+#include "runtime/vulkan/kernels/block_down.h"
+#include "runtime/vulkan/kernels/block_gather.h"
+#include "runtime/vulkan/kernels/block_up.h"
+
+namespace bodyopt::vulkan {
+
+class BlockSolve {
+ public:
+  // gathered, results: scratch, right_side_count x slot_count floats each. right_sides and solutions may be one buffer.
+  struct Buffers {
+    const InverseBuffers& inverse;
+    BufferRange right_sides, gathered, results, solutions;
+  };
+
+  explicit BlockSolve(const Device& device);
+  // With barriers between its kernels; before and after are the caller's.
+  void record(Commands& commands, const Buffers& buffers, std::uint32_t right_side_count,
+              std::uint32_t interleave) const;
+
+ private:
+  BlockGather gather_;
+  BlockUp up_;
+  BlockDown down_;
+};
+
+}  // namespace bodyopt::vulkan

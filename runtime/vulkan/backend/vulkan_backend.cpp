@@ -1,0 +1,422 @@
+// A Vulkan device as a backend: tables uploaded once; one command buffer per batch. That of the quasi-static skin is
+// recorded when the number of frames changes and submitted again otherwise; batches that jiggle are each a plan of
+// their own.
+#include "runtime/vulkan/backend/vulkan_backend.h"
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "runtime/core/error.h"
+#include "runtime/vulkan/backend/vulkan_dynamics.h"
+#include "runtime/vulkan/kernels/output_normals.h"
+#include "runtime/vulkan/kernels/pose_skin.h"
+#include "runtime/vulkan/kernels/residual_blend.h"
+#include "runtime/vulkan/kernels/residual_coefficients.h"
+#include "runtime/vulkan/kernels/residual_features.h"
+#include "runtime/vulkan/kernels/residual_kernels.h"
+#include "runtime/vulkan/kernels/residual_project.h"
+#include "runtime/vulkan/kernels/strain_measure.h"
+#include "runtime/vulkan/kernels/strain_skin.h"
+
+namespace bodyopt {
+namespace vulkan {
+namespace {
+
+constexpr std::uint64_t kBatchBytes = 64u << 20;  // of per-frame buffers; enough vertices to fill a device
+
+// Counts of a basis, in the units of a frame.
+struct Counts {
+  explicit Counts(const Basis& basis)
+      : vertices(basis.mesh.vertex_count()),
+        joints(static_cast<std::uint32_t>(basis.skeleton.size())),
+        strain_vertices(static_cast<std::uint32_t>(basis.strain.vertices.size())),
+        fibres(basis.strain.fibre_count()),
+        features(basis.residual.feature_count()),
+        controls(features == 0 ? 0 : static_cast<std::uint32_t>(basis.residual.controls.size())),
+        joint_features(features == 0 ? 0 : features - fibres - controls),
+        regions(static_cast<std::uint32_t>(basis.residual.regions.size())),
+        coordinates(basis.residual.coordinate_count()),
+        centres(basis.residual.centre_count()),
+        coefficients(basis.residual.coefficient_count()) {}
+
+  std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
+  std::uint32_t regions, coordinates, centres, coefficients;
+};
+
+// Everything about the character that stays the same from frame to frame.
+struct Tables {
+  Tables(const Device& device, const Basis& b)
+      : ddm(device, b.ddm, device.info()),
+        strain_vertices(upload(device, b.strain.vertices, "the strain vertices")),
+        points(upload(device, b.strain.points, "the fibre points")),
+        fibre_begin(upload(device, b.strain.fibre_begin, "the fibres")),
+        rest_length(upload(device, b.strain.rest_length, "the fibres' rest lengths")),
+        ranges(upload(device, b.residual.features, "the feature ranges")),
+        regions(upload(device, b.residual.regions, "the regions")),
+        region_features(upload(device, b.residual.region_features, "the regions' features")),
+        coordinate_region(upload(device, b.residual.coordinate_region, "the coordinates' regions")),
+        projections(upload(device, b.residual.projections, "the projections")),
+        centre_region(upload(device, b.residual.centre_region, "the centres' regions")),
+        centres(upload(device, b.residual.centres, "the centres")),
+        coefficient_region(upload(device, b.residual.coefficient_region, "the coefficients' regions")),
+        weights(upload(device, b.residual.weights, "the weights")),
+        blend_begin(upload(device, b.residual.blend_begin, "the blend's blocks")),
+        blend(upload(device, b.residual.blend, "the blend")),
+        triangles(upload(device, b.mesh.triangles, "the triangles")),
+        vertex_triangle_begin(upload(device, b.mesh.vertex_triangle_begin, "the vertices' triangles")),
+        vertex_triangles(upload(device, b.mesh.vertex_triangles, "the vertices' triangles")) {}
+
+  DdmBuffers ddm;
+  Buffer strain_vertices, points, fibre_begin, rest_length;
+  Buffer ranges, regions, region_features, coordinate_region, projections, centre_region, centres;
+  Buffer coefficient_region, weights, blend_begin, blend;
+  Buffer triangles, vertex_triangle_begin, vertex_triangles;
+};
+
+// Values of a batch: a buffer of F x count floats, on the device.
+struct Values {
+  Values(const Device& device, std::uint32_t frames, std::uint64_t count, const char* name)
+      : bytes(frames * count * sizeof(float)), buffer(device, bytes, Memory::device, name) {}
+
+  VkDeviceSize bytes;
+  Buffer buffer;
+};
+
+struct BatchBuffers {
+  BatchBuffers(const Device& device, const Counts& n, std::uint32_t frames_)
+      : frames(frames_),
+        skinning(device, frames, std::uint64_t{12} * n.joints, "the skinning matrices"),
+        origins(device, frames, 4, "the origins"),
+        joint_features(device, frames, n.joint_features, "the joint features"),
+        controls(device, frames, n.controls, "the controls"),
+        fades(device, frames, n.regions, "the fades"),
+        strain_positions(device, frames, std::uint64_t{3} * n.strain_vertices, "the strain positions"),
+        strains(device, frames, n.fibres, "the strains"),
+        features(device, frames, n.features, "the features"),
+        excess(device, frames, n.features, "the features' excess"),
+        coordinates(device, frames, n.coordinates, "the coordinates"),
+        kernels(device, frames, n.centres, "the kernels"),
+        coefficients(device, frames, n.coefficients, "the coefficients"),
+        displacements(device, frames, std::uint64_t{3} * n.vertices, "the displacements"),
+        positions(device, frames, std::uint64_t{3} * n.vertices, "the positions"),
+        normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
+        staging_in(device, total({&skinning, &origins, &joint_features, &controls, &fades}), Memory::staging,
+                   "staging"),
+        staging_out(device, total({&positions, &normals, &strains, &excess, &coefficients}), Memory::staging,
+                    "staging") {}
+
+  static VkDeviceSize total(std::initializer_list<const Values*> parts) {
+    VkDeviceSize sum = 0;
+    for (const Values* part : parts) sum += part->bytes;
+    return sum;
+  }
+
+  std::uint32_t frames;
+  Values skinning, origins, joint_features, controls, fades;
+  Values strain_positions, strains, features, excess, coordinates, kernels, coefficients, displacements;
+  Values positions, normals;
+  Buffer staging_in, staging_out;
+};
+
+class VulkanBackend final : public Backend {
+ public:
+  VulkanBackend(const Basis& basis, std::shared_ptr<const Device> device, const JiggleModel& jiggle)
+      : owned_device_(std::move(device)),
+        device_(*owned_device_),
+        counts_(basis),
+        tables_(device_, basis),
+        has_blend_(!basis.residual.blend.empty()),
+        strain_skin_(device_),
+        strain_measure_(device_),
+        residual_features_(device_),
+        residual_project_(device_),
+        residual_kernels_(device_),
+        residual_coefficients_(device_),
+        residual_blend_(device_),
+        pose_skin_(device_),
+        output_normals_(device_),
+        commands_(device_) {
+    if (jiggle.dynamics) dynamics_.emplace(device_, jiggle);
+    set_rest_coefficients(std::vector<float>(counts_.coefficients, 0.0f));
+  }
+
+  std::string name() const override { return device_.info().name; }
+
+  std::uint32_t batch_limit() const override {
+    const Counts& n = counts_;
+    const std::uint64_t skin = std::uint64_t{3} * n.vertices, skinning = std::uint64_t{12} * n.joints;
+    const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
+    const std::uint64_t largest =
+        std::max<std::uint64_t>({skin, skinning, strain, n.coordinates, n.centres, n.features});
+    const std::uint64_t all = 3 * skin + skinning + strain + n.coordinates + n.centres + 3 * n.features +
+                              (dynamics_ ? dynamics_->frame_floats() : 0);
+    const std::uint64_t by_range =
+        device_.info().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
+    const std::uint64_t by_memory =
+        std::min(kBatchBytes, device_.info().memory_bytes / 8) / (sizeof(float) * std::max<std::uint64_t>(1, all));
+    const std::uint64_t by_groups = device_.info().max_groups_y;
+    const std::uint64_t by_dynamics = dynamics_ ? dynamics_->batch_limit() : by_groups;
+    return static_cast<std::uint32_t>(
+        std::max<std::uint64_t>(1, std::min({by_range, by_memory, by_groups, by_dynamics})));
+  }
+
+  void set_rest_coefficients(std::span<const float> coefficients) override {
+    rest_coefficients_ = upload_bytes(device_, std::as_bytes(coefficients), "the coefficients at rest");
+    recorded_ = false;
+  }
+
+  void set_weights(const Weights& weights) override {
+    if (weights == weights_) return;
+    weights_ = weights;
+    recorded_ = false;
+  }
+
+  DeviceSkin device_skin() const override {
+    if (!buffers_) return {};
+    return {skin_, &buffers_->normals.buffer};
+  }
+
+  void set_motion(const NodeMotion& motion) override {
+    if (!failed_) dynamics_->set_motion(motion);  // so that what failed is what is told
+  }
+
+  NodeMotion motion() const override {
+    refuse_failed();
+    return dynamics_->motion();
+  }
+
+  BatchResult run(const Batch& batch) override {
+    refuse_failed();
+    if (batch.frame_count == 0) return {};
+    failed_ = true;  // until this batch went well
+    const bool recorded = recorded_ && buffers_->frames == batch.frame_count && batch.jiggle.empty() &&
+                          batch.stays_on_device == stays_on_device_;
+    if (!recorded) allocate(batch.frame_count);
+    send(batch);  // first: recording runs what is long
+    if (!recorded) record(batch);
+    commands_.run();
+    BatchResult result = receive();
+    refuse_validation_messages();
+    failed_ = false;
+    return result;
+  }
+
+ private:
+  void record(const Batch& batch) {
+    const std::uint32_t frames = batch.frame_count;
+    stages_.clear();
+    commands_.begin();
+    record_upload();
+    commands_.barrier();
+    commands_.timestamp();
+    record_strain(frames);
+    end_stage("strain");
+    record_residual(frames);
+    end_stage("residual");
+    const BatchBuffers& b = *buffers_;
+    pose_skin_.record(commands_,
+                      {tables_.ddm, b.skinning.buffer, b.origins.buffer, b.displacements.buffer, b.positions.buffer},
+                      counts_.vertices, counts_.joints, frames);
+    end_stage("pose");
+    if (!batch.jiggle.empty()) record_dynamics(batch);
+    stays_on_device_ = batch.stays_on_device;
+    skin_ = batch.jiggle.empty() ? &b.positions.buffer : &dynamics_->moved();
+    output_normals_.record(
+        commands_,
+        {tables_.triangles, tables_.vertex_triangle_begin, tables_.vertex_triangles, *skin_, b.normals.buffer},
+        {counts_.vertices}, frames);
+    end_stage("output");
+    record_download();
+    commands_.end();
+    recorded_ = batch.jiggle.empty();
+  }
+
+  void allocate(std::uint32_t frames) {
+    recorded_ = false;
+    if (buffers_ && buffers_->frames == frames) return;
+    buffers_.reset();  // before the next ones are allocated
+    buffers_ = std::make_unique<BatchBuffers>(device_, counts_, frames);
+  }
+
+  void end_stage(const char* name) {
+    commands_.barrier();
+    commands_.timestamp();
+    stages_.push_back(name);
+  }
+
+  void record_dynamics(const Batch& batch) {
+    const BatchBuffers& b = *buffers_;
+    const VulkanDynamics::Inputs inputs{b.positions.buffer, b.origins.buffer, b.strains.buffer,
+                                        b.controls.buffer,  counts_.fibres,   counts_.controls};
+    dynamics_->prepare(batch.frame_count);
+    dynamics_->record_diffuse(commands_, inputs);
+    end_stage("diffuse");
+    dynamics_->record_jiggle(commands_, inputs, batch.jiggle, weights_.jiggle);
+    end_stage("jiggle");
+  }
+
+  void record_upload() {
+    const BatchBuffers& b = *buffers_;
+    VkDeviceSize offset = 0;
+    for (const Values* values : {&b.skinning, &b.origins, &b.joint_features, &b.controls, &b.fades}) {
+      commands_.copy({b.staging_in, offset, values->bytes}, values->buffer);
+      offset += values->bytes;
+    }
+    // No residual: un-posed displacements of zero.
+    if (!has_blend_) commands_.fill(b.displacements.buffer, 0);
+  }
+
+  void record_strain(std::uint32_t frames) {
+    const BatchBuffers& b = *buffers_;
+    const Tables& t = tables_;
+    strain_skin_.record(commands_, {t.ddm, b.skinning.buffer, t.strain_vertices, b.strain_positions.buffer},
+                        counts_.strain_vertices, counts_.joints, frames);
+    commands_.barrier();
+    strain_measure_.record(commands_,
+                           {t.points, t.fibre_begin, t.rest_length, b.strain_positions.buffer, b.strains.buffer},
+                           {counts_.fibres, counts_.strain_vertices}, frames);
+  }
+
+  void record_residual(std::uint32_t frames) {
+    const BatchBuffers& b = *buffers_;
+    const Tables& t = tables_;
+    const Counts& n = counts_;
+    residual_features_.record(
+        commands_,
+        {t.ranges, b.joint_features.buffer, b.strains.buffer, b.controls.buffer, b.features.buffer, b.excess.buffer},
+        {n.joint_features, n.features == 0 ? 0 : n.fibres, n.controls}, frames);
+    commands_.barrier();
+    residual_project_.record(
+        commands_,
+        {t.regions, t.region_features, t.coordinate_region, t.projections, b.features.buffer, b.coordinates.buffer},
+        {n.coordinates, n.features}, frames);
+    commands_.barrier();
+    residual_kernels_.record(commands_, {t.regions, t.centre_region, t.centres, b.coordinates.buffer, b.kernels.buffer},
+                             {n.centres, n.coordinates}, frames);
+    commands_.barrier();
+    residual_coefficients_.record(commands_,
+                                  {t.regions, t.coefficient_region, t.weights, rest_coefficients_, b.coordinates.buffer,
+                                   b.kernels.buffer, b.fades.buffer, b.coefficients.buffer},
+                                  {n.coefficients, n.coordinates, n.centres, n.regions}, frames);
+    commands_.barrier();
+    if (!has_blend_) return;
+    residual_blend_.record(commands_, {t.blend_begin, t.blend, b.coefficients.buffer, b.displacements.buffer},
+                           {n.vertices, n.coefficients, weights_.correction}, frames);
+  }
+
+  // What goes to the host, in this order.
+  struct Download {
+    BufferRange from;
+    std::vector<float> BatchResult::*to;
+  };
+  std::vector<Download> downloads() const {
+    const BatchBuffers& b = *buffers_;
+    std::vector<Download> all;
+    const auto add = [&](const Buffer& buffer, const Values& values, std::vector<float> BatchResult::*to) {
+      all.push_back({{buffer, 0, values.bytes}, to});
+    };
+    if (!stays_on_device_) {
+      add(*skin_, b.positions, &BatchResult::positions);
+      add(b.normals.buffer, b.normals, &BatchResult::normals);
+    }
+    add(b.strains.buffer, b.strains, &BatchResult::strains);
+    add(b.excess.buffer, b.excess, &BatchResult::excess);
+    add(b.coefficients.buffer, b.coefficients, &BatchResult::coefficients);
+    return all;
+  }
+
+  void record_download() {
+    VkDeviceSize offset = 0;
+    for (const Download& download : downloads()) {
+      commands_.copy(download.from, {buffers_->staging_out, offset, download.from.size});
+      offset += download.from.size;
+    }
+  }
+
+  void send(const Batch& batch) {
+    const BatchBuffers& b = *buffers_;
+    std::byte* to = b.staging_in.mapped();
+    const std::pair<const Values&, const std::vector<float>&> parts[] = {{b.skinning, batch.skinning},
+                                                                         {b.origins, batch.origins},
+                                                                         {b.joint_features, batch.joint_features},
+                                                                         {b.controls, batch.controls},
+                                                                         {b.fades, batch.fades}};
+    for (const auto& [values, from] : parts) {
+      if (values.bytes == 0) continue;
+      std::memcpy(to, from.data(), values.bytes);
+      to += values.bytes;
+    }
+  }
+
+  BatchResult receive() const {
+    BatchResult result;
+    const std::byte* from = buffers_->staging_out.mapped();
+    for (const Download& download : downloads()) {
+      std::vector<float>& to = result.*download.to;
+      to.resize(download.from.size / sizeof(float));
+      if (!to.empty()) std::memcpy(to.data(), from, download.from.size);
+      from += download.from.size;
+    }
+    const std::vector<double> seconds = commands_.seconds();
+    for (std::size_t s = 0; s < seconds.size(); ++s) result.stage_seconds[stages_[s]] = seconds[s];
+    return result;
+  }
+
+  void refuse_failed() const {
+    if (!failed_) return;
+    throw Error(ErrorKind::device, "the Vulkan device '" + name() + "' failed earlier and is not used again");
+  }
+
+  void refuse_validation_messages() const {
+    const std::vector<std::string> messages = device_.validation_messages();
+    if (messages.empty()) return;
+    throw Error(ErrorKind::device, "Vulkan validation reported " + std::to_string(messages.size()) + " messages on '" +
+                                       name() + "', first: " + messages.front());
+  }
+
+  std::shared_ptr<const Device> owned_device_;
+  const Device& device_;
+  Counts counts_;
+  Tables tables_;
+  bool has_blend_;
+  StrainSkin strain_skin_;
+  StrainMeasure strain_measure_;
+  ResidualFeatures residual_features_;
+  ResidualProject residual_project_;
+  ResidualKernels residual_kernels_;
+  ResidualCoefficients residual_coefficients_;
+  ResidualBlend residual_blend_;
+  PoseSkin pose_skin_;
+  OutputNormals output_normals_;
+  Buffer rest_coefficients_;
+  std::unique_ptr<BatchBuffers> buffers_;
+  std::optional<VulkanDynamics> dynamics_;
+  Commands commands_;
+  std::vector<const char*> stages_;  // recorded
+  bool recorded_ = false;            // the quasi-static skin, for as many frames as there are buffers
+  Weights weights_;
+  const Buffer* skin_ = nullptr;  // of the last batch
+  bool stays_on_device_ = false;  // as recorded
+  bool failed_ = false;
+};
+
+}  // namespace
+}  // namespace vulkan
+
+bool has_vulkan_device() {
+  try {
+    const auto devices = vulkan::list_devices();
+    return std::any_of(devices.begin(), devices.end(), [](const auto& device) { return device.problem.empty(); });
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, std::shared_ptr<const vulkan::Device> device,
+                                             const JiggleModel& jiggle) {
+  return std::make_unique<vulkan::VulkanBackend>(basis, std::move(device), jiggle);
+}
+
+}  // namespace bodyopt

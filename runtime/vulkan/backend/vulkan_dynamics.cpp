@@ -1,0 +1,216 @@
+#include "runtime/vulkan/backend/vulkan_dynamics.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "runtime/host/jiggle_stages.h"
+#include "shaders/include/layout.h"
+
+namespace bodyopt::vulkan {
+namespace {
+
+// Solves of a batch where no frame is left out: an interrupted shot ends soon.
+constexpr std::uint32_t kBatchSolves = 128;
+
+NodeMotion rest(std::size_t numbers) {
+  const std::vector<float> zeros(numbers);
+  return {zeros, zeros, zeros, zeros};
+}
+
+}  // namespace
+
+VulkanDynamics::Tables::Tables(const Device& device, const Dynamics& d)
+    : tets(upload(device, d.tets.tets, "the tets")),
+      shapes(upload(device, d.tets.shapes, "the tets' shapes")),
+      corner_begin(upload(device, d.tets.corner_begin, "the nodes' tets")),
+      corners(upload(device, d.tets.corners, "the nodes' tets")),
+      surface(upload(device, d.tets.surface, "the nodes on the skin")),
+      skin(upload(device, d.tets.skin, "the tets of the skin")),
+      row_begin(upload(device, d.diffuse.row_begin, "the rows of diffuse")),
+      columns(upload(device, d.diffuse.columns, "the columns of diffuse")),
+      values(upload(device, d.diffuse.values, "the values of diffuse")),
+      diffuse_inverse(device, d.diffuse.inverse, device.info()),
+      nodes(upload(device, d.jiggle.nodes, "the nodes of the jiggle")),
+      jiggle_inverse(device, d.jiggle.inverse, device.info()) {}
+
+VulkanDynamics::Motion::Motion(const Device& device, const NodeMotion& motion)
+    : displacement(upload(device, motion.displacement, "the displacement")),
+      velocity(upload(device, motion.velocity, "the velocity")),
+      nodes(upload(device, motion.nodes, "the nodes")),
+      node_velocity(upload(device, motion.node_velocity, "the nodes' velocity")) {}
+
+VulkanDynamics::Local::Local(const Device& device, std::uint64_t numbers)
+    : displacement(floats(device, numbers, "the displacement")), velocity(floats(device, numbers, "the velocity")) {}
+
+VulkanDynamics::VulkanDynamics(const Device& device, const JiggleModel& model)
+    : device_(device),
+      dynamics_(*model.dynamics),
+      options_(model.options),
+      node_count_(dynamics_.tets.node_count()),
+      vertex_count_(static_cast<std::uint32_t>(dynamics_.tets.skin.size())),
+      tables_(device, dynamics_),
+      diffuse_surface_(device),
+      diffuse_gather_(device),
+      block_solve_(device),
+      jiggle_rotate_(device),
+      jiggle_kick_(device),
+      jiggle_begin_(device),
+      jiggle_advance_(device),
+      jiggle_end_(device),
+      jiggle_skin_(device),
+      motions_{Motion(device, rest(dynamics_.tets.nodes.size())), Motion(device, rest(dynamics_.tets.nodes.size()))},
+      local_{Local(device, dynamics_.tets.nodes.size()), Local(device, dynamics_.tets.nodes.size())},
+      right_side_(floats(device, dynamics_.tets.nodes.size(), "the right side")),
+      solution_(floats(device, dynamics_.tets.nodes.size(), "the solution")),
+      gathered_(floats(device, tables_.jiggle_inverse.slot_count, "the block inverse's sums")),
+      results_(floats(device, tables_.jiggle_inverse.slot_count, "the block inverse's sums")) {
+  if (options_.iterations == 0) return;
+  corotated_solve_.emplace(device, dynamics_.jiggle,
+                           CorotatedSolve::Tables{tables_.tets, tables_.shapes, tables_.corner_begin, tables_.corners,
+                                                  tables_.jiggle_inverse});
+}
+
+std::uint64_t VulkanDynamics::frame_floats() const {
+  return std::uint64_t{15} * node_count_ + std::uint64_t{3} * vertex_count_ +
+         std::uint64_t{6} * tables_.diffuse_inverse.slot_count;
+}
+
+std::uint64_t VulkanDynamics::batch_limit() const {
+  const std::uint64_t largest = std::max<std::uint64_t>(
+      {std::uint64_t{9} * node_count_, std::uint64_t{3} * tables_.diffuse_inverse.slot_count, 1});
+  const std::uint64_t by_range = device_.info().max_storage_buffer_range / (sizeof(float) * largest);
+  const std::uint64_t by_groups = device_.info().max_groups_y / 3;  // a group per right side of diffuse
+  const JiggleStep& step = dynamics_.jiggle.step;
+  const std::uint64_t frame_solves =
+      std::uint64_t{step.substeps} * (step.implicit_euler ? 1 : 2) * (std::uint64_t{1} + options_.iterations);
+  return std::min({by_range, by_groups, kBatchSolves / frame_solves});
+}
+
+void VulkanDynamics::prepare(std::uint32_t frames) {
+  if (batch_ && batch_->frames == frames) return;
+  batch_.reset();  // before the next ones are allocated
+  const std::uint64_t numbers = std::uint64_t{3} * node_count_ * frames;
+  const std::uint64_t sums = std::uint64_t{3} * tables_.diffuse_inverse.slot_count * frames;
+  batch_.emplace(BatchBuffers{
+      frames, floats(device_, numbers, "the nodes"), floats(device_, numbers, "the right sides of diffuse"),
+      floats(device_, 3 * numbers, "the nodes' rotations"),
+      floats(device_, std::uint64_t{3} * vertex_count_ * frames, "the skin that jiggles"),
+      floats(device_, sums, "the block inverse's sums"), floats(device_, sums, "the block inverse's sums")});
+}
+
+void VulkanDynamics::record_diffuse(Commands& commands, const Inputs& inputs) const {
+  const auto& [frames, nodes, right_sides, rotations, moved, gathered, results] = *batch_;
+  const Tables& t = tables_;
+  const std::uint32_t surface_count = dynamics_.tets.surface_count();
+  diffuse_surface_.record(commands, {t.surface, inputs.positions, inputs.origins, nodes},
+                          {surface_count, vertex_count_, node_count_}, frames);
+  commands.barrier();
+  diffuse_gather_.record(commands, {t.row_begin, t.columns, t.values, nodes, right_sides}, {surface_count, node_count_},
+                         frames);
+  commands.barrier();
+  block_solve_.record(commands, {t.diffuse_inverse, right_sides, gathered, results, nodes}, 3 * frames, 3);
+}
+
+void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std::span<const JiggleFrame> frames,
+                                   float weight) {
+  const Tables& t = tables_;
+  jiggle_rotate_.record(commands, {t.tets, t.shapes, t.corner_begin, t.corners, batch_->nodes, batch_->rotations},
+                        {node_count_}, batch_->frames);
+  for (std::uint32_t f = 0; f < frames.size(); ++f) {
+    commands.barrier();
+    if (!frames[f].repeats) {
+      record_kick(commands, frames[f], f);
+      commands.barrier();
+      const JiggleStages stages =
+          jiggle_stages(dynamics_.jiggle.step,
+                        jiggle_frame(dynamics_, inputs.fibre_count, inputs.control_count, f, options_.gravity_change));
+      for (std::uint32_t s = 0; s < frames[f].steps; ++s) {
+        record_step(commands, inputs, stages);
+        commands.cut();
+      }
+    }
+    jiggle_skin_.record(commands, {t.tets, t.skin, inputs.positions, motions_[current_].displacement, batch_->moved},
+                        {vertex_count_, f, weight});
+  }
+}
+
+void VulkanDynamics::record_kick(Commands& commands, const JiggleFrame& frame, std::uint32_t number) {
+  JiggleKickPush push = frame.kick;
+  push.node_count = node_count_;
+  push.frame = number;
+  const Motion& before = motions_[current_];
+  current_ = 1 - current_;
+  const Motion& after = motions_[current_];
+  jiggle_kick_.record(commands,
+                      {batch_->nodes, before.displacement, before.velocity, before.nodes, before.node_velocity,
+                       after.displacement, after.velocity, after.nodes, after.node_velocity},
+                      push);
+  if (corotated_solve_) corotated_solve_->record_frame(commands, batch_->nodes, number);
+}
+
+void VulkanDynamics::record_step(Commands& commands, const Inputs& inputs, const JiggleStages& stages) const {
+  const Motion& motion = motions_[current_];
+  const Buffer& rotations = batch_->rotations;
+  const auto& [first, second] = local_;
+  const std::uint32_t frame = stages.begin.frame;
+  jiggle_begin_.record(commands,
+                       {tables_.nodes, rotations, inputs.strains, inputs.controls, motion.displacement, motion.velocity,
+                        first.displacement, first.velocity, right_side_},
+                       stages.begin);
+  commands.barrier();
+  record_solve(commands, 0, first, frame);
+  commands.barrier();
+  if (stages.advance) {
+    jiggle_advance_.record(commands,
+                           {tables_.nodes, rotations, solution_, first.displacement, first.velocity,
+                            second.displacement, second.velocity, right_side_},
+                           *stages.advance);
+    commands.barrier();
+    record_solve(commands, 1, second, frame);
+    commands.barrier();
+  }
+  const Local& last = stages.advance ? second : first;
+  jiggle_end_.record(commands, {rotations, solution_, last.displacement, motion.displacement, motion.velocity},
+                     stages.end);
+}
+
+void VulkanDynamics::record_solve(Commands& commands, std::size_t stage, const Local& local,
+                                  std::uint32_t frame) const {
+  if (!corotated_solve_) {
+    block_solve_.record(commands, {tables_.jiggle_inverse, right_side_, gathered_, results_, solution_}, 1, 1);
+    return;
+  }
+  corotated_solve_->record_start(commands, stage, local.displacement, local.velocity, solution_);
+  commands.barrier();
+  corotated_solve_->record(commands, batch_->rotations, frame, right_side_, options_.iterations, solution_);
+}
+
+void VulkanDynamics::set_motion(const NodeMotion& motion) { motions_[current_] = Motion(device_, motion); }
+
+NodeMotion VulkanDynamics::motion() const {
+  NodeMotion result = rest(dynamics_.tets.nodes.size());
+  const Motion& motion = motions_[current_];
+  const std::pair<const Buffer&, std::vector<float>&> parts[] = {{motion.displacement, result.displacement},
+                                                                 {motion.velocity, result.velocity},
+                                                                 {motion.nodes, result.nodes},
+                                                                 {motion.node_velocity, result.node_velocity}};
+  const VkDeviceSize bytes = dynamics_.tets.nodes.size() * sizeof(float);
+  const Buffer staging(device_, std::size(parts) * bytes, Memory::staging, "the motion");
+  Commands commands(device_);
+  commands.begin();
+  VkDeviceSize offset = 0;
+  for (const auto& [buffer, values] : parts) {
+    commands.copy({buffer, 0, bytes}, {staging, offset, bytes});
+    offset += bytes;
+  }
+  commands.end();
+  commands.run();
+  const std::byte* from = staging.mapped();
+  for (const auto& [buffer, values] : parts) {
+    std::memcpy(values.data(), from, bytes);
+    from += bytes;
+  }
+  return result;
+}
+
+}  // namespace bodyopt::vulkan

@@ -1,0 +1,113 @@
+// Diffuse and jiggle on a Vulkan device, as runtime/cpu/cpu_dynamics.h: tables uploaded once, the motion kept on the
+// device from batch to batch.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+
+#include "runtime/host/backend.h"
+#include "runtime/host/jiggle_stages.h"
+#include "runtime/vulkan/backend/block_solve.h"
+#include "runtime/vulkan/backend/corotated_solve.h"
+#include "runtime/vulkan/kernels/diffuse_gather.h"
+#include "runtime/vulkan/kernels/diffuse_surface.h"
+#include "runtime/vulkan/kernels/jiggle_advance.h"
+#include "runtime/vulkan/kernels/jiggle_begin.h"
+#include "runtime/vulkan/kernels/jiggle_end.h"
+#include "runtime/vulkan/kernels/jiggle_kick.h"
+#include "runtime/vulkan/kernels/jiggle_rotate.h"
+#include "runtime/vulkan/kernels/jiggle_skin.h"
+
+namespace bodyopt::vulkan {
+
+class VulkanDynamics {
+ public:
+  // What stages before leave on the device of a batch.
+  struct Inputs {
+    BufferRange positions;  // F x V x 3, of the quasi-static skin
+    BufferRange origins;    // F x 4
+    BufferRange strains;    // F x fibre_count
+    BufferRange controls;   // F x control_count
+    std::uint32_t fibre_count, control_count;
+  };
+
+  // The dynamics of the model must outlive it. Throws Error(device).
+  VulkanDynamics(const Device& device, const JiggleModel& model);
+
+  // Floats on the device per frame of a batch.
+  std::uint64_t frame_floats() const;
+  // Most frames of a batch, but for memory.
+  std::uint64_t batch_limit() const;
+
+  // Allocates what a batch needs; before its recording.
+  void prepare(std::uint32_t frames);
+  // These record barriers between their kernels; before and after are the caller's.
+  void record_diffuse(Commands& commands, const Inputs& inputs) const;
+  // Cuts the commands: what they read from the host must be there already. The motion is that of the last frame from
+  // here on, as if the commands had run. `weight`: how much of it the skin shows.
+  void record_jiggle(Commands& commands, const Inputs& inputs, std::span<const JiggleFrame> frames, float weight);
+  // F x V x 3: the skin that jiggles.
+  const Buffer& moved() const { return batch_->moved; }
+
+  void set_motion(const NodeMotion& motion);
+  NodeMotion motion() const;  // waits for a copy
+
+ private:
+  struct Tables {
+    Tables(const Device& device, const Dynamics& dynamics);
+
+    Buffer tets, shapes, corner_begin, corners, surface, skin;
+    Buffer row_begin, columns, values;
+    InverseBuffers diffuse_inverse;
+    Buffer nodes;
+    InverseBuffers jiggle_inverse;
+  };
+
+  struct BatchBuffers {
+    std::uint32_t frames;
+    Buffer nodes, right_sides, rotations, moved;
+    Buffer gathered, results;  // of the solve
+  };
+
+  // As NodeMotion.
+  struct Motion {
+    Motion(const Device& device, const NodeMotion& motion);
+
+    Buffer displacement, velocity, nodes, node_velocity;
+  };
+
+  // In the nodes' frames.
+  struct Local {
+    Local(const Device& device, std::uint64_t numbers);
+
+    Buffer displacement, velocity;
+  };
+
+  void record_kick(Commands& commands, const JiggleFrame& frame, std::uint32_t number);
+  void record_step(Commands& commands, const Inputs& inputs, const JiggleStages& stages) const;
+  void record_solve(Commands& commands, std::size_t stage, const Local& local, std::uint32_t frame) const;
+
+  const Device& device_;
+  const Dynamics& dynamics_;
+  const JiggleOptions options_;
+  std::uint32_t node_count_, vertex_count_;
+  Tables tables_;
+  DiffuseSurface diffuse_surface_;
+  DiffuseGather diffuse_gather_;
+  BlockSolve block_solve_;
+  JiggleRotate jiggle_rotate_;
+  JiggleKick jiggle_kick_;
+  JiggleBegin jiggle_begin_;
+  JiggleAdvance jiggle_advance_;
+  JiggleEnd jiggle_end_;
+  JiggleSkin jiggle_skin_;
+  std::optional<CorotatedSolve> corotated_solve_;  // of the quality mode
+  std::array<Motion, 2> motions_;                  // of the last frame, and of the one before or after
+  std::size_t current_ = 0;                        // motion that is of the last frame
+  std::array<Local, 2> local_;                     // of the two stages of a step
+  Buffer right_side_, solution_, gathered_, results_;
+  std::optional<BatchBuffers> batch_;
+};
+
+}  // namespace bodyopt::vulkan

@@ -1,0 +1,112 @@
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_PNG
+#define STBI_NO_STDIO
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb/stb_image.h>
+#pragma GCC diagnostic pop
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <random>
+
+#include "draw/renderer.h"
+#include "runtime/core/error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bodyopt {
+namespace {
+
+Image noise(std::uint32_t width, std::uint32_t height) {
+  Image image{width, height, std::vector<std::uint8_t>(std::size_t{width} * height * 4)};
+  std::mt19937 random(7);
+  for (std::uint8_t& byte : image.rgba) byte = static_cast<std::uint8_t>(random());
+  return image;
+}
+
+void expect_decodes_to(const std::vector<std::uint8_t>& png, const Image& image) {
+  int width = 0, height = 0, channels = 0;
+  stbi_uc* pixels = stbi_load_from_memory(png.data(), static_cast<int>(png.size()), &width, &height, &channels, 4);
+  ASSERT_NE(pixels, nullptr);
+  EXPECT_EQ(static_cast<std::uint32_t>(width), image.width);
+  EXPECT_EQ(static_cast<std::uint32_t>(height), image.height);
+  EXPECT_EQ(channels, 4);
+  EXPECT_EQ(std::vector<std::uint8_t>(pixels, pixels + image.rgba.size()), image.rgba);
+  stbi_image_free(pixels);
+}
+
+TEST(Png, DecodesToTheSamePixels) {
+  for (const auto& [width, height] : {std::pair{1u, 1u}, std::pair{37u, 5u}, std::pair{64u, 64u}}) {
+    const Image image = noise(width, height);
+    expect_decodes_to(encode_png(image), image);
+  }
+}
+
+TEST(Png, FileIsThereWholeOrNotAtAll) {
+  const TemporaryFolder folder;
+  const Image image = noise(8, 8);
+  write_png(image, folder / "image.png");
+  std::ifstream file(folder / "image.png", std::ios::binary);
+  expect_decodes_to({std::istreambuf_iterator<char>(file), {}}, image);
+  EXPECT_THROW(write_png(image, folder / "missing" / "image.png"), Error);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(Png, RefusesWhatIsNoImage) {
+  EXPECT_THROW(encode_png({}), Error);
+  Image image = noise(4, 4);
+  image.rgba.pop_back();
+  EXPECT_THROW(encode_png(image), Error);
+  EXPECT_THROW(encode_png({4'000'000'000, 4'000'000'000, {}}), Error);
+}
+
+struct Lab {
+  double lightness, a, b;
+};
+
+// CIE L*a*b* (D65) of linear sRGB: independent of the space in which the map was made.
+Lab lab(const std::array<float, 3>& c) {
+  const double r = c[0], g = c[1], b = c[2];
+  const double xyz[3] = {(0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505, 0.2126 * r + 0.7152 * g + 0.0722 * b,
+                         (0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089};
+  double f[3];
+  for (int i = 0; i < 3; ++i) f[i] = xyz[i] > 0.008856 ? std::cbrt(xyz[i]) : 7.787 * xyz[i] + 16.0 / 116;
+  return {116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])};
+}
+
+TEST(HeatColour, GetsDarkerAndTurnsOneWay) {
+  constexpr int kSteps = 50;
+  double hue = 1e9;
+  for (int i = 0; i < kSteps; ++i) {
+    const Lab now = lab(heat_colour(static_cast<float>(i) / kSteps));
+    const Lab next = lab(heat_colour(static_cast<float>(i + 1) / kSteps));
+    EXPECT_LT(next.lightness, now.lightness) << i;
+    // Equal steps look about equally large.
+    const double step = std::hypot(next.lightness - now.lightness, next.a - now.a, next.b - now.b);
+    EXPECT_GT(step, 0.8) << i;
+    EXPECT_LT(step, 9) << i;
+    if (i < kSteps / 6) continue;  // too grey to have a hue
+    const double angle = std::atan2(next.b, next.a);
+    EXPECT_LT(angle, hue) << i;
+    hue = angle;
+  }
+}
+
+TEST(HeatColour, BeginsNeutralEndsMagentaStaysInRange) {
+  const Lab cold = lab(heat_colour(0)), hot = lab(heat_colour(1));
+  EXPECT_LT(std::hypot(cold.a, cold.b), 12);
+  EXPECT_GT(hot.a, 40);
+  EXPECT_GT(hot.lightness, 22);  // still seen on the dark ground
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(heat_colour(-3), heat_colour(0));
+  EXPECT_EQ(heat_colour(nan), heat_colour(0));
+  EXPECT_EQ(heat_colour(7), heat_colour(1));
+}
+
+}  // namespace
+}  // namespace bodyopt

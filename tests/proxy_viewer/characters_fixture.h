@@ -1,0 +1,34 @@
+// A device, and files of characters on a disk, shared by the tests of a suite; validation stays silent.
+#pragma once
+
+#include "tests/proxy_viewer/small_character.h"
+#include "tests/support/gpu_fixture.h"
+
+namespace bodyopt::testing {
+
+class CharactersTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    device_ = open_test_device();
+    folder_ = std::make_unique<TemporaryFolder>();
+    small_ = std::make_unique<SmallCharacter>(*folder_);
+    jiggling_ = std::make_unique<JigglingCharacter>(*folder_);
+    trained_ = std::make_unique<TrainedCharacter>(*folder_);
+  }
+  static void TearDownTestSuite() {
+    small_.reset();
+    jiggling_.reset();
+    trained_.reset();
+    folder_.reset();
+    device_.reset();
+  }
+  void TearDown() override { EXPECT_EQ(device_->validation_messages(), std::vector<std::string>()); }
+
+  static inline std::shared_ptr<const vulkan::Device> device_;
+  static inline std::unique_ptr<TemporaryFolder> folder_;
+  static inline std::unique_ptr<SmallCharacter> small_;
+  static inline std::unique_ptr<JigglingCharacter> jiggling_;
+  static inline std::unique_ptr<TrainedCharacter> trained_;
+};
+
+}  // namespace bodyopt::testing

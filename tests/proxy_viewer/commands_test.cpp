@@ -1,0 +1,419 @@
+#include "proxy_viewer/commands/commands.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <sstream>
+
+#include "proxy_viewer/state/sections.h"
+#include "tests/support/error_kind.h"
+#include "tests/support/paths.h"
+
+namespace bodyopt::testing {
+namespace {
+
+// Frames 1 to 40 with keys, a range within, and names of joints and controls.
+Controls controls_of_a_session() {
+  Controls controls;
+  controls.playback = Playback({1, 40}, 24);
+  controls.playback.set_keys({5, 15});
+  controls.playback.set_range(3, 30);
+  controls.playback.scrub(10);
+  controls.joint_names = {"Hips", "LeftArm", "LeftForeArm", "RightArm", "Bip01 L Arm"};
+  controls.joint_axes.assign(controls.joint_names.size(), Quat{0, 0, 0, 1});
+  controls.live = false;
+  controls.control_names = {"biceps", "breath", "upper lip"};
+  controls.settings.cameras["close"] = {{1, 2, 3}, 0.5, 0.1, 0.2, true};
+  controls.settings.pose.joints["Hips"] = {1, 2, 3};
+  controls.settings.pose.joints["LeftArm"] = {4, 5, 6};
+  controls.poses.note(controls.settings.pose);
+  ViewSettings::Posing undone = controls.settings.pose;
+  undone.joints["RightArm"] = {7, 8, 9};
+  controls.poses.undo(undone);
+  controls.joint = "LeftArm";
+  controls.camera.orbit(0.4, 0.2);
+  return controls;
+}
+
+// What a command does with an argument that is right, and arguments that it refuses.
+struct Case {
+  std::string argument;
+  bool (*done)(const Controls& before, const Controls& after);
+  std::vector<std::string> refused{};
+};
+
+// Nothing where there is no such name.
+template <typename Value>
+std::optional<Value> valued(const std::map<std::string, Value>& values, const std::string& name) {
+  const auto found = values.find(name);
+  return found == values.end() ? std::nullopt : std::optional(found->second);
+}
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+bool looks_from(const Controls& controls, double azimuth, double elevation) {
+  const OrbitView& view = controls.camera.view();
+  return std::abs(view.azimuth - azimuth * kDegree) < 1e-12 && std::abs(view.elevation - elevation * kDegree) < 1e-12;
+}
+
+const std::map<std::string, Case>& cases() {
+  using C = const Controls&;
+  static const std::map<std::string, Case> all = {
+      {"play", {"", [](C, C c) { return c.playback.playing(); }, {"fast"}}},
+      {"step", {"3", [](C, C c) { return c.playback.frame() == 13; }, {"x", "1.5", "1 2", "99999999999"}}},
+      {"step-back", {"", [](C, C c) { return c.playback.frame() == 9; }, {"2"}}},
+      {"first", {"", [](C, C c) { return c.playback.frame() == 3; }, {"1"}}},
+      {"last", {"", [](C, C c) { return c.playback.frame() == 30; }, {"1"}}},
+      {"next-key", {"", [](C, C c) { return c.playback.frame() == 15; }, {"1"}}},
+      {"previous-key", {"", [](C, C c) { return c.playback.frame() == 5; }, {"1"}}},
+      {"frame", {"17", [](C, C c) { return c.playback.frame() == 17; }, {"", "seven", "1-2", "0x3", "0", "41"}}},
+      {"backwards",
+       {"on", [](C, C c) { return c.playback.backwards() && c.settings.playback.backwards; }, {"yes", "on off"}}},
+      {"mode",
+       {"ping-pong",
+        [](C, C c) {
+          return c.playback.mode() == PlayMode::ping_pong && c.settings.playback.mode == PlayMode::ping_pong;
+        },
+        {"", "pingpong", "once loop"}}},
+      {"speed",
+       {"0.5",
+        [](C, C c) { return c.playback.speed() == 0.5 && c.settings.playback.speed == 0.5; },
+        {"", "0.05", "2.1", "-1", "nan", "inf", "1x"}}},
+      {"every-frame", {"on", [](C, C c) { return !c.playback.real_time() && !c.settings.playback.real_time; }, {"1"}}},
+      {"in",
+       {"7",
+        [](C, C c) { return c.playback.in() == 7 && c.playback.out() == 30 && c.settings.playback.in == 7; },
+        {"x", "0", "41"}}},
+      {"out",
+       {"20",
+        [](C, C c) { return c.playback.out() == 20 && c.playback.in() == 3 && c.settings.playback.out == 20; },
+        {"x", "0", "41"}}},
+      {"whole-range", {"", [](C, C c) { return c.playback.in() == 1 && c.playback.out() == 40; }, {"1"}}},
+      {"live", {"on", [](C, C c) { return c.live == true; }, {"yes"}}},
+      {"frame-selection", {"", [](C, C c) { return c.requests.frame_selection; }, {"all"}}},
+      {"front", {"", [](C, C c) { return looks_from(c, 0, 0); }, {"1"}}},
+      {"back", {"", [](C, C c) { return looks_from(c, 180, 0); }, {"1"}}},
+      {"right", {"", [](C, C c) { return looks_from(c, 90, 0); }, {"1"}}},
+      {"left", {"", [](C, C c) { return looks_from(c, -90, 0); }, {"1"}}},
+      {"top", {"", [](C, C c) { return looks_from(c, 0, 90); }, {"1"}}},
+      {"bottom", {"", [](C, C c) { return looks_from(c, 0, -90); }, {"1"}}},
+      {"orthographic",
+       {"on", [](C, C c) { return c.camera.view().orthographic; }, {"yes"}}},
+      {"follow", {"off", [](C, C c) { return !c.settings.look.follow; }, {"no"}}},
+      {"orbit",
+       {"10 -20",
+        [](C b, C c) {
+          return std::abs(c.camera.view().azimuth - b.camera.view().azimuth - 10 * kDegree) < 1e-9 &&
+                 std::abs(c.camera.view().elevation - b.camera.view().elevation + 20 * kDegree) < 1e-9;
+        },
+        {"", "10", "10 20 30", "a b", "1e999 0"}}},
+      {"orbit-left", {"", [](C b, C c) { return c.camera.view().azimuth < b.camera.view().azimuth; }, {"5"}}},
+      {"orbit-right", {"", [](C b, C c) { return c.camera.view().azimuth > b.camera.view().azimuth; }, {"5"}}},
+      {"dolly",
+       {"2", [](C b, C c) { return c.camera.view().distance < b.camera.view().distance; }, {"", "near", "101"}}},
+      {"save-camera",
+       {"from the left", [](C, C c) { return valued(c.settings.cameras, "from the left") == c.camera.view(); }, {""}}},
+      {"camera",
+       {"close", [](C, C c) { return c.camera.view() == c.settings.cameras.at("close"); }, {"", "far", "close up"}}},
+      {"forget-camera", {"close", [](C, C c) { return c.settings.cameras.empty(); }, {"", "far"}}},
+      {"style", {"matcap", [](C, C c) { return c.settings.look.style == LookStyle::matcap; }, {"", "gold"}}},
+      {"next-style", {"", [](C, C c) { return c.settings.look.style == LookStyle::matcap; }, {"1"}}},
+      {"wire", {"on", [](C, C c) { return c.settings.look.wire; }, {"yes"}}},
+      {"skeleton", {"on", [](C, C c) { return c.settings.look.skeleton; }, {"yes"}}},
+      {"fibres", {"on", [](C, C c) { return c.settings.look.fibres; }, {"yes"}}},
+      {"tets", {"on", [](C, C c) { return c.settings.look.tets; }, {"yes"}}},
+      {"level", {"2", [](C, C c) { return c.settings.look.level == 2; }, {"", "finest", "-1", "1.5", "16"}}},
+      {"tet-cut", {"0.25", [](C, C c) { return c.settings.look.tet_cut == 0.25; }, {"", "-0.1", "1.1"}}},
+      {"grid", {"off", [](C, C c) { return !c.settings.look.grid; }, {"no"}}},
+      {"axes", {"off", [](C, C c) { return !c.settings.look.axes; }, {"no"}}},
+      {"shadow", {"off", [](C, C c) { return !c.settings.look.shadow; }, {"no"}}},
+      {"worn", {"off", [](C, C c) { return !c.settings.look.worn; }, {"no"}}},
+      {"compare", {"ddm", [](C, C c) { return c.settings.compare.with == CompareWith::ddm; }, {"", "itself"}}},
+      {"layout", {"wipe", [](C, C c) { return c.settings.compare.layout == CompareLayout::wipe; }, {"", "side"}}},
+      {"next-layout", {"", [](C, C c) { return c.settings.compare.layout == CompareLayout::overlay; }, {"1"}}},
+      {"wipe", {"0.25", [](C, C c) { return c.settings.compare.wipe == 0.25; }, {"", "-0.1", "1.1", "half"}}},
+      {"heat", {"on", [](C, C c) { return c.settings.compare.heat; }, {"hot"}}},
+      {"heat-scale", {"2.5", [](C, C c) { return c.settings.compare.heat_scale_mm == 2.5; }, {"", "0", "-1", "1001", "automatic"}}},
+      {"activation", {"on", [](C, C c) { return c.settings.compare.activation; }, {"yes"}}},
+      {"coverage", {"on", [](C, C c) { return c.settings.compare.coverage; }, {"yes"}}},
+      {"worst-frame", {"", [](C, C c) { return c.requests.worst_frame; }, {"1"}}},
+      {"worst-vertex", {"", [](C, C c) { return c.requests.worst_vertex; }, {"1"}}},
+      {"mirror",
+       {"LeftArm",
+        [](C, C c) {
+          return length(valued(c.settings.pose.joints, "RightArm").value_or(Vec3{}) - Vec3{4, -5, -6}) < 1e-9;
+        },
+        {"Hips", "Tail"}}},
+      {"reset-joint", {"Hips", [](C, C c) { return !c.settings.pose.joints.contains("Hips"); }, {"Tail"}}},
+      {"select", {"Hips", [](C, C c) { return c.joint == "Hips"; }, {"LeftArn", "Left Arm"}}},
+      {"turn",
+       {"LeftArm 10 -20 30",
+        [](C, C c) {
+          return valued(c.settings.pose.joints, "LeftArm") == Vec3{10, -20, 30};
+        },
+        {"", "LeftArm", "LeftArm 1 2", "LeftArm 1 2 361", "LeftArm 1 2 x", "Tail 1 2 3"}}},
+      {"control",
+       {"breath 0.5",
+        [](C, C c) { return valued(c.settings.pose.controls, "breath") == 0.5; },
+        {"", "breath", "breath x", "breath 11", "breathe 1"}}},
+      {"reset-pose",
+       {"", [](C, C c) { return c.settings.pose.joints.empty() && c.settings.pose.controls.empty(); }, {"1"}}},
+      {"undo", {"", [](C, C c) { return c.settings.pose.joints.empty(); }, {"1"}}},
+      {"redo", {"", [](C, C c) { return valued(c.settings.pose.joints, "RightArm") == Vec3{7, 8, 9}; }, {"1"}}},
+      {"correction", {"0.5", [](C, C c) { return c.settings.pose.correction == 0.5; }, {"", "1.01", "-0.01"}}},
+      {"jiggle", {"on", [](C, C c) { return c.settings.jiggle.on; }, {"yes"}}},
+      {"jiggle-amount", {"2", [](C, C c) { return c.settings.jiggle.amount == 2; }, {"", "4.1", "-1"}}},
+      {"reset-jiggle", {"", [](C, C c) { return c.requests.reset_jiggle; }, {"1"}}},
+      {"ghosts",
+       {"3 1",
+        [](C, C c) { return c.settings.ghosts.before == 3 && c.settings.ghosts.after == 1; },
+        {"", "3", "13 0", "0 13", "-1 0", "a b", "1.5 1"}}},
+      {"ghost-step", {"6", [](C, C c) { return c.settings.ghosts.step == 6; }, {"", "0", "1001", "x"}}},
+      {"ghost-opacity", {"0.6", [](C, C c) { return c.settings.ghosts.opacity == 0.6; }, {"", "-0.1", "1.1", "x"}}},
+      {"toggle-ghosts",
+       {"on",
+        [](C, C c) {
+          return c.settings.ghosts.before == 2 && c.settings.ghosts.after == 2 && c.settings.ghosts.step == 4;
+        },
+        {"1"}}},
+      {"copies", {"12", [](C, C c) { return c.settings.cast.copies == 12; }, {"", "0", "101", "1.5"}}},
+      {"copy-delay", {"5", [](C, C c) { return c.settings.cast.delay == 5; }, {"", "-1", "1001"}}},
+      {"screenshot", {"a b.png", [](C, C c) { return c.requests.screenshot == "a b.png"; }}},
+      {"turntable", {"t.####.png", [](C, C c) { return c.requests.turntable == "t.####.png"; }, {""}}},
+      {"sequence", {"s.####.png", [](C, C c) { return c.requests.sequence == "s.####.png"; }, {""}}},
+      {"open", {"a.bvh", [](C, C c) { return c.requests.open == std::vector<std::string>{"a.bvh"}; }, {""}}},
+      {"pan",
+       {"0.5 -1",
+        [](C b, C c) { return c.camera.view().target != b.camera.view().target; },
+        {"", "1", "1 2 3", "left 0", "1000 0"}}},
+      {"lead", {"2", [](C, C c) { return c.requests.lead == 2; }, {"", "hero", "1.5"}}},
+      {"remove", {"3", [](C, C c) { return c.requests.remove == 3; }, {"", "hero", "1.5"}}},
+      {"reload", {"", [](C, C c) { return c.requests.reload; }, {"1"}}},
+      {"save-state", {"s.json", [](C, C c) { return c.requests.save_state == "s.json"; }, {""}}},
+      {"load-state", {"s.json", [](C, C c) { return c.requests.load_state == "s.json"; }, {""}}},
+      {"panels", {"off", [](C, C c) { return !c.panels; }, {"no"}}},
+      {"hud", {"off", [](C, C c) { return !c.settings.hud.on; }, {"no"}}},
+      {"legend", {"off", [](C, C c) { return !c.settings.hud.legend; }, {"no"}}},
+      {"cheat-sheet", {"on", [](C, C c) { return c.cheat_sheet; }, {"yes"}}},
+      {"prompt", {"on", [](C, C c) { return c.prompt; }, {"yes"}}},
+      {"side-panel", {"off", [](C, C c) { return !shows_side_panel(c.settings); }, {"no"}}},
+      {"section",
+       {"pose",
+        [](C, C c) {
+          return valued(c.settings.hud.panels, "pose") == true && valued(c.settings.hud.panels, "look") == false;
+        },
+        {"", "feet"}}},
+      {"quit", {"", [](C, C c) { return c.requests.quit; }, {"now"}}},
+  };
+  return all;
+}
+
+std::string message_of(Controls controls, const std::string& command) {
+  try {
+    run_command(controls, command);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::usage) << command;
+    return error.what();
+  }
+  ADD_FAILURE() << "not refused: " << command;
+  return {};
+}
+
+bool names_a_word(const std::string& message, const std::string& argument) {
+  std::istringstream words(argument);
+  for (std::string word; words >> word;) {
+    if (message.find("'" + word) != std::string::npos) return true;
+  }
+  return false;
+}
+
+TEST(Commands, EachIsTriedHere) {
+  for (const Command& command : commands()) EXPECT_TRUE(cases().contains(command.name)) << command.name;
+}
+
+TEST(Commands, DoWhatTheySay) {
+  for (const auto& [name, c] : cases()) {
+    if (!find_command(name)) continue;
+    const Controls before = controls_of_a_session();
+    Controls after = before;
+    run_command(after, name + " " + c.argument);
+    EXPECT_TRUE(c.done(before, after)) << name << " " << c.argument;
+    EXPECT_FALSE(c.done(before, before)) << name << " changes nothing";
+  }
+}
+
+TEST(Commands, RefuseWhatIsNoArgumentOfTheirsByName) {
+  for (const auto& [name, c] : cases()) {
+    if (!find_command(name)) continue;
+    for (const std::string& argument : c.refused) {
+      const std::string message = message_of(controls_of_a_session(), name + " " + argument);
+      EXPECT_EQ(message.rfind(name + ": ", 0), 0u) << message;
+      EXPECT_TRUE(argument.empty() ? message.size() > name.size() + 11 : names_a_word(message, argument)) << message;
+    }
+  }
+}
+
+// What a toggle sets is set twice by "on", and turned twice by no argument.
+TEST(Commands, TogglesTurnRoundWithoutAnArgument) {
+  int count = 0;
+  for (const Command& command : commands()) {
+    if (std::string(command.argument) != "[on|off]") continue;
+    ++count;
+    const Case& c = cases().at(command.name);
+    const Controls before = controls_of_a_session();
+    Controls controls = before;
+    for (const bool changed : {true, false, true}) {
+      run_command(controls, command.name);
+      EXPECT_EQ(c.done(before, controls), changed) << command.name;
+    }
+    for (int k = 0; k < 2; ++k) {
+      run_command(controls, command.name + std::string(" ") + c.argument);
+      EXPECT_TRUE(c.done(before, controls)) << command.name;
+    }
+  }
+  EXPECT_GT(count, 10);
+}
+
+// A key gives no argument; a menu asks for one that is needed.
+TEST(Commands, InMenusAndOnKeysNeedNoArgument) {
+  for (const Command& command : commands()) {
+    const bool needs_argument = *command.argument != 0 && *command.argument != '[';
+    EXPECT_FALSE(needs_argument && *command.key != 0) << command.name;
+    if (needs_argument) continue;
+    Controls controls = controls_of_a_session();
+    EXPECT_NO_THROW(run_command(controls, command.name)) << command.name;
+  }
+}
+
+// What a menu ticks.
+TEST(Commands, ValueIsTheArgumentThatWasGiven) {
+  int count = 0;
+  for (const Command& command : commands()) {
+    if (!command.value) continue;
+    std::vector<std::string> arguments = choices_of(command);
+    if (std::string(command.argument) == "[on|off]") arguments = {"on", "off"};
+    Controls controls = controls_of_a_session();
+    for (const std::string& argument : arguments) {
+      run_command(controls, command.name + (" " + argument));
+      EXPECT_EQ(command.value(controls), argument) << command.name;
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 40);
+}
+
+TEST(Commands, NamesAndKeysAreUniqueAndFound) {
+  std::set<std::string> names, keys;
+  for (const Command& command : commands()) {
+    EXPECT_TRUE(names.insert(command.name).second) << command.name;
+    EXPECT_EQ(find_command(command.name), &command);
+    EXPECT_GT(std::string(command.help).size(), 4u) << command.name;
+    if (*command.key == 0) continue;
+    EXPECT_TRUE(keys.insert(command.key).second) << command.key;
+    EXPECT_EQ(find_command_by_key(command.key), &command);
+    EXPECT_STRNE(command.key, "X") << "is held to flip";
+  }
+  EXPECT_EQ(find_command("Play"), nullptr);
+  EXPECT_EQ(find_command_by_key(""), nullptr);
+  EXPECT_EQ(find_command_by_key("Ctrl+Alt+Q"), nullptr);
+}
+
+TEST(Commands, NearestNameIsProposed) {
+  const Controls controls = controls_of_a_session();
+  for (const auto& [wrong, right] : std::map<std::string, std::string>{
+           {"plya", "play"}, {"skeletn on", "skeleton"}, {"Frame 3", "frame"}, {"heatscale 3", "heat-scale"}}) {
+    EXPECT_NE(message_of(controls, wrong).find("the nearest is '" + right + "'"), std::string::npos) << wrong;
+  }
+  EXPECT_NE(message_of(controls, "select LeftForeArn").find("'LeftForeArm'"), std::string::npos);
+  EXPECT_NE(message_of(controls, "control breathe 1").find("'breath'"), std::string::npos);
+  EXPECT_NE(message_of({}, "control breath 1").find("there is none"), std::string::npos);
+}
+
+TEST(Commands, BlanksAroundThemDoNotCount) {
+  Controls controls = controls_of_a_session();
+  run_command(controls, " \tstyle   flat \r");
+  EXPECT_EQ(controls.settings.look.style, LookStyle::flat);
+  run_command(controls, "turn  Hips  1 2\t3");
+  EXPECT_EQ(controls.settings.pose.joints.at("Hips"), (Vec3{1, 2, 3}));
+}
+
+TEST(Commands, NamesMayHoldBlanks) {
+  Controls controls = controls_of_a_session();
+  run_command(controls, "turn Bip01 L Arm 1 -2 3.5");
+  EXPECT_EQ(controls.settings.pose.joints.at("Bip01 L Arm"), (Vec3{1, -2, 3.5}));
+  run_command(controls, "select Bip01 L Arm");
+  EXPECT_EQ(controls.joint, "Bip01 L Arm");
+  run_command(controls, "control upper lip 0.25");
+  EXPECT_EQ(controls.settings.pose.controls.at("upper lip"), 0.25);
+}
+
+TEST(Commands, OfKeysSayThatThereAreNone) {
+  Controls controls = controls_of_a_session();
+  controls.playback.set_keys({});
+  for (const char* command : {"next-key", "previous-key"}) {
+    EXPECT_NE(message_of(controls, command).find("no keys"), std::string::npos);
+  }
+}
+
+TEST(Commands, BackwardsTurnsRoundWhateverWayAPingPongGoes) {
+  Controls controls = controls_of_a_session();
+  run_command(controls, "mode ping-pong");
+  controls.playback.play();
+  controls.playback.set_range(10, 12);
+  for (int k = 0; k < 3; ++k) controls.playback.advance(1.0 / 24);
+  EXPECT_TRUE(controls.playback.backwards());
+  run_command(controls, "backwards");
+  EXPECT_FALSE(controls.playback.backwards());
+  EXPECT_EQ(find_command("backwards")->value(controls), "off");
+}
+
+TEST(Commands, LiveNeedsAPort) {
+  Controls controls = controls_of_a_session();
+  controls.live.reset();
+  EXPECT_NE(message_of(controls, "live on").find("--live"), std::string::npos);
+}
+
+// Held keys go on and on; what turns round, writes or opens happens once.
+TEST(Commands, ThatRepeatGoStepByStep) {
+  std::set<std::string> repeating;
+  for (const Command& command : commands()) {
+    if (command.repeats) repeating.insert(command.name);
+  }
+  EXPECT_EQ(repeating,
+            (std::set<std::string>{"step", "step-back", "next-key", "previous-key", "orbit-left", "orbit-right"}));
+}
+
+// docs/view.md has a row for every command, in the table's order, and no other.
+TEST(Commands, AreThoseOfTheDocs) {
+  std::vector<std::string> expected, found;
+  for (const Command& command : commands()) {
+    std::string call = command.name + std::string(*command.argument ? " " : "") + command.argument;
+    for (std::size_t at = 0; (at = call.find('|', at)) != std::string::npos; at += 2) call.insert(at, "\\");
+    expected.push_back("| `" + call + "` | " + command.key + " | " + command.menu + " | " + command.help + " |");
+  }
+  std::ifstream page(kSourceFolder + "/docs/view.md");
+  std::string line;
+  while (std::getline(page, line) && line != "| command | key | menu | does |") continue;
+  std::getline(page, line);
+  while (std::getline(page, line) && !line.empty()) found.push_back(line);
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t k = 0; k < found.size(); ++k) EXPECT_EQ(found[k], expected[k]);
+}
+
+TEST(Commands, ScriptsArePartedBySemicolonsAndLineEnds) {
+  using Commands = std::vector<std::string>;
+  EXPECT_EQ(script_commands("frame 12;style flat\nplay"), (Commands{"frame 12", "style flat", "play"}));
+  EXPECT_EQ(script_commands(";; \r\n ;play;\n\n"), (Commands{"play"}));
+  EXPECT_EQ(script_commands("# a remark; play\nfront # not one"), (Commands{"front # not one"}));
+  EXPECT_EQ(script_commands("play; # the rest; too"), (Commands{"play"}));
+  EXPECT_EQ(script_commands("sequence a.####.png"), (Commands{"sequence a.####.png"}));
+  EXPECT_EQ(script_commands(""), Commands());
+  EXPECT_EQ(script_commands("#"), Commands());
+}
+
+}  // namespace
+}  // namespace bodyopt::testing

@@ -1,0 +1,86 @@
+// The device is lost (by the layer of tests/support) while pictures are drawn, shown and evaluated: the programs end
+// with a message, and what they leave behind is whole.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/proxy_viewer/window_fixture.h"
+
+namespace bodyopt::testing {
+namespace {
+
+class DeviceLossTest : public WindowTest {
+ protected:
+  // Loses the device in the given call, as "vkQueueSubmit 5".
+  static std::string losing(const std::string& call) { return misbehaving_device("LOSE_DEVICE='" + call + "'"); }
+
+  static void expect_said(const ProgramResult& result, const std::string& call) {
+    EXPECT_EQ(result.exit_code, 5) << call << "\n" << result.output;
+    for (const char* said : {"the device was lost", "likely", "whole"}) {
+      EXPECT_NE(result.output.find(said), std::string::npos) << call << ": " << said << " is not in\n" << result.output;
+    }
+  }
+
+  std::size_t whole_pictures() const {
+    std::size_t count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+      EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+      if (entry.path().extension() != ".png") continue;
+      EXPECT_EQ(read_png(entry.path()).width, 320u) << entry.path();
+      ++count;
+    }
+    return count;
+  }
+};
+
+TEST_F(DeviceLossTest, OfAWindowIsSaid) {
+  for (const std::string call :
+       {"vkQueueSubmit 1", "vkQueueSubmit 30", "vkQueueSubmit 200", "vkWaitForFences 60", "vkWaitForFences 201",
+        "vkAcquireNextImageKHR 1", "vkAcquireNextImageKHR 9", "vkQueuePresentKHR 1", "vkQueuePresentKHR 10"}) {
+    const std::string playing = small(small_.truth + " --seconds 60 --do 'compare truth; ghosts 2 2; play'");
+    expect_said(run_program(command(playing, losing(call))), call);
+  }
+}
+
+TEST_F(DeviceLossTest, OfPicturesLeavesThoseThatWereWritten) {
+  const std::string pictures = small("--headless -o late.####.png");
+  expect_said(run_program(command(pictures, losing("vkWaitForFences 2"))), "at the start");
+  EXPECT_EQ(whole_pictures(), 0u);
+  // Later and later, until it is lost after the last picture only.
+  std::set<std::size_t> counts;
+  for (int call = 20;; call += 8) {
+    const std::string submission = "vkQueueSubmit " + std::to_string(call);
+    const ProgramResult result = run_program(command(pictures, losing(submission)));
+    if (result.exit_code == 0) break;
+    expect_said(result, submission);
+    counts.insert(whole_pictures());
+    ASSERT_LT(call, 2000) << result.output;
+  }
+  EXPECT_GT(counts.size(), 2u);
+  EXPECT_EQ(whole_pictures(), static_cast<std::size_t>(kClipFrames));
+}
+
+TEST_F(DeviceLossTest, OfAnEvaluationLeavesTheOldCache) {
+  const std::string out = (folder_ / "out.pc2").string();
+  const std::string program = " " + kProgram + " eval ";
+  const auto evaluate = [&](const std::string& arguments, const std::string& call) {
+    return run_program(losing(call) + program + arguments + " --require-device --out " + out);
+  };
+  const std::string bend = small_.basis + " --clip " + small_.clip;
+  for (const std::string call : {"vkQueueSubmit 1", "vkWaitForFences 2"}) {
+    expect_said(evaluate(bend, call), call);
+    EXPECT_FALSE(std::filesystem::exists(out)) << call;
+  }
+  const JigglingCharacter limb(folder_);
+  const std::string state = (folder_ / "out.state").string();
+  const std::string jiggle = limb.basis + " --clip " + limb.clip + " --jiggle --state-out " + state;
+  ASSERT_EQ(evaluate(jiggle, "").exit_code, 0);
+  const auto written = std::filesystem::last_write_time(out), kept = std::filesystem::last_write_time(state);
+  expect_said(evaluate(jiggle, "vkQueueSubmit 8"), "jiggle");
+  EXPECT_EQ(std::filesystem::last_write_time(out), written);
+  EXPECT_EQ(std::filesystem::last_write_time(state), kept);
+  EXPECT_EQ(whole_pictures(), 0u);
+}
+
+}  // namespace
+}  // namespace bodyopt::testing

@@ -1,0 +1,49 @@
+// Ended at any moment of its start, the viewport ends as it should.
+#include <gtest/gtest.h>
+
+#include "tests/proxy_viewer/window_fixture.h"
+#include "tests/support/random_tables.h"
+
+namespace bodyopt::testing {
+namespace {
+
+class EarlyEndTest : public WindowTest {
+ protected:
+  // Before the program listens, a signal ends it as it ends any program.
+  static void expect_ended_by(int signal, BackgroundProgram& program, double after) {
+    const std::optional<int> code = program.wait(kPatience);
+    ASSERT_TRUE(code) << "it still runs; signal " << signal << " after " << after << " s\n" << program.output();
+    EXPECT_TRUE(*code == 75 || *code == 128 + signal) << *code << " after " << after << " s\n" << program.output();
+    EXPECT_EQ(*code == 75, program.output().find("interrupted") != std::string::npos) << program.output();
+  }
+
+  Random random_{20260101};
+};
+
+TEST_F(EarlyEndTest, BySignals) {
+  for (int k = 0; k < 12; ++k) {
+    const int signal = k % 2 == 0 ? SIGTERM : SIGINT;
+    const double after = random_.uniform(0, 1.5);
+    const bool headless = k % 3 == 2;
+    const std::string how = headless ? "--headless -o early.####.png" : "--do play";
+    BackgroundProgram program(command(small(small_.truth + " " + how)), folder_ / "early.txt");
+    std::this_thread::sleep_for(std::chrono::duration<double>(after));
+    if (headless && !program.runs()) continue;  // was quicker
+    program.send(signal);
+    expect_ended_by(signal, program, after);
+  }
+}
+
+TEST_F(EarlyEndTest, ByTheWindow) {
+  for (int k = 0; k < 6; ++k) {
+    BackgroundProgram program(command(small(small_.truth + " --validate")), folder_ / "early.txt");
+    ASSERT_TRUE(comes_true([&] { return !(window_ = display_->window("Bodyopt")).empty(); }, kPatience))
+        << program.output();
+    std::this_thread::sleep_for(std::chrono::duration<double>(random_.uniform(0, 0.5)));
+    display_->ask_to_close(window_);
+    expect_end(program, 0);
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt::testing

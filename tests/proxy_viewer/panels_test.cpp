@@ -1,0 +1,494 @@
+#include "proxy_viewer/panels/panels.h"
+
+#include <gtest/gtest.h>
+#include <imgui.h>
+#include <imgui_internal.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "proxy_viewer/commands/commands.h"
+#include "proxy_viewer/panels/shown_texts.h"
+#include "proxy_viewer/platform/gui.h"
+#include "proxy_viewer/state/sections.h"
+#include "tests/support/error_kind.h"
+
+namespace bodyopt::testing {
+namespace {
+
+Snapshot small_character() {
+  Snapshot s;
+  s.cast = {{"arm", "arm.safetensors", "bend", "truth.pc2", 100, 180, 400, 123456, "full"}};
+  s.joints = {{"Hips", -1, 0}, {"LeftArm", 0, 1}, {"RightArm", 0, 1}};
+  s.controls = {{"flex", 0, 1}};
+  s.fibres = {"biceps/1", "biceps/2"};
+  s.strains = {-0.2f, 0.1f};
+  s.comparisons = {"none", "ddm", "truth"};
+  s.compared = "truth";
+  s.errors = {{1, 2, true}, {3, 4, true}, {}};
+  s.measured = 2;
+  s.worst = 1;
+  s.device = "a device";
+  return s;
+}
+
+// 500 joints and 1,000 fibres with long names of other scripts, numbers that are none.
+Snapshot huge_character() {
+  Snapshot s;
+  const std::string greek =
+      "\xce\xb1\xcf\x81\xce\xb9\xcf\x83\xcf\x84\xce\xb5\xcf\x81\xcf\x8c\xcf\x82 \xcf\x8e\xce\xbc\xce\xbf\xcf\x82";
+  const std::string japanese =
+      "\xe5\xb7\xa6\xe8\x85\x95%s##\xe3\x83\xbb\xe4\xb8\x8a\xe8\x85\x95\xe4\xba\x8c\xe9\xa0\xad\xe7\xad\x8b";
+  for (int c = 0; c < 20; ++c) {
+    s.cast.push_back({japanese, greek, greek, greek, 4000000000u, 4000000000u, 98456, 1ull << 40, "jiggle"});
+  }
+  for (int j = 0; j < 500; ++j) s.joints.push_back({j % 3 == 0 ? greek : japanese, j - 1, j});
+  for (int c = 0; c < 60; ++c) s.controls.push_back({greek, 0, 1});
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  for (int f = 0; f < 1000; ++f) {
+    s.fibres.push_back(japanese);
+    s.strains.push_back(f == 7 ? inf : static_cast<float>(f % 200) / 100 - 1);
+  }
+  s.errors.assign(20000, {1e9f, inf, true});
+  s.errors[3] = {nan, nan, true};
+  s.errors[4] = {};
+  s.measured = 19999;
+  s.worst = 0;
+  s.outside = 12;
+  s.outside_feature = greek;
+  s.expected_mm = 1e6;
+  s.level_count = 9;
+  s.compared = greek;
+  s.device = japanese;
+  return s;
+}
+
+// Without muscles, clip, controls or errors.
+Snapshot bare_character() {
+  Snapshot s;
+  s.joints = {{"root"}};
+  return s;
+}
+
+Controls controls_with_all_open(const Snapshot& snapshot) {
+  Controls controls;
+  const int count = static_cast<int>(std::max<std::size_t>(3, snapshot.errors.size()));
+  controls.playback = Playback({1, count}, 24);
+  controls.playback.set_keys({2});
+  for (const JointRow& row : snapshot.joints) controls.joint_names.push_back(row.name);
+  controls.joint = snapshot.joints.back().name;
+  for (const Section& section : kSections) controls.settings.hud.panels[section.name] = true;
+  controls.settings.look.tets = controls.settings.compare.heat = true;
+  controls.settings.compare.with = CompareWith::truth;
+  controls.settings.cameras["close"] = {};
+  controls.prompt = controls.cheat_sheet = true;
+  controls.messages.push_back(
+      {.error = true, .text = "a long text that names a file, what was expected and what was found instead of it"});
+  return controls;
+}
+
+class PanelsTest : public ::testing::Test {
+ protected:
+  // One picture of the panels, as the application makes them.
+  Rectangle draw(const Snapshot& snapshot, Controls& controls, std::uint32_t width = 1280, std::uint32_t height = 720) {
+    visit_texts(snapshot, controls, [this](const std::string& text) { gui_.fonts().show(text); });
+    gui_.begin(width, height, 1.0 / 60);
+    const Rectangle area = draw_panels(snapshot, controls, width, height);
+    gui_.end();
+    return area;
+  }
+
+  static int vertices() { return ImGui::GetDrawData()->TotalVtxCount; }
+
+  static ImRect rectangle_of(const char* window) { return ImGui::FindWindowByName(window)->Rect(); }
+
+  // The mouse goes there, presses, and lets go, each in a picture of its own.
+  void click(const Snapshot& snapshot, Controls& controls, ImVec2 at) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.MousePos = at;
+    for (const bool down : {false, true, false}) {
+      io.MouseDown[0] = down;
+      draw(snapshot, controls);
+    }
+  }
+
+  // A key goes down and up again, each in a picture of its own.
+  void press(const Snapshot& snapshot, Controls& controls, ImGuiKey key) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.KeyMap[key] = key;  // any number will do
+    for (const bool down : {true, false}) {
+      io.KeysDown[key] = down;
+      draw(snapshot, controls);
+    }
+  }
+
+  Gui gui_;
+};
+
+TEST_F(PanelsTest, EverySizeOfWindowAndCharacterIsDrawn) {
+  for (const Snapshot& snapshot : {small_character(), huge_character(), bare_character()}) {
+    for (const auto& [width, height] : {std::pair{200u, 150u}, std::pair{1u, 1u}, std::pair{640u, 360u},
+                                        std::pair{1280u, 720u}, std::pair{4096u, 2160u}}) {
+      for (int layout = 0; layout < 4; ++layout) {
+        Controls controls = controls_with_all_open(snapshot);
+        controls.settings.compare.layout = static_cast<CompareLayout>(layout);
+        for (int k = 0; k < 3; ++k) {
+          const Rectangle area = draw(snapshot, controls, width, height);
+          EXPECT_GE(area.width, 1u);
+          EXPECT_LE(area.x + area.width, width);
+          EXPECT_GE(area.height, 1u);
+        }
+        EXPECT_GT(vertices(), 0);
+        const ImDrawData& data = *ImGui::GetDrawData();
+        for (int l = 0; l < data.CmdListsCount; ++l) {
+          for (const ImDrawVert& v : data.CmdLists[l]->VtxBuffer) {
+            ASSERT_TRUE(std::isfinite(v.pos.x) && std::isfinite(v.pos.y)) << width << " x " << height;
+          }
+        }
+      }
+    }
+  }
+}
+
+// Letters come as fast as they like, from the picture that shows the prompt on; Enter runs what they say.
+TEST_F(PanelsTest, ThePromptHearsFromItsFirstPicture) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  controls.playback = Playback({1, 100}, 24);
+  for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+  ImGuiIO& io = ImGui::GetIO();
+  controls.prompt = true;
+  controls.typed.prompt = "frame ";  // as menus begin it
+  for (const char letter : std::string("123")) {
+    io.AddInputCharacter(static_cast<unsigned>(letter));
+    draw(snapshot, controls);
+  }
+  press(snapshot, controls, ImGuiKey_Backspace);
+  press(snapshot, controls, ImGuiKey_Enter);
+  EXPECT_TRUE(controls.messages.empty()) << controls.messages.front().text;
+  EXPECT_EQ(controls.playback.frame(), 12);
+  EXPECT_FALSE(controls.prompt);
+}
+
+TEST_F(PanelsTest, EverySectionDrawsSomething) {
+  const Snapshot snapshot = small_character();
+  Controls controls = controls_with_all_open(snapshot);
+  controls.prompt = controls.cheat_sheet = false;
+  for (const Section& section : kSections) controls.settings.hud.panels[section.name] = false;
+  for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+  const int closed = vertices();
+  for (const Section& section : kSections) {
+    run_command(controls, std::string("section ") + section.name);
+    for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+    EXPECT_GT(vertices(), closed + 40) << section.name;
+  }
+}
+
+TEST_F(PanelsTest, CoverageHasAColourBarOrAWordWhyNot) {
+  Snapshot snapshot = small_character();
+  snapshot.compared.clear();
+  Controls controls;
+  const auto drawn = [&] {
+    for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+    return vertices();
+  };
+  run_command(controls, "section look");  // whatever the section of comparing shows
+  const int without = drawn();
+  controls.settings.compare.coverage = true;
+  const int unknown = drawn();
+  snapshot.knows_coverage = true;
+  const int bar = drawn();
+  snapshot.most_expected_mm = 3;
+  EXPECT_GT(unknown, without + 40);
+  EXPECT_GT(bar, unknown);
+  EXPECT_GT(drawn(), bar + 40);
+}
+
+TEST_F(PanelsTest, HiddenPanelsLeaveAllToThePicture) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  const Rectangle with = draw(snapshot, controls);
+  EXPECT_LT(with.width, 1280u);
+  EXPECT_GT(with.y, 0);
+  run_command(controls, "side-panel off");
+  EXPECT_EQ(draw(snapshot, controls).width, 1280u);
+  run_command(controls, "panels off");
+  const Rectangle without = draw(snapshot, controls);
+  EXPECT_EQ(without.y, 0);
+  EXPECT_EQ(without.width, 1280u);
+  EXPECT_EQ(without.height, 720u);
+}
+
+TEST_F(PanelsTest, ClicksPlayScrubAndFindTheWorstFrame) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  controls.playback = Playback({1, 3}, 24);
+  for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+  const ImRect timeline = rectangle_of("Timeline");
+  click(snapshot, controls, {timeline.Min.x + 10 + 2 * 33 + 15, timeline.Min.y + 18});  // the third of the buttons
+  EXPECT_TRUE(controls.playback.playing());
+  click(snapshot, controls, {timeline.Min.x + 10 + 2 * 33 + 15, timeline.Min.y + 18});
+  EXPECT_FALSE(controls.playback.playing());
+
+  const float bar = timeline.Min.y + 26;
+  click(snapshot, controls, {timeline.Max.x - 12, bar});
+  EXPECT_EQ(controls.playback.frame(), 3);
+  ImGuiIO& io = ImGui::GetIO();
+  io.MouseDown[0] = true;
+  for (const float x : {timeline.Max.x - 12, 0.5f * timeline.Max.x, 300.0f}) {
+    io.MousePos = {x, bar};
+    draw(snapshot, controls);
+  }
+  io.MouseDown[0] = false;
+  draw(snapshot, controls);
+  EXPECT_EQ(controls.playback.frame(), 1);
+
+  const float sparkline = timeline.Max.y - 16;
+  click(snapshot, controls, {timeline.Max.x - 12, sparkline});
+  EXPECT_TRUE(controls.requests.worst_frame);
+  EXPECT_FALSE(controls.requests.worst_vertex);
+  controls.playback.scrub(2);  // the worst of them
+  click(snapshot, controls, {timeline.Max.x - 12, sparkline});
+  EXPECT_TRUE(controls.requests.worst_vertex);
+}
+
+TEST_F(PanelsTest, TheTimelineShowsWhichFramesAreMeasured) {
+  Snapshot snapshot = small_character();
+  snapshot.errors.assign(3, {});
+  snapshot.worst.reset();
+  Controls controls;
+  controls.playback = Playback({1, 3}, 24);
+  run_command(controls, "side-panel off");
+  const auto count = [&] {
+    for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+    return vertices();
+  };
+  int before = count();
+  for (ErrorRow& error : snapshot.errors) {
+    error.measured = true;
+    const int after = count();
+    EXPECT_EQ(after, before + 4) << "a rectangle more";
+    before = after;
+  }
+}
+
+TEST_F(PanelsTest, TheLineOfAWipeIsDragged) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  controls.settings.compare.layout = CompareLayout::wipe;
+  const Rectangle area = draw(snapshot, controls);
+  ImGuiIO& io = ImGui::GetIO();
+  for (const auto& [share, down] : {std::pair{0.5f, false}, std::pair{0.5f, true}, std::pair{0.5f, true},
+                                    std::pair{0.25f, true}, std::pair{0.25f, false}}) {
+    io.MousePos = {share * static_cast<float>(area.width), 400};
+    io.MouseDown[0] = down;
+    draw(snapshot, controls);
+  }
+  EXPECT_NEAR(controls.settings.compare.wipe, 0.25, 0.01);
+}
+
+TEST_F(PanelsTest, TheLegendIsThereWithoutTheHud) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  run_command(controls, "panels off");
+  run_command(controls, "hud off");
+  run_command(controls, "layout wipe");
+  run_command(controls, "heat on");
+  run_command(controls, "legend off");
+  for (int k = 0; k < 2; ++k) draw(snapshot, controls);
+  EXPECT_EQ(vertices(), 0);
+  run_command(controls, "heat off");
+  run_command(controls, "legend on");
+  draw(snapshot, controls);
+  const int sides = vertices();
+  EXPECT_GT(sides, 0);
+  run_command(controls, "heat on");
+  draw(snapshot, controls);
+  EXPECT_GT(vertices(), sides + 100);
+}
+
+TEST_F(PanelsTest, ColoursOfFibresAndTetsAreExplainedWhereThereAreSome) {
+  const auto drawn = [this](Snapshot snapshot, const std::vector<std::string>& commands) {
+    snapshot.compared.clear();
+    Controls controls;
+    for (const char* off : {"panels off", "hud off"}) run_command(controls, off);
+    for (const std::string& command : commands) run_command(controls, command);
+    draw(snapshot, controls);
+    return vertices();
+  };
+  EXPECT_EQ(drawn(small_character(), {}), 0);
+  const int fibres = drawn(small_character(), {"fibres on"}), tets = drawn(small_character(), {"tets on"});
+  EXPECT_GT(fibres, 160) << "the bar";
+  EXPECT_GT(tets, 12) << "three squares";
+  EXPECT_EQ(drawn(small_character(), {"fibres on", "tets on"}), fibres + tets);
+  EXPECT_EQ(drawn(small_character(), {"fibres on", "tets on", "legend off"}), 0);
+  EXPECT_EQ(drawn(bare_character(), {"fibres on", "tets on"}), 0);
+}
+
+TEST_F(PanelsTest, GoodNewsGoByThemselvesAndErrorsWhenTheyAreClicked) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  controls.panels = controls.settings.hud.on = controls.settings.hud.legend = false;
+  controls.say("wrote a.png");
+  controls.warn("it cannot be read");
+  for (int k = 0; k < 60; ++k) draw(snapshot, controls);  // of a sixtieth of a second
+  EXPECT_EQ(controls.messages.size(), 2u);
+  for (int k = 0; k < 600; ++k) draw(snapshot, controls);
+  ASSERT_EQ(controls.messages.size(), 1u);
+  EXPECT_TRUE(controls.messages[0].error);
+  click(snapshot, controls, rectangle_of("Messages").GetCenter());
+  EXPECT_TRUE(controls.messages.empty());
+}
+
+TEST_F(PanelsTest, TheFrameNumberIsTypedInto) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  controls.playback = Playback({1, 40}, 24);
+  for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+  const ImRect timeline = rectangle_of("Timeline");
+  click(snapshot, controls, {timeline.Min.x + 10 + 7 * 33 + 40, timeline.Min.y + 24});
+  ImGuiIO& io = ImGui::GetIO();
+  EXPECT_TRUE(io.WantTextInput);
+  for (const char* digit : {"3", "7"}) {
+    io.AddInputCharactersUTF8(digit);
+    draw(snapshot, controls);
+  }
+  EXPECT_EQ(controls.playback.frame(), 1);
+  press(snapshot, controls, ImGuiKey_Enter);
+  EXPECT_EQ(controls.playback.frame(), 37);
+}
+
+TEST_F(PanelsTest, TheTimelineTurnsRoundAndKeepsEveryFrame) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+  const ImRect timeline = rectangle_of("Timeline");
+  const auto button = [&](int k) {
+    return ImVec2{timeline.Min.x + 10 + static_cast<float>(k) * 33 + 15, timeline.Min.y + 18};
+  };
+  click(snapshot, controls, button(5));
+  EXPECT_TRUE(controls.playback.backwards());
+  click(snapshot, controls, button(6));
+  EXPECT_FALSE(controls.playback.real_time());
+}
+
+TEST_F(PanelsTest, TheEndsOfTheRangeAreDragged) {
+  Snapshot snapshot = small_character();
+  Controls controls;
+  controls.playback = Playback({1, 100}, 24);
+  for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+  const ImRect timeline = rectangle_of("Timeline");
+  ImGuiIO& io = ImGui::GetIO();
+  const ImVec2 flag{timeline.Max.x - 14, timeline.Min.y + 9};  // over the last frame
+  for (const auto& [x, down] : {std::pair{flag.x, false}, std::pair{flag.x, true}, std::pair{900.0f, true},
+                                std::pair{800.0f, true}, std::pair{800.0f, false}}) {
+    io.MousePos = {x, flag.y};
+    io.MouseDown[0] = down;
+    draw(snapshot, controls);
+  }
+  EXPECT_EQ(controls.playback.in(), 1);
+  EXPECT_GT(controls.playback.out(), 20);
+  EXPECT_LT(controls.playback.out(), 80);
+  EXPECT_EQ(controls.settings.playback.out, controls.playback.out());
+  EXPECT_EQ(controls.playback.frame(), 1);
+}
+
+// Rows that change places cannot be read.
+TEST_F(PanelsTest, MusclesKeepTheirPlacesWhileItPlays) {
+  Snapshot snapshot = small_character();
+  Controls controls = controls_with_all_open(snapshot);
+  const auto order = [&] {
+    draw(snapshot, controls);
+    return controls.typed.fibre_order;
+  };
+  EXPECT_EQ(order(), (std::vector<std::size_t>{0, 1}));
+  controls.playback.play();
+  std::swap(snapshot.strains[0], snapshot.strains[1]);
+  EXPECT_EQ(order(), (std::vector<std::size_t>{0, 1}));
+  controls.playback.pause();
+  EXPECT_EQ(order(), (std::vector<std::size_t>{1, 0}));
+}
+
+TEST_F(PanelsTest, LivePosesAndWhatWasRejectedAreSaid) {
+  Snapshot snapshot = small_character();
+  Controls controls;
+  controls.panels = controls.settings.hud.legend = false;
+  const auto drawn = [&] {
+    draw(snapshot, controls);
+    return vertices();
+  };
+  const int without = drawn();
+  snapshot.live = LiveRow{12, 0, ""};
+  const int with = drawn();
+  EXPECT_GT(with, without + 40);
+  snapshot.live->rejected = 3;
+  snapshot.live->last_rejection = "it has 4 joints, expected 3";
+  EXPECT_GT(drawn(), with + 100);
+}
+
+TEST_F(PanelsTest, ErrorsAreSaidToBeWithoutTheJiggle) {
+  Snapshot snapshot = small_character();
+  snapshot.compared = "truth";
+  Controls controls;
+  controls.settings.hud.on = controls.settings.hud.legend = false;
+  run_command(controls, "section compare");
+  const auto drawn = [&](const char* method) {
+    snapshot.cast.at(0).method = method;
+    for (int k = 0; k < 2; ++k) draw(snapshot, controls);
+    return vertices();
+  };
+  EXPECT_GT(drawn("jiggle"), drawn("giggle") + 4 * 20);
+}
+
+TEST_F(PanelsTest, JointsThatAreTurnedAreCounted) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  controls.panels = controls.settings.hud.legend = false;
+  const auto drawn = [&] {
+    draw(snapshot, controls);
+    return vertices();
+  };
+  const int none = drawn();
+  controls.settings.pose.joints[snapshot.joints[0].name] = {};
+  controls.settings.pose.joints["of another character"] = {1, 2, 3};
+  EXPECT_EQ(drawn(), none);
+  controls.settings.pose.joints[snapshot.joints[0].name] = {0, 0, 4};
+  EXPECT_GT(drawn(), none + 4 * 2 * 10) << "1 joint turned";
+}
+
+TEST_F(PanelsTest, PanelsThatAreOnlyLookedAtChangeNothing) {
+  const Snapshot snapshot = small_character();
+  Controls controls = controls_with_all_open(snapshot);
+  const ViewSettings before = controls.settings;
+  for (int k = 0; k < 5; ++k) draw(snapshot, controls);
+  EXPECT_EQ(controls.settings, before);
+  EXPECT_EQ(controls.requests, Requests{});
+  EXPECT_FALSE(controls.playback.playing());
+}
+
+TEST(Menus, HoldEveryCommandOnce) {
+  std::map<std::string, int> commands_of;
+  for (const Command& command : commands()) ++commands_of[command.menu];
+  int total = 0;
+  for (const char* menu : kMenus) {
+    EXPECT_GT(commands_of[menu], 0) << menu;
+    total += commands_of[menu];
+  }
+  EXPECT_EQ(total, static_cast<int>(commands().size()));
+  EXPECT_EQ(std::set<std::string>(std::begin(kMenus), std::end(kMenus)).size(), std::size(kMenus));
+}
+
+TEST(Commands, OfTheSidePanelKnowItsSections) {
+  std::vector<std::string> names;
+  for (const Section& section : kSections) names.emplace_back(section.name);
+  EXPECT_EQ(choices_of(*find_command("section")), names);
+  Controls controls;
+  run_command(controls, "section ghosts");
+  for (const Section& section : kSections) {
+    EXPECT_EQ(is_open(controls.settings, section), section.name == std::string("ghosts"));
+  }
+}
+
+}  // namespace
+}  // namespace bodyopt::testing

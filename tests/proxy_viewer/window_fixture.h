@@ -1,0 +1,90 @@
+// `bodyopt view` as people use it: in a window of a display without a screen, by keys and mouse, and by scripts.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "tests/proxy_viewer/small_character.h"
+#include "tests/proxy_viewer/x_display.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/paths.h"
+#include "tests/support/png_file.h"
+
+namespace bodyopt::testing {
+
+inline const std::string kPlain = "panels off; hud off";
+inline constexpr double kPatience = 60;  // seconds: machines are slow under sanitizers and beside other work
+
+// The environment of a program whose device misbehaves as `setting` says (tests/support/device_loss_layer.cpp).
+inline std::string misbehaving_device(const std::string& setting) {
+  return "VK_LAYER_PATH=" + kDeviceLossLayer + " VK_INSTANCE_LAYERS=VK_LAYER_BODYOPT_device_loss BODYOPT_" + setting;
+}
+
+// Runs `view` with a character in a folder of its own, on lavapipe unless BODYOPT_TEST_DEVICE names another device.
+class WindowTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { test_device(); }  // the driver, for the programs
+
+  void SetUp() override {
+    if (const std::string missing = XDisplay::missing(); !missing.empty()) GTEST_SKIP() << missing;
+    display_ = std::make_unique<XDisplay>();
+    ASSERT_NE(display_->name(), ":");
+  }
+
+  std::string command(const std::string& arguments, const std::string& environment = "") const {
+    const char* device = std::getenv("BODYOPT_TEST_DEVICE");
+    const bool chosen = !device || arguments.find("--device") != std::string::npos;
+    return "env -C " + folder_.path().string() + " DISPLAY=" + display_->name() + " " + environment + " " + kProgram +
+           " view --size 320 180 " + (chosen ? "" : "--device " + std::string(device)) + " " + arguments;
+  }
+  std::string small(const std::string& arguments) const { return small_.basis + " " + small_.clip + " " + arguments; }
+
+  // Opens the window; returns once its first picture is written.
+  std::unique_ptr<BackgroundProgram> open(const std::string& arguments, const std::string& script = kPlain,
+                                          const std::string& environment = "") {
+    auto program = std::make_unique<BackgroundProgram>(
+        command(arguments + " --do '" + script + "; screenshot ready.png'", environment), folder_ / "output.txt");
+    comes_true([&] { return std::filesystem::exists(folder_ / "ready.png") || !program->runs(); }, kPatience);
+    EXPECT_TRUE(program->runs()) << program->output();
+    window_ = display_->window("Bodyopt");
+    EXPECT_NE(window_, "");
+    display_->hands("windowfocus " + window_ + " mousemove --window " + window_ + " 160 90");
+    return program;
+  }
+  bool written(const std::string& file) const {
+    return comes_true([&] { return std::filesystem::exists(folder_ / file); }, kPatience);
+  }
+  Image picture(const std::string& file) const { return read_png(folder_ / file); }
+  void click_messages_away() const {
+    display_->hands("mousemove --window " + window_ + " 40 165 sleep 0.3 click 1 sleep 0.3 mousemove --window " +
+                    window_ + " 300 100");
+  }
+  // By F12, which numbers its files. Clicks the message away: the mouse shall not be over it.
+  Image screenshot() {
+    char name[32];
+    std::snprintf(name, sizeof(name), "bodyopt.%04d.png", ++screenshots_);
+    display_->hands("key F12");
+    EXPECT_TRUE(written(name));
+    click_messages_away();
+    return picture(name);
+  }
+  Image headless(const std::string& script) {
+    const ProgramResult result =
+        run_program(command(small("--headless --do '" + kPlain + "; " + script + "' -o headless.png")));
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return picture("headless.png");
+  }
+  void expect_end(BackgroundProgram& program, int exit_code) {
+    EXPECT_EQ(program.wait(kPatience), exit_code) << program.output();
+  }
+
+  TemporaryFolder folder_;
+  SmallCharacter small_{folder_};
+  std::unique_ptr<XDisplay> display_;
+  std::string window_;
+  int screenshots_ = 0;
+};
+
+}  // namespace bodyopt::testing

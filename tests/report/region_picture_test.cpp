@@ -1,0 +1,84 @@
+// Colours and numbers of regions on a skin.
+#include "report/region_picture.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "report/number_label.h"
+#include "tests/draw/sphere.h"
+
+namespace bodyopt {
+namespace {
+
+double distance(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+TEST(RegionColours, AreDifferentAndMostOfAllForNeighbours) {
+  // A chain: every region shares a vertex with the next one.
+  constexpr std::uint32_t kCount = 40;
+  std::vector<std::vector<std::uint32_t>> vertices;
+  const std::vector<double> weights = {0.5, 0.5};
+  std::vector<DrawnRegion> regions;
+  for (std::uint32_t r = 0; r < kCount; ++r) vertices.push_back({r, r + 1});
+  for (const auto& pair : vertices) regions.push_back({pair, weights});
+  const auto colours = region_colours(regions, kCount + 1);
+  ASSERT_EQ(colours.size(), kCount);
+  double least_of_all = 1e9, least_of_neighbours = 1e9;
+  for (std::size_t a = 0; a < kCount; ++a) {
+    for (std::size_t b = a + 1; b < kCount; ++b) {
+      const double d = distance(colours[a], colours[b]);
+      least_of_all = std::min(least_of_all, d);
+      if (b == a + 1) least_of_neighbours = std::min(least_of_neighbours, d);
+    }
+  }
+  EXPECT_GT(least_of_all, 0.005);
+  EXPECT_GT(least_of_neighbours, 0.3);
+}
+
+std::size_t whites(const Image& image, std::size_t begin, std::size_t end) {
+  std::size_t count = 0;
+  for (std::size_t y = 0; y < image.height; ++y) {
+    for (std::size_t x = begin; x < end; ++x) count += image.rgba[4 * (y * image.width + x)] == 255 ? 1 : 0;
+  }
+  return count;
+}
+
+TEST(NumberLabel, HasTheDotsOfItsDigitsAndStaysInside) {
+  for (const auto& [x, y] : {std::pair(20, 20), std::pair(-50, 900)}) {
+    Image image{40, 40, std::vector<std::uint8_t>(std::size_t{4} * 40 * 40, 100)};
+    draw_number(image, 18, x, y);
+    EXPECT_EQ(whites(image, 0, 40), 9u * (8 + 13));  // dots of 3 x 3 pixels: 8 in this 1, 13 in the 8
+  }
+}
+
+TEST(RegionPicture, ShowsEveryRegionWhereItIsSeen) {
+  // Two halves of a sphere: the front one is number 1.
+  const testing::Sphere sphere(0.5f);
+  std::vector<std::uint32_t> front, back;
+  for (std::uint32_t v = 0; v < sphere.positions.size() / 3; ++v) {
+    (sphere.positions[3 * v + 2] > 0 ? front : back).push_back(v);
+  }
+  const std::vector<double> ones(sphere.positions.size() / 3, 1.0);
+  const DrawnRegion regions[] = {{front, {ones.data(), front.size()}}, {back, {ones.data(), back.size()}}};
+  const std::array<float, 3> colours[] = {{0.8f, 0.02f, 0.02f}, {0.02f, 0.02f, 0.8f}};
+  Renderer renderer;
+  const Image image = region_picture(renderer, sphere.positions, sphere.triangles, regions, colours, 200, 200);
+  ASSERT_EQ(image.width, 400u);
+  const auto sum = [&](std::size_t begin, std::size_t channel) {
+    double total = 0;
+    for (std::size_t y = 60; y < 80; ++y) {
+      for (std::size_t x = begin + 60; x < begin + 80; ++x) total += image.rgba[4 * (y * 400 + x) + channel];
+    }
+    return total;
+  };
+  EXPECT_GT(sum(0, 0), 2 * sum(0, 2));
+  EXPECT_GT(sum(200, 2), 2 * sum(200, 0));
+  EXPECT_EQ(whites(image, 0, 200), 9u * 8);     // a 1 in front
+  EXPECT_EQ(whites(image, 200, 400), 9u * 11);  // a 2 behind
+}
+
+}  // namespace
+}  // namespace bodyopt

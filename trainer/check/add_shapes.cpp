@@ -1,0 +1,162 @@
+#include "trainer/check/add_shapes.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "assets/frame_range.h"
+#include "assets/pc2.h"
+#include "assets/shape_reader.h"
+#include "base/progress.h"
+#include "dataset/take_lock.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+const DatasetTake* find_take(const Dataset& dataset, const std::string& name) {
+  for (const DatasetTake& take : dataset.takes) {
+    if (take.name == name) return &take;
+  }
+  return nullptr;
+}
+
+std::vector<int> frames_in_both(std::vector<int> a, std::vector<int> b) {
+  std::sort(a.begin(), a.end());
+  std::sort(b.begin(), b.end());
+  std::vector<int> both;
+  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+  return both;
+}
+
+TakeCheck check_given(const Dataset& dataset, const DatasetTake& given, const fs::path& source) {
+  Dataset alone = dataset;
+  alone.takes = {given};
+  alone.takes.front().shapes = fs::absolute(source).string();
+  const std::vector<TakeCheck> checks = check_dataset(alone);
+  const std::string problem = first_problem(checks, source);
+  if (!problem.empty()) throw Error(ErrorKind::mismatch, problem);
+  return checks.front();
+}
+
+// Files of a change that is under way; they go again unless it is completed.
+class NewFiles {
+ public:
+  explicit NewFiles(fs::path folder) : folder_(std::move(folder)) {}
+  ~NewFiles() {
+    std::error_code ignored;
+    for (const std::string& name : names_) fs::remove(folder_ / name, ignored);
+  }
+  NewFiles(const NewFiles&) = delete;
+  NewFiles& operator=(const NewFiles&) = delete;
+
+  // A name that no file has: take.pc2, take+1.pc2 ...; no take can be called by the latter.
+  std::string name(const std::string& take, const std::string& ending) {
+    std::string name = take + ending;
+    for (int k = 1; fs::exists(folder_ / name); ++k) name = take + '+' + std::to_string(k) + ending;
+    return names_.emplace_back(name);
+  }
+  void keep() { names_.clear(); }
+
+ private:
+  fs::path folder_;
+  std::vector<std::string> names_;
+};
+
+// A cache and the frames of its samples.
+struct Source {
+  ShapeReader reader;
+  std::vector<int> frames;
+};
+
+Source open_source(const fs::path& path, const std::vector<int>& frames) {
+  Source source{ShapeReader(path), frames};
+  if (source.reader.sample_count() == frames.size()) return source;
+  throw Error(ErrorKind::mismatch, path.string() + ": it has " + std::to_string(source.reader.sample_count()) +
+                                       " samples, the dataset names " + std::to_string(frames.size()) +
+                                       " frames: one of the two was made anew without the other");
+}
+
+// The frames of all sources, of the last of them that has each.
+std::vector<int> write_cache(const std::vector<Source>& sources, const fs::path& path) {
+  std::map<int, std::pair<const ShapeReader*, std::uint32_t>> samples;
+  for (const Source& source : sources) {
+    for (std::size_t k = 0; k < source.frames.size(); ++k) {
+      samples[source.frames[k]] = {&source.reader, static_cast<std::uint32_t>(k)};
+    }
+  }
+  std::vector<int> frames;
+  for (const auto& [frame, sample] : samples) frames.push_back(frame);
+  Pc2Writer writer(path, sources.front().reader.point_count(), static_cast<std::uint32_t>(frames.size()),
+                   static_cast<float>(frames.front()), frame_spacing(frames));
+  Progress progress("dataset add", frames.size(), "the dataset is as it was");
+  for (const auto& [frame, sample] : samples) {
+    writer.append(sample.first->sample(sample.second));
+    progress.advance();
+  }
+  writer.close();
+  return frames;
+}
+
+// A shape from elsewhere counts as solved; that it has no `inputs` keeps `simulate` from replacing it.
+std::vector<FrameStatus> with_given(std::vector<FrameStatus> status, const std::vector<int>& given) {
+  const std::set<int> frames(given.begin(), given.end());
+  std::erase_if(status, [&](const FrameStatus& of_frame) { return frames.contains(of_frame.frame); });
+  for (const int frame : frames) {
+    FrameStatus& of_frame = status.emplace_back();
+    of_frame.frame = frame;
+    of_frame.converged = true;
+  }
+  std::sort(status.begin(), status.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
+  return status;
+}
+
+// Files of a take that lie beside dataset.json and that nothing names any more.
+void remove_unnamed(const Dataset& dataset, const DatasetTake& old) {
+  for (const std::string& name : {old.shapes, old.shapes_status}) {
+    const auto names_it = [&](const DatasetTake& take) { return take.shapes == name || take.shapes_status == name; };
+    if (name.empty() || fs::path(name).has_parent_path()) continue;
+    if (std::any_of(dataset.takes.begin(), dataset.takes.end(), names_it)) continue;
+    std::error_code ignored;  // a leftover is harmless
+    fs::remove(dataset.folder / name, ignored);
+  }
+}
+
+}  // namespace
+
+AddedShapes add_shapes(const Dataset& begun, const fs::path& path, const DatasetTake& given, const fs::path& source,
+                       bool replace) {
+  const TakeLock lock(begun.folder / (given.name + ".pc2"));
+  const Dataset dataset = open_dataset(begun, path);
+  const DatasetTake old = find_take(dataset, given.name) ? *find_take(dataset, given.name) : DatasetTake{};
+  if (!old.name.empty()) require_same_motion(old, given);
+  const std::vector<int> replaced = frames_in_both(old.frames, given.frames);
+  if (!replaced.empty() && !replace) {
+    throw Error(ErrorKind::usage, "the take '" + given.name + "' has the frames " + format_frame_range(replaced) +
+                                      " already: --replace puts the new shapes in their place");
+  }
+  AddedShapes added{given, check_given(dataset, given, source), static_cast<int>(replaced.size())};
+
+  require_place_for(begun, given, path);
+  NewFiles files(dataset.folder);
+  std::vector<Source> sources;
+  if (!old.name.empty()) sources.push_back(open_source(dataset.folder / old.shapes, old.frames));
+  sources.push_back(open_source(source, given.frames));
+  DatasetTake& take = added.take;
+  take.shapes = files.name(given.name, ".pc2");
+  take.frames = write_cache(sources, dataset.folder / take.shapes);
+  take.heldout = unite_frames(old.heldout, given.heldout);
+  if (!old.shapes_status.empty()) {
+    take.shapes_status = files.name(given.name, ".status.json");
+    write_frame_status(with_given(read_frame_status(dataset.folder / old.shapes_status), given.frames),
+                       dataset.folder / take.shapes_status);
+  }
+  const Dataset changed = put_take(begun, take, path);
+  files.keep();
+  remove_unnamed(changed, old);
+  return added;
+}
+
+}  // namespace bodyopt

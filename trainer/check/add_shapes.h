@@ -1,0 +1,28 @@
+// Shapes that come from elsewhere (Houdini, Ziva, scans, sculpted corrections) into a dataset.
+#pragma once
+
+#include <filesystem>
+
+#include "dataset/dataset.h"
+#include "trainer/check/check.h"
+
+namespace bodyopt {
+
+struct AddedShapes {
+  DatasetTake take;  // as the dataset has it now
+  TakeCheck check;   // of the shapes given, by themselves
+  int replaced = 0;  // of the frames given, those that the take had
+};
+
+// Copies the shapes of `source` into the dataset of `path` (its dataset.json; `begun` where there is none yet): sample
+// k is frame given.frames[k] of the take given.name, which is made where there is none. The take gets a new cache
+// beside dataset.json (PC2, by rising frame) and, if it has a side-car, a new one; dataset.json is renamed into place
+// after them, then those it named before go. Killed at any moment, the dataset is the old one or the new one.
+//
+// Throws, with nothing changed, Error(mismatch) where the shapes do not belong to the character and the clip's frames
+// or the take is of another motion, Error(usage) for frames that it has already unless `replace`, Error(file), and
+// Error(interrupted) after SIGINT.
+AddedShapes add_shapes(const Dataset& begun, const std::filesystem::path& path, const DatasetTake& given,
+                       const std::filesystem::path& source, bool replace);
+
+}  // namespace bodyopt

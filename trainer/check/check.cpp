@@ -1,0 +1,277 @@
+#include "trainer/check/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <set>
+#include <sstream>
+
+#include "assets/shape_reader.h"
+#include "dataset/regions_file.h"
+#include "runtime/core/error.h"
+#include "runtime/host/rig.h"
+#include "trainer/simulate/materials.h"
+#include "trainer/simulate/muscle_fibres.h"
+#include "trainer/train/train.h"
+
+namespace bodyopt {
+namespace {
+
+// A shape further than this share of the character's size from its skinned rest cannot be a simulation of it.
+constexpr double kBelongs = 0.04;
+
+double size_of(const Positions& vertices) {
+  return (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm();
+}
+
+double rms_distance(const Positions& a, const Positions& b) {
+  return std::sqrt((a - b).rowwise().squaredNorm().mean());
+}
+
+// How far a pose turns the joints away from bind, radians, summed; the root does not count.
+double distance_from_bind(const Skeleton& skeleton, const Pose& pose) {
+  double sum = 0;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    if (skeleton.joints[j].parent < 0) continue;
+    const Quat q = normalized(pose.joints[j].rotation) * conjugate(normalized(skeleton.joints[j].bind.rotation));
+    sum += 2 * std::acos(std::min(1.0, std::abs(q[3])));
+  }
+  return sum;
+}
+
+struct Hypothesis {
+  std::string cause;
+  std::function<Positions(const Positions&)> undo;
+};
+
+std::vector<Hypothesis> hypotheses() {
+  std::vector<Hypothesis> list;
+  const std::pair<double, const char*> units[] = {{0.01, "centimetres"}, {0.001, "millimetres"}, {0.0254, "inches"},
+                                                  {0.3048, "feet"},      {0.1, "decimetres"},    {100, "hectometres"}};
+  for (const auto& [scale, name] : units) {
+    list.push_back({std::string("the shapes are in ") + name + ", not metres",
+                    [scale = scale](const Positions& p) { return Positions(scale * p); }});
+  }
+  list.push_back({"the shapes are Z-up, the character Y-up", [](const Positions& p) {
+                    Positions q = p;
+                    q.col(1) = p.col(2);
+                    q.col(2) = -p.col(1);
+                    return q;
+                  }});
+  list.push_back({"the shapes are Y-up, the character Z-up", [](const Positions& p) {
+                    Positions q = p;
+                    q.col(1) = -p.col(2);
+                    q.col(2) = p.col(1);
+                    return q;
+                  }});
+  list.push_back({"the shapes are mirrored left to right", [](const Positions& p) {
+                    Positions q = p;
+                    q.col(0) = -p.col(0);
+                    return q;
+                  }});
+  return list;
+}
+
+// What keeps a take's controls from flexing muscles in its frames; empty: nothing.
+std::string control_problem(const Clip& clip, const std::vector<int>& frames, const std::vector<Muscle>& muscles) {
+  try {
+    flexed_muscles(clip.controls, muscles);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  for (const int frame : frames) {
+    if (frame < clip.first_frame || frame > clip.last_frame()) continue;  // check_counts says so
+    const Pose& pose = clip.poses[static_cast<std::size_t>(frame - clip.first_frame)];
+    for (std::size_t c = 0; c < clip.controls.size(); ++c) {
+      const float value = pose.controls[c];
+      if (value >= 0 && value <= 1) continue;
+      std::ostringstream problem;
+      problem << "the control '" << clip.controls[c] << "' is " << value << " in frame " << frame
+              << ", expected 0 (relaxed) to 1 (all a muscle can): in per cent?";
+      return problem.str();
+    }
+  }
+  return "";
+}
+
+class TakeChecker {
+ public:
+  TakeChecker(const Dataset& dataset, const Character& character, const std::vector<Muscle>& muscles,
+              const DatasetTake& take)
+      : character_(character), muscles_(muscles), take_(take), reader_(dataset.folder / take.shapes) {
+    clip_ = read_clip(dataset, take, character.skeleton);
+    const std::set<int> unconverged = unconverged_frames(dataset, take);
+    for (std::size_t k = 0; k < take.frames.size(); ++k) {
+      if (!unconverged.contains(take.frames[k])) solved_.push_back(k);
+    }
+    result_.name = take.name;
+    result_.points = reader_.point_count();
+    result_.samples = reader_.sample_count();
+  }
+
+  TakeCheck run() {
+    check_counts();
+    if (result_.problems.empty()) {
+      for (const std::size_t k : solved_) reader_.sample(static_cast<std::uint32_t>(k));  // throws at a NaN
+      check_fit();
+    }
+    check_controls();
+    return result_;
+  }
+
+ private:
+  void check_counts() {
+    if (result_.points != character_.output_count()) {
+      std::string cause = "the shapes are of another mesh";
+      if (result_.points == static_cast<std::uint32_t>(character_.vertices.rows())) {
+        cause = "the shapes were exported after merging the vertices along UV seams";
+      } else if (result_.points == 3 * static_cast<std::uint32_t>(character_.output_triangles.rows())) {
+        cause = "the shapes were exported with three vertices of its own for every triangle";
+      }
+      result_.problems.push_back("the cache has " + std::to_string(result_.points) + " points, the character " +
+                                 std::to_string(character_.output_count()) + " vertices: " + cause);
+    }
+    if (result_.samples != take_.frames.size()) {
+      result_.problems.push_back("the cache has " + std::to_string(result_.samples) + " samples, the take names " +
+                                 std::to_string(take_.frames.size()) +
+                                 " frames: the frame range is not that of the cache");
+    }
+    for (const int frame : take_.frames) {
+      if (frame >= clip_.first_frame && frame <= clip_.last_frame()) continue;
+      result_.problems.push_back("frame " + std::to_string(frame) + " lies outside the clip (" +
+                                 std::to_string(clip_.first_frame) + " to " + std::to_string(clip_.last_frame()) +
+                                 "): wrong fps or first frame?");
+      break;
+    }
+  }
+
+  // Without muscles controls may mean anything.
+  void check_controls() {
+    if (muscles_.empty() || take_.controls.empty()) return;
+    const std::string problem = control_problem(clip_, take_.frames, muscles_);
+    if (!problem.empty()) result_.problems.push_back(take_.controls + ": " + problem);
+  }
+
+  Positions shape(std::size_t sample) const {
+    return welded_from_output(character_, reader_.sample(static_cast<std::uint32_t>(sample)).data());
+  }
+
+  Positions skinned(int frame) const {
+    const int last = static_cast<int>(clip_.poses.size()) - 1;
+    const int index = std::clamp(frame - clip_.first_frame, 0, last);
+    return skin_linear(character_, clip_.poses[static_cast<std::size_t>(index)]);
+  }
+
+  // RMS over the probed samples of the distance between the shapes, changed by `undo`, and the skinned rest, `shift`
+  // frames later.
+  double fit(const std::function<Positions(const Positions&)>& undo, int shift) const {
+    double sum = 0;
+    for (const std::size_t k : probes_) {
+      sum += std::pow(rms_distance(undo(shape(k)), skinned(take_.frames[k] + shift)), 2);
+    }
+    return std::sqrt(sum / static_cast<double>(probes_.size()));
+  }
+
+  void check_fit() {
+    if (solved_.empty()) return;
+    constexpr std::size_t kProbes = 12;
+    for (std::size_t k = 0; k < kProbes; ++k) probes_.push_back(solved_[k * (solved_.size() - 1) / (kProbes - 1)]);
+    probes_.erase(std::unique(probes_.begin(), probes_.end()), probes_.end());
+
+    std::size_t nearest = solved_.front();
+    double nearest_distance = 1e300;
+    for (const std::size_t k : solved_) {
+      const Pose& pose = clip_.poses[static_cast<std::size_t>(take_.frames[k] - clip_.first_frame)];
+      const double distance = distance_from_bind(character_.skeleton, pose);
+      if (distance < nearest_distance) {
+        nearest_distance = distance;
+        nearest = k;
+      }
+    }
+    const auto same = [](const Positions& p) { return p; };
+    result_.rest_frame = take_.frames[nearest];
+    result_.rest_fit_mm = 1e3 * rms_distance(shape(nearest), skinned(take_.frames[nearest]));
+    const double found = fit(same, 0);
+    result_.fit_mm = 1e3 * found;
+    const double limit = kBelongs * size_of(character_.vertices);
+    if (found <= limit) return;
+
+    std::string cause = "the shapes are of another motion, or their vertices stand in another order";
+    double best = std::min(limit, found / 2);
+    for (const Hypothesis& hypothesis : hypotheses()) {
+      const double error = fit(hypothesis.undo, 0);
+      if (error < best) {
+        best = error;
+        cause = hypothesis.cause;
+      }
+    }
+    for (const int shift : {-30, -10, -5, -2, -1, 1, 2, 5, 10, 30}) {
+      const double error = fit(same, shift);
+      if (error < best) {
+        best = error;
+        cause = "the frames are numbered " + std::to_string(std::abs(shift)) + (shift < 0 ? " too high" : " too low");
+      }
+    }
+    result_.problems.push_back("the shapes lie " + std::to_string(static_cast<int>(std::lround(1e3 * found))) +
+                               " mm from the skinned character (RMS; expected below " +
+                               std::to_string(static_cast<int>(std::lround(1e3 * limit))) + " mm): " + cause);
+  }
+
+  const Character& character_;
+  const std::vector<Muscle>& muscles_;
+  const DatasetTake& take_;
+  ShapeReader reader_;
+  Clip clip_;
+  std::vector<std::size_t> solved_;  // samples, without those that training leaves out: they may be wrecks
+  std::vector<std::size_t> probes_;
+  TakeCheck result_;
+};
+
+}  // namespace
+
+std::vector<TakeCheck> check_dataset(const Dataset& dataset) {
+  const Character character = read_character(dataset.folder / dataset.character, dataset.unit);
+  std::vector<Muscle> muscles;
+  if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, character.skeleton);
+  if (!dataset.materials.empty()) read_materials(dataset.folder / dataset.materials);
+  read_regions(dataset, character);
+  std::vector<TakeCheck> checks;
+  for (const DatasetTake& take : dataset.takes) checks.push_back(TakeChecker(dataset, character, muscles, take).run());
+  return checks;
+}
+
+std::string first_problem(const std::vector<TakeCheck>& takes, const std::filesystem::path& path) {
+  if (takes.empty()) return path.string() + " names no takes: nothing to train on";
+  for (const TakeCheck& take : takes) {
+    if (!take.problems.empty()) return path.string() + ", take '" + take.name + "': " + take.problems.front();
+  }
+  return "";
+}
+
+std::string describe_surface(const Character& character) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  std::vector<std::uint32_t> root(static_cast<std::size_t>(character.vertices.rows()));
+  std::iota(root.begin(), root.end(), 0u);
+  const auto find = [&](std::uint32_t v) {
+    while (root[v] != v) v = root[v] = root[root[v]];
+    return v;
+  };
+  for (Eigen::Index t = 0; t < character.triangles.rows(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t a = character.triangles(t, k), b = character.triangles(t, (k + 1) % 3);
+      ++edges[std::minmax(a, b)];
+      root[find(a)] = find(b);
+    }
+  }
+  const auto open = std::count_if(edges.begin(), edges.end(), [](const auto& edge) { return edge.second == 1; });
+  const auto crowded = std::count_if(edges.begin(), edges.end(), [](const auto& edge) { return edge.second > 2; });
+  std::map<std::uint32_t, int> pieces;
+  for (std::uint32_t v = 0; v < root.size(); ++v) ++pieces[find(v)];
+  std::string text = open == 0 ? "closed" : "open (" + std::to_string(open) + " boundary edges)";
+  if (crowded > 0) text += ", not manifold (" + std::to_string(crowded) + " edges with more than two triangles)";
+  return text + ", " + std::to_string(pieces.size()) + (pieces.size() == 1 ? " piece" : " pieces");
+}
+
+}  // namespace bodyopt

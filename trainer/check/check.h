@@ -1,0 +1,31 @@
+// Does a dataset belong together? Counts, units, up axis, frame numbering, controls, and how well shapes fit the
+// skinned rest.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dataset/dataset.h"
+
+namespace bodyopt {
+
+struct TakeCheck {
+  std::string name;
+  std::uint32_t points = 0, samples = 0;
+  double fit_mm = 0;       // RMS distance of shapes from linear blend skinning, over some frames spread over the take
+  double rest_fit_mm = 0;  // the same for the frame whose pose is nearest to the bind pose
+  int rest_frame = 0;
+  std::vector<std::string> problems;  // each names what was expected, what was found and the likely cause
+};
+
+// One entry per take. Throws Error(file) where something cannot be read at all.
+std::vector<TakeCheck> check_dataset(const Dataset& dataset);
+
+// What keeps a dataset, read from `path`, from being trained on: its file, the take and the first problem. Empty:
+// nothing.
+std::string first_problem(const std::vector<TakeCheck>& takes, const std::filesystem::path& path);
+
+// "closed, 1 piece" or what is open, non-manifold, in several pieces: one sentence.
+std::string describe_surface(const Character& character);
+
+}  // namespace bodyopt
