@@ -20,7 +20,7 @@ struct Affine {
   double m[3][4]{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
 };
 
-bool is_finite(const JointTransform& t);
+bool is_finite(const JointTransform& t);  // false, too, where what is finite would not stay so in a sum
 Affine affine_from(const JointTransform& t);
 Affine operator*(const Affine& a, const Affine& b);
 Vec3 operator*(const Affine& a, const Vec3& point);

@@ -187,6 +187,18 @@ TEST_F(AddShapes, ASideCarKnowsWhatWasGiven) {
   expect_shapes({{1, 0}, {2, 0}, {3, 0}, {5, 0}});
 }
 
+// Killed between the cache and dataset.json; whoever does it again gets what would have been there, and nothing else.
+TEST_F(AddShapes, WhatAKilledRunLeftIsTakenOver) {
+  add(take_of({1}), write_shapes({1}));
+  const auto before = files();
+  add(take_of({2}), write_shapes({2}));
+  const auto undisturbed = files();
+  for (const auto& [name, bytes] : before) std::ofstream(folder_ / "data" / name, std::ios::binary) << bytes;
+  ASSERT_EQ(files().size(), undisturbed.size() + 1);
+  add(take_of({2}), write_shapes({2}));
+  EXPECT_EQ(files(), undisturbed);
+}
+
 // Left by a run that was killed, or put there by somebody: nothing is overwritten but what the dataset names.
 TEST_F(AddShapes, AForeignFileOfTheTakesNameStays) {
   std::ofstream(folder_ / "data/bend.pc2") << "somebody's";

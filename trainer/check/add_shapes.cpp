@@ -8,6 +8,7 @@
 #include "assets/pc2.h"
 #include "assets/shape_reader.h"
 #include "base/progress.h"
+#include "dataset/file_hashes.h"
 #include "dataset/take_lock.h"
 #include "runtime/core/error.h"
 
@@ -41,6 +42,16 @@ TakeCheck check_given(const Dataset& dataset, const DatasetTake& given, const fs
   return checks.front();
 }
 
+bool names(const Dataset& dataset, const std::string& file) {
+  return std::any_of(dataset.takes.begin(), dataset.takes.end(), [&](const DatasetTake& take) {
+    return take.shapes == file || take.shapes_status == file;
+  });
+}
+
+bool same_bytes(const fs::path& a, const fs::path& b) {
+  return fs::is_regular_file(a) && fs::file_size(a) == fs::file_size(b) && file_hash(a) == file_hash(b);
+}
+
 // Files of a change that is under way; they go again unless it is completed.
 class NewFiles {
  public:
@@ -57,6 +68,20 @@ class NewFiles {
     std::string name = take + ending;
     for (int k = 1; fs::exists(folder_ / name); ++k) name = take + '+' + std::to_string(k) + ending;
     return names_.emplace_back(name);
+  }
+  // What a run that was killed left: the same file under an earlier of these names, which nothing names. It becomes
+  // this one, so that nothing is stranded, and what is done again is what was done. Gives its name.
+  std::string instead_of_leftover(const std::string& name, const std::string& take, const std::string& ending,
+                                  const Dataset& dataset) {
+    std::string earlier = take + ending;
+    for (int k = 1; earlier != name; ++k) {
+      if (!names(dataset, earlier) && same_bytes(folder_ / earlier, folder_ / name)) {
+        fs::rename(folder_ / name, folder_ / earlier);
+        return earlier;
+      }
+      earlier = take + '+' + std::to_string(k) + ending;
+    }
+    return name;
   }
   void keep() { names_.clear(); }
 
@@ -116,9 +141,7 @@ std::vector<FrameStatus> with_given(std::vector<FrameStatus> status, const std::
 // Files of a take that lie beside dataset.json and that nothing names any more.
 void remove_unnamed(const Dataset& dataset, const DatasetTake& old) {
   for (const std::string& name : {old.shapes, old.shapes_status}) {
-    const auto names_it = [&](const DatasetTake& take) { return take.shapes == name || take.shapes_status == name; };
-    if (name.empty() || fs::path(name).has_parent_path()) continue;
-    if (std::any_of(dataset.takes.begin(), dataset.takes.end(), names_it)) continue;
+    if (name.empty() || fs::path(name).has_parent_path() || names(dataset, name)) continue;
     std::error_code ignored;  // a leftover is harmless
     fs::remove(dataset.folder / name, ignored);
   }
@@ -147,11 +170,13 @@ AddedShapes add_shapes(const Dataset& begun, const fs::path& path, const Dataset
   DatasetTake& take = added.take;
   take.shapes = files.name(given.name, ".pc2");
   take.frames = write_cache(sources, dataset.folder / take.shapes);
+  take.shapes = files.instead_of_leftover(take.shapes, given.name, ".pc2", dataset);
   take.heldout = unite_frames(old.heldout, given.heldout);
   if (!old.shapes_status.empty()) {
     take.shapes_status = files.name(given.name, ".status.json");
     write_frame_status(with_given(read_frame_status(dataset.folder / old.shapes_status), given.frames),
                        dataset.folder / take.shapes_status);
+    take.shapes_status = files.instead_of_leftover(take.shapes_status, given.name, ".status.json", dataset);
   }
   const Dataset changed = put_take(begun, take, path);
   files.keep();
