@@ -8,8 +8,8 @@ build_packages=(
   pkg-config libgtest-dev
 )
 run_packages=(mesa-vulkan-drivers fonts-dejavu-core)
-test_packages=(vulkan-validationlayers xvfb xauth xdotool)
-attack_packages=(clang libclang-rt-dev libomp-dev python3)
+test_packages=(vulkan-validationlayers xvfb xauth xdotool clang libomp-dev)
+attack_packages=(libclang-rt-dev python3)
 bench_packages=(libbenchmark-dev libsuitesparse-dev)
 other_program_packages=(blender python3-numpy)
 # Node.js from elsewhere brings its own npm, and Debian's would clash with it.
