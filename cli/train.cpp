@@ -110,6 +110,10 @@ void run(TrainArguments arguments) {
   const std::string coupled =
       describe(coupled_joints(set.character.skeleton, training_poses(set)), set.character.skeleton);
   if (!coupled.empty()) say({coupled});
+  if (arguments.heldout_every > 0 && set.heldout.empty()) {
+    spdlog::warn("--heldout-every {} holds out none of the frames: of a take, it would begin with the one at place {}",
+                 arguments.heldout_every, 10 * arguments.heldout_every - 9);
+  }
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
 
   const double preparing = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -180,9 +184,10 @@ void add_train(CLI::App& app) {
       ->type_name("N")
       ->check(CLI::Range(1, 1000))
       ->excludes(ddm_only);
-  verb.add_flag("--update", arguments->options.update,
-                "Learn new and edited frames with the regions, components and dials that an earlier training to the "
-                "same file found: several times quicker")
+  verb.add_flag(
+          "--update", arguments->options.update,
+          "Learn new and edited frames with the regions, components and hyper-parameters that an earlier training "
+          "to the same file found: several times quicker")
       ->excludes(ddm_only);
   verb.add_flag("--ablate", arguments->ablate,
                 "Also train the model with parts left out, and its peers, to as many bytes, and compare them");

@@ -1,7 +1,7 @@
 # bodyopt_room(FOLDER [PROGRAM NAME] [USES FOLDER...] [LINKS arguments of target_link_libraries...])
 # A room is a folder, a library of the sources in it (not of those in folders below) named bodyopt_ and the folder, or a
-# program of that name, and the rooms whose headers they include. tests/rules/rooms_test.cpp holds the sources and the diagram in README.md to
-# what is said here, which is written to rooms.txt in the build folder.
+# program of that name, and the rooms whose headers they include. tests/rules/rooms_test.cpp holds the sources and the
+# diagram in README.md to what is said here, which is written to rooms.txt in the build folder.
 set_property(GLOBAL PROPERTY BODYOPT_ROOMS "")
 
 function(bodyopt_target FOLDER RESULT)

@@ -15,8 +15,14 @@ std::string looks_like(const std::filesystem::path& path) {
                                                        {"HIERARCHY", "a BVH file"},
                                                        {"POINTCACHE2", "a PC2 point cache"},
                                                        {"\x89PNG", "a picture"},
+                                                       {"\xff\xd8\xff", "a picture"},
                                                        {"<?xml", "an XML file"},
-                                                       {"{", "a JSON file"}};
+                                                       {"{", "a JSON file"},
+                                                       {"Kaydara FBX", "an FBX file"},
+                                                       {"BLENDER", "a Blender file"},
+                                                       {"PXR-USDC", "a USD file"},
+                                                       {"#usda", "a USD file"},
+                                                       {"PK\x03\x04", "a ZIP archive"}};
   for (const auto& [magic, kind] : kinds) {
     if (start.starts_with(magic)) return std::string("; it looks like ") + kind;
   }

@@ -369,6 +369,31 @@ TEST(Takes, FilesOfTheWrongKindAreCalledByTheirKind) {
       run_bodyopt("eval " + files.character + " --clip a.glb --out " + (folder / "o.pc2").string());
   EXPECT_EQ(basis.exit_code, 4);
   EXPECT_NE(basis.output.find("looks like a binary glTF"), std::string::npos) << basis.output;
+  for (const auto& [start, kind] : {std::pair{"Kaydara FBX Binary  ", "an FBX file"},
+                                    {"BLENDER-v300", "a Blender file"},
+                                    {"PK\x03\x04 and more", "a ZIP archive"},
+                                    {"#usda 1.0", "a USD file"}}) {
+    std::ofstream(folder / "other.glb", std::ios::binary) << start << std::string(40, ' ');
+    const ProgramResult other = run_bodyopt("info " + (folder / "other.glb").string());
+    EXPECT_EQ(other.exit_code, 4);
+    EXPECT_NE(other.output.find(kind), std::string::npos) << other.output;
+  }
+}
+
+TEST(Takes, HoldingOutEveryNthBlockSaysWhenThatIsNone) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const std::string data = (folder / "data").string();
+  ASSERT_EQ(run_bodyopt("simulate " + files.character + " --clip " + files.motion +
+                        " --fps 120 --draft --frames 1-14 --out " + data)
+                .exit_code,
+            0);
+  const std::string train = "train " + data + " --out " + (folder / "limb.safetensors").string() + " --heldout-every ";
+  const ProgramResult none = run_bodyopt(train + "3");
+  EXPECT_EQ(none.exit_code, 0) << none.output;
+  EXPECT_NE(none.output.find("holds out none of the frames"), std::string::npos) << none.output;
+  EXPECT_NE(none.output.find("place 21"), std::string::npos) << none.output;
+  EXPECT_EQ(run_bodyopt(train + "2").output.find("holds out none"), std::string::npos);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The two dials of a basis' size, and the curve of what they can ask for, on the synthetic limb.
+// The two limits on a basis' size, and the curve of what they can ask for, on the synthetic limb.
 #include "trainer/train/trade_off.h"
 
 #include <gtest/gtest.h>

@@ -285,7 +285,7 @@ bool components_hold(const RegionModel& earlier, const Components& all, const Fr
 }
 
 // Was what was chosen by cross-validation chosen for data like these?
-bool dials_hold(const RegionModel& earlier, const RegionModel& now) {
+bool hyper_parameters_hold(const RegionModel& earlier, const RegionModel& now) {
   constexpr double kMostChange = 0.1;
   const double before = earlier.fits.front().validation_error, after = now.fits.front().validation_error;
   return std::abs(after - before) <= kMostChange * before;
@@ -371,7 +371,7 @@ std::vector<std::size_t> update_regions(const FitContext& context, const std::ve
       holds[r] = components_hold(models[r], all, map);
       if (holds[r]) {
         RegionModel model = updated(context, models[r], all);
-        holds[r] = dials_hold(models[r], model);
+        holds[r] = hyper_parameters_hold(models[r], model);
         if (holds[r]) {
           carry_data_problems(unposed, r, new_pairs, map, model);
           models[r] = std::move(model);
