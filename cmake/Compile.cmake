@@ -4,12 +4,12 @@ add_library(bodyopt_language INTERFACE)
 target_compile_features(bodyopt_language INTERFACE cxx_std_20)
 target_include_directories(bodyopt_language INTERFACE ${PROJECT_SOURCE_DIR})
 
-add_library(bodyopt_warnings INTERFACE)
-target_compile_options(bodyopt_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror)
+add_library(bodyopt_flags INTERFACE)
+target_compile_options(bodyopt_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror)
 # GCC 12 reports overlapping copies inside its own std::string (its bug 105651).
-target_compile_options(bodyopt_warnings INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
+target_compile_options(bodyopt_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 # GPU results are compared with CPU results: a multiply and an add stay two roundings on both.
-target_compile_options(bodyopt_warnings INTERFACE -ffp-contract=off)
+target_compile_options(bodyopt_flags INTERFACE -ffp-contract=off)
 
 option(BODYOPT_SANITIZE "Build with AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
 if(BODYOPT_SANITIZE)

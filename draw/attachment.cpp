@@ -67,6 +67,20 @@ Framebuffer make_framebuffer(const vulkan::Device& device, VkRenderPass render_p
   return {device.handle(), framebuffer};
 }
 
+RenderPass make_render_pass(const vulkan::Device& device, std::span<const VkAttachmentDescription> attachments,
+                            const VkSubpassDescription& subpass, std::span<const VkSubpassDependency> dependencies) {
+  auto info = structure<VkRenderPassCreateInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO);
+  info.attachmentCount = static_cast<std::uint32_t>(attachments.size());
+  info.pAttachments = attachments.data();
+  info.subpassCount = 1;
+  info.pSubpasses = &subpass;
+  info.dependencyCount = static_cast<std::uint32_t>(dependencies.size());
+  info.pDependencies = dependencies.data();
+  VkRenderPass pass = VK_NULL_HANDLE;
+  check(vkCreateRenderPass(device.handle(), &info, nullptr, &pass), "vkCreateRenderPass");
+  return {device.handle(), pass};
+}
+
 VkAttachmentDescription PassAttachment::description() const {
   VkAttachmentDescription a{};
   a.format = format;

@@ -34,6 +34,10 @@ ImageView make_view(const vulkan::Device& device, VkImage image, VkFormat format
 Framebuffer make_framebuffer(const vulkan::Device& device, VkRenderPass render_pass, VkExtent2D size,
                              std::initializer_list<VkImageView> views);
 
+// Of one subpass.
+RenderPass make_render_pass(const vulkan::Device& device, std::span<const VkAttachmentDescription> attachments,
+                            const VkSubpassDescription& subpass, std::span<const VkSubpassDependency> dependencies);
+
 // How a render pass takes an image, and leaves it.
 struct PassAttachment {
   VkFormat format;

@@ -16,25 +16,6 @@ constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_ST
 constexpr std::uint32_t kMostStorageBuffers = 8;  // of a pipeline
 constexpr std::uint32_t kSetsOfAPool = 256;
 
-using ShaderModule = vulkan::Owned<VkShaderModule, vkDestroyShaderModule>;
-
-ShaderModule make_shader(VkDevice device, std::span<const std::uint32_t> spirv) {
-  auto info = structure<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
-  info.codeSize = spirv.size_bytes();
-  info.pCode = spirv.data();
-  VkShaderModule shader = VK_NULL_HANDLE;
-  check(vkCreateShaderModule(device, &info, nullptr, &shader), "vkCreateShaderModule");
-  return {device, shader};
-}
-
-VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits which, const ShaderModule& shader) {
-  auto info = structure<VkPipelineShaderStageCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO);
-  info.stage = which;
-  info.module = shader.get();
-  info.pName = "main";
-  return info;
-}
-
 VkPipelineColorBlendAttachmentState blend_state(Blending blending) {
   VkPipelineColorBlendAttachmentState blend{};
   blend.colorWriteMask =
@@ -80,28 +61,15 @@ void GraphicsPipeline::make_layout(VkDevice device, const PipelineInfo& wanted) 
     bindings.push_back(
         {wanted.storage_buffers, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr});
   }
-  auto set = structure<VkDescriptorSetLayoutCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
-  set.bindingCount = static_cast<std::uint32_t>(bindings.size());
-  set.pBindings = bindings.data();
-  VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
-  check(vkCreateDescriptorSetLayout(device, &set, nullptr, &set_layout), "vkCreateDescriptorSetLayout");
-  set_layout_ = {device, set_layout};
-
-  const VkPushConstantRange push{kStages, 0, wanted.push_bytes};
-  auto info = structure<VkPipelineLayoutCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO);
-  info.setLayoutCount = 1;
-  info.pSetLayouts = &set_layout;
-  info.pushConstantRangeCount = 1;
-  info.pPushConstantRanges = &push;
-  VkPipelineLayout layout = VK_NULL_HANDLE;
-  check(vkCreatePipelineLayout(device, &info, nullptr, &layout), "vkCreatePipelineLayout");
-  layout_ = {device, layout};
+  set_layout_ = vulkan::make_set_layout(device, bindings);
+  layout_ = vulkan::make_pipeline_layout(device, set_layout_.get(), {kStages, 0, wanted.push_bytes});
 }
 
 void GraphicsPipeline::make_pipeline(VkDevice device, VkRenderPass render_pass, const PipelineInfo& wanted) {
-  const ShaderModule vertex = make_shader(device, wanted.vertex);
-  const ShaderModule fragment = make_shader(device, wanted.fragment);
-  const std::array stages = {stage(VK_SHADER_STAGE_VERTEX_BIT, vertex), stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment)};
+  const vulkan::ShaderModule vertex = vulkan::make_shader(device, wanted.vertex);
+  const vulkan::ShaderModule fragment = vulkan::make_shader(device, wanted.fragment);
+  const std::array stages = {vulkan::shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertex),
+                             vulkan::shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment)};
 
   const auto input =
       structure<VkPipelineVertexInputStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO);

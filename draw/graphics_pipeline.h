@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "draw/attachment.h"
+#include "runtime/vulkan/make.h"
 
 namespace bodyopt {
 
@@ -51,8 +52,8 @@ class GraphicsPipeline {
               std::uint32_t corners, const vulkan::Buffer* indices) const;
 
   std::uint32_t storage_buffers_;
-  vulkan::Owned<VkDescriptorSetLayout, vkDestroyDescriptorSetLayout> set_layout_;
-  vulkan::Owned<VkPipelineLayout, vkDestroyPipelineLayout> layout_;
+  vulkan::SetLayout set_layout_;
+  vulkan::PipelineLayout layout_;
   vulkan::Owned<VkPipeline, vkDestroyPipeline> pipeline_;
 };
 

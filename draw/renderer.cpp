@@ -82,7 +82,7 @@ struct MeshBuffers {
 struct Renderer::Impl {
   explicit Impl(const DeviceChoice& choice)
       : device(choice, {.draws = true}),
-        render_pass(make_render_pass(device)),
+        render_pass(make_target_pass(device)),
         pipeline(device, render_pass.get(),
                  {.vertex = draw_surface_vert_spv,
                   .fragment = draw_surface_frag_spv,

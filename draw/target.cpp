@@ -22,7 +22,7 @@ constexpr ImagePassage kWriteToRead{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMA
 
 }  // namespace
 
-RenderPass make_render_pass(const vulkan::Device& device) {
+RenderPass make_target_pass(const vulkan::Device& device) {
   const std::array attachments = {
       PassAttachment{kColourFormat, kSamples, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE,
                      VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL}
@@ -57,16 +57,7 @@ RenderPass make_render_pass(const vulkan::Device& device) {
   dependencies[1].srcAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
   dependencies[1].dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
 
-  auto info = structure<VkRenderPassCreateInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO);
-  info.attachmentCount = attachments.size();
-  info.pAttachments = attachments.data();
-  info.subpassCount = 1;
-  info.pSubpasses = &subpass;
-  info.dependencyCount = dependencies.size();
-  info.pDependencies = dependencies.data();
-  VkRenderPass render_pass = VK_NULL_HANDLE;
-  check(vkCreateRenderPass(device.handle(), &info, nullptr, &render_pass), "vkCreateRenderPass");
-  return {device.handle(), render_pass};
+  return make_render_pass(device, attachments, subpass, dependencies);
 }
 
 Target::Target(const vulkan::Device& device, VkRenderPass render_pass, std::uint32_t width, std::uint32_t height)

@@ -10,7 +10,7 @@ namespace bodyopt {
 constexpr std::uint32_t kOversampling = 2;  // a side, on top of the samples
 
 // Clears, draws, averages the samples, and leaves the picture ready to be copied.
-RenderPass make_render_pass(const vulkan::Device& device);
+RenderPass make_target_pass(const vulkan::Device& device);
 
 class Target {
  public:

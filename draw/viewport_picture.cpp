@@ -20,20 +20,6 @@ constexpr VkAccessFlags kColourAccess = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK
 constexpr VkAccessFlags kDepthAccess =
     VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
 
-RenderPass make_pass(const vulkan::Device& device, std::span<const VkAttachmentDescription> attachments,
-                     const VkSubpassDescription& subpass, std::span<const VkSubpassDependency> dependencies) {
-  auto info = structure<VkRenderPassCreateInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO);
-  info.attachmentCount = static_cast<std::uint32_t>(attachments.size());
-  info.pAttachments = attachments.data();
-  info.subpassCount = 1;
-  info.pSubpasses = &subpass;
-  info.dependencyCount = static_cast<std::uint32_t>(dependencies.size());
-  info.pDependencies = dependencies.data();
-  VkRenderPass pass = VK_NULL_HANDLE;
-  check(vkCreateRenderPass(device.handle(), &info, nullptr, &pass), "vkCreateRenderPass");
-  return {device.handle(), pass};
-}
-
 void begin(VkCommandBuffer commands, VkRenderPass pass, VkFramebuffer framebuffer, VkExtent2D size) {
   std::array<VkClearValue, 3> clear{};
   clear[1].depthStencil.depth = 1;
@@ -88,7 +74,7 @@ RenderPass make_scene_pass(const vulkan::Device& device, VkSampleCountFlagBits s
                      VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
                      kColourAccess,
                      0};
-  return make_pass(device, attachments, subpass, dependencies);
+  return make_render_pass(device, attachments, subpass, dependencies);
 }
 
 RenderPass make_panel_pass(const vulkan::Device& device) {
@@ -116,7 +102,7 @@ RenderPass make_panel_pass(const vulkan::Device& device) {
                      VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
                      VK_ACCESS_TRANSFER_READ_BIT,
                      0};
-  return make_pass(device, attachments, subpass, dependencies);
+  return make_render_pass(device, attachments, subpass, dependencies);
 }
 
 ViewportPicture::ViewportPicture(const vulkan::Device& device, VkRenderPass scene_pass, VkRenderPass panel_pass,

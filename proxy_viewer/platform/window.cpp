@@ -9,7 +9,7 @@
 #include "proxy_viewer/platform/display_errors.h"
 #include "proxy_viewer/platform/key_names.h"
 #include "runtime/core/error.h"
-#include "runtime/vulkan/object.h"
+#include "runtime/vulkan/make.h"
 
 namespace bodyopt {
 
@@ -25,21 +25,12 @@ std::string glfw_problem() {
 }
 
 using Semaphore = vulkan::Owned<VkSemaphore, vkDestroySemaphore>;
-using Fence = vulkan::Owned<VkFence, vkDestroyFence>;
-using CommandPool = vulkan::Owned<VkCommandPool, vkDestroyCommandPool>;
 
 Semaphore make_semaphore(VkDevice device) {
   const auto info = structure<VkSemaphoreCreateInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO);
   VkSemaphore semaphore = VK_NULL_HANDLE;
   check(vkCreateSemaphore(device, &info, nullptr, &semaphore), "vkCreateSemaphore");
   return {device, semaphore};
-}
-
-Fence make_fence(VkDevice device) {
-  const auto info = structure<VkFenceCreateInfo>(VK_STRUCTURE_TYPE_FENCE_CREATE_INFO);
-  VkFence fence = VK_NULL_HANDLE;
-  check(vkCreateFence(device, &info, nullptr, &fence), "vkCreateFence");
-  return {device, fence};
 }
 
 KeyEvent key_event(int action) {
@@ -49,12 +40,9 @@ KeyEvent key_event(int action) {
 
 // One that takes the picture's bytes as they are.
 VkSurfaceFormatKHR choose_format(VkPhysicalDevice physical, VkSurfaceKHR surface) {
-  std::uint32_t count = 0;
-  check(vkGetPhysicalDeviceSurfaceFormatsKHR(physical, surface, &count, nullptr),
-        "vkGetPhysicalDeviceSurfaceFormatsKHR");
-  std::vector<VkSurfaceFormatKHR> formats(count);
-  check(vkGetPhysicalDeviceSurfaceFormatsKHR(physical, surface, &count, formats.data()),
-        "vkGetPhysicalDeviceSurfaceFormatsKHR");
+  const auto formats = vulkan::enumerate<VkSurfaceFormatKHR>(
+      "vkGetPhysicalDeviceSurfaceFormatsKHR",
+      [&](auto* count, auto* items) { return vkGetPhysicalDeviceSurfaceFormatsKHR(physical, surface, count, items); });
   for (const VkFormat wanted : {VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_R8G8B8A8_UNORM}) {
     for (const VkSurfaceFormatKHR& format : formats) {
       if (format.format == wanted) return format;
@@ -66,12 +54,10 @@ VkSurfaceFormatKHR choose_format(VkPhysicalDevice physical, VkSurfaceKHR surface
 // Without vsync the first that does not wait.
 VkPresentModeKHR choose_mode(VkPhysicalDevice physical, VkSurfaceKHR surface, bool vsync) {
   if (vsync) return VK_PRESENT_MODE_FIFO_KHR;  // always there
-  std::uint32_t count = 0;
-  check(vkGetPhysicalDeviceSurfacePresentModesKHR(physical, surface, &count, nullptr),
-        "vkGetPhysicalDeviceSurfacePresentModesKHR");
-  std::vector<VkPresentModeKHR> modes(count);
-  check(vkGetPhysicalDeviceSurfacePresentModesKHR(physical, surface, &count, modes.data()),
-        "vkGetPhysicalDeviceSurfacePresentModesKHR");
+  const auto modes =
+      vulkan::enumerate<VkPresentModeKHR>("vkGetPhysicalDeviceSurfacePresentModesKHR", [&](auto* count, auto* items) {
+        return vkGetPhysicalDeviceSurfacePresentModesKHR(physical, surface, count, items);
+      });
   for (const VkPresentModeKHR wanted : {VK_PRESENT_MODE_IMMEDIATE_KHR, VK_PRESENT_MODE_MAILBOX_KHR}) {
     if (std::find(modes.begin(), modes.end(), wanted) != modes.end()) return wanted;
   }
@@ -94,19 +80,10 @@ struct Window::Swapchain {
                                          "' cannot show pictures in this window; try another with --device, or "
                                          "--headless");
     }
-    const VkDevice handle = device.handle();
-    acquired = make_semaphore(handle);
-    copied = make_fence(handle);
-    auto pool_info = structure<VkCommandPoolCreateInfo>(VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO);
-    pool_info.queueFamilyIndex = device.queue_family();
-    VkCommandPool made = VK_NULL_HANDLE;
-    check(vkCreateCommandPool(handle, &pool_info, nullptr, &made), "vkCreateCommandPool");
-    pool = {handle, made};
-    auto info = structure<VkCommandBufferAllocateInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO);
-    info.commandPool = made;
-    info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-    info.commandBufferCount = 1;
-    check(vkAllocateCommandBuffers(handle, &info, &commands), "vkAllocateCommandBuffers");
+    acquired = make_semaphore(device.handle());
+    copied = vulkan::make_fence(device.handle());
+    pool = vulkan::make_command_pool(device);
+    commands = vulkan::allocate_commands(device.handle(), pool.get());
   }
 
   ~Swapchain() {
@@ -186,8 +163,8 @@ struct Window::Swapchain {
   std::vector<VkImage> images;
   std::vector<Semaphore> finished;  // per image: its copy
   Semaphore acquired;
-  Fence copied;
-  CommandPool pool;
+  vulkan::Fence copied;
+  vulkan::CommandPool pool;
   VkCommandBuffer commands = VK_NULL_HANDLE;
 };
 

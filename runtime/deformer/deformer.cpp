@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "runtime/core/error.h"
+#include "runtime/core/extent.h"
 #include "runtime/cpu/cpu_backend.h"
 #include "runtime/host/fade.h"
 #include "runtime/host/rig.h"
@@ -113,20 +114,6 @@ void check_state(const JiggleState& state, const Basis& basis, const Dynamics* d
   check(state.motion.node_velocity, numbers, "node_velocity");
 }
 
-// Diagonal of the box around the rest skin, metres.
-double size_of(const MeshTable& mesh) {
-  double squared = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    float low = mesh.rest.empty() ? 0 : mesh.rest[axis], high = low;
-    for (std::size_t k = axis; k < mesh.rest.size(); k += 3) {
-      low = std::min(low, mesh.rest[k]);
-      high = std::max(high, mesh.rest[k]);
-    }
-    squared += static_cast<double>(high - low) * static_cast<double>(high - low);
-  }
-  return std::sqrt(squared);
-}
-
 }  // namespace
 
 double mean_fade(const Evaluation& evaluation, std::size_t k) {
@@ -151,7 +138,10 @@ Deformer::Deformer(Basis basis, const DeviceChoice& choice) : basis_(std::move(b
 }
 
 Deformer::Deformer(Basis basis, Dynamics dynamics, const JiggleOptions& options, const DeviceChoice& choice)
-    : basis_(std::move(basis)), dynamics_(std::move(dynamics)), options_(options), size_(size_of(basis_.mesh)) {
+    : basis_(std::move(basis)),
+      dynamics_(std::move(dynamics)),
+      options_(options),
+      size_(box_diagonal(basis_.mesh.rest)) {
   validate(basis_, "the basis");
   validate(*dynamics_, basis_, "the dynamics");
   backend_ = make_backend(basis_, choice, {&*dynamics_, options_});
@@ -160,7 +150,10 @@ Deformer::Deformer(Basis basis, Dynamics dynamics, const JiggleOptions& options,
 
 Deformer::Deformer(Basis basis, std::optional<Dynamics> dynamics, const JiggleOptions& options,
                    std::shared_ptr<const vulkan::Device> device)
-    : basis_(std::move(basis)), dynamics_(std::move(dynamics)), options_(options), size_(size_of(basis_.mesh)) {
+    : basis_(std::move(basis)),
+      dynamics_(std::move(dynamics)),
+      options_(options),
+      size_(box_diagonal(basis_.mesh.rest)) {
   validate(basis_, "the basis");
   if (dynamics_) validate(*dynamics_, basis_, "the dynamics");
   backend_ = make_vulkan_backend(basis_, std::move(device), {this->dynamics(), options_});

@@ -6,6 +6,7 @@
 
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/error.h"
+#include "runtime/core/extent.h"
 #include "runtime/host/jiggle.h"
 
 namespace bodyopt {
@@ -38,23 +39,10 @@ void for_each_array(State& state, Visit visit) {
   visit("node_velocity", state.motion.node_velocity);
 }
 
-// Diagonal of the box around the rest nodes, metres.
-double size_of(const TetTable& tets) {
-  double squared = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    float low = tets.nodes.empty() ? 0 : tets.nodes[axis], high = low;
-    for (std::size_t k = axis; k < tets.nodes.size(); k += 3) {
-      low = std::min(low, tets.nodes[k]);
-      high = std::max(high, tets.nodes[k]);
-    }
-    squared += static_cast<double>(high - low) * static_cast<double>(high - low);
-  }
-  return std::sqrt(squared);
-}
-
 // Throws Error(file) where a number is beyond what a character of these dynamics does, or none at all.
 void require_bounded(const JiggleState& state, const Dynamics& dynamics, const std::filesystem::path& path) {
-  const double size = size_of(dynamics.tets), rate = static_cast<double>(dynamics.jiggle.step.frames_per_second);
+  const double size = box_diagonal(dynamics.tets.nodes),
+               rate = static_cast<double>(dynamics.jiggle.step.frames_per_second);
   const auto check = [&](const char* name, const auto& values, double most) {
     for (const auto value : values) {
       if (std::abs(static_cast<double>(value)) <= most) continue;

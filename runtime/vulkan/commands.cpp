@@ -14,32 +14,18 @@ constexpr std::uint64_t kTimeout = 300'000'000'000;  // nanoseconds; a software 
 }  // namespace
 
 Commands::Commands(const Device& device, std::uint32_t most_dispatches)
-    : device_(device), most_dispatches_(most_dispatches) {
-  const VkDevice handle = device.handle();
-  auto pool_info = structure<VkCommandPoolCreateInfo>(VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO);
-  pool_info.queueFamilyIndex = device.queue_family();
-  VkCommandPool pool = VK_NULL_HANDLE;
-  check(vkCreateCommandPool(handle, &pool_info, nullptr, &pool), "vkCreateCommandPool");
-  pool_ = {handle, pool};
-
-  auto info = structure<VkCommandBufferAllocateInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO);
-  info.commandPool = pool;
-  info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-  info.commandBufferCount = 1;
-  check(vkAllocateCommandBuffers(handle, &info, &commands_), "vkAllocateCommandBuffers");
-
-  const auto fence_info = structure<VkFenceCreateInfo>(VK_STRUCTURE_TYPE_FENCE_CREATE_INFO);
-  VkFence fence = VK_NULL_HANDLE;
-  check(vkCreateFence(handle, &fence_info, nullptr, &fence), "vkCreateFence");
-  fence_ = {handle, fence};
-
+    : device_(device),
+      pool_(make_command_pool(device)),
+      fence_(make_fence(device.handle())),
+      commands_(allocate_commands(device.handle(), pool_.get())),
+      most_dispatches_(most_dispatches) {
   if (device.timestamp_mask() == 0) return;
   auto query_info = structure<VkQueryPoolCreateInfo>(VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO);
   query_info.queryType = VK_QUERY_TYPE_TIMESTAMP;
   query_info.queryCount = kMaxTimestamps;
   VkQueryPool queries = VK_NULL_HANDLE;
-  check(vkCreateQueryPool(handle, &query_info, nullptr, &queries), "vkCreateQueryPool");
-  queries_ = {handle, queries};
+  check(vkCreateQueryPool(device.handle(), &query_info, nullptr, &queries), "vkCreateQueryPool");
+  queries_ = {device.handle(), queries};
 }
 
 Commands::~Commands() {

@@ -61,13 +61,13 @@ class Commands {
   VkDescriptorSet make_set(const Kernel& kernel, std::span<const BufferRange> bindings);
 
   const Device& device_;
-  Owned<VkCommandPool, vkDestroyCommandPool> pool_;
+  CommandPool pool_;
   Owned<VkQueryPool, vkDestroyQueryPool> queries_;
-  Owned<VkFence, vkDestroyFence> fence_;
+  Fence fence_;
   std::vector<Owned<VkDescriptorPool, vkDestroyDescriptorPool>> pools_;  // one set each
   // What was bound before is bound again: the steps of many frames need few sets.
   std::map<std::pair<VkDescriptorSetLayout, std::vector<BufferRange>>, VkDescriptorSet> sets_;
-  VkCommandBuffer commands_ = VK_NULL_HANDLE;
+  VkCommandBuffer commands_;
   const std::uint32_t most_dispatches_;
   std::uint32_t dispatch_count_ = 0;  // since the last submission
   std::uint32_t submission_count_ = 0;

@@ -140,14 +140,12 @@ std::string listing(const std::vector<DeviceInfo>& devices) {
 }
 
 bool device_extension_offered(VkPhysicalDevice physical, const char* name) {
-  std::uint32_t count = 0;
-  check(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr),
-        "vkEnumerateDeviceExtensionProperties");
-  std::vector<VkExtensionProperties> extensions(count);
-  check(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data()),
-        "vkEnumerateDeviceExtensionProperties");
-  return std::any_of(extensions.begin(), extensions.end(),
-                     [&](const VkExtensionProperties& e) { return std::strcmp(e.extensionName, name) == 0; });
+  return lists_extension(enumerate<VkExtensionProperties>("vkEnumerateDeviceExtensionProperties",
+                                                          [&](auto* count, auto* items) {
+                                                            return vkEnumerateDeviceExtensionProperties(
+                                                                physical, nullptr, count, items);
+                                                          }),
+                         name);
 }
 
 VkDevice open_device(VkPhysicalDevice physical, std::uint32_t family, std::vector<const char*> extensions) {

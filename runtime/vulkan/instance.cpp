@@ -1,5 +1,6 @@
 #include "runtime/vulkan/instance.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "runtime/core/error.h"
@@ -47,29 +48,26 @@ VKAPI_ATTR VkBool32 VKAPI_CALL collect(VkDebugUtilsMessageSeverityFlagBitsEXT, V
 }
 
 bool layer_installed() {
-  std::uint32_t count = 0;
-  check(vkEnumerateInstanceLayerProperties(&count, nullptr), "vkEnumerateInstanceLayerProperties");
-  std::vector<VkLayerProperties> layers(count);
-  check(vkEnumerateInstanceLayerProperties(&count, layers.data()), "vkEnumerateInstanceLayerProperties");
-  for (const VkLayerProperties& layer : layers) {
-    if (std::strcmp(layer.layerName, kValidationLayer) == 0) return true;
-  }
-  return false;
+  const auto layers =
+      enumerate<VkLayerProperties>("vkEnumerateInstanceLayerProperties", vkEnumerateInstanceLayerProperties);
+  return std::any_of(layers.begin(), layers.end(),
+                     [](const VkLayerProperties& l) { return std::strcmp(l.layerName, kValidationLayer) == 0; });
 }
 
 bool extension_offered(const char* name) {
-  std::uint32_t count = 0;
-  check(vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr), "vkEnumerateInstanceExtensionProperties");
-  std::vector<VkExtensionProperties> extensions(count);
-  check(vkEnumerateInstanceExtensionProperties(nullptr, &count, extensions.data()),
-        "vkEnumerateInstanceExtensionProperties");
-  for (const VkExtensionProperties& extension : extensions) {
-    if (std::strcmp(extension.extensionName, name) == 0) return true;
-  }
-  return false;
+  return lists_extension(
+      enumerate<VkExtensionProperties>(
+          "vkEnumerateInstanceExtensionProperties",
+          [](auto* count, auto* items) { return vkEnumerateInstanceExtensionProperties(nullptr, count, items); }),
+      name);
 }
 
 }  // namespace
+
+bool lists_extension(const std::vector<VkExtensionProperties>& extensions, const char* name) {
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const VkExtensionProperties& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
 
 void check(VkResult result, const char* call) {
   if (result == VK_SUCCESS || result == VK_INCOMPLETE) return;
@@ -148,12 +146,9 @@ Instance::~Instance() {
 
 std::vector<VkPhysicalDevice> Instance::physical_devices() const {
   if (handle_ == VK_NULL_HANDLE) return {};
-  std::uint32_t count = 0;
-  check(vkEnumeratePhysicalDevices(handle_, &count, nullptr), "vkEnumeratePhysicalDevices");
-  std::vector<VkPhysicalDevice> devices(count);
-  check(vkEnumeratePhysicalDevices(handle_, &count, devices.data()), "vkEnumeratePhysicalDevices");
-  devices.resize(count);
-  return devices;
+  return enumerate<VkPhysicalDevice>("vkEnumeratePhysicalDevices", [&](auto* count, auto* items) {
+    return vkEnumeratePhysicalDevices(handle_, count, items);
+  });
 }
 
 }  // namespace bodyopt::vulkan

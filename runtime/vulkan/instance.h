@@ -13,6 +13,20 @@ namespace bodyopt::vulkan {
 // Throws Error(device) that names the call and the result, unless the result is a success.
 void check(VkResult result, const char* call);
 
+// What Vulkan lists when it is called twice: call(&count, nullptr) for the number, call(&count, items) for the items.
+// Throws as check().
+template <typename Item, typename Call>
+std::vector<Item> enumerate(const char* name, const Call& call) {
+  std::uint32_t count = 0;
+  check(call(&count, static_cast<Item*>(nullptr)), name);
+  std::vector<Item> items(count);
+  check(call(&count, items.data()), name);
+  items.resize(count);
+  return items;
+}
+
+bool lists_extension(const std::vector<VkExtensionProperties>& extensions, const char* name);
+
 // What the validation layers said (type VALIDATION, warning or above). Outlives the instance, to hear its teardown.
 class ValidationLog {
  public:

@@ -26,36 +26,13 @@ Kernel::Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::
   for (std::uint32_t b = 0; b < binding_count_; ++b) {
     bindings[b] = {b, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
   }
-  auto set = structure<VkDescriptorSetLayoutCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
-  set.bindingCount = binding_count_;
-  set.pBindings = bindings.data();
-  VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
-  check(vkCreateDescriptorSetLayout(handle, &set, nullptr, &set_layout), "vkCreateDescriptorSetLayout");
-  set_layout_ = {handle, set_layout};
-
-  const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes};
-  auto layout = structure<VkPipelineLayoutCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO);
-  layout.setLayoutCount = 1;
-  layout.pSetLayouts = &set_layout;
-  layout.pushConstantRangeCount = 1;
-  layout.pPushConstantRanges = &push;
-  VkPipelineLayout pipeline_layout = VK_NULL_HANDLE;
-  check(vkCreatePipelineLayout(handle, &layout, nullptr, &pipeline_layout), "vkCreatePipelineLayout");
-  layout_ = {handle, pipeline_layout};
-
-  auto module = structure<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
-  module.codeSize = spirv.size_bytes();
-  module.pCode = spirv.data();
-  VkShaderModule shader = VK_NULL_HANDLE;
-  check(vkCreateShaderModule(handle, &module, nullptr, &shader), "vkCreateShaderModule");
-  const Owned<VkShaderModule, vkDestroyShaderModule> owned_shader(handle, shader);
+  set_layout_ = make_set_layout(handle, bindings);
+  layout_ = make_pipeline_layout(handle, set_layout_.get(), {VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes});
+  const ShaderModule shader = make_shader(handle, spirv);
 
   auto info = structure<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
-  info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-  info.stage.module = shader;
-  info.stage.pName = "main";
-  info.layout = pipeline_layout;
+  info.stage = shader_stage(VK_SHADER_STAGE_COMPUTE_BIT, shader);
+  info.layout = layout_.get();
   VkPipeline pipeline = VK_NULL_HANDLE;
   check(vkCreateComputePipelines(handle, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "vkCreateComputePipelines");
   pipeline_ = {handle, pipeline};

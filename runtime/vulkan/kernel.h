@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "runtime/vulkan/device.h"
-#include "runtime/vulkan/object.h"
+#include "runtime/vulkan/make.h"
 
 namespace bodyopt::vulkan {
 
@@ -21,8 +20,8 @@ class Kernel {
 
  private:
   std::uint32_t binding_count_;
-  Owned<VkDescriptorSetLayout, vkDestroyDescriptorSetLayout> set_layout_;
-  Owned<VkPipelineLayout, vkDestroyPipelineLayout> layout_;
+  SetLayout set_layout_;
+  PipelineLayout layout_;
   Owned<VkPipeline, vkDestroyPipeline> pipeline_;
 };
 

@@ -1,0 +1,11 @@
+// How large a set of points is.
+#pragma once
+
+#include <span>
+
+namespace bodyopt {
+
+// Diagonal of the box around points x, y, z, x, y, z, ..., in their unit; 0 of none.
+double box_diagonal(std::span<const float> points);
+
+}  // namespace bodyopt
