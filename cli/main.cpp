@@ -80,7 +80,7 @@ int main(int argc, char** argv) {
   app.option_defaults()->always_capture_default(false);
   app.footer(
       "To see it work: bodyopt demo --quick --out demo, then bodyopt view demo/basis.safetensors demo/heldout.glb\n"
-      "bodyopt VERB --help tells of a verb; README.md leads from a character of your own to a trained one.");
+      "bodyopt VERB --help tells of a verb; docs/walkthrough.md leads from a character of your own to a trained one.");
   add_verbs(app);
 
   try {

@@ -7,7 +7,7 @@ from running import Running
 from stage import contents, is_temporary, not_finite
 
 NAME = "files"
-_ANSWERS = (0, 2, 3, 4, 64, 75)  # README: what a file can be the cause of
+_ANSWERS = (0, 2, 3, 4, 64, 75)  # docs/verbs.md: what a file can be the cause of
 
 # A verb, and the files that it reads.
 _READERS = [
