@@ -17,8 +17,8 @@
 #include "trainer/dynamics/diffuse.h"
 #include "trainer/dynamics/jiggle.h"
 #include "trainer/tets/skin_cage.h"
-#include "trainer/train/mesh_table.h"
-#include "trainer/train/train.h"
+#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt::bench {
 namespace {

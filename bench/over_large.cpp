@@ -10,8 +10,8 @@
 #include "base/single_threaded_products.h"
 #include "runtime/core/half.h"
 #include "runtime/deformer/deformer.h"
-#include "trainer/train/fit_regions.h"
-#include "trainer/train/trade_off.h"
+#include "trainer/train/fit/fit_regions.h"
+#include "trainer/train/pack/trade_off.h"
 
 namespace bodyopt::bench {
 namespace {

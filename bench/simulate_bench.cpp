@@ -11,7 +11,7 @@
 #include "runtime/host/rig.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/simulate/quasi_static.h"
-#include "trainer/train/blend_matrix.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt::bench {
 namespace {

@@ -18,9 +18,10 @@
 #include "bench/subdivide.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/kernels.h"
-#include "trainer/train/mesh_table.h"
-#include "trainer/train/train.h"
-#include "trainer/train/unpose.h"
+#include "trainer/train/data/samples.h"
+#include "trainer/train/fit/train.h"
+#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt::bench {
 namespace {

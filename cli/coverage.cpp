@@ -1,5 +1,5 @@
 // bodyopt coverage: how well a basis knows the poses of a clip, and which frames to simulate next.
-#include "trainer/train/coverage.h"
+#include "trainer/train/coverage/coverage.h"
 
 #include <spdlog/spdlog.h>
 

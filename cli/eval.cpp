@@ -15,7 +15,7 @@
 #include "runtime/core/error.h"
 #include "runtime/host/carry_skin.h"
 #include "trainer/dynamics/measure_jiggle.h"
-#include "trainer/train/coverage.h"
+#include "trainer/train/coverage/coverage.h"
 
 namespace bodyopt::cli {
 namespace {

@@ -10,8 +10,8 @@
 #include "cli/results/attachments.h"
 #include "cli/results/measure.h"
 #include "runtime/core/error.h"
-#include "trainer/train/coverage.h"
-#include "trainer/train/test_errors.h"
+#include "trainer/train/coverage/coverage.h"
+#include "trainer/train/judge/test_errors.h"
 
 namespace bodyopt::cli {
 namespace {

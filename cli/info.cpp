@@ -14,7 +14,7 @@
 #include "dataset/dataset.h"
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/error.h"
-#include "trainer/train/trade_off.h"
+#include "trainer/train/pack/trade_off.h"
 
 namespace bodyopt::cli {
 namespace {

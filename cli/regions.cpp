@@ -1,5 +1,5 @@
 // bodyopt regions: the regions in which training learns the skin, to look at and to edit.
-#include "trainer/train/regions.h"
+#include "trainer/train/regions/regions.h"
 
 #include <algorithm>
 #include <numeric>
@@ -9,7 +9,8 @@
 #include "dataset/regions_file.h"
 #include "report/region_picture.h"
 #include "runtime/core/error.h"
-#include "trainer/train/train.h"
+#include "trainer/train/data/samples.h"
+#include "trainer/train/fit/train.h"
 
 namespace bodyopt::cli {
 namespace {

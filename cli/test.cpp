@@ -4,7 +4,7 @@
 
 #include "cli/arguments/common.h"
 #include "runtime/core/error.h"
-#include "trainer/train/test_errors.h"
+#include "trainer/train/judge/test_errors.h"
 
 namespace bodyopt::cli {
 namespace {

@@ -1,5 +1,5 @@
 // bodyopt train: a dataset to a basis.
-#include "trainer/train/train.h"
+#include "trainer/train/fit/train.h"
 
 #include <spdlog/spdlog.h>
 
@@ -13,8 +13,11 @@
 #include "runtime/core/error.h"
 #include "trainer/check/check.h"
 #include "trainer/motion/coupled_joints.h"
-#include "trainer/train/heldout.h"
-#include "trainer/train/trade_off.h"
+#include "trainer/train/data/samples.h"
+#include "trainer/train/judge/heldout.h"
+#include "trainer/train/options.h"
+#include "trainer/train/pack/trade_off.h"
+#include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt::cli {
 namespace {

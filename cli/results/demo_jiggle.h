@@ -5,7 +5,7 @@
 
 #include "report/report.h"
 #include "runtime/deformer/deformer.h"
-#include "trainer/train/train.h"
+#include "trainer/train/data/samples.h"
 
 namespace bodyopt::cli {
 

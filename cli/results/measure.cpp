@@ -7,10 +7,11 @@
 #include <cmath>
 
 #include "cli/results/report_pictures.h"
-#include "trainer/train/ablation.h"
-#include "trainer/train/coverage.h"
-#include "trainer/train/test_errors.h"
-#include "trainer/train/trade_off.h"
+#include "trainer/train/coverage/coverage.h"
+#include "trainer/train/fit/train.h"
+#include "trainer/train/judge/ablation.h"
+#include "trainer/train/judge/test_errors.h"
+#include "trainer/train/pack/trade_off.h"
 
 namespace bodyopt::cli {
 namespace {

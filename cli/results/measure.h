@@ -6,7 +6,9 @@
 
 #include "cli/arguments/common.h"
 #include "report/report.h"
-#include "trainer/train/heldout.h"
+#include "trainer/train/judge/heldout.h"
+#include "trainer/train/judge/unposing_residual.h"
+#include "trainer/train/options.h"
 
 namespace bodyopt::cli {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "report/report.h"
-#include "trainer/train/heldout.h"
+#include "trainer/train/judge/heldout.h"
 
 namespace bodyopt::cli {
 

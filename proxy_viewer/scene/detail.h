@@ -13,7 +13,7 @@
 #include "runtime/basis/levels.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/vulkan/buffer.h"
-#include "trainer/train/vertex_coverage.h"
+#include "trainer/train/coverage/vertex_coverage.h"
 
 namespace bodyopt {
 

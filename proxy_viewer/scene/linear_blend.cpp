@@ -1,7 +1,7 @@
 #include "proxy_viewer/scene/linear_blend.h"
 
 #include "runtime/core/error.h"
-#include "trainer/train/train.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
 

@@ -10,8 +10,8 @@
 #include "runtime/core/error.h"
 #include "trainer/attach/bind_mesh.h"
 #include "trainer/builtin/arm.h"
-#include "trainer/train/strain.h"
-#include "trainer/train/train.h"
+#include "trainer/train/features/strain.h"
+#include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt {
 namespace {

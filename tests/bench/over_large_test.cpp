@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/capsule_limb.h"
-#include "trainer/train/mesh_table.h"
+#include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt::bench {
 namespace {

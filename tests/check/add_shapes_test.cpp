@@ -11,7 +11,7 @@
 #include "tests/support/damaged_cache.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/train/train.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
 namespace {

@@ -7,8 +7,9 @@
 #include "assets/pc2.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
-#include "trainer/train/heldout.h"
-#include "trainer/train/train.h"
+#include "trainer/train/data/samples.h"
+#include "trainer/train/judge/heldout.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
 namespace {

@@ -9,7 +9,7 @@
 #include "tests/cli/limb_files.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/run_program.h"
-#include "trainer/train/train.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
 namespace clip_program_test {

@@ -8,7 +8,7 @@
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
-#include "trainer/train/train.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
 namespace {

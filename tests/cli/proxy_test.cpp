@@ -12,7 +12,8 @@
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
-#include "trainer/train/strain.h"
+#include "trainer/train/features/strain.h"
+#include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt {
 namespace {

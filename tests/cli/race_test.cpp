@@ -11,7 +11,7 @@
 #include "tests/support/limb_glb.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_program.h"
-#include "trainer/train/train.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
-#include "trainer/train/train.h"
+#include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt {
 namespace {

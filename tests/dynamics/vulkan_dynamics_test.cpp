@@ -9,6 +9,7 @@
 #include "tests/support/capsule_limb.h"
 #include "tests/support/gpu_fixture.h"
 #include "trainer/dynamics/build_dynamics.h"
+#include "trainer/train/fit/train.h"
 
 namespace bodyopt::testing {
 namespace {

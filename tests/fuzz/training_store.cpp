@@ -1,5 +1,5 @@
 // What a training keeps: its layout, and a region.
-#include "trainer/train/training_store.h"
+#include "trainer/train/fit/training_store.h"
 
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/support/temporary_folder.h"

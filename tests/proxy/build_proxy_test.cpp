@@ -12,7 +12,8 @@
 #include "tests/support/temporary_folder.h"
 #include "trainer/proxy/frame_time.h"
 #include "trainer/proxy/taught_samples.h"
-#include "trainer/train/heldout.h"
+#include "trainer/train/judge/heldout.h"
+#include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt {
 namespace {

@@ -8,7 +8,7 @@
 #include "runtime/host/carry_skin.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/proxy/proxy_samples.h"
-#include "trainer/train/mesh_table.h"
+#include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
 namespace {

@@ -5,7 +5,7 @@
 #include "tests/support/error_kind.h"
 #include "tests/support/limb_glb.h"
 #include "tests/support/same_basis.h"
-#include "trainer/train/strain.h"
+#include "trainer/train/features/strain.h"
 
 namespace bodyopt::testing {
 namespace {

@@ -10,6 +10,7 @@
 #include "tests/support/small_basis.h"
 #include "tests/support/small_dynamics.h"
 #include "tests/support/temporary_folder.h"
+#include "trainer/train/fit/train.h"
 
 namespace bodyopt::testing {
 

@@ -6,6 +6,7 @@
 #include "runtime/core/hexadecimal.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/attach/bind_mesh.h"
+#include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt {
 

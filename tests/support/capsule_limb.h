@@ -7,7 +7,8 @@
 #include <string>
 
 #include "runtime/host/rig.h"
-#include "trainer/train/train.h"
+#include "trainer/train/data/samples.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
 

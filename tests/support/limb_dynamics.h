@@ -4,6 +4,7 @@
 #include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/dynamics/build_dynamics.h"
+#include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt {
 

@@ -7,7 +7,7 @@
 #include "trainer/dynamics/diffuse.h"
 #include "trainer/dynamics/dynamics_tets.h"
 #include "trainer/dynamics/jiggle.h"
-#include "trainer/train/train.h"
+#include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt::testing {
 

@@ -1,11 +1,12 @@
 // The table of methods on a synthetic limb.
-#include "trainer/train/ablation.h"
+#include "trainer/train/judge/ablation.h"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
 #include "tests/support/capsule_limb.h"
+#include "trainer/train/fit/train.h"
 
 namespace bodyopt {
 namespace {

@@ -12,9 +12,12 @@
 #include "tests/support/damaged_cache.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/train/contradictions.h"
-#include "trainer/train/heldout.h"
-#include "trainer/train/stray_vertices.h"
+#include "trainer/train/data/contradictions.h"
+#include "trainer/train/data/stray_vertices.h"
+#include "trainer/train/fit/train.h"
+#include "trainer/train/judge/heldout.h"
+#include "trainer/train/options.h"
+#include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt {
 namespace {

@@ -1,5 +1,5 @@
 // Expected errors against errors measured on a synthetic limb, and what coverage makes of bad input.
-#include "trainer/train/coverage.h"
+#include "trainer/train/coverage/coverage.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,8 @@
 
 #include "runtime/core/error.h"
 #include "tests/support/capsule_limb.h"
-#include "trainer/train/heldout.h"
+#include "trainer/train/fit/train.h"
+#include "trainer/train/judge/heldout.h"
 
 namespace bodyopt {
 namespace {

@@ -7,7 +7,7 @@
 #include "runtime/cpu/ddm.h"
 #include "tests/support/reference_tensors.h"
 #include "tests/support/shared_data.h"
-#include "trainer/train/ddm.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace {

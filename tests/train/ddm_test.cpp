@@ -1,5 +1,5 @@
 // Direct Delta Mush on small meshes: identities, and a dense textbook version.
-#include "trainer/train/ddm.h"
+#include "trainer/train/skinning/ddm.h"
 
 #include <gtest/gtest.h>
 

@@ -4,6 +4,7 @@
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"
+#include "trainer/train/fit/train.h"
 
 namespace bodyopt {
 namespace {

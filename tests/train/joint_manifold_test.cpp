@@ -1,5 +1,5 @@
 // What training showed of joints, alone and together.
-#include "trainer/train/joint_manifold.h"
+#include "trainer/train/features/joint_manifold.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // What few directions tell of many features.
-#include "trainer/train/projection.h"
+#include "trainer/train/regression/projection.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "trainer/train/stored_half.h"
+#include "trainer/train/regression/stored_half.h"
 
 namespace bodyopt {
 namespace {

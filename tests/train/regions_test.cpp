@@ -1,5 +1,5 @@
 // Fibres, features and regions of a synthetic limb.
-#include "trainer/train/regions.h"
+#include "trainer/train/regions/regions.h"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,11 @@
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/rig.h"
 #include "tests/support/capsule_limb.h"
-#include "trainer/train/features.h"
-#include "trainer/train/mesh_table.h"
-#include "trainer/train/strain.h"
-#include "trainer/train/unpose.h"
+#include "trainer/train/features/features.h"
+#include "trainer/train/features/strain.h"
+#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

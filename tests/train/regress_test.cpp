@@ -1,5 +1,5 @@
 // Regression and principal components against their textbook definitions.
-#include "trainer/train/regress.h"
+#include "trainer/train/regression/regress.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <random>
 
 #include "runtime/core/half.h"
-#include "trainer/train/components.h"
+#include "trainer/train/regression/components.h"
 
 namespace bodyopt {
 namespace {

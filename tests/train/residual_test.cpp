@@ -1,5 +1,5 @@
 // Packing of the residual table: what the runtime makes of the entries against the columns they were made from.
-#include "trainer/train/residual.h"
+#include "trainer/train/pack/residual.h"
 
 #include <gtest/gtest.h>
 

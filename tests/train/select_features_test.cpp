@@ -1,5 +1,5 @@
 // Feature selection against least squares with every choice of columns.
-#include "trainer/train/select_features.h"
+#include "trainer/train/regression/select_features.h"
 
 #include <gtest/gtest.h>
 

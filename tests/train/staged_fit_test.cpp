@@ -1,5 +1,5 @@
 // Training that goes on from what an earlier one kept.
-#include "trainer/train/staged_fit.h"
+#include "trainer/train/fit/staged_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +13,9 @@
 #include "tests/support/capsule_limb.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/train/heldout.h"
-#include "trainer/train/trade_off.h"
+#include "trainer/train/fit/train.h"
+#include "trainer/train/judge/heldout.h"
+#include "trainer/train/pack/trade_off.h"
 
 namespace bodyopt {
 namespace staged_fit_test {

@@ -1,5 +1,5 @@
 // Strains on skin that no muscle lies under.
-#include "trainer/train/surface_curves.h"
+#include "trainer/train/fit/surface_curves.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,12 @@
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"
-#include "trainer/train/features.h"
-#include "trainer/train/heldout.h"
-#include "trainer/train/mesh_table.h"
-#include "trainer/train/strain.h"
+#include "trainer/train/features/features.h"
+#include "trainer/train/features/strain.h"
+#include "trainer/train/fit/train.h"
+#include "trainer/train/judge/heldout.h"
+#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
 namespace {

@@ -1,5 +1,5 @@
 // Errors of a trained limb by area and by part, against sums over its vertices.
-#include "trainer/train/test_errors.h"
+#include "trainer/train/judge/test_errors.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,9 @@
 #include "geometry/laplacian.h"
 #include "runtime/core/error.h"
 #include "tests/support/capsule_limb.h"
-#include "trainer/train/coverage.h"
-#include "trainer/train/heldout.h"
+#include "trainer/train/coverage/coverage.h"
+#include "trainer/train/fit/train.h"
+#include "trainer/train/judge/heldout.h"
 
 namespace bodyopt {
 namespace {

@@ -1,5 +1,5 @@
 // The two limits on a basis' size, and the curve of what they can ask for, on the synthetic limb.
-#include "trainer/train/trade_off.h"
+#include "trainer/train/pack/trade_off.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,10 @@
 
 #include "runtime/core/error.h"
 #include "tests/support/capsule_limb.h"
-#include "trainer/train/heldout.h"
+#include "trainer/train/fit/train.h"
+#include "trainer/train/judge/heldout.h"
+#include "trainer/train/judge/unposing_residual.h"
+#include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt {
 namespace trade_off_test {

@@ -1,4 +1,6 @@
 // Training on a synthetic limb, from shapes to skin.
+#include "trainer/train/fit/train.h"
+
 #include <gtest/gtest.h>
 #include <omp.h>
 
@@ -17,8 +19,9 @@
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/train/heldout.h"
-#include "trainer/train/trade_off.h"
+#include "trainer/train/judge/heldout.h"
+#include "trainer/train/judge/unposing_residual.h"
+#include "trainer/train/pack/trade_off.h"
 
 namespace bodyopt {
 namespace train_test {

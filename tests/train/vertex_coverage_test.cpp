@@ -1,4 +1,4 @@
-#include "trainer/train/vertex_coverage.h"
+#include "trainer/train/coverage/vertex_coverage.h"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +6,8 @@
 
 #include "runtime/cpu/kernels.h"
 #include "tests/support/capsule_limb.h"
+#include "trainer/train/fit/train.h"
+#include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt {
 namespace {

@@ -1,11 +1,11 @@
 // What is kept at a price, against arithmetic done by hand, and what is left, against a sum over all vertices.
-#include "trainer/train/worth.h"
+#include "trainer/train/pack/worth.h"
 
 #include <gtest/gtest.h>
 
 #include "runtime/cpu/kernels.h"
 #include "tests/support/random_tables.h"
-#include "trainer/train/selection_error.h"
+#include "trainer/train/pack/selection_error.h"
 
 namespace bodyopt {
 namespace worth_test {

@@ -14,7 +14,7 @@
 #include "runtime/host/rig.h"
 #include "trainer/simulate/materials.h"
 #include "trainer/simulate/muscle_fibres.h"
-#include "trainer/train/train.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
 namespace {

@@ -12,8 +12,8 @@
 #include "trainer/dynamics/diffuse.h"
 #include "trainer/dynamics/jiggle.h"
 #include "trainer/dynamics/tet_quality.h"
-#include "trainer/train/mesh_table.h"
-#include "trainer/train/same_character.h"
+#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/train/skinning/same_character.h"
 
 namespace bodyopt {
 namespace {

@@ -6,7 +6,7 @@
 #include "assets/notes.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/diffuse.h"
-#include "trainer/train/mesh_table.h"
+#include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
 namespace {

@@ -11,8 +11,9 @@
 #include "trainer/proxy/level_errors.h"
 #include "trainer/proxy/proxy_samples.h"
 #include "trainer/proxy/skin_map.h"
-#include "trainer/train/mesh_table.h"
-#include "trainer/train/strain.h"
+#include "trainer/train/features/strain.h"
+#include "trainer/train/fit/train.h"
+#include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
 namespace {

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "runtime/basis/levels.h"
-#include "trainer/train/train.h"
+#include "trainer/train/data/samples.h"
+#include "trainer/train/options.h"
 
 namespace bodyopt {
 

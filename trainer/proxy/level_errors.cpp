@@ -7,7 +7,7 @@
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/carry_skin.h"
 #include "trainer/proxy/skin_map.h"
-#include "trainer/train/unposed_shapes.h"
+#include "trainer/train/data/unposed_shapes.h"
 
 namespace bodyopt {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "dataset/compare.h"
 #include "runtime/basis/levels.h"
-#include "trainer/train/train.h"
+#include "trainer/train/data/samples.h"
 
 namespace bodyopt {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "trainer/proxy/simplify_skin.h"
-#include "trainer/train/train.h"
+#include "trainer/train/data/samples.h"
 
 namespace bodyopt {
 

@@ -2,8 +2,8 @@
 
 #include "base/progress.h"
 #include "runtime/deformer/deformer.h"
-#include "trainer/train/mesh_table.h"
-#include "trainer/train/same_character.h"
+#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/train/skinning/same_character.h"
 
 namespace bodyopt {
 namespace {

@@ -3,7 +3,8 @@
 
 #include <span>
 
-#include "trainer/train/train.h"
+#include "runtime/basis/basis.h"
+#include "trainer/train/data/samples.h"
 
 namespace bodyopt {
 

@@ -1,0 +1,43 @@
+// The frames of a dataset that are trained on, and those held out.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "assets/character.h"
+#include "assets/muscles.h"
+#include "dataset/dataset.h"
+#include "geometry/region_weights.h"
+#include "trainer/train/data/sample_shape.h"
+
+namespace bodyopt {
+
+// One training or held-out frame.
+struct Sample {
+  int take = 0;
+  int frame = 0;
+  Pose pose;
+  SampleShape shape;
+};
+
+// The dataset, split; shapes stay on disk. Unconverged frames are left out and counted.
+struct SampleSet {
+  Character character;
+  std::vector<Muscle> muscles;
+  std::vector<std::string> takes;      // names, by Sample::take
+  std::vector<std::string> controls;   // of every pose, by name
+  std::vector<RegionWeights> regions;  // painted: as read_regions
+  std::vector<Sample> train, heldout;
+  int unconverged = 0;
+  bool sparse = false;  // neighbours lie far apart and move apart, as on a proxy: none of them is held to be stray
+  std::vector<std::string> notes;
+};
+SampleSet read_samples(const Dataset& dataset);
+
+// "frame 12 of take 'rom'".
+std::string frame_name(const SampleSet& set, const Sample& sample);
+
+// Throws Error(mismatch) where there are too few training frames, or one has a number that is not finite.
+void check_samples(const SampleSet& set);
+
+}  // namespace bodyopt

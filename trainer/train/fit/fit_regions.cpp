@@ -1,0 +1,389 @@
+#include "trainer/train/fit/fit_regions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "trainer/train/regression/projection.h"
+#include "trainer/train/regression/select_features.h"
+#include "trainer/train/skinning/mesh_table.h"
+
+namespace bodyopt {
+namespace {
+
+using Eigen::Index;
+
+// Features of a region at most, where there are kernels: more cost bytes and time and teach it next to nothing
+// (measured from 60 to 200).
+constexpr std::size_t kMostFeatures = 80, kMostFeaturesOfAll = 200;  // of a region that is the whole skin
+// A region may do with all centres that it may have, a half or a quarter of them.
+constexpr int kCentreFractions[] = {1, 2, 4};
+// Cross-validation: blocks of consecutive frames, dealt to folds.
+constexpr int kFolds = 5, kLongestRun = 20;
+
+// Some of the regions and all vertices of theirs and beside them, ascending.
+struct SkinPart {
+  std::vector<std::size_t> regions;
+  std::vector<std::uint32_t> vertices;
+};
+
+// As few parts as leave half the memory free while the displacements of one are in it.
+std::vector<SkinPart> parts_that_fit(const FitContext& context, const std::vector<std::size_t>& regions,
+                                     std::size_t frames) {
+  const double bytes = 3 * sizeof(float) * static_cast<double>(frames);
+  const double most = 0.5 * context.options.memory_gib * 0x1p30 / bytes;
+  std::vector<SkinPart> parts;
+  for (const std::size_t r : regions) {
+    const std::vector<std::uint32_t> vertices =
+        context.ground.shapes.with_neighbours(context.layout.regions[r].vertices);
+    std::vector<std::uint32_t> with_last;
+    if (!parts.empty()) {
+      const std::vector<std::uint32_t>& last = parts.back().vertices;
+      std::set_union(last.begin(), last.end(), vertices.begin(), vertices.end(), std::back_inserter(with_last));
+    }
+    if (parts.empty() || static_cast<double>(with_last.size()) > most) {
+      parts.push_back({{r}, vertices});
+    } else {
+      parts.back().regions.push_back(r);
+      parts.back().vertices = std::move(with_last);
+    }
+  }
+  return parts;
+}
+
+// The region with its vertices numbered as in the part.
+RegionWeights within(const SkinPart& part, RegionWeights region) {
+  for (std::uint32_t& vertex : region.vertices) {
+    const auto place = std::lower_bound(part.vertices.begin(), part.vertices.end(), vertex);
+    vertex = static_cast<std::uint32_t>(place - part.vertices.begin());
+  }
+  return region;
+}
+
+// A part's frames in un-posed space, and what is said of each region in them.
+class PartFrames {
+ public:
+  PartFrames(const FitContext& context, const SkinPart& part, const std::string& title,
+             const std::vector<std::size_t>& frames)
+      : context_(context),
+        part_(part),
+        frames_(frames),
+        unposed_(context.ground.shapes(title, frames, part.vertices)) {}
+
+  const Displacements& displacements() const { return unposed_.displacements; }
+  RegionWeights region(std::size_t r) const { return within(part_, context_.layout.regions[r]); }
+
+  std::vector<StrayVertex> strays(std::size_t r) const {
+    const std::vector<std::uint32_t>& own = context_.layout.regions[r].vertices;
+    std::vector<StrayVertex> strays;
+    std::copy_if(unposed_.strays.begin(), unposed_.strays.end(), std::back_inserter(strays),
+                 [&](const StrayVertex& s) { return std::binary_search(own.begin(), own.end(), s.vertex); });
+    return strays;
+  }
+
+  // Of pairs whose frames are among these.
+  std::vector<Contradiction> contradictions_of(std::size_t r, const std::vector<FramePair>& pairs,
+                                               const Components& components) const {
+    const auto row = [&](std::size_t frame) {
+      return static_cast<std::size_t>(std::lower_bound(frames_.begin(), frames_.end(), frame) - frames_.begin());
+    };
+    std::vector<FramePair> rows;
+    for (const FramePair& pair : pairs) rows.push_back({row(pair.first), row(pair.second)});
+    const RegionWeights own = region(r);
+    const double size = std::accumulate(own.weights.begin(), own.weights.end(), 0.0);
+    std::vector<Contradiction> found =
+        contradictions(rows, displacements(), own, longest_extent(context_.ground.ordered.vertices),
+                       std::sqrt(components.energy.mean() / size));
+    for (Contradiction& c : found) c.frames = {frames_[c.frames.first], frames_[c.frames.second]};
+    return found;
+  }
+
+ private:
+  const FitContext& context_;
+  const SkinPart& part_;
+  const std::vector<std::size_t>& frames_;
+  UnposedFrames unposed_;
+};
+
+// A column of the basis divided by what its coefficients are multiplied with.
+void scale_column(RegionModel& model, Index k, double factor) {
+  model.components.basis.row(k) /= factor;
+  model.components.coefficients.col(k) *= factor;
+  for (Regression& fit : model.fits) {
+    fit.weights.col(k) *= factor;
+    fit.errors.col(k) *= factor;
+  }
+}
+
+// Basis columns with a largest entry of 1 suit the scales of the blend table, which are halves; the coefficients keep
+// the metres.
+void normalise(RegionModel& model) {
+  for (Index k = 0; k < model.components.basis.rows(); ++k) {
+    const double largest = model.components.basis.row(k).cwiseAbs().maxCoeff();
+    if (largest > 0) scale_column(model, k, largest);
+  }
+}
+
+std::size_t most_features(const Method& method) {
+  if (!method.kernels) return std::numeric_limits<std::size_t>::max();
+  return method.support == Method::Support::whole_skin ? kMostFeaturesOfAll : kMostFeatures;
+}
+
+// The features that tell most, ascending, what each explains, and the coordinates among them.
+void choose_features(const FeatureSamples& samples, const std::vector<std::uint32_t>& choice, std::size_t most,
+                     RegionModel& model) {
+  const std::vector<Index> columns(choice.begin(), choice.end());
+  const Eigen::MatrixXd values =
+      samples.values(Eigen::all, columns).rowwise() - Eigen::RowVectorXd(samples.rest(columns));
+  const Eigen::MatrixXd& targets = model.components.coefficients;
+  std::vector<SelectedFeature> selected = select_features(values, targets, most);
+  std::sort(selected.begin(), selected.end(),
+            [](const SelectedFeature& a, const SelectedFeature& b) { return a.column < b.column; });
+  model.features.clear();
+  model.worth.clear();
+  std::vector<Index> chosen;
+  for (const SelectedFeature& feature : selected) {
+    chosen.push_back(feature.column);
+    model.features.push_back(choice[feature.column]);
+    model.worth.push_back(feature.gain * targets.squaredNorm());
+  }
+  model.projection = projection(values(Eigen::all, chosen), targets);
+}
+
+// Features and regression are chosen before the columns are scaled: until then the error of a coefficient is the error
+// of positions, weighted by the region.
+RegionModel fit_region(const FitContext& context, std::size_t r, const PartFrames& frames) {
+  const TrainOptions& options = context.options;
+  const FeatureSamples& features = context.ground.features;
+  RegionModel model;
+  model.region = context.layout.regions[r];
+  model.components = principal_components(frames.displacements(), frames.region(r), options.components, options.seed);
+  model.strays = frames.strays(r);
+  model.contradictions = frames.contradictions_of(r, context.pairs, model.components);
+  const int centres = options.method.kernels ? options.centres : 0;
+  double least = std::numeric_limits<double>::infinity();
+  RegionModel best = model;
+  for (const std::vector<std::uint32_t>& choice : context.layout.choices[r]) {
+    choose_features(features, choice, most_features(options.method), model);
+    const double error = trial_error(regression_data(features, model, context.folds), centres);
+    if (!(error < least)) continue;
+    least = error;
+    best = model;
+  }
+  model = std::move(best);
+  const RegressionData chosen = regression_data(features, model, context.folds);
+  for (const int fraction : kCentreFractions) {
+    model.fits.push_back(fit_regression(chosen, centres / fraction));
+    if (centres == 0) break;
+  }
+  normalise(model);
+  return model;
+}
+
+std::string part_name(std::size_t part, std::size_t count) {
+  return count > 1 ? ", part " + std::to_string(part + 1) + " of " + std::to_string(count) : "";
+}
+
+// Where the frames of an earlier training are now, and which are new.
+class FrameMap {
+ public:
+  FrameMap(const std::vector<int>& earlier, std::size_t earlier_count)
+      : earlier_(earlier), earlier_count_(earlier_count) {
+    for (std::size_t n = 0; n < earlier.size(); ++n) {
+      if (earlier[n] < 0) continue;
+      now_[static_cast<std::size_t>(earlier[n])] = n;
+    }
+  }
+
+  bool is_new(std::size_t frame) const { return earlier_[frame] < 0; }
+  // Pairs of earlier frames were looked at then. Without the first frame of its pose another pair is made of the rest.
+  bool is_new(const FramePair& pair) const { return lost_some() || is_new(pair.first) || is_new(pair.second); }
+
+  // Those that are still there, as they are numbered now.
+  std::vector<StrayVertex> carried(const std::vector<StrayVertex>& strays) const {
+    std::vector<StrayVertex> carried;
+    for (const StrayVertex& stray : strays) {
+      const auto frame = now_.find(stray.frame);
+      if (frame != now_.end()) carried.push_back({frame->second, stray.vertex, stray.distance});
+    }
+    return carried;
+  }
+  std::vector<Contradiction> carried(const std::vector<Contradiction>& contradictions) const {
+    std::vector<Contradiction> carried;
+    if (lost_some()) return carried;
+    for (const Contradiction& c : contradictions) {
+      const auto first = now_.find(c.frames.first), second = now_.find(c.frames.second);
+      if (first == now_.end() || second == now_.end()) continue;
+      carried.push_back({{first->second, second->second}, c.distance, c.region});
+    }
+    return carried;
+  }
+
+ private:
+  bool lost_some() const { return now_.size() < earlier_count_; }
+
+  const std::vector<int>& earlier_;
+  std::size_t earlier_count_;
+  std::map<std::size_t, std::size_t> now_;
+};
+
+// The new frames, those that have the pose of one, and some more, for what is usual of a vertex.
+std::vector<std::size_t> frames_to_unpose(const FrameMap& map, const std::vector<FramePair>& pairs, std::size_t count) {
+  constexpr std::size_t kUsual = 64;
+  const std::vector<std::size_t> some = spread_evenly(count, kUsual);
+  std::set<std::size_t> frames(some.begin(), some.end());
+  for (std::size_t n = 0; n < count; ++n) {
+    if (map.is_new(n)) frames.insert(n);
+  }
+  for (const FramePair& pair : pairs) {
+    if (map.is_new(pair)) frames.insert({pair.first, pair.second});
+  }
+  return {frames.begin(), frames.end()};
+}
+
+// Coefficients and energies of all frames: those the earlier training knew as it had them, the others from their
+// shapes.
+Components extended(const Components& earlier, const Components& fresh, const std::vector<std::size_t>& frames,
+                    const std::vector<int>& earlier_frames) {
+  const auto count = static_cast<Index>(earlier_frames.size());
+  Components all;
+  all.basis = earlier.basis;
+  all.coefficients.resize(count, earlier.coefficients.cols());
+  all.energy.resize(count);
+  all.truncated.resize(count);
+  const auto put = [&](Index to, const Components& from, Index row) {
+    all.coefficients.row(to) = from.coefficients.row(row);
+    all.energy[to] = from.energy[row];
+    all.truncated[to] = from.truncated[row];
+  };
+  for (Index n = 0; n < count; ++n) {
+    const int row = earlier_frames[static_cast<std::size_t>(n)];
+    if (row >= 0) put(n, earlier, row);
+  }
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    if (earlier_frames[frames[k]] < 0) put(static_cast<Index>(frames[k]), fresh, static_cast<Index>(k));
+  }
+  return all;
+}
+
+// Do the components leave less of the new frames than twice what the fit left of the frames it knew?
+bool components_hold(const RegionModel& earlier, const Components& all, const FrameMap& map) {
+  double left = 0, frames = 0;
+  for (Index n = 0; n < all.truncated.size(); ++n) {
+    if (!map.is_new(static_cast<std::size_t>(n))) continue;
+    left += all.truncated[n];
+    ++frames;
+  }
+  const double usual = earlier.components.truncated.mean() + std::pow(earlier.fits.front().validation_error, 2);
+  return left <= 2 * frames * usual;
+}
+
+// Was what was chosen by cross-validation chosen for data like these?
+bool hyper_parameters_hold(const RegionModel& earlier, const RegionModel& now) {
+  constexpr double kMostChange = 0.1;
+  const double before = earlier.fits.front().validation_error, after = now.fits.front().validation_error;
+  return std::abs(after - before) <= kMostChange * before;
+}
+
+RegionModel updated(const FitContext& context, RegionModel model, Components all) {
+  model.components = std::move(all);
+  const Eigen::VectorXd lengths = component_lengths(model.components, model.region);
+  for (Index k = 0; k < lengths.size(); ++k) scale_column(model, k, lengths[k]);
+  const RegressionData data = regression_data(context.ground.features, model, context.folds);
+  const int centres = context.options.method.kernels ? context.options.centres : 0;
+  for (std::size_t f = 0; f < model.fits.size(); ++f) {
+    model.fits[f] = refit_regression(data, centres / kCentreFractions[f], model.fits[f]);
+  }
+  normalise(model);
+  return model;
+}
+
+// What was found of the frames that are still there, and what is found of the new ones.
+void carry_data_problems(const PartFrames& unposed, std::size_t region, const std::vector<FramePair>& new_pairs,
+                         const FrameMap& map, RegionModel& model) {
+  model.strays = map.carried(model.strays);
+  for (const StrayVertex& stray : unposed.strays(region)) {
+    if (map.is_new(stray.frame)) model.strays.push_back(stray);
+  }
+  model.contradictions = map.carried(model.contradictions);
+  const std::vector<Contradiction> found = unposed.contradictions_of(region, new_pairs, model.components);
+  model.contradictions.insert(model.contradictions.end(), found.begin(), found.end());
+}
+
+}  // namespace
+
+FitContext::FitContext(const SampleSet& set, const Groundwork& groundwork, const Layout& regions,
+                       const TrainOptions& train_options)
+    : ground(groundwork),
+      layout(regions),
+      options(train_options),
+      folds(training_folds(set)),
+      pairs(frames_of_one_pose(ground.features.values)) {}
+
+std::vector<int> training_folds(const SampleSet& set) {
+  std::vector<int> takes;
+  for (const Sample& sample : set.train) takes.push_back(sample.take);
+  const int run = std::clamp(static_cast<int>(takes.size()) / (2 * kFolds), 2, kLongestRun);
+  return blocked_folds(takes, run, kFolds);
+}
+
+void fit_regions(const FitContext& context, const std::vector<std::size_t>& regions, std::vector<RegionModel>& models,
+                 const RegionDone& done, const std::string& kept) {
+  const std::vector<std::size_t> frames = spread_evenly(context.folds.size(), context.folds.size());
+  const std::vector<SkinPart> parts = parts_that_fit(context, regions, frames.size());
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const SkinPart& part = parts[p];
+    const PartFrames unposed(context, part, "train: un-posing" + part_name(p, parts.size()), frames);
+    Progress progress("train: regions" + part_name(p, parts.size()), part.regions.size(), kept);
+    parallel_for(part.regions.size(), [&](std::size_t k) {
+      const std::size_t r = part.regions[k];
+      models[r] = fit_region(context, r, unposed);
+      done(r, models[r]);
+      progress.advance();
+    });
+  }
+}
+
+std::vector<std::size_t> update_regions(const FitContext& context, const std::vector<int>& earlier,
+                                        const std::vector<std::size_t>& regions, std::vector<RegionModel>& models,
+                                        const RegionDone& done, const std::string& kept) {
+  if (regions.empty()) return {};
+  const auto earlier_count = models[regions.front()].components.coefficients.rows();
+  const FrameMap map(earlier, static_cast<std::size_t>(earlier_count));
+  const std::vector<std::size_t> frames = frames_to_unpose(map, context.pairs, earlier.size());
+  std::vector<FramePair> new_pairs;
+  std::copy_if(context.pairs.begin(), context.pairs.end(), std::back_inserter(new_pairs),
+               [&](const FramePair& pair) { return map.is_new(pair); });
+  std::vector<char> holds(models.size(), true);
+  for (const SkinPart& part : parts_that_fit(context, regions, frames.size())) {
+    const PartFrames unposed(context, part, "train: un-posing new frames", frames);
+    Progress progress("train: regions", part.regions.size(), kept);
+    parallel_for(part.regions.size(), [&](std::size_t k) {
+      const std::size_t r = part.regions[k];
+      const Components fresh = on_basis_of(models[r].components, unposed.displacements(), unposed.region(r));
+      const Components all = extended(models[r].components, fresh, frames, earlier);
+      holds[r] = components_hold(models[r], all, map);
+      if (holds[r]) {
+        RegionModel model = updated(context, models[r], all);
+        holds[r] = hyper_parameters_hold(models[r], model);
+        if (holds[r]) {
+          carry_data_problems(unposed, r, new_pairs, map, model);
+          models[r] = std::move(model);
+          done(r, models[r]);
+        }
+      }
+      progress.advance();
+    });
+  }
+  std::vector<std::size_t> anew;
+  std::copy_if(regions.begin(), regions.end(), std::back_inserter(anew), [&](std::size_t r) { return !holds[r]; });
+  return anew;
+}
+
+}  // namespace bodyopt

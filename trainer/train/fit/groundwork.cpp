@@ -1,0 +1,133 @@
+#include "trainer/train/fit/groundwork.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "runtime/host/rig.h"
+#include "trainer/train/features/strain.h"
+#include "trainer/train/pack/trade_off.h"
+#include "trainer/train/skinning/mesh_table.h"
+
+namespace bodyopt {
+namespace {
+
+using Support = Method::Support;
+
+// Radii within which a region sees features, as parts of the character's longest extent.
+constexpr double kRadii[] = {0.06, 0.12, 0.2, 0.35};
+
+std::vector<std::uint32_t> all_vertices(const Character& character) {
+  std::vector<std::uint32_t> all(static_cast<std::size_t>(character.vertices.rows()));
+  std::iota(all.begin(), all.end(), 0u);
+  return all;
+}
+
+// Sum of the squared un-posed displacements of some training frames, spread evenly.
+double left_to_learn(const SampleSet& set, const Character& ordered, const Basis& basis,
+                     const std::vector<std::uint32_t>& order) {
+  const std::vector<std::size_t> probes = spread_evenly(set.train.size(), 24);
+  const UnposedShapes shapes(set, ordered, basis, order, Method::Unposing::ddm);
+  return shapes("train: smoothing radius", probes, all_vertices(ordered)).displacements.cast<double>().squaredNorm();
+}
+
+// The radius given; or the default or twice that, whichever leaves less to learn: a part of a body needs more than its
+// own size tells.
+DdmBase choose_base(const SampleSet& set, const Character& ordered, const std::vector<std::uint32_t>& order,
+                    const TrainOptions& options) {
+  const auto fits = [&](const DdmBase& base) {
+    return !(options.budget > 0) || bytes_per_vertex(base.basis) <= options.budget;
+  };
+  if (options.smoothing_radius > 0) return make_ddm_base(ordered, options.smoothing_radius, options);
+  const double radius = default_smoothing_radius(ordered.vertices);
+  DdmBase base = make_ddm_base(ordered, radius, options), wider = make_ddm_base(ordered, 2 * radius, options);
+  const bool better =
+      fits(wider) && left_to_learn(set, ordered, wider.basis, order) < left_to_learn(set, ordered, base.basis, order);
+  return better ? std::move(wider) : std::move(base);
+}
+
+DdmBase base_with_fibres(const SampleSet& set, const Character& ordered, const std::vector<std::uint32_t>& order,
+                         const TrainOptions& options) {
+  DdmBase base = choose_base(set, ordered, order, options);
+  const double bytes = bytes_per_vertex(base.basis);
+  if (options.budget > 0 && bytes > options.budget) refuse_budget(options.budget, bytes, "Direct Delta Mush alone");
+  if (options.method.strains) base.basis.strain = make_strain_table(base.basis, set.muscles);
+  return base;
+}
+
+FeatureSamples features_of(const SampleSet& set, const DdmBase& base, const EarlierFeatures& earlier) {
+  std::vector<const Pose*> poses;
+  for (const Sample& sample : set.train) poses.push_back(&sample.pose);
+  const bool same_base = earlier.smoothing_radius == base.radius;
+  return measure_features(base.basis, poses, same_base ? earlier.features : KnownFeatures{});
+}
+
+// Influences are measured on some frames, spread evenly.
+std::vector<FeatureGroup> feature_groups(const Groundwork& ground, const std::vector<Muscle>& muscles) {
+  constexpr std::size_t kMostFrames = 800;
+  const Eigen::MatrixXd& values = ground.features.values;
+  const std::vector<std::size_t> frames = spread_evenly(static_cast<std::size_t>(values.rows()), kMostFrames);
+  return make_feature_groups(ground.base.basis, ground.base.moments, muscles, values(frames, Eigen::all),
+                             ground.shapes("train: influences", frames, all_vertices(ground.ordered)).displacements);
+}
+
+// Static regions: groups begin with the joints.
+std::vector<RegionWeights> regions_of(const Character& character, const std::vector<FeatureGroup>& groups,
+                                      const std::vector<RegionWeights>& painted, Support support) {
+  const std::size_t joints = feature_joints(character.skeleton).size();
+  switch (support) {
+    case Support::dynamic_regions:
+      return make_regions(character, groups, painted);
+    case Support::static_regions:
+      return make_regions(character, {groups.begin(), groups.begin() + static_cast<std::ptrdiff_t>(joints)}, painted);
+    case Support::whole_skin:
+      break;
+  }
+  RegionWeights whole{"skin", all_vertices(character), {}};
+  whole.weights.assign(whole.vertices.size(), 1.0);
+  return {whole};
+}
+
+FeatureChoices feature_choices(const Character& character, const RegionWeights& region,
+                               const std::vector<FeatureGroup>& groups, const Method& method) {
+  FeatureChoices choices;
+  if (method.support != Support::whole_skin) {
+    for (const double radius : kRadii) {
+      choices.push_back(region_features(character, region, groups, radius * longest_extent(character.vertices)));
+    }
+  }
+  // A linear map may well see everything: it has little to get wrong with.
+  if (choices.empty() || !method.kernels) {
+    std::vector<std::uint32_t>& all = choices.emplace_back();
+    for (const FeatureGroup& group : groups) all.insert(all.end(), group.features.begin(), group.features.end());
+  }
+  choices.erase(std::unique(choices.begin(), choices.end()), choices.end());
+  return choices;
+}
+
+std::vector<std::uint32_t> inverse_of(const std::vector<std::uint32_t>& order) {
+  std::vector<std::uint32_t> inverse(order.size());
+  for (std::size_t v = 0; v < order.size(); ++v) inverse[order[v]] = static_cast<std::uint32_t>(v);
+  return inverse;
+}
+
+}  // namespace
+
+Groundwork::Groundwork(const SampleSet& set, const TrainOptions& options, const EarlierFeatures& earlier)
+    : order(morton_order(set.character.vertices)),
+      ordered(in_order(set.character, order)),
+      base(base_with_fibres(set, ordered, order, options)),
+      shapes(set, ordered, base.basis, order, options.method.unposing),
+      features(features_of(set, base, earlier)) {}
+
+Layout make_layout(const SampleSet& set, const Groundwork& ground, const Method& method) {
+  const std::vector<FeatureGroup> groups = feature_groups(ground, method.strains ? set.muscles : std::vector<Muscle>{});
+  Layout layout;
+  layout.regions =
+      regions_of(ground.ordered, groups, renumbered(set.regions, inverse_of(ground.order)), method.support);
+  for (const RegionWeights& region : layout.regions) {
+    layout.choices.push_back(feature_choices(ground.ordered, region, groups, method));
+  }
+  return layout;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,103 @@
+#include "trainer/train/judge/heldout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "trainer/train/skinning/linear_blend.h"
+
+namespace bodyopt {
+
+void hold_out_blocks(Dataset& dataset, int every) {
+  constexpr std::size_t kBlock = 10;
+  for (DatasetTake& take : dataset.takes) {
+    take.heldout.clear();
+    for (std::size_t k = 0; k < take.frames.size(); ++k) {
+      if ((k / kBlock) % static_cast<std::size_t>(every) == static_cast<std::size_t>(every) - 1) {
+        take.heldout.push_back(take.frames[k]);
+      }
+    }
+  }
+}
+
+std::vector<Positions> heldout_by_lbs(const SampleSet& set) {
+  std::vector<Positions> shapes;
+  for (const Sample& sample : set.heldout) shapes.push_back(skin_linear(set.character, sample.pose));
+  return shapes;
+}
+
+std::vector<Positions> heldout_by_basis(const SampleSet& set, Deformer& deformer) {
+  std::vector<Positions> shapes;
+  for (const Sample& sample : set.heldout) {
+    Pose pose = sample.pose;
+    if (deformer.basis().residual.controls.empty()) pose.controls.clear();  // a basis that has learned none
+    const Evaluation evaluation = deformer.evaluate({&pose, 1});
+    shapes.push_back(welded_from_output(set.character, evaluation.positions.data()));
+  }
+  return shapes;
+}
+
+namespace {
+
+// The samples of a take are numbered in steps of its frame spacing, so that every second frame still counts as
+// consecutive; takes are set far apart.
+std::vector<int> sample_numbers(const std::vector<Sample>& samples) {
+  std::map<int, int> spacing;
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    if (samples[k].take != samples[k - 1].take) continue;
+    int& step = spacing[samples[k].take];
+    step = std::gcd(step, samples[k].frame - samples[k - 1].frame);
+  }
+  std::vector<int> numbers;
+  for (const Sample& sample : samples) {
+    numbers.push_back(sample.take * 10'000'000 + sample.frame / std::max(1, spacing[sample.take]));
+  }
+  return numbers;
+}
+
+std::vector<float> to_float(const Positions& positions) {
+  return {positions.data(), positions.data() + positions.size()};
+}
+
+}  // namespace
+
+ErrorStatistics heldout_errors(const SampleSet& set, const std::vector<Positions>& shapes) {
+  ErrorAccumulator accumulator(static_cast<std::uint32_t>(set.character.vertices.rows()));
+  const std::vector<int> numbers = sample_numbers(set.heldout);
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    accumulator.add(numbers[k], to_float(shapes[k]), to_float(set.heldout[k].shape.read()));
+  }
+  return accumulator.finish();
+}
+
+VertexErrors vertex_errors(const SampleSet& set, const std::vector<Positions>& shapes) {
+  VertexErrors errors;
+  errors.mean = errors.mean_square = Eigen::VectorXd::Zero(set.character.vertices.rows());
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    const Eigen::VectorXd squares = 1e6 * (shapes[k] - set.heldout[k].shape.read()).rowwise().squaredNorm();
+    errors.mean += squares.cwiseSqrt() / static_cast<double>(shapes.size());
+    errors.mean_square += squares / static_cast<double>(shapes.size());
+  }
+  return errors;
+}
+
+double region_rms(const VertexErrors& errors, const RegionWeights& region) {
+  double sum = 0, weight = 0;
+  for (std::size_t k = 0; k < region.vertices.size(); ++k) {
+    sum += region.weights[k] * errors.mean_square[region.vertices[k]];
+    weight += region.weights[k];
+  }
+  return weight > 0 ? std::sqrt(sum / weight) : 0;
+}
+
+Basis without_residual(const Basis& basis) {
+  Basis bare = basis;
+  bare.strain = {};
+  bare.residual = {};
+  bare.residual.blend_begin.assign(basis.mesh.block_count() + 1, 0);
+  bare.strain.fibre_begin = {0};
+  return bare;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,33 @@
+// How well a method does on frames that training never saw.
+#pragma once
+
+#include <vector>
+
+#include "dataset/compare.h"
+#include "runtime/deformer/deformer.h"
+#include "trainer/train/data/samples.h"
+
+namespace bodyopt {
+
+// Marks every `every`-th block of ten consecutive simulated frames of each take as held out, and nothing else.
+void hold_out_blocks(Dataset& dataset, int every);
+
+// Shapes of the held-out frames, V x 3 welded, posed: by linear blend skinning, and by a basis.
+std::vector<Positions> heldout_by_lbs(const SampleSet& set);
+std::vector<Positions> heldout_by_basis(const SampleSet& set, Deformer& deformer);
+
+// Errors of such shapes against the simulation. Jitter is over consecutive held-out samples of a take.
+ErrorStatistics heldout_errors(const SampleSet& set, const std::vector<Positions>& shapes);
+
+// Errors of such shapes at every vertex over the held-out frames: mean distance (mm), and mean squared distance (mm^2).
+struct VertexErrors {
+  Eigen::VectorXd mean, mean_square;
+};
+VertexErrors vertex_errors(const SampleSet& set, const std::vector<Positions>& shapes);
+// RMS (mm) over the vertices of a region, by its weights.
+double region_rms(const VertexErrors& errors, const RegionWeights& region);
+
+// The basis without its residual and strains: Direct Delta Mush alone.
+Basis without_residual(const Basis& basis);
+
+}  // namespace bodyopt

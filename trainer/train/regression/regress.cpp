@@ -1,0 +1,249 @@
+#include "trainer/train/regression/regress.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+
+#include "trainer/train/regression/stored_half.h"
+
+namespace bodyopt {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+// Multiples of the median distance between centres, and the penalties tried.
+constexpr double kWidths[] = {1, 2, 4};
+constexpr double kLinearPenalties[] = {1e-4, 1e-3, 1e-2, 1e-1};
+constexpr double kKernelPenalties[] = {1e-5, 1e-4, 1e-3, 1e-2};
+
+struct Centres {
+  MatrixXd points;          // M x F
+  std::vector<int> frames;  // M, -1 for the rest pose
+};
+
+// Farthest-point sampling, starting with the rest pose. Distances are those of the frames as they are, so that none is
+// chosen twice.
+Centres choose_centres(const RegressionData& data, int count) {
+  const Index most = std::min<Index>(count, data.features.rows() + 1);
+  MatrixXd points(most, data.features.cols());
+  std::vector<int> frames;
+  Eigen::VectorXd nearest = (data.features.rowwise() - data.rest).rowwise().squaredNorm();
+  for (Index m = 0; m < most; ++m) {
+    Index farthest = -1;
+    if (m > 0 && !(nearest.maxCoeff(&farthest) > 1e-6)) break;
+    points.row(m) = m == 0 ? data.rest : Eigen::RowVectorXd(data.features.row(farthest));
+    frames.push_back(static_cast<int>(farthest));
+    nearest = nearest.cwiseMin((data.features.rowwise() - points.row(m)).rowwise().squaredNorm());
+  }
+  return {points.topRows(static_cast<Index>(frames.size())).unaryExpr(&stored_half), frames};
+}
+
+double median_distance(const MatrixXd& centres) {
+  std::vector<double> distances;
+  const MatrixXd squared = squared_distances(centres, centres);
+  for (Index a = 0; a < centres.rows(); ++a) {
+    for (Index b = 0; b < a; ++b) distances.push_back(std::sqrt(squared(a, b)));
+  }
+  if (distances.empty()) return 1;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+// The fits that features, centres and width leave open: normal equations gathered once for all penalties.
+class KernelRidge {
+ public:
+  KernelRidge(const RegressionData& data, const MatrixXd& centres, double inverse_width2)
+      : inverse_width2_(inverse_width2), kernel_norm_(kernels(centres, centres)) {
+    // What the weights multiply, less its value at rest.
+    MatrixXd regressors(data.features.rows(), data.features.cols() + centres.rows());
+    regressors << data.features.rowwise() - data.rest,
+        kernels(data.features, centres).rowwise() - kernels(data.rest, centres).row(0);
+    const int last = *std::max_element(data.folds.begin(), data.folds.end());
+    for (int fold = -1; fold <= last; ++fold) {
+      std::vector<Index> rows;
+      for (std::size_t n = 0; n < data.folds.size(); ++n) {
+        if (data.folds[n] == fold) rows.push_back(static_cast<Index>(n));
+      }
+      Fold& part = fold < 0 ? guards_ : folds_.emplace_back();
+      part.rows = rows;
+      part.regressors = regressors(rows, Eigen::all);
+      part.targets = data.targets(rows, Eigen::all);
+      part.normal = MatrixXd::Zero(regressors.cols(), regressors.cols());
+      part.normal.selfadjointView<Eigen::Lower>().rankUpdate(part.regressors.transpose());
+      part.right = part.regressors.transpose() * part.targets;
+    }
+  }
+
+  double inverse_width2() const { return inverse_width2_; }
+
+  // Root mean square of what each fold's frames differ from the fit of the others.
+  double validation_error(const Penalty& penalty) const {
+    double sum = 0, frames = 0;
+    for (const Fold& held_out : folds_) {
+      Sums sums = sums_without(&held_out);
+      sum += (held_out.regressors * solve(std::move(sums), penalty) - held_out.targets).squaredNorm();
+      frames += static_cast<double>(held_out.targets.rows());
+    }
+    return std::sqrt(sum / frames);
+  }
+
+  // N x K: what each fold's frames differ from the fit of the others, 0 for frames of no fold.
+  MatrixXd errors(const Penalty& penalty) const {
+    Index frames = static_cast<Index>(guards_.rows.size());
+    for (const Fold& fold : folds_) frames += static_cast<Index>(fold.rows.size());
+    MatrixXd errors = MatrixXd::Zero(frames, guards_.right.cols());
+    for (const Fold& held_out : folds_) {
+      errors(held_out.rows, Eigen::all) =
+          held_out.regressors * solve(sums_without(&held_out), penalty) - held_out.targets;
+    }
+    return errors;
+  }
+
+  // Fitted to all frames.
+  MatrixXd weights(const Penalty& penalty) const {
+    Sums sums = sums_without(nullptr);
+    sums.add(guards_);
+    return solve(std::move(sums), penalty);
+  }
+
+ private:
+  struct Fold {
+    std::vector<Index> rows;
+    MatrixXd regressors, targets, right;
+    MatrixXd normal;  // its lower triangle
+  };
+  struct Sums {
+    MatrixXd normal, right;
+    double frames = 0;
+    void add(const Fold& fold) {
+      normal += fold.normal;
+      right += fold.right;
+      frames += static_cast<double>(fold.targets.rows());
+    }
+  };
+
+  MatrixXd kernels(const MatrixXd& points, const MatrixXd& centres) const {
+    return (squared_distances(points, centres) * -inverse_width2_).array().exp();
+  }
+
+  Sums sums_without(const Fold* held_out) const {
+    Sums sums{MatrixXd::Zero(guards_.normal.rows(), guards_.normal.cols()),
+              MatrixXd::Zero(guards_.right.rows(), guards_.right.cols())};
+    for (const Fold& fold : folds_) {
+      if (&fold != held_out) sums.add(fold);
+    }
+    return sums;
+  }
+
+  MatrixXd solve(Sums sums, const Penalty& penalty) const {
+    const Index kernels = kernel_norm_.rows(), linear = sums.normal.rows() - kernels;
+    sums.normal.diagonal().head(linear).array() += penalty.linear * sums.frames;
+    sums.normal.bottomRightCorner(kernels, kernels) += penalty.kernel * kernel_norm_;
+    // As little as the factorisation needs: kernels far wider than their distances are nearly the same.
+    const Eigen::VectorXd diagonal = sums.normal.diagonal();
+    for (double ridge = 1e-10 * std::max(1.0, sums.normal.trace());; ridge *= 100) {
+      sums.normal.diagonal() = diagonal.array() + ridge;
+      const Eigen::LLT<MatrixXd> factor = sums.normal.selfadjointView<Eigen::Lower>().llt();
+      if (factor.info() == Eigen::Success) return factor.solve(sums.right);
+      if (!std::isfinite(ridge)) throw std::logic_error("normal equations that no ridge makes definite");
+    }
+  }
+
+  double inverse_width2_;
+  MatrixXd kernel_norm_;  // the kernels' inner products
+  Fold guards_;           // frames of no fold
+  std::vector<Fold> folds_;
+};
+
+double inverse_width2(double width, double median) { return 0.5 / std::pow(width * median, 2); }
+
+Regression at_centres(Centres centres) {
+  Regression regression;
+  regression.centres = std::move(centres.points);
+  regression.centre_frames = std::move(centres.frames);
+  return regression;
+}
+
+void finish(const KernelRidge& ridge, const Penalty& penalty, Regression& regression) {
+  regression.inverse_width2 = ridge.inverse_width2();
+  regression.penalty = penalty;
+  regression.weights = ridge.weights(penalty);
+  regression.errors = ridge.errors(penalty);
+}
+
+}  // namespace
+
+MatrixXd squared_distances(const MatrixXd& a, const MatrixXd& b) {
+  MatrixXd distances = -2 * a * b.transpose();
+  distances.colwise() += a.rowwise().squaredNorm();
+  distances.rowwise() += b.rowwise().squaredNorm().transpose();
+  return distances.cwiseMax(0);
+}
+
+double trial_error(const RegressionData& data, int centre_count) {
+  const MatrixXd centres = choose_centres(data, centre_count).points;
+  return KernelRidge(data, centres, inverse_width2(kWidths[1], median_distance(centres))).validation_error({});
+}
+
+// One dial after the other: all combinations would be four times as many fits.
+Regression fit_regression(const RegressionData& data, int centre_count) {
+  Regression best = at_centres(choose_centres(data, centre_count));
+  best.validation_error = std::numeric_limits<double>::infinity();
+  const bool has_kernels = best.centres.rows() > 0;
+  const double median = median_distance(best.centres);
+  std::optional<KernelRidge> ridge;
+  for (const double width : kWidths) {
+    KernelRidge candidate(data, best.centres, inverse_width2(width, median));
+    const double error = candidate.validation_error({});
+    if (!ridge || !(error >= best.validation_error)) {
+      best.validation_error = error;
+      ridge = std::move(candidate);
+    }
+    if (!has_kernels) break;
+  }
+  Penalty penalty;
+  const auto consider = [&](const Penalty& candidate) {
+    const double error = ridge->validation_error(candidate);
+    if (!(error < best.validation_error)) return;
+    best.validation_error = error;
+    penalty = candidate;
+  };
+  if (has_kernels) {
+    for (const double kernel : kKernelPenalties) consider({penalty.linear, kernel});
+  }
+  for (const double linear : kLinearPenalties) consider({linear, penalty.kernel});
+  finish(*ridge, penalty, best);
+  return best;
+}
+
+Regression refit_regression(const RegressionData& data, int centre_count, const Regression& earlier) {
+  Regression regression = at_centres(choose_centres(data, centre_count));
+  const KernelRidge ridge(data, regression.centres, earlier.inverse_width2);
+  finish(ridge, earlier.penalty, regression);
+  const auto guards = std::count(data.folds.begin(), data.folds.end(), -1);
+  const auto heldout = static_cast<double>(data.features.rows() - guards);
+  regression.validation_error = std::sqrt(regression.errors.squaredNorm() / heldout);
+  return regression;
+}
+
+std::vector<int> blocked_folds(const std::vector<int>& takes, int run, int count) {
+  std::vector<int> folds;
+  int position = 0, block = 0;
+  for (std::size_t n = 0; n < takes.size(); ++n) {
+    if (n > 0 && (takes[n] != takes[n - 1] || position == run)) {
+      ++block;
+      position = 0;
+    }
+    const bool guard = position == run - 1;
+    folds.push_back(guard ? -1 : block % count);
+    ++position;
+  }
+  return folds;
+}
+
+}  // namespace bodyopt
