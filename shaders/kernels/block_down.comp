@@ -4,6 +4,7 @@
 // runtime/cpu/dynamics_kernels.h.
 #include "layout.h"
 
+// Threads: kWorkgroupSize * push.strip_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { BlockDownPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { InverseStrip strips[]; };

@@ -3,6 +3,7 @@
 // Block inverse, up, first half: what every slot of a level starts from. Semantics: runtime/cpu/dynamics_kernels.h.
 #include "layout.h"
 
+// Threads: push.end_slot - push.first_slot
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { BlockGatherPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { uint slot_unknown[]; };

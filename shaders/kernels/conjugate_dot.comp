@@ -3,6 +3,7 @@
 // Quality mode: a scalar product, by one workgroup, in one order. Semantics: runtime/cpu/dynamics_kernels.h.
 #include "layout.h"
 
+// Threads: kWorkgroupSize
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { ConjugatePush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { float a[]; };

@@ -4,6 +4,7 @@
 #include "conjugate.h"
 #include "layout.h"
 
+// Threads: push.count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { ConjugatePush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { float rho[]; };

@@ -3,6 +3,7 @@
 // Diffuse stage: -L_IB X_B of every node that is not on the skin. Semantics: runtime/cpu/dynamics_kernels.h.
 #include "layout.h"
 
+// Threads: push.node_count - push.surface_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { DiffuseGatherPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { uint row_begin[]; };

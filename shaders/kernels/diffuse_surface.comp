@@ -4,6 +4,7 @@
 // runtime/cpu/dynamics_kernels.h.
 #include "layout.h"
 
+// Threads: push.surface_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { DiffuseSurfacePush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { SurfacePoint surface[]; };

@@ -4,6 +4,7 @@
 // solve. Semantics: runtime/cpu/dynamics_kernels.h.
 #include "jiggle.h"
 
+// Threads: push.node_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { JiggleStepPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { JiggleNode nodes[]; };

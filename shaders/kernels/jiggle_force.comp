@@ -3,6 +3,7 @@
 // Jiggle stage, quality mode: product with the corotated operator. Semantics: runtime/cpu/dynamics_kernels.h.
 #include "jiggle.h"
 
+// Threads: push.node_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { JiggleForcePush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { TetShape shapes[]; };

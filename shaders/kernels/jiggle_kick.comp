@@ -4,6 +4,7 @@
 // runtime/cpu/dynamics_kernels.h. Elements are the 3 N numbers.
 #include "layout.h"
 
+// Threads: 3 * push.node_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { JiggleKickPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { float nodes[]; };  // of the batch

@@ -3,6 +3,7 @@
 // Jiggle stage: the skin goes along with its tets. Semantics: runtime/cpu/dynamics_kernels.h.
 #include "layout.h"
 
+// Threads: push.vertex_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { JiggleSkinPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { uint tets[]; };

@@ -3,6 +3,7 @@
 // Jiggle stage, quality mode: what every tet pulls with. Semantics: runtime/cpu/dynamics_kernels.h.
 #include "jiggle.h"
 
+// Threads: push.tet_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { JiggleStressPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { uint tets[]; };

@@ -4,6 +4,7 @@
 #include "layout.h"
 #include "rotation.h"
 
+// Threads: push.tet_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { JiggleTetRotatePush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { uint tets[]; };

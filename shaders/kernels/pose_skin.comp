@@ -3,6 +3,7 @@
 // Pose stage: x = t + R (d + delta d) + origin. Semantics: runtime/cpu/kernels.h.
 #include "layout.h"
 
+// Threads: push.end_vertex - push.first_vertex
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { PoseSkinPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { uint block_begin[]; };

@@ -4,6 +4,7 @@
 // runtime/cpu/kernels.h.
 #include "layout.h"
 
+// Threads: push.vertex_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { ResidualBlendPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { uint blend_begin[]; };

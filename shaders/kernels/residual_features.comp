@@ -4,6 +4,7 @@
 // outside that range they were. Semantics: runtime/cpu/kernels.h.
 #include "layout.h"
 
+// Threads: push.joint_feature_count + push.strain_count + push.control_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { ResidualFeaturesPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { FeatureRange ranges[]; };

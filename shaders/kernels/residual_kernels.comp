@@ -3,6 +3,7 @@
 // Residual stage: Gaussian kernels of a region's coordinates around training frames. Semantics: runtime/cpu/kernels.h.
 #include "layout.h"
 
+// Threads: push.centre_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { ResidualKernelsPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { Region regions[]; };

@@ -3,6 +3,7 @@
 // Residual stage: the coordinates of a region, p = P f. Semantics: runtime/cpu/kernels.h.
 #include "layout.h"
 
+// Threads: push.coordinate_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { ResidualProjectPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { Region regions[]; };

@@ -3,6 +3,7 @@
 // Strain stage: length of every fibre over its rest length, minus one. Semantics: runtime/cpu/kernels.h.
 #include "layout.h"
 
+// Threads: push.fibre_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { StrainMeasurePush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { FibrePoint points[]; };

@@ -4,6 +4,7 @@
 // fibres. Semantics: runtime/cpu/kernels.h.
 #include "layout.h"
 
+// Threads: push.strain_vertex_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { StrainSkinPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { uint block_begin[]; };

@@ -1,6 +1,5 @@
-#include "runtime/vulkan/kernels/block_gather.h"
-
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/vulkan/kernels/windows.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/small_inverse.h"
 
@@ -44,8 +43,8 @@ TEST_F(BlockGather, EqualsTheReference) {
         const auto outputs = run_kernel(*device_, {c.before.size()}, [&](auto& commands, const auto& out) {
           commands.copy({before, 0, sizeof(float) * c.before.size()}, out[0]);
           commands.barrier();
-          kernel.record(commands, {inverse, right_sides, results, out[0]}, inverse.levels[l], sides.count,
-                        sides.interleave);
+          vulkan::record_block_gather(commands, kernel, {inverse, right_sides, results, out[0]}, inverse.levels[l],
+                                      sides.count, sides.interleave);
         });
         expect_close(outputs[0], c.on_cpu(c.small.inverse.levels[l]), 0);  // sums in one order; other levels are left
       }

@@ -1,6 +1,5 @@
-#include "runtime/vulkan/kernels/block_up.h"
-
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/vulkan/kernels/windows.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/small_inverse.h"
 
@@ -42,7 +41,7 @@ TEST_F(BlockUp, EqualsTheReference) {
         const auto outputs = run_kernel(*device_, {c.before.size()}, [&](auto& commands, const auto& out) {
           commands.copy({before, 0, sizeof(float) * c.before.size()}, out[0]);
           commands.barrier();
-          kernel.record(commands, {inverse, gathered, out[0]}, inverse.levels[l], right_sides);
+          vulkan::record_block_up(commands, kernel, {inverse, gathered, out[0]}, inverse.levels[l], right_sides);
         });
         expect_close(outputs[0], c.on_cpu(c.small.inverse.levels[l]), 0);  // one order; other levels are left
       }

@@ -1,6 +1,5 @@
-#include "runtime/vulkan/kernels/conjugate_direction.h"
-
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/vulkan/kernels/kernels.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"
 

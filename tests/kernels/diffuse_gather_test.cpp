@@ -1,6 +1,5 @@
-#include "runtime/vulkan/kernels/diffuse_gather.h"
-
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/vulkan/kernels/kernels.h"
 #include "tests/simulate/tet_block.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tets.h"

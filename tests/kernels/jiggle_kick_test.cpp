@@ -1,8 +1,7 @@
-#include "runtime/vulkan/kernels/jiggle_kick.h"
-
 #include <limits>
 
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/vulkan/kernels/kernels.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_jiggle.h"
 

@@ -1,6 +1,5 @@
-#include "runtime/vulkan/kernels/jiggle_stress.h"
-
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/vulkan/kernels/kernels.h"
 #include "tests/support/corotated_matrix.h"
 #include "tests/support/gpu_fixture.h"
 

@@ -1,8 +1,7 @@
-#include "runtime/vulkan/kernels/output_normals.h"
-
 #include <Eigen/Dense>
 
 #include "runtime/cpu/kernels.h"
+#include "runtime/vulkan/kernels/kernels.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"
 

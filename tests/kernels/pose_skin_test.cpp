@@ -1,7 +1,6 @@
-#include "runtime/vulkan/kernels/pose_skin.h"
-
 #include "runtime/core/error.h"
 #include "runtime/cpu/kernels.h"
+#include "runtime/vulkan/kernels/windows.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"
 #include "tests/support/textbook_ddm.h"
@@ -33,7 +32,7 @@ struct Case {
     const auto s = vulkan::upload(device, skinning, "skinning"), o = vulkan::upload(device, origins, "origins"),
                d = vulkan::upload(device, displacements, "displacements");
     return run_kernel(device, {displacements.size()}, [&](auto& commands, const auto& outputs) {
-      kernel.record(commands, {table, s, o, d, outputs[0]}, vertices, kJoints, frames);
+      vulkan::record_pose_skin(commands, kernel, {table, s, o, d, outputs[0]}, vertices, kJoints, frames);
     })[0];
   }
 

@@ -1,7 +1,6 @@
-#include "runtime/vulkan/kernels/residual_kernels.h"
-
 #include "runtime/core/half.h"
 #include "runtime/cpu/kernels.h"
+#include "runtime/vulkan/kernels/kernels.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"
 

@@ -1,6 +1,5 @@
-#include "runtime/vulkan/kernels/strain_skin.h"
-
 #include "runtime/cpu/kernels.h"
+#include "runtime/vulkan/kernels/windows.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"
 #include "tests/support/textbook_ddm.h"
@@ -32,8 +31,8 @@ struct Case {
     const auto s = vulkan::upload(device, skinning, "skinning"),
                v = vulkan::upload(device, strain.vertices, "vertices");
     return run_kernel(device, {count()}, [&](auto& commands, const auto& outputs) {
-      kernel.record(commands, {table, s, v, outputs[0]}, static_cast<std::uint32_t>(strain.vertices.size()), kJoints,
-                    frames);
+      vulkan::record_strain_skin(commands, kernel, {table, s, v, outputs[0]},
+                                 static_cast<std::uint32_t>(strain.vertices.size()), kJoints, frames);
     })[0];
   }
 

@@ -4,8 +4,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
-#include "runtime/vulkan/kernels/output_normals.h"
-#include "runtime/vulkan/kernels/residual_blend.h"
+#include "runtime/vulkan/kernels/kernels.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"
 

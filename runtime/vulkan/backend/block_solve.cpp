@@ -8,14 +8,15 @@ void BlockSolve::record(Commands& commands, const Buffers& buffers, std::uint32_
                         std::uint32_t interleave) const {
   const auto& [inverse, right_sides, gathered, results, solutions] = buffers;
   for (const InverseBuffers::Level& level : inverse.levels) {
-    gather_.record(commands, {inverse, right_sides, results, gathered}, level, right_side_count, interleave);
+    record_block_gather(commands, gather_, {inverse, right_sides, results, gathered}, level, right_side_count,
+                        interleave);
     commands.barrier();
-    up_.record(commands, {inverse, gathered, results}, level, right_side_count);
+    record_block_up(commands, up_, {inverse, gathered, results}, level, right_side_count);
     commands.barrier();
   }
   for (auto level = inverse.levels.rbegin(); level != inverse.levels.rend(); ++level) {
     if (level != inverse.levels.rbegin()) commands.barrier();
-    down_.record(commands, {inverse, results, solutions}, *level, right_side_count, interleave);
+    record_block_down(commands, down_, {inverse, results, solutions}, *level, right_side_count, interleave);
   }
 }
 

@@ -1,9 +1,7 @@
 // A block inverse's solve on the device: all levels up, then down (runtime/cpu/dynamics_kernels.h, block_solve).
 #pragma once
 
-#include "runtime/vulkan/kernels/block_down.h"
-#include "runtime/vulkan/kernels/block_gather.h"
-#include "runtime/vulkan/kernels/block_up.h"
+#include "runtime/vulkan/kernels/windows.h"
 
 namespace bodyopt::vulkan {
 

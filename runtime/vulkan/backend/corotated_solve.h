@@ -5,12 +5,7 @@
 
 #include "runtime/basis/dynamics.h"
 #include "runtime/vulkan/backend/block_solve.h"
-#include "runtime/vulkan/kernels/conjugate_direction.h"
-#include "runtime/vulkan/kernels/conjugate_dot.h"
-#include "runtime/vulkan/kernels/conjugate_step.h"
-#include "runtime/vulkan/kernels/jiggle_force.h"
-#include "runtime/vulkan/kernels/jiggle_stress.h"
-#include "runtime/vulkan/kernels/jiggle_tet_rotate.h"
+#include "runtime/vulkan/kernels/kernels.h"
 
 namespace bodyopt::vulkan {
 

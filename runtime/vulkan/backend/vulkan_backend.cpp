@@ -10,15 +10,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/vulkan/backend/vulkan_dynamics.h"
-#include "runtime/vulkan/kernels/output_normals.h"
-#include "runtime/vulkan/kernels/pose_skin.h"
-#include "runtime/vulkan/kernels/residual_blend.h"
-#include "runtime/vulkan/kernels/residual_coefficients.h"
-#include "runtime/vulkan/kernels/residual_features.h"
-#include "runtime/vulkan/kernels/residual_kernels.h"
-#include "runtime/vulkan/kernels/residual_project.h"
-#include "runtime/vulkan/kernels/strain_measure.h"
-#include "runtime/vulkan/kernels/strain_skin.h"
+#include "runtime/vulkan/kernels/windows.h"
 
 namespace bodyopt {
 namespace vulkan {
@@ -216,9 +208,9 @@ class VulkanBackend final : public Backend {
     record_residual(frames);
     end_stage("residual");
     const BatchBuffers& b = *buffers_;
-    pose_skin_.record(commands_,
-                      {tables_.ddm, b.skinning.buffer, b.origins.buffer, b.displacements.buffer, b.positions.buffer},
-                      counts_.vertices, counts_.joints, frames);
+    record_pose_skin(commands_, pose_skin_,
+                     {tables_.ddm, b.skinning.buffer, b.origins.buffer, b.displacements.buffer, b.positions.buffer},
+                     counts_.vertices, counts_.joints, frames);
     end_stage("pose");
     if (!batch.jiggle.empty()) record_dynamics(batch);
     stays_on_device_ = batch.stays_on_device;
@@ -271,8 +263,9 @@ class VulkanBackend final : public Backend {
   void record_strain(std::uint32_t frames) {
     const BatchBuffers& b = *buffers_;
     const Tables& t = tables_;
-    strain_skin_.record(commands_, {t.ddm, b.skinning.buffer, t.strain_vertices, b.strain_positions.buffer},
-                        counts_.strain_vertices, counts_.joints, frames);
+    record_strain_skin(commands_, strain_skin_,
+                       {t.ddm, b.skinning.buffer, t.strain_vertices, b.strain_positions.buffer},
+                       counts_.strain_vertices, counts_.joints, frames);
     commands_.barrier();
     strain_measure_.record(commands_,
                            {t.points, t.fibre_begin, t.rest_length, b.strain_positions.buffer, b.strains.buffer},

@@ -10,14 +10,7 @@
 #include "runtime/host/jiggle_stages.h"
 #include "runtime/vulkan/backend/block_solve.h"
 #include "runtime/vulkan/backend/corotated_solve.h"
-#include "runtime/vulkan/kernels/diffuse_gather.h"
-#include "runtime/vulkan/kernels/diffuse_surface.h"
-#include "runtime/vulkan/kernels/jiggle_advance.h"
-#include "runtime/vulkan/kernels/jiggle_begin.h"
-#include "runtime/vulkan/kernels/jiggle_end.h"
-#include "runtime/vulkan/kernels/jiggle_kick.h"
-#include "runtime/vulkan/kernels/jiggle_rotate.h"
-#include "runtime/vulkan/kernels/jiggle_skin.h"
+#include "runtime/vulkan/kernels/kernels.h"
 
 namespace bodyopt::vulkan {
 
