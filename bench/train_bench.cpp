@@ -109,7 +109,7 @@ const Training& training() {
     film();
     PeakMemory::reset();
     const Stopwatch watch;
-    Basis basis = train(film(), {});
+    Basis basis = train(film(), {}).basis;
     return Training{std::move(basis), watch.cost(), PeakMemory::gib()};
   };
   static const Training result = run();

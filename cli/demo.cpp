@@ -259,7 +259,7 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
   const Evaluation evaluated = device.evaluate(poses);
   demo.seconds.eval = evaluating.seconds();
   write_cache(folder / "heldout.pc2", set, evaluated);
-  Deformer on_cpu(training.basis, {.name = "cpu"});
+  Deformer on_cpu(training.result.basis, {.name = "cpu"});
   demo.cpu_gpu_max_difference_m = largest_difference(evaluated.positions, on_cpu.evaluate(poses).positions);
 
   describe_simulation(dataset, demo);
@@ -271,9 +271,9 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
   if (!has_pictures) spdlog::warn("no Vulkan device: the report has no pictures");
   const std::vector<Positions> shapes = welded_shapes(set, evaluated);
   const std::string pictures_on = has_pictures ? arguments.device.choice.name : "";
-  ReportData report = report_of(set, {}, training, shapes, pictures_on);
+  ReportData report = report_of(set, training, shapes, pictures_on);
   if (has_pictures) add_chosen_pictures(set, shapes, pictures_on, report);
-  report.jiggle = demo_jiggle(set, training.basis, arguments.device.choice, pictures_on, folder);
+  report.jiggle = demo_jiggle(set, training.result.basis, arguments.device.choice, pictures_on, folder);
   report.character.name = "built-in arm";
   report.device = device.device_name();
   report.provenance = provenance_of(dataset, dataset.folder / "dataset.json", set, {}, basis_file);

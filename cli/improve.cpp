@@ -209,7 +209,7 @@ void run(const ImproveArguments& arguments) {
     const Dataset grown = read_dataset(path);
     const SampleSet set = read_samples(grown), test = tested(set, shots);
     const MethodErrors before = errors_on(basis, test);
-    basis = train_and_measure(set, options, false, grown.unit, arguments.basis).basis;
+    basis = train_and_measure(set, options, false, grown.unit, arguments.basis).result.basis;
     attach_own_meshes(grown.folder / grown.character, grown.unit, set.character.output_count(), basis, arguments.basis);
     const MethodErrors after = errors_on(basis, test);
     const double rest_before = root_mean_square(expected), rest_after = root_mean_square(expected_of(basis, shots));

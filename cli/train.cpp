@@ -75,9 +75,8 @@ void report(const TrainArguments& arguments, const Dataset& dataset, const std::
             const SampleSet& set, const Training& training) {
   const bool has_pictures = has_vulkan_device();
   if (!has_pictures) spdlog::warn("no Vulkan device: the report has no pictures");
-  Deformer full(training.basis, {.name = "cpu"});
-  ReportData data =
-      report_of(set, arguments.options, training, heldout_by_basis(set, full), has_pictures ? "auto" : "");
+  Deformer full(training.result.basis, {.name = "cpu"});
+  ReportData data = report_of(set, training, heldout_by_basis(set, full), has_pictures ? "auto" : "");
   data.device = full.device_name();
   data.character.name = std::filesystem::path(dataset.character).stem().string();
   data.provenance = provenance_of(dataset, path, set, arguments.options, arguments.out);
@@ -121,20 +120,20 @@ void run(TrainArguments arguments) {
 
   const double preparing = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Training training = train_and_measure(set, arguments.options, arguments.ablate, dataset.unit, arguments.out);
-  const Basis& basis = training.basis;
+  const Basis& basis = training.result.basis;
   const std::vector<AttachedMesh> attached = attach_own_meshes(dataset.folder / dataset.character, dataset.unit,
                                                                set.character.output_count(), basis, arguments.out);
   const double seconds = preparing + training.seconds;
 
   const double per_vertex = bytes_per_vertex(basis);
-  const double expected = Json::parse(basis.metadata.at("report")).at("expected_rms_mm");
+  const double expected = training.result.expected_mm;
   Json result = {{"basis", arguments.out},
                  {"train_frames", set.train.size()},
                  {"heldout_frames", set.heldout.size()},
                  {"unconverged_frames", set.unconverged},
                  {"bytes_per_vertex", per_vertex},
                  {"expected_rms_mm", expected},
-                 {"warnings", training_warnings(basis)},
+                 {"warnings", training.result.warnings},
                  {"unposing_residual_mm", {{"lbs", training.unposing.lbs}, {"ddm", training.unposing.ddm}}},
                  {"attached", to_json(attached)},
                  {"seconds", seconds}};

@@ -8,7 +8,6 @@
 
 #include "cli/results/report_pictures.h"
 #include "trainer/train/coverage/coverage.h"
-#include "trainer/train/fit/train.h"
 #include "trainer/train/judge/ablation.h"
 #include "trainer/train/judge/test_errors.h"
 #include "trainer/train/pack/trade_off.h"
@@ -56,35 +55,32 @@ void describe_character(const SampleSet& set, ReportData& report) {
   report.dataset.unconverged = static_cast<std::uint32_t>(set.unconverged);
 }
 
-// What the basis' metadata tell.
-void describe_basis(const Basis& basis, ReportData& report) {
+void describe_result(const TrainingResult& result, ReportData& report) {
+  const Basis& basis = result.basis;
   const double vertices = std::max(1u, basis.mesh.vertex_count());
   report.bytes_per_vertex = bytes_per_vertex(basis);
   for (const auto& [stage, bytes] : table_bytes(basis)) {
     report.bytes_by_stage.emplace_back(stage, static_cast<double>(bytes) / vertices);
   }
-  for (const TradeOffPoint& point : read_curve(basis)) {
+  for (const TradeOffPoint& point : result.curve) {
     report.trade_off.push_back({point.bytes_per_vertex, point.expected_mm, point.microseconds, point.coefficients});
   }
-  const Json own = Json::parse(basis.metadata.at("report"));
-  report.expected_rms_mm = own.at("expected_rms_mm");
-  for (const Json& region : own.at("regions")) {
-    report.regions.push_back({region.at("name"), region.at("motion_rms_mm"), region.at("validation_rms_mm"), {}, {}});
+  report.expected_rms_mm = result.expected_mm;
+  for (const RegionFit& fit : result.fits) {
+    report.regions.push_back({fit.name, fit.motion_rms_mm, fit.validation_rms_mm, {}, {}});
   }
-  for (const auto& [name, percent] : own.at("muscles_explain_percent").items()) {
-    report.muscles.push_back({name, percent});
-  }
+  for (const MuscleShare& muscle : result.muscles) report.muscles.push_back({muscle.name, muscle.percent});
   std::stable_sort(report.muscles.begin(), report.muscles.end(),
                    [](const MuscleReport& a, const MuscleReport& b) { return a.percent > b.percent; });
-  report.warnings = training_warnings(basis);
+  report.warnings = result.warnings;
 }
 
 CoverageReport heldout_coverage(const SampleSet& set, const Training& training) {
   constexpr std::size_t kWorst = 20;
-  const std::vector<RegionCoverage> regions = read_coverage(training.basis);
+  const std::vector<RegionCoverage>& regions = training.result.coverage;
   CoverageReport report;
   for (const RegionCoverage& region : regions) report.regions.push_back(region.name);
-  for (const ExpectedError& error : expected_errors(training.basis, regions, heldout_poses(set))) {
+  for (const ExpectedError& error : expected_errors(training.result.basis, regions, heldout_poses(set))) {
     report.frame_mm.push_back(error.rms_mm);
     report.region_mm.push_back(error.region_mm);
   }
@@ -140,17 +136,17 @@ std::vector<TakeReport> take_reports(const SampleSet& set, const Basis& basis) {
 Training train_and_measure(const SampleSet& set, const TrainOptions& options, bool ablate, double unit,
                            const std::string& out) {
   const auto start = std::chrono::steady_clock::now();
-  std::vector<std::string> notes;
-  Training training{train(set, options, &notes), 0, {}, {}};
-  for (const std::string& note : notes) spdlog::info(note);
+  Training training{train(set, options), 0, {}, {}};
+  for (const std::string& note : training.result.notes) spdlog::info(note);
   training.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  say(training_warnings(training.basis));
-  keep_unit(training.basis, unit);
-  save_basis(training.basis, out);
-  training.unposing = unposing_residual(set, training.basis);
+  Basis& basis = training.result.basis;
+  say(training.result.warnings);
+  keep_unit(basis, unit);
+  save_basis(basis, out);
+  training.unposing = unposing_residual(set, basis);
   if (set.heldout.empty()) return training;
-  for (const AblationRow& row : ablate ? bodyopt::ablate(set, options, training.basis, training.seconds)
-                                       : compare_with_skinning(set, training.basis, training.seconds)) {
+  for (const AblationRow& row : ablate ? bodyopt::ablate(set, options, basis, training.seconds)
+                                       : compare_with_skinning(set, basis, training.seconds)) {
     training.methods.push_back(method_of(row));
   }
   return training;
@@ -172,21 +168,21 @@ std::vector<Pose> heldout_poses(const SampleSet& set) {
   return poses;
 }
 
-ReportData report_of(const SampleSet& set, const TrainOptions& options, const Training& training,
-                     const std::vector<Positions>& shapes, const std::string& pictures_on) {
+ReportData report_of(const SampleSet& set, const Training& training, const std::vector<Positions>& shapes,
+                     const std::string& pictures_on) {
   ReportData report;
   describe_character(set, report);
-  describe_basis(training.basis, report);
+  describe_result(training.result, report);
   report.unposing_residual_mm.lbs = training.unposing.lbs;
   report.unposing_residual_mm.ddm = training.unposing.ddm;
   report.train_seconds = training.seconds;
   report.methods = training.methods;
   if (!training.methods.empty()) {
-    report.takes = take_reports(set, training.basis);
+    report.takes = take_reports(set, training.result.basis);
     const VertexErrors errors = vertex_errors(set, shapes);
     report.heldout = heldout_axis(set);
     report.coverage = heldout_coverage(set, training);
-    const std::vector<RegionWeights> regions = training_regions(set, options);
+    const std::vector<RegionWeights>& regions = training.result.regions;
     add_heldout_errors(regions, errors, report);
     if (!pictures_on.empty()) {
       ReportPictures pictures(set, shapes, training.methods.back(), pictures_on);

@@ -6,6 +6,7 @@
 
 #include "cli/arguments/common.h"
 #include "report/report.h"
+#include "trainer/train/fit/train.h"
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/judge/unposing_residual.h"
 #include "trainer/train/options.h"
@@ -13,7 +14,7 @@
 namespace bodyopt::cli {
 
 struct Training {
-  Basis basis;
+  TrainingResult result;
   double seconds = 0;
   std::vector<MethodReport> methods;  // linear blending, Direct Delta Mush, any others, the basis; none without
                                       // held-out frames
@@ -33,7 +34,7 @@ std::vector<Pose> heldout_poses(const SampleSet& set);
 
 // The report of a training, but for its provenance. `shapes`: of the held-out frames, by the basis; `pictures_on`: the
 // Vulkan device that draws pictures, empty for none.
-ReportData report_of(const SampleSet& set, const TrainOptions& options, const Training& training,
-                     const std::vector<Positions>& shapes, const std::string& pictures_on);
+ReportData report_of(const SampleSet& set, const Training& training, const std::vector<Positions>& shapes,
+                     const std::string& pictures_on);
 
 }  // namespace bodyopt::cli

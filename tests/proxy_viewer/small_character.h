@@ -10,6 +10,7 @@
 #include "tests/support/small_basis.h"
 #include "tests/support/small_dynamics.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
 
 namespace bodyopt::testing {
@@ -59,7 +60,7 @@ struct SmallCharacter {
 // A limb that learned from shapes, and so knows what it covers; at rest.
 struct TrainedCharacter {
   explicit TrainedCharacter(const TemporaryFolder& folder)
-      : made(train(limb_samples(160, 0), {.centres = 60})), basis((folder / "trained.safetensors").string()) {
+      : made(trained_basis(limb_samples(160, 0), {.centres = 60})), basis((folder / "trained.safetensors").string()) {
     save_basis(made, basis);
   }
   Basis made;

@@ -12,6 +12,7 @@
 #include "tests/support/damaged_cache.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/trained_basis.h"
 #include "trainer/train/data/contradictions.h"
 #include "trainer/train/data/stray_vertices.h"
 #include "trainer/train/fit/train.h"
@@ -29,9 +30,9 @@ const SampleSet& clean() {
   return set;
 }
 
-const Basis& clean_basis() {
-  static const Basis basis = train(clean(), kSmall);
-  return basis;
+const TrainingResult& clean_result() {
+  static const TrainingResult result = train(clean(), kSmall);
+  return result;
 }
 
 double heldout_rms(const SampleSet& set, const Basis& basis) {
@@ -95,29 +96,26 @@ TEST(StrayVertices, AreNotWhatTheSkinDoes) {
   EXPECT_EQ(displacements, before);
 }
 
-TEST(BadData, CleanDataGivesNoWarnings) {
-  EXPECT_EQ(training_warnings(clean_basis()), std::vector<std::string>{});
-  EXPECT_EQ(training_warnings(without_residual(clean_basis())), std::vector<std::string>{});
-  EXPECT_EQ(training_warnings(build_ddm_basis(clean().character, {})), std::vector<std::string>{});
-}
+TEST(BadData, CleanDataGivesNoWarnings) { EXPECT_EQ(clean_result().warnings, std::vector<std::string>{}); }
 
 TEST(BadData, AVertexThatFliesAwayIsNamedAndHardlyMatters) {
   SampleSet set = clean();
   Positions shape = set.train[33].shape.read();
   shape.row(345) += Eigen::RowVector3d(0.3, -0.4, 0);
   set.train[33].shape = shape;
-  const Basis basis = train(set, kSmall);
-  const std::vector<std::string> warnings = training_warnings(basis);
+  const TrainingResult result = train(set, kSmall);
+  const Basis& basis = result.basis;
+  const std::vector<std::string>& warnings = result.warnings;
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0].find("frame 34 of take 'training': vertex 345 is "), 0u) << warnings[0];
   EXPECT_NEAR(std::stod(warnings[0].substr(warnings[0].find(" is ") + 4)), 500, 10);
-  const double error = heldout_rms(set, basis), before = heldout_rms(clean(), clean_basis());
+  const double error = heldout_rms(set, basis), before = heldout_rms(clean(), clean_result().basis);
   RecordProperty("rms_mm", std::to_string(before) + " clean, " + std::to_string(error) + " mended");
   EXPECT_NEAR(error, before, 0.03 * before);
   // The same, however much of the skin is in memory.
   TrainOptions little = kSmall;
   little.memory_gib = 1e-6;
-  EXPECT_EQ(testing::difference(basis, train(set, little)), "");
+  EXPECT_EQ(testing::difference(basis, trained_basis(set, little)), "");
 }
 
 TEST(BadData, ManyStrayVerticesAreCounted) {
@@ -127,7 +125,7 @@ TEST(BadData, ManyStrayVerticesAreCounted) {
     shape(static_cast<Eigen::Index>(30 * n), 2) += 0.2;
     set.train[n].shape = shape;
   }
-  const std::vector<std::string> warnings = training_warnings(train(set, kSmall));
+  const std::vector<std::string> warnings = train(set, kSmall).warnings;
   ASSERT_EQ(warnings.size(), 6u);
   EXPECT_EQ(warnings[5], "3 more vertices of single frames flew away from their neighbours");
 }
@@ -152,7 +150,7 @@ SampleSet with_second_take(double bulge) {
 }
 
 TEST(BadData, ContradictoryShapesOfOnePoseAreNamed) {
-  const std::vector<std::string> warnings = training_warnings(train(with_second_take(0.02), kSmall));
+  const std::vector<std::string> warnings = train(with_second_take(0.02), kSmall).warnings;
   ASSERT_EQ(warnings.size(), 6u);
   for (std::size_t k = 0; k < 5; ++k) {
     EXPECT_NE(warnings[k].find(" of take 'training' and frame "), std::string::npos) << warnings[k];
@@ -165,7 +163,7 @@ TEST(BadData, ContradictoryShapesOfOnePoseAreNamed) {
 }
 
 TEST(BadData, AgreeingShapesOfOnePoseAreFine) {
-  EXPECT_EQ(training_warnings(train(with_second_take(1e-5), kSmall)), std::vector<std::string>{});
+  EXPECT_EQ(train(with_second_take(1e-5), kSmall).warnings, std::vector<std::string>{});
 }
 
 // The same pose with another value of a control is another matter.
@@ -174,7 +172,7 @@ TEST(BadData, ControlsTellPosesApart) {
   set.controls = {"bulge"};
   for (Sample& sample : set.train) sample.pose.controls = {sample.take == 2 ? 1.0f : 0.0f};
   for (Sample& sample : set.heldout) sample.pose.controls = {0.0f};
-  EXPECT_EQ(training_warnings(train(set, kSmall)), std::vector<std::string>{});
+  EXPECT_EQ(train(set, kSmall).warnings, std::vector<std::string>{});
 }
 
 TEST(Contradictions, FramesOfOnePoseAreThoseThatComparingAllFinds) {
@@ -206,8 +204,9 @@ TEST(BadData, ConstantControlsAndFewFramesAreSaid) {
   for (Sample& sample : set.train) {
     sample.pose.controls = {0.5f, static_cast<float>(std::sin(sample.frame))};
   }
-  const Basis basis = train(set, kSmall);
-  const std::vector<std::string> warnings = training_warnings(basis);
+  const TrainingResult result = train(set, kSmall);
+  const Basis& basis = result.basis;
+  const std::vector<std::string>& warnings = result.warnings;
   ASSERT_EQ(warnings.size(), 2u);
   EXPECT_EQ(warnings[0], "control 'still' is 0.5 in every training frame: what it does cannot be learned");
   EXPECT_EQ(warnings[1].find("14 training frames for "), 0u) << warnings[1];
@@ -222,7 +221,7 @@ TEST(BadData, ConstantControlsAndFewFramesAreSaid) {
 
 std::string message_of(const SampleSet& set) {
   try {
-    train(set, kSmall);
+    trained_basis(set, kSmall);
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::mismatch);
     return error.what();
@@ -267,7 +266,7 @@ TEST(BadData, AFileThatHoldsNoNumbersIsNamedWithItsFrame) {
       std::make_shared<const ShapeCache>(ShapeReader(path), std::make_shared<const Character>(set.character));
   for (std::uint32_t n = 0; n < 80; ++n) set.train[n].shape = {cache, n};
   try {
-    train(set, kSmall);
+    trained_basis(set, kSmall);
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::file);

@@ -9,6 +9,7 @@
 
 #include "runtime/core/error.h"
 #include "tests/support/capsule_limb.h"
+#include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/judge/heldout.h"
 
@@ -21,7 +22,7 @@ const SampleSet& samples() {
 }
 
 const Basis& basis() {
-  static const Basis trained = train(samples(), {.centres = 60});
+  static const Basis trained = trained_basis(samples(), {.centres = 60});
   return trained;
 }
 
@@ -60,7 +61,7 @@ TEST(Coverage, SeesJointsThatTrainingNeverMoved) {
     sample.pose.joints[2].rotation = bind_pose(still.character.skeleton).joints[2].rotation;
     sample.shape = limb_truth(still.character, still.muscles, sample.pose);
   }
-  const Basis stiff = train(still, {.centres = 60});
+  const Basis stiff = trained_basis(still, {.centres = 60});
   Pose turned = still.train[20].pose;
   turned.joints[2].rotation = turned.joints[2].rotation * axis_angle({0, 1, 0}, 0.5);
   const auto errors = expected_errors(stiff, read_coverage(stiff), {still.train[20].pose, turned});

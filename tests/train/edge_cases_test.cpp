@@ -4,6 +4,7 @@
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"
+#include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
 
 namespace bodyopt {
@@ -11,7 +12,7 @@ namespace {
 
 // Trains, loads the basis into the runtime (which validates it) and evaluates the training frames.
 double worst_error(const SampleSet& set) {
-  Deformer deformer(train(set, {.components = 6, .centres = 12}), {.name = "cpu"});
+  Deformer deformer(trained_basis(set, {.components = 6, .centres = 12}), {.name = "cpu"});
   double worst = 0;
   for (const Sample& sample : set.train) {
     const Positions shape = welded_from_output(set.character, deformer.evaluate({&sample.pose, 1}).positions.data());
@@ -93,7 +94,7 @@ TEST(TrainEdgeCases, LooseVerticesAndDegenerateTriangles) {
 TEST(TrainEdgeCases, RefusesShapesThatDoNotFit) {
   const auto kind = [](const SampleSet& set) {
     try {
-      train(set, {});
+      trained_basis(set, {});
     } catch (const Error& error) {
       return error.kind();
     }

@@ -13,6 +13,7 @@
 #include "tests/support/capsule_limb.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/pack/trade_off.h"
@@ -50,7 +51,7 @@ TrainOptions updating(const TemporaryFolder& folder) {
 }
 
 const Basis& from_the_start() {
-  static const Basis basis = train(samples(), {.components = 8, .centres = 60});
+  static const Basis basis = trained_basis(samples(), {.components = 8, .centres = 60});
   return basis;
 }
 
@@ -87,29 +88,29 @@ void spoil_region(const TemporaryFolder& folder, std::size_t number) {
 
 TEST(StagedFit, GoesOnWhereItStopped) {
   const TemporaryFolder folder;
-  EXPECT_EQ(testing::difference(train(samples(), keeping(folder)), from_the_start()), "");
+  EXPECT_EQ(testing::difference(trained_basis(samples(), keeping(folder)), from_the_start()), "");
   const std::size_t regions = TrainingStore(folder / "kept").layout()->layout.regions.size();
   ASSERT_GT(regions, 2u);
   // As if it had been interrupted after one region, and after the layout.
   for (std::size_t r = 1; r < regions; ++r) ASSERT_TRUE(fs::remove(region_file(folder, r)));
-  EXPECT_EQ(testing::difference(train(samples(), keeping(folder)), from_the_start()), "");
+  EXPECT_EQ(testing::difference(trained_basis(samples(), keeping(folder)), from_the_start()), "");
   for (std::size_t r = 0; r < regions; ++r) ASSERT_TRUE(fs::remove(region_file(folder, r)));
-  EXPECT_EQ(testing::difference(train(samples(), keeping(folder)), from_the_start()), "");
+  EXPECT_EQ(testing::difference(trained_basis(samples(), keeping(folder)), from_the_start()), "");
   // What is kept is used: nothing else would notice that it was spoilt.
   spoil_region(folder, 1);
-  EXPECT_EQ(testing::difference(train(samples(), keeping(folder)), from_the_start()), "residual");
+  EXPECT_EQ(testing::difference(trained_basis(samples(), keeping(folder)), from_the_start()), "residual");
 }
 
 TEST(StagedFit, AnotherSizeIsMadeOfWhatIsKept) {
   const TemporaryFolder folder;
-  train(samples(), keeping(folder));
+  trained_basis(samples(), keeping(folder));
   TrainOptions small = keeping(folder);
   small.budget = 0.9 * bytes_per_vertex(from_the_start());
-  const Basis made = train(samples(), small);
+  const Basis made = trained_basis(samples(), small);
   for (std::size_t r = 0; r < 3; ++r) spoil_region(folder, r);
-  EXPECT_EQ(testing::difference(train(samples(), small), made), "residual");
+  EXPECT_EQ(testing::difference(trained_basis(samples(), small), made), "residual");
   small.keep_in.clear();
-  EXPECT_EQ(testing::difference(train(samples(), small), made), "");
+  EXPECT_EQ(testing::difference(trained_basis(samples(), small), made), "");
 }
 
 // Each of them another character, pose, shape, muscle or option.
@@ -128,8 +129,8 @@ TEST(StagedFit, WhatIsKeptOfOtherInputsIsNotUsed) {
   weights.character.weights[300] = {{0, 0.7}, {1, 0.3}};
   muscle.muscles[0].path[1].position[1] += 0.01;
   for (const SampleSet& other : {pose, shape, weights, muscle, painted, bind, control}) {
-    train(other, keeping(folder));
-    EXPECT_EQ(testing::difference(train(samples(), keeping(folder)), from_the_start()), "");
+    trained_basis(other, keeping(folder));
+    EXPECT_EQ(testing::difference(trained_basis(samples(), keeping(folder)), from_the_start()), "");
   }
   std::vector<TrainOptions> others(6, keeping(folder));
   others[0].seed = 7;
@@ -139,8 +140,8 @@ TEST(StagedFit, WhatIsKeptOfOtherInputsIsNotUsed) {
   others[4].method.support = Method::Support::static_regions;
   others[5].surface_curves = 2;
   for (const TrainOptions& other : others) {
-    train(samples(), other);
-    EXPECT_EQ(testing::difference(train(samples(), keeping(folder)), from_the_start()), "");
+    trained_basis(samples(), other);
+    EXPECT_EQ(testing::difference(trained_basis(samples(), keeping(folder)), from_the_start()), "");
   }
 }
 
@@ -151,11 +152,11 @@ TEST(StagedFit, NewFramesAreLearnedAsFromTheStart) {
   roughen(all);
   SampleSet known = all;
   known.train.erase(known.train.begin() + 31, known.train.begin() + 35);
-  const double before = heldout_rms(train(known, keeping(folder)));
+  const double before = heldout_rms(trained_basis(known, keeping(folder)));
   std::vector<std::string> notes;
-  const Basis updated = train(all, updating(folder), &notes);
+  const Basis updated = trained_basis(all, updating(folder), &notes);
   EXPECT_EQ(notes, std::vector<std::string>{});
-  const Basis from_all = train(all, {.components = 8, .centres = 60});
+  const Basis from_all = trained_basis(all, {.components = 8, .centres = 60});
   const double anew = heldout_rms(from_all), after = heldout_rms(updated);
   RecordProperty("mm", std::to_string(before) + " before, " + std::to_string(after) + " updated, " +
                            std::to_string(anew) + " from the start");
@@ -164,8 +165,8 @@ TEST(StagedFit, NewFramesAreLearnedAsFromTheStart) {
   EXPECT_NE(updated.metadata.at("provenance").find("updated"), std::string::npos);
   EXPECT_EQ(from_all.metadata.at("provenance").find("updated"), std::string::npos);
   // It is kept in turn, for the next update, and does not pass for a training from the start.
-  EXPECT_EQ(testing::difference(train(all, updating(folder)), updated), "");
-  EXPECT_EQ(testing::difference(train(all, keeping(folder)), from_all), "");
+  EXPECT_EQ(testing::difference(trained_basis(all, updating(folder)), updated), "");
+  EXPECT_EQ(testing::difference(trained_basis(all, keeping(folder)), from_all), "");
 }
 
 TEST(StagedFit, AnEditedFrameIsForgotten) {
@@ -174,9 +175,9 @@ TEST(StagedFit, AnEditedFrameIsForgotten) {
   for (const std::size_t n : {30, 31, 32}) {
     wrong.train[n].shape = limb_truth(wrong.character, {}, wrong.train[n].pose);
   }
-  const double before = heldout_rms(train(wrong, keeping(folder))), anew = heldout_rms(from_the_start());
+  const double before = heldout_rms(trained_basis(wrong, keeping(folder))), anew = heldout_rms(from_the_start());
   EXPECT_GT(before, 2 * anew);
-  EXPECT_LT(heldout_rms(train(samples(), updating(folder))), 1.1 * anew);
+  EXPECT_LT(heldout_rms(trained_basis(samples(), updating(folder))), 1.1 * anew);
 }
 
 // The wrist's own displacement is in the new frames only.
@@ -195,12 +196,12 @@ TEST(StagedFit, RegionsThatLackWhatIsNewAreFittedAnew) {
   for (std::size_t n = known.train.size(); n-- > 0;) {
     if (n % 12 == 5) known.train.erase(known.train.begin() + static_cast<std::ptrdiff_t>(n));
   }
-  train(known, keeping(folder));
+  trained_basis(known, keeping(folder));
   std::vector<std::string> notes;
-  const Basis updated = train(flat, updating(folder), &notes);
+  const Basis updated = trained_basis(flat, updating(folder), &notes);
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_NE(notes[0].find("fitted from the start"), std::string::npos) << notes[0];
-  const double anew = heldout_rms(train(flat, {.components = 8, .centres = 60}));
+  const double anew = heldout_rms(trained_basis(flat, {.components = 8, .centres = 60}));
   EXPECT_LT(heldout_rms(updated), 1.1 * anew);
 }
 
@@ -208,19 +209,19 @@ TEST(StagedFit, RegionsThatLackWhatIsNewAreFittedAnew) {
 TEST(StagedFit, AnUpdateDoesNotDependOnOneThatWasInterrupted) {
   const SampleSet known = without({40, 90}), other = without({90});
   const TemporaryFolder folder, clean;
-  train(known, keeping(folder));
+  trained_basis(known, keeping(folder));
   fs::copy(folder / "kept", clean / "kept");
   const fs::path layout = folder / "kept/layout.safetensors";
   fs::copy_file(layout, folder / "before");
-  train(other, updating(folder));
+  trained_basis(other, updating(folder));
   fs::rename(folder / "before", layout);  // as if it had been interrupted before its end
   for (const fs::directory_entry& entry : fs::directory_iterator(clean / "kept")) {
     if (entry.path() != clean / "kept/layout.safetensors") {
       fs::copy_file(entry.path(), folder / "kept" / entry.path().filename());
     }
   }
-  const Basis updated = train(samples(), updating(clean));
-  EXPECT_EQ(testing::difference(train(samples(), updating(folder)), updated), "");
+  const Basis updated = trained_basis(samples(), updating(clean));
+  EXPECT_EQ(testing::difference(trained_basis(samples(), updating(folder)), updated), "");
   // And nothing else is left behind.
   std::size_t files = 0;
   for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder / "kept")) ++files;
@@ -234,24 +235,24 @@ TEST(StagedFit, TakesMayComeInAnotherOrder) {
   for (std::size_t n = 0; n < 160; ++n) two.train[n].take = n < 100 ? 0 : 1;
   std::rotate(swapped.train.begin(), swapped.train.begin() + 100, swapped.train.end());
   for (std::size_t n = 0; n < 160; ++n) swapped.train[n].take = n < 60 ? 0 : 1;
-  train(two, keeping(folder));
+  trained_basis(two, keeping(folder));
   std::vector<std::string> notes;
-  const double updated = heldout_rms(train(swapped, updating(folder), &notes));
+  const double updated = heldout_rms(trained_basis(swapped, updating(folder), &notes));
   for (const std::string& note : notes) EXPECT_NE(note.find("regions of 3"), std::string::npos) << note;  // other folds
-  EXPECT_LT(updated, 1.1 * heldout_rms(train(swapped, {.components = 8, .centres = 60})));
+  EXPECT_LT(updated, 1.1 * heldout_rms(trained_basis(swapped, {.components = 8, .centres = 60})));
 }
 
 // Training must not know what it is measured on.
 TEST(StagedFit, FramesThatAreHeldOutNowAreForgotten) {
   const TemporaryFolder folder;
-  train(samples(), keeping(folder));
+  trained_basis(samples(), keeping(folder));
   SampleSet split = without({70, 71, 72});
   for (const std::size_t n : {70, 71, 72}) split.heldout.push_back(samples().train[n]);
   std::vector<std::string> notes;
-  const Basis updated = train(split, updating(folder), &notes);
+  const Basis updated = trained_basis(split, updating(folder), &notes);
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_NE(notes[0].find("held out"), std::string::npos) << notes[0];
-  EXPECT_EQ(testing::difference(updated, train(split, {.components = 8, .centres = 60})), "");
+  EXPECT_EQ(testing::difference(updated, trained_basis(split, {.components = 8, .centres = 60})), "");
 }
 
 TEST(StagedFit, SurfaceCurvesStayWhereTheyAre) {
@@ -262,28 +263,28 @@ TEST(StagedFit, SurfaceCurvesStayWhereTheyAre) {
   bare.muscles.clear();
   SampleSet known = bare;
   known.train.erase(known.train.begin() + 40);
-  const Basis before = train(known, options);
+  const Basis before = trained_basis(known, options);
   options.update = true;
   std::vector<std::string> notes;
-  const Basis updated = train(bare, options, &notes);
+  const Basis updated = trained_basis(bare, options, &notes);
   for (const std::string& note : notes)
     EXPECT_NE(note.find("what the earlier training found does not fit"), std::string::npos) << note;
   EXPECT_GT(before.strain.fibre_count(), 0u);
   EXPECT_EQ(TrainingStore(folder / "kept").layout()->curves.size(), 6u);
   options.update = false;
   options.keep_in.clear();
-  EXPECT_LT(heldout_rms(updated), 1.1 * heldout_rms(train(bare, options)));
+  EXPECT_LT(heldout_rms(updated), 1.1 * heldout_rms(trained_basis(bare, options)));
 }
 
 TEST(StagedFit, ABudgetBelowTheEarlierRadiusIsATraining) {
   const TemporaryFolder folder;
   TrainOptions options = keeping(folder);
-  train(samples(), options);
+  trained_basis(samples(), options);
   options.update = true;
   options.budget = bytes_per_vertex(without_residual(from_the_start())) * 0.99;
   std::vector<std::string> notes;
   try {
-    train(samples(), options, &notes);
+    trained_basis(samples(), options, &notes);
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::usage);  // of the limb's radii neither may fit
   }
@@ -295,30 +296,30 @@ TEST(StagedFit, AnUpdateThatCannotBeIsATraining) {
   const TemporaryFolder folder;
   const auto expect_anew = [&](const std::string& why) {
     std::vector<std::string> notes;
-    EXPECT_EQ(testing::difference(train(samples(), updating(folder), &notes), from_the_start()), "");
+    EXPECT_EQ(testing::difference(trained_basis(samples(), updating(folder), &notes), from_the_start()), "");
     ASSERT_EQ(notes.size(), 1u);
     EXPECT_NE(notes[0].find(why), std::string::npos) << notes[0];
   };
   expect_anew("nothing to update");
   SampleSet few = samples();
   few.train.resize(100);
-  train(few, keeping(folder));
+  trained_basis(few, keeping(folder));
   expect_anew("60 frames of 160 are new");
   SampleSet many = samples();
   for (std::size_t n = 0; n < 30; ++n) {
     many.train.push_back(many.train[n]);
     many.train.back().shape = Positions(many.train[n].shape.read().array() + 1e-5);
   }
-  train(many, keeping(folder));
+  trained_basis(many, keeping(folder));
   expect_anew("30 frames of 190 are gone");
   SampleSet still = without({70, 71});
   for (Sample& sample : still.train) sample.pose.joints[2] = still.character.skeleton.joints[2].bind;
   for (std::size_t n : {70, 71}) still.train.push_back(samples().train[n]);
   SampleSet known = still;
   known.train.resize(158);
-  train(known, keeping(folder));
+  trained_basis(known, keeping(folder));
   std::vector<std::string> notes;
-  train(still, updating(folder), &notes);
+  trained_basis(still, updating(folder), &notes);
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_NE(notes[0].find("did not move before"), std::string::npos) << notes[0];
 }
@@ -337,24 +338,24 @@ TEST(StagedFit, WarningsAreCarriedOver) {
   bad.train.push_back(twin);
   SampleSet known = bad;
   known.train.erase(known.train.begin() + 3);
-  const std::vector<std::string> before = training_warnings(train(known, keeping(folder)));
+  const std::vector<std::string> before = train(known, keeping(folder)).warnings;
   EXPECT_GE(before.size(), 2u);
-  EXPECT_EQ(training_warnings(train(bad, updating(folder))), before);
+  EXPECT_EQ(train(bad, updating(folder)).warnings, before);
   // Found in a new frame, too.
   SampleSet clean = bad;
   clean.train[50].shape = samples().train[50].shape;
   clean.train.pop_back();
   TemporaryFolder another;
-  train(clean, keeping(another));
-  EXPECT_EQ(training_warnings(train(bad, updating(another))).size(), before.size());
+  trained_basis(clean, keeping(another));
+  EXPECT_EQ(train(bad, updating(another)).warnings.size(), before.size());
 }
 
 TEST(StagedFit, ADamagedFileIsNamed) {
   const TemporaryFolder folder;
-  train(samples(), keeping(folder));
+  trained_basis(samples(), keeping(folder));
   fs::resize_file(region_file(folder, 1), 1000);
   try {
-    train(samples(), keeping(folder));
+    trained_basis(samples(), keeping(folder));
     FAIL() << "nothing was said";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::file);
@@ -364,7 +365,7 @@ TEST(StagedFit, ADamagedFileIsNamed) {
   const TemporaryFolder another;
   std::ofstream(another / "kept") << "no folder";
   try {
-    train(samples(), keeping(another));
+    trained_basis(samples(), keeping(another));
     FAIL() << "nothing was said";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::file);

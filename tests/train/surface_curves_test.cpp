@@ -8,6 +8,7 @@
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"
+#include "tests/support/trained_basis.h"
 #include "trainer/train/features/features.h"
 #include "trainer/train/features/strain.h"
 #include "trainer/train/fit/train.h"
@@ -102,7 +103,7 @@ SampleSet swelling_limb() {
 TEST(SurfaceCurves, TellWhatMusclesWouldHave) {
   const SampleSet set = swelling_limb();
   const auto rms = [&](int count) {
-    Deformer deformer(train(set, {.components = 8, .method = {.kernels = false}, .surface_curves = count}),
+    Deformer deformer(trained_basis(set, {.components = 8, .method = {.kernels = false}, .surface_curves = count}),
                       {.name = "cpu"});
     return heldout_errors(set, heldout_by_basis(set, deformer)).rms;
   };
@@ -117,7 +118,8 @@ TEST(SurfaceCurves, StrainsTellMoreThanJoints) {
   set.muscles = {kHidden};
   set.train.resize(40);
   const auto rms = [&](bool strains) {
-    Deformer deformer(train(set, {.components = 8, .centres = 40, .method = {.strains = strains}}), {.name = "cpu"});
+    Deformer deformer(trained_basis(set, {.components = 8, .centres = 40, .method = {.strains = strains}}),
+                      {.name = "cpu"});
     return heldout_errors(set, heldout_by_basis(set, deformer)).rms;
   };
   const double joints = rms(false), strains = rms(true);

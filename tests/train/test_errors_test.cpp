@@ -8,6 +8,7 @@
 #include "geometry/laplacian.h"
 #include "runtime/core/error.h"
 #include "tests/support/capsule_limb.h"
+#include "tests/support/trained_basis.h"
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/judge/heldout.h"
@@ -21,7 +22,7 @@ const SampleSet& samples() {
 }
 
 const Basis& basis() {
-  static const Basis trained = train(samples(), {.centres = 60});
+  static const Basis trained = trained_basis(samples(), {.centres = 60});
   return trained;
 }
 
@@ -76,7 +77,7 @@ TEST(TestErrors, PosesOffTheTrainedOnesFadeAndAreNoWorseThanUntrained) {
     set.train[k].pose = limb_pose(skeleton, bend, 0, 0.5 * bend);
     set.train[k].shape = limb_truth(set.character, set.muscles, set.train[k].pose);
   }
-  const Basis coupled = train(set, {.centres = 60});
+  const Basis coupled = trained_basis(set, {.centres = 60});
   for (std::size_t k = 0; k < set.heldout.size(); ++k) {
     set.heldout[k].pose = k % 2 == 0 ? limb_pose(skeleton, 1.1, 0, 0.05) : limb_pose(skeleton, 0.1, 0, 0.5);
     set.heldout[k].shape = limb_truth(set.character, set.muscles, set.heldout[k].pose);

@@ -7,6 +7,7 @@
 
 #include "runtime/core/error.h"
 #include "tests/support/capsule_limb.h"
+#include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/judge/unposing_residual.h"
@@ -21,13 +22,15 @@ const SampleSet& samples() {
 }
 
 Basis trained(double budget, double tolerance_mm) {
-  return train(samples(), {.centres = 60, .budget = budget, .tolerance_mm = tolerance_mm});
+  return trained_basis(samples(), {.centres = 60, .budget = budget, .tolerance_mm = tolerance_mm});
 }
 
-const Basis& usual() {
-  static const Basis basis = trained(0, 0);
-  return basis;
+const TrainingResult& usual_result() {
+  static const TrainingResult result = train(samples(), {.centres = 60});
+  return result;
 }
+
+const Basis& usual() { return usual_result().basis; }
 
 double expected_mm(const Basis& basis) {
   return nlohmann::json::parse(basis.metadata.at("report")).at("expected_rms_mm");
@@ -64,6 +67,32 @@ TEST(TradeOff, TheCurveRunsFromDirectDeltaMushToEverything) {
   EXPECT_LT(curve.back().expected_mm, 0.2 * curve.front().expected_mm);
   EXPECT_EQ(read_curve(bare).size(), curve.size());
   EXPECT_TRUE(read_curve(build_ddm_basis(samples().character, {})).empty());
+}
+
+TEST(TradeOff, TheBasisTellsWhatTheTrainingFound) {
+  const TrainingResult& found = usual_result();
+  const auto report = nlohmann::json::parse(found.basis.metadata.at("report"));
+  EXPECT_EQ(report.at("expected_rms_mm"), found.expected_mm);
+  EXPECT_EQ(report.at("warnings"), found.warnings);
+  ASSERT_EQ(report.at("regions").size(), found.fits.size());
+  ASSERT_EQ(found.regions.size(), found.fits.size());
+  double sum = 0;
+  for (std::size_t r = 0; r < found.fits.size(); ++r) {
+    EXPECT_EQ(report["regions"][r].at("name"), found.regions[r].name);
+    EXPECT_EQ(report["regions"][r].at("motion_rms_mm"), found.fits[r].motion_rms_mm);
+    for (const double weight : found.regions[r].weights) sum += weight;
+  }
+  EXPECT_NEAR(sum, static_cast<double>(samples().character.vertices.rows()), 1e-6);  // a partition of unity
+  ASSERT_FALSE(found.muscles.empty());
+  for (const MuscleShare& muscle : found.muscles) {
+    EXPECT_EQ(report.at("muscles_explain_percent").at(muscle.name), muscle.percent);
+  }
+  const std::vector<TradeOffPoint> curve = read_curve(found.basis);
+  ASSERT_EQ(curve.size(), found.curve.size());
+  for (std::size_t k = 0; k < curve.size(); ++k) EXPECT_EQ(curve[k].expected_mm, found.curve[k].expected_mm);
+  const std::vector<RegionCoverage> coverage = read_coverage(found.basis);
+  ASSERT_EQ(coverage.size(), found.coverage.size());
+  for (std::size_t r = 0; r < coverage.size(); ++r) EXPECT_EQ(coverage[r].joints, found.coverage[r].joints);
 }
 
 TEST(TradeOff, ABudgetIsKeptAndUsed) {

@@ -19,6 +19,7 @@
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/trained_basis.h"
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/judge/unposing_residual.h"
 #include "trainer/train/pack/trade_off.h"
@@ -52,7 +53,7 @@ const SampleSet& samples() {
 }
 
 const Basis& full_basis() {
-  static const Basis basis = train(samples(), {.centres = 100});
+  static const Basis basis = trained_basis(samples(), {.centres = 100});
   return basis;
 }
 
@@ -62,7 +63,7 @@ TEST(Train, BeatsDirectDeltaMushAndJointLinearOnHeldoutFrames) {
   const Distance learned = distance(full, set.character, set.heldout);
   const Distance ddm = distance(without_residual(full), set.character, set.heldout);
   // Given more bytes, which it cannot make use of.
-  const Basis linear = train(
+  const Basis linear = trained_basis(
       set, {.components = 128, .method = {.strains = false, .kernels = false}, .budget = 2 * bytes_per_vertex(full)});
   const Distance joint_linear = distance(linear, set.character, set.heldout);
   RecordProperty("rms_mm", std::to_string(ddm.rms) + " DDM, " + std::to_string(joint_linear.rms) + " linear, " +
@@ -74,7 +75,7 @@ TEST(Train, BeatsDirectDeltaMushAndJointLinearOnHeldoutFrames) {
 TEST(Train, ReproducesTrainingFramesGivenEnoughComponentsAndCentres) {
   SampleSet set = samples();
   set.train.resize(60);
-  const Basis basis = train(set, {.components = 60, .centres = 60});
+  const Basis basis = trained_basis(set, {.components = 60, .centres = 60});
   const Distance learned = distance(basis, set.character, set.train);
   RecordProperty("mm", std::to_string(learned.rms) + " rms, " + std::to_string(learned.max) + " max");
   EXPECT_LT(learned.rms, 0.05);
@@ -86,22 +87,22 @@ TEST(Train, RegionsThatWereWrittenGiveTheSameBasis) {
   set.train.resize(60);
   const TrainOptions options{.components = 6, .centres = 12};
   const std::vector<RegionWeights> regions = training_regions(set, options);
-  const Basis automatic = train(set, options);
+  const Basis automatic = trained_basis(set, options);
   write_regions(regions, set.character, folder / "regions.json");
   Dataset dataset;
   dataset.folder = folder.path();
   dataset.regions = "regions.json";
   set.regions = read_regions(dataset, set.character);
-  const Basis edited = train(set, options);
+  const Basis edited = trained_basis(set, options);
   EXPECT_EQ(testing::difference(automatic, edited), "");
   const Json report = Json::parse(edited.metadata.at("report"));
   ASSERT_EQ(report["regions"].size(), regions.size());
   for (std::size_t r = 0; r < regions.size(); ++r) EXPECT_EQ(report["regions"][r]["name"], regions[r].name);
   // Another region makes another basis.
   set.regions.front().name = "mine";
-  EXPECT_EQ(testing::difference(automatic, train(set, options)), "metadata");
+  EXPECT_EQ(testing::difference(automatic, trained_basis(set, options)), "metadata");
   for (double& weight : set.regions.front().weights) weight *= 0.5;
-  EXPECT_EQ(testing::difference(automatic, train(set, options)), "residual");
+  EXPECT_EQ(testing::difference(automatic, trained_basis(set, options)), "residual");
 }
 
 TEST(Train, RestIsRest) {
@@ -175,9 +176,9 @@ TEST(Train, SameResultWithAnyNumberOfThreads) {
   set.train.resize(40);
   const int threads = omp_get_max_threads();
   omp_set_num_threads(1);
-  const Basis one = train(set, {.centres = 20});
+  const Basis one = trained_basis(set, {.centres = 20});
   omp_set_num_threads(2);
-  const Basis two = train(set, {.centres = 20});
+  const Basis two = trained_basis(set, {.centres = 20});
   omp_set_num_threads(threads);
   EXPECT_EQ(one.ddm.moments, two.ddm.moments);
   EXPECT_EQ(one.residual.weights, two.residual.weights);
@@ -191,7 +192,7 @@ TEST(Train, RefusesTooLittleData) {
   SampleSet set = samples();
   set.train.resize(3);
   try {
-    train(set, {});
+    trained_basis(set, {});
     FAIL() << "trained on three frames";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::mismatch);
@@ -206,7 +207,7 @@ TEST(Train, AnInterruptEndsItWithExitCode75AndClaimsNothing) {
     catch_interrupts();
     std::raise(SIGINT);
     try {
-      train(limb_samples(40, 0), {});
+      trained_basis(limb_samples(40, 0), {});
     } catch (const Error& error) {
       std::fputs(error.what(), stderr);
       std::exit(error.exit_code());
@@ -236,7 +237,7 @@ TEST(Train, UnposingGivesBackWhatWasPosed) {
 
 // With memory for one region at a time the shapes are read again for each, to the same basis.
 TEST(Train, LittleMemoryChangesNothing) {
-  const Basis little = train(samples(), {.centres = 100, .memory_gib = 1e-4});
+  const Basis little = trained_basis(samples(), {.centres = 100, .memory_gib = 1e-4});
   EXPECT_EQ(testing::difference(little, full_basis()), "");
 }
 

@@ -6,6 +6,7 @@
 
 #include "runtime/cpu/kernels.h"
 #include "tests/support/capsule_limb.h"
+#include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/skinning/ddm_basis.h"
 
@@ -14,7 +15,7 @@ namespace {
 
 class RegionSharesTest : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() { basis_ = train(limb_samples(160, 0), {.centres = 60}); }
+  static void SetUpTestSuite() { basis_ = trained_basis(limb_samples(160, 0), {.centres = 60}); }
 
   static inline Basis basis_;
   const std::vector<RegionCoverage> regions_ = read_coverage(basis_);

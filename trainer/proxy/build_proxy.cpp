@@ -110,8 +110,9 @@ class ProxyBuilder {
     level.basis.mesh = make_mesh_table(in_order(samples.character, morton_order(samples.character.vertices)));
     level.carried = map_skin(set_.character, level.basis.mesh);
     LevelReport report = measured_skin(samples, level, error);
-    level.basis = train(samples, options_.train);
-    say_of(level.basis, name);
+    TrainingResult trained = train(samples, options_.train);
+    say_of(trained, name);
+    level.basis = std::move(trained.basis);
     measure_result(level, report);
     levels_.push_back(std::move(level));
     report_.levels.push_back(report);
@@ -132,11 +133,11 @@ class ProxyBuilder {
     return report;
   }
 
-  void say_of(const Basis& basis, const std::string& name) {
+  void say_of(const TrainingResult& trained, const std::string& name) {
     if (levels_.empty()) {  // of the data, which all levels share
-      for (const std::string& warning : training_warnings(basis)) notes_.push_back(warning);
+      notes_.insert(notes_.end(), trained.warnings.begin(), trained.warnings.end());
     }
-    if (const std::vector<std::string> lost = lost_muscles(basis, set_.muscles); !lost.empty()) {
+    if (const std::vector<std::string> lost = lost_muscles(trained.basis, set_.muscles); !lost.empty()) {
       notes_.push_back(name + ": " + count_of(lost.size(), "muscle has", "muscles have") +
                        " no fibre on the skin: " + list_names(lost, 6));
     }

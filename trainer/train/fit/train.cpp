@@ -43,56 +43,60 @@ std::vector<RegionCoverage> region_coverage(const Character& character, const Re
   return regions;
 }
 
-// How much each region moves and what cross-validation left of it, root mean square over its vertices and frames.
-nlohmann::json region_report(const Character& character, const ResidualModel& model) {
-  nlohmann::json list = nlohmann::json::array();
+// How much each region moves and what cross-validation left of it.
+std::vector<RegionFit> region_fits(const Character& character, const ResidualModel& model) {
+  std::vector<RegionFit> fits;
   for (const RegionModel& region : model.regions) {
     const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
     const double motion2 = region.components.energy.mean() / size;
     const double left2 = std::pow(region.fits.front().validation_error, 2) / size;
-    list.push_back({{"name", region.region.name},
-                    {"joint", joints_of(character, region.region).front()},
-                    {"vertices", region.region.vertices.size()},
-                    {"motion_rms_mm", 1e3 * std::sqrt(motion2)},
-                    {"validation_rms_mm", 1e3 * std::sqrt(left2)}});
+    fits.push_back({region.region.name, joints_of(character, region.region).front(), region.region.vertices.size(),
+                    1e3 * std::sqrt(motion2), 1e3 * std::sqrt(left2)});
   }
-  return list;
+  return fits;
 }
 
-// Per cent of the un-posed motion that the strains of each muscle explain beyond the features chosen before them; 0 for
-// muscles to which no region listens.
-nlohmann::json muscle_report(const StrainTable& strain, const std::vector<Muscle>& muscles, const ResidualModel& model,
-                             std::uint32_t first) {
-  std::map<std::string, double> worth;
-  for (const Muscle& muscle : muscles) worth[muscle.name] = 0;
-  const std::vector<std::size_t> muscle_of_fibre = fibre_muscles(strain, muscles);
+// `fibres`: all of them, as the model's features are numbered; `first`: the feature of the first.
+std::vector<MuscleShare> muscle_shares(const StrainTable& fibres, const std::vector<Muscle>& muscles,
+                                       const ResidualModel& model, std::uint32_t first) {
+  std::map<std::string, double> explained;
+  for (const Muscle& muscle : muscles) explained[muscle.name] = 0;
+  const std::vector<std::size_t> muscle_of_fibre = fibre_muscles(fibres, muscles);
   double energy = 0;
   for (const RegionModel& region : model.regions) {
     energy += region.components.energy.sum();
     for (std::size_t k = 0; k < region.worth.size(); ++k) {
       const std::uint32_t feature = region.features[k];
-      if (feature < first || feature >= first + strain.fibre_count()) continue;
-      worth[muscles[muscle_of_fibre[feature - first]].name] += region.worth[k];
+      if (feature < first || feature >= first + fibres.fibre_count()) continue;
+      explained[muscles[muscle_of_fibre[feature - first]].name] += region.worth[k];
     }
   }
-  for (auto& [name, value] : worth) value *= energy > 0 ? 100 / energy : 0;
-  return worth;
+  std::vector<MuscleShare> shares;
+  for (const auto& [name, value] : explained) shares.push_back({name, energy > 0 ? value * (100 / energy) : 0});
+  return shares;
 }
 
-// What training says of itself. `fibres`: all of them, as the model's features are numbered.
-nlohmann::json report_of(const Basis& basis, const Character& character, const SampleSet& set,
-                         const ResidualModel& model, const StrainTable& fibres, double expected,
-                         const std::vector<std::string>& warnings) {
+// The result as the basis tells it.
+nlohmann::json report_of(const TrainingResult& result, const SampleSet& set) {
+  nlohmann::json regions = nlohmann::json::array(), muscles = nlohmann::json::object();
+  for (const RegionFit& fit : result.fits) {
+    regions.push_back({{"name", fit.name},
+                       {"joint", fit.joint},
+                       {"vertices", fit.vertices},
+                       {"motion_rms_mm", fit.motion_rms_mm},
+                       {"validation_rms_mm", fit.validation_rms_mm}});
+  }
+  for (const MuscleShare& muscle : result.muscles) muscles[muscle.name] = muscle.percent;
   return {{"train_frames", set.train.size()},
           {"heldout_frames", set.heldout.size()},
           {"unconverged_frames", set.unconverged},
-          {"fibres", basis.strain.fibre_count()},
-          {"coefficients", basis.residual.coefficient_count()},
-          {"centres", basis.residual.centre_count()},
-          {"expected_rms_mm", 1e3 * expected},
-          {"regions", region_report(character, model)},
-          {"muscles_explain_percent", muscle_report(fibres, set.muscles, model, joint_feature_count(basis.skeleton))},
-          {"warnings", warnings}};
+          {"fibres", result.basis.strain.fibre_count()},
+          {"coefficients", result.basis.residual.coefficient_count()},
+          {"centres", result.basis.residual.centre_count()},
+          {"expected_rms_mm", result.expected_mm},
+          {"regions", regions},
+          {"muscles_explain_percent", muscles},
+          {"warnings", result.warnings}};
 }
 
 std::vector<std::string> warnings_of(const SampleSet& set, const Groundwork& ground, const ResidualModel& model) {
@@ -123,19 +127,24 @@ void say_updated(Basis& basis) {
 }
 
 // What is worth its bytes, and all that the basis says of itself.
-Basis packed_basis(const SampleSet& set, const TrainOptions& options, Groundwork& ground, const ResidualModel& model) {
-  Basis& basis = ground.base.basis;
-  const Basis bare = basis;
+TrainingResult packed_result(const SampleSet& set, const TrainOptions& options, Groundwork& ground,
+                             const ResidualModel& model) {
+  TrainingResult result;
+  const Basis& bare = ground.base.basis;
   const TradeOff trade_off(bare, model);
   const Selection selection = trade_off.choose(options);
-  const PackedResidual packed = pack_into(basis, model, selection);
-  basis.metadata["coverage"] =
-      coverage_text(region_coverage(ground.ordered, model, packed.regions, ground.features, selection));
-  basis.metadata["curve"] = curve_text(trade_off.curve());
-  basis.metadata["report"] = report_of(basis, ground.ordered, set, model, bare.strain, expected_error(model, selection),
-                                       warnings_of(set, ground, model))
-                                 .dump();
-  return std::move(basis);
+  result.basis = bare;
+  const PackedResidual packed = pack_into(result.basis, model, selection);
+  result.coverage = region_coverage(ground.ordered, model, packed.regions, ground.features, selection);
+  result.curve = trade_off.curve();
+  result.fits = region_fits(ground.ordered, model);
+  result.muscles = muscle_shares(bare.strain, set.muscles, model, joint_feature_count(bare.skeleton));
+  result.expected_mm = 1e3 * expected_error(model, selection);
+  result.warnings = warnings_of(set, ground, model);
+  result.basis.metadata["coverage"] = coverage_text(result.coverage);
+  result.basis.metadata["curve"] = curve_text(result.curve);
+  result.basis.metadata["report"] = report_of(result, set).dump();
+  return result;
 }
 
 // Calls `use` with the fit, its samples and its groundwork.
@@ -160,24 +169,22 @@ std::vector<RegionWeights> training_regions(const SampleSet& set, const TrainOpt
   });
 }
 
-Basis train(const SampleSet& set, const TrainOptions& options, std::vector<std::string>* notes) {
-  std::vector<std::string> unheard;
-  return prepared(set, options, notes ? *notes : unheard,
-                  [&](StagedFit& fit, const SampleSet& samples, Groundwork& ground) {
-                    const Layout layout = fit.layout(samples, ground);
-                    if (fit.is_update(ground)) say_updated(ground.base.basis);
-                    ResidualModel model{set.controls, ground.features.ranges, fit.regions(ground, layout),
-                                        ground.shapes.vertex_count(), training_folds(set)};
-                    const std::vector<Muscle>& muscles = options.method.strains ? samples.muscles : set.muscles;
-                    model.fade = fade_table(ground, muscles, model.regions, model.folds);
-                    return packed_basis(samples, options, ground, model);
-                  });
-}
-
-std::vector<std::string> training_warnings(const Basis& basis) {
-  const auto report = basis.metadata.find("report");
-  if (report == basis.metadata.end()) return {};
-  return nlohmann::json::parse(report->second).value("warnings", std::vector<std::string>{});
+TrainingResult train(const SampleSet& set, const TrainOptions& options) {
+  std::vector<std::string> notes;
+  TrainingResult result =
+      prepared(set, options, notes, [&](StagedFit& fit, const SampleSet& samples, Groundwork& ground) {
+        const Layout layout = fit.layout(samples, ground);
+        if (fit.is_update(ground)) say_updated(ground.base.basis);
+        ResidualModel model{set.controls, ground.features.ranges, fit.regions(ground, layout),
+                            ground.shapes.vertex_count(), training_folds(set)};
+        const std::vector<Muscle>& muscles = options.method.strains ? samples.muscles : set.muscles;
+        model.fade = fade_table(ground, muscles, model.regions, model.folds);
+        TrainingResult found = packed_result(samples, options, ground, model);
+        found.regions = renumbered(layout.regions, ground.order);
+        return found;
+      });
+  result.notes = std::move(notes);
+  return result;
 }
 
 }  // namespace bodyopt

@@ -6,8 +6,10 @@
 
 #include "geometry/region_weights.h"
 #include "runtime/basis/basis.h"
+#include "trainer/train/coverage/coverage.h"
 #include "trainer/train/data/samples.h"
 #include "trainer/train/options.h"
+#include "trainer/train/pack/trade_off.h"
 
 namespace bodyopt {
 
@@ -15,13 +17,37 @@ namespace bodyopt {
 // with a name of its own. Shows progress. Throws as train().
 std::vector<RegionWeights> training_regions(const SampleSet& set, const TrainOptions& options);
 
-// The full training. Never looks at set.heldout. Shows progress. Throws Error(mismatch) when there is too little data,
-// or where it is not sound, Error(file) where what is kept cannot be read or written. `notes`: gets what
-// the user should know of an update.
-Basis train(const SampleSet& set, const TrainOptions& options, std::vector<std::string>* notes = nullptr);
+// A region as it was fitted, whether the basis keeps anything of it or not.
+struct RegionFit {
+  std::string name, joint;       // joint: that moves its skin most
+  std::size_t vertices = 0;      // of which it has any weight
+  double motion_rms_mm = 0;      // un-posed, over its vertices and all training frames
+  double validation_rms_mm = 0;  // of that what cross-validation left
+};
 
-// What train() has to say of the data, one sentence each, for the user: shapes that contradict each other, stray
-// vertices, controls that never change, too few frames.
-std::vector<std::string> training_warnings(const Basis& basis);
+// Of the un-posed motion what a muscle's strains explain beyond the features chosen before them.
+struct MuscleShare {
+  std::string name;
+  double percent = 0;  // 0: no region listens to it
+};
+
+// What a training found.
+struct TrainingResult {
+  Basis basis;                           // its metadata tell most of the rest, for who reads the file
+  std::vector<RegionWeights> regions;    // as training_regions()
+  std::vector<TradeOffPoint> curve;      // the bases of other sizes that there could be
+  std::vector<RegionCoverage> coverage;  // of the regions that the basis keeps
+  std::vector<RegionFit> fits;           // of all regions, in the order of `regions`
+  std::vector<MuscleShare> muscles;      // by name
+  double expected_mm = 0;                // see expected_error
+  // For the user, one sentence each. Of the data: shapes that contradict each other, stray vertices, controls that
+  // never change, too few frames.
+  std::vector<std::string> warnings;
+  std::vector<std::string> notes;  // of an update
+};
+
+// The full training. Never looks at set.heldout. Shows progress. Throws Error(mismatch) when there is too little data,
+// or where it is not sound, Error(file) where what is kept cannot be read or written.
+TrainingResult train(const SampleSet& set, const TrainOptions& options);
 
 }  // namespace bodyopt

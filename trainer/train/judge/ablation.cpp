@@ -76,7 +76,7 @@ AblationRow row_of(const NamedMethod& named, const SampleSet& set, TrainOptions 
   }
   // The basis that is trained has the table of Direct Delta Mush; linear blending does without.
   if (named.method.unposing == Unposing::lbs) options.budget += spared_bytes;
-  const Basis basis = train(set, options);
+  const Basis basis = train(set, options).basis;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (named.method.unposing == Unposing::ddm) return row_of(named.name, set, basis, seconds);
   const auto tables = table_bytes(basis);
