@@ -38,6 +38,18 @@ void CpuDynamics::run(const Batch& batch, float weight, std::span<const float> s
   diffuse(batch, positions);
   stage_seconds["diffuse"] += seconds_since(start);
   const auto jiggle_start = std::chrono::steady_clock::now();
+  const NodeMotion before = motion;
+  try {
+    jiggle(batch, weight, strains, positions);
+  } catch (...) {
+    motion = before;
+    throw;
+  }
+  stage_seconds["jiggle"] += seconds_since(jiggle_start);
+}
+
+void CpuDynamics::jiggle(const Batch& batch, float weight, std::span<const float> strains,
+                         std::vector<float>& positions) {
   rotations_.resize(3 * nodes_.size());
   cpu::jiggle_rotate(dynamics_.tets, nodes_, batch.frame_count, rotations_);
   std::vector<float> moved(positions.size());
@@ -47,7 +59,6 @@ void CpuDynamics::run(const Batch& batch, float weight, std::span<const float> s
                      part(moved, f, batch.frame_count));
   }
   positions.swap(moved);
-  stage_seconds["jiggle"] += seconds_since(jiggle_start);
 }
 
 void CpuDynamics::diffuse(const Batch& batch, std::span<const float> positions) {

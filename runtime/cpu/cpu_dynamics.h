@@ -11,13 +11,15 @@ class CpuDynamics {
   explicit CpuDynamics(const JiggleModel& model);
 
   // Steps the frames of a batch in their order. positions: F x V x 3, of the quasi-static skin; replaced by those of
-  // the skin that jiggles, of which `weight` is shown. strains: F x S. Adds the stages' seconds.
+  // the skin that jiggles, of which `weight` is shown. strains: F x S. Adds the stages' seconds. Where it throws, the
+  // motion is that of before.
   void run(const Batch& batch, float weight, std::span<const float> strains, std::vector<float>& positions,
            std::map<std::string, double>& stage_seconds);
 
   NodeMotion motion;
 
  private:
+  void jiggle(const Batch& batch, float weight, std::span<const float> strains, std::vector<float>& positions);
   void diffuse(const Batch& batch, std::span<const float> positions);
   void step(const Batch& batch, std::uint32_t frame, std::span<const float> strains);
   void begin_frame(const JiggleFrame& frame, std::span<const float> nodes);

@@ -23,7 +23,7 @@ std::unique_ptr<Backend> make_backend(const Basis& basis, const DeviceChoice& ch
     }
     return make_cpu_backend(basis, jiggle);
   }
-  if (choice.name == "auto" && !choice.require_device && !has_vulkan_device()) return make_cpu_backend(basis, jiggle);
+  if (choice.name == "auto" && !choice.require_device && !has_gpu()) return make_cpu_backend(basis, jiggle);
   return make_vulkan_backend(basis, std::make_shared<const vulkan::Device>(choice), jiggle);
 }
 
@@ -198,11 +198,18 @@ Evaluation Deformer::step(std::span<const Pose> poses, std::span<const int> fram
     throw Error(ErrorKind::usage,
                 std::to_string(poses.size()) + " poses have " + std::to_string(frames.size()) + " frame numbers");
   }
-  const JiggleState before = state();
+  // A batch that fails leaves the motion as it was; only of several some may have been stepped, and the motion of
+  // before is fetched from the device for that.
+  const bool several = poses.size() > batch_limit();
+  const JiggleState before = several ? state() : state_;
   try {
     return run(poses, frames, stays_on_device);
   } catch (...) {
-    set_state(before);
+    if (several) {
+      set_state(before);
+    } else {
+      state_ = before;
+    }
     throw;
   }
 }

@@ -41,8 +41,11 @@ double mean_fade(const Evaluation& evaluation, std::size_t k);
 // "joint LeftArm", "strain biceps/1" or "control breath": what a feature of the residual is of.
 std::string feature_name(const Basis& basis, std::uint32_t feature);
 
-// True when "auto" would find a Vulkan device. Does not throw: a machine without a Vulkan driver has none.
+// True when there is a Vulkan device that works, be it a software one. Does not throw: a machine without a Vulkan
+// driver has none.
 bool has_vulkan_device();
+// True when one of them is no software: "auto" takes it.
+bool has_gpu();
 
 class Deformer {
  public:

@@ -59,6 +59,7 @@ class Backend {
   virtual std::string name() const = 0;
   // Most frames of one batch.
   virtual std::uint32_t batch_limit() const = 0;
+  // Where it throws the motion is that of before, or no batch runs any more.
   virtual BatchResult run(const Batch& batch) = 0;
   // Coefficients at rest, subtracted from then on. Zero until set.
   virtual void set_rest_coefficients(std::span<const float> coefficients) = 0;

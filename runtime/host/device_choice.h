@@ -5,9 +5,9 @@
 
 namespace bodyopt {
 
-// Which backend runs. "auto" prefers a discrete GPU, then any Vulkan device, then the CPU; "cpu"; an index or (part of)
-// a name as listed by `bodyopt devices`. With require_device, "auto" throws instead of taking the CPU. A device that
-// exists but fails is an error, never a reason to fall back.
+// Which backend runs. "auto" takes a discrete GPU, then any other, then the CPU; "cpu"; an index or (part of) a name as
+// listed by `bodyopt devices`. With require_device, "auto" takes a software Vulkan device before it throws. A device
+// that exists but fails is an error, never a reason to fall back.
 struct DeviceChoice {
   std::string name = "auto";
   bool require_device = false;

@@ -8,6 +8,7 @@
 #include "runtime/vulkan/backend/vulkan_backend.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/gpu_fixture.h"
+#include "tests/support/trained_basis.h"
 #include "trainer/dynamics/build_dynamics.h"
 #include "trainer/train/fit/train.h"
 
@@ -18,7 +19,7 @@ namespace {
 struct JigglingLimb {
   explicit JigglingLimb(const JiggleStep& step) {
     const SampleSet samples = limb_samples(40, 0);
-    basis = train(samples, {.centres = 10});
+    basis = trained_basis(samples, {.centres = 10});
     DynamicsOptions options;
     options.resolution = 600;
     options.step = step;
@@ -278,6 +279,14 @@ TEST(VulkanDynamics, TimesEveryStage) {
   EXPECT_EQ(names(shot.run(deformer)),
             (std::vector<std::string>{"diffuse", "jiggle", "output", "pose", "residual", "strain"}));
   EXPECT_EQ(names(deformer.evaluate(shot.poses)), (std::vector<std::string>{"output", "pose", "residual", "strain"}));
+}
+
+// Lavapipe, which is all that tests see of Vulkan, is slower than the CPU path.
+TEST(Deformer, AutoTakesASoftwareDeviceOnlyWhenADeviceIsRequired) {
+  open_test_device();
+  if (has_gpu()) GTEST_SKIP() << "there is a GPU";
+  EXPECT_EQ(Deformer(limb().basis, DeviceChoice{}).device_name(), "cpu");
+  EXPECT_NE(Deformer(limb().basis, {.name = "auto", .require_device = true}).device_name(), "cpu");
 }
 
 }  // namespace

@@ -109,6 +109,7 @@ TEST(NoDriver, IsAnErrorThatSaysSo) {
   const Environment files("VK_DRIVER_FILES", "/nonexistent.json"), names("VK_ICD_FILENAMES", "/nonexistent.json");
   EXPECT_TRUE(vulkan::list_devices().empty());
   EXPECT_FALSE(has_vulkan_device());
+  EXPECT_FALSE(has_gpu());
   try {
     const vulkan::Device device({"auto", true, false});
     FAIL();

@@ -398,13 +398,27 @@ class VulkanBackend final : public Backend {
 }  // namespace
 }  // namespace vulkan
 
-bool has_vulkan_device() {
+namespace {
+
+template <typename Suits>
+bool has_device(const Suits& suits) {
   try {
-    const auto devices = vulkan::list_devices();
-    return std::any_of(devices.begin(), devices.end(), [](const auto& device) { return device.problem.empty(); });
+    const std::vector<vulkan::DeviceInfo> devices = vulkan::list_devices();
+    return std::any_of(devices.begin(), devices.end(),
+                       [&](const vulkan::DeviceInfo& device) { return device.problem.empty() && suits(device); });
   } catch (const Error&) {
     return false;
   }
+}
+
+}  // namespace
+
+bool has_vulkan_device() {
+  return has_device([](const vulkan::DeviceInfo&) { return true; });
+}
+
+bool has_gpu() {
+  return has_device([](const vulkan::DeviceInfo& device) { return device.type != "cpu"; });
 }
 
 std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, std::shared_ptr<const vulkan::Device> device,
