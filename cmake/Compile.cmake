@@ -21,6 +21,13 @@ if(BODYOPT_SANITIZE)
                  $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${PROJECT_SOURCE_DIR}/cmake/sanitizers.cpp>)
 endif()
 
+option(BODYOPT_SANITIZE_THREADS "Build with ThreadSanitizer" OFF)
+if(BODYOPT_SANITIZE_THREADS)
+  target_compile_definitions(bodyopt_language INTERFACE BODYOPT_SANITIZED)
+  target_compile_options(bodyopt_language INTERFACE -fsanitize=thread -fno-omit-frame-pointer -O1)
+  target_link_options(bodyopt_language INTERFACE -fsanitize=thread)
+endif()
+
 option(BODYOPT_FUZZ "Build for libFuzzer, which clang brings" OFF)
 if(BODYOPT_FUZZ)
   target_compile_options(bodyopt_language INTERFACE -fsanitize=fuzzer-no-link,float-cast-overflow)

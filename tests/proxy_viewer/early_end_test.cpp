@@ -28,9 +28,23 @@ TEST_F(EarlyEndTest, BySignals) {
     const std::string how = headless ? "--headless -o early.####.png" : "--do play";
     BackgroundProgram program(command(small(small_.truth + " " + how)), folder_ / "early.txt");
     std::this_thread::sleep_for(std::chrono::duration<double>(after));
-    if (headless && !program.runs()) continue;  // was quicker
+    if (headless && !program.runs()) {  // was quicker
+      expect_end(program, 0);
+      EXPECT_TRUE(std::filesystem::exists(folder_ / "early.0012.png"));
+      continue;
+    }
     program.send(signal);
     expect_ended_by(signal, program, after);
+  }
+}
+
+TEST_F(EarlyEndTest, BySignalsOnceTheWindowShowsAPictureItSaysSo) {
+  for (const int signal : {SIGTERM, SIGINT}) {
+    const auto program = open(small(small_.truth));
+    program->send(signal);
+    EXPECT_EQ(program->wait(kPatience), 75) << program->output();
+    EXPECT_NE(program->output().find("interrupted"), std::string::npos) << program->output();
+    std::filesystem::remove(folder_ / "ready.png");
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "tests/proxy_viewer/small_character.h"
 #include "tests/proxy_viewer/x_display.h"
@@ -75,6 +76,18 @@ class WindowTest : public ::testing::Test {
         run_program(command(small("--headless --do '" + kPlain + "; " + script + "' -o headless.png")));
     EXPECT_EQ(result.exit_code, 0) << result.output;
     return picture("headless.png");
+  }
+  // One program draws them all, each after the scripts before it.
+  std::vector<Image> headless_after_each(const std::vector<std::string>& scripts) {
+    std::string together = kPlain;
+    for (std::size_t k = 0; k < scripts.size(); ++k) {
+      together += "; " + scripts[k] + "; screenshot each" + std::to_string(k) + ".png";
+    }
+    const ProgramResult result = run_program(command(small("--headless --do '" + together + "; quit'")));
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    std::vector<Image> images;
+    for (std::size_t k = 0; k < scripts.size(); ++k) images.push_back(picture("each" + std::to_string(k) + ".png"));
+    return images;
   }
   void expect_end(BackgroundProgram& program, int exit_code) {
     EXPECT_EQ(program.wait(kPatience), exit_code) << program.output();

@@ -46,38 +46,38 @@ TEST_F(WindowTest, APictureWhoseSurfaceIsOutOfDateIsShownNonetheless) {
 }
 
 TEST_F(WindowTest, KeysDoWhatTheirCommandsDo) {
+  const std::pair<const char*, const char*> steps[] = {
+      {"w", "wire on"},
+      {"w key Right key Right", "wire off; frame 3"},
+      {"End", "last"},
+      {"Home", "frame 1"},
+      {"shift+Left key k", "orbit-left; skeleton on"},
+      {"shift+Right key k key Tab", "orbit-right; skeleton off; panels on"},
+      {"Tab key 1", "panels off; front"},
+      {"ctrl+1", "back"},
+      {"3", "right"},
+      {"ctrl+3", "left"},
+      {"7", "top"},
+      {"ctrl+7", "bottom"}};
+  std::vector<std::string> commands{"frame 1"};
+  for (const auto& [keys, command] : steps) commands.push_back(command);
+  const std::vector<Image> expected = headless_after_each(commands);
+  EXPECT_FALSE(expected[1].rgba == expected[0].rgba);
   const auto program = open(small("--validate"));
   const Image first = picture("ready.png");
-  EXPECT_TRUE(first.rgba == headless("frame 1").rgba);
-  display_->hands("key w");
-  EXPECT_TRUE(screenshot().rgba == headless("wire on").rgba);
-  display_->hands("key w key Right key Right");
-  EXPECT_TRUE(screenshot().rgba == headless("frame 3").rgba);
-  display_->hands("key End");
-  EXPECT_TRUE(screenshot().rgba == headless("last").rgba);
-  display_->hands("key Home");
-  EXPECT_TRUE(screenshot().rgba == first.rgba);
-  display_->hands("key shift+Left key k");
-  EXPECT_TRUE(screenshot().rgba == headless("orbit-left; skeleton on").rgba);
-  display_->hands("key shift+Right key k key Tab");
-  EXPECT_TRUE(screenshot().rgba == headless("panels on").rgba);
-  display_->hands("key Tab key space sleep 0.4");
+  EXPECT_TRUE(first.rgba == expected[0].rgba);
+  for (std::size_t k = 0; k < std::size(steps); ++k) {
+    display_->hands(std::string("key ") + steps[k].first);
+    EXPECT_TRUE(screenshot().rgba == expected[k + 1].rgba) << steps[k].first;
+  }
+  display_->hands("key h");
+  EXPECT_FALSE(screenshot().rgba == expected.back().rgba);  // and clicks the sheet away
+  EXPECT_TRUE(screenshot().rgba == expected.back().rgba);
+  display_->hands("key space sleep 0.4");
   const Image playing = screenshot();
   EXPECT_TRUE(comes_true([&] { return screenshot().rgba != playing.rgba; }, kPatience));
   display_->hands("key space key Home");
-  EXPECT_TRUE(screenshot().rgba == first.rgba);
-  display_->hands("key h");
-  EXPECT_FALSE(screenshot().rgba == first.rgba);  // and clicks the sheet away
-  EXPECT_TRUE(screenshot().rgba == first.rgba);
-  for (const auto& [key, command] : {std::pair("1", "front"),
-                                     {"ctrl+1", "back"},
-                                     {"3", "right"},
-                                     {"ctrl+3", "left"},
-                                     {"7", "top"},
-                                     {"ctrl+7", "bottom"}}) {
-    display_->hands(std::string("key ") + key);
-    EXPECT_TRUE(screenshot().rgba == headless(command).rgba) << key;
-  }
+  EXPECT_TRUE(screenshot().rgba == expected.back().rgba);
   display_->hands("key ctrl+q");
   expect_end(*program, 0);
 }

@@ -1,5 +1,6 @@
 // A Vulkan layer that loses the device as drivers do: from one call on, nothing works any more. Which call, the
 // environment says: BODYOPT_LOSE_DEVICE="vkQueueSubmit 5" is the fifth submission. For one device at a time.
+// With BODYOPT_COUNT_SUBMISSIONS=FILE, how many submissions there were is written to that file as the program ends.
 // With BODYOPT_OUT_OF_DATE set, the surface is out of date whenever something has been submitted since the last time it
 // was: for every picture, once. With BODYOPT_HOLD_FIRST_PICTURE set, the program waits for ever before it shows its
 // second picture: what the first looks like can be seen.
@@ -10,6 +11,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <sstream>
 #include <string>
 
@@ -31,6 +33,13 @@ struct Plan {
   int count = 0;
 };
 
+struct SubmissionCount {
+  ~SubmissionCount() {
+    if (const char* file = std::getenv("BODYOPT_COUNT_SUBMISSIONS")) std::ofstream(file) << count;
+  }
+  std::atomic<int> count{0};
+} submissions;
+
 const Plan& plan() {
   static const Plan plan;
   return plan;
@@ -49,6 +58,7 @@ bool loses(const char* call) {
 
 VKAPI_ATTR VkResult VKAPI_CALL queue_submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* submits,
                                             VkFence fence) {
+  ++submissions.count;
   if (loses("vkQueueSubmit")) return VK_ERROR_DEVICE_LOST;
   has_submitted = true;
   return go_on<PFN_vkQueueSubmit>("vkQueueSubmit", queue, count, submits, fence);
