@@ -1,21 +1,61 @@
-#include "runtime/cpu/ddm.h"
 #include "runtime/cpu/kernels.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "runtime/cpu/pose_skin.cpp"
+#include "hwy/foreach_target.h"
+// Below it: what is compiled again for each set of instructions.
+#include "runtime/cpu/lane_ddm.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace bodyopt::cpu::HWY_NAMESPACE {
+
+// A block of one frame. skinning, origin: of the frame; displacements, positions: 3 x kBlockSize.
+void pose_block(const DdmTable& ddm, std::uint32_t block, const float* skinning, const float* origin,
+                const float* displacements, float* positions) {
+  for (std::uint32_t lane = 0; lane < kBlockSize; lane += kLaneCount) {
+    const LaneVertices v = load_vertices(&ddm.vertices[block * kBlockSize + lane]);
+    Lanes r[9], t[3], delta[3], x[3];
+    ddm_frames(ddm, block, lane, skinning, v, r, t);
+    load_points(displacements + 3 * lane, delta);
+    ddm_positions(r, t, v, delta, x);
+    for (int i = 0; i < 3; ++i) x[i] += origin[i];
+    store_points(x, positions + 3 * lane);
+  }
+}
+
+void pose_frame(const DdmTable& ddm, const float* skinning, const float* origin, std::span<const float> displacements,
+                std::span<float> positions) {
+  constexpr std::size_t kNumbers = 3 * kBlockSize;
+  std::uint32_t block = 0;
+  for (std::size_t at = 0; at + kNumbers <= positions.size(); at += kNumbers) {
+    pose_block(ddm, block++, skinning, origin, &displacements[at], &positions[at]);
+  }
+  const std::size_t begin = block * kNumbers, left = positions.size() - begin;
+  if (left == 0) return;
+  float delta[kNumbers] = {}, x[kNumbers];
+  std::copy_n(&displacements[begin], left, delta);
+  pose_block(ddm, block, skinning, origin, delta, x);
+  std::copy_n(x, left, &positions[begin]);
+}
+
+}  // namespace bodyopt::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace bodyopt::cpu {
+
+HWY_EXPORT(pose_frame);
 
 void pose_skin(const DdmTable& ddm, std::uint32_t joint_count, std::span<const float> skinning,
                std::span<const float> origins, std::span<const float> displacements, std::span<float> positions) {
   const std::size_t frames = origins.size() / 4;
-  const std::size_t vertices = frames == 0 ? 0 : positions.size() / (3 * frames);
+  const std::size_t numbers = frames == 0 ? 0 : positions.size() / frames;
   for (std::size_t f = 0; f < frames; ++f) {
-    for (std::size_t v = 0; v < vertices; ++v) {
-      const std::size_t at = 3 * (f * vertices + v);
-      const float delta[3] = {displacements[at], displacements[at + 1], displacements[at + 2]};
-      float x[3];
-      ddm_position(ddm, static_cast<std::uint32_t>(v), skinning.data() + f * 12 * joint_count, delta, x);
-      for (std::size_t i = 0; i < 3; ++i) positions[at + i] = x[i] + origins[4 * f + i];
-    }
+    HWY_DYNAMIC_DISPATCH(pose_frame)
+    (ddm, skinning.data() + f * 12 * joint_count, &origins[4 * f], displacements.subspan(f * numbers, numbers),
+     positions.subspan(f * numbers, numbers));
   }
 }
 
 }  // namespace bodyopt::cpu
+#endif

@@ -1,5 +1,5 @@
 // What strain_skin and pose_skin share: Direct Delta Mush of one vertex in the centred form, in the order of
-// runtime/cpu/ddm.h. The including kernel declares push, block_begin, block_joints, moments, vertices and skinning.
+// runtime/cpu/lane_ddm.h. The including kernel declares push, block_begin, block_joints, moments, vertices and skinning.
 //
 // Values are `precise`: a multiply and an add stay two roundings, so that a joint that moves as the base joint cancels
 // exactly.

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 
-#include "runtime/cpu/ddm.h"
+#include "runtime/cpu/kernels.h"
 #include "tests/support/reference_tensors.h"
 #include "tests/support/shared_data.h"
 #include "trainer/train/skinning/ddm.h"
@@ -73,12 +73,13 @@ Distances distances(const Reference& reference, double prune) {
   for (std::size_t f = 0; f < frames; ++f) {
     const double* skinning = reference.skinning.data() + 12 * reference.joints * f;
     const std::vector<float> matrices(skinning, skinning + 12 * reference.joints);
+    const std::vector<float> origin(4, 0.0f), nothing(3 * count, 0.0f);
+    std::vector<float> posed(3 * count);
+    cpu::pose_skin(table, static_cast<std::uint32_t>(reference.joints), matrices, origin, nothing, posed);
     for (std::size_t v = 0; v < count; ++v) {
       if (!(reference.gap[f * count + v] > 0.05)) continue;
       const Eigen::Map<const Eigen::Vector3d> expected(&reference.ddm[3 * (f * count + v)]);
-      float position[3];
-      cpu::ddm_position(table, static_cast<std::uint32_t>(v), matrices.data(), {0, 0, 0}, position);
-      const Eigen::Vector3d packed = Eigen::Vector3f(position).cast<double>();
+      const Eigen::Vector3d packed = Eigen::Map<const Eigen::Vector3f>(&posed[3 * v]).cast<double>();
       result.unpacked = std::max(result.unpacked, (evaluate(moments[v], skinning) - expected).norm() / reference.box);
       result.packed = std::max(result.packed, (packed - expected).norm() / reference.box);
     }

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "runtime/core/error.h"
-#include "runtime/cpu/ddm.h"
+#include "runtime/cpu/kernels.h"
 #include "tests/support/capsule_limb.h"
 
 namespace bodyopt {
@@ -19,13 +19,11 @@ using Weights = std::vector<std::vector<JointWeight>>;
 using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
 Positions packed_positions(const DdmTable& table, Eigen::Index count, const std::vector<float>& skinning) {
-  Positions positions(count, 3);
-  for (Eigen::Index v = 0; v < count; ++v) {
-    float x[3];
-    cpu::ddm_position(table, static_cast<std::uint32_t>(v), skinning.data(), {0, 0, 0}, x);
-    positions.row(v) << double{x[0]}, double{x[1]}, double{x[2]};
-  }
-  return positions;
+  const std::vector<float> origin(4, 0.0f), nothing(static_cast<std::size_t>(3 * count), 0.0f);
+  Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> positions(count, 3);
+  cpu::pose_skin(table, static_cast<std::uint32_t>(skinning.size() / 12), skinning, origin, nothing,
+                 {positions.data(), nothing.size()});
+  return positions.cast<double>();
 }
 
 std::vector<float> flatten(const std::vector<Rows>& matrices) {

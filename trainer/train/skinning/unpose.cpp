@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <numeric>
 
-#include "runtime/cpu/ddm.h"
+#include "runtime/cpu/vertex_frames.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/skinning/linear_blend.h"
 
@@ -14,14 +14,16 @@ Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shap
   using RowMajor3 = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
   const RigFrame rig = pose_rig(basis.skeleton, pose);
   const Eigen::Vector3d origin = Eigen::Vector3f(rig.origin).cast<double>();
+  std::vector<float> frames(12 * vertices.size());
+  cpu::vertex_frames(basis.ddm, vertices, rig.skinning.data(), frames);
   Positions result(shape.rows(), 3);
   for (std::size_t k = 0; k < vertices.size(); ++k) {
-    float r[9], t[3];
-    cpu::ddm_frame(basis.ddm, vertices[k], rig.skinning.data(), r, t);
+    const float *r = &frames[12 * k], *t = r + 9;
     const DdmVertex& v = basis.ddm.vertices[vertices[k]];
     const auto row = static_cast<Eigen::Index>(k);
-    const Eigen::Vector3d moved = shape.row(row).transpose() - origin - Eigen::Vector3f(t).cast<double>();
-    result.row(row) = RowMajor3(r).cast<double>().transpose() * moved -
+    const Eigen::Vector3d moved =
+        shape.row(row).transpose() - origin - Eigen::Map<const Eigen::Vector3f>(t).cast<double>();
+    result.row(row) = Eigen::Map<const RowMajor3>(r).cast<double>().transpose() * moved -
                       Eigen::Vector3f(v.offset_x, v.offset_y, v.offset_z).cast<double>();
   }
   return result;
