@@ -19,7 +19,7 @@
 namespace bodyopt::cli {
 namespace {
 
-Json to_json(const TradeOffPoint& point) {
+Json json_of_point(const TradeOffPoint& point) {
   return {{"bytes_per_vertex", point.bytes_per_vertex},
           {"expected_rms_mm", point.expected_mm},
           {"coefficients", point.coefficients},
@@ -95,7 +95,7 @@ Json basis_info(const std::string& path) {
                  {"joints", joint_names(basis.skeleton)},
                  {"metadata", metadata}};
   if (const Json table = levels_info(levels); !table.empty()) result["levels"] = table;
-  for (const TradeOffPoint& point : read_curve(basis)) result["curve"].push_back(to_json(point));
+  for (const TradeOffPoint& point : read_curve(basis)) result["curve"].push_back(json_of_point(point));
   if (const std::filesystem::path beside = attachments_beside(path); std::filesystem::exists(beside)) {
     result["attached"] = cli::to_json(load_attachments(beside, basis, path).meshes);
   }

@@ -109,5 +109,6 @@ void add_export(CLI::App& app);
 void add_picture(CLI::App& app);
 void add_info(CLI::App& app);
 void add_devices(CLI::App& app);
+void add_bench(CLI::App& app);
 
 }  // namespace bodyopt::cli

@@ -3,10 +3,14 @@
 
 #include <memory>
 
+#include "runtime/core/executor.h"
 #include "runtime/host/backend.h"
 
 namespace bodyopt {
 
-std::unique_ptr<Backend> make_cpu_backend(const Basis& basis, const JiggleModel& jiggle = {});
+// Frames, and the blocks of each, are spread over the executor's threads; without one all is done by the calling one.
+// The bits are the same however many there are.
+std::unique_ptr<Backend> make_cpu_backend(const Basis& basis, const JiggleModel& jiggle = {},
+                                          std::shared_ptr<Executor> executor = nullptr);
 
 }  // namespace bodyopt

@@ -1,6 +1,7 @@
-// The CPU path: one function per kernel, plain loops over the GPU's own tables, one file each. The reference for every
-// Vulkan kernel and the backend of machines without one. All arrays are frame-major over frame_count frames; shapes are
-// those of runtime/basis/basis.h and runtime/deformer/deformer.h.
+// The CPU path: one function per kernel over the GPU's own tables, one file each. What every Vulkan kernel is compared
+// with, and the backend of machines without one. The heavy ones work on the lanes of a block (runtime/cpu/lanes.h). All
+// arrays are frame-major over frame_count frames; shapes are those of runtime/basis/basis.h and
+// runtime/deformer/deformer.h.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +15,10 @@ namespace bodyopt::cpu {
 // skinning F x J x 12 -> positions F x P x 3, metres.
 void strain_skin(const DdmTable& ddm, const StrainTable& strain, std::uint32_t joint_count,
                  std::span<const float> skinning, std::span<float> positions);
+
+// The same of one frame, where the frames of all blocks are known (runtime/cpu/ddm_frames.h).
+void place_strain_vertices(const DdmTable& ddm, const StrainTable& strain, std::span<const float> frames,
+                           std::span<float> positions);
 
 // Strain stage: length of every fibre over its rest length, minus one. positions F x P x 3 -> strains F x S.
 void strain_measure(const StrainTable& strain, std::span<const float> positions, std::span<float> strains);
@@ -41,13 +46,23 @@ void residual_coefficients(const ResidualTable& residual, std::span<const float>
 // Residual stage: weight x un-posed displacement of every vertex. coefficients -> displacements F x V x 3, metres.
 void residual_blend(const ResidualTable& residual, std::span<const float> coefficients, std::uint32_t frame_count,
                     float weight, std::span<float> displacements);
+// The same of one frame and some blocks: those from first_block on, as many as displacements hold.
+void blend_blocks(const ResidualTable& residual, const float* coefficients, float weight, std::uint32_t first_block,
+                  std::span<float> displacements);
 
 // Pose stage: x_i = t_i + R_i (d_i + delta d_i) + origin. -> positions F x V x 3, metres, posed (world).
 void pose_skin(const DdmTable& ddm, std::uint32_t joint_count, std::span<const float> skinning,
                std::span<const float> origins, std::span<const float> displacements, std::span<float> positions);
+// The same of one frame (skinning J x 12, origin 3) and some blocks: those from first_block on, as many as positions
+// hold. frames: of these blocks where they are known (runtime/cpu/ddm_frames.h), or null.
+void pose_blocks(const DdmTable& ddm, const float* skinning, const float* frames, const float* origin,
+                 std::uint32_t first_block, std::span<const float> displacements, std::span<float> positions);
 
 // Output stage: normals by the sum of area vectors of the triangles around each vertex, in ascending triangle order.
 // positions F x V x 3 -> normals F x V x 3; zero where the sum's length is not above 1e-20.
 void output_normals(const MeshTable& mesh, std::span<const float> positions, std::span<float> normals);
+// The same of one frame and some vertices: those from first_vertex on, as many as normals hold. positions V x 3.
+void part_normals(const MeshTable& mesh, std::span<const float> positions, std::size_t first_vertex,
+                  std::span<float> normals);
 
 }  // namespace bodyopt::cpu

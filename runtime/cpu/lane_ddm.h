@@ -9,6 +9,7 @@
 #endif
 
 #include "runtime/basis/basis.h"
+#include "runtime/cpu/ddm_frames.h"
 #include "runtime/cpu/lane_rotation.h"
 #include "runtime/cpu/lanes.h"
 
@@ -81,6 +82,16 @@ HWY_INLINE void ddm_frames(const DdmTable& ddm, std::uint32_t block, std::uint32
   }
   rot(q, r);
   for (int i = 0; i < 3; ++i) t[i] = base[i] + offset[i];
+}
+
+// The frames of a group of lanes in those of its block (runtime/cpu/ddm_frames.h).
+HWY_INLINE void store_frames(const Lanes (&r)[9], const Lanes (&t)[3], float* to) {
+  for (std::uint32_t i = 0; i < 9; ++i) store_lanes(r[i], to + i * kBlockSize);
+  for (std::uint32_t i = 0; i < 3; ++i) store_lanes(t[i], to + (9 + i) * kBlockSize);
+}
+HWY_INLINE void load_frames(const float* from, Lanes (&r)[9], Lanes (&t)[3]) {
+  for (std::uint32_t i = 0; i < 9; ++i) r[i] = load_lanes(from + i * kBlockSize);
+  for (std::uint32_t i = 0; i < 3; ++i) t[i] = load_lanes(from + (9 + i) * kBlockSize);
 }
 
 // Posed positions relative to the frame's origin. delta: un-posed, metres.

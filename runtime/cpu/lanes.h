@@ -72,6 +72,32 @@ HWY_INLINE Lanes lanes_from_high_halves(LaneWords words) {
 }
 HWY_INLINE Lanes lanes_from_low_halves(LaneWords words) { return lanes_from_high_halves(hn::ShiftLeft<16>(words)); }
 
+// Rows of a table whose words stand row after row, a row to a lane: `count` rows from `first` on, of which those past
+// the last repeat it.
+struct LaneRows {
+  hn::Vec<hn::RebindToSigned<LaneTag>> offsets;
+
+  HWY_INLINE LaneRows(std::uint32_t first, std::uint32_t count, std::size_t row_words) {
+    const hn::RebindToSigned<LaneTag> tag;
+    const auto rows = hn::Iota(tag, static_cast<std::int32_t>(first));
+    const auto row = hn::Min(rows, hn::Set(tag, static_cast<std::int32_t>(count) - 1));
+    offsets = hn::Mul(row, hn::Set(tag, static_cast<std::int32_t>(row_words)));
+  }
+
+  // The word, or float, of each row that stands where `table` points in the first.
+  HWY_INLINE LaneWords words(const std::uint32_t* table) const {
+    return hn::GatherIndex(LaneWordTag(), table, offsets);
+  }
+  HWY_INLINE Lanes floats(const float* table) const { return Lanes(hn::GatherIndex(LaneTag(), table, offsets)); }
+};
+
+// The first `count` lanes, if there are as many.
+HWY_INLINE void store_some_lanes(Lanes lanes, std::size_t count, float* to) {
+  float values[kLaneCount];
+  store_lanes(lanes, values);
+  for (std::size_t k = 0; k < count && k < kLaneCount; ++k) to[k] = values[k];
+}
+
 // x, y, z of one after the other.
 HWY_INLINE void load_points(const float* from, Lanes (&points)[3]) {
   hn::LoadInterleaved3(LaneTag(), from, points[0].values, points[1].values, points[2].values);

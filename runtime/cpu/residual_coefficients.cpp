@@ -1,25 +1,54 @@
 #include "runtime/cpu/kernels.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "runtime/cpu/residual_coefficients.cpp"
+#include "hwy/foreach_target.h"
+// Below it: what is compiled again for each set of instructions.
+#include "runtime/cpu/lanes.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace bodyopt::cpu::HWY_NAMESPACE {
+
+// The coefficients of a region; coordinates, kernels, coefficients: of the frame.
+void coefficients_of_region(const ResidualTable& residual, const Region& region, const float* coordinates,
+                            const float* kernels, const float* rest_coefficients, float fade, float* coefficients) {
+  const float* first_row = residual.weights.data() + region.weight_values;
+  const float* coordinate = coordinates + region.coordinate_begin;
+  const float* phi = kernels + region.centre_begin;
+  for (std::uint32_t c = 0; c < region.coefficient_count; c += kLaneCount) {
+    const LaneRows rows(c, region.coefficient_count, 1 + region.coordinate_count + region.centre_count);
+    const float* column = first_row;
+    Lanes sum = rows.floats(column++);
+    for (std::uint32_t k = 0; k < region.coordinate_count; ++k) sum += rows.floats(column++) * coordinate[k];
+    for (std::uint32_t m = 0; m < region.centre_count; ++m) sum += rows.floats(column++) * phi[m];
+    const std::uint32_t first = region.coefficient_begin + c;
+    const LaneRows one_by_one(c, region.coefficient_count, 1);
+    const Lanes rest = one_by_one.floats(rest_coefficients + region.coefficient_begin);
+    store_some_lanes(fade * (sum - rest), region.coefficient_count - c, coefficients + first);
+  }
+}
+
+}  // namespace bodyopt::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace bodyopt::cpu {
+
+HWY_EXPORT(coefficients_of_region);
 
 void residual_coefficients(const ResidualTable& residual, std::span<const float> coordinates,
                            std::span<const float> kernels, std::span<const float> rest_coefficients,
                            std::span<const float> fades, std::uint32_t frame_count, std::span<float> coefficients) {
-  const std::size_t count = residual.coefficient_count(), regions = residual.regions.size();
+  const std::size_t regions = residual.regions.size();
   for (std::size_t f = 0; f < frame_count; ++f) {
-    for (std::size_t c = 0; c < count; ++c) {
-      const std::size_t r = residual.coefficient_region[c];
-      const Region& region = residual.regions[r];
-      const float* coordinate = coordinates.data() + f * residual.coordinate_count() + region.coordinate_begin;
-      const float* phi = kernels.data() + f * residual.centre_count() + region.centre_begin;
-      const float* row = residual.weights.data() + region.weight_values +
-                         (c - region.coefficient_begin) * (1 + region.coordinate_count + region.centre_count);
-      float sum = row[0];
-      for (std::uint32_t k = 0; k < region.coordinate_count; ++k) sum += row[1 + k] * coordinate[k];
-      for (std::uint32_t m = 0; m < region.centre_count; ++m) sum += row[1 + region.coordinate_count + m] * phi[m];
-      coefficients[f * count + c] = fades[f * regions + r] * (sum - rest_coefficients[c]);
+    for (std::size_t r = 0; r < regions; ++r) {
+      HWY_DYNAMIC_DISPATCH(coefficients_of_region)
+      (residual, residual.regions[r], coordinates.data() + f * residual.coordinate_count(),
+       kernels.data() + f * residual.centre_count(), rest_coefficients.data(), fades[f * regions + r],
+       coefficients.data() + f * residual.coefficient_count());
     }
   }
 }
 
 }  // namespace bodyopt::cpu
+#endif

@@ -1,20 +1,30 @@
 #include <algorithm>
 
+#include "runtime/cpu/ddm_frames.h"
 #include "runtime/cpu/kernels.h"
-#include "runtime/cpu/vertex_frames.h"
 
 namespace bodyopt::cpu {
 namespace {
 
-// R d + t.
-void place_vertex(const DdmVertex& vertex, const float* frame, float* position) {
-  const float *r = frame, *t = frame + 9;
-  for (int i = 0; i < 3; ++i) {
-    position[i] = t[i] + (r[3 * i] * vertex.offset_x + r[3 * i + 1] * vertex.offset_y + r[3 * i + 2] * vertex.offset_z);
+// R d + t. The numbers of the frame stand `stride` apart.
+void place_vertex(const DdmVertex& vertex, const float* frame, std::size_t stride, float* position) {
+  const float d[3] = {vertex.offset_x, vertex.offset_y, vertex.offset_z};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const float* row = frame + 3 * i * stride;
+    position[i] = frame[(9 + i) * stride] + (row[0] * d[0] + row[stride] * d[1] + row[2 * stride] * d[2]);
   }
 }
 
 }  // namespace
+
+void place_strain_vertices(const DdmTable& ddm, const StrainTable& strain, std::span<const float> frames,
+                           std::span<float> positions) {
+  for (std::size_t k = 0; k < strain.vertices.size(); ++k) {
+    const std::uint32_t v = strain.vertices[k];
+    place_vertex(ddm.vertices[v], &frames[v / kBlockSize * kFrameNumbers + v % kBlockSize], kBlockSize,
+                 &positions[3 * k]);
+  }
+}
 
 void strain_skin(const DdmTable& ddm, const StrainTable& strain, std::uint32_t joint_count,
                  std::span<const float> skinning, std::span<float> positions) {
@@ -27,7 +37,7 @@ void strain_skin(const DdmTable& ddm, const StrainTable& strain, std::uint32_t j
       const auto vertices = std::span(strain.vertices).subspan(begin, std::min(kPart, count - begin));
       vertex_frames(ddm, vertices, skinning.data() + f * 12 * joint_count, frames);
       for (std::size_t k = 0; k < vertices.size(); ++k) {
-        place_vertex(ddm.vertices[vertices[k]], frames + 12 * k, &positions[3 * (f * count + begin + k)]);
+        place_vertex(ddm.vertices[vertices[k]], frames + 12 * k, 1, &positions[3 * (f * count + begin + k)]);
       }
     }
   }

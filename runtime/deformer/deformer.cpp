@@ -10,6 +10,7 @@
 #include "runtime/cpu/cpu_backend.h"
 #include "runtime/host/fade.h"
 #include "runtime/host/rig.h"
+#include "runtime/threads/tbb_executor.h"
 #include "runtime/vulkan/backend/vulkan_backend.h"
 #include "runtime/vulkan/device.h"
 
@@ -17,13 +18,14 @@ namespace bodyopt {
 namespace {
 
 std::unique_ptr<Backend> make_backend(const Basis& basis, const DeviceChoice& choice, const JiggleModel& jiggle) {
+  const std::shared_ptr<Executor> threads = choice.executor ? choice.executor : make_tbb_executor();
   if (choice.name == "cpu") {
     if (choice.require_device) {
       throw Error(ErrorKind::device, "the device 'cpu' was asked for together with a required Vulkan device");
     }
-    return make_cpu_backend(basis, jiggle);
+    return make_cpu_backend(basis, jiggle, threads);
   }
-  if (choice.name == "auto" && !choice.require_device && !has_gpu()) return make_cpu_backend(basis, jiggle);
+  if (choice.name == "auto" && !choice.require_device && !has_gpu()) return make_cpu_backend(basis, jiggle, threads);
   return make_vulkan_backend(basis, std::make_shared<const vulkan::Device>(choice), jiggle);
 }
 
@@ -62,10 +64,14 @@ Batch make_batch(const Basis& basis, std::span<const Pose> poses) {
 // Frame-major V x 3 in runtime order to O x 3 in output order, appended.
 void append_output(const MeshTable& mesh, std::span<const float> values, std::vector<float>& out) {
   const std::size_t stride = 3 * std::size_t{mesh.vertex_count()};
-  for (std::size_t begin = 0; stride > 0 && begin < values.size(); begin += stride) {
+  if (stride == 0) return;
+  const std::size_t frames = values.size() / stride;
+  std::size_t at = out.size();
+  out.resize(at + 3 * mesh.output_vertex.size() * frames);
+  for (std::size_t f = 0; f < frames; ++f) {
     for (const std::uint32_t v : mesh.output_vertex) {
-      const float* x = values.data() + begin + 3 * std::size_t{v};
-      out.insert(out.end(), x, x + 3);
+      const float* x = values.data() + f * stride + 3 * std::size_t{v};
+      for (std::size_t i = 0; i < 3; ++i) out[at++] = x[i];
     }
   }
 }

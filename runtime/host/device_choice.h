@@ -1,7 +1,10 @@
 // Which device a user asks for.
 #pragma once
 
+#include <memory>
 #include <string>
+
+#include "runtime/core/executor.h"
 
 namespace bodyopt {
 
@@ -11,7 +14,8 @@ namespace bodyopt {
 struct DeviceChoice {
   std::string name = "auto";
   bool require_device = false;
-  bool validation = false;  // Vulkan validation and synchronization validation; every message is an error
+  bool validation = false;               // Vulkan validation and synchronization validation; every message is an error
+  std::shared_ptr<Executor> executor{};  // threads of the CPU's kernels; none: oneTBB's
 };
 
 }  // namespace bodyopt

@@ -10,26 +10,26 @@ namespace bodyopt {
 #endif
 
 // R x, R row-major: from a node's frame to the world.
-BODYOPT_REAL_FUNCTION void turn(BODYOPT_IN_ARRAY(r, 9), BODYOPT_IN_ARRAY(x, 3), BODYOPT_OUT_ARRAY(y, 3)) {
+BODYOPT_FUNCTION void turn(BODYOPT_IN_ARRAY(r, 9), BODYOPT_IN_ARRAY(x, 3), BODYOPT_OUT_ARRAY(y, 3)) {
   for (int i = 0; i < 3; ++i) {
-    BODYOPT_PRECISE Real value = r[3 * i] * x[0] + r[3 * i + 1] * x[1] + r[3 * i + 2] * x[2];
+    BODYOPT_PRECISE float value = r[3 * i] * x[0] + r[3 * i + 1] * x[1] + r[3 * i + 2] * x[2];
     y[i] = value;
   }
 }
 
 // R^T x: from the world to a node's frame.
-BODYOPT_REAL_FUNCTION void turn_back(BODYOPT_IN_ARRAY(r, 9), BODYOPT_IN_ARRAY(x, 3), BODYOPT_OUT_ARRAY(y, 3)) {
+BODYOPT_FUNCTION void turn_back(BODYOPT_IN_ARRAY(r, 9), BODYOPT_IN_ARRAY(x, 3), BODYOPT_OUT_ARRAY(y, 3)) {
   for (int i = 0; i < 3; ++i) {
-    BODYOPT_PRECISE Real value = r[i] * x[0] + r[3 + i] * x[1] + r[6 + i] * x[2];
+    BODYOPT_PRECISE float value = r[i] * x[0] + r[3 + i] * x[1] + r[6 + i] * x[2];
     y[i] = value;
   }
 }
 
 // Right side of a node, in its frame: velocity_weight m (v + d R^T g) + displacement_weight inertia u.
-BODYOPT_REAL_FUNCTION void node_right_side(JiggleNode node, JiggleStepPush step, BODYOPT_IN_ARRAY(r, 9),
-                                           BODYOPT_IN_ARRAY(u, 3), BODYOPT_IN_ARRAY(v, 3),
-                                           BODYOPT_OUT_ARRAY(right_side, 3)) {
-  Real gravity[3], local_gravity[3];
+BODYOPT_FUNCTION void node_right_side(JiggleNode node, JiggleStepPush step, BODYOPT_IN_ARRAY(r, 9),
+                                      BODYOPT_IN_ARRAY(u, 3), BODYOPT_IN_ARRAY(v, 3),
+                                      BODYOPT_OUT_ARRAY(right_side, 3)) {
+  float gravity[3], local_gravity[3];
   gravity[0] = step.gravity_x;
   gravity[1] = step.gravity_y;
   gravity[2] = step.gravity_z;
@@ -37,7 +37,7 @@ BODYOPT_REAL_FUNCTION void node_right_side(JiggleNode node, JiggleStepPush step,
   BODYOPT_PRECISE float of_velocity = step.velocity_weight * node.mass;
   BODYOPT_PRECISE float of_displacement = step.displacement_weight * node.inertia;
   for (int i = 0; i < 3; ++i) {
-    BODYOPT_PRECISE Real value = of_velocity * (v[i] + step.stage * local_gravity[i]) + of_displacement * u[i];
+    BODYOPT_PRECISE float value = of_velocity * (v[i] + step.stage * local_gravity[i]) + of_displacement * u[i];
     right_side[i] = value;
   }
 }

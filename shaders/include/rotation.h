@@ -14,7 +14,7 @@ namespace bodyopt {
 #endif
 
 // Row-major rotation matrix of a quaternion that need not have unit length (but must not be zero).
-BODYOPT_REAL_FUNCTION void rotation_from_quaternion(Real w, Real x, Real y, Real z, BODYOPT_OUT_ARRAY(r, 9)) {
+BODYOPT_REAL_FUNCTION void rotation_from_quaternion(Real w, Real x, Real y, Real z, BODYOPT_OUT_REALS(r, 9)) {
   Real s = 2.0f / (w * w + x * x + y * y + z * z);
   r[0] = 1.0f - s * (y * y + z * z);
   r[1] = s * (x * y - w * z);
@@ -28,7 +28,7 @@ BODYOPT_REAL_FUNCTION void rotation_from_quaternion(Real w, Real x, Real y, Real
 }
 
 // One Newton step of tr(R^T A) on SO(3), of no length unless the function is concave (at a maximum).
-BODYOPT_REAL_FUNCTION void refine_rotation(BODYOPT_IN_ARRAY(a, 9), BODYOPT_INOUT_ARRAY(r, 9)) {
+BODYOPT_REAL_FUNCTION void refine_rotation(BODYOPT_IN_REALS(a, 9), BODYOPT_INOUT_REALS(r, 9)) {
   // B = R^T A; the gradient is its axial vector, the Hessian tr(B) I - sym(B).
   Real b[9];
   for (int i = 0; i < 3; ++i)
@@ -59,8 +59,8 @@ BODYOPT_REAL_FUNCTION void refine_rotation(BODYOPT_IN_ARRAY(a, 9), BODYOPT_INOUT
 
 // The column (w, x, y, z) in the place of the best, if its size is larger.
 BODYOPT_REAL_FUNCTION void take_column(Real size, Real column_w, Real column_x, Real column_y, Real column_z,
-                                       BODYOPT_INOUT(best), BODYOPT_INOUT(w), BODYOPT_INOUT(x), BODYOPT_INOUT(y),
-                                       BODYOPT_INOUT(z)) {
+                                       BODYOPT_INOUT_REAL(best), BODYOPT_INOUT_REAL(w), BODYOPT_INOUT_REAL(x),
+                                       BODYOPT_INOUT_REAL(y), BODYOPT_INOUT_REAL(z)) {
   w = select(size > best, column_w, w);
   x = select(size > best, column_x, x);
   y = select(size > best, column_y, y);
@@ -68,7 +68,7 @@ BODYOPT_REAL_FUNCTION void take_column(Real size, Real column_w, Real column_x, 
   best = select(size > best, size, best);
 }
 
-BODYOPT_REAL_FUNCTION void rot(BODYOPT_IN_ARRAY(matrix, 9), BODYOPT_OUT_ARRAY(r, 9)) {
+BODYOPT_REAL_FUNCTION void rot(BODYOPT_IN_REALS(matrix, 9), BODYOPT_OUT_REALS(r, 9)) {
   Real largest = 0.0f;
   for (int i = 0; i < 9; ++i) largest = max(largest, abs(matrix[i]));
   // A quarter: the inverse of the largest float would be subnormal.

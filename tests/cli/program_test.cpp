@@ -17,7 +17,7 @@ TEST(Program, HelpOfEveryVerbExitsWithZero) {
   EXPECT_EQ(run_bodyopt("--help").exit_code, 0);
   for (const char* verb :
        {"demo", "muscles import", "rom", "simulate", "dataset add", "export", "check", "train", "test", "improve",
-        "attach", "eval", "compare", "coverage", "picture", "regions", "info", "devices"}) {
+        "attach", "eval", "compare", "coverage", "picture", "regions", "info", "bench", "devices"}) {
     const ProgramResult result = run_bodyopt(std::string(verb) + " --help");
     EXPECT_EQ(result.exit_code, 0) << verb;
     EXPECT_NE(result.output.find("--json"), std::string::npos) << verb;
@@ -187,6 +187,27 @@ TEST(Program, RegionsAreWrittenReadBackAndRefused) {
   EXPECT_EQ(exit_code(bad), 0);
   bad["regions"][0]["weights"][0] = -1;
   EXPECT_EQ(exit_code(bad), 4);
+}
+
+TEST(Program, BenchTellsOfEveryBatchSize) {
+  const TemporaryFolder folder;
+  const std::string basis = (folder / "arm.safetensors").string(), json = (folder / "bench.json").string();
+  save_basis(build_ddm_basis(build_arm().character, {}), basis);
+  const std::string verb = "bench " + basis + " --device cpu --one-thread --seconds 0.01 --json ";
+  const ProgramResult result = run_bodyopt(verb + json);
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  std::ifstream file(json);
+  const nlohmann::json measured = nlohmann::json::parse(file)["measured"];
+  std::vector<int> batches;
+  for (const nlohmann::json& row : measured) {
+    EXPECT_EQ(row["device"], "cpu");
+    EXPECT_GT(row["frame_ms"].get<double>(), row["stage_ms"]["pose"].get<double>());
+    EXPECT_EQ(row["stage_ms"]["strain"], 0);  // Direct Delta Mush alone has none
+    batches.push_back(row["batch"]);
+  }
+  EXPECT_EQ(batches, (std::vector<int>{1, 4, 16, 64}));
+  EXPECT_EQ(run_bodyopt("bench " + (folder / "none.safetensors").string()).exit_code, 4);
+  EXPECT_EQ(run_bodyopt("bench " + basis + " --device nowhere").exit_code, 5);
 }
 
 }  // namespace

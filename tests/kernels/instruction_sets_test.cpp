@@ -3,7 +3,7 @@
 #include <hwy/targets.h>
 
 #include "runtime/cpu/kernels.h"
-#include "runtime/cpu/vertex_frames.h"
+#include "runtime/cpu/ddm_frames.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
@@ -68,6 +68,19 @@ TEST(InstructionSets, VertexFrames) {
   for (int k = 0; k < 300; ++k) some.push_back(skin.random.below(skin.vertices));
   expect_same_bits(12 * some.size(),
                    [&](std::span<float> frames) { cpu::vertex_frames(skin.ddm, some, skin.skinning.data(), frames); });
+}
+
+TEST(InstructionSets, ResidualBlend) {
+  constexpr std::uint32_t kCoefficients = 90;
+  for (const std::uint32_t vertices : {1u, 16u, 1237u}) {
+    SCOPED_TRACE(vertices);
+    Random random(vertices);
+    const ResidualTable table = random_residual(random, 20, 0, kCoefficients, vertices);
+    const std::vector<float> coefficients = random.floats(2 * kCoefficients, -1, 1);
+    expect_same_bits(std::size_t{6} * vertices, [&](std::span<float> displacements) {
+      cpu::residual_blend(table, coefficients, 2, 0.7f, displacements);
+    });
+  }
 }
 
 }  // namespace instruction_sets_test

@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <numeric>
 
-#include "runtime/cpu/vertex_frames.h"
+#include "runtime/cpu/ddm_frames.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/skinning/linear_blend.h"
 

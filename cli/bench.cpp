@@ -1,0 +1,157 @@
+// bodyopt bench: how long a frame of a basis takes on each device, stage by stage, and how near that is to the
+// memory's.
+#include <algorithm>
+#include <chrono>
+#include <random>
+
+#include "base/progress.h"
+#include "cli/arguments/common.h"
+#include "runtime/core/error.h"
+#include "runtime/threads/tbb_executor.h"
+#include "runtime/vulkan/device.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct BenchArguments {
+  std::string basis, device;
+  double seconds = 1;
+  bool one_thread = false;
+  JsonOption json;
+};
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void stop_if_interrupted() {
+  if (interrupted()) throw Error(ErrorKind::interrupted, "interrupted; nothing of the measurement is kept");
+}
+
+std::shared_ptr<Executor> threads_of(const BenchArguments& arguments) {
+  if (arguments.one_thread) return std::make_shared<SerialExecutor>();
+  return make_tbb_executor();
+}
+
+// a = b + 3 c over arrays that no cache holds, bytes per second: what the processor's memory gives at most.
+double triad_bandwidth(Executor& threads) {
+  constexpr std::size_t kCount = std::size_t{1} << 24;
+  constexpr int kRounds = 5;
+  std::vector<float> a(kCount), b(kCount, 1.0f), c(kCount, 2.0f);
+  double best = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto start = std::chrono::steady_clock::now();
+    parallel_for(threads, kCount, kCount / 64, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) a[k] = b[k] + 3 * c[k];
+    });
+    best = std::max(best, 3 * sizeof(float) * kCount / seconds_since(start));
+  }
+  return best;
+}
+
+// Joints turned by up to 0.3 radians from the bind pose, the same poses every time.
+std::vector<Pose> random_poses(const Skeleton& skeleton, std::size_t count) {
+  std::mt19937 random(1);
+  const auto number = [&] { return random() / 4294967296.0 - 0.5; };
+  std::vector<Pose> poses(count, bind_pose(skeleton));
+  for (Pose& pose : poses) {
+    for (JointTransform& joint : pose.joints) {
+      const Vec3 axis{number(), number(), number()};
+      joint.rotation =
+          normalized(joint.rotation * axis_angle((1 / std::max(1e-3, length(axis))) * axis, 0.6 * number()));
+    }
+  }
+  return poses;
+}
+
+// What a frame has to read of tables and write, each once.
+std::size_t frame_bytes(const Basis& basis) {
+  return total_bytes(basis) + 2 * 3 * sizeof(float) * (basis.mesh.vertex_count() + basis.mesh.output_count());
+}
+
+struct FrameCost {
+  double seconds = 0;                           // of a frame, the median of all batches
+  std::map<std::string, double> stage_seconds;  // of a frame of that batch, summed over threads
+};
+
+FrameCost measure(Deformer& deformer, std::span<const Pose> poses, double seconds) {
+  deformer.evaluate(poses);  // memory is got, caches fill
+  std::vector<FrameCost> costs;
+  const auto start = std::chrono::steady_clock::now();
+  do {
+    stop_if_interrupted();
+    const auto batch = std::chrono::steady_clock::now();
+    FrameCost cost{0, deformer.evaluate(poses).stage_seconds};
+    cost.seconds = seconds_since(batch) / static_cast<double>(poses.size());
+    for (auto& [stage, time] : cost.stage_seconds) time /= static_cast<double>(poses.size());
+    costs.push_back(std::move(cost));
+  } while (seconds_since(start) < seconds || costs.size() < 3);
+  const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(costs.size() / 2);
+  std::nth_element(costs.begin(), middle, costs.end(),
+                   [](const auto& a, const auto& b) { return a.seconds < b.seconds; });
+  return *middle;
+}
+
+std::vector<std::string> devices_of(const BenchArguments& arguments) {
+  if (!arguments.device.empty()) return {arguments.device};
+  std::vector<std::string> devices = {"cpu"};
+  for (const vulkan::DeviceInfo& device : vulkan::list_devices()) devices.push_back(std::to_string(device.index));
+  return devices;
+}
+
+void run(const BenchArguments& arguments) {
+  arguments.json.require_writable();
+  const Basis basis = load_basis(arguments.basis);
+  const std::shared_ptr<Executor> threads = threads_of(arguments);
+  const double triad = triad_bandwidth(*threads);
+  const std::vector<Pose> poses = random_poses(basis.skeleton, 64);
+  const double bytes = static_cast<double>(frame_bytes(basis));
+  Json rows = Json::array();
+  std::string text =
+      format("%u vertices, %zu joints: %.2f MB a frame; triad %.1f GB/s; ms a frame, stages summed over threads\n",
+             basis.mesh.vertex_count(), basis.skeleton.size(), bytes / 1e6, triad / 1e9);
+  const char* const stages[] = {"rig", "strain", "residual", "pose", "output"};
+  text += format("%5s %9s %9s %9s %9s %9s %9s %7s %8s  %s\n", "batch", "frame", "rig", "strain", "residual", "pose",
+                 "output", "GB/s", "of triad", "device");
+  for (const std::string& name : devices_of(arguments)) {
+    Deformer deformer(basis, {.name = name, .executor = threads});
+    for (const std::size_t batch : {1, 4, 16, 64}) {
+      const FrameCost cost = measure(deformer, std::span(poses).first(batch), arguments.seconds);
+      const double bandwidth = bytes / cost.seconds;
+      Json stage_ms = Json::object();
+      text += format("%5zu %9.4f", batch, 1e3 * cost.seconds);
+      for (const char* stage : stages) {
+        const auto time = cost.stage_seconds.find(stage);
+        const double ms = time == cost.stage_seconds.end() ? 0 : 1e3 * time->second;
+        stage_ms[stage] = ms;
+        text += format(" %9.4f", ms);
+      }
+      text += format(" %7.2f %7.0f%%  %s\n", bandwidth / 1e9, 100 * bandwidth / triad, deformer.device_name().c_str());
+      rows.push_back({{"device", deformer.device_name()},
+                      {"batch", batch},
+                      {"frame_ms", 1e3 * cost.seconds},
+                      {"stage_ms", stage_ms},
+                      {"bytes", bytes},
+                      {"bytes_per_second", bandwidth},
+                      {"of_triad", bandwidth / triad}});
+    }
+  }
+  arguments.json.emit({{"basis", arguments.basis}, {"triad_bytes_per_second", triad}, {"measured", rows}}, text);
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app) {
+  auto arguments = std::make_shared<BenchArguments>();
+  CLI::App& verb = *app.add_subcommand("bench", "How long a frame takes on each device, stage by stage");
+  verb.add_option("BASIS", arguments->basis, "The trained character")->required();
+  verb.add_option("--device", arguments->device, "Only this one: cpu, or a Vulkan device by index or name");
+  verb.add_option("--seconds", arguments->seconds, "How long each batch size is measured, for a median")
+      ->check(number_from(0.01, 600))
+      ->capture_default_str();
+  verb.add_flag("--one-thread", arguments->one_thread, "The CPU's kernels on one thread");
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli

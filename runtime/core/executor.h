@@ -1,0 +1,36 @@
+// Threads that the runtime works on: those of the host program where it lends some.
+#pragma once
+
+#include <cstddef>
+
+namespace bodyopt {
+
+class Executor {
+ public:
+  // Does elements [begin, end). Throws nothing.
+  using Task = void (*)(const void* context, std::size_t begin, std::size_t end);
+
+  virtual ~Executor() = default;
+  // Calls the task for parts that cover [0, count) once, none smaller than `grain` elements where count is not, on
+  // whatever threads and in whatever order; returns when all are done. May be called from several threads at once.
+  virtual void parallel_for(std::size_t count, std::size_t grain, Task task, const void* context) = 0;
+};
+
+// All on the calling thread.
+class SerialExecutor final : public Executor {
+ public:
+  void parallel_for(std::size_t count, std::size_t, Task task, const void* context) override {
+    if (count > 0) task(context, 0, count);
+  }
+};
+
+// function(begin, end) of every part.
+template <typename Function>
+void parallel_for(Executor& executor, std::size_t count, std::size_t grain, const Function& function) {
+  const auto task = [](const void* context, std::size_t begin, std::size_t end) {
+    (*static_cast<const Function*>(context))(begin, end);
+  };
+  executor.parallel_for(count, grain, task, &function);
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,23 @@
+// Frames of Direct Delta Mush: a vertex stands at t + R (d + delta d). Where more than one thing is done with them they
+// are found once; pose_skin has the same bits of them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "runtime/basis/basis.h"
+
+namespace bodyopt::cpu {
+
+// Numbers of a block's frames: nine of R (row-major), three of t, of each those of all lanes side by side.
+inline constexpr std::size_t kFrameNumbers = 12 * kBlockSize;
+
+// Frames of blocks from first_block on, as many as `frames` holds, t relative to the frame's origin. skinning: J x 12
+// of the frame -> frames blocks x 12 x kBlockSize.
+void block_frames(const DdmTable& ddm, const float* skinning, std::uint32_t first_block, std::span<float> frames);
+
+// R (row-major) and t of each of the vertices -> frames P x 12.
+void vertex_frames(const DdmTable& ddm, std::span<const std::uint32_t> vertices, const float* skinning,
+                   std::span<float> frames);
+
+}  // namespace bodyopt::cpu
