@@ -1,6 +1,7 @@
 // The solves of diffuse and jiggle beside sparse direct ones, on the same systems and threads; and a whole step.
 #include <benchmark/benchmark.h>
 #include <omp.h>
+#include <tbb/global_control.h>
 
 #include <Eigen/CholmodSupport>
 #include <Eigen/SparseCholesky>
@@ -10,6 +11,7 @@
 #include "bench/refine_tets.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/host/jiggle_stages.h"
+#include "runtime/threads/tbb_executor.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/dynamics/block_inverse.h"
 #include "trainer/dynamics/build_dynamics.h"
@@ -136,23 +138,38 @@ std::span<const float> span_of(const Eigen::VectorXf& values) {
   return {values.data(), static_cast<std::size_t>(values.size())};
 }
 
+// As many of oneTBB's threads, for the runtime, and of OpenMP's, for the trainer.
+class Threads {
+ public:
+  explicit Threads(std::int64_t count)
+      : limit_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count)),
+        executor_(make_tbb_executor()) {
+    omp_set_num_threads(static_cast<int>(count));
+  }
+  Executor& executor() { return *executor_; }
+
+ private:
+  tbb::global_control limit_;
+  std::unique_ptr<Executor> executor_;
+};
+
 // Arguments of all: tets, threads.
 void BM_Precompute(benchmark::State& state) {
   const Body& b = body(state.range(0));
-  omp_set_num_threads(static_cast<int>(state.range(1)));
+  Threads threads(state.range(1));
   for (auto _ : state) benchmark::DoNotOptimize(invert(b.matrix, b.nodes, 3).values.data());
   describe(state, b);
 }
 
 void BM_BlockInverse(benchmark::State& state) {
   const Body& b = body(state.range(0));
-  omp_set_num_threads(static_cast<int>(state.range(1)));
+  Threads threads(state.range(1));
   const BlockInverse& inverse = b.dynamics.jiggle.inverse;
   Eigen::VectorXf solution(b.matrix.rows());
   std::vector<float> scratch;
   const std::span<float> to(solution.data(), static_cast<std::size_t>(solution.size()));
   for (auto _ : state) {
-    cpu::block_solve(inverse, span_of(b.right_side), 1, 1, scratch, to);
+    cpu::block_solve(inverse, span_of(b.right_side), 1, 1, scratch, to, threads.executor());
     benchmark::DoNotOptimize(solution.data());
   }
   describe(state, b);
@@ -165,7 +182,7 @@ void BM_BlockInverse(benchmark::State& state) {
 template <typename Solver>
 void direct_solve(benchmark::State& state) {
   const Body& b = body(state.range(0));
-  omp_set_num_threads(static_cast<int>(state.range(1)));
+  Threads threads(state.range(1));
   const Solver solver(b.matrix);
   const Eigen::VectorXd right_side = b.right_side.cast<double>();
   Eigen::VectorXd solution(right_side.size());
@@ -201,12 +218,13 @@ struct Frame {
 
 void BM_Diffuse(benchmark::State& state) {
   const Body& b = body(state.range(0));
-  omp_set_num_threads(static_cast<int>(state.range(1)));
+  Threads threads(state.range(1));
   Frame f(b);
   for (auto _ : state) {
-    cpu::diffuse_surface(b.dynamics.tets, f.positions, f.origins, 1, f.nodes);
-    cpu::diffuse_gather(b.dynamics.diffuse, b.dynamics.tets.surface_count(), f.nodes, 1, f.right_side);
-    cpu::block_solve(b.dynamics.diffuse.inverse, f.right_side, 3, 3, f.scratch, f.nodes);
+    cpu::diffuse_surface(b.dynamics.tets, f.positions, f.origins, 1, f.nodes, threads.executor());
+    cpu::diffuse_gather(b.dynamics.diffuse, b.dynamics.tets.surface_count(), f.nodes, 1, f.right_side,
+                        threads.executor());
+    cpu::block_solve(b.dynamics.diffuse.inverse, f.right_side, 3, 3, f.scratch, f.nodes, threads.executor());
   }
   describe(state, b);
   state.counters["MB"] = megabytes(b.dynamics.diffuse.inverse);
@@ -214,19 +232,20 @@ void BM_Diffuse(benchmark::State& state) {
 
 void BM_JiggleStep(benchmark::State& state) {
   const Body& b = body(state.range(0));
-  omp_set_num_threads(static_cast<int>(state.range(1)));
+  Threads threads(state.range(1));
   const JiggleTable& jiggle = b.dynamics.jiggle;
   Frame f(b);
   const JiggleStages stages = jiggle_stages(jiggle.step, {});
   for (auto _ : state) {
-    cpu::jiggle_rotate(b.dynamics.tets, f.nodes, 1, f.rotations);
-    cpu::jiggle_begin(jiggle, stages.begin, f.rotations, {}, {}, f.u, f.v, f.own_u, f.own_v, f.right_side);
-    cpu::block_solve(jiggle.inverse, f.right_side, 1, 1, f.scratch, f.solution);
+    cpu::jiggle_rotate(b.dynamics.tets, f.nodes, 1, f.rotations, threads.executor());
+    cpu::jiggle_begin(jiggle, stages.begin, f.rotations, {}, {}, f.u, f.v, f.own_u, f.own_v, f.right_side,
+                      threads.executor());
+    cpu::block_solve(jiggle.inverse, f.right_side, 1, 1, f.scratch, f.solution, threads.executor());
     cpu::jiggle_advance(jiggle, *stages.advance, f.rotations, f.solution, f.own_u, f.own_v, f.next_u, f.next_v,
-                        f.right_side);
-    cpu::block_solve(jiggle.inverse, f.right_side, 1, 1, f.scratch, f.solution);
-    cpu::jiggle_end(stages.end, f.rotations, f.solution, f.next_u, f.u, f.v);
-    cpu::jiggle_skin(b.dynamics.tets, f.positions, f.u, 1, f.moved);
+                        f.right_side, threads.executor());
+    cpu::block_solve(jiggle.inverse, f.right_side, 1, 1, f.scratch, f.solution, threads.executor());
+    cpu::jiggle_end(stages.end, f.rotations, f.solution, f.next_u, f.u, f.v, threads.executor());
+    cpu::jiggle_skin(b.dynamics.tets, f.positions, f.u, 1, f.moved, threads.executor());
     benchmark::DoNotOptimize(f.moved.data());
   }
   describe(state, b);

@@ -14,6 +14,7 @@
 #include "cli/results/fade_log.h"
 #include "runtime/core/error.h"
 #include "runtime/host/carry_skin.h"
+#include "runtime/threads/tbb_executor.h"
 #include "trainer/dynamics/measure_jiggle.h"
 #include "trainer/train/coverage/coverage.h"
 
@@ -132,6 +133,7 @@ void run(const EvalArguments& arguments) {
   FadeLog fades;
   // Frames held in memory at once. Of the jiggle each is measured, and it may be slow.
   const std::size_t step = arguments.jiggle.jiggle ? 1 : 64;
+  const std::unique_ptr<Executor> threads = make_tbb_executor();
   for (std::size_t begin = 0; begin < poses.size(); begin += step) {
     const std::size_t count = std::min(step, poses.size() - begin);
     const Evaluation part = arguments.jiggle.jiggle ? deformer.jiggle(std::span(poses).subspan(begin, count),
@@ -141,7 +143,7 @@ void run(const EvalArguments& arguments) {
       if (const auto note = describe(part.starts[k], frames[begin + k])) notes.push_back(*note);
     }
     std::vector<float> carried;
-    if (arguments.full_skin) carried = carry_skin(mesh, level.carried, part.positions, part.normals);
+    if (arguments.full_skin) carried = carry_skin(mesh, level.carried, part.positions, part.normals, *threads);
     const std::span<const float> skin = arguments.full_skin ? carried : part.positions;
     for (std::size_t k = 0; k < count; ++k) {
       writer.append(skin.subspan(3 * k * points, 3 * std::size_t{points}));

@@ -24,6 +24,11 @@ class SerialExecutor final : public Executor {
   }
 };
 
+inline Executor& calling_thread() {
+  static SerialExecutor executor;
+  return executor;
+}
+
 // function(begin, end) of every part.
 template <typename Function>
 void parallel_for(Executor& executor, std::size_t count, std::size_t grain, const Function& function) {

@@ -6,12 +6,13 @@
 namespace bodyopt::cpu {
 
 void block_down(const BlockInverse& inverse, const InverseLevel& level, std::span<const float> results,
-                std::uint32_t right_side_count, std::uint32_t interleave, std::span<float> solutions) {
-#pragma omp parallel if (work_of(inverse.down, level.down_begin, level.down_end) * right_side_count > kParallelWork)
-  {
+                std::uint32_t right_side_count, std::uint32_t interleave, std::span<float> solutions,
+                Executor& threads) {
+  const std::size_t count = level.down_end - level.down_begin;
+  const std::size_t work = work_of(inverse.down, level.down_begin, level.down_end) * right_side_count;
+  parallel_for(threads, count, grain_of(count, work), [&](std::size_t begin, std::size_t end) {
     std::vector<float> inputs;  // of the strip's boundary slots
-#pragma omp for schedule(static)
-    for (std::uint32_t p = level.down_begin; p < level.down_end; ++p) {
+    for (std::size_t p = level.down_begin + begin; p < level.down_begin + end; ++p) {
       const InverseStrip& strip = inverse.down[p];
       const std::uint32_t* unknown = inverse.slot_unknown.data() + strip.first_input;
       inputs.assign((strip.input_count + kBlockSize - 1) / kBlockSize * kBlockSize, 0.0f);
@@ -27,7 +28,7 @@ void block_down(const BlockInverse& inverse, const InverseLevel& level, std::spa
         }
       }
     }
-  }
+  });
 }
 
 }  // namespace bodyopt::cpu

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime/basis/dynamics.h"
+#include "runtime/core/executor.h"
 
 namespace bodyopt::cpu {
 
@@ -30,6 +31,6 @@ void corotated_start(const JiggleStepPush& stage, std::span<const float> local_d
 // `solution`, z0 on entry, is z after a fixed number of iterations: every frame the same work. right_side, solution 3N,
 // in the nodes' frames. A right side and a start of zeros give exactly zeros.
 void corotated_solve(const CorotatedOperator& a, std::span<const float> right_side, std::uint32_t iterations,
-                     CorotatedScratch& scratch, std::span<float> solution);
+                     CorotatedScratch& scratch, std::span<float> solution, Executor& threads = calling_thread());
 
 }  // namespace bodyopt::cpu

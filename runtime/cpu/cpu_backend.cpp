@@ -50,7 +50,7 @@ class CpuBackend final : public Backend {
       : basis_(basis),
         executor_(executor ? std::move(executor) : std::make_shared<SerialExecutor>()),
         rest_coefficients_(basis.residual.coefficient_count(), 0) {
-    if (jiggle.dynamics) dynamics_.emplace(jiggle);
+    if (jiggle.dynamics) dynamics_.emplace(jiggle, *executor_);
   }
 
   std::string name() const override { return "cpu"; }

@@ -22,8 +22,8 @@ auto part(Values& values, std::size_t f, std::size_t frames) {
 
 }  // namespace
 
-CpuDynamics::CpuDynamics(const JiggleModel& model)
-    : dynamics_(*model.dynamics), options_(model.options), numbers_(dynamics_.tets.nodes.size()) {
+CpuDynamics::CpuDynamics(const JiggleModel& model, Executor& threads)
+    : dynamics_(*model.dynamics), threads_(threads), options_(model.options), numbers_(dynamics_.tets.nodes.size()) {
   for (std::vector<float>* values :
        {&motion.displacement, &motion.velocity, &motion.nodes, &motion.node_velocity, &next_.displacement,
         &next_.velocity, &next_.nodes, &next_.node_velocity, &u_, &v_, &next_u_, &next_v_, &right_side_, &solution_}) {
@@ -51,12 +51,12 @@ void CpuDynamics::run(const Batch& batch, float weight, std::span<const float> s
 void CpuDynamics::jiggle(const Batch& batch, float weight, std::span<const float> strains,
                          std::vector<float>& positions) {
   rotations_.resize(3 * nodes_.size());
-  cpu::jiggle_rotate(dynamics_.tets, nodes_, batch.frame_count, rotations_);
+  cpu::jiggle_rotate(dynamics_.tets, nodes_, batch.frame_count, rotations_, threads_);
   std::vector<float> moved(positions.size());
   for (std::uint32_t f = 0; f < batch.frame_count; ++f) {
     step(batch, f, part(strains, f, batch.frame_count));
     cpu::jiggle_skin(dynamics_.tets, part(positions, f, batch.frame_count), motion.displacement, weight,
-                     part(moved, f, batch.frame_count));
+                     part(moved, f, batch.frame_count), threads_);
   }
   positions.swap(moved);
 }
@@ -65,18 +65,19 @@ void CpuDynamics::diffuse(const Batch& batch, std::span<const float> positions) 
   const std::uint32_t frames = batch.frame_count;
   nodes_.resize(numbers_ * frames);
   diffuse_right_sides_.resize(nodes_.size());
-  cpu::diffuse_surface(dynamics_.tets, positions, batch.origins, frames, nodes_);
-  cpu::diffuse_gather(dynamics_.diffuse, dynamics_.tets.surface_count(), nodes_, frames, diffuse_right_sides_);
-  cpu::block_solve(dynamics_.diffuse.inverse, diffuse_right_sides_, 3 * frames, 3, scratch_, nodes_);
+  cpu::diffuse_surface(dynamics_.tets, positions, batch.origins, frames, nodes_, threads_);
+  cpu::diffuse_gather(dynamics_.diffuse, dynamics_.tets.surface_count(), nodes_, frames, diffuse_right_sides_,
+                      threads_);
+  cpu::block_solve(dynamics_.diffuse.inverse, diffuse_right_sides_, 3 * frames, 3, scratch_, nodes_, threads_);
 }
 
 void CpuDynamics::begin_frame(const JiggleFrame& frame, std::span<const float> nodes) {
   JiggleKickPush kick = frame.kick;
   kick.node_count = dynamics_.tets.node_count();
   cpu::jiggle_kick(kick, nodes, {motion.displacement, motion.velocity, motion.nodes, motion.node_velocity},
-                   {next_.displacement, next_.velocity, next_.nodes, next_.node_velocity});
+                   {next_.displacement, next_.velocity, next_.nodes, next_.node_velocity}, threads_);
   std::swap(motion, next_);
-  if (options_.iterations > 0) cpu::jiggle_tet_rotate(dynamics_.tets, nodes, tet_rotations_);
+  if (options_.iterations > 0) cpu::jiggle_tet_rotate(dynamics_.tets, nodes, tet_rotations_, threads_);
 }
 
 void CpuDynamics::step(const Batch& batch, std::uint32_t f, std::span<const float> strains) {
@@ -92,26 +93,27 @@ void CpuDynamics::step(const Batch& batch, std::uint32_t f, std::span<const floa
   const JiggleStages stages = jiggle_stages(jiggle.step, push);
   for (std::uint32_t s = 0; s < frame.steps; ++s) {
     cpu::jiggle_begin(jiggle, stages.begin, rotations, strains, controls, motion.displacement, motion.velocity, u_, v_,
-                      right_side_);
+                      right_side_, threads_);
     solve(stages.begin, rotations);
     if (stages.advance) {
-      cpu::jiggle_advance(jiggle, *stages.advance, rotations, solution_, u_, v_, next_u_, next_v_, right_side_);
+      cpu::jiggle_advance(jiggle, *stages.advance, rotations, solution_, u_, v_, next_u_, next_v_, right_side_,
+                          threads_);
       u_.swap(next_u_);
       v_.swap(next_v_);
       solve(*stages.advance, rotations);
     }
-    cpu::jiggle_end(stages.end, rotations, solution_, u_, motion.displacement, motion.velocity);
+    cpu::jiggle_end(stages.end, rotations, solution_, u_, motion.displacement, motion.velocity, threads_);
   }
 }
 
 void CpuDynamics::solve(const JiggleStepPush& stage, std::span<const float> rotations) {
   if (options_.iterations == 0) {
-    cpu::block_solve(dynamics_.jiggle.inverse, right_side_, 1, 1, scratch_, solution_);
+    cpu::block_solve(dynamics_.jiggle.inverse, right_side_, 1, 1, scratch_, solution_, threads_);
     return;
   }
   cpu::corotated_start(stage, u_, v_, solution_);
   cpu::corotated_solve({dynamics_.tets, dynamics_.jiggle, rotations, tet_rotations_}, right_side_, options_.iterations,
-                       corotated_scratch_, solution_);
+                       corotated_scratch_, solution_, threads_);
 }
 
 }  // namespace bodyopt

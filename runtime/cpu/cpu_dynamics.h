@@ -8,7 +8,8 @@ namespace bodyopt {
 
 class CpuDynamics {
  public:
-  explicit CpuDynamics(const JiggleModel& model);
+  // The executor must outlive it.
+  CpuDynamics(const JiggleModel& model, Executor& threads);
 
   // Steps the frames of a batch in their order. positions: F x V x 3, of the quasi-static skin; replaced by those of
   // the skin that jiggles, of which `weight` is shown. strains: F x S. Adds the stages' seconds. Where it throws, the
@@ -26,6 +27,7 @@ class CpuDynamics {
   void solve(const JiggleStepPush& stage, std::span<const float> rotations);
 
   const Dynamics& dynamics_;
+  Executor& threads_;
   const JiggleOptions options_;
   std::size_t numbers_;                                         // 3 N
   std::vector<float> nodes_, rotations_, diffuse_right_sides_;  // of the batch

@@ -1,7 +1,7 @@
 // The CPU path of diffuse and jiggle: one function per kernel, one file each; the reference for the Vulkan kernels.
 // Arrays are frame-major over frame_count frames; shapes are those of runtime/basis/dynamics.h: V skin vertices, N
-// nodes, B of them on the skin, T tets. Loops over elements run on all OpenMP threads and give the same bits with any
-// number of them.
+// nodes, B of them on the skin, T tets. Loops over elements are spread over `threads` and give the same bits with
+// any number of them.
 #pragma once
 
 #include <cstdint>
@@ -9,17 +9,18 @@
 #include <vector>
 
 #include "runtime/basis/dynamics.h"
+#include "runtime/core/executor.h"
 
 namespace bodyopt::cpu {
 
 // Diffuse stage: where the skin carries the nodes that lie on it, relative to the frame's origin.
 // positions F x V x 3 (world), origins F x 4 -> the first B of nodes F x N x 3; the others are left.
 void diffuse_surface(const TetTable& tets, std::span<const float> positions, std::span<const float> origins,
-                     std::uint32_t frame_count, std::span<float> nodes);
+                     std::uint32_t frame_count, std::span<float> nodes, Executor& threads = calling_thread());
 
 // Diffuse stage: -L_IB X_B. nodes F x N x 3 -> right_sides F x N x 3, of all nodes but the first B (which are left).
 void diffuse_gather(const DiffuseTable& diffuse, std::uint32_t surface_count, std::span<const float> nodes,
-                    std::uint32_t frame_count, std::span<float> right_sides);
+                    std::uint32_t frame_count, std::span<float> right_sides, Executor& threads = calling_thread());
 
 // One level of a solve with R right sides. Unknown q of right side r stands at
 // (r / interleave) * unknown_count * interleave + q * interleave + r % interleave: with an interleave of 3, x, y and z
@@ -28,22 +29,24 @@ void diffuse_gather(const DiffuseTable& diffuse, std::uint32_t surface_count, st
 // Up, first half: gathered = right side of own slots less what children hand up; of boundary slots what they hand up.
 void block_gather(const BlockInverse& inverse, const InverseLevel& level, std::span<const float> right_sides,
                   std::uint32_t right_side_count, std::uint32_t interleave, std::span<const float> results,
-                  std::span<float> gathered);
+                  std::span<float> gathered, Executor& threads = calling_thread());
 // Up, second half: results = P gathered at own slots; gathered + W^T gathered (of the own slots) at boundary slots.
 void block_up(const BlockInverse& inverse, const InverseLevel& level, std::span<const float> gathered,
-              std::uint32_t right_side_count, std::span<float> results);
+              std::uint32_t right_side_count, std::span<float> results, Executor& threads = calling_thread());
 // Down: solution at the unknowns of own slots = results - W times the solution at those of the boundary slots.
 void block_down(const BlockInverse& inverse, const InverseLevel& level, std::span<const float> results,
-                std::uint32_t right_side_count, std::uint32_t interleave, std::span<float> solutions);
+                std::uint32_t right_side_count, std::uint32_t interleave, std::span<float> solutions,
+                Executor& threads = calling_thread());
 
 // All levels up, then down. scratch is resized as needed.
 void block_solve(const BlockInverse& inverse, std::span<const float> right_sides, std::uint32_t right_side_count,
-                 std::uint32_t interleave, std::vector<float>& scratch, std::span<float> solutions);
+                 std::uint32_t interleave, std::vector<float>& scratch, std::span<float> solutions,
+                 Executor& threads = calling_thread());
 
 // Jiggle stage: rotation of every node, that of the volume-weighted mean of the deformation gradients of its tets
 // (F_e = D(X) D^-1). nodes F x N x 3 -> rotations F x N x 9, row-major.
 void jiggle_rotate(const TetTable& tets, std::span<const float> nodes, std::uint32_t frame_count,
-                   std::span<float> rotations);
+                   std::span<float> rotations, Executor& threads = calling_thread());
 
 // Where a frame of the jiggle starts from. All in world axes, N x 3 each.
 struct JiggleMotion {
@@ -59,7 +62,7 @@ struct JiggleMotionOut {
 // splitting it is of second order (Hairer, Lubich, Wanner 2003, "kick"). kick.start: 0 nothing is known of the frames
 // before (u, du/dt and V become 0), 1 one frame is (V is found; no kick), 2 all. nodes: X, N x 3, of this frame.
 void jiggle_kick(const JiggleKickPush& kick, std::span<const float> nodes, const JiggleMotion& before,
-                 const JiggleMotionOut& after);
+                 const JiggleMotionOut& after, Executor& threads = calling_thread());
 
 // Jiggle stage, begin of a step: u and v into the nodes' frames (R^T), active muscles hold theirs, right side of the
 // first solve. With w2 = stiffening x activation:
@@ -70,7 +73,7 @@ void jiggle_kick(const JiggleKickPush& kick, std::span<const float> nodes, const
 void jiggle_begin(const JiggleTable& jiggle, const JiggleStepPush& step, std::span<const float> rotations,
                   std::span<const float> strains, std::span<const float> controls, std::span<const float> displacement,
                   std::span<const float> velocity, std::span<float> local_displacement, std::span<float> local_velocity,
-                  std::span<float> right_side);
+                  std::span<float> right_side, Executor& threads = calling_thread());
 
 // Jiggle stage, between the two solves of TR-BDF2. z: the first solution (3N). In the nodes' frames:
 //   u' = u_from_u u + u_from_z z,   v' = v_from_u u + v_from_z z + v_from_v v
@@ -78,31 +81,35 @@ void jiggle_begin(const JiggleTable& jiggle, const JiggleStepPush& step, std::sp
 void jiggle_advance(const JiggleTable& jiggle, const JiggleStepPush& step, std::span<const float> rotations,
                     std::span<const float> solution, std::span<const float> local_displacement,
                     std::span<const float> local_velocity, std::span<float> next_displacement,
-                    std::span<float> next_velocity, std::span<float> right_side);
+                    std::span<float> next_velocity, std::span<float> right_side, Executor& threads = calling_thread());
 
 // Jiggle stage, end of a step: u = R (u_from_u u + u_from_z z), v = R (v_from_u u + v_from_z z), world; numbers below
 // kStill become 0.
 void jiggle_end(const JiggleStepPush& step, std::span<const float> rotations, std::span<const float> solution,
-                std::span<const float> local_displacement, std::span<float> displacement, std::span<float> velocity);
+                std::span<const float> local_displacement, std::span<float> displacement, std::span<float> velocity,
+                Executor& threads = calling_thread());
 
 // Jiggle stage: the skin goes along: x + weight x amount x what its tet has of u. Of a vertex whose amount is 0 no bit
 // changes. positions V x 3, displacement N x 3 -> moved V x 3.
 void jiggle_skin(const TetTable& tets, std::span<const float> positions, std::span<const float> displacement,
-                 float weight, std::span<float> moved);
+                 float weight, std::span<float> moved, Executor& threads = calling_thread());
 
 // Quality mode: conjugate gradients on the corotated operator (docs/pipeline/jiggle.md), in the nodes' frames.
 
 // Rotation of every tet: rot(F_e). nodes N x 3 -> tet_rotations T x 9.
-void jiggle_tet_rotate(const TetTable& tets, std::span<const float> nodes, std::span<float> tet_rotations);
+void jiggle_tet_rotate(const TetTable& tets, std::span<const float> nodes, std::span<float> tet_rotations,
+                       Executor& threads = calling_thread());
 
 // What every tet pulls with: G = volume R_e sigma(R_e^T p), 3 x 3 row-major; sigma = lambda tr(eps) I + 2 mu eps, eps
 // the symmetric gradient. p = R_i direction_i in world axes. direction 3N, node rotations N x 9 -> tractions T x 9.
 void jiggle_stress(const TetTable& tets, const JiggleTable& jiggle, std::span<const float> rotations,
-                   std::span<const float> tet_rotations, std::span<const float> direction, std::span<float> tractions);
+                   std::span<const float> tet_rotations, std::span<const float> direction, std::span<float> tractions,
+                   Executor& threads = calling_thread());
 
 // A p: product_i = R_i^T (sum_j held_ij R_j direction_j + sum over corners of G grad N). -> product 3N.
 void jiggle_force(const TetTable& tets, const JiggleTable& jiggle, std::span<const float> rotations,
-                  std::span<const float> tractions, std::span<const float> direction, std::span<float> product);
+                  std::span<const float> tractions, std::span<const float> direction, std::span<float> product,
+                  Executor& threads = calling_thread());
 
 // Sum of a_i b_i: kWorkgroupSize partial sums (i = lane, lane + 64, ..), then halves added pairwise (0 + 32, 1 + 33,
 // ..; 0 + 16, ..). -> one value.
@@ -112,10 +119,12 @@ void conjugate_dot(std::span<const float> a, std::span<const float> b, std::span
 // may be x, and r' r.
 void conjugate_step(std::span<const float> rho, std::span<const float> pq, std::span<const float> direction,
                     std::span<const float> product, std::span<const float> solution, std::span<const float> residual,
-                    std::span<float> next_solution, std::span<float> next_residual);
+                    std::span<float> next_solution, std::span<float> next_residual,
+                    Executor& threads = calling_thread());
 
 // beta = rho' / rho (0 likewise): p' = y + beta p. p' may be p.
 void conjugate_direction(std::span<const float> rho, std::span<const float> next_rho, std::span<const float> y,
-                         std::span<const float> direction, std::span<float> next_direction);
+                         std::span<const float> direction, std::span<float> next_direction,
+                         Executor& threads = calling_thread());
 
 }  // namespace bodyopt::cpu

@@ -4,25 +4,26 @@
 namespace bodyopt::cpu {
 
 void jiggle_skin(const TetTable& tets, std::span<const float> positions, std::span<const float> displacement,
-                 float weight, std::span<float> moved) {
-#pragma omp parallel for schedule(static) if (16 * tets.skin.size() > kParallelWork)
-  for (std::size_t vertex = 0; vertex < tets.skin.size(); ++vertex) {
-    const TetPoint& point = tets.skin[vertex];
-    const float* x = positions.data() + 3 * vertex;
-    float* to = moved.data() + 3 * vertex;
-    const float amount = weight * point.amount;
-    if (amount == 0) {
-      for (std::size_t i = 0; i < 3; ++i) to[i] = x[i];
-      continue;
+                 float weight, std::span<float> moved, Executor& threads) {
+  parallel_for(threads, tets.skin.size(), grain_of(16), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t vertex = begin; vertex < end; ++vertex) {
+      const TetPoint& point = tets.skin[vertex];
+      const float* x = positions.data() + 3 * vertex;
+      float* to = moved.data() + 3 * vertex;
+      const float amount = weight * point.amount;
+      if (amount == 0) {
+        for (std::size_t i = 0; i < 3; ++i) to[i] = x[i];
+        continue;
+      }
+      const std::uint32_t* tet = tets.tets.data() + std::size_t{4} * point.tet;
+      const auto corner = [&](std::size_t k) { return displacement.data() + std::size_t{3} * tet[k]; };
+      const float *a = corner(0), *b = corner(1), *c = corner(2), *d = corner(3);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const float u = point.w0 * a[i] + point.w1 * b[i] + point.w2 * c[i] + point.w3 * d[i];
+        to[i] = x[i] + amount * u;
+      }
     }
-    const std::uint32_t* tet = tets.tets.data() + std::size_t{4} * point.tet;
-    const auto corner = [&](std::size_t k) { return displacement.data() + std::size_t{3} * tet[k]; };
-    const float *a = corner(0), *b = corner(1), *c = corner(2), *d = corner(3);
-    for (std::size_t i = 0; i < 3; ++i) {
-      const float u = point.w0 * a[i] + point.w1 * b[i] + point.w2 * c[i] + point.w3 * d[i];
-      to[i] = x[i] + amount * u;
-    }
-  }
+  });
 }
 
 }  // namespace bodyopt::cpu

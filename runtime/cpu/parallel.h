@@ -1,12 +1,22 @@
-// When a loop of the jiggle is worth more threads than one.
+// How much of a loop of the jiggle is worth a thread.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+
+#include "runtime/core/executor.h"
 
 namespace bodyopt::cpu {
 
-// Multiply-adds, or as much. Below it threads wait for each other longer than they save; on a machine that does other
-// work, too, waiting costs a hundred times as much.
-constexpr std::size_t kParallelWork = std::size_t{1} << 18;
+// Multiply-adds, or as much. Threads that get less cost more to wake than they save.
+inline constexpr std::size_t kPartWork = std::size_t{1} << 16;
+
+// Elements of which each is that much work.
+constexpr std::size_t grain_of(std::size_t work) { return std::max<std::size_t>(1, kPartWork / work); }
+
+// Of `count` elements that are that much work together.
+constexpr std::size_t grain_of(std::size_t count, std::size_t work) {
+  return std::max<std::size_t>(1, count * kPartWork / std::max<std::size_t>(1, work));
+}
 
 }  // namespace bodyopt::cpu

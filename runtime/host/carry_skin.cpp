@@ -42,24 +42,25 @@ CarryFrame carry_frame(const MeshTable& mesh, std::span<const float> positions, 
 }
 
 std::vector<float> carry_skin(const MeshTable& mesh, const CarriedSkin& carried, std::span<const float> positions,
-                              std::span<const float> normals) {
+                              std::span<const float> normals, Executor& threads) {
+  constexpr std::size_t kLeastPoints = 1024;  // that are worth a thread
   const std::size_t stride = 3 * std::size_t{mesh.output_count()};
   const std::size_t frames = stride == 0 ? 0 : positions.size() / stride;
   std::vector<float> full(3 * frames * carried.size());
-#pragma omp parallel for schedule(static)
-  for (std::size_t f = 0; f < frames; ++f) {
-    const auto x = positions.subspan(f * stride, stride), normal = normals.subspan(f * stride, stride);
-    for (std::size_t p = 0; p < carried.size(); ++p) {
-      const CarriedPoint& point = carried.points[p];
-      const CarryFrame frame = carry_frame(mesh, x, normal, point);
+  parallel_for(threads, frames * carried.size(), kLeastPoints, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::size_t f = k / carried.size();
+      const CarriedPoint& point = carried.points[k % carried.size()];
+      const CarryFrame frame =
+          carry_frame(mesh, positions.subspan(f * stride, stride), normals.subspan(f * stride, stride), point);
       const float along_normal = carried.step * point.along_normal, along_edge = carried.step * point.along_edge,
                   across = carried.step * point.across;
       for (std::size_t i = 0; i < 3; ++i) {
-        full[3 * (f * carried.size() + p) + i] =
+        full[3 * k + i] =
             frame.position[i] + along_normal * frame.normal[i] + along_edge * frame.edge[i] + across * frame.across[i];
       }
     }
-  }
+  });
   return full;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "runtime/basis/levels.h"
+#include "runtime/core/executor.h"
 
 namespace bodyopt {
 
@@ -22,6 +23,6 @@ CarryFrame carry_frame(const MeshTable& mesh, std::span<const float> positions, 
 // the full skin (Level::carried) -> F x P x 3, metres, posed: every output vertex of the full character. At rest and
 // under rigid motion it is exact to half a step along each axis of the frame.
 std::vector<float> carry_skin(const MeshTable& mesh, const CarriedSkin& carried, std::span<const float> positions,
-                              std::span<const float> normals);
+                              std::span<const float> normals, Executor& threads = calling_thread());
 
 }  // namespace bodyopt

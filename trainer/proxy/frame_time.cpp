@@ -9,6 +9,7 @@
 
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/carry_skin.h"
+#include "runtime/threads/tbb_executor.h"
 
 namespace bodyopt {
 
@@ -18,6 +19,7 @@ FrameTime frame_time(const Level& level) {
   constexpr int kRounds = 3;
   Deformer deformer(level.basis, {.name = "cpu"});
   const std::vector<Pose> poses(kFrames, bind_pose(level.basis.skeleton));
+  const std::unique_ptr<Executor> threads = make_tbb_executor();
   double best = std::numeric_limits<double>::infinity(), carrying = best;
   for (int round = 0; round < kRounds; ++round) {
     const Evaluation frames = deformer.evaluate(poses);
@@ -25,7 +27,7 @@ FrameTime frame_time(const Level& level) {
     for (const auto& [stage, time] : frames.stage_seconds) seconds += time;
     best = std::min(best, seconds);
     const Clock::time_point start = Clock::now();
-    carry_skin(level.basis.mesh, level.carried, frames.positions, frames.normals);
+    carry_skin(level.basis.mesh, level.carried, frames.positions, frames.normals, *threads);
     carrying = std::min(carrying, std::chrono::duration<double>(Clock::now() - start).count());
   }
   if (level.carried.empty()) carrying = 0;

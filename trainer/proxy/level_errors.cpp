@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/carry_skin.h"
+#include "runtime/threads/tbb_executor.h"
 #include "trainer/proxy/skin_map.h"
 #include "trainer/train/data/unposed_shapes.h"
 
@@ -41,10 +42,12 @@ double carried_rms_mm(const Level& level, const Character& full, const std::vect
 
 ErrorStatistics level_errors(const Level& level, const Character& full, const std::vector<Sample>& samples) {
   Deformer deformer(level.basis, {.name = "cpu"});
+  const std::unique_ptr<Executor> threads = make_tbb_executor();
   ErrorAccumulator errors(static_cast<std::uint32_t>(full.vertices.rows()));
   for (const Sample& sample : samples) {
     const Evaluation frame = deformer.evaluate({&sample.pose, 1});
-    const std::vector<float> carried = carry_skin(level.basis.mesh, level.carried, frame.positions, frame.normals);
+    const std::vector<float> carried =
+        carry_skin(level.basis.mesh, level.carried, frame.positions, frame.normals, *threads);
     errors.add(sample.frame, to_float(welded_from_output(full, carried.data())), to_float(sample.shape.read()));
   }
   return errors.finish();
