@@ -12,7 +12,8 @@
 namespace bodyopt {
 namespace {
 
-// Vertices of a frame that are posed, or get their normals, at a time: their displacements stay in the nearest cache.
+// Vertices of a frame that are posed, or get their normals, at a time (and triangles, their area vectors): their
+// displacements stay in the nearest cache.
 constexpr std::size_t kPartBlocks = 32, kPartVertices = kPartBlocks * kBlockSize;
 
 // Frames of a batch between whose stages what is known of their blocks is kept.
@@ -80,7 +81,7 @@ class CpuBackend final : public Backend {
       parallel_for(*executor_, range.count(), 1, [&](std::size_t from, std::size_t to) {
         for (std::size_t k = from; k < to; ++k) find_coefficients(batch, range, k, result, strain, residual);
       });
-      over_parts(range.count(), [&](std::size_t k, std::size_t first, std::size_t count) {
+      over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
         pose_part(batch, range, k, first, count, result, residual, pose);
       });
     }
@@ -88,12 +89,9 @@ class CpuBackend final : public Backend {
     if (!batch.jiggle.empty()) {
       dynamics_->run(batch, weights_.jiggle, result.strains, result.positions, result.stage_seconds);
     }
-    over_parts(frames, [&](std::size_t f, std::size_t first, std::size_t count) {
-      auto last = std::chrono::steady_clock::now();
-      cpu::part_normals(basis_.mesh, of_frame(result.positions, f, frames), first,
-                        of_frame(result.normals, f, frames).subspan(3 * first, 3 * count));
-      output.add_since(last);
-    });
+    for (std::size_t begin = 0; begin < frames; begin += kFramesAtOnce) {
+      find_normals({begin, std::min(frames, begin + kFramesAtOnce)}, frames, result, output);
+    }
     result.stage_seconds["output"] = output.seconds();
     return result;
   }
@@ -102,22 +100,23 @@ class CpuBackend final : public Backend {
   // Arrays of a batch that nobody asks for, kept from batch to batch.
   struct Scratch {
     std::vector<float> fibre_positions, features, coordinates, kernels;
+    std::vector<float> areas;   // of kFramesAtOnce frames
     std::vector<float> frames;  // of all blocks of kFramesAtOnce frames; none without strains
   };
 
-  // function(frame, first vertex, count of vertices) of all parts of all frames.
+  // function(frame, first, count) of all parts of `elements` vertices or triangles in each of all frames.
   template <typename Function>
-  void over_parts(std::size_t frames, const Function& function) const {
-    const std::size_t vertices = basis_.mesh.vertex_count();
-    const std::size_t parts = (vertices + kPartVertices - 1) / kPartVertices;
+  void over_parts(std::size_t frames, std::size_t elements, const Function& function) const {
+    const std::size_t parts = (elements + kPartVertices - 1) / kPartVertices;
     parallel_for(*executor_, frames * parts, 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         const std::size_t first = k % parts * kPartVertices;
-        function(k / parts, first, std::min(kPartVertices, vertices - first));
+        function(k / parts, first, std::min(kPartVertices, elements - first));
       }
     });
   }
 
+  std::size_t vertex_count() const { return basis_.mesh.vertex_count(); }
   std::size_t block_count() const { return basis_.ddm.block_begin.size() - 1; }
 
   // Frames of Direct Delta Mush of the blocks of frame k of a range, from `first_block` on; none without strains.
@@ -132,7 +131,7 @@ class CpuBackend final : public Backend {
   void find_frames(const Batch& batch, FrameRange range, StageTime& strain) {
     if (basis_.strain.vertices.empty()) return;
     scratch_.frames.resize(std::max(scratch_.frames.size(), cpu::kFrameNumbers * range.count() * block_count()));
-    over_parts(range.count(), [&](std::size_t k, std::size_t first, std::size_t count) {
+    over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
       auto last = std::chrono::steady_clock::now();
       const std::size_t block = first / kBlockSize, blocks = (count + kBlockSize - 1) / kBlockSize;
       cpu::block_frames(basis_.ddm, of_frame(batch.skinning, range.begin + k, batch.frame_count).data(),
@@ -174,6 +173,24 @@ class CpuBackend final : public Backend {
                      &batch.origins[4 * f], block, displacements,
                      of_frame(result.positions, f, batch.frame_count).subspan(3 * first, 3 * count));
     pose.add_since(last);
+  }
+
+  void find_normals(FrameRange range, std::size_t frames, BatchResult& result, StageTime& output) {
+    const std::size_t triangles = basis_.mesh.triangles.size() / 3, numbers = cpu::kAreaNumbers * triangles;
+    scratch_.areas.resize(std::max(scratch_.areas.size(), numbers * range.count()));
+    const std::span<float> areas(scratch_.areas);
+    over_parts(range.count(), triangles, [&](std::size_t k, std::size_t first, std::size_t count) {
+      auto last = std::chrono::steady_clock::now();
+      cpu::area_vectors(basis_.mesh, of_frame(result.positions, range.begin + k, frames), first,
+                        areas.subspan(k * numbers + cpu::kAreaNumbers * first, cpu::kAreaNumbers * count));
+      output.add_since(last);
+    });
+    over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
+      auto last = std::chrono::steady_clock::now();
+      cpu::part_normals(basis_.mesh, areas.subspan(k * numbers, numbers), first,
+                        of_frame(result.normals, range.begin + k, frames).subspan(3 * first, 3 * count));
+      output.add_since(last);
+    });
   }
 
   const Basis& basis_;

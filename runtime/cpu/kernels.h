@@ -61,8 +61,13 @@ void pose_blocks(const DdmTable& ddm, const float* skinning, const float* frames
 // Output stage: normals by the sum of area vectors of the triangles around each vertex, in ascending triangle order.
 // positions F x V x 3 -> normals F x V x 3; zero where the sum's length is not above 1e-20.
 void output_normals(const MeshTable& mesh, std::span<const float> positions, std::span<float> normals);
-// The same of one frame and some vertices: those from first_vertex on, as many as normals hold. positions V x 3.
-void part_normals(const MeshTable& mesh, std::span<const float> positions, std::size_t first_vertex,
+// Its halves, of one frame. Twice the areas' vectors of some triangles, those from first_triangle on, as many as areas
+// hold; of each x, y, z and 0, which a register holds at once. positions V x 3.
+inline constexpr std::size_t kAreaNumbers = 4;
+void area_vectors(const MeshTable& mesh, std::span<const float> positions, std::size_t first_triangle,
+                  std::span<float> areas);
+// The normals of some vertices, those from first_vertex on, as many as normals hold. areas: of all triangles.
+void part_normals(const MeshTable& mesh, std::span<const float> areas, std::size_t first_vertex,
                   std::span<float> normals);
 
 }  // namespace bodyopt::cpu
