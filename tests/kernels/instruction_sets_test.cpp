@@ -2,8 +2,12 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include "runtime/cpu/kernels.h"
+#include <cmath>
+#include <functional>
+#include <limits>
+
 #include "runtime/cpu/ddm_frames.h"
+#include "runtime/cpu/kernels.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
@@ -80,6 +84,44 @@ TEST(InstructionSets, ResidualBlend) {
     expect_same_bits(std::size_t{6} * vertices, [&](std::span<float> displacements) {
       cpu::residual_blend(table, coefficients, 2, 0.7f, displacements);
     });
+  }
+}
+
+// From features to coefficients, over regions of all sizes.
+TEST(InstructionSets, Residual) {
+  constexpr std::uint32_t kFrames = 2;
+  Random random(5);
+  const ResidualTable table = random_residual(random, 23, 300, 200, 0);
+  const std::vector<float> features = random.floats(kFrames * table.feature_count(), -2, 2),
+                           coordinates = random.floats(kFrames * table.coordinate_count(), -3, 3),
+                           kernels = random.floats(kFrames * table.centre_count(), 0, 1),
+                           rest = random.floats(table.coefficient_count(), -1, 1),
+                           fades = random.floats(kFrames * table.regions.size(), 0, 1);
+  expect_same_bits(coordinates.size(),
+                   [&](std::span<float> to) { cpu::residual_project(table, features, kFrames, to); });
+  expect_same_bits(kernels.size(),
+                   [&](std::span<float> to) { cpu::residual_kernels(table, coordinates, kFrames, to); });
+  expect_same_bits(kFrames * rest.size(), [&](std::span<float> to) {
+    cpu::residual_coefficients(table, coordinates, kernels, rest, fades, kFrames, to);
+  });
+}
+
+// The kernel's own exponential, at and near the centre, far from it, and where it is no number any more.
+TEST(InstructionSets, KernelsAreWithinTwoUlpOfTheTextbook) {
+  ResidualTable table;
+  Region region{};
+  region.coordinate_count = region.centre_count = 1;
+  region.inverse_width2 = 1;
+  table.regions = {region};
+  table.coordinate_region = table.centre_region = {0};
+  table.centres = {0};
+  for (double distance = 0; distance < 30; distance += 0.003) {
+    const std::vector<float> coordinate = {static_cast<float>(distance)};
+    float kernel = -1;
+    cpu::residual_kernels(table, coordinate, 1, {&kernel, 1});
+    const float square = coordinate[0] * coordinate[0];
+    const double expected = square < 87 ? std::exp(-static_cast<double>(square)) : 0;
+    ASSERT_NEAR(kernel, expected, 2 * 1.2e-7 * expected) << square;
   }
 }
 

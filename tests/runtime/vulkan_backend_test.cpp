@@ -7,38 +7,10 @@
 #include "runtime/cpu/cpu_backend.h"
 #include "runtime/deformer/deformer.h"
 #include "tests/support/gpu_fixture.h"
-#include "tests/support/random_tables.h"
+#include "tests/support/random_basis.h"
 
 namespace bodyopt::testing {
 namespace {
-
-constexpr std::uint32_t kJoints = 6, kVertices = 501;
-
-// A basis of random tables. The backends read tables only, so that its parts need not belong to one shape.
-Basis random_basis(std::uint32_t fibres, std::uint32_t coefficients) {
-  Random random(fibres + 7 * coefficients);
-  Basis basis;
-  basis.skeleton.joints.resize(kJoints);
-  basis.mesh = random_mesh(random, kVertices);
-  basis.ddm = random_ddm(random, kVertices, kJoints);
-  basis.strain = random_strain(random, fibres, fibres == 0 ? 0 : 30, kVertices);
-  const std::uint32_t features = coefficients == 0 ? 0 : 9 * (kJoints - 1) + fibres + 2;
-  basis.residual = random_residual(random, features, 40, coefficients, kVertices);
-  if (coefficients > 0) basis.residual.controls = {"breath", "flex"};
-  return basis;
-}
-
-Batch random_batch(const Basis& basis, std::uint32_t frames) {
-  Random random(frames);
-  Batch batch;
-  batch.frame_count = frames;
-  batch.skinning = random_skinning(random, kJoints, frames, 0.6);
-  batch.origins = random.floats(std::size_t{4} * frames, -3, 3);
-  batch.joint_features = random.floats(std::size_t{9} * (kJoints - 1) * frames, -1, 1);
-  batch.controls = random.floats(basis.residual.controls.size() * frames, 0, 1);
-  batch.fades = random.floats(basis.residual.regions.size() * frames, 0, 1);
-  return batch;
-}
 
 void expect_equal(const BatchResult& gpu, const BatchResult& cpu) {
   expect_close(gpu.strains, cpu.strains, 1e-5, 1e-5);  // metres of 1e-6 over rest lengths of decimetres
@@ -64,7 +36,7 @@ TEST(VulkanBackend, EqualsTheCpuBackend) {
     const auto begin = std::chrono::steady_clock::now();
     const BatchResult whole = gpu->run(random_batch(basis, 130));
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-    EXPECT_EQ(whole.positions.size(), 130u * kVertices * 3);
+    EXPECT_EQ(whole.positions.size(), 130u * kBasisVertices * 3);
     EXPECT_EQ(whole.positions, gpu->run(random_batch(basis, 130)).positions);
     double on_device = 0;
     for (const auto& [stage, seconds] : whole.stage_seconds) on_device += seconds;

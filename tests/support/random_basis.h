@@ -1,0 +1,37 @@
+// A basis of random tables, and batches of frames for it.
+#pragma once
+
+#include "runtime/host/backend.h"
+#include "tests/support/random_tables.h"
+
+namespace bodyopt::testing {
+
+inline constexpr std::uint32_t kBasisJoints = 6, kBasisVertices = 501;
+
+// A basis of random tables. The backends read tables only, so that its parts need not belong to one shape.
+inline Basis random_basis(std::uint32_t fibres, std::uint32_t coefficients) {
+  Random random(fibres + 7 * coefficients);
+  Basis basis;
+  basis.skeleton.joints.resize(kBasisJoints);
+  basis.mesh = random_mesh(random, kBasisVertices);
+  basis.ddm = random_ddm(random, kBasisVertices, kBasisJoints);
+  basis.strain = random_strain(random, fibres, fibres == 0 ? 0 : 30, kBasisVertices);
+  const std::uint32_t features = coefficients == 0 ? 0 : 9 * (kBasisJoints - 1) + fibres + 2;
+  basis.residual = random_residual(random, features, 40, coefficients, kBasisVertices);
+  if (coefficients > 0) basis.residual.controls = {"breath", "flex"};
+  return basis;
+}
+
+inline Batch random_batch(const Basis& basis, std::uint32_t frames) {
+  Random random(frames);
+  Batch batch;
+  batch.frame_count = frames;
+  batch.skinning = random_skinning(random, kBasisJoints, frames, 0.6);
+  batch.origins = random.floats(std::size_t{4} * frames, -3, 3);
+  batch.joint_features = random.floats(std::size_t{9} * (kBasisJoints - 1) * frames, -1, 1);
+  batch.controls = random.floats(basis.residual.controls.size() * frames, 0, 1);
+  batch.fades = random.floats(basis.residual.regions.size() * frames, 0, 1);
+  return batch;
+}
+
+}  // namespace bodyopt::testing
