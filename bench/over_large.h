@@ -1,6 +1,7 @@
 // A basis that holds its training frames: what is lost on the way through components, tables and the deformer.
 #pragma once
 
+#include "runtime/basis/basis.h"
 #include "trainer/train/data/samples.h"
 
 namespace bodyopt::bench {
