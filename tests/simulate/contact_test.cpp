@@ -116,7 +116,7 @@ std::map<int, Held> held_by_node(const SkinContact& contact, const HeldContact& 
 }
 
 // Slid along a curved limb, nodes whose planes are wrong get those of the new place beside them; a few times of this,
-// and all tell the truth.
+// and all planes fit.
 TEST(Contact, HeldPlanesAreRenewedWhereTheyAreWrong) {
   const TetMesh mesh = two_limbs(kGap);
   const SkinContact contact(mesh);
@@ -146,8 +146,8 @@ TEST(Contact, HeldPlanesAreRenewedWhereTheyAreWrong) {
   EXPECT_TRUE(several);
 }
 
-// A push that ends all at once was not the truth, however well the planes that are left tell it.
-TEST(Contact, LettingGoIsNotTheTruth) {
+// A push that ends all at once means that planes did not fit, however well those that are left do.
+TEST(Contact, LettingGoMeansThatPlanesDidNotFit) {
   const TetMesh mesh = two_limbs(kGap);
   const SkinContact contact(mesh);
   const Positions start = moved_apart(mesh, -kGap - 0.006);

@@ -249,7 +249,7 @@ double HeldContact::told_depth(const std::vector<ContactPlane>& planes, const Po
 }
 
 bool HeldContact::renew(const Positions& nodes) {
-  bool told_the_truth = true;
+  bool planes_fit = true;
   std::map<int, std::vector<ContactPlane>> before;
   before.swap(of_node_);
   for (const ContactPlane& found : contact_.find(nodes, margin_)) {
@@ -258,13 +258,13 @@ bool HeldContact::renew(const Positions& nodes) {
       planes = std::move(held->second);
       before.erase(held);
     }
-    const bool is_true = std::abs(told_depth(planes, nodes) - std::max(found.offset, 0.0)) <= kPlaneError;
-    if (planes.empty() || !is_true) planes.push_back(found);
+    const bool fits = std::abs(told_depth(planes, nodes) - std::max(found.offset, 0.0)) <= kPlaneError;
+    if (planes.empty() || !fits) planes.push_back(found);
     for (ContactPlane& plane : planes) plane.share = found.share;
-    told_the_truth = told_the_truth && is_true;
+    planes_fit = planes_fit && fits;
   }
   for (const auto& [node, planes] : before) {  // what touches no more
-    told_the_truth = told_the_truth && told_depth(planes, nodes) <= kPlaneError;
+    planes_fit = planes_fit && told_depth(planes, nodes) <= kPlaneError;
   }
   planes_.clear();
   for (const auto& [node, planes] : of_node_) {
@@ -273,7 +273,7 @@ bool HeldContact::renew(const Positions& nodes) {
       planes_.back().share /= static_cast<double>(planes.size());
     }
   }
-  return told_the_truth;
+  return planes_fit;
 }
 
 }  // namespace bodyopt

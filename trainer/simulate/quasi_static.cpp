@@ -305,9 +305,9 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, const Tissue::BarrierSh
   for (int round = 1; result.iterations < kMaxIterations; ++round) {
     const int end = std::min(result.iterations + iterations, kMaxIterations);
     relax(contact.planes(), end - result.iterations);
-    const bool is_late = round >= kContactRounds, told_the_truth = contact.renew(nodes);
-    if (result.residual < kTolerance && (told_the_truth || is_late)) break;
-    if (result.iterations < end && told_the_truth) break;  // nothing lower can be found
+    const bool is_late = round >= kContactRounds, planes_fit = contact.renew(nodes);
+    if (result.residual < kTolerance && (planes_fit || is_late)) break;
+    if (result.iterations < end && planes_fit) break;  // nothing lower can be found
     if (is_late) iterations *= 2;
   }
   return result;
