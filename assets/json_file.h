@@ -32,6 +32,7 @@ class JsonObject {
   std::uint64_t hash(const char* key) const;  // 16 hexadecimal digits
   const Json& array(const char* key) const;
   bool is_null(const char* key) const;
+  const Json& json() const { return object_; }
   bool has(const char* key) const { return object_.contains(key); }
   [[noreturn]] void refuse(const std::string& what) const;
 

@@ -111,6 +111,8 @@ Json to_json(const Dataset& dataset, const std::filesystem::path& path) {
     if (!take.heldout.empty()) entry["heldout"] = range_text(take.heldout, take, path);
     json["takes"].push_back(entry);
   }
+  if (!dataset.selections.empty()) json["selections"] = dataset.selections;
+  if (!dataset.modifiers.empty()) json["modifiers"] = to_json(dataset.modifiers);
   return json;
 }
 
@@ -157,7 +159,7 @@ void require_same_motion(const DatasetTake& there, const DatasetTake& asked) {
 Dataset read_dataset(const std::filesystem::path& path) {
   const Json json = read_json(path, kDatasetSchema);
   const JsonObject top(json, path, "the dataset");
-  top.allow({"schema", "character", "unit", "muscles", "materials", "regions", "takes"});
+  top.allow({"schema", "character", "unit", "muscles", "materials", "regions", "takes", "selections", "modifiers"});
   Dataset dataset;
   dataset.folder = path.parent_path().empty() ? "." : path.parent_path();
   dataset.character = top.name("character");
@@ -172,6 +174,8 @@ Dataset read_dataset(const std::filesystem::path& path) {
     dataset.takes.push_back(read_take(take));
     if (!names.insert(dataset.takes.back().name).second) take.refuse("has the name of an earlier take");
   }
+  if (json.contains("selections")) dataset.selections = JsonObject(json["selections"], path, "'selections'").json();
+  if (top.has("modifiers")) dataset.modifiers = read_modifiers(top.array("modifiers"), path);
   return dataset;
 }
 

@@ -11,6 +11,7 @@
 #include "assets/character.h"
 #include "assets/clip.h"
 #include "assets/muscles.h"
+#include "dataset/modifier.h"
 
 namespace bodyopt {
 
@@ -36,6 +37,8 @@ struct Dataset {
   std::string materials;  // relative path, or empty: the defaults
   std::string regions;    // regions.json, relative path, or empty: chosen by training
   std::vector<DatasetTake> takes;
+  std::vector<Modifier> modifiers{};  // that the shapes are read through, first to last
+  Json selections = Json::object();   // of frames, by name, for modifiers
 };
 
 // The clip of a take, with its controls. Throws as read_clip.

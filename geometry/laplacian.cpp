@@ -51,19 +51,31 @@ Eigen::SparseMatrix<double> cotangent_laplacian(const Positions& rest, const Tri
   return laplacian;
 }
 
-Eigen::MatrixXd smoothed(const Positions& rest, const Triangles& triangles, const Eigen::MatrixXd& values,
-                         double radius) {
-  constexpr int kSteps = 4;
-  const Eigen::VectorXd areas = lumped_areas(rest, triangles);
-  Eigen::SparseMatrix<double> matrix = radius * radius / (2 * kSteps) * cotangent_laplacian(rest, triangles);
-  matrix.diagonal() += areas;
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
+namespace {
+
+constexpr int kSmoothingSteps = 4;
+
+}  // namespace
+
+SkinSmoother::SkinSmoother(const Positions& rest, const Triangles& triangles, double radius)
+    : areas_(lumped_areas(rest, triangles)) {
+  Eigen::SparseMatrix<double> matrix = radius * radius / (2 * kSmoothingSteps) * cotangent_laplacian(rest, triangles);
+  matrix.diagonal() += areas_;
+  solver_.compute(matrix);
+}
+
+Eigen::MatrixXd SkinSmoother::operator()(const Eigen::MatrixXd& values) const {
   Eigen::MatrixXd result = values;
-  for (int step = 0; step < kSteps; ++step) {
-    const Eigen::MatrixXd right = areas.asDiagonal() * result;  // solve() does not expect its result on both sides
-    result = solver.solve(right);
+  for (int step = 0; step < kSmoothingSteps; ++step) {
+    const Eigen::MatrixXd right = areas_.asDiagonal() * result;  // solve() does not expect its result on both sides
+    result = solver_.solve(right);
   }
   return result;
+}
+
+Eigen::MatrixXd smoothed(const Positions& rest, const Triangles& triangles, const Eigen::MatrixXd& values,
+                         double radius) {
+  return SkinSmoother(rest, triangles, radius)(values);
 }
 
 }  // namespace bodyopt

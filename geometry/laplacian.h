@@ -1,7 +1,7 @@
 // Discrete operators of a triangle mesh.
 #pragma once
 
-#include <Eigen/SparseCore>
+#include <Eigen/SparseCholesky>
 
 #include "geometry/mesh.h"
 
@@ -14,8 +14,19 @@ Eigen::VectorXd lumped_areas(const Positions& rest, const Triangles& triangles);
 // clamped at zero from below. Degenerate triangles add nothing.
 Eigen::SparseMatrix<double> cotangent_laplacian(const Positions& rest, const Triangles& triangles);
 
-// V x any: the values after a diffusion by a Gaussian of this deviation (metres), in implicit steps; every column keeps
-// its integral over the skin.
+// Diffusion over a skin by a Gaussian of one deviation (metres), in implicit steps, factorised once.
+class SkinSmoother {
+ public:
+  SkinSmoother(const Positions& rest, const Triangles& triangles, double radius);
+  // V x any; every column keeps its integral over the skin. On any thread.
+  Eigen::MatrixXd operator()(const Eigen::MatrixXd& values) const;
+
+ private:
+  Eigen::VectorXd areas_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+};
+
+// The same, once.
 Eigen::MatrixXd smoothed(const Positions& rest, const Triangles& triangles, const Eigen::MatrixXd& values,
                          double radius);
 

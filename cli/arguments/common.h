@@ -93,6 +93,7 @@ void add_rom(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_muscles(CLI::App& app);
 void add_dataset(CLI::App& app);
+void add_curate(CLI::App& app);
 void add_check(CLI::App& app);
 void add_train(CLI::App& app);
 void add_test(CLI::App& app);

@@ -7,6 +7,7 @@
 
 #include "assets/character.h"
 #include "assets/shape_reader.h"
+#include "trainer/curate/shape_stack.h"
 
 namespace bodyopt {
 
@@ -19,13 +20,15 @@ struct ShapeCache {
 // Welded vertices, of a skin whose others are left out.
 using VertexRows = std::vector<std::uint32_t>;
 
-// In memory, or a sample of a cache; of the whole skin or of some of its vertices.
+// In memory, a sample of a cache, or a frame of a dataset through its modifiers; of the whole skin or of some of its
+// vertices.
 class SampleShape {
  public:
   SampleShape() = default;
   SampleShape(Positions positions) : positions_(std::make_shared<const Positions>(std::move(positions))) {}
   SampleShape(std::shared_ptr<const ShapeCache> cache, std::uint32_t sample)
       : cache_(std::move(cache)), sample_(sample) {}
+  SampleShape(std::shared_ptr<const ShapeStack> stack, std::size_t frame) : stack_(std::move(stack)), frame_(frame) {}
 
   // The same shape at some of the vertices, in that order.
   SampleShape at(std::shared_ptr<const VertexRows> rows) const {
@@ -45,14 +48,17 @@ class SampleShape {
 
  private:
   Positions whole() const {
+    if (stack_) return stack_->shape(frame_);
     if (cache_) return welded_from_output(*cache_->character, cache_->reader.sample(sample_).data());
     return positions_ ? *positions_ : Positions();
   }
 
   std::shared_ptr<const Positions> positions_;
   std::shared_ptr<const ShapeCache> cache_;
+  std::shared_ptr<const ShapeStack> stack_;
   std::shared_ptr<const VertexRows> rows_;  // none: the whole skin
   std::uint32_t sample_ = 0;
+  std::size_t frame_ = 0;
 };
 
 }  // namespace bodyopt

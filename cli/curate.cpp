@@ -1,0 +1,396 @@
+// bodyopt curate: the stack of modifiers that a dataset's shapes are read through.
+#include <filesystem>
+
+#include "assets/notes.h"
+#include "assets/pc2.h"
+#include "cli/arguments/common.h"
+#include "dataset/stack_history.h"
+#include "report/pictures.h"
+#include "runtime/core/error.h"
+#include "trainer/curate/bake.h"
+#include "trainer/curate/consistency_report.h"
+#include "trainer/curate/edit_stack.h"
+#include "trainer/curate/frame_files.h"
+
+namespace bodyopt::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CurateArguments {
+  std::string dataset, name, type, new_name, out, take, frames, list, mesh, picture;
+  std::vector<std::string> settings, joints, muscles, regions, near_joints;
+  double strength = 1, within = -1, degrees = 12, spread = 30;
+  int near = 0, frame = 0, worst = 10;
+  std::size_t place = 1;
+  bool unposed = false, everywhere = false, whole_skin = false;
+  JsonOption json;
+};
+
+using Arguments = std::shared_ptr<CurateArguments>;
+
+fs::path path_of(const CurateArguments& arguments) {
+  const fs::path given = arguments.dataset;
+  return given.extension() == ".json" ? given : given / "dataset.json";
+}
+
+Json modifier_list(const Dataset& dataset) {
+  Json list = bodyopt::to_json(dataset.modifiers);
+  for (Json& modifier : list) modifier["known"] = find_modifier_type(modifier["type"]) != nullptr;
+  return list;
+}
+
+std::string stack_text(const Dataset& dataset) {
+  if (dataset.modifiers.empty()) return "no modifiers: the shapes are read as they are\n";
+  std::string text = format("%3s  %-20s %-12s %-4s %8s  %s\n", "", "modifier", "type", "", "strength", "frames; mask");
+  for (std::size_t k = 0; k < dataset.modifiers.size(); ++k) {
+    const Modifier& modifier = dataset.modifiers[k];
+    text += format("%3zu  %-20s %-12s %-4s %8.2f  %s; %s%s\n", k + 1, modifier.name.c_str(), modifier.type.c_str(),
+                   modifier.enabled ? "on" : "off", modifier.strength,
+                   modifier.frames.empty() ? "all" : modifier.frames.dump().c_str(),
+                   modifier.mask.empty() ? "all" : modifier.mask.dump().c_str(),
+                   find_modifier_type(modifier.type) ? "" : "  (of a newer version: not applied)");
+  }
+  return text;
+}
+
+// The stack as it is now: what every edit ends with.
+void emit_stack(const CurateArguments& arguments) {
+  const Dataset dataset = read_dataset(path_of(arguments));
+  arguments.json.emit({{"dataset", path_of(arguments).string()}, {"modifiers", modifier_list(dataset)}},
+                      stack_text(dataset));
+}
+
+// KEY=VALUE, the value JSON or else text.
+Json parameters_of(const std::vector<std::string>& settings) {
+  Json parameters = Json::object();
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw Error(ErrorKind::usage, "--set takes KEY=VALUE, not '" + setting + "'");
+    }
+    const Json value = Json::parse(setting.substr(equals + 1), nullptr, false);
+    parameters[setting.substr(0, equals)] = value.is_discarded() ? Json(setting.substr(equals + 1)) : value;
+  }
+  return parameters;
+}
+
+// None where no option says which frames.
+std::optional<Json> selections_of(const CurateArguments& arguments) {
+  Json selection = Json::object();
+  if (arguments.within >= 0) {
+    if (arguments.take.empty()) throw Error(ErrorKind::usage, "--near FRAME needs --take, whose frame it is");
+    selection["near"] = {{"take", arguments.take}, {"frame", arguments.near}, {"degrees", arguments.within}};
+    if (!arguments.near_joints.empty()) selection["near"]["joints"] = arguments.near_joints;
+  } else if (!arguments.list.empty()) {
+    selection["list"] = arguments.list;
+  } else {
+    if (!arguments.take.empty()) selection["take"] = arguments.take;
+    if (!arguments.frames.empty()) selection["frames"] = arguments.frames;
+  }
+  if (arguments.everywhere) return Json::array();
+  if (selection.empty()) return std::nullopt;
+  return Json::array({selection});
+}
+
+std::optional<Json> mask_of(const CurateArguments& arguments) {
+  Json mask = Json::object();
+  if (!arguments.joints.empty()) mask["joints"] = arguments.joints;
+  if (!arguments.muscles.empty()) mask["muscles"] = arguments.muscles;
+  if (!arguments.regions.empty()) mask["regions"] = arguments.regions;
+  if (arguments.whole_skin) return Json::object();
+  if (mask.empty()) return std::nullopt;
+  return mask;
+}
+
+void add(const CurateArguments& arguments) {
+  Modifier modifier{.name = arguments.name, .type = arguments.type, .strength = arguments.strength};
+  modifier.frames = selections_of(arguments).value_or(Json::array());
+  modifier.mask = mask_of(arguments).value_or(Json::object());
+  modifier.parameters = parameters_of(arguments.settings);
+  add_modifier(path_of(arguments), modifier);
+  emit_stack(arguments);
+}
+
+void edit(const CurateArguments& arguments, bool strength_given) {
+  ModifierChange change;
+  if (!arguments.new_name.empty()) change.name = arguments.new_name;
+  if (strength_given) change.strength = arguments.strength;
+  change.frames = selections_of(arguments);
+  change.mask = mask_of(arguments);
+  change.parameters = parameters_of(arguments.settings);
+  change_modifier(path_of(arguments), arguments.name, change);
+  emit_stack(arguments);
+}
+
+std::string frame_text(const PoseDatabase& database, std::size_t n) {
+  const DatabaseFrame& frame = database.frames[n];
+  return database.takes[static_cast<std::size_t>(frame.take)] + " " + std::to_string(frame.frame);
+}
+
+Json frame_json(const PoseDatabase& database, std::size_t n) {
+  const DatabaseFrame& frame = database.frames[n];
+  return {{"take", database.takes[static_cast<std::size_t>(frame.take)]}, {"frame", frame.frame}};
+}
+
+void diff(const CurateArguments& arguments) {
+  const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
+  say(stack.notes());
+  const std::vector<ModifierEffect> effects = measure_modifiers(stack, arguments.name);
+  std::string text = format("%-20s %8s %10s %10s   %s\n", "modifier", "frames", "RMS mm", "max mm", "most of all");
+  Json list = Json::array();
+  for (const ModifierEffect& effect : effects) {
+    text += format("%-20s %8zu %10.3f %10.3f   %s\n", effect.name.c_str(), effect.frames.size(), effect.rms_mm,
+                   effect.max_mm, effect.frames.empty() ? "" : frame_text(stack.database(), effect.worst).c_str());
+    Json frames = Json::array();
+    for (const FrameEffect& frame : effect.frames) {
+      frames.push_back(frame_json(stack.database(), frame.frame));
+      frames.back().update({{"rms_mm", frame.rms_mm}, {"max_mm", frame.max_mm}});
+    }
+    list.push_back({{"name", effect.name}, {"rms_mm", effect.rms_mm}, {"max_mm", effect.max_mm}, {"frames", frames}});
+  }
+  arguments.json.emit({{"modifiers", list}}, text);
+}
+
+void bake(const CurateArguments& arguments) {
+  make_folder(arguments.out);
+  const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
+  say(stack.notes());
+  const Dataset baked = bake_dataset(stack, arguments.out);
+  std::size_t frames = 0;
+  for (const DatasetTake& take : baked.takes) frames += take.frames.size();
+  arguments.json.emit({{"dataset", arguments.out}, {"takes", baked.takes.size()}, {"frames", frames}},
+                      format("wrote %s: %zu frames of %zu takes, without modifiers\n", arguments.out.c_str(), frames,
+                             baked.takes.size()));
+}
+
+std::vector<float> flat(const Positions& positions) { return {positions.data(), positions.data() + positions.size()}; }
+
+// The worst pair: both frames at rest with their displacements, and in colour how far apart they are.
+void draw_pair(const ShapeStack& stack, const DisagreeingPair& pair, const std::string& path) {
+  const Character& character = stack.database().character;
+  const std::size_t count = stack.database().dataset.modifiers.size();
+  const std::vector<float> first = flat(character.vertices + stack.offsets(pair.first, count)),
+                           second = flat(character.vertices + stack.offsets(pair.second, count));
+  const PosePair drawn{
+      {character.triangles.data(), static_cast<std::size_t>(character.triangles.size())}, first, second};
+  Renderer renderer;
+  constexpr std::uint32_t kWidth = 500, kHeight = 700;
+  constexpr double kScale = 10;  // mm
+  write_png(triptych(renderer, drawn, kScale, frame_pose(drawn, {0.3f, 0.2f, 1.0f}, float{kWidth} / kHeight), kWidth,
+                     kHeight),
+            path);
+}
+
+void report(const CurateArguments& arguments) {
+  const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
+  say(stack.notes());
+  const PoseDatabase& database = stack.database();
+  const ConsistencyReport found =
+      report_consistency(stack, arguments.degrees, static_cast<std::size_t>(arguments.worst));
+  std::string text = format("%-20s %-20s %-24s %9s %9s\n", "frame", "and frame", "region", "apart mm", "degrees");
+  Json pairs = Json::array(), regions = Json::array();
+  for (const DisagreeingPair& pair : found.pairs) {
+    text += format("%-20s %-20s %-24s %9.2f %9.1f\n", frame_text(database, pair.first).c_str(),
+                   frame_text(database, pair.second).c_str(), pair.region.c_str(), pair.apart_mm, pair.pose_degrees);
+    pairs.push_back({{"first", frame_json(database, pair.first)},
+                     {"second", frame_json(database, pair.second)},
+                     {"region", pair.region},
+                     {"apart_mm", pair.apart_mm},
+                     {"pose_degrees", pair.pose_degrees}});
+  }
+  text += format("\n%-24s %11s %9s %12s\n", "region", "neighbours", "alone", "deviation mm");
+  for (const RegionAgreement& region : found.regions) {
+    text += format("%-24s %11.0f %8.0f%% %12.3f\n", region.region.c_str(), region.neighbours, 100 * region.single,
+                   region.deviation_mm);
+    regions.push_back({{"region", region.region},
+                       {"neighbours", region.neighbours},
+                       {"alone", region.single},
+                       {"deviation_mm", region.deviation_mm}});
+  }
+  if (!arguments.picture.empty() && !found.pairs.empty()) {
+    draw_pair(stack, found.pairs.front(), arguments.picture);
+    text += "wrote " + arguments.picture + "\n";
+  }
+  Json frames = Json::array();
+  for (std::size_t n = 0; n < found.frame_mm.size(); ++n) {
+    frames.push_back(frame_json(database, n));
+    frames.back()["deviation_mm"] = found.frame_mm[n];
+  }
+  arguments.json.emit({{"pairs", pairs}, {"regions", regions}, {"frames", frames}}, text);
+}
+
+void export_frame(const CurateArguments& arguments) {
+  require_writable(arguments.out);
+  const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
+  say(stack.notes());
+  const Character& character = stack.database().character;
+  const std::size_t frame = stack.database().find(arguments.take, arguments.frame, "export-frame");
+  const Positions skin =
+      arguments.unposed
+          ? Positions(character.vertices + stack.offsets(frame, stack.database().dataset.modifiers.size()))
+          : stack.shape(frame);
+  write_obj(character, output_from_welded(character, skin), arguments.out);
+  arguments.json.emit({{"mesh", arguments.out}, {"vertices", character.output_count()}},
+                      format("wrote %s: %u vertices\n", arguments.out.c_str(), character.output_count()));
+}
+
+void import_frame(const CurateArguments& arguments) {
+  const Dataset dataset = read_dataset(path_of(arguments));
+  const Character character = read_character(dataset.folder / dataset.character, dataset.unit);
+  const std::vector<std::string> notes =
+      add_sculpt(path_of(arguments), arguments.name, arguments.take, arguments.frame,
+                 read_obj(character, arguments.mesh), arguments.unposed, arguments.spread);
+  say(notes);
+  emit_stack(arguments);
+}
+
+CLI::App& subverb(CLI::App& verb, const char* name, const char* description, const Arguments& arguments) {
+  CLI::App& sub = *verb.add_subcommand(name, description);
+  sub.add_option("dataset", arguments->dataset, "Dataset (folder or dataset.json)")->required()->type_name("DATASET");
+  arguments->json.add(sub);
+  return sub;
+}
+
+void add_name(CLI::App& sub, const Arguments& arguments) {
+  sub.add_option("name", arguments->name, "Name of the modifier")->required()->type_name("NAME");
+}
+
+void add_frame(CLI::App& sub, const Arguments& arguments) {
+  sub.add_option("--take", arguments->take, "Take")->required();
+  sub.add_option("--frame", arguments->frame, "Its frame")->required();
+  sub.add_flag("--unposed", arguments->unposed, "As the rest skin with the frame's displacements, not posed");
+}
+
+void add_scope(CLI::App& sub, const Arguments& arguments) {
+  sub.add_option("--strength", arguments->strength, "0 (nothing) to 1 (all)")->check(number_from(0, 1));
+  sub.add_option("--take", arguments->take, "Only frames of this take");
+  sub.add_option("--frames", arguments->frames, "Only these frames, e.g. 1001-1100x2");
+  CLI::Option* near = sub.add_option("--near", arguments->near, "Only poses near this frame of --take");
+  sub.add_option("--within", arguments->within, "Degrees that these are away at most")
+      ->needs(near)
+      ->check(number_from(0, 1e4));
+  near->needs(sub.get_option("--within"));
+  sub.add_option("--near-joints", arguments->near_joints, "Joints that count for that (default: all)")->needs(near);
+  sub.add_option("--list", arguments->list, "Only the selection of this name in dataset.json");
+  sub.add_option("--joints", arguments->joints, "Only the skin of these joints");
+  sub.add_option("--muscles", arguments->muscles, "Only the skin over these muscles");
+  sub.add_option("--regions", arguments->regions, "Only these painted regions");
+  sub.add_option("--set", arguments->settings, "A parameter of the type, KEY=VALUE; null takes it away")
+      ->type_name("KEY=VALUE");
+}
+
+void add_edits(CLI::App& verb) {
+  const auto shared = std::make_shared<CurateArguments>();
+  CLI::App& added = subverb(verb, "add", "Puts a modifier on top of the stack", shared);
+  std::vector<std::string> types;
+  std::string described;
+  for (const ModifierType& type : modifier_types()) {
+    types.push_back(type.name);
+    described += std::string("\n  ") + type.name + ": " + type.what;
+  }
+  added.add_option("type", shared->type, "Its type")->required()->check(CLI::IsMember(types));
+  added.add_option("--name", shared->name, "Its name (default: the type's)");
+  add_scope(added, shared);
+  added.footer("Types:" + described);
+  added.callback([shared] { add(*shared); });
+
+  const auto edited = std::make_shared<CurateArguments>();
+  CLI::App& changed = subverb(verb, "edit", "Changes a modifier; what is not named stays", edited);
+  add_name(changed, edited);
+  changed.add_option("--name", edited->new_name, "Its new name");
+  add_scope(changed, edited);
+  changed.add_flag("--all-frames", edited->everywhere, "All frames again");
+  changed.add_flag("--whole-skin", edited->whole_skin, "The whole skin again");
+  const CLI::Option* strength = changed.get_option("--strength");
+  changed.callback([edited, strength] { edit(*edited, strength->count() > 0); });
+
+  const auto named = std::make_shared<CurateArguments>();
+  CLI::App& moved = subverb(verb, "move", "Moves a modifier to another place of the stack", named);
+  add_name(moved, named);
+  moved.add_option("place", named->place, "Its place, from 1 (nearest to the raw shapes)")
+      ->required()
+      ->type_name("PLACE");
+  moved.callback([named] {
+    move_modifier(path_of(*named), named->name, named->place);
+    emit_stack(*named);
+  });
+  for (const bool enabled : {true, false}) {
+    const auto switched = std::make_shared<CurateArguments>();
+    CLI::App& sub =
+        subverb(verb, enabled ? "enable" : "disable", enabled ? "Switches a modifier on" : "Switches it off", switched);
+    add_name(sub, switched);
+    sub.callback([switched, enabled] {
+      enable_modifier(path_of(*switched), switched->name, enabled);
+      emit_stack(*switched);
+    });
+  }
+  const auto gone = std::make_shared<CurateArguments>();
+  CLI::App& removed = subverb(verb, "remove", "Takes a modifier off the stack; undo brings it back", gone);
+  add_name(removed, gone);
+  removed.callback([gone] {
+    remove_modifier(path_of(*gone), gone->name);
+    emit_stack(*gone);
+  });
+  for (const bool back : {true, false}) {
+    const auto stepped = std::make_shared<CurateArguments>();
+    subverb(verb, back ? "undo" : "redo", back ? "Takes the last edit back" : "Does what was undone again", stepped)
+        .callback([stepped, back] {
+          back ? undo_modifiers(path_of(*stepped)) : redo_modifiers(path_of(*stepped));
+          emit_stack(*stepped);
+        });
+  }
+}
+
+}  // namespace
+
+void add_curate(CLI::App& app) {
+  CLI::App& verb =
+      *app.add_subcommand("curate", "Modifiers that a dataset's shapes are read through, all of them undoable");
+  verb.require_subcommand(1);
+  const auto listed = std::make_shared<CurateArguments>();
+  subverb(verb, "list", "The stack, from the raw shapes upwards", listed).callback([listed] { emit_stack(*listed); });
+  add_edits(verb);
+
+  const auto measured = std::make_shared<CurateArguments>();
+  CLI::App& sub_diff = subverb(verb, "diff", "What every modifier does to the shapes, or one does, in mm", measured);
+  sub_diff.add_option("name", measured->name, "Only this modifier")->type_name("NAME");
+  sub_diff.callback([measured] { diff(*measured); });
+
+  const auto baked = std::make_shared<CurateArguments>();
+  CLI::App& sub_bake = subverb(verb, "bake", "Another dataset, whose shapes are what the stack makes of these", baked);
+  sub_bake.add_option("--out", baked->out, "Its folder")->required()->type_name("DIR");
+  sub_bake.callback([baked] { bake(*baked); });
+
+  const auto reported = std::make_shared<CurateArguments>();
+  CLI::App& sub_report =
+      subverb(verb, "report", "Frames of like poses whose shapes disagree, the worst first", reported);
+  sub_report.add_option("--degrees", reported->degrees, "How far poses are alike")
+      ->capture_default_str()
+      ->check(number_from(0.1, 180));
+  sub_report.add_option("--worst", reported->worst, "Pairs to list")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 10000));
+  sub_report.add_option("--picture", reported->picture, "The worst pair, un-posed, side by side")
+      ->type_name("FILE.png")
+      ->check(must_end_in(".png"));
+  sub_report.callback([reported] { report(*reported); });
+
+  const auto exported = std::make_shared<CurateArguments>();
+  CLI::App& sub_export = subverb(verb, "export-frame", "A frame as a mesh, to be sculpted elsewhere", exported);
+  add_frame(sub_export, exported);
+  add_output(sub_export, exported->out, ".obj", "Mesh to write");
+  sub_export.callback([exported] { export_frame(*exported); });
+
+  const auto imported = std::make_shared<CurateArguments>();
+  CLI::App& sub_import = subverb(verb, "import-frame", "A sculpted mesh back, as a sculpt modifier", imported);
+  add_frame(sub_import, imported);
+  sub_import.add_option("--mesh", imported->mesh, "The mesh (.obj)")->required()->type_name("FILE.obj");
+  sub_import.add_option("--name", imported->name, "Modifier that it goes to, made where there is none")->required();
+  sub_import.add_option("--spread", imported->spread, "Degrees over which it fades in other poses; 0: this pose only")
+      ->capture_default_str()
+      ->check(number_from(0, 1e4));
+  sub_import.callback([imported] { import_frame(*imported); });
+}
+
+}  // namespace bodyopt::cli

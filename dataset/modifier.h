@@ -1,0 +1,35 @@
+// One entry of the stack of modifiers that a dataset's shapes are read through, as dataset.json has it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "assets/json_file.h"
+
+namespace bodyopt {
+
+// Which frames, which part of the skin, and what the type needs to know stay as they are written: who knows the type
+// checks them, and what a newer version wrote is kept.
+struct Modifier {
+  std::string name;  // of the stack's entry, once in it
+  std::string type;  // "sculpt", "smooth" ...
+  bool enabled = true;
+  double strength = 1;
+  Json frames = Json::array();       // selections, their union; empty: all frames
+  Json mask = Json::object();        // joints, muscles, regions; empty: the whole skin
+  Json parameters = Json::object();  // of the type
+  Json newer = Json::object();       // keys that this version does not know
+
+  bool operator==(const Modifier&) const = default;
+};
+
+// `path` and `place` are for messages. Throws Error(file).
+Modifier read_modifier(const Json& json, const std::filesystem::path& path, const std::string& place);
+Json to_json(const Modifier& modifier);
+
+// A stack, first to last. Throws Error(file), also where two have one name.
+std::vector<Modifier> read_modifiers(const Json& list, const std::filesystem::path& path);
+Json to_json(const std::vector<Modifier>& modifiers);
+
+}  // namespace bodyopt

@@ -1,0 +1,93 @@
+// consistency: takes from every frame how it deviates from the local models of the frames around its pose, smoothed
+// over the skin and capped, several times over. What slopes with the pose is no deviation: bulges at the ends of the
+// range keep their size.
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "geometry/laplacian.h"
+#include "trainer/curate/deviations.h"
+#include "trainer/curate/modifier_type.h"
+#include "trainer/curate/stored_offsets.h"
+
+namespace bodyopt {
+namespace {
+
+using Eigen::Index;
+
+struct ConsistencySettings {
+  double degrees, smooth, cap;  // metres
+  int iterations;
+};
+
+// What all parts together say of every frame, N x 3V.
+Displacements deviations(const Displacements& displacements, const std::vector<SkinPart>& parts,
+                         const std::vector<LocalModels>& models) {
+  Displacements sum = Displacements::Zero(displacements.rows(), displacements.cols());
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const RegionWeights& region = parts[p].region;
+    const Displacements own = part_deviations(displacements, parts[p], models[p]);
+    for (std::size_t k = 0; k < region.vertices.size(); ++k) {
+      sum.middleCols<3>(3 * Index{region.vertices[k]}) +=
+          static_cast<float>(region.weights[k]) * own.middleCols<3>(3 * static_cast<Index>(k));
+    }
+  }
+  return sum;
+}
+
+// Smoothed over the skin; no vertex by more than the cap in all.
+void take_from(Displacements& displacements, const Displacements& begun, const Displacements& deviation,
+               const SkinSmoother& smoother, double cap, const std::vector<char>& moves) {
+  parallel_for(moves.size(), [&](std::size_t n) {
+    if (!moves[n]) return;
+    const auto row = static_cast<Index>(n);
+    const Eigen::RowVectorXd raw = deviation.row(row).cast<double>();
+    if (raw.isZero(0)) return;
+    const Positions smooth = smoother(Eigen::Map<const Positions>(raw.data(), raw.size() / 3, 3));
+    for (Index v = 0; v < smooth.rows(); ++v) {
+      const Eigen::RowVector3f start = begun.row(row).segment<3>(3 * v);
+      Eigen::RowVector3f change = displacements.row(row).segment<3>(3 * v) - start - smooth.row(v).cast<float>();
+      const float size = change.norm();
+      if (size > static_cast<float>(cap)) change *= static_cast<float>(cap) / size;
+      displacements.row(row).segment<3>(3 * v) = start + change;
+    }
+  });
+}
+
+Displacements made_consistent(const ModifierInput& input, const ConsistencySettings& settings,
+                              const Displacements& begun) {
+  const PoseDatabase& database = input.database;
+  const std::vector<SkinPart> parts = skin_parts(database);
+  std::vector<LocalModels> models;
+  std::vector<char> moves = input.selected;
+  for (std::size_t n = 0; n < moves.size(); ++n) moves[n] = moves[n] && !input.frozen[n];
+  Progress progress("curate: consistency", parts.size() + static_cast<std::size_t>(settings.iterations));
+  for (const SkinPart& part : parts) {
+    models.push_back(local_models(database, part, settings.degrees, input.selected, input.frozen));
+    progress.advance();
+  }
+  const SkinSmoother smoother(database.character.vertices, database.character.triangles, settings.smooth);
+  Displacements displacements = begun;
+  for (int k = 0; k < settings.iterations; ++k) {
+    take_from(displacements, begun, deviations(displacements, parts, models), smoother, settings.cap, moves);
+    progress.advance();
+  }
+  return displacements;
+}
+
+}  // namespace
+
+std::unique_ptr<ShapeModifier> prepare_consistency(const ModifierInput& input) {
+  std::vector<int> rows(input.database.frames.size());
+  for (std::size_t n = 0; n < rows.size(); ++n) rows[n] = static_cast<int>(n);
+  const auto vertices = static_cast<std::size_t>(input.database.character.vertices.rows());
+  if (auto cached = cached_offsets(input.cache, vertices, rows)) return cached;
+  const ConsistencySettings settings{
+      parameter(input, "degrees", 12, 0.1, 180), 1e-3 * parameter(input, "smooth_mm", 10, 0.01, 1000),
+      1e-3 * parameter(input, "cap_mm", 20, 0, 1000), static_cast<int>(parameter(input, "iterations", 3, 1, 20))};
+  const Displacements begun = all_displacements(input.database, "curate: un-posing", input.below);
+  Displacements changes = made_consistent(input, settings, begun);
+  changes -= begun;
+  cache_offsets(changes, input.cache);
+  return stored_offsets(std::move(changes), std::move(rows));
+}
+
+}  // namespace bodyopt

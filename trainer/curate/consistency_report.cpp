@@ -1,0 +1,117 @@
+#include "trainer/curate/consistency_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "trainer/curate/deviations.h"
+#include "trainer/curate/pose_space.h"
+
+namespace bodyopt {
+namespace {
+
+using Eigen::Index;
+
+// Root mean square over the region of a row of its vertices' vectors, mm.
+double region_rms_mm(const RegionWeights& region, const Eigen::RowVectorXf& row) {
+  double sum = 0, weights = 0;
+  for (std::size_t k = 0; k < region.vertices.size(); ++k) {
+    sum += region.weights[k] * double{row.segment<3>(3 * static_cast<Index>(k)).squaredNorm()};
+    weights += region.weights[k];
+  }
+  return weights > 0 ? 1e3 * std::sqrt(sum / weights) : 0;
+}
+
+RegionAgreement agreement(const SkinPart& part, const LocalModels& models, const Displacements& deviations) {
+  RegionAgreement result;
+  result.region = part.region.name;
+  std::vector<int> neighbours = models.neighbours;
+  const auto middle = neighbours.begin() + static_cast<std::ptrdiff_t>(neighbours.size() / 2);
+  std::nth_element(neighbours.begin(), middle, neighbours.end());
+  result.neighbours = *middle;
+  double sum = 0;
+  std::size_t compared = 0;
+  for (std::size_t n = 0; n < models.shares.size(); ++n) {
+    if (models.shares[n].empty()) continue;
+    ++compared;
+    sum += std::pow(region_rms_mm(part.region, deviations.row(static_cast<Index>(n))), 2);
+  }
+  result.single =
+      1 - static_cast<double>(compared) / static_cast<double>(std::max<std::size_t>(models.shares.size(), 1));
+  result.deviation_mm = compared > 0 ? std::sqrt(sum / static_cast<double>(compared)) : 0;
+  return result;
+}
+
+using WorstOfPair = std::map<std::pair<std::size_t, std::size_t>, DisagreeingPair>;
+
+void add_pairs(const PoseDatabase& database, const SkinPart& part, const LocalModels& models,
+               const Displacements& deviations, WorstOfPair& worst) {
+  for (std::size_t n = 0; n < models.others.size(); ++n) {
+    for (const std::size_t other : models.others[n]) {
+      if (other <= n) continue;
+      const double apart =
+          region_rms_mm(part.region, deviations.row(static_cast<Index>(n)) - deviations.row(static_cast<Index>(other)));
+      DisagreeingPair& there = worst[{n, other}];
+      if (apart <= there.apart_mm) continue;
+      there = {n, other, part.region.name, apart,
+               pose_distance(database.frames[n].pose, database.frames[other].pose, part.joints)};
+    }
+  }
+}
+
+// The worst first, each frame at most in three: one bad frame is not the whole list.
+std::vector<DisagreeingPair> ranked(const WorstOfPair& worst, std::size_t most) {
+  constexpr int kOfOneFrame = 3;
+  std::vector<DisagreeingPair> all, result;
+  for (const auto& [frames, pair] : worst) all.push_back(pair);
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.apart_mm > b.apart_mm; });
+  std::map<std::size_t, int> named;
+  for (const DisagreeingPair& pair : all) {
+    if (result.size() == most) break;
+    if (named[pair.first] >= kOfOneFrame || named[pair.second] >= kOfOneFrame) continue;
+    ++named[pair.first];
+    ++named[pair.second];
+    result.push_back(pair);
+  }
+  return result;
+}
+
+}  // namespace
+
+ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, std::size_t most) {
+  const PoseDatabase& database = stack.database();
+  const std::size_t count = database.dataset.modifiers.size(), frames = database.frames.size();
+  const Index vertices = database.character.vertices.rows();
+  const Displacements displacements =
+      all_displacements(database, "curate: un-posing", [&](std::size_t n) { return stack.offsets(n, count); });
+  std::vector<char> used(frames), anchors(frames, false);
+  for (std::size_t n = 0; n < frames; ++n) used[n] = !stack.is_dropped(n);
+  ConsistencyReport report;
+  WorstOfPair worst;
+  Eigen::VectorXd of_frame = Eigen::VectorXd::Zero(static_cast<Index>(frames)),
+                  of_vertex = Eigen::VectorXd::Zero(vertices);
+  const std::vector<SkinPart> parts = skin_parts(database);
+  Progress progress("curate: comparing like poses", parts.size());
+  for (const SkinPart& part : parts) {
+    const LocalModels models = local_models(database, part, degrees, used, anchors);
+    const Displacements deviations = part_deviations(displacements, part, models);
+    report.regions.push_back(agreement(part, models, deviations));
+    add_pairs(database, part, models, deviations, worst);
+    for (std::size_t k = 0; k < part.region.vertices.size(); ++k) {
+      const Eigen::VectorXd square =
+          deviations.middleCols<3>(3 * static_cast<Index>(k)).cast<double>().rowwise().squaredNorm();
+      of_frame += part.region.weights[k] * square;
+      of_vertex[Index{part.region.vertices[k]}] += part.region.weights[k] * square.mean();
+    }
+    progress.advance();
+  }
+  report.pairs = ranked(worst, most);
+  for (const double square : of_frame)
+    report.frame_mm.push_back(1e3 * std::sqrt(square / static_cast<double>(vertices)));
+  for (const double square : of_vertex) report.vertex_mm.push_back(1e3 * std::sqrt(square));
+  return report;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,36 @@
+// Where a dataset's shapes of like poses disagree.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "trainer/curate/shape_stack.h"
+
+namespace bodyopt {
+
+struct DisagreeingPair {
+  std::size_t first = 0, second = 0;  // frames of the database
+  std::string region;
+  double apart_mm = 0;      // RMS over the region, of what their local models do not explain
+  double pose_degrees = 0;  // how far their poses are apart there
+};
+
+// Of a part of the skin: how well its poses are covered, and how well they agree.
+struct RegionAgreement {
+  std::string region;
+  double neighbours = 0;    // frames near a frame, the median
+  double single = 0;        // the share of frames that no other motion passes by: nothing to compare them with
+  double deviation_mm = 0;  // RMS over its skin and the other frames, from their local models
+};
+
+struct ConsistencyReport {
+  std::vector<DisagreeingPair> pairs;  // the worst first; a pair of frames once, in its worst region
+  std::vector<RegionAgreement> regions;
+  std::vector<double> frame_mm;   // of every frame: deviation, RMS over the skin
+  std::vector<double> vertex_mm;  // V: the same, RMS over the frames
+};
+
+// `degrees`: how far frames are near; at most `most` pairs. Shows progress.
+ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, std::size_t most);
+
+}  // namespace bodyopt

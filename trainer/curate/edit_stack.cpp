@@ -1,0 +1,206 @@
+#include "trainer/curate/edit_stack.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "assets/notes.h"
+#include "assets/pc2.h"
+#include "base/content_hash.h"
+#include "dataset/stack_history.h"
+#include "geometry/vertex_normals.h"
+#include "runtime/core/error.h"
+#include "runtime/core/hexadecimal.h"
+#include "trainer/curate/shape_stack.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Index;
+using Modifiers = std::vector<Modifier>;
+
+constexpr double kFar = 0.2;  // of the character's size: no sculpt moves a vertex so far
+
+Modifiers::iterator find_modifier(Modifiers& modifiers, const std::string& name) {
+  const auto found =
+      std::find_if(modifiers.begin(), modifiers.end(), [&](const Modifier& there) { return there.name == name; });
+  if (found != modifiers.end()) return found;
+  std::vector<std::string> names;
+  for (const Modifier& there : modifiers) names.push_back(there.name);
+  throw Error(ErrorKind::usage,
+              "the dataset has no modifier '" + name + "'; " +
+                  (names.empty() ? "it has none" : "the nearest are " + list_names(nearest_names(names, name))));
+}
+
+bool has_name(const Modifiers& modifiers, const std::string& name) {
+  return std::any_of(modifiers.begin(), modifiers.end(), [&](const Modifier& there) { return there.name == name; });
+}
+
+std::string free_name(const Modifiers& modifiers, const Modifier& modifier) {
+  if (!modifier.name.empty() && !has_name(modifiers, modifier.name)) return modifier.name;
+  if (!modifier.name.empty()) {
+    throw Error(ErrorKind::usage, "the dataset has a modifier '" + modifier.name + "' already");
+  }
+  std::string name = modifier.type;
+  for (int k = 2; has_name(modifiers, name); ++k) name = modifier.type + std::to_string(k);
+  return name;
+}
+
+// Un-posed offsets, kept in a file that is named by what is in it. Returns its name in the dataset's folder.
+std::string keep_offsets(const Dataset& dataset, const std::string& modifier, const std::vector<float>& offsets) {
+  ContentHash hash;
+  hash.append(offsets.data(), offsets.size() * sizeof(float));
+  const std::string name = "modifiers/" + modifier + "-" + hexadecimal(hash.value()) + ".pc2";
+  fs::create_directories(dataset.folder / "modifiers");
+  Pc2Writer writer(dataset.folder / name, static_cast<std::uint32_t>(offsets.size() / 3), 1);
+  writer.append(offsets);
+  writer.close();
+  return name;
+}
+
+void put_sculpt(Modifier& modifier, const std::string& take, int frame, const std::string& offsets, double spread) {
+  Json& sculpts = modifier.parameters["sculpts"];
+  if (!sculpts.is_array()) sculpts = Json::array();
+  const Json entry = {{"take", take}, {"frame", frame}, {"offsets", offsets}};
+  const auto same = [&](const Json& there) {
+    return there.value("take", "") == take && there.value("frame", 0) == frame;
+  };
+  const auto found = std::find_if(sculpts.begin(), sculpts.end(), same);
+  if (found == sculpts.end()) {
+    sculpts.push_back(entry);
+  } else {
+    *found = entry;
+  }
+  modifier.parameters["spread_degrees"] = spread;
+}
+
+std::vector<std::string> sculpt_notes(const Character& character, const Positions& before, const Positions& after) {
+  std::vector<std::string> notes;
+  const Positions was = vertex_normals(before, character.triangles), is = vertex_normals(after, character.triangles);
+  const double size = (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).norm();
+  Index far = 0, turned = 0, far_vertex = 0, turned_vertex = 0;
+  for (Index v = 0; v < before.rows(); ++v) {
+    if ((after.row(v) - before.row(v)).norm() > kFar * size && far++ == 0) far_vertex = v;
+    if (was.row(v).dot(is.row(v)) < 0 && turned++ == 0) turned_vertex = v;
+  }
+  const auto output = [&](Index v) {
+    const auto& all = character.output_vertex;
+    return std::to_string(std::find(all.begin(), all.end(), static_cast<std::uint32_t>(v)) - all.begin());
+  };
+  if (far > 0) {
+    notes.push_back(count_of(static_cast<std::size_t>(far), "vertex moves", "vertices move") +
+                    " by more than a fifth of the character's size, vertex " + output(far_vertex) +
+                    " among them: did the sculpt explode, or is it of another pose or unit?");
+  }
+  if (turned > 0) {
+    notes.push_back("around " + count_of(static_cast<std::size_t>(turned), "vertex", "vertices") +
+                    " the skin is turned inside out, vertex " + output(turned_vertex) + " among them");
+  }
+  return notes;
+}
+
+}  // namespace
+
+std::string add_modifier(const fs::path& path, Modifier modifier) {
+  edit_modifiers(path, [&](const Dataset& dataset, Modifiers& modifiers) {
+    modifier.name = free_name(modifiers, modifier);
+    check_modifier(read_pose_database(dataset), modifier);
+    modifiers.push_back(modifier);
+  });
+  return modifier.name;
+}
+
+void change_modifier(const fs::path& path, const std::string& name, const ModifierChange& change) {
+  edit_modifiers(path, [&](const Dataset& dataset, Modifiers& modifiers) {
+    Modifier& modifier = *find_modifier(modifiers, name);
+    if (change.strength) modifier.strength = *change.strength;
+    if (change.frames) modifier.frames = *change.frames;
+    if (change.mask) modifier.mask = *change.mask;
+    for (const auto& [key, value] : change.parameters.items()) {
+      modifier.parameters[key] = value;
+      if (value.is_null()) modifier.parameters.erase(key);
+    }
+    if (change.name && *change.name != name) {
+      if (has_name(modifiers, *change.name)) {
+        throw Error(ErrorKind::usage, "the dataset has a modifier '" + *change.name + "' already");
+      }
+      modifier.name = *change.name;
+    }
+    check_modifier(read_pose_database(dataset), modifier);
+  });
+}
+
+void move_modifier(const fs::path& path, const std::string& name, std::size_t place) {
+  edit_modifiers(path, [&](const Dataset&, Modifiers& modifiers) {
+    const auto found = find_modifier(modifiers, name);
+    if (place < 1 || place > modifiers.size()) {
+      throw Error(ErrorKind::usage, "the stack has the places 1 to " + std::to_string(modifiers.size()) +
+                                        ", asked for " + std::to_string(place));
+    }
+    Modifier moved = *found;
+    modifiers.erase(found);
+    modifiers.insert(modifiers.begin() + static_cast<std::ptrdiff_t>(place) - 1, std::move(moved));
+  });
+}
+
+void enable_modifier(const fs::path& path, const std::string& name, bool enabled) {
+  edit_modifiers(path,
+                 [&](const Dataset&, Modifiers& modifiers) { find_modifier(modifiers, name)->enabled = enabled; });
+}
+
+void remove_modifier(const fs::path& path, const std::string& name) {
+  edit_modifiers(path, [&](const Dataset&, Modifiers& modifiers) { modifiers.erase(find_modifier(modifiers, name)); });
+}
+
+void check_modifier(const PoseDatabase& database, const Modifier& modifier) {
+  if (!find_modifier_type(modifier.type)) {
+    std::vector<std::string> names;
+    for (const ModifierType& type : modifier_types()) names.push_back(type.name);
+    throw Error(ErrorKind::usage,
+                "there is no type of modifier '" + modifier.type + "'; there are " + list_names(names));
+  }
+  PoseDatabase alone = database;
+  alone.dataset.modifiers = {modifier};
+  alone.dataset.modifiers.front().enabled = true;
+  // What looks at all frames is worked out when it is needed; here its parameters and scope are enough.
+  if (modifier.type == "consistency" || modifier.type == "despike")
+    alone.frames.resize(std::min<std::size_t>(alone.frames.size(), 1));
+  if (alone.frames.size() < database.frames.size()) {
+    ShapeStack::check_scope(database, modifier);
+    alone.dataset.modifiers.front().frames = Json::array();
+  }
+  const ShapeStack stack(std::move(alone));
+}
+
+std::vector<std::string> add_sculpt(const fs::path& path, const std::string& name, const std::string& take, int frame,
+                                    const std::vector<float>& mesh, bool unposed, double spread_degrees) {
+  std::vector<std::string> notes;
+  edit_modifiers(path, [&](const Dataset& dataset, Modifiers& modifiers) {
+    ShapeStack stack(read_pose_database(dataset));
+    const Character& character = stack.database().character;
+    if (mesh.size() != 3 * std::size_t{character.output_count()}) {
+      throw Error(ErrorKind::mismatch, "the sculpt has " + std::to_string(mesh.size() / 3) +
+                                           " vertices, the character " + std::to_string(character.output_count()) +
+                                           ": it was subdivided, merged or made of another mesh");
+    }
+    const std::size_t number = stack.database().find(take, frame, "the sculpt");
+    // Against what is below it: an earlier sculpt of the frame is replaced, not added to.
+    const auto there =
+        std::find_if(modifiers.begin(), modifiers.end(), [&](const Modifier& m) { return m.name == name; });
+    const auto place = static_cast<std::size_t>(there - modifiers.begin());
+    const UnposedSpace::Frame space = stack.space().frame(stack.database().frames[number].pose);
+    const Positions before = stack.offsets(number, place), given = welded_from_output(character, mesh.data());
+    const Positions after = unposed ? Positions(given - character.vertices) : space.offsets(given);
+    if (!after.allFinite()) throw Error(ErrorKind::mismatch, "the sculpt holds a number that is not finite");
+    notes = sculpt_notes(character, character.vertices + before, character.vertices + after);
+    const std::string offsets = keep_offsets(dataset, name, output_from_welded(character, after - before));
+    if (there == modifiers.end()) modifiers.push_back({.name = name, .type = "sculpt"});
+    if (modifiers[place].type != "sculpt") {
+      throw Error(ErrorKind::usage, "the modifier '" + name + "' is of the type " + modifiers[place].type);
+    }
+    put_sculpt(modifiers[place], take, frame, offsets, spread_degrees);
+  });
+  return notes;
+}
+
+}  // namespace bodyopt

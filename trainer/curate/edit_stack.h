@@ -1,0 +1,45 @@
+// Edits of a dataset's stack of modifiers, each of them whole or not at all, and one step of undo.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dataset/dataset.h"
+#include "trainer/curate/pose_database.h"
+
+namespace bodyopt {
+
+// `path`: the dataset.json. Each throws Error(usage) where no modifier has the name (with the names nearest to it), and
+// what check_modifier() says; nothing is changed then.
+
+// What of a modifier is to be another; what is not set stays.
+struct ModifierChange {
+  std::optional<std::string> name;
+  std::optional<double> strength;
+  std::optional<Json> frames, mask;
+  Json parameters = Json::object();  // those named are replaced, null takes one away
+};
+
+// On top of the stack. An empty name becomes its type's, with a number where that is taken. Returns the name.
+std::string add_modifier(const std::filesystem::path& path, Modifier modifier);
+void change_modifier(const std::filesystem::path& path, const std::string& name, const ModifierChange& change);
+// To a place from 1 on.
+void move_modifier(const std::filesystem::path& path, const std::string& name, std::size_t place);
+void enable_modifier(const std::filesystem::path& path, const std::string& name, bool enabled);
+void remove_modifier(const std::filesystem::path& path, const std::string& name);
+
+// Throws Error(mismatch) or Error(file), naming the modifier, where it does not fit the dataset: an unknown type,
+// parameter, take, frame, joint, muscle or region, an empty selection, a mesh of another topology, a number that is not
+// finite.
+void check_modifier(const PoseDatabase& database, const Modifier& modifier);
+
+// An artist's mesh of a frame (O x 3, output vertices, metres; posed, or where `unposed`, as export wrote it un-posed):
+// what it differs by from the frame as the stack leaves it becomes a sculpt of the modifier `name`, which is made where
+// there is none. Returns what the artist should know: vertices that went further than a fifth of the character's size,
+// triangles that turned over. Throws Error(mismatch) where the mesh does not fit.
+std::vector<std::string> add_sculpt(const std::filesystem::path& path, const std::string& name, const std::string& take,
+                                    int frame, const std::vector<float>& mesh, bool unposed, double spread_degrees);
+
+}  // namespace bodyopt

@@ -1,0 +1,120 @@
+#include "trainer/curate/mirror_image.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/core/error.h"
+#include "runtime/host/rig.h"
+
+namespace bodyopt {
+namespace {
+
+using Eigen::Index;
+
+constexpr double kJointTolerance = 0.02, kSkinTolerance = 0.05;  // of the character's size
+
+Quat mirrored(const Quat& q) { return {q[0], -q[1], -q[2], q[3]}; }  // across a plane of constant x
+
+// "LeftArm" for "RightArm", "arm.l" for "arm.r".
+std::string other_side(const std::string& name) {
+  for (const auto& [a, b] : {std::pair{"Left", "Right"}, {"left", "right"}, {"_l", "_r"}, {".l", ".r"}, {".L", ".R"}}) {
+    for (const auto& [from, to] : {std::pair{a, b}, {b, a}}) {
+      const std::size_t at = name.find(from);
+      if (at != std::string::npos) return std::string(name).replace(at, std::string(from).size(), to);
+    }
+  }
+  return name;
+}
+
+std::vector<Vec3> bind_positions(const Skeleton& skeleton) {
+  std::vector<Vec3> positions;
+  for (const Joint& joint : skeleton.joints) positions.push_back(inverse(joint.inverse_bind) * Vec3{0, 0, 0});
+  return positions;
+}
+
+// The joint of the other side's name, or itself; both must lie where the mirror has them.
+std::vector<std::size_t> joint_counterparts(const Skeleton& skeleton, double middle, double size) {
+  const std::vector<Vec3> positions = bind_positions(skeleton);
+  std::vector<std::size_t> counterparts;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const int found = skeleton.find(other_side(skeleton.joints[j].name));
+    const std::size_t other = found < 0 ? j : static_cast<std::size_t>(found);
+    const Vec3 image{2 * middle - positions[j][0], positions[j][1], positions[j][2]};
+    const double apart = length(positions[other] - image);
+    if (apart > kJointTolerance * size) {
+      throw Error(ErrorKind::mismatch,
+                  "symmetry: the mirror image of joint '" + skeleton.joints[j].name + "' is " +
+                      std::to_string(std::lround(1e3 * apart)) + " mm from joint '" + skeleton.joints[other].name +
+                      "', expected less than " + std::to_string(std::lround(1e3 * kJointTolerance * size)) +
+                      ": the character is not symmetric, or its joints are not named left and right");
+    }
+    counterparts.push_back(other);
+  }
+  return counterparts;
+}
+
+}  // namespace
+
+MirrorImage::MirrorImage(const Character& character, const std::vector<std::string>& controls)
+    : skeleton_(character.skeleton) {
+  const Positions& rest = character.vertices;
+  const Eigen::RowVector3d low = rest.colwise().minCoeff(), high = rest.colwise().maxCoeff();
+  middle_ = 0.5 * (low.x() + high.x());
+  const double size = (high - low).norm();
+  counterpart_ = joint_counterparts(skeleton_, middle_, size);
+  const NearestSkin nearest(rest, character.triangles);
+  for (Index v = 0; v < rest.rows(); ++v) {
+    const Eigen::Vector3d image(2 * middle_ - rest(v, 0), rest(v, 1), rest(v, 2));
+    image_.push_back(nearest(image));
+    if ((image_.back().position - image).norm() > kSkinTolerance * size) {
+      throw Error(ErrorKind::mismatch, "symmetry: the mirror image of vertex " + std::to_string(v) + " is " +
+                                           std::to_string(std::lround(1e3 * (image_.back().position - image).norm())) +
+                                           " mm from the skin: the character is not symmetric");
+    }
+  }
+  for (std::size_t c = 0; c < controls.size(); ++c) {
+    const auto other = std::find(controls.begin(), controls.end(), other_side(controls[c]));
+    control_counterpart_.push_back(other == controls.end() ? c : static_cast<std::size_t>(other - controls.begin()));
+  }
+}
+
+Pose MirrorImage::pose(const Pose& pose) const {
+  const std::vector<Affine> posed = posed_joints(skeleton_, pose.joints);
+  const std::vector<Quat> bind = bind_rotations(skeleton_);
+  std::vector<Quat> turns;  // away from bind, world
+  for (std::size_t j = 0; j < posed.size(); ++j) {
+    turns.push_back(decompose(posed[j]).rotation * conjugate(bind[j]));
+  }
+  Pose result = pose;
+  std::vector<Quat> world(posed.size());
+  for (std::size_t j = 0; j < posed.size(); ++j) {
+    const Joint& joint = skeleton_.joints[j];
+    world[j] = mirrored(turns[counterpart_[j]]) * bind[j];
+    JointTransform& own = result.joints[j];
+    own = joint.bind;
+    if (joint.parent >= 0) {
+      own.rotation = normalized(conjugate(world[static_cast<std::size_t>(joint.parent)]) * world[j]);
+    } else {
+      const Affine& other = posed[counterpart_[j]];
+      own.rotation = normalized(world[j]);
+      own.translation = {2 * middle_ - other.m[0][3], other.m[1][3], other.m[2][3]};
+    }
+  }
+  for (std::size_t c = 0; c < control_counterpart_.size(); ++c) {
+    result.controls[c] = pose.controls[control_counterpart_[c]];
+  }
+  return result;
+}
+
+Positions MirrorImage::shape(const Positions& shape) const {
+  Positions result(shape.rows(), 3);
+  for (Index v = 0; v < shape.rows(); ++v) {
+    const SkinPoint& at = image_[static_cast<std::size_t>(v)];
+    result.row(v).setZero();
+    for (int k = 0; k < 3; ++k) result.row(v) += at.weights[k] * shape.row(at.vertices[static_cast<std::size_t>(k)]);
+    result(v, 0) = 2 * middle_ - result(v, 0);
+  }
+  return result;
+}
+
+}  // namespace bodyopt

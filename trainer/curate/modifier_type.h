@@ -1,0 +1,70 @@
+// What kinds of modifiers there are. Each is a file of this folder, and a line of the table in modifier_types.cpp.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "assets/json_file.h"
+#include "trainer/curate/pose_database.h"
+#include "trainer/curate/unposed_space.h"
+
+namespace bodyopt {
+
+// One frame on its way through the stack.
+struct FrameInHand {
+  std::size_t number = 0;  // of the database
+  const UnposedSpace::Frame& space;
+};
+
+// A modifier that knows all it needs.
+class ShapeModifier {
+ public:
+  virtual ~ShapeModifier() = default;
+  // Changes the offsets (V x 3, un-posed, metres) of one frame. Mask, strength, selection and frozen parts are seen to
+  // by the stack. On any thread.
+  virtual void apply(const FrameInHand& frame, Positions& offsets) const = 0;
+};
+
+struct ModifierInput {
+  const PoseDatabase& database;
+  const UnposedSpace& space;
+  const JsonObject& parameters;                       // keys are checked against ModifierType::parameters already
+  const std::string& place;                           // "modifier 'elbow'", for messages
+  const std::vector<char>& selected;                  // of every frame
+  const std::vector<char>& frozen;                    // of every frame: whether all of it stays as it is
+  const Eigen::VectorXd& mask;                        // V
+  std::function<Positions(std::size_t frame)> below;  // offsets as the modifiers before this one leave them; any thread
+  std::string cache;  // a file for what all frames together say, its name a hash of all it depends on; empty: none
+};
+
+struct ModifierType {
+  enum class Effect { shape, drop, freeze, mirror };
+  const char* name;
+  const char* what;  // one line
+  Effect effect;
+  bool automatic;  // leaves frozen frames and parts alone
+  std::vector<const char*> parameters;
+  // With Effect::shape. Throws Error(mismatch) or Error(file) where the parameters do not fit the dataset.
+  std::unique_ptr<ShapeModifier> (*prepare)(const ModifierInput& input);
+};
+
+std::span<const ModifierType> modifier_types();
+// Null: of a newer version.
+const ModifierType* find_modifier_type(const std::string& name);
+
+// A number of the parameters, `usual` where it is not named.
+double parameter(const ModifierInput& input, const char* key, double usual, double low, double high);
+
+std::unique_ptr<ShapeModifier> prepare_sculpt(const ModifierInput& input);
+std::unique_ptr<ShapeModifier> prepare_smooth(const ModifierInput& input);
+std::unique_ptr<ShapeModifier> prepare_relax(const ModifierInput& input);
+std::unique_ptr<ShapeModifier> prepare_volume(const ModifierInput& input);
+std::unique_ptr<ShapeModifier> prepare_blend(const ModifierInput& input);
+std::unique_ptr<ShapeModifier> prepare_detail(const ModifierInput& input);
+std::unique_ptr<ShapeModifier> prepare_despike(const ModifierInput& input);
+std::unique_ptr<ShapeModifier> prepare_consistency(const ModifierInput& input);
+
+}  // namespace bodyopt

@@ -1,0 +1,88 @@
+#include "trainer/curate/pose_space.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "assets/notes.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kLeastShare = 0.05;
+
+Eigen::Vector3d rotation_vector(const Quat& from, const Quat& to) {
+  Quat q = conjugate(normalized(from)) * normalized(to);
+  if (q[3] < 0) q = {-q[0], -q[1], -q[2], -q[3]};
+  const Eigen::Vector3d axis(q[0], q[1], q[2]);
+  const double size = axis.norm();
+  return size > 1e-12 ? Eigen::Vector3d(2 * std::atan2(size, q[3]) / size * axis) : Eigen::Vector3d(2 * axis);
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> joints_moving(const Character& character, const Eigen::VectorXd& mask) {
+  std::vector<double> share(character.skeleton.size(), 0.0);
+  for (std::size_t v = 0; v < character.weights.size(); ++v) {
+    for (const JointWeight& weight : character.weights[v]) {
+      share[weight.joint] += weight.weight * mask[static_cast<Eigen::Index>(v)];
+    }
+  }
+  std::vector<std::uint32_t> moving, all;
+  for (std::uint32_t j = 0; j < share.size(); ++j) {
+    if (character.skeleton.joints[j].parent < 0) continue;
+    all.push_back(j);
+    if (share[j] >= kLeastShare * mask.sum()) moving.push_back(j);
+  }
+  return moving.empty() ? all : moving;
+}
+
+std::vector<std::uint32_t> joints_named(const Skeleton& skeleton, const std::vector<std::string>& names,
+                                        const std::string& place) {
+  std::vector<std::uint32_t> joints;
+  for (const std::string& name : names) {
+    const int joint = skeleton.find(name);
+    if (joint < 0) {
+      std::vector<std::string> known;
+      for (const Joint& there : skeleton.joints) known.push_back(there.name);
+      throw Error(ErrorKind::mismatch, place + ": the character has no joint '" + name + "'; the nearest are " +
+                                           list_names(nearest_names(known, name)));
+    }
+    joints.push_back(static_cast<std::uint32_t>(joint));
+  }
+  return joints;
+}
+
+Eigen::VectorXd pose_difference(const Pose& from, const Pose& to, const std::vector<std::uint32_t>& joints) {
+  const auto turns = 3 * static_cast<Eigen::Index>(joints.size());
+  Eigen::VectorXd difference(turns + static_cast<Eigen::Index>(from.controls.size()));
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    difference.segment<3>(3 * static_cast<Eigen::Index>(k)) =
+        rotation_vector(from.joints[joints[k]].rotation, to.joints[joints[k]].rotation);
+  }
+  for (std::size_t c = 0; c < from.controls.size(); ++c) {
+    difference[turns + static_cast<Eigen::Index>(c)] = double{to.controls[c]} - double{from.controls[c]};
+  }
+  return difference;
+}
+
+bool is_near(const Pose& from, const Pose& to, const std::vector<std::uint32_t>& joints, double reach) {
+  double left = reach * reach;
+  for (std::size_t k = 0; k < joints.size() && left > 0; ++k) {
+    const Quat &a = from.joints[joints[k]].rotation, &b = to.joints[joints[k]].rotation;
+    // Quaternions of rotations apart by an angle have the cosine of its half between them.
+    const double cosine = std::abs(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]);
+    const double angle = 2 * std::acos(std::min(1.0, cosine));
+    left -= angle * angle;
+  }
+  for (std::size_t c = 0; c < from.controls.size(); ++c) {
+    left -= std::pow(double{to.controls[c]} - double{from.controls[c]}, 2);
+  }
+  return left > 0;
+}
+
+double pose_distance(const Pose& from, const Pose& to, const std::vector<std::uint32_t>& joints) {
+  return 180 / std::numbers::pi * pose_difference(from, to, joints).norm();
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,64 @@
+// The one way to the shapes of a dataset: every frame through the stack of modifiers, when it is asked for.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "trainer/curate/modifier_type.h"
+#include "trainer/curate/pose_database.h"
+#include "trainer/curate/unposed_space.h"
+
+namespace bodyopt {
+
+class MirrorImage;
+
+class ShapeStack {
+ public:
+  // Modifiers that are off are left out, those of types that this version does not know, too, which a note says. What
+  // looks at all frames (consistency, despike) is worked out here, or read from modifiers/cache; shows progress then.
+  // Throws Error(mismatch), naming the modifier, where one does not fit the dataset, and Error(file).
+  explicit ShapeStack(PoseDatabase database);
+  ~ShapeStack();
+  ShapeStack(const ShapeStack&) = delete;
+  ShapeStack& operator=(const ShapeStack&) = delete;
+
+  // The selection, mask and names of parameters of a modifier, without working it out. Throws Error(mismatch).
+  static void check_scope(const PoseDatabase& database, const Modifier& modifier);
+
+  // With the mirror images that a symmetry modifier adds, as takes of their own: "rom mirrored".
+  const PoseDatabase& database() const { return database_; }
+  const std::vector<std::string>& notes() const { return notes_; }
+  // Whether a frame is left out of training.
+  bool is_dropped(std::size_t frame) const { return dropped_[frame]; }
+  // Whether any modifier changes a frame's shape; if none does, the shape is the raw one, bit for bit.
+  bool is_changed(std::size_t frame) const;
+
+  // V x 3, welded, posed, metres. On any thread. Throws Error(file) at a damaged sample.
+  Positions shape(std::size_t frame) const;
+  // The same un-posed, as the first `count` modifiers (of all, also those that are off) leave it.
+  Positions offsets(std::size_t frame, std::size_t count) const;
+  const UnposedSpace& space() const;
+
+ private:
+  struct Layer;
+
+  void add(std::size_t place, const Modifier& modifier, const ModifierType& type);
+  void add_mirror_images(std::size_t place);
+  void add_shape(std::size_t place, Layer layer, const ModifierType& type);
+  Positions posed(std::size_t frame, std::size_t count) const;
+  Positions begun(std::size_t frame) const;
+  void apply(const Layer& layer, const FrameInHand& frame, Positions& offsets) const;
+  Eigen::VectorXd frozen_part(std::size_t frame) const;
+  std::string cache_name(std::size_t place) const;
+
+  PoseDatabase database_;
+  std::vector<std::string> notes_;
+  std::vector<char> dropped_;
+  std::vector<Layer> layers_, freezes_;
+  mutable std::unique_ptr<UnposedSpace> space_;  // made with the first modifier
+  std::unique_ptr<MirrorImage> mirror_;
+  std::size_t raw_frames_ = 0, mirror_place_ = 0;
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,23 @@
+// smooth: the displacement, evened out over the skin by a Gaussian. What the rest skin has of detail stays.
+#include "geometry/laplacian.h"
+#include "trainer/curate/modifier_type.h"
+
+namespace bodyopt {
+namespace {
+
+class Smooth : public ShapeModifier {
+ public:
+  Smooth(const Character& character, double radius) : smoother_(character.vertices, character.triangles, radius) {}
+  void apply(const FrameInHand&, Positions& offsets) const override { offsets = smoother_(offsets); }
+
+ private:
+  SkinSmoother smoother_;
+};
+
+}  // namespace
+
+std::unique_ptr<ShapeModifier> prepare_smooth(const ModifierInput& input) {
+  return std::make_unique<Smooth>(input.database.character, 1e-3 * parameter(input, "radius_mm", 10, 0.01, 1000));
+}
+
+}  // namespace bodyopt

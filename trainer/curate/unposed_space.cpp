@@ -1,0 +1,49 @@
+#include "trainer/curate/unposed_space.h"
+
+#include "runtime/cpu/ddm.h"
+#include "runtime/host/rig.h"
+#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/mesh_table.h"
+
+namespace bodyopt {
+
+using Eigen::Index;
+
+UnposedSpace::UnposedSpace(const Character& character)
+    : basis_(build_ddm_basis(character, {})), order_(morton_order(character.vertices)) {}
+
+UnposedSpace::Frame UnposedSpace::frame(const Pose& pose) const {
+  using RowMajor3 = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
+  const RigFrame rig = pose_rig(basis_.skeleton, pose);
+  const Eigen::Vector3d root = Eigen::Vector3f(rig.origin).cast<double>();
+  Frame frame;
+  frame.placements_.resize(order_.size());
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    float r[9], t[3];
+    cpu::ddm_frame(basis_.ddm, static_cast<std::uint32_t>(k), rig.skinning.data(), r, t);
+    const DdmVertex& v = basis_.ddm.vertices[k];
+    frame.placements_[order_[k]] = {RowMajor3(r).cast<double>(), root + Eigen::Vector3f(t).cast<double>(),
+                                    Eigen::Vector3f(v.offset_x, v.offset_y, v.offset_z).cast<double>()};
+  }
+  return frame;
+}
+
+Positions UnposedSpace::Frame::offsets(const Positions& shape) const {
+  Positions result(shape.rows(), 3);
+  for (Index v = 0; v < shape.rows(); ++v) {
+    const Placement& placed = placements_[static_cast<std::size_t>(v)];
+    result.row(v) = placed.rotation.transpose() * (shape.row(v).transpose() - placed.origin) - placed.rest;
+  }
+  return result;
+}
+
+Positions UnposedSpace::Frame::shape(const Positions& offsets) const {
+  Positions result(offsets.rows(), 3);
+  for (Index v = 0; v < offsets.rows(); ++v) {
+    const Placement& placed = placements_[static_cast<std::size_t>(v)];
+    result.row(v) = placed.origin + placed.rotation * (placed.rest + offsets.row(v).transpose());
+  }
+  return result;
+}
+
+}  // namespace bodyopt
