@@ -1,0 +1,85 @@
+// Shapes of like poses that disagree are found, and made to agree.
+#include <gtest/gtest.h>
+
+#include "tests/curate/curated_limb.h"
+#include "trainer/curate/consistency_report.h"
+#include "trainer/curate/edit_stack.h"
+
+namespace bodyopt {
+namespace {
+
+// What real hysteresis is like: smooth over the skin, of the sweep's direction, different in takes; 3 mm RMS.
+Positions with_history(const Character& character, int take, int frame, const Positions& truth) {
+  const double direction = frame <= 21 ? 1 : -1;
+  Positions shape = truth;
+  Positions field(truth.rows(), 3);
+  for (Eigen::Index v = 0; v < truth.rows(); ++v) {
+    const double z = character.vertices(v, 2);
+    field.row(v) << std::cos(9 * z + take), std::sin(7 * z), std::cos(5 * z + 2 * take);
+  }
+  field *= 0.003 / std::sqrt(field.rowwise().squaredNorm().mean());
+  return shape + direction * field;
+}
+
+double mean_rms_mm(const ShapeStack& stack, const CuratedLimb& limb) {
+  double sum = 0;
+  for (std::size_t n = 0; n < stack.database().frames.size(); ++n) {
+    const DatabaseFrame& frame = stack.database().frames[n];
+    sum += std::pow(rms_mm(stack.shape(n), limb.truth(frame.take, frame.frame)), 2);
+  }
+  return std::sqrt(sum / static_cast<double>(stack.database().frames.size()));
+}
+
+TEST(Consistency, RemovesInjectedDisagreement) {
+  const Character character = limb_character();
+  const CuratedLimb limb(
+      [&](int take, int frame, const Positions& truth) { return with_history(character, take, frame, truth); });
+  EXPECT_NEAR(mean_rms_mm(limb.stack(), limb), 3, 0.05);
+  const ConsistencyReport before = report_consistency(limb.stack(), 12, 10);
+  ASSERT_FALSE(before.pairs.empty());
+  EXPECT_GT(before.pairs.front().apart_mm, 3);
+  add_modifier(limb.path(), {.type = "consistency"});
+  const double left = mean_rms_mm(limb.stack(), limb);
+  EXPECT_LT(left, 0.2 * 3);  // at least 80 % removed
+  RecordProperty("left_mm", std::to_string(left));
+  EXPECT_LT(report_consistency(limb.stack(), 12, 10).pairs.front().apart_mm, before.pairs.front().apart_mm / 3);
+}
+
+TEST(Consistency, LeavesCleanDataAlone) {
+  const CuratedLimb limb;
+  add_modifier(limb.path(), {.type = "consistency"});
+  const double moved = mean_rms_mm(limb.stack(), limb);
+  EXPECT_LT(moved, 0.3);
+  RecordProperty("moved_mm", std::to_string(moved));
+}
+
+TEST(Consistency, ItsCacheGivesTheSameShapes) {
+  const Character character = limb_character();
+  const CuratedLimb limb(
+      [&](int take, int frame, const Positions& truth) { return with_history(character, take, frame, truth); });
+  add_modifier(limb.path(), {.type = "consistency"});
+  const Positions first = limb.stack().shape(10), second = limb.stack().shape(10);
+  EXPECT_EQ(first, second);
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(limb.folder() / "modifiers" / "cache")) {
+    files += entry.is_regular_file() ? 1 : 0;
+  }
+  EXPECT_EQ(files, 1u);
+}
+
+TEST(Consistency, FrozenFramesStayAndDrawTheOthers) {
+  const Character character = limb_character();
+  const CuratedLimb limb([&](int take, int, const Positions& truth) {
+    Positions shape = truth;
+    if (take == 1) shape.col(0).array() += 0.004;
+    return shape;
+  });
+  add_modifier(limb.path(), {.type = "freeze", .frames = {{{"take", "one"}}}});
+  add_modifier(limb.path(), {.type = "consistency", .parameters = {{"iterations", 6}}});
+  const ShapeStack stack = limb.stack();
+  EXPECT_LT(rms_mm(stack.shape(10), limb.truth(0, 11)), 1e-3);
+  EXPECT_LT(rms_mm(stack.shape(kSweepFrames + 10), limb.truth(1, 11)), 1.0);
+}
+
+}  // namespace
+}  // namespace bodyopt

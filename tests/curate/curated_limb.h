@@ -1,0 +1,70 @@
+// A dataset of the capsule limb: its elbow swept to and fro, shapes with a bulge that grows with the angle.
+#pragma once
+
+#include <numbers>
+
+#include "assets/clip.h"
+#include "assets/pc2.h"
+#include "dataset/dataset.h"
+#include "tests/support/capsule_limb.h"
+#include "tests/support/temporary_folder.h"
+#include "trainer/curate/shape_stack.h"
+
+namespace bodyopt {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr int kSweepFrames = 41;  // to 120 degrees and back, in steps of 6
+
+inline double sweep_angle(int frame) { return 6.0 * (frame <= 21 ? frame - 1 : kSweepFrames - frame); }
+
+class CuratedLimb {
+ public:
+  // `change`: what is added to the true shape (V x 3, posed) of take 0 or 1 in a frame from 1 on.
+  explicit CuratedLimb(const std::function<Positions(int take, int frame, const Positions& truth)>& change =
+                           [](int, int, const Positions& truth) { return truth; }) {
+    write_character(character_, folder_ / "limb.glb");
+    dataset_.folder = folder_.path();
+    dataset_.character = "limb.glb";
+    for (int take = 0; take < 2; ++take) add_take(take, change);
+    write_dataset(dataset_, path());
+  }
+
+  std::filesystem::path path() const { return folder_ / "dataset.json"; }
+  std::filesystem::path folder() const { return folder_.path(); }
+  const Character& character() const { return character_; }
+  Pose pose(int take, int frame) const {
+    return limb_pose(character_.skeleton, kDegree * sweep_angle(frame), 0, 0.02 * take);
+  }
+  Positions truth(int take, int frame) const { return limb_truth(character_, limb_muscles(), pose(take, frame)); }
+  ShapeStack stack() const { return ShapeStack(read_pose_database(read_dataset(path()))); }
+
+ private:
+  void add_take(int take, const std::function<Positions(int, int, const Positions&)>& change) {
+    DatasetTake there;
+    there.name = take == 0 ? "one" : "two";
+    there.clip = there.name + ".glb";
+    there.shapes = there.name + ".pc2";
+    Clip clip;
+    clip.name = there.name;
+    Pc2Writer writer(folder_ / there.shapes, character_.output_count(), kSweepFrames);
+    for (int frame = 1; frame <= kSweepFrames; ++frame) {
+      there.frames.push_back(frame);
+      clip.poses.push_back(pose(take, frame));
+      writer.append(output_from_welded(character_, change(take, frame, truth(take, frame))));
+    }
+    writer.close();
+    write_clip(clip, character_.skeleton, folder_ / there.clip);
+    dataset_.takes.push_back(there);
+  }
+
+  TemporaryFolder folder_;
+  Character character_ = limb_character();
+  Dataset dataset_;
+};
+
+// Root mean square distance of vertices, mm.
+inline double rms_mm(const Positions& a, const Positions& b) {
+  return 1e3 * std::sqrt((a - b).rowwise().squaredNorm().mean());
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,315 @@
+// What the shapes of a dataset are through its modifiers.
+#include "trainer/curate/shape_stack.h"
+
+#include <gtest/gtest.h>
+
+#include "assets/json_file.h"
+#include "dataset/stack_history.h"
+#include "tests/curate/curated_limb.h"
+#include "tests/support/error_kind.h"
+#include "trainer/curate/bake.h"
+#include "trainer/curate/edit_stack.h"
+#include "trainer/curate/frame_files.h"
+
+namespace bodyopt {
+namespace {
+
+// A bulge of 10 mm at the outer side of the elbow.
+Positions bulge(const Character& character) {
+  Positions offsets = Positions::Zero(character.vertices.rows(), 3);
+  for (Eigen::Index v = 0; v < offsets.rows(); ++v) {
+    const double along = (character.vertices(v, 2) - 0.3) / 0.03, side = character.vertices(v, 1) / kLimbRadius;
+    if (side > 0) offsets(v, 1) = 0.01 * side * side * std::exp(-along * along);
+  }
+  return offsets;
+}
+
+std::vector<float> sculpted(const CuratedLimb& limb, int frame) {
+  const ShapeStack stack = limb.stack();
+  const Positions offsets = stack.offsets(static_cast<std::size_t>(frame - 1), 0) + bulge(limb.character());
+  return output_from_welded(limb.character(), limb.character().vertices + offsets);
+}
+
+std::string bytes_of_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(ShapeStack, AnEmptyStackGivesTheRawShapesBitForBit) {
+  const CuratedLimb limb;
+  const ShapeStack stack = limb.stack();
+  for (const std::size_t n : {0u, 20u, 60u}) {
+    EXPECT_FALSE(stack.is_changed(n));
+    EXPECT_EQ(stack.shape(n), stack.database().raw_shape(n));
+  }
+}
+
+TEST(ShapeStack, ThereAndBackThroughUnposedSpaceMovesNothing) {
+  const CuratedLimb limb;
+  const ShapeStack stack = limb.stack();
+  const UnposedSpace::Frame in = stack.space().frame(limb.pose(0, 18));
+  EXPECT_LT(rms_mm(in.shape(in.offsets(limb.truth(0, 18))), limb.truth(0, 18)), 1e-4);
+}
+
+TEST(Sculpt, IsExactAtItsPoseHalfAtHalfTheSpreadAndNothingBeyond) {
+  const CuratedLimb limb;
+  add_sculpt(limb.path(), "elbow", "one", 16, sculpted(limb, 16), true, 36);  // 90 degrees
+  const ShapeStack stack = limb.stack();
+  const auto peak = [&](int frame) {
+    const auto n = static_cast<std::size_t>(frame - 1);
+    return 1e3 * (stack.offsets(n, 1) - stack.offsets(n, 0)).rowwise().norm().maxCoeff();
+  };
+  const double whole = 1e3 * bulge(limb.character()).rowwise().norm().maxCoeff();
+  EXPECT_NEAR(peak(16), whole, 1e-3);
+  EXPECT_NEAR(peak(26), whole, 1e-3);        // the same pose on the way back
+  EXPECT_NEAR(peak(13), 0.5 * whole, 0.01);  // 18 degrees away
+  EXPECT_EQ(peak(10), 0);                    // 36 degrees away
+  EXPECT_EQ(stack.shape(0), stack.database().raw_shape(0));
+}
+
+TEST(Sculpt, TwoOfNearbyPosesAreBothExact) {
+  const CuratedLimb limb;
+  add_sculpt(limb.path(), "elbow", "one", 16, sculpted(limb, 16), true, 60);
+  std::vector<float> plain =
+      output_from_welded(limb.character(), Positions(limb.character().vertices + limb.stack().offsets(12, 0)));
+  add_sculpt(limb.path(), "elbow", "one", 13, plain, true, 60);  // as it was
+  const ShapeStack stack = limb.stack();
+  EXPECT_LT(1e3 * (stack.offsets(12, 1) - stack.offsets(12, 0)).rowwise().norm().maxCoeff(), 1e-4);
+  EXPECT_NEAR(1e3 * (stack.offsets(15, 1) - stack.offsets(15, 0)).rowwise().norm().maxCoeff(), 10, 0.5);
+}
+
+TEST(ShapeStack, DropLeavesOutFreezeKeepsAndStrengthScales) {
+  const CuratedLimb limb;
+  add_modifier(limb.path(), {.type = "smooth", .strength = 0.5});
+  add_modifier(limb.path(), {.type = "freeze", .frames = {{{"take", "one"}, {"frames", "5"}}}});
+  add_modifier(limb.path(), {.type = "drop", .frames = {{{"take", "two"}, {"frames", "7-9"}}}});
+  const ShapeStack stack = limb.stack();
+  EXPECT_EQ(stack.offsets(4, 3), stack.offsets(4, 0));
+  EXPECT_TRUE(stack.is_dropped(kSweepFrames + 7));
+  EXPECT_FALSE(stack.is_dropped(7));
+  change_modifier(limb.path(), "smooth", {.strength = 1.0});
+  const ShapeStack whole = limb.stack();
+  const Positions half = stack.offsets(20, 3) - stack.offsets(20, 0), all = whole.offsets(20, 3) - whole.offsets(20, 0);
+  EXPECT_GT(all.norm(), 1e-5);
+  EXPECT_LT((2 * half - all).norm(), 1e-12);
+}
+
+TEST(Despike, PutsAVertexThatFliesBackAndTouchesNoOther) {
+  const CuratedLimb limb([](int take, int frame, const Positions& truth) {
+    Positions shape = truth;
+    if (take == 0 && frame == 10) shape(300, 0) += 0.04;
+    return shape;
+  });
+  add_modifier(limb.path(), {.type = "despike"});
+  const ShapeStack stack = limb.stack();
+  const Positions change = stack.shape(9) - limb.truth(0, 10);
+  EXPECT_LT(change.row(300).norm(), 0.002);
+  EXPECT_LT(rms_mm(stack.shape(8), limb.truth(0, 9)), 1e-3);
+}
+
+TEST(Volume, GivesBackWhatWasLost) {
+  const CuratedLimb limb([](int, int, const Positions& truth) {
+    Positions thin = truth;
+    thin.leftCols<1>() *= 0.9;
+    return thin;
+  });
+  add_modifier(limb.path(), {.type = "volume", .parameters = {{"cap_mm", 50}}});
+  const auto volume = [&](const Positions& skin) {
+    double sum = 0;
+    for (Eigen::Index t = 0; t < limb.character().triangles.rows(); ++t) {
+      const Eigen::RowVector3d a = skin.row(limb.character().triangles(t, 0)),
+                               b = skin.row(limb.character().triangles(t, 1)),
+                               c = skin.row(limb.character().triangles(t, 2));
+      sum += a.dot(b.cross(c)) / 6;
+    }
+    return sum;
+  };
+  const double rest = volume(limb.character().vertices);
+  EXPECT_NEAR(volume(limb.stack().shape(0)), rest, 0.01 * rest);
+  EXPECT_LT(volume(limb.stack().database().raw_shape(0)), 0.92 * rest);
+}
+
+TEST(Blend, TakesTheShapesOfAnotherCache) {
+  const CuratedLimb limb;
+  Pc2Writer writer(limb.folder() / "fixed.pc2", limb.character().output_count(), 1);
+  const Positions fixed = limb.truth(0, 8).array() + 0.001;
+  writer.append(output_from_welded(limb.character(), fixed));
+  writer.close();
+  add_modifier(limb.path(),
+               {.type = "blend", .parameters = {{"cache", "fixed.pc2"}, {"take", "one"}, {"frames", "8"}}});
+  EXPECT_LT(rms_mm(limb.stack().shape(7), fixed), 1e-3);
+  EXPECT_LT(rms_mm(limb.stack().shape(8), limb.truth(0, 9)), 1e-3);
+}
+
+TEST(Detail, CarriesWhatIsFineAndNotWhatIsBroad) {
+  const CuratedLimb limb([](int take, int frame, const Positions& truth) {
+    Positions shape = truth;
+    if (take == 0 && frame == 1) {
+      for (Eigen::Index v = 0; v < shape.rows(); ++v) shape(v, 2) += v % 2 == 0 ? 0.001 : -0.001;
+    }
+    return shape;
+  });
+  add_modifier(limb.path(), {.type = "detail",
+                             .frames = {{{"take", "two"}, {"frames", "1"}}},
+                             .parameters = {{"take", "one"}, {"frame", 1}, {"radius_mm", 15}}});
+  const ShapeStack stack = limb.stack();
+  const Positions change = stack.shape(kSweepFrames) - limb.truth(1, 1);
+  EXPECT_NEAR(1e3 * change(300, 2), 1, 0.3);
+  EXPECT_LT(std::abs(1e3 * change.col(2).mean()), 0.1);
+}
+
+TEST(Relax, LeavesHowFarTheSkinStandsOff) {
+  const CuratedLimb limb;
+  add_modifier(limb.path(), {.type = "relax", .parameters = {{"radius_mm", 20}}});
+  const ShapeStack stack = limb.stack();
+  const Positions change = stack.offsets(20, 1) - stack.offsets(20, 0);
+  const Eigen::Index v = 12 * kLimbSides + 3;  // of a straight part: its normal is radial
+  const Eigen::RowVector3d radial(limb.character().vertices(v, 0), limb.character().vertices(v, 1), 0);
+  EXPECT_LT(std::abs(change.row(v).dot(radial.normalized())), 1e-5);
+  EXPECT_GT(change.norm(), 1e-5);
+}
+
+TEST(Symmetry, AddsTheMirrorImageOfEveryFrame) {
+  const CuratedLimb limb;
+  add_modifier(limb.path(), {.type = "symmetry"});
+  const ShapeStack stack = limb.stack();
+  const auto count = static_cast<std::size_t>(2 * kSweepFrames);
+  ASSERT_EQ(stack.database().frames.size(), 2 * count);
+  EXPECT_EQ(stack.database().takes[2], "one mirrored");
+  Positions image = stack.shape(15);
+  image.col(0) *= -1;
+  // The limb's rings are their own mirror images.
+  const Positions mirrored = stack.shape(count + 15);
+  EXPECT_LT(rms_mm(mirrored.colwise().mean(), image.colwise().mean()), 1e-3);
+  const Positions true_image = limb_truth(limb.character(), limb_muscles(), stack.database().frames[count + 15].pose);
+  EXPECT_LT(rms_mm(mirrored, true_image), 0.05);
+}
+
+TEST(Curate, UndoneEditsAndRawCachesAreByteForByte) {
+  const CuratedLimb limb;
+  const std::string raw = bytes_of_file(limb.folder() / "one.pc2"), begun = bytes_of_file(limb.path());
+  add_modifier(limb.path(), {.name = "a", .type = "smooth"});
+  add_modifier(limb.path(), {.name = "b", .type = "relax"});
+  move_modifier(limb.path(), "b", 1);
+  enable_modifier(limb.path(), "a", false);
+  remove_modifier(limb.path(), "b");
+  const std::string last = bytes_of_file(limb.path());
+  for (int k = 0; k < 5; ++k) undo_modifiers(limb.path());
+  EXPECT_EQ(bytes_of_file(limb.path()), begun);
+  EXPECT_THROW(undo_modifiers(limb.path()), Error);
+  for (int k = 0; k < 5; ++k) redo_modifiers(limb.path());
+  EXPECT_EQ(bytes_of_file(limb.path()), last);
+  EXPECT_EQ(bytes_of_file(limb.folder() / "one.pc2"), raw);
+}
+
+TEST(Curate, AHistoryThatAKilledProcessWroteAloneDoesNoHarm) {
+  const CuratedLimb limb;
+  add_modifier(limb.path(), {.name = "a", .type = "smooth"});
+  const std::string before = bytes_of_file(limb.path());
+  add_modifier(limb.path(), {.name = "b", .type = "relax"});
+  std::ofstream(limb.path(), std::ios::binary) << before;  // as if killed between the two files
+  EXPECT_EQ(undo_modifiers(limb.path()).modifiers.size(), 0u);
+  EXPECT_EQ(redo_modifiers(limb.path()).modifiers.size(), 1u);
+}
+
+TEST(Curate, RandomEditsLeaveTheRawShapesAndCanAllBeUndone) {
+  const CuratedLimb limb;
+  const std::string raw = bytes_of_file(limb.folder() / "two.pc2"), begun = bytes_of_file(limb.path());
+  std::mt19937 random(7);
+  std::vector<std::string> states{begun};
+  for (int k = 0; k < 40; ++k) {
+    const std::vector<Modifier> stack = read_dataset(limb.path()).modifiers;
+    const std::string name = stack.empty() ? "" : stack[random() % stack.size()].name;
+    const unsigned choice = stack.empty() ? 0 : random() % 5;
+    if (choice == 0) add_modifier(limb.path(), {.type = k % 2 == 0 ? "smooth" : "drop", .strength = 0.1});
+    if (choice == 1) enable_modifier(limb.path(), name, random() % 2 == 0);
+    if (choice == 2) move_modifier(limb.path(), name, 1 + random() % stack.size());
+    if (choice == 3) remove_modifier(limb.path(), name);
+    if (choice == 4) change_modifier(limb.path(), name, {.strength = 0.01 * (random() % 100)});
+    const std::string now = bytes_of_file(limb.path());
+    if (now != states.back()) states.push_back(now);
+  }
+  for (std::size_t k = states.size() - 1; k-- > 0;) {
+    undo_modifiers(limb.path());
+    ASSERT_EQ(bytes_of_file(limb.path()), states[k]) << k;
+  }
+  EXPECT_EQ(bytes_of_file(limb.folder() / "two.pc2"), raw);
+}
+
+TEST(Curate, RefusesWhatDoesNotFit) {
+  const CuratedLimb limb;
+  const std::string begun = bytes_of_file(limb.path());
+  const auto kind = [&](const Modifier& modifier) { return kind_of([&] { add_modifier(limb.path(), modifier); }); };
+  EXPECT_EQ(kind({.type = "sharpen"}), ErrorKind::usage);
+  EXPECT_EQ(kind({.type = "smooth", .mask = {{"joints", {"elbow"}}}}), ErrorKind::mismatch);
+  EXPECT_EQ(kind({.type = "smooth", .mask = {{"muscles", {"biceps"}}}}), ErrorKind::mismatch);
+  EXPECT_EQ(kind({.type = "smooth", .frames = {{{"take", "three"}}}}), ErrorKind::mismatch);
+  EXPECT_EQ(kind({.type = "smooth", .frames = {{{"frames", "900-910"}}}}), ErrorKind::mismatch);
+  EXPECT_EQ(kind({.type = "consistency", .frames = {{{"frames", "900-910"}}}}), ErrorKind::mismatch);
+  EXPECT_EQ(kind({.type = "smooth", .parameters = {{"radius", 3}}}), ErrorKind::mismatch);
+  EXPECT_EQ(kind({.type = "smooth", .parameters = {{"radius_mm", "wide"}}}), ErrorKind::file);
+  EXPECT_EQ(kind({.type = "blend", .parameters = {{"cache", "none.pc2"}, {"take", "one"}, {"frames", "1"}}}),
+            ErrorKind::file);
+  EXPECT_EQ(kind_of([&] { add_sculpt(limb.path(), "s", "one", 3, std::vector<float>(30), true, 10); }),
+            ErrorKind::mismatch);
+  std::vector<float> exploded(3 * limb.character().output_count(), 9.0f);
+  EXPECT_FALSE(add_sculpt(limb.path(), "s", "one", 3, exploded, true, 10).empty());  // said, and done
+  undo_modifiers(limb.path());
+  exploded[7] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(kind_of([&] { add_sculpt(limb.path(), "s", "one", 3, exploded, true, 10); }), ErrorKind::mismatch);
+  EXPECT_EQ(bytes_of_file(limb.path()), begun);
+}
+
+TEST(Curate, ATypeOfANewerVersionIsKeptAndNotApplied) {
+  const CuratedLimb limb;
+  Json json = Json::parse(bytes_of_file(limb.path()));
+  json["modifiers"] = {{{"name", "n"}, {"type", "sharpen"}, {"strength", 1.0}, {"since", 7}}};
+  std::ofstream(limb.path()) << json.dump();
+  const ShapeStack stack = limb.stack();
+  ASSERT_EQ(stack.notes().size(), 1u);
+  EXPECT_NE(stack.notes()[0].find("sharpen"), std::string::npos);
+  EXPECT_EQ(stack.shape(3), stack.database().raw_shape(3));
+  add_modifier(limb.path(), {.type = "smooth"});
+  EXPECT_EQ(Json::parse(bytes_of_file(limb.path()))["modifiers"][0]["since"], 7);
+}
+
+TEST(Curate, SelectionsThatNameThemselvesAreRefused) {
+  const CuratedLimb limb;
+  Json json = Json::parse(bytes_of_file(limb.path()));
+  json["selections"] = {{"a", {{{"list", "b"}}}}, {"b", {{{"list", "a"}}}}};
+  std::ofstream(limb.path()) << json.dump();
+  EXPECT_EQ(kind_of([&] {
+              add_modifier(limb.path(), {.type = "smooth", .frames = {{{"list", "a"}}}});
+            }),
+            ErrorKind::mismatch);
+}
+
+TEST(FrameFiles, AMeshComesBackAndAnotherIsRefused) {
+  const CuratedLimb limb;
+  const auto path = limb.folder() / "frame.obj";
+  const std::vector<float> shape = output_from_welded(limb.character(), limb.truth(0, 5));
+  write_obj(limb.character(), shape, path);
+  EXPECT_EQ(read_obj(limb.character(), path), shape);
+  std::ofstream(path, std::ios::app) << "v 0 0 0\n";
+  EXPECT_EQ(kind_of([&] { read_obj(limb.character(), path); }), ErrorKind::mismatch);
+  std::ofstream(path) << "v 0 0 nan\n";
+  EXPECT_EQ(kind_of([&] { read_obj(limb.character(), path); }), ErrorKind::file);
+}
+
+TEST(Bake, WritesWhatTheStackMakes) {
+  const CuratedLimb limb;
+  add_modifier(limb.path(), {.type = "smooth", .frames = {{{"take", "one"}}}});
+  add_modifier(limb.path(), {.type = "drop", .frames = {{{"take", "one"}, {"frames", "1-3"}}}});
+  add_modifier(limb.path(), {.type = "symmetry"});
+  const ShapeStack stack = limb.stack();
+  std::filesystem::create_directory(limb.folder() / "baked");
+  const Dataset baked = bake_dataset(stack, limb.folder() / "baked");
+  const ShapeStack again(read_pose_database(read_dataset(limb.folder() / "baked" / "dataset.json")));
+  ASSERT_EQ(baked.takes.size(), 4u);
+  EXPECT_EQ(baked.takes[0].frames.front(), 4);
+  EXPECT_LT(rms_mm(again.shape(0), stack.shape(3)), 1e-3);
+  EXPECT_TRUE(baked.modifiers.empty());
+}
+
+}  // namespace
+}  // namespace bodyopt
