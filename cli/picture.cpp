@@ -12,6 +12,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/hexadecimal.h"
 #include "runtime/host/rig.h"
+#include "trainer/curate/shape_stack.h"
 #include "trainer/simulate/simulate.h"
 
 namespace bodyopt::cli {
@@ -35,6 +36,20 @@ struct Scene {
   Clip clip;
   std::vector<float> skin;  // V x 3
 };
+
+// What the dataset's modifiers make of a frame; nothing where it has none, or the frame did not converge.
+std::optional<Positions> curated_skin(const Scene& scene, int number) {
+  if (scene.dataset.modifiers.empty()) return std::nullopt;
+  const ShapeStack stack(read_pose_database(scene.dataset));
+  say(stack.notes());
+  const PoseDatabase& database = stack.database();
+  for (std::size_t n = 0; n < database.frames.size(); ++n) {
+    const DatabaseFrame& frame = database.frames[n];
+    const bool same_take = database.takes[static_cast<std::size_t>(frame.take)] == scene.take.name;
+    if (same_take && frame.frame == number) return stack.shape(n);
+  }
+  return std::nullopt;
+}
 
 Scene read_scene(const PictureArguments& arguments) {
   std::filesystem::path path = arguments.dataset;
@@ -70,7 +85,8 @@ Scene read_scene(const PictureArguments& arguments) {
   if (shapes.point_count() != scene.character.output_count() || sample >= shapes.sample_count()) {
     throw Error(ErrorKind::mismatch, take->shapes + " does not fit the dataset: try `bodyopt check`");
   }
-  const Positions skin = welded_from_output(scene.character, shapes.sample(sample).data());
+  const Positions skin =
+      curated_skin(scene, arguments.frame).value_or(welded_from_output(scene.character, shapes.sample(sample).data()));
   scene.skin.assign(skin.data(), skin.data() + skin.size());
   return scene;
 }

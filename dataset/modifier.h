@@ -12,8 +12,8 @@ namespace bodyopt {
 // Which frames, which part of the skin, and what the type needs to know stay as they are written: who knows the type
 // checks them, and what a newer version wrote is kept.
 struct Modifier {
-  std::string name;  // of the stack's entry, once in it
-  std::string type;  // "sculpt", "smooth" ...
+  std::string name{};  // of the stack's entry, once in it
+  std::string type{};  // "sculpt", "smooth" ...
   bool enabled = true;
   double strength = 1;
   Json frames = Json::array();       // selections, their union; empty: all frames

@@ -27,6 +27,8 @@ VERBS = [
     Verb("simulate --draft", f"{_SIMULATE} --frames 1-48 --draft --name a --heldout 31-36"),
     Verb("dataset add", f"{_ADD} --shapes shapes1.pc2 --name more", once=True),
     Verb("dataset add --replace", f"{_ADD} --shapes shapes2.pc2 --name s0 --replace", same_bytes=False),
+    Verb("curate add", "curate add elsewhere smooth --take s0", same_bytes=False),
+    Verb("curate bake", "curate bake elsewhere --out baked", once=True),
     Verb("muscles import", "muscles import limb.glb --from model.osim mapping.json --out imported.json"),
     Verb("rom", "rom limb.glb --limits limits.json --frames 400 --out rom.glb"),
     Verb("train", "train draft --out limb.safetensors --surface-curves 3"),

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <limits>
+#include <random>
+
 #include "assets/json_file.h"
 #include "dataset/stack_history.h"
 #include "tests/curate/curated_limb.h"
@@ -13,6 +17,8 @@
 
 namespace bodyopt {
 namespace {
+
+using testing::kind_of;
 
 // A bulge of 10 mm at the outer side of the elbow.
 Positions bulge(const Character& character) {
@@ -141,6 +147,16 @@ TEST(Blend, TakesTheShapesOfAnotherCache) {
   EXPECT_LT(rms_mm(limb.stack().shape(8), limb.truth(0, 9)), 1e-3);
 }
 
+TEST(Inflate, MovesTheSkinAlongItsNormals) {
+  const CuratedLimb limb;
+  add_modifier(limb.path(), {.type = "inflate", .parameters = {{"distance_mm", 2}}});
+  const ShapeStack stack = limb.stack();
+  EXPECT_NEAR(rms_mm(stack.shape(12), limb.truth(0, 13)), 2, 0.01);
+  const Positions rest = stack.shape(0);
+  const Eigen::Index v = 12 * kLimbSides + 3;
+  EXPECT_GT(rest.row(v).head<2>().norm(), limb.truth(0, 1).row(v).head<2>().norm() + 0.0019);
+}
+
 TEST(Detail, CarriesWhatIsFineAndNotWhatIsBroad) {
   const CuratedLimb limb([](int take, int frame, const Positions& truth) {
     Positions shape = truth;
@@ -220,12 +236,12 @@ TEST(Curate, RandomEditsLeaveTheRawShapesAndCanAllBeUndone) {
   for (int k = 0; k < 40; ++k) {
     const std::vector<Modifier> stack = read_dataset(limb.path()).modifiers;
     const std::string name = stack.empty() ? "" : stack[random() % stack.size()].name;
-    const unsigned choice = stack.empty() ? 0 : random() % 5;
+    const auto choice = stack.empty() ? 0 : random() % 5;
     if (choice == 0) add_modifier(limb.path(), {.type = k % 2 == 0 ? "smooth" : "drop", .strength = 0.1});
     if (choice == 1) enable_modifier(limb.path(), name, random() % 2 == 0);
     if (choice == 2) move_modifier(limb.path(), name, 1 + random() % stack.size());
     if (choice == 3) remove_modifier(limb.path(), name);
-    if (choice == 4) change_modifier(limb.path(), name, {.strength = 0.01 * (random() % 100)});
+    if (choice == 4) change_modifier(limb.path(), name, {.strength = 0.01 * static_cast<double>(random() % 100)});
     const std::string now = bytes_of_file(limb.path());
     if (now != states.back()) states.push_back(now);
   }

@@ -35,6 +35,7 @@ std::vector<int> frames_in_both(std::vector<int> a, std::vector<int> b) {
 TakeCheck check_given(const Dataset& dataset, const DatasetTake& given, const fs::path& source) {
   Dataset alone = dataset;
   alone.takes = {given};
+  alone.modifiers.clear();
   alone.takes.front().shapes = fs::absolute(source).string();
   const std::vector<TakeCheck> checks = check_dataset(alone);
   const std::string problem = first_problem(checks, source);
@@ -43,9 +44,8 @@ TakeCheck check_given(const Dataset& dataset, const DatasetTake& given, const fs
 }
 
 bool names(const Dataset& dataset, const std::string& file) {
-  return std::any_of(dataset.takes.begin(), dataset.takes.end(), [&](const DatasetTake& take) {
-    return take.shapes == file || take.shapes_status == file;
-  });
+  return std::any_of(dataset.takes.begin(), dataset.takes.end(),
+                     [&](const DatasetTake& take) { return take.shapes == file || take.shapes_status == file; });
 }
 
 bool same_bytes(const fs::path& a, const fs::path& b) {

@@ -12,6 +12,7 @@
 #include "dataset/regions_file.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
+#include "trainer/curate/shape_stack.h"
 #include "trainer/simulate/materials.h"
 #include "trainer/simulate/muscle_fibres.h"
 #include "trainer/train/skinning/linear_blend.h"
@@ -239,6 +240,8 @@ std::vector<TakeCheck> check_dataset(const Dataset& dataset) {
   read_regions(dataset, character);
   std::vector<TakeCheck> checks;
   for (const DatasetTake& take : dataset.takes) checks.push_back(TakeChecker(dataset, character, muscles, take).run());
+  const bool sound = std::all_of(checks.begin(), checks.end(), [](const auto& take) { return take.problems.empty(); });
+  if (sound && !dataset.modifiers.empty()) const ShapeStack fits(read_pose_database(dataset));
   return checks;
 }
 

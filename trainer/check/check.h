@@ -18,7 +18,8 @@ struct TakeCheck {
   std::vector<std::string> problems;  // each names what was expected, what was found and the likely cause
 };
 
-// One entry per take. Throws Error(file) where something cannot be read at all.
+// One entry per take, of its raw shapes. Throws Error(file) where something cannot be read at all, and Error(mismatch)
+// where a modifier does not fit what is sound.
 std::vector<TakeCheck> check_dataset(const Dataset& dataset);
 
 // What keeps a dataset, read from `path`, from being trained on: its file, the take and the first problem. Empty:

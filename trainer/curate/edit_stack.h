@@ -16,9 +16,9 @@ namespace bodyopt {
 
 // What of a modifier is to be another; what is not set stays.
 struct ModifierChange {
-  std::optional<std::string> name;
-  std::optional<double> strength;
-  std::optional<Json> frames, mask;
+  std::optional<std::string> name{};
+  std::optional<double> strength{};
+  std::optional<Json> frames{}, mask{};
   Json parameters = Json::object();  // those named are replaced, null takes one away
 };
 

@@ -64,6 +64,7 @@ std::unique_ptr<ShapeModifier> prepare_relax(const ModifierInput& input);
 std::unique_ptr<ShapeModifier> prepare_volume(const ModifierInput& input);
 std::unique_ptr<ShapeModifier> prepare_blend(const ModifierInput& input);
 std::unique_ptr<ShapeModifier> prepare_detail(const ModifierInput& input);
+std::unique_ptr<ShapeModifier> prepare_inflate(const ModifierInput& input);
 std::unique_ptr<ShapeModifier> prepare_despike(const ModifierInput& input);
 std::unique_ptr<ShapeModifier> prepare_consistency(const ModifierInput& input);
 

@@ -48,6 +48,7 @@ std::span<const ModifierType> modifier_types() {
        true,
        {"take", "frame", "radius_mm"},
        prepare_detail},
+      {"inflate", "the skin along its normals", Effect::shape, true, {"distance_mm"}, prepare_inflate},
       {"symmetry", "adds every frame's mirror image, pose and shape", Effect::mirror, false, {}, nullptr},
       {"drop", "leaves frames out", Effect::drop, false, {}, nullptr},
       {"freeze", "frames or parts that no automatic modifier changes", Effect::freeze, false, {}, nullptr},
