@@ -1,25 +1,12 @@
 // Shapes of like poses that disagree are found, and made to agree.
 #include <gtest/gtest.h>
 
-#include "tests/curate/curated_limb.h"
+#include "tests/curate/sweep_history.h"
 #include "trainer/curate/consistency_report.h"
 #include "trainer/curate/edit_stack.h"
 
 namespace bodyopt {
 namespace {
-
-// What real hysteresis is like: smooth over the skin, of the sweep's direction, different in takes; 3 mm RMS.
-Positions with_history(const Character& character, int take, int frame, const Positions& truth) {
-  const double direction = frame <= 21 ? 1 : -1;
-  Positions shape = truth;
-  Positions field(truth.rows(), 3);
-  for (Eigen::Index v = 0; v < truth.rows(); ++v) {
-    const double z = character.vertices(v, 2);
-    field.row(v) << std::cos(9 * z + take), std::sin(7 * z), std::cos(5 * z + 2 * take);
-  }
-  field *= 0.003 / std::sqrt(field.rowwise().squaredNorm().mean());
-  return shape + direction * field;
-}
 
 double mean_rms_mm(const ShapeStack& stack, const CuratedLimb& limb) {
   double sum = 0;
