@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using Eigen::Index;
 using Modifiers = std::vector<Modifier>;
 
-constexpr double kFar = 0.2;  // of the character's size: no sculpt moves a vertex so far
+constexpr double kTooFar = 0.2;  // of the character's size: no sculpt moves a vertex so far
 
 Modifiers::iterator find_modifier(Modifiers& modifiers, const std::string& name) {
   const auto found =
@@ -80,7 +80,7 @@ std::vector<std::string> sculpt_notes(const Character& character, const Position
   const double size = (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).norm();
   Index far = 0, turned = 0, far_vertex = 0, turned_vertex = 0;
   for (Index v = 0; v < before.rows(); ++v) {
-    if ((after.row(v) - before.row(v)).norm() > kFar * size && far++ == 0) far_vertex = v;
+    if ((after.row(v) - before.row(v)).norm() > kTooFar * size && far++ == 0) far_vertex = v;
     if (was.row(v).dot(is.row(v)) < 0 && turned++ == 0) turned_vertex = v;
   }
   const auto output = [&](Index v) {
