@@ -210,4 +210,17 @@ GuardedGltf guard_gltf(const std::filesystem::path& path) {
   return guarded;
 }
 
+std::vector<std::filesystem::path> gltf_files(const std::filesystem::path& path) {
+  std::vector<std::filesystem::path> files{path};
+  if (path.extension() != ".gltf") return files;
+  const Bytes bytes = read_bytes(path);
+  const json root = parse_json(path, std::string(bytes.begin(), bytes.end()));
+  const json buffers = root.contains("buffers") ? root["buffers"] : json::array();
+  for (const json& buffer : buffers) {
+    if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string()) continue;
+    if (const std::string uri = buffer["uri"]; !tinygltf::IsDataURI(uri)) files.push_back(external_file(path, uri));
+  }
+  return files;
+}
+
 }  // namespace bodyopt

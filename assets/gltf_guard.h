@@ -16,4 +16,7 @@ struct GuardedGltf {
 // Throws Error(file).
 GuardedGltf guard_gltf(const std::filesystem::path& path);
 
+// The file itself, and what lies beside a .gltf: its buffers. Those it names wrongly are left out.
+std::vector<std::filesystem::path> gltf_files(const std::filesystem::path& path);
+
 }  // namespace bodyopt

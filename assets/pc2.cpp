@@ -201,6 +201,14 @@ void Pc2Writer::close() {
   file_->out.commit();
 }
 
+void Pc2Writer::put_aside(const std::filesystem::path& file) { file_->out.put_aside(file); }
+
+void Pc2Writer::take_up(const std::filesystem::path& file, std::uint32_t samples) {
+  file_->out.restart();
+  file_->out.write_file(file);
+  file_->written = samples;
+}
+
 float frame_spacing(const std::vector<int>& frames) {
   if (frames.size() < 2) return 1;
   const int step = frames[1] - frames[0];

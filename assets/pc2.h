@@ -45,6 +45,11 @@ class Pc2Writer {
   void append(std::span<const float> sample);  // point_count x 3
   void close();
 
+  // Puts the samples so far aside as a file, instead of close(); and on a new writer of the same header: those are its
+  // first samples. The file's header is that of the whole.
+  void put_aside(const std::filesystem::path& file);
+  void take_up(const std::filesystem::path& file, std::uint32_t samples);
+
  private:
   struct File;
   File* file_;

@@ -15,6 +15,30 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 std::atomic<bool> interrupt_received{false};
+ProgressStyle chosen_style = ProgressStyle::automatic;
+
+ProgressStyle style() {
+  if (chosen_style != ProgressStyle::automatic) return chosen_style;
+  return isatty(STDERR_FILENO) ? ProgressStyle::bar : ProgressStyle::lines;
+}
+
+// Seconds from one line to the next at least.
+double pause() {
+  switch (style()) {
+    case ProgressStyle::bar:
+      return 0.1;
+    case ProgressStyle::lines:
+      return 5;
+    default:
+      return 1;
+  }
+}
+
+std::string formatted(const char* pattern, auto... values) {
+  char text[200];
+  std::snprintf(text, sizeof(text), pattern, values...);
+  return text;
+}
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -33,6 +57,8 @@ void catch_interrupts() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
+void set_progress_style(ProgressStyle style) { chosen_style = style; }
+
 bool interrupted() { return interrupt_received; }
 
 Progress::Progress(std::string label, std::size_t total, std::string kept)
@@ -45,8 +71,7 @@ Progress::~Progress() {
 void Progress::advance(std::size_t steps) {
   const std::lock_guard<std::mutex> lock(mutex_);
   done_ += steps;
-  const double pause = isatty(STDERR_FILENO) ? 0.1 : 5.0;
-  if (seconds_since(printed_) > pause) print(false);
+  if (seconds_since(printed_) > pause()) print(false);
   if (interrupted()) {
     throw Error(ErrorKind::interrupted, label_ + ": interrupted; " + kept_);
   }
@@ -54,25 +79,32 @@ void Progress::advance(std::size_t steps) {
 
 void Progress::print(bool last) const {
   printed_ = Clock::now();
-  const double elapsed = seconds_since(start_);
+  std::FILE* out = style() == ProgressStyle::openjd ? stdout : stderr;
+  std::fputs(line(seconds_since(start_), last).c_str(), out);
+  std::fflush(out);
+}
+
+std::string Progress::line(double seconds, bool last) const {
   const double share = total_ == 0 ? 1 : static_cast<double>(done_) / static_cast<double>(total_);
-  char text[200];
-  if (last) {
-    std::snprintf(text, sizeof(text), "%zu/%zu in %.1f s", done_, total_, elapsed);
-  } else {
-    const double left = share > 0 ? elapsed * (1 - share) / share : 0;
-    std::snprintf(text, sizeof(text), "%zu/%zu, %.0f s left", done_, total_, left);
+  const double left = share > 0 ? seconds * (1 - share) / share : 0;
+  const std::string text = last ? formatted("%zu/%zu in %.1f s", done_, total_, seconds)
+                                : formatted("%zu/%zu, %.0f s left", done_, total_, left);
+  switch (style()) {
+    case ProgressStyle::bar: {
+      constexpr std::size_t kWidth = 30;
+      const std::size_t filled = std::min(kWidth, static_cast<std::size_t>(share * kWidth));
+      const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
+      return formatted("\r%-12s [%s] %s\033[K%s", label_.c_str(), bar.c_str(), text.c_str(), last ? "\n" : "");
+    }
+    case ProgressStyle::json:
+      return formatted("{\"progress\": \"%s\", \"done\": %zu, \"total\": %zu, \"seconds\": %.3f}\n", label_.c_str(),
+                       done_, total_, seconds);
+    case ProgressStyle::openjd:
+      return formatted("openjd_progress: %.1f\nopenjd_status: %s %s\n", std::min(100.0, 100 * share), label_.c_str(),
+                       text.c_str());
+    default:
+      return formatted("%s: %3.0f %% (%s)\n", label_.c_str(), 100 * share, text.c_str());
   }
-  if (isatty(STDERR_FILENO)) {
-    constexpr int kWidth = 30;
-    const int filled = std::clamp(static_cast<int>(share * kWidth), 0, kWidth);
-    std::fprintf(stderr, "\r%-12s [%s%s] %s\033[K%s", label_.c_str(),
-                 std::string(static_cast<std::size_t>(filled), '#').c_str(),
-                 std::string(static_cast<std::size_t>(kWidth - filled), '.').c_str(), text, last ? "\n" : "");
-  } else {
-    std::fprintf(stderr, "%s: %3.0f %% (%s)\n", label_.c_str(), 100 * share, text);
-  }
-  std::fflush(stderr);
 }
 
 }  // namespace bodyopt

@@ -1,4 +1,5 @@
-// Progress of long work, and its interruption: a bar on a terminal, plain lines otherwise, always on standard error.
+// Progress of long work, and its interruption: a bar on a terminal, plain lines otherwise, on standard error; or as
+// programs read it.
 #pragma once
 
 #include <chrono>
@@ -7,6 +8,16 @@
 #include <string>
 
 namespace bodyopt {
+
+enum class ProgressStyle {
+  automatic,  // a bar on a terminal, else lines
+  bar,
+  lines,
+  json,    // a line of JSON on standard error: {"progress": what, "done": n, "total": n, "seconds": s}
+  openjd,  // "openjd_progress: per cent" and "openjd_status: what" on standard output, as Open Job Description says
+};
+// Of all progress from now on.
+void set_progress_style(ProgressStyle style);
 
 class Progress {
  public:
@@ -19,6 +30,7 @@ class Progress {
 
  private:
   void print(bool last) const;
+  std::string line(double seconds, bool last) const;
   std::string label_, kept_;
   std::size_t total_, done_ = 0;
   std::chrono::steady_clock::time_point start_;

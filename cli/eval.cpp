@@ -1,25 +1,27 @@
-// bodyopt eval: a basis and a clip to a point cache.
+// bodyopt eval: a basis and a clip to a cache of shapes.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "assets/controls.h"
 #include "assets/frame_range.h"
-#include "assets/pc2.h"
+#include "assets/gltf_guard.h"
 #include "base/progress.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/jiggle_arguments.h"
+#include "cli/arguments/task_arguments.h"
 #include "cli/results/attachments.h"
-#include "cli/results/fade_log.h"
+#include "cli/results/evaluation_log.h"
 #include "runtime/core/error.h"
 #include "runtime/host/carry_skin.h"
 #include "runtime/threads/tbb_executor.h"
-#include "trainer/dynamics/measure_jiggle.h"
-#include "trainer/train/coverage/coverage.h"
 
 namespace bodyopt::cli {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct EvalArguments {
   std::string basis, out, attached;
@@ -29,59 +31,28 @@ struct EvalArguments {
   ClipArguments clip;
   DeviceArguments device;
   JiggleArguments jiggle;
+  TaskArguments task;
   JsonOption json;
 };
 
-// What the basis knows of the poses, per frame; and a line on it.
-struct Expectation {
-  std::vector<double> rms_mm;  // none where the basis has no coverage
-  std::string line;
-};
-
-Expectation expectation(const Basis& basis, const std::vector<Pose>& poses, const std::vector<int>& frames) {
-  Expectation result;
-  if (!has_coverage(basis) || poses.empty()) return result;
-  for (const ExpectedError& error : expected_errors(basis, read_coverage(basis), poses)) {
-    result.rms_mm.push_back(error.rms_mm);
+// All files that decide the result.
+std::vector<fs::path> inputs_of(const EvalArguments& arguments) {
+  std::vector<fs::path> inputs{arguments.basis};
+  const std::string& source = arguments.clip.source;
+  const fs::path clip = fs::exists(source) ? source : source.substr(0, source.rfind('#'));
+  for (const fs::path& file : gltf_files(clip)) inputs.push_back(file);
+  for (const std::string& file : {arguments.clip.options.controls, arguments.clip.options.joint_map,
+                                  arguments.jiggle.file(arguments.basis), arguments.jiggle.state_in}) {
+    if (!file.empty()) inputs.push_back(file);
   }
-  const auto worst = std::max_element(result.rms_mm.begin(), result.rms_mm.end());
-  result.line = format("expected error: %.3f mm RMS, most in frame %d: %.3f mm\n", root_mean_square(result.rms_mm),
-                       frames[static_cast<std::size_t>(worst - result.rms_mm.begin())], *worst);
-  return result;
+  const fs::path beside = attachments_beside(arguments.basis);
+  if (!arguments.attached.empty()) {
+    inputs.push_back(arguments.attached);
+  } else if (arguments.level == 0 && fs::exists(beside)) {
+    inputs.push_back(beside);
+  }
+  return inputs;
 }
-
-// What the jiggle did: of every frame in its JSON, of all in a line or two.
-class JiggleLog {
- public:
-  void add(const Deformer& deformer, int frame, Json& entry) {
-    const JiggleMeasure measure = measure_jiggle(*deformer.dynamics(), deformer.state().motion);
-    entry["jiggle_rms_mm"] = measure.rms_mm;
-    entry["jiggle_max_mm"] = measure.max_mm;
-    entry["inverted_tets"] = measure.inverted_tets;
-    if (measure.inverted_tets > 0) inverted_frames_.push_back(frame);
-    most_inverted_ = std::max(most_inverted_, measure.inverted_tets);
-    if (measure.max_mm > max_mm_) max_frame_ = frame;
-    max_mm_ = std::max(max_mm_, measure.max_mm);
-    tets_ = deformer.dynamics()->tets.tet_count();
-  }
-
-  std::string text() const {
-    std::string text = max_mm_ > 0
-                           ? format("the jiggle moves the skin by %.2f mm at most, in frame %d\n", max_mm_, max_frame_)
-                           : std::string();
-    if (inverted_frames_.empty()) return text;
-    return text +
-           format("%zu frames have tetrahedra that are inside out before they jiggle, %u of %u at most: ",
-                  inverted_frames_.size(), most_inverted_, tets_) +
-           format_frame_range(inverted_frames_) + "\n";
-  }
-
- private:
-  std::vector<int> inverted_frames_;
-  std::uint32_t most_inverted_ = 0, tets_ = 0;
-  double max_mm_ = 0;
-  int max_frame_ = 0;
-};
 
 // The level of detail that the options ask for.
 Level chosen_level(const EvalArguments& arguments) {
@@ -97,116 +68,243 @@ Level chosen_level(const EvalArguments& arguments) {
   return level;
 }
 
-void run(const EvalArguments& arguments) {
-  arguments.json.require_writable();
-  arguments.jiggle.check();
-  Level level = chosen_level(arguments);
-  const std::unique_ptr<Deformer> owned =
-      arguments.jiggle.deformer(std::move(level.basis), arguments.basis, arguments.device.choice);
-  Deformer& deformer = *owned;
-  AttachedCaches attached(arguments.attached, arguments.level == 0 ? arguments.basis : "", deformer.basis());
+// What a run is made of before its first frame.
+struct EvaluatedShot {
+  std::unique_ptr<Deformer> deformer;
+  CarriedSkin carried;
+  Clip clip;
   std::vector<int> frames;
-  const double unit = arguments.unit > 0 ? arguments.unit : kept_unit(deformer.basis());
-  Clip clip = arguments.clip.read(deformer.basis().skeleton, unit, frames);
-  for (const std::string& name : arrange_controls(deformer.basis().residual.controls, clip)) {
+  std::vector<Pose> poses;
+};
+
+EvaluatedShot read_shot(const EvalArguments& arguments) {
+  EvaluatedShot shot;
+  Level level = chosen_level(arguments);
+  if (arguments.full_skin && holds_normals(arguments.out)) {
+    throw Error(ErrorKind::usage,
+                "--full-skin writes .pc2: the topology of the full skin, which .usda holds, is not "
+                "in a proxy");
+  }
+  shot.carried = std::move(level.carried);
+  shot.deformer = arguments.jiggle.deformer(std::move(level.basis), arguments.basis, arguments.device.choice);
+  const Basis& basis = shot.deformer->basis();
+  shot.clip = arguments.clip.read(basis.skeleton, arguments.unit > 0 ? arguments.unit : kept_unit(basis), shot.frames);
+  for (const std::string& name : arrange_controls(basis.residual.controls, shot.clip)) {
     spdlog::warn("control '{}' is none that the basis was trained with: it has no effect", name);
   }
-  const std::vector<Pose> poses = poses_of(clip, frames);
-  arguments.jiggle.check_frames(deformer, clip, frames);
-  arguments.jiggle.preroll_to(clip, frames, deformer);
+  shot.poses = poses_of(shot.clip, shot.frames);
+  arguments.jiggle.check_frames(*shot.deformer, shot.clip, shot.frames);
+  return shot;
+}
 
-  const MeshTable& mesh = deformer.basis().mesh;
-  const auto points = arguments.full_skin ? static_cast<std::uint32_t>(level.carried.size()) : mesh.output_count();
-  const std::size_t own = 3 * std::size_t{mesh.output_count()};  // numbers of a frame, without carrying
-  Pc2Writer writer(arguments.out, points, static_cast<std::uint32_t>(frames.size()),
-                   frames.empty() ? 1.0f : static_cast<float>(frames.front()), frame_spacing(frames));
-  attached.open(arguments.out, frames);
-  Progress progress("eval", frames.size());
-  std::map<std::string, double> stage_seconds;
-  std::vector<int> outside_frames;
-  double worst_outside = 0;
-  Json per_frame = Json::array();
-  std::vector<std::string> notes, states;
-  std::uint32_t worst_feature = 0;
-  const auto start = std::chrono::steady_clock::now();
-  JiggleLog jiggle;
-  FadeLog fades;
+// `shot.####.pc2`: the first frame in place of the signs, a digit each at least.
+std::string with_first_frame(const std::string& pattern, int frame) {
+  const std::size_t begin = pattern.find('#');
+  if (begin == std::string::npos) return pattern;
+  const std::size_t end = std::min(pattern.find_first_not_of('#', begin), pattern.size());
+  return pattern.substr(0, begin) + format("%0*d", static_cast<int>(end - begin), frame) + pattern.substr(end);
+}
+
+// Skin and attached meshes, frame by frame, and what there is to say of them.
+class ShotCaches {
+ public:
+  ShotCaches(const EvalArguments& arguments, EvaluatedShot& shot)
+      : arguments_(arguments),
+        shot_(shot),
+        attached_(arguments.attached, arguments.level == 0 ? arguments.basis : "", shot.deformer->basis()) {
+    const MeshTable& mesh = shot.deformer->basis().mesh;
+    points_ = arguments.full_skin ? static_cast<std::uint32_t>(shot.carried.size()) : mesh.output_count();
+    skin_ = write_cache(arguments.out, {fs::path(arguments.basis).stem().string(), points_, mesh.output_triangles,
+                                        shot.frames, shot.clip.fps});
+    attached_.open(arguments.out, shot.frames, shot.clip.fps);
+  }
+
+  // Frames begin, begin + 1, ...
+  void append(const Evaluation& part, std::size_t begin) {
+    const Basis& basis = shot_.deformer->basis();
+    const std::size_t own = 3 * std::size_t{basis.mesh.output_count()}, count = part.outside.size();
+    std::vector<float> carried;
+    if (arguments_.full_skin) {
+      carried = carry_skin(basis.mesh, shot_.carried, part.positions, part.normals, *threads_);
+    }
+    const std::span<const float> skin = arguments_.full_skin ? carried : part.positions;
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto normals =
+          arguments_.full_skin ? std::span<const float>() : std::span(part.normals).subspan(k * own, own);
+      skin_->append(skin.subspan(3 * k * points_, 3 * std::size_t{points_}), normals);
+      attached_.append(std::span(part.positions).subspan(k * own, own), shot_.poses[begin + k]);
+      log_.add(*shot_.deformer, part, k, shot_.frames[begin + k]);
+    }
+    log_.add_times(part);
+  }
+
+  void close() {
+    attached_.close();
+    skin_->close();
+    log_.expect(shot_.deformer->basis(), shot_.poses);
+  }
+
+  // Leaves a checkpoint after so many frames.
+  void put_aside(const TaskRun& task, std::size_t frames) {
+    const fs::path folder = task.checkpoint_folder();
+    make_folder(folder);
+    std::vector<fs::path> files = skin_->aside(folder / "skin");
+    for (const fs::path& file : attached_.aside(folder / "attached")) files.push_back(file);
+    skin_->put_aside(folder / "skin");
+    attached_.put_aside(folder / "attached");
+    if (arguments_.jiggle.jiggle) {
+      files.push_back(folder / "jiggle.state");
+      save_state(shot_.deformer->state(), *shot_.deformer->dynamics(), files.back());
+    }
+    task.write_checkpoint({frames, log_.kept()}, files);
+  }
+
+  // Goes on from a checkpoint, where there is one, and returns how many frames it holds.
+  std::size_t take_up(const TaskRun& task) {
+    const std::optional<Checkpoint> checkpoint = task.read_checkpoint();
+    if (!checkpoint || checkpoint->frames > shot_.frames.size()) return 0;
+    const fs::path folder = task.checkpoint_folder();
+    if (arguments_.jiggle.jiggle) {
+      shot_.deformer->set_state(load_state(folder / "jiggle.state", *shot_.deformer->dynamics()));
+    }
+    skin_->take_up(folder / "skin", checkpoint->frames);
+    attached_.take_up(folder / "attached", checkpoint->frames);
+    log_.take_up(checkpoint->log);
+    return checkpoint->frames;
+  }
+
+  std::uint32_t points() const { return points_; }
+  const EvaluationLog& log() const { return log_; }
+  Json attached() const { return attached_.written(); }
+
+ private:
+  const EvalArguments& arguments_;
+  EvaluatedShot& shot_;
+  AttachedCaches attached_;
+  std::unique_ptr<CacheWriter> skin_;
+  std::uint32_t points_ = 0;
+  EvaluationLog log_;
+  std::unique_ptr<Executor> threads_ = make_tbb_executor();
+};
+
+// Evaluates what is not done yet. Returns the states of the jiggle that were written between.
+std::vector<std::string> evaluate_frames(const EvalArguments& arguments, EvaluatedShot& shot, ShotCaches& caches,
+                                         const TaskRun* task) {
+  const std::size_t done = task != nullptr ? caches.take_up(*task) : 0;
+  if (done == 0) arguments.jiggle.preroll_to(shot.clip, shot.frames, *shot.deformer);
+  if (done > 0) spdlog::info("goes on after frame {}", shot.frames[done - 1]);
+  Progress progress(
+      "eval", shot.frames.size() - done,
+      task != nullptr ? "a checkpoint is kept, from which the same command goes on" : "nothing of it is kept");
+  std::vector<std::string> states;
   // Frames held in memory at once. Of the jiggle each is measured, and it may be slow.
   const std::size_t step = arguments.jiggle.jiggle ? 1 : 64;
-  const std::unique_ptr<Executor> threads = make_tbb_executor();
-  for (std::size_t begin = 0; begin < poses.size(); begin += step) {
-    const std::size_t count = std::min(step, poses.size() - begin);
-    const Evaluation part = arguments.jiggle.jiggle ? deformer.jiggle(std::span(poses).subspan(begin, count),
-                                                                      std::span(frames).subspan(begin, count))
-                                                    : deformer.evaluate(std::span(poses).subspan(begin, count));
-    for (std::size_t k = 0; k < part.starts.size(); ++k) {
-      if (const auto note = describe(part.starts[k], frames[begin + k])) notes.push_back(*note);
-    }
-    std::vector<float> carried;
-    if (arguments.full_skin) carried = carry_skin(mesh, level.carried, part.positions, part.normals, *threads);
-    const std::span<const float> skin = arguments.full_skin ? carried : part.positions;
-    for (std::size_t k = 0; k < count; ++k) {
-      writer.append(skin.subspan(3 * k * points, 3 * std::size_t{points}));
-      attached.append(std::span(part.positions).subspan(k * own, own), poses[begin + k]);
-      per_frame.push_back({{"frame", frames[begin + k]}, {"outside", part.outside[k]}});
-      fades.add(deformer.basis().skeleton, part, k, frames[begin + k], per_frame.back());
-      if (arguments.jiggle.jiggle) jiggle.add(deformer, frames[begin + k], per_frame.back());
-      if (part.outside[k] > 0) outside_frames.push_back(frames[begin + k]);
-      if (static_cast<double>(part.outside[k]) > worst_outside) {
-        worst_outside = static_cast<double>(part.outside[k]);
-        worst_feature = part.outside_feature[k];
-      }
-    }
-    for (const auto& [stage, seconds] : part.stage_seconds) stage_seconds[stage] += seconds;
-    if (const auto file = arguments.jiggle.write_state_after(deformer, begin + count)) states.push_back(*file);
+  for (std::size_t begin = done; begin < shot.poses.size(); begin += step) {
+    const std::size_t count = std::min(step, shot.poses.size() - begin);
+    const auto poses = std::span(shot.poses).subspan(begin, count);
+    const Evaluation part = arguments.jiggle.jiggle
+                                ? shot.deformer->jiggle(poses, std::span(shot.frames).subspan(begin, count))
+                                : shot.deformer->evaluate(poses);
+    caches.append(part, begin);
+    if (const auto file = arguments.jiggle.write_state_after(*shot.deformer, begin + count)) states.push_back(*file);
+    if (task != nullptr && interrupted()) caches.put_aside(*task, begin + count);
     progress.advance(count);
   }
-  attached.close();
-  writer.close();
-  if (const auto file = arguments.jiggle.write_last_state(deformer)) states.push_back(*file);
+  return states;
+}
+
+std::vector<fs::path> outputs_of(const EvalArguments& arguments, const Json& attached,
+                                 const std::vector<std::string>& states) {
+  std::vector<fs::path> outputs{arguments.out};
+  for (const Json& cache : attached) outputs.emplace_back(cache.at("cache").get<std::string>());
+  for (const std::string& state : states) outputs.emplace_back(state);
+  return outputs;
+}
+
+void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun* task) {
+  const auto start = std::chrono::steady_clock::now();
+  ShotCaches caches(arguments, shot);
+  std::vector<std::string> states = evaluate_frames(arguments, shot, caches, task);
+  if (task != nullptr) task->require_same_inputs();
+  caches.close();
+  if (const auto file = arguments.jiggle.write_last_state(*shot.deformer)) states.push_back(*file);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  const Expectation expected = expectation(deformer.basis(), poses, frames);
-  for (std::size_t k = 0; k < expected.rms_mm.size(); ++k) per_frame[k]["expected_rms_mm"] = expected.rms_mm[k];
+  const Json attached = caches.attached();
+  const std::vector<fs::path> outputs = outputs_of(arguments, attached, states);
+  Json summary = caches.log().summary();
+  summary["seconds"] = seconds;
+  summary["device"] = shot.deformer->device_name();
+  if (task != nullptr) task->finish(outputs, summary);
+  std::string text = format("%zu frames of %u points on %s in %.2f s\n", shot.frames.size(), caches.points(),
+                            shot.deformer->device_name().c_str(), seconds) +
+                     caches.log().text();
+  for (const fs::path& file : outputs) text += "wrote " + file.string() + "\n";
+  Json result = caches.log().result();
+  result["cache"] = arguments.out;
+  result["points"] = caches.points();
+  result["device"] = shot.deformer->device_name();
+  result["seconds"] = seconds;
+  result["jiggle"] = arguments.jiggle.jiggle;
+  result["states"] = states;
+  result["attached"] = attached;
+  arguments.json.emit(result, text);
+}
 
-  const double frame_count = std::max<double>(1, static_cast<double>(frames.size()));
-  Json milliseconds = Json::object();
-  std::string text = format("%zu frames of %u points on %s in %.2f s\n", frames.size(), points,
-                            deformer.device_name().c_str(), seconds);
-  for (const char* stage : {"rig", "strain", "residual", "pose", "diffuse", "jiggle", "output"}) {
-    if (!stage_seconds.contains(stage)) continue;
-    milliseconds[stage] = 1e3 * stage_seconds[stage] / frame_count;
-    text += format("  %-8s %8.3f ms a frame\n", stage, 1e3 * stage_seconds[stage] / frame_count);
+// Says what would be done, without doing it.
+void pretend(const EvalArguments& arguments, const EvaluatedShot& shot, const TaskRun* task) {
+  std::string doing = "would evaluate";
+  std::size_t kept = 0;
+  if (task != nullptr) {
+    if (task->done({arguments.out})) doing = "is done already:";
+    if (const auto checkpoint = task->read_checkpoint()) kept = checkpoint->frames;
   }
-  std::string worst_name;
-  if (!outside_frames.empty()) {
-    worst_name = feature_name(deformer.basis(), worst_feature);
-    text +=
-        format("%zu frames leave the trained range (most of all %s, by %.1f standard deviations) and were clamped: ",
-               outside_frames.size(), worst_name.c_str(), worst_outside) +
-        format_frame_range(outside_frames) + "\n";
-  }
-  text += fades.text() + expected.line + jiggle.text();
-  for (const std::string& note : notes) text += note + "\n";
-  text += "wrote " + arguments.out + "\n";
-  const Json caches = attached.written();
-  for (const Json& cache : caches) text += "wrote " + cache.at("cache").get<std::string>() + "\n";
-  for (const std::string& file : states) text += "wrote " + file + "\n";
-  arguments.json.emit({{"cache", arguments.out},
-                       {"frames", frames.size()},
-                       {"points", points},
-                       {"device", deformer.device_name()},
-                       {"seconds", seconds},
-                       {"milliseconds_per_frame", milliseconds},
-                       {"outside_frames", format_frame_range(outside_frames)},
-                       {"worst_outside", worst_outside},
-                       {"worst_outside_feature", worst_name},
-                       {"jiggle", arguments.jiggle.jiggle},
-                       {"notes", notes},
-                       {"states", states},
-                       {"attached", caches},
-                       {"per_frame", per_frame}},
+  std::string text =
+      format("%s frames %s of '%s' on %s, to %s\n", doing.c_str(), format_frame_range(shot.frames).c_str(),
+             arguments.clip.source.c_str(), shot.deformer->device_name().c_str(), arguments.out.c_str());
+  if (kept > 0) text += format("an interrupted run left %zu of them\n", kept);
+  arguments.json.emit({{"pretended", true},
+                       {"done", doing == "is done already:"},
+                       {"frames", format_frame_range(shot.frames)},
+                       {"kept_frames", kept},
+                       {"device", shot.deformer->device_name()},
+                       {"cache", arguments.out}},
                       text);
+}
+
+// The report is an output, too: without it, or where it goes to standard output, the work is done again.
+bool is_done(const EvalArguments& arguments, const TaskRun& task) {
+  std::vector<fs::path> outputs{arguments.out};
+  if (!arguments.jiggle.state_out.empty()) outputs.emplace_back(arguments.jiggle.state_out);
+  if (!arguments.json.path.empty() && !fs::exists(arguments.json.path)) return false;
+  return task.done(outputs).has_value();
+}
+
+void run(EvalArguments arguments) {
+  arguments.task.begin();
+  arguments.json.require_writable();
+  arguments.jiggle.check();
+  if (arguments.out.find('#') != std::string::npos) {
+    // The clip alone knows its first frame.
+    if (arguments.clip.frames.empty()) {
+      throw Error(ErrorKind::usage, "--out with '#' stands for the first frame and needs --frames");
+    }
+    arguments.out = with_first_frame(arguments.out, parse_frame_range(arguments.clip.frames).front());
+  }
+  std::optional<TaskRun> task;
+  if (arguments.task.resume) task.emplace(arguments.out, BODYOPT_VERSION, arguments.task.given, inputs_of(arguments));
+  if (task && !arguments.task.pretend && is_done(arguments, *task)) {
+    std::fputs(("already done: " + arguments.out + "\n").c_str(), arguments.json.path == "-" ? stderr : stdout);
+    return;
+  }
+  try {
+    EvaluatedShot shot = read_shot(arguments);
+    if (arguments.task.pretend) return pretend(arguments, shot, task ? &*task : nullptr);
+    evaluate(arguments, shot, task ? &*task : nullptr);
+  } catch (const Error& error) {
+    if (task && !arguments.task.pretend) task->fail(error);
+    throw;
+  }
 }
 
 }  // namespace
@@ -225,13 +323,22 @@ void add_eval(CLI::App& app) {
   verb.add_option("--unit", arguments->unit,
                   "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(above_zero);
-  add_output(verb, arguments->out, ".pc2", "Point cache to write");
+  verb.add_option("--out", arguments->out,
+                  "Cache to write, a PC2 point cache or USD text; '####' in its name is the first frame")
+      ->required()
+      ->type_name("FILE.pc2|.usda")
+      ->check([](const std::string& name) {
+        return must_end_in(".pc2")(name).empty()    ? std::string()
+               : must_end_in(".usda")(name).empty() ? ""
+                                                    : "'" + name + "' does not end in .pc2 or .usda";
+      });
   verb.add_option("--attached", arguments->attached,
                   "Geometry that rides on the skin (default: BASIS.attached.safetensors beside the basis, where it is "
-                  "there); each mesh is written as FILE.<mesh>.pc2")
+                  "there); each mesh is written as FILE.<mesh>.pc2 or .usda")
       ->type_name("FILE")
       ->check(refuse_empty);
   arguments->jiggle.add(verb);
+  arguments->task.add(verb);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

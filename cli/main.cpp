@@ -31,7 +31,7 @@ void add_verbs(CLI::App& app) {
       {"Shapes to learn from", {add_simulate, add_dataset, add_curate, add_export, add_picture}},
       {"Learning", {add_train, add_test, add_coverage, add_improve, add_regions}},
       {"What goes with a trained character", {add_proxy, add_dynamics, add_attach}},
-      {"Using it", {add_eval, add_view, add_compare, add_bench}},
+      {"Using it", {add_eval, add_join, add_view, add_compare, add_bench}},
   };
   std::size_t grouped = 0;
   for (const VerbGroup& group : groups) {

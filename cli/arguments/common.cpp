@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -143,10 +144,16 @@ std::string& kept_command_line() {
   return line;
 }
 
+std::vector<std::string>& kept_verb_arguments() {
+  static std::vector<std::string> arguments;
+  return arguments;
+}
+
 }  // namespace
 
 void keep_command_line(int argc, char** argv) {
   kept_command_line() = "bodyopt";
+  kept_verb_arguments().assign(argv + std::min(argc, 2), argv + argc);
   for (int k = 1; k < argc; ++k) {
     const std::string argument = argv[k];
     const bool plain = !argument.empty() && argument.find_first_of(" \t\n\"'$*?#&;|<>()\\") == std::string::npos;
@@ -157,6 +164,8 @@ void keep_command_line(int argc, char** argv) {
 }
 
 const std::string& command_line() { return kept_command_line(); }
+
+std::vector<std::string> verb_arguments() { return kept_verb_arguments(); }
 
 void say(const std::vector<std::string>& notes) {
   for (const std::string& note : notes) spdlog::warn("{}", note);

@@ -75,6 +75,8 @@ std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames);
 // What the user typed, "bodyopt" and its arguments; kept by main().
 void keep_command_line(int argc, char** argv);
 const std::string& command_line();
+// What follows the verb on the command line.
+std::vector<std::string> verb_arguments();
 
 // Says each note once, as a warning on standard error.
 void say(const std::vector<std::string>& notes);
@@ -102,6 +104,7 @@ void add_proxy(CLI::App& app);
 void add_dynamics(CLI::App& app);
 void add_attach(CLI::App& app);
 void add_eval(CLI::App& app);
+void add_join(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_coverage(CLI::App& app);
 void add_regions(CLI::App& app);

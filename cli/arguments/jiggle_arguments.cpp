@@ -91,11 +91,15 @@ void JiggleArguments::check() const {
   }
 }
 
+std::string JiggleArguments::file(const std::string& basis) const {
+  if (!jiggle) return "";
+  return dynamics.empty() ? fs::path(basis).replace_extension(".dynamics.safetensors").string() : dynamics;
+}
+
 std::unique_ptr<Deformer> JiggleArguments::deformer(Basis loaded, const std::string& basis,
                                                     const DeviceChoice& device) const {
   if (!jiggle) return std::make_unique<Deformer>(std::move(loaded), device);
-  const std::string file =
-      dynamics.empty() ? fs::path(basis).replace_extension(".dynamics.safetensors").string() : dynamics;
+  const std::string file = this->file(basis);
   if (dynamics.empty() && !fs::exists(file)) {
     throw Error(ErrorKind::file, file +
                                      ": not there; --jiggle needs the dynamics of the basis: make them with 'bodyopt "

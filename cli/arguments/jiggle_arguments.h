@@ -21,6 +21,8 @@ struct JiggleArguments {
   // A deformer with the dynamics beside the basis file (BASIS with .dynamics before .safetensors), or those named; it
   // starts from --state-in. Without --jiggle a quasi-static one. `loaded`: of that file.
   std::unique_ptr<Deformer> deformer(Basis loaded, const std::string& basis, const DeviceChoice& device) const;
+  // The dynamics that deformer() loads; empty without --jiggle.
+  std::string file(const std::string& basis) const;
   // Throws Error(mismatch) when the clip has another rate than the dynamics, Error(usage) when the frames begin before
   // the state that was read, or are not in order.
   void check_frames(const Deformer& deformer, const Clip& clip, const std::vector<int>& frames) const;

@@ -19,6 +19,8 @@ Attachments found_attachments(const std::string& file, const fs::path& basis_pat
   return attachments_in(attachments_beside(basis_path), basis, basis_path.string());
 }
 
+fs::path numbered(const fs::path& stem, std::size_t k) { return fs::path(stem) += std::to_string(k); }
+
 }  // namespace
 
 fs::path attachments_beside(const fs::path& basis) {
@@ -97,19 +99,34 @@ std::vector<AttachedMesh> attach_own_meshes(const fs::path& character, double un
 AttachedCaches::AttachedCaches(const std::string& file, const fs::path& basis_path, const Basis& basis)
     : attachments_(found_attachments(file, basis_path, basis)), carrier_(basis, attachments_) {}
 
-void AttachedCaches::open(const fs::path& skin_cache, const std::vector<int>& frames) {
+void AttachedCaches::open(const fs::path& skin_cache, const std::vector<int>& frames, double fps) {
   for (const AttachedMesh& mesh : attachments_.meshes) {
-    paths_.push_back(fs::path(skin_cache).replace_extension("." + mesh.name + ".pc2").string());
-    writers_.push_back(
-        std::make_unique<Pc2Writer>(paths_.back(), mesh.vertex_count(), static_cast<std::uint32_t>(frames.size()),
-                                    frames.empty() ? 1.0f : static_cast<float>(frames.front()), frame_spacing(frames)));
+    paths_.push_back(
+        fs::path(skin_cache).replace_extension("." + mesh.name + skin_cache.extension().string()).string());
+    writers_.push_back(write_cache(paths_.back(), {mesh.name, mesh.vertex_count(), mesh.triangles, frames, fps}));
   }
 }
 
 void AttachedCaches::append(std::span<const float> skin, const Pose& pose) {
   if (writers_.empty()) return;
   const std::vector<std::vector<float>> carried = carrier_.carry(skin, pose.joints);
-  for (std::size_t k = 0; k < carried.size(); ++k) writers_[k]->append(carried[k]);
+  for (std::size_t k = 0; k < carried.size(); ++k) writers_[k]->append(carried[k], {});
+}
+
+void AttachedCaches::put_aside(const fs::path& stem) {
+  for (std::size_t k = 0; k < writers_.size(); ++k) writers_[k]->put_aside(numbered(stem, k));
+}
+
+void AttachedCaches::take_up(const fs::path& stem, std::size_t frames) {
+  for (std::size_t k = 0; k < writers_.size(); ++k) writers_[k]->take_up(numbered(stem, k), frames);
+}
+
+std::vector<fs::path> AttachedCaches::aside(const fs::path& stem) const {
+  std::vector<fs::path> files;
+  for (std::size_t k = 0; k < writers_.size(); ++k) {
+    for (const fs::path& file : writers_[k]->aside(numbered(stem, k))) files.push_back(file);
+  }
+  return files;
 }
 
 void AttachedCaches::close() {

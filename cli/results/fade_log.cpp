@@ -17,6 +17,12 @@ void FadeLog::add(const Skeleton& skeleton, const Evaluation& evaluation, std::s
   const std::string name = joint < 0 ? "" : skeleton.joints[static_cast<std::size_t>(joint)].name;
   entry["fade"] = fade;
   entry["fading_joint"] = name;
+  add(frame, entry);
+}
+
+void FadeLog::add(int frame, const Json& entry) {
+  const double fade = entry.at("fade");
+  const std::string name = entry.at("fading_joint");
   if (fade >= kNoted) return;
   frames_.push_back(frame);
   ++joints_[name];

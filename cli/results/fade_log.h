@@ -14,6 +14,9 @@ class FadeLog {
   // Of sample k of an evaluation, which is this frame; `entry` gets "fade" and "fading_joint".
   void add(const Skeleton& skeleton, const Evaluation& evaluation, std::size_t k, int frame, Json& entry);
 
+  // The same of an entry that was made before.
+  void add(int frame, const Json& entry);
+
   // A line for people; none where hardly anything fades.
   std::string text() const;
 

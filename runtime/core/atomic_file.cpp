@@ -14,6 +14,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "runtime/core/error.h"
 #include "runtime/core/hexadecimal.h"
@@ -141,13 +142,46 @@ void AtomicFile::write(std::span<const std::byte> bytes) {
   if (!bytes.empty() && std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail("cannot be written");
 }
 
-void AtomicFile::commit() {
+void AtomicFile::restart() {
+  std::rewind(file_);
+  if (ftruncate(fileno(file_), 0) != 0) fail("cannot be written");
+}
+
+void AtomicFile::write_file(const std::filesystem::path& file) {
+  const int source = open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);  // a pipe must not block
+  std::vector<std::byte> buffer(1 << 20);
+  ssize_t got = source < 0 ? -1 : 0;
+  while (source >= 0 && (got = read(source, buffer.data(), buffer.size())) > 0) {
+    if (std::fwrite(buffer.data(), 1, static_cast<std::size_t>(got), file_) != static_cast<std::size_t>(got)) break;
+  }
+  const int reason = errno;
+  if (source >= 0) close(source);
+  errno = reason;
+  if (got > 0) fail("cannot be written");
+  if (got == 0) return;
+  throw Error(ErrorKind::file, file.string() + ": cannot be read: " + std::strerror(reason) +
+                                   " (was it removed, or its folder taken away?)");
+}
+
+void AtomicFile::write_unfinished(AtomicFile& other) {
+  if (std::fflush(other.file_) != 0) other.fail("cannot be written");
+  write_file(other.temporary_);
+}
+
+void AtomicFile::rename_to(const std::filesystem::path& path) {
   if (std::fflush(file_) != 0 || fsync(fileno(file_)) != 0) fail("cannot be written");
   require_replaceable();  // it may have come since
-  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot be renamed into place");
+  if (std::rename(temporary_.c_str(), path.c_str()) != 0) fail("cannot be renamed into place");
   std::fclose(file_);  // nothing is buffered any more
   file_ = nullptr;
-  sync_folder(path_.parent_path());
+  sync_folder(path.parent_path());
+}
+
+void AtomicFile::commit() { rename_to(path_); }
+
+void AtomicFile::put_aside(const std::filesystem::path& path) {
+  path_ = link_target(path);
+  rename_to(path_);
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {

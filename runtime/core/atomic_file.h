@@ -23,10 +23,20 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(std::span<const std::byte> bytes);
+  // Drops what was written so far.
+  void restart();
+  // Appends the bytes of a file.
+  void write_file(const std::filesystem::path& file);
+  // Appends what another, which stays unfinished, holds so far.
+  void write_unfinished(AtomicFile& other);
   void commit();
+  // Puts what was written so far aside under another name in the same folder or file system, whole; nothing is left to
+  // commit.
+  void put_aside(const std::filesystem::path& path);
 
  private:
   void require_replaceable() const;
+  void rename_to(const std::filesystem::path& path);
   [[noreturn]] void fail(const char* doing) const;
   std::filesystem::path path_, temporary_;
   std::FILE* file_ = nullptr;

@@ -1,0 +1,41 @@
+#include "assets/cache_writer.h"
+
+#include <utility>
+
+#include "assets/pc2.h"
+#include "assets/usda.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Pc2Cache final : public CacheWriter {
+ public:
+  Pc2Cache(const fs::path& path, const CacheLayout& layout)
+      : writer_(path, layout.points, static_cast<std::uint32_t>(layout.frames.size()),
+                layout.frames.empty() ? 1.0f : static_cast<float>(layout.frames.front()),
+                frame_spacing(layout.frames)) {}
+
+  void append(std::span<const float> positions, std::span<const float>) override { writer_.append(positions); }
+  void close() override { writer_.close(); }
+  void put_aside(const fs::path& stem) override { writer_.put_aside(aside(stem).front()); }
+  void take_up(const fs::path& stem, std::size_t frames) override {
+    writer_.take_up(aside(stem).front(), static_cast<std::uint32_t>(frames));
+  }
+  std::vector<fs::path> aside(const fs::path& stem) const override { return {fs::path(stem) += ".points"}; }
+
+ private:
+  Pc2Writer writer_;
+};
+
+}  // namespace
+
+std::unique_ptr<CacheWriter> write_cache(const fs::path& path, CacheLayout layout) {
+  if (path.extension() == ".usda") return std::make_unique<UsdaWriter>(path, std::move(layout));
+  return std::make_unique<Pc2Cache>(path, layout);
+}
+
+bool holds_normals(const fs::path& path) { return path.extension() == ".usda"; }
+
+}  // namespace bodyopt

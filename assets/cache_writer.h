@@ -1,0 +1,46 @@
+// Shapes of a clip, frame by frame, to a file of the format that its name asks for.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace bodyopt {
+
+// What is the same in all frames of a cache.
+struct CacheLayout {
+  std::string name;                        // of the prim in a .usda; any text
+  std::uint32_t points = 0;                // 1 or more
+  std::span<const std::uint32_t> corners;  // T x 3, of the triangles: only .usda holds them
+  std::vector<int> frames;                 // the number of every frame that will be appended, rising
+  double fps = 24;
+};
+
+// Writes under a temporary name. Numbers that are not finite are refused: Error(file).
+class CacheWriter {
+ public:
+  virtual ~CacheWriter() = default;
+  // The next frame. positions: points x 3, metres, world. normals: points x 3, or empty where the cache has none (then
+  // in every frame); PC2 does not hold them.
+  virtual void append(std::span<const float> positions, std::span<const float> normals) = 0;
+  // Renames into place. Throws Error(file) where frames are missing.
+  virtual void close() = 0;
+
+  // Puts the frames so far aside as files whose names begin with `stem`, instead of close().
+  virtual void put_aside(const std::filesystem::path& stem) = 0;
+  // On a new writer of the same layout: the first `frames` frames are those that put_aside() left.
+  virtual void take_up(const std::filesystem::path& stem, std::size_t frames) = 0;
+  // The files of put_aside().
+  virtual std::vector<std::filesystem::path> aside(const std::filesystem::path& stem) const = 0;
+};
+
+// `.usda`: USD text, see usda.h; anything else: PC2. Throws Error(file).
+std::unique_ptr<CacheWriter> write_cache(const std::filesystem::path& path, CacheLayout layout);
+
+// Whether caches of that name hold normals.
+bool holds_normals(const std::filesystem::path& path);
+
+}  // namespace bodyopt

@@ -1,0 +1,132 @@
+#include "assets/usda.h"
+
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string prim_name(const std::string& name) {
+  std::string prim;
+  for (const char c : name) prim += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  return prim.empty() || std::isdigit(static_cast<unsigned char>(prim[0])) != 0 ? "_" + prim : prim;
+}
+
+std::string number(double value) {
+  char digits[32];
+  const auto end = std::to_chars(digits, digits + sizeof(digits), value).ptr;
+  return {digits, end};
+}
+
+std::string topology(std::span<const std::uint32_t> corners) {
+  std::string counts = "    int[] faceVertexCounts = [", indices = "    int[] faceVertexIndices = [";
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    if (k % 3 == 0) counts += k == 0 ? "3" : ", 3";
+    indices += (k == 0 ? "" : ", ") + std::to_string(corners[k]);
+  }
+  return counts + "]\n" + indices + "]\n";
+}
+
+std::string head(const CacheLayout& layout) {
+  const int first = layout.frames.empty() ? 0 : layout.frames.front();
+  const int last = layout.frames.empty() ? 0 : layout.frames.back();
+  const std::string prim = prim_name(layout.name), fps = number(layout.fps);
+  std::ostringstream text;
+  text << "#usda 1.0\n(\n    defaultPrim = \"" << prim << "\"\n    startTimeCode = " << first << "\n"
+       << kUsdaLastFrame << last << "\n    framesPerSecond = " << fps << "\n    timeCodesPerSecond = " << fps
+       << "\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\ndef Mesh \"" << prim << "\"\n{\n"
+       << "    uniform token orientation = \"rightHanded\"\n    uniform token subdivisionScheme = \"none\"\n"
+       << topology(layout.corners) << kUsdaPointSamples << '\n';
+  return text.str();
+}
+
+std::string head_of_normals() {
+  return std::string(kUsdaSamplesEnd) + "\n    uniform token normals:interpolation = \"vertex\"\n" +
+         kUsdaNormalSamples + '\n';
+}
+
+constexpr char kTail[] = "    }\n}\n";
+
+void write_text(AtomicFile& file, const std::string& text) { file.write(std::as_bytes(std::span(text))); }
+
+fs::path points_aside(const fs::path& stem) { return fs::path(stem) += ".points"; }
+fs::path normals_aside(const fs::path& stem) { return fs::path(stem) += ".normals"; }
+
+}  // namespace
+
+UsdaWriter::UsdaWriter(const fs::path& path, CacheLayout layout)
+    : path_(path), layout_(std::move(layout)), points_(path), normals_(path) {
+  write_text(points_, head(layout_));
+}
+
+void UsdaWriter::write_sample(AtomicFile& file, std::span<const float> values) const {
+  if (values.size() != 3 * std::size_t{layout_.points}) {
+    throw Error(ErrorKind::mismatch, path_.string() + ": a sample of " + std::to_string(values.size() / 3) +
+                                         " points was given to a cache of " + std::to_string(layout_.points));
+  }
+  const int frame = layout_.frames[written_];
+  std::string text = "        " + std::to_string(frame) + ": [";
+  text.reserve(16 * values.size());
+  char digits[32];
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (!std::isfinite(values[k])) {
+      throw Error(ErrorKind::file, path_.string() + ": frame " + std::to_string(frame) + ", point " +
+                                       std::to_string(k / 3) +
+                                       " is not a finite number: did a simulation, or what it began from, blow up?");
+    }
+    text += k % 3 != 0 ? ", " : k == 0 ? "(" : ", (";
+    text.append(digits, std::to_chars(digits, digits + sizeof(digits), values[k]).ptr);
+    if (k % 3 == 2) text += ')';
+  }
+  write_text(file, text + "],\n");
+}
+
+void UsdaWriter::append(std::span<const float> positions, std::span<const float> normals) {
+  if (written_ == layout_.frames.size()) {
+    throw Error(ErrorKind::mismatch, path_.string() + ": more than the " + std::to_string(written_) +
+                                         " frames it was opened for were given");
+  }
+  has_normals_ = !normals.empty();
+  write_sample(points_, positions);
+  if (has_normals_) write_sample(normals_, normals);
+  ++written_;
+}
+
+void UsdaWriter::close() {
+  if (written_ != layout_.frames.size()) {
+    throw Error(ErrorKind::file, path_.string() + ": " + std::to_string(written_) + " of " +
+                                     std::to_string(layout_.frames.size()) + " frames were given; nothing is written");
+  }
+  if (has_normals_) {
+    write_text(points_, head_of_normals());
+    points_.write_unfinished(normals_);
+  }
+  write_text(points_, kTail);
+  points_.commit();
+}
+
+void UsdaWriter::put_aside(const fs::path& stem) {
+  points_.put_aside(points_aside(stem));
+  normals_.put_aside(normals_aside(stem));
+}
+
+void UsdaWriter::take_up(const fs::path& stem, std::size_t frames) {
+  points_.restart();
+  points_.write_file(points_aside(stem));
+  normals_.write_file(normals_aside(stem));
+  has_normals_ = frames > 0 && fs::file_size(normals_aside(stem)) > 0;
+  written_ = frames;
+}
+
+std::vector<fs::path> UsdaWriter::aside(const fs::path& stem) const {
+  return {points_aside(stem), normals_aside(stem)};
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,44 @@
+// USD as text (.usda): one mesh whose points, and normals where there are any, have a time sample per frame. Metres, Y
+// up, one line per sample, so that caches of two parts of a shot can be joined line by line (join_caches.h).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "assets/cache_writer.h"
+#include "runtime/core/atomic_file.h"
+
+namespace bodyopt {
+
+// Numbers are the shortest text that reads back to the same float. Memory does not grow with the frames: normals wait
+// in a file of their own until the points are complete.
+class UsdaWriter final : public CacheWriter {
+ public:
+  UsdaWriter(const std::filesystem::path& path, CacheLayout layout);
+
+  void append(std::span<const float> positions, std::span<const float> normals) override;
+  void close() override;
+  void put_aside(const std::filesystem::path& stem) override;
+  void take_up(const std::filesystem::path& stem, std::size_t frames) override;
+  std::vector<std::filesystem::path> aside(const std::filesystem::path& stem) const override;
+
+ private:
+  void write_sample(AtomicFile& file, std::span<const float> values) const;
+
+  std::filesystem::path path_;
+  CacheLayout layout_;
+  AtomicFile points_, normals_;
+  std::size_t written_ = 0;
+  bool has_normals_ = false;
+};
+
+// The lines after which the samples of a .usda of ours stand, one a line, up to a line kUsdaSamplesEnd; and how the
+// line begins that names the last frame.
+inline constexpr char kUsdaPointSamples[] = "    point3f[] points.timeSamples = {";
+inline constexpr char kUsdaNormalSamples[] = "    normal3f[] normals.timeSamples = {";
+inline constexpr char kUsdaSamplesEnd[] = "    }";
+inline constexpr char kUsdaLastFrame[] = "    endTimeCode = ";
+
+}  // namespace bodyopt

@@ -1,0 +1,66 @@
+// bodyopt join: caches of the parts of a shot to one of the whole.
+#include <algorithm>
+
+#include "assets/join_caches.h"
+#include "cli/arguments/common.h"
+#include "cli/arguments/task_arguments.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct JoinArguments {
+  std::string out;
+  std::vector<std::string> parts;
+  TaskArguments task;
+  JsonOption json;
+};
+
+void join(const JoinArguments& arguments, const TaskRun* task) {
+  const std::vector<std::filesystem::path> parts(arguments.parts.begin(), arguments.parts.end());
+  for (const std::filesystem::path& part : parts) refuse_overwriting(arguments.out, part);
+  join_caches(parts, arguments.out);
+  if (task != nullptr) {
+    task->require_same_inputs();
+    task->finish({arguments.out}, Json::object());
+  }
+}
+
+void run(JoinArguments arguments) {
+  arguments.task.begin();
+  arguments.json.require_writable();
+  std::optional<TaskRun> task;
+  if (arguments.task.resume) {
+    task.emplace(arguments.out, BODYOPT_VERSION, arguments.task.given,
+                 std::vector<std::filesystem::path>(arguments.parts.begin(), arguments.parts.end()));
+  }
+  const bool done = task && task->done({arguments.out});
+  const std::string doing = done ? "already done: " : arguments.task.pretend ? "would join to " : "wrote ";
+  try {
+    if (!done && !arguments.task.pretend) join(arguments, task ? &*task : nullptr);
+  } catch (const Error& error) {
+    if (task) task->fail(error);
+    throw;
+  }
+  arguments.json.emit({{"cache", arguments.out}, {"parts", arguments.parts}, {"done_before", done}},
+                      doing + arguments.out + "\n");
+}
+
+}  // namespace
+
+void add_join(CLI::App& app) {
+  auto arguments = std::make_shared<JoinArguments>();
+  CLI::App& verb = *app.add_subcommand("join", "Caches of the parts of a shot to one of the whole");
+  verb.add_option("parts", arguments->parts, "Caches that 'eval' wrote of parts of a shot, all .pc2 or all .usda")
+      ->required()
+      ->type_name("CACHE...");
+  verb.add_option("--out", arguments->out, "Cache to write, with the ending of the parts")
+      ->required()
+      ->type_name("FILE")
+      ->check(refuse_empty);
+  arguments->task.add(verb);
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,153 @@
+#include "cli/results/evaluation_log.h"
+
+#include <algorithm>
+
+#include "assets/frame_range.h"
+#include "trainer/dynamics/measure_jiggle.h"
+#include "trainer/train/coverage/coverage.h"
+
+namespace bodyopt::cli {
+namespace {
+
+constexpr const char* kStages[] = {"rig", "strain", "residual", "pose", "diffuse", "jiggle", "output"};
+
+// Frames worth a look: those expected to be most wrong, or that leave what was trained furthest.
+std::vector<int> worst_frames(const Json& per_frame) {
+  constexpr std::size_t kMost = 3;
+  const auto badness = [](const Json& entry) {
+    return std::pair(entry.value("expected_rms_mm", 0.0), entry.value("outside", 0.0));
+  };
+  std::vector<std::size_t> order(per_frame.size());
+  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+  const std::size_t count = std::min(kMost, order.size());
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
+                    [&](std::size_t a, std::size_t b) {
+                      const auto worse = badness(per_frame[a]), other = badness(per_frame[b]);
+                      return worse != other ? worse > other : a < b;
+                    });
+  std::vector<int> frames;
+  for (std::size_t k = 0; k < count; ++k) frames.push_back(per_frame[order[k]].at("frame"));
+  return frames;
+}
+
+}  // namespace
+
+void EvaluationLog::add(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame) {
+  Json entry{{"frame", frame}, {"outside", part.outside[k]}};
+  fades_.add(deformer.basis().skeleton, part, k, frame, entry);
+  if (part.outside[k] > 0) entry["outside_feature"] = feature_name(deformer.basis(), part.outside_feature[k]);
+  if (!part.starts.empty()) {
+    if (const auto note = describe(part.starts[k], frame)) notes_.push_back(*note);
+    const JiggleMeasure measure = measure_jiggle(*deformer.dynamics(), deformer.state().motion);
+    entry["jiggle_rms_mm"] = measure.rms_mm;
+    entry["jiggle_max_mm"] = measure.max_mm;
+    entry["inverted_tets"] = measure.inverted_tets;
+    tets_ = deformer.dynamics()->tets.tet_count();
+  }
+  count(entry);
+  per_frame_.push_back(std::move(entry));
+}
+
+void EvaluationLog::count(const Json& entry) {
+  const int frame = entry.at("frame");
+  frames_.push_back(frame);
+  if (const double outside = entry.at("outside"); outside > 0) {
+    outside_frames_.push_back(frame);
+    if (outside > worst_outside_) worst_feature_ = entry.at("outside_feature");
+    worst_outside_ = std::max(worst_outside_, outside);
+  }
+  const auto inverted = entry.value("inverted_tets", std::uint32_t{0});
+  if (inverted > 0) inverted_frames_.push_back(frame);
+  most_inverted_ = std::max(most_inverted_, inverted);
+  const double jiggle = entry.value("jiggle_max_mm", 0.0);
+  if (jiggle > most_jiggle_mm_) most_jiggle_frame_ = frame;
+  most_jiggle_mm_ = std::max(most_jiggle_mm_, jiggle);
+}
+
+void EvaluationLog::add_times(const Evaluation& part) {
+  timed_frames_ += part.outside.size();
+  for (const auto& [stage, seconds] : part.stage_seconds) stage_seconds_[stage] += seconds;
+}
+
+void EvaluationLog::expect(const Basis& basis, const std::vector<Pose>& poses) {
+  if (!has_coverage(basis) || poses.empty()) return;
+  std::vector<double> errors;
+  for (const ExpectedError& error : expected_errors(basis, read_coverage(basis), poses)) {
+    per_frame_[errors.size()]["expected_rms_mm"] = error.rms_mm;
+    errors.push_back(error.rms_mm);
+  }
+  const auto worst = std::max_element(errors.begin(), errors.end());
+  mean_expected_mm_ = root_mean_square(errors);
+  most_expected_mm_ = *worst;
+  most_expected_frame_ = frames_[static_cast<std::size_t>(worst - errors.begin())];
+}
+
+Json EvaluationLog::kept() const { return {{"per_frame", per_frame_}, {"notes", notes_}, {"tets", tets_}}; }
+
+void EvaluationLog::take_up(const Json& kept) {
+  per_frame_ = kept.at("per_frame");
+  notes_ = kept.at("notes").get<std::vector<std::string>>();
+  tets_ = kept.at("tets");
+  for (const Json& entry : per_frame_) {
+    fades_.add(entry.at("frame"), entry);
+    count(entry);
+  }
+}
+
+Json EvaluationLog::summary() const {
+  Json milliseconds = Json::object();
+  for (const char* stage : kStages) {
+    const auto found = stage_seconds_.find(stage);
+    if (found == stage_seconds_.end()) continue;
+    milliseconds[stage] = 1e3 * found->second / static_cast<double>(std::max<std::size_t>(1, timed_frames_));
+  }
+  Json result{{"frames", frames_.size()},
+              {"milliseconds_per_frame", milliseconds},
+              {"peak_memory_mib", peak_memory_mib()},
+              {"outside_frames", format_frame_range(outside_frames_)},
+              {"worst_outside", worst_outside_},
+              {"worst_outside_feature", worst_feature_},
+              {"worst_frames", worst_frames(per_frame_)}};
+  if (most_expected_mm_ > 0) result["worst_expected_rms_mm"] = most_expected_mm_;
+  return result;
+}
+
+Json EvaluationLog::result() const {
+  Json result = summary();
+  result["notes"] = notes_;
+  result["per_frame"] = per_frame_;
+  return result;
+}
+
+std::string EvaluationLog::text() const {
+  std::string text;
+  for (const char* stage : kStages) {
+    const auto found = stage_seconds_.find(stage);
+    if (found == stage_seconds_.end()) continue;
+    text += format("  %-8s %8.3f ms a frame\n", stage,
+                   1e3 * found->second / static_cast<double>(std::max<std::size_t>(1, timed_frames_)));
+  }
+  if (!outside_frames_.empty()) {
+    text +=
+        format("%zu frames leave the trained range (most of all %s, by %.1f standard deviations) and were clamped: ",
+               outside_frames_.size(), worst_feature_.c_str(), worst_outside_) +
+        format_frame_range(outside_frames_) + "\n";
+  }
+  text += fades_.text();
+  if (most_expected_mm_ > 0) {
+    text += format("expected error: %.3f mm RMS, most in frame %d: %.3f mm\n", mean_expected_mm_, most_expected_frame_,
+                   most_expected_mm_);
+  }
+  if (most_jiggle_mm_ > 0) {
+    text += format("the jiggle moves the skin by %.2f mm at most, in frame %d\n", most_jiggle_mm_, most_jiggle_frame_);
+  }
+  if (!inverted_frames_.empty()) {
+    text += format("%zu frames have tetrahedra that are inside out before they jiggle, %u of %u at most: ",
+                   inverted_frames_.size(), most_inverted_, tets_) +
+            format_frame_range(inverted_frames_) + "\n";
+  }
+  for (const std::string& note : notes_) text += note + "\n";
+  return text;
+}
+
+}  // namespace bodyopt::cli

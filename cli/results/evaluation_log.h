@@ -1,0 +1,45 @@
+// What `eval` tells of the frames that it evaluated.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cli/arguments/common.h"
+#include "cli/results/fade_log.h"
+
+namespace bodyopt::cli {
+
+class EvaluationLog {
+ public:
+  // Sample k of an evaluation, which is this frame. Where frames jiggle, `deformer` holds the state after it.
+  void add(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame);
+  void add_times(const Evaluation& part);
+  // The expected error of every frame, where the basis knows it.
+  void expect(const Basis& basis, const std::vector<Pose>& poses);
+
+  // All that take_up() needs to go on from here.
+  Json kept() const;
+  void take_up(const Json& kept);
+
+  // Keys of the result: frames, what was flagged, times.
+  Json result() const;
+  // The same in a few lines, for records: without the list of frames.
+  Json summary() const;
+  std::string text() const;
+
+ private:
+  void count(const Json& entry);
+
+  Json per_frame_ = Json::array();
+  std::vector<std::string> notes_;
+  std::vector<int> frames_, outside_frames_, inverted_frames_;
+  std::string worst_feature_;
+  double worst_outside_ = 0, most_jiggle_mm_ = 0, most_expected_mm_ = 0, mean_expected_mm_ = 0;
+  int most_jiggle_frame_ = 0, most_expected_frame_ = 0;
+  std::uint32_t most_inverted_ = 0, tets_ = 0;
+  std::size_t timed_frames_ = 0;
+  std::map<std::string, double> stage_seconds_;
+  FadeLog fades_;
+};
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,196 @@
+#include "farm/check_show.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "assets/clip.h"
+#include "assets/controls.h"
+#include "assets/frame_range.h"
+#include "runtime/basis/attachments.h"
+#include "runtime/basis/character_unit.h"
+#include "runtime/basis/dynamics.h"
+#include "runtime/basis/levels.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Measured on one core of the machine of docs/benchmarks.md: of the skin per vertex, of the jiggle per tetrahedron.
+constexpr double kMillisecondsPerPoint = 4e-4, kMillisecondsPerTet = 4e-3;
+
+// A level of a basis, and what was read to go with it.
+struct LeveledBasis {
+  Basis basis;
+  std::size_t levels = 1;
+};
+
+struct FrameSpan {
+  int first, last;
+};
+
+// Reads each thing once; what could not be read is told to everyone who asks.
+template <typename Value>
+class Once {
+ public:
+  template <typename Read>
+  const Value& get(const std::string& key, const Read& read) {
+    auto found = values_.find(key);
+    if (found == values_.end()) {
+      found = values_.emplace(key, Entry{}).first;
+      try {
+        found->second.value.emplace(read());
+      } catch (const Error& error) {
+        found->second.failure.emplace(error);
+      }
+    }
+    if (found->second.failure) throw Error(*found->second.failure);
+    return *found->second.value;
+  }
+
+ private:
+  struct Entry {
+    std::optional<Value> value;
+    std::optional<Error> failure;
+  };
+  std::map<std::string, Entry> values_;
+};
+
+class ShowChecker {
+ public:
+  CheckedElement check(const ShowElement& element) {
+    const std::string level = element.option("level", "0");
+    const auto& character = characters_.get(element.basis + '\0' + level, [&] { return read(element.basis, level); });
+    if (element.frames.find(':') != std::string::npos) parse_frame_range(element.frames);  // says why
+    CheckedElement checked{&element, frames_of(element, character.basis), 0, {}};
+    checked.frame_ms = kMillisecondsPerPoint * static_cast<double>(character.basis.mesh.output_count());
+    if (element.has("jiggle")) checked.frame_ms += kMillisecondsPerTet * tets(element, character.basis);
+    if (element.frame_ms > 0) checked.frame_ms = element.frame_ms;
+    if (level == "0") checked.attached = attached(element, character.basis);
+    check_output(element, checked.attached);
+    return checked;
+  }
+
+ private:
+  static LeveledBasis read(const std::string& basis, const std::string& level) {
+    std::vector<Level> levels = load_levels(basis);
+    const std::size_t number = std::strtoul(level.c_str(), nullptr, 10);
+    if (number >= levels.size()) {
+      throw Error(ErrorKind::usage, "level " + level + " is asked for; " + basis + " has levels 0 to " +
+                                        std::to_string(levels.size() - 1));
+    }
+    return {std::move(levels[number].basis), levels.size()};
+  }
+
+  std::vector<int> frames_of(const ShowElement& element, const Basis& basis) {
+    ClipOptions options;
+    options.fps = std::atof(element.option("fps", "24").c_str());
+    options.first_frame = std::atoi(element.option("first-frame", "1").c_str());
+    options.controls = element.option("controls", "");
+    options.joint_map = element.option("joint-map", "");
+    const double unit = std::atof(element.option("unit", "0").c_str());
+    options.unit = clip_unit(element.clip, unit > 0 ? unit : kept_unit(basis));
+    std::string key = element.clip + '\0' + element.basis;
+    for (const char* option : {"fps", "first-frame", "controls", "joint-map", "unit"}) {
+      key += '\0' + element.option(option, "");
+    }
+    const FrameSpan span = spans_.get(key, [&] {
+      const Clip clip = read_clip(element.clip, basis.skeleton, options);
+      return FrameSpan{clip.first_frame, clip.last_frame()};
+    });
+    const std::vector<int> frames = parse_frame_range(
+        element.frames.empty() ? std::to_string(span.first) + "-" + std::to_string(span.last) : element.frames);
+    std::int64_t last = std::int64_t{frames.front()} - 1;
+    for (const int frame : frames) {
+      if (frame < span.first || frame > span.last) {
+        throw Error(ErrorKind::usage, "frame " + std::to_string(frame) + " is asked for; '" + element.clip +
+                                          "' has frames " + std::to_string(span.first) + " to " +
+                                          std::to_string(span.last));
+      }
+      if (frame <= last) throw Error(ErrorKind::usage, "frames " + element.frames + " overlap or are not in order");
+      last = frame;
+    }
+    return frames;
+  }
+
+  double tets(const ShowElement& element, const Basis& basis) {
+    const std::string file =
+        element.option("dynamics", fs::path(element.basis).replace_extension(".dynamics.safetensors").string());
+    return tets_.get(file + '\0' + element.basis,
+                     [&] { return static_cast<double>(load_dynamics(file, basis).tets.tet_count()); });
+  }
+
+  std::vector<std::string> attached(const ShowElement& element, const Basis& basis) {
+    const fs::path beside = fs::path(element.basis).replace_extension(".attached.safetensors");
+    const std::string file = element.option("attached", fs::exists(beside) ? beside.string() : "");
+    if (file.empty()) return {};
+    return attached_.get(file + '\0' + element.basis, [&] {
+      std::vector<std::string> names;
+      for (const AttachedMesh& mesh : load_attachments(file, basis).meshes) names.push_back(mesh.name);
+      return names;
+    });
+  }
+
+  void check_output(const ShowElement& element, const std::vector<std::string>& attached) {
+    const fs::path out = element.out;
+    if (out.extension() != ".pc2" && out.extension() != ".usda") {
+      throw Error(ErrorKind::usage, "out '" + element.out + "' does not end in .pc2 or .usda");
+    }
+    if (element.out.find_first_of("#{}") != std::string::npos) {
+      throw Error(ErrorKind::usage, "out '" + element.out +
+                                        "' holds '#' or an unknown {field}: known are {shot} and "
+                                        "{element}; parts of a shot are named by the plan");
+    }
+    folders_.get(out.parent_path().string(), [&] { return require_writable_folder(out.parent_path()); });
+    std::vector<std::string> files{element.out};
+    for (const std::string& mesh : attached) {
+      files.push_back(fs::path(out).replace_extension("." + mesh + out.extension().string()).string());
+    }
+    for (const std::string& file : files) {
+      const auto [known, is_new] = writers_.emplace(file, &element);
+      if (!is_new) {
+        throw Error(ErrorKind::usage, "writes " + file + ", as does " + known->second->place +
+                                          ": give them names of "
+                                          "their own, with {shot} and {element}");
+      }
+    }
+  }
+
+  // The folder, or the one in which it would be made.
+  static bool require_writable_folder(fs::path folder) {
+    while (!fs::exists(folder) && folder.has_relative_path()) folder = folder.parent_path();
+    if (fs::is_directory(folder) && access(folder.c_str(), W_OK) == 0) return true;
+    throw Error(ErrorKind::file, folder.string() +
+                                     ": cannot be written into: expected a folder that is writable from "
+                                     "here");
+  }
+
+  Once<LeveledBasis> characters_;
+  Once<FrameSpan> spans_;
+  Once<double> tets_;
+  Once<std::vector<std::string>> attached_;
+  Once<bool> folders_;
+  std::map<std::string, const ShowElement*> writers_;
+};
+
+}  // namespace
+
+std::vector<CheckedElement> check_show(const ShowList& list, std::vector<std::string>& problems) {
+  ShowChecker checker;
+  std::vector<CheckedElement> checked;
+  for (const ShowElement& element : list.elements) {
+    try {
+      checked.push_back(checker.check(element));
+    } catch (const Error& error) {
+      problems.push_back(element.place + " (" + element.shot + ", " + element.element + "): " + error.what());
+    }
+  }
+  return checked;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,46 @@
+// A show cut into tasks that a queue runs: plan.json in a folder, beside which a queue's own files lie.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "farm/show_list.h"
+
+namespace bodyopt {
+
+// One command: `bodyopt eval ...` of an element or a part of one, or `bodyopt join ...` of its parts.
+struct FarmStep {
+  std::string shot, element;
+  std::vector<std::string> arguments;  // after "bodyopt"
+  std::string out;
+  std::size_t frames = 0;
+  double seconds = 0;         // on one core, as estimated
+  bool is_delivered = false;  // `out` is what the list asks for, and not a part of it
+};
+
+// What a queue starts as one: its steps, one after the other. A task needs that of the same lane in the wave before it
+// (the jiggle of a part goes on from that of the part before); those of the last wave, which join, need all others.
+struct FarmTask {
+  int wave = 0, lane = 0;
+  std::vector<FarmStep> steps;
+
+  std::string name() const { return std::to_string(wave) + "." + std::to_string(lane); }
+};
+
+struct FarmPlan {
+  std::string show;
+  std::vector<FarmTask> tasks;  // by wave, then by lane
+  bool joins = false;           // the last wave joins
+
+  int wave_count() const { return tasks.empty() ? 0 : tasks.back().wave + 1; }
+};
+
+// Checks all elements, and says all that is wrong: a sentence each in `problems`. Reads every basis and clip once.
+FarmPlan plan_show(const ShowList& list, double minutes_per_task, std::vector<std::string>& problems);
+
+// Throw Error(file).
+void write_plan(const FarmPlan& plan, const std::filesystem::path& folder);
+FarmPlan read_plan(const std::filesystem::path& folder);
+
+}  // namespace bodyopt

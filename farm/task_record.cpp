@@ -1,0 +1,143 @@
+#include "farm/task_record.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <map>
+
+#include "base/content_hash.h"
+#include "runtime/core/error.h"
+#include "runtime/core/hexadecimal.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kDoneSchema[] = "bodyopt.done/1", kFailedSchema[] = "bodyopt.failed/1";
+
+bool is_one_of(const std::string& name, std::initializer_list<const char*> names) {
+  return std::any_of(names.begin(), names.end(), [&](const char* known) { return name == known; });
+}
+
+// A clip's file is an input; which clip of it is an option.
+std::string clip_within(const std::string& source) {
+  const std::size_t hash = source.rfind('#');
+  return hash == std::string::npos ? "" : source.substr(hash);
+}
+
+Json stamps(const std::vector<FileStamp>& files) {
+  Json list = Json::array();
+  for (const FileStamp& file : files) list.push_back(to_json(file));
+  return list;
+}
+
+std::vector<FileStamp> read_stamps(const JsonObject& object, const char* key, const fs::path& path) {
+  std::vector<FileStamp> files;
+  for (const Json& file : object.array(key)) files.push_back(file_stamp(JsonObject(file, path, key)));
+  return files;
+}
+
+}  // namespace
+
+std::uint64_t task_options(const std::vector<std::string>& arguments) {
+  std::vector<std::string> options;  // each with its values
+  bool is_left_out = false, is_input = false, is_clip = false;
+  for (const std::string& argument : arguments) {
+    if (argument.starts_with("--")) {
+      is_left_out = is_one_of(argument, {"--out", "--json", "--progress", "--resume", "--pretend"});
+      is_clip = argument == "--clip";
+      is_input = is_one_of(
+          argument, {"--clip", "--dynamics", "--attached", "--controls", "--joint-map", "--state-in", "--state-out"});
+      if (!is_left_out) options.push_back(argument);
+    } else if (!is_left_out && !options.empty()) {
+      options.back() += '\0' + (is_clip ? clip_within(argument) : is_input ? std::string() : argument);
+    }
+  }
+  std::sort(options.begin(), options.end());
+  ContentHash hash;
+  for (const std::string& option : options) hash.add(option);
+  return hash.value();
+}
+
+fs::path done_beside(const fs::path& output) { return fs::path(output) += ".done.json"; }
+fs::path failed_beside(const fs::path& output) { return fs::path(output) += ".failed.json"; }
+
+Json to_json(const TaskKey& key) {
+  return {{"version", key.version}, {"options", hexadecimal(key.options)}, {"inputs", stamps(key.inputs)}};
+}
+
+TaskKey task_key(const JsonObject& object, const fs::path& path) {
+  object.allow({"version", "options", "inputs"});
+  return {object.name("version"), object.hash("options"), read_stamps(object, "inputs", path)};
+}
+
+void write_record(const TaskRecord& record) {
+  write_json({{"schema", kDoneSchema},
+              {"made_of", to_json(record.key)},
+              {"outputs", stamps(record.outputs)},
+              {"summary", record.summary}},
+             done_beside(record.outputs.front().path));
+}
+
+std::optional<TaskRecord> read_record(const fs::path& output) {
+  const fs::path path = done_beside(output);
+  try {
+    const Json json = read_json(path, kDoneSchema);
+    const JsonObject top(json, path, "the top level");
+    top.allow({"schema", "made_of", "outputs", "summary"});
+    TaskRecord record;
+    record.key = task_key(JsonObject(json.value("made_of", Json()), path, "made_of"), path);
+    record.outputs = read_stamps(top, "outputs", path);
+    record.summary = json.value("summary", Json());
+    if (record.outputs.empty()) return std::nullopt;
+    // A folder that was moved with all that is in it: the outputs lie beside the record.
+    for (FileStamp& file : record.outputs) file.path = path.parent_path() / fs::path(file.path).filename();
+    return record;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+void write_failure(const TaskFailure& failure, const fs::path& output) {
+  try {
+    write_json({{"schema", kFailedSchema},
+                {"made_of", to_json(failure.key)},
+                {"exit_code", failure.exit_code},
+                {"message", Json::parse(Json(failure.message).dump(-1, ' ', false, Json::error_handler_t::replace))},
+                {"host", failure.host}},
+               failed_beside(output));
+  } catch (const Error&) {  // the disk is full, most likely, which is what has failed
+  }
+}
+
+std::optional<TaskFailure> read_failure(const fs::path& output) {
+  const fs::path path = failed_beside(output);
+  try {
+    const Json json = read_json(path, kFailedSchema);
+    const JsonObject top(json, path, "the top level");
+    top.allow({"schema", "made_of", "exit_code", "message", "host"});
+    return TaskFailure{task_key(JsonObject(json.value("made_of", Json()), path, "made_of"), path),
+                       top.integer("exit_code", 1, 255), top.text("message"), top.text("host")};
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+void remove_failure(const fs::path& output) {
+  std::error_code ignored;
+  fs::remove(failed_beside(output), ignored);
+}
+
+bool is_current(const TaskKey& key, const std::string& version, std::uint64_t options, bool read_all) {
+  return key.version == version && key.options == options &&
+         std::all_of(key.inputs.begin(), key.inputs.end(),
+                     [&](const FileStamp& file) { return is_unchanged(file, read_all); });
+}
+
+bool is_whole(const TaskRecord& record, bool read_all) {
+  return std::all_of(record.outputs.begin(), record.outputs.end(),
+                     [&](const FileStamp& file) { return is_unchanged(file, read_all); });
+}
+
+}  // namespace bodyopt
