@@ -7,13 +7,13 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <new>
 #include <string>
 #include <vector>
 
 #include "assets/notes.h"
 #include "base/progress.h"
 #include "cli/arguments/common.h"
+#include "cli/arguments/exit_code.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt::cli {
@@ -31,7 +31,7 @@ void add_verbs(CLI::App& app) {
       {"Shapes to learn from", {add_simulate, add_dataset, add_curate, add_export, add_picture}},
       {"Learning", {add_train, add_test, add_coverage, add_improve, add_regions}},
       {"What goes with a trained character", {add_proxy, add_dynamics, add_attach}},
-      {"Using it", {add_eval, add_join, add_view, add_compare, add_bench}},
+      {"Using it", {add_eval, add_join, add_view, add_compare, add_bench, add_farm}},
   };
   std::size_t grouped = 0;
   for (const VerbGroup& group : groups) {
@@ -83,30 +83,22 @@ int main(int argc, char** argv) {
       "bodyopt VERB --help tells of a verb; docs/walkthrough.md leads from a character of your own to a trained one.");
   add_verbs(app);
 
-  try {
-    if (argc < 2) {
-      std::fputs(app.help().c_str(), stderr);
-      return static_cast<int>(ErrorKind::usage);
-    }
-    require_verb(app, argv[1]);
-    app.parse(argc, argv);
-    return std::fflush(stdout) == 0 ? 0 : static_cast<int>(ErrorKind::file);
-  } catch (const CLI::Success& success) {
-    return app.exit(success);
-  } catch (const CLI::ParseError& error) {
-    app.exit(error);
+  if (argc < 2) {
+    std::fputs(app.help().c_str(), stderr);
     return static_cast<int>(ErrorKind::usage);
-  } catch (const Error& error) {
-    spdlog::error("{}", error.what());
-    return error.exit_code();
-  } catch (const std::filesystem::filesystem_error& error) {  // a name that is too long, a loop of links
-    spdlog::error("{}", error.what());
-    return static_cast<int>(ErrorKind::file);
-  } catch (const std::bad_alloc&) {
-    spdlog::error("out of memory");
-    return static_cast<int>(ErrorKind::interrupted);
-  } catch (const std::exception& error) {
-    spdlog::error("a defect of bodyopt: {}", error.what());
-    return 70;
   }
+  int parsed = 0;
+  const int code = exit_code_of([&] {
+    require_verb(app, argv[1]);
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::Success& success) {
+      app.exit(success);
+    } catch (const CLI::ParseError& error) {
+      app.exit(error);
+      parsed = static_cast<int>(ErrorKind::usage);
+    }
+  });
+  if (code != 0 || parsed != 0) return std::max(code, parsed);
+  return std::fflush(stdout) == 0 ? 0 : static_cast<int>(ErrorKind::file);
 }

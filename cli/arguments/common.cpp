@@ -153,7 +153,7 @@ std::vector<std::string>& kept_verb_arguments() {
 
 void keep_command_line(int argc, char** argv) {
   kept_command_line() = "bodyopt";
-  kept_verb_arguments().assign(argv + std::min(argc, 2), argv + argc);
+  keep_verb_arguments({argv + std::min(argc, 2), argv + argc});
   for (int k = 1; k < argc; ++k) {
     const std::string argument = argv[k];
     const bool plain = !argument.empty() && argument.find_first_of(" \t\n\"'$*?#&;|<>()\\") == std::string::npos;
@@ -166,6 +166,8 @@ void keep_command_line(int argc, char** argv) {
 const std::string& command_line() { return kept_command_line(); }
 
 std::vector<std::string> verb_arguments() { return kept_verb_arguments(); }
+
+void keep_verb_arguments(const std::vector<std::string>& arguments) { kept_verb_arguments() = arguments; }
 
 void say(const std::vector<std::string>& notes) {
   for (const std::string& note : notes) spdlog::warn("{}", note);

@@ -75,8 +75,9 @@ std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames);
 // What the user typed, "bodyopt" and its arguments; kept by main().
 void keep_command_line(int argc, char** argv);
 const std::string& command_line();
-// What follows the verb on the command line.
+// What follows the verb on the command line; and of a verb that another runs, what is given to it.
 std::vector<std::string> verb_arguments();
+void keep_verb_arguments(const std::vector<std::string>& arguments);
 
 // Says each note once, as a warning on standard error.
 void say(const std::vector<std::string>& notes);
@@ -111,6 +112,7 @@ void add_regions(CLI::App& app);
 void add_view(CLI::App& app);
 void add_export(CLI::App& app);
 void add_picture(CLI::App& app);
+void add_farm(CLI::App& app);
 void add_info(CLI::App& app);
 void add_devices(CLI::App& app);
 void add_bench(CLI::App& app);

@@ -1,0 +1,272 @@
+// bodyopt farm: a show's list of shots to tasks of a queue, and what became of them.
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "cli/arguments/common.h"
+#include "cli/arguments/exit_code.h"
+#include "cli/arguments/task_arguments.h"
+#include "farm/farm_status.h"
+#include "farm/openjd.h"
+#include "farm/plan.h"
+#include "farm/slurm.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct FarmArguments {
+  std::string list, plan, out, openjd;
+  double minutes = 5;
+  bool verify = false, slurm = false, hopeless = false;
+  std::vector<std::string> tasks;
+  SlurmOptions queue;
+  TaskArguments task;
+  JsonOption json;
+};
+
+fs::path plan_folder(const FarmArguments& arguments) { return fs::absolute(arguments.plan).lexically_normal(); }
+
+void plan(const FarmArguments& arguments) {
+  std::vector<std::string> problems;
+  const ShowList list = read_show_list(arguments.list, problems);
+  const FarmPlan plan = plan_show(list, arguments.minutes, problems);
+  for (const std::string& problem : problems) spdlog::error("{}", problem);
+  if (!problems.empty()) {
+    throw Error(ErrorKind::usage,
+                format("%s: %zu problems; nothing is planned", arguments.list.c_str(), problems.size()));
+  }
+  make_folder(arguments.out);
+  write_plan(plan, fs::absolute(arguments.out));
+  double seconds = 0;
+  std::size_t frames = 0;
+  for (const FarmTask& task : plan.tasks) {
+    for (const FarmStep& step : task.steps) {
+      seconds += step.seconds;
+      frames += step.frames;
+    }
+  }
+  arguments.json.emit({{"plan", arguments.out},
+                       {"elements", list.elements.size()},
+                       {"frames", frames},
+                       {"tasks", plan.tasks.size()},
+                       {"waves", plan.wave_count()},
+                       {"core_hours", seconds / 3600}},
+                      format("%zu elements, %zu frames: %zu tasks in %d waves, about %.2f core hours\nwrote %s\n",
+                             list.elements.size(), frames, plan.tasks.size(), plan.wave_count(), seconds / 3600,
+                             (fs::path(arguments.out) / "plan.json").c_str()));
+}
+
+// A command of ours in this process; what it prints stands in the log of the task.
+int run_step(const FarmStep& step, const std::string& progress) {
+  return exit_code_of([&] {
+    make_folder(fs::path(step.out).parent_path());
+    std::vector<std::string> words{step.arguments.begin() + 1, step.arguments.end()};
+    keep_verb_arguments(words);
+    words.insert(words.begin(), step.arguments.front());
+    words.insert(words.end(), {"--progress", progress});
+    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    CLI::App app;
+    add_eval(app);
+    add_join(app);
+    try {
+      app.parse(words);
+    } catch (const CLI::ParseError& error) {
+      throw Error(ErrorKind::usage, step.out + ": its command cannot be read: " + error.what());
+    }
+    std::fflush(stdout);
+  });
+}
+
+void run_tasks(const FarmArguments& arguments) {
+  const FarmPlan plan = read_plan(plan_folder(arguments));
+  std::vector<const FarmTask*> tasks;
+  for (const FarmTask& task : plan.tasks) {
+    if (arguments.tasks.empty() ||
+        std::find(arguments.tasks.begin(), arguments.tasks.end(), task.name()) != arguments.tasks.end()) {
+      tasks.push_back(&task);
+    }
+  }
+  if (tasks.size() < arguments.tasks.size()) {
+    throw Error(ErrorKind::usage, arguments.plan + ": has no task '" + arguments.tasks.front() +
+                                      "'; tasks are named WAVE.LANE, as in plan.json");
+  }
+  int worst = 0;
+  std::size_t failed = 0;
+  for (const FarmTask* task : tasks) {
+    for (const FarmStep& step : task->steps) {
+      const int code = run_step(step, arguments.task.progress);
+      if (code == 0) continue;
+      ++failed;
+      worst = code;
+      if (code == static_cast<int>(ErrorKind::interrupted)) {
+        throw Error(ErrorKind::interrupted,
+                    "task " + task->name() + " was interrupted; it goes on when it is run again");
+      }
+    }
+  }
+  if (failed > 0) throw Error(static_cast<ErrorKind>(worst), format("%zu steps failed", failed));
+}
+
+Json to_json(const StepStatus& status) {
+  Json entry{{"shot", status.step->shot},
+             {"element", status.step->element},
+             {"out", status.step->out},
+             {"state", name_of(status.state)}};
+  if (status.failure) {
+    entry["message"] = status.failure->message;
+    entry["exit_code"] = status.failure->exit_code;
+    entry["host"] = status.failure->host;
+    entry["retry_may_help"] = status.may_be_retried;
+  }
+  return entry;
+}
+
+// Of the queue only what is there now; nothing where it gives no answer.
+Json queue_of(const FarmArguments& arguments) {
+  try {
+    return jobs_in_queue(plan_folder(arguments));
+  } catch (const Error& error) {
+    spdlog::warn("the queue cannot be asked: {}", error.what());
+    return Json::object();
+  }
+}
+
+void status(const FarmArguments& arguments) {
+  const FarmPlan plan = read_plan(plan_folder(arguments));
+  std::map<std::string, int> counts;
+  Json open = Json::array();
+  std::string failures;
+  for (const FarmTask& task : plan.tasks) {
+    for (const FarmStep& step : task.steps) {
+      const StepStatus status = status_of(step, BODYOPT_VERSION, arguments.verify);
+      if (step.is_delivered) ++counts[name_of(status.state)];
+      if (status.state == StepState::done) continue;
+      open.push_back(to_json(status));
+      if (status.failure) failures += status.failure->message + "\n";
+    }
+  }
+  std::string text;
+  for (const auto& [state, count] : counts) text += format("%-8s %6d\n", state.c_str(), count);
+  const Json queue = queue_of(arguments);
+  for (const auto& [state, count] : queue.items())
+    text += format("%-8s %6d in the queue\n", state.c_str(), count.get<int>());
+  arguments.json.emit({{"elements", counts}, {"queue", queue}, {"open", open}}, text + failures);
+}
+
+// Tasks of which something is not done. Of `retry`, all files are read, for one may have been damaged.
+std::vector<const FarmTask*> open_tasks(const FarmPlan& plan, bool is_retry, bool hopeless) {
+  std::vector<const FarmTask*> tasks;
+  for (const FarmTask& task : plan.tasks) {
+    const bool is_open = std::any_of(task.steps.begin(), task.steps.end(), [&](const FarmStep& step) {
+      const StepStatus status = status_of(step, BODYOPT_VERSION, is_retry);
+      return status.state != StepState::done && (!is_retry || hopeless || status.may_be_retried);
+    });
+    if (is_open) tasks.push_back(&task);
+  }
+  return tasks;
+}
+
+// This program, under the name by which other machines find it, too.
+std::string own_program() { return fs::read_symlink("/proc/self/exe").string(); }
+
+void write_openjd(const FarmArguments& arguments, const FarmPlan& plan) {
+  const Json job = openjd_template(plan, plan_folder(arguments), own_program());
+  const std::vector<std::string> problems = check_openjd(job);
+  if (!problems.empty()) throw Error(ErrorKind::usage, arguments.openjd + ": would break a rule: " + problems.front());
+  write_json(job, arguments.openjd);
+  arguments.json.emit({{"template", arguments.openjd}}, "wrote " + arguments.openjd + "\n");
+}
+
+void submit(const FarmArguments& arguments, bool is_retry) {
+  if (!arguments.openjd.empty()) return write_openjd(arguments, read_plan(plan_folder(arguments)));
+  if (!arguments.slurm) {
+    throw Error(ErrorKind::usage,
+                "to which queue? Say --slurm or --openjd FILE ('bodyopt farm run' does the tasks here)");
+  }
+  const FarmPlan plan = read_plan(plan_folder(arguments));
+  const std::vector<const FarmTask*> tasks = open_tasks(plan, is_retry, arguments.hopeless);
+  std::vector<std::string> jobs;
+  if (!tasks.empty()) {
+    jobs = submit_to_slurm(tasks, plan, plan_folder(arguments), own_program(), arguments.queue);
+  }
+  arguments.json.emit({{"tasks", tasks.size()}, {"jobs", jobs}},
+                      tasks.empty() ? "nothing is left to do\n"
+                                    : format("submitted %zu tasks in %zu arrays\n", tasks.size(), jobs.size()));
+}
+
+void cancel(const FarmArguments& arguments) {
+  const std::size_t jobs = cancel_in_slurm(plan_folder(arguments));
+  arguments.json.emit({{"jobs", jobs}}, format("cancelled %zu arrays\n", jobs));
+}
+
+CLI::App& add_part(CLI::App& farm, const char* name, const char* description, FarmArguments& arguments) {
+  CLI::App& part = *farm.add_subcommand(name, description);
+  if (std::string(name) != "plan") {
+    part.add_option("plan", arguments.plan, "Folder that 'farm plan' wrote")
+        ->required()
+        ->type_name("PLAN")
+        ->check(refuse_empty);
+  }
+  arguments.json.add(part);
+  return part;
+}
+
+void add_queue(CLI::App& part, FarmArguments& arguments) {
+  part.add_flag("--slurm", arguments.slurm, "Submit to Slurm, as arrays of jobs");
+  part.add_option("--cpus", arguments.queue.cpus, "Cores of a task")->capture_default_str()->check(CLI::Range(1, 1024));
+  part.add_option("--tasks-per-gpu", arguments.queue.tasks_per_gpu,
+                  "Ask for a GPU for each task (1), or for a shard of one (more); default: none")
+      ->check(CLI::Range(1, 64));
+  part.add_option("--sbatch", arguments.queue.sbatch, "A further option for sbatch, as --sbatch=--partition=short")
+      ->type_name("OPTION");
+}
+
+}  // namespace
+
+void add_farm(CLI::App& app) {
+  auto arguments = std::make_shared<FarmArguments>();
+  CLI::App& farm = *app.add_subcommand("farm", "Many shots, on a queue of machines");
+  farm.require_subcommand(1);
+  CLI::App& planning = add_part(farm, "plan", "Check a list of shots and cut it into tasks", *arguments);
+  planning.add_option("shots", arguments->list, "List of shots (.json, .jsonl, .csv)")->required()->type_name("SHOTS");
+  planning.add_option("--out", arguments->out, "Folder to write the plan into")
+      ->required()
+      ->type_name("PLAN")
+      ->check(refuse_empty);
+  planning.add_option("--task-minutes", arguments->minutes, "What a task should last, on one core")
+      ->capture_default_str()
+      ->check(number_from(1e-3, 1e5));
+  planning.callback([arguments] { plan(*arguments); });
+
+  CLI::App& submitting = add_part(farm, "submit", "Give what is not done to a queue", *arguments);
+  add_queue(submitting, *arguments);
+  submitting
+      .add_option("--openjd", arguments->openjd,
+                  "Instead, write a job template of Open Job Description, for AWS Deadline Cloud and others")
+      ->type_name("FILE.json")
+      ->check(must_end_in(".json"));
+  submitting.callback([arguments] { submit(*arguments, false); });
+  CLI::App& retrying =
+      add_part(farm, "retry", "Read everything that is done, and submit what is not whole", *arguments);
+  add_queue(retrying, *arguments);
+  retrying.add_flag("--hopeless", arguments->hopeless,
+                    "Also what failed for reasons that running again does not change");
+  retrying.callback([arguments] { submit(*arguments, true); });
+
+  CLI::App& telling = add_part(farm, "status", "What is done, failed, left", *arguments);
+  telling.add_flag("--verify", arguments->verify, "Read all inputs and outputs, not only their size and time");
+  telling.callback([arguments] { status(*arguments); });
+  CLI::App& cancelling = add_part(farm, "cancel", "Take what is queued out of the queue", *arguments);
+  cancelling.callback([arguments] { cancel(*arguments); });
+
+  CLI::App& running = add_part(farm, "run", "Do tasks on this machine, one after the other", *arguments);
+  running.add_option("tasks", arguments->tasks, "Names of tasks, WAVE.LANE (default: all)")->type_name("TASK...");
+  running.add_option("--progress", arguments->task.progress, "As of eval")->type_name("STYLE");
+  running.callback([arguments] { run_tasks(*arguments); });
+}
+
+}  // namespace bodyopt::cli

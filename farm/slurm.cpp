@@ -1,0 +1,194 @@
+#include "farm/slurm.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <set>
+#include <sstream>
+#include <tuple>
+
+#include "assets/json_file.h"
+#include "farm/number_ranges.h"
+#include "farm/run_command.h"
+#include "runtime/core/atomic_file.h"
+#include "runtime/core/error.h"
+#include "runtime/core/file_lock.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kJobsSchema[] = "bodyopt.jobs/1";
+constexpr int kMostJobsOfAnArray = 1000;  // Slurm's MaxArraySize is 1001 unless it is told otherwise
+constexpr double kPatience = 60;          // seconds for an answer of Slurm
+
+fs::path jobs_file(const fs::path& folder) { return folder / "jobs.json"; }
+
+std::string plain_name(const std::string& name) {
+  std::string plain;
+  for (const char c : name.substr(0, 60)) {
+    plain += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '.' ? c : '_';
+  }
+  return plain;
+}
+
+// '%' begins a field in the name of a log.
+std::string log_pattern(const fs::path& folder) {
+  std::string text;
+  for (const char c : (folder / "logs").string()) text += c == '%' ? std::string("%%") : std::string(1, c);
+  return text + "/%A_%a.log";
+}
+
+struct TaskGroup {
+  int wave, block;
+  bool is_chain;
+  std::vector<int> indices;  // lane - block * kMostJobsOfAnArray
+};
+
+// Tasks of one wave, apart where later ones have to wait for only some of them, and where Slurm takes no more at once.
+std::vector<TaskGroup> groups_of(const std::vector<const FarmTask*>& tasks, int join_wave) {
+  std::set<int> chain_lanes;
+  for (const FarmTask* task : tasks) {
+    if (task->wave > 0 && task->wave != join_wave) chain_lanes.insert(task->lane);
+  }
+  std::map<std::tuple<int, bool, int>, std::vector<int>> groups;
+  for (const FarmTask* task : tasks) {
+    const bool is_chain = task->wave != join_wave && chain_lanes.contains(task->lane);
+    const int block = task->lane / kMostJobsOfAnArray;
+    groups[{task->wave, is_chain, block}].push_back(task->lane % kMostJobsOfAnArray);
+  }
+  std::vector<TaskGroup> list;
+  for (const auto& [key, indices] : groups) {
+    list.push_back({std::get<0>(key), std::get<2>(key), std::get<1>(key), indices});
+  }
+  return list;
+}
+
+std::vector<std::string> jobs_of(const fs::path& folder) {
+  const fs::path path = jobs_file(folder);
+  if (!fs::exists(path)) return {};
+  const Json json = read_json(path, kJobsSchema);
+  std::vector<std::string> jobs;
+  for (const Json& job : JsonObject(json, path, "the top level").array("jobs")) jobs.push_back(job.get<std::string>());
+  return jobs;
+}
+
+std::string joined(const std::vector<std::string>& words, const char* separator) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
+  return text;
+}
+
+CommandResult ask_slurm(const std::vector<std::string>& words) {
+  CommandResult result = run_command(words, kPatience);
+  if (result.exit_code != 0) {
+    throw Error(ErrorKind::device, words.front() + " refused: " + result.output.substr(0, 2000));
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string quoted_for_shell(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string slurm_script(const std::string& program, const fs::path& folder) {
+  return "#!/bin/sh\n# Written by 'bodyopt farm submit'. $1: the wave; $2: the lane of the array's first job.\n"
+         "export OMP_NUM_THREADS=\"${SLURM_CPUS_PER_TASK:-1}\"\n"
+         "exec " +
+         quoted_for_shell(program) + " farm run " + quoted_for_shell(folder.string()) +
+         " \"$1.$(($2 + SLURM_ARRAY_TASK_ID))\"\n";
+}
+
+std::vector<SlurmArray> slurm_arrays(const std::vector<const FarmTask*>& tasks, const std::string& show, bool joins,
+                                     const fs::path& folder, const SlurmOptions& options) {
+  const int join_wave = joins && !tasks.empty() ? tasks.back()->wave : -1;
+  const std::vector<TaskGroup> groups = groups_of(tasks, join_wave);
+  std::vector<SlurmArray> arrays;
+  for (const TaskGroup& group : groups) {
+    SlurmArray array;
+    array.words = {"sbatch",
+                   "--parsable",
+                   "--job-name=bodyopt-" + plain_name(show),
+                   "--array=" + number_ranges(group.indices),
+                   "--cpus-per-task=" + std::to_string(options.cpus),
+                   "--output=" + log_pattern(folder),
+                   "--requeue",
+                   "--signal=B:TERM@30"};
+    if (options.tasks_per_gpu == 1) array.words.push_back("--gres=gpu:1");
+    if (options.tasks_per_gpu > 1) array.words.push_back("--gres=shard:1");
+    array.words.insert(array.words.end(), options.sbatch.begin(), options.sbatch.end());
+    for (std::size_t k = 0; k < arrays.size(); ++k) {
+      const bool is_before = group.wave == join_wave ? groups[k].wave < group.wave
+                                                     : groups[k].is_chain && groups[k].wave + 1 == group.wave;
+      if (is_before) array.after.push_back(k);
+    }
+    // What has failed before it is found again by the task itself, and named.
+    if (!array.after.empty()) array.words.push_back("--dependency=afterany:{before}");
+    for (const std::string& word : {(folder / "task.sh").string(), std::to_string(group.wave),
+                                    std::to_string(group.block * kMostJobsOfAnArray)}) {
+      array.words.push_back(word);
+    }
+    arrays.push_back(std::move(array));
+  }
+  return arrays;
+}
+
+std::vector<std::string> submit_to_slurm(const std::vector<const FarmTask*>& tasks, const FarmPlan& plan,
+                                         const fs::path& folder, const std::string& program,
+                                         const SlurmOptions& options) {
+  const RunLock lock(folder / ".submit.lock", "submitting this plan");
+  if (!jobs_in_queue(folder).empty()) {
+    throw Error(ErrorKind::usage, folder.string() +
+                                      ": its jobs are in the queue already: 'bodyopt farm status' tells of "
+                                      "them, 'bodyopt farm cancel' takes them out");
+  }
+  if (folder.string().find('\\') != std::string::npos) {
+    throw Error(ErrorKind::usage, folder.string() + ": Slurm does not write logs into folders with '\\' in their name");
+  }
+  fs::create_directories(folder / "logs");
+  const std::string script = slurm_script(program, folder);
+  write_file_atomically(folder / "task.sh", std::as_bytes(std::span(script)));
+  chmod((folder / "task.sh").c_str(), 0755);
+  std::vector<std::string> jobs;
+  for (SlurmArray& array : slurm_arrays(tasks, plan.show, plan.joins, folder, options)) {
+    std::vector<std::string> before;
+    for (const std::size_t k : array.after) before.push_back(jobs[k]);
+    for (std::string& word : array.words) {
+      if (word == "--dependency=afterany:{before}") word = "--dependency=afterany:" + joined(before, ":");
+    }
+    const std::string answer = ask_slurm(array.words).output;
+    jobs.push_back(answer.substr(0, answer.find_first_of(";\n")));
+    write_json({{"schema", kJobsSchema}, {"jobs", jobs}}, jobs_file(folder));
+  }
+  return jobs;
+}
+
+std::map<std::string, int> jobs_in_queue(const fs::path& folder) {
+  const std::vector<std::string> jobs = jobs_of(folder);
+  if (jobs.empty()) return {};
+  // Jobs that are long gone are an error to squeue; those of this user are not.
+  std::istringstream lines(ask_slurm({"squeue", "--me", "--noheader", "--array", "--format=%F %T"}).output);
+  std::map<std::string, int> states;
+  for (std::string job, state; lines >> job >> state;) {
+    if (std::find(jobs.begin(), jobs.end(), job) != jobs.end()) ++states[state];
+  }
+  return states;
+}
+
+std::size_t cancel_in_slurm(const fs::path& folder) {
+  const std::vector<std::string> jobs = jobs_of(folder);
+  if (jobs.empty()) return 0;
+  std::vector<std::string> words{"scancel", "--quiet"};
+  words.insert(words.end(), jobs.begin(), jobs.end());
+  ask_slurm(words);
+  return jobs.size();
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,47 @@
+// A plan on Slurm: an array of jobs per wave.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "farm/plan.h"
+
+namespace bodyopt {
+
+struct SlurmOptions {
+  int cpus = 1;                     // of a task
+  int tasks_per_gpu = 0;            // 0: no GPU; more than one: shards of one (gres/shard)
+  std::vector<std::string> sbatch;  // further options of sbatch, as they are
+};
+
+// The command lines of sbatch, one per array, in order; "{before}" in one stands for the jobs it has to wait for, by
+// number, joined by ":". Each array is of tasks of one wave. `script`: what an array's job runs.
+struct SlurmArray {
+  std::vector<std::string> words;
+  std::vector<std::size_t> after;  // arrays before it; empty: it need not wait
+};
+std::vector<SlurmArray> slurm_arrays(const std::vector<const FarmTask*>& tasks, const std::string& show, bool joins,
+                                     const std::filesystem::path& folder, const SlurmOptions& options);
+
+// The script: `program` runs the task of an array's job.
+std::string slurm_script(const std::string& program, const std::filesystem::path& folder);
+
+// A text as one word for sh.
+std::string quoted_for_shell(const std::string& text);
+
+// Submits the tasks; the numbers of their jobs are kept in jobs.json in the plan's folder. Throws Error(device) where
+// Slurm refuses, Error(usage) where jobs of the plan are in the queue already.
+std::vector<std::string> submit_to_slurm(const std::vector<const FarmTask*>& tasks, const FarmPlan& plan,
+                                         const std::filesystem::path& folder, const std::string& program,
+                                         const SlurmOptions& options);
+
+// Jobs of the plan that wait or run, by what squeue calls their state. Throws Error(device) where Slurm gives no
+// answer.
+std::map<std::string, int> jobs_in_queue(const std::filesystem::path& folder);
+// Takes the jobs of the plan out of the queue; what runs gets a SIGTERM first and leaves a checkpoint. Returns how many
+// arrays there were.
+std::size_t cancel_in_slurm(const std::filesystem::path& folder);
+
+}  // namespace bodyopt
