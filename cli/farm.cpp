@@ -111,7 +111,7 @@ void run_tasks(const FarmArguments& arguments) {
   if (failed > 0) throw Error(static_cast<ErrorKind>(worst), format("%zu steps failed", failed));
 }
 
-Json to_json(const StepStatus& status) {
+Json status_entry(const StepStatus& status) {
   Json entry{{"shot", status.step->shot},
              {"element", status.step->element},
              {"out", status.step->out},
@@ -145,7 +145,7 @@ void status(const FarmArguments& arguments) {
       const StepStatus status = status_of(step, BODYOPT_VERSION, arguments.verify);
       if (step.is_delivered) ++counts[name_of(status.state)];
       if (status.state == StepState::done) continue;
-      open.push_back(to_json(status));
+      open.push_back(status_entry(status));
       if (status.failure) failures += status.failure->message + "\n";
     }
   }

@@ -97,7 +97,7 @@ Json basis_info(const std::string& path) {
   if (const Json table = levels_info(levels); !table.empty()) result["levels"] = table;
   for (const TradeOffPoint& point : read_curve(basis)) result["curve"].push_back(json_of_point(point));
   if (const std::filesystem::path beside = attachments_beside(path); std::filesystem::exists(beside)) {
-    result["attached"] = cli::to_json(load_attachments(beside, basis, path).meshes);
+    result["attached"] = to_json(load_attachments(beside, basis, path).meshes);
   }
   return result;
 }
@@ -158,7 +158,7 @@ Json state_info(const std::string& path) {
 Json attachments_info(const std::string& path) {
   const Attachments attachments = load_attachments(path);
   return {
-      {"kind", "attached geometry"}, {"meshes", cli::to_json(attachments.meshes)}, {"metadata", attachments.metadata}};
+      {"kind", "attached geometry"}, {"meshes", to_json(attachments.meshes)}, {"metadata", attachments.metadata}};
 }
 
 // A basis, dynamics, or attached geometry.

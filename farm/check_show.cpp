@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <map>
 #include <optional>
-#include <set>
+#include <sstream>
 
 #include "assets/clip.h"
 #include "assets/controls.h"
@@ -61,12 +61,24 @@ class Once {
   std::map<std::string, Entry> values_;
 };
 
+// Each part of a range begins after the end of the one before.
+void require_rising(const std::string& range) {
+  std::istringstream parts(range);
+  std::optional<int> last;
+  for (std::string part; std::getline(parts, part, ',');) {
+    const std::vector<int> frames = parse_frame_range(part);
+    if (last && frames.front() <= *last) {
+      throw Error(ErrorKind::usage, "the parts of frames " + range + " overlap or are not in order");
+    }
+    last = frames.back();
+  }
+}
+
 class ShowChecker {
  public:
   CheckedElement check(const ShowElement& element) {
     const std::string level = element.option("level", "0");
     const auto& character = characters_.get(element.basis + '\0' + level, [&] { return read(element.basis, level); });
-    if (element.frames.find(':') != std::string::npos) parse_frame_range(element.frames);  // says why
     CheckedElement checked{&element, frames_of(element, character.basis), 0, {}};
     checked.frame_ms = kMillisecondsPerPoint * static_cast<double>(character.basis.mesh.output_count());
     if (element.has("jiggle")) checked.frame_ms += kMillisecondsPerTet * tets(element, character.basis);
@@ -103,17 +115,15 @@ class ShowChecker {
       const Clip clip = read_clip(element.clip, basis.skeleton, options);
       return FrameSpan{clip.first_frame, clip.last_frame()};
     });
-    const std::vector<int> frames = parse_frame_range(
-        element.frames.empty() ? std::to_string(span.first) + "-" + std::to_string(span.last) : element.frames);
-    std::int64_t last = std::int64_t{frames.front()} - 1;
-    for (const int frame : frames) {
-      if (frame < span.first || frame > span.last) {
-        throw Error(ErrorKind::usage, "frame " + std::to_string(frame) + " is asked for; '" + element.clip +
-                                          "' has frames " + std::to_string(span.first) + " to " +
-                                          std::to_string(span.last));
-      }
-      if (frame <= last) throw Error(ErrorKind::usage, "frames " + element.frames + " overlap or are not in order");
-      last = frame;
+    const std::string range =
+        element.frames.empty() ? std::to_string(span.first) + "-" + std::to_string(span.last) : element.frames;
+    require_rising(range);
+    const std::vector<int> frames = parse_frame_range(range);
+    for (const int frame : {frames.front(), frames.back()}) {
+      if (frame >= span.first && frame <= span.last) continue;
+      throw Error(ErrorKind::usage, "frame " + std::to_string(frame) + " is asked for; '" + element.clip +
+                                        "' has frames " + std::to_string(span.first) + " to " +
+                                        std::to_string(span.last));
     }
     return frames;
   }

@@ -44,7 +44,6 @@ TEST(Openjd, TheRulesRefuseWhatBreaksThem) {
   expect_refused(lanes + "type", "FLOAT");
   expect_refused(run + "command", "");
   expect_refused(run + "args/2", "{{Param.Paln}}");
-  expect_refused("/parameterDefinitions/1/name", "Plan2");
   expect_refused("/stepps", 1);
 }
 
