@@ -1,5 +1,7 @@
 #include "bench/split_bones.h"
 
+#include <gtest/gtest.h>
+
 #include "tests/support/capsule_limb.h"
 #include "tests/support/random_tables.h"
 #include "trainer/train/blend_matrix.h"
@@ -12,14 +14,14 @@ Positions blended_skin(const Character& character, const Pose& pose) {
   Positions skin(character.vertices.rows(), 3);
   for (Eigen::Index v = 0; v < skin.rows(); ++v) {
     const BlendMatrix m = blended(matrices, character.weights[static_cast<std::size_t>(v)]);
-    skin.row(v) = m * character.vertices.row(v).transpose().homogeneous();
+    skin.row(v) = m.leftCols<3>() * character.vertices.row(v).transpose() + m.col(3);
   }
   return skin;
 }
 
 // The middles at rest, whatever the others do.
 TEST(SplitBones, MoveAsBefore) {
-  const Character coarse = limb_character()(), fine = split_bones(coarse);
+  const Character coarse = limb_character(), fine = split_bones(coarse);
   ASSERT_GT(fine.skeleton.size(), coarse.skeleton.size());
   testing::Random random(3);
   Pose before = bind_pose(coarse.skeleton), after = bind_pose(fine.skeleton);
