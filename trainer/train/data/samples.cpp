@@ -59,6 +59,18 @@ SampleSet read_samples(const Dataset& dataset) {
   return set;
 }
 
+void check_samples(const SampleSet& set) {
+  if (set.train.size() < kFewestFrames) {
+    throw Error(ErrorKind::mismatch, "training needs " + std::to_string(kFewestFrames) +
+                                         " frames at least, the dataset leaves " + std::to_string(set.train.size()) +
+                                         " (held out: " + std::to_string(set.heldout.size()) +
+                                         ", unconverged: " + std::to_string(set.unconverged) + ")");
+  }
+  for (const std::vector<Sample>* samples : {&set.train, &set.heldout}) {
+    for (const Sample& sample : *samples) check_pose(set, sample);
+  }
+}
+
 std::string frame_name(const SampleSet& set, const Sample& sample) {
   return "frame " + std::to_string(sample.frame) + " of take '" + set.takes[static_cast<std::size_t>(sample.take)] +
          "'";
