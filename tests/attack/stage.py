@@ -39,6 +39,8 @@ VERBS = [
     Verb("proxy", "proxy draft --out proxy.safetensors --error 3"),
     Verb("dynamics", f"{_DYNAMICS} --dynamics-resolution 900"),
     Verb("attach", "attach prop1.glb limb.safetensors"),
+    Verb("transfer dataset", "transfer dataset draft limb.glb --out carried"),
+    Verb("transfer basis", "transfer basis limb.safetensors limb.glb --out carried.safetensors"),
     Verb("eval", "eval limb.safetensors --clip bend.glb --fps 960 --device cpu --out shot.pc2"),
     Verb("eval --jiggle", "eval limb.safetensors --clip bend.glb --fps 24 --jiggle --device cpu --state-out end.state "
                           "--state-every 8 --out jiggled.pc2"),

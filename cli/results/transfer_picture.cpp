@@ -1,0 +1,81 @@
+#include "cli/results/transfer_picture.h"
+
+#include <algorithm>
+
+#include "draw/renderer.h"
+#include "runtime/cpu/kernels.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct Body {
+  std::vector<float> positions, normals, colours;
+  const std::vector<std::uint32_t>& triangles;
+};
+
+// `shift`: metres along x.
+Body body_of(const MeshTable& mesh, const Positions& skin, double shift, const Positions& colours) {
+  Body body{{}, std::vector<float>(mesh.rest.size()), {}, mesh.triangles};
+  for (Eigen::Index v = 0; v < skin.rows(); ++v) {
+    for (int i = 0; i < 3; ++i) {
+      body.positions.push_back(static_cast<float>(skin(v, i) + (i == 0 ? shift : 0)));
+      body.colours.push_back(static_cast<float>(colours(v, i)));
+    }
+  }
+  cpu::output_normals(mesh, body.positions, body.normals);
+  return body;
+}
+
+// Place in the box as red, green and blue.
+Positions place_colours(const Positions& rest) {
+  const Eigen::RowVector3d low = rest.colwise().minCoeff(), size = rest.colwise().maxCoeff() - low;
+  Positions colours(rest.rows(), 3);
+  for (Eigen::Index v = 0; v < rest.rows(); ++v) {
+    for (int i = 0; i < 3; ++i) colours(v, i) = size[i] > 0 ? 0.05 + 0.75 * (rest(v, i) - low[i]) / size[i] : 0.4;
+  }
+  return colours;
+}
+
+Positions matched_colours(const Correspondence& correspondence, const Positions& colours) {
+  Positions result = Positions::Zero(correspondence.target.rows(), 3);
+  for (Eigen::Index v = 0; v < result.rows(); ++v) {
+    const SkinPoint& at = correspondence.at[static_cast<std::size_t>(v)];
+    for (int k = 0; k < 3; ++k) result.row(v) += at.weights[k] * colours.row(at.vertices[static_cast<std::size_t>(k)]);
+  }
+  return result;
+}
+
+Positions confidence_colours(const Correspondence& correspondence) {
+  Positions result(correspondence.target.rows(), 3);
+  for (Eigen::Index v = 0; v < result.rows(); ++v) {
+    const auto colour = heat_colour(static_cast<float>(1 - std::clamp(correspondence.confidence[v], 0.0, 1.0)));
+    result.row(v) << double{colour[0]}, double{colour[1]}, double{colour[2]};
+  }
+  return result;
+}
+
+}  // namespace
+
+void write_transfer_picture(const TransferPair& pair, const std::filesystem::path& path) {
+  using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+  const MeshTable &from = pair.source.mesh, &to = pair.target.mesh;
+  const Positions rest = Eigen::Map<const FloatRows>(from.rest.data(), from.vertex_count(), 3).cast<double>();
+  const Correspondence& correspondence = pair.correspondence;
+  const Positions colours = place_colours(rest);
+  const auto width_of = [](const Positions& p) { return p.col(0).maxCoeff() - p.col(0).minCoeff(); };
+  const double step = 1.1 * std::max(width_of(rest), width_of(correspondence.target));
+  const Body bodies[] = {body_of(from, rest, -step, colours),
+                         body_of(to, correspondence.target, 0, matched_colours(correspondence, colours)),
+                         body_of(to, correspondence.target, step, confidence_colours(correspondence))};
+  std::vector<DrawMesh> meshes;
+  std::vector<float> points;
+  for (const Body& body : bodies) {
+    meshes.push_back({body.positions, body.normals, body.triangles, body.colours});
+    points.insert(points.end(), body.positions.begin(), body.positions.end());
+  }
+  constexpr std::uint32_t kWidth = 1280, kHeight = 560;
+  const Camera camera = frame_points(points, {0, 0.15f, 1}, float{kWidth} / kHeight);
+  write_png(Renderer().draw(meshes, camera, kWidth, kHeight), path);
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,206 @@
+// bodyopt transfer: what was simulated or learned of one character, carried to others.
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "cli/arguments/common.h"
+#include "cli/results/transfer_picture.h"
+#include "runtime/core/error.h"
+#include "trainer/check/check.h"
+#include "trainer/train/fit/train.h"
+#include "trainer/transfer/markers_file.h"
+#include "trainer/transfer/transfer_basis.h"
+#include "trainer/transfer/transfer_dataset.h"
+
+namespace bodyopt::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// The mean over the skin below which two bodies are unlike.
+constexpr double kLeastConfidence = 0.5;
+
+struct TransferArguments {
+  std::string source, markers, picture;
+  std::vector<std::string> targets, outs;
+  double unit = 0;
+  bool force = false, source_size = false;
+  TransferOptions options;
+  JsonOption json;
+};
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+TransferOptions options_of(const TransferArguments& arguments) {
+  TransferOptions options = arguments.options;
+  if (!arguments.markers.empty()) options.markers = read_markers(arguments.markers);
+  if (arguments.source_size) options.size = TransferSize::source;
+  return options;
+}
+
+// Draws the correspondence where it is asked for, and says what is not sure of it. Throws Error(mismatch) for unlike
+// bodies, unless --force.
+void judge(const TransferPair& pair, const TransferArguments& arguments, const std::string& target) {
+  say(pair.match.notes);
+  if (!arguments.picture.empty()) write_transfer_picture(pair, arguments.picture);
+  const double confidence = pair.correspondence.mean_confidence();
+  if (confidence >= kLeastConfidence) return;
+  const std::string what = format(
+      "%s: its skin could be matched with the source's with a confidence of %.2f only (1: surely the same part of the "
+      "body): unlike bodies, joints of other meaning, or a rest pose far off%s",
+      target.c_str(), confidence, arguments.picture.empty() ? "; --picture FILE.png shows where" : "");
+  if (!arguments.force) throw Error(ErrorKind::mismatch, what + "; --force goes on all the same");
+  spdlog::warn(what);
+}
+
+Json facts_of(const TransferPair& pair) {
+  const Correspondence& correspondence = pair.correspondence;
+  const double count = static_cast<double>(std::max<Eigen::Index>(1, correspondence.distance.size()));
+  return {{"same_topology", correspondence.same_topology},
+          {"size_ratio", pair.match.size},
+          {"matched_joints", std::count_if(pair.match.source_joint.begin(), pair.match.source_joint.end(),
+                                           [](int joint) { return joint >= 0; })},
+          {"posed_to_the_source", pair.match.is_aligned()},
+          {"confidence", correspondence.mean_confidence()},
+          {"filled_in_vertices", pair.skin.unsure()},
+          {"fit_rms_mm", 1e3 * std::sqrt(correspondence.distance.squaredNorm() / count)}};
+}
+
+std::string describe(const TransferPair& pair) {
+  const Correspondence& correspondence = pair.correspondence;
+  if (correspondence.same_topology) return "the same triangles";
+  return format("confidence %.2f, %lld of %lld vertices filled in", correspondence.mean_confidence(),
+                static_cast<long long>(pair.skin.unsure()), static_cast<long long>(correspondence.target.rows()));
+}
+
+void run_basis(const TransferArguments& arguments) {
+  if (arguments.outs.size() != arguments.targets.size()) {
+    throw Error(ErrorKind::usage, format("%zu targets and %zu --out: every target needs a basis to write",
+                                         arguments.targets.size(), arguments.outs.size()));
+  }
+  for (const std::string& out : arguments.outs) {
+    refuse_overwriting(out, arguments.source);
+    require_writable(out);
+  }
+  arguments.json.require_writable();
+  const TransferOptions options = options_of(arguments);
+  const Basis source = load_basis(arguments.source);
+  Json list = Json::array();
+  std::string text;
+  for (std::size_t k = 0; k < arguments.targets.size(); ++k) {
+    const auto start = Clock::now();
+    const Character character = read_character(arguments.targets[k], arguments.unit);
+    say(character.notes);
+    const TransferPair pair(source, character, options);
+    judge(pair, arguments, arguments.targets[k]);
+    std::vector<std::string> notes;
+    Basis basis = transfer_basis(pair, options, notes);
+    say(notes);
+    keep_unit(basis, arguments.unit);
+    save_basis(basis, arguments.outs[k]);
+    Json facts = facts_of(pair);
+    facts["basis"] = arguments.outs[k];
+    facts["vertices"] = basis.mesh.vertex_count();
+    facts["bytes_per_vertex"] = static_cast<double>(total_bytes(basis)) / basis.mesh.vertex_count();
+    facts["seconds"] = seconds_since(start);
+    text += format("wrote %s: %u vertices, %s, %.1f s\n", arguments.outs[k].c_str(), basis.mesh.vertex_count(),
+                   describe(pair).c_str(), seconds_since(start));
+    list.push_back(std::move(facts));
+  }
+  arguments.json.emit({{"targets", list}, {"peak_memory_mib", peak_memory_mib()}}, text);
+}
+
+void run_dataset(const TransferArguments& arguments) {
+  arguments.json.require_writable();
+  const auto start = Clock::now();
+  const TransferOptions options = options_of(arguments);
+  std::filesystem::path path = arguments.source;
+  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  const Dataset dataset = read_dataset(path);
+  const std::string mismatch = first_problem(check_dataset(dataset), path);
+  if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
+  const Character source_character = read_character(dataset.folder / dataset.character, dataset.unit);
+  const std::filesystem::path& out = arguments.outs.front();
+  if (std::filesystem::weakly_canonical(out) == std::filesystem::weakly_canonical(path.parent_path())) {
+    throw Error(ErrorKind::usage, "--out is the source's own folder: its shapes would be overwritten");
+  }
+  const TransferTarget target{read_character(arguments.targets.front(), arguments.unit), arguments.targets.front(),
+                              arguments.unit};
+  say(target.character.notes);
+  const Basis source = build_ddm_basis(source_character, {});
+  const TransferPair pair(source, target.character, options);
+  judge(pair, arguments, arguments.targets.front());
+  const TransferredDataset told = transfer_dataset(dataset, source_character, pair, target, out);
+  say(told.notes);
+  Json facts = facts_of(pair);
+  facts["dataset"] = (out / "dataset.json").string();
+  facts["takes"] = told.takes;
+  facts["frames"] = told.frames;
+  facts["seconds"] = seconds_since(start);
+  facts["peak_memory_mib"] = peak_memory_mib();
+  arguments.json.emit(facts, format("wrote %s: %zu takes, %zu frames, %s, %.1f s\n", (out / "dataset.json").c_str(),
+                                    told.takes, told.frames, describe(pair).c_str(), seconds_since(start)));
+}
+
+void add_shared(CLI::App& verb, TransferArguments& arguments) {
+  verb.add_option("--map", arguments.options.joint_map,
+                  "Which joint of the source is which of the target, where names do not tell (joint_map.json)")
+      ->type_name("FILE")
+      ->check(refuse_empty);
+  verb.add_option("--markers", arguments.markers, "Vertices of both skins that are the same (markers.json)")
+      ->type_name("FILE")
+      ->check(refuse_empty);
+  verb.add_flag("--source-size", arguments.source_size,
+                "Displacements in metres as on the source, and not by the target's local size");
+  verb.add_flag("--force", arguments.force, "Go on with bodies that are unlike");
+  add_unit(verb, arguments.unit);
+  arguments.json.add(verb);
+}
+
+}  // namespace
+
+void add_transfer(CLI::App& app) {
+  CLI::App& verb = *app.add_subcommand("transfer", "What was simulated or learned, carried to other characters");
+  verb.require_subcommand(1);
+  const auto of_dataset = std::make_shared<TransferArguments>(), of_basis = std::make_shared<TransferArguments>();
+
+  CLI::App& dataset =
+      *verb.add_subcommand("dataset", "A dataset of another character: clips, shapes, muscles, regions");
+  dataset.add_option("source", of_dataset->source, "Dataset (folder or dataset.json)")
+      ->required()
+      ->type_name("DATASET");
+  dataset.add_option("target", of_dataset->targets, "The other character (.glb, .gltf)")
+      ->required()
+      ->expected(1)
+      ->type_name("CHARACTER");
+  dataset.add_option("--out", of_dataset->outs, "Folder of the dataset to write")
+      ->required()
+      ->expected(1)
+      ->type_name("DATASET")
+      ->check(refuse_empty);
+  dataset.add_option("--picture", of_dataset->picture, "Picture of the match (.png): by colour, and how sure it is")
+      ->type_name("FILE")
+      ->check(must_end_in(".png"));
+  add_shared(dataset, *of_dataset);
+  dataset.callback([of_dataset] { run_dataset(*of_dataset); });
+
+  CLI::App& basis = *verb.add_subcommand("basis", "A trained basis for other characters, at no cost at run time");
+  basis.add_option("source", of_basis->source, "Trained basis (.safetensors)")->required()->type_name("BASIS");
+  basis.add_option("targets", of_basis->targets, "The other characters (.glb, .gltf)")
+      ->required()
+      ->type_name("CHARACTER");
+  basis.add_option("--out", of_basis->outs, "Bases to write (.safetensors), one per target")
+      ->required()
+      ->type_name("BASIS")
+      ->check(must_end_in(".safetensors"));
+  basis
+      .add_option("--picture", of_basis->picture,
+                  "Picture of the match with the last target (.png): by colour, and how sure it is")
+      ->type_name("FILE")
+      ->check(must_end_in(".png"));
+  add_shared(basis, *of_basis);
+  basis.callback([of_basis] { run_basis(*of_basis); });
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,289 @@
+// Skeletons, skins, bases and datasets of a synthetic limb, carried to itself and to others.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "assets/pc2.h"
+#include "dataset/dataset.h"
+#include "runtime/deformer/deformer.h"
+#include "tests/support/capsule_limb.h"
+#include "tests/support/error_kind.h"
+#include "tests/support/temporary_folder.h"
+#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/train/skinning/unpose.h"
+#include "trainer/transfer/transfer_basis.h"
+#include "trainer/transfer/transfer_dataset.h"
+
+namespace bodyopt {
+namespace {
+
+const SampleSet& limb_set() {
+  static const SampleSet set = limb_samples(120, 20);
+  return set;
+}
+
+const Basis& trained_limb() {
+  static const Basis basis = train(limb_set(), {});
+  return basis;
+}
+
+// The limb moved by an affine map of its rest: vertices and joints.
+Character moved_limb(const Affine& map) {
+  Character limb = limb_character();
+  for (Eigen::Index v = 0; v < limb.vertices.rows(); ++v) {
+    const Vec3 to = map * Vec3{limb.vertices(v, 0), limb.vertices(v, 1), limb.vertices(v, 2)};
+    limb.vertices.row(v) << to[0], to[1], to[2];
+  }
+  for (std::size_t j = 0; j < limb.skeleton.size(); ++j) {
+    Joint& joint = limb.skeleton.joints[j];
+    Affine world = map * inverse(joint.inverse_bind);
+    world = affine_from({{world.m[0][3], world.m[1][3], world.m[2][3]}, decompose(world).rotation, {1, 1, 1}});
+    joint.inverse_bind = inverse(world);
+    joint.bind = decompose(j == 0 ? world : limb.skeleton.joints[j - 1].inverse_bind * world);
+    joint.default_local = joint.bind;
+  }
+  return limb;
+}
+
+// Every triangle in four, by the middles of its edges.
+Character refined_limb() {
+  Character limb = limb_character();
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+  std::vector<Eigen::RowVector3d> points;
+  for (Eigen::Index v = 0; v < limb.vertices.rows(); ++v) points.push_back(limb.vertices.row(v));
+  const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+    const auto [entry, added] = middles.emplace(std::minmax(a, b), static_cast<std::uint32_t>(points.size()));
+    if (added) points.push_back(0.5 * (points[a] + points[b]));
+    return entry->second;
+  };
+  std::vector<std::uint32_t> corners;
+  for (Eigen::Index t = 0; t < limb.triangles.rows(); ++t) {
+    const std::uint32_t a = limb.triangles(t, 0), b = limb.triangles(t, 1), c = limb.triangles(t, 2);
+    const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    corners.insert(corners.end(), {a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca});
+  }
+  limb.vertices.resize(static_cast<Eigen::Index>(points.size()), 3);
+  limb.weights.clear();
+  limb.output_vertex.clear();
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    limb.vertices.row(static_cast<Eigen::Index>(v)) = points[v];
+    limb.weights.push_back(limb_weights(points[v].z()));
+    limb.output_vertex.push_back(static_cast<std::uint32_t>(v));
+  }
+  limb.triangles = Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+  limb.output_triangles = limb.triangles;
+  return limb;
+}
+
+Positions evaluate(const Basis& basis, const Pose& pose) {
+  Deformer deformer(basis, {.name = "cpu"});
+  const Evaluation result = deformer.evaluate({&pose, 1});
+  return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
+             result.positions.data(), static_cast<Eigen::Index>(result.positions.size() / 3), 3)
+      .cast<double>();
+}
+
+double rms(const Positions& difference) {
+  return std::sqrt(difference.squaredNorm() / static_cast<double>(difference.rows()));
+}
+
+// What the source is off its own Direct Delta Mush, carried and put on the target's; output order.
+Positions transferred_frame(const TransferPair& pair, const Pose& pose) {
+  const MeshTable& from = pair.source.mesh;
+  const Positions output = evaluate(pair.source, pose);
+  Positions shape(from.vertex_count(), 3);
+  for (std::uint32_t o = 0; o < from.output_count(); ++o) shape.row(from.output_vertex[o]) = output.row(o);
+  const Positions carried = pair.skin(unpose_ddm(pair.source, pose, shape));
+  const Pose moved = transferred_pose(pair.match, pair.source.skeleton, pair.target.skeleton, pose);
+  // Un-posing is an isometry: the target's bare shape, un-posed, differs from the one wanted by a turn per vertex.
+  const Positions bare = evaluate(pair.target, moved);
+  Positions result(bare.rows(), 3);
+  Positions unit[3];
+  Positions runtime(pair.target.mesh.vertex_count(), 3);
+  for (std::uint32_t o = 0; o < pair.target.mesh.output_count(); ++o) {
+    runtime.row(pair.target.mesh.output_vertex[o]) = bare.row(o);
+  }
+  for (int axis = 0; axis < 3; ++axis) {  // column `axis` of R^T: what a step along it un-poses to
+    Positions step = runtime;
+    step.col(axis).array() += 1;
+    unit[axis] = unpose_ddm(pair.target, moved, step) - unpose_ddm(pair.target, moved, runtime);
+  }
+  for (std::uint32_t o = 0; o < pair.target.mesh.output_count(); ++o) {
+    const std::uint32_t v = pair.target.mesh.output_vertex[o];
+    for (int axis = 0; axis < 3; ++axis) result(o, axis) = bare(o, axis) + unit[axis].row(v).dot(carried.row(v));
+  }
+  return result;
+}
+
+const Pose& bent() {
+  static const Pose pose = limb_set().heldout[7].pose;
+  return pose;
+}
+
+}  // namespace
+
+TEST(TransferLimb, ABasisCarriedToItsOwnCharacterIsTheSame) {
+  const TransferPair pair(trained_limb(), limb_character(), {});
+  ASSERT_TRUE(pair.correspondence.same_topology);
+  std::vector<std::string> notes;
+  const Basis result = transfer_basis(pair, {}, notes);
+  EXPECT_TRUE(notes.empty());
+  EXPECT_EQ(result.residual.projections, trained_limb().residual.projections);
+  EXPECT_EQ(result.residual.centres, trained_limb().residual.centres);
+  EXPECT_EQ(result.residual.fade.directions, trained_limb().residual.fade.directions);
+  EXPECT_EQ(result.strain.rest_length, trained_limb().strain.rest_length);
+  for (const Sample& sample : limb_set().heldout) {
+    EXPECT_LT(rms(evaluate(result, sample.pose) - evaluate(trained_limb(), sample.pose)), 5e-5);
+  }
+}
+
+TEST(TransferLimb, AScaledAndTurnedCharacterMovesAlike) {
+  Affine map = affine_from({{0.3, -0.2, 1}, axis_angle({1, 0, 0}, 0.8), {1, 1, 1}});
+  for (auto& row : map.m) {
+    for (int k = 0; k < 3; ++k) row[k] *= 1.7;
+  }
+  TransferOptions options;
+  options.tolerance = 1e-7;
+  const TransferPair pair(trained_limb(), moved_limb(map), options);
+  EXPECT_NEAR(pair.match.size, 1.7, 1e-9);
+  std::vector<std::string> notes;
+  const Basis result = transfer_basis(pair, options, notes);
+  const Pose moved = transferred_pose(pair.match, pair.source.skeleton, pair.target.skeleton, bent());
+  const Positions expected = 1.7 * evaluate(trained_limb(), bent());
+  Positions difference = evaluate(result, moved) - expected;
+  difference.rowwise() -= difference.colwise().mean().eval();  // of where the root stands
+  EXPECT_LT(rms(difference), 1e-4);                            // features in other axes are projected by other halves
+  Positions per_frame = transferred_frame(pair, bent()) - expected;
+  per_frame.rowwise() -= per_frame.colwise().mean().eval();
+  EXPECT_LT(per_frame.cwiseAbs().maxCoeff(), 1e-5 * longest_extent(expected));
+  // At rest it is at rest.
+  const Positions rest = evaluate(result, bind_pose(result.skeleton)),
+                  bare = evaluate(pair.target, bind_pose(result.skeleton));
+  EXPECT_EQ(rest, bare);
+}
+
+TEST(TransferLimb, LiveTransferIsThatOfEachFrame) {
+  Affine stockier;
+  stockier.m[0][0] = stockier.m[1][1] = 1.4;
+  stockier.m[2][2] = 0.9;
+  for (const Character& target : {moved_limb(stockier), refined_limb()}) {
+    const TransferPair pair(trained_limb(), target, {});
+    std::vector<std::string> notes;
+    const Basis result = transfer_basis(pair, {}, notes);
+    for (std::size_t k = 0; k < limb_set().heldout.size(); k += 5) {
+      const Pose& pose = limb_set().heldout[k].pose;
+      // The target's own strains are not quite the source's where its build is another: those of the same pose are.
+      const Pose moved = transferred_pose(pair.match, pair.source.skeleton, result.skeleton, pose);
+      const double carried = rms(transferred_frame(pair, pose) - evaluate(pair.target, moved));
+      EXPECT_LT(rms(evaluate(result, moved) - transferred_frame(pair, pose)), std::max(5e-5, 0.15 * carried));
+    }
+  }
+}
+
+TEST(TransferLimb, AFinerSkinIsMatchedWhereItIs) {
+  const Character finer = refined_limb();
+  const TransferPair pair(trained_limb(), finer, {});
+  ASSERT_FALSE(pair.correspondence.same_topology);
+  const std::vector<std::uint32_t> order = morton_order(finer.vertices);
+  Positions found(finer.vertices.rows(), 3);
+  for (std::size_t v = 0; v < order.size(); ++v) {
+    const SkinPoint& at = pair.correspondence.at[v];
+    Eigen::RowVector3d place = Eigen::RowVector3d::Zero();
+    for (int k = 0; k < 3; ++k) {
+      const float* corner = trained_limb().mesh.rest.data() + 3 * at.vertices[static_cast<std::size_t>(k)];
+      place += at.weights[k] * Eigen::RowVector3f(corner[0], corner[1], corner[2]).cast<double>();
+    }
+    found.row(order[v]) = place;
+  }
+  EXPECT_LT(rms(found - finer.vertices), 3e-4);  // half a per cent of its thickness
+  EXPECT_GT(pair.correspondence.mean_confidence(), 0.95);
+}
+
+TEST(TransferLimb, ADatasetCarriedToItsOwnCharacterIsTheSame) {
+  const TemporaryFolder folder;
+  const Character limb = limb_character();
+  write_character(limb, folder / "limb.glb");
+  Clip clip;
+  clip.name = "bend";
+  for (const Sample& sample : limb_set().heldout) clip.poses.push_back(sample.pose);
+  write_clip(clip, limb.skeleton, folder / "bend.glb");
+  write_muscles(limb_muscles(), limb.skeleton, folder / "muscles.json");
+  const auto count = static_cast<std::uint32_t>(clip.poses.size());
+  Pc2Writer writer(folder / "bend.pc2", limb.output_count(), count);
+  std::vector<int> frames;
+  for (const Sample& sample : limb_set().heldout) {
+    writer.append(output_from_welded(limb, sample.shape.read()));
+    frames.push_back(static_cast<int>(frames.size()) + 1);
+  }
+  writer.close();
+  Dataset dataset;
+  dataset.folder = folder.path();
+  dataset.character = "limb.glb";
+  dataset.muscles = "muscles.json";
+  dataset.takes.push_back({"bend", "bend.glb", "", 24, 1, frames, "bend.pc2", "", {3}});
+
+  const Character read = read_character(folder / "limb.glb");
+  const Basis source = build_ddm_basis(read, {});
+  const TransferPair pair(source, read, {});
+  const TransferredDataset told = transfer_dataset(dataset, read, pair, {read, folder / "limb.glb"}, folder / "copy");
+  EXPECT_EQ(told.frames, frames.size());
+
+  const Dataset copy = read_dataset(folder / "copy" / "dataset.json");
+  EXPECT_EQ(copy.takes.at(0).heldout, std::vector<int>{3});
+  const Pc2Reader before(folder / "bend.pc2"), after(folder / "copy" / copy.takes[0].shapes);
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const std::vector<float> a = before.sample(k), b = after.sample(k);
+    for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-5);
+  }
+  const Clip moved = read_clip(copy, copy.takes[0], read.skeleton);
+  for (std::size_t k = 0; k < moved.poses.size(); ++k) {
+    const RigFrame a = pose_rig(read.skeleton, moved.poses[k]), b = pose_rig(read.skeleton, clip.poses[k]);
+    for (std::size_t i = 0; i < a.skinning.size(); ++i) ASSERT_NEAR(a.skinning[i], b.skinning[i], 1e-5);
+  }
+  const auto muscles = read_muscles(folder / "copy" / copy.muscles, read.skeleton);
+  ASSERT_EQ(muscles.size(), 2u);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(muscles[0].path[1].position[static_cast<std::size_t>(i)],
+                limb_muscles()[0].path[1].position[static_cast<std::size_t>(i)], 1e-5);
+  }
+  EXPECT_NEAR(muscles[0].radius, limb_muscles()[0].radius, 1e-6);
+}
+
+TEST(MatchSkeletons, RefusesMirrorImagesAndStrangers) {
+  Skeleton source, mirrored, stranger;
+  const Vec3 places[] = {{0, 1, 0}, {0, 1.5, 0}, {0.3, 1.4, 0.1}, {-0.5, 1.3, 0.2}, {0.1, 0.5, -0.3}};
+  for (int j = 0; j < 5; ++j) {
+    for (Skeleton* skeleton : {&source, &mirrored, &stranger}) {
+      Joint joint;
+      joint.name = (skeleton == &stranger ? "other" : "joint") + std::to_string(j);
+      joint.parent = j == 0 ? -1 : 0;
+      Vec3 place = places[j];
+      if (j > 0) place = place - places[0];
+      if (skeleton == &mirrored) place[0] = -place[0];
+      joint.bind.translation = place;
+      joint.default_local = joint.bind;
+      skeleton->joints.push_back(joint);
+    }
+  }
+  EXPECT_NO_THROW(match_skeletons(source, source, ""));
+  EXPECT_FALSE(match_skeletons(source, source, "").is_aligned());
+  EXPECT_EQ(testing::kind_of([&] { match_skeletons(source, mirrored, ""); }), ErrorKind::mismatch);
+  EXPECT_EQ(testing::kind_of([&] { match_skeletons(source, stranger, ""); }), ErrorKind::mismatch);
+}
+
+// A limb that is bent at rest, 60 degrees: posed as the straight one rests, it is straight.
+TEST(MatchSkeletons, PosesTheTargetAsTheSourceRests) {
+  const Skeleton source = limb_skeleton();
+  Skeleton bent_skeleton = source;
+  bent_skeleton.joints[1].bind.rotation = axis_angle({1, 0, 0}, 1.05);
+  const SkeletonMatch match = match_skeletons(source, bent_skeleton, "");
+  ASSERT_TRUE(match.is_aligned());
+  const std::vector<Affine> world = posed_joints(bent_skeleton, match.common.joints);
+  const Vec3 upper = {world[1].m[0][3] - world[0].m[0][3], world[1].m[1][3] - world[0].m[1][3],
+                      world[1].m[2][3] - world[0].m[2][3]},
+             fore = {world[2].m[0][3] - world[1].m[0][3], world[2].m[1][3] - world[1].m[1][3],
+                     world[2].m[2][3] - world[1].m[2][3]};
+  EXPECT_NEAR(dot(upper, fore) / (length(upper) * length(fore)), 1, 1e-9);
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,61 @@
+// bodyopt transfer, as it is run.
+#include <gtest/gtest.h>
+
+#include "runtime/basis/basis.h"
+#include "tests/support/capsule_limb.h"
+#include "tests/support/hostile_bytes.h"
+#include "tests/support/run_program.h"
+#include "tests/support/temporary_folder.h"
+#include "trainer/transfer/markers_file.h"
+
+namespace bodyopt {
+namespace {
+
+class TransferProgram : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_character(limb_character(), path("limb.glb"));
+    save_basis(build_ddm_basis(limb_character(), {}), path("limb.safetensors"));
+  }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  ProgramResult transfer(const std::string& targets_and_options) const {
+    return run_bodyopt("transfer basis " + path("limb.safetensors") + " " + targets_and_options);
+  }
+
+  TemporaryFolder folder_;
+};
+
+}  // namespace
+
+TEST_F(TransferProgram, WritesABasisForEveryTarget) {
+  const ProgramResult result = transfer(path("limb.glb") + " " + path("limb.glb") + " --out " + path("a.safetensors") +
+                                        " " + path("b.safetensors"));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_EQ(load_basis(path("a.safetensors")).mesh.rest, load_basis(path("b.safetensors")).mesh.rest);
+}
+
+TEST_F(TransferProgram, RefusesTargetsWithoutAPlaceAndStrangers) {
+  EXPECT_EQ(transfer(path("limb.glb") + " " + path("limb.glb") + " --out " + path("a.safetensors")).exit_code, 64);
+  Character stranger = limb_character();
+  for (Joint& joint : stranger.skeleton.joints) joint.name = "bone" + joint.name;
+  write_character(stranger, path("stranger.glb"));
+  const ProgramResult refused = transfer(path("stranger.glb") + " --out " + path("a.safetensors"));
+  EXPECT_EQ(refused.exit_code, 3) << refused.output;
+  EXPECT_NE(refused.output.find("--map"), std::string::npos) << refused.output;
+  EXPECT_FALSE(std::filesystem::exists(path("a.safetensors")));
+}
+
+TEST_F(TransferProgram, RefusesMarkersThatAreNone) {
+  const std::string good = R"({"schema":"bodyopt-markers-1","markers":[{"source":1,"target":2}]})";
+  const auto read = [](const std::filesystem::path& file) { read_markers(file); };
+  testing::write_bytes(path("markers.json"), good);
+  EXPECT_EQ(read_markers(path("markers.json")).at(0).target, 2u);
+  testing::expect_every_truncation_refused(read, path("markers.json"), good);
+  testing::write_bytes(path("markers.json"),
+                       R"({"schema":"bodyopt-markers-1","markers":[{"source":99999,"target":2}]})");
+  const ProgramResult refused =
+      transfer(path("limb.glb") + " --markers " + path("markers.json") + " --out " + path("a.safetensors"));
+  EXPECT_EQ(refused.exit_code, 3) << refused.output;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,111 @@
+#include "trainer/transfer/correspondence.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "geometry/vertex_normals.h"
+#include "runtime/core/error.h"
+#include "runtime/cpu/ddm.h"
+#include "runtime/host/rig.h"
+#include "trainer/transfer/joint_shares.h"
+#include "trainer/transfer/register_skin.h"
+#include "trainer/transfer/table_rows.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kNear = 0.015;  // of the target's extent: further from the fitted source, a point is unsure
+
+// The target's rest skin in the common pose, and how it is turned there.
+void pose_target(const Basis& target, const SkeletonMatch& match, Correspondence& result) {
+  const std::uint32_t count = target.mesh.vertex_count();
+  result.target = rows_of(target.mesh.rest);
+  result.rotation.assign(count, {0, 0, 0, 1});
+  if (!match.is_aligned()) return;
+  const RigFrame rig = pose_rig(target.skeleton, match.common);
+  for (std::uint32_t v = 0; v < count; ++v) {
+    float r[9], t[3];
+    cpu::ddm_frame(target.ddm, v, rig.skinning.data(), r, t);
+    const DdmVertex& vertex = target.ddm.vertices[v];
+    const Eigen::Matrix3d rotation = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(r).cast<double>();
+    const Eigen::Vector3d offset = Eigen::Vector3f(vertex.offset_x, vertex.offset_y, vertex.offset_z).cast<double>();
+    result.target.row(v) = (Eigen::Vector3f(t) + Eigen::Vector3f(rig.origin)).cast<double>() + rotation * offset;
+    const Eigen::Quaterniond turn(rotation);
+    result.rotation[v] = normalized({turn.x(), turn.y(), turn.z(), turn.w()});
+  }
+}
+
+bool have_same_output(const MeshTable& a, const MeshTable& b) {
+  return a.output_count() == b.output_count() && a.output_triangles == b.output_triangles;
+}
+
+// Seams may have been welded otherwise: every vertex of either has an output vertex.
+void match_by_number(const Basis& source, const Basis& target, Correspondence& result) {
+  const MeshTable &from = source.mesh, &to = target.mesh;
+  result.same_topology = true;
+  result.fitted.resize(from.vertex_count(), 3);
+  result.at.resize(to.vertex_count());
+  for (std::uint32_t o = 0; o < to.output_count(); ++o) {
+    const std::uint32_t s = from.output_vertex[o], t = to.output_vertex[o];
+    result.fitted.row(s) = result.target.row(t);
+    SkinPoint& point = result.at[t];
+    point.vertices = {s, s, s};
+    point.weights = {1, 0, 0};
+    point.position = result.target.row(t);
+    point.triangle = from.vertex_triangle_begin[s] < from.vertex_triangle_begin[s + 1]
+                         ? static_cast<Eigen::Index>(from.vertex_triangles[from.vertex_triangle_begin[s]])
+                         : -1;
+  }
+  result.confidence = Eigen::VectorXd::Ones(to.vertex_count());
+  result.distance = Eigen::VectorXd::Zero(to.vertex_count());
+}
+
+// Where the target's vertices lie on the fitted source, and how sure that is.
+void match_by_place(const Basis& source, const Basis& target, const JointShares& source_shares,
+                    const JointShares& target_shares, Correspondence& result) {
+  const Triangles triangles = rows_of(source.mesh.triangles);
+  const Positions normals = vertex_normals(result.target, rows_of(target.mesh.triangles)),
+                  fitted_normals = vertex_normals(result.fitted, triangles);
+  const double near = kNear * (result.target.colwise().maxCoeff() - result.target.colwise().minCoeff()).maxCoeff();
+  const NearestSkin nearest(result.fitted, triangles);
+  const std::uint32_t count = target.mesh.vertex_count();
+  result.at.resize(count);
+  result.confidence.resize(count);
+  result.distance.resize(count);
+  parallel_for(count, [&](std::size_t v) {
+    const auto row = static_cast<Eigen::Index>(v);
+    const Eigen::Vector3d place = result.target.row(row), normal = normals.row(row).normalized();
+    SkinPoint point = nearest.facing(place, normal);
+    if (point.triangle < 0) point = nearest(place);
+    Eigen::RowVectorXd shares = Eigen::RowVectorXd::Zero(source_shares.cols());
+    Eigen::Vector3d other = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) {
+      shares += point.weights[k] * source_shares.row(point.vertices[static_cast<std::size_t>(k)]);
+      other += point.weights[k] * fitted_normals.row(point.vertices[static_cast<std::size_t>(k)]).transpose();
+    }
+    result.distance[row] = (point.position - place).norm();
+    const double off = result.distance[row] / near;
+    result.confidence[row] = std::exp(-off * off) * std::max(0.0, normal.dot(other.normalized())) *
+                             shares.cwiseMin(target_shares.row(row)).sum();
+    result.at[v] = point;
+  });
+}
+
+}  // namespace
+
+Correspondence match_skins(const Basis& source, const Basis& target, const SkeletonMatch& match,
+                           const std::vector<SkinMarker>& markers) {
+  Correspondence result;
+  pose_target(target, match, result);
+  if (markers.empty() && have_same_output(source.mesh, target.mesh)) {
+    match_by_number(source, target, result);
+    return result;
+  }
+  const JointShares from = source_joint_shares(source, match), to = target_joint_shares(target, match);
+  result.fitted = register_skin(source, target, result.target, from, to, match, markers);
+  match_by_place(source, target, from, to, result);
+  return result;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,41 @@
+// Which point of the source's skin each point of the target's is.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/nearest_skin.h"
+#include "runtime/basis/basis.h"
+#include "trainer/transfer/match_skeletons.h"
+
+namespace bodyopt {
+
+// A point of the source's skin and the point of the target's that it is to be, by the numbers of output vertices.
+struct SkinMarker {
+  std::uint32_t source = 0, target = 0;
+};
+
+struct Correspondence {
+  bool same_topology = false;
+  Positions target;            // V' x 3, runtime order: the target's rest skin in the common pose, metres
+  std::vector<Quat> rotation;  // V': of the target's skin, from its rest to the common pose
+  Positions fitted;            // V x 3, runtime order: the source's rest skin, laid onto `target`
+  std::vector<SkinPoint> at;   // V': where on the source's skin (runtime vertices and triangles)
+  Eigen::VectorXd confidence;  // V', 0 .. 1: how near, how alike in normal and joints; 1 for the same topology
+  Eigen::VectorXd distance;    // V', metres: from the fitted source
+
+  double mean_confidence() const { return confidence.size() == 0 ? 0 : confidence.mean(); }
+};
+
+// Less than this is unsure: what is carried there is filled in from around it.
+constexpr double kSureConfidence = 0.4;
+
+// The bases need skeleton, mesh and ddm. Output vertices and triangles of the same numbers: the same vertices, unless
+// there are markers. Otherwise the source is warped by the joints, then laid onto the target from coarse to fine by
+// non-rigid closest points (Amberg, Romdhani, Vetter 2007, with a membrane in place of affine maps), among triangles
+// that face alike and are held by the same joints, through the markers. Throws Error(mismatch) for markers that are not
+// there.
+Correspondence match_skins(const Basis& source, const Basis& target, const SkeletonMatch& match,
+                           const std::vector<SkinMarker>& markers);
+
+}  // namespace bodyopt

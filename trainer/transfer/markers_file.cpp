@@ -1,0 +1,30 @@
+#include "trainer/transfer/markers_file.h"
+
+#include <set>
+
+#include "assets/json_file.h"
+
+namespace bodyopt {
+
+std::vector<SkinMarker> read_markers(const std::filesystem::path& path) {
+  const Json json = read_json(path, "bodyopt-markers-1");
+  const JsonObject top(json, path, "the file");
+  top.allow({"schema", "markers"});
+  const Json& list = top.array("markers");
+  if (list.empty()) top.refuse("has no marker in 'markers'");
+  std::vector<SkinMarker> markers;
+  std::set<int> sources, targets;
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const JsonObject object(list[k], path, "markers[" + std::to_string(k) + "]");
+    object.allow({"source", "target"});
+    const int source = object.integer("source", 0), target = object.integer("target", 0);
+    if (!sources.insert(source).second)
+      object.refuse("marks vertex " + std::to_string(source) + " of the source twice");
+    if (!targets.insert(target).second)
+      object.refuse("marks vertex " + std::to_string(target) + " of the target twice");
+    markers.push_back({static_cast<std::uint32_t>(source), static_cast<std::uint32_t>(target)});
+  }
+  return markers;
+}
+
+}  // namespace bodyopt

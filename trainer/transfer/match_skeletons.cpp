@@ -1,0 +1,266 @@
+#include "trainer/transfer/match_skeletons.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "assets/joint_match.h"
+#include "assets/notes.h"
+#include "runtime/core/error.h"
+#include "runtime/host/rig.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kBuild = 35 * std::numbers::pi / 180;  // less between two bones is a difference of build
+constexpr double kSame = 1e-3;                          // of a skeleton's size: joints of the same body
+
+using Points = Eigen::Matrix3Xd;
+
+Eigen::Quaterniond quaternion_of(const Quat& q) { return {q[3], q[0], q[1], q[2]}; }
+Quat quat_of(const Eigen::Quaterniond& q) { return normalized({q.x(), q.y(), q.z(), q.w()}); }
+
+std::vector<JointTransform> bind_locals(const Skeleton& skeleton) { return bind_pose(skeleton).joints; }
+
+// 3 x J, world.
+Points bind_positions(const Skeleton& skeleton) {
+  const std::vector<Affine> world = posed_joints(skeleton, bind_locals(skeleton));
+  Points points(3, static_cast<Eigen::Index>(world.size()));
+  for (std::size_t j = 0; j < world.size(); ++j) {
+    for (int i = 0; i < 3; ++i) points(i, static_cast<Eigen::Index>(j)) = world[j].m[i][3];
+  }
+  return points;
+}
+
+struct RigidFit {
+  Eigen::Matrix3d rotation;
+  double size = 1;
+  double left = 0;      // root mean square, over the size of `to`
+  double mirrored = 0;  // the same, were reflections allowed
+};
+
+// Kabsch and Umeyama: size x rotation x from ~ to, both centred.
+RigidFit fit_rigidly(Points from, Points to) {
+  from.colwise() -= from.rowwise().mean().eval();
+  to.colwise() -= to.rowwise().mean().eval();
+  // Joints on a line tell no twist: then as little as it takes.
+  const double few = 1e-12 * from.norm() * to.norm();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(to * from.transpose() + few * Eigen::Matrix3d::Identity(),
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+  const Eigen::Vector3d signs(1, 1, sign);
+  const double own = std::max(from.squaredNorm(), 1e-300), other = std::max(to.squaredNorm(), 1e-300);
+  const double trace = svd.singularValues().dot(signs),
+               reflected = svd.singularValues().dot(Eigen::Vector3d(1, 1, -sign));
+  const auto left = [&](double sum) { return std::sqrt(std::max(0.0, 1 - sum * sum / (own * other))); };
+  return {svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose(), trace / own, left(trace), left(reflected)};
+}
+
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+class SkeletonAligner {
+ public:
+  SkeletonAligner(const Skeleton& source, const Skeleton& target, SkeletonMatch& match)
+      : target_(target),
+        match_(match),
+        from_(bind_positions(target)),
+        to_(bind_positions(source)),
+        roles_(joint_roles(named_joints(target))) {
+    collect_bones();
+  }
+
+  void align() {
+    const Quat whole = align_whole();
+    match_.alignment.resize(target_.size());
+    for (std::size_t j = 0; j < target_.size(); ++j) {
+      const int parent = target_.joints[j].parent;
+      const Quat inherited = parent < 0 ? whole : match_.alignment[static_cast<std::size_t>(parent)];
+      match_.alignment[j] = align_joint(j, inherited);
+    }
+    pose_in_common();
+  }
+
+ private:
+  // The bones of each matched joint: to the nearest matched joints below.
+  void collect_bones() {
+    bones_.resize(target_.size());
+    double own = 0, other = 0;
+    for (std::size_t j = 0; j < target_.size(); ++j) {
+      if (match_.source_joint[j] < 0) continue;
+      int above = target_.joints[j].parent;
+      while (above >= 0 && match_.source_joint[static_cast<std::size_t>(above)] < 0) {
+        above = target_.joints[static_cast<std::size_t>(above)].parent;
+      }
+      if (above < 0) continue;
+      const auto a = static_cast<std::size_t>(above);
+      const Eigen::Vector3d from = at(from_, j) - at(from_, a), to = source_at(j) - source_at(a);
+      own += from.norm();
+      other += to.norm();
+      if (from.norm() > 0 && to.norm() > 0) bones_[a].emplace_back(from, to);
+    }
+    if (!(own > 0) || !(other > 0)) {
+      throw Error(ErrorKind::mismatch,
+                  "no two matched joints of the two characters stand apart: nothing tells how large "
+                  "the one is beside the other; a joint map (--map) may match more");
+    }
+    match_.size = own / other;
+  }
+
+  static Eigen::Vector3d at(const Points& points, std::size_t j) { return points.col(static_cast<Eigen::Index>(j)); }
+  Eigen::Vector3d source_at(std::size_t j) const { return at(to_, static_cast<std::size_t>(match_.source_joint[j])); }
+
+  Quat align_whole() {
+    std::vector<Eigen::Index> own, other;
+    for (std::size_t j = 0; j < target_.size(); ++j) {
+      if (match_.source_joint[j] < 0) continue;
+      own.push_back(static_cast<Eigen::Index>(j));
+      other.push_back(match_.source_joint[j]);
+    }
+    const RigidFit fit = fit_rigidly(from_(Eigen::all, own), to_(Eigen::all, other));
+    if (fit.mirrored < 0.25 * fit.left && fit.left > 0.05) {
+      throw Error(ErrorKind::mismatch,
+                  "the target's joints are the mirror image of the source's (left is right): mirror one of the two");
+    }
+    const Eigen::Quaterniond rotation(fit.rotation);
+    const bool stands_alike = rotation.angularDistance(Eigen::Quaterniond::Identity()) < kBuild;
+    if (fit.left > kSame && stands_alike) return {0, 0, 0, 1};
+    if (fit.left <= kSame) match_.size = 1 / fit.size;
+    return rotation.angularDistance(Eigen::Quaterniond::Identity()) < 1e-6 ? Quat{0, 0, 0, 1} : quat_of(rotation);
+  }
+
+  // Trunks rest alike: their short bones differ by build, and not by pose.
+  bool is_of_trunk(std::size_t j) const {
+    constexpr BodyPart kTrunk[] = {BodyPart::hips, BodyPart::spine,     BodyPart::neck,
+                                   BodyPart::head, BodyPart::hip_joint, BodyPart::clavicle};
+    return roles_[j] && std::find(std::begin(kTrunk), std::end(kTrunk), roles_[j]->part) != std::end(kTrunk);
+  }
+
+  Quat align_joint(std::size_t j, const Quat& inherited) const {
+    if (is_of_trunk(j)) return inherited;
+    const Eigen::Quaterniond before = quaternion_of(inherited);
+    Points from(3, static_cast<Eigen::Index>(bones_[j].size())), to = from;
+    bool alike = true;
+    for (std::size_t k = 0; k < bones_[j].size(); ++k) {
+      const auto column = static_cast<Eigen::Index>(k);
+      from.col(column) = (before * bones_[j][k].first).normalized();
+      to.col(column) = bones_[j][k].second.normalized();
+      alike = alike && angle_between(from.col(column), to.col(column)) < kBuild;
+    }
+    if (alike) return inherited;
+    if (from.cols() == 1) {
+      return quat_of(Eigen::Quaterniond::FromTwoVectors(from.col(0), to.col(0)) * before);
+    }
+    // Without centring: bones begin at the joint.
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(to * from.transpose() + 0.1 * Eigen::Matrix3d::Identity(),
+                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+    const Eigen::Matrix3d turn = svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+    return quat_of(Eigen::Quaterniond(turn) * before);
+  }
+
+  void pose_in_common() {
+    match_.common = bind_pose(target_);
+    const std::vector<Quat> bind = bind_rotations(target_);
+    for (std::size_t j = 0; j < target_.size(); ++j) {
+      const int parent = target_.joints[j].parent;
+      const Quat own = match_.alignment[j] * bind[j];
+      JointTransform& local = match_.common.joints[j];
+      if (parent >= 0) {
+        const auto p = static_cast<std::size_t>(parent);
+        if (match_.alignment[j] != match_.alignment[p]) local.rotation = conjugate(match_.alignment[p] * bind[p]) * own;
+      } else {
+        local.rotation = normalized(own);
+        local.translation = rotate(match_.alignment[j], local.translation);
+      }
+    }
+  }
+
+  const Skeleton& target_;
+  SkeletonMatch& match_;
+  Points from_, to_;                             // bind positions of the target's joints, of the source's
+  std::vector<std::optional<JointRole>> roles_;  // of the target's joints
+  std::vector<std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>> bones_;  // target's, source's
+};
+
+// Joints of `skeleton` without a match, as a note.
+void note_unmatched(const Skeleton& skeleton, const std::vector<int>& match, const std::string& whose,
+                    const std::string& consequence, std::vector<std::string>& notes) {
+  std::vector<std::string> names;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    if (match[j] < 0) names.push_back(skeleton.joints[j].name);
+  }
+  if (names.empty()) return;
+  notes.push_back("Joints of the " + whose + " that the other does not have: " + list_names(names) + "; " +
+                  consequence + ".");
+}
+
+// Rotations of all joints away from their bind pose, world.
+std::vector<Quat> world_rotations(const Skeleton& skeleton, const Pose& pose) {
+  std::vector<Quat> world(skeleton.size());
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    const Quat own = normalized(pose.joints[j].rotation);
+    world[j] = parent < 0 ? own : world[static_cast<std::size_t>(parent)] * own;
+  }
+  return world;
+}
+
+}  // namespace
+
+bool SkeletonMatch::is_aligned() const {
+  return std::any_of(alignment.begin(), alignment.end(), [](const Quat& q) { return q != Quat{0, 0, 0, 1}; });
+}
+
+SkeletonMatch match_skeletons(const Skeleton& source, const Skeleton& target, const std::string& joint_map) {
+  SkeletonMatch match;
+  match.source_joint = match_joints(named_joints(source), target, joint_map, "the source", match.notes);
+  match.target_joint.assign(source.size(), -1);
+  int matched = 0;
+  for (std::size_t j = 0; j < target.size(); ++j) {
+    if (match.source_joint[j] < 0) continue;
+    match.target_joint[static_cast<std::size_t>(match.source_joint[j])] = static_cast<int>(j);
+    ++matched;
+  }
+  if (matched < 2) {
+    throw Error(ErrorKind::mismatch,
+                "the two characters have " + count_of(static_cast<std::size_t>(matched), "joint", "joints") +
+                    " in common: they are unlike bodies, or their joints are named by no known convention; a joint map "
+                    "(--map) says which is which");
+  }
+  note_unmatched(source, match.target_joint, "source", "what they alone move follows the joint above", match.notes);
+  note_unmatched(target, match.source_joint, "target", "they keep to the joint above", match.notes);
+  SkeletonAligner(source, target, match).align();
+  return match;
+}
+
+Pose transferred_pose(const SkeletonMatch& match, const Skeleton& source, const Skeleton& target, const Pose& pose) {
+  const std::vector<Quat> source_bind = bind_rotations(source), target_bind = bind_rotations(target),
+                          posed = world_rotations(source, pose);
+  Pose result{match.common.joints, pose.controls};
+  std::vector<Quat> world(target.size());
+  for (std::size_t j = 0; j < target.size(); ++j) {
+    const int parent = target.joints[j].parent, s = match.source_joint[j];
+    const Quat above = parent < 0 ? Quat{0, 0, 0, 1} : world[static_cast<std::size_t>(parent)];
+    JointTransform& local = result.joints[j];
+    if (s >= 0) {
+      const auto from = static_cast<std::size_t>(s);
+      const Joint& joint = source.joints[from];
+      const JointTransform& moved = pose.joints[from];
+      const Quat away = posed[from] * conjugate(source_bind[from]);
+      local.rotation = normalized(conjugate(above) * away * match.alignment[j] * target_bind[j]);
+      const Quat source_above = joint.parent < 0 ? Quat{0, 0, 0, 1} : posed[static_cast<std::size_t>(joint.parent)];
+      const Vec3 shift = rotate(source_above, moved.translation - joint.bind.translation);
+      local.translation = local.translation + match.size * rotate(conjugate(above), shift);
+      for (std::size_t i = 0; i < 3; ++i) local.scale[i] *= moved.scale[i] / joint.bind.scale[i];
+    }
+    world[j] = above * normalized(local.rotation);
+  }
+  return result;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,36 @@
+// Which joints of two characters are the same, and how the target stands when it is posed as the source rests.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "runtime/basis/skeleton.h"
+
+namespace bodyopt {
+
+struct SkeletonMatch {
+  std::vector<int> source_joint;  // per joint of the target: its joint of the source, or -1
+  std::vector<int> target_joint;  // the other way round
+  // Per joint of the target, world: from its bind pose to the source's. A joint without a match takes that above it.
+  std::vector<Quat> alignment;
+  Pose common;      // the target, posed as the source rests; where the source stands
+  double size = 1;  // of the target over the source: the lengths between matched joints, in total
+  std::vector<std::string> notes;
+
+  // False where every joint rests alike, but for what builds differ by: all alignments are then the identity.
+  bool is_aligned() const;
+};
+
+// Joints are matched as match_joints() says, by name, convention and `joint_map` (a file, or empty). The target as a
+// whole is turned as the source stands where it stands otherwise (35 degrees or more) or is the same but for its place
+// and size. A joint's bones are laid along those of the source, with as little twist as it takes, where they lie 35
+// degrees or more from them: less is a difference of build, as are those of a trunk, by its joints' names. Throws
+// Error(mismatch) where fewer than two joints match, or where the target is the source's mirror image, and as
+// match_joints().
+SkeletonMatch match_skeletons(const Skeleton& source, const Skeleton& target, const std::string& joint_map);
+
+// The target's pose that moves each joint as the source's pose moves its match away from rest. Translations and scales
+// are those of the source, changed as much, in the target's size.
+Pose transferred_pose(const SkeletonMatch& match, const Skeleton& source, const Skeleton& target, const Pose& pose);
+
+}  // namespace bodyopt

@@ -1,0 +1,18 @@
+// Tables of a basis as matrices.
+#pragma once
+
+#include "geometry/mesh.h"
+
+namespace bodyopt {
+
+inline Positions rows_of(const std::vector<float>& values) {
+  return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
+             values.data(), static_cast<Eigen::Index>(values.size() / 3), 3)
+      .cast<double>();
+}
+
+inline Triangles rows_of(const std::vector<std::uint32_t>& corners) {
+  return Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+}
+
+}  // namespace bodyopt

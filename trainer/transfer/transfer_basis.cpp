@@ -1,0 +1,140 @@
+#include "trainer/transfer/transfer_basis.h"
+
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "trainer/train/coverage/coverage.h"
+#include "trainer/train/features/features.h"
+#include "trainer/transfer/table_rows.h"
+#include "trainer/transfer/transfer_columns.h"
+#include "trainer/transfer/transfer_features.h"
+
+namespace bodyopt {
+namespace {
+
+// Gives the fibres' points places on the target's skin.
+class FibreCarrier {
+ public:
+  FibreCarrier(const TransferPair& pair, const StrainTable& source)
+      : pair_(pair),
+        source_(source),
+        triangles_(rows_of(pair.target.mesh.triangles)),
+        nearest_(pair.correspondence.target, triangles_) {
+    target_vertex_.resize(pair.source.mesh.vertex_count());
+    if (!pair.correspondence.same_topology) return;
+    const MeshTable &from = pair.source.mesh, &to = pair.target.mesh;
+    for (std::uint32_t o = 0; o < from.output_count(); ++o) target_vertex_[from.output_vertex[o]] = to.output_vertex[o];
+  }
+
+  StrainTable carry() {
+    StrainTable result = source_;
+    result.vertices.clear();
+    if (pair_.correspondence.same_topology) {
+      for (const std::uint32_t vertex : source_.vertices) result.vertices.push_back(target_vertex_[vertex]);
+      return result;
+    }
+    for (FibrePoint& point : result.points) point = carried(point, result.vertices);
+    return result;
+  }
+
+ private:
+  FibrePoint carried(const FibrePoint& point, std::vector<std::uint32_t>& vertices) {
+    const Positions& fitted = pair_.correspondence.fitted;
+    const auto corner = [&](std::uint32_t k) -> Eigen::Vector3d { return fitted.row(source_.vertices[k]); };
+    const SkinPoint at = nearest_(double{point.wa} * corner(point.a) + double{point.wb} * corner(point.b) +
+                                  double{point.wc} * corner(point.c));
+    std::uint32_t place[3];
+    for (std::size_t k = 0; k < 3; ++k) place[k] = place_of(at.vertices[k], vertices);
+    return {place[0],
+            place[1],
+            place[2],
+            static_cast<float>(at.weights[0]),
+            static_cast<float>(at.weights[1]),
+            static_cast<float>(at.weights[2])};
+  }
+
+  std::uint32_t place_of(std::uint32_t vertex, std::vector<std::uint32_t>& vertices) {
+    const auto [entry, added] = places_.emplace(vertex, static_cast<std::uint32_t>(vertices.size()));
+    if (added) vertices.push_back(vertex);
+    return entry->second;
+  }
+
+  const TransferPair& pair_;
+  const StrainTable& source_;
+  const Triangles triangles_;
+  const NearestSkin nearest_;
+  std::vector<std::uint32_t> target_vertex_;       // of each source vertex, for the same topology
+  std::map<std::uint32_t, std::uint32_t> places_;  // of the target's vertices in the table's list
+};
+
+// Rest lengths as the run-time kernels measure them: with a length of 1 m the strain is the length less one. A fibre
+// that has collapsed to a point keeps 1 m, and no strain.
+void measure_rest_lengths(Basis& basis) {
+  basis.strain.rest_length.assign(basis.strain.rest_length.size(), 1.0f);
+  for (std::size_t k = 0; const float strain : measure_strains(basis, bind_pose(basis.skeleton))) {
+    float& length = basis.strain.rest_length[k++];
+    length = 1 + strain > 1e-6f ? 1 + strain : 1;
+  }
+}
+
+std::vector<float> strains_at_target_rest(const TransferPair& pair) {
+  if (pair.source.strain.fibre_count() == 0) return {};
+  if (!pair.match.is_aligned()) return std::vector<float>(pair.source.strain.fibre_count(), 0.0f);
+  return measure_strains(pair.source, pose_at_target_rest(pair.match, pair.source.skeleton));
+}
+
+// With the target's joints and number of vertices; the errors are those of the source.
+std::string carried_coverage(const TransferPair& pair) {
+  std::vector<RegionCoverage> regions = read_coverage(pair.source);
+  const double share = static_cast<double>(pair.target.mesh.vertex_count()) / pair.source.mesh.vertex_count();
+  for (RegionCoverage& region : regions) {
+    region.size *= share;
+    std::vector<std::string> joints;
+    for (const std::string& name : region.joints) {
+      const int joint = pair.source.skeleton.find(name);
+      const int other = joint < 0 ? -1 : pair.match.target_joint[static_cast<std::size_t>(joint)];
+      if (other >= 0) joints.push_back(pair.target.skeleton.joints[static_cast<std::size_t>(other)].name);
+    }
+    if (joints.empty()) joints.push_back(pair.target.skeleton.joints.front().name);
+    region.joints = joints;
+    for (double& error : region.expected.local) error *= share;
+    for (double& error : region.expected.motion) error *= share;
+    region.expected.distance *= share;
+  }
+  return coverage_text(regions);
+}
+
+void carry_metadata(const TransferPair& pair, Basis& basis) {
+  const auto parse = [](const Metadata& metadata, const char* key) {
+    const auto text = metadata.find(key);
+    return text == metadata.end() ? nlohmann::json() : nlohmann::json::parse(text->second, nullptr, false);
+  };
+  nlohmann::json provenance = parse(basis.metadata, "provenance");
+  const nlohmann::json source = parse(pair.source.metadata, "provenance");
+  if (!source.is_discarded()) provenance["transferred_from"] = source;
+  basis.metadata["provenance"] = provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (has_coverage(pair.source)) basis.metadata["coverage"] = carried_coverage(pair);
+  const auto report = pair.source.metadata.find("report");
+  if (report != pair.source.metadata.end()) basis.metadata["report"] = report->second;
+}
+
+}  // namespace
+
+Basis transfer_basis(const TransferPair& pair, const TransferOptions& options, std::vector<std::string>& notes) {
+  Basis result = pair.target;
+  result.strain = FibreCarrier(pair, pair.source.strain).carry();
+  measure_rest_lengths(result);
+  result.residual = pair.source.residual;
+  transfer_features(feature_formulas(pair.source, pair.target.skeleton, pair.match, strains_at_target_rest(pair)),
+                    pair.source.skeleton, pair.target.skeleton, pair.match, result.residual, notes);
+  ResidualTable columns = pair.source.residual;
+  transfer_columns(pair.skin, pair.source.mesh.vertex_count(), pair.target.mesh.vertex_count(), options.tolerance,
+                   columns);
+  result.residual.blend = std::move(columns.blend);
+  result.residual.blend_begin = std::move(columns.blend_begin);
+  carry_metadata(pair, result);
+  validate(result, "the transferred basis");
+  return result;
+}
+
+}  // namespace bodyopt

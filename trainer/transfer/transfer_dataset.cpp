@@ -1,0 +1,183 @@
+#include "trainer/transfer/transfer_dataset.h"
+
+#include <algorithm>
+#include <span>
+
+#include "assets/pc2.h"
+#include "assets/shape_reader.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "dataset/regions_file.h"
+#include "dataset/take_lock.h"
+#include "runtime/basis/read_file.h"
+#include "runtime/core/atomic_file.h"
+#include "runtime/core/error.h"
+#include "runtime/cpu/ddm.h"
+#include "runtime/host/rig.h"
+#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/train/skinning/unpose.h"
+#include "trainer/transfer/carry_anatomy.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kBatch = 32;  // frames in memory
+
+// x_i = t_i + R_i (d_i + delta d_i) + origin, in output order; O x 3.
+std::vector<float> posed_output(const Basis& basis, const Pose& pose, const Positions& displacements) {
+  const RigFrame rig = pose_rig(basis.skeleton, pose);
+  const std::uint32_t count = basis.mesh.vertex_count();
+  std::vector<float> skin(3 * std::size_t{count});
+  for (std::uint32_t v = 0; v < count; ++v) {
+    float r[9], t[3];
+    cpu::ddm_frame(basis.ddm, v, rig.skinning.data(), r, t);
+    const DdmVertex& vertex = basis.ddm.vertices[v];
+    const double local[3] = {vertex.offset_x + displacements(v, 0), vertex.offset_y + displacements(v, 1),
+                             vertex.offset_z + displacements(v, 2)};
+    for (std::size_t i = 0; i < 3; ++i) {
+      double sum = double{t[i]} + double{rig.origin[i]};
+      for (std::size_t k = 0; k < 3; ++k) sum += double{r[3 * i + k]} * local[k];
+      skin[3 * v + i] = static_cast<float>(sum);
+    }
+  }
+  std::vector<float> output;
+  output.reserve(3 * basis.mesh.output_vertex.size());
+  for (const std::uint32_t v : basis.mesh.output_vertex) {
+    output.insert(output.end(), skin.begin() + 3 * std::ptrdiff_t{v}, skin.begin() + 3 * std::ptrdiff_t{v} + 3);
+  }
+  return output;
+}
+
+void copy_into(const fs::path& from, const fs::path& to) {
+  constexpr std::uint64_t kMost = 1ull << 28;
+  const std::string bytes = read_file(from, kMost, "a part of a dataset");
+  write_file_atomically(to, std::as_bytes(std::span(bytes)));
+}
+
+class DatasetTransfer {
+ public:
+  DatasetTransfer(const Dataset& dataset, const Character& source_character, const TransferPair& pair,
+                  const TransferTarget& target, const fs::path& out)
+      : dataset_(dataset),
+        source_character_(source_character),
+        order_(morton_order(source_character.vertices)),
+        pair_(pair),
+        target_(target),
+        out_(out) {
+    result_.folder = out;
+    result_.character = fs::proximate(fs::absolute(target.file), fs::absolute(out)).string();
+    result_.unit = target.unit;
+  }
+
+  TransferredDataset run() {
+    std::error_code error;
+    fs::create_directories(out_, error);
+    if (error) throw Error(ErrorKind::file, out_.string() + ": cannot be made: " + error.message());
+    // One dataset, one character: what differs is refused before anything is written.
+    open_dataset(with_names(), out_ / "dataset.json");
+    write_anatomy();
+    for (const DatasetTake& take : dataset_.takes) transfer_take(take);
+    return std::move(told_);
+  }
+
+ private:
+  Dataset with_names() {
+    if (!dataset_.muscles.empty()) result_.muscles = "muscles.json";
+    if (!dataset_.materials.empty()) result_.materials = "materials.json";
+    if (!dataset_.regions.empty()) result_.regions = "regions.json";
+    return result_;
+  }
+
+  void write_anatomy() {
+    if (!dataset_.muscles.empty()) {
+      const auto muscles = read_muscles(dataset_.folder / dataset_.muscles, source_character_.skeleton);
+      write_muscles(carried_muscles(pair_, muscles, told_.notes), target_.character.skeleton, out_ / result_.muscles);
+    }
+    if (!dataset_.materials.empty()) copy_into(dataset_.folder / dataset_.materials, out_ / result_.materials);
+    if (!dataset_.regions.empty()) write_carried_regions();
+  }
+
+  void write_carried_regions() {
+    std::vector<std::uint32_t> runtime(order_.size());
+    for (std::uint32_t v = 0; v < order_.size(); ++v) runtime[order_[v]] = v;
+    std::vector<RegionWeights> regions =
+        carried_regions(pair_, renumbered(read_regions(dataset_, source_character_), runtime));
+    regions = renumbered(regions, morton_order(target_.character.vertices));
+    write_regions(regions, target_.character, out_ / result_.regions);
+  }
+
+  void transfer_take(const DatasetTake& take) {
+    const Clip clip = read_clip(dataset_, take, source_character_.skeleton);
+    DatasetTake carried = take;
+    carried.clip = take.name + ".glb";
+    carried.joint_map.clear();
+    carried.shapes = take.name + ".pc2";
+    carried.shapes_status = take.shapes_status.empty() ? "" : take.name + ".status.json";
+    carried.controls = take.controls.empty() ? "" : take.name + ".controls.json";
+    const Clip moved = moved_clip(clip);
+    const TakeLock lock(out_ / carried.shapes);  // until dataset.json names what the shapes are of
+    write_clip(moved, target_.character.skeleton, out_ / carried.clip);
+    if (!take.controls.empty()) copy_into(dataset_.folder / take.controls, out_ / carried.controls);
+    write_shapes(take, clip, moved, out_ / carried.shapes);
+    if (!take.shapes_status.empty()) write_status(take, out_ / carried.shapes_status);
+    put_take(result_, carried, out_ / "dataset.json");
+    ++told_.takes;
+    told_.frames += take.frames.size();
+  }
+
+  Clip moved_clip(const Clip& clip) const {
+    Clip moved = clip;
+    for (Pose& pose : moved.poses) {
+      pose = transferred_pose(pair_.match, source_character_.skeleton, target_.character.skeleton, pose);
+    }
+    return moved;
+  }
+
+  void write_shapes(const DatasetTake& take, const Clip& clip, const Clip& moved, const fs::path& path) {
+    const ShapeReader shapes(dataset_.folder / take.shapes);
+    const auto count = static_cast<std::uint32_t>(take.frames.size());
+    Pc2Writer writer(path, target_.character.output_count(), count,
+                     take.frames.empty() ? 1 : static_cast<float>(take.frames.front()), frame_spacing(take.frames));
+    Progress progress("transfer: " + take.name, take.frames.size());
+    for (std::size_t first = 0; first < count; first += kBatch) {
+      std::vector<std::vector<float>> batch(std::min(kBatch, count - first));
+      parallel_for(batch.size(), [&](std::size_t k) {
+        const auto frame = static_cast<std::size_t>(take.frames[first + k] - clip.first_frame);
+        const std::vector<float> sample = shapes.sample(static_cast<std::uint32_t>(first + k));
+        const Positions shape = in_order(welded_from_output(source_character_, sample.data()), order_);
+        batch[k] = posed_output(pair_.target, moved.poses.at(frame),
+                                pair_.skin(unpose_ddm(pair_.source, clip.poses.at(frame), shape)));
+        progress.advance();
+      });
+      for (const std::vector<float>& frame : batch) writer.append(frame);
+    }
+    writer.close();
+  }
+
+  // No longer of these inputs: shapes from elsewhere, which simulate does not replace.
+  void write_status(const DatasetTake& take, const fs::path& path) const {
+    std::vector<FrameStatus> status = read_frame_status(dataset_.folder / take.shapes_status);
+    for (FrameStatus& frame : status) frame.inputs = 0;
+    write_frame_status(status, path);
+  }
+
+  const Dataset& dataset_;
+  const Character& source_character_;
+  const std::vector<std::uint32_t> order_;
+  const TransferPair& pair_;
+  const TransferTarget& target_;
+  const fs::path out_;
+  Dataset result_;
+  TransferredDataset told_;
+};
+
+}  // namespace
+
+TransferredDataset transfer_dataset(const Dataset& dataset, const Character& source_character, const TransferPair& pair,
+                                    const TransferTarget& target, const fs::path& out) {
+  return DatasetTransfer(dataset, source_character, pair, target, out).run();
+}
+
+}  // namespace bodyopt
