@@ -50,7 +50,7 @@ struct Body {
   // Eight tets of every one. As build_dynamics.
   Dynamics refined(std::int64_t coarse) const {
     const FineSkin skin(arm.vertices, arm.triangles);
-    const DynamicsTets before = make_dynamics_tets(arm.vertices, arm.triangles, coarse);
+    const DynamicsTets before = make_dynamics_tets(arm.vertices, arm.triangles, arm.weights, coarse);
     FilledSkin fine = refine_tets(before.cage.mesh, static_cast<Eigen::Index>(before.surface.size()));
     fine.mesh.nodes = fine.mesh.nodes.cast<float>().cast<double>().eval();  // what the tables have
     DynamicsTets tets{cage_in(skin, fine), {}, {}};

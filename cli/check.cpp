@@ -2,11 +2,15 @@
 #include "trainer/check/check.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <span>
 
 #include "assets/notes.h"
 #include "cli/arguments/common.h"
+#include "report/region_picture.h"
 #include "runtime/core/error.h"
+#include "trainer/check/foresee.h"
 #include "trainer/motion/coupled_joints.h"
 #include "trainer/motion/held_turns.h"
 
@@ -14,11 +18,96 @@ namespace bodyopt::cli {
 namespace {
 
 struct CheckArguments {
-  std::string path, limits;
+  std::string path, limits, picture;
   ClipArguments clip;
   double unit = 0;
   JsonOption json;
 };
+
+Json places_json(const std::vector<RestPlace>& places, bool of_two) {
+  Json result = Json::array();
+  for (const RestPlace& place : places) {
+    Json& entry = result.emplace_back(Json{{"joint", place.joint}});
+    if (of_two) entry["other_joint"] = place.other;
+    entry["vertices"] = place.vertices.size();
+    entry["vertex"] = place.vertex;
+    entry["position_m"] = {place.position[0], place.position[1], place.position[2]};
+  }
+  return result;
+}
+
+// first: the number of the first in the picture.
+std::string places_text(const std::vector<RestPlace>& places, bool of_two, std::size_t first) {
+  constexpr std::size_t kShown = 8;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(places.size(), kShown); ++k) {
+    const RestPlace& place = places[k];
+    text += format("%4zu  %s: %zu vertices, one is %u at %.3f %.3f %.3f m\n", first + k,
+                   (place.joint + (of_two ? " and " + place.other : "")).c_str(), place.vertices.size(), place.vertex,
+                   place.position[0], place.position[1], place.position[2]);
+  }
+  if (places.size() > kShown) text += format("  and at %zu more\n", places.size() - kShown);
+  return text;
+}
+
+// The skin with these places coloured and numbered in their order, a vertex by the first that has it.
+void draw_places(const Character& character, const std::vector<RestPlace>& places, const std::string& path) {
+  std::vector<int> place_of(static_cast<std::size_t>(character.vertices.rows()), -1);
+  for (std::size_t p = places.size(); p-- > 0;) {
+    for (const std::uint32_t v : places[p].vertices) place_of[v] = static_cast<int>(p);
+  }
+  std::vector<std::vector<std::uint32_t>> vertices(places.size() + 1);  // the last: the rest
+  for (std::uint32_t v = 0; v < place_of.size(); ++v) {
+    vertices[place_of[v] < 0 ? places.size() : static_cast<std::size_t>(place_of[v])].push_back(v);
+  }
+  const std::vector<double> whole(place_of.size(), 1.0);
+  std::vector<DrawnRegion> drawn;
+  for (const std::vector<std::uint32_t>& of_place : vertices) {
+    drawn.push_back({of_place, std::span(whole).first(of_place.size())});
+  }
+  std::vector<std::array<float, 3>> colours = region_colours(drawn, place_of.size());
+  colours.back() = {0.3f, 0.3f, 0.3f};
+  const std::vector<float> skin(character.vertices.data(), character.vertices.data() + character.vertices.size());
+  const std::span<const std::uint32_t> triangles(character.triangles.data(),
+                                                 static_cast<std::size_t>(character.triangles.size()));
+  Renderer renderer;
+  write_png(region_picture(renderer, skin, triangles, drawn, colours, 700, 1000), path);
+}
+
+// What the verbs will make of the character: in JSON, and as a table; and in a picture where asked.
+Json foreseen(const Character& character, const std::string& picture, std::string& text) {
+  const CharacterForesight foresight = foresee(character);
+  if (!picture.empty()) {
+    std::vector<RestPlace> places = foresight.intersections;
+    places.insert(places.end(), foresight.near_parts.begin(), foresight.near_parts.end());
+    draw_places(character, places, picture);
+  }
+  Json verbs = Json::array();
+  text += format("%-17s %-13s %7s  %-8s why\n", "verb", "fills", "nodes", "contact");
+  for (const VerbForesight& verb : foresight.verbs) {
+    text += format("%-17s %-13s %7td  %-8s %s\n", verb.verb.c_str(), name_of(verb.fill), verb.nodes,
+                   verb.verb == "dynamics" ? "-" : (verb.has_contact ? "yes" : "no"), verb.why.c_str());
+    if (!verb.remedy.empty()) text += format("%-17s remedy: %s\n", "", verb.remedy.c_str());
+    verbs.push_back({{"verb", verb.verb},
+                     {"fills", name_of(verb.fill)},
+                     {"nodes", verb.nodes},
+                     {"contact", verb.has_contact},
+                     {"why", verb.why},
+                     {"remedy", verb.remedy}});
+  }
+  if (!foresight.intersections.empty()) {
+    text += "the skin passes through itself at rest:\n" + places_text(foresight.intersections, false, 1);
+  }
+  if (!foresight.near_parts.empty()) {
+    text += "parts of different joints nearly touch at rest (a lattice glues them):\n" +
+            places_text(foresight.near_parts, true, foresight.intersections.size() + 1);
+  }
+  for (const std::string& remark : foresight.remarks) text += "note: " + remark + "\n";
+  return {{"foreseen", verbs},
+          {"self_intersections", places_json(foresight.intersections, false)},
+          {"near_parts", places_json(foresight.near_parts, true)},
+          {"remarks", foresight.remarks}};
+}
 
 void check_character(const CheckArguments& arguments) {
   const Character character = read_character(arguments.path, arguments.unit);
@@ -28,15 +117,16 @@ void check_character(const CheckArguments& arguments) {
       format("%s: %u vertices, %td after welding seams, %zu joints, %.3f x %.3f x %.3f m\nsurface: %s\n",
              character.name.c_str(), character.output_count(), static_cast<std::ptrdiff_t>(character.vertices.rows()),
              character.skeleton.size(), box(0), box(1), box(2), surface.c_str());
-  if (!surface.starts_with("closed")) text += "simulate puts such a skin in a coarse cage\n";
   for (const std::string& note : character.notes) text += "note: " + note + "\n";
-  arguments.json.emit({{"vertices", character.output_count()},
-                       {"welded_vertices", character.vertices.rows()},
-                       {"joints", character.skeleton.size()},
-                       {"bounding_box_m", {box(0), box(1), box(2)}},
-                       {"surface", surface},
-                       {"notes", character.notes}},
-                      text);
+  Json result = {{"vertices", character.output_count()},
+                 {"welded_vertices", character.vertices.rows()},
+                 {"joints", character.skeleton.size()},
+                 {"bounding_box_m", {box(0), box(1), box(2)}},
+                 {"surface", surface},
+                 {"notes", character.notes}};
+  result.update(foreseen(character, arguments.picture, text));
+  if (!arguments.picture.empty()) text += "wrote " + arguments.picture + "\n";
+  arguments.json.emit(result, text);
 }
 
 // What the frames asked for hold beyond the character's limits.
@@ -121,6 +211,12 @@ void run(const CheckArguments& arguments) {
   arguments.json.require_writable();
   const std::string extension = std::filesystem::path(arguments.path).extension();
   const bool is_character = extension == ".glb" || extension == ".gltf";
+  if (!arguments.picture.empty()) {
+    if (!is_character || !arguments.clip.source.empty()) {
+      throw Error(ErrorKind::usage, "--picture draws a character (.glb, .gltf) alone");
+    }
+    require_writable(arguments.picture);
+  }
   if (!arguments.clip.source.empty()) {
     if (!is_character) throw Error(ErrorKind::usage, "--clip is checked with a character (.glb, .gltf), not a dataset");
     return check_clip(arguments);
@@ -147,6 +243,10 @@ void add_check(CLI::App& app) {
   for (const char* of_clip : {"--frames", "--fps", "--first-frame", "--controls", "--joint-map"}) {
     verb.get_option(of_clip)->needs(&clip);
   }
+  verb.add_option("--picture", arguments->picture,
+                  "Also draw where a character's skin passes through itself or nearly touches, numbered as listed")
+      ->type_name("FILE.png")
+      ->check(must_end_in(".png"));
   add_unit(verb, arguments->unit);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

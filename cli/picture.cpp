@@ -213,7 +213,7 @@ Image draw_cut(const PictureArguments& arguments, const Scene& scene, const View
   std::string cage;  // why there is one, where there is one
   options.warn = [&](const std::string& warning) { cage = warning; };
   const QuasiStaticBody body = make_body(scene.character, muscles, options);
-  if (!body.embedding().empty()) {
+  if (body.is_cage()) {
     throw Error(ErrorKind::mismatch, "--cut-open shows the tets that fill a skin, and none fill this one: " + cage);
   }
   const Positions nodes = solve_again(scene, body, muscles, arguments.frame, inputs);

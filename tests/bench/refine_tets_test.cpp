@@ -13,7 +13,7 @@ namespace {
 
 TEST(RefineTets, EveryTetIsCutIntoEightOfItsVolume) {
   const Character limb = make_limb();
-  const DynamicsTets coarse = make_dynamics_tets(limb.vertices, limb.triangles, 25000);
+  const DynamicsTets coarse = make_dynamics_tets(limb.vertices, limb.triangles, limb.weights, 25000);
   const TetMesh& mesh = coarse.cage.mesh;
   const FilledSkin fine = refine_tets(mesh, static_cast<Eigen::Index>(coarse.surface.size()));
   ASSERT_EQ(fine.mesh.tets.rows(), 8 * mesh.tets.rows());

@@ -62,7 +62,7 @@ TEST(Diffuse, SphereHasTheReferencesFieldsInside) {
 
 TEST(Diffuse, LinearFieldsAreExact) {
   const Character limb = make_limb();
-  const DynamicsTets tets = make_dynamics_tets(limb.vertices, limb.triangles, 25000);
+  const DynamicsTets tets = make_dynamics_tets(limb.vertices, limb.triangles, limb.weights, 25000);
   const TetMesh& mesh = tets.cage.mesh;
   const auto surface = static_cast<Eigen::Index>(tets.surface.size());
   ASSERT_GT(mesh.nodes.rows(), surface);

@@ -44,7 +44,7 @@ void expect_linear_precision(const DynamicsTets& tets, const Positions& skin) {
 TEST(DynamicsTets, CoarserSkinLiesOnTheSkinAndFillsIt) {
   const Character& character = arm().character;
   const Eigen::Index most = 6000;
-  const DynamicsTets tets = make_dynamics_tets(character.vertices, character.triangles, most);
+  const DynamicsTets tets = make_dynamics_tets(character.vertices, character.triangles, character.weights, most);
   const TetMesh& mesh = tets.cage.mesh;
   EXPECT_LE(mesh.tets.rows(), most);
   EXPECT_GT(mesh.tets.rows(), 0.85 * static_cast<double>(most));
@@ -57,7 +57,7 @@ TEST(DynamicsTets, CoarserSkinLiesOnTheSkinAndFillsIt) {
 // Beyond a tet a vertex does not swing much further than its corners.
 TEST(DynamicsTets, SkinIsCarriedFromNear) {
   const Character limb = make_limb();
-  const DynamicsTets tets = make_dynamics_tets(limb.vertices, limb.triangles, 600);
+  const DynamicsTets tets = make_dynamics_tets(limb.vertices, limb.triangles, limb.weights, 600);
   double least = 0;
   for (const EmbeddedPoint& point : tets.cage.skin) {
     EXPECT_NEAR(point.weights.sum(), 1, 1e-12);
@@ -69,7 +69,7 @@ TEST(DynamicsTets, SkinIsCarriedFromNear) {
 
 TEST(DynamicsTets, SkinOfFewVerticesIsFilledAsItIs) {
   const Character limb = make_limb();
-  const DynamicsTets tets = make_dynamics_tets(limb.vertices, limb.triangles, 25000);
+  const DynamicsTets tets = make_dynamics_tets(limb.vertices, limb.triangles, limb.weights, 25000);
   ASSERT_EQ(tets.surface.size(), static_cast<std::size_t>(limb.vertices.rows()));
   for (std::size_t v = 0; v < tets.surface.size(); ++v) {
     EXPECT_EQ(tets.surface[v].vertices[0], v);
@@ -81,7 +81,7 @@ TEST(DynamicsTets, SkinOfFewVerticesIsFilledAsItIs) {
 
 TEST(DynamicsTets, TableHoldsTheShapes) {
   const Character limb = make_limb();
-  const DynamicsTets tets = make_dynamics_tets(limb.vertices, limb.triangles, 25000);
+  const DynamicsTets tets = make_dynamics_tets(limb.vertices, limb.triangles, limb.weights, 25000);
   const std::vector<double> amounts(tets.cage.skin.size(), 0.25);
   const TetTable table = make_tet_table(tets, amounts);
   ASSERT_EQ(table.tet_count(), static_cast<std::uint32_t>(tets.cage.mesh.tets.rows()));
@@ -105,13 +105,13 @@ TEST(DynamicsTets, TableHoldsTheShapes) {
 
 TEST(DynamicsTets, OpenSkinIsRefusedWithTheCause) {
   const Character limb = make_limb();
-  const Triangles open = limb.triangles.topRows(limb.triangles.rows() - 1);
+  const Triangles open = limb.triangles.topRows(limb.triangles.rows() / 2);
   try {
-    make_dynamics_tets(limb.vertices, open, 25000);
+    make_dynamics_tets(limb.vertices, open, limb.weights, 25000);
     FAIL() << "filled";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::mismatch);
-    EXPECT_NE(std::string(error.what()).find("3 boundary edges"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("boundary edges"), std::string::npos) << error.what();
   }
 }
 

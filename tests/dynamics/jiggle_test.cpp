@@ -18,7 +18,7 @@ namespace {
 struct LimbJiggle {
   explicit LimbJiggle(const JiggleSettings& given = {}, const std::vector<RegionWeights>& painted = {})
       : settings(given),
-        tets(make_dynamics_tets(limb.vertices, limb.triangles, 25000)),
+        tets(make_dynamics_tets(limb.vertices, limb.triangles, limb.weights, 25000)),
         anatomy(find_anatomy(limb, muscles, tets.cage, {})),
         fields(spread_settings(settings, limb, muscles, painted, tets, anatomy)),
         system(make_jiggle_system(settings, fields, limb.skeleton, mesh, anatomy, {}, notes)) {}
@@ -274,7 +274,7 @@ TEST(Jiggle, ActiveMusclesHoldTheirNodes) {
 
 TEST(Jiggle, PiecesWithoutBonesArePinnedAndNamed) {
   const Character both = make_two_limbs(0.2);
-  const DynamicsTets tets = make_dynamics_tets(both.vertices, both.triangles, 25000);
+  const DynamicsTets tets = make_dynamics_tets(both.vertices, both.triangles, both.weights, 25000);
   const TetMesh& mesh = tets.cage.mesh;
   JiggleAnatomy anatomy = find_anatomy(both, {}, tets.cage, {});
   const JiggleFields fields = spread_settings({}, both, {}, {}, tets, anatomy);

@@ -48,8 +48,8 @@ Eigen::Index inverted(const DynamicsTets& tets, const std::vector<Positions>& sk
 TEST(UnfoldTets, FewerAreInsideOutInThePoses) {
   const Character limb = limb_character();
   const std::vector<Positions> skins = bent_skins();
-  const DynamicsTets before = make_dynamics_tets(limb.vertices, limb.triangles, 1500),
-                     after = make_dynamics_tets(limb.vertices, limb.triangles, 1500, skins);
+  const DynamicsTets before = make_dynamics_tets(limb.vertices, limb.triangles, limb.weights, 1500),
+                     after = make_dynamics_tets(limb.vertices, limb.triangles, limb.weights, 1500, skins);
   EXPECT_EQ(before.unfolding.poses, 0);
   EXPECT_EQ(after.unfolding.poses, 4);
   EXPECT_EQ(after.unfolding.before, inverted(before, skins));
@@ -68,7 +68,7 @@ TEST(UnfoldTets, FewerAreInsideOutInThePoses) {
 // A skin that is taken as it is stays where it is.
 TEST(UnfoldTets, MovesNoVertexOfTheSkinItself) {
   const Character limb = limb_character();
-  const DynamicsTets tets = make_dynamics_tets(limb.vertices, limb.triangles, 25000, bent_skins());
+  const DynamicsTets tets = make_dynamics_tets(limb.vertices, limb.triangles, limb.weights, 25000, bent_skins());
   EXPECT_GT(tets.unfolding.before, 0);
   EXPECT_LE(tets.unfolding.after, tets.unfolding.before);
   for (Eigen::Index v = 0; v < limb.vertices.rows(); ++v) {

@@ -10,13 +10,13 @@ namespace {
 
 TEST(MakeCage, TakesTheSkinWhereItCanBeFilled) {
   const Character& character = arm().character;
-  EXPECT_FALSE(make_cage(character.vertices, character.triangles, 1500).is_lattice);
-  const Triangles open = character.triangles.topRows(character.triangles.rows() - 1);
-  const Cage lattice = make_cage(character.vertices, open, 1500);
+  EXPECT_FALSE(make_cage(character.vertices, character.triangles, character.weights, 1500).is_lattice);
+  const Triangles open = character.triangles.topRows(character.triangles.rows() / 2);
+  const Cage lattice = make_cage(character.vertices, open, character.weights, 1500);
   EXPECT_TRUE(lattice.is_lattice);
   EXPECT_NE(lattice.why_lattice.find("boundary edges"), std::string::npos) << lattice.why_lattice;
   // So coarse a skin leaves too much outside.
-  const Cage coarse = make_cage(character.vertices, character.triangles, 120);
+  const Cage coarse = make_cage(character.vertices, character.triangles, character.weights, 120);
   EXPECT_TRUE(coarse.is_lattice);
   EXPECT_FALSE(coarse.why_lattice.empty());
 }
@@ -24,7 +24,7 @@ TEST(MakeCage, TakesTheSkinWhereItCanBeFilled) {
 // A lattice of pieces in one cell is joined; filled, they would drift apart.
 TEST(MakeCage, PiecesOfSkinGoIntoOneLattice) {
   const Character both = make_two_limbs(0.1);
-  const Cage cage = make_cage(both.vertices, both.triangles, 500);
+  const Cage cage = make_cage(both.vertices, both.triangles, both.weights, 500);
   EXPECT_TRUE(cage.is_lattice);
   EXPECT_NE(cage.why_lattice.find("2 pieces"), std::string::npos) << cage.why_lattice;
 }

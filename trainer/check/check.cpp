@@ -4,12 +4,12 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <numeric>
 #include <set>
 #include <sstream>
 
 #include "assets/shape_reader.h"
 #include "dataset/regions_file.h"
+#include "geometry/surface_pieces.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 #include "trainer/curate/shape_stack.h"
@@ -255,26 +255,18 @@ std::string first_problem(const std::vector<TakeCheck>& takes, const std::filesy
 
 std::string describe_surface(const Character& character) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
-  std::vector<std::uint32_t> root(static_cast<std::size_t>(character.vertices.rows()));
-  std::iota(root.begin(), root.end(), 0u);
-  const auto find = [&](std::uint32_t v) {
-    while (root[v] != v) v = root[v] = root[root[v]];
-    return v;
-  };
   for (Eigen::Index t = 0; t < character.triangles.rows(); ++t) {
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t a = character.triangles(t, k), b = character.triangles(t, (k + 1) % 3);
       ++edges[std::minmax(a, b)];
-      root[find(a)] = find(b);
     }
   }
   const auto open = std::count_if(edges.begin(), edges.end(), [](const auto& edge) { return edge.second == 1; });
   const auto crowded = std::count_if(edges.begin(), edges.end(), [](const auto& edge) { return edge.second > 2; });
-  std::map<std::uint32_t, int> pieces;
-  for (std::uint32_t v = 0; v < root.size(); ++v) ++pieces[find(v)];
+  const int pieces = surface_pieces(character.vertices.rows(), character.triangles).count;
   std::string text = open == 0 ? "closed" : "open (" + std::to_string(open) + " boundary edges)";
   if (crowded > 0) text += ", not manifold (" + std::to_string(crowded) + " edges with more than two triangles)";
-  return text + ", " + std::to_string(pieces.size()) + (pieces.size() == 1 ? " piece" : " pieces");
+  return text + ", " + std::to_string(pieces) + (pieces == 1 ? " piece" : " pieces");
 }
 
 }  // namespace bodyopt

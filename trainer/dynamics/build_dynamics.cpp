@@ -104,8 +104,8 @@ Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& m
   require_names(options.settings, character, muscles, options.painted);
 
   Progress progress("dynamics", 4);
-  const DynamicsTets tets =
-      make_dynamics_tets(ordered.vertices, ordered.triangles, options.resolution, posed_skins(basis, options.poses));
+  const DynamicsTets tets = make_dynamics_tets(ordered.vertices, ordered.triangles, ordered.weights, options.resolution,
+                                               posed_skins(basis, options.poses));
   const TetMesh& mesh = tets.cage.mesh;
   progress.advance();
   JiggleAnatomy anatomy = find_anatomy(ordered, muscles, tets.cage, options.materials);
@@ -115,6 +115,7 @@ Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& m
       core_springs(ordered.vertices, ordered.triangles, tets.cage, fields.flesh, options.materials.bone_springs);
   progress.advance();
   std::vector<std::string> notes;
+  if (!tets.cage.mending.empty()) notes.push_back("the skin was mended for the tetrahedra alone: " + tets.cage.mending);
   const JiggleSystem system =
       make_jiggle_system(options.settings, fields, ordered.skeleton, mesh, anatomy, options.materials, notes);
   Dynamics dynamics;

@@ -17,6 +17,8 @@ constexpr double kMostVerticesPerTet = 0.35;
 constexpr double kLeastQuality = 0.05;  // of the skin's own filling; fill_coarser asks for as much
 constexpr double kInside = 3;           // longest edges inside the body over the mean of the skin's
 
+constexpr double kOnSkin = 1e-6;  // of the body's extent; the basis' single precision is as coarse
+
 // The skin itself, filled; nothing where that takes too many tets or comes out badly.
 std::optional<FilledSkin> fill_as_it_is(const FineSkin& fine, Eigen::Index most_tets) {
   if (static_cast<double>(fine.vertices.rows()) > kMostVerticesPerTet * static_cast<double>(most_tets)) return {};
@@ -31,20 +33,9 @@ std::optional<FilledSkin> fill_as_it_is(const FineSkin& fine, Eigen::Index most_
   }
 }
 
-// A corner of every node, tet * 4 + corner, the first.
-std::vector<int> first_corners(const TetMesh& mesh) {
-  std::vector<int> corner(static_cast<std::size_t>(mesh.nodes.rows()));
-  for (Eigen::Index k = mesh.tets.size(); k-- > 0;) {
-    corner[static_cast<std::size_t>(mesh.tets.data()[k])] = static_cast<int>(k);
-  }
-  return corner;
-}
-
-// Vertices that are nodes are carried by these alone.
-void embed_own_nodes(DynamicsTets& tets) {
-  const std::vector<int> corner = first_corners(tets.cage.mesh);
-  for (std::size_t v = 0; v < tets.cage.skin.size(); ++v) {
-    tets.cage.skin[v] = {corner[v] / 4, Eigen::Vector4d::Unit(corner[v] % 4)};
+// Nodes that are vertices are carried by these alone.
+void surface_of_own_nodes(DynamicsTets& tets) {
+  for (std::size_t v = 0; v < tets.surface.size(); ++v) {
     const auto vertex = static_cast<std::uint32_t>(v);
     tets.surface[v].vertices = {vertex, vertex, vertex};
     tets.surface[v].weights = {1, 0, 0};
@@ -61,6 +52,36 @@ void bring_near(std::vector<EmbeddedPoint>& skin) {
     const double least = point.weights.minCoeff();
     if (least >= kLeastWeight) continue;
     point.weights = (point.weights.array() - kMiddle) * (kMiddle - kLeastWeight) / (kMiddle - least) + kMiddle;
+  }
+}
+
+// Nodes of the mended surface that are not where the skin is do not lie on it: they are put among those inside.
+void keep_on_skin(const Positions& vertices, DynamicsTets& tets) {
+  TetMesh& mesh = tets.cage.mesh;
+  const double near = kOnSkin * (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).maxCoeff();
+  std::vector<int> on, off;
+  for (int n = 0; n < mesh.nodes.rows(); ++n) {
+    bool is_on = static_cast<std::size_t>(n) < tets.surface.size();
+    if (is_on) {
+      const SkinPoint& point = tets.surface[static_cast<std::size_t>(n)];
+      Eigen::RowVector3d place = Eigen::RowVector3d::Zero();
+      for (int k = 0; k < 3; ++k) place += point.weights[k] * vertices.row(point.vertices[static_cast<std::size_t>(k)]);
+      is_on = (place - mesh.nodes.row(n)).norm() <= near;
+    }
+    (is_on ? on : off).push_back(n);
+  }
+  tets.surface = [&] {
+    std::vector<SkinPoint> kept;
+    for (const int n : on) kept.push_back(tets.surface[static_cast<std::size_t>(n)]);
+    return kept;
+  }();
+  std::vector<int> order = on;
+  order.insert(order.end(), off.begin(), off.end());
+  std::vector<int> number(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) number[static_cast<std::size_t>(order[k])] = static_cast<int>(k);
+  mesh.nodes = mesh.nodes(order, Eigen::all).eval();
+  for (Eigen::Index k = 0; k < mesh.tets.size(); ++k) {
+    mesh.tets.data()[k] = number[static_cast<std::size_t>(mesh.tets.data()[k])];
   }
 }
 
@@ -90,13 +111,16 @@ TetPoint packed(const EmbeddedPoint& point, double amount) {
 
 }  // namespace
 
-DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& triangles, Eigen::Index most_tets,
-                                const std::vector<Positions>& poses) {
-  const FineSkin fine(vertices, triangles);
+DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
+                                Eigen::Index most_tets, const std::vector<Positions>& poses) {
+  const FillableSkin fillable = fillable_skin(vertices, triangles, weights);
+  const FineSkin fine(fillable.vertices, fillable.triangles);
   std::optional<FilledSkin> own = fill_as_it_is(fine, most_tets);
   FilledSkin filled = own ? std::move(*own) : fill_coarser(fine, {.tets = most_tets}, [](CoarseSkin&) {});
+  std::vector<Positions> filled_poses;
+  for (const Positions& pose : poses) filled_poses.push_back(pose(fillable.vertex, Eigen::all));
   // The nodes of a skin that is taken as it is are its vertices.
-  const Unfolding unfolding = unfold_tets(fine.nearest, poses, filled.skin.vertices.rows(), !own, filled.mesh);
+  const Unfolding unfolding = unfold_tets(fine.nearest, filled_poses, filled.skin.vertices.rows(), !own, filled.mesh);
   // What the runtime has; everything is computed from it.
   filled.mesh.nodes = filled.mesh.nodes.cast<float>().cast<double>().eval();
   filled.skin.vertices = filled.mesh.nodes.topRows(filled.skin.vertices.rows());
@@ -105,7 +129,16 @@ DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& tria
   for (Eigen::Index n = 0; n < filled.skin.vertices.rows(); ++n) {
     tets.surface.push_back(fine.nearest(filled.skin.vertices.row(n)));
   }
-  if (own) embed_own_nodes(tets);
+  if (own) {
+    surface_of_own_nodes(tets);
+    tets.cage.skin = own_nodes(tets.cage.mesh, fine.vertices.rows());
+  }
+  tets.cage.skin = carry_skin(fillable, vertices, tets.cage.mesh, tets.cage.skin);
+  tets.cage.mending = fillable.mending();
+  for (SkinPoint& point : tets.surface) {
+    for (std::uint32_t& vertex : point.vertices) vertex = fillable.vertex[vertex];
+  }
+  if (fillable.farthest > 0) keep_on_skin(vertices, tets);
   bring_near(tets.cage.skin);
   return tets;
 }

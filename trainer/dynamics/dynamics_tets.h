@@ -16,12 +16,12 @@ struct DynamicsTets {
   Unfolding unfolding;
 };
 
-// The skin filled with `most_tets` or fewer: as it is where that takes no more and comes out well, otherwise remeshed
-// with longer edges (fill_coarser), never finer than it is. Then unfolded in the poses of the skin (V x 3 each). Nodes
-// are rounded to single precision. Throws Error(mismatch) naming the cause where no filling is found: a skin with holes
-// or overlapping parts.
-DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& triangles, Eigen::Index most_tets,
-                                const std::vector<Positions>& poses = {});
+// What of the skin can be filled (fillable_skin), filled with `most_tets` or fewer: as it is where that takes no more
+// and comes out well, otherwise remeshed with longer edges (fill_coarser), never finer than it is. Then unfolded in the
+// poses of the skin (V x 3 each). Nodes are rounded to single precision. Throws Error(mismatch) naming the cause where
+// no filling is found: open sheets, parts that cannot be told apart.
+DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
+                                Eigen::Index most_tets, const std::vector<Positions>& poses = {});
 
 // amounts: V, how much of its tet's displacement every skin vertex takes.
 TetTable make_tet_table(const DynamicsTets& tets, const std::vector<double>& amounts);

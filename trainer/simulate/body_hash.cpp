@@ -8,12 +8,12 @@ namespace bodyopt {
 namespace {
 
 // Raised whenever the same inputs give other shapes or another side-car, so that no unfinished cache mixes two solvers.
-constexpr std::uint64_t kSolverVersion = 7, kCageVersion = 1;
+constexpr std::uint64_t kSolverVersion = 7, kCageVersion = 2;
 
 }  // namespace
 
 std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& muscles, const Materials& materials,
-                        const TetMesh& mesh, bool is_cage) {
+                        const TetMesh& mesh, bool carries_skin) {
   ContentHash hash;
   hash.add(kSolverVersion);
   for (const double constant :
@@ -24,7 +24,7 @@ std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& m
   }
   hash.append(mesh.nodes.data(), static_cast<std::size_t>(mesh.nodes.size()) * sizeof(double));
   hash.append(mesh.tets.data(), static_cast<std::size_t>(mesh.tets.size()) * sizeof(int));
-  if (is_cage) {
+  if (carries_skin) {
     hash.add(kCageVersion);
     hash.append(character.vertices.data(), static_cast<std::size_t>(character.vertices.size()) * sizeof(double));
     hash.append(character.triangles.data(),

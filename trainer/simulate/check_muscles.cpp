@@ -36,7 +36,7 @@ std::string check_muscles(const Character& character, const std::vector<Muscle>&
   }
   if (idle.empty()) return "";
   // All of them: each is to be made thicker or left out.
-  const bool conforming = body.embedding().empty();
+  const bool conforming = !body.is_cage();
   return count_of(idle.size(), "muscle fills no tetrahedron of its own and does nothing: ",
                   "muscles fill no tetrahedron of their own and do nothing: ") +
          list_names(idle, idle.size()) + (conforming ? "; a smaller --tet-size may help" : "");

@@ -12,6 +12,7 @@
 #include "trainer/simulate/body_hash.h"
 #include "trainer/simulate/lbfgs.h"
 #include "trainer/simulate/node_weights.h"
+#include "trainer/tets/fillable_skin.h"
 #include "trainer/tets/tets.h"
 
 namespace bodyopt {
@@ -147,6 +148,35 @@ TetMesh fill_skin(const Character& character, double size) {
                         size > 0 ? size : kDefaultSize * mean_edge(character.vertices, character.triangles));
 }
 
+namespace {
+
+FilledBody fill(const Character& character, const FillableSkin& fillable, double size) {
+  FilledBody body{character, {}, {}, fillable.mending()};
+  body.filled.output_vertex.clear();
+  body.filled.output_triangles.resize(0, 3);
+  body.filled.vertices = fillable.vertices;
+  body.filled.triangles = fillable.triangles;
+  body.filled.weights.clear();
+  for (const std::uint32_t v : fillable.vertex) body.filled.weights.push_back(character.weights[v]);
+  body.mesh = fill_skin(body.filled, size);
+  body.skin = carry_skin(fillable, character.vertices, body.mesh, own_nodes(body.mesh, fillable.vertices.rows()));
+  return body;
+}
+
+}  // namespace
+
+FilledBody fill_mended_skin(const Character& character, double size) {
+  constexpr int kMostRoom = 9;
+  for (int room = 1;; room *= 3) {  // with too little left between what has come apart Netgen gives up
+    const FillableSkin fillable = fillable_skin(character.vertices, character.triangles, character.weights, room);
+    try {
+      return fill(character, fillable, size);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::mismatch || fillable.intersections == 0 || room >= kMostRoom) throw;
+    }
+  }
+}
+
 QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
                                  const Materials& materials)
     : QuasiStaticBody(character, muscles, std::move(mesh), materials, nullptr) {}
@@ -154,6 +184,13 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
 QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const Cage& cage,
                                  const Materials& materials)
     : QuasiStaticBody(character, muscles, cage.mesh, materials, &cage) {}
+
+QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const FilledBody& body,
+                                 const Materials& materials)
+    : QuasiStaticBody(body.filled, muscles, body.mesh, materials, nullptr) {
+  embedding_ = body.skin;
+  hash_ = body_hash(character, muscles, materials, mesh_, true);
+}
 
 QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
                                  const Materials& materials, const Cage* cage)

@@ -25,6 +25,16 @@ bool is_converged(const FrameStatus& status);
 // as tetrahedralise.
 TetMesh fill_skin(const Character& character, double size);
 
+// A skin filled with tets whose first nodes are the vertices of what of it can be filled.
+struct FilledBody {
+  Character filled;  // its vertices, triangles and weights are those of the fillable skin; without output vertices
+  TetMesh mesh;
+  std::vector<EmbeddedPoint> skin;  // V: where every vertex of the whole skin is carried
+  std::string mending;              // FillableSkin::mending; empty: the skin is filled as it is
+};
+// size as fill_skin. Throws as fillable_skin and tetrahedralise.
+FilledBody fill_mended_skin(const Character& character, double size);
+
 // Everything that does not depend on the pose. Constant after construction: many threads may solve with one.
 class QuasiStaticBody {
  public:
@@ -33,6 +43,9 @@ class QuasiStaticBody {
   QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
                   const Materials& materials = {});
   QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const Cage& cage,
+                  const Materials& materials = {});
+  // Tets of a mended skin, which carry all of it.
+  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const FilledBody& body,
                   const Materials& materials = {});
   // In tets of fill_skin, throwing as it does.
   QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, double tet_size)
@@ -57,12 +70,13 @@ class QuasiStaticBody {
   // path.
   SolvedPose solve_along(std::span<const Pose> path, std::span<const double> flex) const;
 
-  // V x 3: where nodes (N x 3) take the skin. With conforming tets these are the first V nodes.
+  // V x 3: where nodes (N x 3) take the skin. With tets of the skin as it is these are the first V nodes.
   Positions skin(const Positions& nodes) const;
 
   const Skeleton& skeleton() const { return skeleton_; }
   const TetMesh& mesh() const { return mesh_; }
-  const std::vector<EmbeddedPoint>& embedding() const { return embedding_; }  // V; empty with conforming tets
+  const std::vector<EmbeddedPoint>& embedding() const { return embedding_; }  // V; empty: the first V nodes
+  bool is_cage() const { return carried_depth_ != nullptr; }
   const std::vector<FibreTet>& fibres() const { return fibres_; }
   const std::vector<BonePoint>& bones() const { return bones_; }
   const NodeWeights& weights() const { return weights_; }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <thread>
 
@@ -190,29 +191,60 @@ std::vector<EmbeddedPoint> output_embedding(const Character& character, const Qu
   return points;
 }
 
+void warn_of_mending(const std::string& mending, const SimulateOptions& options) {
+  if (!mending.empty()) options.warn("the skin was mended for the simulation alone: " + mending);
+}
+
+// A small skin's own tets, where they are no more than a cage's would be: they are as quick, and have contact.
+std::optional<FilledBody> fill_small_skin(const Character& character) {
+  if (character.vertices.rows() > kDraftNodes) return {};
+  try {
+    FilledBody filled = fill_mended_skin(character, 0);
+    return filled.mesh.nodes.rows() <= kDraftNodes ? std::optional(std::move(filled)) : std::nullopt;
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::mismatch) throw;
+    return {};
+  }
+}
+
+BodyTets draft_tets(const Character& character) {
+  if (std::optional<FilledBody> filled = fill_small_skin(character)) return {std::move(filled), {}, {}};
+  return {{}, make_cage(character.vertices, character.triangles, character.weights, kDraftNodes), {}};
+}
+
 }  // namespace
+
+BodyTets choose_tets(const Character& character, const SimulateOptions& options) {
+  if (options.draft) return draft_tets(character);
+  try {
+    return {fill_mended_skin(character, options.tet_size), {}, {}};
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::mismatch) throw;
+    return {{},
+            options.tet_size > 0 ? lattice_cage_of_size(character.vertices, character.triangles, options.tet_size)
+                                 : make_cage(character.vertices, character.triangles, character.weights, kCageNodes),
+            error.what()};
+  }
+}
 
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
                           const SimulateOptions& options) {
-  if (options.draft) {
-    const Cage cage = make_cage(character.vertices, character.triangles, kDraftNodes);
-    if (cage.is_lattice) options.warn("the draft is made in a lattice, without contact: " + cage.why_lattice);
-    return {character, muscles, cage, options.materials};
+  const BodyTets tets = choose_tets(character, options);
+  if (tets.filled) {
+    warn_of_mending(tets.filled->mending, options);
+    const bool is_whole = tets.filled->mending.empty() && !options.draft;  // a draft stores where its nodes carry skin
+    if (is_whole) return {character, muscles, tets.filled->mesh, options.materials};
+    return {character, muscles, *tets.filled, options.materials};
   }
-  TetMesh mesh;
-  try {
-    mesh = fill_skin(character, options.tet_size);
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::mismatch) throw;
-    const Cage cage = options.tet_size > 0
-                          ? lattice_cage_of_size(character.vertices, character.triangles, options.tet_size)
-                          : make_cage(character.vertices, character.triangles, kCageNodes);
-    options.warn(std::string(error.what()) + "; it is simulated in a cage of " +
-                 std::to_string(cage.mesh.nodes.rows()) + " nodes, " +
-                 (cage.is_lattice ? "a lattice without contact" : "a coarser skin"));
-    return {character, muscles, cage, options.materials};
+  const Cage& cage = *tets.cage;
+  if (!tets.why_cage.empty()) {
+    options.warn(tets.why_cage + "; it is simulated in a cage of " + std::to_string(cage.mesh.nodes.rows()) +
+                 " nodes, " + (cage.is_lattice ? "a lattice without contact" : "a coarser skin"));
+  } else if (cage.is_lattice) {
+    options.warn("the draft is made in a lattice, without contact: " + cage.why_lattice);
   }
-  return {character, muscles, std::move(mesh), options.materials};
+  warn_of_mending(cage.mending, options);
+  return {character, muscles, cage, options.materials};
 }
 
 SolvedPose solve_frame(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,14 @@ struct SimulateOptions {
   Materials materials{};
   std::function<void(const std::string&)> warn = [](const std::string&) {};  // told before the work begins
 };
+
+// The tets that frames are solved in: those of the skin, mended where it needs it, or a cage's.
+struct BodyTets {
+  std::optional<FilledBody> filled;
+  std::optional<Cage> cage;  // where there is no filled
+  std::string why_cage;      // what kept the skin from being filled; empty in a draft
+};
+BodyTets choose_tets(const Character& character, const SimulateOptions& options);
 
 // The body that frames are solved with: conforming tets; a draft's cage; or, with a warning that says why, a cage for a
 // skin that tets cannot fill.

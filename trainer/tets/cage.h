@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "geometry/embedding.h"
+#include "trainer/tets/fillable_skin.h"
 
 namespace bodyopt {
 
@@ -20,11 +21,14 @@ struct Cage {
   std::vector<CageSample> samples;  // what is tissue in the cage
   bool is_lattice = false;          // its tets reach beyond the skin and may overlap where parts are close
   std::string why_lattice;          // what kept the skin from being filled
+  std::string mending;              // what was done to fill it, as FillableSkin::mending
 };
 
-// A coarser skin filled with tets (skin_cage) where that comes out well: skin in one piece, no tet of a mean-ratio
-// quality below 0.05, hardly a vertex (1 %) further outside its tet than that is high, none more than four times as
-// far. Otherwise a lattice (lattice_cage). Of max_nodes nodes or fewer. Throws as lattice_cage.
-Cage make_cage(const Positions& vertices, const Triangles& triangles, Eigen::Index max_nodes);
+// A coarser skin filled with tets (skin_cage) where that comes out well: skin of which one piece is filled
+// (fillable_skin) and carries the others, no tet of a mean-ratio quality below 0.05, hardly a vertex (1 %) further
+// outside its tet than that is high, none more than four times as far. Otherwise a lattice (lattice_cage). Of max_nodes
+// nodes or fewer. Throws as lattice_cage.
+Cage make_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
+               Eigen::Index max_nodes);
 
 }  // namespace bodyopt

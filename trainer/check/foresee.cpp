@@ -1,0 +1,197 @@
+#include "trainer/check/foresee.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "assets/notes.h"
+#include "geometry/closed_skin.h"
+#include "geometry/point_grid.h"
+#include "geometry/vertex_normals.h"
+#include "runtime/core/error.h"
+#include "trainer/dynamics/build_dynamics.h"
+#include "trainer/dynamics/dynamics_tets.h"
+#include "trainer/simulate/simulate.h"
+#include "trainer/tets/fillable_skin.h"
+#include "trainer/train/skinning/mesh_table.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kTallest = 4, kSmallest = 0.3;  // metres, of the longest extent of most bodies
+constexpr double kPerson = 2;                    // metres
+constexpr double kOtherJoints = 0.3;             // of the weights in common at most
+constexpr double kFacing = -0.3;                 // cosine of the normals of skin face to face
+constexpr std::size_t kFewest = 3;               // vertices that make a part
+
+constexpr const char* kCloseIt = "close holes, join the pieces and separate what overlaps at rest";
+constexpr const char* kMendFirst = "mend the skin: see why";
+
+std::uint32_t main_joint(const Character& character, std::uint32_t vertex) {
+  return character.weights[vertex].front().joint;
+}
+
+std::uint32_t in_file_order(const Character& character, std::uint32_t vertex) {
+  const auto found = std::find(character.output_vertex.begin(), character.output_vertex.end(), vertex);
+  return static_cast<std::uint32_t>(found - character.output_vertex.begin());
+}
+
+using JointPair = std::pair<std::uint32_t, std::uint32_t>;
+
+// Places by the joints of their vertices, the largest first.
+std::vector<RestPlace> places_of(const Character& character,
+                                 const std::map<JointPair, std::vector<std::uint32_t>>& found, std::size_t fewest) {
+  std::vector<RestPlace> places;
+  for (const auto& [joints, vertices] : found) {
+    if (vertices.size() < fewest) continue;
+    const std::uint32_t first = vertices.front();
+    places.push_back({character.skeleton.joints[joints.first].name, character.skeleton.joints[joints.second].name,
+                      vertices, in_file_order(character, first), character.vertices.row(first)});
+  }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const RestPlace& a, const RestPlace& b) { return a.vertices.size() > b.vertices.size(); });
+  return places;
+}
+
+std::vector<RestPlace> intersections_of(const Character& character, const FillableSkin& fillable) {
+  std::map<JointPair, std::vector<std::uint32_t>> found;
+  for (const std::uint32_t v : fillable.tangled) {
+    const std::uint32_t joint = main_joint(character, v);
+    found[{joint, joint}].push_back(v);
+  }
+  return places_of(character, found, 1);
+}
+
+double common_weight(const std::vector<JointWeight>& a, const std::vector<JointWeight>& b) {
+  double sum = 0;
+  for (const JointWeight& wa : a) {
+    for (const JointWeight& wb : b) sum += wa.joint == wb.joint ? std::min(wa.weight, wb.weight) : 0;
+  }
+  return sum;
+}
+
+// Skin that looks at skin of other joints across less air than an edge.
+std::vector<RestPlace> near_parts_of(const Character& character) {
+  const Positions normals = vertex_normals(character.vertices, character.triangles);
+  std::vector<int> all(static_cast<std::size_t>(character.vertices.rows()));
+  std::iota(all.begin(), all.end(), 0);
+  const double near = mean_edge(character.vertices, character.triangles);
+  if (!(near > 0)) return {};
+  const PointGrid grid(character.vertices, all, near);
+  const double side = enclosed_volume(character.vertices, character.triangles) < 0 ? -1 : 1;
+  std::map<JointPair, std::vector<std::uint32_t>> found;
+  for (const int v : all) {
+    const Eigen::RowVector3d place = character.vertices.row(v), normal = side * normals.row(v);
+    const auto faces = [&](int other) {
+      const Eigen::RowVector3d between = character.vertices.row(other) - place;
+      return between.norm() < near && between.dot(normal) > 0.5 * between.norm() &&
+             side * normal.dot(normals.row(other)) < kFacing &&
+             common_weight(character.weights[static_cast<std::size_t>(v)],
+                           character.weights[static_cast<std::size_t>(other)]) < kOtherJoints;
+    };
+    std::optional<std::uint32_t> opposite;
+    grid.visit(place.array() - near, place.array() + near, [&](int other) {
+      if (!opposite && faces(other)) opposite = static_cast<std::uint32_t>(other);
+    });
+    if (!opposite) continue;
+    const std::uint32_t a = main_joint(character, static_cast<std::uint32_t>(v)), b = main_joint(character, *opposite);
+    if (a != b) found[std::minmax(a, b)].push_back(static_cast<std::uint32_t>(v));
+  }
+  return places_of(character, found, kFewest);
+}
+
+VerbForesight refusal(const std::string& verb, const Error& error) {
+  return {verb, BodyFill::refused, 0, false, error.what(), kCloseIt};
+}
+
+VerbForesight foresee_simulate(const Character& character, bool draft) {
+  const std::string verb = draft ? "simulate --draft" : "simulate";
+  try {
+    const BodyTets tets = choose_tets(character, {.draft = draft});
+    if (tets.filled) {
+      const std::string& mending = tets.filled->mending;
+      return {verb, mending.empty() ? BodyFill::skin : BodyFill::mended, tets.filled->mesh.nodes.rows(), true, mending,
+              ""};
+    }
+    const Cage& cage = *tets.cage;
+    const Eigen::Index nodes = cage.mesh.nodes.rows();
+    if (cage.is_lattice)
+      return {verb,    BodyFill::lattice, nodes, false, cage.why_lattice.empty() ? tets.why_cage : cage.why_lattice,
+              kCloseIt};
+    return {verb,
+            BodyFill::coarser,
+            nodes,
+            true,
+            tets.why_cage.empty() ? cage.mending : tets.why_cage,
+            draft ? "" : kMendFirst};
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::interrupted) throw;
+    return refusal(verb, error);
+  }
+}
+
+VerbForesight foresee_dynamics(const Character& character) {
+  try {
+    // In the order that they are made in: another order may be filled where this one is not.
+    const Character ordered = in_order(character, morton_order(character.vertices));
+    const DynamicsTets tets =
+        make_dynamics_tets(ordered.vertices, ordered.triangles, ordered.weights, DynamicsOptions{}.resolution);
+    const std::string& mending = tets.cage.mending;
+    return {
+        "dynamics", mending.empty() ? BodyFill::skin : BodyFill::mended, tets.cage.mesh.nodes.rows(), false, mending,
+        ""};
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::interrupted) throw;
+    return refusal("dynamics", error);
+  }
+}
+
+std::vector<std::string> remarks_on(const Character& character) {
+  std::vector<std::string> remarks;
+  const double extent = (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).maxCoeff();
+  if (extent > kTallest || extent < kSmallest) {
+    remarks.push_back("it measures " + rounded(extent) + " m at its longest: if it is not so " +
+                      (extent > kTallest ? "large" : "small") + ", say what a unit of its file is (--unit " +
+                      rounded(kPerson / extent) + " makes it " + rounded(kPerson) + " m)");
+  }
+  std::vector<bool> moves(character.skeleton.size(), false);
+  for (const std::vector<JointWeight>& vertex : character.weights) {
+    for (const JointWeight& w : vertex) moves[w.joint] = true;
+  }
+  std::vector<std::string> idle;
+  for (std::size_t j = moves.size(); j-- > 0;) {  // children come after their parents
+    const int parent = character.skeleton.joints[j].parent;
+    if (moves[j] && parent >= 0) moves[static_cast<std::size_t>(parent)] = true;
+    if (!moves[j]) idle.push_back(character.skeleton.joints[j].name);
+  }
+  std::reverse(idle.begin(), idle.end());
+  if (!idle.empty()) {
+    remarks.push_back(count_of(idle.size(), "joint moves", "joints move") + " no skin: " + list_names(idle));
+  }
+  return remarks;
+}
+
+}  // namespace
+
+const char* name_of(BodyFill fill) {
+  constexpr const char* names[] = {"skin", "mended skin", "coarser skin", "lattice", "refused"};
+  return names[static_cast<std::size_t>(fill)];
+}
+
+CharacterForesight foresee(const Character& character) {
+  CharacterForesight result;
+  result.verbs = {foresee_simulate(character, false), foresee_simulate(character, true), foresee_dynamics(character)};
+  try {
+    result.intersections =
+        intersections_of(character, fillable_skin(character.vertices, character.triangles, character.weights));
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::mismatch) throw;  // the verbs say why
+  }
+  result.near_parts = near_parts_of(character);
+  result.remarks = remarks_on(character);
+  return result;
+}
+
+}  // namespace bodyopt

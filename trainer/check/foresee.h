@@ -1,0 +1,44 @@
+// What the verbs will make of a character, and why.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "assets/character.h"
+
+namespace bodyopt {
+
+enum class BodyFill { skin, mended, coarser, lattice, refused };
+
+// "skin", "mended skin", "coarser skin", "lattice", "refused".
+const char* name_of(BodyFill fill);
+
+struct VerbForesight {
+  std::string verb;
+  BodyFill fill = BodyFill::refused;
+  Eigen::Index nodes = 0;
+  bool has_contact = false;
+  std::string why;     // what was mended, or keeps it from a better filling; empty: nothing
+  std::string remedy;  // empty: none is needed
+};
+
+// Vertices of one joint where something is amiss.
+struct RestPlace {
+  std::string joint, other;                            // other: of parts that are near each other
+  std::vector<std::uint32_t> vertices;                 // welded
+  std::uint32_t vertex = 0;                            // the first of them, in file order
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // its own, rest space, metres
+};
+
+struct CharacterForesight {
+  std::vector<VerbForesight> verbs;      // simulate, simulate --draft, dynamics
+  std::vector<RestPlace> intersections;  // of the skin with itself at rest, by joint, most first
+  std::vector<RestPlace> near_parts;     // of different joints, face to face, less than a mean edge apart
+  std::vector<std::string> remarks;      // likely unit, joints that move nothing
+};
+
+// Fills the character as the verbs do: what is foreseen is what they get. Takes seconds.
+CharacterForesight foresee(const Character& character);
+
+}  // namespace bodyopt

@@ -1,0 +1,433 @@
+#include "trainer/tets/fillable_skin.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <span>
+
+#include "geometry/closed_skin.h"
+#include "geometry/fill_holes.h"
+#include "geometry/nearest_skin.h"
+#include "geometry/self_intersections.h"
+#include "geometry/skin_depth.h"
+#include "geometry/surface_pieces.h"
+#include "geometry/untangle.h"
+#include "geometry/weld.h"
+#include "geometry/wind_alike.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kMergeDistance = 1e-6;  // of the bounding box's diagonal
+constexpr double kMostFilled = 0.2;      // of a piece's area: more is no hole, but an open sheet
+constexpr double kSmallPiece = 0.01;     // of the largest piece's volume
+constexpr double kLargePiece = 0.05;     // of the area of all: it rides only where it follows the same joints
+constexpr double kSameJoints = 0.5;      // of the weights, on the average
+constexpr double kFarthest = -4;         // barycentric weight of a vertex outside its tet: further, it would be a spike
+constexpr double kThinnest = 1e-3;       // volume over the power 3/2 of the area; a ball has 0.094
+
+double area_of(const Positions& vertices, const Triangles& triangles) {
+  double sum = 0;
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    const Eigen::Vector3d a = vertices.row(triangles(t, 0)), b = vertices.row(triangles(t, 1)),
+                          c = vertices.row(triangles(t, 2));
+    sum += (b - a).cross(c - a).norm() / 2;
+  }
+  return sum;
+}
+
+Triangles rows_of(const Triangles& triangles, const std::vector<Eigen::Index>& rows) {
+  return triangles(rows, Eigen::all);
+}
+
+// Do the triangles use every edge once in each direction?
+bool is_closed(const Triangles& triangles) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      if (!edges.emplace(triangles(t, k), triangles(t, (k + 1) % 3)).second) return false;
+    }
+  }
+  return std::all_of(edges.begin(), edges.end(), [&](const auto& e) { return edges.contains({e.second, e.first}); });
+}
+
+std::vector<bool> on_open_edges(Eigen::Index vertices, const Triangles& triangles) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    for (int k = 0; k < 3; ++k) ++edges[std::minmax(triangles(t, k), triangles(t, (k + 1) % 3))];
+  }
+  std::vector<bool> open(static_cast<std::size_t>(vertices), false);
+  for (const auto& [edge, count] : edges) {
+    if (count == 1) open[edge.first] = open[edge.second] = true;
+  }
+  return open;
+}
+
+// The first of the vertices in one place on open edges, for every vertex.
+std::vector<std::uint32_t> merge_open_edges(const Positions& vertices, const Triangles& triangles) {
+  std::vector<std::uint32_t> first(static_cast<std::size_t>(vertices.rows())), open;
+  std::iota(first.begin(), first.end(), 0u);
+  const std::vector<bool> is_open = on_open_edges(vertices.rows(), triangles);
+  std::vector<Vec3> places;
+  for (std::uint32_t v = 0; v < first.size(); ++v) {
+    if (!is_open[v]) continue;
+    open.push_back(v);
+    places.push_back({vertices(v, 0), vertices(v, 1), vertices(v, 2)});
+  }
+  if (open.empty()) return first;
+  const double diagonal = (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm();
+  const SkinWeights any(open.size());  // whatever their joints
+  const std::optional<Weld> weld = weld_vertices(places, any, kMergeDistance * diagonal);
+  if (!weld) return first;
+  for (std::size_t k = 0; k < open.size(); ++k) first[open[k]] = open[weld->first[weld->welded_of[k]]];
+  return first;
+}
+
+double shared_weight(const std::vector<JointWeight>& a, const std::vector<JointWeight>& b) {
+  double sum = 0;
+  for (const JointWeight& wa : a) {
+    for (const JointWeight& wb : b) sum += wa.joint == wb.joint ? std::min(wa.weight, wb.weight) : 0;
+  }
+  return sum;
+}
+
+struct Piece {
+  std::uint32_t first = 0;  // vertex
+  std::vector<std::uint32_t> vertices;
+  std::vector<Eigen::Index> triangles;
+  double area = 0, volume = 0;  // volume: 0 where it is not closed
+};
+
+class SkinMender {
+ public:
+  SkinMender(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights)
+      : vertices_(vertices), triangles_(triangles), weights_(weights) {
+    if (vertices.rows() == 0 || triangles.rows() == 0) refuse("it has no triangles (an empty mesh)");
+    if (!vertices.allFinite()) refuse("a vertex is not a finite number (a damaged file)");
+    if (static_cast<Eigen::Index>(triangles.maxCoeff()) >= vertices.rows()) {
+      refuse("a triangle names a missing vertex (a damaged file)");
+    }
+  }
+
+  FillableSkin mend(int room) {
+    merge_and_drop();
+    result_.turned = wind_alike(triangles_);
+    close_holes();
+    find_pieces();
+    choose_hosts();
+    gather();
+    result_.intersections = static_cast<Eigen::Index>(tangles_.size());
+    const Positions before = result_.vertices;
+    if (!untangle(result_.triangles, room, result_.vertices)) {
+      refuse(std::to_string(tangles_.size()) +
+             " pairs of triangles intersect and cannot be moved apart, the first at vertex " +
+             std::to_string(result_.tangled.front()));
+    }
+    result_.farthest = (result_.vertices - before).rowwise().norm().maxCoeff();
+    return std::move(result_);
+  }
+
+ private:
+  [[noreturn]] static void refuse(const std::string& reason) {
+    throw Error(ErrorKind::mismatch, "the skin encloses no volume to simulate: " + reason);
+  }
+
+  void merge_and_drop() {
+    first_ = merge_open_edges(vertices_, triangles_);
+    std::set<std::array<std::uint32_t, 3>> seen;
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index t = 0; t < triangles_.rows(); ++t) {
+      std::array<std::uint32_t, 3> corner{};
+      for (int k = 0; k < 3; ++k) corner[static_cast<std::size_t>(k)] = triangles_(t, k) = first_[triangles_(t, k)];
+      std::sort(corner.begin(), corner.end());
+      if (corner[0] == corner[1] || corner[1] == corner[2]) continue;
+      if (seen.insert(corner).second) {
+        kept.push_back(t);
+      } else {
+        ++result_.doubled;
+      }
+    }
+    for (std::uint32_t v = 0; v < first_.size(); ++v) result_.merged += first_[v] != v ? 1 : 0;
+    triangles_ = rows_of(triangles_, kept);
+  }
+
+  // Holes are filled, but not where a piece would be closed that is a sheet.
+  void close_holes() {
+    const Triangles added = fill_holes(vertices_, triangles_);
+    if (added.rows() == 0) return;
+    const SurfacePieces pieces = surface_pieces(vertices_.rows(), triangles_);
+    std::vector<double> area(static_cast<std::size_t>(pieces.count), 0), hole(area);
+    const auto add_area = [&](const Triangles& of, std::vector<double>& to) {
+      for (Eigen::Index t = 0; t < of.rows(); ++t) {
+        to[static_cast<std::size_t>(pieces.of_vertex[of(t, 0)])] += area_of(vertices_, of.row(t));
+      }
+    };
+    add_area(triangles_, area);
+    add_area(added, hole);
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index t = 0; t < added.rows(); ++t) {
+      const auto piece = static_cast<std::size_t>(pieces.of_vertex[added(t, 0)]);
+      if (hole[piece] < kMostFilled * area[piece]) kept.push_back(t);
+    }
+    result_.filled = static_cast<Eigen::Index>(kept.size());
+    Triangles all(triangles_.rows() + result_.filled, 3);
+    all << triangles_, rows_of(added, kept);
+    triangles_ = all;
+  }
+
+  void find_pieces() {
+    const SurfacePieces pieces = surface_pieces(vertices_.rows(), triangles_);
+    piece_of_ = pieces.of_vertex;
+    pieces_.resize(static_cast<std::size_t>(pieces.count));
+    for (std::uint32_t v = 0; v < piece_of_.size(); ++v) piece(v).vertices.push_back(v);
+    for (Piece& p : pieces_) p.first = p.vertices.front();
+    for (Eigen::Index t = 0; t < triangles_.rows(); ++t) piece(triangles_(t, 0)).triangles.push_back(t);
+    for (Piece& p : pieces_) {
+      const Triangles own = rows_of(triangles_, p.triangles);
+      p.area = area_of(vertices_, own);
+      if (own.rows() == 0 || !is_closed(own)) continue;
+      const double volume = enclosed_volume(vertices_, own);
+      if (!(std::abs(volume) > kThinnest * std::pow(p.area, 1.5))) continue;
+      p.volume = std::abs(volume);
+      if (volume > 0) continue;
+      for (const Eigen::Index t : p.triangles) std::swap(triangles_(t, 1), triangles_(t, 2));
+    }
+  }
+  Piece& piece(std::uint32_t vertex) { return pieces_[static_cast<std::size_t>(piece_of_[vertex])]; }
+
+  void choose_hosts() {
+    std::vector<std::size_t> by_volume(pieces_.size());
+    std::iota(by_volume.begin(), by_volume.end(), std::size_t{0});
+    std::stable_sort(by_volume.begin(), by_volume.end(),
+                     [&](std::size_t a, std::size_t b) { return pieces_[a].volume > pieces_[b].volume; });
+    hosts_.assign(pieces_.size(), false);
+    if (pieces_[by_volume.front()].volume == 0) refuse_open();
+    hosts_[by_volume.front()] = true;
+    renew_hosts();
+    for (const std::size_t p : by_volume) {
+      if (hosts_[p] || merged_away(p)) continue;
+      const bool follows = follows_same_joints(p);
+      const bool is_small = pieces_[p].volume < kSmallPiece * pieces_[by_volume.front()].volume;
+      if (pieces_[p].volume > 0 && (!is_small || !follows) && !touches_hosts(p)) {
+        hosts_[p] = true;
+        renew_hosts();
+        continue;
+      }
+      if (!follows && pieces_[p].area > kLargePiece * area_of(vertices_, triangles_)) {
+        refuse("a large piece, that of vertex " + std::to_string(pieces_[p].first) +
+               ", passes through the others or is open, and follows other joints (pieces that belong together are to "
+               "be joined)");
+      }
+      result_.riders.push_back(pieces_[p].first);
+    }
+  }
+  [[noreturn]] void refuse_open() const {
+    require_closed(vertices_, triangles_);  // names the defect
+    refuse("it is flat");
+  }
+  bool merged_away(std::size_t p) const { return first_[pieces_[p].first] != pieces_[p].first; }
+
+  Triangles host_triangles() const {
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index t = 0; t < triangles_.rows(); ++t) {
+      if (hosts_[static_cast<std::size_t>(piece_of_[triangles_(t, 0)])]) rows.push_back(t);
+    }
+    return rows_of(triangles_, rows);
+  }
+
+  void renew_hosts() {
+    nearest_.reset();  // it refers to the triangles
+    host_triangles_ = host_triangles();
+    nearest_.emplace(vertices_, host_triangles_);
+  }
+
+  // Does a piece lie in the hosts, or pass through them?
+  bool touches_hosts(std::size_t p) const {
+    if (SkinDepth(vertices_, host_triangles_)(vertices_.row(pieces_[p].first)) > 0) return true;
+    const Triangles own = rows_of(triangles_, pieces_[p].triangles);
+    Triangles both(host_triangles_.rows() + own.rows(), 3);
+    both << host_triangles_, own;
+    const std::vector<TrianglePair> pairs = self_intersections(vertices_, both);
+    return std::any_of(pairs.begin(), pairs.end(), [&](const TrianglePair& pair) {
+      return pair.first < host_triangles_.rows() && pair.second >= host_triangles_.rows();
+    });
+  }
+
+  bool follows_same_joints(std::size_t p) const {
+    double sum = 0;
+    for (const std::uint32_t v : pieces_[p].vertices) {
+      const SkinPoint at = (*nearest_)(vertices_.row(v));
+      for (int k = 0; k < 3; ++k) {
+        sum += at.weights[k] * shared_weight(weights_[v], weights_[at.vertices[static_cast<std::size_t>(k)]]);
+      }
+    }
+    return sum >= kSameJoints * static_cast<double>(pieces_[p].vertices.size());
+  }
+
+  void gather() {
+    const Triangles kept = host_triangles();
+    result_.pieces = static_cast<int>(std::count(hosts_.begin(), hosts_.end(), true));
+    result_.host.assign(static_cast<std::size_t>(vertices_.rows()), -1);
+    for (std::uint32_t v = 0; v < result_.host.size(); ++v) {
+      if (first_[v] != v) {
+        result_.host[v] = result_.host[first_[v]];
+      } else if (hosts_[static_cast<std::size_t>(piece_of_[v])]) {
+        result_.host[v] = static_cast<int>(result_.vertex.size());
+        result_.vertex.push_back(v);
+      }
+    }
+    result_.vertices = vertices_(result_.vertex, Eigen::all);
+    result_.triangles.resize(kept.rows(), 3);
+    for (Eigen::Index k = 0; k < kept.size(); ++k) {
+      result_.triangles.data()[k] = static_cast<std::uint32_t>(result_.host[kept.data()[k]]);
+    }
+    tangles_ = self_intersections(result_.vertices, result_.triangles);
+    std::set<std::uint32_t> tangled;
+    for (const TrianglePair& pair : tangles_) {
+      for (const Eigen::Index t : {pair.first, pair.second}) {
+        for (int k = 0; k < 3; ++k) tangled.insert(result_.vertex[result_.triangles(t, k)]);
+      }
+    }
+    result_.tangled.assign(tangled.begin(), tangled.end());
+  }
+
+  const Positions& vertices_;
+  Triangles triangles_;
+  const SkinWeights& weights_;
+  std::vector<std::uint32_t> first_;
+  std::vector<int> piece_of_;
+  std::vector<Piece> pieces_;
+  std::vector<bool> hosts_;
+  Triangles host_triangles_;
+  std::optional<NearestSkin> nearest_;  // of these
+  std::vector<TrianglePair> tangles_;
+  FillableSkin result_;
+};
+
+// Barycentric, of a point in a tet.
+Eigen::Vector4d weights_in(const TetMesh& mesh, Eigen::Index tet, const Eigen::RowVector3d& point) {
+  Eigen::Vector4d weights;
+  weights.tail<3>() = tet_edges(mesh, tet).inverse() * (point - mesh.nodes.row(mesh.tets(tet, 0))).transpose();
+  weights[0] = 1 - weights.tail<3>().sum();
+  return weights;
+}
+
+std::string counted(Eigen::Index count, const char* one, const char* many) {
+  return std::to_string(count) + (count == 1 ? one : many);
+}
+
+}  // namespace
+
+bool FillableSkin::is_as_it_was() const {
+  return intersections == 0 && turned == 0 && filled == 0 && merged == 0 && doubled == 0 && riders.empty();
+}
+
+std::string FillableSkin::mending() const {
+  std::string text;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  if (merged > 0)
+    add(counted(merged, " vertex joined to another in its place", " vertices joined to others in their place"));
+  if (doubled > 0) add(counted(doubled, " doubled triangle dropped", " doubled triangles dropped"));
+  if (turned > 0) add(counted(turned, " flipped triangle turned", " flipped triangles turned"));
+  if (filled > 0) add("holes filled with " + counted(filled, " triangle", " triangles"));
+  if (intersections > 0) {
+    add(counted(intersections, " pair of intersecting triangles moved apart",
+                " pairs of intersecting triangles moved apart") +
+        " (by " + std::to_string(static_cast<int>(std::ceil(1e4 * farthest)) / 10.0).substr(0, 4) + " mm at most)");
+  }
+  if (!riders.empty())
+    add(counted(static_cast<Eigen::Index>(riders.size()), " piece rides", " pieces ride") + " on the others");
+  return text;
+}
+
+FillableSkin fillable_skin(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
+                           int room) {
+  return SkinMender(vertices, triangles, weights).mend(room);
+}
+
+std::vector<EmbeddedPoint> own_nodes(const TetMesh& mesh, Eigen::Index vertices) {
+  std::vector<EmbeddedPoint> points(static_cast<std::size_t>(vertices));
+  for (Eigen::Index k = mesh.tets.size(); k-- > 0;) {  // backwards: the first tet of a node stays
+    const int node = mesh.tets.data()[k];
+    if (node < vertices)
+      points[static_cast<std::size_t>(node)] = {static_cast<int>(k / 4), Eigen::Vector4d::Unit(k % 4)};
+  }
+  return points;
+}
+
+std::vector<EmbeddedPoint> carry_skin(const FillableSkin& fillable, const Positions& vertices, const TetMesh& mesh,
+                                      const std::vector<EmbeddedPoint>& hosts) {
+  std::vector<std::vector<int>> tets_at(static_cast<std::size_t>(mesh.nodes.rows()));
+  for (int t = 0; t < mesh.tets.rows(); ++t) {
+    for (int a = 0; a < 4; ++a) tets_at[static_cast<std::size_t>(mesh.tets(t, a))].push_back(t);
+  }
+  // Of the tets around those that carry some hosts, the one that holds a point best.
+  const auto best_near = [&](const Eigen::RowVector3d& point, std::span<const std::uint32_t> near) {
+    EmbeddedPoint best{hosts[near.front()].tet, Eigen::Vector4d::Constant(-1e300)};
+    for (const std::uint32_t h : near) {
+      for (int a = 0; a < 4; ++a) {
+        for (const int t : tets_at[static_cast<std::size_t>(mesh.tets(hosts[h].tet, a))]) {
+          const Eigen::Vector4d weights = weights_in(mesh, t, point);
+          if (weights.minCoeff() > best.weights.minCoeff()) best = {t, weights};
+        }
+      }
+    }
+    return best;
+  };
+  const NearestSkin nearest(fillable.vertices, fillable.triangles);
+  std::vector<EmbeddedPoint> points;
+  for (std::size_t v = 0; v < fillable.host.size(); ++v) {
+    const Eigen::RowVector3d place = vertices.row(static_cast<Eigen::Index>(v));
+    const int host = fillable.host[v];
+    if (host < 0) {
+      points.push_back(best_near(place, nearest(place).vertices));
+    } else if (fillable.vertices.row(host) == place) {
+      points.push_back(hosts[static_cast<std::size_t>(host)]);
+    } else {
+      const auto h = static_cast<std::uint32_t>(host);
+      points.push_back(best_near(place, {&h, 1}));
+    }
+  }
+  return points;
+}
+
+void carry_by_own_joints(const Positions& vertices, const SkinWeights& weights, const TetMesh& mesh,
+                         std::vector<EmbeddedPoint>& skin) {
+  std::uint32_t joints = 0;
+  for (const std::vector<JointWeight>& vertex : weights) {
+    for (const JointWeight& w : vertex) joints = std::max(joints, w.joint + 1);
+  }
+  Eigen::MatrixXd carried = Eigen::MatrixXd::Zero(mesh.nodes.rows(), joints);
+  for (std::size_t v = 0; v < skin.size(); ++v) {
+    for (int a = 0; a < 4; ++a) {
+      const double share = std::max(skin[v].weights[a], 0.0);
+      for (const JointWeight& w : weights[v]) carried(mesh.tets(skin[v].tet, a), w.joint) += share * w.weight;
+    }
+  }
+  for (Eigen::Index n = 0; n < carried.rows(); ++n) carried.row(n) /= std::max(carried.row(n).sum(), 1e-300);
+  const auto agreement = [&](std::size_t v, int tet) {
+    Eigen::RowVectorXd of_tet = Eigen::RowVectorXd::Zero(joints);
+    for (int a = 0; a < 4; ++a) of_tet += carried.row(mesh.tets(tet, a));
+    if (!(of_tet.sum() > 0)) return 0.0;
+    of_tet /= of_tet.sum();
+    double sum = 0;
+    for (const JointWeight& w : weights[v]) sum += std::min(w.weight, of_tet[w.joint]);
+    return sum;
+  };
+  for (std::size_t v = 0; v < skin.size(); ++v) {
+    if (agreement(v, skin[v].tet) >= kSameJoints) continue;
+    EmbeddedPoint best{-1, Eigen::Vector4d::Constant(kFarthest)};
+    for (int t = 0; t < mesh.tets.rows(); ++t) {
+      const Eigen::Vector4d at = weights_in(mesh, t, vertices.row(static_cast<Eigen::Index>(v)));
+      if (at.minCoeff() > best.weights.minCoeff() && agreement(v, t) >= kSameJoints) best = {t, at};
+    }
+    if (best.tet >= 0) skin[v] = best;
+  }
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,57 @@
+// What of a skin as it comes can be filled with tetrahedra, and how it was mended for that.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "geometry/embedding.h"
+
+namespace bodyopt {
+
+using SkinWeights = std::vector<std::vector<JointWeight>>;  // V
+
+struct FillableSkin {
+  Positions vertices;                    // H x 3, rest space, metres: moved where the skin passes through itself
+  Triangles triangles;                   // closed, wound outwards, free of self-intersections
+  std::vector<std::uint32_t> vertex;     // H: the skin's own vertex that each stands for
+  std::vector<int> host;                 // V: the row of `vertices` that stands for each; -1: it rides on the others
+  std::vector<std::uint32_t> tangled;    // vertices of the skin at self-intersections, ascending
+  Eigen::Index intersections = 0;        // pairs of triangles, before mending
+  Eigen::Index turned = 0, filled = 0;   // triangles turned round; added in holes
+  Eigen::Index merged = 0, doubled = 0;  // vertices merged at open edges; triangles that were there twice
+  int pieces = 0;                        // that are filled
+  std::vector<std::uint32_t> riders;     // a vertex of every piece that rides
+  double farthest = 0;                   // that a vertex was moved, metres
+
+  bool is_as_it_was() const;
+  // One sentence of what was done; empty: nothing.
+  std::string mending() const;
+};
+
+// The pieces of a skin that enclose a volume, the rest riding on them: flipped triangles turned, holes filled where
+// that takes less than a fifth of a piece's area, open edges in one place joined, triangles that are there twice
+// dropped, self-intersections moved apart (untangle). Pieces that lie in others, pass through larger ones, are open or
+// small ride on the nearest. A skin that needs nothing of this comes back bit for bit.
+//
+// Throws Error(mismatch) naming the cause where no piece encloses a volume, a large piece that cannot be filled follows
+// other joints than what it would ride on, or self-intersections cannot be moved apart.
+// room: as of untangle; more where tets do not fit otherwise.
+FillableSkin fillable_skin(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
+                           int room = 1);
+
+// Where every vertex of the skin (V x 3) is carried, V. mesh: tets that carry the vertices of the fillable skin at
+// `hosts`, H. Vertices that were moved, and those that ride, are carried by the tet near their host that holds them
+// best.
+std::vector<EmbeddedPoint> carry_skin(const FillableSkin& fillable, const Positions& vertices, const TetMesh& mesh,
+                                      const std::vector<EmbeddedPoint>& hosts);
+
+// Of a skin that coarse tets carry: vertices carried by tets that follow other joints than they do, as one lip by the
+// other, are carried instead by the tet that holds them best of those that follow the same. A tet follows the joints of
+// the vertices that its nodes carry.
+void carry_by_own_joints(const Positions& vertices, const SkinWeights& weights, const TetMesh& mesh,
+                         std::vector<EmbeddedPoint>& skin);
+
+// Tets whose first nodes are the vertices of the fillable skin carry them so, H.
+std::vector<EmbeddedPoint> own_nodes(const TetMesh& mesh, Eigen::Index vertices);
+
+}  // namespace bodyopt
