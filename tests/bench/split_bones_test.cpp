@@ -4,7 +4,7 @@
 
 #include "tests/support/capsule_limb.h"
 #include "tests/support/random_tables.h"
-#include "trainer/train/blend_matrix.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt::bench {
 namespace {
