@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "assets/pc2.h"
+
 namespace bodyopt {
 
 // What is the same in all frames of a cache.
@@ -17,6 +19,7 @@ struct CacheLayout {
   std::span<const std::uint32_t> corners;  // T x 3, of the triangles: only .usda holds them
   std::vector<int> frames;                 // the number of every frame that will be appended, rising
   double fps = 24;
+  CacheSpace space{};  // PC2's; USD is in metres, Y up, and says so
 };
 
 // Writes under a temporary name. Numbers that are not finite are refused: Error(file).

@@ -136,10 +136,11 @@ std::vector<float> Pc2Reader::sample(std::uint32_t k) const {
 }
 
 struct Pc2Writer::File {
-  File(const std::filesystem::path& where, std::uint32_t points, std::uint32_t samples)
-      : path(where), out(where), stride(3 * std::size_t{points}), expected(samples) {}
+  File(const std::filesystem::path& where, std::uint32_t points, std::uint32_t samples, const CacheSpace& in)
+      : path(where), out(where), space(in), stride(3 * std::size_t{points}), expected(samples) {}
   std::filesystem::path path;
   AtomicFile out;
+  CacheSpace space;
   std::size_t stride;
   std::uint32_t expected, written = 0;
 };
@@ -156,12 +157,26 @@ std::uint32_t checked_count(const std::filesystem::path& path, std::uint32_t cou
                                    std::to_string(kMost));
 }
 
+std::vector<float> in_space(std::span<const float> points, const CacheSpace& space) {
+  const auto in_units = [&](float metres) { return static_cast<float>(static_cast<double>(metres) / space.unit); };
+  std::vector<float> result;
+  for (std::size_t k = 0; k + 2 < points.size(); k += 3) {
+    const float x = in_units(points[k]), y = in_units(points[k + 1]), z = in_units(points[k + 2]);
+    if (space.z_up) {
+      result.insert(result.end(), {x, -z, y});
+    } else {
+      result.insert(result.end(), {x, y, z});
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 Pc2Writer::Pc2Writer(const std::filesystem::path& path, std::uint32_t point_count, std::uint32_t sample_count,
-                     float start_frame, float sample_rate)
+                     float start_frame, float sample_rate, const CacheSpace& space)
     : file_(new File(path, checked_count(path, point_count, 1, "points"),
-                     checked_count(path, sample_count, 0, "samples"))) {
+                     checked_count(path, sample_count, 0, "samples"), space)) {
   Pc2Header header{};
   std::memcpy(header.magic, kMagic, sizeof(kMagic));
   header.version = 1;
@@ -188,8 +203,11 @@ void Pc2Writer::append(std::span<const float> sample) {
     throw Error(ErrorKind::mismatch, file_->path.string() + ": more than the " + std::to_string(file_->expected) +
                                          " samples it was opened for were given");
   }
-  require_finite(file_->path, file_->written, sample);
-  file_->out.write(std::as_bytes(sample));
+  const bool as_it_is = file_->space.unit == 1 && !file_->space.z_up;
+  const std::vector<float> changed = as_it_is ? std::vector<float>() : in_space(sample, file_->space);
+  const std::span<const float> written = as_it_is ? sample : changed;
+  require_finite(file_->path, file_->written, written);
+  file_->out.write(std::as_bytes(written));
   ++file_->written;
 }
 

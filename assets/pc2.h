@@ -32,17 +32,24 @@ class Pc2Reader {
   File* file_;
 };
 
+// How the points of a cache are written; here they are metres, Y up.
+struct CacheSpace {
+  double unit = 1;    // metres to a unit of the cache
+  bool z_up = false;  // (x, y, z) is written as (x, -z, y)
+  bool operator==(const CacheSpace&) const = default;
+};
+
 // Writes to a temporary name; close() checks the count and renames. Destroying it before leaves nothing behind. Numbers
 // that are not finite are refused: Error(file).
 class Pc2Writer {
  public:
   Pc2Writer(const std::filesystem::path& path, std::uint32_t point_count, std::uint32_t sample_count,
-            float start_frame = 1, float sample_rate = 1);
+            float start_frame = 1, float sample_rate = 1, const CacheSpace& space = {});
   ~Pc2Writer();
   Pc2Writer(const Pc2Writer&) = delete;
   Pc2Writer& operator=(const Pc2Writer&) = delete;
 
-  void append(std::span<const float> sample);  // point_count x 3
+  void append(std::span<const float> sample);  // point_count x 3, metres, Y up
   void close();
 
   // Puts the samples so far aside as a file, instead of close(); and on a new writer of the same header: those are its

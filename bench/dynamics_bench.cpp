@@ -65,7 +65,7 @@ struct Body {
     anatomy.bone_springs += core_springs(arm.vertices, arm.triangles, tets.cage, fields.flesh, materials.bone_springs);
     std::vector<std::string> notes;
     Dynamics result;
-    result.tets = make_tet_table(tets, fields.skin_amount);
+    result.tets = make_tet_table(tets, fields.skin_amount, fields.skin_limit);
     result.diffuse = make_diffuse_table(mesh, static_cast<Eigen::Index>(tets.surface.size()));
     result.jiggle = make_jiggle_table(
         mesh, make_jiggle_system(settings, fields, arm.skeleton, mesh, anatomy, materials, notes), {});

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "assets/controls.h"
+#include "assets/json_file.h"
 #include "cli/arguments/common.h"
 #include "dataset/dataset.h"
 #include "dataset/regions_file.h"
@@ -16,7 +17,7 @@ namespace bodyopt::cli {
 namespace {
 
 struct DynamicsArguments {
-  std::string dataset, basis, out, jiggle, integrator = "tr-bdf2";
+  std::string dataset, basis, out, jiggle, jiggle_out, integrator = "tr-bdf2";
   DynamicsOptions options;
   JsonOption json;
 };
@@ -68,6 +69,7 @@ Dynamics build(DynamicsArguments& arguments, const Basis& basis) {
 
 void run(DynamicsArguments arguments) {
   require_writable(arguments.out);
+  if (!arguments.jiggle_out.empty()) require_writable(arguments.jiggle_out);
   arguments.json.require_writable();
   refuse_overwriting(arguments.out, arguments.basis);
   const auto start = std::chrono::steady_clock::now();
@@ -77,6 +79,7 @@ void run(DynamicsArguments arguments) {
   const Dynamics dynamics = build(arguments, basis);
   validate(dynamics, basis, "the dynamics to be saved");
   save_dynamics(dynamics, arguments.out);
+  if (!arguments.jiggle_out.empty()) write_json(chosen_jiggle(dynamics), arguments.jiggle_out);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   say(dynamics_notes(dynamics));
@@ -115,6 +118,9 @@ void add_dynamics(CLI::App& app) {
   verb.add_option("--jiggle", arguments->jiggle, "How soft, damped and free tissue is, and where (jiggle.json)")
       ->type_name("FILE")
       ->check(refuse_empty);
+  verb.add_option("--jiggle-out", arguments->jiggle_out, "Write the settings it chose, to edit (jiggle.json)")
+      ->type_name("FILE.json")
+      ->check(must_end_in(".json"));
   verb.add_option("--dynamics-resolution", options.resolution, "Tetrahedra at most")
       ->capture_default_str()
       ->check(CLI::Range(100, 1000000));

@@ -9,6 +9,7 @@
 #include "assets/frame_range.h"
 #include "assets/gltf_guard.h"
 #include "base/progress.h"
+#include "cli/arguments/cache_space.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/jiggle_arguments.h"
 #include "cli/arguments/task_arguments.h"
@@ -28,6 +29,7 @@ struct EvalArguments {
   double unit = 0;
   std::size_t level = 0;
   bool full_skin = false;
+  CacheSpace space;
   ClipArguments clip;
   DeviceArguments device;
   JiggleArguments jiggle;
@@ -80,6 +82,9 @@ struct EvaluatedShot {
 EvaluatedShot read_shot(const EvalArguments& arguments) {
   EvaluatedShot shot;
   Level level = chosen_level(arguments);
+  if (holds_normals(arguments.out) && !(arguments.space == CacheSpace())) {
+    throw Error(ErrorKind::usage, "--unit-out and --axis are for .pc2: a .usda says itself that it is in metres, Y up");
+  }
   if (arguments.full_skin && holds_normals(arguments.out)) {
     throw Error(ErrorKind::usage,
                 "--full-skin writes .pc2: the topology of the full skin, which .usda holds, is not "
@@ -115,8 +120,8 @@ class ShotCaches {
     const MeshTable& mesh = shot.deformer->basis().mesh;
     points_ = arguments.full_skin ? static_cast<std::uint32_t>(shot.carried.size()) : mesh.output_count();
     skin_ = write_cache(arguments.out, {fs::path(arguments.basis).stem().string(), points_, mesh.output_triangles,
-                                        shot.frames, shot.clip.fps});
-    attached_.open(arguments.out, shot.frames, shot.clip.fps);
+                                        shot.frames, shot.clip.fps, arguments.space});
+    attached_.open(arguments.out, shot.frames, shot.clip.fps, arguments.space);
   }
 
   // Frames begin, begin + 1, ...
@@ -332,6 +337,7 @@ void add_eval(CLI::App& app) {
                : must_end_in(".usda")(name).empty() ? ""
                                                     : "'" + name + "' does not end in .pc2 or .usda";
       });
+  add_cache_space(verb, arguments->space);
   verb.add_option("--attached", arguments->attached,
                   "Geometry that rides on the skin (default: BASIS.attached.safetensors beside the basis, where it is "
                   "there); each mesh is written as FILE.<mesh>.pc2 or .usda")

@@ -1,6 +1,7 @@
 // bodyopt export: a draft's nodes to a point cache that other programs read.
 #include "assets/nodes_cache.h"
 #include "assets/pc2.h"
+#include "cli/arguments/cache_space.h"
 #include "cli/arguments/common.h"
 
 namespace bodyopt::cli {
@@ -8,13 +9,15 @@ namespace {
 
 struct ExportArguments {
   std::string draft, out;
+  CacheSpace space;
   JsonOption json;
 };
 
 void run(const ExportArguments& arguments) {
   arguments.json.require_writable();
   const NodesReader draft(arguments.draft);
-  Pc2Writer writer(arguments.out, draft.point_count(), draft.sample_count(), draft.start_frame(), draft.sample_rate());
+  Pc2Writer writer(arguments.out, draft.point_count(), draft.sample_count(), draft.start_frame(), draft.sample_rate(),
+                   arguments.space);
   for (std::uint32_t k = 0; k < draft.sample_count(); ++k) writer.append(draft.sample(k));
   writer.close();
   arguments.json.emit(
@@ -29,6 +32,7 @@ void add_export(CLI::App& app) {
   CLI::App& verb = *app.add_subcommand("export", "A draft's skin as a point cache for other programs");
   verb.add_option("draft", arguments->draft, "Nodes of a draft (.nodes)")->required()->type_name("DRAFT");
   add_output(verb, arguments->out, ".pc2", "Point cache to write");
+  add_cache_space(verb, arguments->space);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

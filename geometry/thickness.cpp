@@ -13,8 +13,6 @@ namespace bodyopt {
 namespace {
 
 constexpr double kThinnest = 1.0 / 180, kThickest = 1.0 / 6;  // of the body's extent
-// Thickness is averaged within about this part of the extent: a ray alone sees every ear and finger.
-constexpr double kNearby = 0.04;
 constexpr double kFewestRounds = 1, kMostRounds = 200;
 constexpr double kEdge = 1e-9;  // barycentric: rays must not slip through between two triangles
 constexpr Eigen::Index kMostRays = 16384;
@@ -85,7 +83,7 @@ class RayTarget {
 
 }  // namespace
 
-Eigen::VectorXd thickness(const Positions& vertices, const Triangles& triangles) {
+Eigen::VectorXd thickness(const Positions& vertices, const Triangles& triangles, double nearby) {
   const double inwards = enclosed_volume(vertices, triangles) < 0 ? 1 : -1;
   const Positions normals = vertex_normals(vertices, triangles);
   const RayTarget target(vertices, triangles);
@@ -99,7 +97,7 @@ Eigen::VectorXd thickness(const Positions& vertices, const Triangles& triangles)
     sum[v] = std::max(target.distance(v, vertices.row(v), along.normalized(), kThickest * extent), kThinnest * extent);
     count[v] = 1;
   });
-  const double rounds = std::pow(kNearby * extent / mean_edge(vertices, triangles), 2);
+  const double rounds = std::pow(nearby * extent / mean_edge(vertices, triangles), 2);
   for (Eigen::VectorXd* values : {&sum, &count})
     smooth(triangles, static_cast<int>(std::clamp(rounds, kFewestRounds, kMostRounds)), *values);
   return (count.array() > 0).select(sum.array() / count.array(), kThinnest * extent);

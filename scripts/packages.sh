@@ -11,6 +11,7 @@ run_packages=(mesa-vulkan-drivers fonts-dejavu-core)
 test_packages=(vulkan-validationlayers xvfb xauth xdotool clang libomp-dev)
 attack_packages=(libclang-rt-dev python3)
 bench_packages=(libbenchmark-dev libsuitesparse-dev)
+sheet_packages=(imagemagick python3)
 other_program_packages=(blender python3-numpy slurm-wlm munge)
 # Node.js from elsewhere brings its own npm, and Debian's would clash with it.
 command -v npm >/dev/null || other_program_packages+=(nodejs npm)

@@ -99,11 +99,12 @@ std::vector<AttachedMesh> attach_own_meshes(const fs::path& character, double un
 AttachedCaches::AttachedCaches(const std::string& file, const fs::path& basis_path, const Basis& basis)
     : attachments_(found_attachments(file, basis_path, basis)), carrier_(basis, attachments_) {}
 
-void AttachedCaches::open(const fs::path& skin_cache, const std::vector<int>& frames, double fps) {
+void AttachedCaches::open(const fs::path& skin_cache, const std::vector<int>& frames, double fps,
+                          const CacheSpace& space) {
   for (const AttachedMesh& mesh : attachments_.meshes) {
     paths_.push_back(
         fs::path(skin_cache).replace_extension("." + mesh.name + skin_cache.extension().string()).string());
-    writers_.push_back(write_cache(paths_.back(), {mesh.name, mesh.vertex_count(), mesh.triangles, frames, fps}));
+    writers_.push_back(write_cache(paths_.back(), {mesh.name, mesh.vertex_count(), mesh.triangles, frames, fps, space}));
   }
 }
 

@@ -43,7 +43,8 @@ class AttachedCaches {
   // beside the file is not of this basis.
   AttachedCaches(const std::string& file, const std::filesystem::path& basis_path, const Basis& basis);
 
-  void open(const std::filesystem::path& skin_cache, const std::vector<int>& frames, double fps);
+  void open(const std::filesystem::path& skin_cache, const std::vector<int>& frames, double fps,
+            const CacheSpace& space);
   void append(std::span<const float> skin, const Pose& pose);
   void close();
   Json written() const;  // per mesh: name, points, cache

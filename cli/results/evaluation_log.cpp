@@ -1,8 +1,10 @@
 #include "cli/results/evaluation_log.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "assets/frame_range.h"
+#include "assets/notes.h"
 #include "trainer/dynamics/measure_jiggle.h"
 #include "trainer/train/coverage/coverage.h"
 
@@ -30,6 +32,18 @@ std::vector<int> worst_frames(const Json& per_frame) {
   return frames;
 }
 
+// The joint that stands nearest to a vertex at rest.
+std::string nearest_joint(const Basis& basis, std::uint32_t vertex) {
+  const float* x = &basis.mesh.rest[std::size_t{3} * vertex];
+  const auto squared_distance = [&](const Joint& joint) {
+    const Affine bind = inverse(joint.inverse_bind);
+    double sum = 0;
+    for (std::size_t i = 0; i < 3; ++i) sum += std::pow(static_cast<double>(x[i]) - bind.m[i][3], 2);
+    return sum;
+  };
+  return std::ranges::min_element(basis.skeleton.joints, {}, squared_distance)->name;
+}
+
 }  // namespace
 
 void EvaluationLog::add(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame) {
@@ -37,11 +51,13 @@ void EvaluationLog::add(const Deformer& deformer, const Evaluation& part, std::s
   fades_.add(deformer.basis().skeleton, part, k, frame, entry);
   if (part.outside[k] > 0) entry["outside_feature"] = feature_name(deformer.basis(), part.outside_feature[k]);
   if (!part.starts.empty()) {
-    if (const auto note = describe(part.starts[k], frame)) notes_.push_back(*note);
+    starts_[part.starts[k]].push_back(frame);
     const JiggleMeasure measure = measure_jiggle(*deformer.dynamics(), deformer.state().motion);
     entry["jiggle_rms_mm"] = measure.rms_mm;
     entry["jiggle_max_mm"] = measure.max_mm;
     entry["inverted_tets"] = measure.inverted_tets;
+    entry["jiggle_limited_vertices"] = measure.limited;
+    if (measure.limited > 0) entry["jiggle_limited_near"] = nearest_joint(deformer.basis(), measure.most_limited);
     tets_ = deformer.dynamics()->tets.tet_count();
   }
   count(entry);
@@ -59,6 +75,10 @@ void EvaluationLog::count(const Json& entry) {
   const auto inverted = entry.value("inverted_tets", std::uint32_t{0});
   if (inverted > 0) inverted_frames_.push_back(frame);
   most_inverted_ = std::max(most_inverted_, inverted);
+  if (entry.value("jiggle_limited_vertices", std::size_t{0}) > 0) {
+    limited_frames_.push_back(frame);
+    ++limited_joints_[entry.at("jiggle_limited_near")];
+  }
   const double jiggle = entry.value("jiggle_max_mm", 0.0);
   if (jiggle > most_jiggle_mm_) most_jiggle_frame_ = frame;
   most_jiggle_mm_ = std::max(most_jiggle_mm_, jiggle);
@@ -82,11 +102,31 @@ void EvaluationLog::expect(const Basis& basis, const std::vector<Pose>& poses) {
   most_expected_frame_ = frames_[static_cast<std::size_t>(worst - errors.begin())];
 }
 
-Json EvaluationLog::kept() const { return {{"per_frame", per_frame_}, {"notes", notes_}, {"tets", tets_}}; }
+// A line for each way to start anew, however many frames do.
+std::vector<std::string> EvaluationLog::notes() const {
+  std::vector<std::string> notes;
+  for (const auto& [start, frames] : starts_) {
+    std::optional<std::string> note = describe(start, frames.front());
+    if (!note) continue;
+    if (frames.size() > 1) {
+      *note += "; so in frames " + format_frame_range({frames.begin() + 1, frames.end()}) + ", too";
+    }
+    notes.push_back(*note);
+  }
+  return notes;
+}
+
+Json EvaluationLog::kept() const {
+  Json starts = Json::array();
+  for (const auto& [start, frames] : starts_) starts.push_back({static_cast<int>(start), frames});
+  return {{"per_frame", per_frame_}, {"starts", starts}, {"tets", tets_}};
+}
 
 void EvaluationLog::take_up(const Json& kept) {
   per_frame_ = kept.at("per_frame");
-  notes_ = kept.at("notes").get<std::vector<std::string>>();
+  for (const Json& start : kept.at("starts")) {
+    starts_[static_cast<JiggleStart>(start.at(0).get<int>())] = start.at(1).get<std::vector<int>>();
+  }
   tets_ = kept.at("tets");
   for (const Json& entry : per_frame_) {
     fades_.add(entry.at("frame"), entry);
@@ -114,7 +154,7 @@ Json EvaluationLog::summary() const {
 
 Json EvaluationLog::result() const {
   Json result = summary();
-  result["notes"] = notes_;
+  result["notes"] = notes();
   result["per_frame"] = per_frame_;
   return result;
 }
@@ -141,12 +181,18 @@ std::string EvaluationLog::text() const {
   if (most_jiggle_mm_ > 0) {
     text += format("the jiggle moves the skin by %.2f mm at most, in frame %d\n", most_jiggle_mm_, most_jiggle_frame_);
   }
+  if (!limited_frames_.empty()) {
+    std::vector<std::string> joints;
+    for (const auto& [joint, count] : limited_joints_) joints.push_back(joint);
+    text += "skin near " + list_names(joints) + " would go further than its limit, a share of the body's thickness " +
+            "there ('limit' of jiggle.json), and is held short of it: " + format_frame_range(limited_frames_) + "\n";
+  }
   if (!inverted_frames_.empty()) {
     text += format("%zu frames have tetrahedra that are inside out before they jiggle, %u of %u at most: ",
                    inverted_frames_.size(), most_inverted_, tets_) +
             format_frame_range(inverted_frames_) + "\n";
   }
-  for (const std::string& note : notes_) text += note + "\n";
+  for (const std::string& note : notes()) text += note + "\n";
   return text;
 }
 

@@ -1,6 +1,7 @@
 // What `eval` tells of the frames that it evaluated.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -29,10 +30,12 @@ class EvaluationLog {
 
  private:
   void count(const Json& entry);
+  std::vector<std::string> notes() const;
 
   Json per_frame_ = Json::array();
-  std::vector<std::string> notes_;
-  std::vector<int> frames_, outside_frames_, inverted_frames_;
+  std::map<JiggleStart, std::vector<int>> starts_;  // in which frames
+  std::map<std::string, std::size_t> limited_joints_;
+  std::vector<int> frames_, outside_frames_, inverted_frames_, limited_frames_;
   std::string worst_feature_;
   double worst_outside_ = 0, most_jiggle_mm_ = 0, most_expected_mm_ = 0, mean_expected_mm_ = 0;
   int most_jiggle_frame_ = 0, most_expected_frame_ = 0;

@@ -117,7 +117,13 @@ DeviceSkin Detail::skin(SkinMethod method) const { return deformers_.at({method,
 void Detail::reset_jiggle() {
   const auto found = deformers_.find({SkinMethod::jiggle, Use::show});
   if (found != deformers_.end()) found->second->set_state({});
-  evaluated_.erase(SkinMethod::jiggle);
+  const auto last = evaluated_.find(SkinMethod::jiggle);
+  if (last != evaluated_.end()) last->second.poses.clear();  // is evaluated again
+}
+
+std::optional<int> Detail::jiggle_frame() const {
+  const auto last = evaluated_.find(SkinMethod::jiggle);
+  return last != evaluated_.end() ? std::optional(last->second.frame) : std::nullopt;
 }
 
 Evaluation Detail::measure(SkinMethod method, const Pose& pose, float correction) {

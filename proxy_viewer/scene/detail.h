@@ -66,6 +66,8 @@ class Detail {
   DeviceSkin skin(SkinMethod method) const;
   const Evaluated& last(SkinMethod method) const { return evaluated_.at(method); }
   void reset_jiggle();  // which starts anew with the next frame
+  // The frame that the jiggle stands at, or was reset at; none before its first.
+  std::optional<int> jiggle_frame() const;
 
   // The quasi-static result on the host, of one pose: does not touch what is shown. `correction`: see Weights.
   Evaluation measure(SkinMethod method, const Pose& pose, float correction = 1);

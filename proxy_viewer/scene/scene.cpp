@@ -186,10 +186,22 @@ std::vector<Pose> Scene::poses_of(const Actor& character, const Controls& contro
   return poses;
 }
 
+void Scene::preroll(Actor& character, const Controls& controls, const Weights& weights) const {
+  const int frame = controls.playback.frame(), second = static_cast<int>(character.clip().fps);
+  const std::optional<int> last = character.shown().jiggle_frame();
+  const bool came_by_itself = last && *last <= frame && frame - *last <= second;
+  if (came_by_itself || controls.playback.playing() || live_pose_) return;
+  for (int k = std::max(character.clip().first_frame, frame - second); k < frame; ++k) {
+    const Pose pose = pose_at(character, k, controls);
+    character.evaluate(SkinMethod::jiggle, {&pose, 1}, k, weights, false);
+  }
+}
+
 Scene::Shown Scene::evaluate(Actor& character, SkinMethod method, std::span<const Pose> poses,
                              const Controls& controls) {
   const Weights weights{static_cast<float>(controls.settings.pose.correction),
                         static_cast<float>(controls.settings.jiggle.amount)};
+  if (method == SkinMethod::jiggle) preroll(character, controls, weights);
   // Ghosts are quasi-static: they have no past.
   const auto wanted = method == SkinMethod::full ? poses : poses.first(1);
   const Evaluation& evaluation =

@@ -23,6 +23,7 @@ struct TetTable {
   std::vector<std::uint32_t> corners;       // 4T: 4 x tet + corner of every corner at a node, ascending per node
   std::vector<SurfacePoint> surface;        // B: where the skin carries each node that lies on it
   std::vector<TetPoint> skin;               // V: which tet carries each skin vertex, and how much of it
+  std::vector<float> skin_limit;            // V: metres that no displacement of each reaches; kNoLimit: any
 
   std::uint32_t node_count() const { return static_cast<std::uint32_t>(nodes.size() / 3); }
   std::uint32_t tet_count() const { return static_cast<std::uint32_t>(shapes.size()); }

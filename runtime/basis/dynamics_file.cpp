@@ -1,4 +1,6 @@
 // Dynamics as safetensors: one tensor per array of dynamics.h, named <table>.<array>; strings as metadata.
+#include <algorithm>
+
 #include "runtime/basis/dynamics.h"
 #include "runtime/basis/table_file.h"
 
@@ -6,6 +8,7 @@ namespace bodyopt {
 namespace {
 
 constexpr const char* kSchema = "bodyopt-dynamics-1";
+constexpr const char* kSkinLimit = "tets.skin_limit";
 
 template <typename Inverse, typename Visit>
 void for_each_array_of(Inverse& inverse, const std::string& table, Visit visit) {
@@ -28,6 +31,7 @@ void for_each_array(DynamicsType& dynamics, Visit visit) {
   visit("tets.corners", tets.corners, 1);
   visit("tets.surface", tets.surface, 1);
   visit("tets.skin", tets.skin, 1);
+  visit(kSkinLimit, tets.skin_limit, 1);
   auto& diffuse = dynamics.diffuse;
   visit("diffuse.row_begin", diffuse.row_begin, 1);
   visit("diffuse.columns", diffuse.columns, 1);
@@ -72,6 +76,10 @@ Safetensors container(const Dynamics& dynamics) {
   for_each_array(dynamics, [&](const std::string& name, const auto& values, std::uint64_t width) {
     file.tensors[name] = tensor_from(values, width);
   });
+  // As files of earlier versions are, so that a state that belongs to one still does.
+  if (std::ranges::all_of(dynamics.tets.skin_limit, [](float limit) { return limit == kNoLimit; })) {
+    file.tensors.erase(kSkinLimit);
+  }
   file.tensors["jiggle.step"] = tensor_from(step_numbers(dynamics.jiggle.step), 4);
   file.metadata["schema"] = kSchema;
   return file;
@@ -97,8 +105,10 @@ Dynamics load_dynamics(const std::filesystem::path& path, const Basis& basis) {
   TableReader reader(file, path, "dynamics");
   reader.require_schema(kSchema);
   Dynamics dynamics;
-  for_each_array(dynamics,
-                 [&](const std::string& name, auto& values, std::uint64_t width) { reader.read(name, values, width); });
+  for_each_array(dynamics, [&](const std::string& name, auto& values, std::uint64_t width) {
+    if (name != kSkinLimit || file.tensors.contains(name)) reader.read(name, values, width);
+  });
+  if (!file.tensors.contains(kSkinLimit)) dynamics.tets.skin_limit.assign(dynamics.tets.skin.size(), kNoLimit);
   dynamics.jiggle.step = read_step(reader);
   reader.refuse_unknown_tensors();
   dynamics.diffuse.inverse.unknown_count = dynamics.tets.node_count();

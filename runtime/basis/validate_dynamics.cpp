@@ -264,6 +264,13 @@ class Validator : TableChecks {
                ", expected 0 or more");
       }
     }
+    expect_size("tets.skin_limit", tets.skin_limit.size(), basis_.mesh.vertex_count());
+    for (std::size_t v = 0; v < tets.skin_limit.size(); ++v) {
+      const float limit = tets.skin_limit[v];
+      if (!(limit > 0 && limit <= kNoLimit)) {
+        refuse(element("tets.skin_limit", v) + " is " + std::to_string(limit) + ", expected metres above 0");
+      }
+    }
   }
 
   // Barycentric: rounding grows with weights of points far outside.

@@ -1,5 +1,7 @@
 #include "runtime/cpu/ddm_frames.h"
 
+#include <numeric>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime/cpu/ddm_frames.cpp"
 #include "hwy/foreach_target.h"
@@ -47,6 +49,14 @@ void vertex_frames(const DdmTable& ddm, std::span<const std::uint32_t> vertices,
     known.block = block;
     for (std::size_t i = 0; i < 12; ++i) frames[12 * k + i] = known.numbers[i * kBlockSize + vertices[k] % kBlockSize];
   }
+}
+
+std::vector<float> vertex_frames(const DdmTable& ddm, std::uint32_t vertex_count, const float* skinning) {
+  std::vector<std::uint32_t> vertices(vertex_count);
+  std::iota(vertices.begin(), vertices.end(), 0U);
+  std::vector<float> frames(12 * vertices.size());
+  vertex_frames(ddm, vertices, skinning, frames);
+  return frames;
 }
 
 }  // namespace bodyopt::cpu

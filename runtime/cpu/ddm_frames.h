@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "runtime/basis/basis.h"
 
@@ -19,5 +20,7 @@ void block_frames(const DdmTable& ddm, const float* skinning, std::uint32_t firs
 // R (row-major) and t of each of the vertices -> frames P x 12.
 void vertex_frames(const DdmTable& ddm, std::span<const std::uint32_t> vertices, const float* skinning,
                    std::span<float> frames);
+// The same of vertices 0, 1, ..., vertex_count - 1 -> V x 12.
+std::vector<float> vertex_frames(const DdmTable& ddm, std::uint32_t vertex_count, const float* skinning);
 
 }  // namespace bodyopt::cpu

@@ -89,8 +89,9 @@ void jiggle_end(const JiggleStepPush& step, std::span<const float> rotations, st
                 std::span<const float> local_displacement, std::span<float> displacement, std::span<float> velocity,
                 Executor& threads = calling_thread());
 
-// Jiggle stage: the skin goes along: x + weight x amount x what its tet has of u. Of a vertex whose amount is 0 no bit
-// changes. positions V x 3, displacement N x 3 -> moved V x 3.
+// Jiggle stage: the skin goes along: x + weight x amount x what its tet has of u, cut where it nears the vertex' limit
+// (limited_share in shaders/include/jiggle.h). Of a vertex whose amount is 0 no bit changes. positions V x 3,
+// displacement N x 3 -> moved V x 3.
 void jiggle_skin(const TetTable& tets, std::span<const float> positions, std::span<const float> displacement,
                  float weight, std::span<float> moved, Executor& threads = calling_thread());
 

@@ -6,7 +6,9 @@
 #include "one_source.h"
 
 #ifdef __cplusplus
+#include <cmath>
 namespace bodyopt {
+using std::sqrt;
 #endif
 
 // R x, R row-major: from a node's frame to the world.
@@ -23,6 +25,15 @@ BODYOPT_FUNCTION void turn_back(BODYOPT_IN_ARRAY(r, 9), BODYOPT_IN_ARRAY(x, 3), 
     BODYOPT_PRECISE float value = r[i] * x[0] + r[3 + i] * x[1] + r[6 + i] * x[2];
     y[i] = value;
   }
+}
+
+// What is shown of a displacement of this squared length, as a share: all of it up to half the limit, from there on
+// ever less: s limits become 1 - 1 / (4 s), which goes on with the same slope and never reaches the limit.
+BODYOPT_FUNCTION float limited_share(float squared, float limit) {
+  if (4.0f * squared <= limit * limit) return 1.0f;
+  BODYOPT_PRECISE float inverse = limit / sqrt(squared);
+  BODYOPT_PRECISE float share = inverse * (1.0f - 0.25f * inverse);
+  return share;
 }
 
 // Right side of a node, in its frame: velocity_weight m (v + d R^T g) + displacement_weight inertia u.

@@ -125,6 +125,8 @@ struct TetPoint {
 };
 BODYOPT_CHECK_SIZE(TetPoint, 24)
 
+const float kNoLimit = 1e18f;  // metres: no displacement of a skin vertex is cut; its square is a float, too
+
 // A node of the jiggle step. A muscle that is active holds its nodes by springs of their own.
 struct JiggleNode {
   float mass;                     // kg, lumped: a quarter of each tet's

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 
+#include "runtime/core/error.h"
 #include "tests/support/damaged_cache.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
@@ -26,6 +27,28 @@ void write_small(const std::filesystem::path& path) {
   writer.append(kFirst);
   writer.append(kSecond);
   writer.close();
+}
+
+// A point 2 m to the left, 3 m up and 4 m ahead, for a program of centimetres with z up: 4 m against y.
+TEST(Pc2, IsWrittenInAnotherUnitAndWithAnotherAxisUp) {
+  const TemporaryFolder folder;
+  const auto written = [&](const CacheSpace& space) {
+    Pc2Writer writer(folder / "other.pc2", 1, 1, 1, 1, space);
+    writer.append(std::vector<float>{2, 3, 4});
+    writer.close();
+    return Pc2Reader(folder / "other.pc2").sample(0);
+  };
+  EXPECT_EQ(written({}), (std::vector<float>{2, 3, 4}));
+  EXPECT_EQ(written({0.01, false}), (std::vector<float>{200, 300, 400}));
+  EXPECT_EQ(written({1, true}), (std::vector<float>{2, -4, 3}));
+  EXPECT_EQ(written({0.5, true}), (std::vector<float>{4, -8, 6}));
+}
+
+// Metres that are finite, and no number of another unit.
+TEST(Pc2, WhatIsNotFiniteInItsUnitIsRefused) {
+  const TemporaryFolder folder;
+  Pc2Writer writer(folder / "other.pc2", 1, 1, 1, 1, {1e-10, false});
+  EXPECT_THROW(writer.append(std::vector<float>{1e30f, 0, 0}), Error);
 }
 
 // Reads everything, as a program that trusts its cache does.

@@ -154,8 +154,9 @@ TEST(DynamicsFile, BytesAreCountedByStage) {
   const std::map<std::string, std::size_t> bytes = table_bytes(dynamics);
   ASSERT_EQ(bytes.size(), 2u);
   EXPECT_EQ(bytes.at("diffuse"), 12 * nodes + (16 + 40 + 16) * tets + 4 * (nodes + 1) +
-                                     24 * (dynamics.tets.surface.size() + dynamics.tets.skin.size()) + 4 * (nodes + 1) +
-                                     8 * dynamics.diffuse.values.size() + of_inverse(dynamics.diffuse.inverse));
+                                     24 * dynamics.tets.surface.size() + 28 * dynamics.tets.skin.size() +
+                                     4 * (nodes + 1) + 8 * dynamics.diffuse.values.size() +
+                                     of_inverse(dynamics.diffuse.inverse));
   EXPECT_EQ(bytes.at("jiggle"), 24 * nodes + 8 * tets + 4 * (nodes + 1) + 8 * dynamics.jiggle.held_values.size() +
                                     of_inverse(dynamics.jiggle.inverse));
 }

@@ -83,7 +83,7 @@ TEST(DynamicsTets, TableHoldsTheShapes) {
   const Character limb = make_limb();
   const DynamicsTets tets = make_dynamics_tets(limb.vertices, limb.triangles, limb.weights, 25000);
   const std::vector<double> amounts(tets.cage.skin.size(), 0.25);
-  const TetTable table = make_tet_table(tets, amounts);
+  const TetTable table = make_tet_table(tets, amounts, std::vector<double>(amounts.size(), 0.1));
   ASSERT_EQ(table.tet_count(), static_cast<std::uint32_t>(tets.cage.mesh.tets.rows()));
   double total = 0;
   for (Eigen::Index t = 0; t < tets.cage.mesh.tets.rows(); ++t) {

@@ -34,6 +34,34 @@ struct LimbJiggle {
   JiggleSystem system;
 };
 
+// A giant's tissue is as many times squared stiffer as he is larger: he swings as a person does.
+TEST(Jiggle, BodiesOfAnySizeSwingAlike) {
+  const LimbJiggle person;
+  TetMesh giant = person.mesh;
+  const double extent = (giant.nodes.colwise().maxCoeff() - giant.nodes.colwise().minCoeff()).maxCoeff();
+  giant.nodes *= 9 / extent;
+  std::vector<std::string> notes;
+  const JiggleSystem system =
+      make_jiggle_system({}, person.fields, person.limb.skeleton, giant, person.anatomy, {}, notes);
+  EXPECT_NEAR(system.materials[0].mu, 25 * person.system.materials[0].mu, 1e-6 * system.materials[0].mu);
+}
+
+// Half of what is thin is held, however small the body's flesh is elsewhere.
+TEST(Jiggle, ThinTissueHasItsOwnFleshAndLimit) {
+  JiggleSettings flesh;
+  flesh.flesh = 0.02;
+  const LimbJiggle given(flesh), open;
+  EXPECT_NEAR(given.fields.flesh.maxCoeff(), 0.02, 1e-12);
+  EXPECT_NEAR(given.fields.flesh.minCoeff(), 0.02, 1e-12);
+  const JiggleSettings chosen = chosen_settings(open.settings, open.fields, open.limb, open.anatomy);
+  EXPECT_GT(chosen.flesh, 0);
+  EXPECT_LE(open.fields.flesh.maxCoeff(), chosen.flesh * (1 + 1e-12));
+  for (std::size_t v = 0; v < open.fields.skin_limit.size(); ++v) {
+    EXPECT_GT(open.fields.skin_limit[v], 0);
+    EXPECT_LT(open.fields.skin_limit[v], 0.06);  // the limb is 10 cm thick
+  }
+}
+
 // `values` on x, y and z.
 SparseMatrix on_axes(const SparseMatrix& values) {
   std::vector<Eigen::Triplet<double>> entries;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/support/limb_dynamics.h"
 
 namespace bodyopt {
@@ -10,6 +12,18 @@ namespace {
 NodeMotion at_rest(const Dynamics& dynamics) {
   const std::vector<float> zeros(dynamics.tets.nodes.size());
   return {zeros, zeros, dynamics.tets.nodes, zeros};
+}
+
+// Half a metre of an arm: linear tissue went so far, the skin is held short of its limit, and both are told.
+TEST(MeasureJiggle, CountsSkinThatIsHeldByItsLimit) {
+  const Dynamics& dynamics = limb_model().dynamics;
+  NodeMotion motion = at_rest(dynamics);
+  for (float& u : motion.displacement) u = 0.3f;
+  const JiggleMeasure measure = measure_jiggle(dynamics, motion);
+  const auto& limits = dynamics.tets.skin_limit;
+  EXPECT_EQ(measure.limited, limits.size());
+  EXPECT_LT(measure.max_mm, 1e3 * static_cast<double>(*std::ranges::max_element(limits)));
+  EXPECT_NEAR(limits[measure.most_limited], *std::ranges::min_element(limits), 1e-5f);
 }
 
 TEST(MeasureJiggle, OfTheSkinInMillimetres) {
@@ -23,6 +37,7 @@ TEST(MeasureJiggle, OfTheSkinInMillimetres) {
   const JiggleMeasure shifted = measure_jiggle(dynamics, motion);
   EXPECT_NEAR(shifted.rms_mm, 5, 1e-5);
   EXPECT_NEAR(shifted.max_mm, 5, 1e-5);
+  EXPECT_EQ(shifted.limited, 0u);
   // What Deformer does to the skin.
   Deformer still(limb_model().basis, {.name = "cpu"}), moving(limb_model().basis, dynamics, {}, {.name = "cpu"});
   const Pose from = limb_pose({}), to = limb_pose({{0.05, 0, 0}, 0, 0.3});

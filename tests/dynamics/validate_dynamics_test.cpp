@@ -71,6 +71,9 @@ TEST(ValidateDynamics, Tets) {
       {"tets.skin[8] has weights", [](Dynamics& d) { d.tets.skin[8].w3 += 0.5f; }},
       {"tets.skin[8] is nan", [](Dynamics& d) { d.tets.skin[8].amount = kNan; }},
       {"tets.skin[8] takes an amount", [](Dynamics& d) { d.tets.skin[8].amount = -1; }},
+      {"tets.skin_limit has", [](Dynamics& d) { d.tets.skin_limit.pop_back(); }},
+      {"tets.skin_limit[8] is", [](Dynamics& d) { d.tets.skin_limit[8] = kNan; }},
+      {"tets.skin_limit[8] is", [](Dynamics& d) { d.tets.skin_limit[8] = 0; }},
   });
 }
 

@@ -10,18 +10,6 @@ namespace {
 
 class ActorTest : public CharactersTest {
  protected:
-  static std::vector<float> download(const vulkan::Buffer& buffer) {
-    const vulkan::Buffer readback(*device_, buffer.size(), vulkan::Memory::staging, "readback");
-    vulkan::Commands commands(*device_);
-    commands.begin();
-    commands.copy(buffer, readback);
-    commands.end();
-    commands.run();
-    std::vector<float> values(buffer.size() / sizeof(float));
-    std::memcpy(values.data(), readback.mapped(), values.size() * sizeof(float));
-    return values;
-  }
-
   // What is on the device, F x V x 3, as a deformer gives it: F x O x 3.
   static std::vector<float> in_output_order(const MeshTable& mesh, const std::vector<float>& values) {
     std::vector<float> out;

@@ -1,6 +1,9 @@
 // A device, and files of characters on a disk, shared by the tests of a suite; validation stays silent.
 #pragma once
 
+#include <cstring>
+
+#include "runtime/vulkan/commands.h"
 #include "tests/proxy_viewer/small_character.h"
 #include "tests/support/gpu_fixture.h"
 
@@ -23,6 +26,18 @@ class CharactersTest : public ::testing::Test {
     device_.reset();
   }
   void TearDown() override { EXPECT_EQ(device_->validation_messages(), std::vector<std::string>()); }
+
+  static std::vector<float> download(const vulkan::Buffer& buffer) {
+    const vulkan::Buffer readback(*device_, buffer.size(), vulkan::Memory::staging, "readback");
+    vulkan::Commands commands(*device_);
+    commands.begin();
+    commands.copy(buffer, readback);
+    commands.end();
+    commands.run();
+    std::vector<float> values(buffer.size() / sizeof(float));
+    std::memcpy(values.data(), readback.mapped(), values.size() * sizeof(float));
+    return values;
+  }
 
   static inline std::shared_ptr<const vulkan::Device> device_;
   static inline std::unique_ptr<TemporaryFolder> folder_;

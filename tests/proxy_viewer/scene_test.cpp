@@ -49,6 +49,23 @@ class SceneTest : public CharactersTest {
   std::set<SkinMethod> shown_;  // what has been evaluated
 };
 
+// A frame that is asked for jiggles as when it is played to.
+TEST_F(SceneTest, AFrameThatIsAskedForHasJiggledUpToIt) {
+  add_jiggling();
+  controls_.settings.jiggle.on = true;
+  const auto shown = [&](int frame) {
+    controls_.playback.scrub(frame);
+    return download(*scene_.look(controls_, kArea).at(0).skins.at(0).positions);
+  };
+  const std::vector<float> asked = shown(6);
+  scene_.reset_jiggle();
+  std::vector<float> stepped;
+  for (int frame = 1; frame <= 6; ++frame) stepped = shown(frame);
+  EXPECT_EQ(asked, stepped);
+  controls_.settings.jiggle.on = false;
+  EXPECT_NE(asked, shown(6));
+}
+
 TEST_F(SceneTest, NothingToCompareWithIsOneView) {
   add_small();
   for (const CompareWith with : {CompareWith::none, CompareWith::full, CompareWith::jiggle}) {

@@ -65,7 +65,7 @@ struct OneTet {
     SparseMatrix springs(4, 4);
     springs.setIdentity();
     const JiggleSystem system{{{1e3, 9e3}}, lumped_mass(tets.cage.mesh, 1000), Eigen::VectorXd::Ones(4), 1e-3, springs};
-    dynamics.tets = make_tet_table(tets, {1, 1, 1, 0});
+    dynamics.tets = make_tet_table(tets, {1, 1, 1, 0}, {1, 1, 1, 1});
     dynamics.diffuse = make_diffuse_table(tets.cage.mesh, 4);
     dynamics.jiggle = make_jiggle_table(tets.cage.mesh, system, {});
     dynamics.metadata["topology_hash"] = hexadecimal(topology_hash(basis.mesh));

@@ -1,6 +1,6 @@
 #include "trainer/curate/unposed_space.h"
 
-#include "runtime/cpu/ddm.h"
+#include "runtime/cpu/ddm_frames.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/skinning/ddm_basis.h"
 #include "trainer/train/skinning/mesh_table.h"
@@ -18,11 +18,12 @@ UnposedSpace::Frame UnposedSpace::frame(const Pose& pose) const {
   const Eigen::Vector3d root = Eigen::Vector3f(rig.origin).cast<double>();
   Frame frame;
   frame.placements_.resize(order_.size());
+  const auto count = static_cast<std::uint32_t>(order_.size());
+  const std::vector<float> frames = cpu::vertex_frames(basis_.ddm, count, rig.skinning.data());
   for (std::size_t k = 0; k < order_.size(); ++k) {
-    float r[9], t[3];
-    cpu::ddm_frame(basis_.ddm, static_cast<std::uint32_t>(k), rig.skinning.data(), r, t);
+    const float *r = &frames[12 * k], *t = r + 9;
     const DdmVertex& v = basis_.ddm.vertices[k];
-    frame.placements_[order_[k]] = {RowMajor3(r).cast<double>(), root + Eigen::Vector3f(t).cast<double>(),
+    frame.placements_[order_[k]] = {Eigen::Map<const RowMajor3>(r).cast<double>(), root + Eigen::Map<const Eigen::Vector3f>(t).cast<double>(),
                                     Eigen::Vector3f(v.offset_x, v.offset_y, v.offset_z).cast<double>()};
   }
   return frame;

@@ -11,6 +11,7 @@
 #include "trainer/dynamics/core_springs.h"
 #include "trainer/dynamics/diffuse.h"
 #include "trainer/dynamics/jiggle.h"
+#include "trainer/dynamics/lowest_frequency.h"
 #include "trainer/dynamics/tet_quality.h"
 #include "trainer/train/skinning/mesh_table.h"
 #include "trainer/train/skinning/same_character.h"
@@ -63,33 +64,12 @@ Json report_of(const Dynamics& dynamics, const DynamicsTets& tets, const JiggleA
           {"notes", notes}};
 }
 
-Json to_json(const JiggleRegion& region) {
-  const char* const kinds[] = {"joint", "muscle", "region"};
-  Json json = {{kinds[static_cast<std::size_t>(region.by)], region.name}};
-  const auto add = [&](const char* name, const std::optional<double>& value) {
-    if (value) json[name] = *value;
-  };
-  add("softness", region.softness);
-  add("damping", region.damping);
-  add("amount", region.amount);
-  add("flesh", region.flesh);
-  return json;
-}
-
 Json provenance_of(const Character& character, const DynamicsOptions& options) {
-  Json regions = Json::array();
-  for (const JiggleRegion& region : options.settings.regions) regions.push_back(to_json(region));
-  return {{"character", character.name},
-          {"resolution", options.resolution},
-          {"jiggle", options.settings.origin},
-          {"softness", options.settings.softness},
-          {"damping", options.settings.damping},
-          {"amount", options.settings.amount},
-          {"poisson", options.settings.poisson},
-          {"density", options.settings.density},
-          {"tension", options.settings.tension},
-          {"flesh", options.settings.flesh},
-          {"regions", regions}};
+  Json json = {{"character", character.name}, {"resolution", options.resolution}, {"jiggle", options.settings.origin}};
+  Json settings = jiggle_json(options.settings);
+  settings.erase("schema");
+  json.update(settings);
+  return json;
 }
 
 }  // namespace
@@ -116,10 +96,11 @@ Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& m
   progress.advance();
   std::vector<std::string> notes;
   if (!tets.cage.mending.empty()) notes.push_back("the skin was mended for the tetrahedra alone: " + tets.cage.mending);
-  const JiggleSystem system =
+  JiggleSystem system =
       make_jiggle_system(options.settings, fields, ordered.skeleton, mesh, anatomy, options.materials, notes);
+  hold_slow_parts(options.settings.lowest_frequency, fields.softness, ordered.skeleton, mesh, anatomy, system, notes);
   Dynamics dynamics;
-  dynamics.tets = make_tet_table(tets, fields.skin_amount);
+  dynamics.tets = make_tet_table(tets, fields.skin_amount, fields.skin_limit);
   dynamics.diffuse = make_diffuse_table(mesh, static_cast<Eigen::Index>(tets.surface.size()));
   progress.advance();
   dynamics.jiggle = make_jiggle_table(mesh, system, options.step);
@@ -130,7 +111,12 @@ Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& m
   const auto text = [](const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); };
   dynamics.metadata["report"] = text(report_of(dynamics, tets, anatomy, notes));
   dynamics.metadata["provenance"] = text(provenance_of(character, options));
+  dynamics.metadata["jiggle_settings"] = text(jiggle_json(chosen_settings(options.settings, fields, ordered, anatomy)));
   return dynamics;
+}
+
+nlohmann::ordered_json chosen_jiggle(const Dynamics& dynamics) {
+  return Json::parse(dynamics.metadata.at("jiggle_settings"));
 }
 
 std::vector<std::string> dynamics_notes(const Dynamics& dynamics) {

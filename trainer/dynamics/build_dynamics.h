@@ -27,6 +27,9 @@ struct DynamicsOptions {
 Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
                         const DynamicsOptions& options);
 
+// The settings that it was built with, what they left open as it was chosen: a jiggle.json to edit.
+nlohmann::ordered_json chosen_jiggle(const Dynamics& dynamics);
+
 // What of it the user should know, one sentence each.
 std::vector<std::string> dynamics_notes(const Dynamics& dynamics);
 

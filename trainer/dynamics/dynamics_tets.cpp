@@ -143,7 +143,8 @@ DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& tria
   return tets;
 }
 
-TetTable make_tet_table(const DynamicsTets& tets, const std::vector<double>& amounts) {
+TetTable make_tet_table(const DynamicsTets& tets, const std::vector<double>& amounts,
+                        const std::vector<double>& limits) {
   const TetMesh& mesh = tets.cage.mesh;
   TetTable table;
   table.nodes.assign(mesh.nodes.data(), mesh.nodes.data() + mesh.nodes.size());
@@ -160,6 +161,7 @@ TetTable make_tet_table(const DynamicsTets& tets, const std::vector<double>& amo
   for (std::size_t v = 0; v < tets.cage.skin.size(); ++v) {
     table.skin.push_back(packed(tets.cage.skin[v], amounts[v]));
   }
+  table.skin_limit.assign(limits.begin(), limits.end());
   return table;
 }
 

@@ -23,7 +23,8 @@ struct DynamicsTets {
 DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                                 Eigen::Index most_tets, const std::vector<Positions>& poses = {});
 
-// amounts: V, how much of its tet's displacement every skin vertex takes.
-TetTable make_tet_table(const DynamicsTets& tets, const std::vector<double>& amounts);
+// V each: how much of its tet's displacement every skin vertex takes, and the metres that it never reaches.
+TetTable make_tet_table(const DynamicsTets& tets, const std::vector<double>& amounts,
+                        const std::vector<double>& limits);
 
 }  // namespace bodyopt

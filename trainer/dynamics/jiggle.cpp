@@ -8,6 +8,7 @@
 #include "assets/notes.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/block_inverse.h"
+#include "trainer/train/mesh_table.h"
 
 namespace bodyopt {
 namespace {
@@ -15,6 +16,9 @@ namespace {
 // Tissue that jiggles is softer than the simulation's, and its tets, coarse and linear, are stiffer than what they
 // stand for: with this the thighs and the chest of a person swing at 6 to 7 Hz, the belly at 5.
 constexpr double kSofterThanSimulated = 2.5;
+// A body of several times a person's size, in a unit of its own or not, moves as many times as far in a second. Its
+// tissue is as many times squared stiffer: it swings as fast, and as far for its size.
+constexpr double kPerson = 1.8;         // metres, the longest extent
 constexpr double kDampedFrequency = 3;  // Hz: at which damping ratios are met
 // Of the least damping ratio, this share comes from the stiffness: it grows with the frequency, as it does in tissue.
 constexpr double kStiffnessShare = 0.2;
@@ -26,13 +30,14 @@ double angular(double hertz) { return 2 * std::numbers::pi * hertz; }
 
 std::vector<TetMaterial> tet_materials(const JiggleSettings& settings, const Eigen::VectorXd& softness,
                                        const TetMesh& mesh, const JiggleAnatomy& anatomy, const Materials& materials) {
+  const double stiffer = std::pow(std::max(1.0, longest_extent(mesh.nodes) / kPerson), 2);
   std::vector<TetMaterial> result;
   for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
     double log_softness = 0;
     for (int a = 0; a < 4; ++a) log_softness += std::log(softness[mesh.tets(t, a)]) / 4;
     const double muscle = anatomy.muscle_of_tets[static_cast<std::size_t>(t)];
-    const double mu =
-        std::lerp(materials.fat.mu, materials.muscle.mu, muscle) / (kSofterThanSimulated * std::exp(log_softness));
+    const double mu = stiffer * std::lerp(materials.fat.mu, materials.muscle.mu, muscle) /
+                      (kSofterThanSimulated * std::exp(log_softness));
     result.push_back({mu, 2 * mu * settings.poisson / (1 - 2 * settings.poisson)});
   }
   return result;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "assets/notes.h"
+#include "geometry/thickness.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/diffuse.h"
 #include "trainer/train/skinning/mesh_table.h"
@@ -13,6 +14,9 @@ namespace {
 
 // Skin that takes less than this of the motion is held.
 constexpr double kLeastAmount = 1e-3;
+// Thickness is averaged within about this part of the extent: an ear is thin, though the head beside it is not.
+constexpr double kNearby = 0.01;
+constexpr double kThin = 0.9;  // of the body's flesh: joints with less get their own
 
 // How much of every node and skin vertex is in a region, 0 to 1.
 struct Share {
@@ -52,6 +56,19 @@ std::vector<std::size_t> muscles_of(const JiggleRegion& region, const std::vecto
 std::vector<std::size_t> painted_of(const JiggleRegion& region, const std::vector<RegionWeights>& painted,
                                     const JiggleSettings& settings) {
   return matches(names_of(painted), region, "painted region", settings);
+}
+
+// V values of the skin -> N, as diffuse carries positions.
+Eigen::VectorXd carried_inwards(const DynamicsTets& tets, const Eigen::VectorXd& of_skin) {
+  Eigen::VectorXd on_surface = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(tets.surface.size()));
+  for (std::size_t n = 0; n < tets.surface.size(); ++n) {
+    const SkinPoint& point = tets.surface[n];
+    for (std::size_t k = 0; k < 3; ++k) {
+      on_surface[static_cast<Eigen::Index>(n)] +=
+          point.weights[static_cast<Eigen::Index>(k)] * of_skin[point.vertices[k]];
+    }
+  }
+  return diffuse(tets.cage.mesh, on_surface);
 }
 
 class ShareFinder {
@@ -115,15 +132,7 @@ class ShareFinder {
         share.skin[painted_[r].vertices[k]] += painted_[r].weights[k];
       }
     }
-    Eigen::VectorXd on_surface = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(tets_.surface.size()));
-    for (std::size_t n = 0; n < tets_.surface.size(); ++n) {
-      const SkinPoint& point = tets_.surface[n];
-      for (std::size_t k = 0; k < 3; ++k) {
-        on_surface[static_cast<Eigen::Index>(n)] +=
-            point.weights[static_cast<Eigen::Index>(k)] * share.skin[point.vertices[k]];
-      }
-    }
-    share.nodes = diffuse(tets_.cage.mesh, on_surface);
+    share.nodes = carried_inwards(tets_, share.skin);
   }
 
   const JiggleSettings& settings_;
@@ -133,6 +142,16 @@ class ShareFinder {
   const DynamicsTets& tets_;
   const JiggleAnatomy& anatomy_;
 };
+
+Eigen::VectorXd default_flesh(const JiggleSettings& settings, const Character& character, const DynamicsTets& tets,
+                              const Eigen::VectorXd& thick) {
+  if (settings.flesh > 0) return Eigen::VectorXd::Constant(tets.cage.mesh.nodes.rows(), settings.flesh);
+  const double of_size = kFleshOfSize * longest_extent(character.vertices);
+  // Between the skin's least and largest, whatever the Laplacian of bad tets overshoots by.
+  return (kFleshOfThickness * carried_inwards(tets, thick))
+      .cwiseMax(kFleshOfThickness * thick.minCoeff())
+      .cwiseMin(of_size);
+}
 
 void blend(Eigen::VectorXd& values, double value, const Eigen::VectorXd& share) {
   values += share.cwiseProduct(Eigen::VectorXd::Constant(values.size(), value) - values);
@@ -163,8 +182,8 @@ JiggleFields spread_settings(const JiggleSettings& settings, const Character& ch
   require_possible(settings);
   const Eigen::Index nodes = tets.cage.mesh.nodes.rows();
   Eigen::VectorXd log_softness = Eigen::VectorXd::Constant(nodes, std::log(settings.softness));
-  const double flesh = settings.flesh > 0 ? settings.flesh : kFleshOfSize * longest_extent(character.vertices);
-  Eigen::VectorXd log_flesh = Eigen::VectorXd::Constant(nodes, std::log(flesh));
+  const Eigen::VectorXd thick = thickness(character.vertices, character.triangles, kNearby);
+  Eigen::VectorXd log_flesh = default_flesh(settings, character, tets, thick).array().log();
   Eigen::VectorXd skin_amount = Eigen::VectorXd::Constant(character.vertices.rows(), settings.amount);
   JiggleFields fields;
   fields.damping = Eigen::VectorXd::Constant(nodes, settings.damping);
@@ -183,7 +202,26 @@ JiggleFields spread_settings(const JiggleSettings& settings, const Character& ch
   fields.softness = log_softness.array().exp();
   fields.flesh = log_flesh.array().exp();
   for (const double amount : skin_amount) fields.skin_amount.push_back(amount < kLeastAmount ? 0 : amount);
+  for (const double t : thick) fields.skin_limit.push_back(settings.limit * t);
   return fields;
+}
+
+JiggleSettings chosen_settings(const JiggleSettings& settings, const JiggleFields& fields, const Character& character,
+                               const JiggleAnatomy& anatomy) {
+  if (settings.flesh > 0) return settings;
+  JiggleSettings chosen = settings;
+  chosen.flesh = kFleshOfSize * longest_extent(character.vertices);
+  std::vector<JiggleRegion> thin;
+  for (std::size_t j = 0; j < character.skeleton.size(); ++j) {
+    const Eigen::VectorXd share = anatomy.joint_share.col(static_cast<Eigen::Index>(j));
+    const double mean = share.dot(fields.flesh) / share.sum();
+    if (!(mean < kThin * chosen.flesh)) continue;
+    JiggleRegion region{.name = character.skeleton.joints[j].name, .flesh = mean};
+    region.comment = "a quarter of the thickness there";
+    thin.push_back(region);
+  }
+  chosen.regions.insert(chosen.regions.begin(), thin.begin(), thin.end());
+  return chosen;
 }
 
 }  // namespace bodyopt

@@ -11,6 +11,7 @@ namespace bodyopt {
 struct JiggleFields {
   Eigen::VectorXd softness, damping, amount, flesh;  // N, of the nodes
   std::vector<double> skin_amount;                   // V; exactly 0 where the skin is held
+  std::vector<double> skin_limit;                    // V, metres: what no displacement reaches
 };
 
 // Throws Error(mismatch) where the settings name what the character, its muscles or `painted` lack.
@@ -20,9 +21,15 @@ void require_names(const JiggleSettings& settings, const Character& character, c
 // Where a region of the settings is: joints by their weights, muscles by their share of the tissue, painted regions of
 // the skin by their weights, carried inwards as diffuse carries positions. Softness and flesh are blended by their
 // logarithms.
+// Flesh that the settings leave open is a share of the body's extent, where it is thin of its thickness.
 // Throws as require_possible and require_names.
 JiggleFields spread_settings(const JiggleSettings& settings, const Character& character,
                              const std::vector<Muscle>& muscles, const std::vector<RegionWeights>& painted,
                              const DynamicsTets& tets, const JiggleAnatomy& anatomy);
+
+// The settings with what they left open as it was chosen: the body's flesh, and of joints whose tissue is thin, the
+// mean of theirs, before the regions that were given.
+JiggleSettings chosen_settings(const JiggleSettings& settings, const JiggleFields& fields, const Character& character,
+                               const JiggleAnatomy& anatomy);
 
 }  // namespace bodyopt

@@ -14,15 +14,18 @@ namespace {
 constexpr const char* kSchema = "bodyopt-jiggle-1";
 constexpr double kSoftest = 1e4, kMostDamping = 10, kMostAmount = 10, kThinnestFlesh = 1e-6, kMostFlesh = 1e3;
 constexpr double kLeastPoisson = -0.99, kMostPoisson = 0.495;  // at -1 and 0.5 a material cannot be computed with
+constexpr double kFastest = 1e3, kLeastLimit = 1e-3, kMostLimit = 1e3;
 constexpr double kLightest = 1, kHeaviest = 1e5, kMostTension = 1e3;
 
 double softness(const JsonObject& object) { return object.number("softness", 1 / kSoftest, kSoftest); }
 double damping(const JsonObject& object) { return object.number("damping", 0, kMostDamping); }
 double amount(const JsonObject& object) { return object.number("amount", 0, kMostAmount); }
+double lowest_frequency(const JsonObject& object) { return object.number("lowest_frequency", 0, kFastest); }
+double limit(const JsonObject& object) { return object.number("limit", kLeastLimit, kMostLimit); }
 double flesh(const JsonObject& object) { return object.number("flesh", kThinnestFlesh, kMostFlesh); }
 
 JiggleRegion read_region(const JsonObject& object) {
-  object.allow({"joint", "muscle", "region", "softness", "damping", "amount", "flesh"});
+  object.allow({"joint", "muscle", "region", "softness", "damping", "amount", "flesh", "comment"});
   constexpr std::array kinds = {std::pair("joint", JiggleRegion::By::joint),
                                 std::pair("muscle", JiggleRegion::By::muscle),
                                 std::pair("region", JiggleRegion::By::painted)};
@@ -39,10 +42,25 @@ JiggleRegion read_region(const JsonObject& object) {
   if (object.has("damping")) region.damping = damping(object);
   if (object.has("amount")) region.amount = amount(object);
   if (object.has("flesh")) region.flesh = flesh(object);
+  if (object.has("comment")) region.comment = object.text("comment");
   if (!region.softness && !region.damping && !region.amount && !region.flesh) {
     object.refuse("says nothing of softness, damping, amount or flesh");
   }
   return region;
+}
+
+Json region_json(const JiggleRegion& region) {
+  const char* const kinds[] = {"joint", "muscle", "region"};
+  Json json = {{kinds[static_cast<std::size_t>(region.by)], region.name}};
+  const auto add = [&](const char* name, const std::optional<double>& value) {
+    if (value) json[name] = *value;
+  };
+  add("softness", region.softness);
+  add("damping", region.damping);
+  add("amount", region.amount);
+  add("flesh", region.flesh);
+  if (!region.comment.empty()) json["comment"] = region.comment;
+  return json;
 }
 
 class Limits {
@@ -80,6 +98,8 @@ void require_possible(const JiggleSettings& settings) {
   limits.at_least_0("the damping", settings.damping);
   limits.at_least_0("the amount", settings.amount);
   limits.at_least_0("the flesh", settings.flesh);
+  limits.at_least_0("the lowest frequency", settings.lowest_frequency);
+  limits.above("the limit", settings.limit, 0);
   for (const JiggleRegion& region : settings.regions) {
     limits.above("a region's softness", region.softness.value_or(1), 0);
     limits.at_least_0("a region's damping", region.damping.value_or(0));
@@ -88,10 +108,23 @@ void require_possible(const JiggleSettings& settings) {
   }
 }
 
+Json jiggle_json(const JiggleSettings& settings) {
+  Json json = {{"schema", kSchema},           {"softness", settings.softness},
+               {"damping", settings.damping}, {"amount", settings.amount},
+               {"poisson", settings.poisson}, {"density", settings.density},
+               {"tension", settings.tension}, {"lowest_frequency", settings.lowest_frequency},
+               {"limit", settings.limit}};
+  if (settings.flesh > 0) json["flesh"] = settings.flesh;
+  json["regions"] = Json::array();
+  for (const JiggleRegion& region : settings.regions) json["regions"].push_back(region_json(region));
+  return json;
+}
+
 JiggleSettings read_jiggle(const std::filesystem::path& path) {
   const Json json = read_json(path, kSchema);
   const JsonObject top(json, path, "the file");
-  top.allow({"schema", "softness", "damping", "amount", "poisson", "density", "tension", "flesh", "regions"});
+  top.allow({"schema", "softness", "damping", "amount", "poisson", "density", "tension", "flesh", "lowest_frequency",
+             "limit", "regions", "comment"});
   JiggleSettings settings;
   settings.origin = path.string();
   if (top.has("softness")) settings.softness = softness(top);
@@ -101,6 +134,8 @@ JiggleSettings read_jiggle(const std::filesystem::path& path) {
   if (top.has("density")) settings.density = top.number("density", kLightest, kHeaviest);
   if (top.has("tension")) settings.tension = top.number("tension", 0, kMostTension);
   if (top.has("flesh")) settings.flesh = flesh(top);
+  if (top.has("lowest_frequency")) settings.lowest_frequency = lowest_frequency(top);
+  if (top.has("limit")) settings.limit = limit(top);
   if (!top.has("regions")) return settings;
   const Json& list = top.array("regions");
   for (std::size_t k = 0; k < list.size(); ++k) {

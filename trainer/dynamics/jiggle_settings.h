@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,16 +15,23 @@ struct JiggleRegion {
   By by = By::joint;
   std::string name;  // of a joint, a muscle or a painted region; with '*' at its end all whose names begin like it
   std::optional<double> softness{}, damping{}, amount{}, flesh{};
+  std::string comment{};  // for who edits the file
 };
 
 // Of the longest extent of the skin at rest: 5 cm of a person of 1.8 m.
 constexpr double kFleshOfSize = 0.028;
+// Of the body's thickness there: the inner half of ears, snouts, tails, toes and fingers is held as bone is.
+constexpr double kFleshOfThickness = 0.25;
 
 struct JiggleSettings {
   double softness = 1;   // divides the stiffness of tissue
   double damping = 0.2;  // damping ratio at 3 Hz
   double amount = 1;     // what the skin takes of the motion; 0: held still
-  double flesh = 0;      // metres under the skin that move; what is deeper is held; 0: kFleshOfSize x the body
+  // Metres under the skin that move; what is deeper is held. 0: kFleshOfSize x the body, kFleshOfThickness x what is
+  // thin.
+  double flesh = 0;
+  double lowest_frequency = 4;  // Hz over the root of the softness: no part swings slower
+  double limit = 1.0 / 3;       // of the body's thickness where it is: no displacement of the skin reaches it
   double poisson = 0.45;
   double density = 1000;  // kg/m^3
   double tension = 4;     // Hz that a fully active muscle's tissue gains: its springs alone would swing so fast
@@ -36,5 +44,7 @@ void require_possible(const JiggleSettings& settings);
 
 // jiggle.json (docs/formats.md). What the file leaves out keeps its default. Throws Error(file).
 JiggleSettings read_jiggle(const std::filesystem::path& path);
+// What read_jiggle() reads as these settings.
+nlohmann::ordered_json jiggle_json(const JiggleSettings& settings);
 
 }  // namespace bodyopt

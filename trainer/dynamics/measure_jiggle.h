@@ -8,6 +8,9 @@ namespace bodyopt {
 struct JiggleMeasure {
   std::uint32_t inverted_tets = 0;  // inside out where diffuse carries them
   double rms_mm = 0, max_mm = 0;    // of the skin's vertices, from the quasi-static skin
+  // Vertices that without their limit would move beyond it, and the one of these
+  // that would go furthest for it, in runtime order.
+  std::uint32_t limited = 0, most_limited = 0;
 };
 
 // motion: after the frame, as JiggleState holds it.

@@ -6,7 +6,7 @@
 #include "base/parallel.h"
 #include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
-#include "runtime/cpu/ddm.h"
+#include "runtime/cpu/ddm_frames.h"
 #include "runtime/host/rig.h"
 #include "trainer/transfer/joint_shares.h"
 #include "trainer/transfer/register_skin.h"
@@ -24,13 +24,13 @@ void pose_target(const Basis& target, const SkeletonMatch& match, Correspondence
   result.rotation.assign(count, {0, 0, 0, 1});
   if (!match.is_aligned()) return;
   const RigFrame rig = pose_rig(target.skeleton, match.common);
+  const std::vector<float> frames = cpu::vertex_frames(target.ddm, count, rig.skinning.data());
   for (std::uint32_t v = 0; v < count; ++v) {
-    float r[9], t[3];
-    cpu::ddm_frame(target.ddm, v, rig.skinning.data(), r, t);
+    const float *r = &frames[12 * std::size_t{v}], *t = r + 9;
     const DdmVertex& vertex = target.ddm.vertices[v];
     const Eigen::Matrix3d rotation = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(r).cast<double>();
     const Eigen::Vector3d offset = Eigen::Vector3f(vertex.offset_x, vertex.offset_y, vertex.offset_z).cast<double>();
-    result.target.row(v) = (Eigen::Vector3f(t) + Eigen::Vector3f(rig.origin)).cast<double>() + rotation * offset;
+    result.target.row(v) = (Eigen::Map<const Eigen::Vector3f>(t) + Eigen::Vector3f(rig.origin)).cast<double>() + rotation * offset;
     const Eigen::Quaterniond turn(rotation);
     result.rotation[v] = normalized({turn.x(), turn.y(), turn.z(), turn.w()});
   }

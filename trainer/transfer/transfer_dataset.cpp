@@ -12,7 +12,7 @@
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
-#include "runtime/cpu/ddm.h"
+#include "runtime/cpu/ddm_frames.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/skinning/mesh_table.h"
 #include "trainer/train/skinning/unpose.h"
@@ -30,9 +30,9 @@ std::vector<float> posed_output(const Basis& basis, const Pose& pose, const Posi
   const RigFrame rig = pose_rig(basis.skeleton, pose);
   const std::uint32_t count = basis.mesh.vertex_count();
   std::vector<float> skin(3 * std::size_t{count});
+  const std::vector<float> frames = cpu::vertex_frames(basis.ddm, count, rig.skinning.data());
   for (std::uint32_t v = 0; v < count; ++v) {
-    float r[9], t[3];
-    cpu::ddm_frame(basis.ddm, v, rig.skinning.data(), r, t);
+    const float *r = &frames[12 * std::size_t{v}], *t = r + 9;
     const DdmVertex& vertex = basis.ddm.vertices[v];
     const double local[3] = {vertex.offset_x + displacements(v, 0), vertex.offset_y + displacements(v, 1),
                              vertex.offset_z + displacements(v, 2)};

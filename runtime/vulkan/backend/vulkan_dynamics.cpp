@@ -26,6 +26,7 @@ VulkanDynamics::Tables::Tables(const Device& device, const Dynamics& d)
       corners(upload(device, d.tets.corners, "the nodes' tets")),
       surface(upload(device, d.tets.surface, "the nodes on the skin")),
       skin(upload(device, d.tets.skin, "the tets of the skin")),
+      limit(upload(device, d.tets.skin_limit, "the limits of the skin")),
       row_begin(upload(device, d.diffuse.row_begin, "the rows of diffuse")),
       columns(upload(device, d.diffuse.columns, "the columns of diffuse")),
       values(upload(device, d.diffuse.values, "the values of diffuse")),
@@ -129,7 +130,8 @@ void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std
         commands.cut();
       }
     }
-    jiggle_skin_.record(commands, {t.tets, t.skin, inputs.positions, motions_[current_].displacement, batch_->moved},
+    jiggle_skin_.record(commands,
+                        {t.tets, t.skin, t.limit, inputs.positions, motions_[current_].displacement, batch_->moved},
                         {vertex_count_, f, weight});
   }
 }

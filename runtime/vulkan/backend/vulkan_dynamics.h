@@ -50,7 +50,7 @@ class VulkanDynamics {
   struct Tables {
     Tables(const Device& device, const Dynamics& dynamics);
 
-    Buffer tets, shapes, corner_begin, corners, surface, skin;
+    Buffer tets, shapes, corner_begin, corners, surface, skin, limit;
     Buffer row_begin, columns, values;
     InverseBuffers diffuse_inverse;
     Buffer nodes;
