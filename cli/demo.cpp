@@ -294,7 +294,10 @@ std::string summary(const ReportData& report) {
   return text;
 }
 
-void run(const DemoArguments& arguments) {
+void run(DemoArguments arguments) {
+  // It draws, and holds a Vulkan device against the CPU: a software one will do.
+  DeviceChoice& device = arguments.device.choice;
+  if (device.name == "auto" && has_vulkan_device()) device.require_device = true;
   const fs::path folder = arguments.out;
   make_folder(folder);
   arguments.json.require_writable();
