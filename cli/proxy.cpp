@@ -93,7 +93,7 @@ void run(ProxyArguments arguments) {
       {{"proxy", arguments.out},
        {"seconds", seconds},
        {"levels", table},
-       {"attached", to_json(attached)},
+       {"attached", cli::to_json(attached)},
        {"notes", notes}},
       describe(attached) + level_table(table) + format("wrote %s in %.1f s\n", arguments.out.c_str(), seconds));
 }
