@@ -157,8 +157,7 @@ Json state_info(const std::string& path) {
 
 Json attachments_info(const std::string& path) {
   const Attachments attachments = load_attachments(path);
-  return {
-      {"kind", "attached geometry"}, {"meshes", to_json(attachments.meshes)}, {"metadata", attachments.metadata}};
+  return {{"kind", "attached geometry"}, {"meshes", to_json(attachments.meshes)}, {"metadata", attachments.metadata}};
 }
 
 // A basis, dynamics, or attached geometry.

@@ -104,7 +104,8 @@ void AttachedCaches::open(const fs::path& skin_cache, const std::vector<int>& fr
   for (const AttachedMesh& mesh : attachments_.meshes) {
     paths_.push_back(
         fs::path(skin_cache).replace_extension("." + mesh.name + skin_cache.extension().string()).string());
-    writers_.push_back(write_cache(paths_.back(), {mesh.name, mesh.vertex_count(), mesh.triangles, frames, fps, space}));
+    writers_.push_back(
+        write_cache(paths_.back(), {mesh.name, mesh.vertex_count(), mesh.triangles, frames, fps, space}));
   }
 }
 

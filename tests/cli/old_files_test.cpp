@@ -1,12 +1,12 @@
-// Files that an earlier program wrote (tests/old_files) open, and give the bits that they gave then. limb.glb, bend.glb,
-// muscles.json and the prop are those of tests/attack/write_stage.cpp; the rest came of
+// Files that an earlier program wrote (tests/old_files) open, and give the bits that they gave then. limb.glb,
+// bend.glb, muscles.json and the prop are those of tests/attack/write_stage.cpp; the rest came of
 //   simulate limb.glb --clip bend.glb --muscles muscles.json --frames 1-24 --draft --out data
 //   train data --out hero.safetensors
 //   attach prop0.glb hero.safetensors
 //   dynamics data --basis hero.safetensors --dynamics-resolution 100 --out hero.dynamics.safetensors
 //   eval hero.safetensors --clip bend.glb --frames 1-4 --device cpu --out static.pc2
-//   eval (the same) --jiggle --state-out hero.state, and from there --frames 5-8 --state-in hero.state --out jiggling.pc2
-//   export data/bend.nodes --out nodes.pc2
+//   eval (the same) --jiggle --state-out hero.state, and from there --frames 5-8 --state-in hero.state --out
+//   jiggling.pc2 export data/bend.nodes --out nodes.pc2
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 TEST(UniqueNames, NoTwoHeadersHaveAClassOfOneName) {
   const std::regex definition("^(?:struct|class|enum class) ([A-Z]\\w*)(?: final)?(?: :.*)? \\{.*");
   std::map<std::string, fs::path> headers;
-  for (const char* folder :
-       {"runtime", "base", "geometry", "assets", "dataset", "farm", "trainer", "draw", "report", "proxy_viewer", "cli"}) {
+  for (const char* folder : {"runtime", "base", "geometry", "assets", "dataset", "farm", "trainer", "draw", "report",
+                             "proxy_viewer", "cli"}) {
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(bodyopt::kSourceFolder) / folder)) {
       if (entry.path().extension() != ".h") continue;
       std::ifstream file(entry.path());

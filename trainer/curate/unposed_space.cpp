@@ -23,7 +23,8 @@ UnposedSpace::Frame UnposedSpace::frame(const Pose& pose) const {
   for (std::size_t k = 0; k < order_.size(); ++k) {
     const float *r = &frames[12 * k], *t = r + 9;
     const DdmVertex& v = basis_.ddm.vertices[k];
-    frame.placements_[order_[k]] = {Eigen::Map<const RowMajor3>(r).cast<double>(), root + Eigen::Map<const Eigen::Vector3f>(t).cast<double>(),
+    frame.placements_[order_[k]] = {Eigen::Map<const RowMajor3>(r).cast<double>(),
+                                    root + Eigen::Map<const Eigen::Vector3f>(t).cast<double>(),
                                     Eigen::Vector3f(v.offset_x, v.offset_y, v.offset_z).cast<double>()};
   }
   return frame;

@@ -30,7 +30,8 @@ void pose_target(const Basis& target, const SkeletonMatch& match, Correspondence
     const DdmVertex& vertex = target.ddm.vertices[v];
     const Eigen::Matrix3d rotation = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(r).cast<double>();
     const Eigen::Vector3d offset = Eigen::Vector3f(vertex.offset_x, vertex.offset_y, vertex.offset_z).cast<double>();
-    result.target.row(v) = (Eigen::Map<const Eigen::Vector3f>(t) + Eigen::Vector3f(rig.origin)).cast<double>() + rotation * offset;
+    result.target.row(v) =
+        (Eigen::Map<const Eigen::Vector3f>(t) + Eigen::Vector3f(rig.origin)).cast<double>() + rotation * offset;
     const Eigen::Quaterniond turn(rotation);
     result.rotation[v] = normalized({turn.x(), turn.y(), turn.z(), turn.w()});
   }
