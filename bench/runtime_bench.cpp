@@ -17,7 +17,7 @@
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/rig.h"
 #include "trainer/builtin/arm.h"
-#include "trainer/train/fit/train.h"
+#include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt::bench {
 namespace {

@@ -167,7 +167,7 @@ std::vector<int> heldout_frames(const SampleSet& set) {
   return frames;
 }
 
-void write_cache(const fs::path& path, const SampleSet& set, const Evaluation& evaluation) {
+void write_evaluation(const fs::path& path, const SampleSet& set, const Evaluation& evaluation) {
   const std::vector<int> frames = heldout_frames(set);
   const std::size_t stride = 3 * std::size_t{set.character.output_count()};
   Pc2Writer writer(path, set.character.output_count(), static_cast<std::uint32_t>(frames.size()),
@@ -258,7 +258,7 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
   Stopwatch evaluating;
   const Evaluation evaluated = device.evaluate(poses);
   demo.seconds.eval = evaluating.seconds();
-  write_cache(folder / "heldout.pc2", set, evaluated);
+  write_evaluation(folder / "heldout.pc2", set, evaluated);
   Deformer on_cpu(training.result.basis, {.name = "cpu"});
   demo.cpu_gpu_max_difference_m = largest_difference(evaluated.positions, on_cpu.evaluate(poses).positions);
 

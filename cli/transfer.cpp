@@ -8,7 +8,7 @@
 #include "cli/results/transfer_picture.h"
 #include "runtime/core/error.h"
 #include "trainer/check/check.h"
-#include "trainer/train/fit/train.h"
+#include "trainer/train/skinning/ddm_basis.h"
 #include "trainer/transfer/markers_file.h"
 #include "trainer/transfer/transfer_basis.h"
 #include "trainer/transfer/transfer_dataset.h"

@@ -5,9 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/pc2.h"
+#include "runtime/basis/basis.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
+#include "trainer/train/skinning/ddm_basis.h"
 #include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {

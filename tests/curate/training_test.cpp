@@ -16,7 +16,7 @@ namespace {
 Basis trained(const CuratedLimb& limb) {
   SampleSet set = read_samples(read_dataset(limb.path()));
   set.muscles = limb_muscles();
-  return train(set, {});
+  return train(set, {}).basis;
 }
 
 Positions evaluated(Deformer& deformer, const CuratedLimb& limb, const Pose& pose) {

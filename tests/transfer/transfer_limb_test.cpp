@@ -9,6 +9,8 @@
 #include "tests/support/capsule_limb.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/temporary_folder.h"
+#include "trainer/train/fit/train.h"
+#include "trainer/train/skinning/ddm_basis.h"
 #include "trainer/train/skinning/mesh_table.h"
 #include "trainer/train/skinning/unpose.h"
 #include "trainer/transfer/transfer_basis.h"
@@ -23,7 +25,7 @@ const SampleSet& limb_set() {
 }
 
 const Basis& trained_limb() {
-  static const Basis basis = train(limb_set(), {});
+  static const Basis basis = train(limb_set(), {}).basis;
   return basis;
 }
 

@@ -25,8 +25,6 @@ class TransferProgram : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-}  // namespace
-
 TEST_F(TransferProgram, WritesABasisForEveryTarget) {
   const ProgramResult result = transfer(path("limb.glb") + " " + path("limb.glb") + " --out " + path("a.safetensors") +
                                         " " + path("b.safetensors"));
@@ -58,4 +56,5 @@ TEST_F(TransferProgram, RefusesMarkersThatAreNone) {
   EXPECT_EQ(refused.exit_code, 3) << refused.output;
 }
 
+}  // namespace
 }  // namespace bodyopt

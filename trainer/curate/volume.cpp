@@ -1,5 +1,6 @@
 // volume: what the closed skin lost of its volume at rest is given back where the mask says, along the normals, by the
 // same distance everywhere (times the mask).
+#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "geometry/vertex_normals.h"

@@ -8,7 +8,7 @@
 #include "assets/notes.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/block_inverse.h"
-#include "trainer/train/mesh_table.h"
+#include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
 namespace {

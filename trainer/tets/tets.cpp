@@ -25,7 +25,7 @@ namespace {
 // Cubes of the tetrahedra's size in a body: beyond this many, memory runs out and Netgen does not return.
 constexpr double kMostCells = 1e6;
 // Below this mean-ratio quality an element is too flat for the solver.
-constexpr double kMinQuality = 1e-4;
+constexpr double kMinQuality = 1e-3;
 // How fast elements may grow away from the skin. On the 13,380-vertex body 0.7 gives 54k tets of quality 0.05 at worst,
 // Netgen's own 0.3 gives 82k of 0.004.
 constexpr double kGrading = 0.7;

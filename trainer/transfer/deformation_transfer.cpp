@@ -7,7 +7,7 @@
 namespace bodyopt {
 namespace {
 
-// Of the extent of the target. Below an eighth the anchors, above a half the summed errors of the gradients show.
+// Of the extent of the target: how far a gradient's error is summed before the anchors take over. Chosen, not swept.
 constexpr double kReach = 0.25;
 
 double extent_of(const Positions& vertices) {
