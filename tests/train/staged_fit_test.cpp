@@ -285,8 +285,9 @@ TEST(StagedFit, ABudgetBelowTheEarlierRadiusIsATraining) {
   std::vector<std::string> notes;
   try {
     trained_basis(samples(), options, &notes);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::usage);  // of the limb's radii neither may fit
+  } catch (const Error& error) {  // of the limb's radii neither may fit
+    EXPECT_EQ(error.kind(), ErrorKind::usage);
+    notes.push_back(error.what());
   }
   ASSERT_FALSE(notes.empty());
   EXPECT_NE(notes[0].find("--budget"), std::string::npos) << notes[0];

@@ -74,7 +74,7 @@ double common_weight(const std::vector<JointWeight>& a, const std::vector<JointW
 
 // Skin that looks at skin of other joints across less air than an edge.
 std::vector<RestPlace> near_parts_of(const Character& character) {
-  const Positions normals = vertex_normals(character.vertices, character.triangles);
+  const Positions normals = vertex_normals(character.vertices, character.triangles).rowwise().normalized();
   std::vector<int> all(static_cast<std::size_t>(character.vertices.rows()));
   std::iota(all.begin(), all.end(), 0);
   const double near = mean_edge(character.vertices, character.triangles);

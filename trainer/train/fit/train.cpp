@@ -135,13 +135,14 @@ TrainingResult packed_result(const SampleSet& set, const TrainOptions& options, 
   const Selection selection = trade_off.choose(options);
   result.basis = bare;
   const PackedResidual packed = pack_into(result.basis, model, selection);
-  result.coverage = region_coverage(ground.ordered, model, packed.regions, ground.features, selection);
   result.curve = trade_off.curve();
   result.fits = region_fits(ground.ordered, model);
   result.muscles = muscle_shares(bare.strain, set.muscles, model, joint_feature_count(bare.skeleton));
   result.expected_mm = 1e3 * expected_error(model, selection);
   result.warnings = warnings_of(set, ground, model);
-  result.basis.metadata["coverage"] = coverage_text(result.coverage);
+  result.basis.metadata["coverage"] =
+      coverage_text(region_coverage(ground.ordered, model, packed.regions, ground.features, selection));
+  result.coverage = read_coverage(result.basis);  // as rounded as the file has it: all who tell of it say the same
   result.basis.metadata["curve"] = curve_text(result.curve);
   result.basis.metadata["report"] = report_of(result, set).dump();
   return result;
