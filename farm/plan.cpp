@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kSchema[] = "bodyopt.plan/1";
+constexpr char kSchema[] = "bodyopt-plan-1";
 constexpr double kMillisecondsPerStep = 100;  // what a command takes beside its frames
 constexpr double kLongestShare = 1.5;         // of a task's time: an element that takes longer is cut
 

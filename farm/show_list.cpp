@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kSchema[] = "bodyopt.shots/1";
+constexpr char kSchema[] = "bodyopt-shots-1";
 constexpr std::uint64_t kLargestList = 256 << 20;  // bytes
 
 enum class Kind { text, path, clip, number, flag, numbers };

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kJobsSchema[] = "bodyopt.jobs/1";
+constexpr char kJobsSchema[] = "bodyopt-jobs-1";
 constexpr int kMostJobsOfAnArray = 1000;  // Slurm's MaxArraySize is 1001 unless it is told otherwise
 constexpr double kPatience = 60;          // seconds for an answer of Slurm
 

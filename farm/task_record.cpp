@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kDoneSchema[] = "bodyopt.done/1", kFailedSchema[] = "bodyopt.failed/1";
+constexpr char kDoneSchema[] = "bodyopt-done-1", kFailedSchema[] = "bodyopt-failed-1";
 
 bool is_one_of(const std::string& name, std::initializer_list<const char*> names) {
   return std::any_of(names.begin(), names.end(), [&](const char* known) { return name == known; });

@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kCheckpointSchema[] = "bodyopt.checkpoint/1";
+constexpr char kCheckpointSchema[] = "bodyopt-checkpoint-1";
 
 bool is_same(const TaskKey& a, const TaskKey& b) {
   return a.version == b.version && a.options == b.options &&

@@ -44,6 +44,7 @@ VERBS = [
     Verb("eval", "eval limb.safetensors --clip bend.glb --fps 960 --device cpu --out shot.pc2"),
     Verb("eval --jiggle", "eval limb.safetensors --clip bend.glb --fps 24 --jiggle --device cpu --state-out end.state "
                           "--state-every 8 --out jiggled.pc2"),
+    Verb("eval, USD", "eval limb.safetensors --clip bend.glb --fps 960 --device cpu --resume --out shot.usda"),
     Verb("improve", "improve draft --basis limb.safetensors --clip bend.glb --frames 10", same_bytes=False),
     Verb("test", "test limb.safetensors draft --json test.json"),
     Verb("coverage", "coverage limb.safetensors --clip bend.glb --picture coverage.svg --json coverage.json"),

@@ -153,7 +153,7 @@ TEST_F(EvalTask, ProgressIsAsProgramsReadIt) {
 
 // The whole way on this machine: plan, run, status.
 TEST_F(EvalTask, APlannedShowIsDoneWholeAndOnlyOnce) {
-  std::ofstream(path("shots.json")) << R"({"schema": "bodyopt.shots/1", "defaults": {"basis": "hero.safetensors",
+  std::ofstream(path("shots.json")) << R"({"schema": "bodyopt-shots-1", "defaults": {"basis": "hero.safetensors",
     "clip": "walk.glb", "device": "cpu", "out": "out/{shot}/{element}.pc2"}, "elements": [
     {"shot": "a $(touch hit) 'b' \"c\"\nd;", "element": "hero", "frames": "1-40"},
     {"shot": "long", "element": "hero", "frames": "1-120", "frame_ms": 1000}]})";

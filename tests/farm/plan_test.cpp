@@ -39,7 +39,7 @@ class PlanShow : public ::testing::Test {
     return read_show_list(write(name, text), problems_);
   }
   FarmPlan plan(const std::string& elements, double minutes = 5) {
-    const ShowList list = read("shots.json", R"({"schema": "bodyopt.shots/1", "defaults": {"basis": "hero.safetensors",
+    const ShowList list = read("shots.json", R"({"schema": "bodyopt-shots-1", "defaults": {"basis": "hero.safetensors",
       "clip": "walk.glb", "out": "out/{shot}/{element}.pc2"}, "elements": [)" +
                                                  elements + "]}");
     return plan_show(list, minutes, problems_);
@@ -56,7 +56,7 @@ class PlanShow : public ::testing::Test {
 };
 
 TEST_F(PlanShow, ThreeFormsOfAListAreOne) {
-  const ShowList json = read("a.json", R"({"schema": "bodyopt.shots/1", "defaults": {"basis": "hero.safetensors",
+  const ShowList json = read("a.json", R"({"schema": "bodyopt-shots-1", "defaults": {"basis": "hero.safetensors",
     "clip": "walk.glb", "out": "{shot}.pc2", "jiggle": true}, "elements": [
     {"shot": "a, \"b\"\n", "element": "hero", "frames": "1-5"},
     {"shot": "c", "element": "hero", "level": 1, "jiggle": false, "gravity_change": [0, -1.5, 0]}]})");

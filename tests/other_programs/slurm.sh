@@ -9,7 +9,7 @@ bodyopt=$PWD/build/release/bin/bodyopt
 show() {
   "$bodyopt" demo --quick --out "$folder/demo" >/dev/null
   cat >"$folder/shots.json" <<EOF
-{"schema": "bodyopt.shots/1",
+{"schema": "bodyopt-shots-1",
  "defaults": {"basis": "demo/basis.safetensors", "clip": "demo/heldout.glb", "device": "cpu", "out": "out/{shot}.pc2"},
  "elements": [{"shot": "a 'b' \$(touch hit)", "element": "arm"}, {"shot": "long", "element": "arm", "frame_ms": 1000}]}
 EOF
