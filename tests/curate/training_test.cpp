@@ -24,30 +24,6 @@ Positions evaluated(Deformer& deformer, const CuratedLimb& limb, const Pose& pos
 }
 
 // RMS, mm, against the truth at angles between those that were trained on.
-double error_between(const Basis& basis, const CuratedLimb& limb) {
-  Deformer deformer(basis, {.name = "cpu"});
-  double sum = 0;
-  int count = 0;
-  for (double angle = 3; angle < 120; angle += 6, ++count) {
-    const Pose pose = limb_pose(limb.character().skeleton, kDegree * angle, 0, 0.01);
-    const double error = rms_mm(evaluated(deformer, limb, pose), limb_truth(limb.character(), limb_muscles(), pose));
-    sum += error * error;
-  }
-  return std::sqrt(sum / count);
-}
-
-TEST(CuratedTraining, WithConsistencyIsNearlyThatOnCleanShapes) {
-  const CuratedLimb clean;
-  const Character character = limb_character();
-  const CuratedLimb limb(
-      [&](int take, int frame, const Positions& truth) { return with_history(character, take, frame, truth); });
-  const double before = error_between(trained(limb), limb), best = error_between(trained(clean), clean);
-  add_modifier(limb.path(), {.type = "consistency"});
-  const double after = error_between(trained(limb), limb);
-  std::printf("held out: %.3f mm of what disagrees, %.3f mm made consistent, %.3f mm clean\n", before, after, best);
-  EXPECT_LT(after, before);
-}
-
 TEST(CuratedTraining, LearnsASculptWhereItIsAndNothingElsewhere) {
   const CuratedLimb plain, limb;
   const auto at = [&](int frame) { return static_cast<std::size_t>(frame - 1); };
