@@ -44,7 +44,7 @@ ShapeStack::ShapeStack(PoseDatabase database) : database_(std::move(database)), 
 ShapeStack::~ShapeStack() = default;
 
 const UnposedSpace& ShapeStack::space() const {
-  if (!space_) space_ = std::make_unique<UnposedSpace>(database_.character);
+  std::call_once(space_made_, [this] { space_ = std::make_unique<UnposedSpace>(database_.character); });
   return *space_;
 }
 

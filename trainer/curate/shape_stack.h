@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,7 @@ class ShapeStack {
   std::vector<std::string> notes_;
   std::vector<char> dropped_;
   std::vector<Layer> layers_, freezes_;
+  mutable std::once_flag space_made_;            // shapes are asked for by several threads
   mutable std::unique_ptr<UnposedSpace> space_;  // made with the first modifier
   std::unique_ptr<MirrorImage> mirror_;
   std::size_t raw_frames_ = 0, mirror_place_ = 0;
