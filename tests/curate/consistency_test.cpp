@@ -1,6 +1,7 @@
 // Shapes of like poses that disagree are found, and made to agree.
 #include <gtest/gtest.h>
 
+#include "runtime/core/error.h"
 #include "tests/curate/sweep_history.h"
 #include "trainer/curate/consistency_report.h"
 #include "trainer/curate/edit_stack.h"
@@ -66,6 +67,20 @@ TEST(Consistency, FrozenFramesStayAndDrawTheOthers) {
   const ShapeStack stack = limb.stack();
   EXPECT_LT(rms_mm(stack.shape(10), limb.truth(0, 11)), 1e-3);
   EXPECT_LT(rms_mm(stack.shape(kSweepFrames + 10), limb.truth(1, 11)), 1.0);
+}
+
+TEST(Consistency, WithoutFramesThereIsNothingToReport) {
+  const CuratedLimb limb;
+  Dataset dataset = read_dataset(limb.path());
+  dataset.takes.clear();
+  write_dataset(dataset, limb.path());
+  try {
+    report_consistency(limb.stack(), 12, 10);
+    FAIL() << "reported on no frames";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::mismatch);
+    EXPECT_NE(std::string(error.what()).find("names no takes"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace

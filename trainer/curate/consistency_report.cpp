@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "runtime/core/error.h"
 #include "trainer/curate/deviations.h"
 #include "trainer/curate/pose_space.h"
 
@@ -83,6 +84,10 @@ std::vector<DisagreeingPair> ranked(const WorstOfPair& worst, std::size_t most) 
 ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, std::size_t most) {
   const PoseDatabase& database = stack.database();
   const std::size_t count = database.dataset.modifiers.size(), frames = database.frames.size();
+  if (frames == 0) {
+    throw Error(ErrorKind::mismatch, (database.dataset.folder / "dataset.json").string() +
+                                         " names no takes: there are no frames to compare");
+  }
   const Index vertices = database.character.vertices.rows();
   const Displacements displacements =
       all_displacements(database, "curate: un-posing", [&](std::size_t n) { return stack.offsets(n, count); });

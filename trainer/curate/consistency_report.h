@@ -30,7 +30,8 @@ struct ConsistencyReport {
   std::vector<double> vertex_mm;  // V: the same, RMS over the frames
 };
 
-// `degrees`: how far frames are near; at most `most` pairs. Shows progress.
+// `degrees`: how far frames are near; at most `most` pairs. Shows progress. Throws Error(mismatch) of a dataset without
+// frames.
 ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, std::size_t most);
 
 }  // namespace bodyopt
