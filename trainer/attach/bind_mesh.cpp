@@ -8,6 +8,7 @@
 
 #include "assets/notes.h"
 #include "base/parallel.h"
+#include "geometry/surface_pieces.h"
 #include "geometry/vertex_normals.h"
 #include "geometry/weld.h"
 #include "runtime/core/error.h"
@@ -28,22 +29,9 @@ using Indices = std::vector<std::uint32_t>;
 
 // Welded vertices of each connected piece, by their first vertex.
 std::vector<Indices> connected_pieces(const Triangles& triangles, std::size_t count) {
-  Indices root(count);
-  std::iota(root.begin(), root.end(), 0u);
-  const auto find = [&](std::uint32_t v) {
-    while (root[v] != v) v = root[v] = root[root[v]];
-    return v;
-  };
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    for (int k = 1; k < 3; ++k) {
-      const std::uint32_t a = find(triangles(t, 0)), b = find(triangles(t, k));
-      root[std::max(a, b)] = std::min(a, b);
-    }
-  }
-  std::map<std::uint32_t, Indices> pieces;
-  for (std::uint32_t v = 0; v < count; ++v) pieces[find(v)].push_back(v);
-  std::vector<Indices> list;
-  for (auto& [first, vertices] : pieces) list.push_back(std::move(vertices));
+  const SurfacePieces pieces = surface_pieces(static_cast<Eigen::Index>(count), triangles);
+  std::vector<Indices> list(static_cast<std::size_t>(pieces.count));
+  for (std::uint32_t v = 0; v < count; ++v) list[static_cast<std::size_t>(pieces.of_vertex[v])].push_back(v);
   return list;
 }
 

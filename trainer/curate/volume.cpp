@@ -1,24 +1,13 @@
 // volume: what the closed skin lost of its volume at rest is given back where the mask says, along the normals, by the
 // same distance everywhere (times the mask).
-#include <Eigen/Geometry>
 #include <algorithm>
 
+#include "geometry/closed_skin.h"
 #include "geometry/vertex_normals.h"
 #include "trainer/curate/modifier_type.h"
 
 namespace bodyopt {
 namespace {
-
-double enclosed_volume(const Positions& skin, const Triangles& triangles) {
-  double sum = 0;
-  const Eigen::RowVector3d centre = skin.colwise().mean();
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    const Eigen::RowVector3d a = skin.row(triangles(t, 0)) - centre, b = skin.row(triangles(t, 1)) - centre,
-                             c = skin.row(triangles(t, 2)) - centre;
-    sum += a.dot(b.cross(c));
-  }
-  return sum / 6;
-}
 
 class Volume : public ShapeModifier {
  public:
