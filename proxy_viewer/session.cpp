@@ -107,7 +107,6 @@ void Session::play_on() {
   const Playback before = controls.playback;
   play_clip();
   controls.playback.scrub(before.frame());
-  controls.playback.set_backwards(before.backwards());
   if (before.playing()) controls.playback.play();
 }
 
@@ -167,6 +166,7 @@ std::vector<fs::path> Session::files() const {
 }
 
 void Session::save_state(const std::string& file) {
+  controls.settings.playback = controls.playback.settings();
   controls.settings.camera = controls.kept_camera();
   write_view_settings(controls.settings, file);
   controls.say("wrote " + file);
@@ -175,34 +175,29 @@ void Session::save_state(const std::string& file) {
 void Session::load_state(const std::string& file) {
   controls.settings = read_view_settings(file);
   controls.go_to_camera(controls.settings.camera);
-  apply_settings();
+  play_as(controls.settings.playback);
   controls.requests.frame_selection = false;
   warn_of_rates();
 }
 
 void Session::play_clip() {
   const Clip& clip = scene.lead().clip();
+  const PlaySettings before = controls.playback.settings();
   controls.playback = Playback({clip.first_frame, clip.last_frame()}, clip.fps);
   const std::vector<int>& keys = scene.lead().keys();
   if (2 * keys.size() <= clip.poses.size()) controls.playback.set_keys(keys);  // otherwise it was baked
-  apply_settings();
+  play_as(before);
 }
 
-void Session::apply_settings() {
-  Playback& playback = controls.playback;
-  const ViewSettings::Playing& s = controls.settings.playback;
-  playback.set_mode(s.mode);
-  playback.set_speed(s.speed);
-  playback.set_backwards(s.backwards);
-  playback.set_real_time(s.real_time);
-  apply_range();
+void Session::play_as(const PlaySettings& settings) {
+  controls.playback.apply(settings);
+  apply_range(settings);
 }
 
-void Session::apply_range() {
+void Session::apply_range(const PlaySettings& settings) {
   Playback& playback = controls.playback;
-  ViewSettings::Playing& s = controls.settings.playback;
   const int first = playback.first(), last = playback.last();
-  const int in = s.in.value_or(first), out = s.out.value_or(last);
+  const int in = settings.in.value_or(first), out = settings.out.value_or(last);
   playback.set_range(first, last);
   if (first <= in && in <= out && out <= last) return playback.set_range(in, out);
   const std::string lacks = "the range is frames " + std::to_string(in) + "-" + std::to_string(out) +
@@ -212,7 +207,6 @@ void Session::apply_range() {
     playback.set_range(in, out);
     controls.warn(lacks + "those of both are played");
   } else {
-    s.in = s.out = std::nullopt;
     controls.warn(lacks + "all of the clip is played");
   }
 }

@@ -45,7 +45,7 @@ class Session {
   void save_state(const std::string& file);
   void load_state(const std::string& file);
 
-  // The playhead over the lead's clip, as settings say; a range that the clip lacks is said, and forgotten.
+  // The playhead over the lead's clip, as it played before; a range that the clip lacks is said, and forgotten.
   void play_clip();
   // The camera sees all, or the joint that is selected, in a picture of so many pixels.
   void frame_selection(std::uint32_t width, std::uint32_t height);
@@ -64,8 +64,8 @@ class Session {
 
   bool is_character(const std::string& file) const;
   std::vector<std::string> add(const ActorFiles& files);
-  void apply_settings();
-  void apply_range();
+  void play_as(const PlaySettings& settings);
+  void apply_range(const PlaySettings& settings);
   std::size_t require_character(int number) const;  // its index
   void pose_lead();
   void show_lead();

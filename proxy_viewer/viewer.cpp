@@ -208,8 +208,6 @@ class Viewer {
     }
     if (options_.first || options_.last) {
       playback.set_range(options_.first.value_or(playback.first()), options_.last.value_or(playback.last()));
-      controls_.settings.playback.in = playback.in();
-      controls_.settings.playback.out = playback.out();
     }
     playback.scrub(options_.current.value_or(playback.in()));
     if (options_.live_port) {

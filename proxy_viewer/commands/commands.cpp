@@ -177,45 +177,43 @@ const Command kCommands[] = {
      [](Controls& c, const std::string& a) {
        bool backwards = c.playback.backwards();  // as it goes now, in ping-pong
        toggle(backwards, a);
-       c.playback.set_backwards(c.settings.playback.backwards = backwards);
+       c.playback.set_backwards(backwards);
      },
      [](const Controls& c) { return name_of(c.playback.backwards()); }},
     {"mode", "loop|ping-pong|once", "", "Playback", "what happens at the end of the range",
      [](Controls& c, const std::string& a) {
-       choose(c.settings.playback.mode, a, kPlayModeNames);
-       c.playback.set_mode(c.settings.playback.mode);
+       PlayMode mode = c.playback.mode();
+       choose(mode, a, kPlayModeNames);
+       c.playback.set_mode(mode);
      },
-     [](const Controls& c) { return name_of(c.settings.playback.mode, kPlayModeNames); }},
+     [](const Controls& c) { return name_of(c.playback.mode(), kPlayModeNames); }},
     {"speed", "0.1-2", "", "Playback", "of playing; 1: as it is",
      [](Controls& c, const std::string& a) {
        const double speed = number_within(a, Playback::kSlowest, Playback::kFastest);
-       c.playback.set_speed(c.settings.playback.speed = speed);
+       c.playback.set_speed(speed);
      }},
     {"every-frame", "[on|off]", "", "Playback", "drop no frame, however long it takes",
      [](Controls& c, const std::string& a) {
-       bool every = !c.settings.playback.real_time;
+       bool every = !c.playback.real_time();
        toggle(every, a);
-       c.playback.set_real_time(c.settings.playback.real_time = !every);
+       c.playback.set_real_time(!every);
      },
-     [](const Controls& c) { return name_of(!c.settings.playback.real_time); }},
+     [](const Controls& c) { return name_of(!c.playback.real_time()); }},
     {"in", "[FRAME]", "I", "Playback", "the range begins here",
      [](Controls& c, const std::string& a) {
        const int in = a.empty() ? c.playback.frame() : frame_of_clip(c, a);
        if (in > c.playback.out()) c.say("the range ended earlier: it is this frame now");
        c.playback.set_range(in, std::max(in, c.playback.out()));
-       c.settings.playback.in = c.playback.in();
      }},
     {"out", "[FRAME]", "O", "Playback", "the range ends here",
      [](Controls& c, const std::string& a) {
        const int out = a.empty() ? c.playback.frame() : frame_of_clip(c, a);
        if (out < c.playback.in()) c.say("the range began later: it is this frame now");
        c.playback.set_range(std::min(c.playback.in(), out), out);
-       c.settings.playback.out = c.playback.out();
      }},
     {"whole-range", "", "Alt+I", "Playback", "play all frames",
      [](Controls& c, const std::string&) {
        c.playback.set_range(c.playback.first(), c.playback.last());
-       c.settings.playback.in = c.settings.playback.out = std::nullopt;
      }},
     {"live", "[on|off]", "", "Playback", "poses that another program sends, or the clip",
      [](Controls& c, const std::string& a) {

@@ -191,7 +191,7 @@ void draw_buttons(Controls& controls) {
   ImGui::SetNextItemWidth(0.5f * width - 1);
   if (ImGui::SliderScalar("##speed", ImGuiDataType_Double, &speed, &low, &high, "%.2f x",
                           ImGuiSliderFlags_AlwaysClamp)) {
-    playback.set_speed(controls.settings.playback.speed = speed);
+    playback.set_speed(speed);
   }
   explain("speed");
   ImGui::EndGroup();

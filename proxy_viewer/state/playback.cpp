@@ -114,6 +114,20 @@ void Playback::set_speed(double speed) {
   speed_ = speed;
 }
 
+PlaySettings Playback::settings() const {
+  PlaySettings settings{mode_, speed_, backwards_, real_time_, std::nullopt, std::nullopt};
+  if (in_ > 0) settings.in = in();
+  if (out_ < count_ - 1) settings.out = out();
+  return settings;
+}
+
+void Playback::apply(const PlaySettings& settings) {
+  set_mode(settings.mode);
+  set_speed(settings.speed);
+  set_backwards(settings.backwards);
+  set_real_time(settings.real_time);
+}
+
 std::vector<int> Playback::keys() const {
   std::vector<int> frames;
   for (const Index key : keys_) frames.push_back(frame_at(key));

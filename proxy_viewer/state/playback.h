@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace bodyopt {
@@ -11,6 +12,15 @@ struct PlayFrames {
 };
 
 enum class PlayMode { loop, ping_pong, once };
+
+// How frames are played, as the state file has it.
+struct PlaySettings {
+  PlayMode mode = PlayMode::loop;
+  double speed = 1;
+  bool backwards = false, real_time = true;
+  std::optional<int> in, out;  // frames; the clip's first and last where they are left out
+  bool operator==(const PlaySettings&) const = default;
+};
 
 // Knows no clock: advance() is told how much time has passed, and gives the same frames for the same times.
 class Playback {
@@ -47,6 +57,9 @@ class Playback {
   // In real time frames are dropped when advance() is called late; otherwise every frame is shown, however long it
   // takes.
   void set_real_time(bool real_time) { real_time_ = real_time; }
+
+  PlaySettings settings() const;
+  void apply(const PlaySettings& settings);  // all but the range; throws as set_speed()
 
   int frame() const { return frame_at(shown_); }
   int first() const { return frame_at(0); }

@@ -23,14 +23,6 @@ inline constexpr std::array kComparisonNames{"none", "lbs", "ddm", "linear", "fu
 inline constexpr std::array kLayoutNames{"side-by-side", "overlay", "wipe", "hold"};
 
 struct ViewSettings {
-  struct Playing {
-    PlayMode mode = PlayMode::loop;
-    double speed = 1;
-    bool backwards = false, real_time = true;
-    std::optional<int> in, out;  // frames; the clip's first and last where they are left out
-    bool operator==(const Playing&) const = default;
-  };
-
   struct Look {
     LookStyle style = LookStyle::clay;
     bool wire = false, grid = true, axes = true, skeleton = false, fibres = false, tets = false;
@@ -85,7 +77,8 @@ struct ViewSettings {
     bool operator==(const Hud&) const = default;
   };
 
-  Playing playback;
+  // Of the file: the viewport plays as its Playback says, and looks as its OrbitCamera does.
+  PlaySettings playback;
   OrbitView camera;
   std::map<std::string, OrbitView> cameras;  // saved, by name
   Look look;

@@ -209,6 +209,21 @@ TEST(Playback, TheRangeMayChangeWhilePlaying) {
   EXPECT_EQ(next(playback, 4), (std::vector{12, 11, 10, 12}));
 }
 
+TEST(Playback, AnotherPlaysAsItsSettingsSay) {
+  Playback playback({1, 10}, 24);
+  EXPECT_EQ(playback.settings(), PlaySettings{});
+  playback.set_mode(PlayMode::once);
+  playback.set_speed(0.5);
+  playback.set_backwards(true);
+  playback.set_real_time(false);
+  playback.set_range(3, 10);
+  const PlaySettings settings{PlayMode::once, 0.5, true, false, 3, std::nullopt};
+  EXPECT_EQ(playback.settings(), settings);
+  Playback other({3, 10}, 30);
+  other.apply(settings);
+  EXPECT_EQ(other.settings(), (PlaySettings{PlayMode::once, 0.5, true, false, std::nullopt, std::nullopt}));
+}
+
 TEST(Playback, ScrubbingGoesOnPlaying) {
   Playback playback = playing({1, 100});
   playback.advance(0.9 * kFrameTime);

@@ -91,8 +91,7 @@ TEST_F(SessionTest, ARangeIsPlayedAsFarAsTheClipHasIt) {
 }
 
 TEST_F(SessionTest, AClipOfOtherFramesIsOpenedWhole) {
-  session_.controls.settings.playback.in = 8;
-  session_.controls.settings.playback.out = 10;
+  session_.controls.playback.set_range(8, 10);
   session_.play_clip();
   expect_range(8, 10);
   session_.open(shorter_clip(5));
@@ -106,7 +105,7 @@ TEST_F(SessionTest, AReloadGoesOnPlaying) {
   playing.scrub(7);
   playing.set_backwards(true);
   playing.play();
-  session_.controls.settings.playback.in = 2;
+  playing.set_range(2, 12);
   session_.reload(all());
   EXPECT_TRUE(playback().playing());
   EXPECT_TRUE(playback().backwards());
