@@ -150,7 +150,7 @@ class CpuBackend final : public Backend {
     cpu::place_strain_vertices(basis_.ddm, basis_.strain, known_frames(k, 0), fibre_positions);
     cpu::strain_measure(basis_.strain, fibre_positions, frame(result.strains));
     strain.add_since(last);
-    cpu::residual_features(table, frame(batch.joint_features), frame(result.strains), frame(batch.controls), 1,
+    cpu::residual_features(table.features, frame(batch.joint_features), frame(result.strains), frame(batch.controls), 1,
                            features, frame(result.excess));
     cpu::residual_project(table, features, 1, coordinates);
     cpu::residual_kernels(table, coordinates, 1, kernels);

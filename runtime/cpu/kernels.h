@@ -24,8 +24,9 @@ void place_strain_vertices(const DdmTable& ddm, const StrainTable& strain, std::
 void strain_measure(const StrainTable& strain, std::span<const float> positions, std::span<float> strains);
 
 // Residual stage: joint features, strains and controls, one after the other, clamped to the trained range and
-// standardised; excess = distance outside that range times inverse_scale. -> features, excess F x feature_count.
-void residual_features(const ResidualTable& residual, std::span<const float> joint_features,
+// standardised; excess = distance outside that range times inverse_scale. `ranges`: of each feature.
+// -> features, excess F x feature_count.
+void residual_features(std::span<const FeatureRange> ranges, std::span<const float> joint_features,
                        std::span<const float> strains, std::span<const float> controls, std::uint32_t frame_count,
                        std::span<float> features, std::span<float> excess);
 

@@ -4,12 +4,12 @@
 
 namespace bodyopt::cpu {
 
-void residual_features(const ResidualTable& residual, std::span<const float> joint_features,
+void residual_features(std::span<const FeatureRange> ranges, std::span<const float> joint_features,
                        std::span<const float> strains, std::span<const float> controls, std::uint32_t frame_count,
                        std::span<float> features, std::span<float> excess) {
-  const std::size_t count = residual.feature_count(), control_count = residual.controls.size();
+  const std::size_t count = ranges.size();
   if (count == 0 || frame_count == 0) return;
-  const std::size_t strain_count = strains.size() / frame_count;
+  const std::size_t strain_count = strains.size() / frame_count, control_count = controls.size() / frame_count;
   const std::size_t joint_count = count - strain_count - control_count;
   for (std::size_t f = 0; f < frame_count; ++f) {
     for (std::size_t k = 0; k < count; ++k) {
@@ -21,7 +21,7 @@ void residual_features(const ResidualTable& residual, std::span<const float> joi
       } else {
         raw = controls[f * control_count + (k - joint_count - strain_count)];
       }
-      const FeatureRange& range = residual.features[k];
+      const FeatureRange& range = ranges[k];
       const float inside = std::min(std::max(raw, range.low), range.high);
       features[f * count + k] = (inside - range.mean) * range.inverse_scale;
       excess[f * count + k] = std::max(range.low - raw, raw - range.high) > 0

@@ -21,7 +21,7 @@ struct Case {
         features(std::size_t{count} * frames),
         excess(features.size()) {
     for (std::uint32_t k = 0; k < controls_count; ++k) residual.controls.push_back("control " + std::to_string(k));
-    cpu::residual_features(residual, joints, strains, controls, frames, features, excess);
+    cpu::residual_features(residual.features, joints, strains, controls, frames, features, excess);
   }
 
   Random random;

@@ -1,15 +1,13 @@
 #include "trainer/simulate/simulate.h"
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
 #include <mutex>
 #include <optional>
 #include <set>
-#include <thread>
 
 #include "assets/nodes_cache.h"
 #include "assets/pc2.h"
+#include "base/parallel.h"
 #include "base/progress.h"
 #include "base/single_threaded_products.h"
 #include "runtime/core/error.h"
@@ -157,31 +155,15 @@ std::vector<Job> open_jobs(const std::vector<Job>& jobs, const PartialShapes& pa
 void solve_all(const QuasiStaticBody& body, const std::vector<Job>& jobs, int threads,
                const std::function<std::vector<float>(const Positions&)>& stored, PartialShapes& partial) {
   Progress progress("simulate", jobs.size(), "the finished frames are kept: run it again to go on");
-  std::atomic<std::size_t> next{0};
-  std::mutex mutex;  // over partial, progress and failure
-  std::exception_ptr failure;
-  const auto work = [&] {
-    try {
-      for (std::size_t k = next++; k < jobs.size(); k = next++) {
-        const SolvedPose solved = body.solve(*jobs[k].pose, jobs[k].flex);
-        const std::vector<float> values = stored(solved.nodes);
-        const std::lock_guard<std::mutex> lock(mutex);
-        partial.append(jobs[k].key, solved.status, values);
-        progress.advance();
-      }
-    } catch (...) {
-      next = jobs.size();
-      const std::lock_guard<std::mutex> lock(mutex);
-      if (!failure) failure = std::current_exception();
-    }
+  std::mutex mutex;  // over partial and progress
+  const auto solve = [&](std::size_t k) {
+    const SolvedPose solved = body.solve(*jobs[k].pose, jobs[k].flex);
+    const std::vector<float> values = stored(solved.nodes);
+    const std::lock_guard<std::mutex> lock(mutex);
+    partial.append(jobs[k].key, solved.status, values);
+    progress.advance();
   };
-  const auto wanted = threads > 0 ? static_cast<std::size_t>(threads)
-                                  : static_cast<std::size_t>(std::max(std::thread::hardware_concurrency(), 1u));
-  std::vector<std::jthread> pool;
-  while (pool.size() + 1 < std::min(wanted, jobs.size())) pool.emplace_back(work);
-  work();
-  pool.clear();
-  if (failure) std::rethrow_exception(failure);
+  parallel_for(jobs.size(), solve, threads);
 }
 
 // Where the output vertices lie in a cage.
@@ -195,7 +177,8 @@ void warn_of_mending(const std::string& mending, const SimulateOptions& options)
   if (!mending.empty()) options.warn("the skin was mended for the simulation alone: " + mending);
 }
 
-// A small skin's own tets, where they are no more than a cage's would be: slower by three to four times, but with contact.
+// A small skin's own tets, where they are no more than a cage's would be: slower by three to four times, but with
+// contact.
 std::optional<FilledBody> fill_small_skin(const Character& character) {
   if (character.vertices.rows() > kDraftNodes) return {};
   try {

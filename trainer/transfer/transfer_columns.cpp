@@ -150,7 +150,7 @@ Eigen::VectorXd coefficient_sizes(const ResidualTable& residual) {
   std::vector<float> features(residual.feature_count()), excess(residual.feature_count()),
       rest(residual.coordinate_count());
   const std::vector<float> none(residual.feature_count(), 0.0f);
-  cpu::residual_features(residual, none, {}, {}, 1, features, excess);
+  cpu::residual_features(residual.features, none, {}, {}, 1, features, excess);
   cpu::residual_project(residual, features, 1, rest);
   const std::vector<float> at_rest =
       coefficients_at(residual, rest, std::vector<float>(residual.coefficient_count(), 0.0f), 1);

@@ -202,7 +202,8 @@ PoseFeatures features_of(const Basis& basis, const Pose& pose) {
   std::vector<float> controls = pose.controls, inside(residual.feature_count());
   controls.resize(residual.controls.size(), 0.0f);
   const std::vector<float> joint_features = pose_rig(basis.skeleton, pose).joint_features;
-  cpu::residual_features(residual, joint_features, measure_strains(basis, pose), controls, 1, inside, features.excess);
+  cpu::residual_features(residual.features, joint_features, measure_strains(basis, pose), controls, 1, inside,
+                         features.excess);
   cpu::residual_project(residual, inside, 1, features.coordinates);
   features.fades = region_fades(residual, joint_features);
   return features;

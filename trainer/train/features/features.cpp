@@ -87,12 +87,10 @@ FeatureSamples measure_features(const Basis& basis, std::span<const Pose* const>
   for (Eigen::Index k = 0; k < count; ++k) {
     samples.ranges.push_back(range_of(samples.raw.col(k).cast<double>(), double{raw(0, k)}));
   }
-  // The standardising kernel itself, on joint features only: to it they are all one row of numbers.
-  ResidualTable table;
-  table.features = samples.ranges;
+  // The standardising kernel itself: all features are one row of numbers to it.
   RawFeatures standardised(frames + 1, count);
   std::vector<float> excess(static_cast<std::size_t>(raw.size()));
-  cpu::residual_features(table, {raw.data(), excess.size()}, {}, {}, static_cast<std::uint32_t>(frames + 1),
+  cpu::residual_features(samples.ranges, {raw.data(), excess.size()}, {}, {}, static_cast<std::uint32_t>(frames + 1),
                          {standardised.data(), excess.size()}, excess);
   samples.rest = standardised.row(0).cast<double>();
   samples.values = standardised.bottomRows(frames).cast<double>();
