@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "draw/renderer.h"
+#include "draw/png.h"
 
 namespace bodyopt {
 

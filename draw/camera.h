@@ -1,9 +1,9 @@
-// The camera's frame: x to the right, y up, z from the scene towards the camera.
+// Cameras. Their frame: x to the right, y up, z from the scene towards the camera.
 #pragma once
 
 #include <array>
+#include <span>
 
-#include "draw/renderer.h"
 #include "runtime/core/transform.h"
 
 namespace bodyopt {
@@ -16,6 +16,20 @@ inline Vec3 to_double(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}
 inline std::array<float, 3> to_float(const Vec3& v) {
   return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
 }
+
+struct Camera {
+  std::array<float, 3> eye{}, target{};  // metres, world
+  float vertical_angle = 0.5f;           // radians
+  float orthographic_height = 0;         // metres seen vertically, whatever the distance; 0: perspective
+};
+
+// A camera that sees all points (V x 3, world, at least one) as large as it can, from the direction given (world,
+// towards the camera); aspect: width over height. Throws Error(usage).
+Camera frame_points(std::span<const float> points, const std::array<float, 3>& direction, float aspect);
+
+// The same for the corners of the box [low, high].
+Camera frame_box(const std::array<float, 3>& low, const std::array<float, 3>& high,
+                 const std::array<float, 3>& direction, float aspect);
 
 struct ViewAxes {
   Vec3 right, up, back;  // orthonormal, world

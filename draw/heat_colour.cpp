@@ -2,7 +2,7 @@
 #include <iterator>
 
 #include "draw/oklab.h"
-#include "draw/renderer.h"
+#include "draw/heat_colour.h"
 
 namespace bodyopt {
 namespace {

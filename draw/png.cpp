@@ -7,7 +7,7 @@
 #include <stb/stb_image_write.h>
 #pragma GCC diagnostic pop
 
-#include "draw/renderer.h"
+#include "draw/png.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 

@@ -8,8 +8,9 @@
 
 #include "draw/camera.h"
 #include "draw/graphics_pipeline.h"
+#include "draw/heat_colour.h"
 #include "draw/shadow_map.h"
-#include "draw/viewport_picture.h"
+#include "draw/viewport_images.h"
 #include "runtime/core/error.h"
 #include "runtime/vulkan/commands.h"
 #include "view_fibre.vert.spv.h"
@@ -272,7 +273,7 @@ struct Viewport::Impl {
   vulkan::Commands commands;
   std::vector<std::unique_ptr<ShadowMap>> shadows;  // of the views
   std::vector<std::unique_ptr<vulkan::Buffer>> streamed;
-  std::optional<ViewportPicture> picture;
+  std::optional<ViewportImages> picture;
 };
 
 Viewport::Viewport(const vulkan::Device& device) : impl_(std::make_unique<Impl>(device)) {}

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "draw/animation.h"
-#include "draw/renderer.h"
+#include "draw/png.h"
 #include "proxy_viewer/commands/controls.h"
 #include "proxy_viewer/platform/frame_sequence_name.h"
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "draw/heat_colour.h"
 #include "draw/srgb.h"
 #include "report/html.h"
 #include "report/plots.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "draw/renderer.h"
+#include "draw/png.h"
 
 namespace bodyopt {
 

@@ -1,7 +1,7 @@
 // Numbers written on pictures.
 #pragma once
 
-#include "draw/renderer.h"
+#include "draw/png.h"
 
 namespace bodyopt {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "draw/heat_colour.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

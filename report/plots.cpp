@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "draw/heat_colour.h"
 #include "draw/renderer.h"
 #include "report/svg.h"
 #include "runtime/core/error.h"

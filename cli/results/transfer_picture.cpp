@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "draw/heat_colour.h"
 #include "draw/renderer.h"
 #include "runtime/cpu/kernels.h"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "draw/heat_colour.h"
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "draw/renderer.h"
+#include "draw/camera.h"
 #include "runtime/core/transform.h"
 
 namespace bodyopt {

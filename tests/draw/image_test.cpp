@@ -15,6 +15,7 @@
 #include <limits>
 #include <random>
 
+#include "draw/heat_colour.h"
 #include "draw/renderer.h"
 #include "runtime/core/error.h"
 #include "tests/support/temporary_folder.h"

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "draw/heat_colour.h"
 #include "tests/draw/sphere.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/gpu_fixture.h"

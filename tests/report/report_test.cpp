@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "draw/heat_colour.h"
 #include "report/heat_strip.h"
 #include "report/html.h"
 #include "report/plots.h"

@@ -9,10 +9,10 @@ namespace bodyopt {
 RenderPass make_scene_pass(const vulkan::Device& device, VkSampleCountFlagBits samples);
 RenderPass make_panel_pass(const vulkan::Device& device);
 
-class ViewportPicture {
+class ViewportImages {
  public:
-  ViewportPicture(const vulkan::Device& device, VkRenderPass scene_pass, VkRenderPass panel_pass, VkExtent2D size,
-                  VkSampleCountFlagBits samples);
+  ViewportImages(const vulkan::Device& device, VkRenderPass scene_pass, VkRenderPass panel_pass, VkExtent2D size,
+                 VkSampleCountFlagBits samples);
 
   void begin_scene(VkCommandBuffer commands) const;
   void begin_panels(VkCommandBuffer commands) const;

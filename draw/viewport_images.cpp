@@ -1,4 +1,4 @@
-#include "draw/viewport_picture.h"
+#include "draw/viewport_images.h"
 
 #include <array>
 #include <vector>
@@ -105,7 +105,7 @@ RenderPass make_panel_pass(const vulkan::Device& device) {
   return make_render_pass(device, attachments, subpass, dependencies);
 }
 
-ViewportPicture::ViewportPicture(const vulkan::Device& device, VkRenderPass scene_pass, VkRenderPass panel_pass,
+ViewportImages::ViewportImages(const vulkan::Device& device, VkRenderPass scene_pass, VkRenderPass panel_pass,
                                  VkExtent2D size, VkSampleCountFlagBits samples)
     : size_(size),
       scene_pass_(scene_pass),
@@ -127,9 +127,9 @@ ViewportPicture::ViewportPicture(const vulkan::Device& device, VkRenderPass scen
   scene_ = make_framebuffer(device, scene_pass, size, {picture_.view.get(), depth_.view.get(), colour_.view.get()});
 }
 
-void ViewportPicture::begin_scene(VkCommandBuffer commands) const { begin(commands, scene_pass_, scene_.get(), size_); }
+void ViewportImages::begin_scene(VkCommandBuffer commands) const { begin(commands, scene_pass_, scene_.get(), size_); }
 
-void ViewportPicture::begin_panels(VkCommandBuffer commands) const {
+void ViewportImages::begin_panels(VkCommandBuffer commands) const {
   begin(commands, panel_pass_, panels_.get(), size_);
 }
 
