@@ -121,7 +121,7 @@ bool Actor::has(SkinMethod method) const {
 
 bool Actor::has_at_finest(SkinMethod method) const {
   if (method == SkinMethod::jiggle) return has_dynamics() && why_still().empty();
-  if (method == SkinMethod::proxy) return details_.size() > 1 && !details_[1]->level().carried.empty();
+  if (method == SkinMethod::proxy) return details_.size() > 1 && !details_[1]->carried().empty();
   if (method == SkinMethod::lbs) return linear_blend_ != nullptr;
   return method != SkinMethod::truth || truth_.has_value();
 }
@@ -261,17 +261,16 @@ void Actor::show_linear_blend(const Pose& pose) {
 
 // A proxy that stands alone carries the full skin, not that of its own finest level, which its meshes ride on.
 bool Actor::has_worn_skin() const {
-  return level_ == 0 || shown().level().carried.size() == finest().basis().mesh.output_count();
+  return level_ == 0 || shown().carried().size() == finest().basis().mesh.output_count();
 }
 
 // O x 3 of the finest level.
 std::vector<float> Actor::full_skin(const Detail& detail, const Evaluation& evaluation, std::size_t pose) const {
-  const Level& level = detail.level();
-  const std::size_t count = std::size_t{3} * level.basis.mesh.output_count();
+  const MeshTable& mesh = detail.basis().mesh;
+  const std::size_t count = std::size_t{3} * mesh.output_count();
   const std::span<const float> positions = std::span(evaluation.positions).subspan(pose * count, count);
-  if (&detail == details_.front().get() || level.carried.empty()) return {positions.begin(), positions.end()};
-  return carry_skin(level.basis.mesh, level.carried, positions,
-                    std::span(evaluation.normals).subspan(pose * count, count));
+  if (&detail == details_.front().get() || detail.carried().empty()) return {positions.begin(), positions.end()};
+  return carry_skin(mesh, detail.carried(), positions, std::span(evaluation.normals).subspan(pose * count, count));
 }
 
 const Evaluation& Actor::carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights) {

@@ -30,6 +30,13 @@ std::vector<Segment> segments_of(const StrainTable& strain) {
   return segments;
 }
 
+// A method is a weight.
+Weights weights_of(SkinMethod method, Weights weights) {
+  if (method == SkinMethod::ddm) weights.correction = 0;
+  weights.kernels = method != SkinMethod::linear;
+  return weights;
+}
+
 bool same(const JointTransform& a, const JointTransform& b) {
   return a.translation == b.translation && a.rotation == b.rotation && a.scale == b.scale;
 }
@@ -43,20 +50,11 @@ bool same(std::span<const Pose> a, std::span<const Pose> b) {
   });
 }
 
-Basis linear_part(Basis basis) {
-  ResidualTable& residual = basis.residual;
-  for (const Region& region : residual.regions) {
-    const std::size_t columns = std::size_t{1} + region.feature_count + region.centre_count;
-    for (std::uint32_t k = 0; k < region.coefficient_count; ++k) {
-      const auto row = residual.weights.begin() + static_cast<std::ptrdiff_t>(region.weight_values + k * columns);
-      std::fill(row + 1 + region.feature_count, row + static_cast<std::ptrdiff_t>(columns), 0.0f);
-    }
-  }
-  return basis;
-}
-
 Detail::Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::optional<Dynamics> dynamics)
-    : device_(std::move(device)), level_(std::move(level)), dynamics_(std::move(dynamics)) {
+    : device_(std::move(device)),
+      model_(make_model(std::move(level.basis), std::move(dynamics))),
+      on_device_(std::make_shared<const vulkan::DeviceModel>(device_, model_)),
+      carried_(std::move(level.carried)) {
   triangles_ = vulkan::upload(*device_, basis().mesh.triangles, "the triangles");
   const std::vector<Segment> segments = segments_of(basis().strain);
   fibre_segments_ = vulkan::upload(*device_, segments, "the fibres");
@@ -70,8 +68,8 @@ Detail::Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::o
 Deformer& Detail::deformer(SkinMethod method, Use use) {
   std::unique_ptr<Deformer>& made = deformers_[{method, use}];
   if (made) return *made;
-  made = std::make_unique<Deformer>(method == SkinMethod::linear ? linear_part(basis()) : basis(),
-                                    method == SkinMethod::jiggle ? dynamics_ : std::nullopt, JiggleOptions{}, device_);
+  made = method == SkinMethod::jiggle ? std::make_unique<Deformer>(on_device_, JiggleOptions{})
+                                      : std::make_unique<Deformer>(on_device_);
   return *made;
 }
 
@@ -83,7 +81,7 @@ const Evaluation& Detail::evaluate(SkinMethod method, std::span<const Pose> pose
   if (again) return last.result;
   last.poses.clear();  // should it throw
   Deformer& d = deformer(method, Use::show);
-  d.set_weights({method == SkinMethod::ddm ? 0.0f : weights.correction, weights.jiggle});
+  d.set_weights(weights_of(method, weights));
   if (method == SkinMethod::jiggle) {
     last.result = host ? d.jiggle(poses, {&frame, 1}) : d.jiggle_on_device(poses, {&frame, 1});
   } else {
@@ -128,7 +126,7 @@ std::optional<int> Detail::jiggle_frame() const {
 
 Evaluation Detail::measure(SkinMethod method, const Pose& pose, float correction) {
   Deformer& d = deformer(method == SkinMethod::jiggle ? SkinMethod::full : method, Use::measure);
-  d.set_weights({method == SkinMethod::ddm ? 0.0f : correction, 1.0f});
+  d.set_weights(weights_of(method, {.correction = correction}));
   return d.evaluate({&pose, 1});
 }
 
@@ -151,7 +149,7 @@ std::vector<float> Detail::tet_nodes(const Pose& pose, std::optional<float> jigg
 }
 
 const CutTets& Detail::cut_tets(const Pose& pose, std::optional<float> jiggle, const Vec3& towards, double share) {
-  if (!cut_tets_) cut_tets_ = std::make_unique<CutTets>(*device_, *dynamics_);
+  if (!cut_tets_) cut_tets_ = std::make_unique<CutTets>(*device_, *model_->dynamics);
   cut_tets_->cut(tet_nodes(pose, jiggle), towards, share);
   return *cut_tets_;
 }

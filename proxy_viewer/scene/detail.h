@@ -12,6 +12,7 @@
 #include "proxy_viewer/scene/cut_tets.h"
 #include "runtime/basis/levels.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/buffer.h"
 #include "trainer/train/coverage/vertex_coverage.h"
 
@@ -44,12 +45,12 @@ class Detail {
   // of its coverage is damaged.
   Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::optional<Dynamics> dynamics);
 
-  const Basis& basis() const { return level_.basis; }
-  const Level& level() const { return level_; }
-  bool jiggles() const { return dynamics_.has_value(); }
+  const Basis& basis() const { return model_->basis; }
+  const CarriedSkin& carried() const { return carried_; }  // empty in an ordinary basis
+  bool jiggles() const { return model_->dynamics.has_value(); }
   // Frames a second that the jiggle steps; the level must have dynamics.
-  double jiggle_rate() const { return static_cast<double>(dynamics_->jiggle.step.frames_per_second); }
-  std::uint32_t tet_count() const { return dynamics_ ? dynamics_->tets.tet_count() : 0; }
+  double jiggle_rate() const { return static_cast<double>(model_->dynamics->jiggle.step.frames_per_second); }
+  std::uint32_t tet_count() const { return jiggles() ? model_->dynamics->tets.tet_count() : 0; }
   // The tets at a pose, or, where `jiggle` says how much is shown of it, where the jiggle that is shown has them. The
   // level must have dynamics.
   const CutTets& cut_tets(const Pose& pose, std::optional<float> jiggle, const Vec3& towards, double share);
@@ -84,11 +85,12 @@ class Detail {
   std::vector<float> tet_nodes(const Pose& pose, std::optional<float> jiggle);
 
   std::shared_ptr<const vulkan::Device> device_;
-  Level level_;
-  std::optional<Dynamics> dynamics_;
+  std::shared_ptr<const Model> model_;
+  std::shared_ptr<const vulkan::DeviceModel> on_device_;
+  CarriedSkin carried_;
   vulkan::Buffer triangles_, fibre_segments_, fibre_points_;
   std::uint32_t fibre_segment_count_ = 0;
-  std::map<std::pair<SkinMethod, Use>, std::unique_ptr<Deformer>> deformers_;  // made when they are first wanted
+  std::map<std::pair<SkinMethod, Use>, std::unique_ptr<Deformer>> deformers_;  // of one model, made when first wanted
   std::map<SkinMethod, Evaluated> evaluated_;
   std::uint64_t evaluations_ = 0;      // so far
   std::unique_ptr<CutTets> cut_tets_;  // made when they are first wanted
@@ -100,9 +102,6 @@ class Detail {
 
 // To the last bit, joints and controls.
 bool same(std::span<const Pose> a, std::span<const Pose> b);
-
-// The basis without its kernels: what a linear map of joints and strains makes of it.
-Basis linear_part(Basis basis);
 
 // Chooses the level that holds a rate: coarser when pictures are late, finer when there is twice the time. A level that
 // was too slow is tried again after a while, each time a longer one, or the skin would change twice a second. The

@@ -153,7 +153,11 @@ class CpuBackend final : public Backend {
     cpu::residual_features(table.features, frame(batch.joint_features), frame(result.strains), frame(batch.controls), 1,
                            features, frame(result.excess));
     cpu::residual_project(table, features, 1, coordinates);
-    cpu::residual_kernels(table, coordinates, 1, kernels);
+    if (weights_.kernels) {
+      cpu::residual_kernels(table, coordinates, 1, kernels);
+    } else {
+      std::fill(kernels.begin(), kernels.end(), 0.0f);
+    }
     cpu::residual_coefficients(table, coordinates, kernels, rest_coefficients_, frame(batch.fades), 1,
                                frame(result.coefficients));
     residual.add_since(last);

@@ -11,22 +11,26 @@
 #include "runtime/host/fade.h"
 #include "runtime/host/rig.h"
 #include "runtime/threads/tbb_executor.h"
+#include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_backend.h"
 #include "runtime/vulkan/device.h"
 
 namespace bodyopt {
 namespace {
 
-std::unique_ptr<Backend> make_backend(const Basis& basis, const DeviceChoice& choice, const JiggleModel& jiggle) {
-  const std::shared_ptr<Executor> threads = choice.executor ? choice.executor : make_tbb_executor();
-  if (choice.name == "cpu") {
-    if (choice.require_device) {
-      throw Error(ErrorKind::device, "the device 'cpu' was asked for together with a required Vulkan device");
-    }
-    return make_cpu_backend(basis, jiggle, threads);
+// `model` outlives the backend.
+std::unique_ptr<Backend> make_backend(const std::shared_ptr<const Model>& model,
+                                      const std::optional<JiggleOptions>& jiggle, const DeviceChoice& choice) {
+  const bool on_cpu = choice.name == "cpu" || (choice.name == "auto" && !choice.require_device && !has_gpu());
+  if (choice.name == "cpu" && choice.require_device) {
+    throw Error(ErrorKind::device, "the device 'cpu' was asked for together with a required Vulkan device");
   }
-  if (choice.name == "auto" && !choice.require_device && !has_gpu()) return make_cpu_backend(basis, jiggle, threads);
-  return make_vulkan_backend(basis, std::make_shared<const vulkan::Device>(choice), jiggle);
+  if (on_cpu) {
+    return make_cpu_backend(model->basis, jiggle ? JiggleModel{&*model->dynamics, *jiggle} : JiggleModel{},
+                            choice.executor ? choice.executor : make_tbb_executor());
+  }
+  const auto device = std::make_shared<const vulkan::Device>(choice);
+  return make_vulkan_backend(std::make_shared<const vulkan::DeviceModel>(device, model), jiggle);
 }
 
 void check_controls(const Basis& basis, const Pose& pose) {
@@ -137,39 +141,40 @@ std::string feature_name(const Basis& basis, std::uint32_t feature) {
   return "control " + basis.residual.controls.at(strain - basis.strain.fibre_count());
 }
 
-Deformer::Deformer(Basis basis, const DeviceChoice& choice) : basis_(std::move(basis)) {
-  validate(basis_, "the basis");
-  backend_ = make_backend(basis_, choice, {});
+Deformer::Deformer(std::shared_ptr<const Model> model, const std::optional<JiggleOptions>& jiggle,
+                   std::unique_ptr<Backend> backend)
+    : model_(std::move(model)),
+      jiggles_(jiggle.has_value()),
+      options_(jiggle.value_or(JiggleOptions{})),
+      size_(box_diagonal(basis().mesh.rest)),
+      backend_(std::move(backend)) {
   set_rest();
 }
+
+Deformer::Deformer(Basis basis, const DeviceChoice& choice) : Deformer(make_model(std::move(basis)), {}, choice) {}
 
 Deformer::Deformer(Basis basis, Dynamics dynamics, const JiggleOptions& options, const DeviceChoice& choice)
-    : basis_(std::move(basis)),
-      dynamics_(std::move(dynamics)),
-      options_(options),
-      size_(box_diagonal(basis_.mesh.rest)) {
-  validate(basis_, "the basis");
-  validate(*dynamics_, basis_, "the dynamics");
-  backend_ = make_backend(basis_, choice, {&*dynamics_, options_});
-  set_rest();
-}
+    : Deformer(make_model(std::move(basis), std::move(dynamics)), options, choice) {}
 
-Deformer::Deformer(Basis basis, std::optional<Dynamics> dynamics, const JiggleOptions& options,
-                   std::shared_ptr<const vulkan::Device> device)
-    : basis_(std::move(basis)),
-      dynamics_(std::move(dynamics)),
-      options_(options),
-      size_(box_diagonal(basis_.mesh.rest)) {
-  validate(basis_, "the basis");
-  if (dynamics_) validate(*dynamics_, basis_, "the dynamics");
-  backend_ = make_vulkan_backend(basis_, std::move(device), {this->dynamics(), options_});
-  set_rest();
-}
+Deformer::Deformer(std::shared_ptr<const Model> model, const std::optional<JiggleOptions>& jiggle,
+                   const DeviceChoice& choice)
+    : Deformer(model, jiggle, make_backend(model, jiggle, choice)) {}
+
+Deformer::Deformer(std::shared_ptr<const vulkan::DeviceModel> model, const std::optional<JiggleOptions>& jiggle)
+    : Deformer(model->shared_model(), jiggle, make_vulkan_backend(model, jiggle)) {}
 
 // The rest coefficients come from the kernels that will run, so that rest gives rest exactly.
 void Deformer::set_rest() {
-  const Pose rest = bind_pose(basis_.skeleton);
-  backend_->set_rest_coefficients(backend_->run(make_batch(basis_, {&rest, 1})).coefficients);
+  const Pose rest = bind_pose(basis().skeleton);
+  backend_->set_rest_coefficients(std::vector<float>(basis().residual.coefficient_count(), 0.0f));
+  backend_->set_rest_coefficients(backend_->run(make_batch(basis(), {&rest, 1})).coefficients);
+}
+
+void Deformer::set_weights(const Weights& weights) {
+  backend_->set_weights(weights);
+  const bool other_rest = weights.kernels != weights_.kernels;
+  weights_ = weights;
+  if (other_rest) set_rest();
 }
 
 Deformer::~Deformer() = default;
@@ -199,7 +204,7 @@ void Deformer::require_one_batch(std::span<const Pose> poses) const {
 }
 
 Evaluation Deformer::step(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device) {
-  if (!dynamics_) throw Error(ErrorKind::usage, "the character was loaded without dynamics: it cannot jiggle");
+  if (!jiggles_) throw Error(ErrorKind::usage, "the character was loaded without dynamics: it cannot jiggle");
   if (frames.size() != poses.size()) {
     throw Error(ErrorKind::usage,
                 std::to_string(poses.size()) + " poses have " + std::to_string(frames.size()) + " frame numbers");
@@ -222,14 +227,14 @@ Evaluation Deformer::step(std::span<const Pose> poses, std::span<const int> fram
 
 JiggleState Deformer::state() const {
   JiggleState state = state_;
-  if (dynamics_ && state.known > 0) state.motion = backend_->motion();
+  if (jiggles_ && state.known > 0) state.motion = backend_->motion();
   return state;
 }
 
 void Deformer::set_state(const JiggleState& state) {
-  if (state.known > 0) check_state(state, basis_, dynamics());
+  if (state.known > 0) check_state(state, basis(), dynamics());
   state_ = state;
-  if (dynamics_ && state.known > 0) backend_->set_motion(state.motion);
+  if (jiggles_ && state.known > 0) backend_->set_motion(state.motion);
   state_.motion = {};
 }
 
@@ -239,16 +244,16 @@ Evaluation Deformer::run(std::span<const Pose> poses, std::span<const int> frame
   for (std::size_t begin = 0; begin < poses.size(); begin += limit) {
     const auto part = poses.subspan(begin, std::min(limit, poses.size() - begin));
     const auto start = std::chrono::steady_clock::now();
-    Batch batch = make_batch(basis_, part);
+    Batch batch = make_batch(basis(), part);
     batch.stays_on_device = stays_on_device;
     if (!frames.empty()) batch.jiggle = plan(batch, frames.subspan(begin, part.size()));
     evaluation.stage_seconds["rig"] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const BatchResult result = backend_->run(batch);
-    append_output(basis_.mesh, result.positions, evaluation.positions);
-    append_output(basis_.mesh, result.normals, evaluation.normals);
+    append_output(basis().mesh, result.positions, evaluation.positions);
+    append_output(basis().mesh, result.normals, evaluation.normals);
     evaluation.strains.insert(evaluation.strains.end(), result.strains.begin(), result.strains.end());
     append_outside(result, part.size(), evaluation);
-    append_fades(basis_, batch, evaluation);
+    append_fades(basis(), batch, evaluation);
     for (const JiggleFrame& frame : batch.jiggle) evaluation.starts.push_back(frame.start);
     for (const auto& [stage, seconds] : result.stage_seconds) evaluation.stage_seconds[stage] += seconds;
   }
@@ -257,11 +262,11 @@ Evaluation Deformer::run(std::span<const Pose> poses, std::span<const int> frame
 
 std::vector<JiggleFrame> Deformer::plan(const Batch& batch, std::span<const int> frames) {
   std::vector<JiggleFrame> plans;
-  const std::size_t numbers = 3 * basis_.skeleton.size();
+  const std::size_t numbers = 3 * basis().skeleton.size();
   for (std::size_t f = 0; f < frames.size(); ++f) {
     const double origin[3] = {batch.origins[4 * f], batch.origins[4 * f + 1], batch.origins[4 * f + 2]};
     plans.push_back(plan_frame(frames[f], std::span(batch.joints).subspan(f * numbers, numbers), origin, size_,
-                               dynamics_->jiggle.step, options_, state_));
+                               dynamics()->jiggle.step, options_, state_));
   }
   return plans;
 }

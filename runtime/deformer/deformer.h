@@ -14,12 +14,14 @@
 #include "runtime/host/backend.h"
 #include "runtime/host/device_choice.h"
 #include "runtime/host/jiggle.h"
+#include "runtime/host/model.h"
 
 namespace bodyopt {
 
 namespace vulkan {
 class Device;
-}
+class DeviceModel;
+}  // namespace vulkan
 
 // The result of a batch of F frames, in output vertex order (as in the character's file).
 struct Evaluation {
@@ -53,9 +55,11 @@ class Deformer {
   Deformer(Basis basis, const DeviceChoice& choice);
   // With dynamics, which must belong to the basis (load_dynamics sees to it).
   Deformer(Basis basis, Dynamics dynamics, const JiggleOptions& options, const DeviceChoice& choice);
-  // On a device that others use as well, to draw the skin where it is. Without dynamics, options have no effect.
-  Deformer(Basis basis, std::optional<Dynamics> dynamics, const JiggleOptions& options,
-           std::shared_ptr<const vulkan::Device> device);
+  // An instance of a model on a device that others use as well, to draw the skin where it is: buffers and state of its
+  // own, the tables and pipelines are the model's.
+  // `jiggle`: none for the quasi-static skin, or the model must have dynamics.
+  explicit Deformer(std::shared_ptr<const vulkan::DeviceModel> model,
+                    const std::optional<JiggleOptions>& jiggle = std::nullopt);
   ~Deformer();
 
   // Quasi-static skin. Any number of poses; split into batches as the device allows. Throws Error(mismatch) when a pose
@@ -76,27 +80,31 @@ class Deformer {
   // Throws Error(usage) for more poses than that.
   void require_one_batch(std::span<const Pose> poses) const;
 
-  void set_weights(const Weights& weights) { backend_->set_weights(weights); }
+  void set_weights(const Weights& weights);
 
   JiggleState state() const;
   // Throws Error(mismatch) where the state does not fit the character or holds a number that is not finite.
   void set_state(const JiggleState& state);
 
-  const Basis& basis() const { return basis_; }
+  const Basis& basis() const { return model_->basis; }
   const JiggleOptions& jiggle_options() const { return options_; }
-  const Dynamics* dynamics() const { return dynamics_ ? &*dynamics_ : nullptr; }
+  const Dynamics* dynamics() const { return jiggles_ ? &*model_->dynamics : nullptr; }
   std::string device_name() const;
 
  private:
+  Deformer(std::shared_ptr<const Model> model, const std::optional<JiggleOptions>& jiggle, const DeviceChoice& choice);
+  Deformer(std::shared_ptr<const Model> model, const std::optional<JiggleOptions>& jiggle,
+           std::unique_ptr<Backend> backend);
   void set_rest();
   Evaluation run(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device);
   Evaluation step(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device);
   std::vector<JiggleFrame> plan(const Batch& batch, std::span<const int> frames);
 
-  Basis basis_;
-  std::optional<Dynamics> dynamics_;
+  std::shared_ptr<const Model> model_;
+  bool jiggles_;
   JiggleOptions options_;
-  double size_ = 0;    // of the character, metres
+  double size_ = 0;  // of the character, metres
+  Weights weights_;
   JiggleState state_;  // its motion is the backend's
   std::unique_ptr<Backend> backend_;
 };

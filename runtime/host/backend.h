@@ -17,10 +17,11 @@ namespace vulkan {
 class Buffer;
 }  // namespace vulkan
 
-// How much is shown of what was learned, and of the jiggle: to compare by eye. 1, as trained, changes no bit; a weight
-// changes no state.
+// How much is shown of what was learned, and of the jiggle: methods to compare by eye. 1, as trained, changes no bit; a
+// weight changes no state.
 struct Weights {
   float correction = 1, jiggle = 1;
+  bool kernels = true;  // without: of what was learned the part that is linear in joints and strains
   bool operator==(const Weights&) const = default;
 };
 

@@ -5,6 +5,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_backend.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/gpu_fixture.h"
@@ -146,7 +147,9 @@ TEST(VulkanDynamics, LimitsBatches) {
   const auto limit = [](const Dynamics& dynamics, std::uint32_t iterations) {
     JiggleOptions options;
     options.iterations = iterations;
-    return make_vulkan_backend(limb().basis, open_test_device(), {&dynamics, options})->batch_limit();
+    const auto model = std::make_shared<const Model>(Model{limb().basis, dynamics});
+    return make_vulkan_backend(std::make_shared<const vulkan::DeviceModel>(open_test_device(), model), options)
+        ->batch_limit();
   };
   Dynamics many_steps = limb().dynamics;
   many_steps.jiggle.step.substeps = 1000;
@@ -175,7 +178,9 @@ struct PushedLimb {
     const std::uint32_t fibres = basis.strain.fibre_count();
     const vulkan::Buffer skin = upload(device, positions, "the skin");
     const vulkan::Buffer zeros = upload(device, std::vector<float>(3 * (4 + fibres)), "zeros");
-    vulkan::VulkanDynamics device_dynamics(device, {&dynamics, options});
+    const std::shared_ptr<const vulkan::Device> not_owned(std::shared_ptr<void>(), &device);
+    const vulkan::DeviceModel model(not_owned, std::make_shared<const Model>(Model{basis, dynamics}));
+    vulkan::VulkanDynamics device_dynamics(model, options);
     device_dynamics.prepare(3);
     vulkan::Commands commands(device, most_dispatches);
     commands.begin();

@@ -6,11 +6,17 @@
 #include "runtime/core/error.h"
 #include "runtime/cpu/cpu_backend.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/vulkan/backend/device_model.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_basis.h"
 
 namespace bodyopt::testing {
 namespace {
+
+std::unique_ptr<Backend> on_device(const Basis& basis) {
+  const auto model = std::make_shared<const Model>(Model{basis, {}});
+  return make_vulkan_backend(std::make_shared<const vulkan::DeviceModel>(open_test_device(), model));
+}
 
 void expect_equal(const BatchResult& gpu, const BatchResult& cpu) {
   expect_close(gpu.strains, cpu.strains, 1e-5, 1e-5);  // metres of 1e-6 over rest lengths of decimetres
@@ -25,7 +31,7 @@ TEST(VulkanBackend, EqualsTheCpuBackend) {
   for (const auto& [fibres, coefficients] : {std::pair(20u, 70u), {0u, 70u}, {20u, 0u}, {0u, 0u}}) {
     SCOPED_TRACE(std::to_string(fibres) + " fibres, " + std::to_string(coefficients) + " coefficients");
     const Basis basis = random_basis(fibres, coefficients);
-    const auto cpu = make_cpu_backend(basis), gpu = make_vulkan_backend(basis, open_test_device());
+    const auto cpu = make_cpu_backend(basis), gpu = on_device(basis);
     EXPECT_GE(gpu->batch_limit(), 64u);
     // Recorded for one frame, again for three, submitted again, and again for one.
     for (const std::uint32_t frames : {1u, 3u, 3u, 1u}) {
@@ -46,7 +52,7 @@ TEST(VulkanBackend, EqualsTheCpuBackend) {
 
 TEST(VulkanBackend, RestCoefficientsAreTakenOutExactly) {
   const Basis basis = random_basis(20, 70);
-  const auto gpu = make_vulkan_backend(basis, open_test_device());
+  const auto gpu = on_device(basis);
   Batch batch = random_batch(basis, 1);
   std::fill(batch.fades.begin(), batch.fades.end(), 1.0f);  // as at rest
   gpu->set_rest_coefficients(gpu->run(batch).coefficients);
@@ -55,14 +61,49 @@ TEST(VulkanBackend, RestCoefficientsAreTakenOutExactly) {
   // Without coefficients the residual moves nothing: the same bits as without a residual.
   Basis without = basis;
   without.residual = random_basis(20, 0).residual;
-  EXPECT_EQ(make_vulkan_backend(without, open_test_device(), {})->run(batch).positions, rest.positions);
+  EXPECT_EQ(on_device(without)->run(batch).positions, rest.positions);
+}
+
+// Instances of one model share its tables, and nothing else.
+TEST(VulkanBackend, InstancesOfAModelDoNotDisturbEachOther) {
+  const Basis basis = random_basis(20, 70);
+  const auto model =
+      std::make_shared<const vulkan::DeviceModel>(open_test_device(), std::make_shared<const Model>(Model{basis, {}}));
+  const auto one = make_vulkan_backend(model), other = make_vulkan_backend(model);
+  const Batch first = random_batch(basis, 3), second = random_batch(basis, 5);
+  const std::vector<float> alone = on_device(basis)->run(first).positions;
+  other->set_weights({.correction = 0});
+  other->set_rest_coefficients(std::vector<float>(70, 0.5f));
+  other->run(second);
+  EXPECT_EQ(one->run(first).positions, alone);
+  other->run(second);
+  EXPECT_EQ(one->run(first).positions, alone);
+}
+
+// Weights of zero on all kernels.
+TEST(VulkanBackend, WithoutKernelsIsLinear) {
+  const Basis basis = random_basis(20, 70);
+  Basis linear = basis;
+  for (const Region& region : linear.residual.regions) {
+    const std::size_t columns = std::size_t{1} + region.coordinate_count + region.centre_count;
+    for (std::size_t k = 0; k < region.coefficient_count * columns; ++k) {
+      if (k % columns > region.coordinate_count) linear.residual.weights[region.weight_values + k] = 0;
+    }
+  }
+  const Batch batch = random_batch(basis, 3);
+  const auto cpu = make_cpu_backend(basis), gpu = on_device(basis);
+  const std::vector<float> whole = cpu->run(batch).coefficients;
+  for (Backend* backend : {cpu.get(), gpu.get()}) backend->set_weights({.kernels = false});
+  EXPECT_EQ(cpu->run(batch).coefficients, make_cpu_backend(linear)->run(batch).coefficients);
+  EXPECT_EQ(gpu->run(batch).coefficients, on_device(linear)->run(batch).coefficients);
+  EXPECT_NE(cpu->run(batch).coefficients, whole);
 }
 
 TEST(VulkanBackend, TimesEveryStage) {
   const vulkan::Device device(test_device());
   if (device.timestamp_mask() == 0) GTEST_SKIP() << "the device has no timestamps";
   const Basis basis = random_basis(20, 70);
-  const BatchResult result = make_vulkan_backend(basis, open_test_device(), {})->run(random_batch(basis, 2));
+  const BatchResult result = on_device(basis)->run(random_batch(basis, 2));
   std::vector<std::string> stages;
   for (const auto& [stage, seconds] : result.stage_seconds) {
     stages.push_back(stage);

@@ -9,63 +9,14 @@
 #include <utility>
 
 #include "runtime/core/error.h"
+#include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_dynamics.h"
-#include "runtime/vulkan/kernels/windows.h"
 
 namespace bodyopt {
 namespace vulkan {
 namespace {
 
 constexpr std::uint64_t kBatchBytes = 64u << 20;  // of per-frame buffers; enough vertices to fill a device
-
-// Counts of a basis, in the units of a frame.
-struct Counts {
-  explicit Counts(const Basis& basis)
-      : vertices(basis.mesh.vertex_count()),
-        joints(static_cast<std::uint32_t>(basis.skeleton.size())),
-        strain_vertices(static_cast<std::uint32_t>(basis.strain.vertices.size())),
-        fibres(basis.strain.fibre_count()),
-        features(basis.residual.feature_count()),
-        controls(features == 0 ? 0 : static_cast<std::uint32_t>(basis.residual.controls.size())),
-        joint_features(features == 0 ? 0 : features - fibres - controls),
-        regions(static_cast<std::uint32_t>(basis.residual.regions.size())),
-        coordinates(basis.residual.coordinate_count()),
-        centres(basis.residual.centre_count()),
-        coefficients(basis.residual.coefficient_count()) {}
-
-  std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
-  std::uint32_t regions, coordinates, centres, coefficients;
-};
-
-// Everything about the character that stays the same from frame to frame.
-struct Tables {
-  Tables(const Device& device, const Basis& b)
-      : ddm(device, b.ddm, device.info()),
-        strain_vertices(upload(device, b.strain.vertices, "the strain vertices")),
-        points(upload(device, b.strain.points, "the fibre points")),
-        fibre_begin(upload(device, b.strain.fibre_begin, "the fibres")),
-        rest_length(upload(device, b.strain.rest_length, "the fibres' rest lengths")),
-        ranges(upload(device, b.residual.features, "the feature ranges")),
-        regions(upload(device, b.residual.regions, "the regions")),
-        region_features(upload(device, b.residual.region_features, "the regions' features")),
-        coordinate_region(upload(device, b.residual.coordinate_region, "the coordinates' regions")),
-        projections(upload(device, b.residual.projections, "the projections")),
-        centre_region(upload(device, b.residual.centre_region, "the centres' regions")),
-        centres(upload(device, b.residual.centres, "the centres")),
-        coefficient_region(upload(device, b.residual.coefficient_region, "the coefficients' regions")),
-        weights(upload(device, b.residual.weights, "the weights")),
-        blend_begin(upload(device, b.residual.blend_begin, "the blend's blocks")),
-        blend(upload(device, b.residual.blend, "the blend")),
-        triangles(upload(device, b.mesh.triangles, "the triangles")),
-        vertex_triangle_begin(upload(device, b.mesh.vertex_triangle_begin, "the vertices' triangles")),
-        vertex_triangles(upload(device, b.mesh.vertex_triangles, "the vertices' triangles")) {}
-
-  DdmBuffers ddm;
-  Buffer strain_vertices, points, fibre_begin, rest_length;
-  Buffer ranges, regions, region_features, coordinate_region, projections, centre_region, centres;
-  Buffer coefficient_region, weights, blend_begin, blend;
-  Buffer triangles, vertex_triangle_begin, vertex_triangles;
-};
 
 // Values of a batch: a buffer of F x count floats, on the device.
 struct Values {
@@ -77,7 +28,7 @@ struct Values {
 };
 
 struct BatchBuffers {
-  BatchBuffers(const Device& device, const Counts& n, std::uint32_t frames_)
+  BatchBuffers(const Device& device, const FrameCounts& n, std::uint32_t frames_)
       : frames(frames_),
         skinning(device, frames, std::uint64_t{12} * n.joints, "the skinning matrices"),
         origins(device, frames, 4, "the origins"),
@@ -114,30 +65,22 @@ struct BatchBuffers {
 
 class VulkanBackend final : public Backend {
  public:
-  VulkanBackend(const Basis& basis, std::shared_ptr<const Device> device, const JiggleModel& jiggle)
-      : owned_device_(std::move(device)),
-        device_(*owned_device_),
-        counts_(basis),
-        tables_(device_, basis),
-        has_blend_(!basis.residual.blend.empty()),
-        strain_skin_(device_),
-        strain_measure_(device_),
-        residual_features_(device_),
-        residual_project_(device_),
-        residual_kernels_(device_),
-        residual_coefficients_(device_),
-        residual_blend_(device_),
-        pose_skin_(device_),
-        output_normals_(device_),
+  VulkanBackend(std::shared_ptr<const DeviceModel> model, const std::optional<JiggleOptions>& jiggle)
+      : model_(std::move(model)),
+        device_(model_->device()),
+        counts_(model_->counts()),
+        tables_(model_->tables()),
+        kernels_(model_->kernels()),
+        has_blend_(!model_->model().basis.residual.blend.empty()),
         commands_(device_) {
-    if (jiggle.dynamics) dynamics_.emplace(device_, jiggle);
+    if (jiggle) dynamics_.emplace(*model_, *jiggle);
     set_rest_coefficients(std::vector<float>(counts_.coefficients, 0.0f));
   }
 
   std::string name() const override { return device_.info().name; }
 
   std::uint32_t batch_limit() const override {
-    const Counts& n = counts_;
+    const FrameCounts& n = counts_;
     const std::uint64_t skin = std::uint64_t{3} * n.vertices, skinning = std::uint64_t{12} * n.joints;
     const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
     const std::uint64_t largest =
@@ -208,14 +151,14 @@ class VulkanBackend final : public Backend {
     record_residual(frames);
     end_stage("residual");
     const BatchBuffers& b = *buffers_;
-    record_pose_skin(commands_, pose_skin_,
+    record_pose_skin(commands_, kernels_.pose_skin,
                      {tables_.ddm, b.skinning.buffer, b.origins.buffer, b.displacements.buffer, b.positions.buffer},
                      counts_.vertices, counts_.joints, frames);
     end_stage("pose");
     if (!batch.jiggle.empty()) record_dynamics(batch);
     stays_on_device_ = batch.stays_on_device;
     skin_ = batch.jiggle.empty() ? &b.positions.buffer : &dynamics_->moved();
-    output_normals_.record(
+    kernels_.output_normals.record(
         commands_,
         {tables_.triangles, tables_.vertex_triangle_begin, tables_.vertex_triangles, *skin_, b.normals.buffer},
         {counts_.vertices}, frames);
@@ -262,41 +205,47 @@ class VulkanBackend final : public Backend {
 
   void record_strain(std::uint32_t frames) {
     const BatchBuffers& b = *buffers_;
-    const Tables& t = tables_;
-    record_strain_skin(commands_, strain_skin_,
+    const SkinTables& t = tables_;
+    record_strain_skin(commands_, kernels_.strain_skin,
                        {t.ddm, b.skinning.buffer, t.strain_vertices, b.strain_positions.buffer},
                        counts_.strain_vertices, counts_.joints, frames);
     commands_.barrier();
-    strain_measure_.record(commands_,
-                           {t.points, t.fibre_begin, t.rest_length, b.strain_positions.buffer, b.strains.buffer},
-                           {counts_.fibres, counts_.strain_vertices}, frames);
+    kernels_.strain_measure.record(
+        commands_, {t.points, t.fibre_begin, t.rest_length, b.strain_positions.buffer, b.strains.buffer},
+        {counts_.fibres, counts_.strain_vertices}, frames);
   }
 
   void record_residual(std::uint32_t frames) {
     const BatchBuffers& b = *buffers_;
-    const Tables& t = tables_;
-    const Counts& n = counts_;
-    residual_features_.record(
+    const SkinTables& t = tables_;
+    const FrameCounts& n = counts_;
+    kernels_.residual_features.record(
         commands_,
         {t.ranges, b.joint_features.buffer, b.strains.buffer, b.controls.buffer, b.features.buffer, b.excess.buffer},
         {n.joint_features, n.features == 0 ? 0 : n.fibres, n.controls}, frames);
     commands_.barrier();
-    residual_project_.record(
+    kernels_.residual_project.record(
         commands_,
         {t.regions, t.region_features, t.coordinate_region, t.projections, b.features.buffer, b.coordinates.buffer},
         {n.coordinates, n.features}, frames);
     commands_.barrier();
-    residual_kernels_.record(commands_, {t.regions, t.centre_region, t.centres, b.coordinates.buffer, b.kernels.buffer},
-                             {n.centres, n.coordinates}, frames);
+    if (weights_.kernels) {
+      kernels_.residual_kernels.record(commands_,
+                                       {t.regions, t.centre_region, t.centres, b.coordinates.buffer, b.kernels.buffer},
+                                       {n.centres, n.coordinates}, frames);
+    } else {
+      commands_.fill(b.kernels.buffer, 0);
+    }
     commands_.barrier();
-    residual_coefficients_.record(commands_,
-                                  {t.regions, t.coefficient_region, t.weights, rest_coefficients_, b.coordinates.buffer,
-                                   b.kernels.buffer, b.fades.buffer, b.coefficients.buffer},
-                                  {n.coefficients, n.coordinates, n.centres, n.regions}, frames);
+    kernels_.residual_coefficients.record(
+        commands_,
+        {t.regions, t.coefficient_region, t.weights, rest_coefficients_, b.coordinates.buffer, b.kernels.buffer,
+         b.fades.buffer, b.coefficients.buffer},
+        {n.coefficients, n.coordinates, n.centres, n.regions}, frames);
     commands_.barrier();
     if (!has_blend_) return;
-    residual_blend_.record(commands_, {t.blend_begin, t.blend, b.coefficients.buffer, b.displacements.buffer},
-                           {n.vertices, n.coefficients, weights_.correction}, frames);
+    kernels_.residual_blend.record(commands_, {t.blend_begin, t.blend, b.coefficients.buffer, b.displacements.buffer},
+                                   {n.vertices, n.coefficients, weights_.correction}, frames);
   }
 
   // What goes to the host, in this order.
@@ -369,20 +318,12 @@ class VulkanBackend final : public Backend {
                                        name() + "', first: " + messages.front());
   }
 
-  std::shared_ptr<const Device> owned_device_;
+  std::shared_ptr<const DeviceModel> model_;
   const Device& device_;
-  Counts counts_;
-  Tables tables_;
+  const FrameCounts& counts_;
+  const SkinTables& tables_;
+  const SkinKernels& kernels_;
   bool has_blend_;
-  StrainSkin strain_skin_;
-  StrainMeasure strain_measure_;
-  ResidualFeatures residual_features_;
-  ResidualProject residual_project_;
-  ResidualKernels residual_kernels_;
-  ResidualCoefficients residual_coefficients_;
-  ResidualBlend residual_blend_;
-  PoseSkin pose_skin_;
-  OutputNormals output_normals_;
   Buffer rest_coefficients_;
   std::unique_ptr<BatchBuffers> buffers_;
   std::optional<VulkanDynamics> dynamics_;
@@ -421,9 +362,9 @@ bool has_gpu() {
   return has_device([](const vulkan::DeviceInfo& device) { return device.type != "cpu"; });
 }
 
-std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, std::shared_ptr<const vulkan::Device> device,
-                                             const JiggleModel& jiggle) {
-  return std::make_unique<vulkan::VulkanBackend>(basis, std::move(device), jiggle);
+std::unique_ptr<Backend> make_vulkan_backend(std::shared_ptr<const vulkan::DeviceModel> model,
+                                             const std::optional<JiggleOptions>& jiggle) {
+  return std::make_unique<vulkan::VulkanBackend>(std::move(model), jiggle);
 }
 
 }  // namespace bodyopt

@@ -2,17 +2,19 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "runtime/host/backend.h"
 
 namespace bodyopt {
 
 namespace vulkan {
-class Device;
+class DeviceModel;
 }
 
-// Throws Error(device) when the tables do not fit the device.
-std::unique_ptr<Backend> make_vulkan_backend(const Basis& basis, std::shared_ptr<const vulkan::Device> device,
-                                             const JiggleModel& jiggle = {});
+// An instance of a model: its buffers and its state. `jiggle`: none, or the model must have dynamics. Throws
+// Error(device).
+std::unique_ptr<Backend> make_vulkan_backend(std::shared_ptr<const vulkan::DeviceModel> model,
+                                             const std::optional<JiggleOptions>& jiggle = std::nullopt);
 
 }  // namespace bodyopt

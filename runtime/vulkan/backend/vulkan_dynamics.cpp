@@ -19,21 +19,6 @@ NodeMotion rest(std::size_t numbers) {
 
 }  // namespace
 
-VulkanDynamics::Tables::Tables(const Device& device, const Dynamics& d)
-    : tets(upload(device, d.tets.tets, "the tets")),
-      shapes(upload(device, d.tets.shapes, "the tets' shapes")),
-      corner_begin(upload(device, d.tets.corner_begin, "the nodes' tets")),
-      corners(upload(device, d.tets.corners, "the nodes' tets")),
-      surface(upload(device, d.tets.surface, "the nodes on the skin")),
-      skin(upload(device, d.tets.skin, "the tets of the skin")),
-      limit(upload(device, d.tets.skin_limit, "the limits of the skin")),
-      row_begin(upload(device, d.diffuse.row_begin, "the rows of diffuse")),
-      columns(upload(device, d.diffuse.columns, "the columns of diffuse")),
-      values(upload(device, d.diffuse.values, "the values of diffuse")),
-      diffuse_inverse(device, d.diffuse.inverse, device.info()),
-      nodes(upload(device, d.jiggle.nodes, "the nodes of the jiggle")),
-      jiggle_inverse(device, d.jiggle.inverse, device.info()) {}
-
 VulkanDynamics::Motion::Motion(const Device& device, const NodeMotion& motion)
     : displacement(upload(device, motion.displacement, "the displacement")),
       velocity(upload(device, motion.velocity, "the velocity")),
@@ -43,30 +28,22 @@ VulkanDynamics::Motion::Motion(const Device& device, const NodeMotion& motion)
 VulkanDynamics::Local::Local(const Device& device, std::uint64_t numbers)
     : displacement(floats(device, numbers, "the displacement")), velocity(floats(device, numbers, "the velocity")) {}
 
-VulkanDynamics::VulkanDynamics(const Device& device, const JiggleModel& model)
-    : device_(device),
-      dynamics_(*model.dynamics),
-      options_(model.options),
+VulkanDynamics::VulkanDynamics(const DeviceModel& model, const JiggleOptions& options)
+    : device_(model.device()),
+      dynamics_(*model.model().dynamics),
+      options_(options),
       node_count_(dynamics_.tets.node_count()),
       vertex_count_(static_cast<std::uint32_t>(dynamics_.tets.skin.size())),
-      tables_(device, dynamics_),
-      diffuse_surface_(device),
-      diffuse_gather_(device),
-      block_solve_(device),
-      jiggle_rotate_(device),
-      jiggle_kick_(device),
-      jiggle_begin_(device),
-      jiggle_advance_(device),
-      jiggle_end_(device),
-      jiggle_skin_(device),
-      motions_{Motion(device, rest(dynamics_.tets.nodes.size())), Motion(device, rest(dynamics_.tets.nodes.size()))},
-      local_{Local(device, dynamics_.tets.nodes.size()), Local(device, dynamics_.tets.nodes.size())},
-      right_side_(floats(device, dynamics_.tets.nodes.size(), "the right side")),
-      solution_(floats(device, dynamics_.tets.nodes.size(), "the solution")),
-      gathered_(floats(device, tables_.jiggle_inverse.slot_count, "the block inverse's sums")),
-      results_(floats(device, tables_.jiggle_inverse.slot_count, "the block inverse's sums")) {
+      tables_(model.jiggling().tables),
+      kernels_(model.jiggling().kernels),
+      motions_{Motion(device_, rest(dynamics_.tets.nodes.size())), Motion(device_, rest(dynamics_.tets.nodes.size()))},
+      local_{Local(device_, dynamics_.tets.nodes.size()), Local(device_, dynamics_.tets.nodes.size())},
+      right_side_(floats(device_, dynamics_.tets.nodes.size(), "the right side")),
+      solution_(floats(device_, dynamics_.tets.nodes.size(), "the solution")),
+      gathered_(floats(device_, tables_.jiggle_inverse.slot_count, "the block inverse's sums")),
+      results_(floats(device_, tables_.jiggle_inverse.slot_count, "the block inverse's sums")) {
   if (options_.iterations == 0) return;
-  corotated_solve_.emplace(device, dynamics_.jiggle,
+  corotated_solve_.emplace(device_, dynamics_.jiggle,
                            CorotatedSolve::Tables{tables_.tets, tables_.shapes, tables_.corner_begin, tables_.corners,
                                                   tables_.jiggle_inverse});
 }
@@ -101,22 +78,23 @@ void VulkanDynamics::prepare(std::uint32_t frames) {
 
 void VulkanDynamics::record_diffuse(Commands& commands, const Inputs& inputs) const {
   const auto& [frames, nodes, right_sides, rotations, moved, gathered, results] = *batch_;
-  const Tables& t = tables_;
+  const DynamicsTables& t = tables_;
   const std::uint32_t surface_count = dynamics_.tets.surface_count();
-  diffuse_surface_.record(commands, {t.surface, inputs.positions, inputs.origins, nodes},
-                          {surface_count, vertex_count_, node_count_}, frames);
+  kernels_.diffuse_surface.record(commands, {t.surface, inputs.positions, inputs.origins, nodes},
+                                  {surface_count, vertex_count_, node_count_}, frames);
   commands.barrier();
-  diffuse_gather_.record(commands, {t.row_begin, t.columns, t.values, nodes, right_sides}, {surface_count, node_count_},
-                         frames);
+  kernels_.diffuse_gather.record(commands, {t.row_begin, t.columns, t.values, nodes, right_sides},
+                                 {surface_count, node_count_}, frames);
   commands.barrier();
-  block_solve_.record(commands, {t.diffuse_inverse, right_sides, gathered, results, nodes}, 3 * frames, 3);
+  kernels_.block_solve.record(commands, {t.diffuse_inverse, right_sides, gathered, results, nodes}, 3 * frames, 3);
 }
 
 void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std::span<const JiggleFrame> frames,
                                    float weight) {
-  const Tables& t = tables_;
-  jiggle_rotate_.record(commands, {t.tets, t.shapes, t.corner_begin, t.corners, batch_->nodes, batch_->rotations},
-                        {node_count_}, batch_->frames);
+  const DynamicsTables& t = tables_;
+  kernels_.jiggle_rotate.record(commands,
+                                {t.tets, t.shapes, t.corner_begin, t.corners, batch_->nodes, batch_->rotations},
+                                {node_count_}, batch_->frames);
   for (std::uint32_t f = 0; f < frames.size(); ++f) {
     commands.barrier();
     if (!frames[f].repeats) {
@@ -130,9 +108,9 @@ void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std
         commands.cut();
       }
     }
-    jiggle_skin_.record(commands,
-                        {t.tets, t.skin, t.limit, inputs.positions, motions_[current_].displacement, batch_->moved},
-                        {vertex_count_, f, weight});
+    kernels_.jiggle_skin.record(
+        commands, {t.tets, t.skin, t.limit, inputs.positions, motions_[current_].displacement, batch_->moved},
+        {vertex_count_, f, weight});
   }
 }
 
@@ -143,10 +121,10 @@ void VulkanDynamics::record_kick(Commands& commands, const JiggleFrame& frame, s
   const Motion& before = motions_[current_];
   current_ = 1 - current_;
   const Motion& after = motions_[current_];
-  jiggle_kick_.record(commands,
-                      {batch_->nodes, before.displacement, before.velocity, before.nodes, before.node_velocity,
-                       after.displacement, after.velocity, after.nodes, after.node_velocity},
-                      push);
+  kernels_.jiggle_kick.record(commands,
+                              {batch_->nodes, before.displacement, before.velocity, before.nodes, before.node_velocity,
+                               after.displacement, after.velocity, after.nodes, after.node_velocity},
+                              push);
   if (corotated_solve_) corotated_solve_->record_frame(commands, batch_->nodes, number);
 }
 
@@ -155,31 +133,31 @@ void VulkanDynamics::record_step(Commands& commands, const Inputs& inputs, const
   const Buffer& rotations = batch_->rotations;
   const auto& [first, second] = local_;
   const std::uint32_t frame = stages.begin.frame;
-  jiggle_begin_.record(commands,
-                       {tables_.nodes, rotations, inputs.strains, inputs.controls, motion.displacement, motion.velocity,
-                        first.displacement, first.velocity, right_side_},
-                       stages.begin);
+  kernels_.jiggle_begin.record(commands,
+                               {tables_.nodes, rotations, inputs.strains, inputs.controls, motion.displacement,
+                                motion.velocity, first.displacement, first.velocity, right_side_},
+                               stages.begin);
   commands.barrier();
   record_solve(commands, 0, first, frame);
   commands.barrier();
   if (stages.advance) {
-    jiggle_advance_.record(commands,
-                           {tables_.nodes, rotations, solution_, first.displacement, first.velocity,
-                            second.displacement, second.velocity, right_side_},
-                           *stages.advance);
+    kernels_.jiggle_advance.record(commands,
+                                   {tables_.nodes, rotations, solution_, first.displacement, first.velocity,
+                                    second.displacement, second.velocity, right_side_},
+                                   *stages.advance);
     commands.barrier();
     record_solve(commands, 1, second, frame);
     commands.barrier();
   }
   const Local& last = stages.advance ? second : first;
-  jiggle_end_.record(commands, {rotations, solution_, last.displacement, motion.displacement, motion.velocity},
-                     stages.end);
+  kernels_.jiggle_end.record(commands, {rotations, solution_, last.displacement, motion.displacement, motion.velocity},
+                             stages.end);
 }
 
 void VulkanDynamics::record_solve(Commands& commands, std::size_t stage, const Local& local,
                                   std::uint32_t frame) const {
   if (!corotated_solve_) {
-    block_solve_.record(commands, {tables_.jiggle_inverse, right_side_, gathered_, results_, solution_}, 1, 1);
+    kernels_.block_solve.record(commands, {tables_.jiggle_inverse, right_side_, gathered_, results_, solution_}, 1, 1);
     return;
   }
   corotated_solve_->record_start(commands, stage, local.displacement, local.velocity, solution_);

@@ -1,5 +1,5 @@
-// Diffuse and jiggle on a Vulkan device, as runtime/cpu/cpu_dynamics.h: tables uploaded once, the motion kept on the
-// device from batch to batch.
+// Diffuse and jiggle on a Vulkan device, as runtime/cpu/cpu_dynamics.h: the motion is kept on the device from batch to
+// batch.
 #pragma once
 
 #include <array>
@@ -8,9 +8,8 @@
 
 #include "runtime/host/backend.h"
 #include "runtime/host/jiggle_stages.h"
-#include "runtime/vulkan/backend/block_solve.h"
 #include "runtime/vulkan/backend/corotated_solve.h"
-#include "runtime/vulkan/kernels/kernels.h"
+#include "runtime/vulkan/backend/device_model.h"
 
 namespace bodyopt::vulkan {
 
@@ -25,8 +24,8 @@ class VulkanDynamics {
     std::uint32_t fibre_count, control_count;
   };
 
-  // The dynamics of the model must outlive it. Throws Error(device).
-  VulkanDynamics(const Device& device, const JiggleModel& model);
+  // The model must have dynamics, and outlive it. Throws Error(device).
+  VulkanDynamics(const DeviceModel& model, const JiggleOptions& options);
 
   // Floats on the device per frame of a batch.
   std::uint64_t frame_floats() const;
@@ -47,16 +46,6 @@ class VulkanDynamics {
   NodeMotion motion() const;  // waits for a copy
 
  private:
-  struct Tables {
-    Tables(const Device& device, const Dynamics& dynamics);
-
-    Buffer tets, shapes, corner_begin, corners, surface, skin, limit;
-    Buffer row_begin, columns, values;
-    InverseBuffers diffuse_inverse;
-    Buffer nodes;
-    InverseBuffers jiggle_inverse;
-  };
-
   struct BatchBuffers {
     std::uint32_t frames;
     Buffer nodes, right_sides, rotations, moved;
@@ -85,16 +74,8 @@ class VulkanDynamics {
   const Dynamics& dynamics_;
   const JiggleOptions options_;
   std::uint32_t node_count_, vertex_count_;
-  Tables tables_;
-  DiffuseSurface diffuse_surface_;
-  DiffuseGather diffuse_gather_;
-  BlockSolve block_solve_;
-  JiggleRotate jiggle_rotate_;
-  JiggleKick jiggle_kick_;
-  JiggleBegin jiggle_begin_;
-  JiggleAdvance jiggle_advance_;
-  JiggleEnd jiggle_end_;
-  JiggleSkin jiggle_skin_;
+  const DynamicsTables& tables_;
+  const DynamicsKernels& kernels_;
   std::optional<CorotatedSolve> corotated_solve_;  // of the quality mode
   std::array<Motion, 2> motions_;                  // of the last frame, and of the one before or after
   std::size_t current_ = 0;                        // motion that is of the last frame

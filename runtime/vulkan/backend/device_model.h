@@ -1,0 +1,110 @@
+// What of a character is on a device once, however many instances evaluate it there: tables and pipelines.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "runtime/host/model.h"
+#include "runtime/vulkan/backend/block_solve.h"
+#include "runtime/vulkan/kernels/windows.h"
+
+namespace bodyopt::vulkan {
+
+// Counts of a basis, in the units of a frame.
+struct FrameCounts {
+  explicit FrameCounts(const Basis& basis)
+      : vertices(basis.mesh.vertex_count()),
+        joints(static_cast<std::uint32_t>(basis.skeleton.size())),
+        strain_vertices(static_cast<std::uint32_t>(basis.strain.vertices.size())),
+        fibres(basis.strain.fibre_count()),
+        features(basis.residual.feature_count()),
+        controls(features == 0 ? 0 : static_cast<std::uint32_t>(basis.residual.controls.size())),
+        joint_features(features == 0 ? 0 : features - fibres - controls),
+        regions(static_cast<std::uint32_t>(basis.residual.regions.size())),
+        coordinates(basis.residual.coordinate_count()),
+        centres(basis.residual.centre_count()),
+        coefficients(basis.residual.coefficient_count()) {}
+
+  std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
+  std::uint32_t regions, coordinates, centres, coefficients;
+};
+
+struct SkinTables {
+  SkinTables(const Device& device, const Basis& basis);
+
+  DdmBuffers ddm;
+  Buffer strain_vertices, points, fibre_begin, rest_length;
+  Buffer ranges, regions, region_features, coordinate_region, projections, centre_region, centres;
+  Buffer coefficient_region, weights, blend_begin, blend;
+  Buffer triangles, vertex_triangle_begin, vertex_triangles;
+};
+
+struct SkinKernels {
+  explicit SkinKernels(const Device& device);
+
+  StrainSkin strain_skin;
+  StrainMeasure strain_measure;
+  ResidualFeatures residual_features;
+  ResidualProject residual_project;
+  ResidualKernels residual_kernels;
+  ResidualCoefficients residual_coefficients;
+  ResidualBlend residual_blend;
+  PoseSkin pose_skin;
+  OutputNormals output_normals;
+};
+
+struct DynamicsTables {
+  DynamicsTables(const Device& device, const Dynamics& dynamics);
+
+  Buffer tets, shapes, corner_begin, corners, surface, skin, limit;
+  Buffer row_begin, columns, values;
+  InverseBuffers diffuse_inverse;
+  Buffer nodes;
+  InverseBuffers jiggle_inverse;
+};
+
+struct DynamicsKernels {
+  explicit DynamicsKernels(const Device& device);
+
+  DiffuseSurface diffuse_surface;
+  DiffuseGather diffuse_gather;
+  BlockSolve block_solve;
+  JiggleRotate jiggle_rotate;
+  JiggleKick jiggle_kick;
+  JiggleBegin jiggle_begin;
+  JiggleAdvance jiggle_advance;
+  JiggleEnd jiggle_end;
+  JiggleSkin jiggle_skin;
+};
+
+class DeviceModel {
+ public:
+  struct Jiggling {
+    DynamicsTables tables;
+    DynamicsKernels kernels;
+  };
+
+  // Uploads the basis. Throws Error(device) when the tables do not fit the device.
+  DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<const Model> model);
+
+  const Device& device() const { return *device_; }
+  const Model& model() const { return *model_; }
+  const std::shared_ptr<const Model>& shared_model() const { return model_; }
+  const FrameCounts& counts() const { return counts_; }
+  const SkinTables& tables() const { return tables_; }
+  const SkinKernels& kernels() const { return kernels_; }
+  // The model must have dynamics, which are uploaded when this is first called, from any thread. Throws Error(device).
+  const Jiggling& jiggling() const;
+
+ private:
+  std::shared_ptr<const Device> device_;
+  std::shared_ptr<const Model> model_;
+  FrameCounts counts_;
+  SkinTables tables_;
+  SkinKernels kernels_;
+  mutable std::once_flag jiggles_;
+  mutable std::optional<Jiggling> jiggling_;
+};
+
+}  // namespace bodyopt::vulkan
