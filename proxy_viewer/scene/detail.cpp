@@ -52,7 +52,7 @@ bool same(std::span<const Pose> a, std::span<const Pose> b) {
 
 Detail::Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::optional<Dynamics> dynamics)
     : device_(std::move(device)),
-      model_(make_model(std::move(level.basis), std::move(dynamics))),
+      model_(make_character_model(std::move(level.basis), std::move(dynamics))),
       on_device_(std::make_shared<const vulkan::DeviceModel>(device_, model_)),
       carried_(std::move(level.carried)) {
   triangles_ = vulkan::upload(*device_, basis().mesh.triangles, "the triangles");

@@ -85,7 +85,7 @@ class Detail {
   std::vector<float> tet_nodes(const Pose& pose, std::optional<float> jiggle);
 
   std::shared_ptr<const vulkan::Device> device_;
-  std::shared_ptr<const Model> model_;
+  std::shared_ptr<const CharacterModel> model_;
   std::shared_ptr<const vulkan::DeviceModel> on_device_;
   CarriedSkin carried_;
   vulkan::Buffer triangles_, fibre_segments_, fibre_points_;

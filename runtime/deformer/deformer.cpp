@@ -19,7 +19,7 @@ namespace bodyopt {
 namespace {
 
 // `model` outlives the backend.
-std::unique_ptr<Backend> make_backend(const std::shared_ptr<const Model>& model,
+std::unique_ptr<Backend> make_backend(const std::shared_ptr<const CharacterModel>& model,
                                       const std::optional<JiggleOptions>& jiggle, const DeviceChoice& choice) {
   const bool on_cpu = choice.name == "cpu" || (choice.name == "auto" && !choice.require_device && !has_gpu());
   if (choice.name == "cpu" && choice.require_device) {
@@ -141,7 +141,7 @@ std::string feature_name(const Basis& basis, std::uint32_t feature) {
   return "control " + basis.residual.controls.at(strain - basis.strain.fibre_count());
 }
 
-Deformer::Deformer(std::shared_ptr<const Model> model, const std::optional<JiggleOptions>& jiggle,
+Deformer::Deformer(std::shared_ptr<const CharacterModel> model, const std::optional<JiggleOptions>& jiggle,
                    std::unique_ptr<Backend> backend)
     : model_(std::move(model)),
       jiggles_(jiggle.has_value()),
@@ -151,12 +151,13 @@ Deformer::Deformer(std::shared_ptr<const Model> model, const std::optional<Jiggl
   set_rest();
 }
 
-Deformer::Deformer(Basis basis, const DeviceChoice& choice) : Deformer(make_model(std::move(basis)), {}, choice) {}
+Deformer::Deformer(Basis basis, const DeviceChoice& choice)
+    : Deformer(make_character_model(std::move(basis)), {}, choice) {}
 
 Deformer::Deformer(Basis basis, Dynamics dynamics, const JiggleOptions& options, const DeviceChoice& choice)
-    : Deformer(make_model(std::move(basis), std::move(dynamics)), options, choice) {}
+    : Deformer(make_character_model(std::move(basis), std::move(dynamics)), options, choice) {}
 
-Deformer::Deformer(std::shared_ptr<const Model> model, const std::optional<JiggleOptions>& jiggle,
+Deformer::Deformer(std::shared_ptr<const CharacterModel> model, const std::optional<JiggleOptions>& jiggle,
                    const DeviceChoice& choice)
     : Deformer(model, jiggle, make_backend(model, jiggle, choice)) {}
 

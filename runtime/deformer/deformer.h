@@ -12,9 +12,9 @@
 
 #include "runtime/basis/basis.h"
 #include "runtime/host/backend.h"
+#include "runtime/host/character_model.h"
 #include "runtime/host/device_choice.h"
 #include "runtime/host/jiggle.h"
-#include "runtime/host/model.h"
 
 namespace bodyopt {
 
@@ -92,15 +92,16 @@ class Deformer {
   std::string device_name() const;
 
  private:
-  Deformer(std::shared_ptr<const Model> model, const std::optional<JiggleOptions>& jiggle, const DeviceChoice& choice);
-  Deformer(std::shared_ptr<const Model> model, const std::optional<JiggleOptions>& jiggle,
+  Deformer(std::shared_ptr<const CharacterModel> model, const std::optional<JiggleOptions>& jiggle,
+           const DeviceChoice& choice);
+  Deformer(std::shared_ptr<const CharacterModel> model, const std::optional<JiggleOptions>& jiggle,
            std::unique_ptr<Backend> backend);
   void set_rest();
   Evaluation run(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device);
   Evaluation step(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device);
   std::vector<JiggleFrame> plan(const Batch& batch, std::span<const int> frames);
 
-  std::shared_ptr<const Model> model_;
+  std::shared_ptr<const CharacterModel> model_;
   bool jiggles_;
   JiggleOptions options_;
   double size_ = 0;  // of the character, metres

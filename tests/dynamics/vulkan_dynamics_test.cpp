@@ -147,7 +147,7 @@ TEST(VulkanDynamics, LimitsBatches) {
   const auto limit = [](const Dynamics& dynamics, std::uint32_t iterations) {
     JiggleOptions options;
     options.iterations = iterations;
-    const auto model = std::make_shared<const Model>(Model{limb().basis, dynamics});
+    const auto model = std::make_shared<const CharacterModel>(CharacterModel{limb().basis, dynamics});
     return make_vulkan_backend(std::make_shared<const vulkan::DeviceModel>(open_test_device(), model), options)
         ->batch_limit();
   };
@@ -179,7 +179,7 @@ struct PushedLimb {
     const vulkan::Buffer skin = upload(device, positions, "the skin");
     const vulkan::Buffer zeros = upload(device, std::vector<float>(3 * (4 + fibres)), "zeros");
     const std::shared_ptr<const vulkan::Device> not_owned(std::shared_ptr<void>(), &device);
-    const vulkan::DeviceModel model(not_owned, std::make_shared<const Model>(Model{basis, dynamics}));
+    const vulkan::DeviceModel model(not_owned, std::make_shared<const CharacterModel>(CharacterModel{basis, dynamics}));
     vulkan::VulkanDynamics device_dynamics(model, options);
     device_dynamics.prepare(3);
     vulkan::Commands commands(device, most_dispatches);

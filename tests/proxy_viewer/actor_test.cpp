@@ -159,7 +159,7 @@ TEST_F(ActorTest, LinearPartIsLinearInFeatures) {
 }
 
 TEST_F(ActorTest, MorePosesThanABatchTakesAreRefused) {
-  Deformer deformer(std::make_shared<const vulkan::DeviceModel>(device_, make_model(small_->made)));
+  Deformer deformer(std::make_shared<const vulkan::DeviceModel>(device_, make_character_model(small_->made)));
   const std::vector<Pose> poses(deformer.batch_limit() + std::size_t{1}, bind_pose(small_->made.skeleton));
   EXPECT_EQ(kind_of([&] { deformer.evaluate_on_device(poses); }), ErrorKind::usage);
   EXPECT_NO_THROW(deformer.evaluate_on_device(std::span(poses).first(2)));
@@ -396,7 +396,8 @@ TEST_F(ActorTest, EveryPoseWearsItsOwn) {
 TEST_F(ActorTest, MoreDressedPosesThanABatchTakesAreRefused) {
   const TemporaryFolder folder;
   Actor character(device_, {.basis = dressed(*jiggling_, folder), .clip = jiggling_->clip}, {});
-  const Deformer of_character(std::make_shared<const vulkan::DeviceModel>(device_, make_model(jiggling_->made.basis)));
+  const Deformer of_character(
+      std::make_shared<const vulkan::DeviceModel>(device_, make_character_model(jiggling_->made.basis)));
   const std::vector<Pose> many(of_character.batch_limit() + std::size_t{1}, character.pose(1, {}));
   EXPECT_EQ(kind_of([&] { character.evaluate(SkinMethod::full, many, 1, {}); }), ErrorKind::usage);
 }

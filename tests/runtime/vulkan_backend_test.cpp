@@ -14,7 +14,7 @@ namespace bodyopt::testing {
 namespace {
 
 std::unique_ptr<Backend> on_device(const Basis& basis) {
-  const auto model = std::make_shared<const Model>(Model{basis, {}});
+  const auto model = std::make_shared<const CharacterModel>(CharacterModel{basis, {}});
   return make_vulkan_backend(std::make_shared<const vulkan::DeviceModel>(open_test_device(), model));
 }
 
@@ -67,8 +67,8 @@ TEST(VulkanBackend, RestCoefficientsAreTakenOutExactly) {
 // Instances of one model share its tables, and nothing else.
 TEST(VulkanBackend, InstancesOfAModelDoNotDisturbEachOther) {
   const Basis basis = random_basis(20, 70);
-  const auto model =
-      std::make_shared<const vulkan::DeviceModel>(open_test_device(), std::make_shared<const Model>(Model{basis, {}}));
+  const auto model = std::make_shared<const vulkan::DeviceModel>(
+      open_test_device(), std::make_shared<const CharacterModel>(CharacterModel{basis, {}}));
   const auto one = make_vulkan_backend(model), other = make_vulkan_backend(model);
   const Batch first = random_batch(basis, 3), second = random_batch(basis, 5);
   const std::vector<float> alone = on_device(basis)->run(first).positions;

@@ -60,7 +60,7 @@ DynamicsKernels::DynamicsKernels(const Device& device)
       jiggle_end(device),
       jiggle_skin(device) {}
 
-DeviceModel::DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<const Model> model)
+DeviceModel::DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<const CharacterModel> model)
     : device_(std::move(device)),
       model_(std::move(model)),
       counts_(model_->basis),

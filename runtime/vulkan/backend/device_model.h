@@ -5,7 +5,7 @@
 #include <mutex>
 #include <optional>
 
-#include "runtime/host/model.h"
+#include "runtime/host/character_model.h"
 #include "runtime/vulkan/backend/block_solve.h"
 #include "runtime/vulkan/kernels/windows.h"
 
@@ -86,11 +86,11 @@ class DeviceModel {
   };
 
   // Uploads the basis. Throws Error(device) when the tables do not fit the device.
-  DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<const Model> model);
+  DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<const CharacterModel> model);
 
   const Device& device() const { return *device_; }
-  const Model& model() const { return *model_; }
-  const std::shared_ptr<const Model>& shared_model() const { return model_; }
+  const CharacterModel& model() const { return *model_; }
+  const std::shared_ptr<const CharacterModel>& shared_model() const { return model_; }
   const FrameCounts& counts() const { return counts_; }
   const SkinTables& tables() const { return tables_; }
   const SkinKernels& kernels() const { return kernels_; }
@@ -99,7 +99,7 @@ class DeviceModel {
 
  private:
   std::shared_ptr<const Device> device_;
-  std::shared_ptr<const Model> model_;
+  std::shared_ptr<const CharacterModel> model_;
   FrameCounts counts_;
   SkinTables tables_;
   SkinKernels kernels_;

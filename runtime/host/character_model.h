@@ -9,12 +9,13 @@
 
 namespace bodyopt {
 
-struct Model {
+struct CharacterModel {
   Basis basis;
   std::optional<Dynamics> dynamics;  // of the basis; none: nothing jiggles
 };
 
 // Validates both. Throws Error(file).
-std::shared_ptr<const Model> make_model(Basis basis, std::optional<Dynamics> dynamics = std::nullopt);
+std::shared_ptr<const CharacterModel> make_character_model(Basis basis,
+                                                           std::optional<Dynamics> dynamics = std::nullopt);
 
 }  // namespace bodyopt

@@ -1,0 +1,13 @@
+#include "runtime/host/character_model.h"
+
+#include <utility>
+
+namespace bodyopt {
+
+std::shared_ptr<const CharacterModel> make_character_model(Basis basis, std::optional<Dynamics> dynamics) {
+  validate(basis, "the basis");
+  if (dynamics) validate(*dynamics, basis, "the dynamics");
+  return std::make_shared<const CharacterModel>(CharacterModel{std::move(basis), std::move(dynamics)});
+}
+
+}  // namespace bodyopt
