@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "assets/shape_reader.h"
 #include "base/progress.h"
 #include "cli/arguments/common.h"
 #include "runtime/core/error.h"
+#include "trainer/curate/named_shapes.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -22,7 +22,7 @@ struct CompareArguments {
 
 void run(const CompareArguments& arguments) {
   arguments.json.require_writable();
-  const ShapeReader a(arguments.a), b(arguments.b);
+  const NamedShapes a(arguments.a), b(arguments.b);
   if (a.point_count() != b.point_count() || a.sample_count() != b.sample_count()) {
     throw Error(ErrorKind::mismatch,
                 format("%s has %u points and %u samples, %s has %u points and %u samples: they are caches of different "
@@ -59,8 +59,11 @@ void run(const CompareArguments& arguments) {
 void add_compare(CLI::App& app) {
   auto arguments = std::make_shared<CompareArguments>();
   CLI::App& verb = *app.add_subcommand("compare", "Distance between two caches: RMS, p99, maximum and jitter in mm");
-  verb.add_option("a", arguments->a, "Point cache (.pc2) or draft (.nodes)")->required()->type_name("A");
-  verb.add_option("b", arguments->b, "Cache of the same mesh and frames")->required()->type_name("B");
+  verb.add_option("a", arguments->a,
+                  "Point cache (.pc2), draft (.nodes), or DATASET#TAKE: a take through its modifiers")
+      ->required()
+      ->type_name("A");
+  verb.add_option("b", arguments->b, "The same of the same mesh and frames")->required()->type_name("B");
   verb.add_option("--fail-above", arguments->fail_above, "Exit with 2 when the maximum is above MM millimetres")
       ->type_name("MM")
       ->check(number_from(0, std::numeric_limits<double>::infinity()));

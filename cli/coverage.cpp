@@ -8,12 +8,12 @@
 
 #include "assets/controls.h"
 #include "assets/frame_range.h"
-#include "assets/shape_reader.h"
 #include "cli/arguments/common.h"
 #include "report/heat_strip.h"
 #include "report/svg.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "trainer/curate/named_shapes.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -28,7 +28,7 @@ struct CoverageArguments {
 
 // Per frame, RMS in mm.
 std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& poses, const std::string& path) {
-  const ShapeReader truth(path);
+  const NamedShapes truth(path);
   if (truth.sample_count() != poses.size() || truth.point_count() != basis.mesh.output_count()) {
     throw Error(
         ErrorKind::mismatch,
@@ -135,7 +135,8 @@ void add_coverage(CLI::App& app) {
   verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
   arguments->clip.add(verb);
   verb.add_option("--worst", arguments->worst, "Frames to list")->capture_default_str()->check(CLI::Range(1, 10000));
-  verb.add_option("--truth", arguments->truth, "Shapes of these frames (.pc2, .nodes): are the expected errors right?")
+  verb.add_option("--truth", arguments->truth,
+                  "Shapes of these frames (.pc2, .nodes, or DATASET#TAKE): are the expected errors right?")
       ->type_name("CACHE");
   verb.add_option("--picture", arguments->picture, "Heat strip to write: frames from left to right, a row per region")
       ->type_name("FILE.svg")

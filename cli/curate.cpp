@@ -1,6 +1,7 @@
 // bodyopt curate: the stack of modifiers that a dataset's shapes are read through.
 #include <filesystem>
 
+#include "assets/clip_source.h"
 #include "assets/notes.h"
 #include "assets/pc2.h"
 #include "cli/arguments/common.h"
@@ -11,6 +12,7 @@
 #include "trainer/curate/consistency_report.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/frame_files.h"
+#include "trainer/curate/prune.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -23,7 +25,7 @@ struct CurateArguments {
   double strength = 1, within = -1, degrees = 12, spread = 30;
   int near = 0, frame = 0, worst = 10;
   std::size_t place = 1;
-  bool unposed = false, everywhere = false, whole_skin = false;
+  bool history = false, unposed = false, everywhere = false, whole_skin = false;
   JsonOption json;
 };
 
@@ -164,6 +166,13 @@ void bake(const CurateArguments& arguments) {
                              baked.takes.size()));
 }
 
+void prune(const CurateArguments& arguments) {
+  const PrunedFiles gone = prune_modifiers(path_of(arguments), arguments.history);
+  arguments.json.emit({{"files", gone.files}, {"bytes", gone.bytes}},
+                      format("removed %s, %.1f MiB\n", count_of(gone.files, "file", "files").c_str(),
+                             static_cast<double>(gone.bytes) / (1 << 20)));
+}
+
 std::vector<float> flat(const Positions& positions) { return {positions.data(), positions.data() + positions.size()}; }
 
 // The worst pair: both frames at rest with their displacements, and in colour how far apart they are.
@@ -220,27 +229,37 @@ void report(const CurateArguments& arguments) {
   arguments.json.emit({{"pairs", pairs}, {"regions", regions}, {"frames", frames}}, text);
 }
 
+// V x 3, as a frame goes to the artist's tool.
+Positions exported_skin(const ShapeStack& stack, std::size_t frame, bool unposed) {
+  if (!unposed) return stack.shape(frame);
+  const PoseDatabase& database = stack.database();
+  return database.character.vertices + stack.offsets(frame, database.dataset.modifiers.size());
+}
+
 void export_frame(const CurateArguments& arguments) {
   require_writable(arguments.out);
   const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
   say(stack.notes());
   const Character& character = stack.database().character;
   const std::size_t frame = stack.database().find(arguments.take, arguments.frame, "export-frame");
-  const Positions skin =
-      arguments.unposed
-          ? Positions(character.vertices + stack.offsets(frame, stack.database().dataset.modifiers.size()))
-          : stack.shape(frame);
-  write_obj(character, output_from_welded(character, skin), arguments.out);
+  const Positions skin = exported_skin(stack, frame, arguments.unposed);
+  const Pose& pose = stack.database().frames[frame].pose;
+  if (lower_case_extension(arguments.out) == ".glb") {
+    write_frame_gltf(character, skin, arguments.unposed ? bind_pose(character.skeleton) : pose, arguments.out);
+  } else {
+    write_frame_obj(character, output_from_welded(character, skin), arguments.out);
+  }
   arguments.json.emit({{"mesh", arguments.out}, {"vertices", character.output_count()}},
                       format("wrote %s: %u vertices\n", arguments.out.c_str(), character.output_count()));
 }
 
 void import_frame(const CurateArguments& arguments) {
-  const Dataset dataset = read_dataset(path_of(arguments));
-  const Character character = read_character(dataset.folder / dataset.character, dataset.unit);
-  const std::vector<std::string> notes =
-      add_sculpt(path_of(arguments), arguments.name, arguments.take, arguments.frame,
-                 read_obj(character, arguments.mesh), arguments.unposed, arguments.spread);
+  const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
+  const std::size_t frame = stack.database().find(arguments.take, arguments.frame, "import-frame");
+  const std::vector<float> mesh =
+      read_frame_mesh(stack.database().character, exported_skin(stack, frame, arguments.unposed), arguments.mesh);
+  const std::vector<std::string> notes = add_sculpt(path_of(arguments), arguments.name, arguments.take, arguments.frame,
+                                                    mesh, arguments.unposed, arguments.spread);
   say(notes);
   emit_stack(arguments);
 }
@@ -352,6 +371,12 @@ void add_curate(CLI::App& app) {
   subverb(verb, "list", "The stack, from the raw shapes upwards", listed).callback([listed] { emit_stack(*listed); });
   add_edits(verb);
 
+  const auto pruned = std::make_shared<CurateArguments>();
+  CLI::App& sub_prune =
+      subverb(verb, "prune", "Removes caches, and files that neither the stack nor its history names", pruned);
+  sub_prune.add_flag("--history", pruned->history, "The history, too: no edit before this can be undone");
+  sub_prune.callback([pruned] { prune(*pruned); });
+
   const auto measured = std::make_shared<CurateArguments>();
   CLI::App& sub_diff = subverb(verb, "diff", "What every modifier does to the shapes, or one does, in mm", measured);
   sub_diff.add_option("name", measured->name, "Only this modifier")->type_name("NAME");
@@ -379,13 +404,19 @@ void add_curate(CLI::App& app) {
   const auto exported = std::make_shared<CurateArguments>();
   CLI::App& sub_export = subverb(verb, "export-frame", "A frame as a mesh, to be sculpted elsewhere", exported);
   add_frame(sub_export, exported);
-  add_output(sub_export, exported->out, ".obj", "Mesh to write");
+  sub_export.add_option("--out", exported->out, "Mesh to write; of a .glb the skeleton is posed")
+      ->required()
+      ->type_name("FILE.obj|FILE.glb")
+      ->check(
+          [](const std::string& name) { return name.ends_with(".glb") ? std::string() : must_end_in(".obj")(name); });
   sub_export.callback([exported] { export_frame(*exported); });
 
   const auto imported = std::make_shared<CurateArguments>();
   CLI::App& sub_import = subverb(verb, "import-frame", "A sculpted mesh back, as a sculpt modifier", imported);
   add_frame(sub_import, imported);
-  sub_import.add_option("--mesh", imported->mesh, "The mesh (.obj)")->required()->type_name("FILE.obj");
+  sub_import.add_option("--mesh", imported->mesh, "The mesh (.obj, .glb), its vertices in any order")
+      ->required()
+      ->type_name("MESH");
   sub_import.add_option("--name", imported->name, "Modifier that it goes to, made where there is none")->required();
   sub_import.add_option("--spread", imported->spread, "Degrees over which it fades in other poses; 0: this pose only")
       ->capture_default_str()

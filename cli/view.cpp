@@ -56,11 +56,13 @@ void add_view(CLI::App& app) {
   ViewerOptions& options = arguments->options;
   CLI::App& verb = *app.add_subcommand("view", "The animators' viewport");
   verb.add_option("files", options.files,
-                  "Basis (.safetensors), or character (.glb, .gltf) by Direct Delta Mush, its clip and point cache; "
+                  "Basis (.safetensors), or character (.glb, .gltf) by Direct Delta Mush, its clip and point cache, or "
+                  "a dataset; "
                   "then others, each followed by its own (default: the built-in arm)")
-      ->type_name("BASIS|CHARACTER [CLIP]")
+      ->type_name("BASIS|CHARACTER|DATASET [CLIP]")
       ->check(refuse_empty);
-  verb.add_option("--truth", options.truth, "Point cache to compare the first character with")
+  verb.add_option("--truth", options.truth,
+                  "Point cache to compare the first character with, or DATASET#TAKE: a take through its modifiers")
       ->type_name("CACHE")
       ->check(refuse_empty);
   verb.add_option("--proxy", options.proxy, "Lighter levels of the first basis, which `proxy` made of it")

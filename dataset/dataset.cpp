@@ -254,12 +254,26 @@ void write_frame_status(const std::vector<FrameStatus>& status, const std::files
   write_json({{"schema", kStatusSchema}, {"frames", frames}}, path);
 }
 
+std::set<int> replaced_frames(const Dataset& dataset, const DatasetTake& take) {
+  std::set<int> frames;
+  for (const Modifier& modifier : dataset.modifiers) {
+    const Json& parameters = modifier.parameters;
+    const bool whole = modifier.type == "blend" && modifier.enabled && modifier.strength == 1 &&
+                       modifier.frames.empty() && modifier.mask.empty();
+    const auto has_text = [&](const char* key) { return parameters.contains(key) && parameters[key].is_string(); };
+    if (!whole || !has_text("take") || !has_text("frames") || parameters["take"] != take.name) continue;
+    for (const int frame : parse_frame_range(parameters["frames"].get<std::string>())) frames.insert(frame);
+  }
+  return frames;
+}
+
 std::set<int> unconverged_frames(const Dataset& dataset, const DatasetTake& take) {
   if (take.shapes_status.empty()) return {};
   std::set<int> frames(take.frames.begin(), take.frames.end());
   for (const FrameStatus& status : read_frame_status(dataset.folder / take.shapes_status)) {
     if (status.converged) frames.erase(status.frame);
   }
+  for (const int frame : replaced_frames(dataset, take)) frames.erase(frame);
   return frames;
 }
 

@@ -95,6 +95,18 @@ Dataset edit_modifiers(const fs::path& path, const std::function<void(const Data
   return write_both(dataset, history, path);
 }
 
+void look_at_stacks(const fs::path& path, bool forget,
+                    const std::function<void(const Dataset&, const std::vector<std::vector<Modifier>>&)>& look) {
+  const FileLock lock = lock_to_change(path);
+  const Dataset dataset = read_dataset(path);
+  StackHistory history = read_history(dataset);
+  if (forget) {
+    history = {{dataset.modifiers}, 0};
+    write_history(history, dataset);
+  }
+  look(dataset, history.states);
+}
+
 Dataset undo_modifiers(const fs::path& path) { return step(path, true); }
 Dataset redo_modifiers(const fs::path& path) { return step(path, false); }
 

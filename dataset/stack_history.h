@@ -19,4 +19,10 @@ Dataset edit_modifiers(const std::filesystem::path& path,
 Dataset undo_modifiers(const std::filesystem::path& path);
 Dataset redo_modifiers(const std::filesystem::path& path);
 
+// Calls `look` with the dataset and all stacks that undo and redo lead to, its own among them, while nobody edits.
+// `forget`: the others are given up first.
+void look_at_stacks(
+    const std::filesystem::path& path, bool forget,
+    const std::function<void(const Dataset& dataset, const std::vector<std::vector<Modifier>>& stacks)>& look);
+
 }  // namespace bodyopt

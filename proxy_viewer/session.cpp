@@ -24,19 +24,22 @@ bool has_extension(const std::string& file, std::initializer_list<const char*> e
 }  // namespace
 
 Session::Session(std::shared_ptr<const vulkan::Device> device, const ViewerOptions& options)
-    : scene(device), options_(options), device_name_(device->info().name), watched_({}) {}
+    : scene(device), options_(options), clip_options_(options.clip), device_name_(device->info().name), watched_({}) {}
 
 std::vector<std::string> Session::open_first() {
   const std::string file = options_.files.empty() ? "" : options_.files.front();
-  if (fs::exists(file) && !is_character(file)) {
+  const bool dataset = is_dataset(file);
+  if (fs::exists(file) && !dataset && !is_character(file)) {
     throw Error(ErrorKind::usage,
                 file + ": a basis (.safetensors) or a character (.glb, .gltf) must come before its clips and caches");
   }
-  std::vector<std::string> notes = add({.basis = file,
-                                        .proxy = options_.proxy,
-                                        .character = options_.character,
-                                        .limits = options_.limits,
-                                        .joint_map = options_.joint_map});
+  ActorFiles files = dataset ? files_of_dataset(file) : ActorFiles{.basis = file};
+  files.proxy = options_.proxy;
+  files.character = options_.character;
+  files.limits = options_.limits;
+  files.joint_map = options_.joint_map;
+  std::vector<std::string> notes = add(files);
+  if (dataset) controls.settings.compare.with = CompareWith::truth;
   describe_cast();
   watch();
   return notes;
@@ -45,7 +48,12 @@ std::vector<std::string> Session::open_first() {
 std::vector<std::string> Session::open(const std::string& file) {
   std::vector<std::string> notes;
   Actor& receiver = *scene.cast()[receiver_];
-  if (is_character(file)) {
+  if (is_dataset(file)) {
+    const std::string path = files_of_dataset(file).truth;
+    open_truth(receiver, path);
+    receiver.open_clip(path);
+    if (receiver_ == 0) play_clip();
+  } else if (is_character(file)) {
     notes = add({.basis = file});
     receiver_ = scene.cast().size() - 1;
   } else if (has_extension(file, {".glb", ".gltf", ".bvh"})) {
@@ -67,6 +75,42 @@ std::vector<std::string> Session::open(const std::string& file) {
   return notes;
 }
 
+// Its character by Direct Delta Mush, its frames, and their shapes.
+ActorFiles Session::files_of_dataset(const std::string& file) {
+  const fs::path path = fs::is_directory(file) ? fs::path(file) / "dataset.json" : fs::path(file);
+  const Dataset dataset = read_dataset(path);
+  if (scene.empty()) clip_options_.unit = dataset.unit;
+  return {.basis = (dataset.folder / dataset.character).string(), .clip = path.string(), .truth = path.string()};
+}
+
+void Session::require_dataset() const {
+  if (curation.is_open()) return;
+  throw Error(ErrorKind::usage, "no dataset is open: begin with bodyopt view DATASET");
+}
+
+// What a stack makes of frames may be other frames: of mirrored poses, or without those that are dropped.
+void Session::read_dataset_again() {
+  reload({scene.lead().files().truth});
+  watch();
+}
+
+void Session::edit_stack(const ModifierEdit& edit) {
+  require_dataset();
+  curation.edit(edit);
+  read_dataset_again();
+}
+
+void Session::step_stack(bool back) {
+  require_dataset();
+  curation.step(back);
+  read_dataset_again();
+}
+
+void Session::find_contradictions() {
+  require_dataset();
+  curation.find_contradictions(controls);
+}
+
 void Session::open_truth(Actor& character, const std::string& file) {
   character.open_truth(file);
   controls.settings.compare.with = CompareWith::truth;
@@ -81,7 +125,7 @@ bool Session::is_character(const std::string& file) const {
 }
 
 std::vector<std::string> Session::add(const ActorFiles& files) {
-  scene.add(files, options_.clip);
+  scene.add(files, clip_options_);
   return scene.cast().back()->notes();
 }
 
@@ -91,7 +135,7 @@ void Session::reload(const std::vector<fs::path>& files) {
     const ActorFiles& own = scene.cast()[c]->files();
     const std::vector<fs::path> paths = own.paths();
     if (std::ranges::find_first_of(paths, files) == paths.end()) continue;
-    replacements.push_back({c, scene.make(own, options_.clip)});
+    replacements.push_back({c, scene.make(own, clip_options_)});
   }
   for (auto& [index, actor] : replacements) {
     actor->set_posing(scene.cast()[index]->posing());
@@ -230,7 +274,7 @@ void Session::follow() {
 void Session::warn_of_truth_times() {
   std::set<std::string> times;
   for (const auto& character : scene.cast()) {
-    const Pc2Reader* truth = character->truth();
+    const NamedShapes* truth = character->truth();
     if (truth) times.insert(describe_truth_times(character->files().truth, *truth, character->clip()));
   }
   times.erase("");

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "proxy_viewer/commands/controls.h"
+#include "proxy_viewer/curation.h"
 #include "proxy_viewer/panels/snapshot.h"
 #include "proxy_viewer/platform/watched_files.h"
 #include "proxy_viewer/scene/scene.h"
@@ -23,6 +24,7 @@ class Session {
   Scene scene;
   Controls controls;
   Snapshot snapshot;
+  Curation curation;
 
   // The first of the options' files, which must be a basis or a character, or the built-in arm where there is none.
   // Gives what is to be said of it. Throws Error(usage), and as the readers do.
@@ -41,6 +43,11 @@ class Session {
   std::vector<std::filesystem::path> files() const;  // of all characters
   // Those that have changed and are whole; `now`: seconds, of any clock.
   std::vector<std::filesystem::path> changed_files(double now) { return watched_.changed(now); }
+
+  // Done to the stack of the dataset that is looked at; its shapes are read again. Throw Error(usage) where none is.
+  void edit_stack(const ModifierEdit& edit);
+  void step_stack(bool back);
+  void find_contradictions();
 
   void save_state(const std::string& file);
   void load_state(const std::string& file);
@@ -64,6 +71,9 @@ class Session {
 
   bool is_character(const std::string& file) const;
   std::vector<std::string> add(const ActorFiles& files);
+  ActorFiles files_of_dataset(const std::string& file);
+  void require_dataset() const;
+  void read_dataset_again();
   void play_as(const PlaySettings& settings);
   void apply_range(const PlaySettings& settings);
   std::size_t require_character(int number) const;  // its index
@@ -75,6 +85,7 @@ class Session {
   void watch() { watched_ = WatchedFiles(files()); }
 
   const ViewerOptions& options_;
+  ClipOptions clip_options_;  // its unit: of a dataset, where one is opened
   const std::string device_name_;
   WatchedFiles watched_;
   std::size_t receiver_ = 0;           // of clips and caches, in the cast

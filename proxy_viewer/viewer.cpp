@@ -321,6 +321,8 @@ class Viewer {
   void draw(std::uint32_t width, std::uint32_t height, Edges edges) {
     const Clock::time_point start = Clock::now();
     session_.warn_of_truth_times();
+    session_.curation.look(scene_, controls_);
+    scene_.lead().show_raw(controls_.curating.raw);
     visit_texts(snapshot_, controls_, [this](const std::string& text) { gui_.fonts().show(text); });
     if (!window_) errors_.measure_shown_frame();
     attempt([&] { choose_heat(); });
@@ -328,6 +330,7 @@ class Viewer {
     if (!series_) steer_by_mouse(scene_, area_, height, controls_);
     describe_turns(scene_, controls_.playback.frame(), snapshot_);
     describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
+    session_.curation.describe(controls_, snapshot_);
     const Rectangle area = draw_panels(snapshot_, controls_, width, height);
     if (!ImGui::IsAnyItemActive()) controls_.poses.note(controls_.settings.pose);  // a drag is one step
     gui_.end();
@@ -421,6 +424,11 @@ class Viewer {
     for (const std::string& file : requests.open) attempt([&] { open_meanwhile(file); });
     if (requests.lead) attempt([&] { change_cast([&] { session_.make_lead(*requests.lead); }); });
     if (requests.remove) attempt([&] { change_cast([&] { session_.remove(*requests.remove); }); });
+    for (const ModifierEdit& edit : requests.edits) {
+      attempt([&] { change_cast([&] { session_.edit_stack(edit); }); });
+    }
+    if (requests.step_back) attempt([&] { change_cast([&] { session_.step_stack(*requests.step_back); }); });
+    if (requests.contradictions) attempt([&] { session_.find_contradictions(); });
     if (requests.screenshot) attempt([&] { take_screenshot(*requests.screenshot); });
     if (requests.sequence) attempt([&] { take_sequence(*requests.sequence); });
     if (requests.turntable) attempt([&] { make(turntable_series(*requests.turntable, controls_)); });

@@ -145,6 +145,12 @@ const Quat& axes_of(const Controls& controls, const std::string& joint) {
   return controls.joint_axes.at(static_cast<std::size_t>(at - controls.joint_names.begin()));
 }
 
+void go_to_pair(Controls& controls, int pair) {
+  controls.curating.pair = pair;
+  controls.playback.pause();
+  controls.playback.scrub(controls.curating.pairs[static_cast<std::size_t>(pair)][0]);
+}
+
 constexpr double kTurn = std::numbers::pi / 36;  // 5 degrees
 constexpr double kMostPan = 100;
 constexpr bool kRepeats = true;
@@ -354,6 +360,45 @@ const Command kCommands[] = {
     {"worst-vertex", "", "Shift+N", "Compare", "to the vertex that is furthest off in this frame",
      [](Controls& c, const std::string&) { c.requests.worst_vertex = true; }},
 
+    {"region", "NAME", "", "Compare", "of the dataset's map of poses",
+     [](Controls& c, const std::string& a) { c.curating.region = known(a, c.curating.regions, "region"); }},
+    {"map-colour", "coverage|contradiction|error", "", "Compare", "of the map: thin data, like poses that disagree, or the distance",
+     [](Controls& c, const std::string& a) { choose(c.curating.colour, a, kMapColourNames); },
+     [](const Controls& c) { return name_of(c.curating.colour, kMapColourNames); }},
+    {"raw", "[on|off]", "", "Compare", "the dataset's shapes before any modifier",
+     [](Controls& c, const std::string& a) { toggle(c.curating.raw, a); },
+     [](const Controls& c) { return name_of(c.curating.raw); }},
+    {"modifier", "NAME on|off", "", "Compare", "switches a modifier of the dataset",
+     [](Controls& c, const std::string& a) {
+       const auto [name, state] = split_last(a, "a modifier, and on or off");
+       if (state != "on" && state != "off") refuse(state, "on or off");
+       c.requests.edits.push_back({.name = known(name, c.curating.modifiers, "modifier"), .enabled = state == "on"});
+     }},
+    {"strength", "NAME 0-1", "", "Compare", "of a modifier of the dataset",
+     [](Controls& c, const std::string& a) {
+       const auto [name, strength] = split_last(a, "a modifier and a strength");
+       c.requests.edits.push_back({.name = known(name, c.curating.modifiers, "modifier"), .strength = number_within(strength, 0, 1)});
+     }},
+    {"undo-edit", "", "", "Compare", "the dataset's stack before the last edit",
+     [](Controls& c, const std::string&) { c.requests.step_back = true; }},
+    {"redo-edit", "", "", "Compare", "the edit of the stack that was undone",
+     [](Controls& c, const std::string&) { c.requests.step_back = false; }},
+    {"contradictions", "", "", "Compare", "looks for like poses whose shapes disagree",
+     [](Controls& c, const std::string&) { c.requests.contradictions = true; }},
+    {"pair", "NUMBER", "", "Compare", "to the first of two frames that disagree, the worst from 1",
+     [](Controls& c, const std::string& a) { go_to_pair(c, integer_within(a, 1, static_cast<int>(c.curating.pairs.size())) - 1); }},
+    {"next-pair", "", "", "Compare", "to the pair after that",
+     [](Controls& c, const std::string&) {
+       const auto count = static_cast<int>(c.curating.pairs.size());
+       if (count > 0) go_to_pair(c, (c.curating.pair + 1) % count);
+     }},
+    {"other-of-pair", "", "", "Compare", "to the other of the two frames",
+     [](Controls& c, const std::string&) {
+       if (c.curating.pair < 0) return;
+       const auto [first, second] = c.curating.pairs[static_cast<std::size_t>(c.curating.pair)];
+       c.playback.scrub(c.playback.frame() == first ? second : first);
+     }},
+
     {"select", "[JOINT]", "", "Pose", "a joint; nothing: none",
      [](Controls& c, const std::string& a) { c.joint = a.empty() ? a : known(a, c.joint_names, "joint"); }},
     {"turn", "JOINT X Y Z", "", "Pose", "a joint on top of the clip, degrees",
@@ -470,7 +515,7 @@ const Command kCommands[] = {
     {"side-panel", "[on|off]", "Q", "View", "the panel on the right",
      [](Controls& c, const std::string& a) { toggle(c.settings.hud.panels.try_emplace(kSidePanel, true).first->second, a); },
      [](const Controls& c) { return name_of(shows_side_panel(c.settings)); }},
-    {"section", "look|cameras|compare|pose|muscles|jiggle|ghosts|cast|output", "", "View",
+    {"section", "look|cameras|compare|curate|pose|muscles|jiggle|ghosts|cast|output", "", "View",
      "opens a section of the side panel, and closes the others",
      [](Controls& c, const std::string& a) { open_section(c.settings, known(a, section_names(), "section of the side panel")); }},
     {"quit", "", "Ctrl+Q", "File", "close the viewport", [](Controls& c, const std::string&) { c.requests.quit = true; }},

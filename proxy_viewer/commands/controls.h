@@ -1,6 +1,7 @@
 // What the animator drives. Keys, menus, panels, scripts and command lines all write here; the application reads it.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <map>
@@ -15,13 +16,38 @@
 
 namespace bodyopt {
 
+// What colours the map of poses.
+enum class MapColour { coverage, contradiction, error };
+inline constexpr std::array kMapColourNames{"coverage", "contradiction", "error"};
+
+// Of a modifier of the dataset that is looked at; what is not set stays.
+struct ModifierEdit {
+  std::string name;
+  std::optional<bool> enabled{};
+  std::optional<double> strength{};
+  bool operator==(const ModifierEdit&) const = default;
+};
+
+// How a dataset is looked at.
+struct Curating {
+  std::string region;  // of the map
+  MapColour colour = MapColour::coverage;
+  bool raw = false;                             // shapes before any modifier
+  std::vector<std::string> regions, modifiers;  // what commands may name; none: no dataset is open
+  std::vector<std::array<int, 2>> pairs;        // frames that disagree, the worst first
+  int pair = -1;                                // that is looked at, from 0
+};
+
 // Asked for, and done by the application once a picture is drawn.
 struct Requests {
   bool quit = false, reload = false, frame_selection = false, reset_jiggle = false;
   bool worst_frame = false, worst_vertex = false;
   std::optional<std::string> screenshot, turntable, sequence, save_state, load_state;  // file names
   std::vector<std::string> open;                                                       // files, by what they hold
-  std::optional<int> lead, remove;                                                     // characters, counted from 1
+  std::vector<ModifierEdit> edits;
+  std::optional<bool> step_back;    // in the history of edits, or forth
+  bool contradictions = false;      // are looked for
+  std::optional<int> lead, remove;  // characters, counted from 1
   bool operator==(const Requests&) const = default;
 };
 
@@ -39,6 +65,8 @@ struct PanelState {
   std::string state = "view.json";
   std::string listed_joint;              // to which the list of joints was last scrolled
   std::vector<std::size_t> fibre_order;  // of the list of muscles
+  std::string dragged_modifier;          // whose strength is being dragged
+  std::optional<double> dragged_strength{};
 };
 
 struct Message {
@@ -58,8 +86,9 @@ struct Controls {
   // Why a command has nothing to show ("compare lbs", "jiggle on"), and what would help; by what is refused.
   std::map<std::string, std::string> missing;
   std::optional<bool> live;  // poses are shown as they are sent; none: nobody listens
-  std::string joint;         // selected; empty: none
-  bool flipped = false;      // while the key of "hold to flip" is down
+  Curating curating;
+  std::string joint;     // selected; empty: none
+  bool flipped = false;  // while the key of "hold to flip" is down
   bool cheat_sheet = false;
   bool panels = true;
   bool prompt = false;  // a command is being typed

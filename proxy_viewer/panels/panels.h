@@ -42,6 +42,7 @@ void draw_messages(Controls& controls, const PanelLayout& layout);
 void draw_look(const Snapshot& snapshot, Controls& controls);
 void draw_cameras(const Snapshot& snapshot, Controls& controls);
 void draw_compare(const Snapshot& snapshot, Controls& controls);
+void draw_curate(const Snapshot& snapshot, Controls& controls);
 void draw_pose(const Snapshot& snapshot, Controls& controls);
 void draw_muscles(const Snapshot& snapshot, Controls& controls);
 void draw_jiggle(const Snapshot& snapshot, Controls& controls);

@@ -10,6 +10,12 @@ void visit_texts(const Snapshot& snapshot, const Controls& controls,
   for (const JointRow& row : snapshot.joints) visit(row.name);
   for (const ControlRow& row : snapshot.controls) visit(row.name);
   for (const std::string& fibre : snapshot.fibres) visit(fibre);
+  if (snapshot.curation) {
+    for (const ModifierRow& row : snapshot.curation->modifiers) visit(row.name);
+    for (const PoseDot& dot : snapshot.curation->dots) visit(dot.text);
+    for (const std::string& pair : snapshot.curation->pairs) visit(pair);
+    for (const std::string& region : controls.curating.regions) visit(region);
+  }
   visit(snapshot.outside_feature);
   visit(snapshot.device);
   for (const auto& [name, view] : controls.settings.cameras) visit(name);

@@ -45,6 +45,28 @@ struct LiveRow {
   std::string last_rejection{};
 };
 
+// A frame of a dataset in the map of poses.
+struct PoseDot {
+  float x = 0, y = 0;                                    // from -1 to 1
+  float heat = std::numeric_limits<float>::quiet_NaN();  // from 0 to 1; not a number: not known
+  std::string text;                                      // "rom 12"
+};
+
+struct ModifierRow {
+  std::string name, type;
+  bool enabled = true;
+  double strength = 1;
+};
+
+// The dataset whose frames are looked at.
+struct CurationRow {
+  std::string region;         // of the map
+  std::vector<PoseDot> dots;  // of every frame of the clip
+  std::string legend;         // what the hottest colour is
+  std::vector<ModifierRow> modifiers;
+  std::vector<std::string> pairs;  // that disagree most; none: they were not looked for
+};
+
 struct Snapshot {
   std::vector<CharacterRow> cast;  // the first is the lead, of whom the rest speaks
   std::vector<JointRow> joints;
@@ -65,7 +87,8 @@ struct Snapshot {
   std::size_t measured = 0;              // how many of them
   std::optional<std::size_t> worst;      // index of the largest
 
-  std::optional<LiveRow> live;  // none: the clip is shown
+  std::optional<CurationRow> curation;  // none: no dataset is open
+  std::optional<LiveRow> live;          // none: the clip is shown
 
   std::string device;
   double shown_fps = 0;                    // pictures a second, over the last second

@@ -137,7 +137,38 @@ std::string Actor::why_still() const {
   return text.str();
 }
 
+// The poses of the frames that NamedShapes has of it.
+void Actor::open_frames(const std::string& dataset) {
+  const NamedShapes shapes = truth_ && files_.truth == dataset ? truth_->shapes.as_they_are() : NamedShapes(dataset);
+  const PoseDatabase& database = shapes.stack()->database();
+  if (skeleton_hash(database.character.skeleton) != skeleton_hash(basis().skeleton)) {
+    throw Error(ErrorKind::mismatch, dataset + ": the dataset is of another skeleton than " + name());
+  }
+  Clip clip;
+  clip.name = fs::path(dataset).parent_path().filename().string();
+  clip.controls = database.controls;
+  std::vector<int> keys;
+  for (std::size_t k = 0; k < shapes.numbers().size(); ++k) {
+    const DatabaseFrame& frame = database.frames[shapes.numbers()[k]];
+    const bool begins = k == 0 || frame.take != database.frames[shapes.numbers()[k - 1]].take;
+    if (begins) keys.push_back(shapes.frames()[k]);
+    clip.poses.push_back(frame.pose);
+  }
+  arrange_controls(basis().residual.controls, clip);
+  clip_ = std::move(clip);
+  keys_ = std::move(keys);
+  files_.clip = dataset;
+  measure_ground();
+}
+
+void Actor::show_raw(bool raw) {
+  if (!truth_ || truth_->raw == raw || !truth_->shapes.stack()) return;
+  truth_->raw = raw;
+  truth_->shown.reset();
+}
+
 void Actor::open_clip(const std::string& source) {
+  if (is_dataset(source)) return open_frames(source);
   ClipOptions options = clip_options_;
   options.unit = clip_unit(source, kept_unit(basis()));
   options.joint_map = files_.joint_map;
@@ -150,16 +181,16 @@ void Actor::open_clip(const std::string& source) {
   measure_ground();
 }
 
-void Actor::open_truth(const std::string& path) {
-  Pc2Reader reader(path);
-  if (reader.point_count() != basis().mesh.output_count()) {
-    throw Error(ErrorKind::mismatch, path + ": the cache has " + std::to_string(reader.point_count()) +
+void Actor::open_truth(const std::string& name) {
+  NamedShapes shapes(name);
+  if (shapes.point_count() != basis().mesh.output_count()) {
+    throw Error(ErrorKind::mismatch, name + ": the cache has " + std::to_string(shapes.point_count()) +
                                          " points, the character " + std::to_string(basis().mesh.output_count()) +
                                          " vertices: it is of another character, or another level of it");
   }
-  if (reader.sample_count() == 0) throw Error(ErrorKind::file, path + ": the cache has no sample");
-  truth_.emplace(Truth{std::move(reader), {}, {}});
-  files_.truth = path;
+  if (shapes.sample_count() == 0) throw Error(ErrorKind::file, name + ": the cache has no sample");
+  truth_.emplace(Truth{std::move(shapes), {}, {}, false});
+  files_.truth = name;
 }
 
 const Pose& Actor::clip_pose(int frame) const {
@@ -297,13 +328,15 @@ std::vector<float> Actor::measure(SkinMethod method, const Pose& pose, int frame
   }
   if (method == SkinMethod::lbs) return linear_blend_->skin(pose);
   if (method != SkinMethod::truth) return finest().measure(method, pose, correction).positions;
-  return read_sample(truth_->reader, truth_time(frame).value());
+  return read_sample(truth_->shapes.as_they_are(), truth_time(frame).value());
 }
 
 void Actor::show_truth(int frame) {
   const std::optional<SampleTime> time = truth_time(frame);
-  if (!time || time == truth_->shown) return;
-  truth_->skin = upload_output(read_sample(truth_->reader, *time));
+  if (!time || (time == truth_->shown && !truth_->shapes.was_edited())) return;
+  truth_->shapes = truth_->shapes.as_they_are();
+  truth_->skin =
+      upload_output(truth_->raw ? truth_->shapes.raw_sample(time->sample) : read_sample(truth_->shapes, *time));
   truth_->shown = time;
 }
 

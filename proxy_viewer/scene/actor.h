@@ -66,8 +66,11 @@ class Actor {
   std::string why_still() const;
 
   // These throw as the constructor, and leave what was there.
-  void open_clip(const std::string& source);
-  void open_truth(const std::string& path);
+  void open_clip(const std::string& source);  // of a dataset: its frames, one after the other, takes as keys
+  void open_truth(const std::string& name);   // as NamedShapes
+
+  // Whether the truth is shown as its dataset has it before any modifier.
+  void show_raw(bool raw);
 
   // The clip's pose, turned joint by joint as the settings say and the ranges let it. Frames beyond the clip: its first
   // or last.
@@ -99,11 +102,11 @@ class Actor {
   double reach() const { return reach_; }    // as size(), with what it wears
   double ground() const { return ground_; }  // height of its lowest point as the clip begins, metres
   Vec3 start() const { return clip_.poses.front().joints.front().translation; }  // of its root, as the clip begins
-  const Pc2Reader* truth() const { return truth_ ? &truth_->reader : nullptr; }
+  const NamedShapes* truth() const { return truth_ ? &truth_->shapes : nullptr; }
   // Where a frame lies among the samples of the truth; nothing: there is none, or it ends before. It is evaluated in
   // such frames only.
   std::optional<SampleTime> truth_time(int frame) const {
-    return truth_ ? sample_time(truth_->reader, frame) : std::nullopt;
+    return truth_ ? sample_time(truth_->shapes, frame) : std::nullopt;
   }
   // What lies between samples is shown, and not measured.
   bool has_sample_at(int frame) const {
@@ -131,9 +134,10 @@ class Actor {
     std::vector<WornMesh> meshes;
   };
   struct Truth {
-    Pc2Reader reader;
+    NamedShapes shapes;
     std::optional<SampleTime> shown;
     HostedSkin skin;
+    bool raw = false;
   };
 
   Detail& finest() { return *details_.front(); }
@@ -149,6 +153,7 @@ class Actor {
   void show_linear_blend(const Pose& pose);
   HostedSkin upload_output(std::span<const float> points);
   void show_truth(int frame);
+  void open_frames(const std::string& dataset);
   void measure_size();
   void measure_ground();
 

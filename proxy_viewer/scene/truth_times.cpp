@@ -4,17 +4,23 @@
 #include <cmath>
 #include <sstream>
 
-#include "runtime/core/error.h"
-
 namespace bodyopt {
 namespace {
 
 // Of a step, and of the place: caches keep their times in single precision.
 constexpr double kOnSample = 1e-3, kRounding = 1e-7;
 
+// Frames of a dataset stand for themselves: nothing lies between them.
+std::optional<SampleTime> own_time(const std::vector<int>& frames, int frame) {
+  const auto found = std::lower_bound(frames.begin(), frames.end(), frame);
+  if (found == frames.end() || *found != frame) return std::nullopt;
+  return SampleTime{static_cast<std::uint32_t>(found - frames.begin()), 0};
+}
+
 }  // namespace
 
-std::optional<SampleTime> sample_time(const Pc2Reader& truth, int frame) {
+std::optional<SampleTime> sample_time(const NamedShapes& truth, int frame) {
+  if (!truth.frames().empty()) return own_time(truth.frames(), frame);
   const double step = std::max(1e-6, static_cast<double>(truth.sample_rate()));
   const double at = (frame - static_cast<double>(truth.start_frame())) / step, nearest = std::round(at);
   const double last = truth.sample_count() - 1.0;
@@ -25,21 +31,16 @@ std::optional<SampleTime> sample_time(const Pc2Reader& truth, int frame) {
   return SampleTime{static_cast<std::uint32_t>(at), static_cast<float>(at - std::floor(at))};
 }
 
-std::vector<float> read_sample(const Pc2Reader& truth, const SampleTime& time) {
-  const Pc2Reader now(truth.path());
-  if (now.point_count() != truth.point_count()) {
-    throw Error(ErrorKind::mismatch, truth.path().string() + ": it was written anew with " +
-                                         std::to_string(now.point_count()) + " points, it had " +
-                                         std::to_string(truth.point_count()));
-  }
-  std::vector<float> points = now.sample(time.sample);
+std::vector<float> read_sample(const NamedShapes& truth, const SampleTime& time) {
+  std::vector<float> points = truth.sample(time.sample);
   if (time.on_sample()) return points;
-  const std::vector<float> next = now.sample(time.sample + 1);
+  const std::vector<float> next = truth.sample(time.sample + 1);
   for (std::size_t k = 0; k < points.size(); ++k) points[k] += time.share * (next[k] - points[k]);
   return points;
 }
 
-std::string describe_truth_times(const std::string& file, const Pc2Reader& truth, const Clip& clip) {
+std::string describe_truth_times(const std::string& file, const NamedShapes& truth, const Clip& clip) {
+  if (!truth.frames().empty()) return {};
   const float first = truth.start_frame(), step = truth.sample_rate();
   const std::uint32_t count = truth.sample_count();
   if (first == static_cast<float>(clip.first_frame) && step == 1 && count == clip.poses.size()) return {};

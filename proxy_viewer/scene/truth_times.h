@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "assets/clip.h"
-#include "assets/pc2.h"
+#include "trainer/curate/named_shapes.h"
 
 namespace bodyopt {
 
@@ -19,15 +19,13 @@ struct SampleTime {
   bool operator==(const SampleTime&) const = default;
 };
 
-// Nothing for frames before the first sample or after the last.
-std::optional<SampleTime> sample_time(const Pc2Reader& truth, int frame);
+// Nothing for frames before the first sample or after the last, and where frames of a dataset have none.
+std::optional<SampleTime> sample_time(const NamedShapes& truth, int frame);
 
-// point_count x 3; between two samples, what lies between them by a straight line. Of the file as it is now: it may
-// have been written anew since `truth` was opened. Throws as Pc2Reader, and Error(mismatch) where it has other points
-// now.
-std::vector<float> read_sample(const Pc2Reader& truth, const SampleTime& time);
+// point_count x 3; between two samples, what lies between them by a straight line. Throws as NamedShapes.
+std::vector<float> read_sample(const NamedShapes& truth, const SampleTime& time);
 
 // One sentence or two for the user, where they are not one for one; otherwise empty. `file`: the cache's name.
-std::string describe_truth_times(const std::string& file, const Pc2Reader& truth, const Clip& clip);
+std::string describe_truth_times(const std::string& file, const NamedShapes& truth, const Clip& clip);
 
 }  // namespace bodyopt

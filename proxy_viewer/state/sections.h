@@ -15,15 +15,16 @@ struct Section {
   bool open;          // to begin with
 };
 
-constexpr std::array<Section, 9> kSections = {{{"look", "Look", true},
-                                               {"cameras", "Cameras", false},
-                                               {"compare", "Compare", true},
-                                               {"pose", "Pose", true},
-                                               {"muscles", "Muscles", false},
-                                               {"jiggle", "Jiggle", false},
-                                               {"ghosts", "Ghosts", false},
-                                               {"cast", "Cast", false},
-                                               {"output", "Output", false}}};
+constexpr std::array<Section, 10> kSections = {{{"look", "Look", true},
+                                                {"cameras", "Cameras", false},
+                                                {"compare", "Compare", true},
+                                                {"curate", "Curate", true},
+                                                {"pose", "Pose", true},
+                                                {"muscles", "Muscles", false},
+                                                {"jiggle", "Jiggle", false},
+                                                {"ghosts", "Ghosts", false},
+                                                {"cast", "Cast", false},
+                                                {"output", "Output", false}}};
 constexpr const char* kSidePanel = "side";  // all of them
 
 inline std::vector<std::string> section_names() {

@@ -6,11 +6,13 @@
 #include <fstream>
 
 #include "assets/pc2.h"
+#include "dataset/stack_history.h"
 #include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/damaged_cache.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
+#include "trainer/curate/shape_stack.h"
 #include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
@@ -76,11 +78,19 @@ class AddShapes : public ::testing::Test {
     }
   }
 
+  // The shape of a frame through the modifiers is that of a shift.
+  void expect_seen(int frame, double shift) const {
+    const ShapeStack stack(read_pose_database(read_dataset(path())));
+    const Positions seen = stack.shape(stack.database().find("bend", frame, "the test"));
+    const std::vector<float> expected = shape(frame, shift);
+    EXPECT_LT((seen - welded_from_output(limb_, expected.data())).cwiseAbs().maxCoeff(), 1e-6) << frame;
+  }
+
   // Names and bytes of all files of the dataset.
   std::vector<std::pair<std::string, std::string>> files() const {
     std::vector<std::pair<std::string, std::string>> files;
     for (const auto& entry : fs::directory_iterator(folder_ / "data")) {
-      if (entry.path().filename() == ".dataset.json.lock") continue;  // which stays, empty
+      if (entry.path().filename() == ".dataset.json.lock" || entry.is_directory()) continue;  // which stays, empty
       files.push_back({entry.path().filename().string(), testing::read_bytes(entry.path())});
     }
     std::sort(files.begin(), files.end());
@@ -130,7 +140,15 @@ TEST_F(AddShapes, AFrameIsReplacedOnlyWhenAsked) {
   const fs::path sculpted = write_shapes({3, 4}, 0.004);
   expect_refused(take_of({3, 4}), sculpted, ErrorKind::usage, "has the frames 3 already: --replace");
   EXPECT_EQ(add(take_of({3, 4}), sculpted, true).replaced, 1);
-  expect_shapes({{1, 0}, {2, 0}, {3, 0.004}, {4, 0.004}, {5, 0}});
+  expect_shapes({{1, 0}, {2, 0}, {3, 0}, {4, 0.004}, {5, 0}});
+  expect_seen(3, 0.004);
+  add(take_of({3}), write_shapes({3}, 0.006), true);
+  expect_seen(3, 0.006);
+  expect_seen(4, 0.004);
+  undo_modifiers(path());
+  expect_seen(3, 0.004);
+  undo_modifiers(path());
+  expect_seen(3, 0);
 }
 
 TEST_F(AddShapes, WhatDoesNotBelongIsRefusedAndNothingChanges) {
@@ -177,11 +195,14 @@ TEST_F(AddShapes, ASideCarKnowsWhatWasGiven) {
   dataset = read_dataset(path());
   EXPECT_TRUE(has_given_shapes(dataset, dataset.takes[0]));
   EXPECT_TRUE(unconverged_frames(dataset, dataset.takes[0]).empty());
+  expect_seen(3, 0);
   const std::vector<FrameStatus> now = read_frame_status(folder_ / "data" / dataset.takes[0].shapes_status);
   ASSERT_EQ(now.size(), 4u);
   EXPECT_EQ(now[0].residual, 1e-5);
   EXPECT_EQ(now[0].inputs, 7u);
-  EXPECT_EQ(now[1].inputs, 0u);
+  EXPECT_EQ(now[1].frame, 2);
+  EXPECT_EQ(now[1].inputs, 0u);  // given
+  EXPECT_EQ(now[2].inputs, 7u);  // what the solver said of what is covered
   EXPECT_EQ(now[3].frame, 5);
   EXPECT_EQ(files().size(), 3u);
   expect_shapes({{1, 0}, {2, 0}, {3, 0}, {5, 0}});

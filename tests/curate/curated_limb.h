@@ -1,6 +1,8 @@
 // A dataset of the capsule limb: its elbow swept to and fro, shapes with a bulge that grows with the angle.
 #pragma once
 
+#include <array>
+#include <functional>
 #include <numbers>
 
 #include "assets/clip.h"
@@ -19,9 +21,13 @@ inline double sweep_angle(int frame) { return 6.0 * (frame <= 21 ? frame - 1 : k
 
 class CuratedLimb {
  public:
-  // `change`: what is added to the true shape (V x 3, posed) of take 0 or 1 in a frame from 1 on.
-  explicit CuratedLimb(const std::function<Positions(int take, int frame, const Positions& truth)>& change =
-                           [](int, int, const Positions& truth) { return truth; }) {
+  // `change`: what is added to the true shape (V x 3, posed) of take 0 or 1 in a frame from 1 on. `twist`: of a take's
+  // forearm where the elbow is bent by a right angle, degrees.
+  explicit CuratedLimb(
+      const std::function<Positions(int take, int frame, const Positions& truth)>& change =
+          [](int, int, const Positions& truth) { return truth; },
+      std::array<double, 2> twist = {0, 0})
+      : twist_(twist) {
     write_character(character_, folder_ / "limb.glb");
     dataset_.folder = folder_.path();
     dataset_.character = "limb.glb";
@@ -33,7 +39,8 @@ class CuratedLimb {
   std::filesystem::path folder() const { return folder_.path(); }
   const Character& character() const { return character_; }
   Pose pose(int take, int frame) const {
-    return limb_pose(character_.skeleton, kDegree * sweep_angle(frame), 0, 0.02 * take);
+    const double bent = kDegree * sweep_angle(frame), twist = twist_[static_cast<std::size_t>(take)];
+    return limb_pose(character_.skeleton, bent, kDegree * twist * std::sin(bent), twist == 0 ? 0.02 * take : 0);
   }
   Positions truth(int take, int frame) const { return limb_truth(character_, limb_muscles(), pose(take, frame)); }
   ShapeStack stack() const { return ShapeStack(read_pose_database(read_dataset(path()))); }
@@ -57,6 +64,7 @@ class CuratedLimb {
     dataset_.takes.push_back(there);
   }
 
+  std::array<double, 2> twist_;
   TemporaryFolder folder_;
   Character character_ = limb_character();
   Dataset dataset_;

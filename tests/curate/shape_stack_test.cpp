@@ -5,7 +5,9 @@
 
 #include <fstream>
 #include <limits>
+#include <numeric>
 #include <random>
+#include <sstream>
 
 #include "assets/json_file.h"
 #include "dataset/stack_history.h"
@@ -14,6 +16,7 @@
 #include "trainer/curate/bake.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/frame_files.h"
+#include "trainer/curate/prune.h"
 
 namespace bodyopt {
 namespace {
@@ -103,6 +106,22 @@ TEST(ShapeStack, DropLeavesOutFreezeKeepsAndStrengthScales) {
   const Positions half = stack.offsets(20, 3) - stack.offsets(20, 0), all = whole.offsets(20, 3) - whole.offsets(20, 0);
   EXPECT_GT(all.norm(), 1e-5);
   EXPECT_LT((2 * half - all).norm(), 1e-12);
+}
+
+TEST(Weight, CountsFramesAndTakesNoMask) {
+  const CuratedLimb limb;
+  const Json frames = {{{"take", "one"}, {"frames", "5-6"}}};
+  add_modifier(limb.path(), {.type = "weight", .frames = frames, .parameters = {{"weight", 3}}});
+  add_modifier(limb.path(), {.type = "weight", .strength = 0.5, .frames = frames, .parameters = {{"weight", 0}}});
+  const ShapeStack stack = limb.stack();
+  EXPECT_EQ(stack.weight(4), 1.5);
+  EXPECT_EQ(stack.weight(6), 1);
+  EXPECT_FALSE(stack.is_changed(4));
+  const auto kind = [&](const Modifier& modifier) { return kind_of([&] { add_modifier(limb.path(), modifier); }); };
+  EXPECT_EQ(kind({.type = "weight", .mask = {{"joints", {"joint1"}}}, .parameters = {{"weight", 2}}}),
+            ErrorKind::mismatch);
+  EXPECT_EQ(kind({.type = "weight"}), ErrorKind::file);
+  EXPECT_EQ(kind({.type = "weight", .parameters = {{"weight", -1}}}), ErrorKind::file);
 }
 
 TEST(Despike, PutsAVertexThatFliesBackAndTouchesNoOther) {
@@ -257,6 +276,41 @@ TEST(Curate, RandomEditsLeaveTheRawShapesAndCanAllBeUndone) {
   EXPECT_EQ(bytes_of_file(limb.folder() / "two.pc2"), raw);
 }
 
+TEST(Curate, PruneLeavesWhatUndoLeadsTo) {
+  const CuratedLimb limb;
+  const auto files = [&] {
+    std::size_t count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(limb.folder() / "modifiers")) {
+      count += entry.path().extension() == ".pc2" ? 1 : 0;
+    }
+    return count;
+  };
+  add_sculpt(limb.path(), "elbow", "one", 16, sculpted(limb, 16), true, 36);
+  add_sculpt(limb.path(), "elbow", "one", 16, sculpted(limb, 15), true, 36);
+  remove_modifier(limb.path(), "elbow");
+  std::ofstream(limb.folder() / "modifiers" / "stranded.pc2") << "of a run that was killed";
+  EXPECT_EQ(files(), 3u);
+  EXPECT_EQ(prune_modifiers(limb.path(), false).files, 1u);
+  undo_modifiers(limb.path());
+  EXPECT_TRUE(limb.stack().is_changed(15));
+  EXPECT_EQ(prune_modifiers(limb.path(), true).files, 1u);
+  EXPECT_EQ(files(), 1u);
+  EXPECT_TRUE(limb.stack().is_changed(15));
+  EXPECT_THROW(undo_modifiers(limb.path()), Error);
+}
+
+TEST(Curate, CachesAreBoundedTheOldestFirst) {
+  const TemporaryFolder folder;
+  const std::filesystem::path old = folder / "old.pc2", kept = folder / "kept.pc2", fresh = folder / "fresh.pc2";
+  for (const auto& path : {old, kept, fresh}) std::ofstream(path) << std::string(100, 'x');
+  const auto now = std::filesystem::last_write_time(fresh);
+  std::filesystem::last_write_time(kept, now - std::chrono::hours(2));
+  std::filesystem::last_write_time(old, now - std::chrono::hours(1));
+  bound_cache(folder.path(), 250, kept);
+  EXPECT_FALSE(std::filesystem::exists(old));
+  EXPECT_TRUE(std::filesystem::exists(kept) && std::filesystem::exists(fresh));
+}
+
 TEST(Curate, RefusesWhatDoesNotFit) {
   const CuratedLimb limb;
   const std::string begun = bytes_of_file(limb.path());
@@ -305,16 +359,66 @@ TEST(Curate, SelectionsThatNameThemselvesAreRefused) {
             ErrorKind::mismatch);
 }
 
-TEST(FrameFiles, AMeshComesBackAndAnotherIsRefused) {
+// A mesh whose vertices stand in another order, sculpted by a bulge.
+struct Shuffled {
+  Positions sculpted;  // V x 3, in the character's order
+  std::string obj;
+};
+
+Shuffled shuffled(const Character& character, const Positions& frame) {
+  Shuffled result{frame + bulge(character), ""};
+  std::vector<std::size_t> order(character.vertices.rows()), place(order.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::shuffle(order.begin(), order.end(), std::mt19937(5));
+  std::ostringstream obj;
+  obj.precision(9);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    place[order[k]] = k + 1;
+    const auto at = result.sculpted.row(static_cast<Eigen::Index>(order[k]));
+    obj << "v " << at[0] << ' ' << at[1] << ' ' << at[2] << '\n';
+  }
+  for (Eigen::Index t = character.triangles.rows(); t-- > 0;) {
+    obj << "f " << place[character.triangles(t, 1)] << ' ' << place[character.triangles(t, 2)] << ' '
+        << place[character.triangles(t, 0)] << '\n';
+  }
+  result.obj = obj.str();
+  return result;
+}
+
+TEST(FrameFiles, AMeshComesBackInAnyOrderAndAnotherIsRefused) {
   const CuratedLimb limb;
   const auto path = limb.folder() / "frame.obj";
-  const std::vector<float> shape = output_from_welded(limb.character(), limb.truth(0, 5));
-  write_obj(limb.character(), shape, path);
-  EXPECT_EQ(read_obj(limb.character(), path), shape);
+  const Positions frame = limb.truth(0, 5);
+  const std::vector<float> shape = output_from_welded(limb.character(), frame);
+  write_frame_obj(limb.character(), shape, path);
+  EXPECT_EQ(read_frame_mesh(limb.character(), frame, path), shape);
+  const Shuffled sculpt = shuffled(limb.character(), frame);
+  std::ofstream(path) << sculpt.obj;
+  const std::vector<float> back = read_frame_mesh(limb.character(), frame, path);
+  EXPECT_LT(rms_mm(welded_from_output(limb.character(), back.data()), sculpt.sculpted), 1e-4);
   std::ofstream(path, std::ios::app) << "v 0 0 0\n";
-  EXPECT_EQ(kind_of([&] { read_obj(limb.character(), path); }), ErrorKind::mismatch);
+  EXPECT_EQ(kind_of([&] { read_frame_mesh(limb.character(), frame, path); }), ErrorKind::mismatch);
+  const std::size_t faces = sculpt.obj.find("f "), half = sculpt.obj.find("f ", (faces + sculpt.obj.size()) / 2);
+  std::ofstream(path) << sculpt.obj.substr(0, half);  // what was moved has too few neighbours
+  EXPECT_EQ(kind_of([&] { read_frame_mesh(limb.character(), frame, path); }), ErrorKind::mismatch);
   std::ofstream(path) << "v 0 0 nan\n";
-  EXPECT_EQ(kind_of([&] { read_obj(limb.character(), path); }), ErrorKind::file);
+  EXPECT_EQ(kind_of([&] { read_frame_mesh(limb.character(), frame, path); }), ErrorKind::file);
+}
+
+TEST(FrameFiles, AGltfRestsInThePoseAndComesBack) {
+  const CuratedLimb limb;
+  const auto path = limb.folder() / "frame.glb";
+  const Positions frame = limb.truth(0, 12);
+  write_frame_gltf(limb.character(), frame, limb.pose(0, 12), path);
+  const Character read = read_character(path);
+  EXPECT_LT(rms_mm(read.vertices, frame), 1e-3);
+  // The skeleton rests in the pose: its own bind pose leaves the skin where it is.
+  EXPECT_LT(rms_mm(skin_linear(read, bind_pose(read.skeleton)), frame), 1e-3);
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_NEAR(read.skeleton.joints[1].bind.rotation[k], limb.pose(0, 12).joints[1].rotation[k], 1e-6);
+  }
+  const std::vector<float> back = read_frame_mesh(limb.character(), frame, path);
+  EXPECT_LT(rms_mm(welded_from_output(limb.character(), back.data()), frame), 1e-3);
 }
 
 TEST(Bake, WritesWhatTheStackMakes) {

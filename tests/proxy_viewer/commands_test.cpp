@@ -35,6 +35,9 @@ Controls controls_of_a_session() {
   undone.joints["RightArm"] = {7, 8, 9};
   controls.poses.undo(undone);
   controls.joint = "LeftArm";
+  controls.curating.regions = {"forearm", "upper arm"};
+  controls.curating.modifiers = {"elbow", "smooth all"};
+  controls.curating.pairs = {{5, 12}, {7, 20}};
   controls.camera.orbit(0.4, 0.2);
   return controls;
 }
@@ -205,6 +208,23 @@ const std::map<std::string, Case>& cases() {
           return valued(c.settings.hud.panels, "pose") == true && valued(c.settings.hud.panels, "look") == false;
         },
         {"", "feet"}}},
+      {"region", {"upper arm", [](C, C c) { return c.curating.region == "upper arm"; }, {"", "knee"}}},
+      {"map-colour", {"error", [](C, C c) { return c.curating.colour == MapColour::error; }, {"", "red"}}},
+      {"raw", {"on", [](C, C c) { return c.curating.raw; }, {"maybe"}}},
+      {"modifier",
+       {"smooth all off",
+        [](C, C c) { return c.requests.edits == std::vector<ModifierEdit>{{.name = "smooth all", .enabled = false}}; },
+        {"", "elbow", "knee on", "elbow half"}}},
+      {"strength",
+       {"elbow 0.5",
+        [](C, C c) { return c.requests.edits == std::vector<ModifierEdit>{{.name = "elbow", .strength = 0.5}}; },
+        {"", "elbow", "knee 1", "elbow 2"}}},
+      {"undo-edit", {"", [](C, C c) { return c.requests.step_back == true; }, {"twice"}}},
+      {"redo-edit", {"", [](C, C c) { return c.requests.step_back == false; }, {"twice"}}},
+      {"contradictions", {"", [](C, C c) { return c.requests.contradictions; }, {"all"}}},
+      {"pair", {"2", [](C, C c) { return c.playback.frame() == 7; }, {"", "0", "3", "two"}}},
+      {"next-pair", {"", [](C, C c) { return c.curating.pair == 0 && c.playback.frame() == 5; }, {"back"}}},
+      {"other-of-pair", {"", [](C, C c) { return c.playback.frame() == 12; }, {"first"}}},
       {"quit", {"", [](C, C c) { return c.requests.quit; }, {"now"}}},
   };
   return all;

@@ -64,6 +64,17 @@ Snapshot huge_character() {
   return s;
 }
 
+// As a dataset of three frames is looked at.
+CurationRow small_dataset() {
+  CurationRow row;
+  row.region = "forearm";
+  row.dots = {{-1, 0, 0, "rom 1"}, {0, 1, 0.5f, "rom 2"}, {1, -1, NAN, "rom 3"}};
+  row.legend = "hottest: 3.00 mm";
+  row.modifiers = {{"elbow", "sculpt", true, 0.5}, {"smooth", "smooth", false, 1}};
+  row.pairs = {"3.00 mm  rom 1 - rom 3  forearm"};
+  return row;
+}
+
 // Without muscles, clip, controls or errors.
 Snapshot bare_character() {
   Snapshot s;
@@ -127,7 +138,9 @@ class PanelsTest : public ::testing::Test {
 };
 
 TEST_F(PanelsTest, EverySizeOfWindowAndCharacterIsDrawn) {
-  for (const Snapshot& snapshot : {small_character(), huge_character(), bare_character()}) {
+  Snapshot with_dataset = small_character();
+  with_dataset.curation = small_dataset();
+  for (const Snapshot& snapshot : {small_character(), huge_character(), bare_character(), with_dataset}) {
     for (const auto& [width, height] : {std::pair{200u, 150u}, std::pair{1u, 1u}, std::pair{640u, 360u},
                                         std::pair{1280u, 720u}, std::pair{4096u, 2160u}}) {
       for (int layout = 0; layout < 4; ++layout) {
@@ -172,7 +185,8 @@ TEST_F(PanelsTest, ThePromptHearsFromItsFirstPicture) {
 }
 
 TEST_F(PanelsTest, EverySectionDrawsSomething) {
-  const Snapshot snapshot = small_character();
+  Snapshot snapshot = small_character();
+  snapshot.curation = small_dataset();
   Controls controls = controls_with_all_open(snapshot);
   controls.prompt = controls.cheat_sheet = false;
   for (const Section& section : kSections) controls.settings.hud.panels[section.name] = false;

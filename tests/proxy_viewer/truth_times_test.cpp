@@ -10,12 +10,12 @@ namespace {
 class TruthTimesTest : public ::testing::Test {
  protected:
   // A cache of one point, at the place of its sample along x.
-  Pc2Reader cache(std::uint32_t samples, float start_frame, float sample_rate) const {
+  NamedShapes cache(std::uint32_t samples, float start_frame, float sample_rate) const {
     const std::filesystem::path path = folder_ / "truth.pc2";
     Pc2Writer writer(path, 1, samples, start_frame, sample_rate);
     for (std::uint32_t k = 0; k < samples; ++k) writer.append(std::vector<float>{static_cast<float>(k), 0, 0});
     writer.close();
-    return Pc2Reader(path);
+    return NamedShapes(path);
   }
   // Beside a clip of frames 1 to 10.
   std::string described(std::uint32_t samples, float start_frame, float sample_rate) const {
@@ -35,7 +35,7 @@ TEST_F(TruthTimesTest, AFrameIsAsFarAlongTheSamplesAsInTime) {
     float start, step;
   };
   for (const auto& [start, step] : {Case{1, 1}, {-3, 2}, {0.5f, 0.5f}, {2, 0.1f}, {1, 1.0f / 3}, {7, 2.4f}}) {
-    const Pc2Reader truth = cache(5, start, step);
+    const NamedShapes truth = cache(5, start, step);
     for (int frame = -20; frame <= 30; ++frame) {
       const double place = (frame - static_cast<double>(start)) / static_cast<double>(step);
       const std::optional<SampleTime> time = sample_time(truth, frame);
@@ -48,7 +48,7 @@ TEST_F(TruthTimesTest, AFrameIsAsFarAlongTheSamplesAsInTime) {
 }
 
 TEST_F(TruthTimesTest, OneSampleHasOneFrame) {
-  const Pc2Reader truth = cache(1, 4, 1);
+  const NamedShapes truth = cache(1, 4, 1);
   EXPECT_EQ(sample_time(truth, 4), SampleTime{});
   EXPECT_FALSE(sample_time(truth, 3) || sample_time(truth, 5));
 }

@@ -49,6 +49,34 @@ Eigen::MatrixXd smooth_truth(const Eigen::MatrixXd& features, const Eigen::RowVe
   return result;
 }
 
+// A frame of weight 2 is as two frames.
+TEST(Regression, AFrameCountsAsOftenAsItsWeight) {
+  RegressionData once = random_data(60, 3, 21);
+  once.targets = Eigen::MatrixXd::Random(60, 2);
+  once.folds.assign(60, 0);
+  for (std::size_t n = 30; n < 60; ++n) once.folds[n] = 1;
+  RegressionData twice = once;
+  once.weights = Eigen::VectorXd::Ones(60);
+  once.weights.head(10).setConstant(2);
+  once.weights.tail(5).setZero();
+  twice.features.conservativeResize(70, Eigen::NoChange);
+  twice.features.bottomRows(10) = once.features.topRows(10);
+  twice.targets.conservativeResize(70, Eigen::NoChange);
+  twice.targets.bottomRows(10) = once.targets.topRows(10);
+  const std::vector<int> more(10, 0);
+  twice.folds.insert(twice.folds.end(), more.begin(), more.end());
+  const auto without = [](RegressionData& data) {  // frames 55 to 59
+    data.weights = Eigen::VectorXd::Ones(70);
+    data.weights.segment(55, 5).setZero();
+  };
+  without(twice);
+  const Regression a = fit_regression(once, 0), b = fit_regression(twice, 0);
+  EXPECT_EQ(a.penalty.linear, b.penalty.linear);
+  EXPECT_NEAR(a.validation_error, b.validation_error, 1e-9);
+  EXPECT_LT((a.weights - b.weights).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((a.errors - b.errors.topRows(60)).cwiseAbs().maxCoeff(), 1e-6);
+}
+
 TEST(Regression, LearnsALinearMapWithoutKernels) {
   RegressionData data = random_data(200, 4, 1);
   const Eigen::MatrixXd map = Eigen::MatrixXd::Random(4, 3);

@@ -11,6 +11,7 @@
 #include "dataset/file_hashes.h"
 #include "dataset/take_lock.h"
 #include "runtime/core/error.h"
+#include "trainer/curate/edit_stack.h"
 
 namespace bodyopt {
 namespace {
@@ -104,12 +105,37 @@ Source open_source(const fs::path& path, const std::vector<int>& frames) {
                                        " frames: one of the two was made anew without the other");
 }
 
-// The frames of all sources, of the last of them that has each.
-std::vector<int> write_cache(const std::vector<Source>& sources, const fs::path& path) {
+// The frames of a source that can be read, of some.
+std::vector<int> readable(const Source& source, const std::vector<int>& frames) {
+  std::vector<int> sound;
+  for (std::size_t k = 0; k < source.frames.size(); ++k) {
+    if (std::find(frames.begin(), frames.end(), source.frames[k]) == frames.end()) continue;
+    try {
+      source.reader.sample(static_cast<std::uint32_t>(k));
+      sound.push_back(source.frames[k]);
+    } catch (const Error&) {  // damaged: the new shape takes its place
+    }
+  }
+  std::sort(sound.begin(), sound.end());
+  return sound;
+}
+
+std::vector<int> frames_without(std::vector<int> all, const std::vector<int>& some) {
+  std::sort(all.begin(), all.end());
+  std::erase_if(all, [&](int frame) { return std::binary_search(some.begin(), some.end(), frame); });
+  return all;
+}
+
+// The frames of all sources, of the last of them that has each; of the last source only `frames`.
+std::vector<int> write_cache(const std::vector<Source>& sources, const std::vector<int>& frames_of_last,
+                             const fs::path& path) {
   std::map<int, std::pair<const ShapeReader*, std::uint32_t>> samples;
   for (const Source& source : sources) {
     for (std::size_t k = 0; k < source.frames.size(); ++k) {
-      samples[source.frames[k]] = {&source.reader, static_cast<std::uint32_t>(k)};
+      const int frame = source.frames[k];
+      const bool asked = std::binary_search(frames_of_last.begin(), frames_of_last.end(), frame);
+      if (&source == &sources.back() && !asked) continue;
+      samples[frame] = {&source.reader, static_cast<std::uint32_t>(k)};
     }
   }
   std::vector<int> frames;
@@ -136,6 +162,38 @@ std::vector<FrameStatus> with_given(std::vector<FrameStatus> status, const std::
   }
   std::sort(status.begin(), status.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
   return status;
+}
+
+// A take with new frames from the last source in a new cache, and its side-car; as it is, where there are none.
+DatasetTake with_frames(const DatasetTake& old, DatasetTake take, const std::vector<Source>& sources,
+                        const std::vector<int>& fresh, const Dataset& dataset, NewFiles& files) {
+  const std::string name = take.name;
+  take.heldout = unite_frames(old.heldout, take.heldout);
+  if (fresh.empty()) {
+    take.frames = old.frames;
+    take.shapes = old.shapes;
+    take.shapes_status = old.shapes_status;
+    return take;
+  }
+  take.shapes = files.name(name, ".pc2");
+  take.frames = write_cache(sources, fresh, dataset.folder / take.shapes);
+  take.shapes = files.instead_of_leftover(take.shapes, name, ".pc2", dataset);
+  if (old.shapes_status.empty()) return take;
+  take.shapes_status = files.name(name, ".status.json");
+  write_frame_status(with_given(read_frame_status(dataset.folder / old.shapes_status), fresh),
+                     dataset.folder / take.shapes_status);
+  take.shapes_status = files.instead_of_leftover(take.shapes_status, name, ".status.json", dataset);
+  return take;
+}
+
+// Puts those of the source's frames over what the take has of them.
+void cover(const fs::path& path, const std::string& take, const std::vector<int>& frames, const Source& source) {
+  std::vector<std::uint32_t> samples;
+  for (const int frame : frames) {
+    const auto found = std::find(source.frames.begin(), source.frames.end(), frame);
+    samples.push_back(static_cast<std::uint32_t>(found - source.frames.begin()));
+  }
+  put_shapes_over(path, take, frames, source.reader, samples);
 }
 
 // Files of a take that lie beside dataset.json and that nothing names any more.
@@ -167,20 +225,12 @@ AddedShapes add_shapes(const Dataset& begun, const fs::path& path, const Dataset
   std::vector<Source> sources;
   if (!old.name.empty()) sources.push_back(open_source(dataset.folder / old.shapes, old.frames));
   sources.push_back(open_source(source, given.frames));
-  DatasetTake& take = added.take;
-  take.shapes = files.name(given.name, ".pc2");
-  take.frames = write_cache(sources, dataset.folder / take.shapes);
-  take.shapes = files.instead_of_leftover(take.shapes, given.name, ".pc2", dataset);
-  take.heldout = unite_frames(old.heldout, given.heldout);
-  if (!old.shapes_status.empty()) {
-    take.shapes_status = files.name(given.name, ".status.json");
-    write_frame_status(with_given(read_frame_status(dataset.folder / old.shapes_status), given.frames),
-                       dataset.folder / take.shapes_status);
-    take.shapes_status = files.instead_of_leftover(take.shapes_status, given.name, ".status.json", dataset);
-  }
-  const Dataset changed = put_take(begun, take, path);
+  const std::vector<int> covered = replaced.empty() ? replaced : readable(sources.front(), replaced);
+  added.take = with_frames(old, given, sources, frames_without(given.frames, covered), dataset, files);
+  const Dataset changed = put_take(begun, added.take, path);
   files.keep();
-  remove_unnamed(changed, old);
+  if (added.take.shapes != old.shapes) remove_unnamed(changed, old);
+  if (!covered.empty()) cover(path, given.name, covered, sources.back());
   return added;
 }
 

@@ -103,9 +103,10 @@ class TakeChecker {
               const DatasetTake& take)
       : character_(character), muscles_(muscles), take_(take), reader_(dataset.folder / take.shapes) {
     clip_ = read_clip(dataset, take, character.skeleton);
-    const std::set<int> unconverged = unconverged_frames(dataset, take);
+    std::set<int> wrecks = unconverged_frames(dataset, take);
+    wrecks.merge(replaced_frames(dataset, take));
     for (std::size_t k = 0; k < take.frames.size(); ++k) {
-      if (!unconverged.contains(take.frames[k])) solved_.push_back(k);
+      if (!wrecks.contains(take.frames[k])) solved_.push_back(k);
     }
     result_.name = take.name;
     result_.points = reader_.point_count();
@@ -225,7 +226,8 @@ class TakeChecker {
   const DatasetTake& take_;
   ShapeReader reader_;
   Clip clip_;
-  std::vector<std::size_t> solved_;  // samples, without those that training leaves out: they may be wrecks
+  std::vector<std::size_t>
+      solved_;  // samples, without those that training leaves out or does not see: they may be wrecks
   std::vector<std::size_t> probes_;
   TakeCheck result_;
 };

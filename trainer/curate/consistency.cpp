@@ -1,6 +1,6 @@
-// consistency: takes from every frame how it deviates from the local models of the frames around its pose, smoothed
-// over the skin and capped, several times over. What slopes with the pose is no deviation: bulges at the ends of the
-// range keep their size.
+// consistency: takes from every frame what passes by its pose disagree in, smoothed over the skin and capped, several
+// times over. What changes with the pose is in all passes: bulges at the ends of the range keep their size. Frames held
+// out are neither moved nor asked: they judge.
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "geometry/laplacian.h"
@@ -57,11 +57,13 @@ Displacements made_consistent(const ModifierInput& input, const ConsistencySetti
   const PoseDatabase& database = input.database;
   const std::vector<SkinPart> parts = skin_parts(database);
   std::vector<LocalModels> models;
-  std::vector<char> moves = input.selected;
+  std::vector<char> used = input.selected;
+  for (std::size_t n = 0; n < used.size(); ++n) used[n] = used[n] && !database.frames[n].heldout;
+  std::vector<char> moves = used;
   for (std::size_t n = 0; n < moves.size(); ++n) moves[n] = moves[n] && !input.frozen[n];
   Progress progress("curate: consistency", parts.size() + static_cast<std::size_t>(settings.iterations));
   for (const SkinPart& part : parts) {
-    models.push_back(local_models(database, part, settings.degrees, input.selected, input.frozen));
+    models.push_back(local_models(database, part, settings.degrees, used, input.frozen));
     progress.advance();
   }
   const SkinSmoother smoother(database.character.vertices, database.character.triangles, settings.smooth);

@@ -12,15 +12,13 @@ Displacements part_deviations(const Displacements& displacements, const SkinPart
   Displacements result = Displacements::Zero(displacements.rows(), 3 * static_cast<Index>(vertices.size()));
   parallel_for(models.shares.size(), [&](std::size_t n) {
     if (models.shares[n].empty()) return;
-    const auto add = [&](std::size_t frame, double share) {
-      const float factor = static_cast<float>(share);
+    for (const FrameShare& other : models.shares[n]) {
+      const float share = static_cast<float>(other.share);
       for (std::size_t k = 0; k < vertices.size(); ++k) {
         result.row(static_cast<Index>(n)).segment<3>(3 * static_cast<Index>(k)) +=
-            factor * displacements.row(static_cast<Index>(frame)).segment<3>(3 * Index{vertices[k]});
+            share * displacements.row(static_cast<Index>(other.frame)).segment<3>(3 * Index{vertices[k]});
       }
-    };
-    add(n, 1);
-    for (const FrameShare& other : models.shares[n]) add(other.frame, -other.share);
+    }
   });
   return result;
 }

@@ -1,4 +1,4 @@
-// How far every frame's shape is from what the frames around it say.
+// How far every frame's shape is from what other passes by its pose say.
 #pragma once
 
 #include <functional>
@@ -9,8 +9,8 @@
 
 namespace bodyopt {
 
-// N x 3 part vertices, of every frame, un-posed, metres: its displacement less its local model's. `displacements`: N x
-// 3V. Zero where nothing else passes by.
+// N x 3 part vertices, of every frame, un-posed, metres: what its pass alone has there. `displacements`: N x 3V. Zero
+// where nothing else passes by.
 Displacements part_deviations(const Displacements& displacements, const SkinPart& part, const LocalModels& models);
 
 // The displacements of every frame, N x 3V. Shows progress under a title.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assets/frame_range.h"
 #include "assets/notes.h"
 #include "assets/pc2.h"
 #include "base/content_hash.h"
@@ -46,14 +47,23 @@ std::string free_name(const Modifiers& modifiers, const Modifier& modifier) {
   return name;
 }
 
-// Un-posed offsets, kept in a file that is named by what is in it. Returns its name in the dataset's folder.
-std::string keep_offsets(const Dataset& dataset, const std::string& modifier, const std::vector<float>& offsets) {
+// Samples of a modifier (all of one size), kept in a file that is named by what is in it. Returns its name in the
+// dataset's folder.
+std::string keep_samples(const Dataset& dataset, const std::string& modifier, std::size_t count,
+                         const std::function<std::vector<float>(std::size_t k)>& sample) {
   ContentHash hash;
-  hash.append(offsets.data(), offsets.size() * sizeof(float));
+  std::size_t size = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::vector<float> own = sample(k);
+    ContentHash of_sample;
+    of_sample.append(own.data(), own.size() * sizeof(float));
+    hash.add(of_sample.value());
+    size = own.size();
+  }
   const std::string name = "modifiers/" + modifier + "-" + hexadecimal(hash.value()) + ".pc2";
   fs::create_directories(dataset.folder / "modifiers");
-  Pc2Writer writer(dataset.folder / name, static_cast<std::uint32_t>(offsets.size() / 3), 1);
-  writer.append(offsets);
+  Pc2Writer writer(dataset.folder / name, static_cast<std::uint32_t>(size / 3), static_cast<std::uint32_t>(count));
+  for (std::size_t k = 0; k < count; ++k) writer.append(sample(k));
   writer.close();
   return name;
 }
@@ -172,6 +182,19 @@ void check_modifier(const PoseDatabase& database, const Modifier& modifier) {
   const ShapeStack stack(std::move(alone));
 }
 
+void put_shapes_over(const fs::path& path, const std::string& take, const std::vector<int>& frames,
+                     const ShapeReader& shapes, const std::vector<std::uint32_t>& samples) {
+  edit_modifiers(path, [&](const Dataset& dataset, Modifiers& modifiers) {
+    Modifier over{.name = free_name(modifiers, {.type = "replaced"}), .type = "blend"};
+    over.parameters = {{"take", take}, {"frames", format_frame_range(frames)}};
+    over.parameters["cache"] =
+        keep_samples(dataset, "replaced", frames.size(), [&](std::size_t k) { return shapes.sample(samples[k]); });
+    const auto place =
+        std::find_if(modifiers.begin(), modifiers.end(), [](const Modifier& there) { return there.type != "blend"; });
+    modifiers.insert(place, std::move(over));
+  });
+}
+
 std::vector<std::string> add_sculpt(const fs::path& path, const std::string& name, const std::string& take, int frame,
                                     const std::vector<float>& mesh, bool unposed, double spread_degrees) {
   std::vector<std::string> notes;
@@ -193,7 +216,8 @@ std::vector<std::string> add_sculpt(const fs::path& path, const std::string& nam
     const Positions after = unposed ? Positions(given - character.vertices) : space.offsets(given);
     if (!after.allFinite()) throw Error(ErrorKind::mismatch, "the sculpt holds a number that is not finite");
     notes = sculpt_notes(character, character.vertices + before, character.vertices + after);
-    const std::string offsets = keep_offsets(dataset, name, output_from_welded(character, after - before));
+    const std::string offsets =
+        keep_samples(dataset, name, 1, [&](std::size_t) { return output_from_welded(character, after - before); });
     if (there == modifiers.end()) modifiers.push_back({.name = name, .type = "sculpt"});
     if (modifiers[place].type != "sculpt") {
       throw Error(ErrorKind::usage, "the modifier '" + name + "' is of the type " + modifiers[place].type);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "assets/shape_reader.h"
 #include "dataset/dataset.h"
 #include "trainer/curate/pose_database.h"
 
@@ -34,6 +35,12 @@ void remove_modifier(const std::filesystem::path& path, const std::string& name)
 // parameter, take, frame, joint, muscle or region, an empty selection, a mesh of another topology, a number that is not
 // finite.
 void check_modifier(const PoseDatabase& database, const Modifier& modifier);
+
+// Shapes that come in the place of frames that a take has: a modifier of the type blend, below all but those of its
+// kind that begin the stack, so that what was done to the frames is done to them. `samples`: of `shapes`, that of every
+// frame. Its cache is named by what is in it. Throws Error(file).
+void put_shapes_over(const std::filesystem::path& path, const std::string& take, const std::vector<int>& frames,
+                     const ShapeReader& shapes, const std::vector<std::uint32_t>& samples);
 
 // An artist's mesh of a frame (O x 3, output vertices, metres; posed, or where `unposed`, as export wrote it un-posed):
 // what it differs by from the frame as the stack leaves it becomes a sculpt of the modifier `name`, which is made where

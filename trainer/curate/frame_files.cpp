@@ -1,15 +1,20 @@
 #include "trainer/curate/frame_files.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <set>
 #include <sstream>
 
+#include "assets/clip_source.h"
+#include "assets/notes.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "trainer/curate/match_vertices.h"
 
 namespace bodyopt {
 namespace {
@@ -80,22 +85,83 @@ std::set<std::vector<Corner>> sorted_triangles(const Character& character) {
   return triangles;
 }
 
-void check_faces(const Character& character, const ObjMesh& mesh, const std::filesystem::path& path) {
+bool has_its_faces(const Character& character, const ObjMesh& mesh) {
   const std::set<std::vector<Corner>> known = sorted_triangles(character);
-  for (std::vector<Corner> face : mesh.faces) {
-    if (face.size() != 3) continue;
+  return std::all_of(mesh.faces.begin(), mesh.faces.end(), [&](std::vector<Corner> face) {
     std::sort(face.begin(), face.end());
-    if (known.contains(face)) continue;
-    throw Error(ErrorKind::mismatch, path.string() + ": the face of the vertices " + std::to_string(face[0] + 1) +
-                                         ", " + std::to_string(face[1] + 1) + " and " + std::to_string(face[2] + 1) +
-                                         " is none of the character's: its vertices stand in another order, or it was "
-                                         "triangulated anew");
+    return face.size() != 3 || known.contains(face);
+  });
+}
+
+std::string likely_cause(const Character& character, std::size_t found) {
+  if (found == static_cast<std::size_t>(character.vertices.rows())) return "vertices along UV seams were merged";
+  return found > character.output_count() ? "it was subdivided, or holds more than the skin"
+                                          : "vertices were merged or deleted";
+}
+
+std::string both_counts(const Character& character, const std::filesystem::path& path, std::size_t found) {
+  return path.string() + ": it has " + std::to_string(found) + " vertices, the character's skin " +
+         std::to_string(character.output_count()) + " (" + std::to_string(character.vertices.rows()) +
+         " without seams): ";
+}
+
+// A surface whose vertices stand in an order of their own.
+struct GivenSurface {
+  Positions vertices;
+  Triangles triangles;
+};
+
+// Without what a file repeats along seams. Faces of more corners become fans.
+GivenSurface surface_of(const ObjMesh& mesh) {
+  const std::size_t count = mesh.positions.size() / 3;
+  std::map<std::array<float, 3>, Corner> places;
+  std::vector<Corner> welded(count);
+  for (std::size_t v = 0; v < count; ++v) {
+    const std::array<float, 3> place{mesh.positions[3 * v], mesh.positions[3 * v + 1], mesh.positions[3 * v + 2]};
+    welded[v] = places.emplace(place, static_cast<Corner>(places.size())).first->second;
   }
+  GivenSurface surface;
+  surface.vertices.resize(static_cast<Eigen::Index>(places.size()), 3);
+  for (const auto& [place, number] : places) {
+    surface.vertices.row(number) << double{place[0]}, double{place[1]}, double{place[2]};
+  }
+  std::vector<Corner> corners;
+  for (const std::vector<Corner>& face : mesh.faces) {
+    for (std::size_t k = 2; k < face.size(); ++k) {
+      corners.insert(corners.end(), {welded[face[0]], welded[face[k - 1]], welded[face[k]]});
+    }
+  }
+  surface.triangles = Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+  return surface;
+}
+
+Positions in_own_order(const Character& character, const Positions& exported, const GivenSurface& given,
+                       const std::filesystem::path& path) {
+  const auto found = static_cast<std::size_t>(given.vertices.rows());
+  if (given.vertices.rows() != exported.rows()) {
+    throw Error(ErrorKind::mismatch, both_counts(character, path, found) + likely_cause(character, found));
+  }
+  constexpr double kUnmoved = 1e-6;  // of the size: files round
+  const double size = (exported.colwise().maxCoeff() - exported.colwise().minCoeff()).norm();
+  const std::vector<int> match =
+      match_vertices(exported, character.triangles, given.vertices, given.triangles, kUnmoved * size);
+  Positions result = exported;
+  const auto lost = static_cast<std::size_t>(std::count(match.begin(), match.end(), -1));
+  if (lost > 0) {
+    throw Error(ErrorKind::mismatch,
+                both_counts(character, path, found) + "which of them " + count_of(lost, "vertex is", "vertices are") +
+                    " is not to be told: their order is not the character's, nor are the faces, or all of it was moved "
+                    "(keep the vertex order, or another pose was exported)");
+  }
+  for (std::size_t v = 0; v < match.size(); ++v)
+    result.row(match[v]) = given.vertices.row(static_cast<Eigen::Index>(v));
+  return result;
 }
 
 }  // namespace
 
-void write_obj(const Character& character, const std::vector<float>& positions, const std::filesystem::path& path) {
+void write_frame_obj(const Character& character, const std::vector<float>& positions,
+                     const std::filesystem::path& path) {
   std::string text = "# " + character.name + "\n";
   char line[96];
   for (std::size_t v = 0; v < positions.size(); v += 3) {
@@ -111,18 +177,33 @@ void write_obj(const Character& character, const std::vector<float>& positions, 
   write_file_atomically(path, std::as_bytes(std::span(text)));
 }
 
-std::vector<float> read_obj(const Character& character, const std::filesystem::path& path) {
-  ObjMesh mesh = parse_obj(path);
-  const std::size_t found = mesh.positions.size() / 3, expected = character.output_count();
-  if (found != expected) {
-    std::string cause =
-        found > expected ? "it was subdivided, or holds more than the skin" : "vertices were merged or deleted";
-    if (found == static_cast<std::size_t>(character.vertices.rows())) cause = "vertices along UV seams were merged";
-    throw Error(ErrorKind::mismatch, path.string() + ": it has " + std::to_string(found) +
-                                         " vertices, the character's skin " + std::to_string(expected) + ": " + cause);
+void write_frame_gltf(const Character& character, const Positions& skin, const Pose& pose,
+                      const std::filesystem::path& path) {
+  Character posed = character;
+  posed.vertices = skin;
+  const std::vector<Affine> joints = posed_joints(character.skeleton, pose.joints);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    Joint& joint = posed.skeleton.joints[j];
+    joint.bind = joint.default_local = pose.joints[j];
+    joint.inverse_bind = inverse(joints[j]);
   }
-  check_faces(character, mesh, path);
-  return std::move(mesh.positions);
+  write_character(posed, path);
+}
+
+std::vector<float> read_frame_mesh(const Character& character, const Positions& exported,
+                                   const std::filesystem::path& path) {
+  GivenSurface given;
+  if (lower_case_extension(path) == ".obj") {
+    ObjMesh mesh = parse_obj(path);
+    if (mesh.positions.size() == 3 * std::size_t{character.output_count()} && has_its_faces(character, mesh)) {
+      return std::move(mesh.positions);
+    }
+    given = surface_of(mesh);
+  } else {
+    const Character read = read_character(path, 1);
+    given = {read.vertices, read.triangles};
+  }
+  return output_from_welded(character, in_own_order(character, exported, given, path));
 }
 
 }  // namespace bodyopt

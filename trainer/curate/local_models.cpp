@@ -14,10 +14,12 @@ namespace {
 
 using Eigen::Index;
 
-constexpr std::size_t kMostNeighbours = 48;
+constexpr std::size_t kMostNeighbours = 48, kMostOfPass = 8;
 constexpr double kAnchor = 10;
-// On the slopes, in units of the neighbourhood's size: directions that the neighbours do not span stay flat.
-constexpr double kSlopePenalty = 1e-3;
+// On slopes, per weight of the neighbours and in units of the reach, and on what a pass is off by: passes that lie
+// closer together than about a third of the reach disagree, those further apart may differ by a slope.
+constexpr double kSlopePenalty = 2e-4, kPassPenalty = 0.02;
+constexpr double kLeastStep = 0.1 * std::numbers::pi / 180;  // radians: shorter ones have no direction of their own
 
 struct Neighbour {
   std::size_t frame = 0;
@@ -32,17 +34,39 @@ double nearness(double distance) {
   return left > 0 ? left * left : 0;
 }
 
-// Numbers those that follow each other in one take alike. `near`: by rising frame.
-void number_passes(const PoseDatabase& database, std::vector<Neighbour>& near) {
+// Whether a frame of the database follows the one before it in its take.
+bool follows(const PoseDatabase& database, std::size_t before, std::size_t frame) {
+  return frame - before <= 2 && database.frames[frame].take == database.frames[before].take;
+}
+
+// Of every frame: stretches of a take that go one way. Where one turns back the next begins; what led to the turn is
+// what it has of history.
+std::vector<int> stretches_of(const PoseDatabase& database, const SkinPart& part) {
+  std::vector<int> stretches(database.frames.size(), 0);
+  Eigen::VectorXd last_step;
+  for (std::size_t n = 1; n < stretches.size(); ++n) {
+    const bool goes_on = follows(database, n - 1, n);
+    const Eigen::VectorXd step = pose_difference(database.frames[n - 1].pose, database.frames[n].pose, part.joints);
+    const bool moves = goes_on && step.norm() > kLeastStep;
+    const bool turns = moves && last_step.size() > 0 && step.dot(last_step) < 0;
+    stretches[n] = stretches[n - 1] + (goes_on && !turns ? 0 : 1);
+    if (!goes_on) last_step.resize(0);
+    if (moves) last_step = step;
+  }
+  return stretches;
+}
+
+// Numbers alike what is of one stretch and was not away in between. `near`: by rising frame.
+void number_passes(const PoseDatabase& database, const std::vector<int>& stretches, std::vector<Neighbour>& near) {
   for (std::size_t k = 1; k < near.size(); ++k) {
-    const bool follows = near[k].frame - near[k - 1].frame <= 2 &&
-                         database.frames[near[k].frame].take == database.frames[near[k - 1].frame].take;
-    near[k].pass = near[k - 1].pass + (follows ? 0 : 1);
+    const std::size_t before = near[k - 1].frame, frame = near[k].frame;
+    const bool same = follows(database, before, frame) && stretches[before] == stretches[frame];
+    near[k].pass = near[k - 1].pass + (same ? 0 : 1);
   }
 }
 
 std::vector<Neighbour> neighbours_of(const PoseDatabase& database, const SkinPart& part, std::size_t frame,
-                                     double reach, const std::vector<char>& used) {
+                                     double reach, const std::vector<int>& stretches, const std::vector<char>& used) {
   std::vector<Neighbour> near;
   for (std::size_t n = 0; n < database.frames.size(); ++n) {
     if (!used[n] || !is_near(database.frames[frame].pose, database.frames[n].pose, part.joints, 1.001 * reach))
@@ -51,40 +75,51 @@ std::vector<Neighbour> neighbours_of(const PoseDatabase& database, const SkinPar
     other.distance = other.difference.norm();
     if (other.distance < 1) near.push_back(std::move(other));
   }
-  number_passes(database, near);
+  number_passes(database, stretches, near);
   return near;
 }
 
-// A pass weighs what its nearest frame does, shared among its frames.
-std::vector<double> weights_of(const std::vector<Neighbour>& near, const std::vector<char>& anchors) {
-  std::map<int, std::pair<double, double>> passes;  // largest, sum
-  std::vector<double> weights;
-  for (const Neighbour& other : near) {
-    weights.push_back(nearness(other.distance) * (anchors[other.frame] ? kAnchor : 1));
-    auto& [largest, sum] = passes[other.pass];
-    largest = std::max(largest, weights.back());
-    sum += weights.back();
-  }
-  for (std::size_t k = 0; k < near.size(); ++k) {
-    const auto& [largest, sum] = passes[near[k].pass];
-    if (sum > 0) weights[k] *= largest / sum;
-  }
-  return weights;
+// The nearest, of every pass a few. `near`: by rising distance.
+void keep_nearest(std::vector<Neighbour>& near) {
+  std::map<int, std::size_t> kept;
+  std::erase_if(near, [&](const Neighbour& other) { return ++kept[other.pass] > kMostOfPass; });
+  if (near.size() > kMostNeighbours) near.resize(kMostNeighbours);
 }
 
-std::vector<FrameShare> fit(const std::vector<Neighbour>& near, const std::vector<double>& weights) {
-  const Index count = static_cast<Index>(near.size()), features = near.front().difference.size();
-  Eigen::MatrixXd rows(count, features + 1);
-  Eigen::VectorXd weight(count);
-  for (Index k = 0; k < count; ++k) {
-    rows(k, 0) = 1;
-    rows.row(k).tail(features) = near[static_cast<std::size_t>(k)].difference.transpose();
-    weight[k] = weights[static_cast<std::size_t>(k)];
+// A column for every pass, and how much weighs against its being off: more if it stays. All passes weigh alike, however
+// many frames they have; one that comes barely near has little weight to begin with.
+std::map<int, std::pair<Index, double>> pass_columns(const std::vector<Neighbour>& near, Index first,
+                                                     const std::vector<char>& anchors) {
+  std::map<int, std::pair<Index, double>> columns;
+  for (const Neighbour& other : near) {
+    const Index next = first + static_cast<Index>(columns.size());
+    auto& [column, penalty] = columns.try_emplace(other.pass, next, 0.0).first->second;
+    const double weight = kPassPenalty * (anchors[other.frame] ? kAnchor : 1);
+    penalty = std::max(penalty, weight);
   }
+  return columns;
+}
+
+// What of the shapes of the neighbours adds up to what their pass `own` is off by.
+std::vector<FrameShare> fit(const std::vector<Neighbour>& near, int own, const std::vector<char>& anchors) {
+  const Index count = static_cast<Index>(near.size()), features = near.front().difference.size();
+  const std::map<int, std::pair<Index, double>> passes = pass_columns(near, features + 1, anchors);
+  const Index columns = features + 1 + static_cast<Index>(passes.size());
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(count, columns);
+  Eigen::VectorXd weight(count), penalty = Eigen::VectorXd::Zero(columns);
+  for (Index k = 0; k < count; ++k) {
+    const Neighbour& other = near[static_cast<std::size_t>(k)];
+    rows(k, 0) = 1;
+    rows.row(k).segment(1, features) = other.difference.transpose();
+    rows(k, passes.at(other.pass).first) = 1;
+    weight[k] = nearness(other.distance);
+  }
+  penalty.segment(1, features).setConstant(kSlopePenalty * weight.sum());
+  for (const auto& [pass, column] : passes) penalty[column.first] = column.second;
   Eigen::MatrixXd normal = rows.transpose() * weight.asDiagonal() * rows;
-  normal.diagonal().tail(features).array() += kSlopePenalty * weight.sum();
-  const Eigen::VectorXd first = normal.ldlt().solve(Eigen::VectorXd::Unit(features + 1, 0));
-  const Eigen::VectorXd shares = weight.asDiagonal() * (rows * first);
+  normal.diagonal() += penalty;
+  const Eigen::VectorXd wanted = normal.ldlt().solve(Eigen::VectorXd::Unit(columns, passes.at(own).first));
+  const Eigen::VectorXd shares = weight.asDiagonal() * (rows * wanted);
   std::vector<FrameShare> result;
   for (Index k = 0; k < count; ++k) result.push_back({near[static_cast<std::size_t>(k)].frame, shares[k]});
   return result;
@@ -123,19 +158,20 @@ LocalModels local_models(const PoseDatabase& database, const SkinPart& part, dou
   models.shares.resize(database.frames.size());
   models.others.resize(database.frames.size());
   models.neighbours.resize(database.frames.size(), 0);
+  const std::vector<int> stretches = stretches_of(database, part);
   parallel_for(database.frames.size(), [&](std::size_t n) {
     if (!used[n]) return;
-    std::vector<Neighbour> near = neighbours_of(database, part, n, reach, used);
+    std::vector<Neighbour> near = neighbours_of(database, part, n, reach, stretches, used);
     models.neighbours[n] = static_cast<int>(near.size());
     if (near.back().pass == 0) return;
     const auto own = std::find_if(near.begin(), near.end(), [n](const Neighbour& k) { return k.frame == n; });
     const int own_pass = own->pass;
     std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.distance < b.distance; });
-    if (near.size() > kMostNeighbours) near.resize(kMostNeighbours);
+    keep_nearest(near);
     for (const Neighbour& other : near) {
       if (other.pass != own_pass) models.others[n].push_back(other.frame);
     }
-    if (!models.others[n].empty()) models.shares[n] = fit(near, weights_of(near, anchors));
+    if (!models.others[n].empty()) models.shares[n] = fit(near, own_pass, anchors);
   });
   return models;
 }

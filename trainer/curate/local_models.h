@@ -1,8 +1,10 @@
-// What the frames around a frame say of its shape: per part of the skin, a local affine model of shape over pose.
-//   y(f) = a + B f  by weighted least squares over the frames near in the part's pose space (Cleveland & Devlin 1988),
-// which is linear in the shapes: the model at the frame itself is sum_m s_m y_m.
-// A motion that passes by counts once, however many frames it has there: frames beside each other in time share what
-// they have of history, and agree where passes do not.
+// What passes of the motion by a pose disagree in: per part of the skin, a local affine model of shape over pose
+// (weighted least squares over the frames near in the part's pose space, Cleveland & Devlin 1988) with an effect of
+// each pass,
+//   y_m = a + B f_m + o_pass(m),   min sum_m w_m |y_m - a - B f_m - o|^2 + kappa |B|^2 + lambda sum_p |o_p|^2,
+// a mixed model (Henderson 1975). A pass is a stretch of a take in one direction: its frames share what they have of
+// history. What slopes and curves along a pass is in all of its frames and stays; o is what it alone has. Linear in the
+// shapes: o at a frame is sum_m s_m y_m.
 #pragma once
 
 #include <vector>
@@ -27,12 +29,14 @@ struct SkinPart {
 std::vector<SkinPart> skin_parts(const PoseDatabase& database);
 
 struct LocalModels {
-  std::vector<std::vector<FrameShare>> shares;   // of every frame; none where nothing else passes by its pose
+  // Of every frame: what of whose displacements adds up to the effect of its pass; none where no other passes by.
+  std::vector<std::vector<FrameShare>> shares;
   std::vector<std::vector<std::size_t>> others;  // of every frame: those of other passes near it, the nearest first
   std::vector<int> neighbours;                   // how many frames are near
 };
 
-// `degrees`: how far frames are that say nothing. Frames that are not `used` are left out; `anchors` count ten times.
+// `degrees`: how far frames are that say nothing. Frames that are not `used` are left out; effects of passes with
+// `anchors` weigh ten times.
 LocalModels local_models(const PoseDatabase& database, const SkinPart& part, double degrees,
                          const std::vector<char>& used, const std::vector<char>& anchors);
 

@@ -41,7 +41,7 @@ struct ModifierInput {
 };
 
 struct ModifierType {
-  enum class Effect { shape, drop, freeze, mirror };
+  enum class Effect { shape, drop, weight, freeze, mirror };
   const char* name;
   const char* what;  // one line
   Effect effect;

@@ -51,6 +51,7 @@ std::span<const ModifierType> modifier_types() {
       {"inflate", "the skin along its normals", Effect::shape, true, {"distance_mm"}, prepare_inflate},
       {"symmetry", "adds every frame's mirror image, pose and shape", Effect::mirror, false, {}, nullptr},
       {"drop", "leaves frames out", Effect::drop, false, {}, nullptr},
+      {"weight", "how much frames count in training", Effect::weight, false, {"weight"}, nullptr},
       {"freeze", "frames or parts that no automatic modifier changes", Effect::freeze, false, {}, nullptr},
   };
   return types;

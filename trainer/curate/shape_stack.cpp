@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "assets/frame_range.h"
 #include "base/content_hash.h"
 #include "dataset/file_hashes.h"
 #include "runtime/core/error.h"
@@ -24,6 +25,7 @@ struct ShapeStack::Layer {
 
 ShapeStack::ShapeStack(PoseDatabase database) : database_(std::move(database)), raw_frames_(database_.frames.size()) {
   dropped_.assign(raw_frames_, false);
+  weights_.assign(raw_frames_, 1);
   const std::vector<Modifier>& modifiers = database_.dataset.modifiers;
   // What is frozen counts for the whole stack.
   for (const bool freeze : {true, false}) {
@@ -79,6 +81,8 @@ void ShapeStack::add(std::size_t place, const Modifier& modifier, const Modifier
     case ModifierType::Effect::drop:
       for (std::size_t n = 0; n < dropped_.size(); ++n) dropped_[n] |= layer.selected[n];
       return;
+    case ModifierType::Effect::weight:
+      return add_weight(layer);
     case ModifierType::Effect::freeze:
       freezes_.push_back(std::move(layer));
       return;
@@ -99,6 +103,20 @@ void ShapeStack::add_shape(std::size_t place, Layer layer, const ModifierType& t
   layers_.push_back(std::move(layer));
 }
 
+void ShapeStack::add_weight(const Layer& layer) {
+  constexpr double kLargestWeight = 1000;
+  const Modifier& modifier = *layer.modifier;
+  if (!modifier.mask.empty()) {
+    throw Error(ErrorKind::mismatch, layer.name + " has a mask: frames count as a whole");
+  }
+  const std::filesystem::path path = database_.dataset.folder / "dataset.json";
+  const JsonObject parameters(modifier.parameters, path, layer.name);
+  const double weight = parameters.number("weight", 0, kLargestWeight);
+  for (std::size_t n = 0; n < weights_.size(); ++n) {
+    if (layer.selected[n]) weights_[n] *= 1 + modifier.strength * (weight - 1);
+  }
+}
+
 void ShapeStack::add_mirror_images(std::size_t place) {
   if (mirror_) throw Error(ErrorKind::mismatch, "the stack has two symmetry modifiers; expected one at most");
   mirror_ = std::make_unique<MirrorImage>(database_.character, database_.controls);
@@ -114,6 +132,7 @@ void ShapeStack::add_mirror_images(std::size_t place) {
     frame.pose = mirror_->pose(frame.pose);
     database_.frames.push_back(std::move(frame));
     dropped_.push_back(dropped_[n]);
+    weights_.push_back(weights_[n]);
   }
   // What came before acts on the images through what they are images of.
   for (std::vector<Layer>* layers : {&layers_, &freezes_}) {
@@ -151,7 +170,6 @@ Positions ShapeStack::offsets(std::size_t frame, std::size_t count) const {
   return offsets;
 }
 
-// The raw shape, or the mirror image of what another frame has become.
 Positions ShapeStack::begun(std::size_t frame) const {
   if (frame < raw_frames_) return database_.raw_shape(frame);
   return mirror_->shape(posed(frame - raw_frames_, mirror_place_));
@@ -175,12 +193,23 @@ Eigen::VectorXd ShapeStack::frozen_part(std::size_t frame) const {
   return frozen;
 }
 
+namespace {
+
+// Raised whenever a modifier that looks at all frames makes something else of them.
+constexpr std::uint64_t kCacheVersion = 2;
+
+}  // namespace
+
 // Named by a hash of what the modifier at a place sees: the files of the dataset, the modifiers up to it, and the files
 // that these name.
 std::string ShapeStack::cache_name(std::size_t place) const {
   const Dataset& dataset = database_.dataset;
   ContentHash hash;
+  hash.add(kCacheVersion);
   for (const HashedFile& file : hashed_files(dataset)) hash.add(file.xxh3);
+  for (const DatasetTake& take : dataset.takes) {
+    hash.add(take.name + ':' + format_frame_range(take.frames) + ':' + format_frame_range(take.heldout));
+  }
   hash.add(dataset.selections.dump());
   for (std::size_t k = 0; k < dataset.modifiers.size(); ++k) {
     const Modifier& modifier = dataset.modifiers[k];

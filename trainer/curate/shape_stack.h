@@ -32,6 +32,8 @@ class ShapeStack {
   const std::vector<std::string>& notes() const { return notes_; }
   // Whether a frame is left out of training.
   bool is_dropped(std::size_t frame) const { return dropped_[frame]; }
+  // How many times a frame counts in training; 1 where no modifier says otherwise.
+  double weight(std::size_t frame) const { return weights_[frame]; }
   // Whether any modifier changes a frame's shape; if none does, the shape is the raw one, bit for bit.
   bool is_changed(std::size_t frame) const;
 
@@ -39,6 +41,8 @@ class ShapeStack {
   Positions shape(std::size_t frame) const;
   // The same un-posed, as the first `count` modifiers (of all, also those that are off) leave it.
   Positions offsets(std::size_t frame, std::size_t count) const;
+  // Posed, as the stack begins with it: raw, or the mirror image of what another frame has become.
+  Positions begun(std::size_t frame) const;
   const UnposedSpace& space() const;
 
  private:
@@ -46,9 +50,9 @@ class ShapeStack {
 
   void add(std::size_t place, const Modifier& modifier, const ModifierType& type);
   void add_mirror_images(std::size_t place);
+  void add_weight(const Layer& layer);
   void add_shape(std::size_t place, Layer layer, const ModifierType& type);
   Positions posed(std::size_t frame, std::size_t count) const;
-  Positions begun(std::size_t frame) const;
   void apply(const Layer& layer, const FrameInHand& frame, Positions& offsets) const;
   Eigen::VectorXd frozen_part(std::size_t frame) const;
   std::string cache_name(std::size_t place) const;
@@ -56,6 +60,7 @@ class ShapeStack {
   PoseDatabase database_;
   std::vector<std::string> notes_;
   std::vector<char> dropped_;
+  std::vector<double> weights_;
   std::vector<Layer> layers_, freezes_;
   mutable std::once_flag space_made_;            // shapes are asked for by several threads
   mutable std::unique_ptr<UnposedSpace> space_;  // made with the first modifier

@@ -4,9 +4,12 @@
 
 #include "assets/pc2.h"
 #include "runtime/core/error.h"
+#include "trainer/curate/prune.h"
 
 namespace bodyopt {
 namespace {
+
+constexpr std::uint64_t kLargestCache = std::uint64_t{4} << 30;  // bytes, of all together
 
 class InMemory : public ShapeModifier {
  public:
@@ -69,6 +72,7 @@ void cache_offsets(const Displacements& changes, const std::filesystem::path& ca
     writer.append({changes.row(n).data(), static_cast<std::size_t>(changes.cols())});
   }
   writer.close();
+  bound_cache(cache.parent_path(), kLargestCache, cache);
 }
 
 }  // namespace bodyopt

@@ -54,7 +54,8 @@ SampleSet read_samples(const Dataset& dataset) {
   for (std::size_t n = 0; n < database.frames.size(); ++n) {
     if (stack->is_dropped(n)) continue;
     const DatabaseFrame& frame = database.frames[n];
-    (frame.heldout ? set.heldout : set.train).push_back({frame.take, frame.frame, frame.pose, {stack, n}});
+    (frame.heldout ? set.heldout : set.train)
+        .push_back({frame.take, frame.frame, frame.pose, {stack, n}, stack->weight(n)});
   }
   return set;
 }

@@ -18,6 +18,7 @@ struct Sample {
   int frame = 0;
   Pose pose;
   SampleShape shape;
+  double weight = 1;  // how many times it counts
 };
 
 // The dataset, split; shapes stay on disk. Unconverged frames are left out and counted.

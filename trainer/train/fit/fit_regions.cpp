@@ -171,13 +171,13 @@ RegionModel fit_region(const FitContext& context, std::size_t r, const PartFrame
   RegionModel best = model;
   for (const std::vector<std::uint32_t>& choice : context.layout.choices[r]) {
     choose_features(features, choice, most_features(options.method), model);
-    const double error = trial_error(regression_data(features, model, context.folds), centres);
+    const double error = trial_error(regression_data(features, model, context.folds, context.weights), centres);
     if (!(error < least)) continue;
     least = error;
     best = model;
   }
   model = std::move(best);
-  const RegressionData chosen = regression_data(features, model, context.folds);
+  const RegressionData chosen = regression_data(features, model, context.folds, context.weights);
   for (const int fraction : kCentreFractions) {
     model.fits.push_back(fit_regression(chosen, centres / fraction));
     if (centres == 0) break;
@@ -295,7 +295,7 @@ RegionModel updated(const FitContext& context, RegionModel model, Components all
   model.components = std::move(all);
   const Eigen::VectorXd lengths = component_lengths(model.components, model.region);
   for (Index k = 0; k < lengths.size(); ++k) scale_column(model, k, lengths[k]);
-  const RegressionData data = regression_data(context.ground.features, model, context.folds);
+  const RegressionData data = regression_data(context.ground.features, model, context.folds, context.weights);
   const int centres = context.options.method.kernels ? context.options.centres : 0;
   for (std::size_t f = 0; f < model.fits.size(); ++f) {
     model.fits[f] = refit_regression(data, centres / kCentreFractions[f], model.fits[f]);
@@ -324,7 +324,14 @@ FitContext::FitContext(const SampleSet& set, const Groundwork& groundwork, const
       layout(regions),
       options(train_options),
       folds(training_folds(set)),
+      weights(training_weights(set)),
       pairs(frames_of_one_pose(ground.features.values)) {}
+
+Eigen::VectorXd training_weights(const SampleSet& set) {
+  Eigen::VectorXd weights(static_cast<Index>(set.train.size()));
+  for (std::size_t n = 0; n < set.train.size(); ++n) weights[static_cast<Index>(n)] = set.train[n].weight;
+  return weights;
+}
 
 std::vector<int> training_folds(const SampleSet& set) {
   std::vector<int> takes;

@@ -15,6 +15,7 @@ namespace bodyopt {
 
 // Of every training frame, see RegressionData.
 std::vector<int> training_folds(const SampleSet& set);
+Eigen::VectorXd training_weights(const SampleSet& set);
 
 // What every region is fitted to.
 struct FitContext {
@@ -24,6 +25,7 @@ struct FitContext {
   const Layout& layout;
   const TrainOptions& options;
   std::vector<int> folds;        // training_folds
+  Eigen::VectorXd weights;       // training_weights
   std::vector<FramePair> pairs;  // frames of one pose
 };
 

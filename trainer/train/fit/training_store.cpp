@@ -84,6 +84,7 @@ std::uint64_t frame_key(const SampleSet& set, const Sample& sample) {
   ContentHash hash;
   for (const JointTransform& joint : sample.pose.joints) hash.add(joint);
   hash.append(sample.pose.controls.data(), sample.pose.controls.size() * sizeof(float));
+  if (sample.weight != 1) hash.add(sample.weight);
   try {
     const Positions shape = sample.shape.read();
     hash.append(shape.data(), static_cast<std::size_t>(shape.size()) * sizeof(double));

@@ -36,13 +36,14 @@ constexpr std::uint32_t kMostCoefficients = 65536;
 
 }  // namespace
 
-RegressionData regression_data(const FeatureSamples& features, const RegionModel& region,
-                               const std::vector<int>& folds) {
+RegressionData regression_data(const FeatureSamples& features, const RegionModel& region, const std::vector<int>& folds,
+                               const Eigen::VectorXd& weights) {
   RegressionData data;
   const std::vector<Index> columns(region.features.begin(), region.features.end());
   data.features = features.values(Eigen::all, columns) * region.projection.transpose();
   data.rest = features.rest(columns) * region.projection.transpose();
   data.targets = region.components.coefficients;
+  data.weights = weights;
   data.folds = folds;
   return data;
 }

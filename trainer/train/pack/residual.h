@@ -40,9 +40,10 @@ struct ResidualModel {
 // Those of the training frames that cross-validation held out: all but guard frames.
 std::vector<Eigen::Index> heldout_frames(const ResidualModel& model);
 
-// What a region's regression learns from, in its coordinates. `features`: of all training frames.
-RegressionData regression_data(const FeatureSamples& features, const RegionModel& region,
-                               const std::vector<int>& folds);
+// What a region's regression learns from, in its coordinates. `features`: of all training frames, `folds` and `weights`
+// as RegressionData has them.
+RegressionData regression_data(const FeatureSamples& features, const RegionModel& region, const std::vector<int>& folds,
+                               const Eigen::VectorXd& weights = {});
 
 // What is kept of one region.
 struct SelectedRegion {

@@ -54,6 +54,12 @@ double median_distance(const MatrixXd& centres) {
   return *middle;
 }
 
+// N. What counts for nothing counts for a millionth: its error can be told.
+Eigen::VectorXd frame_weights(const RegressionData& data) {
+  if (data.weights.size() == 0) return Eigen::VectorXd::Ones(data.features.rows());
+  return data.weights.cwiseMax(1e-6);
+}
+
 // The fits that features, centres and width leave open: normal equations gathered once for all penalties.
 class KernelRidge {
  public:
@@ -63,6 +69,9 @@ class KernelRidge {
     MatrixXd regressors(data.features.rows(), data.features.cols() + centres.rows());
     regressors << data.features.rowwise() - data.rest,
         kernels(data.features, centres).rowwise() - kernels(data.rest, centres).row(0);
+    // A frame that counts twice is a row times the root of two.
+    scales_ = frame_weights(data).cwiseSqrt();
+    regressors.array().colwise() *= scales_.array();
     const int last = *std::max_element(data.folds.begin(), data.folds.end());
     for (int fold = -1; fold <= last; ++fold) {
       std::vector<Index> rows;
@@ -73,6 +82,8 @@ class KernelRidge {
       part.rows = rows;
       part.regressors = regressors(rows, Eigen::all);
       part.targets = data.targets(rows, Eigen::all);
+      part.targets.array().colwise() *= scales_(rows).array();
+      part.frames = scales_(rows).squaredNorm();
       part.normal = MatrixXd::Zero(regressors.cols(), regressors.cols());
       part.normal.selfadjointView<Eigen::Lower>().rankUpdate(part.regressors.transpose());
       part.right = part.regressors.transpose() * part.targets;
@@ -87,7 +98,7 @@ class KernelRidge {
     for (const Fold& held_out : folds_) {
       Sums sums = sums_without(&held_out);
       sum += (held_out.regressors * solve(std::move(sums), penalty) - held_out.targets).squaredNorm();
-      frames += static_cast<double>(held_out.targets.rows());
+      frames += held_out.frames;
     }
     return std::sqrt(sum / frames);
   }
@@ -101,6 +112,7 @@ class KernelRidge {
       errors(held_out.rows, Eigen::all) =
           held_out.regressors * solve(sums_without(&held_out), penalty) - held_out.targets;
     }
+    errors.array().colwise() /= scales_.array();
     return errors;
   }
 
@@ -115,7 +127,8 @@ class KernelRidge {
   struct Fold {
     std::vector<Index> rows;
     MatrixXd regressors, targets, right;
-    MatrixXd normal;  // its lower triangle
+    MatrixXd normal;    // its lower triangle
+    double frames = 0;  // as they count
   };
   struct Sums {
     MatrixXd normal, right;
@@ -123,7 +136,7 @@ class KernelRidge {
     void add(const Fold& fold) {
       normal += fold.normal;
       right += fold.right;
-      frames += static_cast<double>(fold.targets.rows());
+      frames += fold.frames;
     }
   };
 
@@ -155,8 +168,9 @@ class KernelRidge {
   }
 
   double inverse_width2_;
-  MatrixXd kernel_norm_;  // the kernels' inner products
-  Fold guards_;           // frames of no fold
+  MatrixXd kernel_norm_;    // the kernels' inner products
+  Eigen::VectorXd scales_;  // N: of every frame's row
+  Fold guards_;             // frames of no fold
   std::vector<Fold> folds_;
 };
 
@@ -225,9 +239,11 @@ Regression refit_regression(const RegressionData& data, int centre_count, const 
   Regression regression = at_centres(choose_centres(data, centre_count));
   const KernelRidge ridge(data, regression.centres, earlier.inverse_width2);
   finish(ridge, earlier.penalty, regression);
-  const auto guards = std::count(data.folds.begin(), data.folds.end(), -1);
-  const auto heldout = static_cast<double>(data.features.rows() - guards);
-  regression.validation_error = std::sqrt(regression.errors.squaredNorm() / heldout);
+  const Eigen::VectorXd weights = frame_weights(data);
+  double heldout = 0;
+  for (std::size_t n = 0; n < data.folds.size(); ++n) heldout += data.folds[n] < 0 ? 0 : weights[static_cast<Index>(n)];
+  const double squares = regression.errors.rowwise().squaredNorm().dot(weights);
+  regression.validation_error = std::sqrt(squares / heldout);
   return regression;
 }
 

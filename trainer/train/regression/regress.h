@@ -9,10 +9,11 @@
 namespace bodyopt {
 
 struct RegressionData {
-  Eigen::MatrixXd features;  // N x F, of like scales: a region's coordinates
-  Eigen::RowVectorXd rest;   // F: the features at rest, where the answer is zero
-  Eigen::MatrixXd targets;   // N x K
-  std::vector<int> folds;    // N: the cross-validation fold that holds each frame out, -1: used by none for fitting
+  Eigen::MatrixXd features;   // N x F, of like scales: a region's coordinates
+  Eigen::RowVectorXd rest;    // F: the features at rest, where the answer is zero
+  Eigen::MatrixXd targets;    // N x K
+  Eigen::VectorXd weights{};  // N: how many times each frame counts, 0 or more; empty: each once
+  std::vector<int> folds;     // N: the cross-validation fold that holds each frame out, -1: used by none for fitting
 };
 
 // On the linear weights (times the number of frames) and on the kernels' norm.

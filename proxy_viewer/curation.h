@@ -1,0 +1,47 @@
+// The dataset whose frames are looked at: what its panel shows, and edits of its stack.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "proxy_viewer/commands/controls.h"
+#include "proxy_viewer/panels/snapshot.h"
+#include "proxy_viewer/scene/scene.h"
+#include "trainer/curate/consistency_report.h"
+#include "trainer/curate/pose_map.h"
+
+namespace bodyopt {
+
+class Curation {
+ public:
+  // Of the lead, where its truth is a whole dataset; otherwise there is nothing to curate. Tells the controls what
+  // commands may name.
+  void look(const Scene& scene, Controls& controls);
+  // For the panel: the map in the colours asked for; errors are those of the snapshot.
+  void describe(const Controls& controls, Snapshot& snapshot) const;
+
+  bool is_open() const { return stack_ != nullptr; }
+  // Compares like poses of the whole dataset. Shows progress.
+  void find_contradictions(Controls& controls);
+  // Throws as change_modifier() and undo_modifiers().
+  void edit(const ModifierEdit& edit) const;
+  void step(bool back) const;
+
+ private:
+  void choose_region(const std::string& name);
+  std::vector<PoseDot> dots(const Controls& controls, const Snapshot& snapshot) const;
+  std::vector<double> values(const Controls& controls, const Snapshot& snapshot) const;
+  std::string frame_text(std::size_t number) const;
+  std::filesystem::path path() const { return stack_->database().dataset.folder / "dataset.json"; }
+
+  std::shared_ptr<const ShapeStack> stack_;
+  std::vector<std::size_t> numbers_;  // of the frames of the clip, in the database
+  std::vector<SkinPart> parts_;
+  std::string region_;
+  PoseMap map_;
+  std::optional<ConsistencyReport> report_;
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,21 @@
+// The poses of a database as points of a plane: along the two directions in which the joints that move a part of the
+// skin vary most.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "trainer/curate/local_models.h"
+
+namespace bodyopt {
+
+struct PoseMap {
+  Eigen::MatrixX2d places;      // N, degrees, around their mean
+  std::vector<int> neighbours;  // N: other frames whose poses are near
+  double spread = 0;            // root mean square distance from the mean of all directions, degrees
+};
+
+// `degrees`: how far poses are near.
+PoseMap pose_map(const PoseDatabase& database, const SkinPart& part, double degrees);
+
+}  // namespace bodyopt

@@ -1,0 +1,79 @@
+#include "trainer/curate/prune.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "dataset/stack_history.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+// All texts in a modifier's parameters: names of files are among them.
+void add_texts(const Json& json, std::set<std::string>& texts) {
+  if (json.is_string()) texts.insert(json.get<std::string>());
+  if (!json.is_structured()) return;
+  for (const Json& inner : json) add_texts(inner, texts);
+}
+
+void remove_file(const fs::path& path, PrunedFiles& pruned) {
+  std::error_code gone;  // by another process: as well
+  const std::uintmax_t size = fs::file_size(path, gone);
+  if (gone || !fs::remove(path, gone)) return;
+  ++pruned.files;
+  pruned.bytes += size;
+}
+
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code none;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
+    if (entry.is_regular_file(none) && entry.path().extension() == ".pc2") files.push_back(entry.path());
+  }
+  return files;
+}
+
+}  // namespace
+
+PrunedFiles prune_modifiers(const fs::path& path, bool history) {
+  PrunedFiles pruned;
+  look_at_stacks(path, history, [&](const Dataset& dataset, const std::vector<std::vector<Modifier>>& stacks) {
+    std::set<std::string> named;
+    for (const std::vector<Modifier>& stack : stacks) {
+      for (const Modifier& modifier : stack) add_texts(modifier.parameters, named);
+    }
+    for (const fs::path& file : files_in(dataset.folder / "modifiers")) {
+      if (!named.contains("modifiers/" + file.filename().string())) remove_file(file, pruned);
+    }
+    for (const fs::path& file : files_in(dataset.folder / "modifiers" / "cache")) remove_file(file, pruned);
+  });
+  return pruned;
+}
+
+void bound_cache(const fs::path& folder, std::uint64_t bytes, const fs::path& kept) {
+  struct Cache {
+    fs::file_time_type written;
+    std::uint64_t size;
+    fs::path path;
+  };
+  std::vector<Cache> caches;
+  std::uint64_t sum = 0;
+  for (const fs::path& file : files_in(folder)) {
+    std::error_code gone;
+    const Cache cache{fs::last_write_time(file, gone), fs::file_size(file, gone), file};
+    if (gone) continue;
+    sum += cache.size;
+    if (file != kept) caches.push_back(cache);
+  }
+  std::sort(caches.begin(), caches.end(), [](const Cache& a, const Cache& b) { return a.written < b.written; });
+  PrunedFiles pruned;
+  for (std::size_t k = 0; k < caches.size() && sum > bytes; ++k) {
+    remove_file(caches[k].path, pruned);
+    sum -= caches[k].size;
+  }
+}
+
+}  // namespace bodyopt
