@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 struct CurateArguments {
   std::string dataset, name, type, new_name, out, take, frames, list, mesh, picture;
   std::vector<std::string> settings, joints, muscles, regions, near_joints;
-  double strength = 1, within = -1, degrees = 12, spread = 30;
+  double strength = 1, within = -1, degrees = 15, spread = 30;
   int near = 0, frame = 0, worst = 10;
   std::size_t place = 1;
   bool history = false, unposed = false, everywhere = false, whole_skin = false;

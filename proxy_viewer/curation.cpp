@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double kNear = 12;        // degrees
+constexpr double kNear = 15;        // degrees
 constexpr std::size_t kPairs = 12;  // that the panel lists
 constexpr double kDense = 12;       // neighbours of a pose that is well covered
 

@@ -28,7 +28,7 @@ TEST(Consistency, RemovesInjectedDisagreement) {
   EXPECT_GT(before.pairs.front().apart_mm, 3);
   add_modifier(limb.path(), {.type = "consistency"});
   const double left = mean_rms_mm(limb.stack(), limb);
-  EXPECT_LT(left, 0.2 * 3);  // at least 80 % removed
+  EXPECT_LT(left, 0.05 * 3);
   std::printf("of 3 mm injected %.4f mm are left\n", left);
   EXPECT_LT(report_consistency(limb.stack(), 12, 10).pairs.front().apart_mm, before.pairs.front().apart_mm / 3);
 }
@@ -37,7 +37,7 @@ TEST(Consistency, LeavesCleanDataAlone) {
   const CuratedLimb limb;
   add_modifier(limb.path(), {.type = "consistency"});
   const double moved = mean_rms_mm(limb.stack(), limb);
-  EXPECT_LT(moved, 0.3);
+  EXPECT_LT(moved, 0.05);
   std::printf("clean shapes were moved by %.4f mm\n", moved);
 }
 

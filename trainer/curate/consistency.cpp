@@ -83,7 +83,7 @@ std::unique_ptr<ShapeModifier> prepare_consistency(const ModifierInput& input) {
   const auto vertices = static_cast<std::size_t>(input.database.character.vertices.rows());
   if (auto cached = cached_offsets(input.cache, vertices, rows)) return cached;
   const ConsistencySettings settings{
-      parameter(input, "degrees", 12, 0.1, 180), 1e-3 * parameter(input, "smooth_mm", 10, 0.01, 1000),
+      parameter(input, "degrees", 15, 0.1, 180), 1e-3 * parameter(input, "smooth_mm", 10, 0.01, 1000),
       1e-3 * parameter(input, "cap_mm", 20, 0, 1000), static_cast<int>(parameter(input, "iterations", 3, 1, 20))};
   const Displacements begun = all_displacements(input.database, "curate: un-posing", input.below);
   Displacements changes = made_consistent(input, settings, begun);

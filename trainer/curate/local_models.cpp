@@ -18,7 +18,7 @@ constexpr std::size_t kMostNeighbours = 48, kMostOfPass = 8;
 constexpr double kAnchor = 10;
 // On slopes, per weight of the neighbours and in units of the reach, and on what a pass is off by: passes that lie
 // closer together than about a third of the reach disagree, those further apart may differ by a slope.
-constexpr double kSlopePenalty = 2e-4, kPassPenalty = 0.02;
+constexpr double kSlopePenalty = 5e-5, kPassPenalty = 0.005;
 constexpr double kLeastStep = 0.1 * std::numbers::pi / 180;  // radians: shorter ones have no direction of their own
 
 struct Neighbour {
