@@ -132,7 +132,7 @@ void Curation::find_contradictions(Controls& controls) {
     return controls.playback.first() + static_cast<int>(place - numbers_.begin());
   };
   for (const DisagreeingPair& pair : report_->pairs) {
-    controls.curating.pairs.push_back({frame_of(pair.first), frame_of(pair.second)});
+    controls.curating.pairs.push_back({frame_of(pair.first), frame_of(pair.second), pair.region});
   }
   controls.curating.colour = MapColour::contradiction;
 }

@@ -148,7 +148,9 @@ const Quat& axes_of(const Controls& controls, const std::string& joint) {
 void go_to_pair(Controls& controls, int pair) {
   controls.curating.pair = pair;
   controls.playback.pause();
-  controls.playback.scrub(controls.curating.pairs[static_cast<std::size_t>(pair)][0]);
+  const ListedPair& listed = controls.curating.pairs[static_cast<std::size_t>(pair)];
+  controls.curating.region = listed.region;
+  controls.playback.scrub(listed.first);
 }
 
 constexpr double kTurn = std::numbers::pi / 36;  // 5 degrees
@@ -395,8 +397,8 @@ const Command kCommands[] = {
     {"other-of-pair", "", "", "Compare", "to the other of the two frames",
      [](Controls& c, const std::string&) {
        if (c.curating.pair < 0) return;
-       const auto [first, second] = c.curating.pairs[static_cast<std::size_t>(c.curating.pair)];
-       c.playback.scrub(c.playback.frame() == first ? second : first);
+       const ListedPair& listed = c.curating.pairs[static_cast<std::size_t>(c.curating.pair)];
+       c.playback.scrub(c.playback.frame() == listed.first ? listed.second : listed.first);
      }},
 
     {"select", "[JOINT]", "", "Pose", "a joint; nothing: none",

@@ -28,13 +28,19 @@ struct ModifierEdit {
   bool operator==(const ModifierEdit&) const = default;
 };
 
+// Two frames of like poses whose shapes disagree most in a region.
+struct ListedPair {
+  int first, second;
+  std::string region;
+};
+
 // How a dataset is looked at.
 struct Curating {
   std::string region;  // of the map
   MapColour colour = MapColour::coverage;
   bool raw = false;                             // shapes before any modifier
   std::vector<std::string> regions, modifiers;  // what commands may name; none: no dataset is open
-  std::vector<std::array<int, 2>> pairs;        // frames that disagree, the worst first
+  std::vector<ListedPair> pairs;                // the worst first
   int pair = -1;                                // that is looked at, from 0
 };
 
