@@ -1,13 +1,12 @@
 #include "assets/join_caches.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <fstream>
 #include <string>
 
 #include "assets/pc2.h"
 #include "assets/usda.h"
+#include "assets/usda_part.h"
 #include "base/progress.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
@@ -70,83 +69,6 @@ void join_pc2(const std::vector<fs::path>& paths, const fs::path& out) {
   }
   writer.close();
 }
-
-// A .usda that UsdaWriter wrote, line by line.
-class UsdaPart {
- public:
-  explicit UsdaPart(const fs::path& path) : path_(path), file_(path) {
-    if (!file_) throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file, or no permission?");
-    while (next() && line_ != kUsdaPointSamples) {
-      if (line_.starts_with(kUsdaLastFrame)) {
-        last_frame_ = line_;
-      } else if (!line_.starts_with("    startTimeCode = ")) {
-        head_ += line_ + '\n';
-      }
-      (last_frame_.empty() ? before_ : after_) += line_ + '\n';
-    }
-    if (line_ != kUsdaPointSamples) refuse();
-    samples_begin_ = file_.tellg();
-    find_frames();
-  }
-
-  // Every line of the samples that stand after `opening`, in order.
-  template <typename Take>
-  void for_samples(const std::string& opening, const Take& take) {
-    file_.clear();
-    file_.seekg(samples_begin_);
-    line_ = kUsdaPointSamples;
-    while (line_ != opening) {
-      if (!next()) refuse();
-    }
-    while (next() && line_ != kUsdaSamplesEnd) take(line_);
-    if (line_ != kUsdaSamplesEnd) refuse();
-  }
-
-  const fs::path& path() const { return path_; }
-  const std::string& head() const { return head_; }  // but for the range of frames
-  // The text up to the samples, with another last frame.
-  std::string opening(const std::string& last_frame) const {
-    return before_ + last_frame + after_.substr(last_frame_.size());
-  }
-  const std::string& last_frame() const { return last_frame_; }
-  const std::vector<int>& frames() const { return frames_; }
-  // What stands between the samples of points and of normals; where there are none, what ends the file.
-  const std::string& between() const { return between_; }
-  bool has_normals() const { return has_normals_; }
-
- private:
-  bool next() { return static_cast<bool>(std::getline(file_, line_)); }
-
-  [[noreturn]] void refuse() const {
-    throw Error(ErrorKind::file, path_.string() +
-                                     ": is no .usda that 'bodyopt eval' wrote, or is damaged or cut off: only such can "
-                                     "be joined");
-  }
-
-  void find_frames() {
-    for_samples(kUsdaPointSamples, [&](const std::string& line) {
-      int frame = 0;
-      const std::size_t begin = line.find_first_not_of(' ');
-      if (begin == std::string::npos) refuse();
-      const auto [stop, failure] = std::from_chars(line.data() + begin, line.data() + line.size(), frame);
-      if (failure != std::errc() || !std::string_view(stop).starts_with(": [") || !line.ends_with("],")) refuse();
-      if (!frames_.empty() && frame <= frames_.back()) refuse();
-      frames_.push_back(frame);
-    });
-    if (frames_.empty()) refuse();
-    between_ = std::string(kUsdaSamplesEnd) + '\n';
-    while (next() && line_ != kUsdaNormalSamples) between_ += line_ + '\n';
-    has_normals_ = line_ == kUsdaNormalSamples;
-    if (!has_normals_ && !between_.ends_with("}\n}\n")) refuse();
-  }
-
-  fs::path path_;
-  std::ifstream file_;
-  std::string line_, head_, before_, after_, last_frame_, between_;
-  std::streampos samples_begin_;
-  std::vector<int> frames_;
-  bool has_normals_ = false;
-};
 
 void join_usda(const std::vector<fs::path>& paths, const fs::path& out) {
   std::vector<UsdaPart> parts;

@@ -14,10 +14,8 @@
 #include "cli/arguments/jiggle_arguments.h"
 #include "cli/arguments/task_arguments.h"
 #include "cli/results/attachments.h"
-#include "cli/results/evaluation_log.h"
+#include "cli/results/shot_caches.h"
 #include "runtime/core/error.h"
-#include "runtime/host/carry_skin.h"
-#include "runtime/threads/tbb_executor.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -25,11 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct EvalArguments {
-  std::string basis, out, attached;
+  ShotCacheOptions cache;
   double unit = 0;
-  std::size_t level = 0;
-  bool full_skin = false;
-  CacheSpace space;
   ClipArguments clip;
   DeviceArguments device;
   JiggleArguments jiggle;
@@ -39,18 +34,18 @@ struct EvalArguments {
 
 // All files that decide the result.
 std::vector<fs::path> inputs_of(const EvalArguments& arguments) {
-  std::vector<fs::path> inputs{arguments.basis};
+  std::vector<fs::path> inputs{arguments.cache.basis};
   const std::string& source = arguments.clip.source;
   const fs::path clip = fs::exists(source) ? source : source.substr(0, source.rfind('#'));
   for (const fs::path& file : gltf_files(clip)) inputs.push_back(file);
   for (const std::string& file : {arguments.clip.options.controls, arguments.clip.options.joint_map,
-                                  arguments.jiggle.file(arguments.basis), arguments.jiggle.state_in}) {
+                                  arguments.jiggle.file(arguments.cache.basis), arguments.jiggle.state_in}) {
     if (!file.empty()) inputs.push_back(file);
   }
-  const fs::path beside = attachments_beside(arguments.basis);
-  if (!arguments.attached.empty()) {
-    inputs.push_back(arguments.attached);
-  } else if (arguments.level == 0 && fs::exists(beside)) {
+  const fs::path beside = attachments_beside(arguments.cache.basis);
+  if (!arguments.cache.attached.empty()) {
+    inputs.push_back(arguments.cache.attached);
+  } else if (arguments.cache.level == 0 && fs::exists(beside)) {
     inputs.push_back(beside);
   }
   return inputs;
@@ -58,40 +53,32 @@ std::vector<fs::path> inputs_of(const EvalArguments& arguments) {
 
 // The level of detail that the options ask for.
 Level chosen_level(const EvalArguments& arguments) {
-  std::vector<Level> levels = load_levels(arguments.basis);
-  if (arguments.level >= levels.size()) {
-    throw Error(ErrorKind::usage, format("--level asks for level %zu; %s has levels 0 to %zu", arguments.level,
-                                         arguments.basis.c_str(), levels.size() - 1));
+  std::vector<Level> levels = load_levels(arguments.cache.basis);
+  if (arguments.cache.level >= levels.size()) {
+    throw Error(ErrorKind::usage, format("--level asks for level %zu; %s has levels 0 to %zu", arguments.cache.level,
+                                         arguments.cache.basis.c_str(), levels.size() - 1));
   }
-  Level level = std::move(levels[arguments.level]);
-  if (arguments.full_skin && level.carried.empty()) {
-    throw Error(ErrorKind::usage, arguments.basis + " is no proxy: --full-skin has nothing to carry; leave it out");
+  Level level = std::move(levels[arguments.cache.level]);
+  if (arguments.cache.full_skin && level.carried.empty()) {
+    throw Error(ErrorKind::usage,
+                arguments.cache.basis + " is no proxy: --full-skin has nothing to carry; leave it out");
   }
   return level;
 }
 
-// What a run is made of before its first frame.
-struct EvaluatedShot {
-  std::unique_ptr<Deformer> deformer;
-  CarriedSkin carried;
-  Clip clip;
-  std::vector<int> frames;
-  std::vector<Pose> poses;
-};
-
 EvaluatedShot read_shot(const EvalArguments& arguments) {
   EvaluatedShot shot;
   Level level = chosen_level(arguments);
-  if (holds_normals(arguments.out) && !(arguments.space == CacheSpace())) {
+  if (holds_normals(arguments.cache.out) && !(arguments.cache.space == CacheSpace())) {
     throw Error(ErrorKind::usage, "--unit-out and --axis are for .pc2: a .usda says itself that it is in metres, Y up");
   }
-  if (arguments.full_skin && holds_normals(arguments.out)) {
+  if (arguments.cache.full_skin && holds_normals(arguments.cache.out)) {
     throw Error(ErrorKind::usage,
                 "--full-skin writes .pc2: the topology of the full skin, which .usda holds, is not "
                 "in a proxy");
   }
   shot.carried = std::move(level.carried);
-  shot.deformer = arguments.jiggle.deformer(std::move(level.basis), arguments.basis, arguments.device.choice);
+  shot.deformer = arguments.jiggle.deformer(std::move(level.basis), arguments.cache.basis, arguments.device.choice);
   const Basis& basis = shot.deformer->basis();
   shot.clip = arguments.clip.read(basis.skeleton, arguments.unit > 0 ? arguments.unit : kept_unit(basis), shot.frames);
   for (const std::string& name : arrange_controls(basis.residual.controls, shot.clip)) {
@@ -109,88 +96,6 @@ std::string with_first_frame(const std::string& pattern, int frame) {
   const std::size_t end = std::min(pattern.find_first_not_of('#', begin), pattern.size());
   return pattern.substr(0, begin) + format("%0*d", static_cast<int>(end - begin), frame) + pattern.substr(end);
 }
-
-// Skin and attached meshes, frame by frame, and what there is to say of them.
-class ShotCaches {
- public:
-  ShotCaches(const EvalArguments& arguments, EvaluatedShot& shot)
-      : arguments_(arguments),
-        shot_(shot),
-        attached_(arguments.attached, arguments.level == 0 ? arguments.basis : "", shot.deformer->basis()) {
-    const MeshTable& mesh = shot.deformer->basis().mesh;
-    points_ = arguments.full_skin ? static_cast<std::uint32_t>(shot.carried.size()) : mesh.output_count();
-    skin_ = write_cache(arguments.out, {fs::path(arguments.basis).stem().string(), points_, mesh.output_triangles,
-                                        shot.frames, shot.clip.fps, arguments.space});
-    attached_.open(arguments.out, shot.frames, shot.clip.fps, arguments.space);
-  }
-
-  // Frames begin, begin + 1, ...
-  void append(const Evaluation& part, std::size_t begin) {
-    const Basis& basis = shot_.deformer->basis();
-    const std::size_t own = 3 * std::size_t{basis.mesh.output_count()}, count = part.outside.size();
-    std::vector<float> carried;
-    if (arguments_.full_skin) {
-      carried = carry_skin(basis.mesh, shot_.carried, part.positions, part.normals, *threads_);
-    }
-    const std::span<const float> skin = arguments_.full_skin ? carried : part.positions;
-    for (std::size_t k = 0; k < count; ++k) {
-      const auto normals =
-          arguments_.full_skin ? std::span<const float>() : std::span(part.normals).subspan(k * own, own);
-      skin_->append(skin.subspan(3 * k * points_, 3 * std::size_t{points_}), normals);
-      attached_.append(std::span(part.positions).subspan(k * own, own), shot_.poses[begin + k]);
-      log_.add(*shot_.deformer, part, k, shot_.frames[begin + k]);
-    }
-    log_.add_times(part);
-  }
-
-  void close() {
-    attached_.close();
-    skin_->close();
-    log_.expect(shot_.deformer->basis(), shot_.poses);
-  }
-
-  // Leaves a checkpoint after so many frames.
-  void put_aside(const TaskRun& task, std::size_t frames) {
-    const fs::path folder = task.checkpoint_folder();
-    make_folder(folder);
-    std::vector<fs::path> files = skin_->aside(folder / "skin");
-    for (const fs::path& file : attached_.aside(folder / "attached")) files.push_back(file);
-    skin_->put_aside(folder / "skin");
-    attached_.put_aside(folder / "attached");
-    if (arguments_.jiggle.jiggle) {
-      files.push_back(folder / "jiggle.state");
-      save_state(shot_.deformer->state(), *shot_.deformer->dynamics(), files.back());
-    }
-    task.write_checkpoint({frames, log_.kept()}, files);
-  }
-
-  // Goes on from a checkpoint, where there is one, and returns how many frames it holds.
-  std::size_t take_up(const TaskRun& task) {
-    const std::optional<Checkpoint> checkpoint = task.read_checkpoint();
-    if (!checkpoint || checkpoint->frames > shot_.frames.size()) return 0;
-    const fs::path folder = task.checkpoint_folder();
-    if (arguments_.jiggle.jiggle) {
-      shot_.deformer->set_state(load_state(folder / "jiggle.state", *shot_.deformer->dynamics()));
-    }
-    skin_->take_up(folder / "skin", checkpoint->frames);
-    attached_.take_up(folder / "attached", checkpoint->frames);
-    log_.take_up(checkpoint->log);
-    return checkpoint->frames;
-  }
-
-  std::uint32_t points() const { return points_; }
-  const EvaluationLog& log() const { return log_; }
-  Json attached() const { return attached_.written(); }
-
- private:
-  const EvalArguments& arguments_;
-  EvaluatedShot& shot_;
-  AttachedCaches attached_;
-  std::unique_ptr<CacheWriter> skin_;
-  std::uint32_t points_ = 0;
-  EvaluationLog log_;
-  std::unique_ptr<Executor> threads_ = make_tbb_executor();
-};
 
 // Evaluates what is not done yet. Returns the states of the jiggle that were written between.
 std::vector<std::string> evaluate_frames(const EvalArguments& arguments, EvaluatedShot& shot, ShotCaches& caches,
@@ -220,7 +125,7 @@ std::vector<std::string> evaluate_frames(const EvalArguments& arguments, Evaluat
 
 std::vector<fs::path> outputs_of(const EvalArguments& arguments, const Json& attached,
                                  const std::vector<std::string>& states) {
-  std::vector<fs::path> outputs{arguments.out};
+  std::vector<fs::path> outputs{arguments.cache.out};
   for (const Json& cache : attached) outputs.emplace_back(cache.at("cache").get<std::string>());
   for (const std::string& state : states) outputs.emplace_back(state);
   return outputs;
@@ -228,7 +133,7 @@ std::vector<fs::path> outputs_of(const EvalArguments& arguments, const Json& att
 
 void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun* task) {
   const auto start = std::chrono::steady_clock::now();
-  ShotCaches caches(arguments, shot);
+  ShotCaches caches(arguments.cache, shot);
   std::vector<std::string> states = evaluate_frames(arguments, shot, caches, task);
   if (task != nullptr) task->require_same_inputs();
   caches.close();
@@ -246,7 +151,7 @@ void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun
                      caches.log().text();
   for (const fs::path& file : outputs) text += "wrote " + file.string() + "\n";
   Json result = caches.log().result();
-  result["cache"] = arguments.out;
+  result["cache"] = arguments.cache.out;
   result["points"] = caches.points();
   result["device"] = shot.deformer->device_name();
   result["seconds"] = seconds;
@@ -261,25 +166,25 @@ void pretend(const EvalArguments& arguments, const EvaluatedShot& shot, const Ta
   std::string doing = "would evaluate";
   std::size_t kept = 0;
   if (task != nullptr) {
-    if (task->done({arguments.out})) doing = "is done already:";
+    if (task->done({arguments.cache.out})) doing = "is done already:";
     if (const auto checkpoint = task->read_checkpoint()) kept = checkpoint->frames;
   }
   std::string text =
       format("%s frames %s of '%s' on %s, to %s\n", doing.c_str(), format_frame_range(shot.frames).c_str(),
-             arguments.clip.source.c_str(), shot.deformer->device_name().c_str(), arguments.out.c_str());
+             arguments.clip.source.c_str(), shot.deformer->device_name().c_str(), arguments.cache.out.c_str());
   if (kept > 0) text += format("an interrupted run left %zu of them\n", kept);
   arguments.json.emit({{"pretended", true},
                        {"done", doing == "is done already:"},
                        {"frames", format_frame_range(shot.frames)},
                        {"kept_frames", kept},
                        {"device", shot.deformer->device_name()},
-                       {"cache", arguments.out}},
+                       {"cache", arguments.cache.out}},
                       text);
 }
 
 // The report is an output, too: without it, or where it goes to standard output, the work is done again.
 bool is_done(const EvalArguments& arguments, const TaskRun& task) {
-  std::vector<fs::path> outputs{arguments.out};
+  std::vector<fs::path> outputs{arguments.cache.out};
   if (!arguments.jiggle.state_out.empty()) outputs.emplace_back(arguments.jiggle.state_out);
   if (!arguments.json.path.empty() && !fs::exists(arguments.json.path)) return false;
   return task.done(outputs).has_value();
@@ -289,17 +194,18 @@ void run(EvalArguments arguments) {
   arguments.task.begin();
   arguments.json.require_writable();
   arguments.jiggle.check();
-  if (arguments.out.find('#') != std::string::npos) {
+  if (arguments.cache.out.find('#') != std::string::npos) {
     // The clip alone knows its first frame.
     if (arguments.clip.frames.empty()) {
       throw Error(ErrorKind::usage, "--out with '#' stands for the first frame and needs --frames");
     }
-    arguments.out = with_first_frame(arguments.out, parse_frame_range(arguments.clip.frames).front());
+    arguments.cache.out = with_first_frame(arguments.cache.out, parse_frame_range(arguments.clip.frames).front());
   }
   std::optional<TaskRun> task;
-  if (arguments.task.resume) task.emplace(arguments.out, BODYOPT_VERSION, arguments.task.given, inputs_of(arguments));
+  if (arguments.task.resume)
+    task.emplace(arguments.cache.out, BODYOPT_VERSION, arguments.task.given, inputs_of(arguments));
   if (task && !arguments.task.pretend && is_done(arguments, *task)) {
-    std::fputs(("already done: " + arguments.out + "\n").c_str(), arguments.json.path == "-" ? stderr : stdout);
+    std::fputs(("already done: " + arguments.cache.out + "\n").c_str(), arguments.json.path == "-" ? stderr : stdout);
     return;
   }
   try {
@@ -317,18 +223,18 @@ void run(EvalArguments arguments) {
 void add_eval(CLI::App& app) {
   auto arguments = std::make_shared<EvalArguments>();
   CLI::App& verb = *app.add_subcommand("eval", "Deform a character through a clip");
-  verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
-  verb.add_option("--level", arguments->level, "Level of detail of a proxy: 0 is the finest")
+  verb.add_option("basis", arguments->cache.basis, "Basis (.safetensors)")->required()->type_name("BASIS");
+  verb.add_option("--level", arguments->cache.level, "Level of detail of a proxy: 0 is the finest")
       ->capture_default_str()
       ->type_name("N");
-  verb.add_flag("--full-skin", arguments->full_skin,
+  verb.add_flag("--full-skin", arguments->cache.full_skin,
                 "Write the skin of the full character, carried by that of the proxy");
   arguments->clip.add(verb);
   arguments->device.add(verb);
   verb.add_option("--unit", arguments->unit,
                   "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(above_zero);
-  verb.add_option("--out", arguments->out,
+  verb.add_option("--out", arguments->cache.out,
                   "Cache to write, a PC2 point cache or USD text; '####' in its name is the first frame")
       ->required()
       ->type_name("FILE.pc2|.usda")
@@ -337,8 +243,8 @@ void add_eval(CLI::App& app) {
                : must_end_in(".usda")(name).empty() ? ""
                                                     : "'" + name + "' does not end in .pc2 or .usda";
       });
-  add_cache_space(verb, arguments->space);
-  verb.add_option("--attached", arguments->attached,
+  add_cache_space(verb, arguments->cache.space);
+  verb.add_option("--attached", arguments->cache.attached,
                   "Geometry that rides on the skin (default: BASIS.attached.safetensors beside the basis, where it is "
                   "there); each mesh is written as FILE.<mesh>.pc2 or .usda")
       ->type_name("FILE")

@@ -13,22 +13,27 @@ namespace {
 
 constexpr const char* kStages[] = {"rig", "strain", "residual", "pose", "diffuse", "jiggle", "output"};
 
-// Frames worth a look: those expected to be most wrong, or that leave what was trained furthest.
-std::vector<int> worst_frames(const Json& per_frame) {
+// Frames worth a look, spread over the shot: those expected to be most wrong, or, where that is not known, that leave
+// what was trained furthest.
+Json worth_a_look(const Json& per_frame) {
   constexpr std::size_t kMost = 3;
-  const auto badness = [](const Json& entry) {
-    return std::pair(entry.value("expected_rms_mm", 0.0), entry.value("outside", 0.0));
-  };
-  std::vector<std::size_t> order(per_frame.size());
-  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-  const std::size_t count = std::min(kMost, order.size());
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
-                    [&](std::size_t a, std::size_t b) {
-                      const auto worse = badness(per_frame[a]), other = badness(per_frame[b]);
-                      return worse != other ? worse > other : a < b;
-                    });
+  std::vector<double> expected, outside;
+  for (const Json& entry : per_frame) {
+    expected.push_back(entry.value("expected_rms_mm", 0.0));
+    outside.push_back(entry.value("outside", 0.0));
+  }
+  const bool is_known = std::any_of(expected.begin(), expected.end(), [](double mm) { return mm > 0; });
+  Json list = Json::array();
+  for (const std::size_t k :
+       worth_simulating(is_known ? expected : outside, kMost, spreading_gap(per_frame.size(), kMost))) {
+    list.push_back({{"frame", per_frame[k].at("frame")}, {"expected_rms_mm", expected[k]}, {"outside", outside[k]}});
+  }
+  return list;
+}
+
+std::vector<int> frame_numbers(const Json& list) {
   std::vector<int> frames;
-  for (std::size_t k = 0; k < count; ++k) frames.push_back(per_frame[order[k]].at("frame"));
+  for (const Json& entry : list) frames.push_back(entry.at("frame"));
   return frames;
 }
 
@@ -141,13 +146,15 @@ Json EvaluationLog::summary() const {
     if (found == stage_seconds_.end()) continue;
     milliseconds[stage] = 1e3 * found->second / static_cast<double>(std::max<std::size_t>(1, timed_frames_));
   }
+  const Json worst = worth_a_look(per_frame_);
   Json result{{"frames", frames_.size()},
               {"milliseconds_per_frame", milliseconds},
               {"peak_memory_mib", peak_memory_mib()},
               {"outside_frames", format_frame_range(outside_frames_)},
               {"worst_outside", worst_outside_},
               {"worst_outside_feature", worst_feature_},
-              {"worst_frames", worst_frames(per_frame_)}};
+              {"worst_frames", frame_numbers(worst)},
+              {"worth_a_look", worst}};
   if (most_expected_mm_ > 0) result["worst_expected_rms_mm"] = most_expected_mm_;
   return result;
 }
