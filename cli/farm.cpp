@@ -1,5 +1,7 @@
 // bodyopt farm: a show's list of shots to tasks of a queue, and what became of them.
+#include <pwd.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <memory>
@@ -7,10 +9,13 @@
 #include "cli/arguments/common.h"
 #include "cli/arguments/exit_code.h"
 #include "cli/arguments/task_arguments.h"
+#include "cli/results/show_page.h"
 #include "farm/farm_status.h"
+#include "farm/opencue.h"
 #include "farm/openjd.h"
 #include "farm/plan.h"
 #include "farm/slurm.h"
+#include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt::cli {
@@ -19,8 +24,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct FarmArguments {
-  std::string list, plan, out, openjd;
+  std::string list, plan, out, openjd, opencue;
   double minutes = 5;
+  int worst = 12;
   bool verify = false, slurm = false, hopeless = false;
   std::vector<std::string> tasks;
   SlurmOptions queue;
@@ -140,10 +146,9 @@ void status(const FarmArguments& arguments) {
   std::map<std::string, int> counts;
   Json open = Json::array();
   std::string failures;
-  for (const FarmTask& task : plan.tasks) {
-    for (const FarmStep& step : task.steps) {
-      const StepStatus status = status_of(step, BODYOPT_VERSION, arguments.verify);
-      if (step.is_delivered) ++counts[name_of(status.state)];
+  for (const std::vector<StepStatus>& task : status_of(plan, BODYOPT_VERSION, arguments.verify)) {
+    for (const StepStatus& status : task) {
+      if (status.step->is_delivered) ++counts[name_of(status.state)];
       if (status.state == StepState::done) continue;
       open.push_back(status_entry(status));
       if (status.failure) failures += status.failure->message + "\n";
@@ -159,35 +164,64 @@ void status(const FarmArguments& arguments) {
 
 // Tasks of which something is not done. Of `retry`, all files are read, for one may have been damaged.
 std::vector<const FarmTask*> open_tasks(const FarmPlan& plan, bool is_retry, bool hopeless) {
+  const std::vector<std::vector<StepStatus>> statuses = status_of(plan, BODYOPT_VERSION, is_retry);
   std::vector<const FarmTask*> tasks;
-  for (const FarmTask& task : plan.tasks) {
-    const bool is_open = std::any_of(task.steps.begin(), task.steps.end(), [&](const FarmStep& step) {
-      const StepStatus status = status_of(step, BODYOPT_VERSION, is_retry);
+  for (std::size_t t = 0; t < plan.tasks.size(); ++t) {
+    const bool is_open = std::any_of(statuses[t].begin(), statuses[t].end(), [&](const StepStatus& status) {
       return status.state != StepState::done && (!is_retry || hopeless || status.may_be_retried);
     });
-    if (is_open) tasks.push_back(&task);
+    if (is_open) tasks.push_back(&plan.tasks[t]);
   }
   return tasks;
+}
+
+void report(const FarmArguments& arguments) {
+  arguments.json.require_writable();
+  require_writable(arguments.out);
+  const FarmPlan plan = read_plan(plan_folder(arguments));
+  const ShowSummary summary = summarize_show(plan, status_of(plan, BODYOPT_VERSION, arguments.verify),
+                                             static_cast<std::size_t>(arguments.worst));
+  const std::string page = show_page(plan, summary);
+  write_file_atomically(arguments.out, std::as_bytes(std::span(page)));
+  std::string text;
+  for (const FramesToSimulate& next : summary.simulate_next) {
+    text += "worth simulating next, for " + next.basis + ": " + simulate_options(next) + "\n";
+  }
+  arguments.json.emit(to_json(summary), text + "wrote " + arguments.out + "\n");
 }
 
 // This program, under the name by which other machines find it, too.
 std::string own_program() { return fs::read_symlink("/proc/self/exe").string(); }
 
+void require_no_problems(const std::vector<std::string>& problems, const std::string& file) {
+  if (!problems.empty()) throw Error(ErrorKind::usage, file + ": would break a rule: " + problems.front());
+}
+
 void write_openjd(const FarmArguments& arguments, const FarmPlan& plan) {
-  const Json job = openjd_template(plan, plan_folder(arguments), own_program());
-  const std::vector<std::string> problems = check_openjd(job);
-  if (!problems.empty()) throw Error(ErrorKind::usage, arguments.openjd + ": would break a rule: " + problems.front());
+  const Json job = openjd_template(plan, plan_folder(arguments), own_program(), arguments.queue.needs);
+  require_no_problems(check_openjd(job), arguments.openjd);
   write_json(job, arguments.openjd);
   arguments.json.emit({{"template", arguments.openjd}}, "wrote " + arguments.openjd + "\n");
 }
 
+void write_opencue(const FarmArguments& arguments, const FarmPlan& plan) {
+  const passwd* const user = getpwuid(geteuid());
+  const std::string job = opencue_job(plan, plan_folder(arguments), own_program(), user != nullptr ? user->pw_name : "",
+                                      arguments.queue.needs);
+  require_no_problems(check_opencue(job), arguments.opencue);
+  write_file_atomically(arguments.opencue, std::as_bytes(std::span(job)));
+  arguments.json.emit({{"job", arguments.opencue}}, "wrote " + arguments.opencue + "\n");
+}
+
 void submit(const FarmArguments& arguments, bool is_retry) {
-  if (!arguments.openjd.empty()) return write_openjd(arguments, read_plan(plan_folder(arguments)));
-  if (!arguments.slurm) {
-    throw Error(ErrorKind::usage,
-                "to which queue? Say --slurm or --openjd FILE ('bodyopt farm run' does the tasks here)");
-  }
   const FarmPlan plan = read_plan(plan_folder(arguments));
+  if (!arguments.openjd.empty()) return write_openjd(arguments, plan);
+  if (!arguments.opencue.empty()) return write_opencue(arguments, plan);
+  if (!arguments.slurm) {
+    throw Error(
+        ErrorKind::usage,
+        "to which queue? Say --slurm, --openjd FILE or --opencue FILE ('bodyopt farm run' does the tasks here)");
+  }
   const std::vector<const FarmTask*> tasks = open_tasks(plan, is_retry, arguments.hopeless);
   std::vector<std::string> jobs;
   if (!tasks.empty()) {
@@ -217,8 +251,10 @@ CLI::App& add_part(CLI::App& farm, const char* name, const char* description, Fa
 
 void add_queue(CLI::App& part, FarmArguments& arguments) {
   part.add_flag("--slurm", arguments.slurm, "Submit to Slurm, as arrays of jobs");
-  part.add_option("--cpus", arguments.queue.cpus, "Cores of a task")->capture_default_str()->check(CLI::Range(1, 1024));
-  part.add_option("--tasks-per-gpu", arguments.queue.tasks_per_gpu,
+  part.add_option("--cpus", arguments.queue.needs.cpus, "Cores of a task")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1024));
+  part.add_option("--tasks-per-gpu", arguments.queue.needs.tasks_per_gpu,
                   "Ask for a GPU for each task (1), or for a shard of one (more); default: none")
       ->check(CLI::Range(1, 64));
   part.add_option("--sbatch", arguments.queue.sbatch, "A further option for sbatch, as --sbatch=--partition=short")
@@ -249,6 +285,9 @@ void add_farm(CLI::App& app) {
                   "Instead, write a job template of Open Job Description, for AWS Deadline Cloud and others")
       ->type_name("FILE.json")
       ->check(must_end_in(".json"));
+  submitting.add_option("--opencue", arguments->opencue, "Instead, write a job of OpenCue, for its launchSpec")
+      ->type_name("FILE.xml")
+      ->check(must_end_in(".xml"));
   submitting.callback([arguments] { submit(*arguments, false); });
   CLI::App& retrying =
       add_part(farm, "retry", "Read everything that is done, and submit what is not whole", *arguments);
@@ -260,6 +299,13 @@ void add_farm(CLI::App& app) {
   CLI::App& telling = add_part(farm, "status", "What is done, failed, left", *arguments);
   telling.add_flag("--verify", arguments->verify, "Read all inputs and outputs, not only their size and time");
   telling.callback([arguments] { status(*arguments); });
+  CLI::App& reporting = add_part(farm, "report", "A page on what the show has come to", *arguments);
+  add_output(reporting, arguments->out, ".html", "Page to write, self-contained");
+  reporting.add_option("--worst", arguments->worst, "Frames worth a look, at most")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 100));
+  reporting.add_flag("--verify", arguments->verify, "Read all inputs and outputs, not only their size and time");
+  reporting.callback([arguments] { report(*arguments); });
   CLI::App& cancelling = add_part(farm, "cancel", "Take what is queued out of the queue", *arguments);
   cancelling.callback([arguments] { cancel(*arguments); });
 

@@ -1,5 +1,6 @@
 #include "farm/farm_status.h"
 
+#include "base/parallel.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -41,6 +42,14 @@ StepStatus status_of(const FarmStep& step, const std::string& version, bool read
   }
   status.record.reset();
   return status;
+}
+
+std::vector<std::vector<StepStatus>> status_of(const FarmPlan& plan, const std::string& version, bool read_all) {
+  std::vector<std::vector<StepStatus>> statuses(plan.tasks.size());
+  parallel_for(plan.tasks.size(), [&](std::size_t t) {
+    for (const FarmStep& step : plan.tasks[t].steps) statuses[t].push_back(status_of(step, version, read_all));
+  });
+  return statuses;
 }
 
 }  // namespace bodyopt

@@ -32,4 +32,7 @@ struct StepStatus {
 // unless `read_all`.
 StepStatus status_of(const FarmStep& step, const std::string& version, bool read_all);
 
+// Of every step of every task, in their order; files are looked at side by side.
+std::vector<std::vector<StepStatus>> status_of(const FarmPlan& plan, const std::string& version, bool read_all);
+
 }  // namespace bodyopt

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "farm/number_ranges.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {
@@ -17,8 +18,20 @@ std::string printable(const std::string& name, std::size_t longest) {
 
 std::string step_name(int wave) { return "wave " + std::to_string(wave); }
 
-Json step_of(int wave, const std::vector<int>& lanes) {
+Json host_requirements(const TaskNeeds& needs) {
+  if (needs.tasks_per_gpu > 1) {
+    throw Error(ErrorKind::usage,
+                "Open Job Description knows no shares of a GPU: ask for a whole one for each task (1), "
+                "or for none");
+  }
+  Json amounts = Json::array({{{"name", "amount.worker.vcpu"}, {"min", needs.cpus}}});
+  if (needs.tasks_per_gpu == 1) amounts.push_back({{"name", "amount.worker.gpu"}, {"min", 1}});
+  return {{"amounts", amounts}};
+}
+
+Json step_of(int wave, const std::vector<int>& lanes, const TaskNeeds& needs) {
   Json step{{"name", step_name(wave)}};
+  step["hostRequirements"] = host_requirements(needs);
   if (wave > 0) step["dependencies"] = Json::array({{{"dependsOn", step_name(wave - 1)}}});
   step["parameterSpace"]["taskParameterDefinitions"] =
       Json::array({{{"name", "Lane"}, {"type", "INT"}, {"range", number_ranges(lanes)}}});
@@ -84,12 +97,23 @@ class OpenjdChecker {
       require(!range.empty() && range.find_first_not_of("0123456789-,") == std::string::npos,
               own + " has the range '" + range + "', expected numbers such as 1-5,7");
     }
+    check_requirements(step.value("hostRequirements", Json::object()), own);
     const Json run =
         step.value("script", Json::object()).value("actions", Json::object()).value("onRun", Json::object());
     known_keys(run, {"command", "args", "timeout", "cancelation"}, own + "'s onRun");
     require(!run.value("command", "").empty(), own + " has no command");
     check_fields(run.value("command", ""), fields);
     for (const Json& word : run.value("args", Json::array())) check_fields(word.get<std::string>(), fields);
+  }
+
+  void check_requirements(const Json& requirements, const std::string& own) {
+    known_keys(requirements, {"amounts"}, own + "'s hostRequirements");
+    for (const Json& amount : requirements.value("amounts", Json::array())) {
+      known_keys(amount, {"name", "min"}, own + "'s amount");
+      const std::string named = amount.value("name", "");
+      require(named == "amount.worker.vcpu" || named == "amount.worker.gpu", own + " asks hosts for '" + named + "'");
+      require(amount.value("min", 0) > 0, own + " asks hosts for no " + named);
+    }
   }
 
   void check_fields(const std::string& text, const std::set<std::string>& fields) {
@@ -106,11 +130,12 @@ class OpenjdChecker {
 
 }  // namespace
 
-Json openjd_template(const FarmPlan& plan, const std::filesystem::path& folder, const std::string& program) {
+Json openjd_template(const FarmPlan& plan, const std::filesystem::path& folder, const std::string& program,
+                     const TaskNeeds& needs) {
   std::map<int, std::vector<int>> waves;
   for (const FarmTask& task : plan.tasks) waves[task.wave].push_back(task.lane);
   Json steps = Json::array();
-  for (const auto& [wave, lanes] : waves) steps.push_back(step_of(wave, lanes));
+  for (const auto& [wave, lanes] : waves) steps.push_back(step_of(wave, lanes, needs));
   return {{"specificationVersion", "jobtemplate-2023-09"},
           {"name", "bodyopt " + printable(plan.show, 100)},
           {"parameterDefinitions",

@@ -12,6 +12,7 @@
 #include "assets/json_file.h"
 #include "farm/number_ranges.h"
 #include "farm/run_command.h"
+#include "farm/shell_word.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_lock.h"
@@ -92,12 +93,6 @@ CommandResult ask_slurm(const std::vector<std::string>& words) {
 
 }  // namespace
 
-std::string quoted_for_shell(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 std::string slurm_script(const std::string& program, const fs::path& folder) {
   return "#!/bin/sh\n# Written by 'bodyopt farm submit'. $1: the wave; $2: the lane of the array's first job.\n"
          "export OMP_NUM_THREADS=\"${SLURM_CPUS_PER_TASK:-1}\"\n"
@@ -117,12 +112,12 @@ std::vector<SlurmArray> slurm_arrays(const std::vector<const FarmTask*>& tasks, 
                    "--parsable",
                    "--job-name=bodyopt-" + plain_name(show),
                    "--array=" + number_ranges(group.indices),
-                   "--cpus-per-task=" + std::to_string(options.cpus),
+                   "--cpus-per-task=" + std::to_string(options.needs.cpus),
                    "--output=" + log_pattern(folder),
                    "--requeue",
                    "--signal=B:TERM@30"};
-    if (options.tasks_per_gpu == 1) array.words.push_back("--gres=gpu:1");
-    if (options.tasks_per_gpu > 1) array.words.push_back("--gres=shard:1");
+    if (options.needs.tasks_per_gpu == 1) array.words.push_back("--gres=gpu:1");
+    if (options.needs.tasks_per_gpu > 1) array.words.push_back("--gres=shard:1");
     array.words.insert(array.words.end(), options.sbatch.begin(), options.sbatch.end());
     for (std::size_t k = 0; k < arrays.size(); ++k) {
       const bool is_before = group.wave == join_wave ? groups[k].wave < group.wave

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "farm/plan.h"
+#include "farm/task_needs.h"
 
 namespace bodyopt {
 
 struct SlurmOptions {
-  int cpus = 1;                     // of a task
-  int tasks_per_gpu = 0;            // 0: no GPU; more than one: shards of one (gres/shard)
+  TaskNeeds needs{};                // a share of a GPU is a shard of one (gres/shard)
   std::vector<std::string> sbatch;  // further options of sbatch, as they are
 };
 
@@ -27,9 +27,6 @@ std::vector<SlurmArray> slurm_arrays(const std::vector<const FarmTask*>& tasks, 
 
 // The script: `program` runs the task of an array's job.
 std::string slurm_script(const std::string& program, const std::filesystem::path& folder);
-
-// A text as one word for sh.
-std::string quoted_for_shell(const std::string& text);
 
 // Submits the tasks; the numbers of their jobs are kept in jobs.json in the plan's folder. Throws Error(device) where
 // Slurm refuses, Error(usage) where jobs of the plan are in the queue already.

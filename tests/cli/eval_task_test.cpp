@@ -8,6 +8,8 @@
 
 #include "assets/clip.h"
 #include "assets/pc2.h"
+#include "assets/usda_part.h"
+#include "runtime/core/error.h"
 #include "tests/support/background_program.h"
 #include "tests/support/run_program.h"
 #include "tests/support/small_basis.h"
@@ -139,6 +141,8 @@ TEST_F(EvalTask, UsdHoldsTheNumbersOfPc2) {
   }
   EXPECT_EQ(sample, 6u);
   EXPECT_EQ(normals, 3u);
+  EXPECT_EQ(UsdaPart(path("a.usda")).points(2), Pc2Reader(path("a.pc2")).sample(2));
+  EXPECT_THROW(UsdaPart(path("a.usda")).points(3), Error);
 }
 
 TEST_F(EvalTask, ProgressIsAsProgramsReadIt) {
@@ -173,6 +177,35 @@ TEST_F(EvalTask, APlannedShowIsDoneWholeAndOnlyOnce) {
   const auto again =
       nlohmann::json::parse(run_program(kProgram + " farm status " + plan + " --json - 2>/dev/null").output);
   EXPECT_EQ(again.at("elements"), (nlohmann::json{{"done", 1}, {"missing", 1}}));
+}
+
+// The page of a show, and its frames as `simulate` takes them; names in it are text.
+TEST_F(EvalTask, AReportIsOnePageWithPicturesOfTheCaches) {
+  std::ofstream(path("shots.json")) << R"({"schema": "bodyopt-shots-1", "defaults": {"basis": "hero.safetensors",
+    "clip": "walk.glb", "device": "cpu", "out": "out/{shot}.pc2"}, "elements": [
+    {"shot": "a<b>$(touch hit) c", "element": "hero", "frames": "1-40"},
+    {"shot": "usd", "element": "hero", "frames": "900-940", "out": "out/{shot}.usda"},
+    {"shot": "open", "element": "hero", "frames": "1-2"}]
+})";
+  const std::string plan = path("plan");
+ASSERT_EQ(run_bodyopt("farm plan " + path("shots.json") + " --out " + plan).exit_code, 0);
+ASSERT_EQ(run_bodyopt("farm run " + plan).exit_code, 0);
+std::filesystem::remove(folder_ / "out" / "open.pc2");
+const ProgramResult ran =
+    run_bodyopt("farm report " + plan + " --out " + path("show.html") + " --json " + path("r.json"));
+ASSERT_EQ(ran.exit_code, 0) << ran.output;
+const auto told = nlohmann::json::parse(content(path("r.json")));
+EXPECT_EQ(told.at("elements").at(2).at("state"), "missing");
+ASSERT_EQ(told.at("worth_a_look").size(), 8u);
+const std::string page = content(path("show.html"));
+EXPECT_NE(page.find("a&lt;b&gt;$(touch hit) c"), std::string::npos);
+EXPECT_EQ(page.find("<b>$"), std::string::npos);
+EXPECT_EQ(page.find("src=\"http"), std::string::npos);
+EXPECT_NE(page.find("out/open.pc2: "), std::string::npos);  // its frames cannot be drawn
+std::size_t pictures = 0;
+for (std::size_t at = 0; (at = page.find("data:image/png", at)) != std::string::npos; ++at) ++pictures;
+EXPECT_EQ(pictures, 2u);  // rows: six frames
+EXPECT_EQ(run_bodyopt("farm report " + plan + " --out " + path("show.pdf")).exit_code, 64);
 }
 
 }  // namespace

@@ -3,15 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include "runtime/core/error.h"
+
 namespace bodyopt {
 namespace {
 
-Json job_of(const std::string& show) {
+Json job_of(const std::string& show, const TaskNeeds& needs = {}) {
   FarmPlan plan{show, {}, true};
   for (const int lane : {0, 1, 2, 5}) plan.tasks.push_back({0, lane, {}});
   plan.tasks.push_back({1, 5, {}});
   plan.tasks.push_back({2, 0, {}});
-  return openjd_template(plan, "/a folder/{{with}} $(odd) names", "/usr/bin/bodyopt");
+  return openjd_template(plan, "/a folder/{{with}} $(odd) names", "/usr/bin/bodyopt", needs);
 }
 
 TEST(Openjd, WhatIsGeneratedKeepsTheRules) {
@@ -24,6 +26,15 @@ TEST(Openjd, WhatIsGeneratedKeepsTheRules) {
   EXPECT_EQ(job["steps"][0]["parameterSpace"]["taskParameterDefinitions"][0]["range"], "0-2,5");
   EXPECT_EQ(job["steps"][1]["dependencies"][0]["dependsOn"], "wave 0");
   EXPECT_EQ(job["steps"][1]["script"]["actions"]["onRun"]["args"][3], "1.{{Task.Param.Lane}}");
+}
+
+TEST(Openjd, HostsHaveWhatATaskNeeds) {
+  const Json job = job_of("show", {.cpus = 4, .tasks_per_gpu = 1});
+  EXPECT_TRUE(check_openjd(job).empty());
+  EXPECT_EQ(job["steps"][2]["hostRequirements"]["amounts"],
+            Json::parse(R"([{"name": "amount.worker.vcpu", "min": 4}, {"name": "amount.worker.gpu", "min": 1}])"));
+  EXPECT_EQ(job_of("show")["steps"][0]["hostRequirements"]["amounts"].size(), 1u);
+  EXPECT_THROW(job_of("show", {.cpus = 1, .tasks_per_gpu = 2}), Error);
 }
 
 TEST(Openjd, TheRulesRefuseWhatBreaksThem) {
@@ -44,6 +55,8 @@ TEST(Openjd, TheRulesRefuseWhatBreaksThem) {
   expect_refused(lanes + "type", "FLOAT");
   expect_refused(run + "command", "");
   expect_refused(run + "args/2", "{{Param.Paln}}");
+  expect_refused("/steps/0/hostRequirements/amounts/0/name", "amount.worker.gpus");
+  expect_refused("/steps/0/hostRequirements/amounts/0/min", 0);
   expect_refused("/stepps", 1);
 }
 

@@ -161,8 +161,8 @@ TEST(Slurm, WavesWaitForWhatTheyNeed) {
   tasks.push_back({3, 0, {}});
   std::vector<const FarmTask*> all;
   for (const FarmTask& task : tasks) all.push_back(&task);
-  const auto arrays =
-      slurm_arrays(all, "a show; rm -rf $HOME", true, "/p %x", {.cpus = 2, .tasks_per_gpu = 4, .sbatch = {}});
+  const auto arrays = slurm_arrays(all, "a show; rm -rf $HOME", true, "/p %x",
+                                   {.needs = {.cpus = 2, .tasks_per_gpu = 4}, .sbatch = {}});
   const auto has = [](const SlurmArray& array, const std::string& word) {
     return std::find(array.words.begin(), array.words.end(), word) != array.words.end();
   };

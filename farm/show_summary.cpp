@@ -1,0 +1,145 @@
+#include "farm/show_summary.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "assets/frame_range.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+// The words after an option of a step; none where it has it not.
+std::vector<std::string> option_of(const FarmStep& step, const std::string& option) {
+  auto at = std::find(step.arguments.begin(), step.arguments.end(), option);
+  std::vector<std::string> words;
+  while (at != step.arguments.end() && ++at != step.arguments.end() && !at->starts_with("--")) words.push_back(*at);
+  return words;
+}
+
+// What a record tells of the frames that were evaluated.
+struct StepFacts {
+  double seconds = 0, peak_memory_mib = 0, worst_outside = 0;
+  std::string device;
+  std::vector<int> outside;
+  std::vector<WorthyFrame> worth_a_look;
+};
+
+std::vector<WorthyFrame> worthy_frames(const Json& list, const FarmStep& step, const std::filesystem::path& path) {
+  const std::vector<int> frames = parse_frame_range(option_of(step, "--frames").at(0));
+  std::vector<WorthyFrame> worthy;
+  for (const Json& entry : list) {
+    const JsonObject object(entry, path, "worth_a_look");
+    const int frame = object.integer("frame");
+    const auto at = std::find(frames.begin(), frames.end(), frame);
+    if (at == frames.end()) object.refuse("names a frame that the task does not have");
+    worthy.push_back({&step, frame, static_cast<std::uint32_t>(at - frames.begin()),
+                      object.number("expected_rms_mm", 0, 1e9), object.number("outside", 0, 1e12)});
+  }
+  return worthy;
+}
+
+// Nothing where the record is damaged, or of a version that told less.
+std::optional<StepFacts> facts_of(const StepStatus& status) {
+  if (!status.record || status.step->arguments.front() != "eval") return std::nullopt;
+  const std::filesystem::path path = done_beside(status.step->out);
+  try {
+    const JsonObject summary(status.record->summary, path, "summary");
+    StepFacts facts{summary.number("seconds", 0, 1e9),
+                    summary.number("peak_memory_mib", 0, 1e9),
+                    summary.number("worst_outside", 0, 1e12),
+                    summary.text("device"),
+                    {},
+                    {}};
+    const std::string outside = summary.text("outside_frames");
+    if (!outside.empty()) facts.outside = parse_frame_range(outside);
+    facts.worth_a_look = worthy_frames(summary.array("worth_a_look"), *status.step, path);
+    return facts;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+bool is_worse(const WorthyFrame& a, const WorthyFrame& b) {
+  return std::pair(a.expected_rms_mm, a.outside) > std::pair(b.expected_rms_mm, b.outside);
+}
+
+// How `simulate` is to read a clip as `eval` did.
+std::vector<std::string> clip_options(const FarmStep& step) {
+  std::vector<std::string> words;
+  for (const char* option : {"--fps", "--first-frame", "--unit", "--controls", "--joint-map"}) {
+    const std::vector<std::string> values = option_of(step, option);
+    if (values.empty()) continue;
+    words.emplace_back(option);
+    words.insert(words.end(), values.begin(), values.end());
+  }
+  return words;
+}
+
+std::vector<FramesToSimulate> frames_to_simulate(const std::vector<WorthyFrame>& worthy) {
+  std::map<std::vector<std::string>, FramesToSimulate> clips;
+  for (const WorthyFrame& frame : worthy) {
+    if (frame.expected_rms_mm <= 0 && frame.outside <= 0) continue;
+    const std::string basis = frame.step->arguments.at(1), clip = option_of(*frame.step, "--clip").at(0);
+    const std::vector<std::string> options = clip_options(*frame.step);
+    std::vector<std::string> key{basis, clip};
+    key.insert(key.end(), options.begin(), options.end());
+    FramesToSimulate& entry = clips.try_emplace(key, FramesToSimulate{basis, clip, options, {}}).first->second;
+    entry.frames = unite_frames(entry.frames, {frame.frame});
+  }
+  std::vector<FramesToSimulate> list;
+  for (auto& [key, entry] : clips) list.push_back(std::move(entry));
+  return list;
+}
+
+class ShowSummarizer {
+ public:
+  void add(const StepStatus& status) {
+    const FarmStep& step = *status.step;
+    const auto [found, is_new] = numbers_.try_emplace({step.shot, step.element}, summary_.elements.size());
+    if (is_new) summary_.elements.push_back({step.shot, step.element, "", StepState::missing, {}, 0, 0, 0, "", {}, 0});
+    ElementSummary& element = summary_.elements[found->second];
+    if (step.is_delivered && element.out.empty()) {  // what rides on the skin is delivered after it
+      element.out = step.out;
+      element.state = status.state;
+    }
+    if (status.failure) element.failure = status.failure;
+    if (const std::optional<StepFacts> facts = facts_of(status)) count(element, *facts, step.frames);
+  }
+
+  ShowSummary finish(std::size_t most) {
+    std::vector<WorthyFrame>& worthy = summary_.worth_a_look;
+    std::stable_sort(worthy.begin(), worthy.end(), is_worse);
+    worthy.resize(std::min(most, worthy.size()));
+    summary_.simulate_next = frames_to_simulate(worthy);
+    return std::move(summary_);
+  }
+
+ private:
+  void count(ElementSummary& element, const StepFacts& facts, std::size_t frames) {
+    element.frames += frames;
+    element.seconds += facts.seconds;
+    element.peak_memory_mib = std::max(element.peak_memory_mib, facts.peak_memory_mib);
+    element.device = facts.device;
+    element.outside = unite_frames(element.outside, facts.outside);
+    element.worst_outside = std::max(element.worst_outside, facts.worst_outside);
+    summary_.worth_a_look.insert(summary_.worth_a_look.end(), facts.worth_a_look.begin(), facts.worth_a_look.end());
+  }
+
+  std::map<std::pair<std::string, std::string>, std::size_t> numbers_;  // by shot and element
+  ShowSummary summary_;
+};
+
+}  // namespace
+
+ShowSummary summarize_show(const FarmPlan& plan, const std::vector<std::vector<StepStatus>>& statuses,
+                           std::size_t most) {
+  ShowSummarizer summarizer;
+  for (std::size_t t = 0; t < plan.tasks.size(); ++t) {
+    for (const StepStatus& status : statuses[t]) summarizer.add(status);
+  }
+  return summarizer.finish(most);
+}
+
+}  // namespace bodyopt
