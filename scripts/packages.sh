@@ -7,6 +7,11 @@ build_packages=(
   libnanoflann-dev libhwy-dev libtbb-dev libstb-dev libwebp-dev libglfw3-dev libx11-dev libimgui-dev
   pkg-config libgtest-dev
 )
+# What the program alone runs with: those of its libraries that no other of them brings along.
+worker_packages=(
+  libgomp1 libvulkan1 libnglib-6.2 libtinygltf2d libspdlog1.10 libpugixml1v5 libxxhash0 libhwy1 libtbb12 libstb0 libwebp7
+  libwebpmux3 libglfw3 libx11-6
+)
 run_packages=(mesa-vulkan-drivers fonts-dejavu-core)
 test_packages=(vulkan-validationlayers xvfb xauth xdotool clang libomp-dev)
 attack_packages=(libclang-rt-dev python3)

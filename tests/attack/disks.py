@@ -34,7 +34,7 @@ def limited(stage, findings, verb, share):
     expected, _ = stage.undisturbed(verb)
     written = [len(data) for name, data in expected.items() if data != stage.files.get(name)]
     most = int(share * max(written))
-    work = stage.copy()
+    work = stage.copy(verb=verb)
     outcome = run(stage.command(verb.arguments), work, most_bytes=most)
     judge(stage, findings, verb, f"{verb.name}, files of {most} bytes at most", outcome, work, expected)
 
@@ -47,6 +47,7 @@ def full(stage, findings, verb, share, disk):
     work = disk.folder / "work"
     shutil.rmtree(work, ignore_errors=True)
     shutil.copytree(stage.base, work)
+    stage.prepare(verb, work)
     disk.resize(disk.used() + int(share * added))
     outcome = run(stage.command(verb.arguments), work)
     disk.resize(1 << 30)

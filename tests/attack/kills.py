@@ -16,7 +16,7 @@ def attack(stage, findings, random, clock, _tools):
 
 def kill(stage, findings, verb, share):
     expected, seconds = stage.undisturbed(verb)
-    work = stage.copy()
+    work = stage.copy(verb=verb)
     command = stage.command(verb.arguments)
     after = max(share * seconds, 0.001)
     killed = run(command, work, kill_after=after)

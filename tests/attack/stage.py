@@ -17,6 +17,8 @@ class Verb:
     same_bytes: bool = True
     # A second run of what was done already is refused.
     once: bool = False
+    # What has to be run in a fresh folder first: files that name their own folder.
+    before: str = ""
 
 
 _ADD = "dataset add elsewhere --clip bend.glb --frames 1-6"
@@ -45,6 +47,13 @@ VERBS = [
     Verb("eval --jiggle", "eval limb.safetensors --clip bend.glb --fps 24 --jiggle --device cpu --state-out end.state "
                           "--state-every 8 --out jiggled.pc2"),
     Verb("eval, USD", "eval limb.safetensors --clip bend.glb --fps 960 --device cpu --resume --out shot.usda"),
+    Verb("join", "join part1.pc2 part2.pc2 --resume --out joined.pc2"),
+    Verb("farm plan", "farm plan shots.json --out plan", same_bytes=False),
+    Verb("farm run", "farm run plan", same_bytes=False, before="farm plan shots.json --task-minutes 0.02 --out plan"),
+    Verb("farm report", "farm report plan --out show.html --json show.json", same_bytes=False,
+         before="farm plan shots.json --out plan"),
+    Verb("farm submit", "farm submit plan --openjd job.json", same_bytes=False,
+         before="farm plan shots.json --out plan"),
     Verb("improve", "improve draft --basis limb.safetensors --clip bend.glb --frames 10", same_bytes=False),
     Verb("test", "test limb.safetensors draft --json test.json"),
     Verb("coverage", "coverage limb.safetensors --clip bend.glb --picture coverage.svg --json coverage.json"),
@@ -62,7 +71,14 @@ _PREPARATION = [
     "attach prop0.glb limb.safetensors",
     "rom limb.glb --limits limits.json --frames 20 --out rom.glb",
     "eval limb.safetensors --clip bend.glb --device cpu --out shot.pc2",
+    "eval limb.safetensors --clip bend.glb --frames 1-20 --fps 960 --device cpu --out part1.pc2",
+    "eval limb.safetensors --clip bend.glb --frames 21-900 --fps 960 --device cpu --out part2.pc2",
 ]
+_SHOTS = """{"schema": "bodyopt-shots-1", "defaults": {"basis": "limb.safetensors", "clip": "bend.glb", "fps": 960,
+ "device": "cpu", "out": "caches/{shot}.pc2"}, "elements": [
+ {"shot": "short", "element": "limb", "frames": "1-60"},
+ {"shot": "long", "element": "limb", "frame_ms": 10},
+ {"shot": "usd", "element": "limb", "frames": "100-180", "out": "caches/{shot}.usda"}]}"""
 
 # Hold seconds that were taken.
 STATED = ("*.status.json", "report/*")
@@ -81,23 +97,33 @@ class Stage:
             if outcome.code != 0:
                 raise SystemExit(f"the attack cannot begin: {outcome.text()}")
         self.for_fuzzers = folder / "for_fuzzers"
+        (self.base / "shots.json").write_text(_SHOTS)
         (self.base / "fuzz").rename(self.for_fuzzers)
         self.files = contents(self.base)
 
     def command(self, arguments):
         return [self.program] + arguments.split()
 
-    def copy(self, name="work"):
+    def copy(self, name="work", verb=None):
         """A fresh folder with what was there before. Commands in it are the same words as elsewhere."""
         work = self.folder / name
         shutil.rmtree(work, ignore_errors=True)
         shutil.copytree(self.base, work)
+        self.prepare(verb, work)
         return work
+
+    def prepare(self, verb, work):
+        """What a verb needs to be there, and what names the folder."""
+        if verb is None or not verb.before:
+            return
+        outcome = run(self.command(verb.before), work)
+        if outcome.code != 0:
+            raise SystemExit(f"the attack cannot go on: {outcome.text()}")
 
     def undisturbed(self, verb):
         """What the verb leaves, by name, and how long it takes."""
         if verb.name not in self._undisturbed:
-            work = self.copy("undisturbed")
+            work = self.copy("undisturbed", verb)
             outcome = run(self.command(verb.arguments), work)
             if outcome.code != 0:
                 raise SystemExit(f"a verb fails undisturbed: {outcome.text()}")

@@ -1,0 +1,51 @@
+// What artists and their programs write for curation and transfer: the history of a stack, sculpted frames, markers.
+#include <fstream>
+
+#include "dataset/stack_history.h"
+#include "tests/fuzz/fuzz_target.h"
+#include "tests/fuzz/small_limb.h"
+#include "trainer/curate/frame_files.h"
+#include "trainer/transfer/markers_file.h"
+
+namespace bodyopt::fuzz {
+namespace {
+
+// The dataset of which the history is.
+std::filesystem::path small_dataset() {
+  return as_file("dataset.json", R"({"schema": "bodyopt-dataset-1", "character": "c.glb", "takes": [], "modifiers": [
+ {"name": "smooth", "type": "smooth", "strength": 0.5}]})");
+}
+
+std::vector<std::string> history_seeds() {
+  return {R"({"schema": "bodyopt-modifier-history-1", "now": 1, "states": [[], [{"name": "smooth", "type": "smooth",
+ "enabled": true, "strength": 0.5, "frames": ["1-5"], "mask": {"joints": ["a"]}, "parameters": {"steps": 3}}]]})"};
+}
+void read_history_file(const std::string& bytes) {
+  const std::filesystem::path path = small_dataset(), folder = path.parent_path() / "modifiers";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "history.json", std::ios::binary).write(bytes.data(), std::ssize(bytes));
+  undo_modifiers(path);
+}
+
+std::vector<std::string> obj_seeds() {
+  std::vector<float> points;
+  for (const std::uint32_t v : limb().output_vertex) {
+    for (int i = 0; i < 3; ++i) points.push_back(static_cast<float>(limb().vertices(v, i)));
+  }
+  return {written("frame.obj", [&](const auto& path) { write_obj(limb(), points, path); })};
+}
+void read_obj_file(const std::string& bytes) {
+  require_finite(read_obj(limb(), as_file("frame.obj", bytes)), "points");
+}
+
+std::vector<std::string> markers_seeds() {
+  return {R"({"schema": "bodyopt-markers-1", "markers": [{"source": 3, "target": 5}, {"source": 4, "target": 0}]})"};
+}
+void read_markers_file(const std::string& bytes) { read_markers(as_file("markers.json", bytes)); }
+
+const bool added = add_target({"modifier_history", history_seeds, read_history_file}) &&
+                   add_target({"obj", obj_seeds, read_obj_file}) &&
+                   add_target({"markers", markers_seeds, read_markers_file});
+
+}  // namespace
+}  // namespace bodyopt::fuzz
