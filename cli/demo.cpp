@@ -13,6 +13,7 @@
 #include "assets/pc2.h"
 #include "cli/arguments/common.h"
 #include "cli/results/demo_jiggle.h"
+#include "cli/results/demo_transfer.h"
 #include "cli/results/measure.h"
 #include "cli/results/provenance.h"
 #include "cli/results/report_pictures.h"
@@ -315,9 +316,11 @@ void run(DemoArguments arguments) {
   demo.seconds.draft = drafting.seconds();
   const ReportData report = measure(arguments, folder, dataset, draft, demo);
   write_report(report, folder);
+  const std::string carried = demo_transfer(folder, report.device != "cpu");
 
   std::ifstream json(folder / "report.json");
-  arguments.json.emit(Json::parse(json), summary(report) + "wrote " + (folder / "report.html").string() + "\n");
+  arguments.json.emit(Json::parse(json),
+                      summary(report) + carried + "wrote " + (folder / "report.html").string() + "\n");
 }
 
 }  // namespace

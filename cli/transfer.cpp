@@ -4,8 +4,11 @@
 #include <chrono>
 #include <filesystem>
 
+#include "assets/frame_range.h"
 #include "cli/arguments/common.h"
+#include "cli/results/transfer_page.h"
 #include "cli/results/transfer_picture.h"
+#include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "trainer/check/check.h"
 #include "trainer/train/skinning/ddm_basis.h"
@@ -22,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 constexpr double kLeastConfidence = 0.5;
 
 struct TransferArguments {
-  std::string source, markers, picture;
+  std::string source, markers, picture, report, clip, frames;
   std::vector<std::string> targets, outs;
   double unit = 0;
   bool force = false, source_size = false;
@@ -43,7 +46,7 @@ TransferOptions options_of(const TransferArguments& arguments) {
 // bodies, unless --force.
 void judge(const TransferPair& pair, const TransferArguments& arguments, const std::string& target) {
   say(pair.match.notes);
-  if (!arguments.picture.empty()) write_transfer_picture(pair, arguments.picture);
+  if (!arguments.picture.empty()) write_png(transfer_picture(pair), arguments.picture);
   const double confidence = pair.correspondence.mean_confidence();
   if (confidence >= kLeastConfidence) return;
   const std::string what = format(
@@ -74,6 +77,22 @@ std::string describe(const TransferPair& pair) {
                 static_cast<long long>(pair.skin.unsure()), static_cast<long long>(correspondence.target.rows()));
 }
 
+// Of the clip that the report shows, for the source.
+std::vector<ComparedPose> poses_for_report(const TransferPair& pair, const Basis& carried,
+                                           const TransferArguments& arguments) {
+  if (arguments.clip.empty()) return {};
+  ClipOptions options;
+  options.unit = clip_unit(arguments.clip, kept_unit(pair.source));
+  const Clip clip = read_clip(arguments.clip, pair.source.skeleton, options);
+  const std::string all = std::to_string(clip.first_frame) + "-" + std::to_string(clip.last_frame());
+  const std::vector<int> frames = parse_frame_range(arguments.frames.empty() ? all : arguments.frames);
+  const auto [first, last] = std::minmax_element(frames.begin(), frames.end());
+  if (*first < clip.first_frame || *last > clip.last_frame()) {
+    throw Error(ErrorKind::usage, "--frames " + arguments.frames + ": '" + arguments.clip + "' has frames " + all);
+  }
+  return compare_poses(pair, carried, clip, frames);
+}
+
 void run_basis(const TransferArguments& arguments) {
   if (arguments.outs.size() != arguments.targets.size()) {
     throw Error(ErrorKind::usage, format("%zu targets and %zu --out: every target needs a basis to write",
@@ -84,8 +103,13 @@ void run_basis(const TransferArguments& arguments) {
     require_writable(out);
   }
   arguments.json.require_writable();
+  if (!arguments.report.empty()) require_writable(arguments.report);
+  if (arguments.report.empty() && !arguments.clip.empty()) {
+    throw Error(ErrorKind::usage, "--clip is what --report shows: there is no --report");
+  }
   const TransferOptions options = options_of(arguments);
   const Basis source = load_basis(arguments.source);
+  Page page("Transfer", "What was learned in " + arguments.source + ", on other bodies");
   Json list = Json::array();
   std::string text;
   for (std::size_t k = 0; k < arguments.targets.size(); ++k) {
@@ -104,9 +128,19 @@ void run_basis(const TransferArguments& arguments) {
     facts["vertices"] = basis.mesh.vertex_count();
     facts["bytes_per_vertex"] = static_cast<double>(total_bytes(basis)) / basis.mesh.vertex_count();
     facts["seconds"] = seconds_since(start);
+    if (!arguments.report.empty()) {
+      const std::vector<ComparedPose> poses = poses_for_report(pair, basis, arguments);
+      add_transfer(pair, arguments.targets[k], poses, page);
+      facts.update(to_json(pair, poses));
+    }
     text += format("wrote %s: %u vertices, %s, %.1f s\n", arguments.outs[k].c_str(), basis.mesh.vertex_count(),
-                   describe(pair).c_str(), seconds_since(start));
+                   describe(pair).c_str(), facts["seconds"].get<double>());
     list.push_back(std::move(facts));
+  }
+  if (!arguments.report.empty()) {
+    const std::string html = page.text();
+    write_file_atomically(arguments.report, std::as_bytes(std::span(html)));
+    text += "wrote " + arguments.report + "\n";
   }
   arguments.json.emit({{"targets", list}, {"peak_memory_mib", peak_memory_mib()}}, text);
 }
@@ -199,6 +233,15 @@ void add_transfer(CLI::App& app) {
                   "Picture of the match with the last target (.png): by colour, and how sure it is")
       ->type_name("FILE")
       ->check(must_end_in(".png"));
+  basis
+      .add_option("--report", of_basis->report,
+                  "Page on how well the bodies match, part by part, and what to simulate next (.html)")
+      ->type_name("FILE")
+      ->check(must_end_in(".html"));
+  basis.add_option("--clip", of_basis->clip, "Poses for the report: motion of the source")
+      ->type_name("CLIP")
+      ->check(refuse_empty);
+  basis.add_option("--frames", of_basis->frames, "Frames of it (default: all)")->type_name("R")->check(refuse_empty);
   add_shared(basis, *of_basis);
   basis.callback([of_basis] { run_basis(*of_basis); });
 }

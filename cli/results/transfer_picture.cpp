@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "draw/heat_colour.h"
-#include "draw/renderer.h"
 #include "runtime/cpu/kernels.h"
 
 namespace bodyopt::cli {
@@ -57,7 +56,7 @@ Positions confidence_colours(const Correspondence& correspondence) {
 
 }  // namespace
 
-void write_transfer_picture(const TransferPair& pair, const std::filesystem::path& path) {
+Image transfer_picture(const TransferPair& pair) {
   using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
   const MeshTable &from = pair.source.mesh, &to = pair.target.mesh;
   const Positions rest = Eigen::Map<const FloatRows>(from.rest.data(), from.vertex_count(), 3).cast<double>();
@@ -76,7 +75,7 @@ void write_transfer_picture(const TransferPair& pair, const std::filesystem::pat
   }
   constexpr std::uint32_t kWidth = 1280, kHeight = 560;
   const Camera camera = frame_points(points, {0, 0.15f, 1}, float{kWidth} / kHeight);
-  write_png(Renderer().draw(meshes, camera, kWidth, kHeight), path);
+  return Renderer().draw(meshes, camera, kWidth, kHeight);
 }
 
 }  // namespace bodyopt::cli

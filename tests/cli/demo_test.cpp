@@ -96,11 +96,28 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   const std::string out = folder.path().string();
   const ProgramResult demo = run_bodyopt("demo --quick --out " + out);
   ASSERT_EQ(demo.exit_code, 0) << demo.output;
-  for (const char* name :
-       {"character.glb", "muscles.json", "rom.glb", "heldout.glb", "dataset/dataset.json", "dataset/rom.pc2",
-        "dataset/rom.status.json", "draft/dataset.json", "draft/heldout.nodes", "draft/heldout.status.json",
-        "basis.safetensors", "heldout.pc2", "report.html", "report.json", "stop.glb", "jiggle.json",
-        "basis.dynamics.safetensors", "stop_strip.png", "stop.webp"}) {
+  for (const char* name : {"character.glb",
+                           "muscles.json",
+                           "rom.glb",
+                           "heldout.glb",
+                           "dataset/dataset.json",
+                           "dataset/rom.pc2",
+                           "dataset/rom.status.json",
+                           "draft/dataset.json",
+                           "draft/heldout.nodes",
+                           "draft/heldout.status.json",
+                           "basis.safetensors",
+                           "heldout.pc2",
+                           "report.html",
+                           "report.json",
+                           "stop.glb",
+                           "jiggle.json",
+                           "basis.dynamics.safetensors",
+                           "stop_strip.png",
+                           "stop.webp",
+                           "stocky.glb",
+                           "stocky.safetensors",
+                           "transfer.html"}) {
     EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
   }
 

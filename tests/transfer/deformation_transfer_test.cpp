@@ -79,7 +79,7 @@ TEST(DeformationTransfer, EqualsADenseLeastSquaresProblem) {
   const Eigen::Index count = source.vertices.rows(), triangles = source.triangles.rows();
   const Eigen::VectorXd source_areas = lumped_areas(source.vertices, source.triangles),
                         areas = lumped_areas(target.vertices, source.triangles);
-  const double reach = 0.25 * extent(target.vertices);
+  const double reach = 0.1 * extent(target.vertices);
   const Eigen::VectorXd sizes =
       smoothed(target.vertices, source.triangles, (areas.array() / source_areas.array()).sqrt(), 0.1 * reach);
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(2 * triangles + count, count);

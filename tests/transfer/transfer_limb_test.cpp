@@ -1,6 +1,7 @@
 // Skeletons, skins, bases and datasets of a synthetic limb, carried to itself and to others.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <map>
 
 #include "assets/pc2.h"
@@ -13,6 +14,7 @@
 #include "trainer/train/skinning/ddm_basis.h"
 #include "trainer/train/skinning/mesh_table.h"
 #include "trainer/train/skinning/unpose.h"
+#include "trainer/transfer/carry_modifiers.h"
 #include "trainer/transfer/transfer_basis.h"
 #include "trainer/transfer/transfer_dataset.h"
 
@@ -223,6 +225,8 @@ TEST(TransferLimb, ADatasetCarriedToItsOwnCharacterIsTheSame) {
   dataset.character = "limb.glb";
   dataset.muscles = "muscles.json";
   dataset.takes.push_back({"bend", "bend.glb", "", 24, 1, frames, "bend.pc2", "", {3}});
+  dataset.modifiers = {{.name = "even", .type = "smooth", .strength = 0.5}};
+  dataset.selections = Json{{"first", {{{"take", "bend"}, {"frames", "1-3"}}}}};
 
   const Character read = read_character(folder / "limb.glb");
   const Basis source = build_ddm_basis(read, {});
@@ -230,7 +234,10 @@ TEST(TransferLimb, ADatasetCarriedToItsOwnCharacterIsTheSame) {
   const TransferredDataset told = transfer_dataset(dataset, read, pair, {read, folder / "limb.glb"}, folder / "copy");
   EXPECT_EQ(told.frames, frames.size());
 
+  transfer_dataset(dataset, read, pair, {read, folder / "limb.glb"}, folder / "copy");  // again: nothing is there twice
   const Dataset copy = read_dataset(folder / "copy" / "dataset.json");
+  EXPECT_EQ(copy.modifiers, dataset.modifiers);
+  EXPECT_EQ(copy.selections, dataset.selections);
   EXPECT_EQ(copy.takes.at(0).heldout, std::vector<int>{3});
   const Pc2Reader before(folder / "bend.pc2"), after(folder / "copy" / copy.takes[0].shapes);
   for (std::uint32_t k = 0; k < count; ++k) {
@@ -249,6 +256,52 @@ TEST(TransferLimb, ADatasetCarriedToItsOwnCharacterIsTheSame) {
                 limb_muscles()[0].path[1].position[static_cast<std::size_t>(i)], 1e-5);
   }
   EXPECT_NEAR(muscles[0].radius, limb_muscles()[0].radius, 1e-6);
+}
+
+// A body of twice the size, whose joints have other names: lengths double, joints are renamed, and what was sculpted is
+// twice as large.
+TEST(TransferLimb, CurationIsCarriedWithTheDataset) {
+  const TemporaryFolder folder;
+  const Character limb = limb_character();
+  Character giant = moved_limb(affine_from({{0, 0, 0}, {0, 0, 0, 1}, {2, 2, 2}}));
+  const std::string lower = limb.skeleton.joints[1].name;
+  giant.skeleton.joints[1].name = "Left_Other";
+  write_character(giant, folder / "giant.glb");
+  std::ofstream(folder / "map.json") << R"({"schema": "bodyopt-joint-map-1", "joints": [{"from": ")" + lower +
+                                            R"(", "to": "Left_Other"}]})";
+  std::filesystem::create_directories(folder / "modifiers");
+  Pc2Writer offsets(folder / "modifiers" / "a.pc2", limb.output_count(), 1);
+  std::vector<float> sculpted(3 * limb.output_count(), 0.0f);
+  for (std::size_t v = 0; v < limb.output_count(); ++v) sculpted[3 * v] = 0.01f;
+  offsets.append(sculpted);
+  offsets.close();
+  Dataset dataset;
+  dataset.folder = folder.path();
+  dataset.modifiers = read_modifiers(Json::parse(R"([
+    {"name": "even", "type": "smooth", "mask": {"joints": [")" +
+                                                 lower + R"("]}, "parameters": {"radius_mm": 5}},
+    {"name": "hand", "type": "sculpt", "parameters": {"sculpts": [{"take": "t", "frame": 3, "offsets": "modifiers/a.pc2"}]}},
+    {"name": "lost", "type": "inflate", "mask": {"joints": ["none"]}, "parameters": {"distance_mm": 1}},
+    {"name": "mix", "type": "blend", "parameters": {"cache": "b.pc2"}}])"),
+                                     folder / "dataset.json");
+
+  const Basis source = build_ddm_basis(limb, {});
+  const TransferPair pair(source, giant, {.joint_map = (folder / "map.json").string()});
+  std::vector<std::string> notes;
+  const std::vector<Modifier> carried = carried_modifiers(dataset, limb, pair, folder / "out", notes);
+  ASSERT_EQ(carried.size(), 4u);
+  EXPECT_EQ(carried[0].mask.at("joints"), Json::array({"Left_Other"}));
+  EXPECT_NEAR(carried[0].parameters.at("radius_mm").get<double>(), 10, 1e-6);
+  EXPECT_TRUE(carried[0].enabled && carried[1].enabled);
+  const Pc2Reader read(folder / "out" / carried[1].parameters.at("sculpts").at(0).at("offsets").get<std::string>());
+  const std::vector<float> points = read.sample(0);
+  for (std::size_t v = 0; v < points.size(); v += 3) {
+    ASSERT_NEAR(points[v], 0.02f, 1e-5f);
+    ASSERT_NEAR(points[v + 1], 0, 1e-5f);
+  }
+  EXPECT_FALSE(carried[2].enabled || carried[3].enabled);
+  EXPECT_EQ(carried[2].mask.at("joints"), Json::array({"none"}));
+  EXPECT_EQ(notes.size(), 2u);
 }
 
 TEST(MatchSkeletons, RefusesMirrorImagesAndStrangers) {
@@ -274,6 +327,20 @@ TEST(MatchSkeletons, RefusesMirrorImagesAndStrangers) {
 }
 
 // A limb that is bent at rest, 60 degrees: posed as the straight one rests, it is straight.
+TEST(MatchSkeletons, NamesTheRatioOfUnits) {
+  const Character limb = limb_character();
+  const auto notes_at = [&](double size) {
+    const Character other = moved_limb(affine_from({{0, 0, 0}, {0, 0, 0, 1}, {size, size, size}}));
+    const SkeletonMatch match = match_skeletons(limb.skeleton, other.skeleton, "");
+    EXPECT_NEAR(match.size, size, 1e-9 * size);
+    return match.notes;
+  };
+  EXPECT_TRUE(notes_at(2).empty());
+  ASSERT_EQ(notes_at(100).size(), 1u);
+  EXPECT_NE(notes_at(100).front().find("100 times"), std::string::npos) << notes_at(100).front();
+  EXPECT_EQ(notes_at(0.01).size(), 1u);
+}
+
 TEST(MatchSkeletons, PosesTheTargetAsTheSourceRests) {
   const Skeleton source = limb_skeleton();
   Skeleton bent_skeleton = source;

@@ -1,11 +1,16 @@
 // bodyopt transfer, as it is run.
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "assets/clip.h"
 #include "runtime/basis/basis.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
+#include "trainer/train/skinning/ddm_basis.h"
 #include "trainer/transfer/markers_file.h"
 
 namespace bodyopt {
@@ -30,6 +35,34 @@ TEST_F(TransferProgram, WritesABasisForEveryTarget) {
                                         " " + path("b.safetensors"));
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_EQ(load_basis(path("a.safetensors")).mesh.rest, load_basis(path("b.safetensors")).mesh.rest);
+}
+
+TEST_F(TransferProgram, TheReportSaysWhereBodiesDiffer) {
+  Character other = limb_character();
+  for (Eigen::Index v = 0; v < other.vertices.rows(); ++v) {  // the far half is three times as thick
+    if (other.vertices(v, 2) > other.skeleton.joints[1].bind.translation[2] + 0.02) other.vertices.row(v).head(2) *= 3;
+  }
+  write_character(other, path("other.glb"));
+  Clip clip;
+  clip.poses.assign(4, bind_pose(other.skeleton));
+  clip.poses[2].joints[1].rotation = axis_angle({1, 0, 0}, 0.8);
+  write_clip(clip, other.skeleton, path("bend.glb"));
+  const ProgramResult result = transfer(path("other.glb") + " --out " + path("a.safetensors") + " --report " +
+                                        path("r.html") + " --clip " + path("bend.glb") + " --json " + path("r.json"));
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
+  ASSERT_EQ(told.at("parts").size(), 2u);
+  EXPECT_EQ(told.at("poses").size(), 4u);
+  EXPECT_NEAR(told.at("poses").at(0).at("target_volume").get<double>(), 1, 1e-4);
+  EXPECT_TRUE(std::any_of(told.at("parts").begin(), told.at("parts").end(),
+                          [](const auto& part) { return part.at("breaks_assumption").template get<bool>(); }));
+  const ProgramResult alike = transfer(path("limb.glb") + " --out " + path("a.safetensors") + " --report " +
+                                       path("r.html") + " --json " + path("r.json"));
+  ASSERT_EQ(alike.exit_code, 0) << alike.output;
+  for (const auto& part : nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0).at("parts")) {
+    EXPECT_FALSE(part.at("breaks_assumption").get<bool>()) << part;
+    EXPECT_NEAR(part.at("size").get<double>(), 1, 1e-6);
+  }
 }
 
 TEST_F(TransferProgram, RefusesTargetsWithoutAPlaceAndStrangers) {

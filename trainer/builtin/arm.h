@@ -16,6 +16,8 @@ struct BuiltinArm {
 
 // Deterministic: the same character every time.
 BuiltinArm build_arm();
+// The same skeleton in thicker flesh, of other, fewer triangles: what the arm is carried to.
+BuiltinArm build_stocky_arm();
 
 // Held-out motion: smooth acting (reach, curl, throw, twist), 24 frames a second.
 Clip arm_heldout(const Skeleton& skeleton, int frame_count);

@@ -20,7 +20,7 @@ enum class TransferSize {
 //   least
 // over the target's displacements d'. The target's own normals drop out, as they may move freely (Botsch and others
 // 2006). s_i: local size of the target over that of the source. The second term settles where the whole stands, which
-// gradients do not tell, and keeps small errors from adding up along a body; `reach` is a quarter of the target's
+// gradients do not tell, and keeps small errors from adding up along a body; `reach` is a tenth of the target's
 // extent. The result is linear in the displacements, and zero of zero. One factorisation, made on construction.
 class DeformationTransfer {
  public:

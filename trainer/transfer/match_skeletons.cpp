@@ -4,6 +4,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <set>
 
@@ -16,6 +17,7 @@ namespace bodyopt {
 namespace {
 
 constexpr double kBuild = 35 * std::numbers::pi / 180;  // less between two bones is a difference of build
+constexpr double kUnlikely = 12;                        // times as large: rather another unit than another body
 constexpr double kSame = 1e-3;                          // of a skeleton's size: joints of the same body
 
 using Points = Eigen::Matrix3Xd;
@@ -109,6 +111,13 @@ class SkeletonAligner {
                   "the one is beside the other; a joint map (--map) may match more");
     }
     match_.size = own / other;
+    if (match_.size > kUnlikely || match_.size < 1 / kUnlikely) {
+      char ratio[32];
+      std::snprintf(ratio, sizeof(ratio), "%.3g", match_.size);
+      match_.notes.push_back(
+          std::string("the target's bones are ") + ratio +
+          " times as long as the source's: is one of the two in another unit? (--unit of the target)");
+    }
   }
 
   static Eigen::Vector3d at(const Points& points, std::size_t j) { return points.col(static_cast<Eigen::Index>(j)); }

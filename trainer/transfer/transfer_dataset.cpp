@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "dataset/regions_file.h"
+#include "dataset/stack_history.h"
 #include "dataset/take_lock.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"
@@ -17,6 +18,7 @@
 #include "trainer/train/skinning/mesh_table.h"
 #include "trainer/train/skinning/unpose.h"
 #include "trainer/transfer/carry_anatomy.h"
+#include "trainer/transfer/carry_modifiers.h"
 
 namespace bodyopt {
 namespace {
@@ -69,6 +71,7 @@ class DatasetTransfer {
     result_.folder = out;
     result_.character = fs::proximate(fs::absolute(target.file), fs::absolute(out)).string();
     result_.unit = target.unit;
+    result_.selections = carried_selections(dataset.selections, pair);
   }
 
   TransferredDataset run() {
@@ -79,6 +82,7 @@ class DatasetTransfer {
     open_dataset(with_names(), out_ / "dataset.json");
     write_anatomy();
     for (const DatasetTake& take : dataset_.takes) transfer_take(take);
+    write_modifiers();
     return std::move(told_);
   }
 
@@ -106,6 +110,20 @@ class DatasetTransfer {
         carried_regions(pair_, renumbered(read_regions(dataset_, source_character_), runtime));
     regions = renumbered(regions, morton_order(target_.character.vertices));
     write_regions(regions, target_.character, out_ / result_.regions);
+  }
+
+  // Curation that is there already, of an earlier transfer or of the target's own, stays.
+  void write_modifiers() {
+    if (dataset_.modifiers.empty()) return;
+    const std::vector<Modifier> carried = carried_modifiers(dataset_, source_character_, pair_, out_, told_.notes);
+    const Dataset there = read_dataset(out_ / "dataset.json");
+    if (there.modifiers == carried) return;
+    if (!there.modifiers.empty()) {
+      told_.notes.push_back("the dataset has modifiers already: those of the source are not put into it");
+      return;
+    }
+    edit_modifiers(out_ / "dataset.json",
+                   [&](const Dataset&, std::vector<Modifier>& modifiers) { modifiers = carried; });
   }
 
   void transfer_take(const DatasetTake& take) {

@@ -20,7 +20,8 @@ struct TransferredDataset {
 };
 
 // Into the folder `out`, which is made: clips for the target's skeleton (.glb), shapes (PC2), muscles, controls,
-// painted regions, materials, held-out frames, and which frames had not converged; dataset.json last. Every shape is
+// painted regions, materials, held-out frames, which frames had not converged, and the modifiers of its curation;
+// dataset.json last. Every shape is
 // un-posed by the source's Direct Delta Mush, carried, and posed by the target's; frames are streamed, a batch at a
 // time. Shows progress. Throws Error(mismatch) where the source's files do not belong together or `out` has a dataset
 // of another character, Error(file), Error(interrupted).

@@ -1,0 +1,35 @@
+// How a transfer went, as a page for people.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cli/arguments/common.h"
+#include "report/html.h"
+#include "trainer/transfer/transfer_pair.h"
+
+namespace bodyopt::cli {
+
+// Source and target in one pose, and what each skin encloses there, over what it does at rest.
+struct ComparedPose {
+  int frame = 0;
+  std::vector<float> source, target;  // runtime vertices x 3, metres
+  double source_volume = 1, target_volume = 1;
+  double expected_rms_mm = 0;  // of the target; 0: not known
+};
+
+// The frames of a clip of the source, and of the target posed as transferred_pose() says. Throws as Deformer::evaluate.
+std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& carried, const Clip& clip,
+                                        const std::vector<int>& frames);
+
+// The frames of the clip that would teach the target most, as `simulate --frames` takes them; empty where not known.
+std::string frames_to_simulate(const std::vector<ComparedPose>& poses);
+
+// Adds what is known of one target. `poses` may be empty. Throws Error(device) where nothing can be drawn.
+void add_transfer(const TransferPair& pair, const std::string& target, const std::vector<ComparedPose>& poses,
+                  Page& page);
+
+// The same for programs.
+Json to_json(const TransferPair& pair, const std::vector<ComparedPose>& poses);
+
+}  // namespace bodyopt::cli

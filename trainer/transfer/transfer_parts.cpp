@@ -1,0 +1,77 @@
+#include "trainer/transfer/transfer_parts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/laplacian.h"
+#include "trainer/transfer/joint_shares.h"
+#include "trainer/transfer/table_rows.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kSureMean = 0.7;        // of the confidence of a part
+constexpr double kOtherBuild = 2;        // times as large
+constexpr double kUnevenStretch = 0.35;  // of the logarithm
+
+// Of every vertex the column with the largest share.
+std::vector<Eigen::Index> holders(const JointShares& shares) {
+  std::vector<Eigen::Index> joints(static_cast<std::size_t>(shares.rows()), 0);
+  for (Eigen::Index v = 0; v < shares.rows(); ++v) shares.row(v).maxCoeff(&joints[static_cast<std::size_t>(v)]);
+  return joints;
+}
+
+struct LogSizes {
+  double count = 0, sum = 0, squares = 0;
+  double mean() const { return sum / count; }
+  double deviation() const { return std::sqrt(std::max(0.0, squares / count - mean() * mean())); }
+};
+
+std::vector<LogSizes> log_sizes(const TransferPair& pair) {
+  const MeshTable& mesh = pair.source.mesh;
+  const Triangles triangles = rows_of(mesh.triangles);
+  const Eigen::ArrayXd own = lumped_areas(pair.correspondence.fitted, triangles),
+                       other = lumped_areas(rows_of(mesh.rest), triangles);
+  const Eigen::ArrayXd logs = 0.5 * (own / other).log();
+  std::vector<LogSizes> sizes(pair.source.skeleton.size());
+  const std::vector<Eigen::Index> joints = holders(source_joint_shares(pair.source, pair.match));
+  for (Eigen::Index v = 0; v < logs.size(); ++v) {
+    LogSizes& part = sizes[static_cast<std::size_t>(joints[static_cast<std::size_t>(v)])];
+    part.count += 1;
+    part.sum += logs[v];
+    part.squares += logs[v] * logs[v];
+  }
+  return sizes;
+}
+
+}  // namespace
+
+std::vector<TransferPart> transfer_parts(const TransferPair& pair) {
+  const std::vector<LogSizes> sizes = log_sizes(pair);
+  std::vector<TransferPart> parts(sizes.size());
+  const std::vector<Eigen::Index> joints = holders(target_joint_shares(pair.target, pair.match));
+  for (TransferPart& part : parts) part.confidence = 0;
+  for (std::size_t v = 0; v < joints.size(); ++v) {
+    TransferPart& part = parts[static_cast<std::size_t>(joints[v])];
+    part.confidence += pair.correspondence.confidence[static_cast<Eigen::Index>(v)];
+    ++part.vertices;
+  }
+  std::vector<TransferPart> list;
+  for (std::size_t j = 0; j < parts.size(); ++j) {
+    TransferPart& part = parts[j];
+    if (part.vertices == 0 || sizes[j].count == 0) continue;
+    part.joint = pair.source.skeleton.joints[j].name;
+    part.confidence /= static_cast<double>(part.vertices);
+    part.size = std::exp(sizes[j].mean());
+    part.unevenness = sizes[j].deviation();
+    const double build = std::abs(std::log(part.size / pair.match.size));
+    part.breaks_assumption =
+        part.confidence < kSureMean || build > std::log(kOtherBuild) || part.unevenness > kUnevenStretch;
+    list.push_back(part);
+  }
+  std::stable_sort(list.begin(), list.end(),
+                   [](const TransferPart& a, const TransferPart& b) { return a.confidence < b.confidence; });
+  return list;
+}
+
+}  // namespace bodyopt
