@@ -6,6 +6,7 @@
 #include <set>
 
 #include "assets/gltf_nodes.h"
+#include "assets/gltf_skeleton.h"
 #include "assets/notes.h"
 
 namespace bodyopt {
@@ -227,6 +228,37 @@ SkinGeometry read_node_geometry(const GltfFile& file, std::size_t index, std::ve
   }
   add_notes(repairs, notes);
   return geometry;
+}
+
+std::vector<Vec3> read_morph_target(const std::filesystem::path& character, int target, double unit) {
+  const GltfFile file(character);
+  std::vector<std::string> unused;
+  const int skin = choose_skin(file, unused);
+  if (skin < 0) file.fail("has no skinned mesh");
+  const double metres = unit > 0 ? unit : 1, scale = metres * read_skin_skeleton(file, skin, metres, unused).rest_scale;
+  std::vector<Vec3> moved;
+  std::size_t most = 0;
+  for (const auto& [primitive, what] : skin_primitives(file, skin)) {
+    const std::size_t count =
+        file.numbers(attribute(primitive, "POSITION"), TINYGLTF_TYPE_VEC3, what + " POSITION").size() / 3;
+    most = std::max(most, primitive.targets.size());
+    const std::size_t first = moved.size();
+    moved.resize(first + count, Vec3{0, 0, 0});
+    if (static_cast<std::size_t>(target) >= primitive.targets.size()) continue;
+    const auto& attributes = primitive.targets[static_cast<std::size_t>(target)];
+    const auto position = attributes.find("POSITION");
+    if (position == attributes.end()) continue;
+    const auto numbers = file.numbers(position->second, TINYGLTF_TYPE_VEC3, what + " morph target");
+    if (numbers.size() != 3 * count) file.fail(what + ": a morph target has another count than the positions");
+    for (std::size_t k = 0; k < count; ++k) {
+      moved[first + k] = scale * Vec3{numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]};
+    }
+  }
+  if (static_cast<std::size_t>(target) >= most) {
+    file.fail("has no morph target " + std::to_string(target) + "; it has " +
+              count_of(most, "morph target", "morph targets") + ", numbered from 0");
+  }
+  return moved;
 }
 
 std::vector<double> read_vertex_colours(const std::filesystem::path& character, const std::string& name) {

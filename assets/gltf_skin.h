@@ -8,6 +8,7 @@
 
 #include "assets/gltf_file.h"
 #include "geometry/mesh.h"
+#include "runtime/core/transform.h"
 
 namespace bodyopt {
 
@@ -23,6 +24,10 @@ SkinGeometry read_skin_geometry(const GltfFile& file, int skin, std::vector<std:
 
 // The mesh of one node, which has one; without weights where the node has no skin. Throws as above.
 SkinGeometry read_node_geometry(const GltfFile& file, std::size_t node, std::vector<std::string>& notes);
+
+// O in output order, metres, rest space: what a morph target of a character's skin moves; 0 where only other parts of
+// the skin have it. `unit`: metres per unit of the file, 0 for metres. Throws Error(file), also where no part has it.
+std::vector<Vec3> read_morph_target(const std::filesystem::path& character, int target, double unit);
 
 // O x 3 in output order: red, green and blue of an attribute of a character's skin, COLOR_0 say, from 0 to 1; 0 where
 // only other parts of the skin have it. Throws Error(file), also where no part has it.

@@ -5,13 +5,13 @@
 #include <chrono>
 #include <cmath>
 
-#include "assets/controls.h"
 #include "assets/frame_range.h"
 #include "assets/gltf_guard.h"
 #include "base/progress.h"
 #include "cli/arguments/cache_space.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/jiggle_arguments.h"
+#include "cli/arguments/modifier_arguments.h"
 #include "cli/arguments/task_arguments.h"
 #include "cli/results/attachments.h"
 #include "cli/results/shot_caches.h"
@@ -28,6 +28,7 @@ struct EvalArguments {
   ClipArguments clip;
   DeviceArguments device;
   JiggleArguments jiggle;
+  ModifierArguments modifiers;
   TaskArguments task;
   JsonOption json;
 };
@@ -38,8 +39,9 @@ std::vector<fs::path> inputs_of(const EvalArguments& arguments) {
   const std::string& source = arguments.clip.source;
   const fs::path clip = fs::exists(source) ? source : source.substr(0, source.rfind('#'));
   for (const fs::path& file : gltf_files(clip)) inputs.push_back(file);
-  for (const std::string& file : {arguments.clip.options.controls, arguments.clip.options.joint_map,
-                                  arguments.jiggle.file(arguments.cache.basis), arguments.jiggle.state_in}) {
+  for (const std::string& file :
+       {arguments.clip.options.controls, arguments.clip.options.joint_map, arguments.jiggle.file(arguments.cache.basis),
+        arguments.jiggle.state_in, arguments.modifiers.file}) {
     if (!file.empty()) inputs.push_back(file);
   }
   const fs::path beside = attachments_beside(arguments.cache.basis);
@@ -78,12 +80,11 @@ EvaluatedShot read_shot(const EvalArguments& arguments) {
                 "in a proxy");
   }
   shot.carried = std::move(level.carried);
+  arguments.modifiers.choose(level.basis);
   shot.deformer = arguments.jiggle.deformer(std::move(level.basis), arguments.cache.basis, arguments.device.choice);
   const Basis& basis = shot.deformer->basis();
   shot.clip = arguments.clip.read(basis.skeleton, arguments.unit > 0 ? arguments.unit : kept_unit(basis), shot.frames);
-  for (const std::string& name : arrange_controls(basis.residual.controls, shot.clip)) {
-    spdlog::warn("control '{}' is none that the basis was trained with: it has no effect", name);
-  }
+  arguments.modifiers.apply(basis, shot.clip);
   shot.poses = poses_of(shot.clip, shot.frames);
   arguments.jiggle.check_frames(*shot.deformer, shot.clip, shot.frames);
   return shot;
@@ -250,6 +251,7 @@ void add_eval(CLI::App& app) {
       ->type_name("FILE")
       ->check(refuse_empty);
   arguments->jiggle.add(verb);
+  arguments->modifiers.add(verb);
   arguments->task.add(verb);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

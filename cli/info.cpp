@@ -72,6 +72,18 @@ Json character_info(const std::string& path, double unit) {
           {"joints", joint_names(character.skeleton)}};
 }
 
+Json json_of_modifiers(const SkinModifiers& modifiers) {
+  Json list = Json::array();
+  for (const SkinModifier& modifier : modifiers.stack) {
+    list.push_back({{"name", modifier.name},
+                    {"type", modifier.type},
+                    {"on", modifier.on},
+                    {"constants", modifier.constants},
+                    {"components", modifier.component_count}});
+  }
+  return list;
+}
+
 Json basis_info(const std::string& path) {
   const std::vector<Level> levels = load_levels(path);
   const Basis& basis = levels.front().basis;
@@ -91,6 +103,7 @@ Json basis_info(const std::string& path) {
                  {"coefficients", basis.residual.coefficient_count()},
                  {"kernel_centres", basis.residual.centre_count()},
                  {"controls", basis.residual.controls},
+                 {"modifiers", json_of_modifiers(basis.modifiers)},
                  {"bytes_per_vertex", bytes},
                  {"joints", joint_names(basis.skeleton)},
                  {"metadata", metadata}};

@@ -30,7 +30,7 @@ void add_verbs(CLI::App& app) {
       {"A character's muscles and motion", {add_muscles, add_rom}},
       {"Shapes to learn from", {add_simulate, add_dataset, add_curate, add_export, add_picture}},
       {"Learning", {add_train, add_test, add_coverage, add_improve, add_regions}},
-      {"What goes with a trained character", {add_proxy, add_dynamics, add_attach, add_transfer}},
+      {"What goes with a trained character", {add_proxy, add_dynamics, add_attach, add_transfer, add_modifiers}},
       {"Using it", {add_eval, add_join, add_view, add_compare, add_bench, add_farm}},
   };
   std::size_t grouped = 0;

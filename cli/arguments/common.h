@@ -105,6 +105,7 @@ void add_proxy(CLI::App& app);
 void add_dynamics(CLI::App& app);
 void add_attach(CLI::App& app);
 void add_transfer(CLI::App& app);
+void add_modifiers(CLI::App& app);
 void add_eval(CLI::App& app);
 void add_join(CLI::App& app);
 void add_compare(CLI::App& app);

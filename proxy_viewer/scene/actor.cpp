@@ -9,7 +9,7 @@
 
 #include "assets/clip_keys.h"
 #include "assets/clip_source.h"
-#include "assets/controls.h"
+#include "assets/shot_modifiers.h"
 #include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/output_points.h"
 #include "proxy_viewer/state/box.h"
@@ -173,7 +173,7 @@ void Actor::open_clip(const std::string& source) {
   options.unit = clip_unit(source, kept_unit(basis()));
   options.joint_map = files_.joint_map;
   Clip clip = read_clip(source, basis().skeleton, options);
-  arrange_controls(basis().residual.controls, clip);
+  for (const std::string& note : apply_channels(basis(), clip)) clip.notes.push_back(note);
   if (clip.poses.empty()) throw Error(ErrorKind::file, source + ": the clip has no frame");
   keys_ = clip_keys(source, options);
   clip_ = std::move(clip);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "runtime/basis/skeleton.h"
+#include "runtime/basis/skin_modifiers.h"
 #include "shaders/include/layout.h"
 
 namespace bodyopt {
@@ -101,8 +102,9 @@ struct Basis {
   Skeleton skeleton;
   MeshTable mesh;
   DdmTable ddm;
-  StrainTable strain;      // empty when trained without muscles
-  ResidualTable residual;  // empty (no regions, blend_begin of blocks + 1 zeros) for DDM only
+  StrainTable strain;       // empty when trained without muscles
+  ResidualTable residual;   // empty (no regions, blend_begin of blocks + 1 zeros) for DDM only
+  SkinModifiers modifiers;  // empty but where `bodyopt modifiers` gave it some
   Metadata metadata;
 };
 
@@ -115,7 +117,8 @@ void validate(const Basis& basis, const std::string& origin);
 void save_basis(const Basis& basis, const std::filesystem::path& path);
 Basis load_basis(const std::filesystem::path& path);
 
-// Bytes of the tables a frame needs at run time, by stage: "ddm", "strain", "residual".
+// Bytes of the tables a frame needs at run time, by stage: "ddm", "strain", "residual", and "modify" where there are
+// modifiers.
 std::map<std::string, std::size_t> table_bytes(const Basis& basis);
 std::size_t total_bytes(const Basis& basis);  // of all of them
 

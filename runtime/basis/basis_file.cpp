@@ -15,6 +15,8 @@ namespace bodyopt {
 namespace {
 
 constexpr const char *kSchema = "bodyopt-basis-3", *kEarlierSchema = "bodyopt-basis-2";
+constexpr const char *kModifiers = "modifiers", *kModifierBegin = "modifiers.blend_begin",
+                     *kModifierBlend = "modifiers.blend";
 constexpr const char *kCarried = "carried.points", *kCarriedStep = "carried.step";
 constexpr std::size_t kJointNumbers = 10 + 10 + 12;  // bind, default local, inverse bind
 
@@ -157,6 +159,23 @@ void add_skeleton(Safetensors& file, const Skeleton& skeleton, const std::filesy
   file.metadata["joint_names"] = list_text(names, path);
 }
 
+// A file without modifiers is what it was before there were any.
+void add_modifiers(Safetensors& file, const SkinModifiers& modifiers, const std::string& prefix,
+                   const std::filesystem::path& path) {
+  if (modifiers.empty()) return;
+  file.metadata[prefix + kModifiers] = text_of_stack(modifiers.stack, path.string());
+  file.tensors[prefix + kModifierBegin] = tensor_from(modifiers.blend_begin, 1);
+  file.tensors[prefix + kModifierBlend] = tensor_from(modifiers.blend, 1);
+}
+
+SkinModifiers read_modifiers(TableReader& reader, const std::string& prefix, const std::filesystem::path& path) {
+  SkinModifiers modifiers;
+  modifiers.stack = stack_from_text(reader.metadata(prefix + kModifiers), path.string() + ", metadata 'modifiers'");
+  reader.read(prefix + kModifierBegin, modifiers.blend_begin, 1);
+  reader.read(prefix + kModifierBlend, modifiers.blend, 1);
+  return modifiers;
+}
+
 // All but the skeleton, which levels share.
 void add_tables(Safetensors& file, const Basis& basis, const std::string& prefix, const std::filesystem::path& path) {
   for (const auto& [key, text] : basis.metadata) file.metadata[prefix + key] = text;
@@ -165,6 +184,7 @@ void add_tables(Safetensors& file, const Basis& basis, const std::string& prefix
   });
   file.metadata[prefix + "fibre_names"] = list_text(basis.strain.names, path);
   file.metadata[prefix + "controls"] = list_text(basis.residual.controls, path);
+  add_modifiers(file, basis.modifiers, prefix, path);
 }
 
 CarriedSkin read_carried(TableReader& reader, const std::string& prefix) {
@@ -210,7 +230,8 @@ Metadata metadata_of(const Safetensors& file, std::size_t level, std::size_t cou
     for (std::size_t k = 1; k < count; ++k) owner = key.starts_with(prefix_of(k)) ? k : owner;
     if (owner == level) metadata[key.substr(prefix_of(level).size())] = text;
   }
-  for (const char* own : {"schema", "joint_names", "fibre_names", "controls", "checksum"}) metadata.erase(own);
+  for (const char* own : {"schema", "joint_names", "fibre_names", "controls", kModifiers, "checksum"})
+    metadata.erase(own);
   return metadata;
 }
 
@@ -251,6 +272,7 @@ std::vector<Level> load_levels(const std::filesystem::path& path) {
     read_tables(reader, prefix, earlier, basis);
     basis.strain.names = strings(reader, prefix + "fibre_names", path);
     basis.residual.controls = strings(reader, prefix + "controls", path);
+    if (file.metadata.contains(prefix + kModifiers)) basis.modifiers = read_modifiers(reader, prefix, path);
     basis.metadata = metadata_of(file, k, levels.size());
     if (file.tensors.contains(prefix + kCarried) || file.tensors.contains(prefix + kCarriedStep)) {
       levels[k].carried = read_carried(reader, prefix);
@@ -274,6 +296,11 @@ std::map<std::string, std::size_t> table_bytes(const Basis& basis) {
     const auto stage = bytes.find(name.substr(0, name.find('.')));
     if (stage != bytes.end()) stage->second += values.size() * sizeof(values[0]);
   });
+  const SkinModifiers& modifiers = basis.modifiers;
+  if (!modifiers.empty()) {
+    bytes["modify"] =
+        modifiers.blend_begin.size() * sizeof(std::uint32_t) + modifiers.blend.size() * sizeof(BlendEntry);
+  }
   return bytes;
 }
 

@@ -31,6 +31,7 @@ std::uint64_t skeleton_hash(const Skeleton& skeleton);
 struct Pose {
   std::vector<JointTransform> joints;
   std::vector<float> controls;
+  std::vector<float> modifiers{};  // weights of the modifiers' components (drive_modifiers); empty: all 0
 };
 
 Pose bind_pose(const Skeleton& skeleton);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <set>
 #include <span>
 
 #include "runtime/basis/basis.h"
@@ -27,6 +28,7 @@ class Validator : TableChecks {
     check_regions();
     check_blend();
     check_fade();
+    check_modifiers();
   }
 
  private:
@@ -266,16 +268,64 @@ class Validator : TableChecks {
   }
 
   void check_blend() const {
-    const ResidualTable& residual = basis_.residual;
-    for (std::size_t k = 0; k < residual.blend.size(); ++k) {
-      const std::uint32_t head = residual.blend[k].scale_coefficient;
-      if ((head >> 16) >= residual.coefficient_region.size()) {
-        refuse(element("residual.blend", k) + " names coefficient " + std::to_string(head >> 16) +
-               ", expected an index below " + std::to_string(residual.coefficient_region.size()));
+    expect_entries("residual.blend", basis_.residual.blend, basis_.residual.coefficient_region.size());
+  }
+
+  void expect_entries(const char* name, const std::vector<BlendEntry>& blend, std::size_t coefficients) const {
+    for (std::size_t k = 0; k < blend.size(); ++k) {
+      const std::uint32_t head = blend[k].scale_coefficient;
+      if ((head >> 16) >= coefficients) {
+        refuse(element(name, k) + " names coefficient " + std::to_string(head >> 16) + ", expected an index below " +
+               std::to_string(coefficients));
       }
       if (!finite_halves(head & 0xffffu)) {
-        refuse(element("residual.blend", k) + " has a scale that is infinite or not a number, expected a finite half");
+        refuse(element(name, k) + " has a scale that is infinite or not a number, expected a finite half");
       }
+    }
+  }
+
+  void check_modifiers() const {
+    const SkinModifiers& modifiers = basis_.modifiers;
+    if (modifiers.empty()) {
+      expect_size("modifiers.blend_begin", modifiers.blend_begin.size(), 0);
+      expect_size("modifiers.blend", modifiers.blend.size(), 0);
+      return;
+    }
+    std::vector<char> used;  // components
+    std::set<std::string> names;
+    for (const SkinModifier& modifier : modifiers.stack) {
+      if (modifier.name.empty() || !names.insert(modifier.name).second) {
+        refuse("the modifier '" + modifier.name + "' has no name of its own");
+      }
+      check_modifier(modifier, used);
+    }
+    if (names.size() > kMostModifiers) refuse("there are more than " + std::to_string(kMostModifiers) + " modifiers");
+    expect_offsets("modifiers.blend_begin", modifiers.blend_begin, basis_.mesh.block_count(), modifiers.blend.size());
+    expect_entries("modifiers.blend", modifiers.blend, used.size());
+  }
+
+  // Between them modifiers have each component once.
+  void check_modifier(const SkinModifier& modifier, std::vector<char>& used) const {
+    const std::string name = "the modifier '" + modifier.name + "'";
+    const std::size_t end = std::size_t{modifier.first_component} + modifier.component_count;
+    if (end > kMostModifierComponents) {
+      refuse(name + " has components up to " + std::to_string(end) + ", expected at most " +
+             std::to_string(kMostModifierComponents));
+    }
+    if (used.size() < end) used.resize(end, 0);
+    for (std::size_t k = modifier.first_component; k < end; ++k) {
+      if (used[k]++ > 0) refuse(name + " has components of another");
+    }
+    expect_below("the joints of a modifier", modifier.joints, basis_.skeleton.size());
+    expect_numbers("the numbers of a modifier", modifier.numbers);
+    for (const auto& [control, value] : modifier.constants) expect_number(control.c_str(), 0, double{value});
+    for (std::size_t k = 0; k < modifier.turns.size(); ++k) {
+      const ModifierTurn& turn = modifier.turns[k];
+      if (turn.joint >= basis_.skeleton.size() || turn.component >= modifier.component_count) {
+        refuse(name + " turns joint " + std::to_string(turn.joint) + " by component " + std::to_string(turn.component) +
+               ", which it does not have");
+      }
+      for (const float x : {turn.x, turn.y, turn.z}) expect_number("the turns of a modifier", k, double{x});
     }
   }
 

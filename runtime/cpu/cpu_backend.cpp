@@ -74,7 +74,7 @@ class CpuBackend final : public Backend {
     scratch_.coordinates.resize(frames * basis_.residual.coordinate_count());
     scratch_.kernels.resize(frames * basis_.residual.centre_count());
 
-    StageTime strain, residual, pose, output;
+    StageTime strain, residual, modify, pose, output;
     for (std::size_t begin = 0; begin < frames; begin += kFramesAtOnce) {
       const FrameRange range{begin, std::min(frames, begin + kFramesAtOnce)};
       find_frames(batch, range, strain);
@@ -82,10 +82,11 @@ class CpuBackend final : public Backend {
         for (std::size_t k = from; k < to; ++k) find_coefficients(batch, range, k, result, strain, residual);
       });
       over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
-        pose_part(batch, range, k, first, count, result, residual, pose);
+        pose_part(batch, range, k, first, count, result, residual, modify, pose);
       });
     }
     result.stage_seconds = {{"strain", strain.seconds()}, {"residual", residual.seconds()}, {"pose", pose.seconds()}};
+    if (!basis_.modifiers.empty()) result.stage_seconds["modify"] = modify.seconds();
     if (!batch.jiggle.empty()) {
       dynamics_->run(batch, weights_.jiggle, result.strains, result.positions, result.stage_seconds);
     }
@@ -164,7 +165,7 @@ class CpuBackend final : public Backend {
   }
 
   void pose_part(const Batch& batch, FrameRange range, std::size_t k, std::size_t first, std::size_t count,
-                 BatchResult& result, StageTime& residual, StageTime& pose) {
+                 BatchResult& result, StageTime& residual, StageTime& modify, StageTime& pose) {
     const std::size_t f = range.begin + k;
     const auto block = static_cast<std::uint32_t>(first / kBlockSize);
     float numbers[3 * kPartVertices];
@@ -173,6 +174,11 @@ class CpuBackend final : public Backend {
     cpu::blend_blocks(basis_.residual, of_frame(result.coefficients, f, batch.frame_count).data(), weights_.correction,
                       block, displacements);
     residual.add_since(last);
+    if (!basis_.modifiers.empty()) {
+      cpu::modify_blocks(basis_.modifiers, of_frame(batch.modifiers, f, batch.frame_count).data(), block,
+                         displacements);
+      modify.add_since(last);
+    }
     cpu::pose_blocks(basis_.ddm, of_frame(batch.skinning, f, batch.frame_count).data(), known_frames(k, block).data(),
                      &batch.origins[4 * f], block, displacements,
                      of_frame(result.positions, f, batch.frame_count).subspan(3 * first, 3 * count));

@@ -51,6 +51,14 @@ void residual_blend(const ResidualTable& residual, std::span<const float> coeffi
 void blend_blocks(const ResidualTable& residual, const float* coefficients, float weight, std::uint32_t first_block,
                   std::span<float> displacements);
 
+// Modify stage: adds what the modifiers' components give, sum_k w_k b_ki. weights: F x component_count. ->
+// displacements F x V x 3, un-posed, metres. Weights of 0 change no bit.
+void modify_blend(const SkinModifiers& modifiers, std::span<const float> weights, std::uint32_t frame_count,
+                  std::span<float> displacements);
+// The same of one frame and some blocks, as blend_blocks.
+void modify_blocks(const SkinModifiers& modifiers, const float* weights, std::uint32_t first_block,
+                   std::span<float> displacements);
+
 // Pose stage: x_i = t_i + R_i (d_i + delta d_i) + origin. -> positions F x V x 3, metres, posed (world).
 void pose_skin(const DdmTable& ddm, std::uint32_t joint_count, std::span<const float> skinning,
                std::span<const float> origins, std::span<const float> displacements, std::span<float> positions);

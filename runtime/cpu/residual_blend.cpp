@@ -1,36 +1,25 @@
 #include <algorithm>
 
-#include "runtime/core/half.h"
 #include "runtime/cpu/kernels.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime/cpu/residual_blend.cpp"
 #include "hwy/foreach_target.h"
 // Below it: what is compiled again for each set of instructions.
-#include "runtime/cpu/lanes.h"
+#include "runtime/cpu/lane_blend.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace bodyopt::cpu::HWY_NAMESPACE {
 
-// A signed byte of each lane.
-HWY_INLINE Lanes lanes_from_bytes(const std::int8_t* bytes) {
-  const hn::Rebind<std::int8_t, LaneTag> narrow;
-  const hn::RebindToSigned<LaneTag> wide;
-  return Lanes(hn::ConvertTo(LaneTag(), hn::PromoteTo(wide, hn::LoadU(narrow, bytes))));
-}
-
 // The displacements of a block, 3 x kBlockSize. coefficients: of the frame.
 void blend_block(const ResidualTable& residual, std::uint32_t block, const float* coefficients, float weight,
                  float* displacements) {
+  const auto entries =
+      std::span(residual.blend)
+          .subspan(residual.blend_begin[block], residual.blend_begin[block + 1] - residual.blend_begin[block]);
   for (std::uint32_t lane = 0; lane < kBlockSize; lane += kLaneCount) {
-    Lanes sums[3] = {0.0f, 0.0f, 0.0f};
-    for (std::uint32_t e = residual.blend_begin[block]; e < residual.blend_begin[block + 1]; ++e) {
-      const BlendEntry& entry = residual.blend[e];
-      const auto* bytes = reinterpret_cast<const std::int8_t*>(entry.numbers) + lane;
-      const Lanes amount =
-          coefficients[entry.scale_coefficient >> 16] * (half_low(entry.scale_coefficient) * kBlendFraction);
-      for (std::uint32_t i = 0; i < 3; ++i) sums[i] += amount * lanes_from_bytes(bytes + i * kBlockSize);
-    }
+    Lanes sums[3];
+    blend_entries(entries, lane, coefficients, sums);
     for (Lanes& sum : sums) sum = weight * sum;
     store_points(sums, displacements + 3 * lane);
   }

@@ -33,6 +33,21 @@ std::unique_ptr<Backend> make_backend(const std::shared_ptr<const CharacterModel
   return make_vulkan_backend(std::make_shared<const vulkan::DeviceModel>(device, model), jiggle);
 }
 
+// Pose::modifiers, one for each component.
+std::vector<float> modifier_weights(const Basis& basis, const Pose& pose) {
+  const std::size_t count = basis.modifiers.component_count();
+  if (!pose.modifiers.empty() && pose.modifiers.size() != count) {
+    throw Error(ErrorKind::mismatch, "a pose has " + std::to_string(pose.modifiers.size()) +
+                                         " weights of modifiers, the basis has " + std::to_string(count));
+  }
+  for (const float weight : pose.modifiers) {
+    if (!std::isfinite(weight)) throw Error(ErrorKind::mismatch, "a modifier's weight is not a finite number");
+  }
+  std::vector<float> weights = pose.modifiers;
+  weights.resize(count, 0.0f);
+  return weights;
+}
+
 void check_controls(const Basis& basis, const Pose& pose) {
   const std::size_t controls = basis.residual.controls.size();
   if (!pose.controls.empty() && pose.controls.size() != controls) {
@@ -61,6 +76,8 @@ Batch make_batch(const Basis& basis, std::span<const Pose> poses) {
     std::vector<float> values = pose.controls;
     values.resize(controls, 0.0f);
     batch.controls.insert(batch.controls.end(), values.begin(), values.end());
+    const std::vector<float> weights = modifier_weights(basis, pose);
+    batch.modifiers.insert(batch.modifiers.end(), weights.begin(), weights.end());
   }
   return batch;
 }

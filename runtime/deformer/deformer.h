@@ -1,5 +1,5 @@
-// The runtime: runs rig, strain, residual, pose, diffuse, jiggle and output for a batch of poses, on the CPU or on a
-// Vulkan device.
+// The runtime: runs rig, strain, residual, modify, pose, diffuse, jiggle and output for a batch of poses, on the CPU or
+// on a Vulkan device.
 #pragma once
 
 #include <cstdint>

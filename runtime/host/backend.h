@@ -39,6 +39,7 @@ struct Batch {
   std::vector<float> joint_features;  // F x joint feature count
   std::vector<float> controls;        // F x control count
   std::vector<float> fades;           // F x region count, see region_fades
+  std::vector<float> modifiers{};     // F x component count of the modifiers
   std::vector<double> joints{};       // F x J x 3, metres, world: for the plan of the jiggle
   std::vector<JiggleFrame> jiggle{};  // F; empty: the skin is quasi-static
   bool stays_on_device = false;       // positions and normals are wanted there, and not in the result

@@ -62,7 +62,7 @@ BODYOPT_CHECK_SIZE(Region, 48)
 // Words of one signed byte per lane of a block.
 const uint kLaneWords = kBlockSize / 4u;
 
-// One (block, coefficient) entry of the residual's blend. The numbers are x of all lanes, then y, then z, four lanes to
+// One (block, coefficient) entry of the residual's blend, or (block, component) entry of the modifiers'. The numbers are x of all lanes, then y, then z, four lanes to
 // a word, the lowest lane in the lowest byte. The basis vector at a lane is scale * kBlendFraction times its three
 // numbers; the lanes after V hold zeros.
 struct BlendEntry {
@@ -174,6 +174,9 @@ struct ResidualCoefficientsPush {
 struct ResidualBlendPush {
   uint vertex_count, coefficient_count;
   float weight;  // of the displacement; 1: as trained
+};
+struct ModifyBlendPush {
+  uint vertex_count, component_count;
 };
 struct PoseSkinPush {
   uint vertex_count, joint_count;

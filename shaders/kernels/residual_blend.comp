@@ -12,26 +12,13 @@ layout(set = 0, binding = 1) readonly buffer B1 { BlendEntry blend[]; };
 layout(set = 0, binding = 2) readonly buffer B2 { float coefficients[]; };
 layout(set = 0, binding = 3) writeonly buffer B3 { float displacements[]; };
 
-float number(uint entry, uint component, uint lane) {
-  uint word = blend[entry].numbers[component * kLaneWords + lane / 4];
-  return float(bitfieldExtract(int(word), int(8 * (lane % 4)), 8));
-}
+#include "blend.glsl"
 
 void main() {
   uint vertex = gl_GlobalInvocationID.x, frame = gl_GlobalInvocationID.y;
   if (vertex >= push.vertex_count) return;
-  uint c = push.coefficient_count * frame;
-  uint block = vertex / kBlockSize, lane = vertex % kBlockSize;
-  precise float x = 0.0, y = 0.0, z = 0.0;
-  for (uint e = blend_begin[block]; e < blend_begin[block + 1]; ++e) {
-    uint head = blend[e].scale_coefficient;
-    precise float weight = coefficients[c + (head >> 16)] * (unpackHalf2x16(head).x * kBlendFraction);
-    x += weight * number(e, 0, lane);
-    y += weight * number(e, 1, lane);
-    z += weight * number(e, 2, lane);
-  }
+  float sum[3];
+  blend_sum(vertex, push.coefficient_count * frame, sum);
   uint at = 3 * (frame * push.vertex_count + vertex);
-  displacements[at] = push.weight * x;
-  displacements[at + 1] = push.weight * y;
-  displacements[at + 2] = push.weight * z;
+  for (int i = 0; i < 3; ++i) displacements[at + i] = push.weight * sum[i];
 }

@@ -87,6 +87,23 @@ TEST(InstructionSets, ResidualBlend) {
   }
 }
 
+TEST(InstructionSets, ModifyBlend) {
+  for (const std::uint32_t vertices : {1u, 16u, 1237u}) {
+    SCOPED_TRACE(vertices);
+    Random random(vertices);
+    const ResidualTable table = random_residual(random, 20, 0, 30, vertices);
+    SkinModifiers modifiers;
+    modifiers.blend_begin = table.blend_begin;
+    modifiers.blend = table.blend;
+    const std::vector<float> weights = random.floats(30, -1, 1),
+                             before = random.floats(std::size_t{3} * vertices, -1, 1);
+    expect_same_bits(before.size(), [&](std::span<float> displacements) {
+      std::copy(before.begin(), before.end(), displacements.begin());
+      cpu::modify_blend(modifiers, weights, 1, displacements);
+    });
+  }
+}
+
 // From features to coefficients, over regions of all sizes.
 TEST(InstructionSets, Residual) {
   constexpr std::uint32_t kFrames = 2;

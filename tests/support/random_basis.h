@@ -22,6 +22,27 @@ inline Basis random_basis(std::uint32_t fibres, std::uint32_t coefficients) {
   return basis;
 }
 
+// The basis with a stack of as many components, two to a modifier.
+inline Basis with_random_modifiers(Basis basis, std::uint32_t components) {
+  Random random(components);
+  for (std::uint32_t k = 0; k < components; k += 2) {
+    SkinModifier& modifier = basis.modifiers.stack.emplace_back();
+    modifier.name = "modifier" + std::to_string(k);
+    modifier.type = "morph";
+    modifier.first_component = k;
+    modifier.component_count = std::min(2u, components - k);
+  }
+  basis.modifiers.blend_begin.push_back(0);
+  for (std::uint32_t first = 0; first < basis.mesh.vertex_count(); first += kBlockSize) {
+    for (std::uint32_t k = random.below(5); k > 0; --k) {
+      basis.modifiers.blend.push_back(random_blend_entry(random, random.uniform(0.001, 0.01), random.below(components),
+                                                         basis.mesh.vertex_count() - first));
+    }
+    basis.modifiers.blend_begin.push_back(static_cast<std::uint32_t>(basis.modifiers.blend.size()));
+  }
+  return basis;
+}
+
 inline Batch random_batch(const Basis& basis, std::uint32_t frames) {
   Random random(frames);
   Batch batch;
@@ -30,6 +51,7 @@ inline Batch random_batch(const Basis& basis, std::uint32_t frames) {
   batch.origins = random.floats(std::size_t{4} * frames, -3, 3);
   batch.joint_features = random.floats(std::size_t{9} * (kBasisJoints - 1) * frames, -1, 1);
   batch.controls = random.floats(basis.residual.controls.size() * frames, 0, 1);
+  batch.modifiers = random.floats(basis.modifiers.component_count() * frames, -1, 1);
   batch.fades = random.floats(basis.residual.regions.size() * frames, 0, 1);
   return batch;
 }

@@ -61,6 +61,11 @@ inline std::string difference(const Basis& a, const Basis& b) {
       !same_bits(f.region_joints, g.region_joints) || !same_bits(f.region_weights, g.region_weights)) {
     return "fade";
   }
+  if (!same_bits(a.modifiers.blend_begin, b.modifiers.blend_begin) ||
+      !same_bits(a.modifiers.blend, b.modifiers.blend) ||
+      text_of_stack(a.modifiers.stack, "a") != text_of_stack(b.modifiers.stack, "b")) {
+    return "modifiers";
+  }
   return a.metadata == b.metadata ? "" : "metadata";
 }
 

@@ -19,6 +19,8 @@ SkinTables::SkinTables(const Device& device, const Basis& b)
       weights(upload(device, b.residual.weights, "the weights")),
       blend_begin(upload(device, b.residual.blend_begin, "the blend's blocks")),
       blend(upload(device, b.residual.blend, "the blend")),
+      modifier_begin(upload(device, b.modifiers.blend_begin, "the modifiers' blocks")),
+      modifier_blend(upload(device, b.modifiers.blend, "the modifiers")),
       triangles(upload(device, b.mesh.triangles, "the triangles")),
       vertex_triangle_begin(upload(device, b.mesh.vertex_triangle_begin, "the vertices' triangles")),
       vertex_triangles(upload(device, b.mesh.vertex_triangles, "the vertices' triangles")) {}
@@ -31,6 +33,7 @@ SkinKernels::SkinKernels(const Device& device)
       residual_kernels(device),
       residual_coefficients(device),
       residual_blend(device),
+      modify_blend(device),
       pose_skin(device),
       output_normals(device) {}
 

@@ -24,10 +24,11 @@ struct FrameCounts {
         regions(static_cast<std::uint32_t>(basis.residual.regions.size())),
         coordinates(basis.residual.coordinate_count()),
         centres(basis.residual.centre_count()),
-        coefficients(basis.residual.coefficient_count()) {}
+        coefficients(basis.residual.coefficient_count()),
+        components(basis.modifiers.component_count()) {}
 
   std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
-  std::uint32_t regions, coordinates, centres, coefficients;
+  std::uint32_t regions, coordinates, centres, coefficients, components;
 };
 
 struct SkinTables {
@@ -36,7 +37,7 @@ struct SkinTables {
   DdmBuffers ddm;
   Buffer strain_vertices, points, fibre_begin, rest_length;
   Buffer ranges, regions, region_features, coordinate_region, projections, centre_region, centres;
-  Buffer coefficient_region, weights, blend_begin, blend;
+  Buffer coefficient_region, weights, blend_begin, blend, modifier_begin, modifier_blend;
   Buffer triangles, vertex_triangle_begin, vertex_triangles;
 };
 
@@ -50,6 +51,7 @@ struct SkinKernels {
   ResidualKernels residual_kernels;
   ResidualCoefficients residual_coefficients;
   ResidualBlend residual_blend;
+  ModifyBlend modify_blend;
   PoseSkin pose_skin;
   OutputNormals output_normals;
 };

@@ -35,6 +35,7 @@ struct BatchBuffers {
         joint_features(device, frames, n.joint_features, "the joint features"),
         controls(device, frames, n.controls, "the controls"),
         fades(device, frames, n.regions, "the fades"),
+        modifiers(device, frames, n.components, "the modifiers' weights"),
         strain_positions(device, frames, std::uint64_t{3} * n.strain_vertices, "the strain positions"),
         strains(device, frames, n.fibres, "the strains"),
         features(device, frames, n.features, "the features"),
@@ -43,10 +44,11 @@ struct BatchBuffers {
         kernels(device, frames, n.centres, "the kernels"),
         coefficients(device, frames, n.coefficients, "the coefficients"),
         displacements(device, frames, std::uint64_t{3} * n.vertices, "the displacements"),
+        modified(device, frames, n.components == 0 ? 0 : std::uint64_t{3} * n.vertices, "the modified displacements"),
         positions(device, frames, std::uint64_t{3} * n.vertices, "the positions"),
         normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
-        staging_in(device, total({&skinning, &origins, &joint_features, &controls, &fades}), Memory::staging,
-                   "staging"),
+        staging_in(device, total({&skinning, &origins, &joint_features, &controls, &fades, &modifiers}),
+                   Memory::staging, "staging"),
         staging_out(device, total({&positions, &normals, &strains, &excess, &coefficients}), Memory::staging,
                     "staging") {}
 
@@ -57,8 +59,8 @@ struct BatchBuffers {
   }
 
   std::uint32_t frames;
-  Values skinning, origins, joint_features, controls, fades;
-  Values strain_positions, strains, features, excess, coordinates, kernels, coefficients, displacements;
+  Values skinning, origins, joint_features, controls, fades, modifiers;
+  Values strain_positions, strains, features, excess, coordinates, kernels, coefficients, displacements, modified;
   Values positions, normals;
   Buffer staging_in, staging_out;
 };
@@ -85,8 +87,8 @@ class VulkanBackend final : public Backend {
     const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
     const std::uint64_t largest =
         std::max<std::uint64_t>({skin, skinning, strain, n.coordinates, n.centres, n.features});
-    const std::uint64_t all = 3 * skin + skinning + strain + n.coordinates + n.centres + 3 * n.features +
-                              (dynamics_ ? dynamics_->frame_floats() : 0);
+    const std::uint64_t all = (n.components == 0 ? 3 : 4) * skin + n.components + skinning + strain + n.coordinates +
+                              n.centres + 3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
     const std::uint64_t by_range =
         device_.info().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
     const std::uint64_t by_memory =
@@ -151,8 +153,10 @@ class VulkanBackend final : public Backend {
     record_residual(frames);
     end_stage("residual");
     const BatchBuffers& b = *buffers_;
+    if (counts_.components > 0) record_modifiers(frames);
+    const Values& displacements = counts_.components > 0 ? b.modified : b.displacements;
     record_pose_skin(commands_, kernels_.pose_skin,
-                     {tables_.ddm, b.skinning.buffer, b.origins.buffer, b.displacements.buffer, b.positions.buffer},
+                     {tables_.ddm, b.skinning.buffer, b.origins.buffer, displacements.buffer, b.positions.buffer},
                      counts_.vertices, counts_.joints, frames);
     end_stage("pose");
     if (!batch.jiggle.empty()) record_dynamics(batch);
@@ -195,7 +199,7 @@ class VulkanBackend final : public Backend {
   void record_upload() {
     const BatchBuffers& b = *buffers_;
     VkDeviceSize offset = 0;
-    for (const Values* values : {&b.skinning, &b.origins, &b.joint_features, &b.controls, &b.fades}) {
+    for (const Values* values : {&b.skinning, &b.origins, &b.joint_features, &b.controls, &b.fades, &b.modifiers}) {
       commands_.copy({b.staging_in, offset, values->bytes}, values->buffer);
       offset += values->bytes;
     }
@@ -248,6 +252,15 @@ class VulkanBackend final : public Backend {
                                    {n.vertices, n.coefficients, weights_.correction}, frames);
   }
 
+  void record_modifiers(std::uint32_t frames) {
+    const BatchBuffers& b = *buffers_;
+    kernels_.modify_blend.record(
+        commands_,
+        {tables_.modifier_begin, tables_.modifier_blend, b.modifiers.buffer, b.displacements.buffer, b.modified.buffer},
+        {counts_.vertices, counts_.components}, frames);
+    end_stage("modify");
+  }
+
   // What goes to the host, in this order.
   struct Download {
     BufferRange from;
@@ -280,11 +293,9 @@ class VulkanBackend final : public Backend {
   void send(const Batch& batch) {
     const BatchBuffers& b = *buffers_;
     std::byte* to = b.staging_in.mapped();
-    const std::pair<const Values&, const std::vector<float>&> parts[] = {{b.skinning, batch.skinning},
-                                                                         {b.origins, batch.origins},
-                                                                         {b.joint_features, batch.joint_features},
-                                                                         {b.controls, batch.controls},
-                                                                         {b.fades, batch.fades}};
+    const std::pair<const Values&, const std::vector<float>&> parts[] = {
+        {b.skinning, batch.skinning}, {b.origins, batch.origins}, {b.joint_features, batch.joint_features},
+        {b.controls, batch.controls}, {b.fades, batch.fades},     {b.modifiers, batch.modifiers}};
     for (const auto& [values, from] : parts) {
       if (values.bytes == 0) continue;
       std::memcpy(to, from.data(), values.bytes);

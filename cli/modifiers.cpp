@@ -1,0 +1,82 @@
+// bodyopt modifiers: breathing, morphs, sculpts and flexed muscles for a basis.
+#include "assets/shot_modifiers.h"
+#include "cli/arguments/common.h"
+#include "runtime/basis/levels.h"
+#include "runtime/modifiers/drive_modifiers.h"
+#include "trainer/modifiers/bake_stack.h"
+#include "trainer/modifiers/measure_breathing.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct ModifiersArguments {
+  std::string basis, stack, out;
+  JsonOption json;
+};
+
+// Beside what physiology publishes of an adult of 1.75 m; docs/modifiers.md has the sources.
+std::string breath_table(const std::vector<BreathMeasure>& breaths) {
+  const char* const published[] = {"0.4 to 0.6 l, +2 to +5 %, 10 to 40 mm", "2 to 3 l, up to +12 %, 10 to 40 mm"};
+  std::string text = format("%-8s %7s %12s %9s   published\n", "breath", "litres", "chest girth", "belly mm");
+  for (std::size_t k = 0; k < breaths.size(); ++k) {
+    text += format("%-8s %7.2f %+10.1f %% %9.1f   %s\n", breaths[k].name.c_str(), breaths[k].litres,
+                   100 * breaths[k].girth_share, breaths[k].belly_mm, published[k]);
+  }
+  return text;
+}
+
+Json json_of_breaths(const std::vector<BreathMeasure>& breaths) {
+  Json list = Json::array();
+  for (const BreathMeasure& breath : breaths) {
+    list.push_back({{"breath", breath.name},
+                    {"litres", breath.litres},
+                    {"girth_share", breath.girth_share},
+                    {"belly_mm", breath.belly_mm}});
+  }
+  return list;
+}
+
+void run(const ModifiersArguments& arguments) {
+  refuse_overwriting(arguments.out, arguments.basis);
+  require_writable(arguments.out);
+  arguments.json.require_writable();
+  std::vector<Level> levels = load_levels(arguments.basis);
+  std::vector<std::string> notes;
+  for (Level& level : levels) level.basis.modifiers = bake_stack(arguments.stack, level.basis, notes);
+  save_levels(levels, arguments.out);
+  say(notes);
+
+  const Basis& basis = levels.front().basis;
+  const double bytes = static_cast<double>(table_bytes(basis).at("modify"));
+  std::string text = format("%-16s %-12s %10s\n", "modifier", "type", "components");
+  Json list = Json::array();
+  for (const SkinModifier& modifier : basis.modifiers.stack) {
+    text += format("%-16s %-12s %10u\n", modifier.name.c_str(), modifier.type.c_str(), modifier.component_count);
+    list.push_back({{"name", modifier.name}, {"type", modifier.type}, {"components", modifier.component_count}});
+    if (modifier.type != "breathing") continue;
+    const std::vector<BreathMeasure> breaths = measure_breathing(basis, modifier);
+    text += breath_table(breaths);
+    list.back()["breaths"] = json_of_breaths(breaths);
+  }
+  text += format("%.1f bytes a vertex\nwrote %s\n", bytes / basis.mesh.vertex_count(), arguments.out.c_str());
+  arguments.json.emit({{"modifiers", list},
+                       {"channels", modifier_channels(basis.modifiers)},
+                       {"bytes_per_vertex", bytes / basis.mesh.vertex_count()},
+                       {"out", arguments.out}},
+                      text);
+}
+
+}  // namespace
+
+void add_modifiers(CLI::App& app) {
+  auto arguments = std::make_shared<ModifiersArguments>();
+  CLI::App& verb =
+      *app.add_subcommand("modifiers", "Give a basis modifiers: breathing, morphs, sculpts, flexed muscles");
+  verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
+  verb.add_option("stack", arguments->stack, "The stack to make (modifiers.json)")->required()->type_name("STACK");
+  add_output(verb, arguments->out, ".safetensors", "Basis to write, with the modifiers in place of those it had");
+  arguments->json.add(verb);
+  verb.callback([arguments] { run(*arguments); });
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,76 @@
+#include "runtime/basis/skin_modifiers.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "runtime/core/error.h"
+#include "runtime/core/strict_json.h"
+
+namespace bodyopt {
+namespace {
+
+using StackJson = nlohmann::ordered_json;
+
+StackJson json_of(const SkinModifier& modifier) {
+  StackJson turns = StackJson::array();
+  for (const ModifierTurn& t : modifier.turns) turns.push_back({t.joint, t.component, t.x, t.y, t.z});
+  return {{"name", modifier.name},
+          {"type", modifier.type},
+          {"on", modifier.on},
+          {"constants", modifier.constants},
+          {"first", modifier.first_component},
+          {"components", modifier.component_count},
+          {"turns", turns},
+          {"joints", modifier.joints},
+          {"numbers", modifier.numbers}};
+}
+
+ModifierTurn turn_of(const StackJson& row) {
+  return {row.at(0).get<std::uint32_t>(), row.at(1).get<std::uint32_t>(), row.at(2).get<float>(),
+          row.at(3).get<float>(), row.at(4).get<float>()};
+}
+
+SkinModifier modifier_of(const StackJson& json) {
+  SkinModifier modifier;
+  json.at("name").get_to(modifier.name);
+  json.at("type").get_to(modifier.type);
+  json.at("on").get_to(modifier.on);
+  json.at("constants").get_to(modifier.constants);
+  json.at("first").get_to(modifier.first_component);
+  json.at("components").get_to(modifier.component_count);
+  json.at("joints").get_to(modifier.joints);
+  json.at("numbers").get_to(modifier.numbers);
+  for (const StackJson& row : json.at("turns")) modifier.turns.push_back(turn_of(row));
+  return modifier;
+}
+
+}  // namespace
+
+std::uint32_t SkinModifiers::component_count() const {
+  std::uint32_t count = 0;
+  for (const SkinModifier& modifier : stack) count += modifier.component_count;
+  return count;
+}
+
+std::string text_of_stack(const std::vector<SkinModifier>& stack, const std::string& place) {
+  StackJson list = StackJson::array();
+  for (const SkinModifier& modifier : stack) list.push_back(json_of(modifier));
+  try {
+    return list.dump();
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(ErrorKind::file, place + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
+  }
+}
+
+std::vector<SkinModifier> stack_from_text(const std::string& text, const std::string& place) {
+  const auto list = parse_strict_json<StackJson>(text, place);
+  std::vector<SkinModifier> stack;
+  try {
+    for (const StackJson& json : list) stack.push_back(modifier_of(json));
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(ErrorKind::file, place + ": is not a list of modifiers (" + error.what() + "); damaged?");
+  }
+  return stack;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,70 @@
+// Breathing: a breath is a rise, a fall that is quick at first and slow in the end as that of a relaxing lung, and a
+// pause. Its phase is summed over the frames, so that rates may change while it goes on. Component 0 is the chest, 1
+// the belly, both in litres of this body.
+//   d phase / dt = rate / 60 (1 - hold) / (1 + irregularity * r_k / 2),   k: number of the breath, r_k in -1..1
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "runtime/modifiers/skin_modifier_type.h"
+
+namespace bodyopt {
+namespace {
+
+enum Control { kRate, kDepth, kChest, kAsymmetry, kPause, kIrregularity, kSeed, kPhase, kHold, kExertion };
+
+// One frame of the controls, exertion worked in.
+struct BreathControls {
+  double rate, depth, chest, asymmetry, pause, irregularity;
+
+  BreathControls(const ModifierFrames& frames, std::size_t f) {
+    const auto value = [&](Control control) { return static_cast<double>(frames.controls[control][f]); };
+    constexpr double kHardRate = 45, kHardDepth = 2.5, kHardChest = 0.7;  // an adult at full effort
+    const double effort = value(kExertion);
+    rate = std::lerp(value(kRate), std::max(value(kRate), kHardRate), effort);
+    depth = std::lerp(value(kDepth), std::max(value(kDepth), kHardDepth), effort);
+    chest = std::lerp(value(kChest), std::max(value(kChest), kHardChest), effort);
+    asymmetry = std::lerp(value(kAsymmetry), 1.0, effort);
+    pause = std::lerp(value(kPause), 0.0, effort);
+    irregularity = value(kIrregularity);
+  }
+};
+
+// The same number in -1..1 for the same breath on every machine (the finaliser of SplitMix64, Steele et al. 2014).
+double noise(std::uint64_t seed, std::int64_t breath, std::uint64_t which) {
+  std::uint64_t x = seed * 0x9e3779b97f4a7c15u + static_cast<std::uint64_t>(breath) * 4 + which;
+  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+  x ^= x >> 31;
+  return static_cast<double>(x >> 11) * 0x1p-52 - 1;
+}
+
+// Filled share of a breath, 0..1, at a phase in 0..1; its slope is continuous.
+double filled(double phase, const BreathControls& c) {
+  const double moving = 1 - c.pause, in = moving / (1 + c.asymmetry), out = moving - in;
+  if (phase < in) return 0.5 - 0.5 * std::cos(std::numbers::pi * phase / in);
+  if (phase >= moving) return 0;
+  const double left = 1 - (phase - in) / out;  // 1 to 0
+  return 0.5 + 0.5 * std::cos(std::numbers::pi * (1 - left * std::sqrt(left)));
+}
+
+}  // namespace
+
+void drive_breathing(const ModifierFrames& frames, std::span<float> weights) {
+  const double litres = static_cast<double>(frames.modifier.numbers.at(0));  // of this body for one of a man's
+  double phase = frames.count() == 0 ? 0 : static_cast<double>(frames.controls[kPhase][0]);
+  for (std::size_t f = 0; f < frames.count(); ++f) {
+    const BreathControls c(frames, f);
+    const auto seed = static_cast<std::uint64_t>(frames.controls[kSeed][f]);
+    const auto breath = static_cast<std::int64_t>(std::floor(phase));
+    const double depth = c.depth * (1 + 0.5 * c.irregularity * noise(seed, breath, 0));
+    const double volume = litres * depth * filled(phase - std::floor(phase), c);
+    weights[2 * f] = static_cast<float>(c.chest * volume);
+    weights[2 * f + 1] = static_cast<float>((1 - c.chest) * volume);
+    const double length = 1 + 0.5 * c.irregularity * noise(seed, breath, 1);
+    const double hold = static_cast<double>(frames.controls[kHold][f]);
+    phase += c.rate / 60 * (1 - hold) / (length * frames.frames_per_second);
+  }
+}
+
+}  // namespace bodyopt

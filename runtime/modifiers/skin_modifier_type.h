@@ -1,0 +1,52 @@
+// What types of modifiers there are. Each is a file of this folder, drive_<type>.cpp, and a line of the table in
+// skin_modifier_types.cpp; what the trainer makes of a character for it is trainer/modifiers/bake_<type>.cpp.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "runtime/basis/basis.h"
+
+namespace bodyopt {
+
+// A channel that a clip may give, by the name "<modifier>.<control>".
+struct SkinModifierControl {
+  const char* name;
+  float usual, low, high;  // values outside are clamped
+  const char* what;        // with its unit, one line
+};
+
+// A modifier over a clip.
+struct ModifierFrames {
+  const Basis& basis;
+  const SkinModifier& modifier;
+  double frames_per_second;
+  std::span<const Pose> poses;               // F, as the modifiers before this one leave them
+  std::vector<std::vector<float>> controls;  // of each of the type's controls, F
+
+  std::size_t count() const { return poses.size(); }
+};
+
+struct SkinModifierType {
+  const char* name;
+  const char* what;  // one line
+  std::vector<SkinModifierControl> controls;
+  // Fills the weights, F x component_count, for a strength of 1. They depend on the frames from the clip's first on and
+  // on nothing else, so that a part of a shot has the bits of the whole.
+  void (*drive)(const ModifierFrames& frames, std::span<float> weights);
+};
+
+// Every modifier has this one, whose channel has the modifier's name.
+inline constexpr SkinModifierControl kModifierStrength = {"strength", 1, 0, 4, "how much of it is shown"};
+
+std::span<const SkinModifierType> skin_modifier_types();
+// Null: of a newer version.
+const SkinModifierType* find_skin_modifier_type(const std::string& name);
+
+void drive_breathing(const ModifierFrames& frames, std::span<float> weights);
+void drive_constant(const ModifierFrames& frames, std::span<float> weights);
+void drive_sculpt(const ModifierFrames& frames, std::span<float> weights);
+void drive_flex(const ModifierFrames& frames, std::span<float> weights);
+
+}  // namespace bodyopt

@@ -1,0 +1,160 @@
+// Breathing made of a character's anatomy, without data. The ribs turn about their necks beside the spine, those above
+// about a transverse axis (pump handle: the breastbone goes forward and up), those below about one from back to front
+// (bucket handle: the flanks go out and up); the diaphragm's descent pushes the belly's wall out. (Gray's Anatomy;
+// De Troyer, Kirkwood, Wilson 2005.) A weight of 1 of either component adds a litre to what the skin encloses (Konno
+// and Mead 1967: the volume that chest and belly gain together is the air breathed), so that what lies below the
+// diaphragm keeps its volume.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "geometry/closed_skin.h"
+#include "geometry/laplacian.h"
+#include "runtime/core/error.h"
+#include "runtime/host/rig.h"
+#include "trainer/modifiers/bake_modifier.h"
+#include "trainer/modifiers/torso.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kManTorso = 0.566;     // metres, hips' joint to neck's of a body 1.75 m tall
+constexpr double kShoulderTurn = 0.06;  // radians that the clavicles rise per litre of the chest
+constexpr double kLitre = 1e-3;         // cubic metres
+constexpr std::size_t kSlices = 24;
+
+// A smooth hump of heights: 1 in the middle, 0 from the ends on.
+double hump(double height, double low, double middle, double high) {
+  if (!(height > low && height < high)) return 0;
+  const double x = height < middle ? (height - low) / (middle - low) : (high - height) / (high - middle);
+  return x * x * (3 - 2 * x);
+}
+
+// How far the trunk reaches at each height.
+class TorsoSlices {
+ public:
+  TorsoSlices(const Positions& rest, const Torso& torso) : torso_(torso) {
+    back_.fill(1e9);
+    front_.fill(-1e9);
+    half_.fill(0);
+    for (Eigen::Index v = 0; v < rest.rows(); ++v) {
+      if (torso.share[v] < 0.7) continue;
+      const Eigen::Vector3d p = rest.row(v).transpose();
+      const double height = torso.height(p) * kSlices;
+      if (!(height >= 0 && height < kSlices)) continue;
+      const auto s = static_cast<std::size_t>(height);
+      back_[s] = std::min(back_[s], forward(p));
+      front_[s] = std::max(front_[s], forward(p));
+      half_[s] = std::max(half_[s], std::abs(sideways(p)));
+    }
+    fill_gaps();
+  }
+
+  double forward(const Eigen::Vector3d& p) const { return (p - torso_.hips).dot(torso_.front); }
+  double sideways(const Eigen::Vector3d& p) const { return (p - torso_.hips).dot(torso_.left); }
+
+  // 0 at the necks of the ribs, 1 at the front.
+  double depth(const Eigen::Vector3d& p) const {
+    const double back = at(back_, p), front = at(front_, p), necks = back + 0.25 * (front - back);
+    return std::clamp((forward(p) - necks) / (front - necks), 0.0, 1.0);
+  }
+  // -1 to 1 from the right flank to the left.
+  double side(const Eigen::Vector3d& p) const { return std::clamp(sideways(p) / at(half_, p), -1.0, 1.0); }
+
+ private:
+  using Slices = std::array<double, kSlices>;
+
+  // Linear between the slices' middles.
+  double at(const Slices& values, const Eigen::Vector3d& p) const {
+    const double x = std::clamp(torso_.height(p) * kSlices - 0.5, 0.0, kSlices - 1.001);
+    const auto s = static_cast<std::size_t>(x);
+    return std::lerp(values[s], values[s + 1], x - std::floor(x));
+  }
+
+  // A slice without vertices is as the one below it, or the first that has some.
+  void fill_gaps() {
+    const auto known = [&](std::size_t s) { return front_[s] > back_[s] && half_[s] > 0; };
+    std::size_t last = 0;
+    while (last < kSlices && !known(last)) ++last;
+    for (std::size_t s = 0; s < kSlices && last < kSlices; ++s) {
+      if (known(s)) last = s;
+      back_[s] = back_[last];
+      front_[s] = front_[last];
+      half_[s] = half_[last];
+    }
+  }
+
+  const Torso& torso_;
+  Slices back_, front_, half_;
+};
+
+// Of one vertex, in any unit.
+Eigen::Vector3d chest_motion(const Torso& torso, const TorsoSlices& slices, const Eigen::Vector3d& p) {
+  const double height = torso.height(p), depth = slices.depth(p), side = slices.side(p);
+  const double pump = hump(height, 0.44, 0.60, 0.92), bucket = hump(height, 0.31, 0.51, 0.71);
+  return pump * depth * (torso.front + 0.45 * torso.up) +
+         bucket * (side * torso.left + std::abs(side) * 0.3 * torso.up + 0.5 * depth * torso.front);
+}
+
+Eigen::Vector3d belly_motion(const Torso& torso, const TorsoSlices& slices, const Eigen::Vector3d& p) {
+  const double window = hump(torso.height(p), -0.06, 0.15, 0.37);
+  const double depth = slices.depth(p), side = slices.side(p);
+  return window * (depth * std::cos(0.5 * std::numbers::pi * side) * torso.front + 0.05 * side * torso.left);
+}
+
+// The motion of the trunk's skin, smoothed, at the scale that adds a litre.
+template <typename Motion>
+Positions litre_of(const BakeInput& input, const Positions& rest, const Torso& torso, const SkinSmoother& smoother,
+                   const Motion& motion) {
+  const Triangles triangles = rest_triangles(input.basis);
+  Positions field(rest.rows(), 3);
+  for (Eigen::Index v = 0; v < rest.rows(); ++v) {
+    field.row(v) = torso.share[v] * motion(rest.row(v).transpose()).transpose();
+  }
+  field = smoother(field);
+  const double step = 0.01 * torso.length;  // of the field, whose size is about 1
+  const double volume = (enclosed_volume(rest + step * field, triangles) - enclosed_volume(rest, triangles)) / step;
+  if (!(volume > 1e-3 * torso.length * torso.length)) {
+    throw Error(ErrorKind::mismatch, input.place +
+                                         ": the skin around the trunk does not gain volume when it is pushed "
+                                         "out: is the body open there, or inside out?");
+  }
+  return field * (kLitre / volume);
+}
+
+void add_shoulders(const Basis& basis, const Torso& torso, double litres, BakedModifier& baked) {
+  const std::vector<Quat> bind = bind_rotations(basis.skeleton);
+  for (std::size_t side = 0; side < 2; ++side) {
+    if (torso.clavicles[side] < 0) continue;
+    const auto joint = static_cast<std::uint32_t>(torso.clavicles[side]);
+    const int parent = basis.skeleton.joints[joint].parent;
+    Vec3 axis{torso.front.x(), torso.front.y(), torso.front.z()};
+    if (parent >= 0) axis = rotate(conjugate(bind[static_cast<std::size_t>(parent)]), axis);
+    const double turn = (side == 0 ? 1 : -1) * kShoulderTurn / litres;
+    baked.turns.push_back({joint, 0, static_cast<float>(turn * axis[0]), static_cast<float>(turn * axis[1]),
+                           static_cast<float>(turn * axis[2])});
+  }
+}
+
+}  // namespace
+
+// numbers: litres of this body for one of a man's.
+BakedModifier bake_breathing(const BakeInput& input) {
+  const Torso torso = find_torso(input.basis, input.place);
+  const Positions rest = rest_positions(input.basis);
+  const TorsoSlices slices(rest, torso);
+  const SkinSmoother smoother(rest, rest_triangles(input.basis), 0.03 * torso.length);
+  const double litres = std::pow(torso.length / kManTorso, 3);
+  BakedModifier baked;
+  baked.components.push_back(
+      litre_of(input, rest, torso, smoother, [&](const Eigen::Vector3d& p) { return chest_motion(torso, slices, p); }));
+  baked.components.push_back(
+      litre_of(input, rest, torso, smoother, [&](const Eigen::Vector3d& p) { return belly_motion(torso, slices, p); }));
+  add_shoulders(input.basis, torso, litres, baked);
+  baked.numbers = {static_cast<float>(litres)};
+  return baked;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,139 @@
+#include "trainer/modifiers/bake_stack.h"
+
+#include <algorithm>
+#include <set>
+
+#include "assets/character.h"
+#include "assets/notes.h"
+#include "assets/shape_reader.h"
+#include "assets/shot_modifiers.h"
+#include "runtime/basis/character_unit.h"
+#include "runtime/core/error.h"
+#include "trainer/modifiers/bake_modifier.h"
+#include "trainer/modifiers/pack_components.h"
+
+namespace bodyopt {
+namespace {
+
+struct BakeType {
+  const char* name;
+  std::vector<std::string> parameters;
+  BakedModifier (*bake)(const BakeInput& input);
+};
+
+const std::vector<BakeType>& bake_types() {
+  static const std::vector<BakeType> types = {
+      {"breathing", {}, bake_breathing},
+      {"morph", {"file", "target", "mesh"}, bake_morph},
+      {"sculpt", {"mesh", "clip", "frame", "spread_degrees", "joints"}, bake_sculpt},
+      {"flex", {"muscles", "muscle", "bulge_mm"}, bake_flex},
+  };
+  return types;
+}
+
+const BakeType& bake_type(const JsonObject& json) {
+  const std::string name = json.name("type");
+  std::vector<std::string> names;
+  for (const BakeType& type : bake_types()) {
+    if (type.name == name) return type;
+    names.emplace_back(type.name);
+  }
+  json.refuse("is of the unknown type '" + name + "'; there are " + list_names(names));
+}
+
+void refuse_unknown_keys(const JsonObject& json, const BakeType& type) {
+  for (const auto& [key, value] : json.json().items()) {
+    const bool shared = key == "type" || is_shot_modifier_key(key);
+    if (shared || std::ranges::find(type.parameters, key) != type.parameters.end()) continue;
+    json.refuse("has the unknown key '" + key + "': misspelt? '" + type.name + "' takes " +
+                list_names(type.parameters));
+  }
+}
+
+// What is trained of the same name would listen to the same channel.
+void refuse_name(const JsonObject& json, const std::string& name, const Basis& basis, std::set<std::string>& known) {
+  if (!known.insert(name).second) json.refuse("has the name '" + name + "' of another: each needs its own");
+  const auto& controls = basis.residual.controls;
+  if (std::ranges::find(controls, name) != controls.end()) {
+    json.refuse("has the name of the control '" + name + "' that the basis was trained with: choose another");
+  }
+}
+
+}  // namespace
+
+SkinModifiers bake_stack(const std::filesystem::path& path, const Basis& basis, std::vector<std::string>& notes) {
+  const Json json = read_json(path, kModifiersSchema);
+  const JsonObject top(json, path, "the file");
+  top.allow({"schema", "modifiers"});
+  SkinModifiers stack;
+  std::vector<Positions> components;
+  std::set<std::string> known;
+  for (const Json& entry : top.array("modifiers")) {
+    const JsonObject object(entry, path, "modifier " + std::to_string(stack.stack.size() + 1));
+    SkinModifier modifier;
+    modifier.name = object.name("name");
+    const BakeType& type = bake_type(object);
+    modifier.type = type.name;
+    refuse_unknown_keys(object, type);
+    refuse_name(object, modifier.name, basis, known);
+    read_shot_modifier(object, modifier);
+    const std::string place = path.string() + ": modifier '" + modifier.name + "'";
+    BakedModifier baked = type.bake({basis, object, path.parent_path(), place, notes});
+    modifier.first_component = static_cast<std::uint32_t>(components.size());
+    modifier.component_count = static_cast<std::uint32_t>(baked.components.size());
+    modifier.turns = std::move(baked.turns);
+    modifier.joints = std::move(baked.joints);
+    modifier.numbers = std::move(baked.numbers);
+    std::ranges::move(baked.components, std::back_inserter(components));
+    stack.stack.push_back(std::move(modifier));
+  }
+  if (stack.stack.empty()) top.refuse("has no modifiers");
+  pack_components(components, basis.mesh.vertex_count(), stack);
+  return stack;
+}
+
+Positions rest_positions(const Basis& basis) {
+  return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(basis.mesh.rest.data(),
+                                                                                    basis.mesh.vertex_count(), 3)
+      .cast<double>();
+}
+
+Triangles rest_triangles(const Basis& basis) {
+  return Eigen::Map<const Triangles>(basis.mesh.triangles.data(),
+                                     static_cast<Eigen::Index>(basis.mesh.triangles.size() / 3), 3);
+}
+
+Positions read_modifier_shape(const BakeInput& input, const char* key) {
+  const std::filesystem::path path = input.folder / input.parameters.name(key);
+  std::vector<float> points;
+  if (path.extension() == ".glb" || path.extension() == ".gltf") {
+    const Character character = read_character(path, kept_unit(input.basis));
+    points = output_from_welded(character, character.vertices);
+  } else {
+    const ShapeReader reader(path);
+    if (reader.sample_count() != 1) {
+      throw Error(ErrorKind::mismatch, input.place + ": " + path.string() + " holds " +
+                                           count_of(reader.sample_count(), "shape", "shapes") + ", expected 1");
+    }
+    points = reader.sample(0);
+  }
+  const MeshTable& mesh = input.basis.mesh;
+  if (points.size() != 3 * std::size_t{mesh.output_count()}) {
+    throw Error(ErrorKind::mismatch, input.place + ": " + path.string() + " has " + std::to_string(points.size() / 3) +
+                                         " points, the character " + std::to_string(mesh.output_count()) +
+                                         " vertices: it is of another mesh, or was re-ordered on export");
+  }
+  Positions shape(mesh.vertex_count(), 3);
+  for (std::size_t o = mesh.output_vertex.size(); o-- > 0;) {  // backwards: the first output vertex stays
+    for (int i = 0; i < 3; ++i) {
+      shape(mesh.output_vertex[o], i) = static_cast<double>(points[3 * o + static_cast<std::size_t>(i)]);
+    }
+  }
+  return shape;
+}
+
+double bake_number(const BakeInput& input, const char* key, double usual, double low, double high) {
+  return input.parameters.has(key) ? input.parameters.number(key, low, high) : usual;
+}
+
+}  // namespace bodyopt
