@@ -12,4 +12,8 @@ namespace bodyopt {
 // options state it.
 Clip read_bvh_clip(const std::filesystem::path& path, const Skeleton& skeleton, const ClipOptions& options);
 
+// Writes the clip as a BVH of the skeleton's joints, in metres; blanks in names become underscores. Every joint is
+// where the clip has it; scale is left out. Throws Error(file), also for a skeleton of several roots.
+void write_bvh(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path);
+
 }  // namespace bodyopt

@@ -1,6 +1,7 @@
 #include "proxy_viewer/describe_scene.h"
 
 #include "proxy_viewer/commands/commands.h"
+#include "runtime/modifiers/skin_modifier_type.h"
 
 namespace bodyopt {
 namespace {
@@ -70,8 +71,38 @@ std::vector<ControlRow> describe_controls(const ResidualTable& residual) {
   for (std::size_t k = 0; k < count; ++k) {
     const FeatureRange& range = residual.features[residual.features.size() - count + k];
     const bool varies = range.low < range.high;
-    rows.push_back({residual.controls[k], varies ? static_cast<double>(range.low) : 0,
-                    varies ? static_cast<double>(range.high) : 1});
+    ControlRow& row = rows.emplace_back();
+    row.name = residual.controls[k];
+    row.low = varies ? static_cast<double>(range.low) : 0;
+    row.high = varies ? static_cast<double>(range.high) : 1;
+  }
+  return rows;
+}
+
+// Channels of the modifiers, after those that were trained.
+void add_modifiers(const SkinModifiers& modifiers, Snapshot& snapshot) {
+  snapshot.modifiers.clear();
+  for (const SkinModifier& modifier : modifiers.stack) {
+    snapshot.modifiers.push_back({modifier.name, modifier.type});
+    const auto add = [&](const std::string& channel, const SkinModifierControl& control) {
+      const auto constant = modifier.constants.find(control.name);
+      const double usual = static_cast<double>(constant == modifier.constants.end() ? control.usual : constant->second);
+      snapshot.controls.push_back(
+          {channel, static_cast<double>(control.low), static_cast<double>(control.high), usual, modifier.name});
+    };
+    add(modifier.name, kModifierStrength);
+    const SkinModifierType* type = find_skin_modifier_type(modifier.type);
+    if (type == nullptr) continue;
+    for (const SkinModifierControl& control : type->controls) add(modifier.name + "." + control.name, control);
+  }
+}
+
+std::vector<AxisRow> describe_axes(const Actor& lead) {
+  std::vector<AxisRow> rows;
+  for (const DegreeOfFreedom& dof : lead.axes()) {
+    if (dof.turns.empty()) continue;
+    const std::string& joint = lead.basis().skeleton.joints[dof.turns.front().joint].name;
+    rows.push_back({dof.name, joint, dof.min - dof.rest, dof.max - dof.rest});
   }
   return rows;
 }
@@ -121,7 +152,9 @@ void describe_cast(const Scene& scene, Snapshot& snapshot) {
   for (const auto& character : scene.cast()) snapshot.cast.push_back(describe(*character));
   const Actor& lead = scene.lead();
   snapshot.joints = describe(lead.basis().skeleton);
+  snapshot.axes = describe_axes(lead);
   snapshot.controls = describe_controls(lead.basis().residual);
+  add_modifiers(lead.basis().modifiers, snapshot);
   snapshot.fibres = lead.basis().strain.names;
   snapshot.clip_fps = lead.clip().fps;
   snapshot.first_frame = lead.clip().first_frame;

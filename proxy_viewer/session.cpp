@@ -5,11 +5,16 @@
 #include <iterator>
 #include <utility>
 
+#include "assets/bvh_clip.h"
+#include "assets/cache_writer.h"
 #include "assets/clip_source.h"
+#include "assets/controls.h"
+#include "base/progress.h"
 #include "proxy_viewer/describe_scene.h"
 #include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/truth_times.h"
 #include "runtime/core/error.h"
+#include "runtime/modifiers/drive_modifiers.h"
 
 namespace bodyopt {
 namespace {
@@ -199,6 +204,7 @@ void Session::pose_lead() {
   controls.settings.pose = scene.lead().posing();
   controls.settings.pose.correction = correction;
   controls.poses.begin(controls.settings.pose);
+  controls.keyed_frame.reset();
 }
 
 std::vector<fs::path> Session::files() const {
@@ -207,6 +213,48 @@ std::vector<fs::path> Session::files() const {
     std::ranges::copy(character->files().paths(), std::back_inserter(files));
   }
   return files;
+}
+
+void Session::export_clip(const std::string& file) {
+  const Actor& lead = scene.lead();
+  const Playback& playback = controls.playback;
+  Clip clip;
+  clip.name = fs::path(file).stem().string();
+  clip.fps = lead.clip().fps;
+  clip.first_frame = playback.in();
+  clip.controls = lead.source_controls(controls.settings.pose);
+  for (int frame = playback.in(); frame <= playback.out(); ++frame) {
+    clip.poses.push_back(lead.unmodified_pose(frame, controls.posing_at(frame)));
+  }
+  if (has_extension(file, {".bvh"})) {
+    write_bvh(clip, lead.basis().skeleton, file);
+  } else {
+    write_clip(clip, lead.basis().skeleton, file);
+  }
+  controls.say("wrote " + file);
+  if (clip.controls.empty()) return;
+  const fs::path beside = fs::path(file).replace_extension(".controls.json");
+  write_controls(clip, beside);
+  controls.say("wrote " + beside.string());
+}
+
+void Session::export_skin(const std::string& file) {
+  Actor& lead = scene.lead();
+  const Playback& playback = controls.playback;
+  const MeshTable& mesh = lead.finest_basis().mesh;
+  std::vector<int> frames;
+  for (int frame = playback.in(); frame <= playback.out(); ++frame) frames.push_back(frame);
+  const auto cache =
+      write_cache(file, {lead.name(), mesh.output_count(), mesh.output_triangles, frames, lead.clip().fps});
+  Progress progress("export", frames.size(), "nothing of it is kept");
+  for (const int frame : frames) {
+    const Pose pose = scene.pose_at(lead, frame, controls);
+    cache->append(lead.measure(SkinMethod::full, pose, frame, static_cast<float>(controls.settings.pose.correction)),
+                  {});
+    progress.advance();
+  }
+  cache->close();
+  controls.say("wrote " + file);
 }
 
 void Session::save_state(const std::string& file) {
@@ -294,6 +342,9 @@ void Session::describe_cast() {
     controls.joint_axes.push_back(conjugate(decompose(joint.inverse_bind).rotation));
   }
   controls.control_names = basis.residual.controls;
+  for (const std::string& name : modifier_channels(basis.modifiers)) controls.control_names.push_back(name);
+  controls.axis_names.clear();
+  for (const DegreeOfFreedom& dof : scene.lead().axes()) controls.axis_names.push_back(dof.name);
   controls.missing = describe_missing(scene.lead());
   if (basis.skeleton.find(controls.joint) < 0) controls.joint.clear();
   snapshot.device = device_name_;

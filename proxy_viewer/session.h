@@ -48,6 +48,10 @@ class Session {
   void edit_stack(const ModifierEdit& edit);
   void step_stack(bool back);
   void find_contradictions();
+  // The range as it is posed and keyed, before modifiers: .glb or .bvh; its controls as FILE.controls.json beside it,
+  // where there are any. The lead's skin over the range, quasi-static: .pc2 or .usda. Throw Error(file).
+  void export_clip(const std::string& file);
+  void export_skin(const std::string& file);
 
   void save_state(const std::string& file);
   void load_state(const std::string& file);

@@ -228,6 +228,7 @@ class Viewer {
   // Up to the next command that asks for something: the picture is drawn, and it is done, before the others run.
   void run_script() {
     while (!script_.empty() && controls_.requests == Requests{}) {
+      controls_.follow_keys();
       const std::string command = std::move(script_.front());
       script_.pop_front();
       attempt([&] { run_command(controls_, command); });
@@ -320,6 +321,7 @@ class Viewer {
 
   void draw(std::uint32_t width, std::uint32_t height, Edges edges) {
     const Clock::time_point start = Clock::now();
+    controls_.follow_keys();
     session_.warn_of_truth_times();
     session_.curation.look(scene_, controls_);
     scene_.lead().show_raw(controls_.curating.raw);
@@ -433,6 +435,8 @@ class Viewer {
     if (requests.sequence) attempt([&] { take_sequence(*requests.sequence); });
     if (requests.turntable) attempt([&] { make(turntable_series(*requests.turntable, controls_)); });
     if (requests.save_state) attempt([&] { session_.save_state(*requests.save_state); });
+    if (requests.export_clip) attempt([&] { session_.export_clip(*requests.export_clip); });
+    if (requests.export_skin) attempt([&] { session_.export_skin(*requests.export_skin); });
     if (requests.load_state) attempt([&] { session_.load_state(*requests.load_state); });
     if (requests.reload) attempt([&] { reload(session_.files()); });
     if (requests.reset_jiggle) scene_.reset_jiggle();

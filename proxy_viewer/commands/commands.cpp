@@ -413,6 +413,23 @@ const Command kCommands[] = {
        }
        c.settings.pose.joints[known(joint, c.joint_names, "joint")] = angles;
      }},
+    {"axis", "NAME DEGREES", "", "Pose", "a joint along an axis of its limits, on top of the clip",
+     [](Controls& c, const std::string& a) {
+       const auto [name, angle] = split_last(a, "an axis and an angle in degrees");
+       c.settings.pose.axes[known(name, c.axis_names, "axis of the joint limits")] =
+           number_within(angle, -kMostTurn, kMostTurn);
+     }},
+    {"key", "", "Alt+K", "Pose", "keeps turns and controls as a key of this frame; between keys they blend",
+     [](Controls& c, const std::string&) {
+       c.settings.pose.keys[c.playback.frame()] = c.settings.pose;
+       c.keyed_frame = c.playback.frame();
+     }},
+    {"unkey", "", "", "Pose", "forgets the key of this frame",
+     [](Controls& c, const std::string&) {
+       const int frame = c.playback.frame();
+       if (c.settings.pose.keys.erase(frame) == 0) refuse(std::to_string(frame), "a frame with a key");
+       c.keyed_frame.reset();
+     }},
     {"mirror", "[JOINT]", "P", "Pose", "turns the other side's joint as the one that is selected",
      [](Controls& c, const std::string& a) {
        const std::string joint = a.empty() ? selected(c) : known(a, c.joint_names, "joint");
@@ -434,14 +451,13 @@ const Command kCommands[] = {
      }},
     {"reset-pose", "", "R", "Pose", "the pose as the clip has it",
      [](Controls& c, const std::string&) {
-       c.settings.pose.joints.clear();
-       c.settings.pose.controls.clear();
+       static_cast<ViewSettings::PoseKey&>(c.settings.pose) = {};
      }},
-    {"undo", "", "Ctrl+Z", "Pose", "the turns and controls before the last change",
+    {"undo", "", "Ctrl+Z", "Pose", "turns, controls and keys before the last change",
      [](Controls& c, const std::string&) {
-       if (!c.poses.undo(c.settings.pose)) c.say("nothing to undo: only turns and controls are");
+       if (!c.poses.undo(c.settings.pose)) c.say("nothing to undo: only turns, controls and keys are");
      }},
-    {"redo", "", "Ctrl+Shift+Z", "Pose", "the turns and controls that were undone",
+    {"redo", "", "Ctrl+Shift+Z", "Pose", "turns, controls and keys that were undone",
      [](Controls& c, const std::string&) {
        if (!c.poses.redo(c.settings.pose)) c.say("nothing to redo");
      }},
@@ -488,6 +504,16 @@ const Command kCommands[] = {
      [](Controls& c, const std::string& a) { c.requests.turntable = a; }},
     {"sequence", "FILE.####.png", "", "File", "a picture of every frame of the range; .webp: one that moves",
      [](Controls& c, const std::string& a) { c.requests.sequence = a; }},
+    {"export-clip", "FILE.glb|.bvh", "", "File", "the motion of the range, as it is posed and keyed",
+     [](Controls& c, const std::string& a) {
+       if (!a.ends_with(".glb") && !a.ends_with(".bvh")) refuse(a, "a file that ends in .glb or .bvh");
+       c.requests.export_clip = a;
+     }},
+    {"export-skin", "FILE.pc2|.usda", "", "File", "the lead's skin over the range, without jiggle",
+     [](Controls& c, const std::string& a) {
+       if (!a.ends_with(".pc2") && !a.ends_with(".usda")) refuse(a, "a file that ends in .pc2 or .usda");
+       c.requests.export_skin = a;
+     }},
     {"open", "FILE", "", "File", "a basis, character, clip or point cache",
      [](Controls& c, const std::string& a) { c.requests.open.push_back(a); }},
     {"lead", "NUMBER", "", "File", "the character of whom panels speak, and to whom clips and caches go",

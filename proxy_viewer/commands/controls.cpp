@@ -3,6 +3,7 @@
 #include <exception>
 #include <iostream>
 
+#include "proxy_viewer/state/pose_keys.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -33,6 +34,18 @@ void Controls::attempt(const std::function<void()>& action) {
   } catch (const std::exception& error) {  // of the libraries: memory, the file system
     warn(error.what());
   }
+}
+
+ViewSettings::Posing Controls::posing_at(int frame) const {
+  return frame == playback.frame() ? settings.pose : keyed_posing(settings.pose, frame);
+}
+
+void Controls::follow_keys() {
+  if (keyed_frame == playback.frame()) return;
+  keyed_frame = playback.frame();
+  if (settings.pose.keys.empty()) return;
+  settings.pose = keyed_posing(settings.pose, playback.frame());
+  poses.follow(settings.pose);
 }
 
 }  // namespace bodyopt

@@ -51,9 +51,10 @@ struct Requests {
   std::optional<std::string> screenshot, turntable, sequence, save_state, load_state;  // file names
   std::vector<std::string> open;                                                       // files, by what they hold
   std::vector<ModifierEdit> edits;
-  std::optional<bool> step_back;    // in the history of edits, or forth
-  bool contradictions = false;      // are looked for
-  std::optional<int> lead, remove;  // characters, counted from 1
+  std::optional<bool> step_back;                        // in the history of edits, or forth
+  bool contradictions = false;                          // are looked for
+  std::optional<int> lead, remove;                      // characters, counted from 1
+  std::optional<std::string> export_clip, export_skin;  // file names
   bool operator==(const Requests&) const = default;
 };
 
@@ -68,7 +69,7 @@ struct PanelState {
   bool entered = false;  // the prompt's text, before its field hears
   std::string prompt, joint_filter, camera, open;
   std::string screenshot = "bodyopt.png", sequence = "bodyopt.####.png", turntable = "turntable.####.png";
-  std::string state = "view.json";
+  std::string state = "view.json", clip = "posed.glb", skin = "posed.pc2";
   std::string listed_joint;              // to which the list of joints was last scrolled
   std::vector<std::size_t> fibre_order;  // of the list of muscles
   std::string dragged_modifier;          // whose strength is being dragged
@@ -87,14 +88,15 @@ struct Controls {
   Playback playback{{1, 1}, 24};
   OrbitCamera camera;
   Vec3 travelled{};  // metres, world: how far the lead has gone since its clip's first frame, in the last picture
-  std::vector<std::string> joint_names, control_names;  // of the lead: what commands may name
-  std::vector<Quat> joint_axes;                         // of the lead's joints in the bind pose, joint to world
+  std::vector<std::string> joint_names, axis_names, control_names;  // of the lead: what commands may name
+  std::vector<Quat> joint_axes;  // of the lead's joints in the bind pose, joint to world
   // Why a command has nothing to show ("compare lbs", "jiggle on"), and what would help; by what is refused.
   std::map<std::string, std::string> missing;
   std::optional<bool> live;  // poses are shown as they are sent; none: nobody listens
   Curating curating;
-  std::string joint;     // selected; empty: none
-  bool flipped = false;  // while the key of "hold to flip" is down
+  std::string joint;               // selected; empty: none
+  std::optional<int> keyed_frame;  // that the pose in hand is of
+  bool flipped = false;            // while the key of "hold to flip" is down
   bool cheat_sheet = false;
   bool panels = true;
   bool prompt = false;  // a command is being typed
@@ -107,6 +109,11 @@ struct Controls {
   // A camera as it is kept: one that follows, as the lead stands at its clip's first frame. And to such a one.
   OrbitView kept_camera() const;
   void go_to_camera(const OrbitView& kept);
+
+  // What is set at a frame: in hand at the frame that is shown, by the keys at others.
+  ViewSettings::Posing posing_at(int frame) const;
+  // Where there are keys, what is in hand becomes what they say of the frame that is shown, once it is another.
+  void follow_keys();
 
   double heat_mm() const { return settings.compare.heat_scale_mm.value_or(automatic_heat_mm); }
   void say(const std::string& text) { messages.push_back({.text = text}); }

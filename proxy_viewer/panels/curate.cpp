@@ -61,7 +61,7 @@ void draw_map(const CurationRow& curation, Controls& controls) {
   if (clicked) attempt(controls, "frame " + std::to_string(controls.playback.first() + under));
 }
 
-void draw_modifier(const ModifierRow& row, Controls& controls) {
+void draw_modifier(const StackRow& row, Controls& controls) {
   bool on = row.enabled;
   if (ImGui::Checkbox("##on", &on)) attempt(controls, "modifier " + row.name + (on ? " on" : " off"));
   explain("modifier");
@@ -89,7 +89,7 @@ void draw_modifier(const ModifierRow& row, Controls& controls) {
 void draw_stack(const CurationRow& curation, Controls& controls) {
   if (curation.modifiers.empty()) ImGui::TextDisabled("no modifiers: the shapes as they are");
   int number = 0;
-  for (const ModifierRow& row : curation.modifiers) {
+  for (const StackRow& row : curation.modifiers) {
     ImGui::PushID(number++);
     draw_modifier(row, controls);
     ImGui::PopID();

@@ -31,6 +31,8 @@ void draw_output(const Snapshot&, Controls& controls) {
   draw_file(controls, typed.sequence, "frames.####.png", {{"sequence", "Sequence"}});
   draw_file(controls, typed.turntable, "turntable.####.png", {{"turntable", "Turntable"}});
   draw_file(controls, typed.state, "view.json", {{"save-state", "Save"}, {"load-state", "Load"}});
+  draw_file(controls, typed.clip, "motion.glb or .bvh", {{"export-clip", "Motion"}});
+  draw_file(controls, typed.skin, "skin.pc2 or .usda", {{"export-skin", "Skin"}});
   draw_file(controls, typed.open, "a basis, clip or cache", {{"open", "Open"}});
 }
 

@@ -80,11 +80,25 @@ void draw_angles(const JointRow& row, Controls& controls) {
   if (moved) turned[row.name] = angles;
 }
 
+// Of the joint that is selected, by the names of its limits.
+void draw_axes(const Snapshot& snapshot, Controls& controls) {
+  std::map<std::string, double>& axes = controls.settings.pose.axes;
+  for (const AxisRow& row : snapshot.axes) {
+    if (row.joint != controls.joint) continue;
+    const auto found = axes.find(row.name);
+    double angle = found == axes.end() ? 0 : found->second;
+    if (slide(row.name.c_str(), angle, row.low, row.high, "%.1f\xc2\xb0", find_command("axis")->help)) {
+      axes[row.name] = angle;
+    }
+  }
+}
+
 void draw_joint(const Snapshot& snapshot, Controls& controls) {
   const auto row = std::ranges::find(snapshot.joints, controls.joint, &JointRow::name);
   if (row == snapshot.joints.end()) {
     ImGui::TextDisabled("select a joint, here or in the picture");
   } else {
+    draw_axes(snapshot, controls);
     draw_angles(*row, controls);
   }
   const float width = share_of_line(3);
@@ -100,6 +114,7 @@ void draw_joint(const Snapshot& snapshot, Controls& controls) {
 void draw_controls(const Snapshot& snapshot, Controls& controls) {
   std::map<std::string, double>& values = controls.settings.pose.controls;
   for (const ControlRow& row : snapshot.controls) {
+    if (!row.modifier.empty()) continue;
     const auto found = values.find(row.name);
     double value = found == values.end() ? 0 : found->second;
     if (slide(row.name.c_str(), value, row.low, row.high, "%.2f", find_command("control")->help)) {
@@ -108,12 +123,22 @@ void draw_controls(const Snapshot& snapshot, Controls& controls) {
   }
 }
 
+void draw_keys(Controls& controls) {
+  const float width = share_of_line(2);
+  command_button(controls, "key", "Key", width);
+  ImGui::SameLine();
+  ImGui::BeginDisabled(!controls.settings.pose.keys.contains(controls.playback.frame()));
+  command_button(controls, "unkey", "Remove key", width);
+  ImGui::EndDisabled();
+}
+
 }  // namespace
 
 void draw_pose(const Snapshot& snapshot, Controls& controls) {
   draw_list(snapshot, controls);
   draw_joint(snapshot, controls);
   draw_controls(snapshot, controls);
+  draw_keys(controls);
   slide("Learned", controls.settings.pose.correction, 0, 1, "%.2f", find_command("correction")->help);
 }
 

@@ -11,7 +11,7 @@ void visit_texts(const Snapshot& snapshot, const Controls& controls,
   for (const ControlRow& row : snapshot.controls) visit(row.name);
   for (const std::string& fibre : snapshot.fibres) visit(fibre);
   if (snapshot.curation) {
-    for (const ModifierRow& row : snapshot.curation->modifiers) visit(row.name);
+    for (const StackRow& row : snapshot.curation->modifiers) visit(row.name);
     for (const PoseDot& dot : snapshot.curation->dots) visit(dot.text);
     for (const std::string& pair : snapshot.curation->pairs) visit(pair);
     for (const std::string& region : controls.curating.regions) visit(region);

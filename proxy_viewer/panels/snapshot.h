@@ -22,6 +22,17 @@ struct JointRow {
 struct ControlRow {
   std::string name;
   double low = 0, high = 1;  // in training
+  double usual = 0;          // where nothing sets it
+  std::string modifier{};    // whose it is; empty: trained
+};
+
+struct AxisRow {
+  std::string name, joint;   // of limits.json; the first joint that it turns
+  double low = 0, high = 0;  // away from rest, degrees
+};
+
+struct ModifierRow {
+  std::string name, type;
 };
 
 struct CharacterRow {
@@ -52,7 +63,8 @@ struct PoseDot {
   std::string text;                                      // "rom 12"
 };
 
-struct ModifierRow {
+// A modifier of the dataset's stack.
+struct StackRow {
   std::string name, type;
   bool enabled = true;
   double strength = 1;
@@ -63,14 +75,16 @@ struct CurationRow {
   std::string region;         // of the map
   std::vector<PoseDot> dots;  // of every frame of the clip
   std::string legend;         // what the hottest colour is
-  std::vector<ModifierRow> modifiers;
+  std::vector<StackRow> modifiers;
   std::vector<std::string> pairs;  // that disagree most; none: they were not looked for
 };
 
 struct Snapshot {
   std::vector<CharacterRow> cast;  // the first is the lead, of whom the rest speaks
   std::vector<JointRow> joints;
+  std::vector<AxisRow> axes;
   std::vector<ControlRow> controls;
+  std::vector<ModifierRow> modifiers;  // in the order in which they are applied
   std::vector<std::string> fibres;
   std::vector<float> strains;  // of the fibres
   float outside = 0;           // standard deviations beyond what was trained; 0: covered

@@ -106,6 +106,9 @@ void draw_frames(const Snapshot& snapshot, Controls& controls, const Bar& bar) {
   list.AddRectFilled({bar.x(playback.in()), bar.at.y}, {bar.x(playback.out()), end.y}, kRange, 3);
   draw_ticks(list, bar);
   for (const int key : playback.keys()) list.AddCircleFilled({bar.x(key), bar.at.y + 6}, 3, kKey, 4);
+  for (const auto& [frame, key] : controls.settings.pose.keys) {
+    list.AddCircleFilled({bar.x(frame), bar.at.y + 14}, 4, kAccent, 4);
+  }
 }
 
 // An end of the range, to be dragged: a flag over the bar, towards the other end.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <numbers>
 #include <sstream>
 #include <utility>
 
@@ -14,10 +15,12 @@
 #include "proxy_viewer/scene/output_points.h"
 #include "proxy_viewer/state/box.h"
 #include "proxy_viewer/state/euler_angles.h"
+#include "proxy_viewer/state/pose_keys.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/carry_skin.h"
+#include "runtime/host/rig.h"
 #include "runtime/vulkan/device.h"
 
 namespace bodyopt {
@@ -29,6 +32,14 @@ double diagonal(std::span<const float> points) {
   Box box;
   for (std::size_t k = 0; k + 2 < points.size(); k += 3) box.add(Vec3{points[k], points[k + 1], points[k + 2]});
   return points.empty() ? 0 : 2 * box.radius();
+}
+
+// Of a joint's local rotation, about an axis of rest space.
+Quat turn_about_rest_axis(const Skeleton& skeleton, const JointTurn& turn, double degrees) {
+  const int parent = skeleton.joints[turn.joint].parent;
+  Vec3 axis = turn.axis;
+  if (parent >= 0) axis = rotate(conjugate(bind_rotations(skeleton)[static_cast<std::size_t>(parent)]), axis);
+  return axis_angle(axis, turn.share * degrees * std::numbers::pi / 180);
 }
 
 Clip bind_clip(const Basis& basis) {
@@ -79,9 +90,10 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
   }
   if (!files.limits.empty()) {
     const Skeleton& skeleton = finest().basis().skeleton;
-    ranges_ = joint_ranges(read_joint_limits(files.limits, skeleton), skeleton);
+    limits_ = read_joint_limits(files.limits, skeleton);
+    ranges_ = joint_ranges(limits_, skeleton);
   }
-  clip_ = opened.clip ? std::move(*opened.clip) : bind_clip(finest().basis());
+  take_clip(opened.clip ? std::move(*opened.clip) : bind_clip(finest().basis()));
   measure_size();
   if (!files.truth.empty()) open_truth(files.truth);
   if (files.clip.empty()) {
@@ -154,8 +166,7 @@ void Actor::open_frames(const std::string& dataset) {
     if (begins) keys.push_back(shapes.frames()[k]);
     clip.poses.push_back(frame.pose);
   }
-  arrange_controls(basis().residual.controls, clip);
-  clip_ = std::move(clip);
+  take_clip(std::move(clip));
   keys_ = std::move(keys);
   files_.clip = dataset;
   measure_ground();
@@ -173,12 +184,18 @@ void Actor::open_clip(const std::string& source) {
   options.unit = clip_unit(source, kept_unit(basis()));
   options.joint_map = files_.joint_map;
   Clip clip = read_clip(source, basis().skeleton, options);
-  for (const std::string& note : apply_channels(basis(), clip)) clip.notes.push_back(note);
   if (clip.poses.empty()) throw Error(ErrorKind::file, source + ": the clip has no frame");
   keys_ = clip_keys(source, options);
-  clip_ = std::move(clip);
+  take_clip(std::move(clip));
   files_.clip = source;
   measure_ground();
+}
+
+void Actor::take_clip(Clip clip) {
+  Clip as_read = clip;
+  for (const std::string& note : apply_channels(basis(), clip)) clip.notes.push_back(note);
+  source_ = std::move(as_read);
+  clip_ = std::move(clip);
 }
 
 void Actor::open_truth(const std::string& name) {
@@ -193,9 +210,8 @@ void Actor::open_truth(const std::string& name) {
   files_.truth = name;
 }
 
-const Pose& Actor::clip_pose(int frame) const {
-  const int number = std::clamp(frame, clip_.first_frame, clip_.last_frame());
-  return clip_.poses[static_cast<std::size_t>(number - clip_.first_frame)];
+std::size_t Actor::clip_index(int frame) const {
+  return static_cast<std::size_t>(std::clamp(frame, clip_.first_frame, clip_.last_frame()) - clip_.first_frame);
 }
 
 const std::optional<JointRange>& Actor::range(std::size_t joint) const {
@@ -209,8 +225,15 @@ std::optional<JointRange> Actor::free_turns(std::size_t joint, int frame) const 
   return turns_within(*own, basis().skeleton.joints[joint].bind.rotation, clip_pose(frame).joints[joint].rotation);
 }
 
-Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
-  Pose pose = clip_pose(frame);
+Pose Actor::posed(Pose pose, const ViewSettings::PoseKey& posing) const {
+  for (const DegreeOfFreedom& dof : limits_.dofs) {
+    const auto found = posing.axes.find(dof.name);
+    if (found == posing.axes.end()) continue;
+    for (const JointTurn& turn : dof.turns) {
+      Quat& rotation = pose.joints[turn.joint].rotation;
+      rotation = turn_about_rest_axis(basis().skeleton, turn, found->second) * rotation;
+    }
+  }
   for (const auto& [joint, degrees] : posing.joints) {
     const int found = basis().skeleton.find(joint);
     if (found < 0) continue;
@@ -220,6 +243,12 @@ Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
     rotation = own ? turned_within(*own, basis().skeleton.joints[index].bind.rotation, rotation, degrees)
                    : normalized(rotation * turn_of(degrees));
   }
+  return pose;
+}
+
+Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
+  if (!basis().modifiers.empty()) return modified_pose(frame, posing);
+  Pose pose = posed(clip_pose(frame), posing);
   const std::vector<std::string>& controls = basis().residual.controls;
   for (const auto& [control, value] : posing.controls) {
     const auto at = std::find(controls.begin(), controls.end(), control);
@@ -228,6 +257,44 @@ Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
     pose.controls[static_cast<std::size_t>(at - controls.begin())] = static_cast<float>(value);
   }
   return pose;
+}
+
+std::vector<std::string> Actor::source_controls(const ViewSettings::Posing& posing) const {
+  std::vector<std::string> names = source_.controls;
+  const auto add = [&](const ViewSettings::PoseKey& key) {
+    for (const auto& [name, value] : key.controls) {
+      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    }
+  };
+  add(posing);
+  for (const auto& [frame, key] : posing.keys) add(key);
+  return names;
+}
+
+Pose Actor::unmodified_pose(int frame, const ViewSettings::Posing& posing) const {
+  Pose pose = posed(source_.poses[clip_index(frame)], posing);
+  const std::vector<std::string> names = source_controls(posing);
+  pose.controls.resize(names.size(), 0.0f);
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    const auto set = posing.controls.find(names[c]);
+    if (set != posing.controls.end()) pose.controls[c] = static_cast<float>(set->second);
+  }
+  return pose;
+}
+
+// Of the frames up to this one, as breath goes on from frame to frame.
+Pose Actor::modified_pose(int frame, const ViewSettings::Posing& posing) const {
+  Clip part;
+  part.fps = source_.fps;
+  part.first_frame = source_.first_frame;
+  part.controls = source_controls(posing);
+  const int last = source_.first_frame + static_cast<int>(clip_index(frame));
+  for (int k = source_.first_frame; k < last; ++k) {
+    part.poses.push_back(unmodified_pose(k, keyed_posing(posing, k)));
+  }
+  part.poses.push_back(unmodified_pose(last, posing));
+  apply_channels(basis(), part);
+  return part.poses.back();
 }
 
 const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,

@@ -75,6 +75,12 @@ class Actor {
   // The clip's pose, turned joint by joint as the settings say and the ranges let it. Frames beyond the clip: its first
   // or last.
   Pose pose(int frame, const ViewSettings::Posing& posing) const;
+  // The same before modifiers: what is exported. Its controls are those of source_controls().
+  Pose unmodified_pose(int frame, const ViewSettings::Posing& posing) const;
+  // Names of the controls that the clip's file has, or the posing sets.
+  std::vector<std::string> source_controls(const ViewSettings::Posing& posing) const;
+  // Degrees of freedom of the limits, where it has any.
+  const std::vector<DegreeOfFreedom>& axes() const { return limits_.dofs; }
   // How it is posed while it is not the lead, whom the settings pose.
   const ViewSettings::Posing& posing() const { return posing_; }
   void set_posing(ViewSettings::Posing posing) { posing_ = std::move(posing); }
@@ -143,7 +149,11 @@ class Actor {
   Detail& finest() { return *details_.front(); }
   const Detail& finest() const { return *details_.front(); }
   void add_proxy(const std::string& path);
-  const Pose& clip_pose(int frame) const;
+  void take_clip(Clip clip);
+  std::size_t clip_index(int frame) const;
+  const Pose& clip_pose(int frame) const { return clip_.poses[clip_index(frame)]; }
+  Pose posed(Pose pose, const ViewSettings::PoseKey& posing) const;
+  Pose modified_pose(int frame, const ViewSettings::Posing& posing) const;
   const std::optional<JointRange>& range(std::size_t joint) const;
   bool has_worn_skin() const;
   std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation, std::size_t pose) const;
@@ -163,8 +173,10 @@ class Actor {
   std::vector<std::string> notes_;
   std::vector<std::unique_ptr<Detail>> details_;  // finest first; all but the first are proxies
   std::size_t level_ = 0;
-  Clip clip_;
+  Clip source_;  // as it was read
+  Clip clip_;    // as it is shown before it is posed: modified, with the basis' controls
   std::vector<int> keys_;
+  JointLimits limits_;
   std::vector<std::optional<JointRange>> ranges_;  // of every joint; none: they turn as far as they are turned
   ViewSettings::Posing posing_;
   double size_ = 1, reach_ = 1, ground_ = 0;

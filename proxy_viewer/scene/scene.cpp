@@ -6,6 +6,7 @@
 
 #include "draw/camera.h"
 #include "proxy_viewer/state/box.h"
+#include "proxy_viewer/state/pose_keys.h"
 #include "proxy_viewer/state/strain_colour.h"
 #include "runtime/host/rig.h"
 
@@ -167,7 +168,7 @@ void Scene::reset_jiggle() {
 Pose Scene::pose_at(const Actor& character, int frame, const Controls& controls) const {
   const bool leads = &character == &lead();
   if (leads && live_pose_) return *live_pose_;
-  return character.pose(frame, leads ? controls.settings.pose : character.posing());
+  return character.pose(frame, leads ? controls.posing_at(frame) : keyed_posing(character.posing(), frame));
 }
 
 std::vector<Pose> Scene::poses_of(const Actor& character, const Controls& controls) const {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -88,6 +89,21 @@ class FieldReader {
     for (const auto& [name, item] : inner.json_.items()) field(inner, name.c_str(), values[name]);
   }
 
+  // As named(), of values by their frames.
+  template <typename Value, typename Field>
+  void by_frame(const char* key, std::map<int, Value>& values, const Field& field) {
+    std::map<std::string, Value> by_name;
+    named(key, by_name, field);
+    for (auto& [name, value] : by_name) {
+      int frame = 0;
+      const auto [end, problem] = std::from_chars(name.data(), name.data() + name.size(), frame);
+      if (problem != std::errc{} || end != name.data() + name.size()) {
+        object_.refuse("'" + std::string(key) + "' has '" + name + "', expected the number of a frame");
+      }
+      values[frame] = std::move(value);
+    }
+  }
+
   void finish() const {
     for (const auto& [key, value] : json_.items()) {
       if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
@@ -149,6 +165,13 @@ class FieldWriter {
     FieldWriter inner;
     for (const auto& [name, value] : values) field(inner, name.c_str(), value);
     json_[key] = inner.json();
+  }
+
+  template <typename Value, typename Field>
+  void by_frame(const char* key, const std::map<int, Value>& values, const Field& field) {
+    std::map<std::string, Value> by_name;
+    for (const auto& [frame, value] : values) by_name[std::to_string(frame)] = value;
+    named(key, by_name, field);
   }
 
   const Json& json() const { return json_; }

@@ -3,18 +3,20 @@
 namespace bodyopt {
 
 void PoseHistory::begin(const ViewSettings::Posing& now) {
-  steps_ = {{now.joints, now.controls}};
+  steps_ = {{now, now.keys}};
   at_ = 0;
 }
 
 void PoseHistory::note(const ViewSettings::Posing& now) {
-  const Step step{now.joints, now.controls};
+  const Step step{now, now.keys};
   if (step == steps_[at_]) return;
   steps_.resize(at_ + 1);
   steps_.push_back(step);
   if (steps_.size() > kMostSteps + 1) steps_.erase(steps_.begin());
   at_ = steps_.size() - 1;
 }
+
+void PoseHistory::follow(const ViewSettings::Posing& now) { steps_[at_].pose = now; }
 
 bool PoseHistory::undo(ViewSettings::Posing& now) {
   note(now);
@@ -31,8 +33,8 @@ bool PoseHistory::redo(ViewSettings::Posing& now) {
 }
 
 void PoseHistory::show(const Step& step, ViewSettings::Posing& now) {
-  now.joints = step.joints;
-  now.controls = step.controls;
+  static_cast<ViewSettings::PoseKey&>(now) = step.pose;
+  now.keys = step.keys;
 }
 
 }  // namespace bodyopt

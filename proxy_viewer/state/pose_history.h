@@ -17,14 +17,17 @@ class PoseHistory {
   // Where it has changed since, that is a step; what was undone is forgotten then.
   void note(const ViewSettings::Posing& now);
 
+  // The keys show another pose at another frame: that is no step.
+  void follow(const ViewSettings::Posing& now);
+
   // A step back or forth from what is now. False where there is none.
   bool undo(ViewSettings::Posing& now);
   bool redo(ViewSettings::Posing& now);
 
  private:
   struct Step {
-    std::map<std::string, Vec3> joints;
-    std::map<std::string, double> controls;
+    ViewSettings::PoseKey pose;
+    std::map<int, ViewSettings::PoseKey> keys;
     bool operator==(const Step&) const = default;
   };
 

@@ -15,11 +15,12 @@ struct Section {
   bool open;          // to begin with
 };
 
-constexpr std::array<Section, 10> kSections = {{{"look", "Look", true},
+constexpr std::array<Section, 11> kSections = {{{"look", "Look", true},
                                                 {"cameras", "Cameras", false},
                                                 {"compare", "Compare", true},
                                                 {"curate", "Curate", true},
                                                 {"pose", "Pose", true},
+                                                {"modifiers", "Modifiers", false},
                                                 {"muscles", "Muscles", false},
                                                 {"jiggle", "Jiggle", false},
                                                 {"ghosts", "Ghosts", false},

@@ -9,6 +9,6 @@ inline constexpr int kCoarsestLevel = 15;
 inline constexpr double kMostJiggle = 4;                           // times what is simulated
 inline constexpr double kFinestHeat = 0.01, kCoarsestHeat = 1000;  // mm, of the hottest colour
 inline constexpr double kMostTurn = 360;                           // degrees, either way
-inline constexpr double kMostControl = 10;                         // either way
+inline constexpr double kMostControl = 1e6;                        // either way
 
 }  // namespace bodyopt

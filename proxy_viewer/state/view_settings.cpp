@@ -61,13 +61,21 @@ constexpr auto kCompareFields = [](auto& list, auto& compare) {
   list.boolean("coverage", compare.coverage);
 };
 
-constexpr auto kPosingFields = [](auto& list, auto& pose) {
-  list.number("correction", pose.correction, 0, 1);
-  list.named("joints", pose.joints,
+constexpr auto kPoseKeyFields = [](auto& list, auto& key) {
+  list.named("joints", key.joints,
              [](auto& joints, const char* name, auto& angles) { joints.vector(name, angles, -kMostTurn, kMostTurn); });
-  list.named("controls", pose.controls, [](auto& controls, const char* name, auto& value) {
+  list.named("axes", key.axes,
+             [](auto& axes, const char* name, auto& angle) { axes.number(name, angle, -kMostTurn, kMostTurn); });
+  list.named("controls", key.controls, [](auto& controls, const char* name, auto& value) {
     controls.number(name, value, -kMostControl, kMostControl);
   });
+};
+
+constexpr auto kPosingFields = [](auto& list, auto& pose) {
+  list.number("correction", pose.correction, 0, 1);
+  kPoseKeyFields(list, pose);
+  list.by_frame("keys", pose.keys,
+                [](auto& keys, const char* frame, auto& key) { keys.structure(frame, key, kPoseKeyFields); });
 };
 
 constexpr auto kJigglingFields = [](auto& list, auto& jiggle) {

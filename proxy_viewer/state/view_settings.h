@@ -44,10 +44,17 @@ struct ViewSettings {
     bool operator==(const Compare&) const = default;
   };
 
-  struct Posing {
-    double correction = 1;               // of what is learned; 0: none of it
-    std::map<std::string, Vec3> joints;  // Euler angles about x, y, z in degrees, on top of the clip, by joint
+  // What is set on top of the clip.
+  struct PoseKey {
+    std::map<std::string, Vec3> joints;  // Euler angles about x, y, z in degrees, by joint
+    std::map<std::string, double> axes;  // degrees, by the name of a degree of freedom of limits.json
     std::map<std::string, double> controls;
+    bool operator==(const PoseKey&) const = default;
+  };
+
+  struct Posing : PoseKey {
+    double correction = 1;        // of what is learned; 0: none of it
+    std::map<int, PoseKey> keys;  // by frame; none: the pose is of all frames, otherwise of the frame that is shown
     bool operator==(const Posing&) const = default;
   };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/core/error.h"
+#include "tests/support/error_kind.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -68,6 +69,40 @@ TEST(Controls, RefuseWhatIsNoCurve) {
       EXPECT_NE(std::string(error.what()).find("biceps"), std::string::npos) << error.what();
     }
   }
+}
+
+TEST(Controls, AreReadFromATableAndWrittenBack) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "c.csv", "frame,biceps,breath.rate\r\n12,0,14\n14,1,20\n");
+  Clip clip = clip_of(4);
+  read_controls(folder / "c.csv", clip);
+  EXPECT_EQ(clip.controls, (std::vector<std::string>{"biceps", "breath.rate"}));
+  EXPECT_EQ(values(clip, 0), (std::vector<float>{0, 0, 0.5f, 1}));
+  EXPECT_EQ(values(clip, 1), (std::vector<float>{14, 14, 17, 20}));
+  write_controls(clip, folder / "written.json");
+  Clip again = clip_of(4);
+  read_controls(folder / "written.json", again);
+  EXPECT_EQ(again.controls, clip.controls);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(again.poses[k].controls, clip.poses[k].controls);
+  EXPECT_TRUE(clip.notes.empty());
+  Clip other = clip_of(4);
+  other.first_frame = 1001;
+  read_controls(folder / "c.csv", other);
+  EXPECT_EQ(other.notes.size(), 2u);  // a channel each: it is held all along
+  for (const char* table : {"", "frame\n1\n", "time,a\n1,2\n", "frame,a,a\n1,2,3\n", "frame,a\n", "frame,a\n1\n",
+                            "frame,a\n1,2,3\n", "frame,a\n1,x\n", "frame,a\n1,nan\n", "frame,a\n2,0\n1,0\n"}) {
+    write_bytes(folder / "bad.csv", table);
+    EXPECT_EQ(kind_of([&] { read_controls(folder / "bad.csv", clip); }), ErrorKind::file) << table;
+  }
+}
+
+TEST(Controls, OfAnotherRateAreRefused) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "c.json", R"({"schema": "bodyopt-controls-1", "fps": 30, "controls": {"breath": 1}})");
+  Clip clip = clip_of(2);
+  EXPECT_EQ(kind_of([&] { read_controls(folder / "c.json", clip); }), ErrorKind::mismatch);
+  clip.fps = 30;
+  read_controls(folder / "c.json", clip);
 }
 
 TEST(Controls, EveryTruncationIsRefused) {

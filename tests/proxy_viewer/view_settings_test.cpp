@@ -39,6 +39,8 @@ class RandomSettings {
     for (std::uint32_t k = random_.below(4); k > 0; --k) {
       s.pose.joints[name()] = {number(-180, 180), number(-180, 180), number(-180, 180)};
       s.pose.controls[name()] = number(-2, 2);
+      s.pose.axes[name()] = number(-90, 90);
+      s.pose.keys[integer(-20, 200)] = s.pose;
     }
     s.jiggle = {yes(), number(0, kMostJiggle)};
     s.ghosts = {integer(0, kMostGhosts), integer(0, kMostGhosts), integer(1, kLongestGhostStep), number(0, 1)};

@@ -53,14 +53,14 @@ TEST(VulkanBackend, EqualsTheCpuBackend) {
 TEST(VulkanBackend, ModifiersEqualTheCpuBackend) {
   for (const std::uint32_t coefficients : {70u, 0u}) {
     const Basis plain = random_basis(20, coefficients), basis = with_random_modifiers(plain, 7);
-    const auto cpu = make_cpu_backend(basis), gpu = make_vulkan_backend(basis, open_test_device());
+    const auto cpu = make_cpu_backend(basis), gpu = on_device(basis);
     Batch batch = random_batch(basis, 3);
     const BatchResult shown = gpu->run(batch);
     expect_equal(shown, cpu->run(batch));
     EXPECT_TRUE(shown.stage_seconds.contains("modify"));
-    EXPECT_NE(shown.positions, make_vulkan_backend(plain, open_test_device())->run(batch).positions);
+    EXPECT_NE(shown.positions, on_device(plain)->run(batch).positions);
     std::fill(batch.modifiers.begin(), batch.modifiers.end(), 0.0f);
-    EXPECT_EQ(gpu->run(batch).positions, make_vulkan_backend(plain, open_test_device())->run(batch).positions);
+    EXPECT_EQ(gpu->run(batch).positions, on_device(plain)->run(batch).positions);
     EXPECT_EQ(cpu->run(batch).positions, make_cpu_backend(plain)->run(batch).positions);
   }
 }

@@ -1,0 +1,43 @@
+// The modifiers of the lead, in their order: a switch, the strength, and the controls of each.
+#include "proxy_viewer/panels/panels.h"
+#include "proxy_viewer/panels/widgets.h"
+
+namespace bodyopt {
+namespace {
+
+double value_of(const ControlRow& row, const Controls& controls) {
+  const auto found = controls.settings.pose.controls.find(row.name);
+  return found == controls.settings.pose.controls.end() ? row.usual : found->second;
+}
+
+void draw_row(const ControlRow& row, Controls& controls) {
+  double value = value_of(row, controls);
+  if (slide(row.name.c_str(), value, row.low, row.high, "%.2f", find_command("control")->help)) {
+    controls.settings.pose.controls[row.name] = value;
+  }
+}
+
+void draw_switch(const ControlRow& strength, const std::string& type, Controls& controls) {
+  bool on = value_of(strength, controls) > 0;
+  if (!ImGui::Checkbox((strength.name + "##on").c_str(), &on)) {
+    ImGui::SameLine();
+    ImGui::TextDisabled("%s", type.c_str());
+    return;
+  }
+  controls.settings.pose.controls[strength.name] = on ? std::max(strength.usual, 1.0) : 0.0;
+}
+
+}  // namespace
+
+void draw_modifiers(const Snapshot& snapshot, Controls& controls) {
+  if (snapshot.modifiers.empty()) ImGui::TextDisabled("none: 'bodyopt modifiers' gives a basis some");
+  for (const ModifierRow& modifier : snapshot.modifiers) {
+    for (const ControlRow& row : snapshot.controls) {
+      if (row.modifier != modifier.name) continue;
+      if (row.name == modifier.name) draw_switch(row, modifier.type, controls);
+      draw_row(row, controls);
+    }
+  }
+}
+
+}  // namespace bodyopt
