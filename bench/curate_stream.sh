@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# bench/curate_stream.sh CHARACTER LIMITS [FOLDER]: 3,200 frames of a character through five modifiers, then one of them edited. The
-# shapes are made up: Direct Delta Mush of its range of motion. Says seconds and the most that was resident.
+# bench/curate_stream.sh CHARACTER LIMITS [FRAMES] [FOLDER]: 3,200 frames of a character through five modifiers, then one of
+# them edited. The shapes are made up: Direct Delta Mush of its range of motion. Says seconds and the most that was resident.
 set -euo pipefail
 character=$(realpath "$1")
 limits=$(realpath "$2")
-folder=${3:-$(mktemp -d)}
-bodyopt=$(dirname "$0")/../build/release/bin/bodyopt
+frames=${3:-3200}
+folder=${4:-$(mktemp -d)}
+bodyopt=${BODYOPT:-$(dirname "$0")/../build/release/bin/bodyopt}
 mkdir -p "$folder"
 timed() {
   local name=$1
@@ -20,11 +21,11 @@ print(f"{sys.argv[1]}: {time.monotonic() - start:.1f} s, {usage.ru_utime + usage
 PYTHON
 }
 if [ ! -e "$folder/data/dataset.json" ]; then
-  $bodyopt rom "$character" --limits "$limits" --frames 3200 --out "$folder/rom.glb" >/dev/null
+  $bodyopt rom "$character" --limits "$limits" --frames "$frames" --out "$folder/rom.glb" >/dev/null
   $bodyopt train --ddm-only "$character" --out "$folder/ddm.safetensors" >/dev/null
   $bodyopt eval "$folder/ddm.safetensors" --clip "$folder/rom.glb" --device cpu --out "$folder/shapes.pc2" >/dev/null
   $bodyopt dataset add "$folder/data" --character "$character" --clip "$folder/rom.glb" --shapes "$folder/shapes.pc2" \
-    --frames 1-3200 --name rom >/dev/null
+    --frames "1-$frames" --name rom >/dev/null
   rm "$folder/shapes.pc2"
 fi
 data=$folder/data
@@ -32,7 +33,7 @@ for type in smooth relax volume inflate; do $bodyopt curate add "$data" $type --
 $bodyopt curate export-frame "$data" --take rom --frame 100 --out "$folder/frame.obj" >/dev/null
 $bodyopt curate import-frame "$data" --take rom --frame 100 --mesh "$folder/frame.obj" --name sculpt >/dev/null
 rm -rf "$folder/baked"
-timed "3,200 frames through five modifiers" "$bodyopt" curate bake "$data" --out "$folder/baked"
+timed "$frames frames through five modifiers" "$bodyopt" curate bake "$data" --out "$folder/baked"
 rm -rf "$folder/baked"
 timed "an edit of the last" "$bodyopt" curate edit "$data" sculpt --strength 0.7
 timed "one frame of it" "$bodyopt" curate export-frame "$data" --take rom --frame 100 --out "$folder/frame.obj"

@@ -38,6 +38,7 @@ Controls controls_of_a_session() {
   controls.curating.regions = {"forearm", "upper arm"};
   controls.curating.modifiers = {"elbow", "smooth all"};
   controls.curating.pairs = {{5, 12, "forearm"}, {7, 20, "upper arm"}};
+  controls.curating.pair = 1;
   controls.camera.orbit(0.4, 0.2);
   return controls;
 }
@@ -224,7 +225,7 @@ const std::map<std::string, Case>& cases() {
       {"contradictions", {"", [](C, C c) { return c.requests.contradictions; }, {"all"}}},
       {"pair", {"2", [](C, C c) { return c.playback.frame() == 7 && c.curating.region == "upper arm"; }, {"", "0", "3", "two"}}},
       {"next-pair", {"", [](C, C c) { return c.curating.pair == 0 && c.playback.frame() == 5; }, {"back"}}},
-      {"other-of-pair", {"", [](C, C c) { return c.playback.frame() == 12; }, {"first"}}},
+      {"other-of-pair", {"", [](C, C c) { return c.playback.frame() == 7; }, {"first"}}},
       {"quit", {"", [](C, C c) { return c.requests.quit; }, {"now"}}},
   };
   return all;
