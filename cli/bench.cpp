@@ -110,9 +110,9 @@ void run(const BenchArguments& arguments) {
   std::string text =
       format("%u vertices, %zu joints: %.2f MB a frame; triad %.1f GB/s; ms a frame, stages summed over threads\n",
              basis.mesh.vertex_count(), basis.skeleton.size(), bytes / 1e6, triad / 1e9);
-  const char* const stages[] = {"rig", "strain", "residual", "pose", "output"};
-  text += format("%5s %9s %9s %9s %9s %9s %9s %7s %8s  %s\n", "batch", "frame", "rig", "strain", "residual", "pose",
-                 "output", "GB/s", "of triad", "device");
+  const char* const stages[] = {"rig", "strain", "residual", "modify", "pose", "output"};
+  text += format("%5s %9s %9s %9s %9s %9s %9s %9s %7s %8s  %s\n", "batch", "frame", "rig", "strain", "residual",
+                 "modify", "pose", "output", "GB/s", "of triad", "device");
   for (const std::string& name : devices_of(arguments)) {
     Deformer deformer(basis, {.name = name, .executor = threads});
     for (const std::size_t batch : {1, 4, 16, 64}) {

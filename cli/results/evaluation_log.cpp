@@ -11,7 +11,7 @@
 namespace bodyopt::cli {
 namespace {
 
-constexpr const char* kStages[] = {"rig", "strain", "residual", "pose", "diffuse", "jiggle", "output"};
+constexpr const char* kStages[] = {"rig", "strain", "residual", "modify", "pose", "diffuse", "jiggle", "output"};
 
 // Frames worth a look, spread over the shot: those expected to be most wrong, or, where that is not known, that leave
 // what was trained furthest.

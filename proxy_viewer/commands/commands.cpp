@@ -427,7 +427,7 @@ const Command kCommands[] = {
     {"unkey", "", "", "Pose", "forgets the key of this frame",
      [](Controls& c, const std::string&) {
        const int frame = c.playback.frame();
-       if (c.settings.pose.keys.erase(frame) == 0) refuse(std::to_string(frame), "a frame with a key");
+       if (c.settings.pose.keys.erase(frame) == 0) c.say("frame " + std::to_string(frame) + " has no key");
        c.keyed_frame.reset();
      }},
     {"mirror", "[JOINT]", "P", "Pose", "turns the other side's joint as the one that is selected",

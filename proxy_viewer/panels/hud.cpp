@@ -66,7 +66,7 @@ void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLay
   lines.add(snapshot.shown_fps, "fps", std::to_string(controls.playback.dropped()) + " dropped");
   lines.add(snapshot.frame_ms, "ms", "picture");
   lines.add(snapshot.draw_ms, "ms", "draw");
-  for (const char* stage : {"rig", "strain", "residual", "pose", "diffuse", "jiggle", "output"}) {
+  for (const char* stage : {"rig", "strain", "residual", "modify", "pose", "diffuse", "jiggle", "output"}) {
     const auto found = snapshot.stage_ms.find(stage);
     if (found != snapshot.stage_ms.end()) lines.add(found->second, "ms", stage);
   }

@@ -107,7 +107,7 @@ struct Snapshot {
   std::string device;
   double shown_fps = 0;                    // pictures a second, over the last second
   double frame_ms = 0, draw_ms = 0;        // of the host: the whole picture; of the device: drawing
-  std::map<std::string, double> stage_ms;  // rig, strain, residual, pose, diffuse, jiggle, output
+  std::map<std::string, double> stage_ms;  // rig, strain, residual, modify, pose, diffuse, jiggle, output
   double memory_mib = 0;                   // resident
 };
 

@@ -27,6 +27,8 @@ Controls controls_of_a_session() {
   controls.joint_axes.assign(controls.joint_names.size(), Quat{0, 0, 0, 1});
   controls.live = false;
   controls.control_names = {"biceps", "breath", "upper lip"};
+  controls.axis_names = {"elbow_flexion"};
+  controls.settings.pose.keys[10] = {};
   controls.settings.cameras["close"] = {{1, 2, 3}, 0.5, 0.1, 0.2, true};
   controls.settings.pose.joints["Hips"] = {1, 2, 3};
   controls.settings.pose.joints["LeftArm"] = {4, 5, 6};
@@ -161,7 +163,17 @@ const std::map<std::string, Case>& cases() {
       {"control",
        {"breath 0.5",
         [](C, C c) { return valued(c.settings.pose.controls, "breath") == 0.5; },
-        {"", "breath", "breath x", "breath 11", "breathe 1"}}},
+        {"", "breath", "breath x", "breath 1000001", "breathe 1"}}},
+      {"axis",
+       {"elbow_flexion 40",
+        [](C, C c) { return valued(c.settings.pose.axes, "elbow_flexion") == 40; },
+        {"", "elbow_flexion", "elbow_flexion x", "elbow_flexion 361", "knee_flexion 1"}}},
+      {"key", {"", [](C, C c) { return c.settings.pose.keys.at(10) == c.settings.pose; }, {"1"}}},
+      {"unkey", {"", [](C, C c) { return c.settings.pose.keys.empty(); }, {"1"}}},
+      {"export-clip",
+       {"take.bvh", [](C, C c) { return c.requests.export_clip == "take.bvh"; }, {"", "take.fbx", "take"}}},
+      {"export-skin",
+       {"take.usda", [](C, C c) { return c.requests.export_skin == "take.usda"; }, {"", "take.abc", "take"}}},
       {"reset-pose",
        {"", [](C, C c) { return c.settings.pose.joints.empty() && c.settings.pose.controls.empty(); }, {"1"}}},
       {"undo", {"", [](C, C c) { return c.settings.pose.joints.empty(); }, {"1"}}},

@@ -99,9 +99,8 @@ Eigen::Vector3d chest_motion(const Torso& torso, const TorsoSlices& slices, cons
 }
 
 Eigen::Vector3d belly_motion(const Torso& torso, const TorsoSlices& slices, const Eigen::Vector3d& p) {
-  const double window = hump(torso.height(p), -0.06, 0.15, 0.37);
-  const double depth = slices.depth(p), side = slices.side(p);
-  return window * (depth * std::cos(0.5 * std::numbers::pi * side) * torso.front + 0.05 * side * torso.left);
+  const double window = hump(torso.height(p), 0.04, 0.24, 0.44);
+  return window * slices.depth(p) * std::cos(0.5 * std::numbers::pi * slices.side(p)) * torso.front;
 }
 
 // The motion of the trunk's skin, smoothed, at the scale that adds a litre.
