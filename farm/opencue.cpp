@@ -127,8 +127,9 @@ class OpencueChecker {
       char end = 0;
       const int found = std::sscanf(part.c_str(), "%u-%u%c", &first, &last, &end);
       const bool is_one = found == 1 && part.find_first_not_of("0123456789") == std::string::npos;
-      require(is_one || (found == 2 && last > first), own + " has the range '" + range + "', expected such as 1-5,7");
-      frames += is_one ? 1 : last - first + 1;
+      const bool is_range = found == 2 && last > first;
+      require(is_one || is_range, own + " has the range '" + range + "', expected such as 1-5,7");
+      frames += is_range ? last - first + 1 : 1;
     }
     require(frames > 0, own + " has no frames");
     frames_ += frames;

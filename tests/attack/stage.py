@@ -80,8 +80,8 @@ _SHOTS = """{"schema": "bodyopt-shots-1", "defaults": {"basis": "limb.safetensor
  {"shot": "long", "element": "limb", "frame_ms": 10},
  {"shot": "usd", "element": "limb", "frames": "100-180", "out": "caches/{shot}.usda"}]}"""
 
-# Hold seconds that were taken.
-STATED = ("*.status.json", "report/*")
+# Hold seconds that were taken, and when files were written.
+STATED = ("*.status.json", "*.done.json", "*.report.json", "report/*")
 # Names under which files are written before they are renamed.
 _TEMPORARY = ("*.tmp", "*.tmp.*")
 

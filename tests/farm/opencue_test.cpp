@@ -63,7 +63,7 @@ TEST(Opencue, TheRulesRefuseWhatBreaksThem) {
   expect_refused("<user>artist<", "<user>root<");
   expect_refused("<shot>farm<", "<shot>a b c<");
   expect_refused("<cores>1.0<", "<cores>1<");
-  expect_refused("0-2,5", "5-2");
+  expect_refused("0-2,5", "5-2,7");
   expect_refused("0-2,5", "0-100000");
   expect_refused("#IFRAME#", "7");
   expect_refused("'/plan'", "'/pl#an'");

@@ -39,8 +39,8 @@ TEST_F(TransferProgram, WritesABasisForEveryTarget) {
 
 TEST_F(TransferProgram, TheReportSaysWhereBodiesDiffer) {
   Character other = limb_character();
-  for (Eigen::Index v = 0; v < other.vertices.rows(); ++v) {  // the far half is three times as thick
-    if (other.vertices(v, 2) > other.skeleton.joints[1].bind.translation[2] + 0.02) other.vertices.row(v).head(2) *= 3;
+  for (Eigen::Index v = 0; v < other.vertices.rows(); ++v) {  // the far half is six times as thick
+    if (other.vertices(v, 2) > other.skeleton.joints[1].bind.translation[2] + 0.02) other.vertices.row(v).head(2) *= 6;
   }
   write_character(other, path("other.glb"));
   Clip clip;
@@ -51,7 +51,7 @@ TEST_F(TransferProgram, TheReportSaysWhereBodiesDiffer) {
                                         path("r.html") + " --clip " + path("bend.glb") + " --json " + path("r.json"));
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
-  ASSERT_EQ(told.at("parts").size(), 2u);
+  ASSERT_EQ(told.at("parts").size(), 3u);
   EXPECT_EQ(told.at("poses").size(), 4u);
   EXPECT_NEAR(told.at("poses").at(0).at("target_volume").get<double>(), 1, 1e-4);
   EXPECT_TRUE(std::any_of(told.at("parts").begin(), told.at("parts").end(),
