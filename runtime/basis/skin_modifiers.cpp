@@ -65,6 +65,7 @@ std::string text_of_stack(const std::vector<SkinModifier>& stack, const std::str
 std::vector<SkinModifier> stack_from_text(const std::string& text, const std::string& place) {
   const auto list = parse_strict_json<StackJson>(text, place);
   std::vector<SkinModifier> stack;
+  if (!list.is_array()) throw Error(ErrorKind::file, place + ": is not a list of modifiers; damaged?");
   try {
     for (const StackJson& json : list) stack.push_back(modifier_of(json));
   } catch (const nlohmann::json::exception& error) {

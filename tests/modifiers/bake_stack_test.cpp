@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <limits>
 
 #include "assets/character.h"
 #include "assets/pc2.h"
@@ -12,6 +13,7 @@
 #include "runtime/deformer/deformer.h"
 #include "tests/modifiers/driven_small_basis.h"
 #include "tests/support/error_kind.h"
+#include "tests/support/hostile_bytes.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
@@ -142,6 +144,43 @@ TEST(BakeStack, RefusesWhatDoesNotSuit) {
   write_shape(std::vector<float>(30, 0.0f), folder / "other.pc2");
   refused(R"({"name": "m", "type": "morph", "mesh": "other.pc2"})", "of another mesh");
   refused(R"({"name": "m", "type": "morph"})", "needs either");
+}
+
+TEST(BakeStack, DamagedStacksAreRefused) {
+  const TemporaryFolder folder;
+  const Sculpted sculpted(folder);
+  const std::string text = std::string(R"({"schema": "bodyopt-modifiers-1", "modifiers": [)") + kSculpt + "]}";
+  const auto bake = [&](const fs::path& path) {
+    std::vector<std::string> notes;
+    bake_stack(path, sculpted.basis, notes);
+  };
+  expect_every_truncation_refused(bake, folder / "stack.json", text);
+}
+
+// As a file of a defective program may hold it: each is refused when the basis is read.
+TEST(BakeStack, ForgedTablesAreRefused) {
+  const TemporaryFolder folder;
+  const Sculpted sculpted(folder);
+  const Basis sound = baked(folder, sculpted.basis, kSculpt);
+  const auto refused = [&](const std::function<void(SkinModifiers&)>& forge) {
+    Basis forged = sound;
+    forge(forged.modifiers);
+    EXPECT_EQ(kind_of([&] { validate(forged, "forged"); }), ErrorKind::file);
+  };
+  refused([](SkinModifiers& m) { m.blend[0].scale_coefficient |= 7u << 16; });  // a component that is not there
+  refused([](SkinModifiers& m) { m.blend[0].scale_coefficient |= 0x7c00; });    // an infinite scale
+  refused([](SkinModifiers& m) { m.blend_begin.pop_back(); });
+  refused([](SkinModifiers& m) { m.blend_begin[1] = 1u << 30; });
+  refused([](SkinModifiers& m) { m.stack[0].joints.push_back(99); });
+  refused([](SkinModifiers& m) { m.stack[0].numbers[0] = std::numeric_limits<float>::infinity(); });
+  refused([](SkinModifiers& m) { m.stack[0].component_count = 0xffffffffu; });
+  refused([](SkinModifiers& m) { m.stack[0].turns.push_back({99, 0, 0, 0, 0}); });
+  refused([](SkinModifiers& m) { m.stack.push_back(m.stack[0]); });  // twice the same components
+  refused([](SkinModifiers& m) { m.stack.clear(); });                // tables of none
+  refused([](SkinModifiers& m) { m.stack[0].name.clear(); });
+  for (const char* text : {"{}", "[1]", "[{}]", "[{\"name\": 3}]", "[", ""}) {
+    EXPECT_EQ(kind_of([&] { stack_from_text(text, "the metadata of a file"); }), ErrorKind::file) << text;
+  }
 }
 
 TEST(ChooseModifiers, ReordersSwitchesAndSetsConstants) {
