@@ -98,6 +98,16 @@ std::string with_first_frame(const std::string& pattern, int frame) {
   return pattern.substr(0, begin) + format("%0*d", static_cast<int>(end - begin), frame) + pattern.substr(end);
 }
 
+Evaluation evaluate_part(const EvalArguments& arguments, Deformer& deformer, std::span<const Pose> poses,
+                         std::span<const int> frames) {
+  try {
+    return arguments.jiggle.jiggle ? deformer.jiggle(poses, frames) : deformer.evaluate(poses);
+  } catch (const Error& error) {
+    if (!arguments.device.choice.check) throw;
+    throw Error(error.kind(), format("frame %d: ", frames.front()) + error.what());
+  }
+}
+
 // Evaluates what is not done yet. Returns the states of the jiggle that were written between.
 std::vector<std::string> evaluate_frames(const EvalArguments& arguments, EvaluatedShot& shot, ShotCaches& caches,
                                          const TaskRun* task) {
@@ -108,14 +118,14 @@ std::vector<std::string> evaluate_frames(const EvalArguments& arguments, Evaluat
       "eval", shot.frames.size() - done,
       task != nullptr ? "a checkpoint is kept, from which the same command goes on" : "nothing of it is kept");
   std::vector<std::string> states;
-  // Frames held in memory at once. Of the jiggle each is measured, and it may be slow.
-  const std::size_t step = arguments.jiggle.jiggle ? 1 : 64;
+  // Frames held in memory at once. Of the jiggle each is measured, and it may be slow; a check names the one it stops
+  // at.
+  const std::size_t step = arguments.jiggle.jiggle || arguments.device.choice.check ? 1 : 64;
   for (std::size_t begin = done; begin < shot.poses.size(); begin += step) {
     const std::size_t count = std::min(step, shot.poses.size() - begin);
     const auto poses = std::span(shot.poses).subspan(begin, count);
-    const Evaluation part = arguments.jiggle.jiggle
-                                ? shot.deformer->jiggle(poses, std::span(shot.frames).subspan(begin, count))
-                                : shot.deformer->evaluate(poses);
+    const Evaluation part =
+        evaluate_part(arguments, *shot.deformer, poses, std::span(shot.frames).subspan(begin, count));
     caches.append(part, begin);
     if (const auto file = arguments.jiggle.write_state_after(*shot.deformer, begin + count)) states.push_back(*file);
     if (task != nullptr && interrupted()) caches.put_aside(*task, begin + count);
@@ -232,6 +242,8 @@ void add_eval(CLI::App& app) {
                 "Write the skin of the full character, carried by that of the proxy");
   arguments->clip.add(verb);
   arguments->device.add(verb);
+  verb.add_flag("--check", arguments->device.choice.check,
+                "Run every stage on the CPU, too, and stop at the first difference");
   verb.add_option("--unit", arguments->unit,
                   "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(above_zero);

@@ -65,7 +65,7 @@ class CpuBackend final : public Backend {
     const std::size_t frames = batch.frame_count;
     BatchResult result;
     result.positions.resize(frames * basis_.mesh.vertex_count() * 3);
-    result.normals.resize(result.positions.size());
+    if (batch.wants_normals) result.normals.resize(result.positions.size());
     result.strains.resize(frames * basis_.strain.fibre_count());
     result.excess.resize(frames * basis_.residual.feature_count());
     result.coefficients.resize(frames * basis_.residual.coefficient_count());
@@ -87,10 +87,11 @@ class CpuBackend final : public Backend {
     }
     result.stage_seconds = {{"strain", strain.seconds()}, {"residual", residual.seconds()}, {"pose", pose.seconds()}};
     if (!basis_.modifiers.empty()) result.stage_seconds["modify"] = modify.seconds();
+    if (batch.keeps_posed) result.posed = result.positions;
     if (!batch.jiggle.empty()) {
       dynamics_->run(batch, weights_.jiggle, result.strains, result.positions, result.stage_seconds);
     }
-    for (std::size_t begin = 0; begin < frames; begin += kFramesAtOnce) {
+    for (std::size_t begin = 0; batch.wants_normals && begin < frames; begin += kFramesAtOnce) {
       find_normals({begin, std::min(frames, begin + kFramesAtOnce)}, frames, result, output);
     }
     result.stage_seconds["output"] = output.seconds();

@@ -4,6 +4,7 @@
 // runtime/deformer/deformer.h.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -78,5 +79,10 @@ void area_vectors(const MeshTable& mesh, std::span<const float> positions, std::
 // The normals of some vertices, those from first_vertex on, as many as normals hold. areas: of all triangles.
 void part_normals(const MeshTable& mesh, std::span<const float> areas, std::size_t first_vertex,
                   std::span<float> normals);
+
+// Output stage: three numbers of each output vertex (positions or normals), at frame x frame_stride + output vertex x
+// element_stride of `placed`, bytes. values F x V x 3; what lies between is left.
+void output_place(const MeshTable& mesh, std::span<const float> values, std::size_t element_stride,
+                  std::size_t frame_stride, std::byte* placed);
 
 }  // namespace bodyopt::cpu

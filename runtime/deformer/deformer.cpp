@@ -8,15 +8,33 @@
 #include "runtime/core/error.h"
 #include "runtime/core/extent.h"
 #include "runtime/cpu/cpu_backend.h"
+#include "runtime/cpu/kernels.h"
+#include "runtime/deformer/checked_backend.h"
 #include "runtime/host/fade.h"
 #include "runtime/host/rig.h"
 #include "runtime/threads/tbb_executor.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_backend.h"
 #include "runtime/vulkan/device.h"
+#include "runtime/vulkan/recording.h"
 
 namespace bodyopt {
 namespace {
+
+// `model` outlives the backend.
+std::unique_ptr<Backend> on_the_cpu(const std::shared_ptr<const CharacterModel>& model,
+                                    const std::optional<JiggleOptions>& jiggle,
+                                    const std::shared_ptr<Executor>& threads = nullptr) {
+  return make_cpu_backend(model->basis, jiggle ? JiggleModel{&*model->dynamics, *jiggle} : JiggleModel{},
+                          threads ? threads : make_tbb_executor());
+}
+
+std::unique_ptr<Backend> on_a_device(const std::shared_ptr<const vulkan::DeviceModel>& model,
+                                     const std::optional<JiggleOptions>& jiggle, bool check) {
+  std::unique_ptr<Backend> device = make_vulkan_backend(model, jiggle);
+  if (!check) return device;
+  return make_checked_backend(model->shared_model(), std::move(device), on_the_cpu(model->shared_model(), jiggle));
+}
 
 // `model` outlives the backend.
 std::unique_ptr<Backend> make_backend(const std::shared_ptr<const CharacterModel>& model,
@@ -25,12 +43,13 @@ std::unique_ptr<Backend> make_backend(const std::shared_ptr<const CharacterModel
   if (choice.name == "cpu" && choice.require_device) {
     throw Error(ErrorKind::device, "the device 'cpu' was asked for together with a required Vulkan device");
   }
-  if (on_cpu) {
-    return make_cpu_backend(model->basis, jiggle ? JiggleModel{&*model->dynamics, *jiggle} : JiggleModel{},
-                            choice.executor ? choice.executor : make_tbb_executor());
+  if (on_cpu && choice.check) {
+    throw Error(ErrorKind::device,
+                "a check compares a Vulkan device with the CPU, but the CPU was chosen: name a device");
   }
+  if (on_cpu) return on_the_cpu(model, jiggle, choice.executor);
   const auto device = std::make_shared<const vulkan::Device>(choice);
-  return make_vulkan_backend(std::make_shared<const vulkan::DeviceModel>(device, model), jiggle);
+  return on_a_device(std::make_shared<const vulkan::DeviceModel>(device, model), jiggle, choice.check);
 }
 
 // Pose::modifiers, one for each component.
@@ -84,17 +103,18 @@ Batch make_batch(const Basis& basis, std::span<const Pose> poses) {
 
 // Frame-major V x 3 in runtime order to O x 3 in output order, appended.
 void append_output(const MeshTable& mesh, std::span<const float> values, std::vector<float>& out) {
-  const std::size_t stride = 3 * std::size_t{mesh.vertex_count()};
-  if (stride == 0) return;
-  const std::size_t frames = values.size() / stride;
-  std::size_t at = out.size();
-  out.resize(at + 3 * mesh.output_vertex.size() * frames);
-  for (std::size_t f = 0; f < frames; ++f) {
-    for (const std::uint32_t v : mesh.output_vertex) {
-      const float* x = values.data() + f * stride + 3 * std::size_t{v};
-      for (std::size_t i = 0; i < 3; ++i) out[at++] = x[i];
-    }
-  }
+  if (values.empty()) return;
+  const std::size_t at = out.size(), numbers = 3 * std::size_t{mesh.output_count()};
+  out.resize(at + numbers * (values.size() / (3 * std::size_t{mesh.vertex_count()})));
+  cpu::output_place(mesh, values, 3 * sizeof(float), numbers * sizeof(float),
+                    reinterpret_cast<std::byte*>(out.data() + at));
+}
+
+// The same into the caller's memory, frames `begin` and after.
+void place_output(const MeshTable& mesh, std::span<const float> values, const PlacedVertices& place,
+                  std::size_t begin) {
+  if (place.data == nullptr || values.empty()) return;
+  cpu::output_place(mesh, values, place.element_stride, place.frame_stride, place.data + begin * place.frame_stride);
 }
 
 // Of each of `frames` frames the feature that lies furthest outside its trained range.
@@ -178,8 +198,9 @@ Deformer::Deformer(std::shared_ptr<const CharacterModel> model, const std::optio
                    const DeviceChoice& choice)
     : Deformer(model, jiggle, make_backend(model, jiggle, choice)) {}
 
-Deformer::Deformer(std::shared_ptr<const vulkan::DeviceModel> model, const std::optional<JiggleOptions>& jiggle)
-    : Deformer(model->shared_model(), jiggle, make_vulkan_backend(model, jiggle)) {}
+Deformer::Deformer(std::shared_ptr<const vulkan::DeviceModel> model, const std::optional<JiggleOptions>& jiggle,
+                   bool check)
+    : Deformer(model->shared_model(), jiggle, on_a_device(model, jiggle, check)) {}
 
 // The rest coefficients come from the kernels that will run, so that rest gives rest exactly.
 void Deformer::set_rest() {
@@ -199,20 +220,28 @@ Deformer::~Deformer() = default;
 
 std::string Deformer::device_name() const { return backend_->name(); }
 
-Evaluation Deformer::evaluate(std::span<const Pose> poses) { return run(poses, {}, false); }
+Evaluation Deformer::evaluate(std::span<const Pose> poses) { return run(poses, {}, {}); }
 
 Evaluation Deformer::evaluate_on_device(std::span<const Pose> poses) {
   require_one_batch(poses);
-  return run(poses, {}, true);
+  return run(poses, {}, {.stays_on_device = true});
 }
 
 Evaluation Deformer::jiggle(std::span<const Pose> poses, std::span<const int> frames) {
-  return step(poses, frames, false);
+  return step(poses, frames, {});
 }
 
 Evaluation Deformer::jiggle_on_device(std::span<const Pose> poses, std::span<const int> frames) {
   require_one_batch(poses);
-  return step(poses, frames, true);
+  return step(poses, frames, {.stays_on_device = true});
+}
+
+Evaluation Deformer::evaluate_into(const SkinPlace& place, std::span<const Pose> poses) {
+  return run(poses, {}, {.place = &place});
+}
+
+Evaluation Deformer::jiggle_into(const SkinPlace& place, std::span<const Pose> poses, std::span<const int> frames) {
+  return step(poses, frames, {.place = &place});
 }
 
 void Deformer::require_one_batch(std::span<const Pose> poses) const {
@@ -221,7 +250,7 @@ void Deformer::require_one_batch(std::span<const Pose> poses) const {
                                     std::to_string(batch_limit()) + " that fit on '" + device_name() + "'");
 }
 
-Evaluation Deformer::step(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device) {
+Evaluation Deformer::step(std::span<const Pose> poses, std::span<const int> frames, const Destination& to) {
   if (!jiggles_) throw Error(ErrorKind::usage, "the character was loaded without dynamics: it cannot jiggle");
   if (frames.size() != poses.size()) {
     throw Error(ErrorKind::usage,
@@ -232,7 +261,7 @@ Evaluation Deformer::step(std::span<const Pose> poses, std::span<const int> fram
   const bool several = poses.size() > batch_limit();
   const JiggleState before = several ? state() : state_;
   try {
-    return run(poses, frames, stays_on_device);
+    return run(poses, frames, to);
   } catch (...) {
     if (several) {
       set_state(before);
@@ -256,19 +285,25 @@ void Deformer::set_state(const JiggleState& state) {
   state_.motion = {};
 }
 
-Evaluation Deformer::run(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device) {
+Evaluation Deformer::run(std::span<const Pose> poses, std::span<const int> frames, const Destination& to) {
   Evaluation evaluation;
   const std::size_t limit = std::max<std::size_t>(1, backend_->batch_limit());
   for (std::size_t begin = 0; begin < poses.size(); begin += limit) {
     const auto part = poses.subspan(begin, std::min(limit, poses.size() - begin));
     const auto start = std::chrono::steady_clock::now();
     Batch batch = make_batch(basis(), part);
-    batch.stays_on_device = stays_on_device;
+    batch.stays_on_device = to.stays_on_device;
+    batch.wants_normals = to.place == nullptr || to.place->normals.data != nullptr;
     if (!frames.empty()) batch.jiggle = plan(batch, frames.subspan(begin, part.size()));
     evaluation.stage_seconds["rig"] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const BatchResult result = backend_->run(batch);
-    append_output(basis().mesh, result.positions, evaluation.positions);
-    append_output(basis().mesh, result.normals, evaluation.normals);
+    if (to.place != nullptr) {
+      place_output(basis().mesh, result.positions, to.place->positions, begin);
+      place_output(basis().mesh, result.normals, to.place->normals, begin);
+    } else {
+      append_output(basis().mesh, result.positions, evaluation.positions);
+      append_output(basis().mesh, result.normals, evaluation.normals);
+    }
     evaluation.strains.insert(evaluation.strains.end(), result.strains.begin(), result.strains.end());
     append_outside(result, part.size(), evaluation);
     append_fades(basis(), batch, evaluation);
@@ -276,6 +311,20 @@ Evaluation Deformer::run(std::span<const Pose> poses, std::span<const int> frame
     for (const auto& [stage, seconds] : result.stage_seconds) evaluation.stage_seconds[stage] += seconds;
   }
   return evaluation;
+}
+
+void Deformer::record(const Pose& pose, std::optional<int> frame, const vulkan::Recording& recording) {
+  if (frame && !jiggles_) throw Error(ErrorKind::usage, "the character was loaded without dynamics: it cannot jiggle");
+  Batch batch = make_batch(basis(), {&pose, 1});
+  batch.wants_normals = recording.normals.buffer != VK_NULL_HANDLE;
+  const JiggleState before = state_;
+  try {
+    if (frame) batch.jiggle = plan(batch, {&*frame, 1});
+    backend_->record(batch, recording);
+  } catch (...) {
+    state_ = before;
+    throw;
+  }
 }
 
 std::vector<JiggleFrame> Deformer::plan(const Batch& batch, std::span<const int> frames) {

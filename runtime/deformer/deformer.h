@@ -2,6 +2,7 @@
 // on a Vulkan device.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -37,6 +38,18 @@ struct Evaluation {
   std::map<std::string, double> stage_seconds;  // by stage name, summed over the batch
 };
 
+// Memory of the caller for three numbers of each vertex: at data + frame x frame_stride + output vertex x
+// element_stride, bytes.
+struct PlacedVertices {
+  std::byte* data = nullptr;  // null: not wanted
+  std::size_t element_stride = 0, frame_stride = 0;
+};
+
+// Where a skin is written instead of into an Evaluation; normals that are not wanted are not computed.
+struct SkinPlace {
+  PlacedVertices positions, normals;
+};
+
 // The mean over the regions of frame k: how much is left of what was learned. 1 without regions.
 double mean_fade(const Evaluation& evaluation, std::size_t k);
 
@@ -55,11 +68,14 @@ class Deformer {
   Deformer(Basis basis, const DeviceChoice& choice);
   // With dynamics, which must belong to the basis (load_dynamics sees to it).
   Deformer(Basis basis, Dynamics dynamics, const JiggleOptions& options, const DeviceChoice& choice);
+  // An instance of a model that others share. `jiggle`: none for the quasi-static skin, or the model must have
+  // dynamics.
+  Deformer(std::shared_ptr<const CharacterModel> model, const std::optional<JiggleOptions>& jiggle,
+           const DeviceChoice& choice);
   // An instance of a model on a device that others use as well, to draw the skin where it is: buffers and state of its
-  // own, the tables and pipelines are the model's.
-  // `jiggle`: none for the quasi-static skin, or the model must have dynamics.
+  // own, the tables and pipelines are the model's. `jiggle`: as above. `check`: see DeviceChoice.
   explicit Deformer(std::shared_ptr<const vulkan::DeviceModel> model,
-                    const std::optional<JiggleOptions>& jiggle = std::nullopt);
+                    const std::optional<JiggleOptions>& jiggle = std::nullopt, bool check = false);
   ~Deformer();
 
   // Quasi-static skin. Any number of poses; split into batches as the device allows. Throws Error(mismatch) when a pose
@@ -70,10 +86,19 @@ class Deformer {
   // Error(usage) without dynamics; the state is then that of before.
   Evaluation jiggle(std::span<const Pose> poses, std::span<const int> frames);
 
+  // As these two, with the same bits: positions and normals are written where the caller wants them, and are none of
+  // the result.
+  Evaluation evaluate_into(const SkinPlace& place, std::span<const Pose> poses);
+  Evaluation jiggle_into(const SkinPlace& place, std::span<const Pose> poses, std::span<const int> frames);
+
   // As these two, with the same bits, for a deformer on a device of others: positions and normals stay there and are
   // none of the result. One batch: throws Error(usage) for more than batch_limit() poses.
   Evaluation evaluate_on_device(std::span<const Pose> poses);
   Evaluation jiggle_on_device(std::span<const Pose> poses, std::span<const int> frames);
+  // Records a frame into a command buffer of the host program; see Backend::record. `frame`: its number where it
+  // jiggles.
+  void record(const Pose& pose, std::optional<int> frame, const vulkan::Recording& recording);
+  void forget_recorded_buffers() { backend_->forget_recorded_buffers(); }
   // Of the last batch of any of the four; its buffers live until the next call of one.
   DeviceSkin device_skin() const { return backend_->device_skin(); }
   std::uint32_t batch_limit() const { return backend_->batch_limit(); }
@@ -93,12 +118,15 @@ class Deformer {
 
  private:
   Deformer(std::shared_ptr<const CharacterModel> model, const std::optional<JiggleOptions>& jiggle,
-           const DeviceChoice& choice);
-  Deformer(std::shared_ptr<const CharacterModel> model, const std::optional<JiggleOptions>& jiggle,
            std::unique_ptr<Backend> backend);
   void set_rest();
-  Evaluation run(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device);
-  Evaluation step(std::span<const Pose> poses, std::span<const int> frames, bool stays_on_device);
+  // Where the skin of a call goes: into its Evaluation, nowhere (it stays on the device), or to the caller's memory.
+  struct Destination {
+    bool stays_on_device = false;
+    const SkinPlace* place = nullptr;
+  };
+  Evaluation run(std::span<const Pose> poses, std::span<const int> frames, const Destination& to);
+  Evaluation step(std::span<const Pose> poses, std::span<const int> frames, const Destination& to);
   std::vector<JiggleFrame> plan(const Batch& batch, std::span<const int> frames);
 
   std::shared_ptr<const CharacterModel> model_;

@@ -9,12 +9,14 @@
 #include <vector>
 
 #include "runtime/basis/basis.h"
+#include "runtime/core/error.h"
 #include "runtime/host/jiggle.h"
 
 namespace bodyopt {
 
 namespace vulkan {
 class Buffer;
+struct Recording;
 }  // namespace vulkan
 
 // How much is shown of what was learned, and of the jiggle: methods to compare by eye. 1, as trained, changes no bit; a
@@ -43,12 +45,15 @@ struct Batch {
   std::vector<double> joints{};       // F x J x 3, metres, world: for the plan of the jiggle
   std::vector<JiggleFrame> jiggle{};  // F; empty: the skin is quasi-static
   bool stays_on_device = false;       // positions and normals are wanted there, and not in the result
+  bool wants_normals = true;          // or there are none in the result, and none on the device
+  bool keeps_posed = false;           // BatchResult::posed is wanted
 };
 
 // What a backend gives back, frame-major, vertices in runtime order.
 struct BatchResult {
   std::vector<float> positions;     // F x V x 3
   std::vector<float> normals;       // F x V x 3
+  std::vector<float> posed;         // F x V x 3 where Batch::keeps_posed: the skin of the pose stage
   std::vector<float> strains;       // F x S
   std::vector<float> excess;        // F x feature count: distance outside the trained range, in standard deviations
   std::vector<float> coefficients;  // F x coefficient count, after subtracting those at rest
@@ -63,6 +68,12 @@ class Backend {
   virtual std::uint32_t batch_limit() const = 0;
   // Where it throws the motion is that of before, or no batch runs any more.
   virtual BatchResult run(const Batch& batch) = 0;
+  // Records a batch of one frame for the host program (include/bodyopt/vulkan.h); from then on it does nothing else.
+  // Throws Error(usage) where it has no device.
+  virtual void record(const Batch&, const vulkan::Recording&) {
+    throw Error(ErrorKind::usage, "only an instance on a Vulkan device, without a check, can record");
+  }
+  virtual void forget_recorded_buffers() {}
   // Coefficients at rest, subtracted from then on. Zero until set.
   virtual void set_rest_coefficients(std::span<const float> coefficients) = 0;
   virtual void set_weights(const Weights& weights) = 0;

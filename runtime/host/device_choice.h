@@ -15,6 +15,7 @@ struct DeviceChoice {
   std::string name = "auto";
   bool require_device = false;
   bool validation = false;               // Vulkan validation and synchronization validation; every message is an error
+  bool check = false;                    // every stage beside the same on the CPU (runtime/deformer/checked_backend.h)
   std::shared_ptr<Executor> executor{};  // threads of the CPU's kernels; none: oneTBB's
 };
 

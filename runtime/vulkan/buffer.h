@@ -44,6 +44,7 @@ struct BufferRange {
   BufferRange(const Buffer& whole) : buffer(whole.handle()), offset(0), size(whole.size()) {}
   BufferRange(const Buffer& b, VkDeviceSize offset_, VkDeviceSize size_)
       : buffer(b.handle()), offset(offset_), size(size_) {}
+  BufferRange(VkBuffer b, VkDeviceSize offset_, VkDeviceSize size_) : buffer(b), offset(offset_), size(size_) {}
   auto operator<=>(const BufferRange&) const = default;
 
   VkBuffer buffer;

@@ -9,6 +9,7 @@ namespace bodyopt::vulkan {
 namespace {
 
 constexpr std::uint32_t kMaxTimestamps = 16;
+constexpr std::size_t kMostUpdate = 65536;           // bytes of one vkCmdUpdateBuffer
 constexpr std::uint64_t kTimeout = 300'000'000'000;  // nanoseconds; a software device on a busy machine is slow
 
 }  // namespace
@@ -28,17 +29,24 @@ Commands::Commands(const Device& device, std::uint32_t most_dispatches)
   queries_ = {device.handle(), queries};
 }
 
+Commands::Commands(const Device& device, OfHost)
+    : device_(device), commands_(VK_NULL_HANDLE), most_dispatches_(UINT32_MAX) {}
+
 Commands::~Commands() {
   if (pending_) vkDeviceWaitIdle(device_.handle());  // returns at once when the device is lost
 }
 
 void Commands::begin() {
   open();
-  sets_.clear();
-  pools_.clear();
+  forget_sets();
   submission_count_ = 0;
   timestamp_count_ = 0;
   if (queries_.get() != VK_NULL_HANDLE) vkCmdResetQueryPool(commands_, queries_.get(), 0, kMaxTimestamps);
+}
+
+void Commands::forget_sets() {
+  sets_.clear();
+  pools_.clear();
 }
 
 void Commands::open() {
@@ -56,6 +64,13 @@ void Commands::copy(const BufferRange& from, const BufferRange& to) {
 
 void Commands::fill(const BufferRange& range, std::uint32_t word) {
   vkCmdFillBuffer(commands_, range.buffer, range.offset, range.size, word);
+}
+
+void Commands::update(const BufferRange& range, std::span<const std::byte> bytes) {
+  for (std::size_t at = 0; at < bytes.size(); at += kMostUpdate) {
+    const std::size_t size = std::min(kMostUpdate, bytes.size() - at);
+    vkCmdUpdateBuffer(commands_, range.buffer, range.offset + at, size, bytes.data() + at);
+  }
 }
 
 void Commands::barrier() {
@@ -161,7 +176,10 @@ void Commands::run() {
   auto submit = structure<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);
   submit.commandBufferCount = 1;
   submit.pCommandBuffers = &commands_;
-  check(vkQueueSubmit(device_.queue(), 1, &submit, fence), "vkQueueSubmit");
+  {
+    const std::lock_guard lock(device_.queue_mutex());
+    check(vkQueueSubmit(device_.queue(), 1, &submit, fence), "vkQueueSubmit");
+  }
   pending_ = true;
   ++submission_count_;
   check(vkWaitForFences(handle, 1, &fence, VK_TRUE, kTimeout), "vkWaitForFences");

@@ -18,6 +18,10 @@ class Commands {
   static constexpr std::uint32_t kMostDispatches = 4096;
 
   explicit Commands(const Device& device, std::uint32_t most_dispatches = kMostDispatches);
+  // Records into command buffers of the host program, which begins, ends and submits them: record_into() says which,
+  // and of what is below only what records may be called. Descriptor sets stay until forget_sets().
+  enum class OfHost { yes };
+  Commands(const Device& device, OfHost);
   ~Commands();
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
@@ -26,6 +30,9 @@ class Commands {
   void begin();
   void copy(const BufferRange& from, const BufferRange& to);  // the size of `from`
   void fill(const BufferRange& range, std::uint32_t word);
+  void update(const BufferRange& range, std::span<const std::byte> bytes);  // as many as the range has; multiples of 4
+  void record_into(VkCommandBuffer host) { commands_ = host; }
+  void forget_sets();
   // What stands before is finished and seen by what comes after.
   void barrier();
   // A barrier in work of any length: once kMostDispatches are recorded they run, and recording goes on after them. What

@@ -200,9 +200,38 @@ Device::Device(const DeviceChoice& choice, const DeviceUse& use)
   for (DeviceInfo& device : devices) find_unfit(physical_devices[device.index], use, device);
   info_ = devices[choose_device(devices, choice.name)];
   physical_ = physical_devices[info_.index];
-  vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   queue_family_ = *compute_family(physical_);
+  describe_queue();
+  device_ = open_device(physical_, queue_family_, use.extensions);
+  vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+}
 
+Device::Device(const HostDevice& host)
+    : instance_(host.instance),
+      is_ours_(false),
+      queue_family_(host.queue_family),
+      physical_(host.physical),
+      device_(host.device),
+      queue_(host.queue) {
+  if (!host.instance || !physical_ || !device_ || !queue_) {
+    throw Error(ErrorKind::usage,
+                "the instance, physical device, device or queue of the host's Vulkan is a null handle");
+  }
+  info_ = describe(physical_, 0);
+  if (!info_.problem.empty()) {
+    throw Error(ErrorKind::device, "the host's Vulkan device '" + info_.name + "' " + info_.problem);
+  }
+  const std::vector<VkQueueFamilyProperties> families = queue_families(physical_);
+  if (queue_family_ >= families.size() || !(families[queue_family_].queueFlags & VK_QUEUE_COMPUTE_BIT)) {
+    throw Error(ErrorKind::device, "the queue family " + std::to_string(queue_family_) + " of '" + info_.name +
+                                       "' does not compute, or is none of its " + std::to_string(families.size()));
+  }
+  describe_queue();
+}
+
+// Memory and timestamps.
+void Device::describe_queue() {
+  vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   const std::uint32_t bits = queue_families(physical_)[queue_family_].timestampValidBits;
   if (bits > 0) {
     VkPhysicalDeviceProperties properties{};
@@ -210,12 +239,10 @@ Device::Device(const DeviceChoice& choice, const DeviceUse& use)
     timestamp_period_ = 1e-9 * static_cast<double>(properties.limits.timestampPeriod);
     timestamp_mask_ = bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
   }
-  device_ = open_device(physical_, queue_family_, use.extensions);
-  vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
 }
 
 Device::~Device() {
-  if (device_ != VK_NULL_HANDLE) vkDestroyDevice(device_, nullptr);
+  if (is_ours_ && device_ != VK_NULL_HANDLE) vkDestroyDevice(device_, nullptr);
 }
 
 std::uint32_t Device::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags required,

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -38,11 +39,23 @@ struct DeviceUse {
   std::vector<const char*> instance_extensions{}, extensions{};  // of a window
 };
 
+// A device that the host program has opened, with a queue of its family that computes.
+struct HostDevice {
+  VkInstance instance;
+  VkPhysicalDevice physical;
+  VkDevice device;
+  VkQueue queue;
+  std::uint32_t queue_family;
+};
+
 // An open device with one queue that computes, and draws where the device can.
 class Device {
  public:
   // Throws Error(device) when there is no such device, or none for this use.
   explicit Device(const DeviceChoice& choice, const DeviceUse& use = {});
+  // The host's, which must outlive it. Throws Error(usage) for null handles, Error(device) where the device or the
+  // queue does not do.
+  explicit Device(const HostDevice& host);
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
@@ -51,6 +64,7 @@ class Device {
   VkPhysicalDevice physical() const { return physical_; }
   VkDevice handle() const { return device_; }
   VkQueue queue() const { return queue_; }
+  std::mutex& queue_mutex() const { return queue_mutex_; }  // held while work is submitted: one thread at a time may
   std::uint32_t queue_family() const { return queue_family_; }
   const DeviceInfo& info() const { return info_; }
   // Seconds per timestamp tick, 0 when the queue has no timestamps; the bits of a timestamp that count.
@@ -67,7 +81,10 @@ class Device {
 
  private:
   Instance instance_;
+  void describe_queue();
+
   DeviceInfo info_;
+  bool is_ours_ = true;
   VkPhysicalDeviceMemoryProperties memory_{};
   std::uint32_t queue_family_ = 0;
   double timestamp_period_ = 0;
@@ -75,6 +92,7 @@ class Device {
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   VkDevice device_ = VK_NULL_HANDLE;
   VkQueue queue_ = VK_NULL_HANDLE;
+  mutable std::mutex queue_mutex_;
 };
 
 }  // namespace bodyopt::vulkan

@@ -135,7 +135,10 @@ Instance::Instance(bool validation, const std::vector<const char*>& wanted) : lo
   check(created, "vkCreateDebugUtilsMessengerEXT");
 }
 
+Instance::Instance(VkInstance host) : log_(std::make_shared<ValidationLog>()), handle_(host), is_ours_(false) {}
+
 Instance::~Instance() {
+  if (!is_ours_) return;
   if (messenger_ != VK_NULL_HANDLE) {
     const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
         vkGetInstanceProcAddr(handle_, "vkDestroyDebugUtilsMessengerEXT"));

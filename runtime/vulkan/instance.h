@@ -44,6 +44,8 @@ class Instance {
   // not installed, or an extension is not offered. A machine without any Vulkan driver gives an instance without
   // devices.
   explicit Instance(bool validation, const std::vector<const char*>& extensions = {});
+  // An instance of the host program, which must outlive it.
+  explicit Instance(VkInstance host);
   ~Instance();
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
@@ -55,6 +57,7 @@ class Instance {
  private:
   std::shared_ptr<ValidationLog> log_;
   VkInstance handle_ = VK_NULL_HANDLE;
+  bool is_ours_ = true;
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
 };
 

@@ -183,6 +183,10 @@ struct PoseSkinPush {
   uint first_vertex, end_vertex;  // the window of the DDM table bound; vertices run from first_vertex
   uint first_entry;               // entry at which the bound moments begin
 };
+struct OutputPlacePush {
+  uint output_count, vertex_count;
+  uint first_word, element_words, frame_words;  // of what is placed
+};
 struct OutputNormalsPush {
   uint vertex_count;
 };

@@ -10,6 +10,7 @@
 #include "assets/pc2.h"
 #include "assets/usda_part.h"
 #include "runtime/core/error.h"
+#include "runtime/deformer/deformer.h"
 #include "tests/support/background_program.h"
 #include "tests/support/run_program.h"
 #include "tests/support/small_basis.h"
@@ -52,6 +53,22 @@ class EvalTask : public ::testing::Test {
 
   TemporaryFolder folder_;
 };
+
+TEST_F(EvalTask, ACheckRunsTheCpuBesideTheDevice) {
+  if (!has_vulkan_device()) GTEST_SKIP() << "no Vulkan device";
+  const auto on_device = [&](const std::string& options, const std::string& out) {
+    return run_bodyopt("eval " + path("hero.safetensors") + " --clip " + path("walk.glb") +
+                       " --frames 1-5 --require-device --out " + path(out) + options);
+  };
+  ASSERT_EQ(on_device("", "a.pc2").exit_code, 0);
+  const ProgramResult checked = on_device(" --check", "b.pc2");
+  ASSERT_EQ(checked.exit_code, 0) << checked.output;
+  EXPECT_EQ(content(path("a.pc2")), content(path("b.pc2")));
+  const ProgramResult nothing_to_compare = eval("--frames 1-5 --check", "c.pc2");
+  EXPECT_EQ(nothing_to_compare.exit_code, 5);
+  EXPECT_NE(nothing_to_compare.output.find("name a device"), std::string::npos) << nothing_to_compare.output;
+  EXPECT_FALSE(std::filesystem::exists(path("c.pc2")));
+}
 
 TEST_F(EvalTask, WhatIsDoneIsSkippedAndWhatIsStaleIsDoneAgain) {
   ASSERT_EQ(eval("--frames 1-20 --resume", "a.pc2").exit_code, 0);

@@ -23,7 +23,8 @@ SkinTables::SkinTables(const Device& device, const Basis& b)
       modifier_blend(upload(device, b.modifiers.blend, "the modifiers")),
       triangles(upload(device, b.mesh.triangles, "the triangles")),
       vertex_triangle_begin(upload(device, b.mesh.vertex_triangle_begin, "the vertices' triangles")),
-      vertex_triangles(upload(device, b.mesh.vertex_triangles, "the vertices' triangles")) {}
+      vertex_triangles(upload(device, b.mesh.vertex_triangles, "the vertices' triangles")),
+      output_vertex(upload(device, b.mesh.output_vertex, "the output vertices")) {}
 
 SkinKernels::SkinKernels(const Device& device)
     : strain_skin(device),
@@ -35,7 +36,8 @@ SkinKernels::SkinKernels(const Device& device)
       residual_blend(device),
       modify_blend(device),
       pose_skin(device),
-      output_normals(device) {}
+      output_normals(device),
+      output_place(device) {}
 
 DynamicsTables::DynamicsTables(const Device& device, const Dynamics& d)
     : tets(upload(device, d.tets.tets, "the tets")),

@@ -38,7 +38,7 @@ struct SkinTables {
   Buffer strain_vertices, points, fibre_begin, rest_length;
   Buffer ranges, regions, region_features, coordinate_region, projections, centre_region, centres;
   Buffer coefficient_region, weights, blend_begin, blend, modifier_begin, modifier_blend;
-  Buffer triangles, vertex_triangle_begin, vertex_triangles;
+  Buffer triangles, vertex_triangle_begin, vertex_triangles, output_vertex;
 };
 
 struct SkinKernels {
@@ -54,6 +54,7 @@ struct SkinKernels {
   ModifyBlend modify_blend;
   PoseSkin pose_skin;
   OutputNormals output_normals;
+  OutputPlace output_place;
 };
 
 struct DynamicsTables {

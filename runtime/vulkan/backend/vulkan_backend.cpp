@@ -11,6 +11,7 @@
 #include "runtime/core/error.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_dynamics.h"
+#include "runtime/vulkan/recording.h"
 
 namespace bodyopt {
 namespace vulkan {
@@ -49,8 +50,8 @@ struct BatchBuffers {
         normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
         staging_in(device, total({&skinning, &origins, &joint_features, &controls, &fades, &modifiers}),
                    Memory::staging, "staging"),
-        staging_out(device, total({&positions, &normals, &strains, &excess, &coefficients}), Memory::staging,
-                    "staging") {}
+        staging_out(device, total({&positions, &normals, &positions, &strains, &excess, &coefficients}),
+                    Memory::staging, "staging") {}
 
   static VkDeviceSize total(std::initializer_list<const Values*> parts) {
     VkDeviceSize sum = 0;
@@ -74,7 +75,7 @@ class VulkanBackend final : public Backend {
         tables_(model_->tables()),
         kernels_(model_->kernels()),
         has_blend_(!model_->model().basis.residual.blend.empty()),
-        commands_(device_) {
+        commands_(std::in_place, device_) {
     if (jiggle) dynamics_.emplace(*model_, *jiggle);
     set_rest_coefficients(std::vector<float>(counts_.coefficients, 0.0f));
   }
@@ -124,16 +125,38 @@ class VulkanBackend final : public Backend {
     return dynamics_->motion();
   }
 
+  void record(const Batch& batch, const Recording& recording) override {
+    refuse_failed();
+    become_recorder();
+    failed_ = true;  // until this frame went well: the motion has gone on
+    commands_->record_into(recording.commands);
+    commands_->barrier();  // after the frame before
+    record_inputs(batch);
+    record_stages(batch);
+    record_place(*skin_, recording.positions);
+    commands_->barrier();  // where both go to one buffer
+    record_place(buffers_->normals.buffer, recording.normals);
+    failed_ = false;
+  }
+
+  void forget_recorded_buffers() override {
+    if (records_) commands_->forget_sets();
+  }
+
   BatchResult run(const Batch& batch) override {
     refuse_failed();
+    if (records_) {
+      throw Error(ErrorKind::usage, "the instance records for the host program: make another one to evaluate");
+    }
     if (batch.frame_count == 0) return {};
     failed_ = true;  // until this batch went well
     const bool recorded = recorded_ && buffers_->frames == batch.frame_count && batch.jiggle.empty() &&
-                          batch.stays_on_device == stays_on_device_;
+                          batch.stays_on_device == stays_on_device_ && batch.keeps_posed == keeps_posed_ &&
+                          batch.wants_normals == wants_normals_;
     if (!recorded) allocate(batch.frame_count);
     send(batch);  // first: recording runs what is long
     if (!recorded) record(batch);
-    commands_.run();
+    commands_->run();
     BatchResult result = receive();
     refuse_validation_messages();
     failed_ = false;
@@ -142,12 +165,24 @@ class VulkanBackend final : public Backend {
 
  private:
   void record(const Batch& batch) {
-    const std::uint32_t frames = batch.frame_count;
     stages_.clear();
-    commands_.begin();
+    commands_->begin();
     record_upload();
-    commands_.barrier();
-    commands_.timestamp();
+    stays_on_device_ = batch.stays_on_device;
+    keeps_posed_ = batch.keeps_posed;
+    wants_normals_ = batch.wants_normals;
+    record_stages(batch);
+    record_download();
+    commands_->end();
+    recorded_ = batch.jiggle.empty();
+  }
+
+  void record_stages(const Batch& batch) {
+    const std::uint32_t frames = batch.frame_count;
+    // No residual: un-posed displacements of zero.
+    if (!has_blend_) commands_->fill(buffers_->displacements.buffer, 0);
+    commands_->barrier();
+    commands_->timestamp();
     record_strain(frames);
     end_stage("strain");
     record_residual(frames);
@@ -155,21 +190,52 @@ class VulkanBackend final : public Backend {
     const BatchBuffers& b = *buffers_;
     if (counts_.components > 0) record_modifiers(frames);
     const Values& displacements = counts_.components > 0 ? b.modified : b.displacements;
-    record_pose_skin(commands_, kernels_.pose_skin,
+    record_pose_skin(*commands_, kernels_.pose_skin,
                      {tables_.ddm, b.skinning.buffer, b.origins.buffer, displacements.buffer, b.positions.buffer},
                      counts_.vertices, counts_.joints, frames);
     end_stage("pose");
     if (!batch.jiggle.empty()) record_dynamics(batch);
-    stays_on_device_ = batch.stays_on_device;
     skin_ = batch.jiggle.empty() ? &b.positions.buffer : &dynamics_->moved();
-    kernels_.output_normals.record(
-        commands_,
-        {tables_.triangles, tables_.vertex_triangle_begin, tables_.vertex_triangles, *skin_, b.normals.buffer},
-        {counts_.vertices}, frames);
+    if (batch.wants_normals) record_normals(frames);
     end_stage("output");
-    record_download();
-    commands_.end();
-    recorded_ = batch.jiggle.empty();
+  }
+
+  void record_normals(std::uint32_t frames) {
+    const SkinTables& t = tables_;
+    kernels_.output_normals.record(
+        *commands_, {t.triangles, t.vertex_triangle_begin, t.vertex_triangles, *skin_, buffers_->normals.buffer},
+        {counts_.vertices}, frames);
+  }
+
+  // From now on for the host, one frame at a time: what an earlier frame uses is never let go of.
+  void become_recorder() {
+    if (records_) return;
+    records_ = true;
+    recorded_ = false;
+    commands_.emplace(device_, Commands::OfHost::yes);
+    allocate(1);
+  }
+
+  void record_inputs(const Batch& batch) {
+    const BatchBuffers& b = *buffers_;
+    const std::pair<const Values&, const std::vector<float>&> parts[] = {
+        {b.skinning, batch.skinning}, {b.origins, batch.origins}, {b.joint_features, batch.joint_features},
+        {b.controls, batch.controls}, {b.fades, batch.fades},     {b.modifiers, batch.modifiers}};
+    for (const auto& [values, from] : parts) {
+      if (values.bytes > 0) commands_->update(values.buffer, std::as_bytes(std::span(from)).first(values.bytes));
+    }
+  }
+
+  // The host's buffer is bound from where the device can bind it.
+  void record_place(const Buffer& values, const PlacedOutput& to) {
+    if (to.buffer == VK_NULL_HANDLE) return;
+    const VkDeviceSize begin = to.offset / device_.info().storage_alignment * device_.info().storage_alignment;
+    const auto word = [](VkDeviceSize bytes) { return static_cast<std::uint32_t>(bytes / sizeof(float)); };
+    const auto outputs = static_cast<std::uint32_t>(model_->model().basis.mesh.output_count());
+    const VkDeviceSize end = to.offset + (outputs - 1) * to.element_stride + 3 * sizeof(float);
+    kernels_.output_place.record(*commands_,
+                                 {tables_.output_vertex, values, BufferRange(to.buffer, begin, end - begin)},
+                                 {outputs, counts_.vertices, word(to.offset - begin), word(to.element_stride), 0}, 1);
   }
 
   void allocate(std::uint32_t frames) {
@@ -180,8 +246,8 @@ class VulkanBackend final : public Backend {
   }
 
   void end_stage(const char* name) {
-    commands_.barrier();
-    commands_.timestamp();
+    commands_->barrier();
+    commands_->timestamp();
     stages_.push_back(name);
   }
 
@@ -190,9 +256,9 @@ class VulkanBackend final : public Backend {
     const VulkanDynamics::Inputs inputs{b.positions.buffer, b.origins.buffer, b.strains.buffer,
                                         b.controls.buffer,  counts_.fibres,   counts_.controls};
     dynamics_->prepare(batch.frame_count);
-    dynamics_->record_diffuse(commands_, inputs);
+    dynamics_->record_diffuse(*commands_, inputs);
     end_stage("diffuse");
-    dynamics_->record_jiggle(commands_, inputs, batch.jiggle, weights_.jiggle);
+    dynamics_->record_jiggle(*commands_, inputs, batch.jiggle, weights_.jiggle);
     end_stage("jiggle");
   }
 
@@ -200,22 +266,20 @@ class VulkanBackend final : public Backend {
     const BatchBuffers& b = *buffers_;
     VkDeviceSize offset = 0;
     for (const Values* values : {&b.skinning, &b.origins, &b.joint_features, &b.controls, &b.fades, &b.modifiers}) {
-      commands_.copy({b.staging_in, offset, values->bytes}, values->buffer);
+      commands_->copy({b.staging_in, offset, values->bytes}, values->buffer);
       offset += values->bytes;
     }
-    // No residual: un-posed displacements of zero.
-    if (!has_blend_) commands_.fill(b.displacements.buffer, 0);
   }
 
   void record_strain(std::uint32_t frames) {
     const BatchBuffers& b = *buffers_;
     const SkinTables& t = tables_;
-    record_strain_skin(commands_, kernels_.strain_skin,
+    record_strain_skin(*commands_, kernels_.strain_skin,
                        {t.ddm, b.skinning.buffer, t.strain_vertices, b.strain_positions.buffer},
                        counts_.strain_vertices, counts_.joints, frames);
-    commands_.barrier();
+    commands_->barrier();
     kernels_.strain_measure.record(
-        commands_, {t.points, t.fibre_begin, t.rest_length, b.strain_positions.buffer, b.strains.buffer},
+        *commands_, {t.points, t.fibre_begin, t.rest_length, b.strain_positions.buffer, b.strains.buffer},
         {counts_.fibres, counts_.strain_vertices}, frames);
   }
 
@@ -224,38 +288,38 @@ class VulkanBackend final : public Backend {
     const SkinTables& t = tables_;
     const FrameCounts& n = counts_;
     kernels_.residual_features.record(
-        commands_,
+        *commands_,
         {t.ranges, b.joint_features.buffer, b.strains.buffer, b.controls.buffer, b.features.buffer, b.excess.buffer},
         {n.joint_features, n.features == 0 ? 0 : n.fibres, n.controls}, frames);
-    commands_.barrier();
+    commands_->barrier();
     kernels_.residual_project.record(
-        commands_,
+        *commands_,
         {t.regions, t.region_features, t.coordinate_region, t.projections, b.features.buffer, b.coordinates.buffer},
         {n.coordinates, n.features}, frames);
-    commands_.barrier();
+    commands_->barrier();
     if (weights_.kernels) {
-      kernels_.residual_kernels.record(commands_,
+      kernels_.residual_kernels.record(*commands_,
                                        {t.regions, t.centre_region, t.centres, b.coordinates.buffer, b.kernels.buffer},
                                        {n.centres, n.coordinates}, frames);
     } else {
-      commands_.fill(b.kernels.buffer, 0);
+      commands_->fill(b.kernels.buffer, 0);
     }
-    commands_.barrier();
+    commands_->barrier();
     kernels_.residual_coefficients.record(
-        commands_,
+        *commands_,
         {t.regions, t.coefficient_region, t.weights, rest_coefficients_, b.coordinates.buffer, b.kernels.buffer,
          b.fades.buffer, b.coefficients.buffer},
         {n.coefficients, n.coordinates, n.centres, n.regions}, frames);
-    commands_.barrier();
+    commands_->barrier();
     if (!has_blend_) return;
-    kernels_.residual_blend.record(commands_, {t.blend_begin, t.blend, b.coefficients.buffer, b.displacements.buffer},
+    kernels_.residual_blend.record(*commands_, {t.blend_begin, t.blend, b.coefficients.buffer, b.displacements.buffer},
                                    {n.vertices, n.coefficients, weights_.correction}, frames);
   }
 
   void record_modifiers(std::uint32_t frames) {
     const BatchBuffers& b = *buffers_;
     kernels_.modify_blend.record(
-        commands_,
+        *commands_,
         {tables_.modifier_begin, tables_.modifier_blend, b.modifiers.buffer, b.displacements.buffer, b.modified.buffer},
         {counts_.vertices, counts_.components}, frames);
     end_stage("modify");
@@ -274,8 +338,9 @@ class VulkanBackend final : public Backend {
     };
     if (!stays_on_device_) {
       add(*skin_, b.positions, &BatchResult::positions);
-      add(b.normals.buffer, b.normals, &BatchResult::normals);
+      if (wants_normals_) add(b.normals.buffer, b.normals, &BatchResult::normals);
     }
+    if (keeps_posed_) add(b.positions.buffer, b.positions, &BatchResult::posed);
     add(b.strains.buffer, b.strains, &BatchResult::strains);
     add(b.excess.buffer, b.excess, &BatchResult::excess);
     add(b.coefficients.buffer, b.coefficients, &BatchResult::coefficients);
@@ -285,7 +350,7 @@ class VulkanBackend final : public Backend {
   void record_download() {
     VkDeviceSize offset = 0;
     for (const Download& download : downloads()) {
-      commands_.copy(download.from, {buffers_->staging_out, offset, download.from.size});
+      commands_->copy(download.from, {buffers_->staging_out, offset, download.from.size});
       offset += download.from.size;
     }
   }
@@ -312,7 +377,7 @@ class VulkanBackend final : public Backend {
       if (!to.empty()) std::memcpy(to.data(), from, download.from.size);
       from += download.from.size;
     }
-    const std::vector<double> seconds = commands_.seconds();
+    const std::vector<double> seconds = commands_->seconds();
     for (std::size_t s = 0; s < seconds.size(); ++s) result.stage_seconds[stages_[s]] = seconds[s];
     return result;
   }
@@ -338,13 +403,14 @@ class VulkanBackend final : public Backend {
   Buffer rest_coefficients_;
   std::unique_ptr<BatchBuffers> buffers_;
   std::optional<VulkanDynamics> dynamics_;
-  Commands commands_;
+  std::optional<Commands> commands_;
   std::vector<const char*> stages_;  // recorded
   bool recorded_ = false;            // the quasi-static skin, for as many frames as there are buffers
   Weights weights_;
-  const Buffer* skin_ = nullptr;  // of the last batch
-  bool stays_on_device_ = false;  // as recorded
+  const Buffer* skin_ = nullptr;                                               // of the last batch
+  bool stays_on_device_ = false, keeps_posed_ = false, wants_normals_ = true;  // as recorded
   bool failed_ = false;
+  bool records_ = false;  // for the host program
 };
 
 }  // namespace

@@ -1,0 +1,142 @@
+#include "runtime/deformer/checked_backend.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "runtime/core/error.h"
+#include "runtime/core/extent.h"
+
+namespace bodyopt {
+namespace {
+
+// Tolerances. Both sides add the same numbers in the same order; devices round roots, quotients and exponentials by
+// themselves, to some units in the last place.
+constexpr double kOfSize = 1e-5;     // positions: of the character's diagonal, as whole frames are held to
+constexpr double kStrain = 1e-5;     // a position's error over a rest length of a decimetre
+constexpr double kOfLargest = 1e-3;  // what strains, divided by their spread in training, and kernels make of it
+constexpr double kNormal = 2e-2;     // a position's error over the edge of a small triangle
+
+// What a stage leaves behind: `width` numbers of each element, frame-major.
+struct StageOutput {
+  const char* stage;
+  std::span<const float> device, cpu;
+  std::size_t width;
+  double tolerance;
+  std::function<std::string(std::size_t)> element;  // its name
+};
+
+std::string number_text(double number) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.9g", number);
+  return text;
+}
+
+double largest(std::span<const float> values) {
+  double most = 0;
+  for (const float value : values) most = std::max(most, std::abs(double{value}));
+  return most;
+}
+
+void compare(const StageOutput& output, std::size_t frames) {
+  const std::size_t stride = std::max<std::size_t>(1, output.cpu.size() / frames);
+  for (std::size_t k = 0; k < output.cpu.size(); ++k) {
+    const double device = output.device[k], cpu = output.cpu[k];
+    if (std::abs(device - cpu) <= output.tolerance) continue;  // false, too, where one is not a number
+    throw Error(ErrorKind::device, std::string("the check found a difference in the stage '") + output.stage +
+                                       "', frame " + std::to_string(k / stride) + " of the batch, " +
+                                       output.element(k % stride / output.width) + ": the device has " +
+                                       number_text(device) + ", the CPU " + number_text(cpu) + ", the tolerance is " +
+                                       number_text(output.tolerance) +
+                                       "; likely a defect of the device's driver or of the kernel");
+  }
+}
+
+class CheckedBackend final : public Backend {
+ public:
+  CheckedBackend(std::shared_ptr<const CharacterModel> model, std::unique_ptr<Backend> device,
+                 std::unique_ptr<Backend> cpu)
+      : model_(std::move(model)),
+        device_(std::move(device)),
+        cpu_(std::move(cpu)),
+        size_(box_diagonal(model_->basis.mesh.rest)) {}
+
+  std::string name() const override { return device_->name(); }
+  std::uint32_t batch_limit() const override { return std::min(device_->batch_limit(), cpu_->batch_limit()); }
+  DeviceSkin device_skin() const override { return device_->device_skin(); }
+  NodeMotion motion() const override { return device_->motion(); }
+
+  void set_rest_coefficients(std::span<const float> coefficients) override {
+    for (Backend* backend : {device_.get(), cpu_.get()}) backend->set_rest_coefficients(coefficients);
+  }
+  void set_weights(const Weights& weights) override {
+    for (Backend* backend : {device_.get(), cpu_.get()}) backend->set_weights(weights);
+  }
+  void set_motion(const NodeMotion& motion) override {
+    for (Backend* backend : {device_.get(), cpu_.get()}) backend->set_motion(motion);
+  }
+
+  BatchResult run(const Batch& given) override {
+    if (given.frame_count == 0) return device_->run(given);
+    Batch batch = given;
+    batch.stays_on_device = false;
+    batch.keeps_posed = true;
+    BatchResult found = device_->run(batch);
+    const BatchResult expected = cpu_->run(batch);
+    const std::size_t frames = batch.frame_count;
+    compare(fibres("strain", found.strains, expected.strains), frames);
+    compare(numbers("residual", "feature", found.excess, expected.excess), frames);
+    compare(numbers("residual", "coefficient", found.coefficients, expected.coefficients), frames);
+    compare(vertices("pose", found.posed, expected.posed, kOfSize * size_), frames);
+    if (!batch.jiggle.empty()) check_motion();
+    if (!batch.jiggle.empty())
+      compare(vertices("jiggle", found.positions, expected.positions, kOfSize * size_), frames);
+    compare(vertices("output", found.normals, expected.normals, kNormal), frames);
+    if (given.stays_on_device) found.positions = found.normals = {};
+    return found;
+  }
+
+ private:
+  StageOutput fibres(const char* stage, std::span<const float> device, std::span<const float> cpu) const {
+    return {stage, device, cpu, 1, kStrain, [this](std::size_t k) { return "fibre " + model_->basis.strain.names[k]; }};
+  }
+
+  static StageOutput numbers(const char* stage, const std::string& what, std::span<const float> device,
+                             std::span<const float> cpu) {
+    return {stage, device, cpu, 1, kOfLargest * std::max(1.0, largest(cpu)), [what](std::size_t k) {
+              return what + " " + std::to_string(k);
+            }};
+  }
+
+  // By the number that the character's file has for a vertex.
+  StageOutput vertices(const char* stage, std::span<const float> device, std::span<const float> cpu,
+                       double tolerance) const {
+    return {stage, device, cpu, 3, tolerance, [this](std::size_t k) {
+              const std::vector<std::uint32_t>& output = model_->basis.mesh.output_vertex;
+              return "vertex " + std::to_string(std::ranges::find(output, k) - output.begin());
+            }};
+  }
+
+  // Of the last frame: where diffuse takes the nodes, and where the jiggle does from there.
+  void check_motion() {
+    const NodeMotion found = device_->motion(), expected = cpu_->motion();
+    const auto node = [](std::size_t k) { return "node " + std::to_string(k); };
+    compare({"diffuse", found.nodes, expected.nodes, 3, kOfSize * size_, node}, 1);
+    compare({"jiggle", found.displacement, expected.displacement, 3, kOfSize * size_, node}, 1);
+    cpu_->set_motion(found);
+  }
+
+  std::shared_ptr<const CharacterModel> model_;
+  std::unique_ptr<Backend> device_, cpu_;
+  double size_;  // metres
+};
+
+}  // namespace
+
+std::unique_ptr<Backend> make_checked_backend(std::shared_ptr<const CharacterModel> model,
+                                              std::unique_ptr<Backend> device, std::unique_ptr<Backend> cpu) {
+  return std::make_unique<CheckedBackend>(std::move(model), std::move(device), std::move(cpu));
+}
+
+}  // namespace bodyopt

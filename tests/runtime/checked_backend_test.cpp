@@ -1,0 +1,85 @@
+// The check finds what is wrong where it is wrong. Both sides are the CPU, one with tables that are spoilt in a place.
+#include "runtime/deformer/checked_backend.h"
+
+#include <functional>
+
+#include "runtime/core/error.h"
+#include "runtime/cpu/cpu_backend.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/vulkan/backend/device_model.h"
+#include "runtime/vulkan/backend/vulkan_backend.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/paths.h"
+#include "tests/support/random_basis.h"
+
+namespace bodyopt::testing {
+namespace checked_backend_test {
+
+// Outlives its backends.
+struct Sides {
+  Sides(const std::function<void(Basis&)>& spoil) {
+    Basis basis = random_basis(20, 70);
+    model = std::make_shared<const CharacterModel>(CharacterModel{basis, {}});
+    spoilt = basis;
+    spoil(spoilt);
+    checked = make_checked_backend(model, make_cpu_backend(spoilt), make_cpu_backend(model->basis));
+  }
+
+  std::shared_ptr<const CharacterModel> model;
+  Basis spoilt;
+  std::unique_ptr<Backend> checked;
+};
+
+// What the check says of three frames; "" where it finds nothing.
+std::string said_of(const std::function<void(Basis&)>& spoil) {
+  const Sides sides(spoil);
+  try {
+    const Batch batch = random_batch(sides.model->basis, 3);
+    EXPECT_EQ(sides.checked->run(batch).positions, make_cpu_backend(sides.spoilt)->run(batch).positions);
+    return "";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::device);
+    return error.what();
+  }
+}
+
+void expect_says(const std::function<void(Basis&)>& spoil, std::initializer_list<const char*> texts) {
+  const std::string said = said_of(spoil);
+  for (const char* text : texts) EXPECT_NE(said.find(text), std::string::npos) << said << "\ndoes not say: " << text;
+}
+
+TEST(CheckedBackend, FindsNothingInEqualTables) {
+  EXPECT_EQ(said_of([](Basis&) {}), "");
+}
+
+TEST(CheckedBackend, NamesStageFrameVertexValuesAndTolerance) {
+  expect_says([](Basis& b) { b.strain.rest_length[7] *= 1.01f; },
+              {"stage 'strain'", "frame 0", "fibre muscle/7", "tolerance"});
+  expect_says([](Basis& b) { b.residual.weights[0] += 1; }, {"stage 'residual'", "coefficient 0"});
+  // The blend is seen in the skin first.
+  expect_says([](Basis& b) { b.ddm.vertices[100].offset_x += 0.01f; },
+              {"stage 'pose'", "frame 0", "vertex 100", "the device has", "the CPU"});
+  expect_says([](Basis& b) { std::swap(b.mesh.triangles[0], b.mesh.triangles[1]); }, {"stage 'output'", "vertex"});
+  expect_says([](Basis& b) { b.ddm.vertices[9].offset_y = std::nanf(""); }, {"stage 'pose'", "vertex 9", "nan"});
+}
+
+TEST(CheckedBackend, PassesADevice) {
+  const Sides sides([](Basis&) {});
+  const auto model = std::make_shared<const CharacterModel>(CharacterModel{sides.model->basis, {}});
+  Sides gpu([](Basis&) {});
+  gpu.checked = make_checked_backend(
+      model, make_vulkan_backend(std::make_shared<const vulkan::DeviceModel>(open_test_device(), model)),
+      make_cpu_backend(model->basis));
+  const Batch batch = random_batch(model->basis, 3);
+  BatchResult result;
+  EXPECT_NO_THROW(result = gpu.checked->run(batch));
+  EXPECT_EQ(result.posed, result.positions);
+}
+
+TEST(CheckedBackend, NeedsADevice) {
+  EXPECT_THROW(
+      Deformer(load_basis(kSourceFolder + "/tests/old_files/hero.safetensors"), {.name = "cpu", .check = true}), Error);
+}
+
+}  // namespace checked_backend_test
+}  // namespace bodyopt::testing
