@@ -1,0 +1,11 @@
+"""Bodyopt's runtime: poses in, skin out. Units: metres, seconds, radians; quaternions x y z w.
+
+    model = bodyopt.load("hero.safetensors")
+    pose = model.bind_pose                       # joints x 10: translation, rotation, scale, of each joint
+    skin = model.instance().evaluate(pose[None])  # frames x joints x 10, float64
+    skin.positions                               # frames x vertices x 3, float32, in the vertex order of the character
+"""
+
+from ._runtime import Device, Error, Instance, Model, Skin, State, __version__, load, open_device
+
+__all__ = ["Device", "Error", "Instance", "Model", "Skin", "State", "__version__", "load", "open_device"]

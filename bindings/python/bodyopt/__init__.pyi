@@ -1,0 +1,102 @@
+from typing import Optional, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+__version__: str
+
+class Error(RuntimeError):
+    """What the library refuses: bad files (code 4), things that do not belong together (3), devices (5), usage (64)."""
+
+    code: int
+
+class Skin:
+    """Of frames F: positions and normals F x V x 3, strains F x S, outside and fades F.
+
+    outside: how far the worst feature lies outside its trained range, in standard deviations; 0: the pose is covered.
+    fades: how much is left of what was learned, 0 to 1.
+    """
+
+    @property
+    def positions(self) -> NDArray[np.float32]: ...
+    @property
+    def normals(self) -> NDArray[np.float32]: ...
+    @property
+    def strains(self) -> NDArray[np.float32]: ...
+    @property
+    def outside(self) -> NDArray[np.float32]: ...
+    @property
+    def fades(self) -> NDArray[np.float32]: ...
+
+class State:
+    """The jiggle of an instance at one moment."""
+
+class Device:
+    @property
+    def name(self) -> str: ...
+
+class Instance:
+    """Evaluates a model. Calls from several threads wait for one another; other Python threads run meanwhile."""
+
+    def evaluate(
+        self,
+        joints: NDArray[np.float64],
+        controls: Optional[NDArray[np.float32]] = None,
+        *,
+        positions: Optional[NDArray[np.float32]] = None,
+        normals: Optional[NDArray[np.float32]] = None,
+    ) -> Skin:
+        """The quasi-static skin. joints: F x J x 10, controls: F x C. Written to positions and normals where given."""
+    def jiggle(
+        self,
+        joints: NDArray[np.float64],
+        frame_numbers: Sequence[int],
+        controls: Optional[NDArray[np.float32]] = None,
+        *,
+        positions: Optional[NDArray[np.float32]] = None,
+        normals: Optional[NDArray[np.float32]] = None,
+    ) -> Skin:
+        """The skin with jiggle; it goes on from the frames of earlier calls."""
+    def set_weights(self, correction: float = 1, jiggle: float = 1) -> None:
+        """How much is shown of what was learned, and of the jiggle."""
+    def state(self) -> State: ...
+    def set_state(self, state: Optional[State]) -> None: ...
+    def save_state(self, state: State, path: str) -> None: ...
+    def load_state(self, path: str) -> State: ...
+
+class Model:
+    """The tables of a character: constant, used by any number of instances."""
+
+    @property
+    def vertex_count(self) -> int: ...
+    @property
+    def has_dynamics(self) -> bool: ...
+    @property
+    def frames_per_second(self) -> float:
+        """At which instances jiggle; 0 without dynamics."""
+    @property
+    def joint_names(self) -> list[str]: ...
+    @property
+    def joint_parents(self) -> list[int]: ...
+    @property
+    def control_names(self) -> list[str]: ...
+    @property
+    def strain_names(self) -> list[str]: ...
+    @property
+    def triangles(self) -> NDArray[np.uint32]: ...
+    @property
+    def bind_pose(self) -> NDArray[np.float64]:
+        """J x 10: translation x y z, rotation x y z w, scale x y z, relative to the parent."""
+    def instance(
+        self,
+        device: Optional[Device] = None,
+        *,
+        jiggles: bool = False,
+        iterations: int = 0,
+        gravity_change: tuple[float, float, float] = (0, 0, 0),
+    ) -> Instance:
+        """On a Vulkan device, or the CPU without one."""
+
+def load(path: str, dynamics: Optional[str] = None, level: int = 0) -> Model: ...
+def open_device(name: Optional[str] = None, validation: bool = False) -> Device:
+    """The Vulkan device of this index or part of a name, or the best one."""

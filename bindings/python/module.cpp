@@ -1,0 +1,342 @@
+// bodyopt.h as a Python module: numpy arrays are read and written where they are, and other Python threads run
+// meanwhile.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "include/bodyopt/bodyopt.hpp"
+
+namespace {
+
+namespace py = pybind11;
+namespace api = bodyopt::api;
+
+using Shape = std::vector<py::ssize_t>;
+
+PyObject* error_type = nullptr;  // bodyopt.Error; has the result as its `code`
+
+void translate(std::exception_ptr thrown) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const api::Error& error) {
+    py::object value = py::reinterpret_borrow<py::object>(error_type)(error.what());
+    value.attr("code") = static_cast<int>(error.result());
+    PyErr_SetObject(error_type, value.ptr());
+  }
+}
+
+std::string text_of(const Shape& shape) {
+  std::string text;
+  for (const py::ssize_t size : shape) text += (text.empty() ? "" : " x ") + (size < 0 ? "any" : std::to_string(size));
+  return text;
+}
+
+Shape shape_of(const py::array& array) { return {array.shape(), array.shape() + array.ndim()}; }
+
+// Bytes from one element of a dimension to the next; packed where there is no next one.
+std::size_t stride_of(const py::array& array, int dimension) {
+  if (array.shape(dimension) > 1) return static_cast<std::size_t>(array.strides(dimension));
+  return 0;
+}
+
+// Throws TypeError unless each element of a dimension ends before the next begins, and the last dimension has no gaps.
+void require_layout(const py::array& array, const std::string& name) {
+  py::ssize_t extent = array.itemsize();
+  for (py::ssize_t d = array.ndim() - 1; d >= 0; --d) {
+    if (array.shape(d) <= 1) continue;
+    const py::ssize_t stride = array.strides(d);
+    const bool has_gaps = d + 1 == array.ndim() && stride != extent;
+    if (stride < extent || has_gaps || stride % array.itemsize() != 0) {
+      throw py::type_error(name + ": its numbers overlap, run backwards or do not stand one after the other; give " +
+                           "numpy.ascontiguousarray(" + name + ")");
+    }
+    extent += (array.shape(d) - 1) * stride;
+  }
+}
+
+// The array where it is, never a copy. Throws TypeError for another type or layout, ValueError for another shape.
+template <typename T>
+py::array_t<T> as_given(const py::handle& given, const Shape& shape, const std::string& name) {
+  if (!py::isinstance<py::array_t<T>>(given)) {
+    const py::object found = py::isinstance<py::array>(given) ? py::object(given.attr("dtype")) : py::type::of(given);
+    throw py::type_error(name + ": expected a numpy array of " +
+                         py::str(py::dtype::of<T>()).template cast<std::string>() + ", found " +
+                         py::str(found).cast<std::string>());
+  }
+  const auto array = py::reinterpret_borrow<py::array_t<T>>(given);
+  const Shape found = shape_of(array);
+  bool fits = found.size() == shape.size();
+  for (std::size_t d = 0; fits && d < shape.size(); ++d) fits = shape[d] < 0 || shape[d] == found[d];
+  if (!fits) throw py::value_error(name + ": expected the shape " + text_of(shape) + ", found " + text_of(found));
+  require_layout(array, name);
+  return array;
+}
+
+// Where an output of this shape goes: the caller's array, or a new one.
+py::array_t<float> output(const py::object& given, const Shape& shape, const std::string& name) {
+  if (given.is_none()) return py::array_t<float>(shape);
+  auto array = as_given<float>(given, shape, name);
+  if (!array.writeable()) throw py::value_error(name + ": the array is read-only");
+  return array;
+}
+
+// Frames x elements x 3, frames x elements, or frames.
+bodyopt_floats floats_of(py::array_t<float>& array) {
+  bodyopt_floats floats{};
+  if (array.size() == 0) return floats;
+  floats.data = array.mutable_data();
+  floats.frame_stride = stride_of(array, 0);
+  floats.element_stride = array.ndim() > 1 ? stride_of(array, 1) : 0;
+  py::ssize_t size = array.itemsize();
+  for (py::ssize_t d = 0; d < array.ndim(); ++d) size += (array.shape(d) - 1) * array.strides(d);
+  floats.size = static_cast<std::size_t>(size);
+  return floats;
+}
+
+struct Skin {
+  py::array_t<float> positions, normals, strains, outside, fades;
+};
+
+struct State {
+  api::State handle;
+};
+
+struct Device {
+  explicit Device(const std::optional<std::string>& name, bool validation) {
+    auto options = api::make<bodyopt_device_options>();
+    options.name = name ? name->c_str() : nullptr;
+    options.validation = validation;
+    bodyopt_device* opened = nullptr;
+    bodyopt_result result;
+    {
+      const py::gil_scoped_release others_run;
+      result = bodyopt_open_device(&options, &opened);
+    }
+    api::check(result);
+    handle.reset(opened);
+  }
+
+  api::Device handle;
+};
+
+class Instance {
+ public:
+  Instance(const api::Model& model, const Device* device, bool jiggles, std::uint32_t iterations,
+           const std::array<double, 3>& gravity_change)
+      : description_(api::describe(model)) {
+    auto options = api::make<bodyopt_instance_options>();
+    options.device = device != nullptr ? device->handle.get() : nullptr;
+    options.jiggles = jiggles;
+    options.iterations = iterations;
+    std::copy(gravity_change.begin(), gravity_change.end(), options.gravity_change);
+    bodyopt_instance* created = nullptr;
+    call([&] { return bodyopt_create_instance(model.get(), &options, &created); });
+    handle_.reset(created);
+  }
+
+  Skin evaluate(const py::object& joints, const py::object& controls, const py::object& positions,
+                const py::object& normals) {
+    return frames(joints, controls, nullptr, positions, normals);
+  }
+
+  Skin jiggle(const py::object& joints, const std::vector<std::int32_t>& frame_numbers, const py::object& controls,
+              const py::object& positions, const py::object& normals) {
+    return frames(joints, controls, &frame_numbers, positions, normals);
+  }
+
+  void set_weights(float correction, float jiggle) {
+    call([&] { return bodyopt_set_weights(handle_.get(), correction, jiggle); });
+  }
+
+  std::unique_ptr<State> state() {
+    bodyopt_state* state = nullptr;
+    call([&] { return bodyopt_get_state(handle_.get(), &state); });
+    return std::make_unique<State>(State{api::State(state)});
+  }
+  void set_state(const State* state) {
+    call([&] { return bodyopt_set_state(handle_.get(), state != nullptr ? state->handle.get() : nullptr); });
+  }
+  void save_state(const State& state, const std::string& path) {
+    call([&] { return bodyopt_save_state(handle_.get(), state.handle.get(), path.c_str()); });
+  }
+  std::unique_ptr<State> load_state(const std::string& path) {
+    bodyopt_state* state = nullptr;
+    call([&] { return bodyopt_load_state(handle_.get(), path.c_str(), &state); });
+    return std::make_unique<State>(State{api::State(state)});
+  }
+
+ private:
+  // Without Python's lock, and one thread at a time. The message of a failure is this thread's.
+  template <typename Call>
+  void call(const Call& function) {
+    bodyopt_result result;
+    {
+      const py::gil_scoped_release others_run;
+      const std::lock_guard lock(mutex_);
+      result = function();
+    }
+    api::check(result);
+  }
+
+  Skin frames(const py::object& given_joints, const py::object& given_controls,
+              const std::vector<std::int32_t>* frame_numbers, const py::object& positions, const py::object& normals) {
+    const auto joints = as_given<double>(given_joints, {-1, -1, 10}, "joints");
+    const py::ssize_t count = joints.shape(0), vertices = description_.vertex_count;
+    auto poses = api::make<bodyopt_poses>();
+    poses.frame_count = static_cast<std::uint32_t>(count);
+    poses.joint_count = static_cast<std::uint32_t>(joints.shape(1));
+    poses.joints = joints.data();
+    poses.joint_frame_stride = stride_of(joints, 0);
+    poses.joint_stride = stride_of(joints, 1);
+    py::array_t<float> controls;
+    if (!given_controls.is_none()) {
+      controls = as_given<float>(given_controls, {count, -1}, "controls");
+      poses.control_count = static_cast<std::uint32_t>(controls.shape(1));
+      poses.controls = controls.data();
+      poses.control_frame_stride = stride_of(controls, 0);
+    }
+    if (frame_numbers != nullptr) {
+      if (static_cast<py::ssize_t>(frame_numbers->size()) != count) {
+        throw py::value_error("frame_numbers: expected " + std::to_string(count) + " numbers, found " +
+                              std::to_string(frame_numbers->size()));
+      }
+      poses.frame_numbers = frame_numbers->data();
+    }
+    Skin skin{output(positions, {count, vertices, 3}, "positions"), output(normals, {count, vertices, 3}, "normals"),
+              py::array_t<float>(Shape{count, static_cast<py::ssize_t>(description_.strain_count)}),
+              py::array_t<float>(Shape{count}), py::array_t<float>(Shape{count})};
+    auto wanted = api::make<bodyopt_skin>();
+    wanted.positions = floats_of(skin.positions);
+    wanted.normals = floats_of(skin.normals);
+    wanted.strains = floats_of(skin.strains);
+    wanted.outside = floats_of(skin.outside);
+    wanted.fades = floats_of(skin.fades);
+    call([&] {
+      return frame_numbers != nullptr ? bodyopt_jiggle(handle_.get(), &poses, &wanted)
+                                      : bodyopt_evaluate(handle_.get(), &poses, &wanted);
+    });
+    return skin;
+  }
+
+  bodyopt_description description_;
+  api::Instance handle_;
+  std::mutex mutex_;
+};
+
+class Model {
+ public:
+  Model(const std::string& path, const std::optional<std::string>& dynamics, std::uint32_t level) {
+    auto options = api::make<bodyopt_load_options>();
+    options.dynamics = dynamics ? dynamics->c_str() : nullptr;
+    options.level = level;
+    bodyopt_model* loaded = nullptr;
+    bodyopt_result result;
+    {
+      const py::gil_scoped_release others_run;
+      result = bodyopt_load_model(path.c_str(), &options, &loaded);
+    }
+    api::check(result);
+    handle.reset(loaded);
+    description = api::describe(handle);
+  }
+
+  template <typename Name>
+  std::vector<std::string> names(const Name& name, std::uint32_t count) const {
+    std::vector<std::string> all;
+    for (std::uint32_t k = 0; k < count; ++k) all.emplace_back(name(handle.get(), k));
+    return all;
+  }
+
+  std::vector<std::int32_t> parents() const {
+    std::vector<std::int32_t> all;
+    for (std::uint32_t j = 0; j < description.joint_count; ++j) all.push_back(bodyopt_joint_parent(handle.get(), j));
+    return all;
+  }
+
+  py::array_t<std::uint32_t> triangles() const {
+    py::array_t<std::uint32_t> all(Shape{static_cast<py::ssize_t>(description.triangle_count), 3});
+    api::check(bodyopt_get_triangles(handle.get(), all.mutable_data(), static_cast<std::size_t>(all.nbytes())));
+    return all;
+  }
+
+  py::array_t<double> bind_pose() const {
+    py::array_t<double> all(Shape{static_cast<py::ssize_t>(description.joint_count), 10});
+    api::check(bodyopt_get_bind_pose(handle.get(), all.mutable_data(), static_cast<std::size_t>(all.nbytes())));
+    return all;
+  }
+
+  api::Model handle;
+  bodyopt_description description;
+};
+
+}  // namespace
+
+PYBIND11_MODULE(_runtime, module) {
+  error_type = PyErr_NewException("bodyopt.Error", PyExc_RuntimeError, nullptr);
+  module.attr("Error") = py::reinterpret_borrow<py::object>(error_type);
+  py::register_exception_translator(translate);
+  module.attr("__version__") = bodyopt_version();
+
+  py::class_<Skin>(module, "Skin")
+      .def_readonly("positions", &Skin::positions)
+      .def_readonly("normals", &Skin::normals)
+      .def_readonly("strains", &Skin::strains)
+      .def_readonly("outside", &Skin::outside)
+      .def_readonly("fades", &Skin::fades);
+  py::class_<State>(module, "State");
+  py::class_<Device>(module, "Device").def_property_readonly("name", [](const Device& device) {
+    return bodyopt_device_name(device.handle.get());
+  });
+  const auto none = py::none();
+  py::class_<Instance>(module, "Instance")
+      .def("evaluate", &Instance::evaluate, py::arg("joints"), py::arg("controls") = none, py::kw_only(),
+           py::arg("positions") = none, py::arg("normals") = none)
+      .def("jiggle", &Instance::jiggle, py::arg("joints"), py::arg("frame_numbers"), py::arg("controls") = none,
+           py::kw_only(), py::arg("positions") = none, py::arg("normals") = none)
+      .def("set_weights", &Instance::set_weights, py::arg("correction") = 1, py::arg("jiggle") = 1)
+      .def("state", &Instance::state)
+      .def("set_state", &Instance::set_state, py::arg("state"))
+      .def("save_state", &Instance::save_state, py::arg("state"), py::arg("path"))
+      .def("load_state", &Instance::load_state, py::arg("path"));
+  py::class_<Model>(module, "Model")
+      .def_property_readonly("vertex_count", [](const Model& m) { return m.description.vertex_count; })
+      .def_property_readonly("has_dynamics", [](const Model& m) { return m.description.has_dynamics != 0; })
+      .def_property_readonly("frames_per_second", [](const Model& m) { return m.description.frames_per_second; })
+      .def_property_readonly("joint_names",
+                             [](const Model& m) { return m.names(bodyopt_joint_name, m.description.joint_count); })
+      .def_property_readonly("control_names",
+                             [](const Model& m) { return m.names(bodyopt_control_name, m.description.control_count); })
+      .def_property_readonly("strain_names",
+                             [](const Model& m) { return m.names(bodyopt_strain_name, m.description.strain_count); })
+      .def_property_readonly("joint_parents", &Model::parents)
+      .def_property_readonly("triangles", &Model::triangles)
+      .def_property_readonly("bind_pose", &Model::bind_pose)
+      .def(
+          "instance",
+          [](const Model& model, const Device* device, bool jiggles, std::uint32_t iterations,
+             const std::array<double, 3>& gravity_change) {
+            return std::make_unique<Instance>(model.handle, device, jiggles, iterations, gravity_change);
+          },
+          py::arg("device") = none, py::kw_only(), py::arg("jiggles") = false, py::arg("iterations") = 0,
+          py::arg("gravity_change") = std::array<double, 3>{});
+  module.def(
+      "load",
+      [](const std::string& path, const std::optional<std::string>& dynamics, std::uint32_t level) {
+        return std::make_unique<Model>(path, dynamics, level);
+      },
+      py::arg("path"), py::arg("dynamics") = none, py::arg("level") = 0);
+  module.def(
+      "open_device",
+      [](const std::optional<std::string>& name, bool validation) {
+        return std::make_unique<Device>(name, validation);
+      },
+      py::arg("name") = none, py::arg("validation") = false);
+}

@@ -1,0 +1,194 @@
+/* Bodyopt's runtime for programs in any language: a trained character is loaded once, and instances of it turn poses
+ * into skin, on the CPU or on a Vulkan device.
+ *
+ * Units: metres, seconds, radians. Positions are in the world, vertices in the order of the character's file. Rotations
+ * are quaternions x y z w.
+ *
+ * Errors: what can fail returns a bodyopt_result; bodyopt_last_error() says more. No exception leaves the library. A
+ * call that failed wrote nothing, or some of the frames of its output, and all objects can be used on, but for
+ * instances whose Vulkan device failed: these fail from then on, with BODYOPT_DEVICE.
+ *
+ * Versions: every structure begins with struct_size, which the caller sets to its sizeof. Later versions of the library
+ * add fields at the end and take 0 in them for what was before; they are binary compatible as long as
+ * BODYOPT_VERSION_MAJOR is the same. bodyopt_floats alone has no struct_size and never changes.
+ *
+ * Memory: arrays are the caller's, before and after a call. Strides are in bytes; 0 means without gaps. Handles are
+ * released once by the function for their type, which takes NULL, too; a model or device that instances still use lives
+ * on until they are gone.
+ *
+ * Threads: models and devices may be used from several threads at once. An instance or a state is used by one thread at
+ * a time, different ones by different threads at once. bodyopt_last_error() is of the calling thread.
+ */
+#ifndef BODYOPT_BODYOPT_H
+#define BODYOPT_BODYOPT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define BODYOPT_VERSION_MAJOR 0
+#define BODYOPT_VERSION_MINOR 1
+#define BODYOPT_VERSION_PATCH 0
+
+#ifndef BODYOPT_API
+#define BODYOPT_API __attribute__((visibility("default")))
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The same numbers as the program's exit codes, where it has them. */
+typedef enum bodyopt_result {
+  BODYOPT_OK = 0,
+  BODYOPT_MISMATCH =
+      3,              /* things that do not belong together: a pose of another skeleton, numbers that are not finite */
+  BODYOPT_FILE = 4,   /* a file cannot be read or written, or its bytes are wrong */
+  BODYOPT_DEVICE = 5, /* no such device, or the device failed */
+  BODYOPT_USAGE = 64, /* a wrong argument: a null pointer, a stride too small, an unknown struct_size */
+  BODYOPT_INTERNAL = 70, /* a defect of the library */
+  BODYOPT_MEMORY = 71    /* out of memory */
+} bodyopt_result;
+
+typedef struct bodyopt_model bodyopt_model;       /* the tables of a character: constant */
+typedef struct bodyopt_device bodyopt_device;     /* an open Vulkan device */
+typedef struct bodyopt_instance bodyopt_instance; /* evaluates a model; has the state of the jiggle */
+typedef struct bodyopt_state bodyopt_state;       /* the jiggle of an instance at one moment */
+
+/* Of the library that runs, as "0.1.0"; the macros are those that the program was compiled with. */
+BODYOPT_API const char* bodyopt_version(void);
+/* What the last call of this thread that failed has to say, in a sentence; "" before any. Lives until the next. */
+BODYOPT_API const char* bodyopt_last_error(void);
+
+/* ---- A character ---- */
+
+typedef struct bodyopt_load_options {
+  size_t struct_size;
+  const char* dynamics; /* file of diffuse and jiggle; NULL: the skin is quasi-static */
+  uint32_t level;       /* of detail, in a file of several; 0 is the finest */
+} bodyopt_load_options;
+
+/* `path`: BASIS.safetensors, UTF-8. `options`: NULL for none. BODYOPT_FILE, BODYOPT_MISMATCH, BODYOPT_USAGE. */
+BODYOPT_API bodyopt_result bodyopt_load_model(const char* path, const bodyopt_load_options* options,
+                                              bodyopt_model** model);
+BODYOPT_API void bodyopt_release_model(bodyopt_model* model);
+
+typedef struct bodyopt_description {
+  size_t struct_size;
+  uint32_t vertex_count, triangle_count;
+  uint32_t joint_count, control_count, strain_count;
+  uint32_t has_dynamics;   /* 1: instances can jiggle */
+  float frames_per_second; /* at which they do; 0 without dynamics */
+} bodyopt_description;
+
+BODYOPT_API bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description* description);
+/* Names, in UTF-8, of joints, controls and muscle fibres ("biceps/1"); they live as long as the model. NULL where there
+ * is none of this number. */
+BODYOPT_API const char* bodyopt_joint_name(const bodyopt_model* model, uint32_t joint);
+BODYOPT_API const char* bodyopt_control_name(const bodyopt_model* model, uint32_t control);
+BODYOPT_API const char* bodyopt_strain_name(const bodyopt_model* model, uint32_t strain);
+/* The joint that it hangs on, which has a smaller number; -1 for a root, and where there is none of this number. */
+BODYOPT_API int32_t bodyopt_joint_parent(const bodyopt_model* model, uint32_t joint);
+/* Three vertices of each triangle. `size`: bytes that `triangles` has room for. */
+BODYOPT_API bodyopt_result bodyopt_get_triangles(const bodyopt_model* model, uint32_t* triangles, size_t size);
+/* Ten numbers of each joint, as in bodyopt_poses. `size`: bytes that `joints` has room for. */
+BODYOPT_API bodyopt_result bodyopt_get_bind_pose(const bodyopt_model* model, double* joints, size_t size);
+
+/* ---- Where it runs ---- */
+
+typedef struct bodyopt_device_options {
+  size_t struct_size;
+  const char* name;    /* an index or part of a name, as `bodyopt devices` lists them; NULL: the best one */
+  uint32_t validation; /* 1: with Vulkan's validation layers; whatever they say is an error */
+} bodyopt_device_options;
+
+/* `options`: NULL for none. BODYOPT_DEVICE where there is no such device, with a list of those there are. */
+BODYOPT_API bodyopt_result bodyopt_open_device(const bodyopt_device_options* options, bodyopt_device** device);
+BODYOPT_API void bodyopt_release_device(bodyopt_device* device);
+BODYOPT_API const char* bodyopt_device_name(const bodyopt_device* device);
+
+/* Threads that the host lends to the CPU's kernels. */
+typedef struct bodyopt_executor {
+  size_t struct_size;
+  /* Calls task(context, begin, end) for parts that cover 0 to count once, none with less than `grain` elements where
+   * there are as many, on whatever threads; returns when all are done. The task throws nothing. */
+  void (*parallel_for)(void* host, size_t count, size_t grain,
+                       void (*task)(const void* context, size_t begin, size_t end), const void* context);
+  void* host; /* given to parallel_for */
+} bodyopt_executor;
+
+typedef struct bodyopt_instance_options {
+  size_t struct_size;
+  const bodyopt_device* device;     /* NULL: the CPU */
+  const bodyopt_executor* executor; /* of the CPU; NULL: oneTBB's threads */
+  uint32_t jiggles;                 /* 1: bodyopt_jiggle can be called; needs a model with dynamics */
+  uint32_t iterations;              /* of the jiggle's quality mode, per solve; 0: without */
+  uint32_t check;                   /* 1: every stage on the device beside the same on the CPU; the first difference is
+                                       an error, BODYOPT_DEVICE, that names stage, frame, vertex and both values */
+  double gravity_change[3];         /* against the gravity that the shapes have in them, m/s^2, world */
+} bodyopt_instance_options;
+
+/* Instances of one model on one device share its tables there. `options`: NULL for none. BODYOPT_DEVICE,
+ * BODYOPT_USAGE. */
+BODYOPT_API bodyopt_result bodyopt_create_instance(const bodyopt_model* model, const bodyopt_instance_options* options,
+                                                   bodyopt_instance** instance);
+BODYOPT_API void bodyopt_release_instance(bodyopt_instance* instance);
+/* How much is shown of what was learned, and of the jiggle; 1 and 1 at first. Finite. */
+BODYOPT_API bodyopt_result bodyopt_set_weights(bodyopt_instance* instance, float correction, float jiggle);
+
+/* ---- Frames ---- */
+
+typedef struct bodyopt_poses {
+  size_t struct_size;
+  uint32_t frame_count;
+  uint32_t joint_count;   /* that of the model */
+  uint32_t control_count; /* that of the model; 0: all controls are 0 */
+  /* Of each frame and joint ten numbers: translation x y z, rotation x y z w, scale x y z, relative to the parent. */
+  const double* joints;
+  size_t joint_stride, joint_frame_stride;
+  const float* controls; /* of each frame one number a control */
+  size_t control_frame_stride;
+  const int32_t* frame_numbers; /* of each frame; for bodyopt_jiggle alone */
+} bodyopt_poses;
+
+/* An output, and the memory that it may write: at data + frame * frame_stride + element * element_stride. */
+typedef struct bodyopt_floats {
+  float* data;                         /* NULL: not wanted */
+  size_t size;                         /* bytes from `data` on that are the caller's */
+  size_t element_stride, frame_stride; /* multiples of 4 */
+} bodyopt_floats;
+
+typedef struct bodyopt_skin {
+  size_t struct_size;
+  bodyopt_floats positions; /* of each vertex three numbers, metres */
+  bodyopt_floats normals;   /* of each vertex three numbers; zero where all triangles around it are degenerate */
+  bodyopt_floats strains;   /* of each fibre one number: its length over that at rest, minus 1 */
+  bodyopt_floats outside;   /* of each frame one number: how far the worst of what the learned part reads lies outside
+                               its trained range, in standard deviations of training; 0: the pose is covered */
+  bodyopt_floats fades;     /* of each frame one number: how much is left of what was learned, 0 to 1 */
+} bodyopt_skin;
+
+/* The quasi-static skin. BODYOPT_MISMATCH where a pose does not fit the model or is not finite, BODYOPT_USAGE,
+ * BODYOPT_DEVICE. */
+BODYOPT_API bodyopt_result bodyopt_evaluate(bodyopt_instance* instance, const bodyopt_poses* poses,
+                                            const bodyopt_skin* skin);
+/* The skin with jiggle, frames in the order of the shot; it goes on from the frames of earlier calls. Where it fails,
+ * the state is that of before. */
+BODYOPT_API bodyopt_result bodyopt_jiggle(bodyopt_instance* instance, const bodyopt_poses* poses,
+                                          const bodyopt_skin* skin);
+
+/* ---- The state of the jiggle ---- */
+
+BODYOPT_API bodyopt_result bodyopt_get_state(const bodyopt_instance* instance, bodyopt_state** state);
+/* NULL: nothing is known of frames before, as at first. */
+BODYOPT_API bodyopt_result bodyopt_set_state(bodyopt_instance* instance, const bodyopt_state* state);
+BODYOPT_API void bodyopt_release_state(bodyopt_state* state);
+/* A state as a file, which `bodyopt eval --state-in` reads, too. `instance` says of which dynamics. */
+BODYOPT_API bodyopt_result bodyopt_save_state(const bodyopt_instance* instance, const bodyopt_state* state,
+                                              const char* path);
+BODYOPT_API bodyopt_result bodyopt_load_state(const bodyopt_instance* instance, const char* path,
+                                              bodyopt_state** state);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,64 @@
+/* Bodyopt on the host program's own Vulkan device: the skin is recorded into the host's command buffers and written to
+ * the host's buffers. Nothing is copied to the CPU and nothing waits. See bodyopt.h for what holds everywhere.
+ *
+ * The library calls Vulkan's loader, as the host does; both must use the same one, as programs of one process do. It
+ * needs Vulkan 1.2, no extension and no feature, and the queue given must compute.
+ *
+ * Threads: a call that loads tables or evaluates on the CPU's behalf (bodyopt_create_instance, bodyopt_evaluate,
+ * bodyopt_set_state, bodyopt_get_state) submits to the queue given; the host must not use that queue from another
+ * thread meanwhile. bodyopt_record submits nothing.
+ */
+#ifndef BODYOPT_VULKAN_H
+#define BODYOPT_VULKAN_H
+
+#include <vulkan/vulkan.h>
+
+#include "bodyopt.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct bodyopt_vulkan_device {
+  size_t struct_size;
+  VkInstance instance;
+  VkPhysicalDevice physical_device;
+  VkDevice device;
+  VkQueue queue;
+  uint32_t queue_family;
+} bodyopt_vulkan_device;
+
+/* A device of the host, which must outlive it and all instances on it. BODYOPT_DEVICE where the device does not do. */
+BODYOPT_API bodyopt_result bodyopt_share_device(const bodyopt_vulkan_device* host, bodyopt_device** device);
+
+/* Where three numbers of each vertex go, from `offset` on, in the vertex order of the character's file. */
+typedef struct bodyopt_vulkan_output {
+  VkBuffer buffer;             /* with VK_BUFFER_USAGE_STORAGE_BUFFER_BIT; VK_NULL_HANDLE: not wanted */
+  VkDeviceSize size;           /* of the whole buffer, bytes */
+  VkDeviceSize offset;         /* bytes, a multiple of 4 */
+  VkDeviceSize element_stride; /* bytes, a multiple of 4; 0: without gaps */
+} bodyopt_vulkan_output;
+
+typedef struct bodyopt_recording {
+  size_t struct_size;
+  VkCommandBuffer commands; /* in the recording state, outside of a render pass, of the device's queue family */
+  bodyopt_vulkan_output positions, normals;
+} bodyopt_recording;
+
+/* Records one frame (poses->frame_count is 1): of the jiggle where the instance was made with it, which then goes on
+ * with frame_numbers[0], else quasi-static. The kernels write by VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT with
+ * VK_ACCESS_SHADER_WRITE_BIT; barriers between that and the host's own use of the buffers, before and after, are the
+ * host's. Everything recorded must be submitted once, in the order of recording, to the device's queue; frames need not
+ * have run before the next is recorded. From the first call on the instance records only: bodyopt_evaluate and
+ * bodyopt_jiggle are refused. Before the instance is released, or its state is read or set, all that was recorded must
+ * have run. Where it fails, `commands` holds a part of the frame and must not be submitted. */
+BODYOPT_API bodyopt_result bodyopt_record(bodyopt_instance* instance, const bodyopt_poses* poses,
+                                          const bodyopt_recording* recording);
+/* An instance keeps descriptors of the buffers that it recorded for. Call this before such a buffer is destroyed, when
+ * all that was recorded has run. */
+BODYOPT_API bodyopt_result bodyopt_forget_buffers(bodyopt_instance* instance);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,49 @@
+// What stands between C and C++: exceptions become results, pointers and structures are looked at.
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+#include <exception>
+#include <string>
+
+#include "include/bodyopt/bodyopt.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+
+// Keeps what the exception says for bodyopt_last_error(), and gives its result. Throws nothing.
+bodyopt_result keep_error(const std::exception_ptr& error) noexcept;
+
+// Of function().
+template <typename Function>
+bodyopt_result guarded(const Function& function) noexcept {
+  try {
+    function();
+    return BODYOPT_OK;
+  } catch (...) {
+    return keep_error(std::current_exception());
+  }
+}
+
+// Throws Error(usage) for a null pointer. `name`: of the argument.
+template <typename T>
+T& required(T* pointer, const char* name) {
+  if (pointer == nullptr) throw Error(ErrorKind::usage, std::string("the argument '") + name + "' is a null pointer");
+  return *pointer;
+}
+
+// Throws Error(usage) unless `found` is the size of a structure of a version up to this one.
+void require_struct_size(std::size_t found, std::size_t first, std::size_t present, const char* name);
+
+// A structure as a caller of this or of an earlier version gives it; what the earlier one lacks is 0. `first_size`: of
+// the first version. Throws Error(usage).
+template <typename Structure>
+Structure read_struct(const Structure* given, std::size_t first_size, const char* name) {
+  const std::size_t size = required(given, name).struct_size;
+  require_struct_size(size, first_size, sizeof(Structure), name);
+  Structure result{};
+  std::memcpy(&result, given, size);
+  return result;
+}
+
+}  // namespace bodyopt

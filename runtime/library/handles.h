@@ -1,0 +1,33 @@
+// What the opaque handles of bodyopt.h are.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "include/bodyopt/bodyopt.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/character_model.h"
+#include "runtime/host/jiggle.h"
+#include "runtime/vulkan/backend/device_model.h"
+#include "runtime/vulkan/device.h"
+
+// The tables on a device, as long as an instance uses them there.
+struct bodyopt_device {
+  std::shared_ptr<const bodyopt::vulkan::Device> device;
+};
+
+struct bodyopt_model {
+  std::shared_ptr<const bodyopt::CharacterModel> model;
+  // What of it is on the device of its latest instance there: instances of one device share it.
+  mutable std::mutex mutex;
+  mutable std::weak_ptr<const bodyopt::vulkan::DeviceModel> on_device;
+};
+
+struct bodyopt_instance {
+  std::unique_ptr<bodyopt::Deformer> deformer;
+};
+
+struct bodyopt_state {
+  bodyopt::JiggleState state;
+};

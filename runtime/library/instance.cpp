@@ -1,0 +1,146 @@
+// bodyopt.h: instances, frames and states.
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/library/guard.h"
+#include "runtime/library/handles.h"
+#include "runtime/library/strides.h"
+
+namespace bodyopt {
+namespace {
+
+// Threads of the host program.
+class HostExecutor final : public Executor {
+ public:
+  explicit HostExecutor(const bodyopt_executor& host) : host_(host) {}
+
+  void parallel_for(std::size_t count, std::size_t grain, Task task, const void* context) override {
+    if (count > 0) host_.parallel_for(host_.host, count, grain, task, context);
+  }
+
+ private:
+  const bodyopt_executor host_;
+};
+
+std::shared_ptr<Executor> lent_threads(const bodyopt_executor* given) {
+  if (given == nullptr) return nullptr;
+  const auto host = read_struct(given, sizeof(bodyopt_executor), "options.executor");
+  required(host.parallel_for, "options.executor.parallel_for");
+  return std::make_shared<HostExecutor>(host);
+}
+
+// The tables of the model on the device: uploaded with the first instance there.
+std::shared_ptr<const vulkan::DeviceModel> on_device(const bodyopt_model& model, const bodyopt_device& device) {
+  const std::lock_guard lock(model.mutex);
+  std::shared_ptr<const vulkan::DeviceModel> shared = model.on_device.lock();
+  if (!shared || &shared->device() != device.device.get()) {
+    shared = std::make_shared<const vulkan::DeviceModel>(device.device, model.model);
+    model.on_device = shared;
+  }
+  return shared;
+}
+
+std::optional<JiggleOptions> jiggle_options(const bodyopt_instance_options& options, const CharacterModel& model) {
+  if (options.jiggles == 0) return std::nullopt;
+  if (!model.dynamics) {
+    throw Error(ErrorKind::usage, "an instance was asked to jiggle, but the model was loaded without dynamics");
+  }
+  JiggleOptions jiggle;
+  std::ranges::copy(options.gravity_change, jiggle.gravity_change.begin());
+  for (const double g : jiggle.gravity_change) {
+    if (!std::isfinite(g)) throw Error(ErrorKind::usage, "options.gravity_change is not finite");
+  }
+  jiggle.iterations = options.iterations;
+  return jiggle;
+}
+
+const Dynamics& dynamics_of(const bodyopt_instance& instance) {
+  const Dynamics* dynamics = instance.deformer->dynamics();
+  if (dynamics == nullptr) throw Error(ErrorKind::usage, "the instance does not jiggle: it has no state");
+  return *dynamics;
+}
+
+}  // namespace
+}  // namespace bodyopt
+
+using namespace bodyopt;
+
+bodyopt_result bodyopt_create_instance(const bodyopt_model* model, const bodyopt_instance_options* given,
+                                       bodyopt_instance** instance) {
+  return guarded([&] {
+    required(instance, "instance");
+    const bodyopt_model& of = required(model, "model");
+    bodyopt_instance_options options{};
+    if (given != nullptr) options = read_struct(given, sizeof(bodyopt_instance_options), "options");
+    const std::optional<JiggleOptions> jiggle = jiggle_options(options, *of.model);
+    const std::shared_ptr<Executor> threads = lent_threads(options.executor);
+    auto created = std::make_unique<bodyopt_instance>();
+    created->deformer =
+        options.device != nullptr
+            ? std::make_unique<Deformer>(on_device(of, *options.device), jiggle, options.check != 0)
+            : std::make_unique<Deformer>(of.model, jiggle,
+                                         DeviceChoice{.name = "cpu", .check = options.check != 0, .executor = threads});
+    *instance = created.release();
+  });
+}
+
+void bodyopt_release_instance(bodyopt_instance* instance) { delete instance; }
+
+bodyopt_result bodyopt_set_weights(bodyopt_instance* instance, float correction, float jiggle) {
+  return guarded([&] {
+    if (!std::isfinite(correction) || !std::isfinite(jiggle)) throw Error(ErrorKind::usage, "a weight is not finite");
+    required(instance, "instance").deformer->set_weights({.correction = correction, .jiggle = jiggle});
+  });
+}
+
+bodyopt_result bodyopt_evaluate(bodyopt_instance* instance, const bodyopt_poses* poses, const bodyopt_skin* skin) {
+  return guarded([&] {
+    Deformer& deformer = *required(instance, "instance").deformer;
+    const GivenPoses given(poses, deformer.basis());
+    const WantedSkin wanted(skin, deformer.basis(), given.count());
+    const std::size_t most = deformer.batch_limit();
+    for (std::size_t begin = 0; begin < given.count(); begin += most) {
+      const std::vector<Pose> part = given.read(begin, std::min(most, given.count() - begin));
+      wanted.write(deformer.evaluate_into(wanted.place(begin), part), begin);
+    }
+  });
+}
+
+bodyopt_result bodyopt_jiggle(bodyopt_instance* instance, const bodyopt_poses* poses, const bodyopt_skin* skin) {
+  return guarded([&] {
+    Deformer& deformer = *required(instance, "instance").deformer;
+    const GivenPoses given(poses, deformer.basis());
+    const WantedSkin wanted(skin, deformer.basis(), given.count());
+    wanted.write(deformer.jiggle_into(wanted.place(0), given.read(0, given.count()), given.frame_numbers()), 0);
+  });
+}
+
+bodyopt_result bodyopt_get_state(const bodyopt_instance* instance, bodyopt_state** state) {
+  return guarded([&] {
+    required(state, "state");
+    dynamics_of(required(instance, "instance"));
+    *state = new bodyopt_state{instance->deformer->state()};
+  });
+}
+
+bodyopt_result bodyopt_set_state(bodyopt_instance* instance, const bodyopt_state* state) {
+  return guarded([&] {
+    dynamics_of(required(instance, "instance"));
+    instance->deformer->set_state(state != nullptr ? state->state : JiggleState{});
+  });
+}
+
+void bodyopt_release_state(bodyopt_state* state) { delete state; }
+
+bodyopt_result bodyopt_save_state(const bodyopt_instance* instance, const bodyopt_state* state, const char* path) {
+  return guarded([&] {
+    save_state(required(state, "state").state, dynamics_of(required(instance, "instance")), &required(path, "path"));
+  });
+}
+
+bodyopt_result bodyopt_load_state(const bodyopt_instance* instance, const char* path, bodyopt_state** state) {
+  return guarded([&] {
+    required(state, "state");
+    *state = new bodyopt_state{load_state(&required(path, "path"), dynamics_of(required(instance, "instance")))};
+  });
+}

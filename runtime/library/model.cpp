@@ -1,0 +1,117 @@
+// bodyopt.h: a character.
+#include <algorithm>
+#include <utility>
+
+#include "runtime/basis/levels.h"
+#include "runtime/library/guard.h"
+#include "runtime/library/handles.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr std::size_t kJointNumbers = 10;
+
+Basis load_level(const std::string& path, std::uint32_t level) {
+  std::vector<Level> levels = load_levels(path);
+  if (level >= levels.size()) {
+    throw Error(ErrorKind::usage, path + " has no level of detail " + std::to_string(level) + ", only 0 to " +
+                                      std::to_string(levels.size() - 1));
+  }
+  return std::move(levels[level].basis);
+}
+
+// The text of number k, or null.
+const char* name_of(const std::vector<std::string>& names, std::uint32_t k) {
+  return k < names.size() ? names[k].c_str() : nullptr;
+}
+
+// Copies all values to the caller's array of `size` bytes. Throws Error(usage) where it has no room.
+template <typename T>
+void copy_all(const std::vector<T>& values, T* to, std::size_t size, const char* name) {
+  const std::size_t bytes = values.size() * sizeof(T);
+  if (bytes == 0) return;
+  required(to, name);
+  if (size < bytes) {
+    throw Error(ErrorKind::usage, std::string("'") + name + "' has " + std::to_string(size) + " bytes, " +
+                                      std::to_string(bytes) + " are needed");
+  }
+  std::ranges::copy(values, to);
+}
+
+std::vector<double> joint_numbers(const Pose& pose) {
+  std::vector<double> numbers;
+  numbers.reserve(kJointNumbers * pose.joints.size());
+  for (const JointTransform& joint : pose.joints) {
+    numbers.insert(numbers.end(), joint.translation.begin(), joint.translation.end());
+    numbers.insert(numbers.end(), joint.rotation.begin(), joint.rotation.end());
+    numbers.insert(numbers.end(), joint.scale.begin(), joint.scale.end());
+  }
+  return numbers;
+}
+
+}  // namespace
+}  // namespace bodyopt
+
+using namespace bodyopt;
+
+bodyopt_result bodyopt_load_model(const char* path, const bodyopt_load_options* given, bodyopt_model** model) {
+  return guarded([&] {
+    required(model, "model");
+    const std::string file = &required(path, "path");
+    bodyopt_load_options options{};
+    if (given != nullptr) options = read_struct(given, sizeof(bodyopt_load_options), "options");
+    Basis basis = load_level(file, options.level);
+    std::optional<Dynamics> dynamics;
+    if (options.dynamics != nullptr) dynamics = load_dynamics(options.dynamics, basis);
+    auto loaded = std::make_unique<bodyopt_model>();
+    loaded->model = make_character_model(std::move(basis), std::move(dynamics));
+    *model = loaded.release();
+  });
+}
+
+void bodyopt_release_model(bodyopt_model* model) { delete model; }
+
+bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description* description) {
+  return guarded([&] {
+    const CharacterModel& character = *required(model, "model").model;
+    const Basis& basis = character.basis;
+    bodyopt_description all = read_struct(description, sizeof(bodyopt_description), "description");
+    all.vertex_count = basis.mesh.output_count();
+    all.triangle_count = static_cast<std::uint32_t>(basis.mesh.output_triangles.size() / 3);
+    all.joint_count = static_cast<std::uint32_t>(basis.skeleton.size());
+    all.control_count = static_cast<std::uint32_t>(basis.residual.controls.size());
+    all.strain_count = basis.strain.fibre_count();
+    all.has_dynamics = character.dynamics ? 1 : 0;
+    all.frames_per_second = character.dynamics ? character.dynamics->jiggle.step.frames_per_second : 0;
+    std::memcpy(description, &all, all.struct_size);
+  });
+}
+
+const char* bodyopt_joint_name(const bodyopt_model* model, uint32_t joint) {
+  if (model == nullptr || joint >= model->model->basis.skeleton.size()) return nullptr;
+  return model->model->basis.skeleton.joints[joint].name.c_str();
+}
+
+const char* bodyopt_control_name(const bodyopt_model* model, uint32_t control) {
+  return model != nullptr ? name_of(model->model->basis.residual.controls, control) : nullptr;
+}
+
+const char* bodyopt_strain_name(const bodyopt_model* model, uint32_t strain) {
+  return model != nullptr ? name_of(model->model->basis.strain.names, strain) : nullptr;
+}
+
+int32_t bodyopt_joint_parent(const bodyopt_model* model, uint32_t joint) {
+  if (model == nullptr || joint >= model->model->basis.skeleton.size()) return -1;
+  return model->model->basis.skeleton.joints[joint].parent;
+}
+
+bodyopt_result bodyopt_get_triangles(const bodyopt_model* model, uint32_t* triangles, size_t size) {
+  return guarded(
+      [&] { copy_all(required(model, "model").model->basis.mesh.output_triangles, triangles, size, "triangles"); });
+}
+
+bodyopt_result bodyopt_get_bind_pose(const bodyopt_model* model, double* joints, size_t size) {
+  return guarded([&] {
+    copy_all(joint_numbers(bind_pose(required(model, "model").model->basis.skeleton)), joints, size, "joints");
+  });
+}

@@ -1,0 +1,162 @@
+#include "runtime/library/strides.h"
+
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "runtime/library/guard.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr std::size_t kJointNumbers = 10;
+
+void refuse(const std::string& what) { throw Error(ErrorKind::usage, what); }
+
+// `stride`, or `packed` where it is 0. Throws Error(usage) unless it has room for an element and keeps its alignment.
+std::size_t checked_stride(std::size_t stride, std::size_t packed, std::size_t unit, const std::string& name) {
+  if (stride == 0) return packed;
+  if (stride < packed) {
+    refuse("the " + name + " is " + std::to_string(stride) + " bytes, at least " + std::to_string(packed) +
+           " are needed (0: without gaps)");
+  }
+  if (stride % unit != 0) {
+    refuse("the " + name + " is " + std::to_string(stride) + " bytes, which is no multiple of " + std::to_string(unit));
+  }
+  return stride;
+}
+
+// a b + c. Throws Error(usage) where no memory is as large.
+std::size_t checked_size(std::size_t a, std::size_t b, std::size_t c, const std::string& name) {
+  std::size_t result = 0;
+  if (__builtin_mul_overflow(a, b, &result) || __builtin_add_overflow(result, c, &result)) {
+    refuse("the strides of '" + name + "' are too large");
+  }
+  return result;
+}
+
+template <typename T>
+void require_aligned(const T* data, const std::string& name) {
+  if (reinterpret_cast<std::uintptr_t>(data) % alignof(T) != 0) {
+    refuse("'" + name + "' is not aligned to " + std::to_string(alignof(T)) + " bytes");
+  }
+}
+
+// Looks at an output of `elements` elements a frame, and fills in its strides.
+void check_output(bodyopt_floats& output, std::size_t frames, std::size_t elements, std::size_t numbers,
+                  const std::string& name) {
+  if (output.data == nullptr || frames == 0 || elements == 0) return;
+  require_aligned(output.data, name);
+  const std::size_t element = numbers * sizeof(float);
+  output.element_stride = checked_stride(output.element_stride, element, sizeof(float), name + ".element_stride");
+  const std::size_t frame = checked_size(elements - 1, output.element_stride, element, name);
+  output.frame_stride = checked_stride(output.frame_stride, frame, sizeof(float), name + ".frame_stride");
+  const std::size_t needed = checked_size(frames - 1, output.frame_stride, frame, name);
+  if (output.size < needed) {
+    refuse("'" + name + "' has " + std::to_string(output.size) + " bytes, " + std::to_string(needed) +
+           " are needed for " + std::to_string(frames) + " frames");
+  }
+}
+
+// A number of each element, of frames `begin` and after.
+void scatter(std::span<const float> values, const bodyopt_floats& output, std::size_t begin, std::size_t elements) {
+  if (output.data == nullptr || elements == 0) return;
+  const std::size_t frames = values.size() / elements;
+  const float* from = values.data();
+  for (std::size_t f = 0; f < frames; ++f) {
+    std::byte* to = reinterpret_cast<std::byte*>(output.data) + (begin + f) * output.frame_stride;
+    for (std::size_t e = 0; e < elements; ++e, to += output.element_stride) std::memcpy(to, from++, sizeof(float));
+  }
+}
+
+void require_count(std::uint32_t found, std::size_t expected, const char* of) {
+  if (found == expected) return;
+  throw Error(ErrorKind::mismatch, std::string("the poses have ") + std::to_string(found) + " " + of +
+                                       ", the basis has " + std::to_string(expected));
+}
+
+}  // namespace
+
+GivenPoses::GivenPoses(const bodyopt_poses* poses, const Basis& basis)
+    : poses_(read_struct(poses, sizeof(bodyopt_poses), "poses")) {
+  require_count(poses_.joint_count, basis.skeleton.size(), "joints");
+  if (poses_.control_count > 0) require_count(poses_.control_count, basis.residual.controls.size(), "controls");
+  if (poses_.frame_count == 0) return;
+  required(poses_.joints, "poses.joints");
+  require_aligned(poses_.joints, "poses.joints");
+  const std::size_t unit = sizeof(double);
+  poses_.joint_stride = checked_stride(poses_.joint_stride, kJointNumbers * unit, unit, "poses.joint_stride");
+  poses_.joint_frame_stride = checked_stride(poses_.joint_frame_stride,
+                                             checked_size(poses_.joint_count, poses_.joint_stride, 0, "poses.joints"),
+                                             unit, "poses.joint_frame_stride");
+  checked_size(poses_.frame_count, poses_.joint_frame_stride, 0, "poses.joints");
+  if (poses_.control_count == 0) return;
+  required(poses_.controls, "poses.controls");
+  require_aligned(poses_.controls, "poses.controls");
+  poses_.control_frame_stride =
+      checked_stride(poses_.control_frame_stride, std::size_t{poses_.control_count} * sizeof(float), sizeof(float),
+                     "poses.control_frame_stride");
+  checked_size(poses_.frame_count, poses_.control_frame_stride, 0, "poses.controls");
+}
+
+Pose GivenPoses::read_pose(std::size_t frame) const {
+  Pose pose;
+  pose.joints.reserve(poses_.joint_count);
+  const std::byte* at = reinterpret_cast<const std::byte*>(poses_.joints) + frame * poses_.joint_frame_stride;
+  for (std::size_t j = 0; j < poses_.joint_count; ++j, at += poses_.joint_stride) {
+    double n[kJointNumbers];
+    std::memcpy(n, at, sizeof(n));
+    pose.joints.push_back({{n[0], n[1], n[2]}, {n[3], n[4], n[5], n[6]}, {n[7], n[8], n[9]}});
+  }
+  if (poses_.control_count == 0) return pose;
+  pose.controls.resize(poses_.control_count);
+  std::memcpy(pose.controls.data(),
+              reinterpret_cast<const std::byte*>(poses_.controls) + frame * poses_.control_frame_stride,
+              pose.controls.size() * sizeof(float));
+  return pose;
+}
+
+std::vector<Pose> GivenPoses::read(std::size_t begin, std::size_t count) const {
+  std::vector<Pose> poses;
+  poses.reserve(count);
+  for (std::size_t f = begin; f < begin + count; ++f) poses.push_back(read_pose(f));
+  return poses;
+}
+
+std::span<const int> GivenPoses::frame_numbers() const {
+  if (count() == 0) return {};
+  return {&required(poses_.frame_numbers, "poses.frame_numbers"), count()};
+}
+
+WantedSkin::WantedSkin(const bodyopt_skin* skin, const Basis& basis, std::size_t frames)
+    : skin_(read_struct(skin, sizeof(bodyopt_skin), "skin")),
+      vertices_(basis.mesh.output_count()),
+      strains_(basis.strain.fibre_count()) {
+  check_output(skin_.positions, frames, vertices_, 3, "skin.positions");
+  check_output(skin_.normals, frames, vertices_, 3, "skin.normals");
+  check_output(skin_.strains, frames, strains_, 1, "skin.strains");
+  check_output(skin_.outside, frames, 1, 1, "skin.outside");
+  check_output(skin_.fades, frames, 1, 1, "skin.fades");
+}
+
+SkinPlace WantedSkin::place(std::size_t begin) const {
+  const auto of = [&](const bodyopt_floats& output) {
+    if (output.data == nullptr) return PlacedVertices{};
+    return PlacedVertices{reinterpret_cast<std::byte*>(output.data) + begin * output.frame_stride,
+                          output.element_stride, output.frame_stride};
+  };
+  return {of(skin_.positions), of(skin_.normals)};
+}
+
+void WantedSkin::write(const Evaluation& evaluation, std::size_t begin) const {
+  scatter(evaluation.strains, skin_.strains, begin, strains_);
+  scatter(evaluation.outside, skin_.outside, begin, 1);
+  std::vector<float> fades;
+  for (std::size_t f = 0; f < evaluation.outside.size(); ++f) {
+    fades.push_back(static_cast<float>(mean_fade(evaluation, f)));
+  }
+  scatter(fades, skin_.fades, begin, 1);
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,46 @@
+// The caller's arrays: what is read of poses, and where frames are written.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "include/bodyopt/bodyopt.h"
+#include "runtime/deformer/deformer.h"
+
+namespace bodyopt {
+
+// The poses as a caller gives them, looked at once and read frame by frame. Throws Error(usage) for strides that are
+// too small, Error(mismatch) for another number of joints or controls than the basis has.
+class GivenPoses {
+ public:
+  GivenPoses(const bodyopt_poses* poses, const Basis& basis);
+
+  std::size_t count() const { return poses_.frame_count; }
+  std::vector<Pose> read(std::size_t begin, std::size_t count) const;
+  // Throws Error(usage) where there are none.
+  std::span<const int> frame_numbers() const;
+
+ private:
+  Pose read_pose(std::size_t frame) const;
+
+  bodyopt_poses poses_;
+};
+
+// Where the caller wants a skin. Throws Error(usage) for strides that are too small or memory that does not hold all
+// frames.
+class WantedSkin {
+ public:
+  WantedSkin(const bodyopt_skin* skin, const Basis& basis, std::size_t frames);
+
+  // Of frames `begin` and after.
+  SkinPlace place(std::size_t begin) const;
+  // What is not placed, of frames `begin` and after, as many as were evaluated.
+  void write(const Evaluation& evaluation, std::size_t begin) const;
+
+ private:
+  bodyopt_skin skin_;
+  std::size_t vertices_, strains_;
+};
+
+}  // namespace bodyopt

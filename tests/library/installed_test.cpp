@@ -1,0 +1,128 @@
+// The library as `cmake --install` gives it to others: the examples are built against it and run, and nothing but
+// bodyopt.h can be seen of it.
+#include <fstream>
+#include <sstream>
+
+#include "tests/library/c_api.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/run_program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bodyopt::testing {
+namespace installed_test {
+
+namespace fs = std::filesystem;
+
+class Installed : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<TemporaryFolder>();
+    expect_runs("cmake --install " + kBuildFolder + " --component library --prefix " + prefix());
+    expect_runs("cmake -S " + kSourceFolder + "/examples/embedding -B " + built() +
+                " -G Ninja -DCMAKE_PREFIX_PATH=" + prefix() + " && cmake --build " + built());
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  void SetUp() override {
+#ifdef BODYOPT_SANITIZED
+    GTEST_SKIP() << "a sanitized library needs sanitized programs";
+#endif
+  }
+
+  // Where the Python module was installed.
+  static std::string modules() {
+    const std::string found = run_program("find " + prefix() + " -name '_runtime*.so'").output;
+    return fs::path(found).parent_path().parent_path();
+  }
+  static void write(const fs::path& path, const auto& values) {
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(values.data()),
+               static_cast<std::streamsize>(values.size() * sizeof(values[0])));
+  }
+
+  static void expect_runs(const std::string& command) {
+    const ProgramResult result = run_program(command);
+    EXPECT_EQ(result.exit_code, 0) << command << '\n' << result.output;
+  }
+  static std::string prefix() { return *folder_ / "prefix"; }
+  static std::string built() { return *folder_ / "built"; }
+  static std::string library() { return run_program("find " + prefix() + " -name 'libbodyopt.so'").output; }
+
+  static inline std::unique_ptr<TemporaryFolder> folder_;
+};
+
+// The positions of an OBJ file, as text of nine digits gives them back to the bit.
+std::vector<float> read_obj(const fs::path& path) {
+  std::ifstream file(path);
+  std::vector<float> positions;
+  float x, y, z;
+  for (std::string word; file >> word && word == "v" && file >> x >> y >> z;) {
+    positions.insert(positions.end(), {x, y, z});
+  }
+  return positions;
+}
+
+TEST_F(Installed, CExampleWritesTheSkin) {
+  Deformer deformer(load_basis(hero()), {.name = "cpu"});
+  Pose pose = bind_pose(deformer.basis().skeleton);
+  pose.joints[1].rotation = pose.joints[1].rotation * axis_angle({0, 0, 1}, 0.785398163);
+  const std::vector<float> expected = deformer.evaluate({&pose, 1}).positions;
+  for (const std::string program : {"skin_frame", "skin_frame_static"}) {
+    const std::string out = *folder_ / (program + ".obj");
+    expect_runs(built() + "/" + program + " " + hero() + " 1 " + out);
+    const std::vector<float> found = read_obj(out);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t k = 0; k < found.size(); ++k) ASSERT_NEAR(found[k], expected[k], 1e-6);
+  }
+  EXPECT_EQ(run_program(built() + "/skin_frame " + kept_file("limb.glb") + " 1 /dev/null").exit_code, BODYOPT_FILE);
+}
+
+TEST_F(Installed, CxxExampleSharesItsDevice) {
+  test_device();  // the loader sees the test's device alone
+  expect_runs(built() + "/share_device " + hero());
+}
+
+TEST_F(Installed, ShowsNothingButItsInterface) {
+  const std::string symbols = run_program("nm -D --defined-only " + library()).output;
+  std::istringstream lines(symbols);
+  std::size_t functions = 0;
+  for (std::string address, kind, name; lines >> address >> kind >> name;) {
+    if (kind == "A") continue;  // the name of the version
+    EXPECT_TRUE(name.starts_with("bodyopt_")) << name;
+    ++functions;
+  }
+  EXPECT_GT(functions, 20u);
+  EXPECT_FALSE(fs::exists(prefix() + "/include/runtime"));
+  EXPECT_TRUE(fs::exists(prefix() + "/include/bodyopt/bodyopt.h"));
+}
+
+TEST_F(Installed, PythonModuleGivesTheSameFrames) {
+#ifndef BODYOPT_PYTHON
+  GTEST_SKIP() << "built without Python";
+#else
+  const std::string python = "PYTHONPATH=" + modules() + " " + BODYOPT_PYTHON + " ";
+  if (run_program(python + "-c 'import numpy'").exit_code != 0) GTEST_SKIP() << "without numpy";
+  Deformer deformer(load_basis(hero()), {.name = "cpu"});
+  const std::vector<Pose> poses = turning_poses(deformer.basis(), 4);
+  std::vector<Pose> without_controls = poses;
+  for (Pose& pose : without_controls) pose.controls.clear();
+  write(*folder_ / "poses", PoseArrays(poses).joints);
+  write(*folder_ / "skin", deformer.evaluate(without_controls).positions);
+  expect_runs(python + kSourceFolder + "/tests/library/module_test.py " + hero() + " " + hero_dynamics() + " " +
+              (*folder_ / "poses").string() + " " + (*folder_ / "skin").string());
+  expect_runs(python + kSourceFolder + "/examples/embedding/frame_error.py " + hero() + " 1 " +
+              (*folder_ / "error.svg").string());
+  EXPECT_GT(fs::file_size(*folder_ / "error.svg"), 1000u);
+#endif
+}
+
+TEST_F(Installed, PkgConfigKnowsIt) {
+  const std::string pc = run_program("find " + prefix() + " -name bodyopt.pc").output;
+  ASSERT_NE(pc, "");
+  const std::string folder = fs::path(pc).parent_path();
+  EXPECT_EQ(run_program("PKG_CONFIG_PATH=" + folder + " pkg-config --modversion bodyopt").output,
+            std::string(bodyopt_version()) + "\n");
+}
+
+}  // namespace installed_test
+}  // namespace bodyopt::testing

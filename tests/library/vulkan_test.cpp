@@ -1,0 +1,138 @@
+// vulkan.h on a device that the test opened: recorded frames are those that the library runs itself, bit for bit.
+#include "include/bodyopt/vulkan.h"
+
+#include <cstring>
+
+#include "runtime/vulkan/commands.h"
+#include "tests/library/c_api.h"
+#include "tests/support/gpu_fixture.h"
+
+namespace bodyopt::testing {
+namespace vulkan_test {
+
+class LibraryVulkan : public GpuTest {
+ protected:
+  static api::Device share() {
+    const bodyopt_vulkan_device host = handles();
+    bodyopt_device* shared = nullptr;
+    api::check(bodyopt_share_device(&host, &shared));
+    return api::Device(shared);
+  }
+
+  static bodyopt_vulkan_device handles() {
+    auto host = api::make<bodyopt_vulkan_device>();
+    host.instance = device_->instance();
+    host.physical_device = device_->physical();
+    host.device = device_->handle();
+    host.queue = device_->queue();
+    host.queue_family = device_->queue_family();
+    return host;
+  }
+
+  static api::Instance instance(const api::Model& model, const api::Device& device, bool jiggles) {
+    auto options = api::make<bodyopt_instance_options>();
+    options.device = device.get();
+    options.jiggles = jiggles;
+    return api::create_instance(model, options);
+  }
+};
+
+// Two frames in one command buffer, to two places of one buffer, each with a gap before it.
+TEST_F(LibraryVulkan, RecordsFramesIntoTheHostsBuffer) {
+  const std::string dynamics = hero_dynamics();
+  for (const bool jiggles : {false, true}) {
+    const api::Model model = api::load_model(hero(), dynamics);
+    const api::Device device = share();
+    const api::Instance recorder = instance(model, device, jiggles), runner = instance(model, device, jiggles);
+    const std::vector<Pose> poses = turning_poses(load_basis(hero()), 2);
+    const std::size_t vertices = api::describe(model).vertex_count, frame = 8 * vertices, gap = 5;
+    const std::size_t bytes = (gap + 2 * frame) * sizeof(float);
+    const vulkan::Buffer target(*device_, bytes, vulkan::Memory::device, "the host's vertices"),
+        readback(*device_, bytes, vulkan::Memory::staging, "readback");
+    vulkan::Commands commands(*device_);
+    commands.begin();
+    commands.fill(target, 0);
+    commands.barrier();
+    for (std::size_t f = 0; f < 2; ++f) {
+      PoseArrays given({poses[f]});
+      given.numbers = {static_cast<int>(f)};
+      given.all.frame_numbers = given.numbers.data();
+      auto recording = api::make<bodyopt_recording>();
+      recording.commands = commands.handle();
+      const VkDeviceSize at = (gap + f * frame) * sizeof(float), stride = 8 * sizeof(float);
+      recording.positions = {target.handle(), bytes, at, stride};
+      recording.normals = {target.handle(), bytes, at + 3 * sizeof(float), stride};
+      ASSERT_EQ(bodyopt_record(recorder.get(), &given.all, &recording), BODYOPT_OK) << bodyopt_last_error();
+    }
+    commands.barrier();
+    commands.copy(target, readback);
+    commands.end();
+    commands.run();
+    std::vector<float> found(bytes / sizeof(float));
+    std::memcpy(found.data(), readback.mapped(), bytes);
+
+    const PoseArrays given(poses);
+    std::vector<float> positions(6 * vertices), normals(positions.size());
+    auto skin = api::make<bodyopt_skin>();
+    skin.positions = floats_in(positions);
+    skin.normals = floats_in(normals);
+    const auto run = jiggles ? bodyopt_jiggle : bodyopt_evaluate;
+    ASSERT_EQ(run(runner.get(), &given.all, &skin), BODYOPT_OK) << bodyopt_last_error();
+    for (std::size_t k = 0; k < gap; ++k) ASSERT_EQ(found[k], 0);
+    for (std::size_t v = 0; v < 2 * vertices; ++v) {
+      const float* at = found.data() + gap + 8 * v;
+      for (std::size_t i = 0; i < 3; ++i) {
+        ASSERT_EQ(at[i], positions[3 * v + i]) << v;
+        ASSERT_EQ(at[3 + i], normals[3 * v + i]) << v;
+      }
+      ASSERT_EQ(at[6], 0);
+      ASSERT_EQ(at[7], 0);
+    }
+    EXPECT_EQ(run(recorder.get(), &given.all, &skin), BODYOPT_USAGE);
+    EXPECT_NE(std::string(bodyopt_last_error()).find("records for the host program"), std::string::npos);
+    EXPECT_EQ(bodyopt_forget_buffers(recorder.get()), BODYOPT_OK);
+  }
+}
+
+TEST_F(LibraryVulkan, RefusesWhatDoesNotDo) {
+  const auto expect = [](bodyopt_result result, bodyopt_result expected, const std::string& said) {
+    EXPECT_EQ(result, expected) << said;
+    EXPECT_NE(std::string(bodyopt_last_error()).find(said), std::string::npos) << bodyopt_last_error();
+  };
+  bodyopt_device* shared = nullptr;
+  bodyopt_vulkan_device host = handles();
+  host.device = VK_NULL_HANDLE;
+  expect(bodyopt_share_device(&host, &shared), BODYOPT_USAGE, "null handle");
+  host = handles();
+  host.queue_family = 99;
+  expect(bodyopt_share_device(&host, &shared), BODYOPT_DEVICE, "queue family 99");
+  host.struct_size = 4;
+  expect(bodyopt_share_device(&host, &shared), BODYOPT_USAGE, "struct_size of 'host'");
+  EXPECT_EQ(shared, nullptr);
+
+  const api::Model model = api::load_model(hero());
+  const api::Device device = share();
+  const api::Instance recorder = instance(model, device, false);
+  const PoseArrays one(turning_poses(load_basis(hero()), 1)), two(turning_poses(load_basis(hero()), 2));
+  vulkan::Commands commands(*device_);
+  const vulkan::Buffer target(*device_, 1200, vulkan::Memory::device, "the host's vertices");
+  const auto record = [&](const PoseArrays& poses, VkDeviceSize offset, VkDeviceSize stride, bool has_commands) {
+    auto recording = api::make<bodyopt_recording>();
+    recording.commands = has_commands ? commands.handle() : VK_NULL_HANDLE;
+    recording.positions = {target.handle(), 1200, offset, stride};
+    return bodyopt_record(recorder.get(), &poses.all, &recording);
+  };
+  expect(record(two, 0, 0, true), BODYOPT_USAGE, "a recording is of one");
+  expect(record(one, 0, 0, false), BODYOPT_USAGE, "'recording.commands' is a null pointer");
+  expect(record(one, 0, 8, true), BODYOPT_USAGE, "at least 12");
+  expect(record(one, 2, 0, true), BODYOPT_USAGE, "multiple of 4");
+  expect(record(one, 0, 0, true), BODYOPT_USAGE, "has 1200 bytes");
+  expect(record(one, ~VkDeviceSize{3}, 0, true), BODYOPT_USAGE, "larger than can be addressed");
+  const api::Instance on_cpu = api::create_instance(model, api::make<bodyopt_instance_options>());
+  auto recording = api::make<bodyopt_recording>();
+  recording.commands = commands.handle();
+  expect(bodyopt_record(on_cpu.get(), &one.all, &recording), BODYOPT_USAGE, "only an instance on a Vulkan device");
+}
+
+}  // namespace vulkan_test
+}  // namespace bodyopt::testing
