@@ -34,6 +34,14 @@ on_slurm() {
   "$bodyopt" farm retry "$folder/plan" --slurm
   wait_for_queue
   "$bodyopt" farm retry "$folder/plan" --slurm | grep -q "nothing is left to do"
+  "$bodyopt" farm status "$folder/plan" | grep -q "done *2"
+  "$bodyopt" farm cancel "$folder/plan"
+  "$bodyopt" farm report "$folder/plan" --out "$folder/show.html"
+  grep -q "of 2</i><span>elements are done" "$folder/show.html"
+  "$bodyopt" farm submit "$folder/plan" --openjd "$folder/job.json"
+  if "$bodyopt" farm submit "$folder/plan" --opencue "$folder/job.xml"; then
+    [ "$(id -u)" -ne 0 ] # OpenCue takes no jobs of root
+  fi
   "$bodyopt" eval "$folder/demo/basis.safetensors" --clip "$folder/demo/heldout.glb" --device cpu --out "$folder/truth.pc2"
   for output in "$folder"/out/*.pc2; do cmp "$output" "$folder/truth.pc2"; done
   ! find "$folder" -name hit | grep -q .
