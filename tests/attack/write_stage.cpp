@@ -76,6 +76,8 @@ void write_stage(const std::filesystem::path& folder) {
   JointLimits limits;
   limits.dofs = {{"flexion", 0, 0, 80, {{1, {0, 0, 1}, 1}}}, {"twist", 0, -20, 20, {{1, {1, 0, 0}, 1}}}};
   write_joint_limits(limits, limb.skeleton, folder / "limits.json");
+  put_bytes(folder / "modifiers.json", R"({"schema": "bodyopt-modifiers-1", "modifiers": [
+ {"name": "tense", "type": "flex", "muscles": "muscles.json"}]})");
   put_bytes(folder / "model.osim", testing::small_osim());
   put_bytes(folder / "mapping.json", attack::kLimbMapping);
   for (int k = 0; k < kTogether; ++k) {

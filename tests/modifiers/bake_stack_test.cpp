@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "assets/character.h"
+#include "assets/muscles.h"
 #include "assets/pc2.h"
 #include "assets/shot_modifiers.h"
 #include "geometry/closed_skin.h"
@@ -111,6 +112,36 @@ TEST(BakeMorph, ShowsTheMeshAtRest) {
   write_shape(mesh, folder / "fat.pc2");
   const Basis basis = baked(folder, plain, R"({"name": "fat", "type": "morph", "mesh": "fat.pc2"})");
   EXPECT_LT(largest_difference(shown(basis, {bind_pose(basis.skeleton)}), mesh), 1e-5f);
+}
+
+TEST(BakeFlex, BulgesByAsMuchAsItIsActivated) {
+  const TemporaryFolder folder;
+  const Basis plain = small_basis();
+  Muscle muscle;
+  muscle.name = "along";
+  muscle.path = {{0, {0, 0.2, 0.06}}, {0, {0, 0.45, 0.07}}};
+  muscle.radius = 0.03;
+  write_muscles({muscle}, plain.skeleton, folder / "muscles.json");
+  const std::string flex = R"({"name": "tense", "type": "flex", "muscles": "muscles.json", "bulge_mm": 4, "muscle": )";
+  const Basis basis = baked(folder, plain, flex + "\"along\"}");
+  const std::vector<float> rest = shown(plain, {bind_pose(basis.skeleton)});
+  EXPECT_EQ(shown(basis, {bind_pose(basis.skeleton)}), rest);  // at ease
+  for (const float activation : {1.0f, 0.5f}) {
+    std::vector<Pose> poses = {bind_pose(basis.skeleton)};
+    add_channel(poses, {activation});
+    const std::vector<float> tense = shown(basis, poses, {"tense.activation"});
+    float out = 0, away = 0;
+    for (std::size_t k = 0; k < rest.size(); k += 3) {
+      out = std::max(out, tense[k + 2] - rest[k + 2]);
+      if (rest[k + 2] < 0) away = std::max(away, std::abs(tense[k + 2] - rest[k + 2]));  // behind the limb
+    }
+    EXPECT_NEAR(out, 0.004f * activation, 2e-5f);
+    EXPECT_LT(away, 2e-4f);
+  }
+  EXPECT_THROW(baked(folder, plain, flex + "\"across\"}"), Error);
+  muscle.path = {{0, {3, 0.2, 0}}, {0, {3, 0.45, 0}}};
+  write_muscles({muscle}, plain.skeleton, folder / "muscles.json");
+  EXPECT_EQ(kind_of([&] { baked(folder, plain, flex + "\"along\"}"); }), ErrorKind::mismatch);
 }
 
 TEST(BakeStack, IsKeptInTheFileAndOldFilesStayAsTheyWere) {

@@ -1,5 +1,5 @@
-// Flex: a muscle that tenses without moving its joints bulges at its belly and draws in towards its ends, its volume
-// kept. Of one muscle of muscles.json, or of all.
+// Flex: a muscle that tenses without moving its joints bulges at its belly and draws in towards its ends. Of one muscle
+// of muscles.json, or of all.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +9,7 @@
 #include "assets/notes.h"
 #include "geometry/laplacian.h"
 #include "geometry/vertex_normals.h"
+#include "runtime/core/error.h"
 #include "trainer/modifiers/bake_modifier.h"
 
 namespace bodyopt {
@@ -68,9 +69,15 @@ BakedModifier bake_flex(const BakeInput& input) {
     }
   }
   const Eigen::MatrixXd even = smoothed(rest, triangles, out, 0.3 * radius);
+  const double most = even.col(0).maxCoeff();
+  if (!(most > 1e-3)) {
+    throw Error(ErrorKind::mismatch, input.place +
+                                         ": no skin lies over the muscle within two and a half of its radius: "
+                                         "is it of this character, and its radius in metres?");
+  }
   const double bulge = 1e-3 * bake_number(input, "bulge_mm", 6, 0, 100);
   BakedModifier baked;
-  baked.components.push_back(Positions((bulge * even.col(0)).asDiagonal() * normals));
+  baked.components.push_back(Positions((bulge / most * even.col(0)).asDiagonal() * normals));
   return baked;
 }
 
