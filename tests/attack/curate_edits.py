@@ -49,7 +49,7 @@ class Session:
 
     def run(self, words, folder=None):
         self.edits += 1
-        return self.start(words, folder or self.folder).wait(timeout=60)
+        return self.start(words, folder or self.folder).wait(timeout=600)
 
     def stack(self, folder=None):
         return json.loads(((folder or self.folder) / "dataset.json").read_text()).get("modifiers", [])

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include "base/parallel.h"
 #include "trainer/curate/pose_space.h"
@@ -125,6 +126,22 @@ std::vector<FrameShare> fit(const std::vector<Neighbour>& near, int own, const s
   return result;
 }
 
+// With their parents and children, but for roots: tissue passes on what these do.
+std::vector<std::uint32_t> with_next(const Skeleton& skeleton, const std::vector<std::uint32_t>& joints) {
+  std::set<std::uint32_t> all(joints.begin(), joints.end());
+  for (std::uint32_t j = 0; j < skeleton.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    if (parent < 0) continue;
+    const auto up = static_cast<std::uint32_t>(parent);
+    const auto moves = [&](std::uint32_t joint) {
+      return std::find(joints.begin(), joints.end(), joint) != joints.end();
+    };
+    if (moves(up)) all.insert(j);
+    if (moves(j) && skeleton.joints[up].parent >= 0) all.insert(up);
+  }
+  return {all.begin(), all.end()};
+}
+
 }  // namespace
 
 std::vector<SkinPart> skin_parts(const PoseDatabase& database) {
@@ -146,7 +163,7 @@ std::vector<SkinPart> skin_parts(const PoseDatabase& database) {
     if (region.vertices.empty()) continue;
     Eigen::VectorXd mask = Eigen::VectorXd::Zero(vertices);
     for (std::size_t k = 0; k < region.vertices.size(); ++k) mask[Index{region.vertices[k]}] = region.weights[k];
-    parts.push_back({std::move(region), joints_moving(character, mask)});
+    parts.push_back({std::move(region), with_next(character.skeleton, joints_moving(character, mask))});
   }
   return parts;
 }
