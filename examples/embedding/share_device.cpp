@@ -7,7 +7,9 @@
 #include <bodyopt/bodyopt.hpp>
 #include <cmath>
 #include <cstdio>
-#include <span>
+#include <iterator>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace api = bodyopt::api;
@@ -118,6 +120,8 @@ void compare(const char* basis) {
 
   std::vector<double> joints(10 * std::size_t{character.joint_count});
   api::check(bodyopt_get_bind_pose(model.get(), joints.data(), joints.size() * sizeof(double)));
+  const double half_turn[] = {std::sin(0.2), 0, 0, std::cos(0.2)};  // of the last joint, about x
+  std::copy(std::begin(half_turn), std::end(half_turn), joints.end() - 7);
   auto poses = api::make<bodyopt_poses>();
   poses.frame_count = 1;
   poses.joint_count = character.joint_count;
