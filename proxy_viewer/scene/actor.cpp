@@ -42,6 +42,15 @@ Quat turn_about_rest_axis(const Skeleton& skeleton, const JointTurn& turn, doubl
   return axis_angle(axis, turn.share * degrees * std::numbers::pi / 180);
 }
 
+// Of a pose as it was read: a value for each of the names, that of the posing where it has one.
+void set_controls(const std::vector<std::string>& names, const ViewSettings::PoseKey& posing, Pose& pose) {
+  pose.controls.resize(names.size(), 0.0f);
+  for (const auto& [name, value] : posing.controls) {
+    const auto at = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+    if (at < names.size()) pose.controls[at] = static_cast<float>(value);
+  }
+}
+
 Clip bind_clip(const Basis& basis) {
   Clip clip;
   clip.name = "bind pose";
@@ -273,28 +282,28 @@ std::vector<std::string> Actor::source_controls(const ViewSettings::Posing& posi
 
 Pose Actor::unmodified_pose(int frame, const ViewSettings::Posing& posing) const {
   Pose pose = posed(source_.poses[clip_index(frame)], posing);
-  const std::vector<std::string> names = source_controls(posing);
-  pose.controls.resize(names.size(), 0.0f);
-  for (std::size_t c = 0; c < names.size(); ++c) {
-    const auto set = posing.controls.find(names[c]);
-    if (set != posing.controls.end()) pose.controls[c] = static_cast<float>(set->second);
-  }
+  set_controls(source_controls(posing), posing, pose);
   return pose;
 }
 
-// Of the frames up to this one, as breath goes on from frame to frame.
+// The frames before this one matter for their controls: breath goes on from frame to frame.
 Pose Actor::modified_pose(int frame, const ViewSettings::Posing& posing) const {
+  const std::size_t last = clip_index(frame);
   Clip part;
   part.fps = source_.fps;
   part.first_frame = source_.first_frame;
   part.controls = source_controls(posing);
-  const int last = source_.first_frame + static_cast<int>(clip_index(frame));
-  for (int k = source_.first_frame; k < last; ++k) {
-    part.poses.push_back(unmodified_pose(k, keyed_posing(posing, k)));
+  part.poses.assign(source_.poses.begin(), source_.poses.begin() + static_cast<std::ptrdiff_t>(last + 1));
+  part.poses[last] = posed(part.poses[last], posing);
+  for (std::size_t k = 0; k <= last; ++k) {
+    if (k == last || posing.keys.empty()) {
+      set_controls(part.controls, posing, part.poses[k]);
+    } else {
+      set_controls(part.controls, between_keys(posing.keys, part.first_frame + static_cast<int>(k)), part.poses[k]);
+    }
   }
-  part.poses.push_back(unmodified_pose(last, posing));
   apply_channels(basis(), part);
-  return part.poses.back();
+  return part.poses[last];
 }
 
 const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
