@@ -3,7 +3,10 @@
 
 #include "assets/clip_source.h"
 #include "cli/arguments/common.h"
+#include "cli/arguments/example_poses.h"
+#include "runtime/core/error.h"
 #include "trainer/motion/coupled_joints.h"
+#include "trainer/motion/first_limits.h"
 #include "trainer/motion/held_turns.h"
 #include "trainer/motion/joint_coverage.h"
 #include "trainer/motion/range_of_motion.h"
@@ -22,24 +25,31 @@ struct RomArguments {
 constexpr std::size_t kCoverageSamples = 1000;
 
 // Poses that no body takes make a basis of such poses: what the clip holds beyond the limits is said.
-void say_held_turns(const std::string& source, const Clip& clip, const JointLimits& limits, const Skeleton& skeleton) {
+void say_held_turns(const std::string& source, const std::vector<Pose>& poses, const JointLimits& limits,
+                    const Skeleton& skeleton) {
   std::vector<std::string> notes;
-  for (const HeldTurn& turn : held_turns(limits, skeleton, clip.poses)) {
-    notes.push_back(source + ": " + describe(turn, skeleton, clip.poses.size()));
+  for (const HeldTurn& turn : held_turns(limits, skeleton, poses)) {
+    notes.push_back(source + ": " + describe(turn, skeleton, poses.size()));
   }
   say(notes);
+}
+
+// Without a file of limits, what the clips show.
+JointLimits limits_for(const RomArguments& arguments, const Character& character) {
+  if (!arguments.limits.empty()) return read_joint_limits(arguments.limits, character.skeleton);
+  if (arguments.from.empty()) {
+    throw Error(ErrorKind::usage,
+                "rom needs --limits, or clips to take them from (--from); 'bodyopt rig' writes first ones");
+  }
+  return first_limits(character, read_poses(arguments.from, character.skeleton, arguments.unit, arguments.joint_map));
 }
 
 std::vector<Pose> example_poses(const RomArguments& arguments, const JointLimits& limits, const Skeleton& skeleton) {
   std::vector<Pose> examples;
   for (const std::string& source : arguments.from) {
-    ClipOptions options;
-    options.unit = clip_unit(source, arguments.unit);
-    options.joint_map = arguments.joint_map;
-    const Clip clip = read_clip(source, skeleton, options);
-    say(clip.notes);
-    say_held_turns(source, clip, limits, skeleton);
-    examples.insert(examples.end(), clip.poses.begin(), clip.poses.end());
+    const std::vector<Pose> poses = read_poses({source}, skeleton, arguments.unit, arguments.joint_map);
+    say_held_turns(source, poses, limits, skeleton);
+    examples.insert(examples.end(), poses.begin(), poses.end());
   }
   return examples;
 }
@@ -75,7 +85,7 @@ void run(const RomArguments& arguments) {
   refuse_overwriting(arguments.out, arguments.character);
   for (const std::string& clip : arguments.from) refuse_overwriting(arguments.out, split_source(clip).path);
   const Skeleton& skeleton = character.skeleton;
-  const JointLimits limits = read_joint_limits(arguments.limits, skeleton);
+  const JointLimits limits = limits_for(arguments, character);
   RangeOfMotionOptions options = arguments.options;
   options.examples = example_poses(arguments, limits, skeleton);
 
@@ -123,7 +133,8 @@ void add_rom(CLI::App& app) {
   CLI::App& verb =
       *app.add_subcommand("rom", "A clip of a character's whole range of motion, to simulate and train on");
   verb.add_option("character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
-  verb.add_option("--limits", arguments->limits, "Joint limits (limits.json)")->required()->type_name("FILE");
+  verb.add_option("--limits", arguments->limits, "Joint limits (limits.json); default: what the clips of --from show")
+      ->type_name("FILE");
   add_output(verb, arguments->out, ".glb", "The clip to write");
   verb.add_option("--frames", arguments->options.frames, "Number of frames")
       ->capture_default_str()

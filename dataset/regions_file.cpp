@@ -131,7 +131,8 @@ std::vector<RegionWeights> read_regions(const Dataset& dataset, const Character&
                               character_path = dataset.folder / dataset.character;
   const Json json = read_json(path, kSchema);
   const JsonObject top(json, path, "the file");
-  top.allow({"schema", "vertex_count", "complete", "regions"});
+  top.allow({"schema", "source", "vertex_count", "complete", "regions"});
+  if (top.has("source")) top.text("source");
   const bool complete = top.has("complete") && top.boolean("complete");
   RegionsReader reader(path, character_path, character);
   std::vector<RegionWeights> regions;
@@ -159,9 +160,10 @@ std::vector<RegionWeights> read_regions(const Dataset& dataset, const Character&
 
 // A list of numbers is one line, so that the file can be read.
 void write_regions(const std::vector<RegionWeights>& regions, const Character& character,
-                   const std::filesystem::path& path) {
-  std::string text = "{\n  \"schema\": \"" + std::string(kSchema) +
-                     "\",\n  \"vertex_count\": " + std::to_string(character.output_count()) +
+                   const std::filesystem::path& path, const std::string& source) {
+  const std::string from = source.empty() ? "" : ",\n  \"source\": " + Json(source).dump();
+  std::string text = "{\n  \"schema\": \"" + std::string(kSchema) + "\"" + from +
+                     ",\n  \"vertex_count\": " + std::to_string(character.output_count()) +
                      ",\n  \"complete\": true,\n  \"regions\": [";
   for (const RegionWeights& region : regions) {
     std::vector<double> weight(static_cast<std::size_t>(character.vertices.rows()), 0.0);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "assets/character.h"
@@ -16,8 +17,9 @@ namespace bodyopt {
 // character, a region has none, or a complete file leaves a vertex uncovered.
 std::vector<RegionWeights> read_regions(const Dataset& dataset, const Character& character);
 
-// Writes regions (of welded vertices) that cover the skin as a complete file of output vertices.
+// Writes regions (of welded vertices) that cover the skin as a complete file of output vertices. `source`: where they
+// come from, for who edits the file.
 void write_regions(const std::vector<RegionWeights>& regions, const Character& character,
-                   const std::filesystem::path& path);
+                   const std::filesystem::path& path, const std::string& source = {});
 
 }  // namespace bodyopt

@@ -92,6 +92,7 @@ std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)
 
 // One per verb, in the file of its name: declares its arguments and what it runs.
 void add_demo(CLI::App& app);
+void add_rig(CLI::App& app);
 void add_rom(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_muscles(CLI::App& app);

@@ -32,6 +32,7 @@ VERBS = [
     Verb("curate add", "curate add elsewhere smooth --take s0", same_bytes=False),
     Verb("curate bake", "curate bake elsewhere --out baked", once=True),
     Verb("muscles import", "muscles import limb.glb --from model.osim mapping.json --out imported.json"),
+    Verb("rig", "rig limb.glb --out rig"),
     Verb("rom", "rom limb.glb --limits limits.json --frames 400 --out rom.glb"),
     Verb("train", "train draft --out limb.safetensors --surface-curves 3"),
     Verb("train --update", "train draft --out limb.safetensors --update", same_bytes=False),

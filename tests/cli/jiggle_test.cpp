@@ -152,5 +152,32 @@ TEST_F(Jiggle, RefusesWhatDoesNotGoTogether) {
   expect_refused(4, "--jiggle", "bodyopt dynamics");
 }
 
+// In centimetres and Z up a point (x, y, z) of metres is (100 x, -100 z, 100 y).
+TEST_F(Jiggle, CachesAreInTheUnitAndAxisAskedFor) {
+  ASSERT_EQ(eval("--frames 12", "metres.pc2").exit_code, 0);
+  ASSERT_EQ(eval("--frames 12 --unit-out 0.01 --axis z", "centimetres.pc2").exit_code, 0);
+  const std::vector<float> metres = frame("metres.pc2", 0), centimetres = frame("centimetres.pc2", 0);
+  ASSERT_EQ(metres.size(), centimetres.size());
+  for (std::size_t k = 0; k + 2 < metres.size(); k += 3) {
+    EXPECT_NEAR(centimetres[k], 100 * metres[k], 1e-4);
+    EXPECT_NEAR(centimetres[k + 1], -100 * metres[k + 2], 1e-4);
+    EXPECT_NEAR(centimetres[k + 2], 100 * metres[k + 1], 1e-4);
+  }
+  EXPECT_EQ(eval("--axis x", "other.pc2").exit_code, 64);
+  EXPECT_EQ(eval("--unit-out 0", "other.pc2").exit_code, 64);
+}
+
+// What it chose, given back, is what it chooses.
+TEST_F(Jiggle, SettingsThatWereChosenMakeTheSameDynamics) {
+  const std::string dynamics = "dynamics " + path("limb.glb") + " --basis " + path("limb.safetensors") +
+                               " --dynamics-resolution 600 --out " + path("other.dynamics.safetensors");
+  ASSERT_EQ(run(dynamics + " --jiggle-out " + path("chosen.json")).exit_code, 0);
+  const ProgramResult again = run(dynamics + " --jiggle " + path("chosen.json") + " --jiggle-out " + path("same.json"));
+  ASSERT_EQ(again.exit_code, 0) << again.output;
+  const auto read = [&](const char* name) { return nlohmann::json::parse(std::ifstream(path(name))); };
+  EXPECT_EQ(read("chosen.json"), read("same.json"));
+  EXPECT_EQ(run(dynamics + " --jiggle-out " + path("chosen.txt")).exit_code, 64);
+}
+
 }  // namespace
 }  // namespace bodyopt

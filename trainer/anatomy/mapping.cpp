@@ -65,8 +65,9 @@ std::string Mapping::mirrored_joint(const std::string& joint) const {
 Mapping read_mapping(const std::filesystem::path& path) {
   const Json json = read_json(path, "bodyopt-muscle-mapping-1");
   const JsonObject top(json, path, "the file");
-  top.allow({"schema", "model_up", "model_forward", "character_up", "character_forward", "segments", "leave_out",
-             "mirror_joints", "mirror_muscles"});
+  top.allow({"schema", "source", "model_up", "model_forward", "character_up", "character_forward", "segments",
+             "leave_out", "mirror_joints", "mirror_muscles"});
+  if (top.has("source")) top.text("source");
   Mapping mapping;
   mapping.file = path.string();
   mapping.model_axes = read_axes(top, "model_up", "model_forward");

@@ -19,7 +19,7 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using pugi::xml_node;
 
-constexpr std::size_t kMostSegments = 1000;
+constexpr std::size_t kMostBodies = 1000;
 constexpr int kDeepestIncludes = 32;  // files within files
 
 Vector3d unit_axis(char letter) { return Vector3d::Unit(letter - 'x'); }
@@ -248,7 +248,7 @@ class MujocoReader {
     Segment segment;
     segment.name = body.attribute("name").value();
     if (!segment.name.empty() && model_.find_segment(segment.name) >= 0) fail(body, "has the name of an earlier body");
-    if (model_.segments.size() == kMostSegments) fail(body, "is one body too many: no muscle model has so many");
+    if (model_.segments.size() == kMostBodies) fail(body, "is one body too many: no muscle model has so many");
     if (segment.name.empty()) segment.name = "unnamed body " + std::to_string(model_.segments.size());
     segment.parent = parent;
     segment.before = frame(body, "");

@@ -7,6 +7,7 @@
 #include "assets/notes.h"
 #include "runtime/host/rig.h"
 #include "trainer/motion/limited_pose.h"
+#include "trainer/motion/turns_from_bind.h"
 
 namespace bodyopt {
 namespace {
@@ -106,28 +107,6 @@ std::vector<Vec3> turns_beyond(const std::vector<TurnRange>& turns, const std::v
     result.push_back(turn);
   }
   return result;
-}
-
-// Away from the bind pose, about the world's axes with all parents at rest: as joint_turns().
-std::vector<Quat> turns_from_bind(const Skeleton& skeleton, const std::vector<Pose>& poses, std::size_t joint) {
-  const Quat world = bind_rotations(skeleton)[joint];
-  const Quat to_bind = world * conjugate(normalized(skeleton.joints[joint].bind.rotation));
-  std::vector<Quat> turns;
-  for (const Pose& pose : poses) {
-    turns.push_back(normalized(to_bind * normalized(pose.joints[joint].rotation) * conjugate(world)));
-  }
-  return turns;
-}
-
-// To the middle of the joints below, in the bind pose.
-Vec3 length_of_bone(const Skeleton& skeleton, std::size_t joint) {
-  const std::vector<Affine> bind = posed_joints(skeleton, bind_pose(skeleton).joints);
-  const auto at = [&](std::size_t j) { return bind[j] * Vec3{0, 0, 0}; };
-  Vec3 sum{0, 0, 0};
-  for (std::size_t j = 0; j < skeleton.size(); ++j) {
-    if (skeleton.joints[j].parent == static_cast<int>(joint)) sum = sum + (at(j) - at(joint));
-  }
-  return sum;
 }
 
 std::string describe_axis(const HeldTurn& turn, const Skeleton& skeleton) {

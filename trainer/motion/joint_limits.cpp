@@ -59,8 +59,8 @@ class LimitsReader {
   void read_dof(const Json& json, const std::string& place) {
     const JsonObject object(json, path_, place);
     object.allow({"name", "mirror", "source", "rest", "min", "max", "turns"});
-    if (object.has("source")) object.text("source");
     DegreeOfFreedom dof;
+    if (object.has("source")) dof.source = object.text("source");
     dof.name = object.name("name");
     dof.rest = object.number("rest", -kLargestAngle, kLargestAngle);
     dof.min = object.number("min", -kLargestAngle, kLargestAngle);
@@ -223,6 +223,7 @@ void write_joint_limits(const JointLimits& limits, const Skeleton& skeleton, con
       turns.push_back({{"joint", skeleton.joints.at(turn.joint).name}, {"axis", turn.axis}, {"share", turn.share}});
     }
     dofs.push_back({{"name", dof.name}, {"rest", dof.rest}, {"min", dof.min}, {"max", dof.max}, {"turns", turns}});
+    if (!dof.source.empty()) dofs.back()["source"] = dof.source;
   }
   Json deviations = Json::array(), poses = Json::array();
   std::map<std::uint32_t, double> degrees;

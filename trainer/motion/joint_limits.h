@@ -21,6 +21,7 @@ struct DegreeOfFreedom {
   std::string name;
   double rest, min, max;  // `rest`: what the bind pose counts as
   std::vector<JointTurn> turns;
+  std::string source{};  // where the numbers come from, for who edits the file
 };
 
 // How far a joint may turn by itself, about any axis: what tells it from joints that its degrees of freedom couple it

@@ -1,0 +1,44 @@
+// From a character alone to what rom, dynamics and train can use.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "assets/json_file.h"
+#include "tests/cli/limb_files.h"
+#include "tests/support/run_program.h"
+
+namespace bodyopt {
+namespace {
+
+TEST(RigVerb, WritesWhatTheOtherVerbsRead) {
+  const TemporaryFolder folder;
+  const LimbFiles limb(folder, 100);
+  const std::string rig = (folder / "rig").string(), rom = (folder / "rom.glb").string(), unit = " --unit 0.01";
+  const ProgramResult made = run_bodyopt("rig " + limb.character + unit + " --clip " + limb.motion + " --out " + rig);
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  const Json limits = read_json(rig + "/limits.json", "bodyopt-joint-limits-1");
+  for (const Json& dof : limits.at("dofs")) EXPECT_FALSE(dof.at("source").get<std::string>().empty());
+  EXPECT_FALSE(read_json(rig + "/regions.json", "bodyopt-regions-1").at("source").get<std::string>().empty());
+
+  const ProgramResult motion =
+      run_bodyopt("rom " + limb.character + unit + " --limits " + rig + "/limits.json --frames 60 --out " + rom);
+  EXPECT_EQ(motion.exit_code, 0) << motion.output;
+  const std::string basis = (folder / "limb.safetensors").string();
+  ASSERT_EQ(run_bodyopt("train --ddm-only " + limb.character + unit + " --out " + basis).exit_code, 0);
+  const ProgramResult dynamics = run_bodyopt("dynamics " + limb.character + " --basis " + basis + " --jiggle " + rig +
+                                             "/jiggle.json --out " + (folder / "limb.dynamics.safetensors").string());
+  EXPECT_EQ(dynamics.exit_code, 0) << dynamics.output;
+}
+
+TEST(RomVerb, NeedsNoLimitsWithClips) {
+  const TemporaryFolder folder;
+  const LimbFiles limb(folder, 1);
+  const std::string rom = "rom " + limb.character + " --frames 40 --out " + (folder / "rom.glb").string();
+  EXPECT_EQ(run_bodyopt(rom + " --from " + limb.motion).exit_code, 0);
+  const ProgramResult none = run_bodyopt(rom);
+  EXPECT_EQ(none.exit_code, 64);
+  EXPECT_NE(none.output.find("bodyopt rig"), std::string::npos) << none.output;
+}
+
+}  // namespace
+}  // namespace bodyopt

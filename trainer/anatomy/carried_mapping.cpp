@@ -1,0 +1,75 @@
+#include "trainer/anatomy/carried_mapping.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "assets/joint_roles.h"
+#include "trainer/anatomy/mapping.h"
+
+namespace bodyopt::anatomy {
+namespace {
+
+using Roles = std::map<std::string, JointRole>;  // by joint
+
+// `file_json`: of a mapping that read_mapping() accepts.
+std::set<std::string> named_by(const Json& file_json) {
+  std::set<std::string> names;
+  for (const Json& segment : file_json.at("segments")) {
+    names.insert(segment.at("joint").get<std::string>());
+    for (const Json& centre : segment.at("centres")) names.insert(centre[1].get<std::string>());
+  }
+  return names;
+}
+
+Roles roles_by_name(const std::vector<NamedJoint>& joints) {
+  const std::vector<std::optional<JointRole>> roles = joint_roles(joints);
+  Roles by_name;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (roles[j]) by_name.emplace(joints[j].name, *roles[j]);
+  }
+  return by_name;
+}
+
+std::optional<std::string> joint_of(const Roles& roles, const JointRole& role) {
+  const auto found = std::find_if(roles.begin(), roles.end(), [&](const auto& entry) { return entry.second == role; });
+  return found == roles.end() ? std::nullopt : std::optional(found->first);
+}
+
+JointRole other_side(JointRole role) {
+  if (role.side != BodySide::middle) role.side = role.side == BodySide::left ? BodySide::right : BodySide::left;
+  return role;
+}
+
+}  // namespace
+
+CarriedMapping carried_mapping(const std::filesystem::path& path, const Skeleton& skeleton) {
+  const bool mirrors = !read_mapping(path).mirror_joints.empty();
+  CarriedMapping result{read_json(path, "bodyopt-muscle-mapping-1"), {}};
+  std::vector<NamedJoint> named;
+  for (const std::string& name : named_by(result.json)) named.push_back({name, -1});
+  const Roles there = roles_by_name(named), here = roles_by_name(named_joints(skeleton));
+  std::map<std::string, std::string> exchange;
+  Json mirror = Json::array();
+  for (const NamedJoint& joint : named) {
+    const auto role = there.find(joint.name);
+    const std::optional<std::string> found = role == there.end() ? std::nullopt : joint_of(here, role->second);
+    exchange[joint.name] = found.value_or(joint.name);
+    if (!found) {
+      result.unknown.push_back(joint.name);
+      continue;
+    }
+    const std::optional<std::string> other = joint_of(here, other_side(role->second));
+    if (role->second.side != BodySide::middle && other) mirror.push_back({*found, *other});
+  }
+  for (Json& segment : result.json.at("segments")) {
+    segment["joint"] = exchange.at(segment["joint"].get<std::string>());
+    for (Json& centre : segment.at("centres")) centre[1] = exchange.at(centre[1].get<std::string>());
+  }
+  if (mirrors) result.json["mirror_joints"] = mirror;
+  result.json["source"] = path.filename().string() + ", its joints exchanged for those of this rig that do the same";
+  return result;
+}
+
+}  // namespace bodyopt::anatomy

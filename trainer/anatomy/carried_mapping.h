@@ -1,0 +1,21 @@
+// A mapping of muscles that was made for another rig, with the joints of this one.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "assets/json_file.h"
+#include "runtime/basis/skeleton.h"
+
+namespace bodyopt::anatomy {
+
+struct CarriedMapping {
+  Json json;                         // as the file's, to be written
+  std::vector<std::string> unknown;  // joints for which this rig has none of the same role: their names stay
+};
+
+// Joints are exchanged for those of the same role (joint_roles). Throws Error(file) as read_mapping().
+CarriedMapping carried_mapping(const std::filesystem::path& path, const Skeleton& skeleton);
+
+}  // namespace bodyopt::anatomy
