@@ -11,8 +11,10 @@
 #include "report/region_picture.h"
 #include "runtime/core/error.h"
 #include "trainer/check/foresee.h"
+#include "trainer/check/shape_doubts.h"
 #include "trainer/motion/coupled_joints.h"
 #include "trainer/motion/held_turns.h"
+#include "trainer/train/data/samples.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -198,12 +200,17 @@ void check(const CheckArguments& arguments) {
                       {"rest_fit_mm", take.rest_fit_mm},
                       {"problems", take.problems}});
   }
+  std::vector<std::string> notes;
   if (mismatch.empty()) {
     const std::string coupled = coupling_of(dataset);
-    if (!coupled.empty()) text += "note: " + coupled + "\n";
+    if (!coupled.empty()) notes.push_back(coupled);
+    for (const std::vector<std::string>& some : {shape_doubts(read_samples(dataset)), short_takes(dataset)}) {
+      notes.insert(notes.end(), some.begin(), some.end());
+    }
   }
+  for (const std::string& note : notes) text += "note: " + note + "\n";
   text += mismatch.empty() ? "it belongs together\n" : "it does not belong together\n";
-  arguments.json.emit({{"takes", result}, {"belongs_together", mismatch.empty()}}, text);
+  arguments.json.emit({{"takes", result}, {"notes", notes}, {"belongs_together", mismatch.empty()}}, text);
   if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
 }
 

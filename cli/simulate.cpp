@@ -3,7 +3,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "cli/arguments/common.h"
 #include "cli/arguments/simulate_take.h"
+#include "trainer/check/shape_doubts.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -62,6 +64,15 @@ Json summary(const std::vector<FrameStatus>& status, std::string& text) {
           {"largest_volume_change", volume},   {"per_frame", per_frame}};
 }
 
+// What is odd about the take's shapes.
+std::vector<std::string> doubts_of(const fs::path& dataset, const std::string& name) {
+  SampleSet set = read_samples(read_dataset(dataset));
+  for (std::vector<Sample>* samples : {&set.train, &set.heldout}) {
+    std::erase_if(*samples, [&](const Sample& s) { return set.takes[static_cast<std::size_t>(s.take)] != name; });
+  }
+  return shape_doubts(set);
+}
+
 void run(const SimulateArguments& arguments) {
   arguments.json.require_writable();
   const std::vector<FrameStatus> status = simulate_take(arguments);
@@ -69,6 +80,9 @@ void run(const SimulateArguments& arguments) {
   std::string text;
   Json result = {{"dataset", dataset.string()}, {"take", arguments.take.take_name()}};
   result.update(summary(status, text));
+  const std::vector<std::string> doubts = doubts_of(dataset, arguments.take.take_name());
+  result["doubts"] = doubts;
+  say(doubts);
   arguments.json.emit(result, text + "wrote " + dataset.string() + "\n");
 }
 

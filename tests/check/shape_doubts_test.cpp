@@ -1,0 +1,52 @@
+// Shapes that belong to their character, and are odd all the same.
+#include "trainer/check/shape_doubts.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/capsule_limb.h"
+
+namespace bodyopt {
+namespace {
+
+TEST(ShapeDoubts, NoneOfASoundTake) { EXPECT_TRUE(shape_doubts(limb_samples(60, 0)).empty()); }
+
+// The end of the limb stays as the joint above has it, as when a lattice glued it.
+TEST(ShapeDoubts, NameThePartThatDoesNotFollowItsJoint) {
+  SampleSet set = limb_samples(40, 0);
+  for (Sample& sample : set.train) {
+    Pose stiff = sample.pose;
+    stiff.joints[1] = set.character.skeleton.joints[1].bind;
+    sample.shape = skin_linear(set.character, stiff);
+  }
+  const std::vector<std::string> doubts = shape_doubts(set);
+  ASSERT_FALSE(doubts.empty());
+  EXPECT_NE(doubts[0].find("'joint1' follows its joint by 0 %"), std::string::npos) << doubts[0];
+}
+
+TEST(ShapeDoubts, NameAVertexThatFliesAwayByItsFrame) {
+  SampleSet set = limb_samples(40, 0);
+  Sample& sample = set.train[12];
+  Positions shape = sample.shape.read();
+  shape(100, 0) += 0.3;
+  sample.shape = shape;
+  const std::vector<std::string> doubts = shape_doubts(set);
+  ASSERT_EQ(doubts.size(), 1u);
+  const std::string place = "frame " + std::to_string(sample.frame) + ": vertex 100 flies ";
+  EXPECT_NE(doubts[0].find(place), std::string::npos) << doubts[0];
+}
+
+TEST(ShortTakes, AreThoseOfWhichNothingCanBeHeldOut) {
+  Dataset dataset;
+  for (const int frames : {10, 11, 5}) {
+    DatasetTake& take = dataset.takes.emplace_back();
+    take.name = "take " + std::to_string(frames);
+    take.frames.resize(static_cast<std::size_t>(frames));
+  }
+  dataset.takes.back().heldout = {1};
+  const std::vector<std::string> sentences = short_takes(dataset);
+  ASSERT_EQ(sentences.size(), 1u);
+  EXPECT_NE(sentences[0].find("'take 10' has 10 frames"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace bodyopt

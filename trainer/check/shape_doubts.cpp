@@ -1,0 +1,152 @@
+#include "trainer/check/shape_doubts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "assets/notes.h"
+#include "runtime/host/rig.h"
+#include "trainer/train/data/stray_vertices.h"
+#include "trainer/train/data/unposed_shapes.h"
+#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/mesh_table.h"
+
+namespace bodyopt {
+namespace {
+
+using Eigen::Index;
+
+constexpr std::size_t kProbes = 48;  // frames of a take
+constexpr double kMainWeight = 0.8;  // of a vertex that is a joint's own
+constexpr std::size_t kFewestVertices = 5;
+constexpr double kNotable = 0.01;  // of the character's longest extent
+constexpr double kLeastFollowing = 0.5;
+constexpr std::size_t kShown = 5;  // strays of a take
+
+struct ProbedFrame {
+  int frame = 0;
+  std::vector<Affine> skinning;  // of every joint: from its place in the bind pose
+  Positions skinned, shape;
+};
+
+std::vector<ProbedFrame> probe(const SampleSet& set, int take) {
+  std::vector<const Sample*> samples;
+  for (const std::vector<Sample>* some : {&set.train, &set.heldout}) {
+    for (const Sample& sample : *some) {
+      if (sample.take == take) samples.push_back(&sample);
+    }
+  }
+  std::sort(samples.begin(), samples.end(), [](const Sample* a, const Sample* b) { return a->frame < b->frame; });
+  std::vector<ProbedFrame> frames;
+  const Skeleton& skeleton = set.character.skeleton;
+  for (const std::size_t k : spread_evenly(samples.size(), kProbes)) {
+    const Sample& sample = *samples[k];
+    ProbedFrame frame{sample.frame, posed_joints(skeleton, sample.pose.joints), skin_linear(set.character, sample.pose),
+                      sample.shape.read()};
+    for (std::size_t j = 0; j < skeleton.size(); ++j) {
+      frame.skinning[j] = frame.skinning[j] * skeleton.joints[j].inverse_bind;
+    }
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+std::vector<std::vector<std::uint32_t>> own_vertices(const Character& character) {
+  std::vector<std::vector<std::uint32_t>> own(character.skeleton.size());
+  for (std::size_t v = 0; v < character.weights.size(); ++v) {
+    const JointWeight& main = character.weights[v].front();
+    if (main.weight > kMainWeight) own[main.joint].push_back(static_cast<std::uint32_t>(v));
+  }
+  return own;
+}
+
+// N x 3 vertices: where the parent has them, less their mean over the frames.
+Eigen::MatrixXd motion(const std::vector<ProbedFrame>& frames, Positions ProbedFrame::*positions, std::size_t parent,
+                       const std::vector<std::uint32_t>& vertices) {
+  Eigen::MatrixXd places(static_cast<Index>(frames.size()), 3 * static_cast<Index>(vertices.size()));
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    const Affine to_parent = inverse(frames[n].skinning[parent]);
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+      const auto p = (frames[n].*positions).row(vertices[k]);
+      const Vec3 place = to_parent * Vec3{p[0], p[1], p[2]};
+      for (Index i = 0; i < 3; ++i) {
+        places(static_cast<Index>(n), 3 * static_cast<Index>(k) + i) = place[static_cast<std::size_t>(i)];
+      }
+    }
+  }
+  return places.rowwise() - places.colwise().mean();
+}
+
+void add_stiff_parts(const SampleSet& set, const std::vector<ProbedFrame>& frames, const std::string& take,
+                     std::vector<std::string>& doubts) {
+  const Skeleton& skeleton = set.character.skeleton;
+  const double notable = kNotable * longest_extent(set.character.vertices);
+  const std::vector<std::vector<std::uint32_t>> own = own_vertices(set.character);
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    if (parent < 0 || own[j].size() < kFewestVertices) continue;
+    const auto above = static_cast<std::size_t>(parent);
+    const Eigen::MatrixXd rigged = motion(frames, &ProbedFrame::skinned, above, own[j]);
+    const double moved2 = rigged.squaredNorm() / static_cast<double>(frames.size() * own[j].size());
+    if (moved2 < notable * notable) continue;
+    const Eigen::MatrixXd found = motion(frames, &ProbedFrame::shape, above, own[j]);
+    const double following = rigged.cwiseProduct(found).sum() / rigged.squaredNorm();
+    if (following >= kLeastFollowing) continue;
+    doubts.push_back("take '" + take + "': the skin of '" + skeleton.joints[j].name + "' follows its joint by " +
+                     std::to_string(std::lround(100 * following)) +
+                     " %: glued to what it touches at rest, or made with another rig?");
+  }
+}
+
+void add_strays(const SampleSet& set, const std::vector<ProbedFrame>& frames, const std::string& take,
+                std::vector<std::string>& doubts) {
+  const Index vertices = set.character.vertices.rows();
+  Displacements displacements(static_cast<Index>(frames.size()), 3 * vertices);
+  std::vector<std::size_t> numbers;
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    const Positions apart = frames[n].shape - frames[n].skinned;
+    displacements.row(static_cast<Index>(n)) =
+        Eigen::Map<const Eigen::RowVectorXd>(apart.data(), apart.size()).cast<float>();
+    numbers.push_back(n);
+  }
+  std::vector<std::uint32_t> all(static_cast<std::size_t>(vertices));
+  std::iota(all.begin(), all.end(), 0u);
+  const std::vector<StrayVertex> strays = StrayVertices(set.character).mend(displacements, numbers, all);
+  const std::vector<std::uint32_t>& output = set.character.output_vertex;
+  for (std::size_t k = 0; k < std::min(strays.size(), kShown); ++k) {
+    const auto vertex = std::find(output.begin(), output.end(), strays[k].vertex) - output.begin();
+    doubts.push_back("take '" + take + "', frame " + std::to_string(frames[strays[k].frame].frame) + ": vertex " +
+                     std::to_string(vertex) + " flies " + std::to_string(std::lround(1e3 * strays[k].distance)) +
+                     " mm away from its neighbours");
+  }
+  if (strays.size() > kShown) {
+    doubts.push_back("take '" + take + "': so do vertices " +
+                     count_of(strays.size() - kShown, "more time", "more times"));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> shape_doubts(const SampleSet& set) {
+  std::vector<std::string> doubts;
+  for (std::size_t t = 0; t < set.takes.size(); ++t) {
+    const std::vector<ProbedFrame> frames = probe(set, static_cast<int>(t));
+    if (frames.size() < 2) continue;
+    add_stiff_parts(set, frames, set.takes[t], doubts);
+    if (!set.sparse) add_strays(set, frames, set.takes[t], doubts);
+  }
+  return doubts;
+}
+
+std::vector<std::string> short_takes(const Dataset& dataset) {
+  constexpr std::size_t kFewest = 11;  // the second block of ten may be begun
+  std::vector<std::string> sentences;
+  for (const DatasetTake& take : dataset.takes) {
+    if (take.frames.size() >= kFewest || !take.heldout.empty()) continue;
+    sentences.push_back("take '" + take.name + "' has " + count_of(take.frames.size(), "frame", "frames") +
+                        ": too short for train --heldout-every to hold any of it out");
+  }
+  return sentences;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,20 @@
+// What is odd about shapes that do belong to their character: found before they are learned as the truth.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dataset/dataset.h"
+#include "trainer/train/data/samples.h"
+
+namespace bodyopt {
+
+// One sentence each, take by take, of 48 frames of each take at most: parts whose skin follows its joint by less than
+// half (of those that the joint moves by a hundredth of the body's size or more), as when they were glued to what they
+// touch at rest, and vertices that fly away from their neighbours in single frames.
+std::vector<std::string> shape_doubts(const SampleSet& set);
+
+// Takes of which hold_out_blocks() can hold out nothing, without frames held out: one sentence each.
+std::vector<std::string> short_takes(const Dataset& dataset);
+
+}  // namespace bodyopt
