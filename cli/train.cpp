@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <optional>
 
 #include "cli/arguments/common.h"
 #include "cli/results/attachments.h"
@@ -14,6 +15,7 @@
 #include "trainer/check/check.h"
 #include "trainer/motion/coupled_joints.h"
 #include "trainer/train/data/samples.h"
+#include "trainer/train/fit/surface_curves.h"
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/options.h"
 #include "trainer/train/pack/trade_off.h"
@@ -26,6 +28,7 @@ struct TrainArguments {
   std::string dataset, ddm_only, out, report;
   double unit = 0;
   int heldout_every = 0;
+  std::optional<int> surface_curves;
   bool ablate = false;
   TrainOptions options;
   JsonOption json;
@@ -64,6 +67,13 @@ Json ablation(const std::vector<MethodReport>& methods) {
   return list;
 }
 
+// The line of Direct Delta Mush says how far it smooths.
+std::vector<MethodReport> with_radius(std::vector<MethodReport> methods, const Basis& basis) {
+  const double radius = Json::parse(basis.metadata.at("provenance")).at("smoothing_radius_m");
+  methods[1].name += format(", smoothing radius %.0f mm", 1e3 * radius);
+  return methods;
+}
+
 std::vector<Pose> training_poses(const SampleSet& set) {
   std::vector<Pose> poses;
   for (const Sample& sample : set.train) poses.push_back(sample.pose);
@@ -81,6 +91,24 @@ void report(const TrainArguments& arguments, const Dataset& dataset, const std::
   data.character.name = std::filesystem::path(dataset.character).stem().string();
   data.provenance = provenance_of(dataset, path, set, arguments.options, arguments.out);
   write_report(data, arguments.report);
+}
+
+// As asked; of an update as the earlier training had; else as many as are needed.
+int surface_curves_for(const TrainArguments& arguments, const SampleSet& set) {
+  if (arguments.surface_curves) return *arguments.surface_curves;
+  if (arguments.options.update && std::filesystem::exists(arguments.out)) {
+    const Basis earlier = load_basis(arguments.out);
+    const auto found = earlier.metadata.find("provenance");
+    if (found != earlier.metadata.end()) return Json::parse(found->second).value("surface_curves", 0);
+  }
+  const int pairs = needed_surface_curves(set, arguments.options);
+  if (pairs > 0) {
+    spdlog::info(
+        "joints tell little of how the skin moves, and there are no muscles: strains are measured along {} pairs of "
+        "curves on the skin (--surface-curves)",
+        pairs);
+  }
+  return pairs;
 }
 
 void run(TrainArguments arguments) {
@@ -118,6 +146,7 @@ void run(TrainArguments arguments) {
   }
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
 
+  arguments.options.surface_curves = surface_curves_for(arguments, set);
   const double preparing = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Training training = train_and_measure(set, arguments.options, arguments.ablate, dataset.unit, arguments.out);
   const Basis& basis = training.result.basis;
@@ -146,7 +175,7 @@ void run(TrainArguments arguments) {
     const MethodReport &ddm = training.methods[1], &full = training.methods.back();
     result["errors_mm"] = {{"lbs", errors_of(training.methods[0])}, {"ddm", errors_of(ddm)}, {"full", errors_of(full)}};
     if (arguments.ablate) result["ablation"] = ablation(training.methods);
-    text += format("held out, %zu frames:\n", set.heldout.size()) + method_table(training.methods);
+    text += format("held out, %zu frames:\n", set.heldout.size()) + method_table(with_radius(training.methods, basis));
     if (full.rms >= ddm.rms) {
       spdlog::warn(
           "what was learned is no better than Direct Delta Mush on the held-out frames: the training frames are "
@@ -181,10 +210,11 @@ void add_train(CLI::App& app) {
   verb.add_option("--heldout-every", arguments->heldout_every,
                   "Hold out every Nth block of ten frames instead of the frames dataset.json names")
       ->check(CLI::Range(2, 1000));
-  verb.add_option("--surface-curves", arguments->options.surface_curves,
-                  "Also measure strains along so many pairs of curves on the skin, where nothing explains its motion")
+  verb.add_option("--surface-curves", arguments->surface_curves,
+                  "Also measure strains along so many pairs of curves on the skin, where nothing explains its motion "
+                  "(default: 40 of few frames without muscles of which joints tell little, else 0)")
       ->type_name("N")
-      ->check(CLI::Range(1, 1000))
+      ->check(CLI::Range(0, 1000))
       ->excludes(ddm_only);
   verb.add_flag(
           "--update", arguments->options.update,

@@ -133,5 +133,24 @@ TEST(SurfaceCurves, NeedFrames) {
   EXPECT_THROW(surface_curves(none, {.surface_curves = 2}), Error);
 }
 
+// Shapes that joints do not explain, and shapes of which Direct Delta Mush leaves nothing to explain.
+TEST(SurfaceCurves, AreNeededWhereJointsDoNotTellTheMotion) {
+  SampleSet set = without_muscles();
+  Deformer bare(build_ddm_basis(set.character, {}), {.name = "cpu"});
+  std::vector<Sample> frames = set.train;
+  std::swap(frames, set.heldout);
+  const std::vector<Positions> skinned = heldout_by_basis(set, bare);
+  for (std::size_t k = 0; k < set.train.size(); ++k) set.train[k].shape = skinned[k];
+  EXPECT_EQ(needed_surface_curves(set, {.smoothing_radius = default_smoothing_radius(set.character.vertices)}), 0);
+  for (std::size_t k = 0; k < set.train.size(); ++k) {
+    Positions breathing = skinned[k];
+    breathing.rowwise() += Eigen::RowVector3d(0.02 * std::sin(static_cast<double>(k * k)), 0, 0);
+    set.train[k].shape = breathing;
+  }
+  EXPECT_EQ(needed_surface_curves(set, {}), 40);
+  set.muscles = {kHidden};
+  EXPECT_EQ(needed_surface_curves(set, {}), 0);
+}
+
 }  // namespace
 }  // namespace bodyopt

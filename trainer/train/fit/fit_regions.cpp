@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
 
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "trainer/train/regression/projection.h"
-#include "trainer/train/regression/select_features.h"
+#include "trainer/train/fit/choose_map.h"
 #include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
@@ -19,11 +17,6 @@ namespace {
 
 using Eigen::Index;
 
-// Features of a region at most, where there are kernels: more cost bytes and time and teach it next to nothing
-// (measured from 60 to 200).
-constexpr std::size_t kMostFeatures = 80, kMostFeaturesOfAll = 200;  // of a region that is the whole skin
-// A region may do with all centres that it may have, a half or a quarter of them.
-constexpr int kCentreFractions[] = {1, 2, 4};
 // Cross-validation: blocks of consecutive frames, dealt to folds.
 constexpr int kFolds = 5, kLongestRun = 20;
 
@@ -130,32 +123,6 @@ void normalise(RegionModel& model) {
   }
 }
 
-std::size_t most_features(const Method& method) {
-  if (!method.kernels) return std::numeric_limits<std::size_t>::max();
-  return method.support == Method::Support::whole_skin ? kMostFeaturesOfAll : kMostFeatures;
-}
-
-// The features that tell most, ascending, what each explains, and the coordinates among them.
-void choose_features(const FeatureSamples& samples, const std::vector<std::uint32_t>& choice, std::size_t most,
-                     RegionModel& model) {
-  const std::vector<Index> columns(choice.begin(), choice.end());
-  const Eigen::MatrixXd values =
-      samples.values(Eigen::all, columns).rowwise() - Eigen::RowVectorXd(samples.rest(columns));
-  const Eigen::MatrixXd& targets = model.components.coefficients;
-  std::vector<SelectedFeature> selected = select_features(values, targets, most);
-  std::sort(selected.begin(), selected.end(),
-            [](const SelectedFeature& a, const SelectedFeature& b) { return a.column < b.column; });
-  model.features.clear();
-  model.worth.clear();
-  std::vector<Index> chosen;
-  for (const SelectedFeature& feature : selected) {
-    chosen.push_back(feature.column);
-    model.features.push_back(choice[feature.column]);
-    model.worth.push_back(feature.gain * targets.squaredNorm());
-  }
-  model.projection = projection(values(Eigen::all, chosen), targets);
-}
-
 // Features and regression are chosen before the columns are scaled: until then the error of a coefficient is the error
 // of positions, weighted by the region.
 RegionModel fit_region(const FitContext& context, std::size_t r, const PartFrames& frames) {
@@ -166,22 +133,7 @@ RegionModel fit_region(const FitContext& context, std::size_t r, const PartFrame
   model.components = principal_components(frames.displacements(), frames.region(r), options.components, options.seed);
   model.strays = frames.strays(r);
   model.contradictions = frames.contradictions_of(r, context.pairs, model.components);
-  const int centres = options.method.kernels ? options.centres : 0;
-  double least = std::numeric_limits<double>::infinity();
-  RegionModel best = model;
-  for (const std::vector<std::uint32_t>& choice : context.layout.choices[r]) {
-    choose_features(features, choice, most_features(options.method), model);
-    const double error = trial_error(regression_data(features, model, context.folds, context.weights), centres);
-    if (!(error < least)) continue;
-    least = error;
-    best = model;
-  }
-  model = std::move(best);
-  const RegressionData chosen = regression_data(features, model, context.folds, context.weights);
-  for (const int fraction : kCentreFractions) {
-    model.fits.push_back(fit_regression(chosen, centres / fraction));
-    if (centres == 0) break;
-  }
+  choose_map(features, context.layout.choices[r], context.folds, context.weights, options, model);
   normalise(model);
   return model;
 }
@@ -295,11 +247,7 @@ RegionModel updated(const FitContext& context, RegionModel model, Components all
   model.components = std::move(all);
   const Eigen::VectorXd lengths = component_lengths(model.components, model.region);
   for (Index k = 0; k < lengths.size(); ++k) scale_column(model, k, lengths[k]);
-  const RegressionData data = regression_data(context.ground.features, model, context.folds, context.weights);
-  const int centres = context.options.method.kernels ? context.options.centres : 0;
-  for (std::size_t f = 0; f < model.fits.size(); ++f) {
-    model.fits[f] = refit_regression(data, centres / kCentreFractions[f], model.fits[f]);
-  }
+  refit_map(context.ground.features, context.folds, context.weights, context.options, model);
   normalise(model);
   return model;
 }

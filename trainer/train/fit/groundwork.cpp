@@ -70,6 +70,15 @@ std::vector<FeatureGroup> feature_groups(const Groundwork& ground, const std::ve
                              ground.shapes("train: influences", frames, all_vertices(ground.ordered)).displacements);
 }
 
+// Joints come first; controls are everywhere.
+std::vector<FeatureGroup> without_muscles(const Skeleton& skeleton, std::vector<FeatureGroup> groups) {
+  const auto joints = static_cast<std::ptrdiff_t>(feature_joints(skeleton).size());
+  const auto end = std::remove_if(groups.begin() + joints, groups.end(),
+                                  [](const FeatureGroup& group) { return group.points.rows() > 0; });
+  groups.erase(end, groups.end());
+  return groups;
+}
+
 // Static regions: groups begin with the joints.
 std::vector<RegionWeights> regions_of(const Character& character, const std::vector<FeatureGroup>& groups,
                                       const std::vector<RegionWeights>& painted, Support support) {
@@ -87,20 +96,38 @@ std::vector<RegionWeights> regions_of(const Character& character, const std::vec
   return {whole};
 }
 
-FeatureChoices feature_choices(const Character& character, const RegionWeights& region,
-                               const std::vector<FeatureGroup>& groups, const Method& method) {
+// By rising reach.
+FeatureChoices near_features(const Character& character, const RegionWeights& region,
+                             const std::vector<FeatureGroup>& groups) {
   FeatureChoices choices;
-  if (method.support != Support::whole_skin) {
-    for (const double radius : kRadii) {
-      choices.push_back(region_features(character, region, groups, radius * longest_extent(character.vertices)));
-    }
+  for (const double radius : kRadii) {
+    choices.push_back(region_features(character, region, groups, radius * longest_extent(character.vertices)));
   }
-  // A linear map may well see everything: it has little to get wrong with.
-  if (choices.empty() || !method.kernels) {
-    std::vector<std::uint32_t>& all = choices.emplace_back();
-    for (const FeatureGroup& group : groups) all.insert(all.end(), group.features.begin(), group.features.end());
+  return choices;
+}
+
+std::vector<std::uint32_t> all_features(const std::vector<FeatureGroup>& groups) {
+  std::vector<std::uint32_t> all;
+  for (const FeatureGroup& group : groups) all.insert(all.end(), group.features.begin(), group.features.end());
+  return all;
+}
+
+// A linear map may well see everything, it has little to get wrong with; of few frames, all may, and do without
+// `muscles`.
+FeatureChoices feature_choices(const Character& character, const RegionWeights& region,
+                               const std::vector<FeatureGroup>& groups, const std::vector<FeatureGroup>& others,
+                               const Method& method, bool few_frames) {
+  const bool whole = method.support == Support::whole_skin;
+  FeatureChoices choices;
+  if (!whole) choices = near_features(character, region, groups);
+  if (!whole && few_frames && others.size() < groups.size()) {
+    for (std::vector<std::uint32_t>& choice : near_features(character, region, others))
+      choices.push_back(std::move(choice));
   }
+  if (whole || few_frames || !method.kernels) choices.push_back(all_features(whole || !few_frames ? groups : others));
+  std::sort(choices.begin(), choices.end());
   choices.erase(std::unique(choices.begin(), choices.end()), choices.end());
+  std::stable_sort(choices.begin(), choices.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
   return choices;
 }
 
@@ -119,13 +146,16 @@ Groundwork::Groundwork(const SampleSet& set, const TrainOptions& options, const 
       shapes(set, ordered, base.basis, order, options.method.unposing),
       features(features_of(set, base, earlier)) {}
 
-Layout make_layout(const SampleSet& set, const Groundwork& ground, const Method& method) {
-  const std::vector<FeatureGroup> groups = feature_groups(ground, method.strains ? set.muscles : std::vector<Muscle>{});
+Layout make_layout(const SampleSet& set, const Groundwork& ground, const Method& method, std::size_t curves) {
+  const std::vector<Muscle> muscles = method.strains ? set.muscles : std::vector<Muscle>{};
+  const std::vector<FeatureGroup> groups = feature_groups(ground, muscles);
+  const std::vector<FeatureGroup> others = without_muscles(ground.ordered.skeleton, groups);
   Layout layout;
-  layout.regions =
-      regions_of(ground.ordered, groups, renumbered(set.regions, inverse_of(ground.order)), method.support);
+  layout.regions = regions_of(ground.ordered, curves == muscles.size() ? others : groups,
+                              renumbered(set.regions, inverse_of(ground.order)), method.support);
+  const bool few_frames = ground.features.values.rows() <= kFewFrames;
   for (const RegionWeights& region : layout.regions) {
-    layout.choices.push_back(feature_choices(ground.ordered, region, groups, method));
+    layout.choices.push_back(feature_choices(ground.ordered, region, groups, others, method, few_frames));
   }
   return layout;
 }

@@ -15,7 +15,10 @@
 
 namespace bodyopt {
 
-// Lists of features from which a region may choose one, by rising reach.
+// Of so few frames a region has more to choose from, and chooses with more care: see choose_map.
+constexpr Eigen::Index kFewFrames = 800;
+
+// Lists of features from which a region may choose one.
 using FeatureChoices = std::vector<std::vector<std::uint32_t>>;
 
 struct Layout {
@@ -42,7 +45,9 @@ struct Groundwork {
   FeatureSamples features;
 };
 
-// Un-poses 800 frames at most, spread evenly: on these influences are measured. Shows progress.
-Layout make_layout(const SampleSet& set, const Groundwork& ground, const Method& method);
+// Un-poses 800 frames at most, spread evenly: on these influences are measured. `curves`: how many of the set's
+// muscles, the last ones, are curves on the surface; without any muscle beside them they shape no region. Shows
+// progress.
+Layout make_layout(const SampleSet& set, const Groundwork& ground, const Method& method, std::size_t curves);
 
 }  // namespace bodyopt

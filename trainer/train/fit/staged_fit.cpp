@@ -126,7 +126,7 @@ Layout StagedFit::layout(const SampleSet& samples, const Groundwork& ground) {
   }
   key_ = training_key(keys_, ground.base.radius);
   if (earlier_ && earlier_->key == key_) return earlier_->layout;
-  Layout layout = make_layout(samples, ground, options_.method);
+  Layout layout = make_layout(samples, ground, options_.method, curves_.size());
   keep(ground, layout);
   return layout;
 }

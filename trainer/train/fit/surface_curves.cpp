@@ -21,9 +21,14 @@ using Eigen::Index;
 // Parts of the character's longest extent: 20 cm and 5 cm of 1.8 m.
 constexpr double kLength = 0.11, kApart = 0.028;
 
-// V, square metres: the mean square that a ridge-penalised linear map of all features leaves of every vertex. Runs of
-// frames are fitted and measured in turns.
-Eigen::VectorXd left_by_linear_map(const SampleSet& set, const Groundwork& ground) {
+// What a ridge-penalised linear map of all features leaves of the un-posed motion, mean over frames.
+struct LeftMotion {
+  Eigen::VectorXd left;  // V, square metres
+  double moved = 0;      // of all vertices, with what the map explains
+};
+
+// Runs of frames are fitted and measured in turns.
+LeftMotion left_by_linear_map(const SampleSet& set, const Groundwork& ground) {
   constexpr std::size_t kMostFrames = 800, kRun = 10;
   constexpr double kPenalty = 1e-2;
   const std::vector<std::size_t> frames = spread_evenly(set.train.size(), kMostFrames);
@@ -43,10 +48,11 @@ Eigen::VectorXd left_by_linear_map(const SampleSet& set, const Groundwork& groun
   const Eigen::MatrixXf prediction = (features(measured, Eigen::all) * normal.llt().solve(x.transpose())).cast<float>();
   const Displacements left = motion(measured, Eigen::all) - prediction * motion(fitted, Eigen::all);
   const Eigen::RowVectorXd squares = left.cast<double>().colwise().squaredNorm() / static_cast<double>(left.rows());
-  return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(squares.data(), squares.size() / 3,
-                                                                                     3)
-      .rowwise()
-      .sum();
+  const Eigen::VectorXd per_vertex =
+      Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>(squares.data(), squares.size() / 3, 3)
+          .rowwise()
+          .sum();
+  return {per_vertex, motion(measured, Eigen::all).cast<double>().squaredNorm() / static_cast<double>(left.rows())};
 }
 
 // The direction of the bone that begins at a joint, or ends there; zero for a joint alone.
@@ -119,7 +125,7 @@ std::vector<Muscle> surface_curves(const SampleSet& set, const TrainOptions& opt
   const Character& character = ground.ordered;
   const double apart = kApart * longest_extent(character.vertices);
   Eigen::VectorXd left =
-      smoothed(character.vertices, character.triangles, left_by_linear_map(set, ground), 0.5 * apart);
+      smoothed(character.vertices, character.triangles, left_by_linear_map(set, ground).left, 0.5 * apart);
   const double least = 1e-3 * left.maxCoeff();
   const CurveMaker maker(character);
   std::vector<Muscle> curves;
@@ -133,6 +139,21 @@ std::vector<Muscle> surface_curves(const SampleSet& set, const TrainOptions& opt
     left.array() *= 1 - (away.rowwise().squaredNorm().array() / (-2 * apart * apart)).exp();
   }
   return curves;
+}
+
+int needed_surface_curves(const SampleSet& set, const TrainOptions& options) {
+  constexpr std::size_t kFewest = 80;
+  constexpr int kPairs = 40;
+  constexpr double kLeft = 1.0 / 3, kNoMotion = 1e-4;  // the latter of the longest extent; less is no motion
+  const auto most = static_cast<std::size_t>(kFewFrames);
+  if (!set.muscles.empty() || set.train.size() < kFewest || set.train.size() > most) return 0;
+  check_samples(set);
+  const SingleThreadedProducts single_threaded;
+  const Groundwork ground(set, options);
+  const LeftMotion motion = left_by_linear_map(set, ground);
+  const double still = kNoMotion * longest_extent(ground.ordered.vertices);
+  if (motion.moved < still * still * static_cast<double>(motion.left.size())) return 0;
+  return motion.left.sum() > kLeft * kLeft * motion.moved ? kPairs : 0;
 }
 
 }  // namespace bodyopt

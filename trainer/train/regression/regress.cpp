@@ -17,8 +17,8 @@ using Eigen::MatrixXd;
 
 // Multiples of the median distance between centres, and the penalties tried.
 constexpr double kWidths[] = {1, 2, 4};
-constexpr double kLinearPenalties[] = {1e-4, 1e-3, 1e-2, 1e-1};
-constexpr double kKernelPenalties[] = {1e-5, 1e-4, 1e-3, 1e-2};
+constexpr double kLinearPenalties[] = {1e-4, 1e-3, 1e-2, 1e-1, 1};
+constexpr double kKernelPenalties[] = {1e-5, 1e-4, 1e-3, 1e-2, 1e-1};
 
 struct Centres {
   MatrixXd points;          // M x F
@@ -95,12 +95,17 @@ class KernelRidge {
   // Root mean square of what each fold's frames differ from the fit of the others.
   double validation_error(const Penalty& penalty) const {
     double sum = 0, frames = 0;
-    for (const Fold& held_out : folds_) {
-      Sums sums = sums_without(&held_out);
-      sum += (held_out.regressors * solve(std::move(sums), penalty) - held_out.targets).squaredNorm();
-      frames += held_out.frames;
+    for (std::size_t fold = 0; fold < folds_.size(); ++fold) {
+      sum += fold_error(fold, penalty);
+      frames += folds_[fold].frames;
     }
     return std::sqrt(sum / frames);
+  }
+
+  // Sum of the squares of what one fold's frames differ from the fit of the others.
+  double fold_error(std::size_t fold, const Penalty& penalty) const {
+    const Fold& held_out = folds_[fold];
+    return (held_out.regressors * solve(sums_without(&held_out), penalty) - held_out.targets).squaredNorm();
   }
 
   // N x K: what each fold's frames differ from the fit of the others, 0 for frames of no fold.
@@ -176,6 +181,11 @@ class KernelRidge {
 
 double inverse_width2(double width, double median) { return 0.5 / std::pow(width * median, 2); }
 
+KernelRidge middling_ridge(const RegressionData& data, int centre_count) {
+  const MatrixXd centres = choose_centres(data, centre_count).points;
+  return {data, centres, inverse_width2(kWidths[1], median_distance(centres))};
+}
+
 Regression at_centres(Centres centres) {
   Regression regression;
   regression.centres = std::move(centres.points);
@@ -200,8 +210,11 @@ MatrixXd squared_distances(const MatrixXd& a, const MatrixXd& b) {
 }
 
 double trial_error(const RegressionData& data, int centre_count) {
-  const MatrixXd centres = choose_centres(data, centre_count).points;
-  return KernelRidge(data, centres, inverse_width2(kWidths[1], median_distance(centres))).validation_error({});
+  return middling_ridge(data, centre_count).validation_error({});
+}
+
+double fold_error(const RegressionData& data, int centre_count, int fold) {
+  return middling_ridge(data, centre_count).fold_error(static_cast<std::size_t>(fold), {});
 }
 
 // One dial after the other: all combinations would be four times as many fits.

@@ -45,6 +45,9 @@ Regression refit_regression(const RegressionData& data, int centre_count, const 
 // between features at a tenth of the price of a fit.
 double trial_error(const RegressionData& data, int centre_count);
 
+// With the same, of the frames of one fold as the other folds' fit has them: the sum of all squares.
+double fold_error(const RegressionData& data, int centre_count, int fold);
+
 // Folds for frames given in time order: runs of `run` consecutive frames of a take go to one fold of `count`, and the
 // last frame of every run goes to none (-1), so that neighbours never stand on both sides.
 std::vector<int> blocked_folds(const std::vector<int>& takes, int run, int count);

@@ -1,0 +1,139 @@
+#include "trainer/train/fit/choose_map.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "trainer/train/regression/projection.h"
+#include "trainer/train/regression/select_features.h"
+
+namespace bodyopt {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+// Features of a region at most, where there are kernels: more cost bytes and time and teach it next to nothing
+// (measured from 60 to 200).
+constexpr std::size_t kMostFeatures = 80, kMostFeaturesOfAll = 200;  // of a region that is the whole skin
+// A region may do with all centres that it may have, a half or a quarter of them.
+constexpr int kCentreFractions[] = {1, 2, 4};
+// Kernels may leave so much of what a linear map leaves: bytes are not what they are chosen by.
+constexpr double kWorthKernels = 1.05;
+
+std::size_t most_features(const Method& method) {
+  if (!method.kernels) return std::numeric_limits<std::size_t>::max();
+  return method.support == Method::Support::whole_skin ? kMostFeaturesOfAll : kMostFeatures;
+}
+
+int most_centres(const TrainOptions& options) { return options.method.kernels ? options.centres : 0; }
+
+MatrixXd from_rest(const FeatureSamples& features, const std::vector<std::uint32_t>& choice) {
+  const std::vector<Index> columns(choice.begin(), choice.end());
+  return features.values(Eigen::all, columns).rowwise() - Eigen::RowVectorXd(features.rest(columns));
+}
+
+std::vector<Index> columns_of(const std::vector<SelectedFeature>& selected) {
+  std::vector<Index> columns;
+  for (const SelectedFeature& feature : selected) columns.push_back(feature.column);
+  return columns;
+}
+
+// By column.
+std::vector<SelectedFeature> selected_features(const MatrixXd& values, const MatrixXd& targets, std::size_t most) {
+  std::vector<SelectedFeature> selected = select_features(values, targets, most);
+  std::sort(selected.begin(), selected.end(),
+            [](const SelectedFeature& a, const SelectedFeature& b) { return a.column < b.column; });
+  return selected;
+}
+
+// The features that tell most, ascending, what each explains, and the coordinates among them.
+void take_features(const MatrixXd& values, const std::vector<std::uint32_t>& choice, std::size_t most,
+                   RegionModel& model) {
+  const MatrixXd& targets = model.components.coefficients;
+  const std::vector<SelectedFeature> selected = selected_features(values, targets, most);
+  model.features.clear();
+  model.worth.clear();
+  for (const SelectedFeature& feature : selected) {
+    model.features.push_back(choice[feature.column]);
+    model.worth.push_back(feature.gain * targets.squaredNorm());
+  }
+  model.projection = projection(values(Eigen::all, columns_of(selected)), targets);
+}
+
+std::vector<Index> frames_not_in(const std::vector<int>& folds, int fold) {
+  std::vector<Index> frames;
+  for (std::size_t n = 0; n < folds.size(); ++n) {
+    if (folds[n] >= 0 && folds[n] != fold) frames.push_back(static_cast<Index>(n));
+  }
+  return frames;
+}
+
+// What features and coordinates that the other folds choose leave of every fold, square metres; with a quarter of the
+// centres, which ranks choices as all of them do.
+double few_frames_error(const MatrixXd& values, const MatrixXd& targets, const std::vector<int>& folds,
+                        const Eigen::VectorXd& weights, std::size_t most, int centres) {
+  double error = 0;
+  const int last = *std::max_element(folds.begin(), folds.end());
+  for (int fold = 0; fold <= last; ++fold) {
+    const std::vector<Index> others = frames_not_in(folds, fold);
+    const MatrixXd known = values(others, Eigen::all), motion = targets(others, Eigen::all);
+    const std::vector<Index> columns = columns_of(selected_features(known, motion, most));
+    const MatrixXd map = projection(known(Eigen::all, columns), motion);
+    const RegressionData data{values(Eigen::all, columns) * map.transpose(), Eigen::RowVectorXd::Zero(map.rows()),
+                              targets, weights, folds};
+    error += fold_error(data, centres / 4, fold);
+  }
+  return error;
+}
+
+// The number of the choice that leaves least in cross-validation.
+std::size_t best_choice(const FeatureSamples& features, const FeatureChoices& choices, const std::vector<int>& folds,
+                        const Eigen::VectorXd& weights, const TrainOptions& options, RegionModel model) {
+  const std::size_t most = most_features(options.method);
+  const int centres = most_centres(options);
+  std::size_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t c = 0; c < choices.size(); ++c) {
+    const MatrixXd values = from_rest(features, choices[c]);
+    double error = 0;
+    if (features.values.rows() <= kFewFrames) {
+      error = few_frames_error(values, model.components.coefficients, folds, weights, most, centres);
+    } else {
+      take_features(values, choices[c], most, model);
+      error = trial_error(regression_data(features, model, folds, weights), centres);
+    }
+    if (!(error < least)) continue;
+    least = error;
+    best = c;
+  }
+  return best;
+}
+
+}  // namespace
+
+void choose_map(const FeatureSamples& features, const FeatureChoices& choices, const std::vector<int>& folds,
+                const Eigen::VectorXd& weights, const TrainOptions& options, RegionModel& model) {
+  const FeatureChoices::value_type& best = choices[best_choice(features, choices, folds, weights, options, model)];
+  take_features(from_rest(features, best), best, most_features(options.method), model);
+  const RegressionData data = regression_data(features, model, folds, weights);
+  const int centres = most_centres(options);
+  const Regression linear = fit_regression(data, 0);
+  model.fits.clear();
+  for (const int fraction : kCentreFractions) {
+    if (centres > 0) model.fits.push_back(fit_regression(data, centres / fraction));
+  }
+  const bool kernels = centres > 0 && model.fits.front().validation_error < kWorthKernels * linear.validation_error;
+  if (!kernels) model.fits = {linear};
+}
+
+void refit_map(const FeatureSamples& features, const std::vector<int>& folds, const Eigen::VectorXd& weights,
+               const TrainOptions& options, RegionModel& model) {
+  const RegressionData data = regression_data(features, model, folds, weights);
+  for (std::size_t f = 0; f < model.fits.size(); ++f) {
+    const bool kernels = model.fits[f].centres.rows() > 0;
+    const int centres = kernels ? most_centres(options) / kCentreFractions[f] : 0;
+    model.fits[f] = refit_regression(data, centres, model.fits[f]);
+  }
+}
+
+}  // namespace bodyopt
