@@ -59,6 +59,14 @@ Json clips_info(const std::string& path, const Skeleton& skeleton, double unit) 
   return clips;
 }
 
+// Motion alone, or a mesh that no joints move.
+Json skinless_info(const std::string& path) {
+  const std::vector<std::string> clips = clip_names(path);
+  if (!clips.empty()) return {{"kind", "motion"}, {"clips", clips}};
+  return {{"kind", "no character"},
+          {"notes", {"it has neither a skin nor clips: a mesh that joints move needs a skin (JOINTS_0, WEIGHTS_0)"}}};
+}
+
 Json character_info(const std::string& path, double unit) {
   const Character character = read_character(path, unit);
   const auto box = (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).eval();
@@ -226,7 +234,7 @@ Json info(std::string path, double unit) {
   if (std::filesystem::is_directory(path)) path = (std::filesystem::path(path) / "dataset.json").string();
   const std::string extension = std::filesystem::path(path).extension();
   if (extension == ".glb" || extension == ".gltf") {
-    if (!has_skin(path)) return {{"kind", "motion"}, {"clips", clip_names(path)}};
+    if (!has_skin(path)) return skinless_info(path);
     return character_info(path, unit);
   }
   if (extension == ".safetensors") return trained_info(path);

@@ -70,11 +70,14 @@ bool PictureSeries::make_next(const DrawPicture& draw) {
   return false;
 }
 
+bool shows_motion(const std::string& pattern) {
+  return lower_case_extension(pattern) == kMoving || pattern.find_first_of("#%") != std::string::npos;
+}
+
 std::unique_ptr<PictureSeries> frame_series(const std::string& pattern, double fps, Controls& controls) {
   require_picture_name(pattern, true);
   Playback& playback = controls.playback;
-  const bool flip_book = lower_case_extension(pattern) == kMoving;
-  const bool moves = flip_book || pattern.find_first_of("#%") != std::string::npos;
+  const bool flip_book = lower_case_extension(pattern) == kMoving, moves = shows_motion(pattern);
   playback.pause();
   const int shown = playback.frame(), first = moves ? playback.in() : shown, last = moves ? playback.out() : shown;
   return std::make_unique<PictureSeries>(

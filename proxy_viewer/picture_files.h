@@ -59,6 +59,9 @@ class PictureSeries {
   std::size_t made_ = 0;
 };
 
+// Does the name ask for more than one frame: #### or %04d, or .webp?
+bool shows_motion(const std::string& pattern);
+
 // The range in pictures (`pattern` with #### or %04d), or in one that moves (.webp; `fps` of the clip); otherwise the
 // frame that is shown. Pauses.
 std::unique_ptr<PictureSeries> frame_series(const std::string& pattern, double fps, Controls& controls);

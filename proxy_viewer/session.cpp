@@ -305,7 +305,27 @@ void Session::apply_range(const PlaySettings& settings) {
 
 void Session::frame_selection(std::uint32_t width, std::uint32_t height) {
   controls.requests.frame_selection = false;
-  const std::vector<float> points = scene.points_to_frame(controls);
+  frame_points(scene.points_to_frame(controls), width, height);
+}
+
+void Session::frame_range(std::uint32_t width, std::uint32_t height) {
+  constexpr int kLooks = 12;
+  controls.requests.frame_selection = false;
+  Playback& playback = controls.playback;
+  const int shown = playback.frame(), first = playback.in(), last = playback.out();
+  const Vec3 here = scene.whereabouts(shown);
+  std::vector<float> points;
+  for (int look = 0; look <= kLooks; ++look) {
+    playback.scrub(first + look * (last - first) / kLooks);
+    const Vec3 gone = controls.settings.look.follow ? scene.whereabouts(playback.frame()) - here : Vec3{0, 0, 0};
+    const std::vector<float> some = scene.points_to_frame(controls);
+    for (std::size_t k = 0; k < some.size(); ++k) points.push_back(some[k] - static_cast<float>(gone[k % 3]));
+  }
+  playback.scrub(shown);
+  frame_points(points, width, height);
+}
+
+void Session::frame_points(const std::vector<float>& points, std::uint32_t width, std::uint32_t height) {
   if (points.empty()) return;
   const Rectangle view = scene.view_areas(controls.settings, {0, 0, width, height}).front();
   controls.camera.frame(points,

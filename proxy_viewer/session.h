@@ -60,6 +60,8 @@ class Session {
   void play_clip();
   // The camera sees all, or the joint that is selected, in a picture of so many pixels.
   void frame_selection(std::uint32_t width, std::uint32_t height);
+  // So that nothing leaves the picture in the frames that are played (thirteen are looked at).
+  void frame_range(std::uint32_t width, std::uint32_t height);
   // The camera goes along with the lead since the picture before.
   void follow();
   // Of truths that lie otherwise on their clips than when this was last asked.
@@ -68,6 +70,7 @@ class Session {
   void describe_picture();
 
  private:
+  void frame_points(const std::vector<float>& points, std::uint32_t width, std::uint32_t height);
   struct Replacement {
     std::size_t index;  // in the cast
     std::unique_ptr<Actor> actor;

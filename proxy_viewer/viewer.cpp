@@ -220,9 +220,18 @@ class Viewer {
     }
     if (window_) controls_.say("H: all keys");
     session_.follow();
-    if (controls_.requests.frame_selection) session_.frame_selection(options_.width, options_.height);
+    if (controls_.requests.frame_selection) frame_what_comes();
     const std::vector<std::string> commands = script_commands(options_.commands);
     script_.assign(commands.begin(), commands.end());
+  }
+
+  // Of a sequence without a window all of it: nobody is there to move the camera.
+  void frame_what_comes() {
+    if (options_.headless && shows_motion(options_.out)) {
+      session_.frame_range(options_.width, options_.height);
+    } else {
+      session_.frame_selection(options_.width, options_.height);
+    }
   }
 
   // Up to the next command that asks for something: the picture is drawn, and it is done, before the others run.
