@@ -543,7 +543,7 @@ const Command kCommands[] = {
     {"side-panel", "[on|off]", "Q", "View", "the panel on the right",
      [](Controls& c, const std::string& a) { toggle(c.settings.hud.panels.try_emplace(kSidePanel, true).first->second, a); },
      [](const Controls& c) { return name_of(shows_side_panel(c.settings)); }},
-    {"section", "look|cameras|compare|curate|pose|muscles|jiggle|ghosts|cast|output", "", "View",
+    {"section", "look|cameras|compare|curate|pose|modifiers|muscles|jiggle|ghosts|cast|output", "", "View",
      "opens a section of the side panel, and closes the others",
      [](Controls& c, const std::string& a) { open_section(c.settings, known(a, section_names(), "section of the side panel")); }},
     {"quit", "", "Ctrl+Q", "File", "close the viewport", [](Controls& c, const std::string&) { c.requests.quit = true; }},
