@@ -36,10 +36,14 @@ class BvhText {
 
  private:
   // Those that go elsewhere than they stand at rest, and the root.
-  bool moves(std::size_t joint) const {
-    return joint == 0 || std::ranges::any_of(clip_.poses, [&](const Pose& pose) {
-             return pose.joints[joint].translation != skeleton_.joints[joint].bind.translation;
-           });
+  std::vector<char> moving_joints() const {
+    std::vector<char> moves(skeleton_.size(), 0);
+    for (std::size_t joint = 0; joint < moves.size(); ++joint) {
+      moves[joint] = joint == 0 || std::ranges::any_of(clip_.poses, [&](const Pose& pose) {
+                       return pose.joints[joint].translation != skeleton_.joints[joint].bind.translation;
+                     });
+    }
+    return moves;
   }
 
   static std::string token(std::string name) {
@@ -55,7 +59,7 @@ class BvhText {
     text_ << tabs << (depth == 0 ? "ROOT " : "JOINT ") << token(skeleton_.joints[joint].name) << "\n"
           << tabs << "{\n"
           << inner << "OFFSET " << offset[0] << " " << offset[1] << " " << offset[2] << "\n"
-          << inner << (moves(joint) ? "CHANNELS 6 Xposition Yposition Zposition " : "CHANNELS 3 ")
+          << inner << (moves_[joint] != 0 ? "CHANNELS 6 Xposition Yposition Zposition " : "CHANNELS 3 ")
           << "Zrotation Xrotation Yrotation\n";
     bool ends = true;
     for (std::size_t child = joint + 1; child < skeleton_.size(); ++child) {
@@ -71,7 +75,7 @@ class BvhText {
     const char* between = "";
     for (const std::size_t joint : order_) {
       const Vec3& at = pose.joints[joint].translation;
-      if (moves(joint)) {
+      if (moves_[joint] != 0) {
         text_ << between << at[0] << " " << at[1] << " " << at[2];
         between = " ";
       }
@@ -86,6 +90,7 @@ class BvhText {
   const Clip& clip_;
   const Skeleton& skeleton_;
   std::ostringstream text_;
+  std::vector<char> moves_ = moving_joints();
   std::vector<std::size_t> order_;  // of the joints in the file
 };
 

@@ -1,6 +1,8 @@
 // bodyopt rig: what a rig that nobody has prepared needs, to begin with and to edit.
 #include <spdlog/spdlog.h>
 
+#include <set>
+
 #include "assets/joint_regions.h"
 #include "assets/json_file.h"
 #include "assets/notes.h"
@@ -55,7 +57,6 @@ std::vector<std::string> write_mappings(const RigArguments& arguments, const Ske
   for (const std::string& path : arguments.mappings) {
     const anatomy::CarriedMapping mapping = anatomy::carried_mapping(path, skeleton);
     const fs::path out = fs::path(arguments.out) / fs::path(path).filename();
-    refuse_overwriting(out, path);
     write_json(mapping.json, out);
     written.push_back(out.string());
     if (mapping.unknown.empty()) continue;
@@ -65,8 +66,26 @@ std::vector<std::string> write_mappings(const RigArguments& arguments, const Ske
   return written;
 }
 
+// They are written to be edited: what was edited is not lost.
+void refuse_existing(const RigArguments& arguments) {
+  std::vector<std::string> names{"limits.json", "regions.json", "jiggle.json"};
+  for (const std::string& path : arguments.mappings) names.push_back(fs::path(path).filename().string());
+  std::set<std::string> seen;
+  for (const std::string& name : names) {
+    const fs::path out = fs::path(arguments.out) / name;
+    if (!seen.insert(name).second) {
+      throw Error(ErrorKind::usage, out.string() + ": two files would be written to it: rename a mapping");
+    }
+    if (fs::exists(out)) {
+      throw Error(ErrorKind::usage,
+                  out.string() + ": is there already, edited perhaps: remove it, or give another --out");
+    }
+  }
+}
+
 void run(const RigArguments& arguments) {
   arguments.json.require_writable();
+  refuse_existing(arguments);
   const Character character = read_character(arguments.character, arguments.unit);
   say(character.notes);
   const Skeleton& skeleton = character.skeleton;
@@ -81,9 +100,8 @@ void run(const RigArguments& arguments) {
   write_joint_limits(limits, skeleton, out / "limits.json");
   write_regions(regions, character, out / "regions.json", "skin weights, small parts with the joint above");
   if (!jiggle.is_null()) write_json(jiggle, out / "jiggle.json");
-  for (const char* name : {"limits.json", "regions.json", "jiggle.json"}) {
-    if (fs::exists(out / name)) files.push_back((out / name).string());
-  }
+  for (const char* name : {"limits.json", "regions.json"}) files.push_back((out / name).string());
+  if (!jiggle.is_null()) files.push_back((out / "jiggle.json").string());
   const auto from_clips = std::count_if(limits.dofs.begin(), limits.dofs.end(), [](const DegreeOfFreedom& dof) {
     return dof.source.starts_with("what the clips");
   });

@@ -7,11 +7,13 @@
 #include <filesystem>
 #include <optional>
 
+#include "assets/json_file.h"
 #include "cli/arguments/common.h"
 #include "cli/results/attachments.h"
 #include "cli/results/measure.h"
 #include "cli/results/provenance.h"
 #include "runtime/core/error.h"
+#include "runtime/core/strict_json.h"
 #include "trainer/check/check.h"
 #include "trainer/motion/coupled_joints.h"
 #include "trainer/train/data/samples.h"
@@ -99,7 +101,12 @@ int surface_curves_for(const TrainArguments& arguments, const SampleSet& set) {
   if (arguments.options.update && std::filesystem::exists(arguments.out)) {
     const Basis earlier = load_basis(arguments.out);
     const auto found = earlier.metadata.find("provenance");
-    if (found != earlier.metadata.end()) return Json::parse(found->second).value("surface_curves", 0);
+    if (found != earlier.metadata.end()) {
+      const std::filesystem::path path = arguments.out;
+      const Json provenance = parse_strict_json<Json>(found->second, arguments.out);
+      const JsonObject object(provenance, path, "provenance");
+      return object.has("surface_curves") ? object.integer("surface_curves", 0, 1000) : 0;
+    }
   }
   const int pairs = needed_surface_curves(set, arguments.options);
   if (pairs > 0) {

@@ -162,6 +162,11 @@ FarmStep step_from(const JsonObject& object) {
   if (step.arguments.size() < 2 || (step.arguments[0] != "eval" && step.arguments[0] != "join")) {
     object.refuse("has arguments of something else than 'eval' or 'join'");
   }
+  for (const char* option : {"--clip", "--frames", "--out"}) {
+    const auto at = std::ranges::find(step.arguments, option);
+    const bool given = at != step.arguments.end() && at + 1 != step.arguments.end() && !(at + 1)->starts_with("--");
+    if (step.arguments[0] == "eval" && !given) object.refuse(std::string("has arguments without '") + option + "'");
+  }
   step.frames = static_cast<std::size_t>(object.integer("frames", 0));
   step.seconds = object.number("seconds", 0, 1e12);
   step.is_delivered = object.boolean("delivered");

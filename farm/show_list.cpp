@@ -25,18 +25,18 @@ struct Key {
 };
 
 // Those of `eval` are its options, with "_" for "-".
-constexpr Key kKeys[] = {{"shot", Kind::text},          {"element", Kind::text},
-                         {"basis", Kind::path},         {"clip", Kind::clip},
-                         {"frames", Kind::text},        {"out", Kind::path},
-                         {"frame_ms", Kind::number},    {"level", Kind::number},
-                         {"full_skin", Kind::flag},     {"device", Kind::text},
-                         {"fps", Kind::number},         {"first_frame", Kind::number},
-                         {"unit", Kind::number},        {"controls", Kind::path},
-                         {"joint_map", Kind::path},     {"attached", Kind::path},
-                         {"jiggle", Kind::flag},        {"dynamics", Kind::path},
-                         {"cuts", Kind::text},          {"preroll", Kind::number},
-                         {"iterations", Kind::number},  {"gravity_change", Kind::numbers},
-                         {"require_device", Kind::flag}};
+constexpr Key kKeys[] = {{"shot", Kind::text},           {"element", Kind::text},
+                         {"basis", Kind::path},          {"clip", Kind::clip},
+                         {"frames", Kind::text},         {"out", Kind::path},
+                         {"frame_ms", Kind::number},     {"level", Kind::number},
+                         {"full_skin", Kind::flag},      {"device", Kind::text},
+                         {"fps", Kind::number},          {"first_frame", Kind::number},
+                         {"unit", Kind::number},         {"controls", Kind::path},
+                         {"joint_map", Kind::path},      {"attached", Kind::path},
+                         {"jiggle", Kind::flag},         {"dynamics", Kind::path},
+                         {"cuts", Kind::text},           {"preroll", Kind::number},
+                         {"iterations", Kind::number},   {"gravity_change", Kind::numbers},
+                         {"require_device", Kind::flag}, {"modifiers", Kind::path}};
 
 using Values = std::map<std::string, std::vector<std::string>>;  // by key; flags that are off are left out
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "dataset/stack_history.h"
 #include "trainer/curate/edit_stack.h"
@@ -23,7 +24,7 @@ void Curation::look(const Scene& scene, Controls& controls) {
   const std::shared_ptr<const ShapeStack> stack = truth && truth->is_whole() ? truth->stack() : nullptr;
   if (stack != stack_) {
     *this = {};
-    controls.curating = {};
+    const Curating before = std::exchange(controls.curating, {});
     stack_ = stack;
     if (!stack) return;
     numbers_ = truth->numbers();
@@ -38,6 +39,12 @@ void Curation::look(const Scene& scene, Controls& controls) {
     }
     for (const Modifier& modifier : stack->database().dataset.modifiers) {
       controls.curating.modifiers.push_back(modifier.name);
+    }
+    // An edit made this stack of the one before: what was chosen stays.
+    controls.curating.colour = before.colour;
+    controls.curating.raw = before.raw;
+    if (std::ranges::find(controls.curating.regions, before.region) != controls.curating.regions.end()) {
+      controls.curating.region = before.region;
     }
   }
   if (stack_ && controls.curating.region != region_) choose_region(controls.curating.region);
@@ -97,7 +104,8 @@ void Curation::describe(const Controls& controls, Snapshot& snapshot) const {
   row.region = region_;
   row.dots = dots(controls, snapshot);
   const std::vector<double> heat = values(controls, snapshot);
-  const auto hottest = std::max_element(heat.begin(), heat.end(), [](double a, double b) { return !(a >= b); });
+  const auto hottest = std::max_element(heat.begin(), heat.end(),
+                                        [](double a, double b) { return std::isnan(a) ? !std::isnan(b) : a < b; });
   const bool known = std::isfinite(*hottest);
   char text[96];
   switch (controls.curating.colour) {

@@ -215,7 +215,17 @@ std::vector<fs::path> Session::files() const {
   return files;
 }
 
+void Session::refuse_input(const std::string& file) const {
+  for (const fs::path& input : files()) {
+    std::error_code absent;
+    if (fs::equivalent(file, input, absent)) {
+      throw Error(ErrorKind::usage, file + ": is open here, and would be overwritten: give another name");
+    }
+  }
+}
+
 void Session::export_clip(const std::string& file) {
+  refuse_input(file);
   const Actor& lead = scene.lead();
   const Playback& playback = controls.playback;
   Clip clip;
@@ -239,6 +249,7 @@ void Session::export_clip(const std::string& file) {
 }
 
 void Session::export_skin(const std::string& file) {
+  refuse_input(file);
   Actor& lead = scene.lead();
   const Playback& playback = controls.playback;
   const MeshTable& mesh = lead.finest_basis().mesh;

@@ -83,7 +83,8 @@ class Session {
   void read_dataset_again();
   void play_as(const PlaySettings& settings);
   void apply_range(const PlaySettings& settings);
-  std::size_t require_character(int number) const;  // its index
+  std::size_t require_character(int number) const;   // its index
+  void refuse_input(const std::string& file) const;  // throws Error(usage) where it is one of files()
   void pose_lead();
   void show_lead();
   void play_on();

@@ -173,7 +173,7 @@ class CacheDrawer {
 
   const MeshTable& mesh_of(const FarmStep& step) {
     const auto level = std::find(step.arguments.begin(), step.arguments.end(), "--level");
-    const std::string number = level == step.arguments.end() ? "0" : *(level + 1);
+    const std::string number = level == step.arguments.end() || level + 1 == step.arguments.end() ? "0" : *(level + 1);
     const std::string key = step.arguments.at(1) + '\0' + number;
     auto found = meshes_.find(key);
     if (found == meshes_.end()) {

@@ -10,7 +10,8 @@
  *
  * Versions: every structure begins with struct_size, which the caller sets to its sizeof. Later versions of the library
  * add fields at the end and take 0 in them for what was before; they are binary compatible as long as
- * BODYOPT_VERSION_MAJOR is the same. bodyopt_floats alone has no struct_size and never changes.
+ * BODYOPT_VERSION_MAJOR is the same. bodyopt_floats and bodyopt_vulkan_output, which others
+ * contain, have no struct_size and never change.
  *
  * Memory: arrays are the caller's, before and after a call. Strides are in bytes; 0 means without gaps. Handles are
  * released once by the function for their type, which takes NULL, too; a model or device that instances still use lives
@@ -127,8 +128,8 @@ typedef struct bodyopt_instance_options {
   double gravity_change[3];         /* against the gravity that the shapes have in them, m/s^2, world */
 } bodyopt_instance_options;
 
-/* Instances of one model on one device share its tables there. `options`: NULL for none. BODYOPT_DEVICE,
- * BODYOPT_USAGE. */
+/* Instances of one model that are made on one device, without others between, share its tables there. `options`: NULL
+ * for none. BODYOPT_DEVICE, BODYOPT_USAGE. */
 BODYOPT_API bodyopt_result bodyopt_create_instance(const bodyopt_model* model, const bodyopt_instance_options* options,
                                                    bodyopt_instance** instance);
 BODYOPT_API void bodyopt_release_instance(bodyopt_instance* instance);

@@ -45,7 +45,7 @@ bool same(const JointTransform& a, const JointTransform& b) {
 
 bool same(std::span<const Pose> a, std::span<const Pose> b) {
   return std::ranges::equal(a, b, [](const Pose& p, const Pose& q) {
-    return p.controls == q.controls &&
+    return p.controls == q.controls && p.modifiers == q.modifiers &&
            std::ranges::equal(p.joints, q.joints, [](const auto& s, const auto& t) { return same(s, t); });
   });
 }

@@ -299,6 +299,7 @@ class Validator : TableChecks {
       }
       check_modifier(modifier, used);
     }
+    if (std::ranges::find(used, 0) != used.end()) refuse("there are components that no modifier has");
     if (names.size() > kMostModifiers) refuse("there are more than " + std::to_string(kMostModifiers) + " modifiers");
     expect_offsets("modifiers.blend_begin", modifiers.blend_begin, basis_.mesh.block_count(), modifiers.blend.size());
     expect_entries("modifiers.blend", modifiers.blend, used.size());

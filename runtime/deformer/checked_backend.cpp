@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include "runtime/core/error.h"
@@ -82,6 +83,17 @@ class CheckedBackend final : public Backend {
     Batch batch = given;
     batch.stays_on_device = false;
     batch.keeps_posed = true;
+    const std::optional<NodeMotion> before = batch.jiggle.empty() ? std::nullopt : std::optional(cpu_->motion());
+    try {
+      return checked(batch, given.stays_on_device);
+    } catch (...) {
+      if (before) set_motion(*before);  // as Backend::run promises
+      throw;
+    }
+  }
+
+ private:
+  BatchResult checked(const Batch& batch, bool stays_on_device) {
     BatchResult found = device_->run(batch);
     const BatchResult expected = cpu_->run(batch);
     const std::size_t frames = batch.frame_count;
@@ -93,11 +105,10 @@ class CheckedBackend final : public Backend {
     if (!batch.jiggle.empty())
       compare(vertices("jiggle", found.positions, expected.positions, kOfSize * size_), frames);
     compare(vertices("output", found.normals, expected.normals, kNormal), frames);
-    if (given.stays_on_device) found.positions = found.normals = {};
+    if (stays_on_device) found.positions = found.normals = {};
     return found;
   }
 
- private:
   StageOutput fibres(const char* stage, std::span<const float> device, std::span<const float> cpu) const {
     return {stage, device, cpu, 1, kStrain, [this](std::size_t k) { return "fibre " + model_->basis.strain.names[k]; }};
   }

@@ -52,9 +52,10 @@ std::unique_ptr<Backend> make_backend(const std::shared_ptr<const CharacterModel
   return on_a_device(std::make_shared<const vulkan::DeviceModel>(device, model), jiggle, choice.check);
 }
 
-// Pose::modifiers, one for each component.
+// Pose::modifiers, one for each component. A basis without any, such as a lighter level, has nothing to weigh.
 std::vector<float> modifier_weights(const Basis& basis, const Pose& pose) {
   const std::size_t count = basis.modifiers.component_count();
+  if (count == 0) return {};
   if (!pose.modifiers.empty() && pose.modifiers.size() != count) {
     throw Error(ErrorKind::mismatch, "a pose has " + std::to_string(pose.modifiers.size()) +
                                          " weights of modifiers, the basis has " + std::to_string(count));

@@ -82,6 +82,14 @@ void turn_joints(const SkinModifier& modifier, std::span<const float> weights, s
 void apply_modifier(const Basis& basis, const SkinModifier& modifier, std::span<const std::string> channels,
                     double rate, std::span<Pose> poses, std::vector<std::string>& notes) {
   const SkinModifierType& type = type_of(modifier);
+  const auto refuse = [&](const std::string& what) {
+    throw Error(ErrorKind::mismatch, "the modifier '" + modifier.name + "' " + what + " that its type '" +
+                                         modifier.type + "' needs: damaged, or of another version");
+  };
+  if (modifier.component_count != type.components) {
+    refuse("has " + std::to_string(modifier.component_count) + " components, not the " +
+           std::to_string(type.components));
+  }
   const ChannelReader reader(modifier, channels, poses, notes);
   const std::vector<float> strength = reader.values(kModifierStrength);
   ModifierFrames frames{basis, modifier, rate, poses, {}};
@@ -91,8 +99,7 @@ void apply_modifier(const Basis& basis, const SkinModifier& modifier, std::span<
   try {
     type.drive(frames, weights);
   } catch (const std::out_of_range&) {
-    throw Error(ErrorKind::mismatch, "the modifier '" + modifier.name + "' lacks numbers that its type '" +
-                                         modifier.type + "' needs: damaged, or of another version");
+    refuse("lacks numbers");
   }
   for (std::size_t f = 0; f < poses.size(); ++f) {
     for (std::size_t k = 0; k < components; ++k) {

@@ -2,6 +2,7 @@
 // skin_modifier_types.cpp; what the trainer makes of a character for it is trainer/modifiers/bake_<type>.cpp.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -32,6 +33,7 @@ struct SkinModifierType {
   const char* name;
   const char* what;  // one line
   std::vector<SkinModifierControl> controls;
+  std::uint32_t components;  // that it drives
   // Fills the weights, F x component_count, for a strength of 1. They depend on the frames from the clip's first on and
   // on nothing else, so that a part of a shot has the bits of the whole.
   void (*drive)(const ModifierFrames& frames, std::span<float> weights);

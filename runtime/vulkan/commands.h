@@ -31,7 +31,10 @@ class Commands {
   void copy(const BufferRange& from, const BufferRange& to);  // the size of `from`
   void fill(const BufferRange& range, std::uint32_t word);
   void update(const BufferRange& range, std::span<const std::byte> bytes);  // as many as the range has; multiples of 4
-  void record_into(VkCommandBuffer host) { commands_ = host; }
+  void record_into(VkCommandBuffer host) {
+    commands_ = host;
+    dispatch_count_ = 0;  // nothing of the host's is cut
+  }
   void forget_sets();
   // What stands before is finished and seen by what comes after.
   void barrier();

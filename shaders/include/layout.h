@@ -62,9 +62,9 @@ BODYOPT_CHECK_SIZE(Region, 48)
 // Words of one signed byte per lane of a block.
 const uint kLaneWords = kBlockSize / 4u;
 
-// One (block, coefficient) entry of the residual's blend, or (block, component) entry of the modifiers'. The numbers are x of all lanes, then y, then z, four lanes to
-// a word, the lowest lane in the lowest byte. The basis vector at a lane is scale * kBlendFraction times its three
-// numbers; the lanes after V hold zeros.
+// One (block, coefficient) entry of the residual's blend, or (block, component) entry of the modifiers'. The numbers
+// are x of all lanes, then y, then z, four lanes to a word, the lowest lane in the lowest byte. The basis vector at a
+// lane is scale * kBlendFraction times its three numbers; the lanes after V hold zeros.
 struct BlendEntry {
   uint scale_coefficient;         // half scale (low), coefficient index (high 16 bits)
   uint numbers[3u * kLaneWords];  // four signed bytes each

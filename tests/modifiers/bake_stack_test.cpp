@@ -205,6 +205,8 @@ TEST(BakeStack, ForgedTablesAreRefused) {
   refused([](SkinModifiers& m) { m.stack[0].joints.push_back(99); });
   refused([](SkinModifiers& m) { m.stack[0].numbers[0] = std::numeric_limits<float>::infinity(); });
   refused([](SkinModifiers& m) { m.stack[0].component_count = 0xffffffffu; });
+  refused([](SkinModifiers& m) { m.stack[0].first_component = 3; });  // nobody has those before
+
   refused([](SkinModifiers& m) { m.stack[0].turns.push_back({99, 0, 0, 0, 0}); });
   refused([](SkinModifiers& m) { m.stack.push_back(m.stack[0]); });  // twice the same components
   refused([](SkinModifiers& m) { m.stack.clear(); });                // tables of none

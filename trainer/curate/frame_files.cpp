@@ -87,9 +87,15 @@ std::set<std::vector<Corner>> sorted_triangles(const Character& character) {
 
 bool has_its_faces(const Character& character, const ObjMesh& mesh) {
   const std::set<std::vector<Corner>> known = sorted_triangles(character);
-  return std::all_of(mesh.faces.begin(), mesh.faces.end(), [&](std::vector<Corner> face) {
-    std::sort(face.begin(), face.end());
-    return face.size() != 3 || known.contains(face);
+  const auto has = [&](Corner a, Corner b, Corner c) {
+    std::vector<Corner> triangle{a, b, c};
+    std::sort(triangle.begin(), triangle.end());
+    return known.contains(triangle);
+  };
+  return std::all_of(mesh.faces.begin(), mesh.faces.end(), [&](const std::vector<Corner>& f) {
+    if (f.size() == 3) return has(f[0], f[1], f[2]);
+    if (f.size() != 4) return false;
+    return (has(f[0], f[1], f[2]) && has(f[0], f[2], f[3])) || (has(f[0], f[1], f[3]) && has(f[1], f[2], f[3]));
   });
 }
 

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 // All texts in a modifier's parameters: names of files are among them.
 void add_texts(const Json& json, std::set<std::string>& texts) {
-  if (json.is_string()) texts.insert(json.get<std::string>());
+  if (json.is_string()) texts.insert(fs::path(json.get<std::string>()).lexically_normal().generic_string());
   if (!json.is_structured()) return;
   for (const Json& inner : json) add_texts(inner, texts);
 }

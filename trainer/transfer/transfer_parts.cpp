@@ -36,6 +36,7 @@ std::vector<LogSizes> log_sizes(const TransferPair& pair) {
   std::vector<LogSizes> sizes(pair.source.skeleton.size());
   const std::vector<Eigen::Index> joints = holders(source_joint_shares(pair.source, pair.match));
   for (Eigen::Index v = 0; v < logs.size(); ++v) {
+    if (!std::isfinite(logs[v])) continue;  // no area on one side
     LogSizes& part = sizes[static_cast<std::size_t>(joints[static_cast<std::size_t>(v)])];
     part.count += 1;
     part.sum += logs[v];

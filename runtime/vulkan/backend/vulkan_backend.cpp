@@ -117,7 +117,9 @@ class VulkanBackend final : public Backend {
   }
 
   void set_motion(const NodeMotion& motion) override {
-    if (!failed_) dynamics_->set_motion(motion);  // so that what failed is what is told
+    if (failed_) return;  // so that what failed is what is told
+    dynamics_->set_motion(motion);
+    forget_recorded_buffers();  // of the motion before
   }
 
   NodeMotion motion() const override {
@@ -127,8 +129,8 @@ class VulkanBackend final : public Backend {
 
   void record(const Batch& batch, const Recording& recording) override {
     refuse_failed();
-    become_recorder();
     failed_ = true;  // until this frame went well: the motion has gone on
+    become_recorder();
     commands_->record_into(recording.commands);
     commands_->barrier();  // after the frame before
     record_inputs(batch);
