@@ -162,8 +162,8 @@ void bake(const CurateArguments& arguments) {
   std::size_t frames = 0;
   for (const DatasetTake& take : baked.takes) frames += take.frames.size();
   arguments.json.emit({{"dataset", arguments.out}, {"takes", baked.takes.size()}, {"frames", frames}},
-                      format("wrote %s: %zu frames of %zu takes, without modifiers\n", arguments.out.c_str(), frames,
-                             baked.takes.size()));
+                      format("wrote %s: %zu frames of %zu takes, whose shapes are what the modifiers made of them\n",
+                             arguments.out.c_str(), frames, baked.takes.size()));
 }
 
 void prune(const CurateArguments& arguments) {
@@ -175,20 +175,23 @@ void prune(const CurateArguments& arguments) {
 
 std::vector<float> flat(const Positions& positions) { return {positions.data(), positions.data() + positions.size()}; }
 
-// The worst pair: both frames at rest with their displacements, and in colour how far apart they are.
-void draw_pair(const ShapeStack& stack, const DisagreeingPair& pair, const std::string& path) {
+// The worst pair in one pose, and in colour how far apart the shapes are in its region.
+std::string draw_pair(const ShapeStack& stack, const DisagreeingPair& pair, const std::string& path) {
+  constexpr std::uint32_t kWidth = 500, kHeight = 700;
   const Character& character = stack.database().character;
-  const std::size_t count = stack.database().dataset.modifiers.size();
-  const std::vector<float> first = flat(character.vertices + stack.offsets(pair.first, count)),
-                           second = flat(character.vertices + stack.offsets(pair.second, count));
+  const PairInOnePose shapes = in_one_pose(stack, pair);
+  const std::vector<float> first = flat(shapes.first), second = flat(shapes.second);
   const PosePair drawn{
       {character.triangles.data(), static_cast<std::size_t>(character.triangles.size())}, first, second};
+  const double largest = 1e3 * (shapes.second - shapes.first).rowwise().norm().maxCoeff();
+  const double scale = std::max(0.1, largest);  // mm; under a tenth nothing is to be seen of it
   Renderer renderer;
-  constexpr std::uint32_t kWidth = 500, kHeight = 700;
-  constexpr double kScale = 10;  // mm
-  write_png(triptych(renderer, drawn, kScale, frame_pose(drawn, {0.3f, 0.2f, 1.0f}, float{kWidth} / kHeight), kWidth,
-                     kHeight),
-            path);
+  write_png(
+      triptych(renderer, drawn, scale, frame_pose(drawn, {0.3f, 0.2f, 1.0f}, float{kWidth} / kHeight), kWidth, kHeight),
+      path);
+  return format("wrote %s: %s; %s in the same pose; how far they are apart in the region %s, darkest at %.2f mm\n",
+                path.c_str(), frame_text(stack.database(), pair.first).c_str(),
+                frame_text(stack.database(), pair.second).c_str(), pair.region.c_str(), scale);
 }
 
 void report(const CurateArguments& arguments) {
@@ -218,8 +221,7 @@ void report(const CurateArguments& arguments) {
                        {"deviation_mm", region.deviation_mm}});
   }
   if (!arguments.picture.empty() && !found.pairs.empty()) {
-    draw_pair(stack, found.pairs.front(), arguments.picture);
-    text += "wrote " + arguments.picture + "\n";
+    text += draw_pair(stack, found.pairs.front(), arguments.picture);
   }
   Json frames = Json::array();
   for (std::size_t n = 0; n < found.frame_mm.size(); ++n) {
@@ -396,7 +398,9 @@ void add_curate(CLI::App& app) {
   sub_report.add_option("--worst", reported->worst, "Pairs to list")
       ->capture_default_str()
       ->check(CLI::Range(1, 10000));
-  sub_report.add_option("--picture", reported->picture, "The worst pair, un-posed, side by side")
+  sub_report
+      .add_option("--picture", reported->picture,
+                  "The worst pair in one pose: the first, the second, and how far they are apart")
       ->type_name("FILE.png")
       ->check(must_end_in(".png"));
   sub_report.callback([reported] { report(*reported); });

@@ -14,6 +14,7 @@
 #include "dataset/dataset.h"
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/error.h"
+#include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/train/pack/trade_off.h"
 
 namespace bodyopt::cli {
@@ -112,6 +113,7 @@ Json basis_info(const std::string& path) {
                  {"kernel_centres", basis.residual.centre_count()},
                  {"controls", basis.residual.controls},
                  {"modifiers", json_of_modifiers(basis.modifiers)},
+                 {"modifier_channels", modifier_channels(basis.modifiers)},
                  {"bytes_per_vertex", bytes},
                  {"joints", joint_names(basis.skeleton)},
                  {"metadata", metadata}};

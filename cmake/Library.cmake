@@ -28,6 +28,7 @@ foreach(kind shared static)
 endforeach()
 set_target_properties(bodyopt_shared PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}
                                                 LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/bodyopt.map)
+target_link_libraries(bodyopt_static INTERFACE stdc++)  # for programs of C alone
 target_link_options(bodyopt_shared PRIVATE -Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/bodyopt.map)
 if(NOT BODYOPT_SANITIZE AND NOT BODYOPT_SANITIZE_THREADS)
   target_link_options(bodyopt_shared PRIVATE -Wl,--no-undefined)  # sanitizers leave theirs to the program
@@ -38,6 +39,7 @@ endif()
 configure_package_config_file(cmake/bodyoptConfig.cmake.in ${PROJECT_BINARY_DIR}/bodyoptConfig.cmake
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/bodyopt)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/bodyoptConfigVersion.cmake COMPATIBILITY SameMajorVersion)
+file(RELATIVE_PATH BODYOPT_PREFIX_FROM_PC /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(cmake/bodyopt.pc.in bodyopt.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/bodyoptConfig.cmake ${PROJECT_BINARY_DIR}/bodyoptConfigVersion.cmake
         COMPONENT library DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/bodyopt)

@@ -105,6 +105,17 @@ struct Skin {
   py::array_t<float> positions, normals, strains, outside, fades;
 };
 
+// Other Python threads run meanwhile.
+template <typename Call>
+void check_without_gil(const Call& call) {
+  bodyopt_result result;
+  {
+    const py::gil_scoped_release others_run;
+    result = call();
+  }
+  api::check(result);
+}
+
 struct State {
   api::State handle;
 };
@@ -115,12 +126,7 @@ struct Device {
     options.name = name ? name->c_str() : nullptr;
     options.validation = validation;
     bodyopt_device* opened = nullptr;
-    bodyopt_result result;
-    {
-      const py::gil_scoped_release others_run;
-      result = bodyopt_open_device(&options, &opened);
-    }
-    api::check(result);
+    check_without_gil([&] { return bodyopt_open_device(&options, &opened); });
     handle.reset(opened);
   }
 
@@ -238,12 +244,7 @@ class Model {
     options.dynamics = dynamics ? dynamics->c_str() : nullptr;
     options.level = level;
     bodyopt_model* loaded = nullptr;
-    bodyopt_result result;
-    {
-      const py::gil_scoped_release others_run;
-      result = bodyopt_load_model(path.c_str(), &options, &loaded);
-    }
-    api::check(result);
+    check_without_gil([&] { return bodyopt_load_model(path.c_str(), &options, &loaded); });
     handle.reset(loaded);
     description = api::describe(handle);
   }

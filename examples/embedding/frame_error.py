@@ -18,6 +18,8 @@ instance = model.instance()
 learned = instance.evaluate(pose[None]).positions[0].copy()
 instance.set_weights(correction=0)
 error = np.sort(1e3 * np.linalg.norm(instance.evaluate(pose[None]).positions[0] - learned, axis=1))
+if error[-1] == 0:
+    sys.exit(f"{basis}: nothing that was learned moves with joint {joint}")
 
 points = " ".join(f"{20 + 560 * i / len(error):.1f},{280 - 250 * e / error[-1]:.1f}" for i, e in enumerate(error))
 with open(out, "w") as svg:

@@ -57,7 +57,7 @@ class ChannelReader {
     char range[64];
     std::snprintf(range, sizeof range, "%g to %g", static_cast<double>(control.low), static_cast<double>(control.high));
     notes_.push_back("the control '" + name + "' leaves its range, " + range + ", in " + std::to_string(clamped) +
-                     " of " + std::to_string(values.size()) + " frames: clamped there");
+                     " of the clip's " + std::to_string(values.size()) + " frames: clamped there");
   }
 
   const SkinModifier& modifier_;

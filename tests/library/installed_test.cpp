@@ -116,12 +116,18 @@ TEST_F(Installed, PythonModuleGivesTheSameFrames) {
 #endif
 }
 
-TEST_F(Installed, PkgConfigKnowsIt) {
-  const std::string pc = run_program("find " + prefix() + " -name bodyopt.pc").output;
-  ASSERT_NE(pc, "");
-  const std::string folder = fs::path(pc).parent_path();
-  EXPECT_EQ(run_program("PKG_CONFIG_PATH=" + folder + " pkg-config --modversion bodyopt").output,
-            std::string(bodyopt_version()) + "\n");
+TEST_F(Installed, PkgConfigKnowsItWhereverItLies) {
+  const fs::path moved = *folder_ / "moved";
+  fs::copy(prefix(), moved, fs::copy_options::recursive | fs::copy_options::copy_symlinks);
+  const std::string found = run_program("find " + moved.string() + " -name bodyopt.pc").output;
+  ASSERT_NE(found, "");
+  const std::string pkg_config = "PKG_CONFIG_PATH=" + fs::path(found).parent_path().string() + " pkg-config ";
+  EXPECT_EQ(run_program(pkg_config + "--modversion bodyopt").output, std::string(bodyopt_version()) + "\n");
+  const std::string program = (*folder_ / "by_pkg_config").string();
+  expect_runs("cc " + kSourceFolder + "/examples/embedding/skin_frame.c -o " + program + " $(" + pkg_config +
+              "--cflags --libs bodyopt) -lm");
+  expect_runs("LD_LIBRARY_PATH=$(" + pkg_config + "--variable=libdir bodyopt) " + program + " " + hero() + " 1 " +
+              program + ".obj");
 }
 
 }  // namespace installed_test

@@ -161,7 +161,7 @@ TEST(DriveModifiers, ClampsAndSaysSo) {
   const std::vector<std::string> notes = drive_modifiers(basis, std::vector<std::string>{"shown.depth"}, kRate, poses);
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_NE(notes[0].find("'shown.depth'"), std::string::npos) << notes[0];
-  EXPECT_NE(notes[0].find("2 of 10"), std::string::npos) << notes[0];
+  EXPECT_NE(notes[0].find("2 of the clip's 10"), std::string::npos) << notes[0];
 }
 
 TEST(DriveModifiers, RefusesWhatItDoesNotKnow) {

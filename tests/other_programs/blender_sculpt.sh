@@ -2,15 +2,7 @@
 # A frame goes to Blender, as OBJ and as glTF with its skeleton posed, is sculpted there and comes back with its vertices in
 # another order: it is what the dataset's frame is from then on, and what a training learns of it; undone, the frame is what
 # it was, bit for bit. `blender_sculpt.sh DEMO` works on a copy of what `bodyopt demo --quick` left there.
-set -euo pipefail
-cd "$(dirname "$0")/../.."
-if ! command -v blender >/dev/null; then
-  echo "skipped: blender is not installed (scripts/test --all installs it)"
-  exit 0
-fi
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-bodyopt=build/release/bin/bodyopt
+. "$(dirname "$0")/blender.bash"
 if [ $# -gt 0 ]; then
   cp -r "$1/." "$folder"
 else
@@ -31,8 +23,7 @@ print(f"{max(moved):.3f}")' "$1" "$2"
 $bodyopt curate export-frame "$data" $frame --out "$folder/before.obj"
 $bodyopt curate export-frame "$data" $frame --out "$folder/before.glb"
 for format in obj glb; do
-  blender --background --factory-startup --python-exit-code 1 --python tests/other_programs/blender_sculpt.py -- \
-    "$folder/before.$format" "$folder/sculpt.$format" >/dev/null
+  in_blender blender_sculpt.py "$folder/before.$format" "$folder/sculpt.$format" >/dev/null
   $bodyopt curate import-frame "$data" $frame --mesh "$folder/sculpt.$format" --name sculpt --spread 20 >/dev/null
   $bodyopt curate export-frame "$data" $frame --out "$folder/after.obj" >/dev/null
   moved=$(largest "$folder/before.obj" "$folder/after.obj")

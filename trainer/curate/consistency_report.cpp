@@ -62,19 +62,22 @@ void add_pairs(const PoseDatabase& database, const SkinPart& part, const LocalMo
   }
 }
 
-// The worst first, each frame at most in three: one bad frame is not the whole list.
+std::size_t frames_between(std::size_t a, std::size_t b) { return a > b ? a - b : b - a; }
+
+// The worst first. Two motions that pass each other disagree over many frames: of pairs whose frames lie close together
+// the worst is named, so that a contradiction is in the list once.
 std::vector<DisagreeingPair> ranked(const WorstOfPair& worst, std::size_t most) {
-  constexpr int kOfOneFrame = 3;
+  constexpr std::size_t kSameMoment = 6;  // frames
   std::vector<DisagreeingPair> all, result;
   for (const auto& [frames, pair] : worst) all.push_back(pair);
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.apart_mm > b.apart_mm; });
-  std::map<std::size_t, int> named;
   for (const DisagreeingPair& pair : all) {
     if (result.size() == most) break;
-    if (named[pair.first] >= kOfOneFrame || named[pair.second] >= kOfOneFrame) continue;
-    ++named[pair.first];
-    ++named[pair.second];
-    result.push_back(pair);
+    const bool is_named = std::ranges::any_of(result, [&](const DisagreeingPair& other) {
+      return frames_between(pair.first, other.first) < kSameMoment &&
+             frames_between(pair.second, other.second) < kSameMoment;
+    });
+    if (!is_named) result.push_back(pair);
   }
   return result;
 }
@@ -117,6 +120,22 @@ ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, st
     report.frame_mm.push_back(1e3 * std::sqrt(square / static_cast<double>(vertices)));
   for (const double square : of_vertex) report.vertex_mm.push_back(1e3 * std::sqrt(square));
   return report;
+}
+
+PairInOnePose in_one_pose(const ShapeStack& stack, const DisagreeingPair& pair) {
+  const PoseDatabase& database = stack.database();
+  const std::size_t count = database.dataset.modifiers.size();
+  const Positions first = stack.offsets(pair.first, count), other = stack.offsets(pair.second, count);
+  Positions second = first;
+  for (const SkinPart& part : skin_parts(database)) {
+    if (part.region.name != pair.region) continue;
+    for (std::size_t k = 0; k < part.region.vertices.size(); ++k) {
+      const auto v = Index{part.region.vertices[k]};
+      second.row(v) += part.region.weights[k] * (other.row(v) - first.row(v));
+    }
+  }
+  const UnposedSpace::Frame pose = stack.space().frame(database.frames[pair.first].pose);
+  return {pose.shape(first), pose.shape(second)};
 }
 
 }  // namespace bodyopt

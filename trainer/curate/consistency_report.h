@@ -24,7 +24,7 @@ struct RegionAgreement {
 };
 
 struct ConsistencyReport {
-  std::vector<DisagreeingPair> pairs;  // the worst first; a pair of frames once, in its worst region
+  std::vector<DisagreeingPair> pairs;  // the worst first; of those a few frames apart one, in its worst region
   std::vector<RegionAgreement> regions;
   std::vector<double> frame_mm;   // of every frame: deviation, RMS over the skin
   std::vector<double> vertex_mm;  // V: the same, RMS over the frames
@@ -33,5 +33,11 @@ struct ConsistencyReport {
 // `degrees`: how far frames are near; at most `most` pairs. Shows progress. Throws Error(mismatch) of a dataset without
 // frames.
 ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, std::size_t most);
+
+// V x 3 each, metres: the shape of the first frame, and what the second makes of the pair's region in the first's pose.
+struct PairInOnePose {
+  Positions first, second;
+};
+PairInOnePose in_one_pose(const ShapeStack& stack, const DisagreeingPair& pair);
 
 }  // namespace bodyopt
