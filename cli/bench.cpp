@@ -7,6 +7,7 @@
 #include "base/progress.h"
 #include "cli/arguments/common.h"
 #include "runtime/core/error.h"
+#include "runtime/host/stages.h"
 #include "runtime/threads/tbb_executor.h"
 #include "runtime/vulkan/device.h"
 
@@ -110,9 +111,11 @@ void run(const BenchArguments& arguments) {
   std::string text =
       format("%u vertices, %zu joints: %.2f MB a frame; triad %.1f GB/s; ms a frame, stages summed over threads\n",
              basis.mesh.vertex_count(), basis.skeleton.size(), bytes / 1e6, triad / 1e9);
-  const char* const stages[] = {"rig", "strain", "residual", "modify", "pose", "output"};
-  text += format("%5s %9s %9s %9s %9s %9s %9s %9s %7s %8s  %s\n", "batch", "frame", "rig", "strain", "residual",
-                 "modify", "pose", "output", "GB/s", "of triad", "device");
+  std::vector<Stage> stages = {Stage::rig};
+  for (const Stage stage : stages_of(basis, Batch{})) stages.push_back(stage);
+  text += format("%5s %9s", "batch", "frame");
+  for (const Stage stage : stages) text += format(" %9s", name_of(stage));
+  text += format(" %7s %8s  %s\n", "GB/s", "of triad", "device");
   for (const std::string& name : devices_of(arguments)) {
     Deformer deformer(basis, {.name = name, .executor = threads});
     for (const std::size_t batch : {1, 4, 16, 64}) {
@@ -120,10 +123,10 @@ void run(const BenchArguments& arguments) {
       const double bandwidth = bytes / cost.seconds;
       Json stage_ms = Json::object();
       text += format("%5zu %9.4f", batch, 1e3 * cost.seconds);
-      for (const char* stage : stages) {
-        const auto time = cost.stage_seconds.find(stage);
+      for (const Stage stage : stages) {
+        const auto time = cost.stage_seconds.find(name_of(stage));
         const double ms = time == cost.stage_seconds.end() ? 0 : 1e3 * time->second;
-        stage_ms[stage] = ms;
+        stage_ms[name_of(stage)] = ms;
         text += format(" %9.4f", ms);
       }
       text += format(" %7.2f %7.0f%%  %s\n", bandwidth / 1e9, 100 * bandwidth / triad, deformer.device_name().c_str());

@@ -5,13 +5,12 @@
 
 #include "assets/frame_range.h"
 #include "assets/notes.h"
+#include "runtime/host/stages.h"
 #include "trainer/dynamics/measure_jiggle.h"
 #include "trainer/train/coverage/coverage.h"
 
 namespace bodyopt::cli {
 namespace {
-
-constexpr const char* kStages[] = {"rig", "strain", "residual", "modify", "pose", "diffuse", "jiggle", "output"};
 
 // Frames worth a look, spread over the shot: those expected to be most wrong, or, where that is not known, that leave
 // what was trained furthest.
@@ -141,10 +140,10 @@ void EvaluationLog::take_up(const Json& kept) {
 
 Json EvaluationLog::summary() const {
   Json milliseconds = Json::object();
-  for (const char* stage : kStages) {
-    const auto found = stage_seconds_.find(stage);
+  for (const StageDescription& stage : kStages) {
+    const auto found = stage_seconds_.find(stage.name);
     if (found == stage_seconds_.end()) continue;
-    milliseconds[stage] = 1e3 * found->second / static_cast<double>(std::max<std::size_t>(1, timed_frames_));
+    milliseconds[stage.name] = 1e3 * found->second / static_cast<double>(std::max<std::size_t>(1, timed_frames_));
   }
   const Json worst = worth_a_look(per_frame_);
   Json result{{"frames", frames_.size()},
@@ -168,10 +167,10 @@ Json EvaluationLog::result() const {
 
 std::string EvaluationLog::text() const {
   std::string text;
-  for (const char* stage : kStages) {
-    const auto found = stage_seconds_.find(stage);
+  for (const StageDescription& stage : kStages) {
+    const auto found = stage_seconds_.find(stage.name);
     if (found == stage_seconds_.end()) continue;
-    text += format("  %-8s %8.3f ms a frame\n", stage,
+    text += format("  %-8s %8.3f ms a frame\n", stage.name,
                    1e3 * found->second / static_cast<double>(std::max<std::size_t>(1, timed_frames_)));
   }
   if (!outside_frames_.empty()) {

@@ -8,6 +8,7 @@
 #include "runtime/cpu/cpu_dynamics.h"
 #include "runtime/cpu/ddm_frames.h"
 #include "runtime/cpu/kernels.h"
+#include "runtime/host/stages.h"
 
 namespace bodyopt {
 namespace {
@@ -31,18 +32,27 @@ auto of_frame(Values& values, std::size_t f, std::size_t frames) {
   return std::span(values).subspan(f * size, size);
 }
 
-// Seconds of one stage, summed over threads.
-class StageTime {
+// Seconds of the stages, summed over threads.
+class StageTimes {
  public:
-  void add_since(std::chrono::steady_clock::time_point& last) {
-    const auto now = std::chrono::steady_clock::now();
-    seconds_.fetch_add(std::chrono::duration<double>(now - last).count(), std::memory_order_relaxed);
+  using Clock = std::chrono::steady_clock;
+
+  void add_since(Clock::time_point& last, Stage stage) {
+    const Clock::time_point now = Clock::now();
+    seconds_[index_of(stage)].fetch_add(std::chrono::duration<double>(now - last).count(), std::memory_order_relaxed);
     last = now;
   }
-  double seconds() const { return seconds_; }
+  double of(Stage stage) const { return seconds_[index_of(stage)]; }
 
  private:
-  std::atomic<double> seconds_ = 0;
+  PerStage<std::atomic<double>> seconds_{};
+};
+
+// A batch under way.
+struct Work {
+  const Batch& batch;
+  BatchResult result{};
+  StageTimes times{};
 };
 
 class CpuBackend final : public Backend {
@@ -62,10 +72,46 @@ class CpuBackend final : public Backend {
   NodeMotion motion() const override { return dynamics_->motion; }
 
   BatchResult run(const Batch& batch) override {
-    const std::size_t frames = batch.frame_count;
-    BatchResult result;
-    result.positions.resize(frames * basis_.mesh.vertex_count() * 3);
-    if (batch.wants_normals) result.normals.resize(result.positions.size());
+    Work work{batch};
+    prepare(batch.frame_count, batch.wants_normals, work.result);
+    const std::vector<Stage> stages = stages_of(basis_, batch);
+    for_ranges(batch.frame_count, [&](FrameRange range) {
+      for (const Stage stage : stages) run_frames(stage, work, range);
+      run_parts(stages, work, range);
+    });
+    for (const Stage stage : stages) run_batch(stage, work);
+    for (const Stage stage : stages) work.result.stage_seconds[name_of(stage)] = work.times.of(stage);
+    return std::move(work.result);
+  }
+
+ private:
+  // What a stage does of some frames before any of their skin is posed.
+  void run_frames(Stage stage, Work& work, FrameRange range) {
+    if (stage == Stage::strain) find_strains(work, range);
+    if (stage == Stage::residual) find_coefficients(work, range);
+  }
+
+  // What it does once the whole batch is posed.
+  void run_batch(Stage stage, Work& work) {
+    auto last = StageTimes::Clock::now();
+    BatchResult& result = work.result;
+    if (stage == Stage::pose && work.batch.keeps_posed) result.posed = result.positions;
+    if (stage == Stage::diffuse) dynamics_->diffuse(work.batch, result.positions);
+    if (stage == Stage::jiggle) dynamics_->jiggle(work.batch, weights_.jiggle, result.strains, result.positions);
+    if (stage == Stage::output && work.batch.wants_normals) return find_normals(work);
+    work.times.add_since(last, stage);
+  }
+
+  // Arrays of a batch that nobody asks for, kept from batch to batch.
+  struct Scratch {
+    std::vector<float> fibre_positions, features, coordinates, kernels;
+    std::vector<float> areas;   // of kFramesAtOnce frames
+    std::vector<float> frames;  // of all blocks of kFramesAtOnce frames; none without strains
+  };
+
+  void prepare(std::size_t frames, bool wants_normals, BatchResult& result) {
+    result.positions.resize(frames * vertex_count() * 3);
+    if (wants_normals) result.normals.resize(result.positions.size());
     result.strains.resize(frames * basis_.strain.fibre_count());
     result.excess.resize(frames * basis_.residual.feature_count());
     result.coefficients.resize(frames * basis_.residual.coefficient_count());
@@ -73,38 +119,22 @@ class CpuBackend final : public Backend {
     scratch_.features.resize(frames * basis_.residual.feature_count());
     scratch_.coordinates.resize(frames * basis_.residual.coordinate_count());
     scratch_.kernels.resize(frames * basis_.residual.centre_count());
-
-    StageTime strain, residual, modify, pose, output;
-    for (std::size_t begin = 0; begin < frames; begin += kFramesAtOnce) {
-      const FrameRange range{begin, std::min(frames, begin + kFramesAtOnce)};
-      find_frames(batch, range, strain);
-      parallel_for(*executor_, range.count(), 1, [&](std::size_t from, std::size_t to) {
-        for (std::size_t k = from; k < to; ++k) find_coefficients(batch, range, k, result, strain, residual);
-      });
-      over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
-        pose_part(batch, range, k, first, count, result, residual, modify, pose);
-      });
-    }
-    result.stage_seconds = {{"strain", strain.seconds()}, {"residual", residual.seconds()}, {"pose", pose.seconds()}};
-    if (!basis_.modifiers.empty()) result.stage_seconds["modify"] = modify.seconds();
-    if (batch.keeps_posed) result.posed = result.positions;
-    if (!batch.jiggle.empty()) {
-      dynamics_->run(batch, weights_.jiggle, result.strains, result.positions, result.stage_seconds);
-    }
-    for (std::size_t begin = 0; batch.wants_normals && begin < frames; begin += kFramesAtOnce) {
-      find_normals({begin, std::min(frames, begin + kFramesAtOnce)}, frames, result, output);
-    }
-    result.stage_seconds["output"] = output.seconds();
-    return result;
   }
 
- private:
-  // Arrays of a batch that nobody asks for, kept from batch to batch.
-  struct Scratch {
-    std::vector<float> fibre_positions, features, coordinates, kernels;
-    std::vector<float> areas;   // of kFramesAtOnce frames
-    std::vector<float> frames;  // of all blocks of kFramesAtOnce frames; none without strains
-  };
+  template <typename Function>
+  static void for_ranges(std::size_t frames, const Function& function) {
+    for (std::size_t begin = 0; begin < frames; begin += kFramesAtOnce) {
+      function(FrameRange{begin, std::min(frames, begin + kFramesAtOnce)});
+    }
+  }
+
+  // function(f), f of the batch, of all frames of a range.
+  template <typename Function>
+  void over_frames(FrameRange range, const Function& function) const {
+    parallel_for(*executor_, range.count(), 1, [&](std::size_t from, std::size_t to) {
+      for (std::size_t k = from; k < to; ++k) function(range.begin + k);
+    });
+  }
 
   // function(frame, first, count) of all parts of `elements` vertices or triangles in each of all frames.
   template <typename Function>
@@ -129,78 +159,92 @@ class CpuBackend final : public Backend {
         .subspan(cpu::kFrameNumbers * first_block);
   }
 
-  // Strains and the pose stage both need them.
-  void find_frames(const Batch& batch, FrameRange range, StageTime& strain) {
+  // The frames of Direct Delta Mush of all blocks, which the pose stage needs, too, and from them the strains.
+  void find_strains(Work& work, FrameRange range) {
     if (basis_.strain.vertices.empty()) return;
+    const Batch& batch = work.batch;
     scratch_.frames.resize(std::max(scratch_.frames.size(), cpu::kFrameNumbers * range.count() * block_count()));
     over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
-      auto last = std::chrono::steady_clock::now();
+      auto last = StageTimes::Clock::now();
       const std::size_t block = first / kBlockSize, blocks = (count + kBlockSize - 1) / kBlockSize;
       cpu::block_frames(basis_.ddm, of_frame(batch.skinning, range.begin + k, batch.frame_count).data(),
                         static_cast<std::uint32_t>(block), known_frames(k, block).first(cpu::kFrameNumbers * blocks));
-      strain.add_since(last);
+      work.times.add_since(last, Stage::strain);
+    });
+    over_frames(range, [&](std::size_t f) {
+      auto last = StageTimes::Clock::now();
+      const auto positions = of_frame(scratch_.fibre_positions, f, batch.frame_count);
+      cpu::place_strain_vertices(basis_.ddm, basis_.strain, known_frames(f - range.begin, 0), positions);
+      cpu::strain_measure(basis_.strain, positions, of_frame(work.result.strains, f, batch.frame_count));
+      work.times.add_since(last, Stage::strain);
     });
   }
 
-  void find_coefficients(const Batch& batch, FrameRange range, std::size_t k, BatchResult& result, StageTime& strain,
-                         StageTime& residual) {
+  void find_coefficients(Work& work, FrameRange range) {
     const ResidualTable& table = basis_.residual;
-    const auto frame = [&](auto& values) { return of_frame(values, range.begin + k, batch.frame_count); };
-    const auto fibre_positions = frame(scratch_.fibre_positions), features = frame(scratch_.features),
-               coordinates = frame(scratch_.coordinates), kernels = frame(scratch_.kernels);
-    auto last = std::chrono::steady_clock::now();
-    cpu::place_strain_vertices(basis_.ddm, basis_.strain, known_frames(k, 0), fibre_positions);
-    cpu::strain_measure(basis_.strain, fibre_positions, frame(result.strains));
-    strain.add_since(last);
-    cpu::residual_features(table.features, frame(batch.joint_features), frame(result.strains), frame(batch.controls), 1,
-                           features, frame(result.excess));
-    cpu::residual_project(table, features, 1, coordinates);
-    if (weights_.kernels) {
-      cpu::residual_kernels(table, coordinates, 1, kernels);
-    } else {
-      std::fill(kernels.begin(), kernels.end(), 0.0f);
-    }
-    cpu::residual_coefficients(table, coordinates, kernels, rest_coefficients_, frame(batch.fades), 1,
-                               frame(result.coefficients));
-    residual.add_since(last);
-  }
-
-  void pose_part(const Batch& batch, FrameRange range, std::size_t k, std::size_t first, std::size_t count,
-                 BatchResult& result, StageTime& residual, StageTime& modify, StageTime& pose) {
-    const std::size_t f = range.begin + k;
-    const auto block = static_cast<std::uint32_t>(first / kBlockSize);
-    float numbers[3 * kPartVertices];
-    const std::span<float> displacements(numbers, 3 * count);
-    auto last = std::chrono::steady_clock::now();
-    cpu::blend_blocks(basis_.residual, of_frame(result.coefficients, f, batch.frame_count).data(), weights_.correction,
-                      block, displacements);
-    residual.add_since(last);
-    if (!basis_.modifiers.empty()) {
-      cpu::modify_blocks(basis_.modifiers, of_frame(batch.modifiers, f, batch.frame_count).data(), block,
-                         displacements);
-      modify.add_since(last);
-    }
-    cpu::pose_blocks(basis_.ddm, of_frame(batch.skinning, f, batch.frame_count).data(), known_frames(k, block).data(),
-                     &batch.origins[4 * f], block, displacements,
-                     of_frame(result.positions, f, batch.frame_count).subspan(3 * first, 3 * count));
-    pose.add_since(last);
-  }
-
-  void find_normals(FrameRange range, std::size_t frames, BatchResult& result, StageTime& output) {
-    const std::size_t triangles = basis_.mesh.triangles.size() / 3, numbers = cpu::kAreaNumbers * triangles;
-    scratch_.areas.resize(std::max(scratch_.areas.size(), numbers * range.count()));
-    const std::span<float> areas(scratch_.areas);
-    over_parts(range.count(), triangles, [&](std::size_t k, std::size_t first, std::size_t count) {
-      auto last = std::chrono::steady_clock::now();
-      cpu::area_vectors(basis_.mesh, of_frame(result.positions, range.begin + k, frames), first,
-                        areas.subspan(k * numbers + cpu::kAreaNumbers * first, cpu::kAreaNumbers * count));
-      output.add_since(last);
+    const Batch& batch = work.batch;
+    BatchResult& result = work.result;
+    over_frames(range, [&](std::size_t f) {
+      auto last = StageTimes::Clock::now();
+      const auto frame = [&](auto& values) { return of_frame(values, f, batch.frame_count); };
+      const auto features = frame(scratch_.features), coordinates = frame(scratch_.coordinates),
+                 kernels = frame(scratch_.kernels);
+      cpu::residual_features(table.features, frame(batch.joint_features), frame(result.strains), frame(batch.controls),
+                             1, features, frame(result.excess));
+      cpu::residual_project(table, features, 1, coordinates);
+      if (weights_.kernels) {
+        cpu::residual_kernels(table, coordinates, 1, kernels);
+      } else {
+        std::fill(kernels.begin(), kernels.end(), 0.0f);
+      }
+      cpu::residual_coefficients(table, coordinates, kernels, rest_coefficients_, frame(batch.fades), 1,
+                                 frame(result.coefficients));
+      work.times.add_since(last, Stage::residual);
     });
+  }
+
+  // What stages do part by part, one after the other while a part is in the nearest cache.
+  void run_parts(std::span<const Stage> stages, Work& work, FrameRange range) {
     over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
-      auto last = std::chrono::steady_clock::now();
-      cpu::part_normals(basis_.mesh, areas.subspan(k * numbers, numbers), first,
-                        of_frame(result.normals, range.begin + k, frames).subspan(3 * first, 3 * count));
-      output.add_since(last);
+      const auto frame = [&](auto& values) { return of_frame(values, range.begin + k, work.batch.frame_count); };
+      const auto block = static_cast<std::uint32_t>(first / kBlockSize);
+      float numbers[3 * kPartVertices];
+      const std::span<float> displacements(numbers, 3 * count);
+      auto last = StageTimes::Clock::now();
+      for (const Stage stage : stages) {
+        if (stage == Stage::residual) {
+          cpu::blend_blocks(basis_.residual, frame(work.result.coefficients).data(), weights_.correction, block,
+                            displacements);
+        } else if (stage == Stage::modify) {
+          cpu::modify_blocks(basis_.modifiers, frame(work.batch.modifiers).data(), block, displacements);
+        } else if (stage == Stage::pose) {
+          cpu::pose_blocks(basis_.ddm, frame(work.batch.skinning).data(), known_frames(k, block).data(),
+                           &work.batch.origins[4 * (range.begin + k)], block, displacements,
+                           frame(work.result.positions).subspan(3 * first, 3 * count));
+        }
+        work.times.add_since(last, stage);
+      }
+    });
+  }
+
+  void find_normals(Work& work) {
+    const std::size_t frames = work.batch.frame_count;
+    const std::size_t triangles = basis_.mesh.triangles.size() / 3, numbers = cpu::kAreaNumbers * triangles;
+    for_ranges(frames, [&](FrameRange range) {
+      scratch_.areas.resize(std::max(scratch_.areas.size(), numbers * range.count()));
+      const std::span<float> areas(scratch_.areas);
+      over_parts(range.count(), triangles, [&](std::size_t k, std::size_t first, std::size_t count) {
+        auto last = StageTimes::Clock::now();
+        cpu::area_vectors(basis_.mesh, of_frame(work.result.positions, range.begin + k, frames), first,
+                          areas.subspan(k * numbers + cpu::kAreaNumbers * first, cpu::kAreaNumbers * count));
+        work.times.add_since(last, Stage::output);
+      });
+      over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
+        auto last = StageTimes::Clock::now();
+        cpu::part_normals(basis_.mesh, areas.subspan(k * numbers, numbers), first,
+                          of_frame(work.result.normals, range.begin + k, frames).subspan(3 * first, 3 * count));
+        work.times.add_since(last, Stage::output);
+      });
     });
   }
 

@@ -1,17 +1,11 @@
 #include "runtime/cpu/cpu_dynamics.h"
 
-#include <chrono>
-
 #include "runtime/cpu/corotated_solve.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/host/jiggle_stages.h"
 
 namespace bodyopt {
 namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 // What frame f of `frames` has of values.
 template <typename Values>
@@ -32,24 +26,19 @@ CpuDynamics::CpuDynamics(const JiggleModel& model, Executor& threads)
   if (options_.iterations > 0) tet_rotations_.resize(std::size_t{9} * dynamics_.tets.tet_count());
 }
 
-void CpuDynamics::run(const Batch& batch, float weight, std::span<const float> strains, std::vector<float>& positions,
-                      std::map<std::string, double>& stage_seconds) {
-  const auto start = std::chrono::steady_clock::now();
-  diffuse(batch, positions);
-  stage_seconds["diffuse"] += seconds_since(start);
-  const auto jiggle_start = std::chrono::steady_clock::now();
+void CpuDynamics::jiggle(const Batch& batch, float weight, std::span<const float> strains,
+                         std::vector<float>& positions) {
   const NodeMotion before = motion;
   try {
-    jiggle(batch, weight, strains, positions);
+    step_frames(batch, weight, strains, positions);
   } catch (...) {
     motion = before;
     throw;
   }
-  stage_seconds["jiggle"] += seconds_since(jiggle_start);
 }
 
-void CpuDynamics::jiggle(const Batch& batch, float weight, std::span<const float> strains,
-                         std::vector<float>& positions) {
+void CpuDynamics::step_frames(const Batch& batch, float weight, std::span<const float> strains,
+                              std::vector<float>& positions) {
   rotations_.resize(3 * nodes_.size());
   cpu::jiggle_rotate(dynamics_.tets, nodes_, batch.frame_count, rotations_, threads_);
   std::vector<float> moved(positions.size());

@@ -11,17 +11,16 @@ class CpuDynamics {
   // The executor must outlive it.
   CpuDynamics(const JiggleModel& model, Executor& threads);
 
-  // Steps the frames of a batch in their order. positions: F x V x 3, of the quasi-static skin; replaced by those of
-  // the skin that jiggles, of which `weight` is shown. strains: F x S. Adds the stages' seconds. Where it throws, the
-  // motion is that of before.
-  void run(const Batch& batch, float weight, std::span<const float> strains, std::vector<float>& positions,
-           std::map<std::string, double>& stage_seconds);
+  // The nodes of a batch, kept for jiggle(). positions: F x V x 3, of the quasi-static skin.
+  void diffuse(const Batch& batch, std::span<const float> positions);
+  // Steps the frames of the batch in their order. positions: F x V x 3, of the quasi-static skin; replaced by those of
+  // the skin that jiggles, of which `weight` is shown. strains: F x S. Where it throws, the motion is that of before.
+  void jiggle(const Batch& batch, float weight, std::span<const float> strains, std::vector<float>& positions);
 
   NodeMotion motion;
 
  private:
-  void jiggle(const Batch& batch, float weight, std::span<const float> strains, std::vector<float>& positions);
-  void diffuse(const Batch& batch, std::span<const float> positions);
+  void step_frames(const Batch& batch, float weight, std::span<const float> strains, std::vector<float>& positions);
   void step(const Batch& batch, std::uint32_t frame, std::span<const float> strains);
   void begin_frame(const JiggleFrame& frame, std::span<const float> nodes);
   void solve(const JiggleStepPush& stage, std::span<const float> rotations);

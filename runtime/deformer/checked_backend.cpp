@@ -8,6 +8,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/core/extent.h"
+#include "runtime/host/stages.h"
 
 namespace bodyopt {
 namespace {
@@ -21,7 +22,7 @@ constexpr double kNormal = 2e-2;     // a position's error over the edge of a sm
 
 // What a stage leaves behind: `width` numbers of each element, frame-major.
 struct StageOutput {
-  const char* stage;
+  Stage stage;
   std::span<const float> device, cpu;
   std::size_t width;
   double tolerance;
@@ -45,7 +46,7 @@ void compare(const StageOutput& output, std::size_t frames) {
   for (std::size_t k = 0; k < output.cpu.size(); ++k) {
     const double device = output.device[k], cpu = output.cpu[k];
     if (std::abs(device - cpu) <= output.tolerance) continue;  // false, too, where one is not a number
-    throw Error(ErrorKind::device, std::string("the check found a difference in the stage '") + output.stage +
+    throw Error(ErrorKind::device, std::string("the check found a difference in the stage '") + name_of(output.stage) +
                                        "', frame " + std::to_string(k / stride) + " of the batch, " +
                                        output.element(k % stride / output.width) + ": the device has " +
                                        number_text(device) + ", the CPU " + number_text(cpu) + ", the tolerance is " +
@@ -97,23 +98,41 @@ class CheckedBackend final : public Backend {
     BatchResult found = device_->run(batch);
     const BatchResult expected = cpu_->run(batch);
     const std::size_t frames = batch.frame_count;
-    compare(fibres("strain", found.strains, expected.strains), frames);
-    compare(numbers("residual", "feature", found.excess, expected.excess), frames);
-    compare(numbers("residual", "coefficient", found.coefficients, expected.coefficients), frames);
-    compare(vertices("pose", found.posed, expected.posed, kOfSize * size_), frames);
-    if (!batch.jiggle.empty()) check_motion();
-    if (!batch.jiggle.empty())
-      compare(vertices("jiggle", found.positions, expected.positions, kOfSize * size_), frames);
-    compare(vertices("output", found.normals, expected.normals, kNormal), frames);
+    if (!batch.jiggle.empty()) device_motion_ = device_->motion();
+    for (const Stage stage : stages_of(model_->basis, batch)) check(stage, found, expected, frames);
+    if (!batch.jiggle.empty()) cpu_->set_motion(device_motion_);
     if (stays_on_device) found.positions = found.normals = {};
     return found;
   }
 
-  StageOutput fibres(const char* stage, std::span<const float> device, std::span<const float> cpu) const {
+  void check(Stage stage, const BatchResult& found, const BatchResult& expected, std::size_t frames) {
+    switch (stage) {
+      case Stage::rig:
+        return;  // on the host
+      case Stage::modify:
+        return;  // seen in what is posed
+      case Stage::strain:
+        return compare(fibres(stage, found.strains, expected.strains), frames);
+      case Stage::residual:
+        compare(numbers(stage, "feature", found.excess, expected.excess), frames);
+        return compare(numbers(stage, "coefficient", found.coefficients, expected.coefficients), frames);
+      case Stage::pose:
+        return compare(vertices(stage, found.posed, expected.posed, kOfSize * size_), frames);
+      case Stage::diffuse:
+        return compare(nodes(stage, device_motion_.nodes, cpu_->motion().nodes), 1);
+      case Stage::jiggle:
+        compare(nodes(stage, device_motion_.displacement, cpu_->motion().displacement), 1);
+        return compare(vertices(stage, found.positions, expected.positions, kOfSize * size_), frames);
+      case Stage::output:
+        return compare(vertices(stage, found.normals, expected.normals, kNormal), frames);
+    }
+  }
+
+  StageOutput fibres(Stage stage, std::span<const float> device, std::span<const float> cpu) const {
     return {stage, device, cpu, 1, kStrain, [this](std::size_t k) { return "fibre " + model_->basis.strain.names[k]; }};
   }
 
-  static StageOutput numbers(const char* stage, const std::string& what, std::span<const float> device,
+  static StageOutput numbers(Stage stage, const std::string& what, std::span<const float> device,
                              std::span<const float> cpu) {
     return {stage, device, cpu, 1, kOfLargest * std::max(1.0, largest(cpu)), [what](std::size_t k) {
               return what + " " + std::to_string(k);
@@ -121,26 +140,22 @@ class CheckedBackend final : public Backend {
   }
 
   // By the number that the character's file has for a vertex.
-  StageOutput vertices(const char* stage, std::span<const float> device, std::span<const float> cpu,
-                       double tolerance) const {
+  StageOutput vertices(Stage stage, std::span<const float> device, std::span<const float> cpu, double tolerance) const {
     return {stage, device, cpu, 3, tolerance, [this](std::size_t k) {
               const std::vector<std::uint32_t>& output = model_->basis.mesh.output_vertex;
               return "vertex " + std::to_string(std::ranges::find(output, k) - output.begin());
             }};
   }
 
-  // Of the last frame: where diffuse takes the nodes, and where the jiggle does from there.
-  void check_motion() {
-    const NodeMotion found = device_->motion(), expected = cpu_->motion();
-    const auto node = [](std::size_t k) { return "node " + std::to_string(k); };
-    compare({"diffuse", found.nodes, expected.nodes, 3, kOfSize * size_, node}, 1);
-    compare({"jiggle", found.displacement, expected.displacement, 3, kOfSize * size_, node}, 1);
-    cpu_->set_motion(found);
+  // Of the last frame.
+  StageOutput nodes(Stage stage, std::span<const float> device, std::span<const float> cpu) const {
+    return {stage, device, cpu, 3, kOfSize * size_, [](std::size_t k) { return "node " + std::to_string(k); }};
   }
 
   std::shared_ptr<const CharacterModel> model_;
   std::unique_ptr<Backend> device_, cpu_;
-  double size_;  // metres
+  double size_;               // metres
+  NodeMotion device_motion_;  // after the batch under check
 };
 
 }  // namespace

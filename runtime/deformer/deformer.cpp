@@ -12,6 +12,7 @@
 #include "runtime/deformer/checked_backend.h"
 #include "runtime/host/fade.h"
 #include "runtime/host/rig.h"
+#include "runtime/host/stages.h"
 #include "runtime/threads/tbb_executor.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_backend.h"
@@ -296,7 +297,8 @@ Evaluation Deformer::run(std::span<const Pose> poses, std::span<const int> frame
     batch.stays_on_device = to.stays_on_device;
     batch.wants_normals = to.place == nullptr || to.place->normals.data != nullptr;
     if (!frames.empty()) batch.jiggle = plan(batch, frames.subspan(begin, part.size()));
-    evaluation.stage_seconds["rig"] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    evaluation.stage_seconds[name_of(Stage::rig)] +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const BatchResult result = backend_->run(batch);
     if (to.place != nullptr) {
       place_output(basis().mesh, result.positions, to.place->positions, begin);

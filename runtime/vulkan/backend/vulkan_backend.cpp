@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "runtime/core/error.h"
+#include "runtime/host/stages.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_dynamics.h"
 #include "runtime/vulkan/recording.h"
@@ -180,33 +181,55 @@ class VulkanBackend final : public Backend {
   }
 
   void record_stages(const Batch& batch) {
-    const std::uint32_t frames = batch.frame_count;
     // No residual: un-posed displacements of zero.
     if (!has_blend_) commands_->fill(buffers_->displacements.buffer, 0);
     commands_->barrier();
     commands_->timestamp();
-    record_strain(frames);
-    end_stage("strain");
-    record_residual(frames);
-    end_stage("residual");
+    for (const Stage stage : stages_of(model_->model().basis, batch)) {
+      record_stage(stage, batch);
+      commands_->barrier();
+      commands_->timestamp();
+      stages_.push_back(stage);
+    }
+  }
+
+  void record_stage(Stage stage, const Batch& batch) {
+    const std::uint32_t frames = batch.frame_count;
+    switch (stage) {
+      case Stage::rig:
+        return;  // on the host
+      case Stage::strain:
+        return record_strain(frames);
+      case Stage::residual:
+        return record_residual(frames);
+      case Stage::modify:
+        return record_modify(frames);
+      case Stage::pose:
+        return record_pose(frames);
+      case Stage::diffuse:
+        return record_diffuse(frames);
+      case Stage::jiggle:
+        return record_jiggle(batch.jiggle);
+      case Stage::output:
+        return record_output(batch);
+    }
+  }
+
+  void record_pose(std::uint32_t frames) {
     const BatchBuffers& b = *buffers_;
-    if (counts_.components > 0) record_modifiers(frames);
     const Values& displacements = counts_.components > 0 ? b.modified : b.displacements;
     record_pose_skin(*commands_, kernels_.pose_skin,
                      {tables_.ddm, b.skinning.buffer, b.origins.buffer, displacements.buffer, b.positions.buffer},
                      counts_.vertices, counts_.joints, frames);
-    end_stage("pose");
-    if (!batch.jiggle.empty()) record_dynamics(batch);
-    skin_ = batch.jiggle.empty() ? &b.positions.buffer : &dynamics_->moved();
-    if (batch.wants_normals) record_normals(frames);
-    end_stage("output");
+    skin_ = &b.positions.buffer;
   }
 
-  void record_normals(std::uint32_t frames) {
+  void record_output(const Batch& batch) {
+    if (!batch.wants_normals) return;
     const SkinTables& t = tables_;
     kernels_.output_normals.record(
         *commands_, {t.triangles, t.vertex_triangle_begin, t.vertex_triangles, *skin_, buffers_->normals.buffer},
-        {counts_.vertices}, frames);
+        {counts_.vertices}, batch.frame_count);
   }
 
   // From now on for the host, one frame at a time: what an earlier frame uses is never let go of.
@@ -247,21 +270,20 @@ class VulkanBackend final : public Backend {
     buffers_ = std::make_unique<BatchBuffers>(device_, counts_, frames);
   }
 
-  void end_stage(const char* name) {
-    commands_->barrier();
-    commands_->timestamp();
-    stages_.push_back(name);
+  VulkanDynamics::Inputs dynamics_inputs() const {
+    const BatchBuffers& b = *buffers_;
+    return {b.positions.buffer, b.origins.buffer, b.strains.buffer,
+            b.controls.buffer,  counts_.fibres,   counts_.controls};
   }
 
-  void record_dynamics(const Batch& batch) {
-    const BatchBuffers& b = *buffers_;
-    const VulkanDynamics::Inputs inputs{b.positions.buffer, b.origins.buffer, b.strains.buffer,
-                                        b.controls.buffer,  counts_.fibres,   counts_.controls};
-    dynamics_->prepare(batch.frame_count);
-    dynamics_->record_diffuse(*commands_, inputs);
-    end_stage("diffuse");
-    dynamics_->record_jiggle(*commands_, inputs, batch.jiggle, weights_.jiggle);
-    end_stage("jiggle");
+  void record_diffuse(std::uint32_t frames) {
+    dynamics_->prepare(frames);
+    dynamics_->record_diffuse(*commands_, dynamics_inputs());
+  }
+
+  void record_jiggle(std::span<const JiggleFrame> frames) {
+    dynamics_->record_jiggle(*commands_, dynamics_inputs(), frames, weights_.jiggle);
+    skin_ = &dynamics_->moved();
   }
 
   void record_upload() {
@@ -318,13 +340,12 @@ class VulkanBackend final : public Backend {
                                    {n.vertices, n.coefficients, weights_.correction}, frames);
   }
 
-  void record_modifiers(std::uint32_t frames) {
+  void record_modify(std::uint32_t frames) {
     const BatchBuffers& b = *buffers_;
     kernels_.modify_blend.record(
         *commands_,
         {tables_.modifier_begin, tables_.modifier_blend, b.modifiers.buffer, b.displacements.buffer, b.modified.buffer},
         {counts_.vertices, counts_.components}, frames);
-    end_stage("modify");
   }
 
   // What goes to the host, in this order.
@@ -380,7 +401,7 @@ class VulkanBackend final : public Backend {
       from += download.from.size;
     }
     const std::vector<double> seconds = commands_->seconds();
-    for (std::size_t s = 0; s < seconds.size(); ++s) result.stage_seconds[stages_[s]] = seconds[s];
+    for (std::size_t s = 0; s < seconds.size(); ++s) result.stage_seconds[name_of(stages_[s])] = seconds[s];
     return result;
   }
 
@@ -406,8 +427,8 @@ class VulkanBackend final : public Backend {
   std::unique_ptr<BatchBuffers> buffers_;
   std::optional<VulkanDynamics> dynamics_;
   std::optional<Commands> commands_;
-  std::vector<const char*> stages_;  // recorded
-  bool recorded_ = false;            // the quasi-static skin, for as many frames as there are buffers
+  std::vector<Stage> stages_;  // recorded
+  bool recorded_ = false;      // the quasi-static skin, for as many frames as there are buffers
   Weights weights_;
   const Buffer* skin_ = nullptr;                                               // of the last batch
   bool stays_on_device_ = false, keeps_posed_ = false, wants_normals_ = true;  // as recorded

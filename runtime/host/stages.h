@@ -1,0 +1,44 @@
+// The stages of a frame, once: both backends walk this list, timers and the check are named by it, and so is the table
+// in docs/pipeline/README.md.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "runtime/host/backend.h"
+
+namespace bodyopt {
+
+enum class Stage { rig, strain, residual, modify, pose, diffuse, jiggle, output };
+
+struct StageDescription {
+  Stage stage;
+  const char* name;
+  const char* applies;  // to which frames; see stages_of
+  const char* reads;    // of what came before
+  const char* writes;
+};
+
+// In the order in which they run.
+inline constexpr std::array<StageDescription, 8> kStages = {{
+    {Stage::rig, "rig", "always, on the host", "pose", "skinning, joint features, fades"},
+    {Stage::strain, "strain", "always", "skinning", "strains"},
+    {Stage::residual, "residual", "always", "joint features, strains, controls, fades", "displacements"},
+    {Stage::modify, "modify", "with modifiers", "displacements, weights of modifiers", "displacements"},
+    {Stage::pose, "pose", "always", "skinning, displacements", "positions"},
+    {Stage::diffuse, "diffuse", "with dynamics", "positions", "nodes"},
+    {Stage::jiggle, "jiggle", "with dynamics", "positions, nodes, strains, controls, motion", "positions, motion"},
+    {Stage::output, "output", "always", "positions", "normals, output order"},
+}};
+
+template <typename Value>
+using PerStage = std::array<Value, kStages.size()>;
+
+// Of a PerStage.
+constexpr std::size_t index_of(Stage stage) { return static_cast<std::size_t>(stage); }
+constexpr const char* name_of(Stage stage) { return kStages[index_of(stage)].name; }
+
+// Those that a backend runs for a batch, in their order. Rig is none of them: the batch is what it left.
+std::vector<Stage> stages_of(const Basis& basis, const Batch& batch);
+
+}  // namespace bodyopt
