@@ -1,7 +1,6 @@
 #include "assets/retarget.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,6 +9,7 @@
 
 #include "assets/axis_turns.h"
 #include "assets/notes.h"
+#include "geometry/nearest_rotation.h"
 #include "runtime/host/rig.h"
 
 namespace bodyopt {
@@ -30,10 +30,7 @@ Quat fit_rotation(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
   // The identity decides what the bones leave open: one bone says nothing of the twist around it.
   constexpr double kPreferNone = 1e-6;
   sum += kPreferNone * sum.norm() * Eigen::Matrix3d::Identity();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d u = svd.matrixU();
-  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) *= -1;
-  const Eigen::Quaterniond q(Eigen::Matrix3d(u * svd.matrixV().transpose()));
+  const Eigen::Quaterniond q(nearest_rotation(sum).rotation);
   return {q.x(), q.y(), q.z(), q.w()};
 }
 

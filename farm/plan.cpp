@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kSchema[] = "bodyopt-plan-1";
+constexpr char kPlanSchema[] = "bodyopt-plan-1";
 constexpr double kMillisecondsPerStep = 100;  // what a command takes beside its frames
 constexpr double kLongestShare = 1.5;         // of a task's time: an element that takes longer is cut
 
@@ -190,12 +190,12 @@ void write_plan(const FarmPlan& plan, const fs::path& folder) {
     for (const FarmStep& step : task.steps) steps.push_back(to_json(step));
     tasks.push_back({{"wave", task.wave}, {"lane", task.lane}, {"steps", steps}});
   }
-  write_json({{"schema", kSchema}, {"show", plan.show}, {"joins", plan.joins}, {"tasks", tasks}}, plan_file(folder));
+  write_json({{"schema", kPlanSchema}, {"show", plan.show}, {"joins", plan.joins}, {"tasks", tasks}}, plan_file(folder));
 }
 
 FarmPlan read_plan(const fs::path& folder) {
   const fs::path path = plan_file(folder);
-  const Json json = read_json(path, kSchema);
+  const Json json = read_json(path, kPlanSchema);
   const JsonObject top(json, path, "the top level");
   top.allow({"schema", "show", "joins", "tasks"});
   FarmPlan plan{top.text("show"), {}, top.boolean("joins")};

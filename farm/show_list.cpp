@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kSchema[] = "bodyopt-shots-1";
+constexpr char kShotsSchema[] = "bodyopt-shots-1";
 constexpr std::uint64_t kLargestList = 256 << 20;  // bytes
 
 enum class Kind { text, path, clip, number, flag, numbers };
@@ -211,8 +211,8 @@ class ListReader {
 void read_object(const std::string& text, const fs::path& path, ListReader& reader) {
   const Json json = parse_strict_json<Json>(text, path.string());
   const JsonObject top(json, path, "the top level");
-  if (!top.has("schema") || top.text("schema") != kSchema)
-    top.refuse(std::string("lacks \"schema\": \"") + kSchema + "\"");
+  if (!top.has("schema") || top.text("schema") != kShotsSchema)
+    top.refuse(std::string("lacks \"schema\": \"") + kShotsSchema + "\"");
   top.allow({"schema", "show", "defaults", "elements"});
   if (top.has("show")) reader.list.show = top.name("show");
   if (top.has("defaults")) reader.set_defaults(json["defaults"], "defaults");

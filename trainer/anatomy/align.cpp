@@ -1,7 +1,9 @@
 #include "trainer/anatomy/align.h"
 
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 #include <cmath>
+
+#include "geometry/nearest_rotation.h"
 
 namespace bodyopt::anatomy {
 namespace {
@@ -11,12 +13,6 @@ using Eigen::Vector3d;
 
 // Directions in which the points spread less than this part of their largest spread are left to the similarity.
 constexpr double kThin = 0.1;
-
-Matrix3d nearest_rotation(const Matrix3d& matrix) {
-  const Eigen::JacobiSVD<Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  return svd.matrixU() * Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
-}
 
 // 3 x n: the points relative to their mean.
 Eigen::Matrix3Xd centred(const std::vector<Vector3d>& points, Vector3d& mean) {
@@ -35,13 +31,14 @@ Alignment align(const std::vector<Vector3d>& from, const std::vector<Vector3d>& 
   // The least turn from the given one that takes the first line to its image decides what the points leave open.
   const Matrix3d open = Eigen::Quaterniond::FromTwoVectors(turn * from_line, to_line).toRotationMatrix() * turn;
   Alignment result;
-  result.turn = nearest_rotation(b * a.transpose() + 1e-3 * a.norm() * b.norm() * open);
+  result.turn = nearest_rotation(b * a.transpose() + 1e-3 * a.norm() * b.norm() * open).rotation;
   const Matrix3d similarity = b.norm() / a.norm() * result.turn;
 
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  Eigen::VectorXd inverse = svd.singularValues();
-  for (double& value : inverse) value = value > kThin * svd.singularValues()[0] ? 1 / value : 0;
-  const Eigen::MatrixXd pseudo_inverse = svd.matrixV() * inverse.asDiagonal() * svd.matrixU().transpose();
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> spread(a * a.transpose());
+  Vector3d inverse = spread.eigenvalues();  // of squared spreads
+  for (double& value : inverse) value = value > kThin * kThin * spread.eigenvalues()[2] ? 1 / value : 0;
+  const Eigen::Matrix<double, Eigen::Dynamic, 3> pseudo_inverse =
+      a.transpose() * spread.eigenvectors() * inverse.asDiagonal() * spread.eigenvectors().transpose();
   const Matrix3d linear = similarity + (b - similarity * a) * pseudo_inverse;
   result.scale = std::cbrt(std::abs(linear.determinant()));
   result.map.linear() = linear;

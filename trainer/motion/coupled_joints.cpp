@@ -1,11 +1,11 @@
 #include "trainer/motion/coupled_joints.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
 #include <cmath>
 #include <numbers>
 
 #include "assets/notes.h"
+#include "geometry/nearest_rotation.h"
 
 namespace bodyopt {
 namespace {
@@ -40,7 +40,7 @@ Eigen::Matrix3d whitening(const Turns& turns) {
 
 double canonical_correlation(const Turns& a, const Turns& b) {
   const Eigen::Matrix3d between = whitening(a) * covariance(a, b) * whitening(b).transpose();
-  return Eigen::JacobiSVD<Eigen::Matrix3d>(between).singularValues()[0];
+  return nearest_rotation(between).stretches[0];
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "trainer/transfer/match_skeletons.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,6 +9,7 @@
 
 #include "assets/joint_match.h"
 #include "assets/notes.h"
+#include "geometry/nearest_rotation.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 
@@ -50,15 +50,11 @@ RigidFit fit_rigidly(Points from, Points to) {
   to.colwise() -= to.rowwise().mean().eval();
   // Joints on a line tell no twist: then as little as it takes.
   const double few = 1e-12 * from.norm() * to.norm();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(to * from.transpose() + few * Eigen::Matrix3d::Identity(),
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  const Eigen::Vector3d signs(1, 1, sign);
+  const NearestRotation nearest = nearest_rotation(to * from.transpose() + few * Eigen::Matrix3d::Identity());
   const double own = std::max(from.squaredNorm(), 1e-300), other = std::max(to.squaredNorm(), 1e-300);
-  const double trace = svd.singularValues().dot(signs),
-               reflected = svd.singularValues().dot(Eigen::Vector3d(1, 1, -sign));
+  const double trace = nearest.stretches.sum(), reflected = trace - 2 * nearest.stretches[2];
   const auto left = [&](double sum) { return std::sqrt(std::max(0.0, 1 - sum * sum / (own * other))); };
-  return {svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose(), trace / own, left(trace), left(reflected)};
+  return {nearest.rotation, trace / own, left(trace), left(reflected)};
 }
 
 double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -165,11 +161,8 @@ class SkeletonAligner {
       return quat_of(Eigen::Quaterniond::FromTwoVectors(from.col(0), to.col(0)) * before);
     }
     // Without centring: bones begin at the joint.
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(to * from.transpose() + 0.1 * Eigen::Matrix3d::Identity(),
-                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-    const Eigen::Matrix3d turn = svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
-    return quat_of(Eigen::Quaterniond(turn) * before);
+    const Eigen::Matrix3d sum = to * from.transpose() + 0.1 * Eigen::Matrix3d::Identity();
+    return quat_of(Eigen::Quaterniond(nearest_rotation(sum).rotation) * before);
   }
 
   void pose_in_common() {

@@ -1,7 +1,7 @@
 #include "trainer/train/regression/projection.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -25,10 +25,13 @@ MatrixXd projection(const MatrixXd& features, const MatrixXd& targets) {
   MatrixXd normal = features.transpose() * features;
   normal.diagonal().array() += kRidge * frames;
   const MatrixXd map = normal.llt().solve(features.transpose() * targets);
-  const Eigen::BDCSVD<MatrixXd> svd(map, Eigen::ComputeThinU);
-  const Eigen::VectorXd scales = (svd.singularValues() / std::max(svd.singularValues()[0], 1e-300)).cwiseSqrt();
+  // The map's singular values, ascending, are the roots of these; its left singular vectors are their vectors.
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(map * map.transpose());
+  const Eigen::VectorXd squares = solver.eigenvalues().cwiseMax(0).reverse();
+  const Eigen::VectorXd scales = (squares / std::max(squares[0], 1e-300)).cwiseSqrt().cwiseSqrt();
   const Index count = (scales.array() > kLeastScale).count();
-  const MatrixXd rows = (svd.matrixU().leftCols(count) * scales.head(count).asDiagonal()).transpose();
+  const MatrixXd rows =
+      (solver.eigenvectors().rowwise().reverse().leftCols(count) * scales.head(count).asDiagonal()).transpose();
   return rows.unaryExpr(&stored_half);
 }
 
