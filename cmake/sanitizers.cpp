@@ -1,6 +1,6 @@
 // Linked into every program of a sanitizer build: what libraries allocate and never free is left out of the leak check.
 
-// Static objects of shared libraries (Netgen's): made after the pre-initialisers and before the program's constructors.
+// Static objects of shared libraries: made after the pre-initialisers and before the program's constructors.
 extern "C" void __lsan_disable();
 extern "C" void __lsan_enable();
 __attribute__((section(".preinit_array"), used)) static void (*const before_libraries)() = __lsan_disable;
@@ -12,6 +12,8 @@ extern "C" int dlclose(void*) { return 0; }
 
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libvulkan_lvp.so\n"
+         "leak:libng\n"  // Netgen's libraries and
+         "leak:libTK\n"  // Open CASCADE's: static objects
          "leak:libLLVM\n"
          "leak:libVkLayer_khronos_validation.so\n";
 }

@@ -14,10 +14,7 @@
 
 #include "geometry/closed_skin.h"
 #include "runtime/core/error.h"
-
-namespace nglib {
-#include <nglib.h>
-}
+#include "trainer/tets/netgen.h"
 
 namespace bodyopt {
 namespace {
@@ -63,35 +60,35 @@ class SilencedOutput {
 };
 
 struct MeshDeleter {
-  void operator()(nglib::Ng_Mesh* mesh) const { nglib::Ng_DeleteMesh(mesh); }
+  void operator()(nglib::Ng_Mesh* mesh) const { netgen().delete_mesh(mesh); }
 };
 using NetgenMesh = std::unique_ptr<nglib::Ng_Mesh, MeshDeleter>;
 
 NetgenMesh surface_mesh(const Positions& vertices, const Triangles& triangles) {
-  NetgenMesh mesh(nglib::Ng_NewMesh());
+  NetgenMesh mesh(netgen().new_mesh());
   for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
     double p[3] = {vertices(v, 0), vertices(v, 1), vertices(v, 2)};
-    nglib::Ng_AddPoint(mesh.get(), p);
+    netgen().add_point(mesh.get(), p);
   }
   const bool inside_out = enclosed_volume(vertices, triangles) < 0;
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     int corner[3];
     for (int k = 0; k < 3; ++k) corner[k] = static_cast<int>(triangles(t, inside_out ? 2 - k : k)) + 1;
-    nglib::Ng_AddSurfaceElement(mesh.get(), nglib::NG_TRIG, corner);
+    netgen().add_surface_element(mesh.get(), nglib::NG_TRIG, corner);
   }
   return mesh;
 }
 
 TetMesh read_volume(nglib::Ng_Mesh* mesh) {
   TetMesh result;
-  result.nodes.resize(nglib::Ng_GetNP(mesh), 3);
+  result.nodes.resize(netgen().point_count(mesh), 3);
   for (Eigen::Index n = 0; n < result.nodes.rows(); ++n) {
-    nglib::Ng_GetPoint(mesh, static_cast<int>(n) + 1, result.nodes.row(n).data());
+    netgen().point(mesh, static_cast<int>(n) + 1, result.nodes.row(n).data());
   }
-  result.tets.resize(nglib::Ng_GetNE(mesh), 4);
+  result.tets.resize(netgen().element_count(mesh), 4);
   for (Eigen::Index t = 0; t < result.tets.rows(); ++t) {
     int corner[NG_VOLUME_ELEMENT_MAXPOINTS];
-    nglib::Ng_GetVolumeElement(mesh, static_cast<int>(t) + 1, corner);
+    netgen().volume_element(mesh, static_cast<int>(t) + 1, corner);
     for (int k = 0; k < 4; ++k) result.tets(t, k) = corner[k] - 1;
   }
   return result;
@@ -111,19 +108,20 @@ TetMesh tetrahedralise(const Positions& vertices, const Triangles& triangles, do
     throw Error(ErrorKind::usage, "tetrahedra of " + std::to_string(size) +
                                       " m would be too many in a body of this volume: use larger ones (--tet-size)");
   }
-  static std::mutex netgen;  // its globals are not safe for two threads
-  const std::lock_guard<std::mutex> lock(netgen);
+  static std::mutex mutex;  // Netgen's globals are not safe for two threads
+  const std::lock_guard<std::mutex> lock(mutex);
+  netgen();  // or it is refused in the clear
   TetMesh result;
   std::string failure;
   {
     const SilencedOutput silence;
-    nglib::Ng_Init();
+    netgen().init();
     try {
       const NetgenMesh mesh = surface_mesh(vertices, triangles);
-      nglib::Ng_Meshing_Parameters parameters;
-      parameters.maxh = size;
-      parameters.grading = kGrading;
-      if (nglib::Ng_GenerateVolumeMesh(mesh.get(), &parameters) != nglib::NG_OK) {
+      NetgenParameters parameters;
+      parameters.values.maxh = size;
+      parameters.values.grading = kGrading;
+      if (netgen().generate_volume_mesh(mesh.get(), &parameters.values) != nglib::NG_OK) {
         failure = "Netgen gave up";
       } else {
         result = read_volume(mesh.get());
@@ -133,7 +131,7 @@ TetMesh tetrahedralise(const Positions& vertices, const Triangles& triangles, do
     } catch (...) {
       failure = "Netgen failed";
     }
-    nglib::Ng_Exit();
+    netgen().exit();
   }
   if (!failure.empty()) refuse(failure);
   if (result.tets.rows() == 0) refuse("Netgen made no tetrahedra");
