@@ -13,8 +13,6 @@ using vulkan::structure;
 namespace {
 
 constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-constexpr std::uint32_t kMostStorageBuffers = 8;  // of a pipeline
-constexpr std::uint32_t kSetsOfAPool = 256;
 
 VkPipelineColorBlendAttachmentState blend_state(Blending blending) {
   VkPipelineColorBlendAttachmentState blend{};
@@ -30,18 +28,6 @@ VkPipelineColorBlendAttachmentState blend_state(Blending blending) {
   blend.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
   blend.alphaBlendOp = VK_BLEND_OP_ADD;
   return blend;
-}
-
-DescriptorPool make_pool(VkDevice device) {
-  const std::array sizes = {VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kSetsOfAPool * kMostStorageBuffers},
-                            VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kSetsOfAPool}};
-  auto info = structure<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
-  info.maxSets = kSetsOfAPool;
-  info.poolSizeCount = sizes.size();
-  info.pPoolSizes = sizes.data();
-  VkDescriptorPool pool = VK_NULL_HANDLE;
-  check(vkCreateDescriptorPool(device, &info, nullptr, &pool), "vkCreateDescriptorPool");
-  return {device, pool};
 }
 
 }  // namespace
@@ -136,27 +122,9 @@ void GraphicsPipeline::record(VkCommandBuffer commands, VkDescriptorSet set, con
   vkCmdDrawIndexed(commands, corners, 1, 0, 0, 0);
 }
 
-void PictureSets::reset() {
-  for (const DescriptorPool& pool : pools_)
-    check(vkResetDescriptorPool(device_.handle(), pool.get(), 0), "vkResetDescriptorPool");
-  made_ = 0;
-}
-
-VkDescriptorSet PictureSets::allocate(VkDescriptorSetLayout layout) {
-  if (made_ == kSetsOfAPool * pools_.size()) pools_.push_back(make_pool(device_.handle()));
-  auto info = structure<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
-  info.descriptorPool = pools_[made_ / kSetsOfAPool].get();
-  info.descriptorSetCount = 1;
-  info.pSetLayouts = &layout;
-  VkDescriptorSet set = VK_NULL_HANDLE;
-  check(vkAllocateDescriptorSets(device_.handle(), &info, &set), "vkAllocateDescriptorSets");
-  ++made_;
-  return set;
-}
-
 VkDescriptorSet PictureSets::make(const GraphicsPipeline& pipeline,
                                   std::initializer_list<const vulkan::Buffer*> buffers, const SampledImage& image) {
-  const VkDescriptorSet set = allocate(pipeline.set_layout());
+  const VkDescriptorSet set = sets_.allocate(pipeline.set_layout());
   std::vector<VkDescriptorBufferInfo> ranges;
   for (const vulkan::Buffer* buffer : buffers) {
     if (buffer->size() > device_.info().max_storage_buffer_range) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "draw/attachment.h"
+#include "runtime/vulkan/descriptor_sets.h"
 #include "runtime/vulkan/make.h"
 
 namespace bodyopt {
@@ -62,24 +63,19 @@ struct SampledImage {
   VkSampler sampler = VK_NULL_HANDLE;
 };
 
-using DescriptorPool = vulkan::Owned<VkDescriptorPool, vkDestroyDescriptorPool>;
-
 // The descriptor sets of one picture, however many.
 class PictureSets {
  public:
-  explicit PictureSets(const vulkan::Device& device) : device_(device) {}
+  explicit PictureSets(const vulkan::Device& device) : device_(device), sets_(device) {}
   // Forgets all sets; nothing that uses them may be running.
-  void reset();
+  void reset() { sets_.reset(); }
   // Throws Error(device) when a buffer is larger than the device lets a shader see.
   VkDescriptorSet make(const GraphicsPipeline& pipeline, std::initializer_list<const vulkan::Buffer*> buffers,
                        const SampledImage& image = {});
 
  private:
-  VkDescriptorSet allocate(VkDescriptorSetLayout layout);
-
   const vulkan::Device& device_;
-  std::vector<DescriptorPool> pools_;  // made when those before are used up, and kept
-  std::size_t made_ = 0;               // sets of this picture
+  vulkan::DescriptorSets sets_;
 };
 
 }  // namespace bodyopt

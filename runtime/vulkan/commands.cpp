@@ -18,6 +18,7 @@ Commands::Commands(const Device& device, std::uint32_t most_dispatches)
     : device_(device),
       pool_(make_command_pool(device)),
       fence_(make_fence(device.handle())),
+      allocated_sets_(device),
       commands_(allocate_commands(device.handle(), pool_.get())),
       most_dispatches_(most_dispatches) {
   if (device.timestamp_mask() == 0) return;
@@ -30,7 +31,7 @@ Commands::Commands(const Device& device, std::uint32_t most_dispatches)
 }
 
 Commands::Commands(const Device& device, OfHost)
-    : device_(device), commands_(VK_NULL_HANDLE), most_dispatches_(UINT32_MAX) {}
+    : device_(device), allocated_sets_(device), commands_(VK_NULL_HANDLE), most_dispatches_(UINT32_MAX) {}
 
 Commands::~Commands() {
   if (pending_) vkDeviceWaitIdle(device_.handle());  // returns at once when the device is lost
@@ -46,7 +47,7 @@ void Commands::begin() {
 
 void Commands::forget_sets() {
   sets_.clear();
-  pools_.clear();
+  allocated_sets_.reset();
 }
 
 void Commands::open() {
@@ -99,25 +100,7 @@ VkDescriptorSet Commands::bind(const Kernel& kernel, std::span<const BufferRange
 }
 
 VkDescriptorSet Commands::make_set(const Kernel& kernel, std::span<const BufferRange> bindings) {
-  const VkDevice handle = device_.handle();
-  const std::uint32_t count = kernel.binding_count();
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, count};
-  auto pool_info = structure<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
-  pool_info.maxSets = 1;
-  pool_info.poolSizeCount = 1;
-  pool_info.pPoolSizes = &size;
-  VkDescriptorPool pool = VK_NULL_HANDLE;
-  check(vkCreateDescriptorPool(handle, &pool_info, nullptr, &pool), "vkCreateDescriptorPool");
-  pools_.emplace_back(handle, pool);
-
-  auto info = structure<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
-  const VkDescriptorSetLayout layout = kernel.set_layout();
-  info.descriptorPool = pool;
-  info.descriptorSetCount = 1;
-  info.pSetLayouts = &layout;
-  VkDescriptorSet set = VK_NULL_HANDLE;
-  check(vkAllocateDescriptorSets(handle, &info, &set), "vkAllocateDescriptorSets");
-
+  const VkDescriptorSet set = allocated_sets_.allocate(kernel.set_layout());
   std::vector<VkDescriptorBufferInfo> buffers;
   for (const BufferRange& range : bindings) {
     if (range.size > device_.info().max_storage_buffer_range) {
@@ -129,10 +112,10 @@ VkDescriptorSet Commands::make_set(const Kernel& kernel, std::span<const BufferR
   }
   auto write = structure<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
   write.dstSet = set;
-  write.descriptorCount = count;  // runs on over consecutive bindings of one type
+  write.descriptorCount = kernel.binding_count();  // runs on over consecutive bindings of one type
   write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
   write.pBufferInfo = buffers.data();
-  vkUpdateDescriptorSets(handle, 1, &write, 0, nullptr);
+  vkUpdateDescriptorSets(device_.handle(), 1, &write, 0, nullptr);
   return set;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "runtime/vulkan/buffer.h"
+#include "runtime/vulkan/descriptor_sets.h"
 #include "runtime/vulkan/kernel.h"
 
 namespace bodyopt::vulkan {
@@ -74,7 +75,7 @@ class Commands {
   CommandPool pool_;
   Owned<VkQueryPool, vkDestroyQueryPool> queries_;
   Fence fence_;
-  std::vector<Owned<VkDescriptorPool, vkDestroyDescriptorPool>> pools_;  // one set each
+  DescriptorSets allocated_sets_;
   // What was bound before is bound again: the steps of many frames need few sets.
   std::map<std::pair<VkDescriptorSetLayout, std::vector<BufferRange>>, VkDescriptorSet> sets_;
   VkCommandBuffer commands_;
