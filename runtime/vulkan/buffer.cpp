@@ -35,22 +35,14 @@ Buffer::Buffer(const Device& device, VkDeviceSize bytes, Memory memory, const ch
 
   VkMemoryRequirements needs{};
   vkGetBufferMemoryRequirements(handle, buffer, &needs);
-  auto allocation = structure<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
-  allocation.allocationSize = needs.size;
-  allocation.memoryTypeIndex =
+  const std::uint32_t type =
       memory == Memory::device
           ? device.memory_type(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)
           : device.memory_type(needs.memoryTypeBits,
                                VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                                VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
-  VkDeviceMemory allocated = VK_NULL_HANDLE;
-  require(vkAllocateMemory(handle, &allocation, nullptr, &allocated), "vkAllocateMemory");
-  memory_ = {handle, allocated};
-  require(vkBindBufferMemory(handle, buffer, allocated, 0), "vkBindBufferMemory");
-  if (memory == Memory::device) return;
-  void* mapped = nullptr;
-  require(vkMapMemory(handle, allocated, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory");
-  mapped_ = static_cast<std::byte*>(mapped);
+  memory_ = device.memory_blocks().take(handle, needs, {type, memory == Memory::staging}, name);
+  require(vkBindBufferMemory(handle, buffer, memory_.block->memory.get(), memory_.offset), "vkBindBufferMemory");
 }
 
 Buffer upload_bytes(const Device& device, std::span<const std::byte> bytes, const char* name) {

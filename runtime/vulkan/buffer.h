@@ -25,13 +25,13 @@ class Buffer {
 
   VkBuffer handle() const { return buffer_.get(); }
   VkDeviceSize size() const { return size_; }
-  std::byte* mapped() const { return mapped_; }  // staging only
+  std::byte* mapped() const { return memory_.block->mapped + memory_.offset; }  // staging only
+  const MemoryPiece& memory() const { return memory_; }
 
  private:
   VkDeviceSize size_ = 0;
-  Owned<VkDeviceMemory, vkFreeMemory> memory_;
+  MemoryPiece memory_;
   Owned<VkBuffer, vkDestroyBuffer> buffer_;
-  std::byte* mapped_ = nullptr;
 };
 
 // A device buffer of `count` floats.

@@ -242,6 +242,7 @@ void Device::describe_queue() {
 }
 
 Device::~Device() {
+  memory_blocks_.clear();
   if (is_ours_ && device_ != VK_NULL_HANDLE) vkDestroyDevice(device_, nullptr);
 }
 

@@ -11,6 +11,7 @@
 
 #include "runtime/host/device_choice.h"
 #include "runtime/vulkan/instance.h"
+#include "runtime/vulkan/memory.h"
 
 namespace bodyopt::vulkan {
 
@@ -76,6 +77,8 @@ class Device {
   std::uint32_t memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags required,
                             VkMemoryPropertyFlags preferred) const;
 
+  MemoryBlocks& memory_blocks() const { return memory_blocks_; }
+
   std::vector<std::string> validation_messages() const { return instance_.log()->messages(); }
   std::shared_ptr<const ValidationLog> validation_log() const { return instance_.log(); }
 
@@ -93,6 +96,7 @@ class Device {
   VkDevice device_ = VK_NULL_HANDLE;
   VkQueue queue_ = VK_NULL_HANDLE;
   mutable std::mutex queue_mutex_;
+  mutable MemoryBlocks memory_blocks_;
 };
 
 }  // namespace bodyopt::vulkan

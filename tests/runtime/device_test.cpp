@@ -1,5 +1,7 @@
 #include "runtime/vulkan/device.h"
 
+#include <cstring>
+#include <map>
 #include <optional>
 
 #include "runtime/core/error.h"
@@ -155,6 +157,34 @@ TEST_F(OpenDevice, RefusesWhatItCannotHold) {
   EXPECT_THROW(kernel.record(commands, {small, small, small, small, small}, {64}, device_->info().max_groups_y + 1),
                Error);
   commands.end();
+}
+
+// Many small buffers are pieces of few allocations, none of which overlap; all but the last go with their pieces.
+TEST_F(OpenDevice, SmallBuffersShareAllocations) {
+  constexpr std::size_t kCount = 300;
+  Random random(1);
+  std::vector<std::vector<float>> values;
+  std::vector<vulkan::Buffer> buffers;
+  std::map<const vulkan::MemoryBlock*, std::weak_ptr<const vulkan::MemoryBlock>> blocks;
+  for (std::size_t k = 0; k < kCount; ++k) {
+    values.push_back(random.floats(1 + random.below(9000), -1, 1));
+    buffers.push_back(vulkan::upload(*device_, values.back(), "a small table"));
+    blocks[buffers.back().memory().block.get()] = buffers.back().memory().block;
+  }
+  EXPECT_LE(blocks.size(), 3u);  // 5.4 MB on average
+  const vulkan::Buffer large = vulkan::floats(*device_, 1u << 20, "a large table");
+  EXPECT_FALSE(blocks.contains(large.memory().block.get()));
+  for (std::size_t k = 0; k < kCount; ++k) {
+    const vulkan::Buffer staging(*device_, buffers[k].size(), vulkan::Memory::staging, "readback");
+    vulkan::Commands commands(*device_);
+    commands.begin();
+    commands.copy(buffers[k], staging);
+    commands.end();
+    commands.run();
+    EXPECT_EQ(std::memcmp(staging.mapped(), values[k].data(), values[k].size() * sizeof(float)), 0) << k;
+  }
+  buffers.clear();
+  EXPECT_LE(std::ranges::count_if(blocks, [](const auto& block) { return !block.second.expired(); }), 1);
 }
 
 // Proof that validation messages reach us: a kernel that reads what the kernel before it writes.
