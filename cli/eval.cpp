@@ -145,6 +145,8 @@ std::vector<fs::path> outputs_of(const EvalArguments& arguments, const Json& att
 void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun* task) {
   const auto start = std::chrono::steady_clock::now();
   ShotCaches caches(arguments.cache, shot);
+  shot.deformer->set_normals(holds_normals(arguments.cache.out) || arguments.cache.full_skin ||
+                             arguments.device.choice.check);
   std::vector<std::string> states = evaluate_frames(arguments, shot, caches, task);
   if (task != nullptr) task->require_same_inputs();
   caches.close();

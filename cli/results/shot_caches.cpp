@@ -31,7 +31,8 @@ void ShotCaches::append(const Evaluation& part, std::size_t begin) {
   }
   const std::span<const float> skin = options_.full_skin ? carried : part.positions;
   for (std::size_t k = 0; k < count; ++k) {
-    const auto normals = options_.full_skin ? std::span<const float>() : std::span(part.normals).subspan(k * own, own);
+    std::span<const float> normals;
+    if (!options_.full_skin && !part.normals.empty()) normals = std::span(part.normals).subspan(k * own, own);
     skin_->append(skin.subspan(3 * k * points_, 3 * std::size_t{points_}), normals);
     attached_.append(std::span(part.positions).subspan(k * own, own), shot_.poses[begin + k]);
     log_.add(*shot_.deformer, part, k, shot_.frames[begin + k]);

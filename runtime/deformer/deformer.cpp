@@ -295,7 +295,7 @@ Evaluation Deformer::run(std::span<const Pose> poses, std::span<const int> frame
     const auto start = std::chrono::steady_clock::now();
     Batch batch = make_batch(basis(), part);
     batch.stays_on_device = to.stays_on_device;
-    batch.wants_normals = to.place == nullptr || to.place->normals.data != nullptr;
+    batch.wants_normals = to.place != nullptr ? to.place->normals.data != nullptr : wants_normals_;
     if (!frames.empty()) batch.jiggle = plan(batch, frames.subspan(begin, part.size()));
     evaluation.stage_seconds[name_of(Stage::rig)] +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -27,7 +27,8 @@ class DeviceModel;
 // The result of a batch of F frames, in output vertex order (as in the character's file).
 struct Evaluation {
   std::vector<float> positions;  // F x O x 3, metres, posed (world)
-  std::vector<float> normals;    // F x O x 3, unit (zero where all triangles around a vertex are degenerate)
+  std::vector<float> normals;    // F x O x 3, unit (zero where all triangles around a vertex are degenerate); see
+                                 // Deformer::set_normals
   std::vector<float> strains;    // F x S
   std::vector<float> outside;    // F: how far the worst feature lies outside its trained range, in standard
                                  // deviations of training; 0 when the frame is covered
@@ -106,6 +107,8 @@ class Deformer {
   void require_one_batch(std::span<const Pose> poses) const;
 
   void set_weights(const Weights& weights);
+  // Whether an Evaluation gets normals, which take time: it does until told otherwise. A SkinPlace says so itself.
+  void set_normals(bool wanted) { wants_normals_ = wanted; }
 
   JiggleState state() const;
   // Throws Error(mismatch) where the state does not fit the character or holds a number that is not finite.
@@ -134,6 +137,7 @@ class Deformer {
   JiggleOptions options_;
   double size_ = 0;  // of the character, metres
   Weights weights_;
+  bool wants_normals_ = true;
   JiggleState state_;  // its motion is the backend's
   std::unique_ptr<Backend> backend_;
 };
