@@ -41,6 +41,7 @@ TEST(Ablation, EachPartIsWorthSomething) {
     EXPECT_LT(full, 0.5 * rms(name)) << name;
   }
   EXPECT_LT(full, 0.1 * rms("DDM"));
+  for (const auto& [name, row] : rows()) EXPECT_LT(full, 1.02 * row.errors.rms + 0.01) << name;
   // Two bends are few enough to be learned for the whole skin at once; more joints are not.
   EXPECT_LT(rms("DDM + strains, kernels, static"), 1.5 * rms("DDM + strains, kernels, dense"));
 }
@@ -57,9 +58,9 @@ TEST(Ablation, SaysWhatEachCosts) {
     RecordProperty("bytes of " + name, std::to_string(row.bytes_per_vertex));
     EXPECT_LE(row.bytes_per_vertex, full.bytes_per_vertex) << name;
   }
-  // What the peers leave out does harm; they are not short of room.
+  // What the peers leave out does harm; they are not short of room. Of few frames the full model has all that helps.
   for (const char* name : {"DDM + joints, linear, local", "DDM + joints, kernels, static"}) {
-    EXPECT_GT(rows().at(name).bytes_per_vertex, 0.9 * full.bytes_per_vertex) << name;
+    EXPECT_GT(rows().at(name).bytes_per_vertex, 0.8 * full.bytes_per_vertex) << name;
   }
 }
 

@@ -191,6 +191,22 @@ TEST(Regression, NeighbouringFramesNeverStandOnBothSides) {
   for (int fold = 0; fold < 5; ++fold) EXPECT_GT(std::count(folds.begin(), folds.end(), fold), 20);
 }
 
+// Of a take that one fold had whole, the others would know nothing.
+TEST(Regression, EveryFoldHoldsOutSomeOfEveryTake) {
+  std::vector<int> takes(63, 0);
+  takes.resize(63 + 18, 1);
+  takes.resize(63 + 18 + 400, 2);
+  const std::vector<int> folds = blocked_folds(takes, 20, 5);
+  for (int take = 0; take < 3; ++take) {
+    std::vector<int> frames(5, 0);
+    for (std::size_t n = 0; n < folds.size(); ++n) {
+      if (takes[n] == take && folds[n] >= 0) ++frames[static_cast<std::size_t>(folds[n])];
+    }
+    for (const int count : frames) EXPECT_GT(count, 0) << "of take " << take;
+  }
+  EXPECT_EQ(std::count(folds.begin() + 81, folds.begin() + 101, folds[81]), 19);  // and a guard
+}
+
 TEST(Components, AreTheWeightedSingularVectors) {
   std::mt19937_64 random(8);
   std::normal_distribution<float> normal;

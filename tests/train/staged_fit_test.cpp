@@ -264,14 +264,15 @@ TEST(StagedFit, SurfaceCurvesStayWhereTheyAre) {
   bare.muscles.clear();
   SampleSet known = bare;
   known.train.erase(known.train.begin() + 40);
-  const Basis before = trained_basis(known, options);
+  trained_basis(known, options);
+  const std::vector<Muscle> before = TrainingStore(folder / "kept").layout()->curves;
+  ASSERT_EQ(before.size(), 6u);
   options.update = true;
   std::vector<std::string> notes;
   const Basis updated = trained_basis(bare, options, &notes);
   for (const std::string& note : notes)
     EXPECT_NE(note.find("what the earlier training found does not fit"), std::string::npos) << note;
-  EXPECT_GT(before.strain.fibre_count(), 0u);
-  EXPECT_EQ(TrainingStore(folder / "kept").layout()->curves.size(), 6u);
+  EXPECT_EQ(muscles_hash(TrainingStore(folder / "kept").layout()->curves), muscles_hash(before));
   options.update = false;
   options.keep_in.clear();
   EXPECT_LT(heldout_rms(updated), 1.1 * heldout_rms(trained_basis(bare, options)));

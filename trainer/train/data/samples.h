@@ -12,6 +12,10 @@
 
 namespace bodyopt {
 
+// Of so few training frames more is tried, with more care, and bytes are no matter: see choose_map and
+// TradeOff::choose.
+constexpr std::size_t kFewFrames = 800;
+
 // One training or held-out frame.
 struct Sample {
   int take = 0;

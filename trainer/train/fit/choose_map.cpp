@@ -19,6 +19,9 @@ constexpr std::size_t kMostFeatures = 80, kMostFeaturesOfAll = 200;  // of a reg
 constexpr int kCentreFractions[] = {1, 2, 4};
 // Kernels may leave so much of what a linear map leaves: bytes are not what they are chosen by.
 constexpr double kWorthKernels = 1.05;
+// Strains of few frames have to leave no more than so much of what joints alone leave: of many strains some look useful
+// by chance.
+constexpr double kWorthStrains = 0.9;
 
 std::size_t most_features(const Method& method) {
   if (!method.kernels) return std::numeric_limits<std::size_t>::max();
@@ -96,7 +99,7 @@ std::size_t best_choice(const FeatureSamples& features, const FeatureChoices& ch
   for (std::size_t c = 0; c < choices.size(); ++c) {
     const MatrixXd values = from_rest(features, choices[c]);
     double error = 0;
-    if (features.values.rows() <= kFewFrames) {
+    if (folds.size() <= kFewFrames) {
       error = few_frames_error(values, model.components.coefficients, folds, weights, most, centres);
     } else {
       take_features(values, choices[c], most, model);
@@ -109,10 +112,9 @@ std::size_t best_choice(const FeatureSamples& features, const FeatureChoices& ch
   return best;
 }
 
-}  // namespace
-
-void choose_map(const FeatureSamples& features, const FeatureChoices& choices, const std::vector<int>& folds,
-                const Eigen::VectorXd& weights, const TrainOptions& options, RegionModel& model) {
+// The map of the best of some choices.
+void fit_best_choice(const FeatureSamples& features, const FeatureChoices& choices, const std::vector<int>& folds,
+                     const Eigen::VectorXd& weights, const TrainOptions& options, RegionModel& model) {
   const FeatureChoices::value_type& best = choices[best_choice(features, choices, folds, weights, options, model)];
   take_features(from_rest(features, best), best, most_features(options.method), model);
   const RegressionData data = regression_data(features, model, folds, weights);
@@ -124,6 +126,35 @@ void choose_map(const FeatureSamples& features, const FeatureChoices& choices, c
   }
   const bool kernels = centres > 0 && model.fits.front().validation_error < kWorthKernels * linear.validation_error;
   if (!kernels) model.fits = {linear};
+}
+
+bool has_strains(const std::vector<std::uint32_t>& choice, const StrainFeatures& strains) {
+  return std::any_of(choice.begin(), choice.end(), [&](std::uint32_t feature) {
+    return feature >= strains.first && feature < strains.first + strains.count;
+  });
+}
+
+double least_error(const RegionModel& model) {
+  const auto less = [](const Regression& a, const Regression& b) { return a.validation_error < b.validation_error; };
+  return std::min_element(model.fits.begin(), model.fits.end(), less)->validation_error;
+}
+
+}  // namespace
+
+void choose_map(const FeatureSamples& features, const StrainFeatures& strains, const FeatureChoices& choices,
+                const std::vector<int>& folds, const Eigen::VectorXd& weights, const TrainOptions& options,
+                RegionModel& model) {
+  FeatureChoices with, without;
+  for (const std::vector<std::uint32_t>& choice : choices) {
+    (has_strains(choice, strains) ? with : without).push_back(choice);
+  }
+  if (folds.size() > kFewFrames || with.empty() || without.empty()) {
+    return fit_best_choice(features, choices, folds, weights, options, model);
+  }
+  RegionModel simpler = model;
+  fit_best_choice(features, without, folds, weights, options, simpler);
+  fit_best_choice(features, with, folds, weights, options, model);
+  if (!(least_error(model) < kWorthStrains * least_error(simpler))) model = std::move(simpler);
 }
 
 void refit_map(const FeatureSamples& features, const std::vector<int>& folds, const Eigen::VectorXd& weights,

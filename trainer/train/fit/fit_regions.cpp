@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "runtime/host/rig.h"
 #include "trainer/train/fit/choose_map.h"
 #include "trainer/train/skinning/mesh_table.h"
 
@@ -133,7 +134,9 @@ RegionModel fit_region(const FitContext& context, std::size_t r, const PartFrame
   model.components = principal_components(frames.displacements(), frames.region(r), options.components, options.seed);
   model.strays = frames.strays(r);
   model.contradictions = frames.contradictions_of(r, context.pairs, model.components);
-  choose_map(features, context.layout.choices[r], context.folds, context.weights, options, model);
+  const Basis& basis = context.ground.base.basis;
+  const StrainFeatures strains{joint_feature_count(basis.skeleton), basis.strain.fibre_count()};
+  choose_map(features, strains, context.layout.choices[r], context.folds, context.weights, options, model);
   normalise(model);
   return model;
 }
@@ -284,8 +287,7 @@ Eigen::VectorXd training_weights(const SampleSet& set) {
 std::vector<int> training_folds(const SampleSet& set) {
   std::vector<int> takes;
   for (const Sample& sample : set.train) takes.push_back(sample.take);
-  const int run = std::clamp(static_cast<int>(takes.size()) / (2 * kFolds), 2, kLongestRun);
-  return blocked_folds(takes, run, kFolds);
+  return blocked_folds(takes, kLongestRun, kFolds);
 }
 
 void fit_regions(const FitContext& context, const std::vector<std::size_t>& regions, std::vector<RegionModel>& models,

@@ -153,7 +153,7 @@ Layout make_layout(const SampleSet& set, const Groundwork& ground, const Method&
   Layout layout;
   layout.regions = regions_of(ground.ordered, curves == muscles.size() ? others : groups,
                               renumbered(set.regions, inverse_of(ground.order)), method.support);
-  const bool few_frames = ground.features.values.rows() <= kFewFrames;
+  const bool few_frames = set.train.size() <= kFewFrames;
   for (const RegionWeights& region : layout.regions) {
     layout.choices.push_back(feature_choices(ground.ordered, region, groups, others, method, few_frames));
   }

@@ -15,9 +15,6 @@
 
 namespace bodyopt {
 
-// Of so few frames a region has more to choose from, and chooses with more care: see choose_map.
-constexpr Eigen::Index kFewFrames = 800;
-
 // Lists of features from which a region may choose one.
 using FeatureChoices = std::vector<std::vector<std::uint32_t>>;
 

@@ -145,8 +145,7 @@ int needed_surface_curves(const SampleSet& set, const TrainOptions& options) {
   constexpr std::size_t kFewest = 80;
   constexpr int kPairs = 40;
   constexpr double kLeft = 1.0 / 3, kNoMotion = 1e-4;  // the latter of the longest extent; less is no motion
-  const auto most = static_cast<std::size_t>(kFewFrames);
-  if (!set.muscles.empty() || set.train.size() < kFewest || set.train.size() > most) return 0;
+  if (!set.muscles.empty() || set.train.size() < kFewest || set.train.size() > kFewFrames) return 0;
   check_samples(set);
   const SingleThreadedProducts single_threaded;
   const Groundwork ground(set, options);

@@ -10,6 +10,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/strict_json.h"
 #include "runtime/host/rig.h"
+#include "trainer/train/data/samples.h"
 #include "trainer/train/pack/selection_error.h"
 
 namespace bodyopt {
@@ -42,7 +43,9 @@ TradeOff::TradeOff(const Basis& bare, const ResidualModel& model)
 
 Selection TradeOff::choose(const TrainOptions& options) const {
   if (options.budget > 0) return within(options.budget);
-  if (options.tolerance_mm <= 0) return worth_.with_all_centres(kUsualPrice);
+  if (options.tolerance_mm <= 0) {
+    return model_.folds.size() <= kFewFrames ? worth_.at(kLowestPrice) : worth_.with_all_centres(kUsualPrice);
+  }
   const auto misses = [&](const Selection& selection) {
     return 1e3 * expected_error(model_, selection) > options.tolerance_mm;
   };

@@ -31,8 +31,8 @@ class TradeOff {
 
   // What the options ask for: the best within the budget; the smallest within the tolerance, the best there is where
   // that is not to be reached; or what is worth its bytes to most, with all centres, by which coverage knows what was
-  // learned. Throws Error(usage) where the budget leaves no room
-  // for anything learned.
+  // learned, and of few frames (kFewFrames) all that saves anything, with the centres that leave least. Throws
+  // Error(usage) where the budget leaves no room for anything learned.
   Selection choose(const TrainOptions& options) const;
 
   // From Direct Delta Mush alone to all that saves anything.

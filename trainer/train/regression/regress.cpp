@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <stdexcept>
 
@@ -260,11 +261,15 @@ Regression refit_regression(const RegressionData& data, int centre_count, const 
   return regression;
 }
 
-std::vector<int> blocked_folds(const std::vector<int>& takes, int run, int count) {
+std::vector<int> blocked_folds(const std::vector<int>& takes, int longest_run, int count) {
+  std::map<int, int> frames_of;
+  for (const int take : takes) ++frames_of[take];
   std::vector<int> folds;
-  int position = 0, block = 0;
+  int position = 0, block = 0, run = 0;
   for (std::size_t n = 0; n < takes.size(); ++n) {
-    if (n > 0 && (takes[n] != takes[n - 1] || position == run)) {
+    const bool new_take = n == 0 || takes[n] != takes[n - 1];
+    if (new_take) run = std::clamp(frames_of[takes[n]] / (2 * count), 2, longest_run);
+    if (n > 0 && (new_take || position == run)) {
       ++block;
       position = 0;
     }

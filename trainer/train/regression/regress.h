@@ -48,8 +48,10 @@ double trial_error(const RegressionData& data, int centre_count);
 // With the same, of the frames of one fold as the other folds' fit has them: the sum of all squares.
 double fold_error(const RegressionData& data, int centre_count, int fold);
 
-// Folds for frames given in time order: runs of `run` consecutive frames of a take go to one fold of `count`, and the
-// last frame of every run goes to none (-1), so that neighbours never stand on both sides.
-std::vector<int> blocked_folds(const std::vector<int>& takes, int run, int count);
+// Folds for frames given in time order: runs of consecutive frames of a take go to one fold of `count`, and the last
+// frame of every run goes to none (-1), so that neighbours never stand on both sides. A run is so long that every fold
+// has two of every take, `longest_run` at most and two frames at least: what is held out is motion that the rest of its
+// take surrounds, not a take of its own.
+std::vector<int> blocked_folds(const std::vector<int>& takes, int longest_run, int count);
 
 }  // namespace bodyopt
