@@ -8,6 +8,7 @@
 
 #include "assets/notes.h"
 #include "cli/arguments/common.h"
+#include "cli/arguments/example_poses.h"
 #include "report/region_picture.h"
 #include "runtime/core/error.h"
 #include "trainer/check/foresee.h"
@@ -76,20 +77,9 @@ void draw_places(const Character& character, const std::vector<RestPlace>& place
   write_png(region_picture(renderer, skin, triangles, drawn, colours, 700, 1000), path);
 }
 
-// What the verbs will make of the character: in JSON, and as a table; and in a picture where asked.
-Json foreseen(const Character& character, const std::string& picture, std::string& text) {
-  const CharacterForesight foresight = foresee(character);
-  if (!picture.empty()) {
-    std::vector<RestPlace> places = foresight.intersections;
-    places.insert(places.end(), foresight.near_parts.begin(), foresight.near_parts.end());
-    draw_places(character, places, picture);
-  }
+Json verbs_json(const std::vector<VerbForesight>& foreseen) {
   Json verbs = Json::array();
-  text += format("%-17s %-13s %7s  %-8s why\n", "verb", "fills", "nodes", "contact");
-  for (const VerbForesight& verb : foresight.verbs) {
-    text += format("%-17s %-13s %7td  %-8s %s\n", verb.verb.c_str(), name_of(verb.fill), verb.nodes,
-                   verb.verb == "dynamics" ? "-" : (verb.has_contact ? "yes" : "no"), verb.why.c_str());
-    if (!verb.remedy.empty()) text += format("%-17s remedy: %s\n", "", verb.remedy.c_str());
+  for (const VerbForesight& verb : foreseen) {
     verbs.push_back({{"verb", verb.verb},
                      {"fills", name_of(verb.fill)},
                      {"nodes", verb.nodes},
@@ -97,6 +87,38 @@ Json foreseen(const Character& character, const std::string& picture, std::strin
                      {"why", verb.why},
                      {"remedy", verb.remedy}});
   }
+  return verbs;
+}
+
+std::string verbs_text(const std::vector<VerbForesight>& foreseen) {
+  std::string text = format("%-17s %-13s %7s  %-8s why\n", "verb", "fills", "nodes", "contact");
+  for (const VerbForesight& verb : foreseen) {
+    const bool simulates = verb.verb.starts_with("simulate");
+    text += format("%-17s %-13s %7td  %-8s %s\n", verb.verb.c_str(), name_of(verb.fill), verb.nodes,
+                   simulates ? (verb.has_contact ? "yes" : "no") : "-", verb.why.c_str());
+    if (!verb.remedy.empty()) text += format("%-17s remedy: %s\n", "", verb.remedy.c_str());
+  }
+  return text;
+}
+
+// Of all clips in the character's own file.
+std::vector<Pose> own_poses(const std::string& path, const Skeleton& skeleton, double unit) {
+  std::vector<std::string> sources;
+  for (const std::string& name : clip_names(path)) sources.push_back(path + "#" + name);
+  return read_poses(sources, skeleton, unit, "");
+}
+
+// What the verbs will make of the character: in JSON, and as a table; and in a picture where asked.
+Json foreseen(const CheckArguments& arguments, const Character& character, std::string& text) {
+  const std::string& picture = arguments.picture;
+  const CharacterForesight foresight =
+      foresee(character, own_poses(arguments.path, character.skeleton, arguments.unit));
+  if (!picture.empty()) {
+    std::vector<RestPlace> places = foresight.intersections;
+    places.insert(places.end(), foresight.near_parts.begin(), foresight.near_parts.end());
+    draw_places(character, places, picture);
+  }
+  text += verbs_text(foresight.verbs);
   if (!foresight.intersections.empty()) {
     text += "the skin passes through itself at rest:\n" + places_text(foresight.intersections, false, 1);
   }
@@ -105,7 +127,7 @@ Json foreseen(const Character& character, const std::string& picture, std::strin
             places_text(foresight.near_parts, true, foresight.intersections.size() + 1);
   }
   for (const std::string& remark : foresight.remarks) text += "note: " + remark + "\n";
-  return {{"foreseen", verbs},
+  return {{"foreseen", verbs_json(foresight.verbs)},
           {"self_intersections", places_json(foresight.intersections, false)},
           {"near_parts", places_json(foresight.near_parts, true)},
           {"remarks", foresight.remarks}};
@@ -126,7 +148,7 @@ void check_character(const CheckArguments& arguments) {
                  {"bounding_box_m", {box(0), box(1), box(2)}},
                  {"surface", surface},
                  {"notes", character.notes}};
-  result.update(foreseen(character, arguments.picture, text));
+  result.update(foreseen(arguments, character, text));
   if (!arguments.picture.empty()) text += "wrote " + arguments.picture + "\n";
   arguments.json.emit(result, text);
 }
@@ -201,16 +223,22 @@ void check(const CheckArguments& arguments) {
                       {"problems", take.problems}});
   }
   std::vector<std::string> notes;
+  std::vector<VerbForesight> foreseen;
   if (mismatch.empty()) {
+    const SampleSet samples = read_samples(dataset);
+    foreseen = foresee_training(samples);
+    text += verbs_text(foreseen);
     const std::string coupled = coupling_of(dataset);
     if (!coupled.empty()) notes.push_back(coupled);
-    for (const std::vector<std::string>& some : {shape_doubts(read_samples(dataset)), short_takes(dataset)}) {
+    for (const std::vector<std::string>& some : {shape_doubts(samples), short_takes(dataset)}) {
       notes.insert(notes.end(), some.begin(), some.end());
     }
   }
   for (const std::string& note : notes) text += "note: " + note + "\n";
   text += mismatch.empty() ? "it belongs together\n" : "it does not belong together\n";
-  arguments.json.emit({{"takes", result}, {"notes", notes}, {"belongs_together", mismatch.empty()}}, text);
+  arguments.json.emit(
+      {{"takes", result}, {"foreseen", verbs_json(foreseen)}, {"notes", notes}, {"belongs_together", mismatch.empty()}},
+      text);
   if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
 }
 

@@ -2,16 +2,27 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
+#include "tests/support/capsule_limb.h"
+#include "trainer/proxy/build_proxy.h"
 #include "trainer/simulate/simulate.h"
+#include "trainer/train/fit/train.h"
 
 namespace bodyopt {
 namespace {
 
+// Of simulate, its draft and dynamics.
 std::vector<BodyFill> fills(const CharacterForesight& foresight) {
   std::vector<BodyFill> result;
-  for (const VerbForesight& verb : foresight.verbs) result.push_back(verb.fill);
+  for (std::size_t v = 0; v < 3; ++v) result.push_back(foresight.verbs.at(v).fill);
   return result;
+}
+
+BodyFill of_verb(const std::vector<VerbForesight>& verbs, const std::string& name) {
+  return std::find_if(verbs.begin(), verbs.end(), [&](const VerbForesight& v) { return v.verb == name; })->fill;
 }
 
 TEST(Foresee, ASoundSkinIsFilledAsItIs) {
@@ -29,9 +40,9 @@ TEST(Foresee, SheetsGoIntoALatticeAndHaveNoDynamics) {
   const CharacterForesight foresight = foresee(sheet);
   EXPECT_EQ(fills(foresight), (std::vector{BodyFill::lattice, BodyFill::lattice, BodyFill::refused}));
   EXPECT_FALSE(foresight.verbs[0].has_contact);
-  for (const VerbForesight& verb : foresight.verbs) {
-    EXPECT_NE(verb.why.find("boundary edges"), std::string::npos) << verb.why;
-    EXPECT_FALSE(verb.remedy.empty());
+  for (std::size_t v = 0; v < 3; ++v) {
+    EXPECT_NE(foresight.verbs[v].why.find("boundary edges"), std::string::npos) << foresight.verbs[v].why;
+    EXPECT_FALSE(foresight.verbs[v].remedy.empty());
   }
 }
 
@@ -72,6 +83,36 @@ TEST(Foresee, OddSizesAndIdleJointsAreRemarkedOn) {
   ASSERT_EQ(foresight.remarks.size(), 2u);
   EXPECT_NE(foresight.remarks[0].find("--unit 0.2"), std::string::npos) << foresight.remarks[0];
   EXPECT_NE(foresight.remarks[1].find("'helper'"), std::string::npos) << foresight.remarks[1];
+}
+
+// A joint that no pose turns teaches nothing; the root may rest.
+TEST(Foresee, JointsThatNoClipTurnsAreRemarkedOn) {
+  const Character limb = make_limb();
+  const std::vector<Pose> still(3, bind_pose(limb.skeleton));
+  std::vector<Pose> bent = still;
+  bent[1].joints[1].rotation = {0, 0, 0.3f, 0.954f};
+  EXPECT_TRUE(foresee(limb, bent).remarks.empty());
+  const std::vector<std::string> remarks = foresee(limb, still).remarks;
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_NE(remarks[0].find("'lower'"), std::string::npos) << remarks[0];
+}
+
+// What is foreseen of a dataset is what train and proxy then do.
+TEST(Foresee, WhatTrainAndProxyDo) {
+  SampleSet set = limb_samples(20, 4);
+  EXPECT_EQ(of_verb(foresee_training(set), "train"), BodyFill::works);
+  EXPECT_NO_THROW(train(set, {.components = 4, .centres = 8}));
+  std::vector<std::string> notes;
+  EXPECT_EQ(of_verb(foresee_training(set), "proxy"), BodyFill::works);
+  EXPECT_NO_THROW(build_proxy(set, {.errors = {}, .train = {.components = 4, .centres = 8}}, notes));
+
+  set.train.resize(5);
+  for (const VerbForesight& verb : foresee_training(set)) {
+    EXPECT_EQ(verb.fill, BodyFill::refused) << verb.verb;
+    EXPECT_NE(verb.why.find("frames at least"), std::string::npos) << verb.why;
+    EXPECT_FALSE(verb.remedy.empty()) << verb.verb;
+  }
+  EXPECT_THROW(build_proxy(set, {}, notes), Error);
 }
 
 }  // namespace

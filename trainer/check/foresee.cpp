@@ -13,8 +13,12 @@
 #include "runtime/core/error.h"
 #include "trainer/dynamics/build_dynamics.h"
 #include "trainer/dynamics/dynamics_tets.h"
+#include "trainer/proxy/level_skins.h"
 #include "trainer/simulate/simulate.h"
 #include "trainer/tets/fillable_skin.h"
+#include "trainer/train/data/unposed_shapes.h"
+#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/linear_blend.h"
 #include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
@@ -28,6 +32,8 @@ constexpr std::size_t kFewest = 3;               // vertices that make a part
 
 constexpr const char* kCloseIt = "close holes, join the pieces and separate what overlaps at rest";
 constexpr const char* kMendFirst = "mend the skin: see why";
+constexpr const char* kMoreMotion = "simulate more motion: 'bodyopt rom' makes some that shows all a character can do";
+constexpr const char* kFewVertices = "none is needed: so few vertices are as fast as a proxy of them";
 
 std::uint32_t main_joint(const Character& character, std::uint32_t vertex) {
   return character.weights[vertex].front().joint;
@@ -102,8 +108,9 @@ std::vector<RestPlace> near_parts_of(const Character& character) {
   return places_of(character, found, kFewest);
 }
 
-VerbForesight refusal(const std::string& verb, const Error& error) {
-  return {verb, BodyFill::refused, 0, false, error.what(), kCloseIt};
+VerbForesight refusal(const std::string& verb, const Error& error, const char* remedy = kCloseIt) {
+  if (error.kind() == ErrorKind::interrupted) throw error;
+  return {verb, BodyFill::refused, 0, false, error.what(), remedy};
 }
 
 VerbForesight foresee_simulate(const Character& character, bool draft) {
@@ -127,7 +134,6 @@ VerbForesight foresee_simulate(const Character& character, bool draft) {
             tets.why_cage.empty() ? cage.mending : tets.why_cage,
             draft ? "" : kMendFirst};
   } catch (const Error& error) {
-    if (error.kind() == ErrorKind::interrupted) throw;
     return refusal(verb, error);
   }
 }
@@ -143,12 +149,65 @@ VerbForesight foresee_dynamics(const Character& character) {
         "dynamics", mending.empty() ? BodyFill::skin : BodyFill::mended, tets.cage.mesh.nodes.rows(), false, mending,
         ""};
   } catch (const Error& error) {
-    if (error.kind() == ErrorKind::interrupted) throw;
     return refusal("dynamics", error);
   }
 }
 
-std::vector<std::string> remarks_on(const Character& character) {
+// By what training starts from.
+VerbForesight foresee_train(const Character& character) {
+  try {
+    build_ddm_basis(character, {});
+    return {"train", BodyFill::works, character.vertices.rows(), false, "", ""};
+  } catch (const Error& error) {
+    return refusal("train", error, "give every vertex a place and skin weights");
+  }
+}
+
+// `shapes`: as simplify_skin().
+VerbForesight foresee_proxy(const Character& character, const std::vector<Positions>& shapes) {
+  try {
+    std::vector<std::string> notes;
+    const std::vector<LevelSkin> skins = level_skins(character, shapes, {}, notes);
+    return {"proxy",
+            BodyFill::works,
+            static_cast<Eigen::Index>(skins.back().skin.vertices.size()),
+            false,
+            notes.empty() ? "" : notes.front(),
+            ""};
+  } catch (const Error& error) {
+    return refusal("proxy", error, kFewVertices);
+  }
+}
+
+// The rest skin, then some of the poses by linear blending.
+std::vector<Positions> skinned_shapes(const Character& character, const std::vector<Pose>& poses) {
+  constexpr std::size_t kShapes = 16;
+  std::vector<Positions> shapes = {character.vertices};
+  for (const std::size_t n : spread_evenly(poses.size(), kShapes)) shapes.push_back(skin_linear(character, poses[n]));
+  return shapes;
+}
+
+bool turns(const std::vector<Pose>& poses, std::size_t joint) {
+  constexpr double kTurned = 1e-5;  // of the cosine of half the angle: half a degree
+  const Quat& first = poses.front().joints[joint].rotation;
+  return std::any_of(poses.begin(), poses.end(), [&](const Pose& pose) {
+    const Quat& now = pose.joints[joint].rotation;
+    return 1 - std::abs(std::inner_product(first.begin(), first.end(), now.begin(), 0.0)) > kTurned;
+  });
+}
+
+// `moves`: of every joint, whether skin follows it.
+std::string still_joints(const Skeleton& skeleton, const std::vector<bool>& moves, const std::vector<Pose>& poses) {
+  std::vector<std::string> still;
+  for (std::size_t j = 0; j < skeleton.size() && !poses.empty(); ++j) {
+    if (moves[j] && skeleton.joints[j].parent >= 0 && !turns(poses, j)) still.push_back(skeleton.joints[j].name);
+  }
+  if (still.empty()) return "";
+  return "the clips of its file never turn " + list_names(still) +
+         ": trained on them alone, nothing is known of these joints ('bodyopt rom' turns all)";
+}
+
+std::vector<std::string> remarks_on(const Character& character, const std::vector<Pose>& poses) {
   std::vector<std::string> remarks;
   const double extent = (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).maxCoeff();
   if (extent > kTallest || extent < kSmallest) {
@@ -168,7 +227,11 @@ std::vector<std::string> remarks_on(const Character& character) {
   }
   std::reverse(idle.begin(), idle.end());
   if (!idle.empty()) {
-    remarks.push_back(count_of(idle.size(), "joint moves", "joints move") + " no skin: " + list_names(idle));
+    remarks.push_back(count_of(idle.size(), "joint moves", "joints move") + " no skin: " + list_names(idle) +
+                      " (harmless, unless skin was meant to follow: then paint weights)");
+  }
+  if (const std::string still = still_joints(character.skeleton, moves, poses); !still.empty()) {
+    remarks.push_back(still);
   }
   return remarks;
 }
@@ -176,13 +239,14 @@ std::vector<std::string> remarks_on(const Character& character) {
 }  // namespace
 
 const char* name_of(BodyFill fill) {
-  constexpr const char* names[] = {"skin", "mended skin", "coarser skin", "lattice", "refused"};
+  constexpr const char* names[] = {"skin", "mended skin", "coarser skin", "lattice", "refused", "works"};
   return names[static_cast<std::size_t>(fill)];
 }
 
-CharacterForesight foresee(const Character& character) {
+CharacterForesight foresee(const Character& character, const std::vector<Pose>& poses) {
   CharacterForesight result;
-  result.verbs = {foresee_simulate(character, false), foresee_simulate(character, true), foresee_dynamics(character)};
+  result.verbs = {foresee_simulate(character, false), foresee_simulate(character, true), foresee_dynamics(character),
+                  foresee_train(character), foresee_proxy(character, skinned_shapes(character, poses))};
   try {
     result.intersections =
         intersections_of(character, fillable_skin(character.vertices, character.triangles, character.weights));
@@ -190,8 +254,17 @@ CharacterForesight foresee(const Character& character) {
     if (error.kind() != ErrorKind::mismatch) throw;  // the verbs say why
   }
   result.near_parts = near_parts_of(character);
-  result.remarks = remarks_on(character);
+  result.remarks = remarks_on(character, poses);
   return result;
+}
+
+std::vector<VerbForesight> foresee_training(const SampleSet& set) {
+  try {
+    check_samples(set);
+  } catch (const Error& error) {
+    return {refusal("train", error, kMoreMotion), refusal("proxy", error, kMoreMotion)};
+  }
+  return {foresee_train(set.character), foresee_proxy(set.character, shapes_of_skin(set))};
 }
 
 }  // namespace bodyopt

@@ -6,18 +6,21 @@
 #include <vector>
 
 #include "assets/character.h"
+#include "runtime/basis/skeleton.h"
+#include "trainer/train/data/samples.h"
 
 namespace bodyopt {
 
-enum class BodyFill { skin, mended, coarser, lattice, refused };
+// What simulate and dynamics fill with tetrahedra; works: of train and proxy, which fill nothing.
+enum class BodyFill { skin, mended, coarser, lattice, refused, works };
 
-// "skin", "mended skin", "coarser skin", "lattice", "refused".
+// "skin", "mended skin", "coarser skin", "lattice", "refused", "works".
 const char* name_of(BodyFill fill);
 
 struct VerbForesight {
   std::string verb;
   BodyFill fill = BodyFill::refused;
-  Eigen::Index nodes = 0;
+  Eigen::Index nodes = 0;  // of train and proxy: vertices of the skin, of the coarsest level
   bool has_contact = false;
   std::string why;     // what was mended, or keeps it from a better filling; empty: nothing
   std::string remedy;  // empty: none is needed
@@ -32,13 +35,17 @@ struct RestPlace {
 };
 
 struct CharacterForesight {
-  std::vector<VerbForesight> verbs;      // simulate, simulate --draft, dynamics
+  std::vector<VerbForesight> verbs;      // simulate, simulate --draft, dynamics, train, proxy
   std::vector<RestPlace> intersections;  // of the skin with itself at rest, by joint, most first
   std::vector<RestPlace> near_parts;     // of different joints, face to face, less than a mean edge apart
-  std::vector<std::string> remarks;      // likely unit, joints that move nothing
+  std::vector<std::string> remarks;      // likely unit, joints that move nothing or are never moved
 };
 
-// Fills the character as the verbs do: what is foreseen is what they get. Takes seconds.
-CharacterForesight foresee(const Character& character);
+// Fills and simplifies the character as the verbs do: what is foreseen is what they get. `poses`: of its own clips, by
+// which its skin is simplified; none: by the rest skin alone. Takes seconds.
+CharacterForesight foresee(const Character& character, const std::vector<Pose>& poses = {});
+
+// What train and proxy will make of a dataset.
+std::vector<VerbForesight> foresee_training(const SampleSet& set);
 
 }  // namespace bodyopt

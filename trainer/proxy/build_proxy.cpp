@@ -1,7 +1,6 @@
 #include "trainer/proxy/build_proxy.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -9,6 +8,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/strict_json.h"
 #include "trainer/proxy/level_errors.h"
+#include "trainer/proxy/level_skins.h"
 #include "trainer/proxy/proxy_samples.h"
 #include "trainer/proxy/skin_map.h"
 #include "trainer/train/features/strain.h"
@@ -18,65 +18,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr double kFinestError =
-    1.0 / 500;  // of the longest extent: with its map a human keeps within 15 % of the bytes
-constexpr std::size_t kDefaultLevels = 3;
-constexpr std::size_t kShapesOfSkin = 16;  // more give the same skins
 constexpr std::size_t kMostMeasured = 200;
-constexpr std::size_t kFewestVertices = 100;
-
-std::string millimetres(double metres) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g mm", 1e3 * metres);
-  return text;
-}
-
-// The rest skin, then shapes spread over the training frames.
-std::vector<Positions> shapes_of_skin(const SampleSet& set) {
-  std::vector<Positions> shapes = {set.character.vertices};
-  for (const Sample& sample : some_samples(set.train, kShapesOfSkin)) shapes.push_back(sample.shape.read());
-  return shapes;
-}
-
-// Why so many vertices are no level after one of `before`; empty: they are.
-std::string objection(std::size_t vertices, std::size_t before, double error) {
-  const std::string what =
-      "an error of " + millimetres(error) + " leaves " + std::to_string(vertices) + " vertices of the skin, ";
-  if (vertices < kFewestVertices) {
-    return what + "expected " + std::to_string(kFewestVertices) +
-           " at least: the error is too large for this character";
-  }
-  if (vertices >= before) {
-    return what + "no fewer than the " + std::to_string(before) +
-           " before: levels need errors that differ more, or larger ones";
-  }
-  return "";
-}
-
-struct LevelSkin {
-  double error;  // metres
-  SimplifiedSkin skin;
-};
-
-// Of all levels, before any is trained.
-std::vector<LevelSkin> level_skins(const SampleSet& set, const std::vector<double>& asked,
-                                   std::vector<std::string>& notes) {
-  const std::vector<Positions> shapes = shapes_of_skin(set);
-  std::vector<LevelSkin> skins;
-  for (const double error : asked.empty() ? default_errors(set.character) : asked) {
-    SimplifiedSkin skin = simplify_skin(set.character, shapes, error);
-    const std::size_t before =
-        skins.empty() ? static_cast<std::size_t>(set.character.vertices.rows()) : skins.back().skin.vertices.size();
-    const std::string problem = objection(skin.vertices.size(), before, error);
-    if (!problem.empty() && (!asked.empty() || skins.empty())) throw Error(ErrorKind::usage, problem);
-    if (!problem.empty()) {
-      notes.push_back("there are only " + count_of(skins.size(), "level", "levels") + ": " + problem);
-      break;
-    }
-    skins.push_back({error, std::move(skin)});
-  }
-  return skins;
-}
 
 // Muscles of which no fibre lies on the skin.
 std::vector<std::string> lost_muscles(const Basis& basis, const std::vector<Muscle>& muscles) {
@@ -173,12 +115,6 @@ std::vector<Level> ProxyBuilder::take() {
 
 }  // namespace
 
-std::vector<double> default_errors(const Character& character) {
-  std::vector<double> errors = {kFinestError * longest_extent(character.vertices)};
-  while (errors.size() < kDefaultLevels) errors.push_back(2 * errors.back());
-  return errors;
-}
-
 nlohmann::ordered_json to_json(const LevelReport& report) {
   return {{"vertices", report.vertices},
           {"error_mm", report.error},
@@ -215,7 +151,8 @@ ProxyReport read_proxy_report(const Basis& basis) {
 std::vector<Level> build_proxy(const SampleSet& set, const ProxyOptions& options, std::vector<std::string>& notes) {
   check_samples(set);
   ProxyBuilder builder(set, options, notes);
-  for (const LevelSkin& skin : level_skins(set, options.errors, notes)) builder.add(skin);
+  for (const LevelSkin& skin : level_skins(set.character, shapes_of_skin(set), options.errors, notes))
+    builder.add(skin);
   return builder.take();
 }
 

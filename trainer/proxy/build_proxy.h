@@ -18,9 +18,6 @@ struct ProxyOptions {
                          64};  // on so few vertices 256 cost a third more bytes and gain a hundredth of the error
 };
 
-// 1/500 of the character's longest extent, and twice and four times that: 3.5, 7 and 14 mm for 1.75 m.
-std::vector<double> default_errors(const Character& character);
-
 // What was measured of a level, errors in mm: kept in the file as metadata "levels".
 struct LevelReport {
   std::uint32_t vertices = 0;                 // welded
