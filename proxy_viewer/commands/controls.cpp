@@ -26,6 +26,7 @@ void Controls::warn(const std::string& text) {
 }
 
 void Controls::attempt(const std::function<void()>& action) {
+  if (headless) return action();
   try {
     action();
   } catch (const Error& error) {

@@ -99,6 +99,7 @@ struct Controls {
   bool flipped = false;            // while the key of "hold to flip" is down
   bool cheat_sheet = false;
   bool panels = true;
+  bool headless = false;  // nobody looks: what fails is thrown, and what is asked for is waited for
   bool prompt = false;  // a command is being typed
   std::optional<Marker> marker;
   double automatic_heat_mm = 10;  // of the hottest colour, where the settings give none
@@ -119,7 +120,7 @@ struct Controls {
   void say(const std::string& text) { messages.push_back({.text = text}); }
   // Also on standard error; once, where it is what was said last.
   void warn(const std::string& text);
-  // What it throws is said, except Error(device), which passes: nothing more can be drawn.
+  // What it throws is said, except Error(device), which passes: nothing more can be drawn. Headless, all passes.
   void attempt(const std::function<void()>& action);
 };
 

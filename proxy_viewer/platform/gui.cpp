@@ -1,12 +1,13 @@
 #include "proxy_viewer/platform/gui.h"
 
 #include <GLFW/glfw3.h>
-#include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_vulkan.h>
 #include <imgui.h>
 
 #include <algorithm>
+#include <utility>
 
+#include "proxy_viewer/platform/key_names.h"
 #include "runtime/vulkan/commands.h"
 
 namespace bodyopt {
@@ -53,11 +54,43 @@ void set_style() {
   c[ImGuiCol_ScrollbarGrab] = grey(0.25f);
 }
 
+// What Dear ImGui wants to hear of, by the names of key_names.h.
+constexpr std::pair<const char*, ImGuiKey> kKeys[] = {{"Tab", ImGuiKey_Tab},
+                                                      {"Left", ImGuiKey_LeftArrow},
+                                                      {"Right", ImGuiKey_RightArrow},
+                                                      {"Up", ImGuiKey_UpArrow},
+                                                      {"Down", ImGuiKey_DownArrow},
+                                                      {"PageUp", ImGuiKey_PageUp},
+                                                      {"Home", ImGuiKey_Home},
+                                                      {"End", ImGuiKey_End},
+                                                      {"PageDown", ImGuiKey_PageDown},
+                                                      {"Insert", ImGuiKey_Insert},
+                                                      {"Delete", ImGuiKey_Delete},
+                                                      {"Backspace", ImGuiKey_Backspace},
+                                                      {"Space", ImGuiKey_Space},
+                                                      {"Enter", ImGuiKey_Enter},
+                                                      {"Escape", ImGuiKey_Escape},
+                                                      {"A", ImGuiKey_A},
+                                                      {"C", ImGuiKey_C},
+                                                      {"V", ImGuiKey_V},
+                                                      {"X", ImGuiKey_X},
+                                                      {"Y", ImGuiKey_Y},
+                                                      {"Z", ImGuiKey_Z}};
+
+// Of the cursor over text fields and edges; others are arrows.
+int standard_cursor(ImGuiMouseCursor cursor) {
+  if (cursor == ImGuiMouseCursor_TextInput) return GLFW_IBEAM_CURSOR;
+  if (cursor == ImGuiMouseCursor_ResizeEW) return GLFW_HRESIZE_CURSOR;
+  if (cursor == ImGuiMouseCursor_ResizeNS) return GLFW_VRESIZE_CURSOR;
+  return cursor == ImGuiMouseCursor_Hand ? GLFW_HAND_CURSOR : GLFW_ARROW_CURSOR;
+}
+
 }  // namespace
 
-Gui::Gui() {
+Gui::Gui() : before_(ImGui::GetCurrentContext()), context_(ImGui::CreateContext()) {
   IMGUI_CHECKVERSION();
-  ImGui::CreateContext();
+  ImGui::SetCurrentContext(context_);
+  for (const auto& [name, key] : kKeys) ImGui::GetIO().KeyMap[key] = key;
   ImGui::GetIO().IniFilename = nullptr;  // settings are kept in the state file
   ImGui::GetIO().LogFilename = nullptr;
   // As the Vulkan backend can: long lists have more corners than 16 bits count.
@@ -69,16 +102,77 @@ Gui::Gui() {
 
 Gui::~Gui() {
   stop_backend();
-  if (window_) ImGui_ImplGlfw_Shutdown();
-  ImGui::DestroyContext();
+  ImGui::DestroyContext(context_);
+  ImGui::SetCurrentContext(before_);
 }
 
 void Gui::attach(const vulkan::Device& device, VkRenderPass pass, GLFWwindow* window) {
   device_ = &device;
   pass_ = pass;
-  if (!window || !ImGui_ImplGlfw_InitForVulkan(window, true)) return;
   window_ = window;
-  glfwSetInputMode(window, GLFW_STICKY_KEYS, GLFW_TRUE);
+  if (!window) return;
+  ImGuiIO& io = ImGui::GetIO();
+  io.ClipboardUserData = window;
+  io.SetClipboardTextFn = [](void* of, const char* text) {
+    glfwSetClipboardString(static_cast<GLFWwindow*>(of), text);
+  };
+  io.GetClipboardTextFn = [](void* of) { return glfwGetClipboardString(static_cast<GLFWwindow*>(of)); };
+}
+
+void Gui::hear(const WindowEvent& event) {
+  ImGuiIO& io = ImGui::GetIO();
+  if (const auto* key = std::get_if<KeyEvent>(&event)) hear_key(*key);
+  if (const auto* button = std::get_if<ButtonEvent>(&event)) hear_button(*button);
+  if (const auto* letter = std::get_if<LetterEvent>(&event)) io.AddInputCharacter(letter->letter);
+  if (const auto* cursor = std::get_if<CursorEvent>(&event)) cursor_ = *cursor;
+  if (const auto* wheel = std::get_if<WheelEvent>(&event)) {
+    io.MouseWheelH += static_cast<float>(wheel->right);
+    io.MouseWheel += static_cast<float>(wheel->up);
+  }
+  if (const auto* held = std::get_if<ModifierKeysEvent>(&event)) {
+    io.KeyCtrl = held->control;
+    io.KeyShift = held->shift;
+    io.KeyAlt = held->alt;
+  }
+}
+
+void Gui::hear_key(const KeyEvent& event) {
+  const std::string name = bare_key(event.name);
+  const auto* const found =
+      std::find_if(std::begin(kKeys), std::end(kKeys), [&](const auto& key) { return name == key.first; });
+  if (found == std::end(kKeys) || event.action == KeyAction::repeated) return;
+  Press& press = keys_.at(static_cast<std::size_t>(found->second));
+  const bool down = event.action == KeyAction::pressed;
+  if (down) ImGui::GetIO().KeysDownDuration[found->second] = -1;  // also right after it was let go
+  if (down) press.pressed = true;
+  press.released = !down;
+  if (down || !press.pressed) ImGui::GetIO().KeysDown[found->second] = down;
+}
+
+void Gui::hear_button(const ButtonEvent& event) {
+  if (event.button < 0 || static_cast<std::size_t>(event.button) >= buttons_.size()) return;
+  Press& press = buttons_[static_cast<std::size_t>(event.button)];
+  if (event.down) press.pressed = true;
+  press.released = !event.down;
+  if (event.down || !press.pressed) ImGui::GetIO().MouseDown[event.button] = event.down;
+}
+
+// Of what went up again since the last picture, now that a picture has it down.
+void Gui::let_go() {
+  ImGuiIO& io = ImGui::GetIO();
+  for (std::size_t k = 0; k < keys_.size(); ++k) {
+    if (std::exchange(keys_[k], {}).released) io.KeysDown[k] = false;
+  }
+  for (std::size_t k = 0; k < buttons_.size(); ++k) {
+    if (std::exchange(buttons_[k], {}).released) io.MouseDown[k] = false;
+  }
+}
+
+void Gui::shape_cursor() {
+  const int shape = standard_cursor(ImGui::GetMouseCursor());
+  GLFWcursor*& cursor = cursors_.at(static_cast<std::size_t>(shape - GLFW_ARROW_CURSOR));
+  if (!cursor) cursor = glfwCreateStandardCursor(shape);
+  glfwSetCursor(window_, cursor);
 }
 
 // Anew for every atlas: a backend takes one in its life.
@@ -123,26 +217,19 @@ void Gui::begin(std::uint32_t width, std::uint32_t height, double seconds) {
   if (device_ && (has_new_letters || !has_backend_)) start_backend();
   if (has_backend_) ImGui_ImplVulkan_NewFrame();
   ImGuiIO& io = ImGui::GetIO();
-  if (window_) {
-    ImGui_ImplGlfw_NewFrame();
-    // Also those that went up again since the last picture: keys are sticky.
-    for (const int key : io.KeyMap) {
-      if (key >= 0) io.KeysDown[key] = glfwGetKey(window_, key) == GLFW_PRESS;
-    }
-  }
   const ImVec2 size{static_cast<float>(width), static_cast<float>(height)};
-  // The window's coordinates, which need not be the picture's pixels: on fine screens, and of very large windows.
-  if (window_ && ImGui::IsMousePosValid()) {
-    io.MousePos.x *= size.x / std::max(1.0f, io.DisplaySize.x);
-    io.MousePos.y *= size.y / std::max(1.0f, io.DisplaySize.y);
-  }
+  if (cursor_) io.MousePos = {static_cast<float>(cursor_->x) * size.x, static_cast<float>(cursor_->y) * size.y};
   io.DisplaySize = size;
   io.DisplayFramebufferScale = {1, 1};  // the picture's pixels
   io.DeltaTime = static_cast<float>(std::max(1e-4, seconds));
   ImGui::NewFrame();
+  let_go();
 }
 
-void Gui::end() { ImGui::Render(); }
+void Gui::end() {
+  ImGui::Render();
+  if (window_) shape_cursor();
+}
 
 void Gui::record(VkCommandBuffer commands) const { ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands); }
 

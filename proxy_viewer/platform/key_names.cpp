@@ -12,19 +12,28 @@ struct Named {
   int key;
   const char* name;
 };
-constexpr Named kNamed[] = {{GLFW_KEY_SPACE, "Space"},       {GLFW_KEY_LEFT, "Left"},
-                            {GLFW_KEY_RIGHT, "Right"},       {GLFW_KEY_UP, "Up"},
-                            {GLFW_KEY_DOWN, "Down"},         {GLFW_KEY_HOME, "Home"},
-                            {GLFW_KEY_END, "End"},           {GLFW_KEY_TAB, "Tab"},
-                            {GLFW_KEY_ESCAPE, "Escape"},     {GLFW_KEY_ENTER, "Enter"},
-                            {GLFW_KEY_DELETE, "Delete"},     {GLFW_KEY_PAGE_UP, "PageUp"},
-                            {GLFW_KEY_PAGE_DOWN, "PageDown"}};
+constexpr Named kNamed[] = {{GLFW_KEY_SPACE, "Space"},
+                            {GLFW_KEY_LEFT, "Left"},
+                            {GLFW_KEY_RIGHT, "Right"},
+                            {GLFW_KEY_UP, "Up"},
+                            {GLFW_KEY_DOWN, "Down"},
+                            {GLFW_KEY_HOME, "Home"},
+                            {GLFW_KEY_END, "End"},
+                            {GLFW_KEY_TAB, "Tab"},
+                            {GLFW_KEY_ESCAPE, "Escape"},
+                            {GLFW_KEY_ENTER, "Enter"},
+                            {GLFW_KEY_DELETE, "Delete"},
+                            {GLFW_KEY_PAGE_UP, "PageUp"},
+                            {GLFW_KEY_PAGE_DOWN, "PageDown"},
+                            {GLFW_KEY_BACKSPACE, "Backspace"},
+                            {GLFW_KEY_INSERT, "Insert"},
+                            {GLFW_KEY_KP_ENTER, "Enter"}};
 
 bool is_ascii(const std::string& text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 128; });
 }
 
-std::string bare_name(int key, const std::string& printed) {
+std::string name_of_key(int key, const std::string& printed) {
   for (const Named& named : kNamed) {
     if (named.key == key) return named.name;
   }
@@ -39,8 +48,10 @@ std::string bare_name(int key, const std::string& printed) {
 
 }  // namespace
 
+std::string bare_key(const std::string& name) { return name.substr(name.rfind('+') + 1); }
+
 std::string key_name(int key, const std::string& printed, int modifiers) {
-  const std::string name = bare_name(key, printed);
+  const std::string name = name_of_key(key, printed);
   if (name.empty()) return {};
   std::string prefix;
   if (modifiers & GLFW_MOD_CONTROL) prefix += "Ctrl+";

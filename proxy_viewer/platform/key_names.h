@@ -10,4 +10,7 @@ namespace bodyopt {
 // own, are called as on a US keyboard.
 std::string key_name(int key, const std::string& printed, int modifiers);
 
+// "Left" of "Shift+Left".
+std::string bare_key(const std::string& name);
+
 }  // namespace bodyopt

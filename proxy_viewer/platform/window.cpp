@@ -4,6 +4,7 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "draw/attachment.h"
 #include "proxy_viewer/platform/display_errors.h"
@@ -33,9 +34,9 @@ Semaphore make_semaphore(VkDevice device) {
   return {device, semaphore};
 }
 
-KeyEvent key_event(int action) {
-  if (action == GLFW_RELEASE) return KeyEvent::released;
-  return action == GLFW_REPEAT ? KeyEvent::repeated : KeyEvent::pressed;
+KeyAction key_action(int action) {
+  if (action == GLFW_RELEASE) return KeyAction::released;
+  return action == GLFW_REPEAT ? KeyAction::repeated : KeyAction::pressed;
 }
 
 // One that takes the picture's bytes as they are.
@@ -188,29 +189,48 @@ Window::Window(const WindowOptions& options) : vsync_(options.vsync) {
 }
 
 void Window::listen() {
-  static constexpr auto heard = [](GLFWwindow* window) -> Window& {
-    Window& self = *static_cast<Window*>(glfwGetWindowUserPointer(window));
-    self.woken_ = true;
-    return self;
+  static constexpr auto self = [](GLFWwindow* window) -> Window& {
+    return *static_cast<Window*>(glfwGetWindowUserPointer(window));
+  };
+  static constexpr auto hear = [](GLFWwindow* window, WindowEvent event) {
+    self(window).events_.push_back(std::move(event));
   };
   glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
-    const auto& drop = heard(window).on_drop;
-    if (drop) drop({paths, paths + count});
+    hear(window, DropEvent{{paths, paths + count}});
   });
   glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int scancode, int action, int modifiers) {
-    const auto& hear = heard(window).on_key;
-    if (!hear) return;
-    const char* printed = glfwGetKeyName(key, scancode);
-    hear(key_name(key, printed ? printed : "", modifiers), key_event(action));
+    self(window).hear_key(key, scancode, action, modifiers);
   });
-  glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned) { heard(window); });
-  glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double, double) { heard(window); });
-  glfwSetCursorEnterCallback(window_, [](GLFWwindow* window, int) { heard(window); });
-  glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int, int, int) { heard(window); });
-  glfwSetScrollCallback(window_, [](GLFWwindow* window, double, double) { heard(window); });
-  glfwSetWindowFocusCallback(window_, [](GLFWwindow* window, int) { heard(window); });
-  glfwSetWindowRefreshCallback(window_, [](GLFWwindow* window) { heard(window); });
-  glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int, int) { heard(window); });
+  glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned letter) { hear(window, LetterEvent{letter}); });
+  glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double x, double y) { self(window).hear_cursor(x, y); });
+  glfwSetCursorEnterCallback(window_, [](GLFWwindow* window, int) { hear(window, SurfaceEvent{}); });
+  glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int button, int action, int) {
+    hear(window, ButtonEvent{button, action == GLFW_PRESS});
+  });
+  glfwSetScrollCallback(window_, [](GLFWwindow* window, double x, double y) { hear(window, WheelEvent{x, y}); });
+  glfwSetWindowFocusCallback(window_, [](GLFWwindow* window, int) { hear(window, SurfaceEvent{}); });
+  glfwSetWindowRefreshCallback(window_, [](GLFWwindow* window) { hear(window, SurfaceEvent{}); });
+  glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int, int) { hear(window, SurfaceEvent{}); });
+}
+
+void Window::hear_key(int key, int scancode, int action, int modifiers) {
+  if (GLFW_KEY_LEFT_SHIFT <= key && key <= GLFW_KEY_RIGHT_SUPER) {
+    const auto held = [&](int left, int right) {
+      return glfwGetKey(window_, left) == GLFW_PRESS || glfwGetKey(window_, right) == GLFW_PRESS;
+    };
+    events_.push_back(ModifierKeysEvent{.control = held(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL),
+                                        .shift = held(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT),
+                                        .alt = held(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT)});
+  }
+  const char* printed = glfwGetKeyName(key, scancode);
+  events_.push_back(KeyEvent{key_name(key, printed ? printed : "", modifiers), key_action(action)});
+}
+
+// From the window's own coordinates, which need not be pixels.
+void Window::hear_cursor(double x, double y) {
+  int width = 0, height = 0;
+  glfwGetWindowSize(window_, &width, &height);
+  events_.push_back(CursorEvent{x / std::max(1, width), y / std::max(1, height)});
 }
 
 Window::~Window() {
@@ -284,14 +304,13 @@ bool Window::show_once(const Viewport& viewport) {
   return true;
 }
 
-bool Window::poll(double seconds) {
-  woken_ = false;
+std::vector<WindowEvent> Window::poll(double seconds) {
   if (seconds > 0) {
     glfwWaitEventsTimeout(seconds);
   } else {
     glfwPollEvents();
   }
-  return woken_;
+  return std::exchange(events_, {});
 }
 
 bool Window::closed() const { return glfwWindowShouldClose(window_); }

@@ -3,15 +3,12 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "draw/viewport.h"
+#include "proxy_viewer/platform/screen.h"
 #include "runtime/vulkan/device.h"
-
-struct GLFWwindow;
 
 namespace bodyopt {
 
@@ -21,45 +18,35 @@ struct WindowOptions {
   bool vsync = true;
 };
 
-enum class KeyEvent { pressed, repeated, released };
-
-class Window {
+class Window : public Screen {
  public:
   // Throws Error(device) where there is no display, or no window can be had: it says so and names --headless.
   explicit Window(const WindowOptions& options);
-  ~Window();
-  Window(const Window&) = delete;
-  Window& operator=(const Window&) = delete;
+  ~Window() override;
 
   // What a device must offer to show a picture here.
   vulkan::DeviceUse device_use() const;
   // Before the first show().
   void attach(std::shared_ptr<const vulkan::Device> device);
 
-  // Shows the viewport's picture, also where the surface has changed its size meanwhile.
-  void show(const Viewport& viewport);
-
-  // Calls back for what has happened, and says whether anything has; waits for it at most so long (seconds; 0: not at
-  // all).
-  bool poll(double seconds);
-  bool closed() const;
-  void set_title(const std::string& title);
-  std::array<std::uint32_t, 2> size() const;  // pixels; 0 while minimised
-  GLFWwindow* handle() const { return window_; }
-
-  // Before Gui::attach(), which passes on what it hears.
-  std::function<void(const std::vector<std::string>& files)> on_drop;
-  std::function<void(const std::string& key, KeyEvent event)> on_key;  // see key_names.h
+  std::vector<WindowEvent> poll(double seconds) override;
+  bool closed() const override;
+  void set_title(const std::string& title) override;
+  std::array<std::uint32_t, 2> size() const override;
+  void show(const Viewport& viewport) override;
+  GLFWwindow* handle() const override { return window_; }
 
  private:
   struct Swapchain;
 
   void listen();
+  void hear_key(int key, int scancode, int action, int modifiers);
+  void hear_cursor(double x, double y);
   bool show_once(const Viewport& viewport);
 
   GLFWwindow* window_ = nullptr;
   bool vsync_;
-  bool woken_ = false;  // since the last poll()
+  std::vector<WindowEvent> events_;  // since the last poll()
   std::unique_ptr<Swapchain> swapchain_;
 };
 

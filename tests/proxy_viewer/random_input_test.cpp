@@ -1,34 +1,25 @@
-// Keys, mouse, sizes, prompt, files: anything in any order, under Vulkan's validation. BODYOPT_TEST_SECONDS says for
-// how long, BODYOPT_TEST_SEED which order.
+// Keys, mouse, sizes, prompt, files: anything in any order, under Vulkan's validation. BODYOPT_TEST_TURNS says how
+// much, BODYOPT_TEST_SEED which order.
 #include <gtest/gtest.h>
 
 #include "proxy_viewer/commands/commands.h"
-#include "tests/proxy_viewer/window_fixture.h"
-#include "tests/proxy_viewer/x_drag.h"
+#include "tests/proxy_viewer/played_viewport.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
 namespace {
 
-double number_from_environment(const char* name, double otherwise) {
+std::uint32_t number_from_environment(const char* name, std::uint32_t otherwise) {
   const char* text = std::getenv(name);
-  return text ? std::stod(text) : otherwise;
+  return text ? static_cast<std::uint32_t>(std::stoul(text)) : otherwise;
 }
 
-// As xdotool names them: of all commands but the one that ends the session.
+// Of all commands but the one that ends the session.
 std::vector<std::string> keys_of_commands() {
-  std::vector<std::string> keys = {"Escape", "Delete", "BackSpace", "Page_Up", "Page_Down", "ctrl+a", "F11", "x"};
+  std::vector<std::string> keys = {"Escape", "Delete", "Backspace", "PageUp", "PageDown", "Ctrl+A", "F11", "X"};
   for (const Command& command : commands()) {
-    std::string key = command.key;
-    if (key.empty() || std::string(command.name) == "quit") continue;
-    if (key == "Enter") key = "Return";
-    if (key == "Space") key = "space";
-    for (const auto& [name, sent] : {std::pair("Ctrl+", "ctrl+"), {"Shift+", "shift+"}, {"Alt+", "alt+"}}) {
-      if (key.starts_with(name)) key.replace(0, std::string(name).size(), sent);
-    }
-    if (key.size() == 1) key[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(key[0])));
-    keys.push_back(key);
+    if (*command.key != 0 && std::string(command.name) != "quit") keys.emplace_back(command.key);
   }
   return keys;
 }
@@ -99,45 +90,53 @@ const std::vector<std::string> kTyped = {"frame 5",
                                          "кадр 5",
                                          "; ; #"};
 
-class RandomInputTest : public WindowTest {
+class RandomInputTest : public PlayedTest {
  protected:
-  std::string below(std::uint32_t count) { return std::to_string(random_.below(count)); }
   const std::string& one_of(const std::vector<std::string>& all) {
     return all[random_.below(static_cast<std::uint32_t>(all.size()))];
   }
-  std::string to_anywhere() { return "mousemove --window " + window_ + " " + below(700) + " " + below(500) + " "; }
+  // Beside the window, too.
+  WindowEvent to_anywhere() { return CursorEvent{random_.uniform(-0.3, 1.5), random_.uniform(-0.3, 1.5)}; }
+  double any_time() { return random_.below(4) == 0 ? random_.uniform(0, 1) : PlayedViewport::kTurn; }
 
-  std::string any_drag() {
-    const std::string button = std::to_string(1 + random_.below(5));
-    const std::string held = one_of({"", "", "shift", "ctrl", "alt"});
-    const std::string drag = to_anywhere() + "mousedown " + button + " " + to_anywhere() + "mouseup " + button + " ";
-    return held.empty() ? drag : "keydown " + held + " " + drag + "keyup " + held + " ";
+  void any_drag() {
+    const int button = static_cast<int>(random_.below(5));
+    const std::uint32_t held = random_.below(6);
+    viewport_->turn({ModifierKeysEvent{held == 1, held == 2, held == 3}, to_anywhere(), ButtonEvent{button, true}},
+                    any_time());
+    viewport_->turn({to_anywhere()}, any_time());
+    viewport_->turn({ButtonEvent{button, false}, ModifierKeysEvent{}}, any_time());
   }
 
-  // One to eight things that hands do, as xdotool's commands. Typed text ends its chain.
-  std::string any_hands() {
-    std::string chain;
-    for (std::uint32_t k = random_.below(8) + 1; k > 0; --k) {
-      const std::uint32_t what = random_.below(20);
-      if (what < 9) {
-        chain += "key " + one_of(keys_) + " ";
-      } else if (what < 14) {
-        chain += any_drag();
-      } else if (what == 14) {
-        chain += to_anywhere() + "click --repeat 3 --delay 10 " + std::to_string(1 + random_.below(5)) + " ";
-      } else if (what == 15) {
-        const auto width = std::to_string(1 + random_.below(900)), height = std::to_string(1 + random_.below(700));
-        chain += "windowsize " + window_ + " " + width + " " + height + " ";
-      } else if (what == 16) {
-        chain += "windowunmap " + window_ + " sleep 0." + below(4) + " windowmap " + window_ + " windowfocus " +
-                 window_ + " ";
-      } else if (what == 17) {
-        chain += "sleep 0." + below(10) + " ";
-      } else {
-        return chain + "key Escape key Return sleep 0.1 type --delay 2 '" + one_of(kTyped) + "\n'";
+  void any_hands() {
+    const std::uint32_t what = random_.below(20);
+    if (what < 9) {
+      log_ = one_of(keys_);
+      viewport_->turn(PlayedViewport::stroke(log_), any_time());
+    } else if (what < 14) {
+      any_drag();
+    } else if (what == 14) {
+      const int button = static_cast<int>(random_.below(5));
+      const WindowEvent at = to_anywhere();
+      for (int k = 0; k < 3; ++k) viewport_->turn({at, ButtonEvent{button, true}, ButtonEvent{button, false}}, 0.05);
+      viewport_->turn({WheelEvent{0, random_.uniform(-3, 3)}}, any_time());
+    } else if (what == 15) {
+      viewport_->screen.pixels = {1 + random_.below(900), 1 + random_.below(700)};
+      viewport_->turn({SurfaceEvent{}}, any_time());
+    } else if (what == 16) {
+      const auto shown = std::exchange(viewport_->screen.pixels, {0, 0});
+      viewport_->turn({SurfaceEvent{}}, any_time());
+      viewport_->screen.pixels = shown;
+    } else if (what == 17) {
+      viewport_->turn({}, random_.uniform(0, 1));
+    } else {
+      log_ = one_of(kTyped);
+      for (const char* key : {"Escape", "Enter"}) viewport_->turn(PlayedViewport::stroke(key), any_time());
+      for (const char letter : log_) {
+        viewport_->turn({LetterEvent{static_cast<unsigned char>(letter)}}, PlayedViewport::kTurn);
       }
+      viewport_->turn(PlayedViewport::stroke("Enter"), any_time());
     }
-    return chain;
   }
 
   // Bases are few: each is one more character on the stage.
@@ -151,11 +150,11 @@ class RandomInputTest : public WindowTest {
                                             folder_.path().string(),
                                             small_.clip,
                                             small_.truth};
-    std::vector<std::string> dropped;
-    for (std::uint32_t k = random_.below(3) + 1; k > 0; --k) dropped.push_back(one_of(files));
-    if (random_.below(12) == 0) dropped.push_back(limb_.basis);
-    log_ = "drop of " + dropped.front();
-    drag_->drop(dropped, std::stoul(window_), kPatience);
+    DropEvent dropped;
+    for (std::uint32_t k = random_.below(3) + 1; k > 0; --k) dropped.files.push_back(one_of(files));
+    if (random_.below(12) == 0) dropped.files.push_back(limb_.basis);
+    log_ = "drop of " + dropped.files.front();
+    viewport_->turn({dropped}, any_time());
   }
 
   // A file is cut off, has other bytes, is away, or is again as it was.
@@ -182,28 +181,20 @@ class RandomInputTest : public WindowTest {
                                         limb_.basis,  limb_.clip,  (folder_ / "limb.dynamics.safetensors").string()};
   std::map<std::string, std::string> originals_;
   std::vector<std::string> keys_ = keys_of_commands();
-  Random random_{static_cast<std::uint32_t>(number_from_environment("BODYOPT_TEST_SEED", 20260101))};
+  Random random_{number_from_environment("BODYOPT_TEST_SEED", 20260101)};
   std::string log_;
-  std::unique_ptr<FileDrag> drag_;
+  std::unique_ptr<PlayedViewport> viewport_;
 };
 
 TEST_F(RandomInputTest, DoesNoHarm) {
   for (const std::string& path : changing_) originals_[path] = read_bytes(path);
-  drag_ = std::make_unique<FileDrag>(display_->name());
-  const double seconds = number_from_environment("BODYOPT_TEST_SECONDS", 15);
-  const std::string arguments = small(small_.truth + " " + limb_.basis + " " + limb_.clip + " --validate");
-  const auto start = std::chrono::steady_clock::now();
-  std::unique_ptr<BackgroundProgram> program;
-  int turns = 0, sessions = 0;
-  while (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < seconds) {
-    if (!program || !program->runs()) {  // begins, or begins anew after a click on "quit"
-      if (program) {
-        ASSERT_EQ(program->wait(0), 0) << program->output() << "\nafter " << log_;
-      }
+  ::testing::internal::CaptureStderr();  // of what is wrong on purpose
+  const std::uint32_t turns = number_from_environment("BODYOPT_TEST_TURNS", 120);
+  for (std::uint32_t k = 0; k < turns; ++k) {
+    if (!viewport_ || viewport_->is_done()) {  // begins, or begins anew after a click on "quit"
+      viewport_.reset();
       for (const auto& [path, bytes] : originals_) write_bytes(path, bytes);
-      std::filesystem::remove(folder_ / "ready.png");
-      program = open(arguments, "panels on; hud on");
-      ++sessions;
+      viewport_ = open(small({small_.truth, limb_.basis, limb_.clip}), "panels on; hud on");
     }
     const std::uint32_t what = random_.below(12);
     if (what == 0) {
@@ -211,17 +202,14 @@ TEST_F(RandomInputTest, DoesNoHarm) {
     } else if (what == 1) {
       change_a_file();
     } else {
-      log_ = any_hands();
-      display_->hands(log_);
+      any_hands();
     }
-    ++turns;
+    const auto messages = device_->validation_messages();
+    ASSERT_TRUE(messages.empty()) << messages.front() << "\nafter " << log_;
   }
-  EXPECT_GT(turns, 3);
-  RecordProperty("turns", turns);
-  RecordProperty("sessions", sessions);
-  ASSERT_TRUE(program->runs()) << program->output() << "\nafter " << log_;
-  display_->ask_to_close(window_);
-  expect_end(*program, 0);
+  viewport_.reset();
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(said.find("defect"), std::string::npos) << said;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "draw/heat_colour.h"
+#include "shaders/include/layout.h"
 #include "tests/draw/sphere.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/gpu_fixture.h"

@@ -1,0 +1,282 @@
+#include "proxy_viewer/application.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "proxy_viewer/commands/commands.h"
+#include "proxy_viewer/platform/key_names.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kIdle = 0.25;     // seconds between looks at files while nothing happens
+constexpr double kBusy = 0.004;    // and at the clock or a stream of poses
+constexpr double kProgress = 0.5;  // between pictures of the window while others are written
+const char* const kFlipKey = "X";  // while it is down, what is compared with is shown
+
+}  // namespace
+
+Application::Application(const ViewerOptions& options, std::shared_ptr<const vulkan::Device> device, Screen* screen)
+    : options_(options),
+      screen_(screen),
+      session_(device, options_),
+      errors_(session_.scene, controls_, device->info().type != "cpu"),
+      painter_(device, session_, errors_, screen, {options.width, options.height}),
+      pictures_(painter_, session_),
+      live_(session_) {
+  controls_.headless = !screen;
+  controls_.panels = controls_.settings.hud.on = screen != nullptr;
+  open_files();
+  begin();
+}
+
+// Without the first there is nothing to see.
+void Application::open_files() {
+  painter_.show_loading(options_.files.empty() ? "the built-in arm" : options_.files.front());
+  for (const std::string& note : session_.open_first()) controls_.warn(note);
+  if (!options_.truth.empty()) {
+    controls_.attempt([&] { session_.open_truth(session_.scene.lead(), options_.truth); });
+  }
+  set_title();
+  for (std::size_t k = 1; k < options_.files.size(); ++k) {
+    painter_.show_loading(options_.files[k]);
+    controls_.attempt([&] { open(options_.files[k]); });
+  }
+}
+
+void Application::begin() {
+  session_.play_clip();
+  controls_.camera.orbit(0.45, 0.18);
+  controls_.requests.frame_selection = true;
+  session_.follow();
+  if (!options_.state.empty()) session_.load_state(options_.state);
+  begin_frames();
+  if (options_.live_port) live_.listen(*options_.live_port);
+  if (screen_) controls_.say("H: all keys");
+  session_.follow();
+  if (controls_.requests.frame_selection) frame_what_comes();
+  const std::vector<std::string> commands = script_commands(options_.commands);
+  script_.assign(commands.begin(), commands.end());
+}
+
+void Application::begin_frames() {
+  Playback& playback = controls_.playback;
+  for (const std::optional<int>& frame : {options_.first, options_.last, options_.current}) {
+    if (frame) playback.require_frame(*frame);
+  }
+  if (options_.first || options_.last) {
+    playback.set_range(options_.first.value_or(playback.first()), options_.last.value_or(playback.last()));
+  }
+  playback.scrub(options_.current.value_or(playback.in()));
+}
+
+// Of a sequence without a window all of it: nobody is there to move the camera.
+void Application::frame_what_comes() {
+  if (!screen_ && shows_motion(options_.out)) {
+    session_.frame_range(options_.width, options_.height);
+  } else {
+    session_.frame_selection(options_.width, options_.height);
+  }
+}
+
+void Application::open_meanwhile(const std::string& file) {
+  painter_.show_message("loading " + std::filesystem::path(file).filename().string());
+  open(file);
+}
+
+void Application::open(const std::string& file) {
+  errors_.forget();
+  for (const std::string& note : session_.open(file)) controls_.warn(note);
+  set_title();
+}
+
+void Application::set_title() {
+  if (screen_) screen_->set_title(session_.scene.lead().name() + " \xe2\x80\x93 Bodyopt");
+}
+
+// What was known of the lead may be so no longer.
+template <typename Action>
+void Application::change_cast(const Action& action) {
+  action();
+  errors_.forget();
+  painter_.forget_heat();
+  set_title();
+  live_.follow_lead();
+}
+
+void Application::reload(const std::vector<std::filesystem::path>& files) {
+  change_cast([&] { session_.reload(files); });
+}
+
+void Application::make_pictures() {
+  do {
+    run_script();
+    painter_.draw(painter_.size(), Edges::smooth);
+    fulfil();
+  } while (!script_.empty() && !is_done());
+  if (options_.out.empty()) return;
+  painter_.settle();
+  pictures_.take_sequence(options_.out);
+}
+
+double Application::patience() const {
+  if (pictures_.goes_on() || pending_pictures_ > 0 || !options_.vsync || errors_.has_work()) return 0;
+  return controls_.playback.playing() || live_.listens() ? kBusy : kIdle;
+}
+
+void Application::turn(std::span<const WindowEvent> events, double passed) {
+  now_ += passed;
+  controls_.attempt([&] { act(events, passed); });
+  if (controls_.messages.size() != std::exchange(said_, controls_.messages.size())) pending_pictures_ = 2;
+}
+
+void Application::act(std::span<const WindowEvent> events, double passed) {
+  for (const WindowEvent& event : events) hear(event);
+  if (!events.empty()) pending_pictures_ = 2;  // panels answer events a picture late
+  if (pictures_.goes_on()) return go_on_with_pictures(passed);
+  const int shown = controls_.playback.frame();
+  controls_.playback.advance(passed);
+  if (live_.poll()) pending_pictures_ = std::max(pending_pictures_, 1);
+  look_at_files();
+  run_script();
+  measure_errors();
+  draw_if_needed(controls_.playback.frame() != shown || !options_.vsync, passed);
+}
+
+void Application::draw_if_needed(bool moves, double passed) {
+  if (!moves && pending_pictures_ == 0) return;
+  pending_pictures_ = std::max(0, pending_pictures_ - 1);
+  const auto [width, height] = painter_.size();
+  if (width == 0 || height == 0) return;  // minimised
+  const Edges edges = painter_.edges();
+  was_busy_ = painter_.is_busy();
+  painter_.draw({width, height}, edges, std::max(passed, now_ - last_picture_));
+  last_picture_ = now_;
+  painter_.show();
+  if (edges == Edges::quick) pending_pictures_ = std::max(pending_pictures_, was_busy_ ? 0 : 1);
+  fulfil();
+}
+
+void Application::go_on_with_pictures(double passed) {
+  pictures_.go_on();
+  pending_pictures_ = 2;
+  progress_ += passed;
+  if (!pictures_.goes_on() || progress_ < kProgress) return;
+  progress_ = 0;
+  pictures_.show_progress();
+}
+
+void Application::hear(const WindowEvent& event) {
+  painter_.hear(event);
+  if (const auto* key = std::get_if<KeyEvent>(&event)) hear_key(*key);
+  if (const auto* drop = std::get_if<DropEvent>(&event)) {
+    for (const std::string& file : drop->files) controls_.requests.open.push_back(file);
+  }
+}
+
+void Application::hear_key(const KeyEvent& event) {
+  const std::string& key = event.name;
+  if (event.action == KeyAction::released) {
+    if (bare_key(key) == kFlipKey) controls_.flipped = false;  // shift and the like may have gone down meanwhile
+    return;
+  }
+  if (pictures_.goes_on() && !pictures_.stops()) return hear_key_in_series(key);
+  if (ImGui::GetIO().WantTextInput) return;
+  if (controls_.prompt) {  // which may not be drawn yet
+    if (key == "Enter" && event.action == KeyAction::pressed) controls_.typed.entered = true;
+    return;
+  }
+  if (key == kFlipKey) controls_.flipped = true;
+  const Command* command = find_command_by_key(key);
+  if (!command || (event.action == KeyAction::repeated && !command->repeats)) return;
+  controls_.attempt([&] { run_command(controls_, command->name); });
+}
+
+// Nothing else shall change pictures that are being written.
+void Application::hear_key_in_series(const std::string& key) {
+  if (key == "Escape") pictures_.stop();
+  if (find_command_by_key(key) == find_command("quit")) controls_.requests.quit = true;
+}
+
+// Up to the next command that asks for something: the picture is drawn, and it is done, before the others run.
+void Application::run_script() {
+  while (!script_.empty() && controls_.requests == Requests{}) {
+    controls_.follow_keys();
+    const std::string command = std::move(script_.front());
+    script_.pop_front();
+    controls_.attempt([&] { run_command(controls_, command); });
+    script_waits_ = !(controls_.requests == Requests{});
+    pending_pictures_ = 2;
+  }
+}
+
+void Application::look_at_files() {
+  if (now_ < next_look_) return;
+  next_look_ = now_ + kIdle;
+  const bool passes = std::ranges::any_of(controls_.messages, [](const Message& m) { return !m.error; });
+  if (passes || (was_busy_ && !controls_.playback.playing())) pending_pictures_ = std::max(pending_pictures_, 1);
+  const std::vector<std::filesystem::path> changed = session_.changed_files(now_);
+  if (changed.empty()) return;
+  pending_pictures_ = 2;
+  controls_.attempt([&] { reload(changed); });
+}
+
+void Application::measure_errors() {
+  errors_.look();
+  if (!errors_.has_work() || ImGui::IsAnyMouseDown()) return;
+  errors_.measure_some();
+  if (now_ - last_picture_ > kIdle || !errors_.has_work()) pending_pictures_ = std::max(pending_pictures_, 1);
+}
+
+// A script waits until all are measured, by and by where there is a window.
+void Application::go_to_worst_frame() {
+  controls_.playback.pause();
+  if (!screen_) errors_.measure_all();
+  if (screen_ && script_waits_ && errors_.has_work()) {
+    controls_.requests.worst_frame = true;
+  } else {
+    errors_.go_to_worst_frame();
+  }
+}
+
+// What was asked for meanwhile, now that there is a picture.
+void Application::fulfil() {
+  const Requests requests = std::exchange(controls_.requests, {});
+  controls_.requests.quit = requests.quit;
+  fulfil_of_files(requests);
+  fulfil_of_dataset(requests);
+  const auto attempt = [&](const auto& asked, const auto& action) {
+    if (asked) controls_.attempt(action);
+  };
+  attempt(requests.screenshot, [&] { pictures_.take_screenshot(*requests.screenshot); });
+  attempt(requests.sequence, [&] { pictures_.take_sequence(*requests.sequence); });
+  attempt(requests.turntable, [&] { pictures_.take_turntable(*requests.turntable); });
+  attempt(requests.save_state, [&] { session_.save_state(*requests.save_state); });
+  attempt(requests.export_clip, [&] { session_.export_clip(*requests.export_clip); });
+  attempt(requests.export_skin, [&] { session_.export_skin(*requests.export_skin); });
+  attempt(requests.load_state, [&] { session_.load_state(*requests.load_state); });
+  attempt(requests.reload, [&] { reload(session_.files()); });
+  if (requests.reset_jiggle) session_.scene.reset_jiggle();
+  attempt(requests.worst_frame, [&] { go_to_worst_frame(); });
+  attempt(requests.worst_vertex, [&] { errors_.go_to_worst_vertex(); });
+  if (controls_.requests == Requests{}) script_waits_ = false;
+}
+
+void Application::fulfil_of_files(const Requests& requests) {
+  for (const std::string& file : requests.open) controls_.attempt([&] { open_meanwhile(file); });
+  if (requests.lead) controls_.attempt([&] { change_cast([&] { session_.make_lead(*requests.lead); }); });
+  if (requests.remove) controls_.attempt([&] { change_cast([&] { session_.remove(*requests.remove); }); });
+}
+
+void Application::fulfil_of_dataset(const Requests& requests) {
+  for (const ModifierEdit& edit : requests.edits) {
+    controls_.attempt([&] { change_cast([&] { session_.edit_stack(edit); }); });
+  }
+  if (requests.step_back) controls_.attempt([&] { change_cast([&] { session_.step_stack(*requests.step_back); }); });
+  if (requests.contradictions) controls_.attempt([&] { session_.find_contradictions(); });
+}
+
+}  // namespace bodyopt

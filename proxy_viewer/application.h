@@ -1,0 +1,75 @@
+// The viewport without its window: what is open, and what a turn of the loop makes of events and of time.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "proxy_viewer/live_feed.h"
+#include "proxy_viewer/picture_taking.h"
+#include "proxy_viewer/viewer.h"
+
+namespace bodyopt {
+
+class Application {
+ public:
+  // Opens the files and settings of the options, which must outlive it. Without a screen, which must outlive it too,
+  // only pictures are made. Throws as run_viewer().
+  Application(const ViewerOptions& options, std::shared_ptr<const vulkan::Device> device, Screen* screen);
+
+  // What has happened, and the seconds that passed since the turn before; what changed is drawn and shown.
+  void turn(std::span<const WindowEvent> events, double passed);
+  // How long the next turn can wait for events, seconds.
+  double patience() const;
+  bool is_done() const { return session_.controls.requests.quit; }
+  // Without a screen: the script, then the pictures that the options ask for.
+  void make_pictures();
+
+  const Session& session() const { return session_; }
+
+ private:
+  void open_files();
+  void begin();
+  void begin_frames();
+  void frame_what_comes();
+  void open(const std::string& file);
+  void open_meanwhile(const std::string& file);
+  void set_title();
+  template <typename Action>
+  void change_cast(const Action& action);
+  void reload(const std::vector<std::filesystem::path>& files);
+
+  void act(std::span<const WindowEvent> events, double passed);
+  void hear(const WindowEvent& event);
+  void hear_key(const KeyEvent& event);
+  void hear_key_in_series(const std::string& key);
+  void run_script();
+  void look_at_files();
+  void measure_errors();
+  void draw_if_needed(bool moves, double passed);
+  void go_on_with_pictures(double passed);
+  void go_to_worst_frame();
+  void fulfil();
+  void fulfil_of_files(const Requests& requests);
+  void fulfil_of_dataset(const Requests& requests);
+
+  const ViewerOptions& options_;
+  Screen* const screen_;
+  Session session_;
+  Controls& controls_ = session_.controls;
+  ErrorMeasuring errors_;
+  Painter painter_;
+  PictureTaking pictures_;
+  LiveFeed live_;
+  std::deque<std::string> script_;  // commands that have not run
+  bool script_waits_ = false;       // for what its last command asked for
+  int pending_pictures_ = 2;        // to be drawn although nothing moves
+  std::size_t said_ = 0;            // messages in the last turn
+  bool was_busy_ = false;
+  double now_ = 0;                                          // seconds, of the turns
+  double last_picture_ = 0, next_look_ = 0, progress_ = 0;  // when drawn, at files, and shown
+};
+
+}  // namespace bodyopt

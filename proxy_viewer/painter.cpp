@@ -1,0 +1,185 @@
+#include "proxy_viewer/painter.h"
+
+#include <imgui.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include "proxy_viewer/describe_scene.h"
+#include "proxy_viewer/mouse.h"
+#include "proxy_viewer/panels/panels.h"
+#include "proxy_viewer/panels/shown_texts.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+double resident_mib() {
+  std::ifstream file("/proc/self/statm");
+  double pages = 0, resident = 0;
+  file >> pages >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
+}
+
+}  // namespace
+
+Painter::Painter(const std::shared_ptr<const vulkan::Device>& device, Session& session, ErrorMeasuring& errors,
+                 Screen* screen, const PictureSize& size)
+    : is_software_(device->info().type == "cpu"),
+      session_(session),
+      errors_(errors),
+      screen_(screen),
+      size_(size),
+      viewport_(*device) {
+  gui_.attach(*device, viewport_.panel_pass(), screen ? screen->handle() : nullptr);
+}
+
+PictureSize Painter::size() const {
+  if (!screen_) return size_;
+  const auto [width, height] = screen_->size();
+  const std::uint32_t larger = std::max(width, height), most = viewport_.most_pixels();
+  if (larger <= most) return {width, height};
+  const auto scaled = [&](std::uint32_t side) {
+    return static_cast<std::uint32_t>((std::uint64_t{side} * most + larger - 1) / larger);
+  };
+  return {scaled(width), scaled(height)};
+}
+
+bool Painter::is_minimised() const {
+  const auto [width, height] = size();
+  return width == 0 || height == 0;
+}
+
+bool Painter::is_busy() const {
+  return controls_.playback.playing() || ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2);
+}
+
+void Painter::draw(const PictureSize& size, Edges edges, double passed) {
+  const Clock::time_point start = Clock::now();
+  controls_.follow_keys();
+  session_.warn_of_truth_times();
+  session_.curation.look(scene_, controls_);
+  scene_.lead().show_raw(controls_.curating.raw);
+  if (controls_.headless) errors_.measure_shown_frame();
+  controls_.attempt([&] { choose_heat(); });
+  draw_panels_over(size, passed);
+  choose_level();
+  // What cannot be drawn leaves the panels, which can undo what was set.
+  std::vector<View> views;
+  drawn_ = false;
+  controls_.attempt([&] {
+    views = scene_.look(controls_, area_);
+    drawn_ = true;
+  });
+  const auto [width, height] = size;
+  viewport_.draw(views, width, height, edges, [this](VkCommandBuffer commands) { gui_.record(commands); });
+  session_.describe_picture();
+  describe_time(start);
+  if (const auto problem = gui_.fonts().take_problem()) controls_.warn(*problem);
+}
+
+void Painter::draw_panels_over(const PictureSize& size, double passed) {
+  const auto [width, height] = size;
+  visit_texts(snapshot_, controls_, [this](const std::string& text) { gui_.fonts().show(text); });
+  gui_.begin(width, height, passed);
+  if (!makes_series_) steer_by_mouse(scene_, area_, height, controls_);
+  describe_turns(scene_, controls_.playback.frame(), snapshot_);
+  describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
+  session_.curation.describe(controls_, snapshot_);
+  area_ = draw_panels(snapshot_, controls_, width, height);
+  if (!ImGui::IsAnyItemActive()) controls_.poses.note(controls_.settings.pose);  // a drag is one step
+  gui_.end();
+  session_.follow();
+  if (!controls_.requests.frame_selection) return;
+  controls_.attempt([&] { session_.frame_selection(area_.width, area_.height); });
+}
+
+// Of what colours the lead, as far as it is measured; the pictures of a series are one after the other, too.
+void Painter::choose_heat() {
+  const bool covers = controls_.settings.compare.coverage && scene_.lead().shown().knows_coverage();
+  std::optional<double> p99;
+  if (covers) {
+    p99 = scene_.lead().shown().expected_skin(scene_.lead_pose(controls_)).p99_mm;
+  } else if (const std::optional<float> error = errors_.curve().largest_p99()) {
+    p99 = static_cast<double>(*error);
+  }
+  controls_.automatic_heat_mm = heat_.choose(p99, controls_.playback.playing() || makes_series_);
+}
+
+// While it plays, a level of detail that keeps up; but the finest, where what is looked at is of that alone.
+void Painter::choose_level() {
+  const ViewSettings& s = controls_.settings;
+  const bool wants_finest = s.compare.with != CompareWith::none || s.look.tets ||
+                            (s.jiggle.on && scene_.lead().has_at_finest(SkinMethod::jiggle));
+  const std::size_t automatic =
+      detail_.choose(1e-3 * snapshot_.frame_ms, controls_.playback.playing() && !wants_finest, most_levels());
+  for (const auto& character : scene_.cast()) {
+    character->set_level(s.look.level ? static_cast<std::size_t>(*s.look.level) : automatic);
+  }
+  snapshot_.level = scene_.lead().level();
+  snapshot_.level_count = scene_.lead().level_count();
+}
+
+// Of any; who has fewer shows the coarsest there is.
+std::size_t Painter::most_levels() const {
+  std::size_t most = 1;
+  for (const auto& character : scene_.cast()) most = std::max(most, character->level_count());
+  return most;
+}
+
+void Painter::describe_time(Clock::time_point start) {
+  const auto seconds_from = [now = Clock::now()](Clock::time_point from) {
+    return std::chrono::duration<double>(now - from).count();
+  };
+  const double interval = seconds_from(last_picture_);
+  last_picture_ = Clock::now();
+  snapshot_.shown_fps += 0.1 * ((interval > 0 && interval < 1 ? 1 / interval : 0) - snapshot_.shown_fps);
+  snapshot_.frame_ms = 1e3 * seconds_from(start);
+  snapshot_.draw_ms = 1e3 * viewport_.seconds();
+  snapshot_.memory_mib = resident_mib();
+}
+
+Image Painter::draw_still(const PictureSize& size) {
+  std::vector<Message> messages = std::exchange(controls_.messages, {});
+  controls_.attempt([&] { errors_.measure_shown_frame(); });
+  draw(size, Edges::smooth);
+  std::swap(controls_.messages, messages);
+  std::ranges::move(messages, std::back_inserter(controls_.messages));
+  if (!drawn_) throw Error(ErrorKind::usage, "no picture was taken of what cannot be drawn");
+  return viewport_.picture();
+}
+
+void Painter::settle() {
+  for (int k = 0; k < 3; ++k) draw_still(size());
+}
+
+void Painter::show_message(const std::string& text) {
+  if (!screen_ || is_minimised()) return;
+  const std::vector<Message> messages = controls_.messages;
+  controls_.say(text);
+  for (int k = 0; k < 2; ++k) draw(size(), Edges::quick);  // panels take their sizes from the first
+  controls_.messages = messages;
+  show();
+}
+
+void Painter::show_loading(const std::string& file) {
+  if (!screen_) return;
+  std::cerr << "loading " << file << "\n";
+  if (is_minimised()) return;
+  const auto [width, height] = size();
+  const std::string text = "loading " + std::filesystem::path(file).filename().string() + "\xe2\x80\xa6";
+  gui_.fonts().show(text);
+  gui_.begin(width, height, 0);
+  draw_loading(text);
+  gui_.end();
+  viewport_.draw({}, width, height, Edges::smooth, [this](VkCommandBuffer commands) { gui_.record(commands); });
+  show();
+}
+
+}  // namespace bodyopt
