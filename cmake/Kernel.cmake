@@ -80,6 +80,9 @@ foreach(shader kernel IN ZIP_LISTS kernel_shaders BODYOPT_KERNELS)
   string(REGEX MATCH "struct ([A-Za-z]+)" found "${declaration}")
   string(APPEND definitions
          "std::span<const std::uint32_t> ${CMAKE_MATCH_1}::spirv() { return ${kernel}_spv; }\n")
+  if(count GREATER 8)  # the storage buffers that WebGPU, and so nearly any device, has at the least
+    message(FATAL_ERROR "${shader} binds ${count} buffers, at most 8 are portable: join some of them")
+  endif()
   if(count GREATER BODYOPT_MOST_BINDINGS)
     set(BODYOPT_MOST_BINDINGS ${count})
   endif()

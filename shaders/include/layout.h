@@ -214,6 +214,22 @@ struct BlockDownPush {
 struct JiggleRotatePush {
   uint node_count;
 };
+// What a node takes of the displacement of another: an entry of the springs' matrix.
+struct HeldNode {
+  uint column;
+  float value;
+};
+BODYOPT_CHECK_SIZE(HeldNode, 8)
+
+// Where a node's corners of tets begin, and its row of the springs' matrix; one more than there are nodes.
+struct NodeRows {
+  uint corner_begin, held_begin;
+};
+BODYOPT_CHECK_SIZE(NodeRows, 8)
+
+// Parts of a motion, of 3 N numbers each: that of the frame before, for instance, is one buffer.
+const uint kMotionDisplacement = 0u, kMotionVelocity = 1u, kMotionNodes = 2u, kMotionNodeVelocity = 3u;
+
 // The kernels of a jiggle step run over one frame, the one of this number in arrays that hold a batch.
 struct JiggleKickPush {
   uint node_count, frame;

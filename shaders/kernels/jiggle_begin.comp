@@ -11,11 +11,10 @@ layout(set = 0, binding = 0) readonly buffer B0 { JiggleNode nodes[]; };
 layout(set = 0, binding = 1) readonly buffer B1 { float rotations[]; };  // of the batch, as strains and controls
 layout(set = 0, binding = 2) readonly buffer B2 { float strains[]; };
 layout(set = 0, binding = 3) readonly buffer B3 { float controls[]; };
-layout(set = 0, binding = 4) readonly buffer B4 { float displacement[]; };
-layout(set = 0, binding = 5) readonly buffer B5 { float velocity[]; };
-layout(set = 0, binding = 6) writeonly buffer B6 { float local_displacement[]; };
-layout(set = 0, binding = 7) writeonly buffer B7 { float local_velocity[]; };
-layout(set = 0, binding = 8) writeonly buffer B8 { float right_side[]; };
+layout(set = 0, binding = 4) readonly buffer B4 { float motion[]; };
+layout(set = 0, binding = 5) writeonly buffer B5 { float local_displacement[]; };
+layout(set = 0, binding = 6) writeonly buffer B6 { float local_velocity[]; };
+layout(set = 0, binding = 7) writeonly buffer B7 { float right_side[]; };
 
 // How active the muscle of a node is, 0..1.
 float activation(JiggleNode node) {
@@ -41,8 +40,8 @@ void main() {
   float r[9], world_u[3], world_v[3], u[3], v[3], b[3];
   for (uint i = 0; i < 9; ++i) r[i] = rotations[9 * (push.node_count * push.frame + n) + i];
   for (uint i = 0; i < 3; ++i) {
-    world_u[i] = displacement[3 * n + i];
-    world_v[i] = velocity[3 * n + i];
+    world_u[i] = motion[3 * (kMotionDisplacement * push.node_count + n) + i];
+    world_v[i] = motion[3 * (kMotionVelocity * push.node_count + n) + i];
   }
   turn_back(r, world_u, u);
   turn_back(r, world_v, v);

@@ -9,8 +9,7 @@ layout(push_constant) uniform Constants { JiggleStepPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { float rotations[]; };  // of the batch
 layout(set = 0, binding = 1) readonly buffer B1 { float solution[]; };
 layout(set = 0, binding = 2) readonly buffer B2 { float local_displacement[]; };
-layout(set = 0, binding = 3) writeonly buffer B3 { float displacement[]; };
-layout(set = 0, binding = 4) writeonly buffer B4 { float velocity[]; };
+layout(set = 0, binding = 3) writeonly buffer B3 { float motion[]; };
 
 void main() {
   uint n = gl_GlobalInvocationID.x;
@@ -27,7 +26,7 @@ void main() {
   turn(r, u, world_u);
   turn(r, v, world_v);
   for (uint i = 0; i < 3; ++i) {
-    displacement[3 * n + i] = abs(world_u[i]) < kStill ? 0.0 : world_u[i];
-    velocity[3 * n + i] = abs(world_v[i]) < kStill ? 0.0 : world_v[i];
+    motion[3 * (kMotionDisplacement * push.node_count + n) + i] = abs(world_u[i]) < kStill ? 0.0 : world_u[i];
+    motion[3 * (kMotionVelocity * push.node_count + n) + i] = abs(world_v[i]) < kStill ? 0.0 : world_v[i];
   }
 }

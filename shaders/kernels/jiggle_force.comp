@@ -7,15 +7,13 @@
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { JiggleForcePush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { TetShape shapes[]; };
-layout(set = 0, binding = 1) readonly buffer B1 { uint corner_begin[]; };
+layout(set = 0, binding = 1) readonly buffer B1 { NodeRows rows[]; };
 layout(set = 0, binding = 2) readonly buffer B2 { uint corners[]; };
-layout(set = 0, binding = 3) readonly buffer B3 { uint held_begin[]; };
-layout(set = 0, binding = 4) readonly buffer B4 { uint held_columns[]; };
-layout(set = 0, binding = 5) readonly buffer B5 { float held_values[]; };
-layout(set = 0, binding = 6) readonly buffer B6 { float rotations[]; };  // of the batch
-layout(set = 0, binding = 7) readonly buffer B7 { float tractions[]; };
-layout(set = 0, binding = 8) readonly buffer B8 { float direction[]; };
-layout(set = 0, binding = 9) writeonly buffer B9 { float product[]; };
+layout(set = 0, binding = 3) readonly buffer B3 { HeldNode held[]; };
+layout(set = 0, binding = 4) readonly buffer B4 { float rotations[]; };  // of the batch
+layout(set = 0, binding = 5) readonly buffer B5 { float tractions[]; };
+layout(set = 0, binding = 6) readonly buffer B6 { float direction[]; };
+layout(set = 0, binding = 7) writeonly buffer B7 { float product[]; };
 
 void load_rotation(uint node, out float r[9]) {
   for (uint i = 0; i < 9; ++i) r[i] = rotations[9 * (push.node_count * push.frame + node) + i];
@@ -40,15 +38,15 @@ void main() {
   if (node >= push.node_count) return;
   precise float sum[3] = float[3](0.0, 0.0, 0.0);
   float r[9];
-  for (uint k = held_begin[node]; k < held_begin[node + 1]; ++k) {
-    uint other = held_columns[k];
+  for (uint k = rows[node].held_begin; k < rows[node + 1].held_begin; ++k) {
+    uint other = held[k].column;
     float d[3], p[3];
     load_rotation(other, r);
     for (uint i = 0; i < 3; ++i) d[i] = direction[3 * other + i];
     turn(r, d, p);
-    for (uint i = 0; i < 3; ++i) sum[i] += held_values[k] * p[i];
+    for (uint i = 0; i < 3; ++i) sum[i] += held[k].value * p[i];
   }
-  for (uint k = corner_begin[node]; k < corner_begin[node + 1]; ++k) {
+  for (uint k = rows[node].corner_begin; k < rows[node + 1].corner_begin; ++k) {
     uint traction = 9 * (corners[k] / 4);
     float gradient[3];
     corner_gradient(corners[k], gradient);

@@ -50,11 +50,10 @@ TEST_F(JiggleBegin, EqualsTheReference) {
                rotations = vulkan::upload(*device_, c.rotations, "rotations"),
                strains = vulkan::upload(*device_, c.strains, "strains"),
                controls = vulkan::upload(*device_, c.controls, "controls"),
-               u = vulkan::upload(*device_, c.displacement, "displacement"),
-               v = vulkan::upload(*device_, c.velocity, "velocity");
+               motion = vulkan::upload(*device_, joined({c.displacement, c.velocity}), "motion");
     const std::size_t size = c.displacement.size();
     const auto outputs = run_kernel(*device_, {size, size, size}, [&](auto& commands, const auto& out) {
-      kernel.record(commands, {nodes, rotations, strains, controls, u, v, out[0], out[1], out[2]}, c.step);
+      kernel.record(commands, {nodes, rotations, strains, controls, motion, out[0], out[1], out[2]}, c.step);
     });
     expect_close(outputs[0], c.local_displacement, 0);  // sums and products in one order
     expect_close(outputs[1], c.local_velocity, 1e-5);   // of the order of 10; divisions of a few ulp

@@ -1,4 +1,5 @@
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/vulkan/kernels/jiggle_tables.h"
 #include "runtime/vulkan/kernels/kernels.h"
 #include "tests/support/corotated_matrix.h"
 #include "tests/support/gpu_fixture.h"
@@ -24,19 +25,14 @@ TEST_F(JiggleForce, EqualsTheReference) {
     std::vector<float> expected(p.size());
     cpu::jiggle_force(table, jiggle, of_frame(turns, 3 * p.size(), frame), pulls, p, expected);
     const auto shapes = vulkan::upload(*device_, table.shapes, "shapes"),
-               corner_begin = vulkan::upload(*device_, table.corner_begin, "corners of nodes"),
+               rows = vulkan::upload(*device_, vulkan::node_rows(table, jiggle), "rows"),
                corners = vulkan::upload(*device_, table.corners, "corners"),
-               held_begin = vulkan::upload(*device_, jiggle.held_begin, "held rows"),
-               held_columns = vulkan::upload(*device_, jiggle.held_columns, "held columns"),
-               held_values = vulkan::upload(*device_, jiggle.held_values, "held values"),
+               held = vulkan::upload(*device_, vulkan::held_nodes(jiggle), "held nodes"),
                rotations = vulkan::upload(*device_, turns, "rotations"),
                tractions = vulkan::upload(*device_, pulls, "tractions"),
                direction = vulkan::upload(*device_, p, "direction");
     const auto outputs = run_kernel(*device_, {p.size()}, [&](auto& commands, const auto& out) {
-      kernel.record(commands,
-                    {shapes, corner_begin, corners, held_begin, held_columns, held_values, rotations, tractions,
-                     direction, out[0]},
-                    {count, frame});
+      kernel.record(commands, {shapes, rows, corners, held, rotations, tractions, direction, out[0]}, {count, frame});
     });
     expect_close(outputs[0], expected, 0);  // sums and products in one order
   }

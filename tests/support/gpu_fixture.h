@@ -63,8 +63,9 @@ using Record = std::function<void(vulkan::Commands&, const std::vector<vulkan::B
 // beside the outputs is, and that both runs give the same bits. Returns the outputs.
 inline std::vector<std::vector<float>> run_kernel(const vulkan::Device& device, const std::vector<std::size_t>& counts,
                                                   const Record& record) {
-  constexpr std::uint32_t kUnwritten = 0x7fedcba9;  // a NaN
-  constexpr std::size_t kGuard = 64;                // words before and after
+  static std::uint32_t calls = 0;
+  const std::uint32_t unwritten = 0x7fe00001 + calls++ % 0xfffff;  // a NaN that no earlier call left in memory
+  constexpr std::size_t kGuard = 64;                               // words before and after
   std::vector<vulkan::Buffer> buffers, readback;
   std::vector<vulkan::BufferRange> outputs;
   for (const std::size_t count : counts) {
@@ -75,7 +76,7 @@ inline std::vector<std::vector<float>> run_kernel(const vulkan::Device& device, 
   }
   vulkan::Commands commands(device);
   commands.begin();
-  for (const vulkan::Buffer& buffer : buffers) commands.fill(buffer, kUnwritten);
+  for (const vulkan::Buffer& buffer : buffers) commands.fill(buffer, unwritten);
   commands.barrier();
   record(commands, outputs);
   commands.barrier();
@@ -90,7 +91,7 @@ inline std::vector<std::vector<float>> run_kernel(const vulkan::Device& device, 
       std::memcpy(words.data(), readback[o].mapped(), 4 * words.size());
       for (std::size_t w = 0; w < words.size(); ++w) {
         const bool inside = kGuard <= w && w < kGuard + counts[o];
-        if (inside != (words[w] != kUnwritten)) {
+        if (inside != (words[w] != unwritten)) {
           ADD_FAILURE() << "output " << o << ", word " << w << " - " << kGuard << " of " << counts[o]
                         << (inside ? " was not written" : " is outside and was written");
           break;

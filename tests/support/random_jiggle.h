@@ -61,6 +61,13 @@ inline std::span<const float> of_frame(const std::vector<float>& batch, std::siz
   return std::span(batch).subspan(count * frame, count);
 }
 
+// One after the other, as the parts of a motion are on a device.
+inline std::vector<float> joined(const std::vector<std::vector<float>>& parts) {
+  std::vector<float> all;
+  for (const std::vector<float>& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
 // Matrix n of N x 9.
 inline Eigen::Matrix3d matrix_of(std::span<const float> values, std::size_t n) {
   return Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(values.data() + 9 * n).cast<double>();

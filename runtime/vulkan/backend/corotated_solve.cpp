@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "runtime/host/jiggle_stages.h"
+#include "runtime/vulkan/kernels/jiggle_tables.h"
 #include "shaders/include/layout.h"
 
 namespace bodyopt::vulkan {
@@ -14,10 +15,11 @@ Buffer number(const Device& device, float value) {
 
 }  // namespace
 
-CorotatedSolve::CorotatedSolve(const Device& device, const JiggleTable& jiggle, const Tables& tables)
+CorotatedSolve::CorotatedSolve(const Device& device, const TetTable& tets, const JiggleTable& jiggle,
+                               const Tables& tables)
     : tables_(tables),
-      node_count_(static_cast<std::uint32_t>(jiggle.nodes.size())),
-      tet_count_(static_cast<std::uint32_t>(jiggle.elasticity.size())),
+      node_count_(tets.node_count()),
+      tet_count_(tets.tet_count()),
       tet_rotate_(device),
       stress_(device),
       force_(device),
@@ -26,9 +28,8 @@ CorotatedSolve::CorotatedSolve(const Device& device, const JiggleTable& jiggle, 
       direction_(device),
       block_(device),
       elasticity_(upload(device, jiggle.elasticity, "the tets' elasticity")),
-      held_begin_(upload(device, jiggle.held_begin, "the held nodes")),
-      held_columns_(upload(device, jiggle.held_columns, "the held nodes")),
-      held_values_(upload(device, jiggle.held_values, "the held nodes")),
+      rows_(upload(device, node_rows(tets, jiggle), "the nodes' tets and springs")),
+      held_(upload(device, held_nodes(jiggle), "the held nodes")),
       one_(number(device, 1)),
       zeros_(upload(device, std::vector<float>(std::size_t{3} * node_count_), "zeros")),
       tet_rotations_(floats(device, std::uint64_t{9} * tet_count_, "the tets' rotations")),
@@ -97,9 +98,7 @@ void CorotatedSolve::record_product(Commands& commands, const BufferRange& rotat
                  {tables_.tets, tables_.shapes, elasticity_, rotations, tet_rotations_, direction, tractions_},
                  {tet_count_, node_count_, frame});
   commands.barrier();
-  force_.record(commands,
-                {tables_.shapes, tables_.corner_begin, tables_.corners, held_begin_, held_columns_, held_values_,
-                 rotations, tractions_, direction, product_},
+  force_.record(commands, {tables_.shapes, rows_, tables_.corners, held_, rotations, tractions_, direction, product_},
                 {node_count_, frame});
 }
 

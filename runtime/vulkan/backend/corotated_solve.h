@@ -13,12 +13,12 @@ class CorotatedSolve {
  public:
   // Of the dynamics, on the device.
   struct Tables {
-    BufferRange tets, shapes, corner_begin, corners;
+    BufferRange tets, shapes, corners;
     const InverseBuffers& inverse;  // of the jiggle
   };
 
   // `tables` must outlive it. Throws Error(device).
-  CorotatedSolve(const Device& device, const JiggleTable& jiggle, const Tables& tables);
+  CorotatedSolve(const Device& device, const TetTable& tets, const JiggleTable& jiggle, const Tables& tables);
 
   // All of these record barriers between their kernels; before and after are the caller's.
 
@@ -52,7 +52,7 @@ class CorotatedSolve {
   ConjugateStep step_;
   ConjugateDirection direction_;
   BlockSolve block_;
-  Buffer elasticity_, held_begin_, held_columns_, held_values_;
+  Buffer elasticity_, rows_, held_;
   std::vector<StartWeights> start_weights_;  // of each stage
   Buffer one_, zeros_;                       // 1; 3 N times 0
   Buffer tet_rotations_, tractions_, residual_, y_, search_, product_, gathered_, results_, rho_, next_rho_, pq_;

@@ -12,18 +12,21 @@ namespace {
 // Solves of a batch where no frame is left out: an interrupted shot ends soon.
 constexpr std::uint32_t kBatchSolves = 128;
 
-NodeMotion rest(std::size_t numbers) {
-  const std::vector<float> zeros(numbers);
-  return {zeros, zeros, zeros, zeros};
+// In the order of kMotionDisplacement and the like.
+constexpr std::vector<float> NodeMotion::*kMotionParts[] = {&NodeMotion::displacement, &NodeMotion::velocity,
+                                                            &NodeMotion::nodes, &NodeMotion::node_velocity};
+
+std::vector<float> joined(const NodeMotion& motion) {
+  std::vector<float> numbers;
+  for (const auto part : kMotionParts) numbers.insert(numbers.end(), (motion.*part).begin(), (motion.*part).end());
+  return numbers;
+}
+
+Buffer rest(const Device& device, std::size_t numbers) {
+  return upload(device, std::vector<float>(std::size(kMotionParts) * numbers), "the motion");
 }
 
 }  // namespace
-
-VulkanDynamics::Motion::Motion(const Device& device, const NodeMotion& motion)
-    : displacement(upload(device, motion.displacement, "the displacement")),
-      velocity(upload(device, motion.velocity, "the velocity")),
-      nodes(upload(device, motion.nodes, "the nodes")),
-      node_velocity(upload(device, motion.node_velocity, "the nodes' velocity")) {}
 
 VulkanDynamics::Local::Local(const Device& device, std::uint64_t numbers)
     : displacement(floats(device, numbers, "the displacement")), velocity(floats(device, numbers, "the velocity")) {}
@@ -36,16 +39,16 @@ VulkanDynamics::VulkanDynamics(const DeviceModel& model, const JiggleOptions& op
       vertex_count_(static_cast<std::uint32_t>(dynamics_.tets.skin.size())),
       tables_(model.jiggling().tables),
       kernels_(model.jiggling().kernels),
-      motions_{Motion(device_, rest(dynamics_.tets.nodes.size())), Motion(device_, rest(dynamics_.tets.nodes.size()))},
+      motions_{rest(device_, dynamics_.tets.nodes.size()), rest(device_, dynamics_.tets.nodes.size())},
       local_{Local(device_, dynamics_.tets.nodes.size()), Local(device_, dynamics_.tets.nodes.size())},
       right_side_(floats(device_, dynamics_.tets.nodes.size(), "the right side")),
       solution_(floats(device_, dynamics_.tets.nodes.size(), "the solution")),
       gathered_(floats(device_, tables_.jiggle_inverse.slot_count, "the block inverse's sums")),
       results_(floats(device_, tables_.jiggle_inverse.slot_count, "the block inverse's sums")) {
   if (options_.iterations == 0) return;
-  corotated_solve_.emplace(device_, dynamics_.jiggle,
-                           CorotatedSolve::Tables{tables_.tets, tables_.shapes, tables_.corner_begin, tables_.corners,
-                                                  tables_.jiggle_inverse});
+  corotated_solve_.emplace(
+      device_, dynamics_.tets, dynamics_.jiggle,
+      CorotatedSolve::Tables{tables_.tets, tables_.shapes, tables_.corners, tables_.jiggle_inverse});
 }
 
 std::uint64_t VulkanDynamics::frame_floats() const {
@@ -108,9 +111,9 @@ void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std
         commands.cut();
       }
     }
-    kernels_.jiggle_skin.record(
-        commands, {t.tets, t.skin, t.limit, inputs.positions, motions_[current_].displacement, batch_->moved},
-        {vertex_count_, f, weight});
+    kernels_.jiggle_skin.record(commands,
+                                {t.tets, t.skin, t.limit, inputs.positions, motions_[current_], batch_->moved},
+                                {vertex_count_, f, weight});
   }
 }
 
@@ -118,24 +121,20 @@ void VulkanDynamics::record_kick(Commands& commands, const JiggleFrame& frame, s
   JiggleKickPush push = frame.kick;
   push.node_count = node_count_;
   push.frame = number;
-  const Motion& before = motions_[current_];
+  const Buffer& before = motions_[current_];
   current_ = 1 - current_;
-  const Motion& after = motions_[current_];
-  kernels_.jiggle_kick.record(commands,
-                              {batch_->nodes, before.displacement, before.velocity, before.nodes, before.node_velocity,
-                               after.displacement, after.velocity, after.nodes, after.node_velocity},
-                              push);
+  kernels_.jiggle_kick.record(commands, {batch_->nodes, before, motions_[current_]}, push);
   if (corotated_solve_) corotated_solve_->record_frame(commands, batch_->nodes, number);
 }
 
 void VulkanDynamics::record_step(Commands& commands, const Inputs& inputs, const JiggleStages& stages) const {
-  const Motion& motion = motions_[current_];
+  const Buffer& motion = motions_[current_];
   const Buffer& rotations = batch_->rotations;
   const auto& [first, second] = local_;
   const std::uint32_t frame = stages.begin.frame;
   kernels_.jiggle_begin.record(commands,
-                               {tables_.nodes, rotations, inputs.strains, inputs.controls, motion.displacement,
-                                motion.velocity, first.displacement, first.velocity, right_side_},
+                               {tables_.nodes, rotations, inputs.strains, inputs.controls, motion, first.displacement,
+                                first.velocity, right_side_},
                                stages.begin);
   commands.barrier();
   record_solve(commands, 0, first, frame);
@@ -150,8 +149,7 @@ void VulkanDynamics::record_step(Commands& commands, const Inputs& inputs, const
     commands.barrier();
   }
   const Local& last = stages.advance ? second : first;
-  kernels_.jiggle_end.record(commands, {rotations, solution_, last.displacement, motion.displacement, motion.velocity},
-                             stages.end);
+  kernels_.jiggle_end.record(commands, {rotations, solution_, last.displacement, motion}, stages.end);
 }
 
 void VulkanDynamics::record_solve(Commands& commands, std::size_t stage, const Local& local,
@@ -165,30 +163,24 @@ void VulkanDynamics::record_solve(Commands& commands, std::size_t stage, const L
   corotated_solve_->record(commands, batch_->rotations, frame, right_side_, options_.iterations, solution_);
 }
 
-void VulkanDynamics::set_motion(const NodeMotion& motion) { motions_[current_] = Motion(device_, motion); }
+void VulkanDynamics::set_motion(const NodeMotion& motion) {
+  motions_[current_] = upload(device_, joined(motion), "the motion");
+}
 
 NodeMotion VulkanDynamics::motion() const {
-  NodeMotion result = rest(dynamics_.tets.nodes.size());
-  const Motion& motion = motions_[current_];
-  const std::pair<const Buffer&, std::vector<float>&> parts[] = {{motion.displacement, result.displacement},
-                                                                 {motion.velocity, result.velocity},
-                                                                 {motion.nodes, result.nodes},
-                                                                 {motion.node_velocity, result.node_velocity}};
-  const VkDeviceSize bytes = dynamics_.tets.nodes.size() * sizeof(float);
-  const Buffer staging(device_, std::size(parts) * bytes, Memory::staging, "the motion");
+  const Buffer staging(device_, motions_[current_].size(), Memory::staging, "the motion");
   Commands commands(device_);
   commands.begin();
-  VkDeviceSize offset = 0;
-  for (const auto& [buffer, values] : parts) {
-    commands.copy({buffer, 0, bytes}, {staging, offset, bytes});
-    offset += bytes;
-  }
+  commands.copy(motions_[current_], staging);
   commands.end();
   commands.run();
+  NodeMotion result;
+  const std::size_t numbers = dynamics_.tets.nodes.size();
   const std::byte* from = staging.mapped();
-  for (const auto& [buffer, values] : parts) {
-    std::memcpy(values.data(), from, bytes);
-    from += bytes;
+  for (const auto part : kMotionParts) {
+    (result.*part).resize(numbers);
+    std::memcpy((result.*part).data(), from, numbers * sizeof(float));
+    from += numbers * sizeof(float);
   }
   return result;
 }

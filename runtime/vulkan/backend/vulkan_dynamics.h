@@ -52,13 +52,6 @@ class VulkanDynamics {
     Buffer gathered, results;  // of the solve
   };
 
-  // As NodeMotion.
-  struct Motion {
-    Motion(const Device& device, const NodeMotion& motion);
-
-    Buffer displacement, velocity, nodes, node_velocity;
-  };
-
   // In the nodes' frames.
   struct Local {
     Local(const Device& device, std::uint64_t numbers);
@@ -77,9 +70,10 @@ class VulkanDynamics {
   const DynamicsTables& tables_;
   const DynamicsKernels& kernels_;
   std::optional<CorotatedSolve> corotated_solve_;  // of the quality mode
-  std::array<Motion, 2> motions_;                  // of the last frame, and of the one before or after
-  std::size_t current_ = 0;                        // motion that is of the last frame
-  std::array<Local, 2> local_;                     // of the two stages of a step
+  std::array<Buffer, 2>
+      motions_;                 // kMotionDisplacement and the like; of the last frame, and of the one before or after
+  std::size_t current_ = 0;     // motion that is of the last frame
+  std::array<Local, 2> local_;  // of the two stages of a step
   Buffer right_side_, solution_, gathered_, results_;
   std::optional<BatchBuffers> batch_;
 };
