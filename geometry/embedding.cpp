@@ -1,5 +1,7 @@
 #include "geometry/embedding.h"
 
+#include <Eigen/LU>
+
 namespace bodyopt {
 
 namespace {
@@ -18,6 +20,13 @@ Positions embed(const std::vector<EmbeddedPoint>& points, const Tets& tets, cons
     result.row(static_cast<Eigen::Index>(p)) = blend(nodes, tets, points[p]);
   }
   return result;
+}
+
+Eigen::Vector4d weights_in(const TetMesh& mesh, Eigen::Index tet, const Eigen::RowVector3d& point) {
+  Eigen::Vector4d weights;
+  weights.tail<3>() = tet_edges(mesh, tet).inverse() * (point - mesh.nodes.row(mesh.tets(tet, 0))).transpose();
+  weights[0] = 1 - weights.tail<3>().sum();
+  return weights;
 }
 
 Eigen::Vector3d rest_position(const TetMesh& mesh, const EmbeddedPoint& point) {

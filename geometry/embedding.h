@@ -15,6 +15,9 @@ struct EmbeddedPoint {
 // The points where moved nodes (N x 3) take them, P x 3: exact for affine motion, the same bits every time.
 Positions embed(const std::vector<EmbeddedPoint>& points, const Tets& tets, const Positions& nodes);
 
+// Barycentric, of a point at rest in a tet or outside of it.
+Eigen::Vector4d weights_in(const TetMesh& mesh, Eigen::Index tet, const Eigen::RowVector3d& point);
+
 Eigen::Vector3d rest_position(const TetMesh& mesh, const EmbeddedPoint& point);
 
 }  // namespace bodyopt

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <vector>
 
 namespace bodyopt {
 
@@ -13,5 +14,9 @@ struct JointWeight {
   std::uint32_t joint;
   double weight;
 };
+
+// How much of their weights two vertices have in common: 1 where they follow the same joints alike, 0 of different
+// ones.
+double shared_weight(const std::vector<JointWeight>& a, const std::vector<JointWeight>& b);
 
 }  // namespace bodyopt

@@ -70,14 +70,6 @@ std::vector<RestPlace> intersections_of(const Character& character, const Fillab
   return places_of(character, found, 1);
 }
 
-double common_weight(const std::vector<JointWeight>& a, const std::vector<JointWeight>& b) {
-  double sum = 0;
-  for (const JointWeight& wa : a) {
-    for (const JointWeight& wb : b) sum += wa.joint == wb.joint ? std::min(wa.weight, wb.weight) : 0;
-  }
-  return sum;
-}
-
 // Skin that looks at skin of other joints across less air than an edge.
 std::vector<RestPlace> near_parts_of(const Character& character) {
   const Positions normals = vertex_normals(character.vertices, character.triangles).rowwise().normalized();
@@ -94,7 +86,7 @@ std::vector<RestPlace> near_parts_of(const Character& character) {
       const Eigen::RowVector3d between = character.vertices.row(other) - place;
       return between.norm() < near && between.dot(normal) > 0.5 * between.norm() &&
              side * normal.dot(normals.row(other)) < kFacing &&
-             common_weight(character.weights[static_cast<std::size_t>(v)],
+             shared_weight(character.weights[static_cast<std::size_t>(v)],
                            character.weights[static_cast<std::size_t>(other)]) < kOtherJoints;
     };
     std::optional<std::uint32_t> opposite;

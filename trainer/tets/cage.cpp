@@ -2,6 +2,7 @@
 
 #include "runtime/core/error.h"
 #include "trainer/tets/lattice_cage.h"
+#include "trainer/tets/own_joints.h"
 #include "trainer/tets/skin_cage.h"
 
 namespace bodyopt {
@@ -36,7 +37,7 @@ Cage filled_skin(const Positions& vertices, const Triangles& triangles, const Sk
   }
   Cage cage = skin_cage(fillable.vertices, fillable.triangles, max_nodes);
   require_near(cage);
-  carry_by_own_joints(fillable.vertices, of_hosts(weights, fillable), cage.mesh, cage.skin);
+  carry_by_own_joints(fillable.vertices, fillable.triangles, of_hosts(weights, fillable), cage.mesh, cage.skin);
   cage.skin = carry_skin(fillable, vertices, cage.mesh, cage.skin);
   cage.mending = fillable.mending();
   return cage;

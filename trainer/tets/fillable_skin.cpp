@@ -28,7 +28,6 @@ constexpr double kMostFilled = 0.2;      // of a piece's area: more is no hole, 
 constexpr double kSmallPiece = 0.01;     // of the largest piece's volume
 constexpr double kLargePiece = 0.05;     // of the area of all: it rides only where it follows the same joints
 constexpr double kSameJoints = 0.5;      // of the weights, on the average
-constexpr double kFarthest = -4;         // barycentric weight of a vertex outside its tet: further, it would be a spike
 constexpr double kThinnest = 1e-3;       // volume over the power 3/2 of the area; a ball has 0.094
 
 double area_of(const Positions& vertices, const Triangles& triangles) {
@@ -86,14 +85,6 @@ std::vector<std::uint32_t> merge_open_edges(const Positions& vertices, const Tri
   if (!weld) return first;
   for (std::size_t k = 0; k < open.size(); ++k) first[open[k]] = open[weld->first[weld->welded_of[k]]];
   return first;
-}
-
-double shared_weight(const std::vector<JointWeight>& a, const std::vector<JointWeight>& b) {
-  double sum = 0;
-  for (const JointWeight& wa : a) {
-    for (const JointWeight& wb : b) sum += wa.joint == wb.joint ? std::min(wa.weight, wb.weight) : 0;
-  }
-  return sum;
 }
 
 struct Piece {
@@ -309,14 +300,6 @@ class SkinMender {
   FillableSkin result_;
 };
 
-// Barycentric, of a point in a tet.
-Eigen::Vector4d weights_in(const TetMesh& mesh, Eigen::Index tet, const Eigen::RowVector3d& point) {
-  Eigen::Vector4d weights;
-  weights.tail<3>() = tet_edges(mesh, tet).inverse() * (point - mesh.nodes.row(mesh.tets(tet, 0))).transpose();
-  weights[0] = 1 - weights.tail<3>().sum();
-  return weights;
-}
-
 std::string counted(Eigen::Index count, const char* one, const char* many) {
   return std::to_string(count) + (count == 1 ? one : many);
 }
@@ -394,40 +377,6 @@ std::vector<EmbeddedPoint> carry_skin(const FillableSkin& fillable, const Positi
     }
   }
   return points;
-}
-
-void carry_by_own_joints(const Positions& vertices, const SkinWeights& weights, const TetMesh& mesh,
-                         std::vector<EmbeddedPoint>& skin) {
-  std::uint32_t joints = 0;
-  for (const std::vector<JointWeight>& vertex : weights) {
-    for (const JointWeight& w : vertex) joints = std::max(joints, w.joint + 1);
-  }
-  Eigen::MatrixXd carried = Eigen::MatrixXd::Zero(mesh.nodes.rows(), joints);
-  for (std::size_t v = 0; v < skin.size(); ++v) {
-    for (int a = 0; a < 4; ++a) {
-      const double share = std::max(skin[v].weights[a], 0.0);
-      for (const JointWeight& w : weights[v]) carried(mesh.tets(skin[v].tet, a), w.joint) += share * w.weight;
-    }
-  }
-  for (Eigen::Index n = 0; n < carried.rows(); ++n) carried.row(n) /= std::max(carried.row(n).sum(), 1e-300);
-  const auto agreement = [&](std::size_t v, int tet) {
-    Eigen::RowVectorXd of_tet = Eigen::RowVectorXd::Zero(joints);
-    for (int a = 0; a < 4; ++a) of_tet += carried.row(mesh.tets(tet, a));
-    if (!(of_tet.sum() > 0)) return 0.0;
-    of_tet /= of_tet.sum();
-    double sum = 0;
-    for (const JointWeight& w : weights[v]) sum += std::min(w.weight, of_tet[w.joint]);
-    return sum;
-  };
-  for (std::size_t v = 0; v < skin.size(); ++v) {
-    if (agreement(v, skin[v].tet) >= kSameJoints) continue;
-    EmbeddedPoint best{-1, Eigen::Vector4d::Constant(kFarthest)};
-    for (int t = 0; t < mesh.tets.rows(); ++t) {
-      const Eigen::Vector4d at = weights_in(mesh, t, vertices.row(static_cast<Eigen::Index>(v)));
-      if (at.minCoeff() > best.weights.minCoeff() && agreement(v, t) >= kSameJoints) best = {t, at};
-    }
-    if (best.tet >= 0) skin[v] = best;
-  }
 }
 
 }  // namespace bodyopt

@@ -45,12 +45,6 @@ FillableSkin fillable_skin(const Positions& vertices, const Triangles& triangles
 std::vector<EmbeddedPoint> carry_skin(const FillableSkin& fillable, const Positions& vertices, const TetMesh& mesh,
                                       const std::vector<EmbeddedPoint>& hosts);
 
-// Of a skin that coarse tets carry: vertices carried by tets that follow other joints than they do, as one lip by the
-// other, are carried instead by the tet that holds them best of those that follow the same. A tet follows the joints of
-// the vertices that its nodes carry.
-void carry_by_own_joints(const Positions& vertices, const SkinWeights& weights, const TetMesh& mesh,
-                         std::vector<EmbeddedPoint>& skin);
-
 // Tets whose first nodes are the vertices of the fillable skin carry them so, H.
 std::vector<EmbeddedPoint> own_nodes(const TetMesh& mesh, Eigen::Index vertices);
 
