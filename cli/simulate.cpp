@@ -57,7 +57,7 @@ Json summary(const std::vector<FrameStatus>& status, std::string& text) {
     text += format("skin in skin: %.2f mm at the deepest (frame %d), more than %g mm in %d frames\n", 1e3 * depth,
                    deepest_frame, 1e3 * kDeep, deep);
   }
-  text += format("volume of the muscle that changes most: %+.2f %%\n", 1e2 * volume);
+  if (volume != 0) text += format("volume of the muscle that changes most: %+.2f %%\n", 1e2 * volume);
   return {{"frames", status.size()},           {"unconverged", unconverged},
           {"inverted_tets", inverted},         {"largest_residual", residual},
           {"seconds_per_frame", mean_seconds}, {"contact_depth_mm", 1e3 * depth},

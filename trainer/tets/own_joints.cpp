@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kOther = 0.5;    // of a vertex' weights: a tet that follows less of them follows other joints
 constexpr double kOwn = 0.8;      // and one that follows as much follows the same
-constexpr double kApart = 0.3;    // of the weights of two vertices in common: less is skin of other joints
-constexpr double kDetour = 1.5;     // along the skin, in longest edges of a tet: further is not beside it
+constexpr double kApart = 0.6;    // of the weights of two vertices in common: less is skin of other joints
+constexpr double kDetour = 3;     // along the skin, times the way through the air: further is not beside it
 constexpr double kFarthest = -4;  // barycentric weight of a vertex outside its tet: further, it would be a spike
 
 // How far along the edges of a skin.
@@ -115,9 +115,13 @@ class CarriedSkin {
   bool shares_with_far_skin(std::uint32_t v) const {
     const int tet = skin_[v].tet;
     const std::map<std::uint32_t, double> near = paths_.within(v, kDetour * longest_edge(tet));
+    const auto is_beside = [&](std::uint32_t other) {
+      const auto way = near.find(other);
+      return way != near.end() && way->second <= kDetour * (vertices_.row(other) - vertices_.row(v)).norm();
+    };
     for (int a = 0; a < 4; ++a) {
       for (const std::uint32_t other : carried_[static_cast<std::size_t>(mesh_.tets(tet, a))]) {
-        if (!near.contains(other) && shared_weight(weights_[v], weights_[other]) < kApart) return true;
+        if (!is_beside(other) && shared_weight(weights_[v], weights_[other]) < kApart) return true;
       }
     }
     return false;

@@ -37,7 +37,8 @@ StagedFit::StagedFit(const SampleSet& set, const TrainOptions& options, std::vec
                 "name the basis otherwise");
   keys_ = training_keys(set, options);
   earlier_ = store_.layout();
-  if (earlier_ && earlier_->from.subject != keys_.subject) earlier_.reset();
+  is_of_others_ = earlier_ && earlier_->from.subject != keys_.subject;
+  if (is_of_others_) earlier_.reset();
   if (earlier_) earlier_frames_ = frames_in(earlier_->from.frames, keys_.frames);
   updates_ = options.update && can_update();
 }
@@ -49,8 +50,9 @@ bool StagedFit::can_update() const {
     return false;
   };
   if (!earlier_) {
-    return refuse("nothing to update in " + options_.keep_in.string() +
-                  ", or it is of another character, other muscles or regions, or other options");
+    return refuse(is_of_others_ ? "what " + options_.keep_in.string() +
+                                      " keeps is of another character, other muscles or regions, or other options"
+                                : "there is nothing to update in " + options_.keep_in.string());
   }
   const std::vector<std::uint64_t>& before = earlier_->from.frames;
   const std::set<int> still(earlier_frames_.begin(), earlier_frames_.end());

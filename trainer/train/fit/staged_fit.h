@@ -50,6 +50,7 @@ class StagedFit {
   std::optional<RunLock> lock_;  // on the store
   TrainingKeys keys_;
   std::optional<KeptLayout> earlier_;
+  bool is_of_others_ = false;        // what is kept is of another character or other options: none of it is used
   std::vector<int> earlier_frames_;  // of every frame its number in the earlier training, -1: new
   std::vector<Muscle> curves_;
   bool updates_ = false;
