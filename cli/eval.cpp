@@ -15,6 +15,9 @@
 #include "cli/arguments/task_arguments.h"
 #include "cli/results/attachments.h"
 #include "cli/results/shot_caches.h"
+#include "proxy_viewer/scene/open_character.h"
+#include "proxy_viewer/scene/posed_clip.h"
+#include "proxy_viewer/scene/session_file.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt::cli {
@@ -31,6 +34,8 @@ struct EvalArguments {
   ModifierArguments modifiers;
   TaskArguments task;
   JsonOption json;
+  std::string session;  // of the viewport: in place of the basis and the clip
+  SessionCharacter posed{};
 };
 
 // All files that decide the result.
@@ -41,7 +46,7 @@ std::vector<fs::path> inputs_of(const EvalArguments& arguments) {
   for (const fs::path& file : gltf_files(clip)) inputs.push_back(file);
   for (const std::string& file :
        {arguments.clip.options.controls, arguments.clip.options.joint_map, arguments.jiggle.file(arguments.cache.basis),
-        arguments.jiggle.state_in, arguments.modifiers.file}) {
+        arguments.jiggle.state_in, arguments.modifiers.file, arguments.session, arguments.posed.files.limits}) {
     if (!file.empty()) inputs.push_back(file);
   }
   const fs::path beside = attachments_beside(arguments.cache.basis);
@@ -68,6 +73,44 @@ Level chosen_level(const EvalArguments& arguments) {
   return level;
 }
 
+// The lead of a session, its clip and the range that it plays take the place of the options.
+void take_session(EvalArguments& arguments) {
+  if (arguments.session.empty()) {
+    if (arguments.cache.basis.empty()) throw Error(ErrorKind::usage, "BASIS is required, or --session");
+    if (arguments.clip.source.empty()) throw Error(ErrorKind::usage, "--clip is required, or --session");
+    return;
+  }
+  if (!arguments.cache.basis.empty() || !arguments.clip.source.empty()) {
+    throw Error(ErrorKind::usage, "--session names the basis and the clip itself: leave out BASIS and --clip");
+  }
+  const SessionFile session = read_session(arguments.session);
+  arguments.posed = session.cast.front();
+  const ActorFiles& files = arguments.posed.files;
+  if (!is_basis(files.basis)) {
+    throw Error(ErrorKind::usage, arguments.session + ": its lead is '" + files.basis +
+                                      "', expected a trained basis (.safetensors): 'bodyopt train' makes one");
+  }
+  if (files.clip.empty()) {
+    throw Error(ErrorKind::usage, arguments.session +
+                                      ": its lead plays no clip: open one in the viewport, and save "
+                                      "the session again");
+  }
+  arguments.cache.basis = files.basis;
+  arguments.clip.source = files.clip;
+  arguments.clip.options.fps = session.clip.fps;
+  arguments.clip.options.joint_map = files.joint_map;
+  const auto& [in, out] = std::pair(session.view.playback.in, session.view.playback.out);
+  if (arguments.clip.frames.empty() && in && out) {
+    arguments.clip.frames = std::to_string(*in) + "-" + std::to_string(*out);
+  }
+}
+
+Clip as_posed(const SessionCharacter& posed, Clip clip, const Skeleton& skeleton) {
+  JointLimits limits;
+  if (!posed.files.limits.empty()) limits = read_joint_limits(posed.files.limits, skeleton);
+  return posed_clip(std::move(clip), skeleton, limits, posed.pose);
+}
+
 EvaluatedShot read_shot(const EvalArguments& arguments) {
   EvaluatedShot shot;
   Level level = chosen_level(arguments);
@@ -84,6 +127,7 @@ EvaluatedShot read_shot(const EvalArguments& arguments) {
   shot.deformer = arguments.jiggle.deformer(std::move(level.basis), arguments.cache.basis, arguments.device.choice);
   const Basis& basis = shot.deformer->basis();
   shot.clip = arguments.clip.read(basis.skeleton, arguments.unit > 0 ? arguments.unit : kept_unit(basis), shot.frames);
+  if (!arguments.session.empty()) shot.clip = as_posed(arguments.posed, std::move(shot.clip), basis.skeleton);
   arguments.modifiers.apply(basis, shot.clip);
   shot.poses = poses_of(shot.clip, shot.frames);
   arguments.jiggle.check_frames(*shot.deformer, shot.clip, shot.frames);
@@ -204,6 +248,7 @@ bool is_done(const EvalArguments& arguments, const TaskRun& task) {
 }
 
 void run(EvalArguments arguments) {
+  take_session(arguments);
   arguments.task.begin();
   arguments.json.require_writable();
   arguments.jiggle.check();
@@ -236,13 +281,19 @@ void run(EvalArguments arguments) {
 void add_eval(CLI::App& app) {
   auto arguments = std::make_shared<EvalArguments>();
   CLI::App& verb = *app.add_subcommand("eval", "Deform a character through a clip");
-  verb.add_option("basis", arguments->cache.basis, "Basis (.safetensors)")->required()->type_name("BASIS");
+  verb.add_option("basis", arguments->cache.basis, "Basis (.safetensors)")->type_name("BASIS");
+  verb.add_option(
+          "--session", arguments->session,
+          "A session of the viewport: its lead, in place of BASIS, with its clip as it was posed and keyed there")
+      ->type_name("FILE")
+      ->check(refuse_empty);
   verb.add_option("--level", arguments->cache.level, "Level of detail of a proxy: 0 is the finest")
       ->capture_default_str()
       ->type_name("N");
   verb.add_flag("--full-skin", arguments->cache.full_skin,
                 "Write the skin of the full character, carried by that of the proxy");
   arguments->clip.add(verb);
+  verb.get_option("--clip")->required(false);  // a session has one
   arguments->device.add(verb);
   verb.add_flag("--check", arguments->device.choice.check,
                 "Run every stage on the CPU, too, and stop at the first difference");

@@ -52,8 +52,9 @@ void Application::begin() {
   controls_.camera.orbit(0.45, 0.18);
   controls_.requests.frame_selection = true;
   session_.follow();
+  const bool restored = session_.restore_view();
   if (!options_.state.empty()) session_.load_state(options_.state);
-  begin_frames();
+  begin_frames(restored);
   if (options_.live_port) live_.listen(*options_.live_port);
   if (screen_) controls_.say("H: all keys");
   session_.follow();
@@ -62,7 +63,7 @@ void Application::begin() {
   script_.assign(commands.begin(), commands.end());
 }
 
-void Application::begin_frames() {
+void Application::begin_frames(bool restored) {
   Playback& playback = controls_.playback;
   for (const std::optional<int>& frame : {options_.first, options_.last, options_.current}) {
     if (frame) playback.require_frame(*frame);
@@ -70,7 +71,7 @@ void Application::begin_frames() {
   if (options_.first || options_.last) {
     playback.set_range(options_.first.value_or(playback.first()), options_.last.value_or(playback.last()));
   }
-  playback.scrub(options_.current.value_or(playback.in()));
+  playback.scrub(options_.current.value_or(restored ? playback.frame() : playback.in()));
 }
 
 // Of a sequence without a window all of it: nobody is there to move the camera.
@@ -251,9 +252,11 @@ void Application::fulfil() {
   const auto attempt = [&](const auto& asked, const auto& action) {
     if (asked) controls_.attempt(action);
   };
+  attempt(requests.pin, [&] { session_.pin(*requests.pin); });
   attempt(requests.screenshot, [&] { pictures_.take_screenshot(*requests.screenshot); });
   attempt(requests.sequence, [&] { pictures_.take_sequence(*requests.sequence); });
   attempt(requests.turntable, [&] { pictures_.take_turntable(*requests.turntable); });
+  attempt(requests.save, [&] { session_.save(*requests.save); });
   attempt(requests.save_state, [&] { session_.save_state(*requests.save_state); });
   attempt(requests.export_clip, [&] { session_.export_clip(*requests.export_clip); });
   attempt(requests.export_skin, [&] { session_.export_skin(*requests.export_skin); });

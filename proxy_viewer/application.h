@@ -32,7 +32,7 @@ class Application {
  private:
   void open_files();
   void begin();
-  void begin_frames();
+  void begin_frames(bool restored);
   void frame_what_comes();
   void open(const std::string& file);
   void open_meanwhile(const std::string& file);

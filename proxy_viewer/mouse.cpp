@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "proxy_viewer/grips.h"
 #include "proxy_viewer/picking.h"
 
 namespace bodyopt {
@@ -32,6 +33,15 @@ void steer_by_mouse(Scene& scene, const Rectangle& area, std::uint32_t height, C
   const double per_pixel = 3.2 / std::max(1u, height);  // half a turn across the window's height
   const double x = static_cast<double>(io.MouseDelta.x), y = static_cast<double>(io.MouseDelta.y);
   // Not with what moved before the button went down.
+  if (ImGui::IsMouseClicked(0) && !io.KeyShift) {
+    controls.grip = grip_at(scene, controls, area, io.MousePos.x, io.MousePos.y);
+  }
+  if (controls.grip && (io.MouseDown[0] || ImGui::IsMouseReleased(0))) {
+    drag_grip(scene, area, {io.MousePos.x - io.MouseDelta.x, io.MousePos.y - io.MouseDelta.y},
+              {io.MousePos.x, io.MousePos.y}, controls);
+    if (ImGui::IsMouseReleased(0)) controls.grip.reset();
+    return;
+  }
   const auto drags = [&](int button) { return io.MouseDown[button] && io.MouseDownDuration[button] > 0; };
   if (drags(2) || (drags(0) && io.KeyShift)) {
     controls.camera.pan(x, y, static_cast<double>(area.height));

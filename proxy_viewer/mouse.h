@@ -1,5 +1,5 @@
 // The mouse over the picture: left turns, middle or shift moves along, right and the wheel go nearer; a click picks a
-// joint, also by the skin over it.
+// joint, also by the skin over it; rings and pins of the joint that is selected are dragged.
 #pragma once
 
 #include "draw/view.h"

@@ -93,7 +93,7 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
   describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
   session_.curation.describe(controls_, snapshot_);
   area_ = draw_panels(snapshot_, controls_, width, height);
-  if (!ImGui::IsAnyItemActive()) controls_.poses.note(controls_.settings.pose);  // a drag is one step
+  if (!ImGui::IsAnyItemActive() && !controls_.grip) controls_.poses.note(controls_.settings.pose);  // a drag is one step
   gui_.end();
   session_.follow();
   if (!controls_.requests.frame_selection) return;

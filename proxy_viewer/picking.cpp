@@ -11,11 +11,6 @@ namespace {
 
 constexpr double kPickRadius = 14;  // pixels
 
-Rectangle view_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x) {
-  const std::vector<Rectangle> views = scene.view_areas(controls.settings, picture);
-  return x < static_cast<float>(views.back().x) ? views.front() : views.back();
-}
-
 double aspect_of(const Rectangle& area) { return static_cast<double>(area.width) / std::max(1u, area.height); }
 
 Vec3 vertex(std::span<const float> vertices, std::uint32_t index) {
@@ -36,25 +31,36 @@ std::optional<double> hit(const Ray& ray, const Vec3& a, const Vec3& b, const Ve
 
 }  // namespace
 
-std::string joint_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y) {
+Rectangle view_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x) {
+  const std::vector<Rectangle> views = scene.view_areas(controls.settings, picture);
+  return x < static_cast<float>(views.back().x) ? views.front() : views.back();
+}
+
+std::optional<std::array<double, 2>> pixel_of(const Scene& scene, const Controls& controls, const Rectangle& picture,
+                                              float x, const Vec3& point) {
   const Rectangle area = view_at(scene, controls, picture, x);
   const Camera camera = controls.camera.camera();
   const auto rows = view_matrix(camera);
   const auto scale = projection(camera, {0, 1}, aspect_of(area));
+  double at[3];
+  for (std::size_t r = 0; r < 3; ++r) {
+    at[r] = static_cast<double>(rows[r][3]);
+    for (std::size_t i = 0; i < 3; ++i) at[r] += static_cast<double>(rows[r][i]) * point[i];
+  }
+  const double w = camera.orthographic_height > 0 ? 1 : -at[2];
+  if (w <= 0) return std::nullopt;
+  return std::array{area.x + 0.5 * area.width * (1 + static_cast<double>(scale[0]) * at[0] / w),
+                    area.y + 0.5 * area.height * (1 - static_cast<double>(scale[1]) * at[1] / w)};
+}
+
+std::string joint_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y) {
   const std::vector<Vec3> centres = scene.joint_centres(controls);
   double nearest = kPickRadius;
   std::string joint;
   for (std::size_t j = 0; j < centres.size(); ++j) {
-    double at[3];
-    for (std::size_t r = 0; r < 3; ++r) {
-      at[r] = static_cast<double>(rows[r][3]);
-      for (std::size_t i = 0; i < 3; ++i) at[r] += static_cast<double>(rows[r][i]) * centres[j][i];
-    }
-    const double w = camera.orthographic_height > 0 ? 1 : -at[2];
-    if (w <= 0) continue;
-    const double px = area.x + 0.5 * area.width * (1 + static_cast<double>(scale[0]) * at[0] / w);
-    const double py = area.y + 0.5 * area.height * (1 - static_cast<double>(scale[1]) * at[1] / w);
-    const double distance = std::hypot(px - static_cast<double>(x), py - static_cast<double>(y));
+    const auto pixel = pixel_of(scene, controls, picture, x, centres[j]);
+    if (!pixel) continue;
+    const double distance = std::hypot((*pixel)[0] - static_cast<double>(x), (*pixel)[1] - static_cast<double>(y));
     if (distance >= nearest) continue;
     nearest = distance;
     joint = scene.lead().basis().skeleton.joints[j].name;

@@ -1,6 +1,7 @@
 // What of the lead is under a pixel of the window.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +11,13 @@
 #include "proxy_viewer/scene/scene.h"
 
 namespace bodyopt {
+
+// Where a point of the world is seen in the view of the picture that is at `x`; none: behind the eye.
+std::optional<std::array<double, 2>> pixel_of(const Scene& scene, const Controls& controls, const Rectangle& picture,
+                                              float x, const Vec3& point);
+
+// The area of the view of the picture that is at `x`.
+Rectangle view_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x);
 
 // The joint whose centre is seen nearest to (x, y), in the view that is there; "": none is near.
 std::string joint_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y);

@@ -12,6 +12,7 @@
 #include "base/progress.h"
 #include "proxy_viewer/describe_scene.h"
 #include "proxy_viewer/scene/open_character.h"
+#include "proxy_viewer/scene/pinned_joints.h"
 #include "proxy_viewer/scene/truth_times.h"
 #include "runtime/core/error.h"
 #include "runtime/modifiers/drive_modifiers.h"
@@ -34,6 +35,10 @@ Session::Session(std::shared_ptr<const vulkan::Device> device, const ViewerOptio
 std::vector<std::string> Session::open_first() {
   const std::string file = options_.files.empty() ? "" : options_.files.front();
   const bool dataset = is_dataset(file);
+  if (!dataset && has_extension(file, {".json"})) {
+    open_session(file);
+    return {};
+  }
   if (fs::exists(file) && !dataset && !is_character(file)) {
     throw Error(ErrorKind::usage,
                 file + ": a basis (.safetensors) or a character (.glb, .gltf) must come before its clips and caches");
@@ -68,12 +73,16 @@ std::vector<std::string> Session::open(const std::string& file) {
   } else if (has_extension(file, {".pc2"})) {
     open_truth(receiver, file);
     return notes;
+  } else if (has_extension(file, {".json"}) && is_session(file)) {
+    open_session(file);
+    restore_view();
+    return notes;
   } else if (has_extension(file, {".json"})) {
     load_state(file);
   } else {
     throw Error(ErrorKind::usage, file +
                                       ": expected a basis (.safetensors), a character (.glb, .gltf), a clip "
-                                      "(.glb, .gltf, .bvh), a point cache (.pc2) or a state (.json)");
+                                      "(.glb, .gltf, .bvh), a point cache (.pc2), a session or a state (.json)");
   }
   describe_cast();
   watch();
@@ -103,6 +112,17 @@ void Session::edit_stack(const ModifierEdit& edit) {
   require_dataset();
   curation.edit(edit);
   read_dataset_again();
+}
+
+void Session::pin(const PinRequest& request) {
+  const Skeleton& skeleton = scene.lead().basis().skeleton;
+  if (!ends_a_limb(skeleton, request.joint)) {
+    throw Error(
+        ErrorKind::usage,
+        request.joint + ": has no two joints above it that could reach for a pin: hands and " + "feet are pinned");
+  }
+  const auto index = static_cast<std::size_t>(skeleton.find(request.joint));
+  controls.settings.pose.pins[request.joint] = request.at ? *request.at : scene.joint_centres(controls)[index];
 }
 
 void Session::step_stack(bool back) {
@@ -268,6 +288,57 @@ void Session::export_skin(const std::string& file) {
   controls.say("wrote " + file);
 }
 
+// All of its characters are read before the first of those that are there goes.
+void Session::open_session(const std::string& file) {
+  if (!options_.proxy.empty() || !options_.character.empty() || !options_.limits.empty() ||
+      !options_.joint_map.empty()) {
+    throw Error(ErrorKind::usage, file + ": a session names the files of its characters itself: leave out --proxy, " +
+                                      "--character, --limits and --joint-map");
+  }
+  SessionFile session = read_session(file);
+  std::vector<std::unique_ptr<Actor>> cast;
+  for (const SessionCharacter& character : session.cast) {
+    cast.push_back(scene.make(character.files, session.clip));
+    cast.back()->set_posing(character.pose);
+  }
+  clip_options_ = session.clip;
+  receiver_ = 0;
+  scene.leave_live_pose();
+  scene.cast() = std::move(cast);
+  opened_ = std::move(session);
+  controls.joint = opened_->joint;
+  controls.marker.reset();
+  followed_.reset();
+  describe_cast();
+  watch();
+}
+
+bool Session::restore_view() {
+  if (!opened_) return false;
+  const SessionFile session = *std::exchange(opened_, std::nullopt);
+  play_clip();
+  controls.playback.scrub(session.frame);
+  follow();
+  use_settings(session.view);
+  controls.poses.begin(controls.settings.pose);
+  controls.keyed_frame = controls.playback.frame();
+  return true;
+}
+
+void Session::save(const std::string& file) {
+  refuse_input(file);
+  SessionFile session;
+  session.clip = clip_options_;
+  for (const auto& character : scene.cast()) session.cast.push_back({character->files(), character->posing()});
+  session.frame = controls.playback.frame();
+  session.joint = controls.joint;
+  session.view = controls.settings;
+  session.view.playback = controls.playback.settings();
+  session.view.camera = controls.kept_camera();
+  write_session(session, file);
+  controls.say("wrote " + file);
+}
+
 void Session::save_state(const std::string& file) {
   controls.settings.playback = controls.playback.settings();
   controls.settings.camera = controls.kept_camera();
@@ -275,8 +346,10 @@ void Session::save_state(const std::string& file) {
   controls.say("wrote " + file);
 }
 
-void Session::load_state(const std::string& file) {
-  controls.settings = read_view_settings(file);
+void Session::load_state(const std::string& file) { use_settings(read_view_settings(file)); }
+
+void Session::use_settings(const ViewSettings& settings) {
+  controls.settings = settings;
   controls.go_to_camera(controls.settings.camera);
   play_as(controls.settings.playback);
   controls.requests.frame_selection = false;

@@ -13,6 +13,7 @@
 #include "proxy_viewer/panels/snapshot.h"
 #include "proxy_viewer/platform/watched_files.h"
 #include "proxy_viewer/scene/scene.h"
+#include "proxy_viewer/scene/session_file.h"
 #include "proxy_viewer/viewer.h"
 
 namespace bodyopt {
@@ -44,6 +45,8 @@ class Session {
   // Those that have changed and are whole; `now`: seconds, of any clock.
   std::vector<std::filesystem::path> changed_files(double now) { return watched_.changed(now); }
 
+  // Holds the end of a limb of the lead, where it is or at a point. Throws Error(usage) where two joints above it lack.
+  void pin(const PinRequest& request);
   // Done to the stack of the dataset that is looked at; its shapes are read again. Throw Error(usage) where none is.
   void edit_stack(const ModifierEdit& edit);
   void step_stack(bool back);
@@ -53,9 +56,13 @@ class Session {
   void export_clip(const std::string& file);
   void export_skin(const std::string& file);
 
+  // All that is open and set, and back: what was there stays where it throws. Throw Error(file), and as the readers do.
+  void save(const std::string& file);
   void save_state(const std::string& file);
   void load_state(const std::string& file);
 
+  // What a session that was opened has set, once; false: none was.
+  bool restore_view();
   // The playhead over the lead's clip, as it played before; a range that the clip lacks is said, and forgotten.
   void play_clip();
   // The camera sees all, or the joint that is selected, in a picture of so many pixels.
@@ -79,6 +86,8 @@ class Session {
   bool is_character(const std::string& file) const;
   std::vector<std::string> add(const ActorFiles& files);
   ActorFiles files_of_dataset(const std::string& file);
+  void open_session(const std::string& file);
+  void use_settings(const ViewSettings& settings);
   void require_dataset() const;
   void read_dataset_again();
   void play_as(const PlaySettings& settings);
@@ -96,6 +105,7 @@ class Session {
   ClipOptions clip_options_;  // its unit: of a dataset, where one is opened
   const std::string device_name_;
   WatchedFiles watched_;
+  std::optional<SessionFile> opened_;  // whose view is not restored yet
   std::size_t receiver_ = 0;           // of clips and caches, in the cast
   std::set<std::string> truth_times_;  // what was said of them
   std::optional<Vec3> followed_;       // where the lead was in the last picture

@@ -419,6 +419,37 @@ const Command kCommands[] = {
        c.settings.pose.axes[known(name, c.axis_names, "axis of the joint limits")] =
            number_within(angle, -kMostTurn, kMostTurn);
      }},
+    {"pin", "JOINT [X Y Z]", "", "Pose", "the end of a limb where it is, or there, metres: the limb reaches for it",
+     [](Controls& c, const std::string& a) {
+       if (std::ranges::find(c.joint_names, a) != c.joint_names.end()) {
+         c.requests.pin = PinRequest{a};
+         return;
+       }
+       std::string joint = a, number;
+       Vec3 at;
+       for (const std::size_t axis : {2, 1, 0}) {
+         std::tie(joint, number) = split_last(joint, "a joint, or a joint and a point");
+         at[axis] = number_within(number, -1e6, 1e6);
+       }
+       c.requests.pin = PinRequest{known(joint, c.joint_names, "joint"), at};
+     }},
+    {"unpin", "[JOINT]", "", "Pose", "lets go of the joint that is selected",
+     [](Controls& c, const std::string& a) {
+       const std::string joint = a.empty() ? selected(c) : known(a, c.joint_names, "joint");
+       if (c.settings.pose.pins.erase(joint) == 0) c.say(joint + " has no pin");
+     }},
+    {"move-key", "FROM TO", "", "Pose", "the key of a frame to another",
+     [](Controls& c, const std::string& a) {
+       const auto w = words(a, 2, "two frames");
+       const int from = integer(w[0]), to = integer(w[1]);
+       c.playback.require_frame(to);
+       const auto key = c.settings.pose.keys.find(from);
+       if (key == c.settings.pose.keys.end()) refuse(w[0], "a frame that has a key");
+       if (from == to) return;
+       c.settings.pose.keys[to] = key->second;
+       c.settings.pose.keys.erase(from);
+       c.keyed_frame.reset();
+     }},
     {"key", "", "Alt+K", "Pose", "keeps turns and controls as a key of this frame; between keys they blend",
      [](Controls& c, const std::string&) {
        c.settings.pose.keys[c.playback.frame()] = c.settings.pose;
@@ -514,7 +545,12 @@ const Command kCommands[] = {
        if (!a.ends_with(".pc2") && !a.ends_with(".usda")) refuse(a, "a file that ends in .pc2 or .usda");
        c.requests.export_skin = a;
      }},
-    {"open", "FILE", "", "File", "a basis, character, clip or point cache",
+    {"save", "FILE.json", "", "File", "the session: files, poses, keys, cameras and settings; open and eval read it",
+     [](Controls& c, const std::string& a) {
+       if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
+       c.requests.save = a;
+     }},
+    {"open", "FILE", "", "File", "a basis, character, clip, point cache, dataset or session",
      [](Controls& c, const std::string& a) { c.requests.open.push_back(a); }},
     {"lead", "NUMBER", "", "File", "the character of whom panels speak, and to whom clips and caches go",
      [](Controls& c, const std::string& a) { c.requests.lead = integer(a); }},
@@ -543,7 +579,7 @@ const Command kCommands[] = {
     {"side-panel", "[on|off]", "Q", "View", "the panel on the right",
      [](Controls& c, const std::string& a) { toggle(c.settings.hud.panels.try_emplace(kSidePanel, true).first->second, a); },
      [](const Controls& c) { return name_of(shows_side_panel(c.settings)); }},
-    {"section", "look|cameras|compare|curate|pose|modifiers|muscles|jiggle|ghosts|cast|output", "", "View",
+    {"section", "look|cameras|compare|curate|pose|keys|modifiers|muscles|jiggle|ghosts|cast|output", "", "View",
      "opens a section of the side panel, and closes the others",
      [](Controls& c, const std::string& a) { open_section(c.settings, known(a, section_names(), "section of the side panel")); }},
     {"quit", "", "Ctrl+Q", "File", "close the viewport", [](Controls& c, const std::string&) { c.requests.quit = true; }},

@@ -44,13 +44,26 @@ struct Curating {
   int pair = -1;                                // that is looked at, from 0
 };
 
+// The end of a limb that is to stay; without a point: where it is.
+struct PinRequest {
+  std::string joint;
+  std::optional<Vec3> at{};  // metres, world
+  bool operator==(const PinRequest&) const = default;
+};
+
+// What the mouse holds in the picture: a ring around the joint that is selected, or its pin.
+struct Grip {
+  std::optional<std::size_t> ring;  // the axis: x, y, z; none: the pin
+};
+
 // Asked for, and done by the application once a picture is drawn.
 struct Requests {
   bool quit = false, reload = false, frame_selection = false, reset_jiggle = false;
   bool worst_frame = false, worst_vertex = false;
-  std::optional<std::string> screenshot, turntable, sequence, save_state, load_state;  // file names
-  std::vector<std::string> open;                                                       // files, by what they hold
+  std::optional<std::string> screenshot, turntable, sequence, save, save_state, load_state;  // file names
+  std::vector<std::string> open;                                                             // files, by what they hold
   std::vector<ModifierEdit> edits;
+  std::optional<PinRequest> pin;
   std::optional<bool> step_back;                        // in the history of edits, or forth
   bool contradictions = false;                          // are looked for
   std::optional<int> lead, remove;                      // characters, counted from 1
@@ -69,7 +82,7 @@ struct PanelState {
   bool entered = false;  // the prompt's text, before its field hears
   std::string prompt, joint_filter, camera, open;
   std::string screenshot = "bodyopt.png", sequence = "bodyopt.####.png", turntable = "turntable.####.png";
-  std::string state = "view.json", clip = "posed.glb", skin = "posed.pc2";
+  std::string session = "session.json", state = "view.json", clip = "posed.glb", skin = "posed.pc2";
   std::string listed_joint;              // to which the list of joints was last scrolled
   std::vector<std::size_t> fibre_order;  // of the list of muscles
   std::string dragged_modifier;          // whose strength is being dragged
@@ -100,8 +113,9 @@ struct Controls {
   bool cheat_sheet = false;
   bool panels = true;
   bool headless = false;  // nobody looks: what fails is thrown, and what is asked for is waited for
-  bool prompt = false;  // a command is being typed
+  bool prompt = false;    // a command is being typed
   std::optional<Marker> marker;
+  std::optional<Grip> grip;
   double automatic_heat_mm = 10;  // of the hottest colour, where the settings give none
   PanelState typed;
   Requests requests;

@@ -30,7 +30,8 @@ void draw_output(const Snapshot&, Controls& controls) {
   draw_file(controls, typed.screenshot, "picture.png", {{"screenshot", "Picture"}});
   draw_file(controls, typed.sequence, "frames.####.png", {{"sequence", "Sequence"}});
   draw_file(controls, typed.turntable, "turntable.####.png", {{"turntable", "Turntable"}});
-  draw_file(controls, typed.state, "view.json", {{"save-state", "Save"}, {"load-state", "Load"}});
+  draw_file(controls, typed.session, "session.json", {{"save", "Save"}, {"open", "Open"}});
+  draw_file(controls, typed.state, "view.json", {{"save-state", "Save look"}, {"load-state", "Load look"}});
   draw_file(controls, typed.clip, "motion.glb or .bvh", {{"export-clip", "Motion"}});
   draw_file(controls, typed.skin, "skin.pc2 or .usda", {{"export-skin", "Skin"}});
   draw_file(controls, typed.open, "a basis, clip or cache", {{"open", "Open"}});

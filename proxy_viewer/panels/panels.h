@@ -44,6 +44,7 @@ void draw_cameras(const Snapshot& snapshot, Controls& controls);
 void draw_compare(const Snapshot& snapshot, Controls& controls);
 void draw_curate(const Snapshot& snapshot, Controls& controls);
 void draw_pose(const Snapshot& snapshot, Controls& controls);
+void draw_keys(const Snapshot& snapshot, Controls& controls);
 void draw_modifiers(const Snapshot& snapshot, Controls& controls);
 void draw_muscles(const Snapshot& snapshot, Controls& controls);
 void draw_jiggle(const Snapshot& snapshot, Controls& controls);

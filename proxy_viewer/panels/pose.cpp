@@ -123,7 +123,21 @@ void draw_controls(const Snapshot& snapshot, Controls& controls) {
   }
 }
 
-void draw_keys(Controls& controls) {
+// Of the joint that is selected.
+void draw_pin(Controls& controls) {
+  const bool is_pinned = controls.settings.pose.pins.contains(controls.joint);
+  const float width = share_of_line(2);
+  ImGui::BeginDisabled(controls.joint.empty());
+  if (ImGui::Button("Pin here", {width, 0})) attempt(controls, "pin " + controls.joint);
+  explain("pin");
+  ImGui::EndDisabled();
+  ImGui::SameLine();
+  ImGui::BeginDisabled(!is_pinned);
+  command_button(controls, "unpin", nullptr, width);
+  ImGui::EndDisabled();
+}
+
+void draw_key_buttons(Controls& controls) {
   const float width = share_of_line(2);
   command_button(controls, "key", "Key", width);
   ImGui::SameLine();
@@ -138,7 +152,8 @@ void draw_pose(const Snapshot& snapshot, Controls& controls) {
   draw_list(snapshot, controls);
   draw_joint(snapshot, controls);
   draw_controls(snapshot, controls);
-  draw_keys(controls);
+  draw_pin(controls);
+  draw_key_buttons(controls);
   slide("Learned", controls.settings.pose.correction, 0, 1, "%.2f", find_command("correction")->help);
 }
 

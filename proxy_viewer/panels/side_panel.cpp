@@ -12,9 +12,9 @@ namespace {
 using Draw = void (*)(const Snapshot&, Controls&);
 
 // As kSections.
-constexpr std::array<Draw, kSections.size()> kDraw = {draw_look,   draw_cameras,   draw_compare, draw_curate,
-                                                      draw_pose,   draw_modifiers, draw_muscles, draw_jiggle,
-                                                      draw_ghosts, draw_cast,      draw_output};
+constexpr std::array<Draw, kSections.size()> kDraw = {draw_look,   draw_cameras, draw_compare,   draw_curate,
+                                                      draw_pose,   draw_keys,    draw_modifiers, draw_muscles,
+                                                      draw_jiggle, draw_ghosts,  draw_cast,      draw_output};
 
 }  // namespace
 

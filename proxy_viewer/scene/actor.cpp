@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
-#include <numbers>
 #include <sstream>
 #include <utility>
 
@@ -13,8 +12,8 @@
 #include "assets/shot_modifiers.h"
 #include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/output_points.h"
+#include "proxy_viewer/scene/posed_clip.h"
 #include "proxy_viewer/state/box.h"
-#include "proxy_viewer/state/euler_angles.h"
 #include "proxy_viewer/state/pose_keys.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
@@ -32,23 +31,6 @@ double diagonal(std::span<const float> points) {
   Box box;
   for (std::size_t k = 0; k + 2 < points.size(); k += 3) box.add(Vec3{points[k], points[k + 1], points[k + 2]});
   return points.empty() ? 0 : 2 * box.radius();
-}
-
-// Of a joint's local rotation, about an axis of rest space.
-Quat turn_about_rest_axis(const Skeleton& skeleton, const JointTurn& turn, double degrees) {
-  const int parent = skeleton.joints[turn.joint].parent;
-  Vec3 axis = turn.axis;
-  if (parent >= 0) axis = rotate(conjugate(bind_rotations(skeleton)[static_cast<std::size_t>(parent)]), axis);
-  return axis_angle(axis, turn.share * degrees * std::numbers::pi / 180);
-}
-
-// Of a pose as it was read: a value for each of the names, that of the posing where it has one.
-void set_controls(const std::vector<std::string>& names, const ViewSettings::PoseKey& posing, Pose& pose) {
-  pose.controls.resize(names.size(), 0.0f);
-  for (const auto& [name, value] : posing.controls) {
-    const auto at = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
-    if (at < names.size()) pose.controls[at] = static_cast<float>(value);
-  }
 }
 
 Clip bind_clip(const Basis& basis) {
@@ -235,24 +217,7 @@ std::optional<JointRange> Actor::free_turns(std::size_t joint, int frame) const 
 }
 
 Pose Actor::posed(Pose pose, const ViewSettings::PoseKey& posing) const {
-  for (const DegreeOfFreedom& dof : limits_.dofs) {
-    const auto found = posing.axes.find(dof.name);
-    if (found == posing.axes.end()) continue;
-    for (const JointTurn& turn : dof.turns) {
-      Quat& rotation = pose.joints[turn.joint].rotation;
-      rotation = turn_about_rest_axis(basis().skeleton, turn, found->second) * rotation;
-    }
-  }
-  for (const auto& [joint, degrees] : posing.joints) {
-    const int found = basis().skeleton.find(joint);
-    if (found < 0) continue;
-    const auto index = static_cast<std::size_t>(found);
-    Quat& rotation = pose.joints[index].rotation;
-    const std::optional<JointRange>& own = range(index);
-    rotation = own ? turned_within(*own, basis().skeleton.joints[index].bind.rotation, rotation, degrees)
-                   : normalized(rotation * turn_of(degrees));
-  }
-  return pose;
+  return bodyopt::posed(basis().skeleton, limits_, ranges_, std::move(pose), posing);
 }
 
 Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
@@ -269,20 +234,12 @@ Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
 }
 
 std::vector<std::string> Actor::source_controls(const ViewSettings::Posing& posing) const {
-  std::vector<std::string> names = source_.controls;
-  const auto add = [&](const ViewSettings::PoseKey& key) {
-    for (const auto& [name, value] : key.controls) {
-      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
-    }
-  };
-  add(posing);
-  for (const auto& [frame, key] : posing.keys) add(key);
-  return names;
+  return posed_controls(source_, posing);
 }
 
 Pose Actor::unmodified_pose(int frame, const ViewSettings::Posing& posing) const {
   Pose pose = posed(source_.poses[clip_index(frame)], posing);
-  set_controls(source_controls(posing), posing, pose);
+  set_posed_controls(source_controls(posing), posing, pose);
   return pose;
 }
 
@@ -297,9 +254,10 @@ Pose Actor::modified_pose(int frame, const ViewSettings::Posing& posing) const {
   part.poses[last] = posed(part.poses[last], posing);
   for (std::size_t k = 0; k <= last; ++k) {
     if (k == last || posing.keys.empty()) {
-      set_controls(part.controls, posing, part.poses[k]);
+      set_posed_controls(part.controls, posing, part.poses[k]);
     } else {
-      set_controls(part.controls, between_keys(posing.keys, part.first_frame + static_cast<int>(k)), part.poses[k]);
+      set_posed_controls(part.controls, between_keys(posing.keys, part.first_frame + static_cast<int>(k)),
+                         part.poses[k]);
     }
   }
   apply_channels(basis(), part);

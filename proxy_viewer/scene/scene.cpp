@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "draw/camera.h"
+#include "proxy_viewer/scene/turn_rings.h"
 #include "proxy_viewer/state/box.h"
 #include "proxy_viewer/state/pose_keys.h"
 #include "proxy_viewer/state/strain_colour.h"
@@ -17,7 +18,8 @@ constexpr std::array<float, 3> kBeforeColour = {0.12f, 0.30f, 0.75f}, kAfterColo
 constexpr std::array<float, 3> kWornColour = {0.16f, 0.19f, 0.23f};
 constexpr std::array<float, 3> kOtherColour = {0.25f, 0.47f, 0.62f};  // of what is compared with
 constexpr std::uint32_t kBone = 0xd0f0e4c8, kJoint = 0xffffffff, kSelected = 0xff2fb4ff;
-constexpr std::size_t kColumns = 7;  // of copies
+constexpr std::array<std::uint32_t, 3> kAxisColours{0xff5050f0, 0xff50d070, 0xfff09050};  // x, y, z
+constexpr std::size_t kColumns = 7;                                                       // of copies
 constexpr std::uint32_t kMarked = 0xff5a40ff;
 constexpr double kSpacing = 0.7;      // between characters, of their size
 constexpr double kInside = 0.3;       // of its size: nearer to another, a character would begin inside it
@@ -357,6 +359,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   }
   for (View& view : views) {
     if (s.look.skeleton) add_skeleton(character, poses[0], skin.offset, controls, view);
+    if (s.look.skeleton && &character == &lead()) add_rings(controls, skin.offset, view);
     if (s.look.fibres) add_fibres(character, shown, skin.offset, view);
   }
   if (poses.size() == 1) return;
@@ -440,6 +443,37 @@ void Scene::add_skeleton(const Actor& character, const Pose& pose, const std::ar
   view.lines.push_back({lines_.back(), offset, 3, true});
   lines_.push_back(std::move(joints));
   view.lines.push_back({lines_.back(), offset, 1.5f, true});
+}
+
+// Of the joint that is selected: bright as far as it may turn, with a hand at its angle. And the pins.
+void Scene::add_rings(const Controls& controls, const std::array<float, 3>& offset, View& view) {
+  constexpr int kSteps = 72;
+  std::vector<LinePoint> lines;
+  const auto draw = [&](const Vec3& from, const Vec3& to, std::uint32_t colour) {
+    for (const Vec3& at : {from, to}) {
+      lines.push_back({static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2]), colour});
+    }
+  };
+  for (const TurnRing& ring : turn_rings(*this, controls)) {
+    const std::uint32_t colour = kAxisColours[ring.axis];
+    for (int k = 0; k < kSteps; ++k) {
+      const double from = -180.0 + 360.0 * k / kSteps, to = from + 360.0 / kSteps;
+      const bool is_free = ring.low <= from && to <= ring.high;
+      draw(ring.point(from), ring.point(to), is_free ? colour : (colour & 0x00ffffff) | 0x40000000);
+    }
+    draw(ring.centre, ring.point(ring.angle), colour);
+  }
+  const double size = 0.012 * lead().size();
+  for (const auto& [joint, at] : controls.settings.pose.pins) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {  // an octahedron, seen from wherever
+      Vec3 right{}, up{};
+      right[axis] = up[(axis + 1) % 3] = size;
+      const Vec3 corners[] = {at + right, at + up, at - right, at - up};
+      for (std::size_t k = 0; k < 4; ++k) draw(corners[k], corners[(k + 1) % 4], kSelected);
+    }
+  }
+  lines_.push_back(std::move(lines));
+  view.lines.push_back({lines_.back(), offset, 2, true});
 }
 
 void Scene::add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view) {

@@ -75,6 +75,7 @@ class Scene {
   void add_character(std::size_t index, const Controls& controls, std::vector<View>& views);
   void add_skeleton(const Actor& character, const Pose& pose, const std::array<float, 3>& offset,
                     const Controls& controls, View& view);
+  void add_rings(const Controls& controls, const std::array<float, 3>& offset, View& view);
   void add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view);
   void add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, const Controls& controls,
                 std::vector<View>& views);

@@ -46,6 +46,11 @@ class FieldReader {
     if (has(key)) value = object_.integer(key, low, high);
   }
 
+  // Not empty, where it is there.
+  void text(const char* key, std::string& value) {
+    if (has(key)) value = object_.name(key);
+  }
+
   void vector(const char* key, Vec3& value, double low, double high) {
     if (!has(key)) return;
     const Json& list = json_[key];
@@ -79,6 +84,18 @@ class FieldReader {
     FieldReader inner = object(key);
     fields(inner, value);
     inner.finish();
+  }
+
+  // A list of structures.
+  template <typename Structure, typename Fields>
+  void structures(const char* key, std::vector<Structure>& values, const Fields& fields) {
+    if (!has(key)) return;
+    if (!json_[key].is_array()) refuse(key, "a list");
+    for (const Json& item : json_[key]) {
+      FieldReader inner(item, path_, place_ + " '" + key + "[" + std::to_string(values.size()) + "]'");
+      fields(inner, values.emplace_back());
+      inner.finish();
+    }
   }
 
   // An object with any names; `field(list, name, value)` is called for each value.
@@ -146,6 +163,9 @@ class FieldWriter {
   void integer(const char* key, const std::optional<int>& value, double, double) {
     if (value) json_[key] = *value;
   }
+  void text(const char* key, const std::string& value) {
+    if (!value.empty()) json_[key] = value;
+  }
   void vector(const char* key, const Vec3& value, double, double) { json_[key] = value; }
 
   template <typename Choice, std::size_t N>
@@ -158,6 +178,16 @@ class FieldWriter {
     FieldWriter inner;
     fields(inner, value);
     json_[key] = inner.json();
+  }
+
+  template <typename Structure, typename Fields>
+  void structures(const char* key, const std::vector<Structure>& values, const Fields& fields) {
+    json_[key] = Json::array();
+    for (const Structure& value : values) {
+      FieldWriter inner;
+      fields(inner, value);
+      json_[key].push_back(inner.json());
+    }
   }
 
   template <typename Value, typename Field>

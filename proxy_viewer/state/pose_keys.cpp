@@ -36,7 +36,7 @@ ViewSettings::PoseKey between_keys(const std::map<int, ViewSettings::PoseKey>& k
   const double t = x * x * (3 - 2 * x);
   const ViewSettings::PoseKey &a = before->second, &b = after->second;
   return {blend_of(a.joints, b.joints, t, false), blend_of(a.axes, b.axes, t, false),
-          blend_of(a.controls, b.controls, t, true)};
+          blend_of(a.controls, b.controls, t, true), blend_of(a.pins, b.pins, t, true)};
 }
 
 ViewSettings::Posing keyed_posing(ViewSettings::Posing posing, int frame) {

@@ -15,11 +15,12 @@ struct Section {
   bool open;          // to begin with
 };
 
-constexpr std::array<Section, 11> kSections = {{{"look", "Look", true},
+constexpr std::array<Section, 12> kSections = {{{"look", "Look", true},
                                                 {"cameras", "Cameras", false},
                                                 {"compare", "Compare", true},
                                                 {"curate", "Curate", true},
                                                 {"pose", "Pose", true},
+                                                {"keys", "Keys", false},
                                                 {"modifiers", "Modifiers", false},
                                                 {"muscles", "Muscles", false},
                                                 {"jiggle", "Jiggle", false},

@@ -49,6 +49,7 @@ struct ViewSettings {
     std::map<std::string, Vec3> joints;  // Euler angles about x, y, z in degrees, by joint
     std::map<std::string, double> axes;  // degrees, by the name of a degree of freedom of limits.json
     std::map<std::string, double> controls;
+    std::map<std::string, Vec3> pins;  // where ends of limbs are held, metres, world, by joint
     bool operator==(const PoseKey&) const = default;
   };
 
@@ -101,6 +102,8 @@ struct ViewSettings {
 
 // What the file leaves out keeps its default. Throws Error(file).
 ViewSettings read_view_settings(const std::filesystem::path& path);
+// What no single field tells: names of sections, a range that ends before it begins. Throws Error(file).
+void require_good_settings(const ViewSettings& settings, const std::filesystem::path& path);
 void write_view_settings(const ViewSettings& settings, const std::filesystem::path& path);  // throws Error(file)
 
 }  // namespace bodyopt

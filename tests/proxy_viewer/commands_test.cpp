@@ -32,6 +32,7 @@ Controls controls_of_a_session() {
   controls.settings.cameras["close"] = {{1, 2, 3}, 0.5, 0.1, 0.2, true};
   controls.settings.pose.joints["Hips"] = {1, 2, 3};
   controls.settings.pose.joints["LeftArm"] = {4, 5, 6};
+  controls.settings.pose.pins["LeftArm"] = {1, 2, 3};
   controls.poses.note(controls.settings.pose);
   ViewSettings::Posing undone = controls.settings.pose;
   undone.joints["RightArm"] = {7, 8, 9};
@@ -207,6 +208,18 @@ const std::map<std::string, Case>& cases() {
       {"lead", {"2", [](C, C c) { return c.requests.lead == 2; }, {"", "hero", "1.5"}}},
       {"remove", {"3", [](C, C c) { return c.requests.remove == 3; }, {"", "hero", "1.5"}}},
       {"reload", {"", [](C, C c) { return c.requests.reload; }, {"1"}}},
+      {"pin",
+       {"LeftArm 1 2 -0.5",
+        [](C, C c) {
+          return c.requests.pin == PinRequest{"LeftArm", Vec3{1, 2, -0.5}};
+        },
+        {"", "nobody", "nobody 1 2 3", "LeftArm 1 2", "LeftArm 1 2 far"}}},
+      {"unpin", {"LeftArm", [](C b, C c) { return b.settings.pose.pins.size() == 1 && c.settings.pose.pins.empty(); }, {"nobody"}}},
+      {"move-key",
+       {"10 4",
+        [](C, C c) { return c.settings.pose.keys.contains(4) && !c.settings.pose.keys.contains(10); },
+        {"", "3", "1 2", "10 1e9", "10 41"}}},
+      {"save", {"s.json", [](C, C c) { return c.requests.save == "s.json"; }, {"", "s.txt"}}},
       {"save-state", {"s.json", [](C, C c) { return c.requests.save_state == "s.json"; }, {""}}},
       {"load-state", {"s.json", [](C, C c) { return c.requests.load_state == "s.json"; }, {""}}},
       {"panels", {"off", [](C, C c) { return !c.panels; }, {"no"}}},

@@ -39,6 +39,7 @@ class RandomSettings {
     for (std::uint32_t k = random_.below(4); k > 0; --k) {
       s.pose.joints[name()] = {number(-180, 180), number(-180, 180), number(-180, 180)};
       s.pose.controls[name()] = number(-2, 2);
+      s.pose.pins[name()] = {number(-2, 2), number(-2, 2), number(-2, 2)};
       s.pose.axes[name()] = number(-90, 90);
       s.pose.keys[integer(-1, 1)] = s.pose;
     }
@@ -108,7 +109,7 @@ void collect(const Json& json, const std::string& place, std::map<std::string, s
 TEST_F(ViewSettingsTest, AreReadAsWritten) {
   RandomSettings random(42);
   std::map<std::string, std::set<std::string>> values;
-  for (int k = 0; k < 120; ++k) {
+  for (int k = 0; k < 160; ++k) {
     const ViewSettings settings = random.make();
     write_view_settings(settings, path_);
     EXPECT_EQ(read_view_settings(path_), settings) << read_bytes(path_);

@@ -1,0 +1,109 @@
+#include "proxy_viewer/scene/pinned_joints.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "proxy_viewer/state/euler_angles.h"
+#include "runtime/host/rig.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kTiny = 1e-9;
+
+double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
+
+Vec3 any_across(const Vec3& along) {
+  const Vec3 other = std::abs(along[0]) < 0.5 * length(along) ? Vec3{1, 0, 0} : Vec3{0, 0, 1};
+  const Vec3 across = cross(along, other);
+  return 1 / std::max(kTiny, length(across)) * across;
+}
+
+Quat swing(const Vec3& from, const Vec3& to) {
+  const Vec3 across = cross(from, to);
+  const double size = length(across), angle = angle_between(from, to);
+  if (angle < kTiny) return {0, 0, 0, 1};
+  return axis_angle(size > kTiny * length(from) * length(to) ? 1 / size * across : any_across(from), angle);
+}
+
+Vec3 centre(const Affine& joint) { return {joint.m[0][3], joint.m[1][3], joint.m[2][3]}; }
+
+class Limb {
+ public:
+  Limb(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges, Pose& pose, std::size_t end)
+      : skeleton_(skeleton), ranges_(ranges), pose_(pose), end_(end), middle_(parent(end)), upper_(parent(middle_)) {}
+
+  void reach_for(const Vec3& target) {
+    const Quat held = rotations()[end_];
+    const std::vector<Affine> joints = posed_joints(skeleton_, pose_.joints);
+    const Vec3 a = centre(joints[upper_]), b = centre(joints[middle_]), c = centre(joints[end_]);
+    turn(middle_, reach(a, b, c, target, any_across(c - a)).lower);
+    // What the range has left of the bend is swung to the target.
+    const Vec3 bent = centre(posed_joints(skeleton_, pose_.joints)[end_]);
+    turn(upper_, swing(bent - a, target - a));
+    turn(end_, held * conjugate(rotations()[end_]));
+  }
+
+ private:
+  std::size_t parent(std::size_t joint) const { return static_cast<std::size_t>(skeleton_.joints[joint].parent); }
+  std::vector<Quat> rotations() const { return joint_rotations(skeleton_, pose_); }
+
+  // By a rotation of the world, as far as the joint's range lets it.
+  void turn(std::size_t joint, const Quat& by) {
+    const std::vector<Quat> world = rotations();
+    const int above = skeleton_.joints[joint].parent;
+    const Quat turned = by * world[joint];
+    Quat local = normalized(above < 0 ? turned : conjugate(world[static_cast<std::size_t>(above)]) * turned);
+    const Quat& bind = skeleton_.joints[joint].bind.rotation;
+    if (joint < ranges_.size() && ranges_[joint]) {
+      local = turned_within(*ranges_[joint], bind, bind, degrees_of(conjugate(bind) * local));
+    }
+    pose_.joints[joint].rotation = local;
+  }
+
+  const Skeleton& skeleton_;
+  const std::vector<std::optional<JointRange>>& ranges_;
+  Pose& pose_;
+  const std::size_t end_, middle_, upper_;
+};
+
+}  // namespace
+
+LimbTurns reach(const Vec3& upper, const Vec3& middle, const Vec3& end, const Vec3& target, const Vec3& hinge) {
+  const double above = length(middle - upper), below = length(end - middle);
+  const double away = std::clamp(length(target - upper), std::abs(above - below), above + below);
+  const double cosine = (above * above + below * below - away * away) / std::max(kTiny * kTiny, 2 * above * below);
+  const Vec3 plane = cross(middle - upper, end - middle);
+  const bool is_straight = length(plane) <= 1e-6 * above * below;
+  const double bend = angle_between(upper - middle, end - middle) - std::acos(std::clamp(cosine, -1.0, 1.0));
+  const Quat lower = axis_angle(is_straight ? hinge : 1 / length(plane) * plane, bend);
+  const Vec3 bent = middle + rotate(lower, end - middle);
+  return {lower, swing(bent - upper, target - upper)};
+}
+
+bool ends_a_limb(const Skeleton& skeleton, const std::string& joint) {
+  const int found = skeleton.find(joint);
+  const int above = found < 0 ? -1 : skeleton.joints[static_cast<std::size_t>(found)].parent;
+  return above >= 0 && skeleton.joints[static_cast<std::size_t>(above)].parent >= 0;
+}
+
+std::vector<Quat> joint_rotations(const Skeleton& skeleton, const Pose& pose) {
+  std::vector<Quat> rotations;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    const Quat& local = pose.joints[j].rotation;
+    rotations.push_back(normalized(parent < 0 ? local : rotations[static_cast<std::size_t>(parent)] * local));
+  }
+  return rotations;
+}
+
+Pose pinned(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges, Pose pose,
+            const std::map<std::string, Vec3>& pins) {
+  for (const auto& [joint, target] : pins) {
+    if (!ends_a_limb(skeleton, joint)) continue;
+    Limb(skeleton, ranges, pose, static_cast<std::size_t>(skeleton.find(joint))).reach_for(target);
+  }
+  return pose;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,81 @@
+#include "proxy_viewer/scene/posed_clip.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "proxy_viewer/scene/pinned_joints.h"
+#include "proxy_viewer/state/euler_angles.h"
+#include "proxy_viewer/state/pose_keys.h"
+#include "runtime/host/rig.h"
+
+namespace bodyopt {
+namespace {
+
+// Of a joint's local rotation, about an axis of rest space.
+Quat turn_about_rest_axis(const Skeleton& skeleton, const JointTurn& turn, double degrees) {
+  const int parent = skeleton.joints[turn.joint].parent;
+  Vec3 axis = turn.axis;
+  if (parent >= 0) axis = rotate(conjugate(bind_rotations(skeleton)[static_cast<std::size_t>(parent)]), axis);
+  return axis_angle(axis, turn.share * degrees * std::numbers::pi / 180);
+}
+
+}  // namespace
+
+Pose posed(const Skeleton& skeleton, const JointLimits& limits, const std::vector<std::optional<JointRange>>& ranges,
+           Pose pose, const ViewSettings::PoseKey& posing) {
+  for (const DegreeOfFreedom& dof : limits.dofs) {
+    const auto found = posing.axes.find(dof.name);
+    if (found == posing.axes.end()) continue;
+    for (const JointTurn& turn : dof.turns) {
+      Quat& rotation = pose.joints[turn.joint].rotation;
+      rotation = turn_about_rest_axis(skeleton, turn, found->second) * rotation;
+    }
+  }
+  for (const auto& [joint, degrees] : posing.joints) {
+    const int found = skeleton.find(joint);
+    if (found < 0) continue;
+    const auto index = static_cast<std::size_t>(found);
+    Quat& rotation = pose.joints[index].rotation;
+    const bool is_limited = index < ranges.size() && ranges[index];
+    rotation = is_limited ? turned_within(*ranges[index], skeleton.joints[index].bind.rotation, rotation, degrees)
+                          : normalized(rotation * turn_of(degrees));
+  }
+  return pinned(skeleton, ranges, std::move(pose), posing.pins);
+}
+
+std::vector<std::string> posed_controls(const Clip& clip, const ViewSettings::Posing& posing) {
+  std::vector<std::string> names = clip.controls;
+  const auto add = [&](const ViewSettings::PoseKey& key) {
+    for (const auto& [name, value] : key.controls) {
+      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    }
+  };
+  add(posing);
+  for (const auto& [frame, key] : posing.keys) add(key);
+  return names;
+}
+
+void set_posed_controls(const std::vector<std::string>& names, const ViewSettings::PoseKey& posing, Pose& pose) {
+  pose.controls.resize(names.size(), 0.0f);
+  for (const auto& [name, value] : posing.controls) {
+    const auto at = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+    if (at < names.size()) pose.controls[at] = static_cast<float>(value);
+  }
+}
+
+Clip posed_clip(Clip clip, const Skeleton& skeleton, const JointLimits& limits, const ViewSettings::Posing& posing) {
+  const std::vector<std::optional<JointRange>> ranges =
+      limits.dofs.empty() ? std::vector<std::optional<JointRange>>() : joint_ranges(limits, skeleton);
+  const std::vector<std::string> controls = posed_controls(clip, posing);
+  for (std::size_t k = 0; k < clip.poses.size(); ++k) {
+    const ViewSettings::Posing here = keyed_posing(posing, clip.first_frame + static_cast<int>(k));
+    clip.poses[k] = posed(skeleton, limits, ranges, std::move(clip.poses[k]), here);
+    set_posed_controls(controls, here, clip.poses[k]);
+  }
+  clip.controls = controls;
+  return clip;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,28 @@
+// What an animator set on top of a clip, as poses before modifiers.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "assets/clip.h"
+#include "proxy_viewer/state/joint_ranges.h"
+#include "proxy_viewer/state/view_settings.h"
+
+namespace bodyopt {
+
+// Joints of the pose turned about the axes of the limits, then by their own angles, as far as their ranges let them;
+// then limbs reach for where their ends are pinned. `ranges`: of every joint, or empty: as far as they are turned.
+Pose posed(const Skeleton& skeleton, const JointLimits& limits, const std::vector<std::optional<JointRange>>& ranges,
+           Pose pose, const ViewSettings::PoseKey& posing);
+
+// Names of the controls that the clip has, or the posing sets at any frame.
+std::vector<std::string> posed_controls(const Clip& clip, const ViewSettings::Posing& posing);
+
+// A value of the pose for each of the names: that of the posing, where it has one.
+void set_posed_controls(const std::vector<std::string>& names, const ViewSettings::PoseKey& posing, Pose& pose);
+
+// The whole clip so, frame by frame as its keys say. Its controls are posed_controls().
+Clip posed_clip(Clip clip, const Skeleton& skeleton, const JointLimits& limits, const ViewSettings::Posing& posing);
+
+}  // namespace bodyopt

@@ -1,0 +1,98 @@
+#include "proxy_viewer/scene/session_file.h"
+
+#include <utility>
+
+#include "proxy_viewer/state/json_fields.h"
+#include "proxy_viewer/state/setting_fields.h"
+#include "proxy_viewer/state/setting_limits.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSessionSchema = "bodyopt-session-1";
+constexpr double kHighestRate = 1000, kLargestUnit = 1e6;
+
+constexpr auto kFileFields = [](auto& list, auto& files) {
+  list.text("basis", files.basis);
+  list.text("clip", files.clip);
+  list.text("truth", files.truth);
+  list.text("proxy", files.proxy);
+  list.text("character", files.character);
+  list.text("limits", files.limits);
+  list.text("joint_map", files.joint_map);
+};
+
+constexpr auto kCharacterFields = [](auto& list, auto& character) {
+  kFileFields(list, character.files);
+  list.structure("pose", character.pose, kPosingFields);
+};
+
+constexpr auto kSessionFields = [](auto& list, auto& session) {
+  list.number("fps", session.clip.fps, 1e-3, kHighestRate);
+  list.number("unit", session.clip.unit, 0, kLargestUnit);
+  list.structures("characters", session.cast, kCharacterFields);
+  list.integer("frame", session.frame, -kLatestFrame, kLatestFrame);
+  list.text("joint", session.joint);
+  list.structure("view", session.view, kSettingsFields);
+};
+
+// What is done to each path of a character; those that are left out stay so.
+template <typename Change>
+void change_paths(SessionFile& session, const Change& change) {
+  for (SessionCharacter& character : session.cast) {
+    ActorFiles& f = character.files;
+    for (std::string* file : {&f.basis, &f.clip, &f.truth, &f.proxy, &f.character, &f.limits, &f.joint_map}) {
+      if (!file->empty()) *file = change(fs::path(*file)).string();
+    }
+  }
+}
+
+bool lies_within(const fs::path& relative) { return relative.is_relative() && *relative.begin() != ".."; }
+
+}  // namespace
+
+bool is_session(const std::string& file) {
+  try {
+    read_json(file, kSessionSchema);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+SessionFile read_session(const fs::path& path) {
+  Json json = read_json(path, kSessionSchema);
+  json.erase("schema");
+  SessionFile session;
+  FieldReader reader(json, path, "the file");
+  kSessionFields(reader, session);
+  reader.finish();
+  if (session.cast.empty()) {
+    throw Error(ErrorKind::file, path.string() + ": 'characters' is empty or missing, expected at least one");
+  }
+  require_good_settings(session.view, path);
+  session.cast.front().pose = session.view.pose;
+  const fs::path folder = path.parent_path();
+  change_paths(session, [&](const fs::path& file) { return (folder / file).lexically_normal(); });
+  return session;
+}
+
+void write_session(const SessionFile& session, const fs::path& path) {
+  SessionFile kept = session;
+  const fs::path folder = fs::absolute(path).parent_path();
+  change_paths(kept, [&](const fs::path& file) {
+    const fs::path relative = fs::absolute(file).lexically_normal().lexically_proximate(folder.lexically_normal());
+    return file.is_relative() || lies_within(relative) ? relative : file;
+  });
+  if (!kept.cast.empty()) kept.cast.front().pose = {};
+  FieldWriter writer;
+  kSessionFields(writer, kept);
+  Json json = {{"schema", kSessionSchema}};
+  json.update(writer.json());
+  write_json(json, path);
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,34 @@
+// Everything that is open in the viewport and set there, as a file (docs/formats.md, session.json).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "proxy_viewer/scene/actor.h"
+#include "proxy_viewer/state/view_settings.h"
+
+namespace bodyopt {
+
+struct SessionCharacter {
+  ActorFiles files;
+  ViewSettings::Posing pose;  // of the lead it is that of the view
+};
+
+struct SessionFile {
+  ClipOptions clip;                    // of it the fps and the unit
+  std::vector<SessionCharacter> cast;  // the first is the lead
+  int frame = 1;                       // shown
+  std::string joint;                   // selected; empty: none
+  ViewSettings view;
+};
+
+// Is it a session rather than a state? False where it cannot be read.
+bool is_session(const std::string& file);
+
+// Files within its folder, or named relative to where the program runs, are kept relative to the folder, so that they
+// can be moved together; paths that are read are those, from where the program runs. Throw Error(file).
+SessionFile read_session(const std::filesystem::path& path);
+void write_session(const SessionFile& session, const std::filesystem::path& path);
+
+}  // namespace bodyopt

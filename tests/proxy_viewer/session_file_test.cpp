@@ -1,0 +1,152 @@
+// The session as a file: what comes back, what eval makes of it, and what is refused.
+#include "proxy_viewer/scene/session_file.h"
+
+#include <gtest/gtest.h>
+
+#include "proxy_viewer/commands/commands.h"
+#include "proxy_viewer/scene/posed_clip.h"
+#include "runtime/core/error.h"
+#include "tests/proxy_viewer/played_viewport.h"
+#include "tests/support/error_kind.h"
+#include "tests/support/hostile_bytes.h"
+#include "tests/support/paths.h"
+#include "tests/support/run_program.h"
+
+namespace bodyopt::testing {
+namespace {
+
+class SessionFileTest : public PlayedTest {
+ protected:
+  static std::string write(const std::string& text) {
+    write_bytes("session.json", text);
+    return "session.json";
+  }
+  // Two characters, posed and keyed, away from everything that is usual.
+  std::string script() const {
+    return "open " + limb_.basis + "; open " + limb_.clip +
+           "; lead 2; turn joint1 0 0 15; lead 2; frame 3; turn upper 20 0 0; key; frame 9; turn upper 0 35 0; "
+           "control flex 0.5; key; style matcap; orbit 30 10; in 2; out 11; frame 6; select upper; panels off; save " +
+           (folder_ / "shot.json").string();
+  }
+
+  JigglingCharacter limb_{folder_};
+};
+
+TEST_F(SessionFileTest, BringsEverythingBackAlsoFromAnotherFolder) {
+  const std::string control = small_.made.residual.controls.front();
+  std::string commands = script();
+  commands.replace(commands.find("flex"), 4, control);
+  Image picture;
+  {
+    const auto viewport = open(small(), kBarePicture + "; " + commands);
+    ASSERT_TRUE(std::filesystem::exists("shot.json"));
+    picture = still(*viewport);
+  }
+  const std::string text = read_bytes("shot.json");
+  EXPECT_EQ(text.find(folder_.path().string()), std::string::npos) << text;
+  const TemporaryFolder other;
+  const std::filesystem::path moved = other / "moved";
+  std::filesystem::create_directory(moved);
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+    std::filesystem::rename(entry.path(), moved / entry.path().filename());
+  }
+  ViewerOptions options = small();
+  options.files = {(moved / "shot.json").string()};
+  const auto viewport = open(options, "hud off; panels off");
+  const Controls& controls = viewport->controls();
+  EXPECT_EQ(controls.joint, "upper");
+  EXPECT_EQ(controls.playback.frame(), 6);
+  EXPECT_EQ(controls.playback.in(), 2);
+  EXPECT_EQ(controls.playback.out(), 11);
+  ASSERT_EQ(controls.settings.pose.keys.size(), 2u);
+  EXPECT_EQ(controls.settings.pose.keys.at(9).controls.at(control), 0.5);
+  ASSERT_EQ(viewport->session().scene.cast().size(), 2u);
+  EXPECT_EQ(viewport->session().scene.cast()[1]->posing().joints.at("joint1"), (Vec3{0, 0, 15}));
+  EXPECT_TRUE(still(*viewport).rgba == picture.rgba);
+  // Saved again it is the same; and it is opened in place of others, too.
+  viewport->prompt("save " + (moved / "again.json").string());
+  EXPECT_EQ(read_bytes(moved / "again.json"), text);
+  ViewerOptions fresh = small();
+  fresh.files = {(moved / "small.safetensors").string()};
+  const auto later = open(fresh, kBarePicture + "; open " + (moved / "shot.json").string());
+  EXPECT_EQ(later->session().scene.cast().size(), 2u);
+  EXPECT_EQ(later->controls().playback.frame(), 6);
+  EXPECT_TRUE(still(*later).rgba == picture.rgba);
+}
+
+TEST_F(SessionFileTest, EvalMakesOfItWhatWasExported) {
+  const std::string commands =
+      "in 2; out 10; frame 3; turn upper 20 0 0; key; frame 9; turn upper 0 35 0; key; save shot.json; "
+      "export-skin seen.pc2";
+  { const auto viewport = open(small(), commands); }
+  const ProgramResult result = run_program("cd " + folder_.path().string() + " && " + kProgram +
+                                           " eval --session shot.json --device cpu --out evaluated.pc2");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const Pc2Reader seen("seen.pc2"), evaluated("evaluated.pc2");
+  ASSERT_EQ(seen.sample_count(), 9u);
+  ASSERT_EQ(evaluated.sample_count(), 9u);
+  float apart = 0, moved = 0;
+  for (std::size_t k = 0; k < 9; ++k) {
+    const std::vector<float> a = seen.sample(k), b = evaluated.sample(k), first = seen.sample(0);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      apart = std::max(apart, std::abs(a[i] - b[i]));
+      moved = std::max(moved, std::abs(a[i] - first[i]));
+    }
+  }
+  EXPECT_LT(apart, 2e-6f);
+  EXPECT_GT(moved, 0.05f);
+  write(R"({"schema": "bodyopt-session-1", "characters": [{"basis": "hero.glb", "clip": "bend.glb"}]})");
+  for (const char* arguments :
+       {"small.safetensors --session shot.json", "--session shot.json --clip bend.glb", "--session session.json", ""}) {
+    const ProgramResult refused =
+        run_program("cd " + folder_.path().string() + " && " + kProgram + " eval " + arguments + " --out no.pc2");
+    EXPECT_EQ(refused.exit_code, 64) << refused.output;
+  }
+}
+
+TEST_F(SessionFileTest, WhatIsDamagedIsRefusedAndLeavesWhatWasThere) {
+  const std::string good = R"({"schema": "bodyopt-session-1", "characters": [{"basis": "small.safetensors"}]})";
+  EXPECT_EQ(read_session(write(good)).cast.size(), 1u);
+  for (const auto& [text, said] :
+       {std::pair{R"({"schema": "bodyopt-session-1"})", "characters"},
+        {R"({"schema": "bodyopt-session-1", "characters": []})", "characters"},
+        {R"({"schema": "bodyopt-session-1", "characters": {}})", "a list"},
+        {R"({"schema": "bodyopt-session-1", "characters": [7]})", "characters[0]"},
+        {R"({"schema": "bodyopt-session-1", "characters": [{"basis": 3}]})", "basis"},
+        {R"({"schema": "bodyopt-session-1", "characters": [{"basis": ""}]})", "basis"},
+        {R"({"schema": "bodyopt-session-1", "characters": [{"clp": "a.glb"}]})", "clp"},
+        {R"({"schema": "bodyopt-session-1", "characters": [{}], "frame": 1.5})", "frame"},
+        {R"({"schema": "bodyopt-session-1", "characters": [{}], "fps": 0})", "fps"},
+        {R"({"schema": "bodyopt-session-1", "characters": [{}], "view": {"playback": {"in": 9, "out": 2}}})", "in"},
+        {R"({"schema": "bodyopt-session-1", "characters": [{"pose": {"joints": {"a": [1, 2]}}}]})", "three numbers"},
+        {R"({"schema": "bodyopt-session-2", "characters": [{}]})", "bodyopt-session-1"},
+        {R"({"schema": "bodyopt-session-1", "characters": [{}])", "JSON"}}) {
+    try {
+      read_session(write(text));
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::file);
+      EXPECT_NE(std::string(error.what()).find("session.json"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find(said), std::string::npos) << error.what();
+    }
+  }
+  // One of its files is not there: none of what was open goes.
+  write(
+      R"({"schema": "bodyopt-session-1", "characters": [{"basis": "small.safetensors"}, {"basis": "no.safetensors"}]})");
+  ::testing::internal::CaptureStderr();
+  const auto viewport = open(small({limb_.basis}), kBarePicture + "; frame 5; open session.json");
+  EXPECT_NE(::testing::internal::GetCapturedStderr().find("no.safetensors"), std::string::npos);
+  EXPECT_EQ(viewport->session().scene.cast().size(), 2u);
+  EXPECT_EQ(viewport->controls().playback.frame(), 5);
+  EXPECT_EQ(kind_of([&] {
+              ViewerOptions options = small();
+              options.files = {"session.json"};
+              options.limits = "limits.json";
+              open(options);
+            }),
+            ErrorKind::usage);
+  EXPECT_THROW(write_session({}, "/nowhere/session.json"), Error);
+}
+
+}  // namespace
+}  // namespace bodyopt::testing
