@@ -75,11 +75,7 @@ Level chosen_level(const EvalArguments& arguments) {
 
 // The lead of a session, its clip and the range that it plays take the place of the options.
 void take_session(EvalArguments& arguments) {
-  if (arguments.session.empty()) {
-    if (arguments.cache.basis.empty()) throw Error(ErrorKind::usage, "BASIS is required, or --session");
-    if (arguments.clip.source.empty()) throw Error(ErrorKind::usage, "--clip is required, or --session");
-    return;
-  }
+  if (arguments.session.empty()) return;
   if (!arguments.cache.basis.empty() || !arguments.clip.source.empty()) {
     throw Error(ErrorKind::usage, "--session names the basis and the clip itself: leave out BASIS and --clip");
   }
@@ -281,19 +277,24 @@ void run(EvalArguments arguments) {
 void add_eval(CLI::App& app) {
   auto arguments = std::make_shared<EvalArguments>();
   CLI::App& verb = *app.add_subcommand("eval", "Deform a character through a clip");
-  verb.add_option("basis", arguments->cache.basis, "Basis (.safetensors)")->type_name("BASIS");
-  verb.add_option(
-          "--session", arguments->session,
-          "A session of the viewport: its lead, in place of BASIS, with its clip as it was posed and keyed there")
-      ->type_name("FILE")
-      ->check(refuse_empty);
+  CLI::Option& basis =
+      *verb.add_option("basis", arguments->cache.basis, "Basis (.safetensors)")->required()->type_name("BASIS");
   verb.add_option("--level", arguments->cache.level, "Level of detail of a proxy: 0 is the finest")
       ->capture_default_str()
       ->type_name("N");
   verb.add_flag("--full-skin", arguments->cache.full_skin,
                 "Write the skin of the full character, carried by that of the proxy");
   arguments->clip.add(verb);
-  verb.get_option("--clip")->required(false);  // a session has one
+  CLI::Option& clip = *verb.get_option("--clip");
+  verb.add_option(
+          "--session", arguments->session,
+          "A session of the viewport: its lead, in place of BASIS, with its clip as it was posed and keyed there")
+      ->type_name("FILE")
+      ->check(refuse_empty)
+      ->each([&basis, &clip](const std::string&) {
+        basis.required(false);
+        clip.required(false);
+      });
   arguments->device.add(verb);
   verb.add_flag("--check", arguments->device.choice.check,
                 "Run every stage on the CPU, too, and stop at the first difference");
