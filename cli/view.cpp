@@ -20,7 +20,7 @@ struct ViewArguments {
 
 // Does the script leave a file?
 bool writes(const std::string& script) {
-  const std::set<std::string> writing = {"screenshot", "sequence",    "turntable",
+  const std::set<std::string> writing = {"screenshot", "sequence",    "turntable",  "save",
                                          "save-state", "export-clip", "export-skin"};
   for (const std::string& command : script_commands(script)) {
     std::string name;

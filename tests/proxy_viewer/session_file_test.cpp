@@ -104,6 +104,15 @@ TEST_F(SessionFileTest, EvalMakesOfItWhatWasExported) {
   }
 }
 
+// A script that saves a session leaves a file: it needs neither a window nor a picture.
+TEST_F(SessionFileTest, IsSavedWithoutAWindow) {
+  const ProgramResult saved =
+      run_program("cd " + folder_.path().string() + " && " + kProgram +
+                  " view small.safetensors bend.glb --headless --do 'frame 3; turn upper 20 0 0; key; save kept.json'");
+  ASSERT_EQ(saved.exit_code, 0) << saved.output;
+  EXPECT_EQ(read_session("kept.json").cast.size(), 1u);
+}
+
 TEST_F(SessionFileTest, WhatIsDamagedIsRefusedAndLeavesWhatWasThere) {
   const std::string good = R"({"schema": "bodyopt-session-1", "characters": [{"basis": "small.safetensors"}]})";
   EXPECT_EQ(read_session(write(good)).cast.size(), 1u);
