@@ -1,25 +1,14 @@
 // Files that are cut off, changed, taken away and brought back while they are played.
 #include <gtest/gtest.h>
 
-#include "runtime/basis/levels.h"
 #include "tests/proxy_viewer/played_viewport.h"
+#include "tests/proxy_viewer/twin_level.h"
 #include "tests/support/attached_limb.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
 namespace {
-
-// A level that is the character itself: each vertex is carried by one of its own triangles.
-Level twin(const Basis& basis) {
-  Level level{basis, {std::vector<CarriedPoint>(basis.mesh.output_count()), 1e-6f}};
-  const std::vector<std::uint32_t>& corners = basis.mesh.output_triangles;
-  for (std::uint32_t k = 0; k < corners.size(); ++k) {
-    const auto weight = [&](std::uint32_t corner) { return static_cast<std::uint8_t>(k % 3 == corner ? 255 : 0); };
-    level.carried.points[corners[k]] = {k / 3, weight(1), weight(2), 0, 0, 0};
-  }
-  return level;
-}
 
 // A limb with all the files that a character can have.
 class DamagedFilesTest : public PlayedTest {
