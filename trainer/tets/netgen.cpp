@@ -28,7 +28,6 @@ Netgen load() {
   if (library == nullptr) refuse_library();
   Netgen functions{};
   find(library, "_ZN5nglib7Ng_InitEv", functions.init);
-  find(library, "_ZN5nglib7Ng_ExitEv", functions.exit);
   find(library, "_ZN5nglib10Ng_NewMeshEv", functions.new_mesh);
   find(library, "_ZN5nglib13Ng_DeleteMeshEPPv", functions.delete_mesh);
   find(library, "_ZN5nglib11Ng_AddPointEPPvPd", functions.add_point);

@@ -13,7 +13,6 @@ namespace bodyopt {
 // What of nglib.h is used, without its prefix Ng_.
 struct Netgen {
   decltype(&nglib::Ng_Init) init;
-  decltype(&nglib::Ng_Exit) exit;
   decltype(&nglib::Ng_NewMesh) new_mesh;
   decltype(&nglib::Ng_DeleteMesh) delete_mesh;
   decltype(&nglib::Ng_AddPoint) add_point;

@@ -1,17 +1,14 @@
 #include "trainer/tets/tets.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
-#include <cstdio>
-#include <exception>
-#include <iostream>
+#include <cstdint>
+#include <cstring>
 #include <memory>
-#include <mutex>
+#include <string>
 
+#include "base/child_process.h"
 #include "geometry/closed_skin.h"
 #include "runtime/core/error.h"
 #include "trainer/tets/netgen.h"
@@ -26,38 +23,6 @@ constexpr double kMinQuality = 1e-3;
 // How fast elements may grow away from the skin. On the 13,380-vertex body 0.7 gives 54k tets of quality 0.05 at worst,
 // Netgen's own 0.3 gives 82k of 0.004.
 constexpr double kGrading = 0.7;
-
-// Netgen talks on standard output, where the program writes its results, and on standard error.
-class SilencedOutput {
- public:
-  SilencedOutput() {
-    flush();
-    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    for (int stream = 0; stream < 2; ++stream) {
-      saved_[stream] = dup(STDOUT_FILENO + stream);
-      if (nowhere >= 0) dup2(nowhere, STDOUT_FILENO + stream);
-    }
-    if (nowhere >= 0) close(nowhere);
-  }
-  ~SilencedOutput() {
-    flush();
-    for (int stream = 0; stream < 2; ++stream) {
-      if (saved_[stream] < 0) continue;
-      dup2(saved_[stream], STDOUT_FILENO + stream);
-      close(saved_[stream]);
-    }
-  }
-  SilencedOutput(const SilencedOutput&) = delete;
-  SilencedOutput& operator=(const SilencedOutput&) = delete;
-
- private:
-  static void flush() {
-    std::cout.flush();
-    std::cerr.flush();
-    std::fflush(nullptr);
-  }
-  int saved_[2];
-};
 
 struct MeshDeleter {
   void operator()(nglib::Ng_Mesh* mesh) const { netgen().delete_mesh(mesh); }
@@ -79,19 +44,60 @@ NetgenMesh surface_mesh(const Positions& vertices, const Triangles& triangles) {
   return mesh;
 }
 
-TetMesh read_volume(nglib::Ng_Mesh* mesh) {
-  TetMesh result;
-  result.nodes.resize(netgen().point_count(mesh), 3);
-  for (Eigen::Index n = 0; n < result.nodes.rows(); ++n) {
-    netgen().point(mesh, static_cast<int>(n) + 1, result.nodes.row(n).data());
+template <typename Matrix>
+void append(std::string& bytes, const Matrix& values) {
+  bytes.append(reinterpret_cast<const char*>(values.data()),
+               static_cast<std::size_t>(values.size()) * sizeof(typename Matrix::Scalar));
+}
+
+template <typename Matrix>
+const char* read(const char* bytes, Matrix& values) {
+  const std::size_t size = static_cast<std::size_t>(values.size()) * sizeof(typename Matrix::Scalar);
+  std::memcpy(values.data(), bytes, size);
+  return bytes + size;
+}
+
+// Counts, nodes, tets: as the child hands them over.
+using Counts = Eigen::Matrix<std::int64_t, 2, 1>;
+
+std::string volume_bytes(nglib::Ng_Mesh* mesh) {
+  TetMesh volume;
+  volume.nodes.resize(netgen().point_count(mesh), 3);
+  for (Eigen::Index n = 0; n < volume.nodes.rows(); ++n) {
+    netgen().point(mesh, static_cast<int>(n) + 1, volume.nodes.row(n).data());
   }
-  result.tets.resize(netgen().element_count(mesh), 4);
-  for (Eigen::Index t = 0; t < result.tets.rows(); ++t) {
+  volume.tets.resize(netgen().element_count(mesh), 4);
+  for (Eigen::Index t = 0; t < volume.tets.rows(); ++t) {
     int corner[NG_VOLUME_ELEMENT_MAXPOINTS];
     netgen().volume_element(mesh, static_cast<int>(t) + 1, corner);
-    for (int k = 0; k < 4; ++k) result.tets(t, k) = corner[k] - 1;
+    for (int k = 0; k < 4; ++k) volume.tets(t, k) = corner[k] - 1;
   }
-  return result;
+  std::string bytes;
+  append(bytes, Counts(volume.nodes.rows(), volume.tets.rows()));
+  append(bytes, volume.nodes);
+  append(bytes, volume.tets);
+  return bytes;
+}
+
+TetMesh read_volume(const std::string& bytes) {
+  Counts counts;
+  const char* next = read(bytes.data(), counts);
+  TetMesh volume;
+  volume.nodes.resize(counts[0], 3);
+  volume.tets.resize(counts[1], 4);
+  read(read(next, volume.nodes), volume.tets);
+  return volume;
+}
+
+// Empty: Netgen gave up.
+std::string fill(const Positions& vertices, const Triangles& triangles, double size) {
+  netgen().init();
+  const NetgenMesh mesh = surface_mesh(vertices, triangles);
+  NetgenParameters parameters;
+  parameters.values.maxh = size;
+  parameters.values.grading = kGrading;
+  const bool filled = netgen().generate_volume_mesh(mesh.get(), &parameters.values) == nglib::NG_OK;
+  return filled ? volume_bytes(mesh.get()) : "";
 }
 
 [[noreturn]] void refuse(const std::string& reason) {
@@ -108,32 +114,11 @@ TetMesh tetrahedralise(const Positions& vertices, const Triangles& triangles, do
     throw Error(ErrorKind::usage, "tetrahedra of " + std::to_string(size) +
                                       " m would be too many in a body of this volume: use larger ones (--tet-size)");
   }
-  static std::mutex mutex;  // Netgen's globals are not safe for two threads
-  const std::lock_guard<std::mutex> lock(mutex);
-  netgen();  // or it is refused in the clear
-  TetMesh result;
-  std::string failure;
-  {
-    const SilencedOutput silence;
-    netgen().init();
-    try {
-      const NetgenMesh mesh = surface_mesh(vertices, triangles);
-      NetgenParameters parameters;
-      parameters.values.maxh = size;
-      parameters.values.grading = kGrading;
-      if (netgen().generate_volume_mesh(mesh.get(), &parameters.values) != nglib::NG_OK) {
-        failure = "Netgen gave up";
-      } else {
-        result = read_volume(mesh.get());
-      }
-    } catch (const std::exception& error) {
-      failure = std::string("Netgen says '") + error.what() + "'";
-    } catch (...) {
-      failure = "Netgen failed";
-    }
-    netgen().exit();
-  }
-  if (!failure.empty()) refuse(failure);
+  netgen();  // or the child would load it each time, and refuse it in silence
+  const ChildResult filled = run_in_child([&] { return fill(vertices, triangles, size); });
+  if (!filled.crash.empty()) refuse("Netgen ended with '" + filled.crash + "'");
+  if (filled.bytes.empty()) refuse("Netgen gave up");
+  TetMesh result = read_volume(filled.bytes);
   if (result.tets.rows() == 0) refuse("Netgen made no tetrahedra");
   if (result.nodes.rows() < vertices.rows() || result.nodes.topRows(vertices.rows()) != vertices) {
     refuse("Netgen moved vertices of the skin");
