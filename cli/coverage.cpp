@@ -44,11 +44,11 @@ std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& pos
   return accumulator.finish().frame_rms;
 }
 
-HeatStrip strip(const std::vector<int>& frames, const std::vector<RegionCoverage>& regions,
+HeatStrip strip(const std::vector<int>& frames, const std::vector<std::string>& regions,
                 const std::vector<ExpectedError>& errors) {
   HeatStrip strip;
   strip.frames.frames = frames;
-  for (const RegionCoverage& region : regions) strip.regions.push_back(region.name);
+  strip.regions = regions;
   for (const ExpectedError& error : errors) {
     strip.whole_mm.push_back(error.rms_mm);
     strip.regions_mm.push_back(error.region_mm);
@@ -57,18 +57,29 @@ HeatStrip strip(const std::vector<int>& frames, const std::vector<RegionCoverage
 }
 
 // The region with the largest error; none where there are no regions.
-Json worst_region(const std::vector<RegionCoverage>& regions, const ExpectedError& error) {
+Json worst_region(const std::vector<std::string>& regions, const ExpectedError& error) {
   if (regions.empty()) return {{"region", ""}, {"region_expected_mm", 0}};
   const auto worst = std::max_element(error.region_mm.begin(), error.region_mm.end());
-  return {{"region", regions[static_cast<std::size_t>(worst - error.region_mm.begin())].name},
+  return {{"region", regions[static_cast<std::size_t>(worst - error.region_mm.begin())]},
           {"region_expected_mm", *worst}};
+}
+
+// That move the region's skin.
+std::vector<std::string> joint_names(const Basis& basis, std::size_t region) {
+  const CoverageTable& coverage = basis.coverage;
+  std::vector<std::string> names;
+  for (std::uint32_t k = coverage.joint_begin[region]; k < coverage.joint_begin[region + 1]; ++k) {
+    names.push_back(basis.skeleton.joints[coverage.joints[k]].name);
+  }
+  return names;
 }
 
 void run(const CoverageArguments& arguments) {
   arguments.json.require_writable();
   if (!arguments.picture.empty()) require_writable(arguments.picture);
   const Basis basis = load_basis(arguments.basis);
-  const std::vector<RegionCoverage> regions = read_coverage(basis);
+  ErrorExpectation{basis};  // refuses a basis without coverage before the clip is read
+  const std::vector<std::string>& regions = basis.coverage.names;
   std::vector<int> frames;
   const double unit = arguments.unit > 0 ? arguments.unit : kept_unit(basis);
   Clip clip = arguments.clip.read(basis.skeleton, unit, frames);
@@ -77,7 +88,7 @@ void run(const CoverageArguments& arguments) {
   }
   const std::vector<Pose> poses = poses_of(clip, frames);
 
-  const std::vector<ExpectedError> errors = expected_errors(basis, regions, poses);
+  const std::vector<ExpectedError> errors = expected_errors(basis, poses);
   std::vector<double> expected;
   for (const ExpectedError& error : errors) expected.push_back(error.rms_mm);
 
@@ -90,7 +101,7 @@ void run(const CoverageArguments& arguments) {
     std::vector<double> of_region;
     for (const ExpectedError& error : errors) of_region.push_back(error.region_mm[r]);
     per_region.push_back(
-        {{"region", regions[r].name}, {"joints", regions[r].joints}, {"expected_rms_mm", root_mean_square(of_region)}});
+        {{"region", regions[r]}, {"joints", joint_names(basis, r)}, {"expected_rms_mm", root_mean_square(of_region)}});
   }
   const auto worst = static_cast<std::size_t>(arguments.worst);
   std::vector<int> next;

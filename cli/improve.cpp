@@ -75,10 +75,9 @@ std::vector<Shot> read_shots(const ImproveArguments& arguments, const Dataset& d
 
 // Of all shots, one after the other, mm.
 std::vector<double> expected_of(const Basis& basis, const std::vector<Shot>& shots) {
-  const std::vector<RegionCoverage> regions = read_coverage(basis);
   std::vector<double> expected;
   for (const Shot& shot : shots) {
-    for (const ExpectedError& error : expected_errors(basis, regions, shot.poses)) expected.push_back(error.rms_mm);
+    for (const ExpectedError& error : expected_errors(basis, shot.poses)) expected.push_back(error.rms_mm);
   }
   return expected;
 }
@@ -166,7 +165,7 @@ SampleSet tested(SampleSet set, const std::vector<Shot>& shots) {
 // As the basis was trained, with what is new.
 TrainOptions options_of(const Basis& basis, const std::string& path) {
   const auto found = basis.metadata.find("provenance");
-  if (found == basis.metadata.end() || !has_coverage(basis)) {
+  if (found == basis.metadata.end() || basis.coverage.empty()) {
     throw Error(ErrorKind::mismatch, path + " was not trained on shapes: improve goes on from what train wrote");
   }
   const Json provenance = Json::parse(found->second);

@@ -103,7 +103,6 @@ Json basis_info(const std::string& path) {
   Metadata metadata = basis.metadata;
   metadata.erase("curve");
   metadata.erase("levels");
-  metadata.erase("coverage");  // numbers per kernel centre: for `coverage`, not for people
   Json result = {{"kind", "basis"},
                  {"vertices", basis.mesh.vertex_count()},
                  {"output_vertices", basis.mesh.output_count()},

@@ -103,6 +103,7 @@ bodyopt_floats floats_of(py::array_t<float>& array) {
 
 struct Skin {
   py::array_t<float> positions, normals, strains, outside, fades;
+  std::optional<py::array_t<float>> expected_errors;  // of a model that knows its error
 };
 
 // Other Python threads run meanwhile.
@@ -216,15 +217,19 @@ class Instance {
       }
       poses.frame_numbers = frame_numbers->data();
     }
-    Skin skin{output(positions, {count, vertices, 3}, "positions"), output(normals, {count, vertices, 3}, "normals"),
+    Skin skin{output(positions, {count, vertices, 3}, "positions"),
+              output(normals, {count, vertices, 3}, "normals"),
               py::array_t<float>(Shape{count, static_cast<py::ssize_t>(description_.strain_count)}),
-              py::array_t<float>(Shape{count}), py::array_t<float>(Shape{count})};
+              py::array_t<float>(Shape{count}),
+              py::array_t<float>(Shape{count}),
+              {}};
     auto wanted = api::make<bodyopt_skin>();
     wanted.positions = floats_of(skin.positions);
     wanted.normals = floats_of(skin.normals);
     wanted.strains = floats_of(skin.strains);
     wanted.outside = floats_of(skin.outside);
     wanted.fades = floats_of(skin.fades);
+    if (description_.knows_error != 0) wanted.expected_errors = floats_of(skin.expected_errors.emplace(Shape{count}));
     call([&] {
       return frame_numbers != nullptr ? bodyopt_jiggle(handle_.get(), &poses, &wanted)
                                       : bodyopt_evaluate(handle_.get(), &poses, &wanted);
@@ -291,7 +296,8 @@ PYBIND11_MODULE(_runtime, module) {
       .def_readonly("normals", &Skin::normals)
       .def_readonly("strains", &Skin::strains)
       .def_readonly("outside", &Skin::outside)
-      .def_readonly("fades", &Skin::fades);
+      .def_readonly("fades", &Skin::fades)
+      .def_readonly("expected_errors", &Skin::expected_errors);
   py::class_<State>(module, "State");
   py::class_<Device>(module, "Device").def_property_readonly("name", [](const Device& device) {
     return bodyopt_device_name(device.handle.get());
@@ -309,6 +315,7 @@ PYBIND11_MODULE(_runtime, module) {
       .def("load_state", &Instance::load_state, py::arg("path"));
   py::class_<Model>(module, "Model")
       .def_property_readonly("vertex_count", [](const Model& m) { return m.description.vertex_count; })
+      .def_property_readonly("knows_error", [](const Model& m) { return m.description.knows_error != 0; })
       .def_property_readonly("has_dynamics", [](const Model& m) { return m.description.has_dynamics != 0; })
       .def_property_readonly("frames_per_second", [](const Model& m) { return m.description.frames_per_second; })
       .def_property_readonly("joint_names",

@@ -94,9 +94,9 @@ void EvaluationLog::add_times(const Evaluation& part) {
 }
 
 void EvaluationLog::expect(const Basis& basis, const std::vector<Pose>& poses) {
-  if (!has_coverage(basis) || poses.empty()) return;
+  if (basis.coverage.empty() || poses.empty()) return;
   std::vector<double> errors;
-  for (const ExpectedError& error : expected_errors(basis, read_coverage(basis), poses)) {
+  for (const ExpectedError& error : expected_errors(basis, poses)) {
     per_frame_[errors.size()]["expected_rms_mm"] = error.rms_mm;
     errors.push_back(error.rms_mm);
   }

@@ -77,10 +77,9 @@ void describe_result(const TrainingResult& result, ReportData& report) {
 
 CoverageReport heldout_coverage(const SampleSet& set, const Training& training) {
   constexpr std::size_t kWorst = 20;
-  const std::vector<RegionCoverage>& regions = training.result.coverage;
   CoverageReport report;
-  for (const RegionCoverage& region : regions) report.regions.push_back(region.name);
-  for (const ExpectedError& error : expected_errors(training.result.basis, regions, heldout_poses(set))) {
+  report.regions = training.result.basis.coverage.names;
+  for (const ExpectedError& error : expected_errors(training.result.basis, heldout_poses(set))) {
     report.frame_mm.push_back(error.rms_mm);
     report.region_mm.push_back(error.region_mm);
   }

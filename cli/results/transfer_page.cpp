@@ -117,8 +117,8 @@ std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& c
     compared.target_volume = volume_of(pair.target.mesh, compared.target) / target_rest;
     poses.push_back(std::move(compared));
   }
-  if (has_coverage(carried)) {
-    const std::vector<ExpectedError> errors = expected_errors(carried, read_coverage(carried), moved);
+  if (!carried.coverage.empty()) {
+    const std::vector<ExpectedError> errors = expected_errors(carried, moved);
     for (std::size_t k = 0; k < poses.size(); ++k) poses[k].expected_rms_mm = errors[k].rms_mm;
   }
   return poses;

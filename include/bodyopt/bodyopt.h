@@ -79,6 +79,7 @@ typedef struct bodyopt_description {
   uint32_t joint_count, control_count, strain_count;
   uint32_t has_dynamics;   /* 1: instances can jiggle */
   float frames_per_second; /* at which they do; 0 without dynamics */
+  uint32_t knows_error;    /* 1: bodyopt_skin.expected_errors can be asked for */
 } bodyopt_description;
 
 BODYOPT_API bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description* description);
@@ -166,6 +167,9 @@ typedef struct bodyopt_skin {
   bodyopt_floats outside;   /* of each frame one number: how far the worst of what the learned part reads lies outside
                                its trained range, in standard deviations of training; 0: the pose is covered */
   bodyopt_floats fades;     /* of each frame one number: how much is left of what was learned, 0 to 1 */
+  bodyopt_floats expected_errors; /* of each frame one number: how far off the skin is expected to be, by what training
+                                     left and how far the pose is from what it saw; RMS over the skin, metres. Only of
+                                     a model that knows_error, BODYOPT_MISMATCH of others */
 } bodyopt_skin;
 
 /* The quasi-static skin. BODYOPT_MISMATCH where a pose does not fit the model or is not finite, BODYOPT_USAGE,

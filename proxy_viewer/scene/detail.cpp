@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "trainer/train/features/features.h"
+
 namespace bodyopt {
 namespace {
 
@@ -61,7 +63,7 @@ Detail::Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::o
   fibre_points_ = vulkan::upload(*device_, points_on_skin(basis().strain), "the fibre points");
   fibre_segment_count_ = static_cast<std::uint32_t>(segments.size());
   if (!knows_coverage()) return;
-  coverage_ = read_coverage(basis());
+  expectation_.emplace(basis());
   shares_ = RegionShares(basis());
 }
 
@@ -98,7 +100,7 @@ const Evaluation& Detail::evaluate(SkinMethod method, std::span<const Pose> pose
 
 const ExpectedSkin& Detail::expected_skin(const Pose& pose) {
   if (expected_ && same({&expected_->first, 1}, {&pose, 1})) return expected_->second;
-  const ExpectedError error = expected_error(basis(), coverage_, pose);
+  const ExpectedError error = expectation_->of(pose, measure_strains(basis(), pose));
   std::vector<float> vertices = shares_.carry(error.region_mm);
   ExpectedSkin skin{error.rms_mm, 0, 0, vulkan::upload(*device_, vertices, "expected errors")};
   if (!vertices.empty()) {

@@ -11,10 +11,11 @@
 
 #include "proxy_viewer/scene/cut_tets.h"
 #include "runtime/basis/levels.h"
+#include "runtime/coverage/expected_error.h"
+#include "runtime/coverage/region_shares.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/buffer.h"
-#include "trainer/train/coverage/vertex_coverage.h"
 
 namespace bodyopt {
 
@@ -55,7 +56,7 @@ class Detail {
   // level must have dynamics.
   const CutTets& cut_tets(const Pose& pose, std::optional<float> jiggle, const Vec3& towards, double share);
 
-  bool knows_coverage() const { return has_coverage(basis()); }
+  bool knows_coverage() const { return !basis().coverage.empty(); }
   // The level must know its coverage. The same pose as the last time is not looked at again.
   const ExpectedSkin& expected_skin(const Pose& pose);
 
@@ -92,11 +93,11 @@ class Detail {
   std::uint32_t fibre_segment_count_ = 0;
   std::map<std::pair<SkinMethod, Use>, std::unique_ptr<Deformer>> deformers_;  // of one model, made when first wanted
   std::map<SkinMethod, Evaluated> evaluated_;
-  std::uint64_t evaluations_ = 0;      // so far
-  std::unique_ptr<CutTets> cut_tets_;  // made when they are first wanted
-  std::vector<Pose> tet_poses_;        // of which the tets were measured last; none, or one
-  std::vector<RegionCoverage> coverage_;
-  RegionShares shares_;  // of the regions, where there is coverage
+  std::uint64_t evaluations_ = 0;                // so far
+  std::unique_ptr<CutTets> cut_tets_;            // made when they are first wanted
+  std::vector<Pose> tet_poses_;                  // of which the tets were measured last; none, or one
+  std::optional<ErrorExpectation> expectation_;  // where there is coverage
+  RegionShares shares_;                          // of the regions, where there is coverage
   std::optional<std::pair<Pose, ExpectedSkin>> expected_;
 };
 

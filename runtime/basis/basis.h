@@ -95,6 +95,24 @@ struct ResidualTable {
   std::uint32_t feature_count() const { return static_cast<std::uint32_t>(features.size()); }
 };
 
+// What the basis expects of its own error, by region of the residual: see runtime/coverage/expected_error.h. All empty:
+// it does not know, as Direct Delta Mush alone, which was trained without shapes.
+struct CoverageTable {
+  std::vector<std::string> names;          // of the regions
+  std::vector<std::uint32_t> joint_begin;  // regions + 1, into joints
+  std::vector<std::uint32_t> joints;       // that move the region's skin, most of all first; at least one
+  std::vector<float> sizes;                // per region: its vertices, by their weights, > 0
+  std::vector<float> growth;               // per region: of the squared error, summed over its vertices, with each unit
+                                           // of squared distance of coordinates, square metres
+  std::vector<float> usual;                // per region: squared distance from a held-out frame to the nearest centre
+  std::vector<float> local;                // per centre, or one number for a region without: what is left there, RMS
+                                           // over the region's vertices, metres
+  std::vector<float> motion;               // the same of Direct Delta Mush alone; empty in older files: not known
+  std::vector<float> metric;               // per coordinate, what its squared differences count; empty: 1
+
+  bool empty() const { return joint_begin.empty(); }
+};
+
 // Training writes strings here: schema, units, topology_hash, skeleton_hash, provenance, report (JSON text).
 using Metadata = std::map<std::string, std::string>;
 
@@ -102,8 +120,9 @@ struct Basis {
   Skeleton skeleton;
   MeshTable mesh;
   DdmTable ddm;
-  StrainTable strain;       // empty when trained without muscles
-  ResidualTable residual;   // empty (no regions, blend_begin of blocks + 1 zeros) for DDM only
+  StrainTable strain;      // empty when trained without muscles
+  ResidualTable residual;  // empty (no regions, blend_begin of blocks + 1 zeros) for DDM only
+  CoverageTable coverage;
   SkinModifiers modifiers;  // empty but where `bodyopt modifiers` gave it some
   Metadata metadata;
 };

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/basis/basis.h"
+#include "runtime/basis/earlier_coverage.h"
 #include "runtime/basis/earlier_residual.h"
 #include "runtime/basis/levels.h"
 #include "runtime/basis/table_file.h"
@@ -17,6 +18,8 @@ namespace {
 constexpr const char *kSchema = "bodyopt-basis-3", *kEarlierSchema = "bodyopt-basis-2";
 constexpr const char *kModifiers = "modifiers", *kModifierBegin = "modifiers.blend_begin",
                      *kModifierBlend = "modifiers.blend";
+constexpr const char *kCoverageNames = "coverage_names", *kEarlierCoverage = "coverage",
+                     *kCoverageBegin = "coverage.joint_begin";
 constexpr const char *kCarried = "carried.points", *kCarriedStep = "carried.step";
 constexpr std::size_t kJointNumbers = 10 + 10 + 12;  // bind, default local, inverse bind
 
@@ -64,6 +67,19 @@ void for_each_array(BasisType& basis, Visit visit) {
   visit("residual.fade.region_begin", fade.region_begin, 1);
   visit("residual.fade.region_joints", fade.region_joints, 1);
   visit("residual.fade.region_weights", fade.region_weights, 1);
+}
+
+// To those of a basis that knows its error.
+template <typename Table, typename Visit>
+void for_each_coverage_array(Table& coverage, Visit visit) {
+  visit(kCoverageBegin, coverage.joint_begin);
+  visit("coverage.joints", coverage.joints);
+  visit("coverage.sizes", coverage.sizes);
+  visit("coverage.growth", coverage.growth);
+  visit("coverage.usual", coverage.usual);
+  visit("coverage.local", coverage.local);
+  visit("coverage.motion", coverage.motion);
+  visit("coverage.metric", coverage.metric);
 }
 
 void append_transform(std::vector<double>& values, const JointTransform& t) {
@@ -176,6 +192,27 @@ SkinModifiers read_modifiers(TableReader& reader, const std::string& prefix, con
   return modifiers;
 }
 
+void add_coverage(Safetensors& file, const CoverageTable& coverage, const std::string& prefix,
+                  const std::filesystem::path& path) {
+  if (coverage.empty()) return;
+  file.metadata[prefix + kCoverageNames] = list_text(coverage.names, path);
+  for_each_coverage_array(
+      coverage, [&](const char* name, const auto& values) { file.tensors[prefix + name] = tensor_from(values, 1); });
+}
+
+CoverageTable read_coverage(const Safetensors& file, TableReader& reader, const std::string& prefix,
+                            const std::filesystem::path& path, const Basis& basis) {
+  CoverageTable coverage;
+  if (file.tensors.contains(prefix + kCoverageBegin)) {
+    coverage.names = strings(reader, prefix + kCoverageNames, path);
+    for_each_coverage_array(coverage, [&](const char* name, auto& values) { reader.read(prefix + name, values, 1); });
+  } else if (file.metadata.contains(prefix + kEarlierCoverage)) {
+    coverage = earlier_coverage(reader.metadata(prefix + kEarlierCoverage), basis,
+                                path.string() + ", metadata '" + kEarlierCoverage + "'");
+  }
+  return coverage;
+}
+
 // All but the skeleton, which levels share.
 void add_tables(Safetensors& file, const Basis& basis, const std::string& prefix, const std::filesystem::path& path) {
   for (const auto& [key, text] : basis.metadata) file.metadata[prefix + key] = text;
@@ -184,6 +221,7 @@ void add_tables(Safetensors& file, const Basis& basis, const std::string& prefix
   });
   file.metadata[prefix + "fibre_names"] = list_text(basis.strain.names, path);
   file.metadata[prefix + "controls"] = list_text(basis.residual.controls, path);
+  add_coverage(file, basis.coverage, prefix, path);
   add_modifiers(file, basis.modifiers, prefix, path);
 }
 
@@ -230,7 +268,8 @@ Metadata metadata_of(const Safetensors& file, std::size_t level, std::size_t cou
     for (std::size_t k = 1; k < count; ++k) owner = key.starts_with(prefix_of(k)) ? k : owner;
     if (owner == level) metadata[key.substr(prefix_of(level).size())] = text;
   }
-  for (const char* own : {"schema", "joint_names", "fibre_names", "controls", kModifiers, "checksum"})
+  for (const char* own :
+       {"schema", "joint_names", "fibre_names", "controls", kCoverageNames, kEarlierCoverage, kModifiers, "checksum"})
     metadata.erase(own);
   return metadata;
 }
@@ -272,6 +311,7 @@ std::vector<Level> load_levels(const std::filesystem::path& path) {
     read_tables(reader, prefix, earlier, basis);
     basis.strain.names = strings(reader, prefix + "fibre_names", path);
     basis.residual.controls = strings(reader, prefix + "controls", path);
+    basis.coverage = read_coverage(file, reader, prefix, path, basis);
     if (file.metadata.contains(prefix + kModifiers)) basis.modifiers = read_modifiers(reader, prefix, path);
     basis.metadata = metadata_of(file, k, levels.size());
     if (file.tensors.contains(prefix + kCarried) || file.tensors.contains(prefix + kCarriedStep)) {

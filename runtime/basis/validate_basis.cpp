@@ -28,6 +28,7 @@ class Validator : TableChecks {
     check_regions();
     check_blend();
     check_fade();
+    check_coverage();
     check_modifiers();
   }
 
@@ -358,6 +359,45 @@ class Validator : TableChecks {
     expect_below("residual.fade.region_joints", fade.region_joints, joints);
     expect_size("residual.fade.region_weights", fade.region_weights.size(), fade.region_joints.size());
     expect_not_below_zero("residual.fade.region_weights", fade.region_weights);
+  }
+
+  void check_coverage() const {
+    const CoverageTable& coverage = basis_.coverage;
+    if (coverage.empty()) {
+      const std::size_t others = coverage.names.size() + coverage.joints.size() + coverage.sizes.size() +
+                                 coverage.growth.size() + coverage.usual.size() + coverage.local.size() +
+                                 coverage.motion.size() + coverage.metric.size();
+      if (others > 0) refuse("coverage.joint_begin has 0 entries, though other arrays of the coverage have some");
+      return;
+    }
+    const std::size_t regions = basis_.residual.regions.size();
+    expect_size("coverage_names", coverage.names.size(), regions);
+    expect_offsets("coverage.joint_begin", coverage.joint_begin, regions, coverage.joints.size());
+    expect_below("coverage.joints", coverage.joints, basis_.skeleton.size());
+    std::size_t centres = 0;
+    for (std::size_t r = 0; r < regions; ++r) {
+      if (coverage.joint_begin[r] == coverage.joint_begin[r + 1]) {
+        refuse("coverage, region " + std::to_string(r) + ": no joint moves it, expected at least one");
+      }
+      centres += std::max(1u, basis_.residual.regions[r].centre_count);
+    }
+    expect_size("coverage.sizes", coverage.sizes.size(), regions);
+    expect_size("coverage.growth", coverage.growth.size(), regions);
+    expect_size("coverage.usual", coverage.usual.size(), regions);
+    expect_size("coverage.local", coverage.local.size(), centres);
+    if (!coverage.motion.empty()) expect_size("coverage.motion", coverage.motion.size(), centres);
+    if (!coverage.metric.empty()) {
+      expect_size("coverage.metric", coverage.metric.size(), basis_.residual.coordinate_count());
+    }
+    expect_not_below_zero("coverage.sizes", coverage.sizes);
+    for (std::size_t r = 0; r < regions; ++r) {
+      if (!(coverage.sizes[r] > 0)) refuse(element("coverage.sizes", r) + " is 0, expected more");
+    }
+    expect_not_below_zero("coverage.growth", coverage.growth);
+    expect_numbers("coverage.usual", coverage.usual);
+    expect_not_below_zero("coverage.local", coverage.local);
+    expect_not_below_zero("coverage.motion", coverage.motion);
+    expect_not_below_zero("coverage.metric", coverage.metric);
   }
 
   void expect_not_below_zero(const char* name, const std::vector<float>& values) const {

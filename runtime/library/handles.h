@@ -3,9 +3,11 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "include/bodyopt/bodyopt.h"
+#include "runtime/coverage/expected_error.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/character_model.h"
 #include "runtime/host/jiggle.h"
@@ -26,6 +28,7 @@ struct bodyopt_model {
 
 struct bodyopt_instance {
   std::unique_ptr<bodyopt::Deformer> deformer;
+  std::optional<bodyopt::ErrorExpectation> expectation;  // made when it is first asked for
 };
 
 struct bodyopt_state {

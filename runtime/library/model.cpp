@@ -1,5 +1,6 @@
 // bodyopt.h: a character.
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include "runtime/basis/levels.h"
@@ -75,7 +76,7 @@ bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description*
   return guarded([&] {
     const CharacterModel& character = *required(model, "model").model;
     const Basis& basis = character.basis;
-    bodyopt_description all = read_struct(description, sizeof(bodyopt_description), "description");
+    bodyopt_description all = read_struct(description, offsetof(bodyopt_description, knows_error), "description");
     all.vertex_count = basis.mesh.output_count();
     all.triangle_count = static_cast<std::uint32_t>(basis.mesh.output_triangles.size() / 3);
     all.joint_count = static_cast<std::uint32_t>(basis.skeleton.size());
@@ -83,6 +84,7 @@ bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description*
     all.strain_count = basis.strain.fibre_count();
     all.has_dynamics = character.dynamics ? 1 : 0;
     all.frames_per_second = character.dynamics ? character.dynamics->jiggle.step.frames_per_second : 0;
+    all.knows_error = basis.coverage.empty() ? 0 : 1;
     std::memcpy(description, &all, all.struct_size);
   });
 }

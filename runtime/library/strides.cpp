@@ -1,6 +1,7 @@
 #include "runtime/library/strides.h"
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -130,7 +131,7 @@ std::span<const int> GivenPoses::frame_numbers() const {
 }
 
 WantedSkin::WantedSkin(const bodyopt_skin* skin, const Basis& basis, std::size_t frames)
-    : skin_(read_struct(skin, sizeof(bodyopt_skin), "skin")),
+    : skin_(read_struct(skin, offsetof(bodyopt_skin, expected_errors), "skin")),
       vertices_(basis.mesh.output_count()),
       strains_(basis.strain.fibre_count()) {
   check_output(skin_.positions, frames, vertices_, 3, "skin.positions");
@@ -138,6 +139,7 @@ WantedSkin::WantedSkin(const bodyopt_skin* skin, const Basis& basis, std::size_t
   check_output(skin_.strains, frames, strains_, 1, "skin.strains");
   check_output(skin_.outside, frames, 1, 1, "skin.outside");
   check_output(skin_.fades, frames, 1, 1, "skin.fades");
+  check_output(skin_.expected_errors, frames, 1, 1, "skin.expected_errors");
 }
 
 SkinPlace WantedSkin::place(std::size_t begin) const {
@@ -147,6 +149,10 @@ SkinPlace WantedSkin::place(std::size_t begin) const {
                           output.element_stride, output.frame_stride};
   };
   return {of(skin_.positions), of(skin_.normals)};
+}
+
+void WantedSkin::write_expected_errors(const std::vector<float>& metres, std::size_t begin) const {
+  scatter(metres, skin_.expected_errors, begin, 1);
 }
 
 void WantedSkin::write(const Evaluation& evaluation, std::size_t begin) const {

@@ -35,6 +35,9 @@ class WantedSkin {
 
   // Of frames `begin` and after.
   SkinPlace place(std::size_t begin) const;
+  bool wants_expected_errors() const { return skin_.expected_errors.data != nullptr; }
+  // `metres`: of each frame from `begin` on.
+  void write_expected_errors(const std::vector<float>& metres, std::size_t begin) const;
   // What is not placed, of frames `begin` and after, as many as were evaluated.
   void write(const Evaluation& evaluation, std::size_t begin) const;
 

@@ -7,6 +7,7 @@
 #include "runtime/basis/basis.h"
 #include "runtime/basis/safetensors.h"
 #include "runtime/deformer/deformer.h"
+#include "tests/support/error_kind.h"
 #include "tests/support/forged_word.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/paths.h"
@@ -77,7 +78,7 @@ TEST(SmallBasis, IsValidAndRestsAtRest) {
 
 TEST(BasisFile, RoundTripIsBitExact) {
   const TemporaryFolder folder;
-  for (const Basis& basis : {small_basis(), ddm_only(), one_triangle()}) {
+  for (const Basis& basis : {small_basis(), knowing_basis(), ddm_only(), one_triangle()}) {
     save_basis(basis, folder / "a.safetensors");
     const Basis loaded = load_basis(folder / "a.safetensors");
     EXPECT_EQ(difference(basis, loaded), "");
@@ -110,6 +111,47 @@ TEST(BasisFile, TheEarlierSchemaGivesTheSame) {
   save_basis(basis, folder / "a.safetensors");  // in the schema of today
   EXPECT_EQ(read_safetensors(folder / "a.safetensors").metadata.at("schema"), "bodyopt-basis-3");
   EXPECT_EQ(difference(basis, load_basis(folder / "a.safetensors")), "");
+}
+
+// Coverage as earlier files have it, among the metadata, in millimetres.
+TEST(BasisFile, EarlierCoverageIsRead) {
+  const TemporaryFolder folder;
+  const Basis expected = knowing_basis();
+  const auto millimetres = [](const std::vector<float>& metres, std::size_t begin, std::size_t end) {
+    Json list = Json::array();
+    for (std::size_t k = begin; k < end; ++k) list.push_back(1e3 * double{metres[k]});
+    return list;
+  };
+  const CoverageTable& coverage = expected.coverage;
+  Json list = Json::array();
+  for (std::size_t r = 0; r < 2; ++r) {
+    const std::size_t begin = r, end = r == 0 ? 1 : coverage.local.size();
+    list.push_back({{"name", coverage.names[r]},
+                    {"joints", r == 0 ? Json({"lower", "upper"}) : Json({"upper"})},
+                    {"size", coverage.sizes[r]},
+                    {"distance_m2", coverage.growth[r]},
+                    {"usual", coverage.usual[r]},
+                    {"local_mm", millimetres(coverage.local, begin, end)},
+                    {"motion_mm", millimetres(coverage.motion, begin, end)}});
+  }
+  const auto load = [&](const Json& told) {
+    Basis basis = small_basis();
+    basis.metadata["coverage"] = told.is_string() ? told.get<std::string>() : told.dump();
+    save_basis(basis, folder / "a.safetensors");
+    return load_basis(folder / "a.safetensors");
+  };
+  EXPECT_EQ(difference(load(list), expected), "");
+  Json nameless = list;
+  for (Json& region : nameless) region.erase("name");
+  EXPECT_EQ(load(nameless).coverage.names, (std::vector<std::string>{"lower", "upper"}));
+  Json unknown = list, short_of = list, none = list;
+  unknown[1]["joints"] = Json({"knee"});
+  short_of[1]["local_mm"].erase(0);
+  none[0]["joints"] = Json::array();
+  for (const Json& damaged : {Json(""), Json("[]"), Json("{}"), Json("[1]"), Json(R"([{"joints": 3, "size": 1}])"),
+                              unknown, short_of, none}) {
+    EXPECT_EQ(kind_of([&] { load(damaged); }), ErrorKind::file) << damaged;
+  }
 }
 
 // The format read by its public description alone: another program finds every tensor where the header says.

@@ -20,9 +20,9 @@ struct Case {
   std::function<void(Basis&)> change;
 };
 
-void expect_refused(const std::vector<Case>& cases) {
+void expect_refused(const std::vector<Case>& cases, const Basis& sound = small_basis()) {
   for (const Case& c : cases) {
-    Basis basis = small_basis();
+    Basis basis = sound;
     c.change(basis);
     try {
       validate(basis, "here.safetensors");
@@ -197,6 +197,34 @@ TEST(ValidateBasis, Fade) {
   Basis without = small_basis();
   without.residual.fade = {};
   EXPECT_NO_THROW(validate(without, "basis"));
+}
+
+TEST(ValidateBasis, Coverage) {
+  const Basis sound = testing::knowing_basis();
+  EXPECT_NO_THROW(validate(sound, "basis"));
+  expect_refused(
+      {
+          {"coverage.joint_begin has 0 entries", [](Basis& b) { b.coverage.joint_begin.clear(); }},
+          {"coverage.joint_begin has 4", [](Basis& b) { b.coverage.joint_begin.push_back(3); }},
+          {"region 1: no joint moves it", [](Basis& b) { b.coverage.joint_begin[1] = 3; }},
+          {"coverage.joints[2] is 2", [](Basis& b) { b.coverage.joints[2] = 2; }},
+          {"coverage_names has 1", [](Basis& b) { b.coverage.names.pop_back(); }},
+          {"coverage.sizes has 1", [](Basis& b) { b.coverage.sizes.pop_back(); }},
+          {"coverage.sizes[1] is 0", [](Basis& b) { b.coverage.sizes[1] = 0; }},
+          {"coverage.growth has 3", [](Basis& b) { b.coverage.growth.push_back(0); }},
+          {"coverage.growth[0] is -1", [](Basis& b) { b.coverage.growth[0] = -1; }},
+          {"coverage.usual[1] is inf", [](Basis& b) { b.coverage.usual[1] = kInfinity; }},
+          {"coverage.local has", [](Basis& b) { b.coverage.local.pop_back(); }},
+          {"coverage.local[0] is nan", [](Basis& b) { b.coverage.local[0] = kNan; }},
+          {"coverage.motion has", [](Basis& b) { b.coverage.motion.push_back(0); }},
+          {"coverage.metric has 1", [](Basis& b) { b.coverage.metric = {1}; }},
+          {"coverage.metric[2] is -2",
+           [](Basis& b) {
+             b.coverage.metric.assign(b.residual.coordinate_count(), 1);
+             b.coverage.metric[2] = -2;
+           }},
+      },
+      sound);
 }
 
 // 65,536 coefficients fill the 16-bit index; one more is one too many.

@@ -11,6 +11,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "assets/pc2.h"
@@ -66,6 +67,16 @@ TEST_F(OldFiles, DynamicsGoOnFromAStateToTheSame) {
   run("eval hero.safetensors --clip bend.glb --frames 5-8 --device cpu --jiggle --state-in hero.state --out now.pc2");
   expect_close("now.pc2", "jiggling.pc2");
   expect_close("now.prop0.pc2", "jiggling.prop0.pc2");
+}
+
+// As the program said that wrote the basis, with coverage among the metadata.
+TEST_F(OldFiles, ABasisExpectsTheSameError) {
+  run("coverage hero.safetensors --clip bend.glb --frames 1-4 --json now.json");
+  std::ifstream stream(folder_ / "now.json");
+  const auto frames = nlohmann::json::parse(stream).at("per_frame");
+  const double then[] = {0.06611640876956965, 0.09364107652589872, 0.1566561812578565, 0.09364107652588065};
+  ASSERT_EQ(frames.size(), std::size(then));
+  for (std::size_t k = 0; k < frames.size(); ++k) EXPECT_NEAR(frames[k].at("expected_rms_mm"), then[k], 1e-6) << k;
 }
 
 TEST_F(OldFiles, ADraftsNodesGiveTheSameBits) {

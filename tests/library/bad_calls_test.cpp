@@ -166,6 +166,8 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
   EXPECT_EQ(offsetof(bodyopt_instance_options, gravity_change), 40u);
   EXPECT_EQ(offsetof(bodyopt_poses, frame_numbers), 64u);
   EXPECT_EQ(offsetof(bodyopt_skin, fades), 136u);
+  EXPECT_EQ(offsetof(bodyopt_skin, expected_errors), 168u);
+  EXPECT_EQ(offsetof(bodyopt_description, knows_error), 36u);
   EXPECT_EQ(BODYOPT_MISMATCH, 3);
   EXPECT_EQ(BODYOPT_USAGE, 64);
 }

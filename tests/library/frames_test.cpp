@@ -1,8 +1,11 @@
 // Frames by bodyopt.h are those of the runtime, bit for bit, wherever they are written and whoever lends the threads.
+#include <cstddef>
 #include <thread>
 
+#include "runtime/coverage/expected_error.h"
 #include "tests/library/c_api.h"
 #include "tests/support/gpu_fixture.h"
+#include "tests/support/small_basis.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt::testing {
@@ -46,6 +49,48 @@ void expect_same(const Arrays& found, const Evaluation& expected) {
   for (std::size_t f = 0; f < found.fades.size(); ++f) {
     EXPECT_EQ(found.fades[f], static_cast<float>(mean_fade(expected, f)));
   }
+}
+
+TEST(LibraryFrames, ExpectTheirError) {
+  const TemporaryFolder folder;
+  const Basis basis = knowing_basis();
+  save_basis(basis, folder / "knowing.safetensors");
+  const api::Model model = api::load_model((folder / "knowing.safetensors").string());
+  EXPECT_EQ(api::describe(model).knows_error, 1u);
+  const std::vector<Pose> poses = turning_poses(basis, kFrames);
+  const PoseArrays given(poses);
+  Arrays found(basis, kFrames);
+  std::vector<float> errors(kFrames, -1);
+  found.all.expected_errors = floats_in(errors);
+  api::check(bodyopt_evaluate(make_instance(model).get(), &given.all, &found.all));
+  Deformer deformer(basis, {.name = "cpu"});
+  const ErrorExpectation expectation(basis);
+  for (std::size_t f = 0; f < kFrames; ++f) {
+    const std::vector<float> strains = deformer.evaluate({&poses[f], 1}).strains;
+    EXPECT_EQ(errors[f], static_cast<float>(1e-3 * expectation.of(poses[f], strains).rms_mm));
+    EXPECT_GT(errors[f], 0.0004f);
+  }
+  // A program of the first version does not know of them.
+  found.all.struct_size = offsetof(bodyopt_skin, expected_errors);
+  std::fill(errors.begin(), errors.end(), -1.0f);
+  api::check(bodyopt_evaluate(make_instance(model).get(), &given.all, &found.all));
+  EXPECT_EQ(errors, std::vector<float>(kFrames, -1));
+}
+
+TEST(LibraryFrames, OfAModelThatDoesNotKnowItsErrorAreRefusedBeforeTheyAreWritten) {
+  const TemporaryFolder folder;
+  const Basis basis = small_basis();
+  save_basis(basis, folder / "small.safetensors");
+  const api::Model model = api::load_model((folder / "small.safetensors").string());
+  EXPECT_EQ(api::describe(model).knows_error, 0u);
+  const std::vector<Pose> poses = turning_poses(basis, kFrames);
+  const PoseArrays given(poses);
+  Arrays found(basis, kFrames);
+  std::vector<float> errors(kFrames);
+  found.all.expected_errors = floats_in(errors);
+  EXPECT_EQ(bodyopt_evaluate(make_instance(model).get(), &given.all, &found.all), BODYOPT_MISMATCH);
+  EXPECT_NE(std::string(bodyopt_last_error()).find("trained without shapes"), std::string::npos);
+  EXPECT_EQ(found.positions, std::vector<float>(found.positions.size()));
 }
 
 TEST(LibraryFrames, AreThoseOfTheDeformer) {

@@ -26,6 +26,9 @@ class Frames(unittest.TestCase):
         np.testing.assert_allclose(np.linalg.norm(skin.normals, axis=2), 1, atol=1e-5)
         self.assertEqual(skin.strains.shape, (len(JOINTS), len(MODEL.strain_names)))
         self.assertEqual(skin.outside.shape, (len(JOINTS),))
+        self.assertTrue(MODEL.knows_error)
+        self.assertEqual(skin.expected_errors.shape, (len(JOINTS),))
+        self.assertTrue((skin.expected_errors > 0).all())
         self.assertTrue(((0 <= skin.fades) & (skin.fades <= 1)).all())
 
     def test_are_read_and_written_where_they_are(self):

@@ -61,6 +61,12 @@ inline std::string difference(const Basis& a, const Basis& b) {
       !same_bits(f.region_joints, g.region_joints) || !same_bits(f.region_weights, g.region_weights)) {
     return "fade";
   }
+  const CoverageTable &k = a.coverage, &l = b.coverage;
+  if (k.names != l.names || !same_bits(k.joint_begin, l.joint_begin) || !same_bits(k.joints, l.joints) ||
+      !same_bits(k.sizes, l.sizes) || !same_bits(k.growth, l.growth) || !same_bits(k.usual, l.usual) ||
+      !same_bits(k.local, l.local) || !same_bits(k.motion, l.motion) || !same_bits(k.metric, l.metric)) {
+    return "coverage";
+  }
   if (!same_bits(a.modifiers.blend_begin, b.modifiers.blend_begin) ||
       !same_bits(a.modifiers.blend, b.modifiers.blend) ||
       text_of_stack(a.modifiers.stack, "a") != text_of_stack(b.modifiers.stack, "b")) {

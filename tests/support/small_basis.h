@@ -262,4 +262,23 @@ class SmallBasisBuilder {
 
 inline Basis small_basis() { return SmallBasisBuilder().build(); }
 
+// The small basis, its first region without kernel centres, the second with three or so, as one that knows its error.
+inline Basis knowing_basis() {
+  Basis basis = small_basis();
+  CoverageTable& coverage = basis.coverage;
+  coverage = {.names = {"stem", "tip"},
+              .joint_begin = {0, 2, 3},
+              .joints = {0, 1, 1},
+              .sizes = {120, 82},
+              .growth = {1e-5f, 4e-5f},
+              .usual = {0.5f, 0.25f}};
+  coverage.local = {0.0004f};
+  coverage.motion = {0.003f};
+  for (std::uint32_t k = 0; k < basis.residual.regions[1].centre_count; ++k) {
+    coverage.local.push_back(0.0005f + 0.0001f * static_cast<float>(k));
+    coverage.motion.push_back(0.004f);
+  }
+  return basis;
+}
+
 }  // namespace bodyopt::testing

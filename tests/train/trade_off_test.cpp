@@ -90,9 +90,12 @@ TEST(TradeOff, TheBasisTellsWhatTheTrainingFound) {
   const std::vector<TradeOffPoint> curve = read_curve(found.basis);
   ASSERT_EQ(curve.size(), found.curve.size());
   for (std::size_t k = 0; k < curve.size(); ++k) EXPECT_EQ(curve[k].expected_mm, found.curve[k].expected_mm);
-  const std::vector<RegionCoverage> coverage = read_coverage(found.basis);
-  ASSERT_EQ(coverage.size(), found.coverage.size());
-  for (std::size_t r = 0; r < coverage.size(); ++r) EXPECT_EQ(coverage[r].joints, found.coverage[r].joints);
+  for (std::size_t r = 0; r < found.basis.coverage.names.size(); ++r) {
+    const auto fit = std::ranges::find(found.fits, found.basis.coverage.names[r], &RegionFit::name);
+    ASSERT_NE(fit, found.fits.end());
+    const std::uint32_t most = found.basis.coverage.joints[found.basis.coverage.joint_begin[r]];
+    EXPECT_EQ(found.basis.skeleton.joints[most].name, fit->joint);
+  }
 }
 
 TEST(TradeOff, ABudgetIsKeptAndUsed) {

@@ -3,7 +3,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "trainer/train/coverage/coverage.h"
 #include "trainer/train/features/features.h"
 #include "trainer/transfer/table_rows.h"
 #include "trainer/transfer/transfer_columns.h"
@@ -84,24 +83,25 @@ std::vector<float> strains_at_target_rest(const TransferPair& pair) {
 }
 
 // With the target's joints and number of vertices; the errors are those of the source.
-std::string carried_coverage(const TransferPair& pair) {
-  std::vector<RegionCoverage> regions = read_coverage(pair.source);
-  const double share = static_cast<double>(pair.target.mesh.vertex_count()) / pair.source.mesh.vertex_count();
-  for (RegionCoverage& region : regions) {
-    region.size *= share;
-    std::vector<std::string> joints;
-    for (const std::string& name : region.joints) {
-      const int joint = pair.source.skeleton.find(name);
-      const int other = joint < 0 ? -1 : pair.match.target_joint[static_cast<std::size_t>(joint)];
-      if (other >= 0) joints.push_back(pair.target.skeleton.joints[static_cast<std::size_t>(other)].name);
+CoverageTable carried_coverage(const TransferPair& pair) {
+  const CoverageTable& source = pair.source.coverage;
+  CoverageTable carried = source;
+  if (source.empty()) return carried;
+  const float share =
+      static_cast<float>(pair.target.mesh.vertex_count()) / static_cast<float>(pair.source.mesh.vertex_count());
+  for (float& size : carried.sizes) size *= share;
+  for (float& growth : carried.growth) growth *= share;
+  carried.joint_begin = {0};
+  carried.joints.clear();
+  for (std::size_t r = 0; r < source.sizes.size(); ++r) {
+    for (std::uint32_t k = source.joint_begin[r]; k < source.joint_begin[r + 1]; ++k) {
+      const int joint = pair.match.target_joint[source.joints[k]];
+      if (joint >= 0) carried.joints.push_back(static_cast<std::uint32_t>(joint));
     }
-    if (joints.empty()) joints.push_back(pair.target.skeleton.joints.front().name);
-    region.joints = joints;
-    for (double& error : region.expected.local) error *= share;
-    for (double& error : region.expected.motion) error *= share;
-    region.expected.distance *= share;
+    if (carried.joints.size() == carried.joint_begin.back()) carried.joints.push_back(0);  // the root moves all
+    carried.joint_begin.push_back(static_cast<std::uint32_t>(carried.joints.size()));
   }
-  return coverage_text(regions);
+  return carried;
 }
 
 void carry_metadata(const TransferPair& pair, Basis& basis) {
@@ -113,7 +113,7 @@ void carry_metadata(const TransferPair& pair, Basis& basis) {
   const nlohmann::json source = parse(pair.source.metadata, "provenance");
   if (!source.is_discarded()) provenance["transferred_from"] = source;
   basis.metadata["provenance"] = provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  if (has_coverage(pair.source)) basis.metadata["coverage"] = carried_coverage(pair);
+  basis.coverage = carried_coverage(pair);
   const auto report = pair.source.metadata.find("report");
   if (report != pair.source.metadata.end()) basis.metadata["report"] = report->second;
 }

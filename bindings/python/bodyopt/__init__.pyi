@@ -15,6 +15,8 @@ class Skin:
 
     outside: how far the worst feature lies outside its trained range, in standard deviations; 0: the pose is covered.
     fades: how much is left of what was learned, 0 to 1.
+    expected_errors: how far off the skin is expected to be, F, RMS over the skin, metres; None where the model was
+    trained without shapes and does not know.
     """
 
     @property
@@ -27,6 +29,8 @@ class Skin:
     def outside(self) -> NDArray[np.float32]: ...
     @property
     def fades(self) -> NDArray[np.float32]: ...
+    @property
+    def expected_errors(self) -> Optional[NDArray[np.float32]]: ...
 
 class State:
     """The jiggle of an instance at one moment."""
@@ -71,6 +75,9 @@ class Model:
     def vertex_count(self) -> int: ...
     @property
     def has_dynamics(self) -> bool: ...
+    @property
+    def knows_error(self) -> bool:
+        """Whether skins have expected_errors."""
     @property
     def frames_per_second(self) -> float:
         """At which instances jiggle; 0 without dynamics."""

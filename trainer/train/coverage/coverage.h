@@ -1,31 +1,22 @@
-// How far a pose is from what training saw, and the error to expect of it.
-//   e_r^2 = fade x (local error + distance x (what the nearest kernel centre is further away than usual, squared))
-//           + (1 - fade) x motion
-// per region, in square metres over its vertices. The local error is what cross-validation left at the training frames
-// around each centre, blended between centres by inverse distance (Shepard 1968); the second term is what that error
-// grew by with the distance from what was learned. Motion is what Direct Delta Mush alone was off by around there:
-// neither is more than that, and where the correction fades it is what is left. Distances are those of the region's
-// coordinates; how far features lie outside the trained range, those of the region and those of all joints that move
-// its skin, is added to them, squares to squares.
+// What training knows of its own error: how the expectations of runtime/coverage are calibrated, and what is made of
+// them.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
 #include "runtime/basis/basis.h"
-#include "trainer/train/regression/components.h"
+#include "runtime/coverage/expected_error.h"
 #include "trainer/train/regression/regress.h"
 
 namespace bodyopt {
 
+// Of a region, see CoverageTable.
 struct ErrorModel {
   std::vector<double> local;   // per centre, square metres
-  std::vector<double> motion;  // per centre, square metres; none in files of older versions: not known
-  double distance = 0;         // square metres per squared unit of a coordinate, above zero where there is any error
+  std::vector<double> motion;  // per centre, square metres
+  double growth = 0;           // square metres per squared unit of a coordinate, above zero where there is any error
   double usual = 0;            // mean square distance from a held-out frame to the nearest centre
-  std::vector<double>
-      metric;  // per coordinate, what its squared differences count; none: all 1 (older versions differ)
 };
 
 // From the held-out frames of cross-validation, each with the centres of other folds only. Of every frame, in square
@@ -33,30 +24,13 @@ struct ErrorModel {
 ErrorModel calibrate(const RegressionData& data, const Regression& regression, const std::vector<double>& left,
                      const std::vector<double>& motions);
 
-// A region as a basis' metadata "coverage" tells it.
-struct RegionCoverage {
-  std::string name;
-  std::vector<std::string> joints;  // that move its skin, most of all first
-  double size = 0;                  // vertices, by their weights
-  ErrorModel expected;
-};
+// Adds a region to a table that knows of those before, joint_begin {0} of none. `joints` of the skeleton move its skin,
+// most of all first; `size`: its vertices, by their weights.
+void append_region(const std::string& name, const std::vector<std::uint32_t>& joints, double size,
+                   const ErrorModel& model, CoverageTable& coverage);
 
-// False for Direct Delta Mush alone, which was trained without shapes.
-bool has_coverage(const Basis& basis);
-std::string coverage_text(const std::vector<RegionCoverage>& regions);
-// Regions without a name, as older versions wrote them, get that of their first joint. Throws Error(mismatch) where
-// the basis has none, Error(file) where it is damaged.
-std::vector<RegionCoverage> read_coverage(const Basis& basis);
-
-struct ExpectedError {
-  double rms_mm = 0;              // over the skin
-  std::vector<double> region_mm;  // per region, RMS over its vertices
-};
-
-ExpectedError expected_error(const Basis& basis, const std::vector<RegionCoverage>& regions, const Pose& pose);
-// Of every pose.
-std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector<RegionCoverage>& regions,
-                                           const std::vector<Pose>& poses);
+// Of every pose, with the strains that the basis measures there. Throws as ErrorExpectation.
+std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector<Pose>& poses);
 
 double root_mean_square(const std::vector<double>& values);  // 0 of none
 

@@ -28,19 +28,24 @@ namespace bodyopt {
 namespace {
 
 // What coverage needs to know of the regions that are kept. `packed`: those of the model.
-std::vector<RegionCoverage> region_coverage(const Character& character, const ResidualModel& model,
-                                            const std::vector<std::size_t>& packed, const FeatureSamples& features,
-                                            const Selection& selection) {
-  std::vector<RegionCoverage> regions;
+CoverageTable region_coverage(const Character& character, const ResidualModel& model,
+                              const std::vector<std::size_t>& packed, const FeatureSamples& features,
+                              const Selection& selection) {
+  CoverageTable coverage{.joint_begin = {0}};
   for (const std::size_t r : packed) {
     const RegionModel& region = model.regions[r];
     const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
-    regions.push_back({region.region.name, joints_of(character, region.region), size,
-                       calibrate(regression_data(features, region, model.folds), region.fits[selection[r].fit],
-                                 frame_energies(region, selection[r]),
-                                 {region.components.energy.begin(), region.components.energy.end()})});
+    std::vector<std::uint32_t> joints;
+    for (const std::string& name : joints_of(character, region.region)) {
+      joints.push_back(static_cast<std::uint32_t>(character.skeleton.find(name)));
+    }
+    append_region(region.region.name, joints, size,
+                  calibrate(regression_data(features, region, model.folds), region.fits[selection[r].fit],
+                            frame_energies(region, selection[r]),
+                            {region.components.energy.begin(), region.components.energy.end()}),
+                  coverage);
   }
-  return regions;
+  return coverage;
 }
 
 // How much each region moves and what cross-validation left of it.
@@ -140,9 +145,7 @@ TrainingResult packed_result(const SampleSet& set, const TrainOptions& options, 
   result.muscles = muscle_shares(bare.strain, set.muscles, model, joint_feature_count(bare.skeleton));
   result.expected_mm = 1e3 * expected_error(model, selection);
   result.warnings = warnings_of(set, ground, model);
-  result.basis.metadata["coverage"] =
-      coverage_text(region_coverage(ground.ordered, model, packed.regions, ground.features, selection));
-  result.coverage = read_coverage(result.basis);  // as rounded as the file has it: all who tell of it say the same
+  result.basis.coverage = region_coverage(ground.ordered, model, packed.regions, ground.features, selection);
   result.basis.metadata["curve"] = curve_text(result.curve);
   result.basis.metadata["report"] = report_of(result, set).dump();
   return result;

@@ -6,7 +6,6 @@
 
 #include "geometry/region_weights.h"
 #include "runtime/basis/basis.h"
-#include "trainer/train/coverage/coverage.h"
 #include "trainer/train/data/samples.h"
 #include "trainer/train/options.h"
 #include "trainer/train/pack/trade_off.h"
@@ -33,13 +32,12 @@ struct MuscleShare {
 
 // What a training found.
 struct TrainingResult {
-  Basis basis;                           // its metadata tell most of the rest, for who reads the file
-  std::vector<RegionWeights> regions;    // as training_regions()
-  std::vector<TradeOffPoint> curve;      // the bases of other sizes that there could be
-  std::vector<RegionCoverage> coverage;  // of the regions that the basis keeps
-  std::vector<RegionFit> fits;           // of all regions, in the order of `regions`
-  std::vector<MuscleShare> muscles;      // by name
-  double expected_mm = 0;                // see expected_error
+  Basis basis;                         // its metadata tell most of the rest, for who reads the file
+  std::vector<RegionWeights> regions;  // as training_regions()
+  std::vector<TradeOffPoint> curve;    // the bases of other sizes that there could be
+  std::vector<RegionFit> fits;         // of all regions, in the order of `regions`
+  std::vector<MuscleShare> muscles;    // by name
+  double expected_mm = 0;              // see expected_error
   // For the user, one sentence each. Of the data: shapes that contradict each other, stray vertices, controls that
   // never change, too few frames.
   std::vector<std::string> warnings;

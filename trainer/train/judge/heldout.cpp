@@ -95,6 +95,7 @@ Basis without_residual(const Basis& basis) {
   Basis bare = basis;
   bare.strain = {};
   bare.residual = {};
+  bare.coverage = {};
   bare.residual.blend_begin.assign(basis.mesh.block_count() + 1, 0);
   bare.strain.fibre_begin = {0};
   return bare;

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/progress.h"
 #include "geometry/laplacian.h"
+#include "runtime/coverage/expected_error.h"
+#include "runtime/coverage/region_shares.h"
 #include "runtime/deformer/deformer.h"
-#include "trainer/train/coverage/coverage.h"
-#include "trainer/train/coverage/vertex_coverage.h"
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/skinning/mesh_table.h"
 #include "trainer/train/skinning/same_character.h"
@@ -43,8 +44,8 @@ class Tester {
  public:
   Tester(const Basis& basis, const SampleSet& set)
       : character_(set.character), full_(basis, {.name = "cpu"}), ddm_(without_residual(basis), {.name = "cpu"}) {
-    if (!has_coverage(basis)) return;
-    coverage_ = read_coverage(basis);
+    if (basis.coverage.empty()) return;
+    expectation_.emplace(full_.basis());
     shares_ = RegionShares(basis);
   }
 
@@ -58,7 +59,7 @@ class Tester {
     squares.col(0) = squared_mm(ddm_.evaluate({&pose, 1}).positions, truth);
     squares.col(1) = squared_mm(full.positions, truth);
     pose.controls = sample.pose.controls;
-    squares.col(2) = expected_squares(sample.pose);
+    squares.col(2) = expected_squares(sample.pose, full.strains);
     frame.fade = mean_fade(full, 0);
     if (full.fading_joint[0] >= 0) {
       frame.fading_joint = full_.basis().skeleton.joints[static_cast<std::size_t>(full.fading_joint[0])].name;
@@ -71,11 +72,11 @@ class Tester {
     return 1e6 * (welded_from_output(character_, positions.data()) - truth).rowwise().squaredNorm();
   }
 
-  Eigen::VectorXd expected_squares(const Pose& pose) const {
+  Eigen::VectorXd expected_squares(const Pose& pose, const std::vector<float>& strains) const {
     Eigen::VectorXd squares = Eigen::VectorXd::Zero(character_.vertices.rows());
-    if (coverage_.empty()) return squares;
+    if (!expectation_) return squares;
     const Basis& basis = full_.basis();
-    const std::vector<float> metres = shares_.carry(expected_error(basis, coverage_, pose).region_mm);
+    const std::vector<float> metres = shares_.carry(expectation_->of(pose, strains).region_mm);
     for (std::size_t o = 0; o < character_.output_vertex.size(); ++o) {
       squares[character_.output_vertex[o]] = 1e6 * std::pow(double{metres[basis.mesh.output_vertex[o]]}, 2);
     }
@@ -84,7 +85,7 @@ class Tester {
 
   const Character& character_;
   Deformer full_, ddm_;
-  std::vector<RegionCoverage> coverage_;
+  std::optional<ErrorExpectation> expectation_;
   RegionShares shares_;
 };
 

@@ -1,4 +1,4 @@
-#include "trainer/train/coverage/vertex_coverage.h"
+#include "runtime/coverage/region_shares.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "runtime/basis/basis.h"
-#include "trainer/train/coverage/coverage.h"
 
 namespace bodyopt {
 

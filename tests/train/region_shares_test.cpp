@@ -1,4 +1,4 @@
-#include "trainer/train/coverage/vertex_coverage.h"
+#include "runtime/coverage/region_shares.h"
 
 #include <gtest/gtest.h>
 
@@ -18,12 +18,12 @@ class RegionSharesTest : public ::testing::Test {
   static void SetUpTestSuite() { basis_ = trained_basis(limb_samples(160, 0), {.centres = 60}); }
 
   static inline Basis basis_;
-  const std::vector<RegionCoverage> regions_ = read_coverage(basis_);
+  const std::size_t regions_ = basis_.coverage.sizes.size();
   const RegionShares shares_{basis_};
 };
 
 TEST_F(RegionSharesTest, WhatAllRegionsShareIsThatOfEveryVertexThatLearnedSomething) {
-  const std::vector<float> metres = shares_.carry(std::vector<double>(regions_.size(), 2));
+  const std::vector<float> metres = shares_.carry(std::vector<double>(regions_, 2));
   ASSERT_EQ(metres.size(), basis_.mesh.vertex_count());
   std::vector<float> coefficients(basis_.residual.coefficient_count()), displacements(3 * metres.size());
   for (std::size_t k = 0; k < coefficients.size(); ++k) coefficients[k] = 1 + std::sin(static_cast<float>(k));
@@ -39,13 +39,14 @@ TEST_F(RegionSharesTest, WhatAllRegionsShareIsThatOfEveryVertexThatLearnedSometh
 
 // The weights that training gave a region are not kept; the number of vertices that they come to is.
 TEST_F(RegionSharesTest, AreAboutTheWeightsOfTraining) {
-  ASSERT_GT(regions_.size(), 2u);
-  for (std::size_t r = 0; r < regions_.size(); ++r) {
-    std::vector<double> one(regions_.size());
+  ASSERT_GT(regions_, 2u);
+  for (std::size_t r = 0; r < regions_; ++r) {
+    std::vector<double> one(regions_);
     one[r] = 1e3;
     double vertices = 0;
     for (const float x : shares_.carry(one)) vertices += static_cast<double>(x) * static_cast<double>(x);
-    EXPECT_NEAR(vertices, regions_[r].size, 0.4 * regions_[r].size) << regions_[r].name;
+    const double size{basis_.coverage.sizes[r]};
+    EXPECT_NEAR(vertices, size, 0.4 * size) << basis_.coverage.names[r];
   }
 }
 

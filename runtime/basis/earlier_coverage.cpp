@@ -1,0 +1,53 @@
+#include "runtime/basis/earlier_coverage.h"
+
+#include <nlohmann/json.hpp>
+
+#include "runtime/core/error.h"
+#include "runtime/core/strict_json.h"
+
+namespace bodyopt {
+namespace {
+
+using Names = std::vector<std::string>;
+using Numbers = std::vector<double>;
+
+void append_scaled(const Numbers& values, double scale, std::vector<float>& to) {
+  for (const double value : values) to.push_back(static_cast<float>(scale * value));
+}
+
+std::uint32_t joint_of(const std::string& name, const Skeleton& skeleton, const std::string& origin) {
+  const int joint = skeleton.find(name);
+  if (joint >= 0) return static_cast<std::uint32_t>(joint);
+  throw Error(ErrorKind::file, origin + ": '" + name + "' is no joint of the skeleton");
+}
+
+void append_region(const nlohmann::json& entry, const Skeleton& skeleton, const std::string& origin,
+                   CoverageTable& table) {
+  constexpr double kMetres = 1e-3;
+  const Names joints = entry.at("joints").get<Names>();
+  for (const std::string& name : joints) table.joints.push_back(joint_of(name, skeleton, origin));
+  table.joint_begin.push_back(static_cast<std::uint32_t>(table.joints.size()));
+  table.names.push_back(entry.value("name", joints.empty() ? "" : joints.front()));
+  table.sizes.push_back(entry.at("size").get<float>());
+  table.growth.push_back(entry.at("distance_m2").get<float>());
+  table.usual.push_back(entry.at("usual").get<float>());
+  append_scaled(entry.at("local_mm").get<Numbers>(), kMetres, table.local);
+  append_scaled(entry.value("motion_mm", Numbers()), kMetres, table.motion);
+  append_scaled(entry.value("metric", Numbers()), 1, table.metric);
+}
+
+}  // namespace
+
+CoverageTable earlier_coverage(const std::string& text, const Basis& basis, const std::string& origin) {
+  CoverageTable table;
+  table.joint_begin = {0};
+  const auto list = parse_strict_json<nlohmann::json>(text, origin);
+  try {
+    for (const nlohmann::json& entry : list) append_region(entry, basis.skeleton, origin, table);
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(ErrorKind::file, origin + " is damaged: " + error.what());
+  }
+  return table;
+}
+
+}  // namespace bodyopt

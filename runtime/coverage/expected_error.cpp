@@ -1,0 +1,122 @@
+#include "runtime/coverage/expected_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "runtime/core/error.h"
+#include "runtime/core/half.h"
+#include "runtime/cpu/kernels.h"
+#include "runtime/host/fade.h"
+#include "runtime/host/rig.h"
+
+namespace bodyopt {
+namespace {
+
+// Blended between centres by the inverse of the squared distance, squared: each centre's own value at the centre.
+class Blend {
+ public:
+  void add(double squared_distance, double value) {
+    const double weight = 1 / (squared_distance * squared_distance + 1e-12);
+    sum_ += weight * value;
+    weight_ += weight;
+  }
+  double value() const { return weight_ > 0 ? sum_ / weight_ : 0; }
+
+ private:
+  double sum_ = 0, weight_ = 0;
+};
+
+// Features that a region listens to, and those of the joints that move its skin: some never moved in training, and so
+// are none that it could listen to.
+std::vector<std::uint32_t> watched_features(const Basis& basis, std::size_t r) {
+  const Region& region = basis.residual.regions[r];
+  const auto first = basis.residual.region_features.begin() + region.feature_begin;
+  std::set<std::uint32_t> watched(first, first + region.feature_count);
+  const auto begin = basis.coverage.joints.begin() + basis.coverage.joint_begin[r],
+             end = basis.coverage.joints.begin() + basis.coverage.joint_begin[r + 1];
+  const std::vector<std::uint32_t> joints = feature_joints(basis.skeleton);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (std::find(begin, end, joints[j]) == end) continue;
+    for (std::uint32_t k = 0; k < 9; ++k) watched.insert(9 * static_cast<std::uint32_t>(j) + k);
+  }
+  return {watched.begin(), watched.end()};
+}
+
+// Of the coordinates from centre `m` of the region.
+double squared_distance(const Basis& basis, const Region& region, std::uint32_t m, std::span<const float> coordinates) {
+  const std::vector<float>& metric = basis.coverage.metric;
+  const std::uint32_t* centre =
+      basis.residual.centres.data() + region.centre_values + m * ((region.coordinate_count + 1) / 2);
+  double sum = 0;
+  for (std::uint32_t k = 0; k < region.coordinate_count; ++k) {
+    const std::size_t at = region.coordinate_begin + k;
+    const double difference = double{coordinates[at]} - double{half_low(centre[k / 2] >> 16 * (k % 2))};
+    sum += (metric.empty() ? 1 : double{metric[at]}) * difference * difference;
+  }
+  return sum;
+}
+
+}  // namespace
+
+ErrorExpectation::ErrorExpectation(const Basis& basis) : basis_(basis) {
+  if (basis.coverage.empty()) {
+    throw Error(ErrorKind::mismatch, "the basis does not say how well it covers poses: it was trained without shapes");
+  }
+  for (std::size_t r = 0; r < basis.residual.regions.size(); ++r) watched_.push_back(watched_features(basis, r));
+}
+
+ErrorExpectation::PoseFeatures ErrorExpectation::features_of(const Pose& pose, std::span<const float> strains) const {
+  const ResidualTable& residual = basis_.residual;
+  PoseFeatures features{
+      std::vector<float>(residual.coordinate_count()), std::vector<float>(residual.feature_count()), {}};
+  std::vector<float> controls = pose.controls, inside(residual.feature_count());
+  controls.resize(residual.controls.size(), 0.0f);
+  const std::vector<float> joint_features = pose_rig(basis_.skeleton, pose).joint_features;
+  cpu::residual_features(residual.features, joint_features, strains, controls, 1, inside, features.excess);
+  cpu::residual_project(residual, inside, 1, features.coordinates);
+  features.fades = region_fades(residual, joint_features);
+  return features;
+}
+
+double ErrorExpectation::energy(std::size_t r, std::size_t first_centre, const PoseFeatures& features) const {
+  const CoverageTable& coverage = basis_.coverage;
+  const Region& region = basis_.residual.regions[r];
+  const double size{coverage.sizes[r]};
+  const auto squared = [&](const std::vector<float>& rms, std::size_t m) {
+    return size * double{rms[first_centre + m]} * double{rms[first_centre + m]};
+  };
+  double outside = 0;
+  for (const std::uint32_t f : watched_[r]) outside += double{features.excess[f]} * double{features.excess[f]};
+  double nearest = std::numeric_limits<double>::infinity();
+  Blend local, motion;
+  for (std::uint32_t m = 0; m < std::max(1u, region.centre_count); ++m) {
+    const double distance = region.centre_count > 0 ? squared_distance(basis_, region, m, features.coordinates) : 0;
+    nearest = std::min(nearest, distance);
+    local.add(distance, squared(coverage.local, m));
+    if (!coverage.motion.empty()) motion.add(distance, squared(coverage.motion, m));
+  }
+  const double further =
+      region.centre_count == 0 ? outside : std::max(0.0, nearest + outside - double{coverage.usual[r]});
+  const double learned = local.value() + double{coverage.growth[r]} * further;
+  if (coverage.motion.empty()) return learned;
+  const double fade{features.fades[r]};
+  return fade * std::min(learned, motion.value()) + (1 - fade) * motion.value();
+}
+
+ExpectedError ErrorExpectation::of(const Pose& pose, std::span<const float> strains) const {
+  const PoseFeatures features = features_of(pose, strains);
+  ExpectedError result;
+  double sum = 0;
+  for (std::size_t r = 0, first_centre = 0; r < watched_.size(); ++r) {
+    const double squared = energy(r, first_centre, features);
+    sum += squared;
+    result.region_mm.push_back(1e3 * std::sqrt(squared / double{basis_.coverage.sizes[r]}));
+    first_centre += std::max(1u, basis_.residual.regions[r].centre_count);
+  }
+  result.rms_mm = 1e3 * std::sqrt(sum / basis_.mesh.vertex_count());
+  return result;
+}
+
+}  // namespace bodyopt

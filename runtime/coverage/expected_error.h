@@ -1,0 +1,46 @@
+// How far a pose is from what training saw, and the error to expect of it.
+//   e_r^2 = fade x (local error + growth x (what the nearest kernel centre is further away than usual, squared))
+//           + (1 - fade) x motion
+// per region, in square metres over its vertices. The local error is what cross-validation left at the training frames
+// around each centre, blended between centres by inverse distance (Shepard 1968); the second term is what that error
+// grew by with the distance from what was learned. Motion is what Direct Delta Mush alone was off by around there:
+// neither is more than that, and where the correction fades it is what is left. Distances are those of the region's
+// coordinates; how far features lie outside the trained range, those of the region and those of all joints that move
+// its skin, is added to them, squares to squares.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "runtime/basis/basis.h"
+
+namespace bodyopt {
+
+struct ExpectedError {
+  double rms_mm = 0;              // over the skin
+  std::vector<double> region_mm;  // per region, RMS over its vertices
+};
+
+class ErrorExpectation {
+ public:
+  // The basis must outlive this. Throws Error(mismatch) where it does not know its error.
+  explicit ErrorExpectation(const Basis& basis);
+
+  // From any thread. `strains`: of the pose, one a fibre. Controls that the pose lacks are 0.
+  ExpectedError of(const Pose& pose, std::span<const float> strains) const;
+
+ private:
+  // What the residual knows of a pose.
+  struct PoseFeatures {
+    std::vector<float> coordinates, excess;  // of all regions; of all features
+    std::vector<float> fades;                // of all regions
+  };
+
+  PoseFeatures features_of(const Pose& pose, std::span<const float> strains) const;
+  double energy(std::size_t region, std::size_t first_centre, const PoseFeatures& features) const;  // square metres
+
+  const Basis& basis_;
+  std::vector<std::vector<std::uint32_t>> watched_;  // features, per region, ascending
+};
+
+}  // namespace bodyopt
