@@ -15,7 +15,8 @@ struct SurfacePlace {
 };
 
 // A front that passes from triangle to triangle (Kimmel and Sethian 1998), each unfolded into the plane of the point
-// where the front began (Novotni and Klein 2002): exact on what can be rolled out into a plane, too long at worst.
+// where the front began (Novotni and Klein 2002): exact on what can be rolled out into a plane, but for a rim of an
+// edge's length at the end of its reach, where it is a little too long.
 class SurfaceDistance {
  public:
   // Of a skin of so many vertices.

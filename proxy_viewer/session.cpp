@@ -464,6 +464,7 @@ void Session::describe_cast() {
   for (const DegreeOfFreedom& dof : scene.lead().axes()) controls.axis_names.push_back(dof.name);
   controls.missing = describe_missing(scene.lead());
   if (basis.skeleton.find(controls.joint) < 0) controls.joint.clear();
+  curation.look(scene, controls);
   snapshot.device = device_name_;
   warn_of_rates();
 }

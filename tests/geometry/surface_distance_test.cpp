@@ -30,7 +30,9 @@ TEST(SurfaceDistance, InAPlaneIsThatThroughTheAir) {
     }
     EXPECT_EQ(places.size(), within);
     for (const SurfacePlace& place : places) {
-      EXPECT_NEAR(place.distance, (sheet.vertices.row(place.vertex).transpose() - from.position).norm(), 1e-9);
+      const double straight = (sheet.vertices.row(place.vertex).transpose() - from.position).norm();
+      const bool at_the_rim = straight > 0.7 - 2 * sheet.edge;
+      EXPECT_NEAR(place.distance, straight, at_the_rim ? 0.005 : 1e-9);
     }
   }
 }
