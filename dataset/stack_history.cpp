@@ -82,8 +82,9 @@ Dataset step(const fs::path& path, bool back) {
 
 }  // namespace
 
-Dataset edit_modifiers(const fs::path& path, const std::function<void(const Dataset&, std::vector<Modifier>&)>& edit) {
-  const FileLock lock = lock_to_change(path);
+Dataset edit_modifiers(const fs::path& path, const std::function<void(const Dataset&, std::vector<Modifier>&)>& edit,
+                       std::chrono::milliseconds patience) {
+  const FileLock lock = lock_to_change(path, patience);
   const Dataset dataset = read_dataset(path);
   std::vector<Modifier> modifiers = dataset.modifiers;
   edit(dataset, modifiers);

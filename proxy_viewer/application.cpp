@@ -108,6 +108,14 @@ void Application::change_cast(const Action& action) {
   live_.follow_lead();
 }
 
+// The cast stays as it is.
+template <typename Action>
+void Application::change_shapes(const Action& action) {
+  action();
+  errors_.forget();
+  painter_.forget_heat();
+}
+
 void Application::reload(const std::vector<std::filesystem::path>& files) {
   change_cast([&] { session_.reload(files); });
 }
@@ -124,7 +132,8 @@ void Application::make_pictures() {
 }
 
 double Application::patience() const {
-  if (pictures_.goes_on() || pending_pictures_ > 0 || !options_.vsync || errors_.has_work()) return 0;
+  if (pictures_.goes_on() || pending_pictures_ > 0 || !unheard_.empty() || !options_.vsync || errors_.has_work())
+    return 0;
   return controls_.playback.playing() || live_.listens() ? kBusy : kIdle;
 }
 
@@ -135,8 +144,9 @@ void Application::turn(std::span<const WindowEvent> events, double passed) {
 }
 
 void Application::act(std::span<const WindowEvent> events, double passed) {
-  for (const WindowEvent& event : events) hear(event);
-  if (!events.empty()) pending_pictures_ = 2;  // panels answer events a picture late
+  unheard_.insert(unheard_.end(), events.begin(), events.end());
+  if (!unheard_.empty()) pending_pictures_ = 2;  // panels answer events a picture late
+  hear_some();
   if (pictures_.goes_on()) return go_on_with_pictures(passed);
   const int shown = controls_.playback.frame();
   controls_.playback.advance(passed);
@@ -168,6 +178,17 @@ void Application::go_on_with_pictures(double passed) {
   if (!pictures_.goes_on() || progress_ < kProgress) return;
   progress_ = 0;
   pictures_.show_progress();
+}
+
+// Up to Enter: the prompt that it opens or ends is drawn before more is heard, however fast somebody types.
+void Application::hear_some() {
+  while (!unheard_.empty()) {
+    const WindowEvent event = std::move(unheard_.front());
+    unheard_.pop_front();
+    hear(event);
+    const auto* key = std::get_if<KeyEvent>(&event);
+    if (key && key->name == "Enter" && key->action == KeyAction::pressed) return;
+  }
 }
 
 void Application::hear(const WindowEvent& event) {
@@ -279,6 +300,12 @@ void Application::fulfil_of_dataset(const Requests& requests) {
     controls_.attempt([&] { change_cast([&] { session_.edit_stack(edit); }); });
   }
   if (requests.step_back) controls_.attempt([&] { change_cast([&] { session_.step_stack(*requests.step_back); }); });
+  if (requests.stroke) {
+    controls_.attempt([&] { session_.brushing.stroke(painter_.area(), *requests.stroke); });
+  }
+  if (requests.stroke || requests.keep_strokes) {
+    controls_.attempt([&] { change_shapes([&] { session_.keep_strokes(); }); });
+  }
   if (requests.contradictions) controls_.attempt([&] { session_.find_contradictions(); });
 }
 

@@ -39,9 +39,12 @@ class Application {
   void set_title();
   template <typename Action>
   void change_cast(const Action& action);
+  template <typename Action>
+  void change_shapes(const Action& action);
   void reload(const std::vector<std::filesystem::path>& files);
 
   void act(std::span<const WindowEvent> events, double passed);
+  void hear_some();
   void hear(const WindowEvent& event);
   void hear_key(const KeyEvent& event);
   void hear_key_in_series(const std::string& key);
@@ -63,6 +66,7 @@ class Application {
   Painter painter_;
   PictureTaking pictures_;
   LiveFeed live_;
+  std::deque<WindowEvent> unheard_;
   std::deque<std::string> script_;  // commands that have not run
   bool script_waits_ = false;       // for what its last command asked for
   int pending_pictures_ = 2;        // to be drawn although nothing moves

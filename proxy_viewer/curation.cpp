@@ -22,32 +22,64 @@ constexpr double kDense = 12;       // neighbours of a pose that is well covered
 void Curation::look(const Scene& scene, Controls& controls) {
   const NamedShapes* truth = scene.empty() ? nullptr : scene.lead().truth();
   const std::shared_ptr<const ShapeStack> stack = truth && truth->is_whole() ? truth->stack() : nullptr;
-  if (stack != stack_) {
-    *this = {};
-    const Curating before = std::exchange(controls.curating, {});
-    stack_ = stack;
-    if (!stack) return;
-    numbers_ = truth->numbers();
-    parts_ = skin_parts(stack->database());
-    double widest = -1;
-    for (const SkinPart& part : parts_) {
-      controls.curating.regions.push_back(part.region.name);
-      const double spread = pose_map(stack->database(), part, 0).spread;
-      if (spread <= widest) continue;
-      widest = spread;
-      controls.curating.region = part.region.name;
-    }
-    for (const Modifier& modifier : stack->database().dataset.modifiers) {
-      controls.curating.modifiers.push_back(modifier.name);
-    }
-    // An edit made this stack of the one before: what was chosen stays.
-    controls.curating.colour = before.colour;
-    controls.curating.raw = before.raw;
-    if (std::ranges::find(controls.curating.regions, before.region) != controls.curating.regions.end()) {
-      controls.curating.region = before.region;
-    }
+  if (stack && stack_ && has_its_frames(*stack, truth->numbers())) {
+    take_over(stack, controls);
+  } else if (stack != stack_) {
+    begin(stack, truth ? truth->numbers() : std::vector<std::size_t>(), controls);
+    if (!scene.empty()) first_frame_ = scene.lead().clip().first_frame;
   }
   if (stack_ && controls.curating.region != region_) choose_region(controls.curating.region);
+}
+
+// Whether a stack is of the frames that are known here, in their poses.
+bool Curation::has_its_frames(const ShapeStack& stack, const std::vector<std::size_t>& numbers) const {
+  const std::vector<DatabaseFrame>&own = stack_->database().frames, &other = stack.database().frames;
+  const auto in_one_pose = [](const DatabaseFrame& a, const DatabaseFrame& b) {
+    return same({&a.pose, 1}, {&b.pose, 1});
+  };
+  return numbers == numbers_ && (&own == &other || std::ranges::equal(own, other, in_one_pose));
+}
+
+// An edit made this stack of the one before: what was chosen stays, and what was learned of the poses.
+void Curation::take_over(const std::shared_ptr<const ShapeStack>& stack, Controls& controls) {
+  if (stack == stack_) return;
+  stack_ = stack;
+  report_.reset();
+  controls.curating.pairs.clear();
+  controls.curating.pair = -1;
+  name_modifiers(controls);
+}
+
+void Curation::name_modifiers(Controls& controls) const {
+  controls.curating.modifiers.clear();
+  for (const Modifier& modifier : stack_->database().dataset.modifiers) {
+    controls.curating.modifiers.push_back(modifier.name);
+  }
+}
+
+// Looks at the region whose poses differ most, unless another was looked at in the stack before.
+void Curation::begin(const std::shared_ptr<const ShapeStack>& stack, std::vector<std::size_t> numbers,
+                     Controls& controls) {
+  *this = {};
+  const Curating before = std::exchange(controls.curating, {});
+  stack_ = stack;
+  if (!stack) return;
+  numbers_ = std::move(numbers);
+  parts_ = skin_parts(stack->database());
+  double widest = -1;
+  for (const SkinPart& part : parts_) {
+    controls.curating.regions.push_back(part.region.name);
+    const double spread = pose_spread(stack->database(), part);
+    if (spread <= widest) continue;
+    widest = spread;
+    controls.curating.region = part.region.name;
+  }
+  name_modifiers(controls);
+  controls.curating.colour = before.colour;
+  controls.curating.raw = before.raw;
+  if (std::ranges::find(controls.curating.regions, before.region) != controls.curating.regions.end()) {
+    controls.curating.region = before.region;
+  }
 }
 
 void Curation::choose_region(const std::string& name) {
@@ -63,12 +95,18 @@ std::string Curation::frame_text(std::size_t number) const {
   return stack_->database().takes[static_cast<std::size_t>(frame.take)] + " " + std::to_string(frame.frame);
 }
 
+std::size_t Curation::number_of(int frame) const {
+  const auto last = static_cast<int>(numbers_.size()) - 1;
+  return numbers_[static_cast<std::size_t>(std::clamp(frame - first_frame_, 0, last))];
+}
+
 // Of the frames of the clip; not a number: not known.
-std::vector<double> Curation::values(const Controls& controls, const Snapshot& snapshot) const {
+std::vector<double> Curation::values(MapColour colour, const Snapshot& snapshot,
+                                     std::span<const double> brushed) const {
   std::vector<double> values(numbers_.size(), NAN);
   for (std::size_t k = 0; k < values.size(); ++k) {
     const std::size_t n = numbers_[k];
-    switch (controls.curating.colour) {
+    switch (colour) {
       case MapColour::coverage:
         values[k] = kDense - std::min(kDense, double(map_.neighbours[n]));
         break;
@@ -78,14 +116,16 @@ std::vector<double> Curation::values(const Controls& controls, const Snapshot& s
       case MapColour::error:
         if (k < snapshot.errors.size()) values[k] = static_cast<double>(snapshot.errors[k].rms);
         break;
+      case MapColour::sculpt:
+        if (n < brushed.size()) values[k] = brushed[n];
+        break;
     }
   }
   return values;
 }
 
-std::vector<PoseDot> Curation::dots(const Controls& controls, const Snapshot& snapshot) const {
+std::vector<PoseDot> Curation::dots(const std::vector<double>& heat) const {
   const double extent = std::max(1e-9, map_.places.cwiseAbs().maxCoeff());
-  const std::vector<double> heat = values(controls, snapshot);
   double hottest = 1e-9;
   for (const double value : heat) hottest = std::isfinite(value) ? std::max(hottest, value) : hottest;
   std::vector<PoseDot> dots;
@@ -97,18 +137,19 @@ std::vector<PoseDot> Curation::dots(const Controls& controls, const Snapshot& sn
   return dots;
 }
 
-void Curation::describe(const Controls& controls, Snapshot& snapshot) const {
+void Curation::describe(const Controls& controls, Snapshot& snapshot, std::span<const double> brushed) const {
   snapshot.curation.reset();
   if (!stack_ || numbers_.empty()) return;
   CurationRow row;
   row.region = region_;
-  row.dots = dots(controls, snapshot);
-  const std::vector<double> heat = values(controls, snapshot);
+  const MapColour colour = brushed.empty() ? controls.curating.colour : MapColour::sculpt;
+  const std::vector<double> heat = values(colour, snapshot, brushed);
+  row.dots = dots(heat);
   const auto hottest = std::max_element(heat.begin(), heat.end(),
                                         [](double a, double b) { return std::isnan(a) ? !std::isnan(b) : a < b; });
   const bool known = std::isfinite(*hottest);
   char text[96];
-  switch (controls.curating.colour) {
+  switch (colour) {
     case MapColour::coverage:
       std::snprintf(text, sizeof(text), "hot: fewer than %.0f poses within %.0f degrees", kDense, kNear);
       break;
@@ -117,6 +158,9 @@ void Curation::describe(const Controls& controls, Snapshot& snapshot) const {
       break;
     case MapColour::error:
       std::snprintf(text, sizeof(text), known ? "hottest: %.2f mm RMS" : "not measured yet", *hottest);
+      break;
+    case MapColour::sculpt:
+      std::snprintf(text, sizeof(text), "%s", known ? "hottest: takes all of the stroke" : "nothing was brushed yet");
       break;
   }
   row.legend = text;

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,10 +20,14 @@ class Curation {
   // Of the lead, where its truth is a whole dataset; otherwise there is nothing to curate. Tells the controls what
   // commands may name.
   void look(const Scene& scene, Controls& controls);
-  // For the panel: the map in the colours asked for; errors are those of the snapshot.
-  void describe(const Controls& controls, Snapshot& snapshot) const;
+  // For the panel: the map in the colours asked for; errors are those of the snapshot. `brushed`: of every frame of the
+  // database what it takes of the last stroke, while that is drawn; empty: nothing was brushed.
+  void describe(const Controls& controls, Snapshot& snapshot, std::span<const double> brushed) const;
 
   bool is_open() const { return stack_ != nullptr; }
+  const std::shared_ptr<const ShapeStack>& stack() const { return stack_; }
+  // Of a frame of the clip, in the database.
+  std::size_t number_of(int frame) const;
   // Compares like poses of the whole dataset. Shows progress.
   void find_contradictions(Controls& controls);
   // Throws as change_modifier() and undo_modifiers().
@@ -30,13 +35,18 @@ class Curation {
   void step(bool back) const;
 
  private:
+  bool has_its_frames(const ShapeStack& stack, const std::vector<std::size_t>& numbers) const;
+  void take_over(const std::shared_ptr<const ShapeStack>& stack, Controls& controls);
+  void begin(const std::shared_ptr<const ShapeStack>& stack, std::vector<std::size_t> numbers, Controls& controls);
+  void name_modifiers(Controls& controls) const;
   void choose_region(const std::string& name);
-  std::vector<PoseDot> dots(const Controls& controls, const Snapshot& snapshot) const;
-  std::vector<double> values(const Controls& controls, const Snapshot& snapshot) const;
+  std::vector<PoseDot> dots(const std::vector<double>& heat) const;
+  std::vector<double> values(MapColour colour, const Snapshot& snapshot, std::span<const double> brushed) const;
   std::string frame_text(std::size_t number) const;
   std::filesystem::path path() const { return stack_->database().dataset.folder / "dataset.json"; }
 
   std::shared_ptr<const ShapeStack> stack_;
+  int first_frame_ = 1;               // of the clip
   std::vector<std::size_t> numbers_;  // of the frames of the clip, in the database
   std::vector<SkinPart> parts_;
   std::string region_;

@@ -3,7 +3,10 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
+#include "draw/camera.h"
 #include "proxy_viewer/grips.h"
 #include "proxy_viewer/picking.h"
 
@@ -25,7 +28,51 @@ void pick(Scene& scene, const Rectangle& area, Controls& controls) {
   controls.settings.hud.panels["pose"] = true;  // which turns it
 }
 
+std::array<double, 2> mouse_pixel() {
+  const ImVec2 at = ImGui::GetIO().MousePos;
+  return {static_cast<double>(at.x), static_cast<double>(at.y)};
+}
+
 }  // namespace
+
+bool brush_by_mouse(Brushing& brushing, const Rectangle& area, Controls& controls) {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (brushing.is_pressed()) {
+    controls.attempt([&] { brushing.drag(area, mouse_pixel()); });
+    if (io.MouseDown[0]) return true;
+    brushing.release();
+    controls.requests.keep_strokes = true;
+    return true;
+  }
+  if (!controls.brush.kind || controls.headless) return false;
+  if (io.WantCaptureMouse) {
+    brushing.leave();
+    return false;
+  }
+  bool brushes = false;
+  controls.attempt([&] {
+    if (ImGui::IsMouseClicked(0) && !io.KeyShift) brushes = brushing.press(area, mouse_pixel());
+    if (!brushes && !io.MouseDown[0]) brushing.hover(area, mouse_pixel());
+  });
+  return brushes;
+}
+
+void draw_brush(const Brushing& brushing, const Scene& scene, const Rectangle& area, const Controls& controls) {
+  constexpr int kSteps = 64;
+  constexpr ImU32 kRing = IM_COL32(255, 180, 47, 230);
+  const std::optional<BrushRing>& ring = brushing.ring();
+  if (!ring || !controls.brush.kind) return;
+  const ViewAxes axes = view_axes(ring->normal);
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  for (int k = 0; k < kSteps; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kSteps;
+    const Vec3 at = ring->centre + ring->radius * (std::cos(angle) * axes.right + std::sin(angle) * axes.up);
+    const auto pixel = pixel_of(scene, controls, area, ring->x, at);
+    if (!pixel) continue;
+    list.PathLineTo({static_cast<float>((*pixel)[0]), static_cast<float>((*pixel)[1])});
+  }
+  list.PathStroke(kRing, ImDrawFlags_Closed, 1.5f);
+}
 
 void steer_by_mouse(Scene& scene, const Rectangle& area, std::uint32_t height, Controls& controls) {
   const ImGuiIO& io = ImGui::GetIO();

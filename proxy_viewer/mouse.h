@@ -3,6 +3,7 @@
 #pragma once
 
 #include "draw/view.h"
+#include "proxy_viewer/brushing.h"
 #include "proxy_viewer/commands/controls.h"
 #include "proxy_viewer/scene/scene.h"
 
@@ -10,5 +11,11 @@ namespace bodyopt {
 
 // Within a picture of panels, before they are drawn. `area`: of the characters; `height`: of the window; pixels.
 void steer_by_mouse(Scene& scene, const Rectangle& area, std::uint32_t height, Controls& controls);
+
+// With a brush in hand, the left button on the skin brushes: true, nothing else is to hear of the mouse then.
+bool brush_by_mouse(Brushing& brushing, const Rectangle& area, Controls& controls);
+
+// The ring of the brush, over the picture.
+void draw_brush(const Brushing& brushing, const Scene& scene, const Rectangle& area, const Controls& controls);
 
 }  // namespace bodyopt

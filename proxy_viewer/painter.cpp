@@ -88,12 +88,19 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
   const auto [width, height] = size;
   visit_texts(snapshot_, controls_, [this](const std::string& text) { gui_.fonts().show(text); });
   gui_.begin(width, height, passed);
-  if (!makes_series_) steer_by_mouse(scene_, area_, height, controls_);
+  if (!makes_series_ && !brush_by_mouse(session_.brushing, area_, controls_)) {
+    steer_by_mouse(scene_, area_, height, controls_);
+  }
   describe_turns(scene_, controls_.playback.frame(), snapshot_);
   describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
-  session_.curation.describe(controls_, snapshot_);
+  const Brushing& brushing = session_.brushing;
+  const bool shows_stroke = brushing.is_pressed() || controls_.curating.colour == MapColour::sculpt;
+  session_.curation.describe(controls_, snapshot_,
+                             shows_stroke ? std::span(brushing.weights()) : std::span<const double>());
   area_ = draw_panels(snapshot_, controls_, width, height);
-  if (!ImGui::IsAnyItemActive() && !controls_.grip) controls_.poses.note(controls_.settings.pose);  // a drag is one step
+  draw_brush(session_.brushing, scene_, area_, controls_);
+  if (!ImGui::IsAnyItemActive() && !controls_.grip)
+    controls_.poses.note(controls_.settings.pose);  // a drag is one step
   gui_.end();
   session_.follow();
   if (!controls_.requests.frame_selection) return;

@@ -31,6 +31,7 @@ class Painter {
   PictureSize size() const;
   // `passed`: seconds since the picture before, for panels. What cannot be drawn leaves the panels alone, and is said.
   void draw(const PictureSize& size, Edges edges, double passed = 0);
+  const Rectangle& area() const { return area_; }  // of the characters in the last picture
   // For the screen: while something moves on a software device, with a sample a pixel.
   Edges edges() const { return is_software_ && is_busy() ? Edges::quick : Edges::smooth; }
   void show() { screen_->show(viewport_); }

@@ -18,15 +18,15 @@ Vec3 vertex(std::span<const float> vertices, std::uint32_t index) {
   return {at[0], at[1], at[2]};
 }
 
-// Along the ray; none: it passes by (Möller and Trumbore 1997).
-std::optional<double> hit(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
+// Along the ray, and how much of b and c; none: it passes by (Möller and Trumbore 1997).
+std::optional<std::array<double, 3>> hit(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, across = cross(ray.along, ac);
   const double determinant = dot(ab, across);
   if (determinant == 0) return std::nullopt;
   const Vec3 from_a = ray.from - a, other = cross(from_a, ab);
   const double u = dot(from_a, across) / determinant, v = dot(ray.along, other) / determinant;
   if (u < 0 || v < 0 || u + v > 1) return std::nullopt;
-  return dot(ac, other) / determinant;
+  return std::array{dot(ac, other) / determinant, u, v};
 }
 
 }  // namespace
@@ -72,10 +72,11 @@ std::string joint_under_skin_at(Scene& scene, const Controls& controls, const Re
   const Ray ray = ray_through(controls.camera.camera(), view_at(scene, controls, picture, x), static_cast<double>(x),
                               static_cast<double>(y));
   const MeshTable& mesh = scene.lead().finest_basis().mesh;
-  const std::optional<Vec3> at = first_hit(ray, vertices_of(mesh, scene.lead_skin(controls)), mesh.triangles);
-  if (!at) return "";
+  const std::optional<RayHit> hit = first_hit(ray, vertices_of(mesh, scene.lead_skin(controls)), mesh.triangles);
+  if (!hit) return "";
   const std::vector<Vec3> centres = scene.joint_centres(controls);
-  const auto nearest = std::ranges::min_element(centres, {}, [&](const Vec3& centre) { return length(centre - *at); });
+  const auto nearest =
+      std::ranges::min_element(centres, {}, [&](const Vec3& centre) { return length(centre - hit->at); });
   return scene.lead().basis().skeleton.joints[static_cast<std::size_t>(nearest - centres.begin())].name;
 }
 
@@ -90,16 +91,22 @@ Ray ray_through(const Camera& camera, const Rectangle& area, double x, double y)
   return {eye, across - axes.back};
 }
 
-std::optional<Vec3> first_hit(const Ray& ray, std::span<const float> vertices,
-                              std::span<const std::uint32_t> triangles) {
-  std::optional<double> first;
+std::optional<RayHit> first_hit(const Ray& ray, std::span<const float> vertices,
+                                std::span<const std::uint32_t> triangles) {
+  const auto corner = [&](std::size_t k) { return vertex(vertices, triangles[k]); };
+  std::optional<std::array<double, 3>> first;
+  std::size_t where = 0;
   for (std::size_t t = 0; t + 2 < triangles.size(); t += 3) {
-    const std::optional<double> at = hit(ray, vertex(vertices, triangles[t]), vertex(vertices, triangles[t + 1]),
-                                         vertex(vertices, triangles[t + 2]));
-    if (at && *at > ray.least && (!first || *at < *first)) first = at;
+    const auto at = hit(ray, corner(t), corner(t + 1), corner(t + 2));
+    if (!at || (*at)[0] <= ray.least || (first && (*at)[0] >= (*first)[0])) continue;
+    first = at;
+    where = t;
   }
   if (!first) return std::nullopt;
-  return ray.from + *first * ray.along;
+  const auto [along, b, c] = *first;
+  const Vec3 across = cross(corner(where + 1) - corner(where), corner(where + 2) - corner(where));
+  const double towards = dot(across, ray.along) > 0 ? -1 : 1;
+  return RayHit{ray.from + along * ray.along, towards / length(across) * across, where / 3, {1 - b - c, b, c}};
 }
 
 }  // namespace bodyopt

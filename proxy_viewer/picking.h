@@ -35,8 +35,14 @@ struct Ray {
 // Through a pixel of the area that the camera fills.
 Ray ray_through(const Camera& camera, const Rectangle& area, double x, double y);
 
+struct RayHit {
+  Vec3 at, normal;  // the triangle's, unit, towards where the ray comes from
+  std::size_t triangle;
+  std::array<double, 3> weights;  // barycentric
+};
+
 // Where it first meets a triangle, from either side. V x 3; T x 3.
-std::optional<Vec3> first_hit(const Ray& ray, std::span<const float> vertices,
-                              std::span<const std::uint32_t> triangles);
+std::optional<RayHit> first_hit(const Ray& ray, std::span<const float> vertices,
+                                std::span<const std::uint32_t> triangles);
 
 }  // namespace bodyopt

@@ -104,7 +104,12 @@ void Session::require_dataset() const {
 
 // What a stack makes of frames may be other frames: of mirrored poses, or without those that are dropped.
 void Session::read_dataset_again() {
-  reload({scene.lead().files().truth});
+  brushing.forget();
+  const std::string dataset = scene.lead().files().truth;
+  const bool has_its_frames = std::ranges::all_of(scene.cast(), [&](const std::unique_ptr<Actor>& character) {
+    return character->files().truth != dataset || character->reread_truth();
+  });
+  if (!has_its_frames) reload({dataset});
   watch();
 }
 
@@ -125,8 +130,16 @@ void Session::pin(const PinRequest& request) {
   controls.settings.pose.pins[request.joint] = request.at ? *request.at : scene.joint_centres(controls)[index];
 }
 
+void Session::keep_strokes() {
+  require_dataset();
+  if (!brushing.has_change()) return;
+  for (const std::string& note : brushing.keep()) controls.warn(note);
+  read_dataset_again();
+}
+
 void Session::step_stack(bool back) {
   require_dataset();
+  if (back && brushing.has_change()) return read_dataset_again();  // which could not be kept
   curation.step(back);
   read_dataset_again();
 }
@@ -451,6 +464,7 @@ void Session::describe_cast() {
   for (const DegreeOfFreedom& dof : scene.lead().axes()) controls.axis_names.push_back(dof.name);
   controls.missing = describe_missing(scene.lead());
   if (basis.skeleton.find(controls.joint) < 0) controls.joint.clear();
+  curation.look(scene, controls);
   snapshot.device = device_name_;
   warn_of_rates();
 }

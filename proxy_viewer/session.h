@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "proxy_viewer/brushing.h"
 #include "proxy_viewer/commands/controls.h"
 #include "proxy_viewer/curation.h"
 #include "proxy_viewer/panels/snapshot.h"
@@ -26,6 +27,7 @@ class Session {
   Controls controls;
   Snapshot snapshot;
   Curation curation;
+  Brushing brushing{scene, controls, curation};
 
   // The first of the options' files, which must be a basis or a character, or the built-in arm where there is none.
   // Gives what is to be said of it. Throws Error(usage), and as the readers do.
@@ -50,6 +52,8 @@ class Session {
   // Done to the stack of the dataset that is looked at; its shapes are read again. Throw Error(usage) where none is.
   void edit_stack(const ModifierEdit& edit);
   void step_stack(bool back);
+  // What was brushed goes into the stack, where anything was; it stays in hand where it throws.
+  void keep_strokes();
   void find_contradictions();
   // The range as it is posed and keyed, before modifiers: .glb or .bvh; its controls as FILE.controls.json beside it,
   // where there are any. The lead's skin over the range, quasi-static: .pc2 or .usda. Throw Error(file).

@@ -364,7 +364,8 @@ const Command kCommands[] = {
 
     {"region", "NAME", "", "Compare", "of the dataset's map of poses",
      [](Controls& c, const std::string& a) { c.curating.region = known(a, c.curating.regions, "region"); }},
-    {"map-colour", "coverage|contradiction|error", "", "Compare", "of the map: thin data, like poses that disagree, or the distance",
+    {"map-colour", "coverage|contradiction|error|sculpt", "", "Compare",
+     "of the map: thin data, like poses that disagree, the distance, or what takes part in the last stroke",
      [](Controls& c, const std::string& a) { choose(c.curating.colour, a, kMapColourNames); },
      [](const Controls& c) { return name_of(c.curating.colour, kMapColourNames); }},
     {"raw", "[on|off]", "", "Compare", "the dataset's shapes before any modifier",
@@ -385,6 +386,47 @@ const Command kCommands[] = {
      [](Controls& c, const std::string&) { c.requests.step_back = true; }},
     {"redo-edit", "", "", "Compare", "the edit of the stack that was undone",
      [](Controls& c, const std::string&) { c.requests.step_back = false; }},
+    {"brush", "none|grab|smooth|inflate|flatten|erase", "", "Compare", "what the mouse does to the dataset's skin; none: it turns the view",
+     [](Controls& c, const std::string& a) {
+       if (a == "none") {
+         c.brush.kind = std::nullopt;
+         return;
+       }
+       BrushKind kind{};
+       choose(kind, a, kBrushKindNames);
+       if (c.curating.regions.empty()) throw Error(ErrorKind::usage, "no dataset is open: begin with bodyopt view DATASET");
+       c.brush.kind = kind;
+       c.settings.compare.with = CompareWith::truth;  // or its skin would not be seen
+     },
+     [](const Controls& c) { return c.brush.kind ? name_of(*c.brush.kind, kBrushKindNames) : "none"; }},
+    {"brush-radius", "MM", "", "Compare", "of the brush, along the skin",
+     [](Controls& c, const std::string& a) { c.brush.radius_mm = number_within(a, kFinestBrush, kWidestBrush); }},
+    {"brush-strength", "0-1", "", "Compare", "of the brush",
+     [](Controls& c, const std::string& a) { c.brush.strength = number_within(a, 0, 1); }},
+    {"brush-symmetry", "[on|off]", "", "Compare", "the brush does the same on the other side of the body",
+     [](Controls& c, const std::string& a) { toggle(c.brush.symmetric, a); },
+     [](const Controls& c) { return name_of(c.brush.symmetric); }},
+    {"brush-spread", "auto|DEGREES", "", "Compare", "to poses how near a stroke reaches; auto: as the modifier's",
+     [](Controls& c, const std::string& a) {
+       if (a == "auto") {
+         c.brush.spread = std::nullopt;
+       } else {
+         c.brush.spread = number_within(a, 0, kWidestSpread);
+       }
+     }},
+    {"brush-modifier", "NAME", "", "Compare", "the sculpt of the dataset's stack that takes strokes; a new name makes one",
+     [](Controls& c, const std::string& a) { c.brush.modifier = a; }},
+    {"stroke", "X Y [X Y ...]", "", "Compare", "of the brush through points of the picture, by shares of its width and height",
+     [](Controls& c, const std::string& a) {
+       const std::vector<std::string> w = words(a);
+       if (w.size() % 2 != 0) refuse(a, "a list of points: two shares each");
+       if (!c.brush.kind) throw Error(ErrorKind::usage, "no brush is in hand: 'brush grab'");
+       PicturePath path;
+       for (std::size_t k = 0; k < w.size(); k += 2) path.push_back({number_within(w[k], 0, 1), number_within(w[k + 1], 0, 1)});
+       c.requests.stroke = std::move(path);
+     }},
+    {"keep-strokes", "", "", "Compare", "writes what was brushed and could not be written before",
+     [](Controls& c, const std::string&) { c.requests.keep_strokes = true; }},
     {"contradictions", "", "", "Compare", "looks for like poses whose shapes disagree",
      [](Controls& c, const std::string&) { c.requests.contradictions = true; }},
     {"pair", "NUMBER", "", "Compare", "to the first of two frames that disagree, the worst from 1",
@@ -484,12 +526,20 @@ const Command kCommands[] = {
      [](Controls& c, const std::string&) {
        static_cast<ViewSettings::PoseKey&>(c.settings.pose) = {};
      }},
-    {"undo", "", "Ctrl+Z", "Pose", "turns, controls and keys before the last change",
+    {"undo", "", "Ctrl+Z", "Pose", "turns, controls and keys before the last change; with a brush in hand: undo-edit",
      [](Controls& c, const std::string&) {
+       if (c.brush.kind) {
+         c.requests.step_back = true;
+         return;
+       }
        if (!c.poses.undo(c.settings.pose)) c.say("nothing to undo: only turns, controls and keys are");
      }},
-    {"redo", "", "Ctrl+Shift+Z", "Pose", "turns, controls and keys that were undone",
+    {"redo", "", "Ctrl+Shift+Z", "Pose", "turns, controls and keys that were undone; with a brush in hand: redo-edit",
      [](Controls& c, const std::string&) {
+       if (c.brush.kind) {
+         c.requests.step_back = false;
+         return;
+       }
        if (!c.poses.redo(c.settings.pose)) c.say("nothing to redo");
      }},
     {"correction", "0-1", "", "Pose", "how much is shown of what was learned",

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/brush.h"
 #include "proxy_viewer/state/orbit_camera.h"
 #include "proxy_viewer/state/playback.h"
 #include "proxy_viewer/state/pose_history.h"
@@ -17,8 +18,20 @@
 namespace bodyopt {
 
 // What colours the map of poses.
-enum class MapColour { coverage, contradiction, error };
-inline constexpr std::array kMapColourNames{"coverage", "contradiction", "error"};
+enum class MapColour { coverage, contradiction, error, sculpt };
+inline constexpr std::array kMapColourNames{"coverage", "contradiction", "error", "sculpt"};
+
+// What the mouse does to the skin of the dataset that is looked at.
+struct BrushInHand {
+  std::optional<BrushKind> kind;  // none: it turns the view
+  double radius_mm = 50, strength = 0.5;
+  bool symmetric = false;          // does the same on the other side of the body
+  std::optional<double> spread{};  // degrees; none: what the modifier has
+  std::string modifier = "brush";  // that takes the strokes
+};
+
+// Points of the picture, as shares of its width and height from the left top corner.
+using PicturePath = std::vector<std::array<double, 2>>;
 
 // Of a modifier of the dataset that is looked at; what is not set stays.
 struct ModifierEdit {
@@ -64,8 +77,10 @@ struct Requests {
   std::vector<std::string> open;                                                             // files, by what they hold
   std::vector<ModifierEdit> edits;
   std::optional<PinRequest> pin;
-  std::optional<bool> step_back;                        // in the history of edits, or forth
-  bool contradictions = false;                          // are looked for
+  std::optional<bool> step_back;      // in the history of edits, or forth
+  bool contradictions = false;        // are looked for
+  std::optional<PicturePath> stroke;  // of the brush in hand
+  bool keep_strokes = false;
   std::optional<int> lead, remove;                      // characters, counted from 1
   std::optional<std::string> export_clip, export_skin;  // file names
   bool operator==(const Requests&) const = default;
@@ -107,6 +122,7 @@ struct Controls {
   std::map<std::string, std::string> missing;
   std::optional<bool> live;  // poses are shown as they are sent; none: nobody listens
   Curating curating;
+  BrushInHand brush;
   std::string joint;               // selected; empty: none
   std::optional<int> keyed_frame;  // that the pose in hand is of
   bool flipped = false;            // while the key of "hold to flip" is down

@@ -7,11 +7,13 @@
 #include "draw/heat_colour.h"
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
+#include "proxy_viewer/state/setting_limits.h"
 
 namespace bodyopt {
 namespace {
 
 constexpr float kDot = 3, kMargin = 8;
+constexpr double kWidestSlide = 500;  // mm
 constexpr ImU32 kMapBackground = IM_COL32(26, 26, 28, 255);
 
 // Frames from -1 to 1 in a square of the panel's width.
@@ -102,6 +104,22 @@ void draw_stack(const CurationRow& curation, Controls& controls) {
   command_button(controls, "redo-edit", "Redo", width);
 }
 
+void draw_brushes(Controls& controls) {
+  command_choice(controls, "brush", "Brush");
+  BrushInHand& brush = controls.brush;
+  slide("Radius", brush.radius_mm, kFinestBrush, kWidestSlide, "%.0f mm", find_command("brush-radius")->help,
+        ImGuiSliderFlags_Logarithmic);
+  slide("Strength", brush.strength, 0, 1, "%.2f", find_command("brush-strength")->help);
+  double spread = brush.spread.value_or(0);
+  if (slide("Spread", spread, 0, 180, brush.spread ? "%.0f\xc2\xb0" : "auto", find_command("brush-spread")->help)) {
+    brush.spread = spread;
+  }
+  label_before("Into");
+  ImGui::InputTextWithHint("##into", "a modifier's name", &brush.modifier);
+  explain("brush-modifier");
+  command_tick(controls, "brush-symmetry", "Both sides of the body");
+}
+
 void draw_pairs(const CurationRow& curation, Controls& controls) {
   if (curation.pairs.empty()) {
     command_button(controls, "contradictions", "Find contradictions", share_of_line(1));
@@ -134,6 +152,8 @@ void draw_curate(const Snapshot& snapshot, Controls& controls) {
   command_choice(controls, "map-colour", "Colour");
   draw_map(curation, controls);
   ImGui::TextDisabled("%s", curation.legend.c_str());
+  ImGui::Separator();
+  draw_brushes(controls);
   ImGui::Separator();
   draw_stack(curation, controls);
   ImGui::Separator();

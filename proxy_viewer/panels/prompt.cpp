@@ -30,6 +30,13 @@ int leave_nothing_selected(ImGuiInputTextCallbackData* data) {
   return 0;
 }
 
+// At once: what is typed next is for keys again, not for a field that is gone.
+void stop_typing() {
+  ImGui::ClearActiveID();
+  ImGui::GetIO().WantTextInput = false;
+  ImGui::GetCurrentContext()->WantTextInputNextFrame = 0;
+}
+
 // Of the command that is typed, or of those whose names hold what is.
 void draw_hints(std::string& text) {
   const std::string name = text.substr(0, text.find(' '));
@@ -77,6 +84,7 @@ void draw_prompt(Controls& controls, const PanelLayout& layout) {
   if (!entered && !left) return;
   controls.prompt = false;
   text.clear();
+  stop_typing();
 }
 
 }  // namespace bodyopt

@@ -24,6 +24,7 @@ void visit_texts(const Snapshot& snapshot, const Controls& controls,
                                   &typed.sequence, &typed.turntable, &typed.state}) {
     visit(*text);
   }
+  visit(controls.brush.modifier);
   for (const Message& message : controls.messages) visit(message.text);
 }
 

@@ -33,6 +33,13 @@ double diagonal(std::span<const float> points) {
   return points.empty() ? 0 : 2 * box.radius();
 }
 
+// Of the frames of a dataset, one a sample.
+std::vector<Pose> frame_poses(const NamedShapes& shapes) {
+  std::vector<Pose> poses;
+  for (const std::size_t n : shapes.numbers()) poses.push_back(shapes.stack()->database().frames[n].pose);
+  return poses;
+}
+
 Clip bind_clip(const Basis& basis) {
   Clip clip;
   clip.name = "bind pose";
@@ -167,6 +174,22 @@ void Actor::show_raw(bool raw) {
   if (!truth_ || truth_->raw == raw || !truth_->shapes.stack()) return;
   truth_->raw = raw;
   truth_->shown.reset();
+}
+
+void Actor::show_sculpted(int frame, std::vector<float> points) {
+  if (!truth_) return;
+  truth_->sculpted = Sculpted{frame, std::move(points)};
+  truth_->shown.reset();
+}
+
+bool Actor::reread_truth() {
+  const NamedShapes before = truth_->shapes;
+  NamedShapes now = before.as_they_are();
+  if (!now.stack() || !same(frame_poses(now), frame_poses(before))) return false;
+  truth_->shapes = std::move(now);
+  truth_->shown.reset();
+  truth_->sculpted.reset();
+  return true;
 }
 
 void Actor::open_clip(const std::string& source) {
@@ -369,9 +392,14 @@ void Actor::show_truth(int frame) {
   const std::optional<SampleTime> time = truth_time(frame);
   if (!time || (time == truth_->shown && !truth_->shapes.was_edited())) return;
   truth_->shapes = truth_->shapes.as_they_are();
-  truth_->skin =
-      upload_output(truth_->raw ? truth_->shapes.raw_sample(time->sample) : read_sample(truth_->shapes, *time));
+  truth_->skin = upload_output(shown_truth(frame, *time));
   truth_->shown = time;
+}
+
+std::vector<float> Actor::shown_truth(int frame, const SampleTime& time) const {
+  if (truth_->raw) return truth_->shapes.raw_sample(time.sample);
+  if (truth_->sculpted && truth_->sculpted->frame == frame) return truth_->sculpted->points;
+  return read_sample(truth_->shapes, time);
 }
 
 Actor::HostedSkin Actor::upload_output(std::span<const float> points) {

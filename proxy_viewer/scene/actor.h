@@ -71,6 +71,11 @@ class Actor {
 
   // Whether the truth is shown as its dataset has it before any modifier.
   void show_raw(bool raw);
+  // In place of the truth in a frame, until it is read again: O x 3, output vertex order, metres.
+  void show_sculpted(int frame, std::vector<float> points);
+  // The truth as the stack of its dataset makes it now; false: its frames are others by now, and all is to be read
+  // again. Throws as the constructor.
+  bool reread_truth();
 
   // The clip's pose, turned joint by joint as the settings say and the ranges let it. Frames beyond the clip: its first
   // or last.
@@ -139,11 +144,16 @@ class Actor {
     std::vector<Pose> poses;
     std::vector<WornMesh> meshes;
   };
+  struct Sculpted {
+    int frame;
+    std::vector<float> points;
+  };
   struct Truth {
     NamedShapes shapes;
     std::optional<SampleTime> shown;
     HostedSkin skin;
     bool raw = false;
+    std::optional<Sculpted> sculpted{};
   };
 
   Detail& finest() { return *details_.front(); }
@@ -163,6 +173,7 @@ class Actor {
   void show_linear_blend(const Pose& pose);
   HostedSkin upload_output(std::span<const float> points);
   void show_truth(int frame);
+  std::vector<float> shown_truth(int frame, const SampleTime& time) const;
   void open_frames(const std::string& dataset);
   void measure_size();
   void measure_ground();

@@ -341,7 +341,9 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     skin.alpha = kSkinOverTets;
     skin.shadow = skin.wire = false;
   }
-  const bool flips = compared && s.compare.layout == CompareLayout::hold && controls.flipped;
+  // With a brush in hand what is brushed is shown, and the key shows what is compared with it.
+  const bool shows_other = controls.flipped != controls.brush.kind.has_value();
+  const bool flips = compared && s.compare.layout == CompareLayout::hold && shows_other;
   views[0].skins.push_back(flips ? second : skin);
   if (views.size() > 1) {
     if (!is_missing) views[1].skins.push_back(compared ? second : skin);

@@ -20,9 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-// A change takes milliseconds; one that takes so long stands still.
-constexpr auto kLongestWait = 60s;
-
 [[noreturn]] void fail(const fs::path& path, const std::string& doing, const char* cause) {
   throw Error(ErrorKind::file, path.string() + ": " + doing + ": " + std::strerror(errno) + " (" + cause + ")");
 }
@@ -103,15 +100,16 @@ RunLock::RunLock(const fs::path& lock, const std::string& why) : lock_(lock) {
 
 RunLock::~RunLock() { lock_.remove_file(); }
 
-FileLock lock_to_change(const fs::path& file) {
+FileLock lock_to_change(const fs::path& file, std::chrono::milliseconds patience) {
   const fs::path path = lock_beside(file);
   const auto start = std::chrono::steady_clock::now();
   for (;;) {
     FileLock lock(path);
     if (lock.is_held()) return lock;
-    if (std::chrono::steady_clock::now() - start > kLongestWait) {
-      throw Error(ErrorKind::file, file.string() + ": another process has been changing it for a minute and holds " +
-                                       path.string() + ": does it hang? Run again once it has ended");
+    if (std::chrono::steady_clock::now() - start > patience) {
+      throw Error(ErrorKind::file, file.string() + ": another process has been changing it for " +
+                                       std::to_string(patience / 1s) + " seconds and holds " + path.string() +
+                                       ": does it hang? Try again once it has ended");
     }
     std::this_thread::sleep_for(5ms);
   }

@@ -1,6 +1,7 @@
 // Keeps processes that change one file from doing so at the same time.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 
@@ -43,9 +44,12 @@ class RunLock {
   FileLock lock_;
 };
 
+// A change takes milliseconds; one that takes so long stands still.
+constexpr std::chrono::milliseconds kPatienceForChanges = std::chrono::minutes(1);
+
 // The right to change `file`, which may not be there yet: to be held from before it is read until it is renamed into
 // place, so that no change of another process is lost. Waits while another has it; throws Error(file) where that does
-// not end. `.NAME.lock` beside the file stays there, empty: removing it would not be safe over NFS.
-FileLock lock_to_change(const std::filesystem::path& file);
+// not end in time. `.NAME.lock` beside the file stays there, empty: removing it would not be safe over NFS.
+FileLock lock_to_change(const std::filesystem::path& file, std::chrono::milliseconds patience = kPatienceForChanges);
 
 }  // namespace bodyopt

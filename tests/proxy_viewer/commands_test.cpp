@@ -39,6 +39,7 @@ Controls controls_of_a_session() {
   controls.poses.undo(undone);
   controls.joint = "LeftArm";
   controls.curating.regions = {"forearm", "upper arm"};
+  controls.brush.kind = BrushKind::grab;
   controls.curating.modifiers = {"elbow", "smooth all"};
   controls.curating.pairs = {{5, 12, "forearm"}, {7, 20, "upper arm"}};
   controls.curating.pair = 1;
@@ -177,8 +178,8 @@ const std::map<std::string, Case>& cases() {
        {"take.usda", [](C, C c) { return c.requests.export_skin == "take.usda"; }, {"", "take.abc", "take"}}},
       {"reset-pose",
        {"", [](C, C c) { return c.settings.pose.joints.empty() && c.settings.pose.controls.empty(); }, {"1"}}},
-      {"undo", {"", [](C, C c) { return c.settings.pose.joints.empty(); }, {"1"}}},
-      {"redo", {"", [](C, C c) { return valued(c.settings.pose.joints, "RightArm") == Vec3{7, 8, 9}; }, {"1"}}},
+      {"undo", {"", [](C, C c) { return c.requests.step_back == true; }, {"1"}}},
+      {"redo", {"", [](C, C c) { return c.requests.step_back == false; }, {"1"}}},
       {"correction", {"0.5", [](C, C c) { return c.settings.pose.correction == 0.5; }, {"", "1.01", "-0.01"}}},
       {"jiggle", {"on", [](C, C c) { return c.settings.jiggle.on; }, {"yes"}}},
       {"jiggle-amount", {"2", [](C, C c) { return c.settings.jiggle.amount == 2; }, {"", "4.1", "-1"}}},
@@ -235,6 +236,22 @@ const std::map<std::string, Case>& cases() {
         },
         {"", "feet"}}},
       {"region", {"upper arm", [](C, C c) { return c.curating.region == "upper arm"; }, {"", "knee"}}},
+      {"brush",
+       {"smooth",
+        [](C, C c) { return c.brush.kind == BrushKind::smooth && c.settings.compare.with == CompareWith::truth; },
+        {"", "comb", "grab 3"}}},
+      {"brush-radius", {"20", [](C, C c) { return c.brush.radius_mm == 20; }, {"", "0", "-5", "wide", "nan", "10001"}}},
+      {"brush-strength", {"0.25", [](C, C c) { return c.brush.strength == 0.25; }, {"", "1.1", "-0.1", "nan"}}},
+      {"brush-symmetry", {"on", [](C, C c) { return c.brush.symmetric; }, {"left"}}},
+      {"brush-spread", {"45", [](C, C c) { return c.brush.spread == 45; }, {"", "361", "-1", "nan", "far"}}},
+      {"brush-modifier", {"elbow fix", [](C, C c) { return c.brush.modifier == "elbow fix"; }, {""}}},
+      {"stroke",
+       {"0.25 0.5 1 0",
+        [](C, C c) {
+          return c.requests.stroke == PicturePath{{0.25, 0.5}, {1, 0}};
+        },
+        {"", "0.5", "0.5 0.5 0.5", "0.5 1.1", "a b", "nan 0.5"}}},
+      {"keep-strokes", {"", [](C, C c) { return c.requests.keep_strokes; }, {"all"}}},
       {"map-colour", {"error", [](C, C c) { return c.curating.colour == MapColour::error; }, {"", "red"}}},
       {"raw", {"on", [](C, C c) { return c.curating.raw; }, {"maybe"}}},
       {"modifier",
@@ -288,6 +305,25 @@ TEST(Commands, DoWhatTheySay) {
     EXPECT_TRUE(c.done(before, after)) << name << " " << c.argument;
     EXPECT_FALSE(c.done(before, before)) << name << " changes nothing";
   }
+}
+
+TEST(Commands, UndoAndRedoAreOfThePoseWithoutABrush) {
+  Controls controls = controls_of_a_session();
+  run_command(controls, "brush none");
+  EXPECT_FALSE(controls.brush.kind);
+  run_command(controls, "undo");
+  EXPECT_FALSE(controls.settings.pose.joints.contains("Hips"));
+  run_command(controls, "redo");
+  EXPECT_FALSE(controls.requests.step_back);
+  EXPECT_TRUE(controls.settings.pose.joints.contains("Hips"));
+}
+
+TEST(Commands, BrushesNeedADatasetAndStrokesABrush) {
+  Controls controls = controls_of_a_session();
+  run_command(controls, "brush none");
+  EXPECT_NE(message_of(controls, "stroke 0.5 0.5").find("no brush is in hand"), std::string::npos);
+  controls.curating = {};
+  EXPECT_NE(message_of(controls, "brush grab").find("bodyopt view DATASET"), std::string::npos);
 }
 
 TEST(Commands, RefuseWhatIsNoArgumentOfTheirsByName) {

@@ -96,6 +96,31 @@ TEST_F(HandsTest, HeldKeysRepeatOnlyWhatGoesStepByStep) {
   EXPECT_TRUE(viewport->controls().settings.look.wire);
 }
 
+// All at once, as a window that was busy hears it; or one event a picture. Two commands, one right after the other.
+TEST_F(HandsTest, TypedCommandsRunHoweverFastTheyCome) {
+  std::vector<WindowEvent> events;
+  for (const std::string command : {"frame 5", "wire on"}) {
+    for (const bool begins : {true, false}) {
+      for (const WindowEvent& event : PlayedViewport::stroke("Enter")) events.push_back(event);
+      for (const char letter : begins ? command : "") events.emplace_back(LetterEvent{char32_t(letter)});
+    }
+  }
+  for (const bool at_once : {true, false}) {
+    const auto viewport = open();
+    if (at_once) viewport->play(events);
+    for (const WindowEvent& event : at_once ? std::vector<WindowEvent>() : events) {
+      viewport->turn({event}, PlayedViewport::kTurn);
+    }
+    viewport->rest();
+    EXPECT_FALSE(viewport->controls().prompt) << at_once;
+    EXPECT_TRUE(viewport->controls().messages.empty()) << at_once;
+    EXPECT_EQ(viewport->controls().playback.frame(), 5) << at_once;
+    EXPECT_TRUE(viewport->controls().settings.look.wire) << at_once;
+    viewport->key("Right");
+    EXPECT_EQ(viewport->controls().playback.frame(), 6) << "keys are heard again";
+  }
+}
+
 TEST_F(HandsTest, XShowsTheOtherForAsLongAsItIsHeld) {
   const std::string script = kBarePicture + "; legend off; frame 9; compare ddm; layout hold; heat off";
   const Image other = still(*open(small(), script + "; compare none; correction 0"));

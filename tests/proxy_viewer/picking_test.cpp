@@ -66,7 +66,7 @@ TEST(FirstHit, IsThatOfTheNearestTriangleInFrontOfTheEye) {
   const std::vector<std::uint32_t> triangles = {3, 5, 4, 0, 1, 2};  // the far one first, and from behind
   const auto depth = [&](double z) {
     const auto at = first_hit({{0.1, 0, z}, {0, 0, -2}}, vertices, triangles);
-    return at ? (*at)[2] : 99;
+    return at ? at->at[2] : 99;
   };
   EXPECT_DOUBLE_EQ(depth(3), 0);
   EXPECT_DOUBLE_EQ(depth(-1), -2);

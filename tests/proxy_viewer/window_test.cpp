@@ -57,6 +57,18 @@ TEST_F(WindowTest, TheDisplaysEventsAreHeard) {
   expect_end(*program, 0);
 }
 
+// As fast as hands that are none: two commands, one right after the other.
+TEST_F(WindowTest, TypedCommandsRun) {
+  const auto program = open(small(""));
+  display_->hands("key Return type --delay 0 'frame 9'");
+  display_->hands("key Return key Return type --delay 0 'screenshot typed.png'");
+  display_->hands("key Return");
+  EXPECT_TRUE(written("typed.png")) << program->output();
+  EXPECT_TRUE(picture("typed.png").rgba == headless("frame 9").rgba);
+  display_->hands("key ctrl+q");
+  expect_end(*program, 0);
+}
+
 TEST_F(WindowTest, APictureWhoseSurfaceIsOutOfDateIsShownNonetheless) {
   const auto program = open(small(""), kPlain, misbehaving_device("OUT_OF_DATE=1"));
   click_messages_away();

@@ -68,7 +68,7 @@ std::string keep_samples(const Dataset& dataset, const std::string& modifier, st
   return name;
 }
 
-void put_sculpt(Modifier& modifier, const std::string& take, int frame, const std::string& offsets, double spread) {
+void name_sculpt(Modifier& modifier, const std::string& take, int frame, const std::string& offsets, double spread) {
   Json& sculpts = modifier.parameters["sculpts"];
   if (!sculpts.is_array()) sculpts = Json::array();
   const Json entry = {{"take", take}, {"frame", frame}, {"offsets", offsets}};
@@ -195,6 +195,24 @@ void put_shapes_over(const fs::path& path, const std::string& take, const std::v
   });
 }
 
+std::vector<std::string> put_sculpt(const PoseDatabase& database, Modifiers& modifiers, const std::string& name,
+                                    std::size_t frame, const Positions& before, const Positions& after,
+                                    double spread_degrees) {
+  if (!after.allFinite()) throw Error(ErrorKind::mismatch, "the sculpt holds a number that is not finite");
+  if (!has_name(modifiers, name)) modifiers.push_back({.name = name, .type = "sculpt"});
+  Modifier& modifier = *find_modifier(modifiers, name);
+  if (modifier.type != "sculpt") {
+    throw Error(ErrorKind::usage, "the modifier '" + name + "' is of the type " + modifier.type);
+  }
+  const Character& character = database.character;
+  const std::string offsets = keep_samples(database.dataset, name, 1,
+                                           [&](std::size_t) { return output_from_welded(character, after - before); });
+  const DatabaseFrame& sculpted = database.frames[frame];
+  name_sculpt(modifier, database.takes[static_cast<std::size_t>(sculpted.take)], sculpted.frame, offsets,
+              spread_degrees);
+  return sculpt_notes(character, before, after);
+}
+
 std::vector<std::string> add_sculpt(const fs::path& path, const std::string& name, const std::string& take, int frame,
                                     const std::vector<float>& mesh, bool unposed, double spread_degrees) {
   std::vector<std::string> notes;
@@ -213,16 +231,8 @@ std::vector<std::string> add_sculpt(const fs::path& path, const std::string& nam
     const auto place = static_cast<std::size_t>(there - modifiers.begin());
     const UnposedSpace::Frame space = stack.space().frame(stack.database().frames[number].pose);
     const Positions before = stack.offsets(number, place), given = welded_from_output(character, mesh.data());
-    const Positions after = unposed ? Positions(given - character.vertices) : space.offsets(given);
-    if (!after.allFinite()) throw Error(ErrorKind::mismatch, "the sculpt holds a number that is not finite");
-    notes = sculpt_notes(character, character.vertices + before, character.vertices + after);
-    const std::string offsets =
-        keep_samples(dataset, name, 1, [&](std::size_t) { return output_from_welded(character, after - before); });
-    if (there == modifiers.end()) modifiers.push_back({.name = name, .type = "sculpt"});
-    if (modifiers[place].type != "sculpt") {
-      throw Error(ErrorKind::usage, "the modifier '" + name + "' is of the type " + modifiers[place].type);
-    }
-    put_sculpt(modifiers[place], take, frame, offsets, spread_degrees);
+    const Positions after = unposed ? given : Positions(character.vertices + space.offsets(given));
+    notes = put_sculpt(stack.database(), modifiers, name, number, character.vertices + before, after, spread_degrees);
   });
   return notes;
 }

@@ -42,6 +42,13 @@ void check_modifier(const PoseDatabase& database, const Modifier& modifier);
 void put_shapes_over(const std::filesystem::path& path, const std::string& take, const std::vector<int>& frames,
                      const ShapeReader& shapes, const std::vector<std::uint32_t>& samples);
 
+// The sculpt of a frame in the modifier `name` of a stack that is being edited becomes what two skins of it (V x 3,
+// un-posed, metres) differ by; the modifier is made where there is none. Returns what the artist should know: as
+// add_sculpt(). Throws Error(mismatch) at a number that is not finite, Error(usage) where the modifier is no sculpt.
+std::vector<std::string> put_sculpt(const PoseDatabase& database, std::vector<Modifier>& modifiers,
+                                    const std::string& name, std::size_t frame, const Positions& before,
+                                    const Positions& after, double spread_degrees);
+
 // An artist's mesh of a frame (O x 3, output vertices, metres; posed, or where `unposed`, as export wrote it un-posed):
 // what it differs by from the frame as the stack leaves it becomes a sculpt of the modifier `name`, which is made where
 // there is none. Returns what the artist should know: vertices that went further than a fifth of the character's size,

@@ -21,6 +21,18 @@ std::optional<std::pair<fs::path, std::string>> split_take(const std::string& na
                    has_take ? name.substr(mark + 1) : "");
 }
 
+bool same_weights(const std::vector<JointWeight>& a, const std::vector<JointWeight>& b) {
+  return std::ranges::equal(
+      a, b, [](const JointWeight& x, const JointWeight& y) { return x.joint == y.joint && x.weight == y.weight; });
+}
+
+// Un-posed space is of both then.
+bool have_one_skin(const Character& a, const Character& b) {
+  return skeleton_hash(a.skeleton) == skeleton_hash(b.skeleton) && a.vertices.rows() == b.vertices.rows() &&
+         a.vertices == b.vertices && a.triangles.rows() == b.triangles.rows() && a.triangles == b.triangles &&
+         std::ranges::equal(a.weights, b.weights, same_weights);
+}
+
 }  // namespace
 
 bool is_dataset(const std::string& name) {
@@ -29,19 +41,21 @@ bool is_dataset(const std::string& name) {
                                 : path.filename() == "dataset.json" && fs::exists(path);
 }
 
-NamedShapes::NamedShapes(const std::string& name) : name_(name) {
+NamedShapes::NamedShapes(const std::string& name, const ShapeStack* before) : name_(name) {
   if (const auto take = split_take(name)) {
-    open_dataset_frames(take->first, take->second);
+    open_dataset_frames(take->first, take->second, before);
   } else {
     reader_ = std::make_shared<const ShapeReader>(name);
   }
 }
 
-void NamedShapes::open_dataset_frames(const fs::path& dataset, const std::string& take) {
+void NamedShapes::open_dataset_frames(const fs::path& dataset, const std::string& take, const ShapeStack* before) {
   dataset_ = dataset;
   std::error_code none;  // told when it is read
   written_ = fs::last_write_time(dataset, none);
-  stack_ = std::make_shared<const ShapeStack>(read_pose_database(read_dataset(dataset)));
+  PoseDatabase read = read_pose_database(read_dataset(dataset));
+  const bool is_made = before && have_one_skin(before->database().character, read.character);
+  stack_ = std::make_shared<const ShapeStack>(std::move(read), is_made ? before->made_space() : nullptr);
   const PoseDatabase& database = stack_->database();
   const auto found = std::find(database.takes.begin(), database.takes.end(), take);
   if (!take.empty() && found == database.takes.end()) {
@@ -98,7 +112,7 @@ bool NamedShapes::was_edited() const {
 
 NamedShapes NamedShapes::as_they_are() const {
   if (!reader_ && !was_edited()) return *this;
-  NamedShapes now(name_);
+  NamedShapes now(name_, stack_.get());
   if (now.point_count() == point_count()) return now;
   throw Error(ErrorKind::mismatch, name_ + ": it was written anew with " + std::to_string(now.point_count()) +
                                        " points, it had " + std::to_string(point_count()));

@@ -20,7 +20,7 @@ bool is_dataset(const std::string& name);
 class NamedShapes {
  public:
   // Throws Error(file), and Error(mismatch) where the dataset has no such take, or it has no frame.
-  explicit NamedShapes(const std::string& name);
+  explicit NamedShapes(const std::string& name) : NamedShapes(name, nullptr) {}
 
   const std::string& name() const { return name_; }
   std::uint32_t point_count() const;
@@ -45,7 +45,9 @@ class NamedShapes {
   NamedShapes as_they_are() const;
 
  private:
-  void open_dataset_frames(const std::filesystem::path& dataset, const std::string& take);
+  // `before`: the stack that the dataset had; null: it was not open.
+  NamedShapes(const std::string& name, const ShapeStack* before);
+  void open_dataset_frames(const std::filesystem::path& dataset, const std::string& take, const ShapeStack* before);
   std::size_t number_of(std::uint32_t k) const;
 
   std::string name_;

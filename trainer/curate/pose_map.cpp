@@ -30,6 +30,11 @@ Eigen::MatrixXd features_of(const PoseDatabase& database, const SkinPart& part) 
 
 }  // namespace
 
+double pose_spread(const PoseDatabase& database, const SkinPart& part) {
+  const Eigen::MatrixXd features = features_of(database, part);
+  return features.norm() / std::sqrt(static_cast<double>(std::max<Index>(1, features.rows())));
+}
+
 PoseMap pose_map(const PoseDatabase& database, const SkinPart& part, double degrees) {
   const std::size_t count = database.frames.size();
   PoseMap map;
@@ -37,7 +42,6 @@ PoseMap pose_map(const PoseDatabase& database, const SkinPart& part, double degr
   map.neighbours.assign(count, 0);
   const Eigen::MatrixXd features = features_of(database, part);
   if (features.rows() == 0 || features.cols() == 0) return map;
-  map.spread = features.norm() / std::sqrt(static_cast<double>(count));
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(features.transpose() * features);
   const Index axes = std::min<Index>(2, features.cols());
   for (Index k = 0; k < axes; ++k) {

@@ -12,8 +12,10 @@ namespace bodyopt {
 struct PoseMap {
   Eigen::MatrixX2d places;      // N, degrees, around their mean
   std::vector<int> neighbours;  // N: other frames whose poses are near
-  double spread = 0;            // root mean square distance from the mean of all directions, degrees
 };
+
+// Root mean square distance of poses from their mean, in all directions, degrees.
+double pose_spread(const PoseDatabase& database, const SkinPart& part);
 
 // `degrees`: how far poses are near.
 PoseMap pose_map(const PoseDatabase& database, const SkinPart& part, double degrees);

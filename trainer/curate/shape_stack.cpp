@@ -23,7 +23,8 @@ struct ShapeStack::Layer {
   std::unique_ptr<ShapeModifier> shape{};
 };
 
-ShapeStack::ShapeStack(PoseDatabase database) : database_(std::move(database)), raw_frames_(database_.frames.size()) {
+ShapeStack::ShapeStack(PoseDatabase database, std::shared_ptr<const UnposedSpace> space)
+    : database_(std::move(database)), space_(std::move(space)), raw_frames_(database_.frames.size()) {
   dropped_.assign(raw_frames_, false);
   weights_.assign(raw_frames_, 1);
   const std::vector<Modifier>& modifiers = database_.dataset.modifiers;
@@ -46,7 +47,9 @@ ShapeStack::ShapeStack(PoseDatabase database) : database_(std::move(database)), 
 ShapeStack::~ShapeStack() = default;
 
 const UnposedSpace& ShapeStack::space() const {
-  std::call_once(space_made_, [this] { space_ = std::make_unique<UnposedSpace>(database_.character); });
+  std::call_once(space_made_, [this] {
+    if (!space_) space_ = std::make_shared<const UnposedSpace>(database_.character);
+  });
   return *space_;
 }
 

@@ -19,7 +19,8 @@ class ShapeStack {
   // Modifiers that are off are left out, those of types that this version does not know, too, which a note says. What
   // looks at all frames (consistency, despike) is worked out here, or read from modifiers/cache; shows progress then.
   // Throws Error(mismatch), naming the modifier, where one does not fit the dataset, and Error(file).
-  explicit ShapeStack(PoseDatabase database);
+  // `space`: of the character, where it is made already.
+  explicit ShapeStack(PoseDatabase database, std::shared_ptr<const UnposedSpace> space = nullptr);
   ~ShapeStack();
   ShapeStack(const ShapeStack&) = delete;
   ShapeStack& operator=(const ShapeStack&) = delete;
@@ -34,6 +35,8 @@ class ShapeStack {
   bool is_dropped(std::size_t frame) const { return dropped_[frame]; }
   // How many times a frame counts in training; 1 where no modifier says otherwise.
   double weight(std::size_t frame) const { return weights_[frame]; }
+  // Whether automatic modifiers leave any of a frame alone.
+  bool is_frozen(std::size_t frame) const { return frozen_part(frame).maxCoeff() > 0; }
   // Whether any modifier changes a frame's shape; if none does, the shape is the raw one, bit for bit.
   bool is_changed(std::size_t frame) const;
 
@@ -44,6 +47,8 @@ class ShapeStack {
   // Posed, as the stack begins with it: raw, or the mirror image of what another frame has become.
   Positions begun(std::size_t frame) const;
   const UnposedSpace& space() const;
+  // Null as long as nobody needed it.
+  const std::shared_ptr<const UnposedSpace>& made_space() const { return space_; }
 
  private:
   struct Layer;
@@ -62,8 +67,8 @@ class ShapeStack {
   std::vector<char> dropped_;
   std::vector<double> weights_;
   std::vector<Layer> layers_, freezes_;
-  mutable std::once_flag space_made_;            // shapes are asked for by several threads
-  mutable std::unique_ptr<UnposedSpace> space_;  // made with the first modifier
+  mutable std::once_flag space_made_;                  // shapes are asked for by several threads
+  mutable std::shared_ptr<const UnposedSpace> space_;  // made with the first modifier
   std::unique_ptr<MirrorImage> mirror_;
   std::size_t raw_frames_ = 0, mirror_place_ = 0;
 };

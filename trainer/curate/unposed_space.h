@@ -18,6 +18,8 @@ class UnposedSpace {
    public:
     Positions offsets(const Positions& shape) const;  // V x 3 posed -> V x 3 un-posed, metres
     Positions shape(const Positions& offsets) const;  // and back
+    // How a vertex is turned, un-posed to posed.
+    const Eigen::Matrix3d& rotation(std::size_t vertex) const { return placements_[vertex].rotation; }
 
    private:
     friend class UnposedSpace;

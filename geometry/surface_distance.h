@@ -1,0 +1,46 @@
+// How far the vertices of a skin are from one of its points, along the skin: what lies near through the air may be far.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/mesh.h"
+#include "geometry/nearest_skin.h"
+
+namespace bodyopt {
+
+struct SurfacePlace {
+  std::uint32_t vertex;
+  double distance;  // metres
+};
+
+// A front that passes from triangle to triangle (Kimmel and Sethian 1998), each unfolded into the plane of the point
+// where the front began (Novotni and Klein 2002): exact on what can be rolled out into a plane, but for a rim of an
+// edge's length at the end of its reach, where it is a little too long.
+class SurfaceDistance {
+ public:
+  // Of a skin of so many vertices.
+  SurfaceDistance(Eigen::Index vertices, const Triangles& triangles);
+
+  // The vertices within `reach` metres of a point of the skin, ascending. positions: V x 3, where they are now.
+  std::vector<SurfacePlace> around(const Positions& positions, const SkinPoint& from, double reach) const;
+
+  // Those that share a triangle with a vertex; twice where two triangles lie along the edge.
+  template <typename Visit>
+  void visit_ring(std::uint32_t vertex, Visit visit) const {
+    for (std::uint32_t k = begin_[vertex]; k < begin_[vertex + 1]; ++k) {
+      visit(corners_[k].next);
+      visit(corners_[k].last);
+    }
+  }
+
+ private:
+  // The other two of a triangle.
+  struct Corner {
+    std::uint32_t next, last;
+  };
+  std::vector<std::uint32_t> begin_;  // V + 1: of the corners at every vertex
+  std::vector<Corner> corners_;
+};
+
+}  // namespace bodyopt

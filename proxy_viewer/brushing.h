@@ -1,0 +1,84 @@
+// The brush over the dataset that is looked at: from pixels of the picture to strokes on the skin of its frame.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "draw/view.h"
+#include "proxy_viewer/commands/controls.h"
+#include "proxy_viewer/curation.h"
+#include "proxy_viewer/picking.h"
+#include "proxy_viewer/scene/scene.h"
+#include "trainer/curate/frame_sculpting.h"
+
+namespace bodyopt {
+
+// Where the brush is on the skin: a ring of its radius.
+struct BrushRing {
+  Vec3 centre, normal;  // metres, world; unit
+  double radius;        // metres
+  float x;              // pixel of the window: the view that it is seen in
+};
+
+class Brushing {
+ public:
+  // All must outlive it.
+  Brushing(Scene& scene, const Controls& controls, const Curation& curation)
+      : scene_(scene), controls_(controls), curation_(curation) {}
+
+  // Pixels of the window; `area`: of the characters. Nothing is written before keep().
+  // Takes hold of the skin; false: there is none. Throws as FrameSculpting.
+  bool press(const Rectangle& area, const std::array<double, 2>& pixel);
+  void drag(const Rectangle& area, const std::array<double, 2>& pixel);  // what is pressed
+  void release() { is_pressed_ = false; }
+  bool is_pressed() const { return is_pressed_; }
+  // All three; throws Error(usage) where it begins beside the skin. Shares of the area.
+  void stroke(const Rectangle& area, const PicturePath& path);
+  // The ring where the mouse is.
+  void hover(const Rectangle& area, const std::array<double, 2>& pixel);
+  void leave() { ring_.reset(); }
+
+  // Writes what was brushed, where anything was. Returns what is to be said. Throws as FrameSculpting::keep(), and what
+  // was brushed stays.
+  std::vector<std::string> keep();
+  // What was brushed is forgotten: the frame is as it is in the dataset.
+  void forget();
+  bool has_change() const { return sculpting_ && sculpting_->has_change(); }
+
+  // Of every frame of the database how much it takes of what was sculpted in the frame that was brushed last; empty:
+  // nothing was.
+  const std::vector<double>& weights() const { return weights_; }
+  const std::optional<BrushRing>& ring() const { return ring_; }
+
+ private:
+  struct Hit {
+    SkinPoint point;
+    Vec3 normal;
+  };
+
+  void take_up_frame();
+  Brush brush() const;
+  std::optional<Hit> hit(const Rectangle& area, const std::array<double, 2>& pixel) const;
+  bool touch(const Rectangle& area, const std::array<double, 2>& pixel);
+  double spacing(const Rectangle& area, const std::array<double, 2>& pixel) const;
+  void pull(const Rectangle& area, const std::array<double, 2>& pixel);
+  void show();
+
+  Scene& scene_;
+  const Controls& controls_;
+  const Curation& curation_;
+  std::optional<FrameSculpting> sculpting_;  // of the frame that was brushed last
+  std::string modifier_;                     // that it is for
+  std::optional<double> spread_;
+  std::vector<float> skin_;  // V x 3: its skin
+  std::vector<double> weights_;
+  std::optional<BrushRing> ring_;
+  Vec3 held_{};                      // where it was touched, metres, world
+  std::array<double, 2> touched_{};  // pixel
+  double spacing_ = 1;               // pixels, from touch to touch
+  bool is_pressed_ = false;
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,172 @@
+#include "trainer/curate/frame_sculpting.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "dataset/stack_history.h"
+#include "runtime/core/error.h"
+#include "trainer/curate/edit_stack.h"
+#include "trainer/curate/modifier_scope.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kUsualSpread = 30;  // degrees
+constexpr double kAlike = 0.05;      // of the character's size, that the sides of a body differ by at most
+
+const Modifier* modifier_of(const PoseDatabase& database, const std::string& name) {
+  const std::vector<Modifier>& modifiers = database.dataset.modifiers;
+  const auto found = std::ranges::find(modifiers, name, &Modifier::name);
+  return found == modifiers.end() ? nullptr : &*found;
+}
+
+// Why a stroke would not be seen as it is drawn; empty: it would.
+std::string hindrance(const PoseDatabase& database, const Modifier& modifier, std::size_t frame) {
+  if (modifier.type != "sculpt") return "is of the type " + modifier.type + ", not sculpt";
+  if (!modifier.enabled) return "is switched off";
+  if (modifier.strength != 1) return "has a strength below 1";
+  if (!modifier.mask.empty()) return "acts on a part of the skin alone";
+  if (!selected_frames(database, modifier.frames, "modifier '" + modifier.name + "'")[frame]) {
+    return "leaves this frame out";
+  }
+  return "";
+}
+
+SculptedFrames sculpts_of(const PoseDatabase& database, const std::string& name, std::size_t frame,
+                          std::optional<double> spread) {
+  const Modifier* modifier = modifier_of(database, name);
+  const std::string why = modifier ? hindrance(database, *modifier, frame) : "";
+  if (!why.empty()) {
+    throw Error(ErrorKind::usage,
+                "the modifier '" + name + "' " + why +
+                    ": what is brushed would not be what is seen (brush-modifier gives another name)");
+  }
+  Json parameters = modifier ? modifier->parameters : Json{{"sculpts", Json::array()}};
+  if (spread || !parameters.contains("spread_degrees")) parameters["spread_degrees"] = spread.value_or(kUsualSpread);
+  return {database, JsonObject(parameters, database.dataset.folder / "dataset.json", "modifier '" + name + "'"),
+          "modifier '" + name + "'"};
+}
+
+Eigen::Vector3d point_on(const Positions& surface, const SkinPoint& at) {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    point += at.weights[k] * surface.row(at.vertices[static_cast<std::size_t>(k)]).transpose();
+  }
+  return point;
+}
+
+}  // namespace
+
+FrameSculpting::FrameSculpting(std::shared_ptr<const ShapeStack> stack, std::size_t frame, std::string name,
+                               std::optional<double> spread_degrees)
+    : stack_(std::move(stack)),
+      frame_(frame),
+      name_(std::move(name)),
+      space_(stack_->space().frame(stack_->database().frames[frame].pose)),
+      sculpted_(sculpts_of(stack_->database(), name_, frame, spread_degrees)),
+      own_(sculpted_.sum(frame)),
+      begun_(character().vertices + stack_->offsets(frame, stack_->database().dataset.modifiers.size())),
+      surface_(begun_),
+      paths_(begun_.rows(), character().triangles) {
+  show();
+}
+
+void FrameSculpting::show() { skin_ = space_.shape(surface_ - character().vertices); }
+
+void FrameSculpting::begin(const Brush& brush, bool mirrored) {
+  stroke_.emplace(paths_, character().triangles, surface_, begun_ - own_, brush);
+  is_mirrored_ = mirrored;
+}
+
+void FrameSculpting::touch(const SkinPoint& at) {
+  at_ = at;
+  at_.position = point_on(surface_, at);
+  std::vector<SkinPoint> hands{at_};
+  if (is_mirrored_) hands.push_back(mirror_image(at_));
+  stroke_->touch(hands);
+  surface_ = stroke_->surface();
+  show();
+}
+
+void FrameSculpting::pull(const Eigen::Vector3d& way) {
+  Eigen::Vector3d unposed = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    unposed += at_.weights[k] * (space_.rotation(at_.vertices[static_cast<std::size_t>(k)]).transpose() * way);
+  }
+  std::vector<Eigen::Vector3d> ways{unposed};
+  if (is_mirrored_) ways.emplace_back(-unposed.x(), unposed.y(), unposed.z());
+  stroke_->pull(ways);
+  surface_ = stroke_->surface();
+  show();
+}
+
+// Across the middle of the rest skin, which un-posed skins lie near.
+SkinPoint FrameSculpting::mirror_image(const SkinPoint& at) {
+  const Positions& rest = character().vertices;
+  if (!rest_) rest_ = std::make_unique<NearestSkin>(rest, character().triangles);
+  const Eigen::RowVector3d low = rest.colwise().minCoeff(), high = rest.colwise().maxCoeff();
+  Eigen::Vector3d image = point_on(rest, at);
+  image.x() = low.x() + high.x() - image.x();
+  SkinPoint found = (*rest_)(image);
+  const double apart = (found.position - image).norm();
+  if (apart > kAlike * (high - low).norm()) {
+    throw Error(ErrorKind::mismatch, "the mirror image of this point is " + std::to_string(std::lround(1e3 * apart)) +
+                                         " mm from the skin: the character is not symmetric here (brush-symmetry off)");
+  }
+  found.position = point_on(surface_, found);
+  return found;
+}
+
+bool FrameSculpting::is_sculpted() const {
+  return has_change() ||
+         std::ranges::find(sculpted_.sculpts(), frame_, &SculptedFrame::frame) != sculpted_.sculpts().end();
+}
+
+std::vector<double> FrameSculpting::weights() const {
+  SculptedFrames with_strokes = sculpted_;
+  with_strokes.put({frame_, own_ + surface_ - begun_});
+  const auto place = std::ranges::find(with_strokes.sculpts(), frame_, &SculptedFrame::frame);
+  const auto own = static_cast<std::size_t>(place - with_strokes.sculpts().begin());
+  std::vector<double> weights;
+  for (std::size_t n = 0; n < stack_->database().frames.size(); ++n) {
+    weights.push_back(with_strokes.weights(n)[own]);
+  }
+  return weights;
+}
+
+std::vector<std::string> FrameSculpting::put_into(std::vector<Modifier>& modifiers, const Positions& strokes) const {
+  const Positions without = begun_ - own_;
+  return put_sculpt(stack_->database(), modifiers, name_, frame_, without, begun_ + strokes, sculpted_.spread());
+}
+
+std::vector<std::string> FrameSculpting::keep(std::chrono::milliseconds patience) const {
+  const PoseDatabase& database = stack_->database();
+  const std::string& take = database.takes[static_cast<std::size_t>(database.frames[frame_].take)];
+  const int number = database.frames[frame_].frame;
+  const Positions strokes = surface_ - begun_;
+  std::vector<std::string> notes;
+  if (stack_->is_frozen(frame_)) {
+    notes.push_back(take + " " + std::to_string(number) +
+                    " is frozen: automatic modifiers leave it alone, what is brushed is kept");
+  }
+  const auto edit = [&](const Dataset& dataset, std::vector<Modifier>& modifiers) {
+    if (modifiers == database.dataset.modifiers) return put_into(modifiers, strokes);
+    auto stack = std::make_shared<const ShapeStack>(read_pose_database(dataset), stack_->made_space());
+    if (stack->database().character.vertices.rows() != strokes.rows()) {
+      throw Error(ErrorKind::mismatch, "the dataset is of another character by now: what was brushed does not fit it");
+    }
+    const std::size_t frame = stack->database().find(take, number, "what was brushed");
+    return FrameSculpting(std::move(stack), frame, name_, sculpted_.spread()).put_into(modifiers, strokes);
+  };
+  edit_modifiers(
+      database.dataset.folder / "dataset.json",
+      [&](const Dataset& dataset, std::vector<Modifier>& modifiers) {
+        const std::vector<std::string> said = edit(dataset, modifiers);
+        notes.insert(notes.end(), said.begin(), said.end());
+      },
+      patience);
+  return notes;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,74 @@
+// Brushes on the skin of one frame of a dataset: strokes stay in memory until they are kept as the sculpt of a
+// modifier.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/brush_stroke.h"
+#include "trainer/curate/sculpted_frames.h"
+#include "trainer/curate/shape_stack.h"
+
+namespace bodyopt {
+
+class FrameSculpting {
+ public:
+  // On a frame as the stack leaves it, for the modifier `name`, which keep() makes where there is none. Spread: over
+  // how many degrees; none: what the modifier has, 30 for a new one. Throws Error(usage) where the modifier is no
+  // sculpt, or would not show all of a stroke: switched off, of less than full strength, of a part of the skin or of
+  // other frames.
+  FrameSculpting(std::shared_ptr<const ShapeStack> stack, std::size_t frame, std::string name,
+                 std::optional<double> spread_degrees);
+  FrameSculpting(const FrameSculpting&) = delete;
+  FrameSculpting& operator=(const FrameSculpting&) = delete;
+
+  std::size_t frame() const { return frame_; }
+  const ShapeStack& stack() const { return *stack_; }
+  const Positions& skin() const { return skin_; }  // V x 3, posed, metres, with all strokes
+  // Whether strokes have changed anything that is not kept.
+  bool has_change() const { return surface_ != begun_; }
+
+  // Begins a stroke. `mirrored`: a second hand does the same on the other side of the body.
+  void begin(const Brush& brush, bool mirrored);
+  // On a point of skin(). Throws Error(mismatch) where the body's other side is to be touched, and is not its mirror
+  // image.
+  void touch(const SkinPoint& at);
+  // A grab: what was touched last goes so far from where it was then, metres, world.
+  void pull(const Eigen::Vector3d& way);
+
+  // Whether the modifier has a sculpt of the frame, or will have.
+  bool is_sculpted() const;
+  // Of every frame of the database, how much of this frame's sculpt it takes.
+  std::vector<double> weights() const;
+
+  // Writes the strokes into the dataset as one edit. Where another process has edited its stack meanwhile, they are put
+  // on top of that. Waits no longer than `patience` for others that edit. Returns what the artist should know. Throws
+  // as put_sculpt(), and Error(file); the strokes stay then.
+  std::vector<std::string> keep(std::chrono::milliseconds patience) const;
+
+ private:
+  const Character& character() const { return stack_->database().character; }
+  SkinPoint mirror_image(const SkinPoint& at);
+  std::vector<std::string> put_into(std::vector<Modifier>& modifiers, const Positions& strokes) const;
+  void show();
+
+  std::shared_ptr<const ShapeStack> stack_;
+  std::size_t frame_;
+  std::string name_;
+  UnposedSpace::Frame space_;
+  SculptedFrames sculpted_;
+  Positions own_;              // V x 3: what the modifier adds to the frame without the strokes
+  Positions begun_, surface_;  // V x 3, un-posed: without the strokes, and with them
+  Positions skin_;
+  SurfaceDistance paths_;
+  std::optional<BrushStroke> stroke_;
+  SkinPoint at_;  // where it touched last, un-posed
+  bool is_mirrored_ = false;
+  std::unique_ptr<NearestSkin> rest_;  // of the rest skin, once a stroke is mirrored
+};
+
+}  // namespace bodyopt
