@@ -246,8 +246,8 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
   require_distinct(frames);
   const SingleThreadedProducts single_threaded;
   const QuasiStaticBody body = make_body(character, muscles, options);
-  const std::string idle = check_muscles(character, muscles, body);
-  if (!idle.empty()) options.warn(idle);
+  const std::string thin = check_muscles(character, muscles, body);
+  if (!thin.empty()) options.warn(thin);
   const std::filesystem::path& cache = take.cache();
   std::filesystem::path partial_path = cache;
   partial_path += ".partial";
