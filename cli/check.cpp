@@ -85,7 +85,8 @@ Json verbs_json(const std::vector<VerbForesight>& foreseen) {
                      {"nodes", verb.nodes},
                      {"contact", verb.has_contact},
                      {"why", verb.why},
-                     {"remedy", verb.remedy}});
+                     {"remedy", verb.remedy},
+                     {"glued", verb.glued}});
   }
   return verbs;
 }
@@ -96,6 +97,7 @@ std::string verbs_text(const std::vector<VerbForesight>& foreseen) {
     const bool simulates = verb.verb.starts_with("simulate");
     text += format("%-17s %-13s %7td  %-8s %s\n", verb.verb.c_str(), name_of(verb.fill), verb.nodes,
                    simulates ? (verb.has_contact ? "yes" : "no") : "-", verb.why.c_str());
+    if (!verb.glued.empty()) text += format("%-17s holds together: %s\n", "", verb.glued.c_str());
     if (!verb.remedy.empty()) text += format("%-17s remedy: %s\n", "", verb.remedy.c_str());
   }
   return text;

@@ -52,6 +52,11 @@ Json first_jiggle(const Character& character) {
   }
 }
 
+constexpr const char* kRegionSource =
+    "skin weights, summed by joint: a joint that moves as much skin as 40 vertices, the fewest that train gives a "
+    "region "
+    "of its own, has one; the skin of others is with the nearest joint above that has one";
+
 std::vector<std::string> write_mappings(const RigArguments& arguments, const Skeleton& skeleton) {
   std::vector<std::string> written;
   for (const std::string& path : arguments.mappings) {
@@ -98,7 +103,7 @@ void run(const RigArguments& arguments) {
   const fs::path out = arguments.out;
   std::vector<std::string> files = write_mappings(arguments, skeleton);
   write_joint_limits(limits, skeleton, out / "limits.json");
-  write_regions(regions, character, out / "regions.json", "skin weights, small parts with the joint above");
+  write_regions(regions, character, out / "regions.json", kRegionSource);
   if (!jiggle.is_null()) write_json(jiggle, out / "jiggle.json");
   for (const char* name : {"limits.json", "regions.json"}) files.push_back((out / name).string());
   if (!jiggle.is_null()) files.push_back((out / "jiggle.json").string());

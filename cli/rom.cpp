@@ -62,6 +62,24 @@ std::vector<Pose> wanted_poses(const Character& character, const JointLimits& li
                       options.seed + 1);
 }
 
+void say_few_frames(const RomArguments& arguments, const JointLimits& limits) {
+  const std::size_t needed = frames_for_sweeps(limits);
+  if (static_cast<std::size_t>(arguments.options.frames) >= needed) return;
+  say({format(
+      "%d frames are too few to sweep each of %zu degrees of freedom from end to end by itself, which takes %zu: "
+      "random poses have to show the rest",
+      arguments.options.frames, limits.dofs.size(), needed)});
+}
+
+std::string describe_wanted(const RomArguments& arguments, std::size_t count) {
+  if (!arguments.from.empty()) return "degrees from the poses of the clips given to the nearest frame:\n";
+  if (count == 0) {
+    return "how much of the limits is shown was not measured: no random pose within them was found in which no limbs "
+           "overlap; narrow those that reach through the body\n";
+  }
+  return format("degrees from %zu random poses, in which no limbs overlap, to the nearest frame:\n", count);
+}
+
 // Clips are in the unit of the character's file, as a DCC would export them.
 void write_in_unit(Clip clip, Skeleton skeleton, double unit, const std::string& path) {
   const auto rescale = [unit](JointTransform& transform) {
@@ -93,14 +111,16 @@ void run(const RomArguments& arguments) {
   const Clip clip = clip_of(motion, limits, skeleton);
   write_in_unit(clip, skeleton, arguments.unit > 0 ? arguments.unit : 1, arguments.out);
 
+  say_few_frames(arguments, limits);
   std::string text = format("%zu frames: rest, %zu of sweeps, %zu of pairs, %zu random\n", clip.poses.size(),
                             motion.sweep_frames, motion.pair_frames, motion.random_frames);
-  text += format("random frames step %.1f degrees at most; the largest step of all is %.1f\n", options.step,
-                 motion.largest_step);
-  text += arguments.from.empty() ? "degrees from random poses, in which no limbs overlap, to the nearest frame:\n"
-                                 : "degrees from the poses of the clips given to the nearest frame:\n";
+  text += format("the largest step from a frame to the next is %.1f degrees", motion.largest_step);
+  text += options.step < RangeOfMotionOptions{}.step ? format(", of random frames %.1f at most\n", options.step) : "\n";
+  const std::vector<Pose> wanted = wanted_poses(character, limits, options);
+  text += describe_wanted(arguments, wanted.size());
   Json per_joint = Json::array();
-  for (const JointCoverage& joint : coverage(clip.poses, wanted_poses(character, limits, options), skeleton)) {
+  for (const JointCoverage& joint : coverage(clip.poses, wanted, skeleton)) {
+    if (wanted.empty()) break;
     text += format("  %-20s mean %5.1f  largest %5.1f\n", joint.joint.c_str(), joint.mean, joint.largest);
     per_joint.push_back({{"joint", joint.joint}, {"mean_degrees", joint.mean}, {"largest_degrees", joint.largest}});
   }
@@ -136,7 +156,8 @@ void add_rom(CLI::App& app) {
   verb.add_option("--limits", arguments->limits, "Joint limits (limits.json); default: what the clips of --from show")
       ->type_name("FILE");
   add_output(verb, arguments->out, ".glb", "The clip to write");
-  verb.add_option("--frames", arguments->options.frames, "Number of frames")
+  verb.add_option("--frames", arguments->options.frames,
+                  "How many frames to make (a number, where other verbs take a list of frames)")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000));
   verb.add_option("--seed", arguments->options.seed, "Another seed gives other random poses")->capture_default_str();

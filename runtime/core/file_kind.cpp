@@ -22,6 +22,11 @@ std::string looks_like(const std::filesystem::path& path) {
                                                        {"BLENDER", "a Blender file"},
                                                        {"PXR-USDC", "a USD file"},
                                                        {"#usda", "a USD file"},
+                                                       {"Ogawa", "an Alembic cache"},
+                                                       {"\x89HDF", "an Alembic cache"},
+                                                       {"# ", "a text file, perhaps an OBJ"},
+                                                       {"<!DOCTYPE", "a web page"},
+                                                       {"<html", "a web page"},
                                                        {"PK\x03\x04", "a ZIP archive"}};
   for (const auto& [magic, kind] : kinds) {
     if (start.starts_with(magic)) return std::string("; it looks like ") + kind;

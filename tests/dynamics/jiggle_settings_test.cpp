@@ -34,7 +34,7 @@ TEST(JiggleFile, WhatItLeavesOutIsTheDefault) {
 TEST(JiggleFile, WhatIsWrittenReadsAsItWas) {
   const TemporaryFolder folder;
   const std::string written = file_of(R"("softness": 2.0, "damping": 0.3, "amount": 0.5, "poisson": 0.4,
-      "density": 950.0, "tension": 6.0, "lowest_frequency": 3.5, "limit": 0.25, "flesh": 0.04,
+      "density": 950.0, "tension": 6.0, "lowest_frequency": 3.5, "limit": 0.25, "flesh": 0.04, "comment": "of a bear",
       "regions": [{"joint": "Head", "amount": 0.0, "comment": "a skull"}, {"region": "belly", "softness": 4.0}])");
   write_bytes(folder / "jiggle.json", written);
   EXPECT_EQ(jiggle_json(read_jiggle(folder / "jiggle.json")), nlohmann::ordered_json::parse(written));

@@ -66,6 +66,44 @@ TEST(FirstLimits, ReachEveryPoseTheyAreTakenFrom) {
   }
 }
 
+// A hinge whose own axis is neither left-right nor front-back: only its bend goes far.
+TEST(FirstLimits, BendAboutWhatAHingeTurnsAbout) {
+  const Skeleton skeleton = limb_skeleton();
+  const Vec3 along = length_of_bone(skeleton, 1), bone = (1 / length(along)) * along;
+  const Vec3 across = cross(bone, {0.3, 0.7, -0.5}), hinge = (1 / length(across)) * across;
+  std::vector<Pose> poses;
+  for (int k = 0; k <= 15; ++k) {
+    Pose pose = bind_pose(skeleton);
+    pose.joints[1].rotation = axis_angle(hinge, 10 * k * std::numbers::pi / 180);
+    poses.push_back(pose);
+  }
+  const JointLimits limits = first_limits(limb_character(), poses);
+  EXPECT_NEAR(std::abs(dot(limits.dofs[0].turns[0].axis, hinge)), 1, 1e-5);
+  EXPECT_NEAR(limits.dofs[0].max - limits.dofs[0].min, 150 + 2 * 16, 0.3);
+  EXPECT_NEAR(limits.dofs[1].max, 1, 0.11);
+  EXPECT_NEAR(limits.dofs[2].max, 1, 0.11);
+}
+
+TEST(FirstLimits, SayWhereTheyCutARange) {
+  Pose pose = bind_pose(limb_skeleton());
+  pose.joints[1].rotation = axis_angle({1, 0, 0}, 168 * std::numbers::pi / 180);
+  const JointLimits limits = first_limits(limb_character(), {pose});
+  EXPECT_EQ(limits.dofs[0].max, 170);
+  EXPECT_NE(limits.dofs[0].source.find("cut at 170 degrees"), std::string::npos) << limits.dofs[0].source;
+  EXPECT_EQ(limits.dofs[1].source.find("cut"), std::string::npos) << limits.dofs[1].source;
+}
+
+// What turns all of the skin bends none of it.
+TEST(FirstLimits, LeaveOutARootBelowTheRoot) {
+  Character character = limb_character();
+  for (auto& weights : character.weights) {
+    for (JointWeight& weight : weights) weight.joint = std::max(weight.joint, 1u);
+  }
+  const JointLimits limits = first_limits(character, elbow_poses());
+  ASSERT_EQ(limits.dofs.size(), 3u);
+  EXPECT_EQ(limits.dofs[0].name, "joint2 bend");
+}
+
 TEST(FirstLimits, AreReadBackAsTheyAreWritten) {
   const TemporaryFolder folder;
   const JointLimits limits = first_limits(limb_character(), elbow_poses());
@@ -80,6 +118,9 @@ TEST(FirstLimits, AreReadBackAsTheyAreWritten) {
   ASSERT_EQ(read.deviations.size(), limits.deviations.size());
   EXPECT_EQ(read.deviations[0].degrees, kUsualDeviation);
   EXPECT_EQ(read.deviations[1].degrees, 5);  // a quarter of 20
+  EXPECT_FALSE(read.source.empty());
+  EXPECT_EQ(read.source, limits.source);
+  EXPECT_EQ(read.deviations[1].source, limits.deviations[1].source);
 }
 
 TEST(FirstLimits, RefuseASkinThatNoJointBelowTheRootMoves) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "runtime/host/rig.h"
 #include "tests/simulate/limb.h"
@@ -9,6 +10,7 @@
 #include "trainer/simulate/muscle_fibres.h"
 #include "trainer/simulate/node_weights.h"
 #include "trainer/simulate/skin_bending.h"
+#include "trainer/tets/lattice_cage.h"
 #include "trainer/tets/tets.h"
 
 namespace bodyopt {
@@ -150,6 +152,22 @@ TEST_F(Anatomy, MusclesTakeTheTetsOfTheirBelly) {
     EXPECT_LT((centroid - Eigen::Vector3d(centroid[0], 0.018, 0)).norm(), flexor.radius);
     EXPECT_GT(centroid[0], 0.03);
     EXPECT_LT(centroid[0], 0.29);
+  }
+}
+
+// Thinner than any tet, alone or where another muscle has all of them: on either side of the body alike.
+TEST_F(Anatomy, AThinMusclePullsInTheTetAtItsMiddle) {
+  Muscle flexor = make_flexor(), thread = make_flexor();
+  thread.radius = 1e-3;
+  const Cage cage = lattice_cage(limb_.vertices, limb_.triangles, 300);
+  for (const std::vector<FibreTet>& fibres :
+       {label_muscles(mesh_, {flexor, thread}), label_muscles(cage, {flexor, thread})}) {
+    const auto pulls = [](const FibreTet& fibre) { return fibre.muscle == 1; };
+    ASSERT_EQ(std::count_if(fibres.begin(), fibres.end(), pulls), 1);
+    const FibreTet& fibre = *std::find_if(fibres.begin(), fibres.end(), pulls);
+    EXPECT_NEAR(fibre.direction[0], 1, 1e-12);
+    EXPECT_GT(fibre.share, 0);
+    EXPECT_LT(fibre.share, 0.5);
   }
 }
 

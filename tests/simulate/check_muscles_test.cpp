@@ -21,13 +21,15 @@ std::string said(const std::vector<Muscle>& muscles) {
   return check_muscles(limb, muscles, QuasiStaticBody(limb, muscles, fill_skin(limb, 0.05)));
 }
 
-TEST(CheckMuscles, ThoseWithoutATetAreCountedAndNamed) {
+TEST(CheckMuscles, ThoseThinnerThanATetAreCountedAndNamed) {
   EXPECT_EQ(said({}), "");
   EXPECT_EQ(said({make_flexor()}), "");
-  EXPECT_EQ(said({make_flexor(), thread("a")}),
-            "1 muscle fills no tetrahedron of its own and does nothing: 'a'; a smaller --tet-size may help");
+  EXPECT_EQ(
+      said({make_flexor(), thread("a")}),
+      "1 muscle is thinner than the tetrahedra and pulls in one of them alone: 'a'; a smaller --tet-size may help");
   EXPECT_EQ(said({thread("a"), make_flexor(), thread("b")}),
-            "2 muscles fill no tetrahedron of their own and do nothing: 'a', 'b'; a smaller --tet-size may help");
+            "2 muscles are thinner than the tetrahedra and pull in one of them alone: 'a', 'b'; a smaller --tet-size "
+            "may help");
 }
 
 // Each of them has to be mended.
@@ -44,7 +46,8 @@ TEST(CheckMuscles, NoTetSizeIsAdvisedInACage) {
   const Character limb = make_limb();
   const std::vector<Muscle> muscles{make_flexor(), thread("a")};
   const QuasiStaticBody body(limb, muscles, lattice_cage(limb.vertices, limb.triangles, 300));
-  EXPECT_EQ(check_muscles(limb, muscles, body), "1 muscle fills no tetrahedron of its own and does nothing: 'a'");
+  EXPECT_EQ(check_muscles(limb, muscles, body),
+            "1 muscle is thinner than the tetrahedra and pulls in one of them alone: 'a'");
 }
 
 TEST(CheckMuscles, PathsOutsideTheSkinAreRefusedHoweverThick) {

@@ -67,7 +67,9 @@ TEST(Tissue, BarrierGradientIsTheEnergysDerivative) {
 
 TEST(Tissue, FibreGradientsAreTheEnergysDerivative) {
   const TetMesh mesh = tet_block(3, 2, 2, 0.01);
-  const Tissue tissue(mesh, all(mesh, Materials{}.muscle), fibres_everywhere(mesh, {1, 0.3, -0.2}));
+  std::vector<FibreTet> fibres = fibres_everywhere(mesh, {1, 0.3, -0.2});
+  for (const int t : {0, 7, 7, 11}) fibres.push_back({t, 0, Eigen::Vector3d(0.2, -1, 0.4).normalized(), 0.5});
+  const Tissue tissue(mesh, all(mesh, Materials{}.muscle), fibres);
   expect_gradient(tissue, shaken(mesh.nodes, 0.0005, 9), {0.7});       // active alone, near rest
   expect_gradient(tissue, shaken(1.2 * mesh.nodes, 0.0005, 10), {0});  // passive alone, stretched
   expect_gradient(tissue, shaken(1.2 * mesh.nodes, 0.0005, 11), {1});  // both
@@ -80,9 +82,11 @@ TEST(Tissue, EnergyIsTheDocumentedOne) {
   const TetMesh mesh = tet_block(2, 2, 2, 0.01);
   const Eigen::Vector3d fibre = Eigen::Vector3d(0.2, 1, 0.4).normalized();
   std::vector<FibreTet> fibres = fibres_everywhere(mesh, fibre);
-  fibres.resize(13);  // the rest is passive
+  fibres.resize(13);                                                          // the rest is passive
+  const Eigen::Vector3d second = Eigen::Vector3d(1, -0.3, 0.1).normalized();  // of another muscle in two of them
+  for (const int t : {4, 9}) fibres.push_back({t, 1, second, 0.25});
   std::vector<TetMaterial> materials = all(mesh, Materials{}.fat);
-  for (std::size_t t = 0; t < fibres.size(); ++t) materials[t] = Materials{}.muscle;
+  for (const FibreTet& of_muscle : fibres) materials[static_cast<std::size_t>(of_muscle.tet)] = Materials{}.muscle;
   const Positions nodes = shaken(mapped(mesh.nodes, Eigen::Vector3d(0.3, 1.1, 0.9).asDiagonal(), {1, 2, 3}), 0.0002, 3);
   TetMesh posed = mesh;
   posed.nodes = nodes;
@@ -105,11 +109,16 @@ TEST(Tissue, EnergyIsTheDocumentedOne) {
         density += 0.6 * Materials{}.active_fibre / 2 * std::pow(std::max(s - 0.7, 0.0), 2) +
                    Materials{}.passive_fibre / 2 * std::pow(std::max(s - 1, 0.0), 2);
       }
+      if (t == 4 || t == 9) {
+        const double s = (f * second).norm();
+        density += 0.25 * (0.9 * Materials{}.active_fibre / 2 * std::pow(std::max(s - 0.7, 0.0), 2) +
+                           Materials{}.passive_fibre / 2 * std::pow(std::max(s - 1, 0.0), 2));
+      }
       expected += volume * density;
     }
     Positions gradient = Positions::Zero(nodes.rows(), 3);
     const Tissue tissue(mesh, materials, fibres);
-    const double found = tissue.add_gradient(nodes, std::vector<double>{0.6}, gradient, shape).energy;
+    const double found = tissue.add_gradient(nodes, std::vector<double>{0.6, 0.9}, gradient, shape).energy;
     EXPECT_NEAR(found, expected, 1e-10 * std::abs(expected));
   }
 }

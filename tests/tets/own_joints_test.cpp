@@ -23,7 +23,14 @@ TEST(CarryByOwnJoints, PartsApartAlongTheSkinAreNotCarriedByOneAnother) {
   ASSERT_GE(shared, 0);
   std::vector<EmbeddedPoint> skin = own_nodes(mesh, count);
   for (std::size_t v = 0; v < 6; ++v) skin[v] = {shared, Eigen::Vector4d::Constant(0.25)};
+  const auto glued = [&] { return glued_vertices(both.vertices, both.triangles, both.weights, mesh, skin); };
+  ASSERT_GE(glued().size(), 6u);
+  for (const GluedVertex& vertex : glued()) {
+    const bool is_of_first = vertex.vertex < static_cast<std::uint32_t>(half);
+    EXPECT_EQ(vertex.joint, both.weights[static_cast<std::size_t>(is_of_first ? half : 0)].front().joint);
+  }
   carry_by_own_joints(both.vertices, both.triangles, both.weights, mesh, skin);
+  EXPECT_TRUE(glued().empty());
   for (std::size_t v = 0; v < 6; ++v) {
     for (int a = 0; a < 4; ++a) {
       const int node = mesh.tets(skin[v].tet, a);

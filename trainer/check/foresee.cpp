@@ -116,15 +116,13 @@ VerbForesight foresee_simulate(const Character& character, bool draft) {
     }
     const Cage& cage = *tets.cage;
     const Eigen::Index nodes = cage.mesh.nodes.rows();
-    if (cage.is_lattice)
-      return {verb,    BodyFill::lattice, nodes, false, cage.why_lattice.empty() ? tets.why_cage : cage.why_lattice,
-              kCloseIt};
-    return {verb,
-            BodyFill::coarser,
-            nodes,
-            true,
-            tets.why_cage.empty() ? cage.mending : tets.why_cage,
-            draft ? "" : kMendFirst};
+    const std::string glued = glued_parts(cage, character);
+    if (cage.is_lattice) {
+      const std::string& why = cage.why_lattice.empty() ? tets.why_cage : cage.why_lattice;
+      return {verb, BodyFill::lattice, nodes, false, why, kCloseIt, glued};
+    }
+    const std::string& why = tets.why_cage.empty() ? cage.mending : tets.why_cage;
+    return {verb, BodyFill::coarser, nodes, true, why, draft ? "" : kMendFirst, glued};
   } catch (const Error& error) {
     return refusal(verb, error);
   }

@@ -22,8 +22,9 @@ struct VerbForesight {
   BodyFill fill = BodyFill::refused;
   Eigen::Index nodes = 0;  // of train and proxy: vertices of the skin, of the coarsest level
   bool has_contact = false;
-  std::string why;     // what was mended, or keeps it from a better filling; empty: nothing
-  std::string remedy;  // empty: none is needed
+  std::string why;      // what was mended, or keeps it from a better filling; empty: nothing
+  std::string remedy;   // empty: none is needed
+  std::string glued{};  // of a cage: glued_parts()
 };
 
 // Vertices of one joint where something is amiss.

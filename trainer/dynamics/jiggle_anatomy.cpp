@@ -1,6 +1,7 @@
 #include "trainer/dynamics/jiggle_anatomy.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 
 #include "trainer/simulate/node_weights.h"
 
@@ -29,7 +30,7 @@ JiggleAnatomy find_anatomy(const Character& character, const std::vector<Muscle>
   }
   for (const FibreTet& fibre : label_muscles(cage, muscles)) {
     const auto t = static_cast<std::size_t>(fibre.tet);
-    anatomy.muscle_of_tets[t] = fibre.share;
+    anatomy.muscle_of_tets[t] = std::min(anatomy.muscle_of_tets[t] + fibre.share, 1.0);
     for (int a = 0; a < 4; ++a) {
       const int node = mesh.tets(fibre.tet, a);
       anatomy.muscle_share(node, fibre.muscle) += fibre.share * of_tet[t] / volume[node];

@@ -211,6 +211,11 @@ JiggleSettings chosen_settings(const JiggleSettings& settings, const JiggleField
   if (settings.flesh > 0) return settings;
   JiggleSettings chosen = settings;
   chosen.flesh = kFleshOfSize * longest_extent(character.vertices);
+  if (chosen.comment.empty()) {
+    chosen.comment = "flesh: " + rounded(kFleshOfSize) +
+                     " of the longest extent, as 5 cm are of a person; all else, where nobody has said otherwise: the "
+                     "defaults of jiggle.json";
+  }
   std::vector<JiggleRegion> thin;
   for (std::size_t j = 0; j < character.skeleton.size(); ++j) {
     const Eigen::VectorXd share = anatomy.joint_share.col(static_cast<Eigen::Index>(j));

@@ -115,6 +115,7 @@ Json jiggle_json(const JiggleSettings& settings) {
                {"tension", settings.tension}, {"lowest_frequency", settings.lowest_frequency},
                {"limit", settings.limit}};
   if (settings.flesh > 0) json["flesh"] = settings.flesh;
+  if (!settings.comment.empty()) json["comment"] = settings.comment;
   json["regions"] = Json::array();
   for (const JiggleRegion& region : settings.regions) json["regions"].push_back(region_json(region));
   return json;
@@ -134,6 +135,7 @@ JiggleSettings read_jiggle(const std::filesystem::path& path) {
   if (top.has("density")) settings.density = top.number("density", kLightest, kHeaviest);
   if (top.has("tension")) settings.tension = top.number("tension", 0, kMostTension);
   if (top.has("flesh")) settings.flesh = flesh(top);
+  if (top.has("comment")) settings.comment = top.text("comment");
   if (top.has("lowest_frequency")) settings.lowest_frequency = lowest_frequency(top);
   if (top.has("limit")) settings.limit = limit(top);
   if (!top.has("regions")) return settings;

@@ -36,6 +36,7 @@ struct JiggleSettings {
   double density = 1000;  // kg/m^3
   double tension = 4;     // Hz that a fully active muscle's tissue gains: its springs alone would swing so fast
   std::vector<JiggleRegion> regions;              // a later one covers the earlier ones where both are
+  std::string comment{};                          // as a region's
   std::string origin = "the settings of jiggle";  // the file's name, for messages
 };
 

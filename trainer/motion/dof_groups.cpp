@@ -1,6 +1,8 @@
 #include "trainer/motion/dof_groups.h"
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 #include <numeric>
 
 namespace bodyopt {
@@ -48,6 +50,21 @@ std::vector<std::array<std::size_t, 2>> dof_pairs(const JointLimits& limits, con
     }
   }
   return pairs;
+}
+
+std::set<std::uint32_t> joints_between(const Skeleton& skeleton, std::uint32_t a, std::uint32_t b) {
+  const auto chain = [&](std::uint32_t joint) {
+    std::set<std::uint32_t> joints;
+    for (int j = static_cast<int>(joint); j >= 0; j = skeleton.joints[static_cast<std::size_t>(j)].parent) {
+      joints.insert(static_cast<std::uint32_t>(j));
+    }
+    return joints;
+  };
+  const std::set<std::uint32_t> up_a = chain(a), up_b = chain(b);
+  std::set<std::uint32_t> between;
+  std::set_symmetric_difference(up_a.begin(), up_a.end(), up_b.begin(), up_b.end(),
+                                std::inserter(between, between.end()));
+  return between;
 }
 
 }  // namespace bodyopt

@@ -87,7 +87,7 @@ class Explorer {
     std::vector<int> chosen(groups_.size());
     Posture next = towards_target(chosen);
     while (const auto found = overlap_.find(limited_pose(skeleton_, limits_, next))) {
-      const std::set<std::uint32_t> between = joints_between(found->first, found->second);
+      const std::set<std::uint32_t> between = joints_between(skeleton_, found->first, found->second);
       bool changed = false;
       for (std::size_t g = 0; g < groups_.size(); ++g) {
         if (chosen[g] > kTargetsInTheWay || !turns_any(groups_[g], between)) continue;
@@ -186,22 +186,6 @@ class Explorer {
       }
     }
     return next;
-  }
-
-  // The joints that move `a` relative to `b`: from both up to, and without, their common ancestor.
-  std::set<std::uint32_t> joints_between(std::uint32_t a, std::uint32_t b) const {
-    const auto chain = [&](std::uint32_t joint) {
-      std::set<std::uint32_t> joints;
-      for (int j = static_cast<int>(joint); j >= 0; j = skeleton_.joints[static_cast<std::size_t>(j)].parent) {
-        joints.insert(static_cast<std::uint32_t>(j));
-      }
-      return joints;
-    };
-    const std::set<std::uint32_t> up_a = chain(a), up_b = chain(b);
-    std::set<std::uint32_t> between;
-    std::set_symmetric_difference(up_a.begin(), up_a.end(), up_b.begin(), up_b.end(),
-                                  std::inserter(between, between.end()));
-    return between;
   }
 
   static bool turns_any(const MotionGroup& group, const std::set<std::uint32_t>& joints) {

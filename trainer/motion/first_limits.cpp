@@ -1,10 +1,12 @@
 #include "trainer/motion/first_limits.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "assets/notes.h"
 #include "runtime/core/error.h"
 #include "trainer/motion/turns_from_bind.h"
 
@@ -16,7 +18,7 @@ using Eigen::Vector3d;
 
 constexpr double kTurns = 2;                     // degrees: less is no motion of the joint
 constexpr double kWidening = 0.1, kWiderBy = 1;  // of a range in clips; degrees
-constexpr double kLargest = 170;                 // degrees: beyond, angles about three axes are ambiguous
+constexpr double kMost[] = {170, 90, 170};       // degrees of bend, side, twist: beyond, the three are ambiguous
 constexpr double kDeviation = 0.25;              // of a joint's widest range
 constexpr double kSharesSkin = 0.05;             // of a vertex: less is a trace
 
@@ -29,45 +31,93 @@ constexpr Rule kFork{15, 10, "rule for a joint at a fork, as of trunks and hands
 constexpr Rule kChain{30, 15, "rule for a joint in a chain, as of limbs, necks and tails; no clip turns it"};
 constexpr Rule kTip{10, 5, "rule for the tip of a chain; no clip turns it"};
 
-// Of every joint, whether skin follows it or a joint below it.
-std::vector<char> joints_with_skin(const Character& character) {
+// Of every joint, how many joints that skin follows are at or below it.
+std::vector<int> joints_with_skin(const Character& character) {
   const Skeleton& skeleton = character.skeleton;
-  std::vector<char> with_skin(skeleton.size(), false);
+  std::vector<int> with_skin(skeleton.size(), 0);
   for (const auto& weights : character.weights) {
-    for (const JointWeight& weight : weights) with_skin[weight.joint] |= weight.weight > kSharesSkin;
+    for (const JointWeight& weight : weights) {
+      if (weight.weight > kSharesSkin) with_skin[weight.joint] = 1;
+    }
   }
   for (std::size_t j = skeleton.size(); j-- > 0;) {
     const int parent = skeleton.joints[j].parent;
-    if (parent >= 0) with_skin[static_cast<std::size_t>(parent)] |= with_skin[j];
+    if (parent >= 0) with_skin[static_cast<std::size_t>(parent)] += with_skin[j];
   }
   return with_skin;
 }
 
-const Rule& rule_of(const Skeleton& skeleton, const std::vector<char>& with_skin, std::size_t joint) {
+// Joints that move some of the skin against the rest of it. What moves all of it is a root, wherever it stands.
+std::vector<std::uint32_t> bending_joints(const Skeleton& skeleton, const std::vector<int>& with_skin) {
+  const int all = with_skin.empty() ? 0 : *std::max_element(with_skin.begin(), with_skin.end());
+  std::vector<std::uint32_t> joints;
+  for (std::uint32_t j = 0; j < skeleton.size(); ++j) {
+    if (skeleton.joints[j].parent >= 0 && with_skin[j] > 0 && with_skin[j] < all) joints.push_back(j);
+  }
+  return joints;
+}
+
+const Rule& rule_of(const Skeleton& skeleton, const std::vector<int>& with_skin, std::size_t joint) {
   int below = 0;
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
-    below += with_skin[j] && skeleton.joints[j].parent == static_cast<int>(joint) ? 1 : 0;
+    below += with_skin[j] > 0 && skeleton.joints[j].parent == static_cast<int>(joint) ? 1 : 0;
   }
   return below == 0 ? kTip : (below == 1 ? kChain : kFork);
 }
 
-// Columns: bend, side and twist; the last along the bone, or up where there is none, the first as nearly left-right as
-// can be.
-Matrix3d axes_of(const Skeleton& skeleton, std::size_t joint) {
+Eigen::Quaterniond quaternion(const Quat& q) { return {q[3], q[0], q[1], q[2]}; }
+
+// Along the bone, or up where there is none.
+Vector3d bone_of(const Skeleton& skeleton, std::size_t joint) {
   const Vec3 bone = length_of_bone(skeleton, joint);
-  Vector3d twist(bone[0], bone[1], bone[2]);
-  twist = twist.norm() > 1e-9 ? twist.normalized() : Vector3d::UnitY();
-  const Vector3d across = std::abs(twist.x()) < 0.9 ? Vector3d::UnitX() : Vector3d::UnitZ();
-  const Vector3d bend = (across - across.dot(twist) * twist).normalized();
+  const Vector3d along(bone[0], bone[1], bone[2]);
+  return along.norm() > 1e-9 ? along.normalized() : Vector3d::UnitY();
+}
+
+// Across the bone, as nearly left-right as can be.
+Vector3d across(const Vector3d& bone) {
+  const Vector3d wanted = std::abs(bone.x()) < 0.9 ? Vector3d::UnitX() : Vector3d::UnitZ();
+  return (wanted - wanted.dot(bone) * bone).normalized();
+}
+
+// Axis times radians of what is left of a turn without its twist about the bone, which comes first.
+Vector3d swing_of(const Quat& turn, const Vector3d& bone) {
+  const Eigen::Quaterniond q = quaternion(turn);
+  const Vector3d along = q.vec().dot(bone) * bone;
+  const Eigen::Quaterniond twist(q.w(), along.x(), along.y(), along.z());
+  if (!(twist.norm() > 1e-9))
+    return Vector3d::Zero();  // half a turn about an axis across the bone has no twist to tell
+  const Eigen::AngleAxisd swing(q * twist.normalized().conjugate());
+  return (swing.angle() > std::numbers::pi ? swing.angle() - 2 * std::numbers::pi : swing.angle()) * swing.axis();
+}
+
+// Across the bone, the axis that the turns are most about: a hinge's own; one that is nearly left-right points as
+// across() does. Without such turns, across().
+Vector3d bend_of(const std::vector<Quat>& turns, const Vector3d& bone) {
+  Matrix3d moments = Matrix3d::Zero();
+  for (const Quat& turn : turns) {
+    const Vector3d swing = swing_of(turn, bone);
+    moments += swing * swing.transpose();
+  }
+  const Vector3d usual = across(bone);
+  const double radians = kTurns * std::numbers::pi / 180;
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(moments);
+  if (solver.eigenvalues()[2] < radians * radians) return usual;
+  const Vector3d most = solver.eigenvectors().col(2);
+  const Vector3d bend = (most - most.dot(bone) * bone).normalized();
+  return bend.dot(usual) < 0 ? Vector3d(-bend) : bend;
+}
+
+// Columns: bend, side and twist, rest space.
+Matrix3d axes_of(const Vector3d& bend, const Vector3d& bone) {
   Matrix3d axes;
-  axes << bend, twist.cross(bend), twist;
+  axes << bend, bone.cross(bend), bone;
   return axes;
 }
 
 // The angles of the product bend * side * twist, degrees.
 Vector3d angles_of(const Quat& turn, const Matrix3d& axes) {
-  const Matrix3d r =
-      axes.transpose() * Eigen::Quaterniond(turn[3], turn[0], turn[1], turn[2]).toRotationMatrix() * axes;
+  const Matrix3d r = axes.transpose() * quaternion(turn).toRotationMatrix() * axes;
   const Vector3d angles(std::atan2(-r(1, 2), r(2, 2)), std::asin(std::clamp(r(0, 2), -1.0, 1.0)),
                         std::atan2(-r(0, 1), r(0, 0)));
   return 180 / std::numbers::pi * angles;
@@ -78,9 +128,9 @@ struct Ranges {
   bool moves() const { return (high - low).maxCoeff() >= kTurns; }
 };
 
-Ranges shown_ranges(const Skeleton& skeleton, const std::vector<Pose>& poses, std::size_t joint, const Matrix3d& axes) {
+Ranges shown_ranges(const std::vector<Quat>& turns, const Matrix3d& axes) {
   Ranges ranges;
-  for (const Quat& turn : turns_from_bind(skeleton, poses, joint)) {
+  for (const Quat& turn : turns) {
     const Vector3d angles = angles_of(turn, axes);
     ranges.low = ranges.low.cwiseMin(angles);
     ranges.high = ranges.high.cwiseMax(angles);
@@ -90,9 +140,7 @@ Ranges shown_ranges(const Skeleton& skeleton, const std::vector<Pose>& poses, st
 
 Ranges widened(Ranges ranges) {
   const Vector3d more = (kWidening * (ranges.high - ranges.low)).array() + kWiderBy;
-  ranges.low = (ranges.low - more).cwiseMax(-kLargest);
-  ranges.high = (ranges.high + more).cwiseMin(kLargest);
-  return ranges;
+  return {ranges.low - more, ranges.high + more};
 }
 
 Ranges ruled(const Rule& rule) {
@@ -105,43 +153,55 @@ double tenths(double degrees) { return std::round(10 * degrees) / 10; }
 
 double readable(double component) { return std::round(1e6 * component) / 1e6 + 0.0; }  // no -0
 
+// How far a degree of freedom goes, and why.
+DegreeOfFreedom first_dof(const std::string& name, const JointTurn& turn, double low, double high, double most,
+                          std::string source) {
+  if (low < -most || high > most) {
+    source += ", cut at " + rounded(most) + " degrees, beyond which the joint's three angles are ambiguous";
+  }
+  return {name, 0, tenths(std::max(low, -most)), tenths(std::min(high, most)), {turn}, std::move(source)};
+}
+
 void add_joint(const Skeleton& skeleton, std::uint32_t joint, const Matrix3d& axes, const Ranges& ranges,
                const std::string& source, JointLimits& limits) {
   constexpr const char* kNames[] = {" bend", " side", " twist"};
   for (Eigen::Index k = 0; k < 3; ++k) {
     const Vec3 axis{readable(axes(0, k)), readable(axes(1, k)), readable(axes(2, k))};
-    limits.dofs.push_back({skeleton.joints[joint].name + kNames[k],
-                           0,
-                           tenths(ranges.low[k]),
-                           tenths(ranges.high[k]),
-                           {{joint, axis}},
-                           source});
+    limits.dofs.push_back(first_dof(skeleton.joints[joint].name + kNames[k], {joint, axis}, ranges.low[k],
+                                    ranges.high[k], kMost[k], source));
   }
   const double widest = (ranges.high - ranges.low).maxCoeff();
-  limits.deviations.push_back({joint, std::min(kUsualDeviation, tenths(kDeviation * widest))});
+  limits.deviations.push_back({joint, std::min(kUsualDeviation, tenths(kDeviation * widest)),
+                               "a quarter of the joint's widest range, 15 degrees at most"});
 }
 
 }  // namespace
 
 JointLimits first_limits(const Character& character, const std::vector<Pose>& poses) {
   const Skeleton& skeleton = character.skeleton;
-  const std::vector<char> with_skin = joints_with_skin(character);
+  const std::vector<int> with_skin = joints_with_skin(character);
   JointLimits limits;
-  for (std::uint32_t j = 0; j < skeleton.size(); ++j) {
-    if (skeleton.joints[j].parent < 0 || !with_skin[j]) continue;
-    const Matrix3d axes = axes_of(skeleton, j);
-    const Ranges shown = shown_ranges(skeleton, poses, j, axes);
-    const Rule& rule = rule_of(skeleton, with_skin, j);
+  limits.source =
+      "first limits, to be edited: a joint's 'rest' of 0 is the bind pose; 'twist' is about its bone, 'bend' about "
+      "what "
+      "the clips turn it about most, or else nearly left-right, 'side' about the third";
+  for (const std::uint32_t j : bending_joints(skeleton, with_skin)) {
+    const std::vector<Quat> turns = turns_from_bind(skeleton, poses, j);
+    const Vector3d bone = bone_of(skeleton, j);
+    const Matrix3d axes = axes_of(bend_of(turns, bone), bone);
+    const Ranges shown = shown_ranges(turns, axes);
     if (shown.moves()) {
       add_joint(skeleton, j, axes, widened(shown), "what the clips turn it by, widened by a tenth and a degree",
                 limits);
     } else {
-      add_joint(skeleton, j, axes, ruled(rule), rule.source, limits);
+      const Rule& rule = rule_of(skeleton, with_skin, j);
+      add_joint(skeleton, j, axes_of(across(bone), bone), ruled(rule), rule.source, limits);
     }
   }
   if (limits.dofs.empty()) {
     throw Error(ErrorKind::mismatch, "no joint of '" + character.name +
-                                         "' below the root moves any skin: there is nothing to set limits for");
+                                         "' below the root moves some of the skin against the rest: there is nothing "
+                                         "to set limits for");
   }
   return limits;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <set>
 
 #include "runtime/host/rig.h"
 #include "trainer/motion/explore.h"
@@ -10,8 +12,9 @@
 namespace bodyopt {
 namespace {
 
-constexpr std::size_t kTriesPerSample = 50;
-constexpr double kMoves = 0.1;  // degrees
+constexpr int kMostRedrawn = 50;  // times that limbs of a pose are in the way
+constexpr int kMostLost = 20;     // poses in a row
+constexpr double kMoves = 0.1;    // degrees
 
 double angle_between(const Quat& a, const Quat& b) { return angle_of(conjugate(a) * b); }
 
@@ -25,6 +28,29 @@ double angle_to_nearest(const Quat& q, const std::vector<Quat>& others) {
   const auto cosine = [&](const Quat& o) { return std::abs(q[0] * o[0] + q[1] * o[1] + q[2] * o[2] + q[3] * o[3]); };
   return angle_between(q, *std::max_element(others.begin(), others.end(),
                                             [&](const Quat& a, const Quat& b) { return cosine(a) < cosine(b); }));
+}
+
+bool turns_any(const DegreeOfFreedom& dof, const std::set<std::uint32_t>& joints) {
+  return std::any_of(dof.turns.begin(), dof.turns.end(),
+                     [&](const JointTurn& turn) { return joints.contains(turn.joint); });
+}
+
+// Limbs that are in each other's way are drawn anew, and these alone: of whole poses drawn anew hardly any would be
+// clear where there are many joints.
+std::optional<Pose> clear_pose(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
+                               UniformRandom& random) {
+  Angles angles = random_angles(limits, random);
+  for (int redrawn = 0; redrawn < kMostRedrawn; ++redrawn) {
+    Pose pose = limited_pose(skeleton, limits, {angles});
+    const auto found = overlap.find(pose);
+    if (!found) return pose;
+    const std::set<std::uint32_t> between = joints_between(skeleton, found->first, found->second);
+    const Angles others = random_angles(limits, random);
+    for (std::size_t k = 0; k < angles.size(); ++k) {
+      if (turns_any(limits.dofs[k], between)) angles[k] = others[k];
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -53,9 +79,11 @@ std::vector<Pose> random_poses(const JointLimits& limits, const Skeleton& skelet
                                std::size_t count, std::uint64_t seed) {
   UniformRandom random(seed);
   std::vector<Pose> poses;
-  for (std::size_t k = 0; k < kTriesPerSample * count && poses.size() < count; ++k) {
-    Pose pose = limited_pose(skeleton, limits, {random_angles(limits, random)});
-    if (!overlap.find(pose)) poses.push_back(std::move(pose));
+  for (int lost = 0; lost < kMostLost && poses.size() < count; ++lost) {
+    std::optional<Pose> pose = clear_pose(limits, skeleton, overlap, random);
+    if (!pose) continue;
+    poses.push_back(std::move(*pose));
+    lost = -1;
   }
   return poses;
 }

@@ -20,7 +20,8 @@ struct JointCoverage {
 std::vector<JointCoverage> coverage(const std::vector<Pose>& frames, const std::vector<Pose>& wanted,
                                     const Skeleton& skeleton);
 
-// Random poses within the limits in which no limbs overlap: `count`, or fewer where such poses are rare.
+// Random poses within the limits in which no limbs overlap (those that would are drawn anew, limb by limb): `count`, or
+// fewer where such poses are rare.
 std::vector<Pose> random_poses(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
                                std::size_t count, std::uint64_t seed);
 

@@ -17,6 +17,12 @@ constexpr double kLargestDeviation = 180;  // degrees
 
 using JointPairs = std::map<std::uint32_t, std::uint32_t>;
 
+// Of a joint, which may be none.
+struct Deviation {
+  double degrees = 0;
+  std::string source;
+};
+
 class LimitsReader {
  public:
   LimitsReader(const std::filesystem::path& path, const Skeleton& skeleton) : path_(path), skeleton_(skeleton) {}
@@ -25,7 +31,7 @@ class LimitsReader {
     const Json json = read_json(path_, kSchema);
     const JsonObject top(json, path_, "the file");
     top.allow({"schema", "source", "mirrored_joints", "dofs", "deviations", "poses"});
-    if (top.has("source")) top.text("source");
+    if (top.has("source")) limits_.source = top.text("source");
     if (top.has("mirrored_joints")) read_pairs(top.array("mirrored_joints"));
     const Json& list = top.array("dofs");
     if (list.empty()) top.refuse("has no degree of freedom in 'dofs'");
@@ -132,9 +138,10 @@ class LimitsReader {
     for (std::size_t k = 0; k < list.size(); ++k) {
       const JsonObject object(list[k], path_, "deviations[" + std::to_string(k) + "]");
       object.allow({"joint", "degrees", "source"});
-      if (object.has("source")) object.text("source");
       const std::string name = object.name("joint");
-      if (!deviations_.emplace(joint(name), object.number("degrees", 0, kLargestDeviation)).second) {
+      const Deviation deviation{object.number("degrees", 0, kLargestDeviation),
+                                object.has("source") ? object.text("source") : ""};
+      if (!deviations_.emplace(joint(name), deviation).second) {
         object.refuse("has the joint '" + name + "' of an earlier one");
       }
     }
@@ -146,10 +153,10 @@ class LimitsReader {
 
   void add_usual_deviations() {
     for (const DegreeOfFreedom& dof : limits_.dofs) {
-      for (const JointTurn& turn : dof.turns) deviations_.emplace(turn.joint, kUsualDeviation);
+      for (const JointTurn& turn : dof.turns) deviations_.emplace(turn.joint, Deviation{kUsualDeviation, ""});
     }
-    for (const auto& [joint, degrees] : deviations_) {
-      if (degrees > 0) limits_.deviations.push_back({joint, degrees});
+    for (const auto& [joint, deviation] : deviations_) {
+      if (deviation.degrees > 0) limits_.deviations.push_back({joint, deviation.degrees, deviation.source});
     }
   }
 
@@ -204,7 +211,7 @@ class LimitsReader {
   const Skeleton& skeleton_;
   JointPairs mirrored_;
   std::map<std::size_t, std::size_t> mirrored_dofs_;  // either way
-  std::map<std::uint32_t, double> deviations_;        // degrees
+  std::map<std::uint32_t, Deviation> deviations_;
   std::set<std::string> names_;
   JointLimits limits_;
 };
@@ -226,20 +233,26 @@ void write_joint_limits(const JointLimits& limits, const Skeleton& skeleton, con
     if (!dof.source.empty()) dofs.back()["source"] = dof.source;
   }
   Json deviations = Json::array(), poses = Json::array();
-  std::map<std::uint32_t, double> degrees;
+  std::map<std::uint32_t, Deviation> of_joints;
   for (const DegreeOfFreedom& dof : limits.dofs) {
-    for (const JointTurn& turn : dof.turns) degrees[turn.joint] = 0;  // the reader's default is another
+    for (const JointTurn& turn : dof.turns) of_joints[turn.joint];  // none: the reader's default is another
   }
-  for (const JointDeviation& deviation : limits.deviations) degrees[deviation.joint] = deviation.degrees;
-  for (const auto& [joint, most] : degrees) {
-    deviations.push_back({{"joint", skeleton.joints.at(joint).name}, {"degrees", most}});
+  for (const JointDeviation& deviation : limits.deviations) {
+    of_joints[deviation.joint] = {deviation.degrees, deviation.source};
+  }
+  for (const auto& [joint, deviation] : of_joints) {
+    deviations.push_back({{"joint", skeleton.joints.at(joint).name}, {"degrees", deviation.degrees}});
+    if (!deviation.source.empty()) deviations.back()["source"] = deviation.source;
   }
   for (const CommonPose& pose : limits.poses) {
     Json angles = Json::object();
     for (std::size_t k = 0; k < limits.dofs.size(); ++k) angles[limits.dofs[k].name] = pose.angles[k];
     poses.push_back({{"name", pose.name}, {"angles", angles}});
   }
-  write_json({{"schema", kSchema}, {"dofs", dofs}, {"deviations", deviations}, {"poses", poses}}, path);
+  Json json = {{"schema", kSchema}};
+  if (!limits.source.empty()) json["source"] = limits.source;
+  json.update({{"dofs", dofs}, {"deviations", deviations}, {"poses", poses}});
+  write_json(json, path);
 }
 
 }  // namespace bodyopt

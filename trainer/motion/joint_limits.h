@@ -28,7 +28,8 @@ struct DegreeOfFreedom {
 // to.
 struct JointDeviation {
   std::uint32_t joint;
-  double degrees;  // above 0
+  double degrees;        // above 0
+  std::string source{};  // as of a degree of freedom
 };
 
 // A pose that the character takes often.
@@ -43,6 +44,7 @@ struct JointLimits {
   std::vector<DegreeOfFreedom> dofs;
   std::vector<JointDeviation> deviations{};  // at most one for a joint
   std::vector<CommonPose> poses{};
+  std::string source{};  // of what holds for all of the file
 };
 
 // Of joints that degrees of freedom turn, where a file says nothing.

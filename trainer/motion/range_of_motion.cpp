@@ -1,6 +1,7 @@
 #include "trainer/motion/range_of_motion.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -57,6 +58,11 @@ RangeOfMotion range_of_motion(const Character& character, const JointLimits& lim
     result.largest_step = std::max(result.largest_step, largest_turn(clip.poses[k - 1], clip.poses[k]));
   }
   return result;
+}
+
+std::size_t frames_for_sweeps(const JointLimits& limits) {
+  constexpr double kFramesOfOne = 3;  // its two ends, and rest
+  return static_cast<std::size_t>(std::ceil(kFramesOfOne * static_cast<double>(limits.dofs.size()) / kSweepShare));
 }
 
 SelfOverlap overlap_of_limits(const Character& character, const JointLimits& limits) {

@@ -30,6 +30,9 @@ struct RangeOfMotion {
 RangeOfMotion range_of_motion(const Character& character, const JointLimits& limits,
                               const RangeOfMotionOptions& options);
 
+// The fewest frames in which every degree of freedom is swept from end to end.
+std::size_t frames_for_sweeps(const JointLimits& limits);
+
 // What limbs may overlap: as much as when one degree of freedom alone goes through its range, and in common poses.
 SelfOverlap overlap_of_limits(const Character& character, const JointLimits& limits);
 

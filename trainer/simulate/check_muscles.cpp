@@ -28,18 +28,21 @@ std::string check_muscles(const Character& character, const std::vector<Muscle>&
     throw Error(ErrorKind::mismatch, "the muscle '" + muscle.name +
                                          "' lies outside the skin: muscles of another character, or in another unit?");
   }
-  std::vector<bool> fills(muscles.size(), false);
-  for (const FibreTet& fibre : body.fibres()) fills[static_cast<std::size_t>(fibre.muscle)] = true;
-  std::vector<std::string> idle;
-  for (std::size_t m = 0; m < muscles.size(); ++m) {
-    if (!fills[m]) idle.push_back(muscles[m].name);
+  std::vector<int> tets(muscles.size(), 0);
+  std::vector<double> share(muscles.size(), 0);
+  for (const FibreTet& fibre : body.fibres()) {
+    ++tets[static_cast<std::size_t>(fibre.muscle)];
+    share[static_cast<std::size_t>(fibre.muscle)] += fibre.share;
   }
-  if (idle.empty()) return "";
+  std::vector<std::string> thin;
+  for (std::size_t m = 0; m < muscles.size(); ++m) {
+    if (tets[m] == 1 && share[m] < 1) thin.push_back(muscles[m].name);
+  }
+  if (thin.empty()) return "";
   // All of them: each is to be made thicker or left out.
-  const bool conforming = !body.is_cage();
-  return count_of(idle.size(), "muscle fills no tetrahedron of its own and does nothing: ",
-                  "muscles fill no tetrahedron of their own and do nothing: ") +
-         list_names(idle, idle.size()) + (conforming ? "; a smaller --tet-size may help" : "");
+  return count_of(thin.size(), "muscle is thinner than the tetrahedra and pulls in one of them alone: ",
+                  "muscles are thinner than the tetrahedra and pull in one of them alone: ") +
+         list_names(thin, thin.size()) + (body.is_cage() ? "" : "; a smaller --tet-size may help");
 }
 
 }  // namespace bodyopt

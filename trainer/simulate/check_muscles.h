@@ -1,4 +1,4 @@
-// Muscles that would have no effect, found before long work.
+// Muscles that would have no effect, or hardly any, found before long work.
 #pragma once
 
 #include <string>
@@ -9,9 +9,8 @@
 
 namespace bodyopt {
 
-// One sentence naming the muscles that fill no tet of the body, because they are too thin for one or others have
-// them; empty when all muscles fill some. Throws Error(mismatch) naming a muscle whose whole path lies outside the
-// skin.
+// One sentence naming the muscles that fill no tet, and so pull in a part of one; empty when there are none. Throws
+// Error(mismatch) naming a muscle whose whole path lies outside the skin.
 std::string check_muscles(const Character& character, const std::vector<Muscle>& muscles, const QuasiStaticBody& body);
 
 }  // namespace bodyopt

@@ -75,17 +75,57 @@ Fibre fibre_at(const std::vector<Path>& paths, const Eigen::Vector3d& point) {
   return fibre;
 }
 
+struct PathMiddle {
+  Eigen::Vector3d position, direction;
+};
+
+// Half way along a path of any length.
+PathMiddle middle_of(const Path& path) {
+  const double half = path.arc.back() / 2;
+  std::size_t k = 0;
+  while (path.arc[k + 1] < half) ++k;
+  const Eigen::Vector3d along = (path.points[k + 1] - path.points[k]) / (path.arc[k + 1] - path.arc[k]);
+  return {path.points[k] + (half - path.arc[k]) * along, along};
+}
+
+// Of a belly of radius sqrt(sin(pi u)), cubic metres.
+double belly_volume(const Path& path) { return 2 * path.radius * path.radius * path.arc.back(); }
+
+struct TetPlace {
+  int tet;
+  Eigen::Vector3d position;
+};
+
+// Adds what muscles that no tet fell to have of the tet next to their middle.
+void add_thin_muscles(const std::vector<Path>& paths, const TetMesh& mesh, const std::vector<TetPlace>& places,
+                      std::vector<FibreTet>& fibres) {
+  std::vector<bool> fills(paths.size(), false);
+  for (const FibreTet& fibre : fibres) fills[static_cast<std::size_t>(fibre.muscle)] = true;
+  for (std::size_t m = 0; m < paths.size() && !places.empty(); ++m) {
+    if (fills[m] || !(paths[m].arc.back() > 0)) continue;
+    const PathMiddle middle = middle_of(paths[m]);
+    const auto nearest = std::min_element(places.begin(), places.end(), [&](const TetPlace& a, const TetPlace& b) {
+      return (a.position - middle.position).squaredNorm() < (b.position - middle.position).squaredNorm();
+    });
+    const double share = belly_volume(paths[m]) / (tet_edges(mesh, nearest->tet).determinant() / 6);
+    fibres.push_back({nearest->tet, static_cast<int>(m), middle.direction, std::min(share, 1.0)});
+  }
+}
+
 }  // namespace
 
 std::vector<FibreTet> label_muscles(const TetMesh& mesh, const std::vector<Muscle>& muscles) {
   const std::vector<Path> paths = rest_paths(muscles);
   std::vector<FibreTet> fibres;
+  std::vector<TetPlace> centroids;
   for (int t = 0; t < mesh.tets.rows(); ++t) {
     Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
     for (int a = 0; a < 4; ++a) centroid += 0.25 * mesh.nodes.row(mesh.tets(t, a)).transpose();
     const Fibre fibre = fibre_at(paths, centroid);
     if (fibre.muscle >= 0) fibres.push_back({t, fibre.muscle, fibre.direction});
+    centroids.push_back({t, centroid});
   }
+  add_thin_muscles(paths, mesh, centroids, fibres);
   return fibres;
 }
 
@@ -96,8 +136,10 @@ std::vector<FibreTet> label_muscles(const Cage& cage, const std::vector<Muscle>&
   };
   const std::vector<Path> paths = rest_paths(muscles);
   std::map<std::pair<int, int>, Sum> sums;  // by tet and muscle
+  std::vector<TetPlace> places;
   for (const CageSample& sample : cage.samples) {
-    const Fibre fibre = fibre_at(paths, rest_position(cage.mesh, sample.point));
+    places.push_back({sample.point.tet, rest_position(cage.mesh, sample.point)});
+    const Fibre fibre = fibre_at(paths, places.back().position);
     if (fibre.muscle < 0) continue;
     Sum& sum = sums[{sample.point.tet, fibre.muscle}];
     sum.volume += sample.volume;
@@ -114,6 +156,7 @@ std::vector<FibreTet> label_muscles(const Cage& cage, const std::vector<Muscle>&
       fibres.back() = fibre;
     }
   }
+  add_thin_muscles(paths, cage.mesh, places, fibres);
   return fibres;
 }
 

@@ -12,10 +12,13 @@
 namespace bodyopt {
 
 // Tets whose centroid lies in a muscle's belly: within radius sqrt(sin(pi u)) of its path, u from origin (0) to
-// insertion (1). Where muscles overlap, the one whose path is nearest relative to its radius there takes the tet.
+// insertion (1). Where muscles overlap, the one whose path is nearest relative to its radius there takes the tet. A
+// muscle that no tet falls to (thinner than they are) is a further one of the tet whose centroid is nearest to its
+// path's middle, with its volume's share of it: so a muscle never acts on one side of the body alone.
 std::vector<FibreTet> label_muscles(const TetMesh& mesh, const std::vector<Muscle>& muscles);
 
-// The same by the cage's samples: a tet goes to the muscle with the largest share of it, whose mean direction it takes.
+// The same by the cage's samples: a tet goes to the muscle with the largest share of it, whose mean direction it takes;
+// a muscle that has none is a further one of the tet whose sample is nearest.
 std::vector<FibreTet> label_muscles(const Cage& cage, const std::vector<Muscle>& muscles);
 
 // Length of a muscle's path with its points carried by their joints' skinning matrices, metres.

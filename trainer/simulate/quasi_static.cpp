@@ -85,6 +85,15 @@ std::vector<TetMaterial> cage_materials(const Cage& cage, const std::vector<doub
   return result;
 }
 
+// Of tets that tissue fills, by the share of muscle in each.
+std::vector<TetMaterial> full_materials(const std::vector<double>& muscle, const Materials& of) {
+  std::vector<TetMaterial> result;
+  for (const double share : muscle) {
+    result.push_back({std::lerp(of.fat.mu, of.muscle.mu, share), std::lerp(of.fat.lambda, of.muscle.lambda, share)});
+  }
+  return result;
+}
+
 // The only root, or -1: the joint whose motion moves the whole body.
 int single_root(const Skeleton& skeleton) {
   int roots = 0;
@@ -204,13 +213,13 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
   const auto joint_count = static_cast<Eigen::Index>(skeleton_.size());
 
   fibres_ = cage != nullptr ? label_muscles(*cage, muscles) : label_muscles(mesh_, muscles);
-  std::vector<TetMaterial> tets(tet_count, materials.fat);
   std::vector<double> muscle(tet_count, 0);
   for (const FibreTet& fibre : fibres_) {
-    tets[static_cast<std::size_t>(fibre.tet)] = materials.muscle;
-    muscle[static_cast<std::size_t>(fibre.tet)] = fibre.share;
+    double& share = muscle[static_cast<std::size_t>(fibre.tet)];
+    share = std::min(share + fibre.share, 1.0);
   }
-  if (cage != nullptr) tets = cage_materials(*cage, muscle, materials);
+  const std::vector<TetMaterial> tets =
+      cage != nullptr ? cage_materials(*cage, muscle, materials) : full_materials(muscle, materials);
   tissue_ = std::make_unique<Tissue>(mesh_, tets, fibres_, materials);
   volume_ = std::make_unique<MuscleVolume>(mesh_, fibres_, muscles.size(), materials);
 

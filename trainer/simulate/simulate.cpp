@@ -1,9 +1,11 @@
 #include "trainer/simulate/simulate.h"
 
 #include <algorithm>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "assets/nodes_cache.h"
 #include "assets/pc2.h"
@@ -210,6 +212,25 @@ BodyTets choose_tets(const Character& character, const SimulateOptions& options)
   }
 }
 
+std::string glued_parts(const Cage& cage, const Character& character) {
+  constexpr std::size_t kFewest = 3;  // vertices that make a part
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> counts;
+  for (const GluedVertex& glued : cage.glued) {
+    ++counts[std::minmax(character.weights[glued.vertex].front().joint, glued.joint)];
+  }
+  std::vector<std::pair<std::size_t, std::string>> parts;
+  for (const auto& [joints, count] : counts) {
+    if (count < kFewest) continue;
+    parts.emplace_back(count, "'" + character.skeleton.joints[joints.first].name + "' and '" +
+                                  character.skeleton.joints[joints.second].name + "' (" + std::to_string(count) +
+                                  " vertices)");
+  }
+  std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::string text;
+  for (const auto& [count, part] : parts) text += (text.empty() ? "" : ", ") + part;
+  return text;
+}
+
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
                           const SimulateOptions& options) {
   const BodyTets tets = choose_tets(character, options);
@@ -227,6 +248,9 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
     options.warn("the draft is made in a lattice, without contact: " + cage.why_lattice);
   }
   warn_of_mending(cage.mending, options);
+  if (const std::string glued = glued_parts(cage, character); !glued.empty()) {
+    options.warn("the cage cannot split what nearly touches at rest, and holds together: " + glued);
+  }
   return {character, muscles, cage, options.materials};
 }
 
@@ -246,8 +270,8 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
   require_distinct(frames);
   const SingleThreadedProducts single_threaded;
   const QuasiStaticBody body = make_body(character, muscles, options);
-  const std::string idle = check_muscles(character, muscles, body);
-  if (!idle.empty()) options.warn(idle);
+  const std::string thin = check_muscles(character, muscles, body);
+  if (!thin.empty()) options.warn(thin);
   const std::filesystem::path& cache = take.cache();
   std::filesystem::path partial_path = cache;
   partial_path += ".partial";

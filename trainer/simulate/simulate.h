@@ -32,6 +32,10 @@ struct BodyTets {
 };
 BodyTets choose_tets(const Character& character, const SimulateOptions& options);
 
+// Which parts a cage holds together though their joints would part them: "'Jaw' and 'Head' (12 vertices)", most first;
+// empty where there are none.
+std::string glued_parts(const Cage& cage, const Character& character);
+
 // The body that frames are solved with: conforming tets; a draft's cage; or, with a warning that says why, a cage for a
 // skin that tets cannot fill.
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace bodyopt {
 namespace {
@@ -18,6 +19,16 @@ Barrier barrier(double j, double steepest) {
   const double log_ratio = std::log(from / Tissue::kBarrierVolume);
   const double slope = -2 * below * log_ratio - below * below / from;
   return {-below * below * log_ratio + (j - from) * slope, slope};
+}
+
+// Those whose tet an earlier one has; they are sorted by tet.
+std::vector<FibreTet> take_repeated(std::vector<FibreTet>& fibres) {
+  std::vector<FibreTet> first, repeated;
+  for (const FibreTet& fibre : fibres) {
+    (first.empty() || first.back().tet != fibre.tet ? first : repeated).push_back(fibre);
+  }
+  fibres = std::move(first);
+  return repeated;
 }
 
 }  // namespace
@@ -39,7 +50,8 @@ Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::v
     : active_(materials.active_fibre), slack_(materials.active_slack), passive_(materials.passive_fibre) {
   const int count = static_cast<int>(mesh.tets.rows());
   for (int t = 0; t < count; ++t) mean_volume_ += tet_edges(mesh, t).determinant() / 6 / count;
-  std::sort(fibres.begin(), fibres.end(), [](const FibreTet& a, const FibreTet& b) { return a.tet < b.tet; });
+  std::stable_sort(fibres.begin(), fibres.end(), [](const FibreTet& a, const FibreTet& b) { return a.tet < b.tet; });
+  add_further(mesh, take_repeated(fibres));
   std::vector<int> order;
   std::vector<bool> is_muscle(static_cast<std::size_t>(count), false);
   for (const FibreTet& fibre : fibres) {
@@ -77,12 +89,27 @@ Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::v
   }
 }
 
-void Tissue::gather(const Batch& batch, const Positions& nodes, Corners& corners) const {
+void Tissue::add_further(const TetMesh& mesh, const std::vector<FibreTet>& fibres) {
+  further_.resize((fibres.size() + kLanes - 1) / kLanes);
+  for (std::size_t k = 0; k < further_.size() * kLanes; ++k) {
+    FurtherFibres& batch = further_[k / kLanes];
+    const std::size_t lane = k % kLanes;
+    const FibreTet& fibre = fibres[std::min(k, fibres.size() - 1)];
+    const Eigen::Matrix3d edges = tet_edges(mesh, fibre.tet);
+    const Eigen::Vector3d along = edges.inverse() * fibre.direction;
+    for (int a = 0; a < 4; ++a) batch.node[a][lane] = mesh.tets(fibre.tet, a);
+    for (int a = 0; a < 3; ++a) batch.fibres.slope[a][lane] = along[a];
+    batch.fibres.volume[lane] = k < fibres.size() ? fibre.share * edges.determinant() / 6 : 0;
+    batch.fibres.muscle[lane] = fibre.muscle;
+  }
+}
+
+void Tissue::gather(const int (&node)[4][kLanes], const Positions& nodes, Corners& corners) const {
   const double* x = nodes.data();
   for (int lane = 0; lane < kLanes; ++lane) {
-    const double* origin = x + 3 * static_cast<std::ptrdiff_t>(batch.node[0][lane]);
+    const double* origin = x + 3 * static_cast<std::ptrdiff_t>(node[0][lane]);
     for (int a = 0; a < 3; ++a) {
-      const double* corner = x + 3 * static_cast<std::ptrdiff_t>(batch.node[a + 1][lane]);
+      const double* corner = x + 3 * static_cast<std::ptrdiff_t>(node[a + 1][lane]);
       for (int i = 0; i < 3; ++i) corners.edge[a][i][lane] = corner[i] - origin[i];
     }
   }
@@ -145,15 +172,37 @@ double Tissue::fibre_force(const FibreBatch& batch, const Corners& corners, std:
   return energy;
 }
 
+// Adds to the gradient what corners 1..3 are pulled with, and its opposite to corner 0.
+void Tissue::scatter(const int (&node)[4][kLanes], const double (&force)[3][3][kLanes], Positions& gradient,
+                     Sum& sum) const {
+  double* out = gradient.data();
+  for (int lane = 0; lane < kLanes; ++lane) {
+    double* origin = out + 3 * static_cast<std::ptrdiff_t>(node[0][lane]);
+    double total[3] = {0, 0, 0};
+    for (int a = 0; a < 3; ++a) {
+      double* corner = out + 3 * static_cast<std::ptrdiff_t>(node[a + 1][lane]);
+      for (int i = 0; i < 3; ++i) {
+        const double f = force[a][i][lane];
+        corner[i] += f;
+        total[i] += f;
+        sum.force_square += f * f;
+      }
+    }
+    for (int i = 0; i < 3; ++i) {
+      origin[i] -= total[i];
+      sum.force_square += total[i] * total[i];
+    }
+  }
+}
+
 Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double> activation, Positions& gradient,
                                  const BarrierShape& shape) const {
   Sum sum;
-  double* out = gradient.data();
   for (std::size_t b = 0; b < batches_.size(); ++b) {
     const Batch& batch = batches_[b];
     Corners corners;
     Strain s;
-    gather(batch, nodes, corners);
+    gather(batch.node, nodes, corners);
     const double smallest = strain(batch, corners, s);
     double pressure[kLanes], density[kLanes];
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -192,23 +241,14 @@ Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double>
     }
     for (int lane = 0; lane < kLanes; ++lane) sum.energy += batch.volume[lane] * density[lane];
     if (b < fibres_.size()) sum.energy += fibre_force(fibres_[b], corners, activation, force);
-    for (int lane = 0; lane < kLanes; ++lane) {
-      double* origin = out + 3 * static_cast<std::ptrdiff_t>(batch.node[0][lane]);
-      double total[3] = {0, 0, 0};
-      for (int a = 0; a < 3; ++a) {
-        double* corner = out + 3 * static_cast<std::ptrdiff_t>(batch.node[a + 1][lane]);
-        for (int i = 0; i < 3; ++i) {
-          const double f = force[a][i][lane];
-          corner[i] += f;
-          total[i] += f;
-          sum.force_square += f * f;
-        }
-      }
-      for (int i = 0; i < 3; ++i) {
-        origin[i] -= total[i];
-        sum.force_square += total[i] * total[i];
-      }
-    }
+    scatter(batch.node, force, gradient, sum);
+  }
+  for (const FurtherFibres& batch : further_) {
+    Corners corners;
+    gather(batch.node, nodes, corners);
+    double force[3][3][kLanes] = {};
+    sum.energy += fibre_force(batch.fibres, corners, activation, force);
+    scatter(batch.node, force, gradient, sum);
   }
   return sum;
 }
@@ -219,7 +259,7 @@ Tissue::Inverted Tissue::inverted(const Positions& nodes) const {
   for (const Batch& batch : batches_) {
     Corners corners;
     Strain s;
-    gather(batch, nodes, corners);
+    gather(batch.node, nodes, corners);
     strain(batch, corners, s);
     for (int lane = 0; lane < kLanes; ++lane) {
       volume += batch.volume[lane];

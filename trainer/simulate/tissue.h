@@ -28,7 +28,7 @@ struct FibreTet {
 // Zero with zero gradient at rest when all activations are zero.
 class Tissue {
  public:
-  // tets: one material per tet. A tet has at most one entry in fibres.
+  // tets: one material per tet. A tet may have fibres of several muscles.
   Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::vector<FibreTet> fibres,
          const Materials& materials = {});
 
@@ -78,13 +78,22 @@ class Tissue {
   struct Corners;
   struct Strain;
 
-  void gather(const Batch& batch, const Positions& nodes, Corners& corners) const;
+  // Of muscles that share their tets with those of fibres_.
+  struct FurtherFibres {
+    int node[4][kLanes];
+    FibreBatch fibres;
+  };
+
+  void add_further(const TetMesh& mesh, const std::vector<FibreTet>& fibres);
+  void gather(const int (&node)[4][kLanes], const Positions& nodes, Corners& corners) const;
+  void scatter(const int (&node)[4][kLanes], const double (&force)[3][3][kLanes], Positions& gradient, Sum& sum) const;
   double strain(const Batch& batch, const Corners& corners, Strain& strain) const;
   double fibre_force(const FibreBatch& batch, const Corners& corners, std::span<const double> activation,
                      double (&force)[3][3][kLanes]) const;
 
   std::vector<Batch> batches_;
   std::vector<FibreBatch> fibres_;  // of the first batches
+  std::vector<FurtherFibres> further_;
   double active_, slack_, passive_;
   double mean_volume_ = 0;  // of a tet, cubic metres
 };

@@ -2,7 +2,6 @@
 
 #include "runtime/core/error.h"
 #include "trainer/tets/lattice_cage.h"
-#include "trainer/tets/own_joints.h"
 #include "trainer/tets/skin_cage.h"
 
 namespace bodyopt {
@@ -47,14 +46,15 @@ Cage filled_skin(const Positions& vertices, const Triangles& triangles, const Sk
 
 Cage make_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                Eigen::Index max_nodes) {
-  std::string reason;
+  Cage cage;
   try {
-    return filled_skin(vertices, triangles, weights, max_nodes);
+    cage = filled_skin(vertices, triangles, weights, max_nodes);
   } catch (const Error& error) {
-    reason = error.what();
+    const std::string reason = error.what();
+    cage = lattice_cage(vertices, triangles, max_nodes);
+    cage.why_lattice = reason;
   }
-  Cage cage = lattice_cage(vertices, triangles, max_nodes);
-  cage.why_lattice = reason;
+  cage.glued = glued_vertices(vertices, triangles, weights, cage.mesh, cage.skin);
   return cage;
 }
 

@@ -6,6 +6,7 @@
 
 #include "geometry/embedding.h"
 #include "trainer/tets/fillable_skin.h"
+#include "trainer/tets/own_joints.h"
 
 namespace bodyopt {
 
@@ -22,6 +23,7 @@ struct Cage {
   bool is_lattice = false;          // its tets reach beyond the skin and may overlap where parts are close
   std::string why_lattice;          // what kept the skin from being filled
   std::string mending;              // what was done to fill it, as FillableSkin::mending
+  std::vector<GluedVertex> glued;   // of make_cage: parts that it holds together and the joints would not
 };
 
 // A coarser skin filled with tets (skin_cage) where that comes out well: skin of which one piece is filled

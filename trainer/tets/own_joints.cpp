@@ -80,6 +80,17 @@ class CarriedSkin {
     return own < kOther || (own < kOwn && shares_with_far_skin(v));
   }
 
+  bool is_glued(std::uint32_t v) const { return agreement(v, skin_[v].tet) < kOwn && shares_with_far_skin(v); }
+
+  // That the vertex' tet follows most, beside its own main one.
+  std::uint32_t other_joint(std::uint32_t v) const {
+    Eigen::RowVectorXd joints = joints_of(skin_[v].tet);
+    joints[weights_[v].front().joint] = -1;
+    Eigen::Index other = 0;
+    joints.maxCoeff(&other);
+    return static_cast<std::uint32_t>(other);
+  }
+
   // Of the tets that follow the same joints, the one that holds a vertex best; none: where it is.
   EmbeddedPoint own_tet(std::uint32_t v) const {
     EmbeddedPoint best{-1, Eigen::Vector4d::Constant(kFarthest)};
@@ -91,12 +102,16 @@ class CarriedSkin {
   }
 
  private:
-  // The share of its weights that a tet follows.
-  double agreement(std::uint32_t v, int tet) const {
+  // How much of what a tet carries follows every joint; all 0 where it carries nothing.
+  Eigen::RowVectorXd joints_of(int tet) const {
     Eigen::RowVectorXd joints = Eigen::RowVectorXd::Zero(followed_.cols());
     for (int a = 0; a < 4; ++a) joints += followed_.row(mesh_.tets(tet, a));
-    if (!(joints.sum() > 0)) return 0;
-    joints /= joints.sum();
+    return joints / std::max(joints.sum(), 1e-300);
+  }
+
+  // The share of its weights that a tet follows.
+  double agreement(std::uint32_t v, int tet) const {
+    const Eigen::RowVectorXd joints = joints_of(tet);
     double sum = 0;
     for (const JointWeight& w : weights_[v]) sum += std::min(w.weight, joints[w.joint]);
     return sum;
@@ -146,6 +161,17 @@ void carry_by_own_joints(const Positions& vertices, const Triangles& triangles, 
     if (carried.follows_others(v)) own[v] = carried.own_tet(v);
   }
   skin = std::move(own);
+}
+
+std::vector<GluedVertex> glued_vertices(const Positions& vertices, const Triangles& triangles,
+                                        const SkinWeights& weights, const TetMesh& mesh,
+                                        const std::vector<EmbeddedPoint>& skin) {
+  const CarriedSkin carried(vertices, triangles, weights, mesh, skin);
+  std::vector<GluedVertex> glued;
+  for (std::uint32_t v = 0; v < skin.size(); ++v) {
+    if (carried.is_glued(v)) glued.push_back({v, carried.other_joint(v)});
+  }
+  return glued;
 }
 
 }  // namespace bodyopt

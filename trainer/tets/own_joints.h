@@ -17,4 +17,17 @@ namespace bodyopt {
 void carry_by_own_joints(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                          const TetMesh& mesh, std::vector<EmbeddedPoint>& skin);
 
+// A vertex that a tet of other joints carries because skin of theirs is next to it.
+struct GluedVertex {
+  std::uint32_t vertex;
+  std::uint32_t joint;  // of the others, the one that the tet follows most
+};
+
+// Those that moves of the joints would part, but the tets do not: skin that follows other joints and is far from them
+// along the skin shares their tet, and that tet follows less than four fifths of their weights. By vertex. As
+// carry_by_own_joints().
+std::vector<GluedVertex> glued_vertices(const Positions& vertices, const Triangles& triangles,
+                                        const SkinWeights& weights, const TetMesh& mesh,
+                                        const std::vector<EmbeddedPoint>& skin);
+
 }  // namespace bodyopt
