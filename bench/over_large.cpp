@@ -63,7 +63,7 @@ Basis over_large_basis(const SampleSet& set) {
   options.components = static_cast<int>(set.train.size());
   options.centres = 0;
   Groundwork ground(set, options);
-  const Layout layout = make_layout(set, ground, options.method, 0);
+  const Layout layout = make_layout(set, ground, options.method);
   const FitContext context(set, ground, layout, options);
   std::vector<std::size_t> regions(layout.regions.size());
   std::iota(regions.begin(), regions.end(), std::size_t{0});

@@ -1,5 +1,6 @@
 #include "proxy_viewer/scene/actor.h"
 
+#include "runtime/coverage/expected_error.h"
 #include "runtime/cpu/kernels.h"
 #include "tests/proxy_viewer/characters_fixture.h"
 #include "tests/support/attached_limb.h"
@@ -350,7 +351,7 @@ TEST_F(ActorTest, ErrorIsExpectedWhereThePoseLeavesTheTraining) {
     largest = std::max(largest, 1e3 * static_cast<double>(metres));
   }
   EXPECT_EQ(skin.largest_mm, largest);
-  const double rms = expected_errors(trained_->made, {far}).front().rms_mm;
+  const double rms = ErrorExpectation(trained_->made).of(far, measure_strains(trained_->made, far)).rms_mm;
   EXPECT_EQ(skin.rms_mm, rms);
   EXPECT_NEAR(std::sqrt(squares / static_cast<double>(after.size())), rms, 0.2 * rms);
 }

@@ -271,9 +271,10 @@ inline Basis knowing_basis() {
               .joints = {0, 1, 1},
               .sizes = {120, 82},
               .growth = {1e-5f, 4e-5f},
-              .usual = {0.5f, 0.25f}};
-  coverage.local = {0.0004f};
-  coverage.motion = {0.003f};
+              .usual = {0.5f, 0.25f},
+              .local = {0.0004f},
+              .motion = {0.003f},
+              .metric = {}};
   for (std::uint32_t k = 0; k < basis.residual.regions[1].centre_count; ++k) {
     coverage.local.push_back(0.0005f + 0.0001f * static_cast<float>(k));
     coverage.motion.push_back(0.004f);

@@ -88,10 +88,9 @@ Shares skin_shares(const FeatureJoints& joints, const Character& character, cons
 
 }  // namespace
 
-FadeTable fade_table(const Groundwork& ground, const std::vector<Muscle>& muscles,
-                     const std::vector<RegionModel>& regions, const std::vector<int>& folds) {
+FadeTable fade_table(const Groundwork& ground, const std::vector<RegionModel>& regions, const std::vector<int>& folds) {
   const Basis& basis = ground.base.basis;
-  const FeatureJoints joints(basis, muscles);
+  const FeatureJoints joints(basis, ground.muscles);
   FadeTable table = joint_manifold(basis.skeleton, ground.features.raw, folds);
   const std::vector<double> turns = joint_turns(ground.features.raw, joints.count());
   table.region_begin = {0};

@@ -11,9 +11,8 @@ namespace bodyopt {
 
 // The joints' manifold, and how much every region of the model minds that a joint stands off it: in proportion to the
 // joint's part in what the region's features explain, and in its skin, per mean square that the joint turned in
-// training. `muscles`: those that the groundwork's fibres are of.
-FadeTable fade_table(const Groundwork& ground, const std::vector<Muscle>& muscles,
-                     const std::vector<RegionModel>& regions, const std::vector<int>& folds);
+// training.
+FadeTable fade_table(const Groundwork& ground, const std::vector<RegionModel>& regions, const std::vector<int>& folds);
 
 // That of some of its regions, ascending.
 FadeTable fade_of(const FadeTable& table, const std::vector<std::size_t>& regions);

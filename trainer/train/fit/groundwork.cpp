@@ -46,11 +46,11 @@ DdmBase choose_base(const SampleSet& set, const Character& ordered, const std::v
 }
 
 DdmBase base_with_fibres(const SampleSet& set, const Character& ordered, const std::vector<std::uint32_t>& order,
-                         const TrainOptions& options) {
+                         const TrainOptions& options, const std::vector<Muscle>& muscles) {
   DdmBase base = choose_base(set, ordered, order, options);
   const double bytes = bytes_per_vertex(base.basis);
   if (options.budget > 0 && bytes > options.budget) refuse_budget(options.budget, bytes, "Direct Delta Mush alone");
-  if (options.method.strains) base.basis.strain = make_strain_table(base.basis, set.muscles);
+  if (options.method.strains) base.basis.strain = make_strain_table(base.basis, muscles);
   return base;
 }
 
@@ -137,21 +137,29 @@ std::vector<std::uint32_t> inverse_of(const std::vector<std::uint32_t>& order) {
   return inverse;
 }
 
+std::vector<Muscle> with_curves(std::vector<Muscle> muscles, const std::vector<Muscle>& curves) {
+  muscles.insert(muscles.end(), curves.begin(), curves.end());
+  return muscles;
+}
+
 }  // namespace
 
-Groundwork::Groundwork(const SampleSet& set, const TrainOptions& options, const EarlierFeatures& earlier)
-    : order(morton_order(set.character.vertices)),
+Groundwork::Groundwork(const SampleSet& set, const TrainOptions& options, const std::vector<Muscle>& curves,
+                       const EarlierFeatures& earlier)
+    : muscles(with_curves(set.muscles, curves)),
+      curve_count(curves.size()),
+      order(morton_order(set.character.vertices)),
       ordered(in_order(set.character, order)),
-      base(base_with_fibres(set, ordered, order, options)),
+      base(base_with_fibres(set, ordered, order, options, muscles)),
       shapes(set, ordered, base.basis, order, options.method.unposing),
       features(features_of(set, base, earlier)) {}
 
-Layout make_layout(const SampleSet& set, const Groundwork& ground, const Method& method, std::size_t curves) {
-  const std::vector<Muscle> muscles = method.strains ? set.muscles : std::vector<Muscle>{};
+Layout make_layout(const SampleSet& set, const Groundwork& ground, const Method& method) {
+  const std::vector<Muscle> muscles = method.strains ? ground.muscles : std::vector<Muscle>{};
   const std::vector<FeatureGroup> groups = feature_groups(ground, muscles);
   const std::vector<FeatureGroup> others = without_muscles(ground.ordered.skeleton, groups);
   Layout layout;
-  layout.regions = regions_of(ground.ordered, curves == muscles.size() ? others : groups,
+  layout.regions = regions_of(ground.ordered, ground.curve_count == muscles.size() ? others : groups,
                               renumbered(set.regions, inverse_of(ground.order)), method.support);
   const bool few_frames = set.train.size() <= kFewFrames;
   for (const RegionWeights& region : layout.regions) {

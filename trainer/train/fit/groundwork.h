@@ -31,10 +31,14 @@ struct EarlierFeatures {
 
 // Everything in runtime order. Members refer to each other: it stays where it is.
 struct Groundwork {
-  Groundwork(const SampleSet& set, const TrainOptions& options, const EarlierFeatures& earlier = {});
+  // `curves`: on the surface, that stand beside the set's muscles.
+  Groundwork(const SampleSet& set, const TrainOptions& options, const std::vector<Muscle>& curves = {},
+             const EarlierFeatures& earlier = {});
   Groundwork(const Groundwork&) = delete;
   Groundwork& operator=(const Groundwork&) = delete;
 
+  std::vector<Muscle> muscles;       // whose fibres the base has: the set's, then the curves
+  std::size_t curve_count;           // of them
   std::vector<std::uint32_t> order;  // welded vertex of each runtime vertex
   Character ordered;
   DdmBase base;  // with fibres
@@ -42,9 +46,8 @@ struct Groundwork {
   FeatureSamples features;
 };
 
-// Un-poses 800 frames at most, spread evenly: on these influences are measured. `curves`: how many of the set's
-// muscles, the last ones, are curves on the surface; without any muscle beside them they shape no region. Shows
-// progress.
-Layout make_layout(const SampleSet& set, const Groundwork& ground, const Method& method, std::size_t curves);
+// Un-poses 800 frames at most, spread evenly: on these influences are measured. Curves without any muscle beside them
+// shape no region. Shows progress.
+Layout make_layout(const SampleSet& set, const Groundwork& ground, const Method& method);
 
 }  // namespace bodyopt

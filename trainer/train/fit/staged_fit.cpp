@@ -31,16 +31,20 @@ std::vector<int> frames_in(const std::vector<std::uint64_t>& earlier, const std:
 
 StagedFit::StagedFit(const SampleSet& set, const TrainOptions& options, std::vector<std::string>& notes)
     : set_(set), options_(options), notes_(notes), store_(options.keep_in) {
-  if (!store_.keeps()) return;
-  lock_.emplace(options.keep_in.string() + ".lock",
+  if (store_.keeps()) look_back();
+  curves_ = choose_curves();
+}
+
+void StagedFit::look_back() {
+  lock_.emplace(options_.keep_in.string() + ".lock",
                 "training this basis right now, and each would delete what the other keeps: wait for it to end, or "
                 "name the basis otherwise");
-  keys_ = training_keys(set, options);
+  keys_ = training_keys(set_, options_);
   earlier_ = store_.layout();
   is_of_others_ = earlier_ && earlier_->from.subject != keys_.subject;
   if (is_of_others_) earlier_.reset();
   if (earlier_) earlier_frames_ = frames_in(earlier_->from.frames, keys_.frames);
-  updates_ = options.update && can_update();
+  updates_ = options_.update && can_update();
 }
 
 // A tenth of the frames, of those before and of those now, may be others; none that was learned from may be held out.
@@ -83,13 +87,9 @@ bool StagedFit::can_update() const {
   return true;
 }
 
-SampleSet StagedFit::samples() {
-  SampleSet samples = set_;
-  if (options_.surface_curves > 0 && options_.method.strains) {
-    curves_ = updates_ ? earlier_->curves : surface_curves(set_, options_);
-    samples.muscles.insert(samples.muscles.end(), curves_.begin(), curves_.end());
-  }
-  return samples;
+std::vector<Muscle> StagedFit::choose_curves() const {
+  if (options_.surface_curves == 0 || !options_.method.strains) return {};
+  return updates_ ? earlier_->curves : surface_curves(set_, options_);
 }
 
 TrainOptions StagedFit::options() const {
@@ -120,7 +120,7 @@ bool StagedFit::suits(const Groundwork& ground) const {
   return false;
 }
 
-Layout StagedFit::layout(const SampleSet& samples, const Groundwork& ground) {
+Layout StagedFit::layout(const Groundwork& ground) {
   if (updates_) {
     const bool same = earlier_->from.frames == keys_.frames && earlier_->from.takes == keys_.takes;
     key_ = same ? earlier_->key : updated_key(earlier_->key, keys_);
@@ -128,7 +128,7 @@ Layout StagedFit::layout(const SampleSet& samples, const Groundwork& ground) {
   }
   key_ = training_key(keys_, ground.base.radius);
   if (earlier_ && earlier_->key == key_) return earlier_->layout;
-  Layout layout = make_layout(samples, ground, options_.method, curves_.size());
+  Layout layout = make_layout(set_, ground, options_.method);
   keep(ground, layout);
   return layout;
 }

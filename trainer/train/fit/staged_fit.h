@@ -20,9 +20,9 @@ class StagedFit {
   // keeps what it finds in the same folder.
   StagedFit(const SampleSet& set, const TrainOptions& options, std::vector<std::string>& notes);
 
-  // What to lay the groundwork from: the samples with the curves on their surface among the muscles, the options with
-  // the smoothing radius of the earlier training that is brought to these frames, and features that it measured.
-  SampleSet samples();
+  // What to lay the groundwork from, beside the samples: curves on their surface, the options with the smoothing radius
+  // of the earlier training that is brought to these frames, and features that it measured.
+  const std::vector<Muscle>& curves() const { return curves_; }
   TrainOptions options() const;
   EarlierFeatures earlier_features() const;
 
@@ -31,13 +31,15 @@ class StagedFit {
   bool suits(const Groundwork& ground) const;
 
   // Layout and regions; shows progress. As train(): the same with and without an interruption.
-  Layout layout(const SampleSet& samples, const Groundwork& ground);
+  Layout layout(const Groundwork& ground);
   std::vector<RegionModel> regions(const Groundwork& ground, const Layout& layout);
   // After layout(): whether the fit is that of an earlier training brought to these frames.
   bool is_update(const Groundwork& ground) const { return key_ != training_key(keys_, ground.base.radius); }
 
  private:
+  void look_back();  // at what an earlier training kept
   bool can_update() const;
+  std::vector<Muscle> choose_curves() const;
   void keep(const Groundwork& ground, const Layout& layout) const;
   std::vector<std::size_t> update(const FitContext& context, std::vector<RegionModel>& models,
                                   const std::vector<std::size_t>& missing, const RegionDone& done,

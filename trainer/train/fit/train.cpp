@@ -31,7 +31,8 @@ namespace {
 CoverageTable region_coverage(const Character& character, const ResidualModel& model,
                               const std::vector<std::size_t>& packed, const FeatureSamples& features,
                               const Selection& selection) {
-  CoverageTable coverage{.joint_begin = {0}};
+  CoverageTable coverage;
+  coverage.joint_begin = {0};
   for (const std::size_t r : packed) {
     const RegionModel& region = model.regions[r];
     const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
@@ -142,7 +143,7 @@ TrainingResult packed_result(const SampleSet& set, const TrainOptions& options, 
   const PackedResidual packed = pack_into(result.basis, model, selection);
   result.curve = trade_off.curve();
   result.fits = region_fits(ground.ordered, model);
-  result.muscles = muscle_shares(bare.strain, set.muscles, model, joint_feature_count(bare.skeleton));
+  result.muscles = muscle_shares(bare.strain, ground.muscles, model, joint_feature_count(bare.skeleton));
   result.expected_mm = 1e3 * expected_error(model, selection);
   result.warnings = warnings_of(set, ground, model);
   result.basis.coverage = region_coverage(ground.ordered, model, packed.regions, ground.features, selection);
@@ -151,16 +152,15 @@ TrainingResult packed_result(const SampleSet& set, const TrainOptions& options, 
   return result;
 }
 
-// Calls `use` with the fit, its samples and its groundwork.
+// Calls `use` with the fit and its groundwork.
 template <typename Use>
 auto prepared(const SampleSet& set, TrainOptions options, std::vector<std::string>& notes, const Use& use) {
   check_samples(set);
   const SingleThreadedProducts single_threaded;
   for (;; options.update = false) {
     StagedFit fit(set, options, notes);
-    const SampleSet samples = fit.samples();
-    Groundwork ground(samples, fit.options(), fit.earlier_features());
-    if (fit.suits(ground)) return use(fit, samples, ground);
+    Groundwork ground(set, fit.options(), fit.curves(), fit.earlier_features());
+    if (fit.suits(ground)) return use(fit, ground);
   }
 }
 
@@ -168,25 +168,23 @@ auto prepared(const SampleSet& set, TrainOptions options, std::vector<std::strin
 
 std::vector<RegionWeights> training_regions(const SampleSet& set, const TrainOptions& options) {
   std::vector<std::string> unheard;
-  return prepared(set, options, unheard, [](StagedFit& fit, const SampleSet& samples, const Groundwork& ground) {
-    return renumbered(fit.layout(samples, ground).regions, ground.order);
+  return prepared(set, options, unheard, [](StagedFit& fit, const Groundwork& ground) {
+    return renumbered(fit.layout(ground).regions, ground.order);
   });
 }
 
 TrainingResult train(const SampleSet& set, const TrainOptions& options) {
   std::vector<std::string> notes;
-  TrainingResult result =
-      prepared(set, options, notes, [&](StagedFit& fit, const SampleSet& samples, Groundwork& ground) {
-        const Layout layout = fit.layout(samples, ground);
-        if (fit.is_update(ground)) say_updated(ground.base.basis);
-        ResidualModel model{set.controls, ground.features.ranges, fit.regions(ground, layout),
-                            ground.shapes.vertex_count(), training_folds(set)};
-        const std::vector<Muscle>& muscles = options.method.strains ? samples.muscles : set.muscles;
-        model.fade = fade_table(ground, muscles, model.regions, model.folds);
-        TrainingResult found = packed_result(samples, options, ground, model);
-        found.regions = renumbered(layout.regions, ground.order);
-        return found;
-      });
+  TrainingResult result = prepared(set, options, notes, [&](StagedFit& fit, Groundwork& ground) {
+    const Layout layout = fit.layout(ground);
+    if (fit.is_update(ground)) say_updated(ground.base.basis);
+    ResidualModel model{set.controls, ground.features.ranges, fit.regions(ground, layout), ground.shapes.vertex_count(),
+                        training_folds(set)};
+    model.fade = fade_table(ground, model.regions, model.folds);
+    TrainingResult found = packed_result(set, options, ground, model);
+    found.regions = renumbered(layout.regions, ground.order);
+    return found;
+  });
   result.notes = std::move(notes);
   return result;
 }

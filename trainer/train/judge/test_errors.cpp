@@ -9,6 +9,7 @@
 #include "runtime/coverage/expected_error.h"
 #include "runtime/coverage/region_shares.h"
 #include "runtime/deformer/deformer.h"
+#include "trainer/train/coverage/coverage.h"
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/skinning/mesh_table.h"
 #include "trainer/train/skinning/same_character.h"
