@@ -1,6 +1,7 @@
 #include "trainer/simulate/simulate.h"
 
 #include <gtest/gtest.h>
+#include <omp.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -70,6 +71,7 @@ int run_in_child(const TemporaryFolder& folder, const Clip& clip, std::size_t la
     setrlimit(RLIMIT_FSIZE, &limit);
     setrlimit(RLIMIT_CORE, &no_core);
     catch_interrupts();
+    omp_set_num_threads(1);  // the parent's threads, for which OpenMP would wait, are not here
     int code = 0;
     try {
       run(folder, clip, all_frames(clip), 1);

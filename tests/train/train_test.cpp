@@ -100,7 +100,7 @@ TEST(Train, RegionsThatWereWrittenGiveTheSameBasis) {
   for (std::size_t r = 0; r < regions.size(); ++r) EXPECT_EQ(report["regions"][r]["name"], regions[r].name);
   // Another region makes another basis.
   set.regions.front().name = "mine";
-  EXPECT_EQ(testing::difference(automatic, trained_basis(set, options)), "metadata");
+  EXPECT_EQ(testing::difference(automatic, trained_basis(set, options)), "coverage");
   for (double& weight : set.regions.front().weights) weight *= 0.5;
   EXPECT_EQ(testing::difference(automatic, trained_basis(set, options)), "residual");
 }
