@@ -407,15 +407,16 @@ void Session::frame_selection(std::uint32_t width, std::uint32_t height) {
 }
 
 void Session::keep_framed(std::uint32_t width, std::uint32_t height) {
-  if (!framed_ || scene.view_areas(controls.settings, {0, 0, width, height}).size() == framed_->views) return;
+  const std::size_t views = scene.view_areas(controls.settings, {0, 0, width, height}).size();
+  if (!framed_ || views == framed_->views) return;
   const OrbitView now = controls.kept_camera(), &then = framed_->camera;
   const bool stayed = length(now.target - then.target) < 1e-6 * then.distance && now.distance == then.distance &&
                       now.azimuth == then.azimuth && now.elevation == then.elevation;
   if (!stayed) return framed_.reset();
-  std::vector<float> points = std::move(framed_->points);
-  const Vec3 gone = controls.settings.look.follow ? controls.travelled - framed_->travelled : Vec3{0, 0, 0};
-  for (std::size_t k = 0; k < points.size(); ++k) points[k] += static_cast<float>(gone[k % 3]);
-  frame_points(std::move(points), width, height);
+  controls.camera.frame(framed_->points, view_aspect(width, height));
+  controls.go_to_camera(controls.camera.view());
+  framed_->camera = controls.kept_camera();
+  framed_->views = views;
 }
 
 void Session::frame_range(std::uint32_t width, std::uint32_t height) {
@@ -437,11 +438,17 @@ void Session::frame_range(std::uint32_t width, std::uint32_t height) {
 
 void Session::frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height) {
   if (points.empty()) return;
-  const std::vector<Rectangle> views = scene.view_areas(controls.settings, {0, 0, width, height});
-  const Rectangle& view = views.front();
-  controls.camera.frame(points,
-                        static_cast<float>(std::max(1u, view.width)) / static_cast<float>(std::max(1u, height)));
-  framed_ = Framed{controls.kept_camera(), views.size(), std::move(points), controls.travelled};
+  controls.camera.frame(points, view_aspect(width, height));
+  const Vec3 travelled = controls.settings.look.follow ? controls.travelled : Vec3{0, 0, 0};
+  for (std::size_t k = 0; k < points.size(); ++k) points[k] -= static_cast<float>(travelled[k % 3]);
+  const std::size_t views = scene.view_areas(controls.settings, {0, 0, width, height}).size();
+  framed_ = Framed{controls.kept_camera(), views, std::move(points)};
+}
+
+// Width over height of the first view of a picture.
+float Session::view_aspect(std::uint32_t width, std::uint32_t height) const {
+  const Rectangle view = scene.view_areas(controls.settings, {0, 0, width, height}).front();
+  return static_cast<float>(std::max(1u, view.width)) / static_cast<float>(std::max(1u, height));
 }
 
 void Session::follow() {

@@ -85,6 +85,7 @@ class Session {
 
  private:
   void frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height);
+  float view_aspect(std::uint32_t width, std::uint32_t height) const;
   struct Replacement {
     std::size_t index;  // in the cast
     std::unique_ptr<Actor> actor;
@@ -119,8 +120,7 @@ class Session {
   struct Framed {
     OrbitView camera;  // as it is kept
     std::size_t views;
-    std::vector<float> points;  // V x 3, metres, world
-    Vec3 travelled;             // of the lead, then
+    std::vector<float> points;  // V x 3, metres, as the camera is kept
   };
   std::optional<Framed> framed_;  // by the last framing
 };
