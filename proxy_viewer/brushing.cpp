@@ -33,6 +33,7 @@ void Brushing::take_up_frame() {
                 "what was brushed before is not kept yet: 'keep-strokes' writes it, 'undo-edit' forgets it");
   }
   sculpting_.emplace(curation_.stack(), frame, brush.modifier, brush.spread);
+  shown_frame_ = controls_.playback.frame();
   modifier_ = brush.modifier;
   spread_ = brush.spread;
   weights_ = sculpting_->is_sculpted() ? sculpting_->weights() : std::vector<double>();
@@ -65,7 +66,7 @@ double Brushing::spacing(const Rectangle& area, const std::array<double, 2>& pix
   const Vec3 right = view_axes(to_double(camera.eye) - to_double(camera.target)).right;
   const auto x = static_cast<float>(pixel[0]);
   const auto middle = pixel_of(scene_, controls_, area, x, held_),
-             side = pixel_of(scene_, controls_, area, x, held_ + brush().radius * right);
+             side = pixel_of(scene_, controls_, area, x, held_ + brush_.radius * right);
   if (!middle || !side) return kClosest;
   return std::max(kClosest, kSpacing * std::hypot((*side)[0] - (*middle)[0], (*side)[1] - (*middle)[1]));
 }
@@ -73,7 +74,8 @@ double Brushing::spacing(const Rectangle& area, const std::array<double, 2>& pix
 bool Brushing::press(const Rectangle& area, const std::array<double, 2>& pixel) {
   take_up_frame();
   if (!hit(area, pixel)) return false;
-  sculpting_->begin(brush(), controls_.brush.symmetric);
+  brush_ = brush();
+  sculpting_->begin(brush_, controls_.brush.symmetric);
   touch(area, pixel);
   spacing_ = spacing(area, pixel);
   touched_ = pixel;
@@ -85,7 +87,7 @@ bool Brushing::touch(const Rectangle& area, const std::array<double, 2>& pixel) 
   const std::optional<Hit> at = hit(area, pixel);
   if (!at) return false;
   held_ = {at->point.position.x(), at->point.position.y(), at->point.position.z()};
-  ring_ = BrushRing{held_, at->normal, brush().radius, static_cast<float>(pixel[0])};
+  ring_ = BrushRing{held_, at->normal, brush_.radius, static_cast<float>(pixel[0])};
   sculpting_->touch(at->point);
   show();
   return true;
@@ -94,7 +96,7 @@ bool Brushing::touch(const Rectangle& area, const std::array<double, 2>& pixel) 
 // Touches lie as close to each other however fast the mouse was; beside the skin there are none.
 void Brushing::drag(const Rectangle& area, const std::array<double, 2>& pixel) {
   if (!is_pressed_) return;
-  if (*controls_.brush.kind == BrushKind::grab) return pull(area, pixel);
+  if (brush_.kind == BrushKind::grab) return pull(area, pixel);
   for (;;) {
     const double x = pixel[0] - touched_[0], y = pixel[1] - touched_[1], way = std::hypot(x, y);
     if (way < spacing_) return;
@@ -114,15 +116,14 @@ void Brushing::pull(const Rectangle& area, const std::array<double, 2>& pixel) {
   if (slope == 0) return;
   const Vec3 to = ray.from + (dot(held_ - ray.from, towards) / slope) * ray.along, way = to - held_;
   sculpting_->pull({way[0], way[1], way[2]});
-  ring_->centre = held_ + controls_.brush.strength * way;
+  ring_->centre = held_ + brush_.strength * way;
   show();
 }
 
 void Brushing::show() {
   const ShapeStack& stack = sculpting_->stack();
   skin_.assign(sculpting_->skin().data(), sculpting_->skin().data() + sculpting_->skin().size());
-  scene_.lead().show_sculpted(controls_.playback.frame(),
-                              output_from_welded(stack.database().character, sculpting_->skin()));
+  scene_.lead().show_sculpted(shown_frame_, output_from_welded(stack.database().character, sculpting_->skin()));
   weights_ = sculpting_->weights();
 }
 
@@ -139,7 +140,11 @@ void Brushing::stroke(const Rectangle& area, const PicturePath& path) {
 
 void Brushing::hover(const Rectangle& area, const std::array<double, 2>& pixel) {
   ring_.reset();
-  take_up_frame();
+  try {
+    take_up_frame();
+  } catch (const Error&) {
+    return;
+  }
   const std::optional<Hit> at = hit(area, pixel);
   if (!at) return;
   const Eigen::Vector3d& p = at->point.position;

@@ -28,6 +28,8 @@ class Brushing {
   Brushing(Scene& scene, const Controls& controls, const Curation& curation)
       : scene_(scene), controls_(controls), curation_(curation) {}
 
+  // Whether there is anything to be brushed.
+  bool is_ready() const { return curation_.is_open(); }
   // Pixels of the window; `area`: of the characters. Nothing is written before keep().
   // Takes hold of the skin; false: there is none. Throws as FrameSculpting.
   bool press(const Rectangle& area, const std::array<double, 2>& pixel);
@@ -36,7 +38,7 @@ class Brushing {
   bool is_pressed() const { return is_pressed_; }
   // All three; throws Error(usage) where it begins beside the skin. Shares of the area.
   void stroke(const Rectangle& area, const PicturePath& path);
-  // The ring where the mouse is.
+  // The ring where the mouse is; none where a press would be refused.
   void hover(const Rectangle& area, const std::array<double, 2>& pixel);
   void leave() { ring_.reset(); }
 
@@ -70,11 +72,13 @@ class Brushing {
   const Controls& controls_;
   const Curation& curation_;
   std::optional<FrameSculpting> sculpting_;  // of the frame that was brushed last
+  int shown_frame_ = 0;                      // as the clip counts it
   std::string modifier_;                     // that it is for
   std::optional<double> spread_;
   std::vector<float> skin_;  // V x 3: its skin
   std::vector<double> weights_;
   std::optional<BrushRing> ring_;
+  Brush brush_;                      // of the stroke
   Vec3 held_{};                      // where it was touched, metres, world
   std::array<double, 2> touched_{};  // pixel
   double spacing_ = 1;               // pixels, from touch to touch

@@ -13,7 +13,10 @@ std::map<std::string, std::string> describe_missing(const Actor& lead);
 // What stays as it is until files are read: the cast, and the lead's joints, controls, fibres and clip.
 void describe_cast(const Scene& scene, Snapshot& snapshot);
 
-// How far the lead's joints may be turned in the frame that is shown.
+// Pins that the lead's limbs do not reach in the frame that is shown.
+void describe_pins(const Scene& scene, const Controls& controls, Snapshot& snapshot);
+
+// How far the lead's joints may be turned in it.
 void describe_turns(const Scene& scene, int frame, Snapshot& snapshot);
 
 // What is shown and compared now, and how far apart it is.

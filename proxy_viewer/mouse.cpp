@@ -15,9 +15,22 @@ namespace {
 
 constexpr float kClick = 4;  // pixels: less is no drag
 
+float pixels_a_point() { return ImGui::GetIO().DisplayFramebufferScale.x; }
+
+// Of the picture.
+ImVec2 mouse_at() {
+  const ImVec2 at = ImGui::GetIO().MousePos;
+  return {pixels_a_point() * at.x, pixels_a_point() * at.y};
+}
+
+ImVec2 mouse_moved() {
+  const ImVec2 by = ImGui::GetIO().MouseDelta;
+  return {pixels_a_point() * by.x, pixels_a_point() * by.y};
+}
+
 // Where joints are not shown, the skin is what can be picked; from then on they are.
 void pick(Scene& scene, const Rectangle& area, Controls& controls) {
-  const ImVec2 at = ImGui::GetIO().MousePos;
+  const ImVec2 at = mouse_at();
   bool& skeleton = controls.settings.look.skeleton;
   controls.joint = skeleton ? joint_at(scene, controls, area, at.x, at.y) : "";
   controls.attempt([&] {
@@ -29,7 +42,7 @@ void pick(Scene& scene, const Rectangle& area, Controls& controls) {
 }
 
 std::array<double, 2> mouse_pixel() {
-  const ImVec2 at = ImGui::GetIO().MousePos;
+  const ImVec2 at = mouse_at();
   return {static_cast<double>(at.x), static_cast<double>(at.y)};
 }
 
@@ -44,7 +57,7 @@ bool brush_by_mouse(Brushing& brushing, const Rectangle& area, Controls& control
     controls.requests.keep_strokes = true;
     return true;
   }
-  if (!controls.brush.kind || controls.headless) return false;
+  if (!controls.brush.kind || controls.headless || !brushing.is_ready()) return false;
   if (io.WantCaptureMouse) {
     brushing.leave();
     return false;
@@ -54,6 +67,7 @@ bool brush_by_mouse(Brushing& brushing, const Rectangle& area, Controls& control
     if (ImGui::IsMouseClicked(0) && !io.KeyShift) brushes = brushing.press(area, mouse_pixel());
     if (!brushes && !io.MouseDown[0]) brushing.hover(area, mouse_pixel());
   });
+  if (brushes) controls.playback.pause();
   return brushes;
 }
 
@@ -69,7 +83,8 @@ void draw_brush(const Brushing& brushing, const Scene& scene, const Rectangle& a
     const Vec3 at = ring->centre + ring->radius * (std::cos(angle) * axes.right + std::sin(angle) * axes.up);
     const auto pixel = pixel_of(scene, controls, area, ring->x, at);
     if (!pixel) continue;
-    list.PathLineTo({static_cast<float>((*pixel)[0]), static_cast<float>((*pixel)[1])});
+    list.PathLineTo(
+        {static_cast<float>((*pixel)[0]) / pixels_a_point(), static_cast<float>((*pixel)[1]) / pixels_a_point()});
   }
   list.PathStroke(kRing, ImDrawFlags_Closed, 1.5f);
 }
@@ -78,14 +93,14 @@ void steer_by_mouse(Scene& scene, const Rectangle& area, std::uint32_t height, C
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantCaptureMouse) return;
   const double per_pixel = 3.2 / std::max(1u, height);  // half a turn across the window's height
-  const double x = static_cast<double>(io.MouseDelta.x), y = static_cast<double>(io.MouseDelta.y);
+  const ImVec2 at = mouse_at(), by = mouse_moved();
+  const double x = static_cast<double>(by.x), y = static_cast<double>(by.y);
   // Not with what moved before the button went down.
   if (ImGui::IsMouseClicked(0) && !io.KeyShift) {
-    controls.grip = grip_at(scene, controls, area, io.MousePos.x, io.MousePos.y);
+    controls.grip = grip_at(scene, controls, area, at.x, at.y);
   }
   if (controls.grip && (io.MouseDown[0] || ImGui::IsMouseReleased(0))) {
-    drag_grip(scene, area, {io.MousePos.x - io.MouseDelta.x, io.MousePos.y - io.MouseDelta.y},
-              {io.MousePos.x, io.MousePos.y}, controls);
+    drag_grip(scene, area, {at.x - by.x, at.y - by.y}, {at.x, at.y}, controls);
     if (ImGui::IsMouseReleased(0)) controls.grip.reset();
     return;
   }

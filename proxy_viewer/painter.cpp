@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -25,6 +26,16 @@ double resident_mib() {
   double pages = 0, resident = 0;
   file >> pages >> resident;
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
+}
+
+std::uint32_t in_points(std::uint32_t pixels, float scale) {
+  return static_cast<std::uint32_t>(std::lround(static_cast<float>(pixels) / scale));
+}
+
+Rectangle in_pixels(const Rectangle& points, float scale) {
+  const auto pixels = [&](auto length) { return std::lround(static_cast<float>(length) * scale); };
+  return {static_cast<std::int32_t>(pixels(points.x)), static_cast<std::int32_t>(pixels(points.y)),
+          static_cast<std::uint32_t>(pixels(points.width)), static_cast<std::uint32_t>(pixels(points.height))};
 }
 
 }  // namespace
@@ -87,24 +98,27 @@ void Painter::draw(const PictureSize& size, Edges edges, double passed) {
 void Painter::draw_panels_over(const PictureSize& size, double passed) {
   const auto [width, height] = size;
   visit_texts(snapshot_, controls_, [this](const std::string& text) { gui_.fonts().show(text); });
-  gui_.begin(width, height, passed);
+  gui_.begin(width, height, passed, scale());
   if (!makes_series_ && !brush_by_mouse(session_.brushing, area_, controls_)) {
     steer_by_mouse(scene_, area_, height, controls_);
   }
   describe_turns(scene_, controls_.playback.frame(), snapshot_);
+  describe_pins(scene_, controls_, snapshot_);
   describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
   const Brushing& brushing = session_.brushing;
   const bool shows_stroke = brushing.is_pressed() || controls_.curating.colour == MapColour::sculpt;
   session_.curation.describe(controls_, snapshot_,
                              shows_stroke ? std::span(brushing.weights()) : std::span<const double>());
-  area_ = draw_panels(snapshot_, controls_, width, height);
+  area_ = in_pixels(draw_panels(snapshot_, controls_, in_points(width, scale()), in_points(height, scale())), scale());
   draw_brush(session_.brushing, scene_, area_, controls_);
   if (!ImGui::IsAnyItemActive() && !controls_.grip)
     controls_.poses.note(controls_.settings.pose);  // a drag is one step
   gui_.end();
   session_.follow();
-  if (!controls_.requests.frame_selection) return;
-  controls_.attempt([&] { session_.frame_selection(area_.width, area_.height); });
+  controls_.attempt([&] {
+    if (controls_.requests.frame_selection) session_.frame_selection(area_.width, area_.height);
+    session_.keep_framed(area_.width, area_.height);
+  });
 }
 
 // Of what colours the lead, as far as it is measured; the pictures of a series are one after the other, too.
@@ -182,7 +196,7 @@ void Painter::show_loading(const std::string& file) {
   const auto [width, height] = size();
   const std::string text = "loading " + std::filesystem::path(file).filename().string() + "\xe2\x80\xa6";
   gui_.fonts().show(text);
-  gui_.begin(width, height, 0);
+  gui_.begin(width, height, 0, scale());
   draw_loading(text);
   gui_.end();
   viewport_.draw({}, width, height, Edges::smooth, [this](VkCommandBuffer commands) { gui_.record(commands); });

@@ -54,6 +54,7 @@ class Painter {
   using Clock = std::chrono::steady_clock;
 
   bool is_minimised() const;
+  float scale() const { return screen_ ? screen_->scale() : 1; }  // pixels a point of panels
   void draw_panels_over(const PictureSize& size, double passed);
   void choose_heat();
   void choose_level();

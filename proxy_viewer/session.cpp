@@ -66,6 +66,7 @@ std::vector<std::string> Session::open(const std::string& file) {
   } else if (is_character(file)) {
     notes = add({.basis = file});
     receiver_ = scene.cast().size() - 1;
+    controls.requests.frame_selection = true;  // to see it, too
   } else if (has_extension(file, {".glb", ".gltf", ".bvh"})) {
     receiver.open_clip(file);
     notes = receiver.clip().notes;
@@ -405,6 +406,19 @@ void Session::frame_selection(std::uint32_t width, std::uint32_t height) {
   frame_points(scene.points_to_frame(controls), width, height);
 }
 
+void Session::keep_framed(std::uint32_t width, std::uint32_t height) {
+  const std::size_t views = scene.view_areas(controls.settings, {0, 0, width, height}).size();
+  if (!framed_ || views == framed_->views) return;
+  const OrbitView now = controls.kept_camera(), &then = framed_->camera;
+  const bool stayed = length(now.target - then.target) < 1e-6 * then.distance && now.distance == then.distance &&
+                      now.azimuth == then.azimuth && now.elevation == then.elevation;
+  if (!stayed) return framed_.reset();
+  controls.camera.frame(framed_->points, view_aspect(width, height));
+  controls.go_to_camera(controls.camera.view());
+  framed_->camera = controls.kept_camera();
+  framed_->views = views;
+}
+
 void Session::frame_range(std::uint32_t width, std::uint32_t height) {
   constexpr int kLooks = 12;
   controls.requests.frame_selection = false;
@@ -419,14 +433,22 @@ void Session::frame_range(std::uint32_t width, std::uint32_t height) {
     for (std::size_t k = 0; k < some.size(); ++k) points.push_back(some[k] - static_cast<float>(gone[k % 3]));
   }
   playback.scrub(shown);
-  frame_points(points, width, height);
+  frame_points(std::move(points), width, height);
 }
 
-void Session::frame_points(const std::vector<float>& points, std::uint32_t width, std::uint32_t height) {
+void Session::frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height) {
   if (points.empty()) return;
+  controls.camera.frame(points, view_aspect(width, height));
+  const Vec3 travelled = controls.settings.look.follow ? controls.travelled : Vec3{0, 0, 0};
+  for (std::size_t k = 0; k < points.size(); ++k) points[k] -= static_cast<float>(travelled[k % 3]);
+  const std::size_t views = scene.view_areas(controls.settings, {0, 0, width, height}).size();
+  framed_ = Framed{controls.kept_camera(), views, std::move(points)};
+}
+
+// Width over height of the first view of a picture.
+float Session::view_aspect(std::uint32_t width, std::uint32_t height) const {
   const Rectangle view = scene.view_areas(controls.settings, {0, 0, width, height}).front();
-  controls.camera.frame(points,
-                        static_cast<float>(std::max(1u, view.width)) / static_cast<float>(std::max(1u, height)));
+  return static_cast<float>(std::max(1u, view.width)) / static_cast<float>(std::max(1u, height));
 }
 
 void Session::follow() {

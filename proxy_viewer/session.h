@@ -71,6 +71,9 @@ class Session {
   void play_clip();
   // The camera sees all, or the joint that is selected, in a picture of so many pixels.
   void frame_selection(std::uint32_t width, std::uint32_t height);
+  // The same again where a comparison has taken half of the picture since, or given it back, and nobody has moved the
+  // camera.
+  void keep_framed(std::uint32_t width, std::uint32_t height);
   // So that nothing leaves the picture in the frames that are played (thirteen are looked at).
   void frame_range(std::uint32_t width, std::uint32_t height);
   // The camera goes along with the lead since the picture before.
@@ -81,7 +84,8 @@ class Session {
   void describe_picture();
 
  private:
-  void frame_points(const std::vector<float>& points, std::uint32_t width, std::uint32_t height);
+  void frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height);
+  float view_aspect(std::uint32_t width, std::uint32_t height) const;
   struct Replacement {
     std::size_t index;  // in the cast
     std::unique_ptr<Actor> actor;
@@ -113,6 +117,12 @@ class Session {
   std::size_t receiver_ = 0;           // of clips and caches, in the cast
   std::set<std::string> truth_times_;  // what was said of them
   std::optional<Vec3> followed_;       // where the lead was in the last picture
+  struct Framed {
+    OrbitView camera;  // as it is kept
+    std::size_t views;
+    std::vector<float> points;  // V x 3, metres, as the camera is kept
+  };
+  std::optional<Framed> framed_;  // by the last framing
 };
 
 }  // namespace bodyopt

@@ -600,6 +600,9 @@ const Command kCommands[] = {
        if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
        c.requests.save = a;
      }},
+    {"browse", "open|save|save-state|load-state|export-clip|export-skin|screenshot|sequence|turntable", "", "File",
+     "chooses the file of a command from the list of a folder",
+     [](Controls& c, const std::string& a) { c.dialog = browse_folder(known(a, browsed_commands(), "command that takes a file"), "."); }},
     {"open", "FILE", "", "File", "a basis, character, clip, point cache, dataset or session",
      [](Controls& c, const std::string& a) { c.requests.open.push_back(a); }},
     {"lead", "NUMBER", "", "File", "the character of whom panels speak, and to whom clips and caches go",

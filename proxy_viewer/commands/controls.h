@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "geometry/brush.h"
+#include "proxy_viewer/state/file_dialog.h"
 #include "proxy_viewer/state/orbit_camera.h"
 #include "proxy_viewer/state/playback.h"
 #include "proxy_viewer/state/pose_history.h"
@@ -130,6 +131,7 @@ struct Controls {
   bool panels = true;
   bool headless = false;  // nobody looks: what fails is thrown, and what is asked for is waited for
   bool prompt = false;    // a command is being typed
+  std::optional<FileDialog> dialog;
   std::optional<Marker> marker;
   std::optional<Grip> grip;
   double automatic_heat_mm = 10;  // of the hottest colour, where the settings give none
@@ -145,6 +147,10 @@ struct Controls {
   ViewSettings::Posing posing_at(int frame) const;
   // Where there are keys, what is in hand becomes what they say of the frame that is shown, once it is another.
   void follow_keys();
+
+  // In the layout "hold", whether what is compared with is shown: while the key is down. With a brush in hand that is
+  // what is brushed, and the key shows the other.
+  bool shows_compared() const { return flipped != brush.kind.has_value(); }
 
   double heat_mm() const { return settings.compare.heat_scale_mm.value_or(automatic_heat_mm); }
   void say(const std::string& text) { messages.push_back({.text = text}); }

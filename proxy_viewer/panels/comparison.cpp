@@ -56,10 +56,12 @@ void draw_comparison(const Snapshot& snapshot, Controls& controls, const PanelLa
     case CompareLayout::overlay:
       draw_name(shown + " under " + snapshot.compared, 0.5f * right, 0, right, top);
       break;
-    case CompareLayout::hold:
-      draw_name(controls.flipped ? snapshot.compared : shown + "  (hold X: " + snapshot.compared + ")", 0.5f * right, 0,
-                right, top);
+    case CompareLayout::hold: {
+      const std::string& seen = controls.shows_compared() ? snapshot.compared : shown;
+      const std::string& other = controls.shows_compared() ? shown : snapshot.compared;
+      draw_name(controls.flipped ? seen : seen + "  (hold X: " + other + ")", 0.5f * right, 0, right, top);
       break;
+    }
   }
 }
 

@@ -50,6 +50,15 @@ void add_live(const LiveRow& live, Lines& lines) {
   lines.add(std::to_string(live.rejected) + " rejected, the last: " + live.last_rejection, kErrorColour);
 }
 
+void add_pins(const Snapshot& snapshot, Lines& lines) {
+  for (const PinRow& pin : snapshot.missed_pins) {
+    char text[64];
+    std::snprintf(text, sizeof(text), ": %.0f mm from its pin, %s", pin.away_mm,
+                  pin.by_limits ? "held by joint limits" : "out of reach");
+    lines.add(pin.joint + text, kErrorColour);
+  }
+}
+
 // They hold for all frames, and are easily forgotten.
 void add_turned(const Snapshot& snapshot, const ViewSettings::Posing& pose, Lines& lines) {
   const auto count = std::ranges::count_if(snapshot.joints, [&](const JointRow& row) {
@@ -78,6 +87,7 @@ void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLay
   lines.add(snapshot.memory_mib, "MiB", "memory");
   lines.add(snapshot.device);
   add_turned(snapshot, controls.settings.pose, lines);
+  add_pins(snapshot, lines);
   add_coverage(snapshot, lines);
 }
 

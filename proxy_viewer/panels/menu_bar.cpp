@@ -1,5 +1,7 @@
 // Every command, in its menu: those with a choice of words as menus of their own, those with any other argument by the
 // prompt.
+#include <algorithm>
+
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 
@@ -27,7 +29,10 @@ void draw_item(const Command& command, Controls& controls) {
   const bool on = command.value && command.value(controls) == "on";
   const std::string label = label_of(command) + (types ? "\xe2\x80\xa6" : "");
   if (ImGui::MenuItem(label.c_str(), command.key, on)) {
-    if (types) {
+    const std::vector<std::string> browsed = browsed_commands();
+    if (std::ranges::find(browsed, command.name) != browsed.end()) {
+      attempt(controls, std::string("browse ") + command.name);
+    } else if (types) {
       controls.typed.prompt = std::string(command.name) + " ";
       controls.prompt = true;
     } else {

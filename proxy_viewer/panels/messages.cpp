@@ -1,4 +1,5 @@
-// What went wrong, until it is clicked away, and what went well, for some seconds: the newest few.
+// What went wrong, until it is clicked away, and what went well, for some seconds: the newest few. Beside the
+// character.
 #include <imgui.h>
 
 #include <algorithm>
@@ -7,23 +8,42 @@
 
 namespace bodyopt {
 
-void draw_messages(Controls& controls, const PanelLayout& layout) {
+namespace {
+
+// A picture that comes late is no time to read.
+void let_good_news_pass(std::vector<Message>& messages) {
   constexpr std::size_t kShown = 4;
   constexpr double kPassing = 6;  // seconds
-  // A picture that comes late is no time to read.
   const double passed = std::min(0.3, static_cast<double>(ImGui::GetIO().DeltaTime));
-  for (Message& message : controls.messages) message.shown += passed;
-  std::erase_if(controls.messages, [](const Message& m) { return !m.error && m.shown > kPassing; });
-  if (controls.messages.empty()) return;
-  if (controls.messages.size() > kShown) {
-    controls.messages.erase(controls.messages.begin(), controls.messages.end() - kShown);
+  for (Message& message : messages) message.shown += passed;
+  std::erase_if(messages, [](const Message& m) { return !m.error && m.shown > kPassing; });
+  if (messages.size() > kShown) messages.erase(messages.begin(), messages.end() - kShown);
+}
+
+// Gives the width of its text.
+float place_window(const PanelLayout& layout) {
+  constexpr float kMostOfSide = 0.4f;  // of its height
+  if (layout.side > 0) {
+    ImGui::SetNextWindowPos({layout.right(), layout.bottom()}, ImGuiCond_Always, {0, 1});
+    ImGui::SetNextWindowSizeConstraints({layout.side, 0},
+                                        {layout.side, std::max(1.0f, kMostOfSide * (layout.bottom() - layout.menu))});
+    return layout.side - 24;
   }
-  ImGui::SetNextWindowPos({12, layout.height - layout.timeline - 12}, ImGuiCond_Always, {0, 1});
-  ImGui::SetNextWindowSizeConstraints({0, 0}, {std::max(200.0f, layout.width - layout.side - 24), layout.height});
+  ImGui::SetNextWindowPos({12, layout.bottom() - 12}, ImGuiCond_Always, {0, 1});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {std::max(200.0f, layout.width - 24), layout.height});
+  return std::max(200.0f, layout.width - 60);
+}
+
+}  // namespace
+
+void draw_messages(Controls& controls, PanelLayout& layout) {
+  let_good_news_pass(controls.messages);
+  if (controls.messages.empty()) return;
+  const float width = place_window(layout);
   constexpr ImGuiWindowFlags kOverlay = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
                                         ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing;
   ImGui::Begin("Messages", nullptr, kOverlay);
-  ImGui::PushTextWrapPos(std::max(200.0f, layout.width - layout.side - 60));
+  ImGui::PushTextWrapPos(width);
   for (const Message& message : controls.messages) {
     if (message.error) {
       ImGui::TextColored({1, 0.5f, 0.38f, 1}, "%s", message.text.c_str());
@@ -32,7 +52,9 @@ void draw_messages(Controls& controls, const PanelLayout& layout) {
     }
   }
   ImGui::PopTextWrapPos();
+  ImGui::SetScrollHereY(1);  // to the newest, where there is no room for all
   if (ImGui::IsWindowHovered() && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) controls.messages.clear();
+  if (layout.side > 0) layout.messages = ImGui::GetWindowHeight();
   ImGui::End();
 }
 

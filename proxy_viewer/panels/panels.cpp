@@ -25,8 +25,9 @@ PanelLayout layout_of(const Controls& controls, float width, float height) {
 }  // namespace
 
 Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_t width, std::uint32_t height) {
-  const PanelLayout layout = layout_of(controls, static_cast<float>(width), static_cast<float>(height));
+  PanelLayout layout = layout_of(controls, static_cast<float>(width), static_cast<float>(height));
   if (controls.panels) draw_menu_bar(snapshot, controls);
+  draw_messages(controls, layout);
   if (layout.timeline > 0) draw_timeline(snapshot, controls, layout);
   if (layout.side > 0) draw_side_panel(snapshot, controls, layout);
   if (controls.settings.hud.legend) {
@@ -35,8 +36,8 @@ Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_
     draw_colour_keys(snapshot, controls, layout);
   }
   if (controls.settings.hud.on) draw_hud(snapshot, controls, layout);
-  draw_messages(controls, layout);
   if (controls.prompt) draw_prompt(controls, layout);
+  if (controls.dialog) draw_file_dialog(controls, layout);
   if (controls.cheat_sheet) draw_cheat_sheet(controls, layout);
   const auto pixels = [](float value) { return static_cast<std::uint32_t>(std::max(1.0f, value)); };
   return {0, static_cast<std::int32_t>(layout.menu), pixels(layout.right()), pixels(layout.bottom() - layout.menu)};

@@ -20,6 +20,7 @@ struct PanelLayout {
   float width, height;   // of the window
   float menu, timeline;  // heights
   float side;            // width
+  float messages = 0;    // height, at the foot of the side panel
 
   float right() const { return width - side; }
   float bottom() const { return height - timeline; }
@@ -30,13 +31,15 @@ void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayo
 void draw_side_panel(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout);
 void draw_cheat_sheet(Controls& controls, const PanelLayout& layout);
 void draw_prompt(Controls& controls, const PanelLayout& layout);
+void draw_file_dialog(Controls& controls, const PanelLayout& layout);
 
 // Over the picture.
 void draw_comparison(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout);
 void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
 void draw_colour_keys(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
 void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
-void draw_messages(Controls& controls, const PanelLayout& layout);
+// At the foot of the side panel, which gives way; over the picture where there is none.
+void draw_messages(Controls& controls, PanelLayout& layout);
 
 // Sections of the side panel.
 void draw_look(const Snapshot& snapshot, Controls& controls);

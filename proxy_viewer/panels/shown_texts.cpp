@@ -25,6 +25,11 @@ void visit_texts(const Snapshot& snapshot, const Controls& controls,
     visit(*text);
   }
   visit(controls.brush.modifier);
+  if (controls.dialog) {
+    visit(controls.dialog->folder.string());
+    visit(controls.dialog->name);
+    for (const FolderEntry& entry : controls.dialog->entries) visit(entry.name);
+  }
   for (const Message& message : controls.messages) visit(message.text);
 }
 

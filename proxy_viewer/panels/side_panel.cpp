@@ -20,7 +20,7 @@ constexpr std::array<Draw, kSections.size()> kDraw = {draw_look,   draw_cameras,
 
 void draw_side_panel(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout) {
   ImGui::SetNextWindowPos({layout.right(), layout.menu});
-  ImGui::SetNextWindowSize({layout.side, std::max(1.0f, layout.bottom() - layout.menu)});
+  ImGui::SetNextWindowSize({layout.side, std::max(1.0f, layout.bottom() - layout.menu - layout.messages)});
   ImGui::Begin("Side", nullptr, kFixedWindow);
   for (std::size_t k = 0; k < kSections.size(); ++k) {
     const Section& section = kSections[k];

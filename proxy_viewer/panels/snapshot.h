@@ -26,6 +26,13 @@ struct ControlRow {
   std::string modifier{};    // whose it is; empty: trained
 };
 
+// A pin that its limb does not reach.
+struct PinRow {
+  std::string joint;
+  double away_mm = 0;
+  bool by_limits = false;  // of the joints; otherwise it is out of reach
+};
+
 struct AxisRow {
   std::string name, joint;   // of limits.json; the first joint that it turns
   double low = 0, high = 0;  // away from rest, degrees
@@ -83,6 +90,7 @@ struct Snapshot {
   std::vector<CharacterRow> cast;  // the first is the lead, of whom the rest speaks
   std::vector<JointRow> joints;
   std::vector<AxisRow> axes;
+  std::vector<PinRow> missed_pins;
   std::vector<ControlRow> controls;
   std::vector<ModifierRow> modifiers;  // in the order in which they are applied
   std::vector<std::string> fibres;

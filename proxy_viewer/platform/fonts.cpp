@@ -9,7 +9,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kSize = 15, kLargeSize = 30;
+constexpr float kSize = 15, kLargeSize = 30, kBuiltInSize = 13;  // points
 
 // Of Debian's packages, the first that is there; the others lend what it lacks.
 constexpr const char* kFonts[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
@@ -36,6 +36,10 @@ std::vector<ImWchar> letters_of(const std::string& text) {
 Fonts::Fonts() {
   letters_.AddRanges(ImGui::GetIO().Fonts->GetGlyphRangesDefault());
   for (const ImWchar symbol : {0x2013, 0x2026, 0x25b6, 0x25c0, 0x23f8, 0x00b0, 0x00b5}) letters_.AddChar(symbol);
+}
+
+void Fonts::set_scale(float scale) {
+  if (std::exchange(scale_, scale) != scale) is_loaded_ = false;
 }
 
 void Fonts::show(const std::string& text) {
@@ -74,12 +78,13 @@ bool Fonts::open_fonts() {
   for (const char* font : kFonts) {
     if (!std::filesystem::exists(font)) continue;
     config.MergeMode = first != nullptr;
-    if (atlas.AddFontFromFileTTF(font, kSize, &config, ranges_.Data) && !first) first = font;
+    if (atlas.AddFontFromFileTTF(font, scale_ * kSize, &config, ranges_.Data) && !first) first = font;
   }
   if (first) {
-    atlas.AddFontFromFileTTF(first, kLargeSize, nullptr, kDigits);
+    atlas.AddFontFromFileTTF(first, scale_ * kLargeSize, nullptr, kDigits);
   } else {
-    atlas.AddFontDefault();
+    config.SizePixels = scale_ * kBuiltInSize;
+    atlas.AddFontDefault(&config);
   }
   atlas.Build();
   return first != nullptr;

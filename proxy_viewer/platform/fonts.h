@@ -14,6 +14,8 @@ class Fonts {
  public:
   Fonts();
 
+  // Pixels a point: letters are made anew for another.
+  void set_scale(float scale);
   // A text of any script that panels are going to show.
   void show(const std::string& text);
   // Loads the letters that are new, between two pictures; false: there are none, and the atlas is as it was.
@@ -29,6 +31,7 @@ class Fonts {
   ImVector<ImWchar> ranges_;            // of the letters: the atlas keeps a pointer
   std::vector<std::string> new_texts_;  // those that have new letters
   bool is_loaded_ = false;
+  float scale_ = 1;
   std::optional<std::string> problem_;
 };
 

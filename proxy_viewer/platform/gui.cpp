@@ -212,15 +212,17 @@ void Gui::stop_backend() {
   has_backend_ = false;
 }
 
-void Gui::begin(std::uint32_t width, std::uint32_t height, double seconds) {
+void Gui::begin(std::uint32_t width, std::uint32_t height, double seconds, float scale) {
+  fonts_->set_scale(scale);
   const bool has_new_letters = fonts_->load_new();
   if (device_ && (has_new_letters || !has_backend_)) start_backend();
   if (has_backend_) ImGui_ImplVulkan_NewFrame();
   ImGuiIO& io = ImGui::GetIO();
-  const ImVec2 size{static_cast<float>(width), static_cast<float>(height)};
+  const ImVec2 size{static_cast<float>(width) / scale, static_cast<float>(height) / scale};
   if (cursor_) io.MousePos = {static_cast<float>(cursor_->x) * size.x, static_cast<float>(cursor_->y) * size.y};
   io.DisplaySize = size;
-  io.DisplayFramebufferScale = {1, 1};  // the picture's pixels
+  io.DisplayFramebufferScale = {scale, scale};  // to the picture's pixels
+  io.FontGlobalScale = 1 / scale;               // of letters that are made in pixels
   io.DeltaTime = static_cast<float>(std::max(1e-4, seconds));
   ImGui::NewFrame();
   let_go();

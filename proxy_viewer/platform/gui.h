@@ -33,8 +33,9 @@ class Gui {
 
   Fonts& fonts() { return *fonts_; }
 
-  // A picture of panels: begin, panels, end; then record, in the pass.
-  void begin(std::uint32_t width, std::uint32_t height, double seconds);
+  // A picture of panels: begin, panels, end; then record, in the pass. width, height: pixels; `scale`: pixels a point.
+  // Panels, and where the mouse is to them, are in points.
+  void begin(std::uint32_t width, std::uint32_t height, double seconds, float scale = 1);
   void end();
   void record(VkCommandBuffer commands) const;
 

@@ -25,6 +25,8 @@ class Screen {
   virtual bool closed() const = 0;
   virtual void set_title(const std::string& title) = 0;
   virtual std::array<std::uint32_t, 2> size() const = 0;  // pixels; 0 while minimised
+  // Pixels a point, which panels and their text are measured in: 2 on a display of twice the usual density.
+  virtual float scale() const { return 1; }
   // The viewport's picture, also where the size has changed meanwhile.
   virtual void show(const Viewport& viewport) = 0;
   // For the clipboard and the shape of the cursor; null: there are none.

@@ -210,6 +210,7 @@ void Window::listen() {
   glfwSetScrollCallback(window_, [](GLFWwindow* window, double x, double y) { hear(window, WheelEvent{x, y}); });
   glfwSetWindowFocusCallback(window_, [](GLFWwindow* window, int) { hear(window, SurfaceEvent{}); });
   glfwSetWindowRefreshCallback(window_, [](GLFWwindow* window) { hear(window, SurfaceEvent{}); });
+  glfwSetWindowContentScaleCallback(window_, [](GLFWwindow* window, float, float) { hear(window, SurfaceEvent{}); });
   glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int, int) { hear(window, SurfaceEvent{}); });
 }
 
@@ -320,6 +321,14 @@ std::array<std::uint32_t, 2> Window::size() const {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
   return {static_cast<std::uint32_t>(std::max(0, width)), static_cast<std::uint32_t>(std::max(0, height))};
+}
+
+// As the desktop says: of X11 its setting Xft.dpi.
+float Window::scale() const {
+  constexpr float kMost = 4;
+  float across = 1, down = 1;
+  glfwGetWindowContentScale(window_, &across, &down);
+  return std::clamp(across, 1.0f, kMost);
 }
 
 }  // namespace bodyopt

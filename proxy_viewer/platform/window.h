@@ -33,6 +33,7 @@ class Window : public Screen {
   bool closed() const override;
   void set_title(const std::string& title) override;
   std::array<std::uint32_t, 2> size() const override;
+  float scale() const override;
   void show(const Viewport& viewport) override;
   GLFWwindow* handle() const override { return window_; }
 

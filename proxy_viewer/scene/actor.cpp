@@ -212,8 +212,18 @@ void Actor::take_clip(Clip clip) {
   clip_ = std::move(clip);
 }
 
+// Its own Direct Delta Mush, where it is the character of the dataset; otherwise null.
+std::shared_ptr<const UnposedSpace> Actor::unposed_space(const PoseDatabase& database) const {
+  std::error_code absent;
+  const Dataset& dataset = database.dataset;
+  const bool is_its_character = !is_basis(files_.basis) && clip_options_.unit == dataset.unit &&
+                                fs::equivalent(files_.basis, dataset.folder / dataset.character, absent);
+  if (!is_its_character) return nullptr;
+  return std::make_shared<const UnposedSpace>(database.character, finest_basis());
+}
+
 void Actor::open_truth(const std::string& name) {
-  NamedShapes shapes(name);
+  NamedShapes shapes(name, [this](const PoseDatabase& database) { return unposed_space(database); });
   if (shapes.point_count() != basis().mesh.output_count()) {
     throw Error(ErrorKind::mismatch, name + ": the cache has " + std::to_string(shapes.point_count()) +
                                          " points, the character " + std::to_string(basis().mesh.output_count()) +
@@ -241,6 +251,12 @@ std::optional<JointRange> Actor::free_turns(std::size_t joint, int frame) const 
 
 Pose Actor::posed(Pose pose, const ViewSettings::PoseKey& posing) const {
   return bodyopt::posed(basis().skeleton, limits_, ranges_, std::move(pose), posing);
+}
+
+std::vector<MissedPin> Actor::missed_pins(int frame, const ViewSettings::PoseKey& posing) const {
+  ViewSettings::PoseKey free = posing;
+  free.pins.clear();
+  return bodyopt::missed_pins(basis().skeleton, ranges_, posed(clip_pose(frame), free), posing.pins);
 }
 
 Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {

@@ -16,6 +16,7 @@
 #include "assets/pc2.h"
 #include "proxy_viewer/scene/detail.h"
 #include "proxy_viewer/scene/linear_blend.h"
+#include "proxy_viewer/scene/pinned_joints.h"
 #include "proxy_viewer/scene/truth_times.h"
 #include "proxy_viewer/scene/worn_meshes.h"
 #include "proxy_viewer/state/joint_ranges.h"
@@ -82,6 +83,8 @@ class Actor {
   Pose pose(int frame, const ViewSettings::Posing& posing) const;
   // The same before modifiers: what is exported. Its controls are those of source_controls().
   Pose unmodified_pose(int frame, const ViewSettings::Posing& posing) const;
+  // Pins that the pose of a frame does not reach.
+  std::vector<MissedPin> missed_pins(int frame, const ViewSettings::PoseKey& posing) const;
   // Names of the controls that the clip's file has, or the posing sets.
   std::vector<std::string> source_controls(const ViewSettings::Posing& posing) const;
   // Degrees of freedom of the limits, where it has any.
@@ -175,6 +178,7 @@ class Actor {
   void show_truth(int frame);
   std::vector<float> shown_truth(int frame, const SampleTime& time) const;
   void open_frames(const std::string& dataset);
+  std::shared_ptr<const UnposedSpace> unposed_space(const PoseDatabase& database) const;
   void measure_size();
   void measure_ground();
 

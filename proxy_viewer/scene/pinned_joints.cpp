@@ -81,6 +81,24 @@ LimbTurns reach(const Vec3& upper, const Vec3& middle, const Vec3& end, const Ve
   return {lower, swing(bent - upper, target - upper)};
 }
 
+std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges,
+                                   const Pose& pose, const std::map<std::string, Vec3>& pins) {
+  constexpr double kMissed = 1e-3;  // metres
+  if (pins.empty()) return {};
+  const std::vector<Affine> held = posed_joints(skeleton, pinned(skeleton, ranges, pose, pins).joints),
+                            free = posed_joints(skeleton, pinned(skeleton, {}, pose, pins).joints);
+  const auto away = [](const Affine& joint, const Vec3& pin) { return length(joint * Vec3{0, 0, 0} - pin); };
+  std::vector<MissedPin> missed;
+  for (const auto& [joint, pin] : pins) {
+    const int found = skeleton.find(joint);
+    if (found < 0) continue;
+    const auto j = static_cast<std::size_t>(found);
+    const double by = away(held[j], pin);
+    if (by > kMissed) missed.push_back({joint, by, away(free[j], pin) < by - kMissed});
+  }
+  return missed;
+}
+
 bool ends_a_limb(const Skeleton& skeleton, const std::string& joint) {
   const int found = skeleton.find(joint);
   const int above = found < 0 ? -1 : skeleton.joints[static_cast<std::size_t>(found)].parent;

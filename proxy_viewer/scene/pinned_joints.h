@@ -26,6 +26,17 @@ LimbTurns reach(const Vec3& upper, const Vec3& middle, const Vec3& end, const Ve
 Pose pinned(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges, Pose pose,
             const std::map<std::string, Vec3>& pins);
 
+// A pin that its limb does not reach.
+struct MissedPin {
+  std::string joint;
+  double away;     // metres
+  bool by_limits;  // without the ranges it would be nearer
+};
+
+// Those that are missed by more than a millimetre where pinned() is done to a pose.
+std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges,
+                                   const Pose& pose, const std::map<std::string, Vec3>& pins);
+
 // Has the joint two above it, that can reach for it?
 bool ends_a_limb(const Skeleton& skeleton, const std::string& joint);
 

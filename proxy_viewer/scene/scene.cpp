@@ -341,9 +341,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     skin.alpha = kSkinOverTets;
     skin.shadow = skin.wire = false;
   }
-  // With a brush in hand what is brushed is shown, and the key shows what is compared with it.
-  const bool shows_other = controls.flipped != controls.brush.kind.has_value();
-  const bool flips = compared && s.compare.layout == CompareLayout::hold && shows_other;
+  const bool flips = compared && s.compare.layout == CompareLayout::hold && controls.shows_compared();
   views[0].skins.push_back(flips ? second : skin);
   if (views.size() > 1) {
     if (!is_missing) views[1].skins.push_back(compared ? second : skin);
@@ -466,12 +464,14 @@ void Scene::add_rings(const Controls& controls, const std::array<float, 3>& offs
     draw(ring.centre, ring.point(ring.angle), colour);
   }
   const double size = 0.012 * lead().size();
+  const std::vector<MissedPin> missed = lead().missed_pins(controls.playback.frame(), controls.settings.pose);
   for (const auto& [joint, at] : controls.settings.pose.pins) {
+    const bool is_missed = std::ranges::find(missed, joint, &MissedPin::joint) != missed.end();
     for (std::size_t axis = 0; axis < 3; ++axis) {  // an octahedron, seen from wherever
       Vec3 right{}, up{};
       right[axis] = up[(axis + 1) % 3] = size;
       const Vec3 corners[] = {at + right, at + up, at - right, at - up};
-      for (std::size_t k = 0; k < 4; ++k) draw(corners[k], corners[(k + 1) % 4], kSelected);
+      for (std::size_t k = 0; k < 4; ++k) draw(corners[k], corners[(k + 1) % 4], is_missed ? kMarked : kSelected);
     }
   }
   lines_.push_back(std::move(lines));
@@ -537,6 +537,10 @@ std::vector<float> Scene::points_to_frame(const Controls& controls) {
     const Pose pose = pose_at(*cast_[c], frame, controls);
     std::vector<float> own = cast_[c]->measure(SkinMethod::full, pose, frame);
     if (controls.settings.look.worn) std::ranges::copy(cast_[c]->worn_points(own, pose), std::back_inserter(own));
+    const std::optional<SkinMethod> other = compared_method(*cast_[c], controls.settings);
+    if (other == SkinMethod::truth ? cast_[c]->has_sample_at(frame) : other && *other != SkinMethod::jiggle) {
+      std::ranges::copy(cast_[c]->measure(*other, pose, frame), std::back_inserter(own));
+    }
     for (std::size_t k = 0; k < own.size(); ++k) points.push_back(own[k] + offset[k % 3]);
   }
   return points;

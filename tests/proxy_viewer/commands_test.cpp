@@ -201,6 +201,7 @@ const std::map<std::string, Case>& cases() {
       {"screenshot", {"a b.png", [](C, C c) { return c.requests.screenshot == "a b.png"; }}},
       {"turntable", {"t.####.png", [](C, C c) { return c.requests.turntable == "t.####.png"; }, {""}}},
       {"sequence", {"s.####.png", [](C, C c) { return c.requests.sequence == "s.####.png"; }, {""}}},
+      {"browse", {"save", [](C, C c) { return c.dialog && c.dialog->command == "save"; }, {"", "play", "hats"}}},
       {"open", {"a.bvh", [](C, C c) { return c.requests.open == std::vector<std::string>{"a.bvh"}; }, {""}}},
       {"pan",
        {"0.5 -1",

@@ -121,6 +121,37 @@ TEST_F(HandsTest, TypedCommandsRunHoweverFastTheyCome) {
   }
 }
 
+// Twice as dense: the same picture of twice the size, where the mouse does the same.
+TEST_F(HandsTest, OnADenserDisplayAllIsAsLarge) {
+  const auto viewport = open(small(), "section cast; hud off");
+  viewport->resize(640, 360);
+  const auto joint_in_the_middle = [&](double scale) {
+    viewport->click(scale * 0.5 * (640 - 216), scale * 150);
+    const std::string joint = viewport->controls().joint;
+    viewport->prompt("select");
+    viewport->prompt("skeleton off");
+    return joint;
+  };
+  viewport->prompt("frame-selection");
+  const Image one = still(*viewport);
+  const std::string joint = joint_in_the_middle(1);
+  viewport->screen.density = 2;
+  viewport->resize(1280, 720);
+  viewport->prompt("frame-selection");
+  const Image two = still(*viewport);
+  Image halved{640, 360, std::vector<std::uint8_t>(one.rgba.size())};
+  for (std::size_t y = 0; y < 360; ++y) {
+    for (std::size_t x = 0; x < 4 * 640; ++x) {
+      const std::size_t channel = x % 4, at = 4 * (2 * y * 1280 + 2 * (x / 4)) + channel, below = at + 4 * 1280;
+      halved.rgba[y * 4 * 640 + x] =
+          static_cast<std::uint8_t>((two.rgba[at] + two.rgba[at + 4] + two.rgba[below] + two.rgba[below + 4]) / 4);
+    }
+  }
+  EXPECT_LT(spot_difference(halved, one).mean, 4);
+  EXPECT_NE(joint, "");
+  EXPECT_EQ(joint_in_the_middle(2), joint);
+}
+
 TEST_F(HandsTest, XShowsTheOtherForAsLongAsItIsHeld) {
   const std::string script = kBarePicture + "; legend off; frame 9; compare ddm; layout hold; heat off";
   const Image other = still(*open(small(), script + "; compare none; correction 0"));
@@ -318,7 +349,7 @@ TEST_F(HandsTest, FilesThatChangeAreReadAgain) {
 
 // Files that are cut off while they are shown.
 TEST_F(HandsTest, DamagedFilesLeaveWhatWasThere) {
-  const Image third = headless("frame 3");
+  const Image third = headless("frame 3; frame-selection");
   const auto viewport = open(small({small_.truth}), kBarePicture + "; compare truth; layout overlay");
   const Image before = still(*viewport);
   ::testing::internal::CaptureStderr();
@@ -331,6 +362,7 @@ TEST_F(HandsTest, DamagedFilesLeaveWhatWasThere) {
   std::filesystem::resize_file(small_.truth, 100);
   viewport->keys({"Right", "Right"});
   EXPECT_NE(::testing::internal::GetCapturedStderr().find("truth.pc2"), std::string::npos);
+  viewport->key("F");
   EXPECT_TRUE(still(*viewport).rgba == third.rgba);
 }
 

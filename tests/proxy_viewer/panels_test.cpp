@@ -94,6 +94,7 @@ Controls controls_with_all_open(const Snapshot& snapshot) {
   controls.settings.compare.with = CompareWith::truth;
   controls.settings.cameras["close"] = {};
   controls.prompt = controls.cheat_sheet = true;
+  controls.dialog = FileDialog{"open", "/", "a.glb", {{"..", true}, {"a.glb", false}}};
   controls.messages.push_back(
       {.error = true, .text = "a long text that names a file, what was expected and what was found instead of it"});
   return controls;
@@ -353,6 +354,63 @@ TEST_F(PanelsTest, GoodNewsGoByThemselvesAndErrorsWhenTheyAreClicked) {
   EXPECT_TRUE(controls.messages[0].error);
   click(snapshot, controls, rectangle_of("Messages").GetCenter());
   EXPECT_TRUE(controls.messages.empty());
+}
+
+// Beside the character, whatever is said.
+TEST_F(PanelsTest, MessagesTakeRoomFromTheSidePanelAlone) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  Rectangle quiet, loud;
+  for (int k = 0; k < 3; ++k) quiet = draw(snapshot, controls);
+  const float before = rectangle_of("Side").GetHeight();
+  for (int k = 0; k < 9; ++k) {
+    controls.warn(std::string(300, 'x') + " a long text that names a file and what was found in it, number " +
+                  std::to_string(k));
+  }
+  for (int k = 0; k < 3; ++k) loud = draw(snapshot, controls);
+  EXPECT_EQ(loud.width, quiet.width);
+  EXPECT_EQ(loud.height, quiet.height);
+  const ImRect messages = rectangle_of("Messages"), side = rectangle_of("Side");
+  EXPECT_GE(messages.Min.x, static_cast<float>(loud.x) + static_cast<float>(loud.width));
+  EXPECT_NEAR(messages.Min.y, side.Max.y, 1);
+  EXPECT_LT(side.GetHeight(), before);
+  EXPECT_GT(side.GetHeight(), 0.5f * before);
+  click(snapshot, controls, messages.GetCenter());
+  EXPECT_TRUE(controls.messages.empty());
+  draw(snapshot, controls);
+  EXPECT_EQ(rectangle_of("Side").GetHeight(), before);
+}
+
+TEST_F(PanelsTest, PinsThatAreMissedAreSaid) {
+  Snapshot snapshot = small_character();
+  Controls controls;
+  for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+  const int without = vertices();
+  snapshot.missed_pins = {{"RightFoot", 34.6, true}};
+  draw(snapshot, controls);
+  EXPECT_GT(vertices(), without);
+}
+
+// A point is more pixels on a denser display; panels are laid out in points.
+TEST_F(PanelsTest, TextIsAsLargeAsTheDisplaySays) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  std::map<float, ImDrawData> drawn;
+  for (const float scale : {1.0f, 2.0f, 1.5f}) {
+    for (int k = 0; k < 3; ++k) {
+      gui_.begin(static_cast<std::uint32_t>(640 * scale), static_cast<std::uint32_t>(360 * scale), 1.0 / 60, scale);
+      draw_panels(snapshot, controls, 640, 360);
+      gui_.end();
+    }
+    EXPECT_NEAR(ImGui::GetFontSize(), 15, 0.01) << "points";
+    EXPECT_NEAR(ImGui::GetFont()->FontSize, 15 * scale, 0.51) << "pixels";
+    drawn[scale] = *ImGui::GetDrawData();
+  }
+  for (const float scale : {1.5f, 2.0f}) {
+    EXPECT_EQ(drawn[scale].DisplaySize.x, 640);
+    EXPECT_EQ(drawn[scale].FramebufferScale.x, scale);
+    EXPECT_NEAR(drawn[scale].TotalVtxCount, drawn[1].TotalVtxCount, 0.02 * drawn[1].TotalVtxCount);
+  }
 }
 
 TEST_F(PanelsTest, TheFrameNumberIsTypedInto) {

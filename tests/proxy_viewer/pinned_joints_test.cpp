@@ -99,6 +99,25 @@ TEST(Pins, StopAtTheLimits) {
   EXPECT_GT(length(centre_of(skeleton, held, 3) - posing.pins["joint3"]), 0.1);
 }
 
+TEST(Pins, ThatAreMissedSayByHowMuchAndWhy) {
+  const Skeleton skeleton = chain();
+  const Pose bind = bind_pose(skeleton);
+  const std::vector<std::optional<JointRange>> stiff(4, JointRange{{-10, -10, -10}, {10, 10, 10}});
+  EXPECT_TRUE(missed_pins(skeleton, {}, bind, {{"joint3", {0, 0.5, 0.2}}}).empty());
+  const std::vector<MissedPin> held = missed_pins(skeleton, stiff, bind, {{"joint3", {0, 0.5, 0.2}}});
+  ASSERT_EQ(held.size(), 1u);
+  EXPECT_TRUE(held[0].by_limits);
+  ViewSettings::PoseKey posing;
+  posing.pins["joint3"] = {0, 0.5, 0.2};
+  const Pose reached = posed(skeleton, {}, stiff, bind, posing);
+  EXPECT_NEAR(held[0].away, length(centre_of(skeleton, reached, 3) - Vec3{0, 0.5, 0.2}), 1e-12);
+  // The limb hangs at 0.4 and is 0.803 long.
+  const std::vector<MissedPin> far = missed_pins(skeleton, {}, bind, {{"joint3", {0, 5, 0}}, {"nobody", {0, 0, 0}}});
+  ASSERT_EQ(far.size(), 1u);
+  EXPECT_FALSE(far[0].by_limits);
+  EXPECT_NEAR(far[0].away, 5 - 0.4 - 0.4 - std::hypot(0.4, 0.05), 1e-3);
+}
+
 class PosingTest : public PlayedTest {
  protected:
   JigglingCharacter limb_{folder_};

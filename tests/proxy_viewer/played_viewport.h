@@ -26,8 +26,10 @@ class QuietScreen : public Screen {
   std::array<std::uint32_t, 2> size() const override { return pixels; }
   void show(const Viewport& viewport) override { picture = viewport.picture(); }
   GLFWwindow* handle() const override { return nullptr; }
+  float scale() const override { return density; }
 
   std::array<std::uint32_t, 2> pixels{320, 180};
+  float density = 1;
   std::string title;
   Image picture;
 };

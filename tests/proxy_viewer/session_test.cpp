@@ -250,6 +250,40 @@ TEST_F(SessionTest, FramingFitsOneOfTwoViews) {
   EXPECT_GT(distance(CompareLayout::side_by_side), 1.2 * distance(CompareLayout::wipe));
 }
 
+// As long as nobody has moved the camera since.
+TEST_F(SessionTest, WhatWasFramedFitsWhenAComparisonTakesHalfThePicture) {
+  const auto view = [&] { return session_.controls.camera.view(); };
+  session_.controls.settings.pose.joints[small_.made.skeleton.joints[0].name] = {0, 0, 90};  // wider than high
+  session_.frame_selection(200, 200);
+  const OrbitView whole = view();
+  session_.keep_framed(200, 200);
+  EXPECT_EQ(view(), whole);
+  session_.controls.settings.compare.with = CompareWith::ddm;
+  session_.keep_framed(200, 200);
+  EXPECT_GT(view().distance, 1.2 * whole.distance);
+  session_.controls.settings.compare.with = CompareWith::none;
+  session_.keep_framed(200, 200);
+  EXPECT_NEAR(view().distance, whole.distance, 1e-9);
+  session_.controls.camera.orbit(0.1, 0);
+  const OrbitView moved = view();
+  session_.controls.settings.compare.with = CompareWith::ddm;
+  session_.keep_framed(200, 200);
+  EXPECT_EQ(view(), moved);
+}
+
+TEST_F(SessionTest, FramingSeesWhatIsComparedAndWhatIsAddedLater) {
+  const std::string high = (folder_ / "high.pc2").string();
+  write_truth(small_.made, read_clip(small_.clip, small_.made.skeleton, {}), 2, high);
+  session_.frame_selection(200, 200);
+  const OrbitView alone = session_.controls.camera.view();
+  session_.open(high);
+  session_.frame_selection(200, 200);
+  EXPECT_GT(session_.controls.camera.view().target[1], alone.target[1] + 0.5) << "2 m above";
+  session_.controls.requests = {};
+  session_.open(small_.basis);
+  EXPECT_TRUE(session_.controls.requests.frame_selection);
+}
+
 TEST_F(SessionTest, CamerasThatWereKeptGoAlongWithTheCharacter) {
   Controls& controls = session_.controls;
   session_.open(walking_clip());

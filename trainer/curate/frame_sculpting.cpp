@@ -123,16 +123,19 @@ bool FrameSculpting::is_sculpted() const {
          std::ranges::find(sculpted_.sculpts(), frame_, &SculptedFrame::frame) != sculpted_.sculpts().end();
 }
 
-std::vector<double> FrameSculpting::weights() const {
+// They are others only where what was sculpted is moved by other joints.
+const std::vector<double>& FrameSculpting::weights() {
   SculptedFrames with_strokes = sculpted_;
   with_strokes.put({frame_, own_ + surface_ - begun_});
+  if (!weights_.empty() && with_strokes.joints() == weighed_joints_) return weights_;
+  weighed_joints_ = with_strokes.joints();
+  weights_.clear();
   const auto place = std::ranges::find(with_strokes.sculpts(), frame_, &SculptedFrame::frame);
   const auto own = static_cast<std::size_t>(place - with_strokes.sculpts().begin());
-  std::vector<double> weights;
   for (std::size_t n = 0; n < stack_->database().frames.size(); ++n) {
-    weights.push_back(with_strokes.weights(n)[own]);
+    weights_.push_back(with_strokes.weights(n)[own]);
   }
-  return weights;
+  return weights_;
 }
 
 std::vector<std::string> FrameSculpting::put_into(std::vector<Modifier>& modifiers, const Positions& strokes) const {

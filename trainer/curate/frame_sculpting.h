@@ -43,7 +43,7 @@ class FrameSculpting {
   // Whether the modifier has a sculpt of the frame, or will have.
   bool is_sculpted() const;
   // Of every frame of the database, how much of this frame's sculpt it takes.
-  std::vector<double> weights() const;
+  const std::vector<double>& weights();
 
   // Writes the strokes into the dataset as one edit. Where another process has edited its stack meanwhile, they are put
   // on top of that. Waits no longer than `patience` for others that edit. Returns what the artist should know. Throws
@@ -69,6 +69,8 @@ class FrameSculpting {
   SkinPoint at_;  // where it touched last, un-posed
   bool is_mirrored_ = false;
   std::unique_ptr<NearestSkin> rest_;  // of the rest skin, once a stroke is mirrored
+  std::vector<double> weights_;
+  std::vector<std::uint32_t> weighed_joints_;  // that they are of
 };
 
 }  // namespace bodyopt

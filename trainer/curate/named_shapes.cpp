@@ -41,21 +41,21 @@ bool is_dataset(const std::string& name) {
                                 : path.filename() == "dataset.json" && fs::exists(path);
 }
 
-NamedShapes::NamedShapes(const std::string& name, const ShapeStack* before) : name_(name) {
+NamedShapes::NamedShapes(const std::string& name, const SpaceOf& space_of) : name_(name) {
   if (const auto take = split_take(name)) {
-    open_dataset_frames(take->first, take->second, before);
+    open_dataset_frames(take->first, take->second, space_of);
   } else {
     reader_ = std::make_shared<const ShapeReader>(name);
   }
 }
 
-void NamedShapes::open_dataset_frames(const fs::path& dataset, const std::string& take, const ShapeStack* before) {
+void NamedShapes::open_dataset_frames(const fs::path& dataset, const std::string& take, const SpaceOf& space_of) {
   dataset_ = dataset;
   std::error_code none;  // told when it is read
   written_ = fs::last_write_time(dataset, none);
   PoseDatabase read = read_pose_database(read_dataset(dataset));
-  const bool is_made = before && have_one_skin(before->database().character, read.character);
-  stack_ = std::make_shared<const ShapeStack>(std::move(read), is_made ? before->made_space() : nullptr);
+  std::shared_ptr<const UnposedSpace> space = space_of ? space_of(read) : nullptr;
+  stack_ = std::make_shared<const ShapeStack>(std::move(read), std::move(space));
   const PoseDatabase& database = stack_->database();
   const auto found = std::find(database.takes.begin(), database.takes.end(), take);
   if (!take.empty() && found == database.takes.end()) {
@@ -112,7 +112,10 @@ bool NamedShapes::was_edited() const {
 
 NamedShapes NamedShapes::as_they_are() const {
   if (!reader_ && !was_edited()) return *this;
-  NamedShapes now(name_, stack_.get());
+  NamedShapes now(name_, [this](const PoseDatabase& database) {
+    const bool is_of = stack_ && have_one_skin(stack_->database().character, database.character);
+    return is_of ? stack_->made_space() : nullptr;
+  });
   if (now.point_count() == point_count()) return now;
   throw Error(ErrorKind::mismatch, name_ + ": it was written anew with " + std::to_string(now.point_count()) +
                                        " points, it had " + std::to_string(point_count()));

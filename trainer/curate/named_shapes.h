@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,7 +21,10 @@ bool is_dataset(const std::string& name);
 class NamedShapes {
  public:
   // Throws Error(file), and Error(mismatch) where the dataset has no such take, or it has no frame.
-  explicit NamedShapes(const std::string& name) : NamedShapes(name, nullptr) {}
+  explicit NamedShapes(const std::string& name) : NamedShapes(name, SpaceOf()) {}
+  // The same; un-posed space takes long to make, and where somebody has that of a dataset's character, it says so.
+  using SpaceOf = std::function<std::shared_ptr<const UnposedSpace>(const PoseDatabase& database)>;
+  NamedShapes(const std::string& name, const SpaceOf& space_of);
 
   const std::string& name() const { return name_; }
   std::uint32_t point_count() const;
@@ -45,9 +49,7 @@ class NamedShapes {
   NamedShapes as_they_are() const;
 
  private:
-  // `before`: the stack that the dataset had; null: it was not open.
-  NamedShapes(const std::string& name, const ShapeStack* before);
-  void open_dataset_frames(const std::filesystem::path& dataset, const std::string& take, const ShapeStack* before);
+  void open_dataset_frames(const std::filesystem::path& dataset, const std::string& take, const SpaceOf& space_of);
   std::size_t number_of(std::uint32_t k) const;
 
   std::string name_;

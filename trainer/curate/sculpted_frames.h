@@ -27,6 +27,7 @@ class SculptedFrames {
   void put(SculptedFrame sculpt);
   const std::vector<SculptedFrame>& sculpts() const { return sculpts_; }
   double spread() const { return spread_; }  // degrees
+  const std::vector<std::uint32_t>& joints() const { return joints_; }
   // Of every sculpt its share w_k of a frame.
   std::vector<double> weights(std::size_t frame) const;
   // V x 3: what all of them add to a frame.

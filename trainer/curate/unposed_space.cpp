@@ -1,5 +1,7 @@
 #include "trainer/curate/unposed_space.h"
 
+#include <utility>
+
 #include "runtime/cpu/ddm_frames.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/skinning/ddm_basis.h"
@@ -9,8 +11,10 @@ namespace bodyopt {
 
 using Eigen::Index;
 
-UnposedSpace::UnposedSpace(const Character& character)
-    : basis_(build_ddm_basis(character, {})), order_(morton_order(character.vertices)) {}
+UnposedSpace::UnposedSpace(const Character& character) : UnposedSpace(character, build_ddm_basis(character, {})) {}
+
+UnposedSpace::UnposedSpace(const Character& character, Basis ddm)
+    : basis_(std::move(ddm)), order_(morton_order(character.vertices)) {}
 
 UnposedSpace::Frame UnposedSpace::frame(const Pose& pose) const {
   using RowMajor3 = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;

@@ -12,6 +12,8 @@ namespace bodyopt {
 class UnposedSpace {
  public:
   explicit UnposedSpace(const Character& character);
+  // `ddm`: what build_ddm_basis() makes of the character without options, where that is there already.
+  UnposedSpace(const Character& character, Basis ddm);
 
   // Rotation and translation of every vertex in one pose.
   class Frame {

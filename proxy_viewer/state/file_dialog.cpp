@@ -1,0 +1,67 @@
+#include "proxy_viewer/state/file_dialog.h"
+
+#include <algorithm>
+#include <map>
+#include <system_error>
+#include <tuple>
+
+#include "assets/clip_source.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+// By command, the endings of its files.
+const std::map<std::string, std::vector<std::string>>& kinds() {
+  static const std::map<std::string, std::vector<std::string>> all = {
+      {"open", {".safetensors", ".glb", ".gltf", ".bvh", ".pc2", ".json"}},
+      {"save", {".json"}},
+      {"save-state", {".json"}},
+      {"load-state", {".json"}},
+      {"export-clip", {".glb", ".bvh"}},
+      {"export-skin", {".pc2", ".usda"}},
+      {"screenshot", {".png"}},
+      {"sequence", {".png", ".webp"}},
+      {"turntable", {".png", ".webp"}}};
+  return all;
+}
+
+bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
+
+}  // namespace
+
+bool FileDialog::replaces() const { return std::ranges::find(entries, FolderEntry{name, false}) != entries.end(); }
+
+std::vector<std::string> browsed_commands() {
+  std::vector<std::string> names;
+  for (const auto& [name, endings] : kinds()) names.push_back(name);
+  return names;
+}
+
+FileDialog browse_folder(const std::string& command, const fs::path& folder, std::string name) {
+  const auto kind = kinds().find(command);
+  if (kind == kinds().end()) throw Error(ErrorKind::usage, "'" + command + "' takes no file that could be chosen");
+  FileDialog dialog{command, fs::absolute(folder).lexically_normal(), std::move(name)};
+  std::error_code problem;
+  fs::directory_iterator entries(dialog.folder, problem);
+  if (problem) {
+    throw Error(ErrorKind::file, dialog.folder.string() + ": cannot be listed: " + problem.message() +
+                                     " (is it a folder that you may read?)");
+  }
+  for (; entries != fs::directory_iterator(); entries.increment(problem)) {
+    if (problem) break;
+    const fs::path& path = entries->path();
+    if (is_hidden(path)) continue;
+    std::error_code gone;
+    const bool is_folder = fs::is_directory(path, gone);
+    const bool is_known = std::ranges::find(kind->second, lower_case_extension(path)) != kind->second.end();
+    if (is_folder || is_known) dialog.entries.push_back({path.filename().string(), is_folder});
+  }
+  std::ranges::sort(dialog.entries, {}, [](const FolderEntry& e) { return std::tuple(!e.is_folder, e.name); });
+  dialog.entries.insert(dialog.entries.begin(), {"..", true});
+  return dialog;
+}
+
+}  // namespace bodyopt

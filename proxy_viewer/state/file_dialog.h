@@ -1,0 +1,34 @@
+// A file that is being chosen for a command.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace bodyopt {
+
+struct FolderEntry {
+  std::string name;
+  bool is_folder = false;
+  bool operator==(const FolderEntry&) const = default;
+};
+
+struct FileDialog {
+  std::string command;           // that takes it
+  std::filesystem::path folder;  // absolute
+  std::string name;              // as chosen or typed so far
+  std::vector<FolderEntry> entries{};
+
+  std::string file() const { return (folder / name).string(); }
+  // Whether there is a file of the name already.
+  bool replaces() const;
+};
+
+// Commands that a file can be chosen for: one of these names.
+std::vector<std::string> browsed_commands();
+
+// What a command could take of a folder: ".." and its other folders, then files of the kinds that the command knows; by
+// name, nothing hidden. Throws Error(file) where it cannot be read, Error(usage) at another command.
+FileDialog browse_folder(const std::string& command, const std::filesystem::path& folder, std::string name = "");
+
+}  // namespace bodyopt
