@@ -46,12 +46,26 @@ int dot_under_mouse(const MapFrame& frame, const std::vector<PoseDot>& dots) {
   return found;
 }
 
+// Thousands as squares: round ones would take a software device longer than the character does.
+void draw_dots(ImDrawList& list, const MapFrame& frame, const std::vector<PoseDot>& dots) {
+  constexpr std::size_t kMany = 1000;
+  constexpr float kHalf = 2;
+  for (const PoseDot& dot : dots) {
+    const ImVec2 at = frame.at(dot);
+    if (dots.size() < kMany) {
+      list.AddCircleFilled(at, kDot, colour_of(dot), 8);
+    } else {
+      list.AddRectFilled({at.x - kHalf, at.y - kHalf}, {at.x + kHalf, at.y + kHalf}, colour_of(dot));
+    }
+  }
+}
+
 void draw_map(const CurationRow& curation, Controls& controls) {
   const MapFrame frame{ImGui::GetCursorScreenPos(), std::max(1.0f, ImGui::GetContentRegionAvail().x)};
   const bool clicked = ImGui::InvisibleButton("##map", {frame.side, frame.side});
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(frame.corner, {frame.corner.x + frame.side, frame.corner.y + frame.side}, kMapBackground, 4);
-  for (const PoseDot& dot : curation.dots) list.AddCircleFilled(frame.at(dot), kDot, colour_of(dot), 8);
+  draw_dots(list, frame, curation.dots);
   const int shown = controls.playback.frame() - controls.playback.first();
   if (shown >= 0 && shown < static_cast<int>(curation.dots.size())) {
     list.AddCircle(frame.at(curation.dots[static_cast<std::size_t>(shown)]), 2.2f * kDot, kAccent, 16, 2);
