@@ -270,6 +270,7 @@ void Application::fulfil() {
 
 void Application::fulfil_of_files(const Requests& requests) {
   for (const std::string& file : requests.open) controls_.attempt([&] { open_meanwhile(file); });
+  if (requests.same_clip) controls_.attempt([&] { change_cast([&] { session_.give_same_clip(); }); });
   if (requests.lead) controls_.attempt([&] { change_cast([&] { session_.make_lead(*requests.lead); }); });
   if (requests.remove) controls_.attempt([&] { change_cast([&] { session_.remove(*requests.remove); }); });
 }

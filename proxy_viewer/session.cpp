@@ -151,7 +151,20 @@ bool Session::is_character(const std::string& file) const {
 
 std::vector<std::string> Session::add(const ActorFiles& files) {
   scene.add(files, clip_options_);
+  controls.standings.resize(scene.cast().size());
   return scene.cast().back()->notes();
+}
+
+// Each keeps how it is posed.
+void Session::give_same_clip() {
+  const std::string clip = scene.lead().files().clip;
+  if (clip.empty()) throw Error(ErrorKind::usage, "the lead plays no clip of a file that others could play: open one");
+  for (std::size_t c = 1; c < scene.cast().size(); ++c) {
+    scene.cast()[c]->open_clip(clip);
+    for (const std::string& note : scene.cast()[c]->clip().notes) controls.warn(note);
+  }
+  describe_cast();
+  watch();
 }
 
 void Session::reload(const std::vector<fs::path>& files) {
@@ -185,6 +198,8 @@ void Session::make_lead(int number) {
   if (index == 0) return;
   scene.lead().set_posing(controls.settings.pose);
   scene.make_lead(index);
+  const auto lead = controls.standings.begin() + static_cast<std::ptrdiff_t>(index);
+  std::rotate(controls.standings.begin(), lead, lead + 1);
   show_lead();
 }
 
@@ -192,6 +207,7 @@ void Session::remove(int number) {
   const std::size_t index = require_character(number);
   if (scene.cast().size() == 1) throw Error(ErrorKind::usage, "the only character stays: 'quit' closes the viewport");
   scene.remove(index);
+  controls.standings.erase(controls.standings.begin() + static_cast<std::ptrdiff_t>(index));
   receiver_ = receiver_ == index ? 0 : receiver_ - (receiver_ > index ? 1 : 0);
   if (index == 0) return show_lead();
   describe_cast();
@@ -305,6 +321,8 @@ void Session::open_session(const std::string& file) {
   receiver_ = 0;
   scene.leave_live_pose();
   scene.cast() = std::move(cast);
+  controls.standings.clear();
+  for (const SessionCharacter& character : session.cast) controls.standings.push_back(character.standing);
   opened_ = std::move(session);
   controls.joint = opened_->joint;
   controls.marker.reset();
@@ -329,7 +347,10 @@ void Session::save(const std::string& file) {
   refuse_input(file);
   SessionFile session;
   session.clip = clip_options_;
-  for (const auto& character : scene.cast()) session.cast.push_back({character->files(), character->posing()});
+  for (std::size_t c = 0; c < scene.cast().size(); ++c) {
+    const Actor& character = *scene.cast()[c];
+    session.cast.push_back({character.files(), character.posing(), controls.standings[c]});
+  }
   session.frame = controls.playback.frame();
   session.joint = controls.joint;
   session.view = controls.settings;

@@ -41,6 +41,7 @@ class Session {
   // Reads the characters again that any of the files belong to; the playhead stays, and goes on as it went. All stays
   // as it was where it throws.
   void reload(const std::vector<std::filesystem::path>& files);
+  void give_same_clip();                             // the lead's, to all
   std::vector<std::filesystem::path> files() const;  // of all characters
   // Those that have changed and are whole; `now`: seconds, of any clock.
   std::vector<std::filesystem::path> changed_files(double now) { return watched_.changed(now); }

@@ -12,6 +12,7 @@
 #include "proxy_viewer/state/orbit_camera.h"
 #include "proxy_viewer/state/playback.h"
 #include "proxy_viewer/state/pose_history.h"
+#include "proxy_viewer/state/standing.h"
 #include "proxy_viewer/state/view_settings.h"
 
 namespace bodyopt {
@@ -60,6 +61,7 @@ struct Grip {
 struct Requests {
   bool quit = false, reload = false, frame_selection = false, reset_jiggle = false;
   bool worst_frame = false, worst_vertex = false;
+  bool same_clip = false;  // all are to play the lead's
   std::optional<std::string> screenshot, turntable, sequence, save, save_state, load_state;  // file names
   std::vector<std::string> open;                                                             // files, by what they hold
   std::vector<ModifierEdit> edits;
@@ -100,6 +102,7 @@ struct Controls {
   PoseHistory poses;  // of the settings
   Playback playback{{1, 1}, 24};
   OrbitCamera camera;
+  std::vector<Standing> standings;  // of the cast, in its order; the lead's waits until another leads
   Vec3 travelled{};  // metres, world: how far the lead has gone since its clip's first frame, in the last picture
   std::vector<std::string> joint_names, axis_names, control_names;  // of the lead: what commands may name
   std::vector<Quat> joint_axes;  // of the lead's joints in the bind pose, joint to world

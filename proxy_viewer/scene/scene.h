@@ -22,6 +22,9 @@ class Scene {
   void swap(std::size_t index, std::unique_ptr<Actor>& other);
   void make_lead(std::size_t index);  // the others keep their order
   void remove(std::size_t index);
+  // The coarsest level of detail whose skin is less than a fifth of a pixel (RMS, at rest) from the full one, where the
+  // character stands in a picture of that many pixels' height.
+  std::size_t level_by_size(std::size_t index, const Controls& controls, std::uint32_t height) const;
   // In place of the lead's clip.
   void set_live_pose(Pose pose) { live_pose_ = std::move(pose); }
   void leave_live_pose() { live_pose_.reset(); }  // back to the clip
@@ -80,10 +83,15 @@ class Scene {
   void add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, const Controls& controls,
                 std::vector<View>& views);
   void add_marker(const Vec3& at, View& view);
-  std::array<float, 3> place(std::size_t index) const;
+  const Standing& standing(const Actor& character, const Controls& controls) const;
+  // The frame of its own clip that a character plays at a frame of the lead's.
+  int played_frame(const Actor& character, int frame, const Controls& controls) const;
+  std::array<float, 3> place(std::size_t index, const Controls& controls) const;
+  std::array<float, 3> free_place(std::size_t index) const;
   std::array<float, 3> place_copy(std::size_t copy) const;
 
   std::shared_ptr<const vulkan::Device> device_;
+  mutable LevelPool levels_;  // of the cast
   std::vector<std::unique_ptr<Actor>> cast_;
   std::optional<Pose> live_pose_;
   std::map<std::string, double> stage_seconds_;

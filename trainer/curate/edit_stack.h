@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,6 +42,10 @@ void check_modifier(const PoseDatabase& database, const Modifier& modifier);
 // frame. Its cache is named by what is in it. Throws Error(file).
 void put_shapes_over(const std::filesystem::path& path, const std::string& take, const std::vector<int>& frames,
                      const ShapeReader& shapes, const std::vector<std::uint32_t>& samples);
+
+// The same of shapes (O x 3, posed, metres) that are asked for one after the other, by a name: what had it goes.
+void put_shapes_over(const std::filesystem::path& path, const std::string& name, const std::string& take,
+                     const std::vector<int>& frames, const std::function<std::vector<float>(std::size_t)>& shape);
 
 // An artist's mesh of a frame (O x 3, output vertices, metres; posed, or where `unposed`, as export wrote it un-posed):
 // what it differs by from the frame as the stack leaves it becomes a sculpt of the modifier `name`, which is made where
