@@ -36,7 +36,7 @@ class CrowdTest : public CharactersTest {
 TEST_F(CrowdTest, BodiesOfOneBasisShareItsTables) {
   add(small_->basis);
   add(small_->basis);
-  add(trained_->basis);
+  scene_.add({.basis = trained_->basis}, {});
   const auto tables = [&](std::size_t c) { return &scene_.cast()[c]->basis(); };
   EXPECT_EQ(tables(0), tables(1));
   EXPECT_NE(tables(0), tables(2));
