@@ -20,8 +20,8 @@ struct ViewArguments {
 
 // Does the script leave a file?
 bool writes(const std::string& script) {
-  const std::set<std::string> writing = {"screenshot", "sequence",    "turntable",  "save",
-                                         "save-state", "export-clip", "export-skin"};
+  const std::set<std::string> writing = {"screenshot", "sequence",     "turntable",   "save",
+                                         "save-state", "save-markers", "export-clip", "export-skin"};
   for (const std::string& command : script_commands(script)) {
     std::string name;
     std::istringstream(command) >> name;

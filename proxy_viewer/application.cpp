@@ -257,6 +257,7 @@ void Application::fulfil() {
   attempt(requests.sequence, [&] { pictures_.take_sequence(*requests.sequence); });
   attempt(requests.turntable, [&] { pictures_.take_turntable(*requests.turntable); });
   attempt(requests.save, [&] { session_.save(*requests.save); });
+  attempt(requests.save_markers, [&] { session_.save_markers(*requests.save_markers); });
   attempt(requests.save_state, [&] { session_.save_state(*requests.save_state); });
   attempt(requests.export_clip, [&] { session_.export_clip(*requests.export_clip); });
   attempt(requests.export_skin, [&] { session_.export_skin(*requests.export_skin); });

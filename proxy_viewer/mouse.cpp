@@ -3,7 +3,9 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <utility>
 
+#include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/grips.h"
 #include "proxy_viewer/picking.h"
 
@@ -12,8 +14,24 @@ namespace {
 
 constexpr float kClick = 4;  // pixels: less is no drag
 
+// First one of the lead, then the same of the other.
+void mark(Scene& scene, const Rectangle& area, Controls& controls) {
+  const ImVec2 at = ImGui::GetIO().MousePos;
+  const std::optional<PickedVertex> picked = vertex_at(scene, controls, area, at.x, at.y);
+  if (!picked) return;
+  Marking& marking = controls.marking;
+  if (picked->character == 0) {
+    marking.of_lead = picked->vertex;
+  } else if (marking.of_lead) {
+    add_marker(controls, {*std::exchange(marking.of_lead, std::nullopt), picked->vertex});
+  } else {
+    controls.say("first a vertex of " + scene.lead().name() + ", then the same of the other");
+  }
+}
+
 // Where joints are not shown, the skin is what can be picked; from then on they are.
 void pick(Scene& scene, const Rectangle& area, Controls& controls) {
+  if (controls.marking.on) return controls.attempt([&] { mark(scene, area, controls); });
   const ImVec2 at = ImGui::GetIO().MousePos;
   bool& skeleton = controls.settings.look.skeleton;
   controls.joint = skeleton ? joint_at(scene, controls, area, at.x, at.y) : "";

@@ -16,6 +16,7 @@
 #include "proxy_viewer/scene/truth_times.h"
 #include "runtime/core/error.h"
 #include "runtime/modifiers/drive_modifiers.h"
+#include "trainer/transfer/markers_file.h"
 
 namespace bodyopt {
 namespace {
@@ -77,12 +78,15 @@ std::vector<std::string> Session::open(const std::string& file) {
     open_session(file);
     restore_view();
     return notes;
+  } else if (has_extension(file, {".json"}) && is_markers(file)) {
+    open_markers(file);
   } else if (has_extension(file, {".json"})) {
     load_state(file);
   } else {
-    throw Error(ErrorKind::usage, file +
-                                      ": expected a basis (.safetensors), a character (.glb, .gltf), a clip "
-                                      "(.glb, .gltf, .bvh), a point cache (.pc2), a session or a state (.json)");
+    throw Error(ErrorKind::usage,
+                file +
+                    ": expected a basis (.safetensors), a character (.glb, .gltf), a clip "
+                    "(.glb, .gltf, .bvh), a point cache (.pc2), a session, markers or a state (.json)");
   }
   describe_cast();
   watch();
@@ -223,6 +227,7 @@ std::size_t Session::require_character(int number) const {
 
 // Another is the lead now.
 void Session::show_lead() {
+  controls.marking = {};
   scene.leave_live_pose();
   controls.joint.clear();
   controls.marker.reset();
@@ -367,6 +372,30 @@ void Session::save_state(const std::string& file) {
   controls.say("wrote " + file);
 }
 
+void Session::save_markers(const std::string& file) {
+  refuse_input(file);
+  if (controls.marking.pairs.empty()) throw Error(ErrorKind::usage, "there is no marker to save: 'mark on', and click");
+  std::vector<SkinMarker> markers;
+  for (const auto& [of_lead, of_second] : controls.marking.pairs) markers.push_back({of_lead, of_second});
+  write_markers(markers, file);
+  controls.say("wrote " + file);
+}
+
+// Of the two that are first now.
+void Session::open_markers(const std::string& file) {
+  std::vector<MarkedPair> pairs;
+  for (const auto& [source, target] : read_markers(file)) {
+    const std::vector<std::uint32_t>& counts = controls.output_counts;
+    if (counts.size() < 2 || source >= counts[0] || target >= counts[1]) {
+      throw Error(ErrorKind::mismatch, file + ": marks vertex " + std::to_string(source) + " of the lead and " +
+                                           std::to_string(target) +
+                                           " of the second of the cast, which are not both there: other bodies?");
+    }
+    pairs.push_back({source, target});
+  }
+  controls.marking.pairs = std::move(pairs);
+}
+
 void Session::load_state(const std::string& file) { use_settings(read_view_settings(file)); }
 
 void Session::use_settings(const ViewSettings& settings) {
@@ -460,6 +489,10 @@ void Session::warn_of_truth_times() {
 void Session::describe_cast() {
   const Basis& basis = scene.lead().basis();
   bodyopt::describe_cast(scene, snapshot);
+  controls.output_counts.clear();
+  for (const auto& character : scene.cast()) {
+    controls.output_counts.push_back(character->finest_basis().mesh.output_count());
+  }
   controls.joint_names.clear();
   controls.joint_axes.clear();
   for (const Joint& joint : basis.skeleton.joints) {

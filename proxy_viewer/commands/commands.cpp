@@ -155,6 +155,15 @@ Standing& standing_of(Controls& controls, const std::string& number) {
                      std::to_string(controls.standings.size()) + ", as the cast panel counts them");
 }
 
+// Of a vertex of one of the cast.
+std::uint32_t vertex_of(const Controls& controls, std::size_t character, const std::string& number) {
+  if (character >= controls.output_counts.size()) {
+    throw Error(ErrorKind::usage, "markers are of two bodies: open the one that is transferred to after the lead");
+  }
+  const int last = static_cast<int>(controls.output_counts[character]) - 1;
+  return static_cast<std::uint32_t>(integer_within(number, 0, last));
+}
+
 // "auto", or a whole number within these.
 std::optional<int> automatic_or(const std::string& text, int low, int high) {
   return text == "auto" ? std::nullopt : std::optional(integer_within(text, low, high));
@@ -538,6 +547,28 @@ const Command kCommands[] = {
     {"copy-delay", "FRAMES", "", "Look", "from one copy to the next",
      [](Controls& c, const std::string& a) { c.settings.cast.delay = integer_within(a, 0, kLongestCopyDelay); }},
 
+    {"mark", "[on|off]", "", "Compare", "clicks mark a vertex of the lead, then the same of the second of the cast",
+     [](Controls& c, const std::string& a) {
+       toggle(c.marking.on, a);
+       c.marking.of_lead.reset();
+     },
+     [](const Controls& c) { return name_of(c.marking.on); }},
+    {"marker", "VERTEX VERTEX", "", "Compare", "of the lead and of the second of the cast, that are the same",
+     [](Controls& c, const std::string& a) {
+       const std::vector<std::string> all = words(a, 2, "two numbers of vertices");
+       add_marker(c, {vertex_of(c, 0, all[0]), vertex_of(c, 1, all[1])});
+     }},
+    {"unmark", "", "", "Compare", "takes the marker away that was set last",
+     [](Controls& c, const std::string&) {
+       if (c.marking.pairs.empty()) throw Error(ErrorKind::usage, "there is no marker");
+       c.marking.pairs.pop_back();
+     }},
+    {"save-markers", "FILE.json", "", "File", "for bodyopt transfer --markers",
+     [](Controls& c, const std::string& a) {
+       if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
+       c.requests.save_markers = a;
+     }},
+
     {"place", "NUMBER X Y Z|auto", "", "Look", "where one of the cast begins, metres; auto: where there is room",
      [](Controls& c, const std::string& a) {
        const std::string expected = "a number of the cast and three coordinates, or auto";
@@ -620,6 +651,15 @@ const Command kCommands[] = {
 };
 
 }  // namespace
+
+void add_marker(Controls& controls, const MarkedPair& pair) {
+  for (const MarkedPair& there : controls.marking.pairs) {
+    if (there.of_lead != pair.of_lead && there.of_second != pair.of_second) continue;
+    throw Error(ErrorKind::usage, "vertex " + std::to_string(pair.of_lead) + " of the lead or " +
+                                      std::to_string(pair.of_second) + " of the other is marked already");
+  }
+  controls.marking.pairs.push_back(pair);
+}
 
 std::vector<std::string> choices_of(const Command& command) {
   const std::string all = command.argument;

@@ -21,6 +21,8 @@ constexpr std::uint32_t kBone = 0xd0f0e4c8, kJoint = 0xffffffff, kSelected = 0xf
 constexpr std::array<std::uint32_t, 3> kAxisColours{0xff5050f0, 0xff50d070, 0xfff09050};  // x, y, z
 constexpr std::size_t kColumns = 7;                                                       // of copies
 constexpr std::uint32_t kMarked = 0xff5a40ff;
+constexpr std::array<std::uint32_t, 6> kPairColours{0xff4060ff, 0xff50d070, 0xffff9040,
+                                                    0xff40d8ff, 0xffe060e0, 0xffd8d840};
 constexpr double kSpacing = 0.7;      // between characters, of their size
 constexpr double kInside = 0.3;       // of its size: nearer to another, a character would begin inside it
 constexpr double kSkinAround = 0.12;  // of joints, of the character's size
@@ -289,8 +291,9 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
     }
   }
   for (std::size_t c = 0; c < cast_.size(); ++c) add_character(c, controls, views);
+  add_markings(controls, views[0]);
   if (controls.marker && controls.marker->frame == controls.playback.frame()) {
-    for (View& v : views) add_marker(controls.marker->at, v);
+    for (View& v : views) add_marker(controls.marker->at, kMarked, v);
   }
   // What is see-through is drawn over what is not.
   for (View& v : views) std::ranges::stable_partition(v.skins, [](const SkinDraw& draw) { return draw.alpha >= 1; });
@@ -327,18 +330,36 @@ std::vector<Rectangle> Scene::view_areas(const ViewSettings& settings, const Rec
   return {left_half(area), right_half(area)};
 }
 
-void Scene::add_marker(const Vec3& at, View& view) {
+void Scene::add_marker(const Vec3& at, std::uint32_t colour, View& view) {
   const double reach = 0.012 * lead().size();
   std::vector<LinePoint> cross;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const double side : {-reach, reach}) {
       Vec3 end = at;
       end[axis] += side;
-      cross.push_back({static_cast<float>(end[0]), static_cast<float>(end[1]), static_cast<float>(end[2]), kMarked});
+      cross.push_back({static_cast<float>(end[0]), static_cast<float>(end[1]), static_cast<float>(end[2]), colour});
     }
   }
   lines_.push_back(std::move(cross));
   view.lines.push_back({lines_.back(), {}, 2, true});
+}
+
+// Pairs in one colour each, the one that waits for its other in white.
+void Scene::add_markings(const Controls& controls, View& view) {
+  const Marking& marking = controls.marking;
+  if (cast_.size() < 2 || (marking.pairs.empty() && !marking.of_lead)) return;
+  const std::vector<float> lead = skin_on_stage(0, controls), second = skin_on_stage(1, controls);
+  const auto mark = [&](const std::vector<float>& skin, std::uint32_t vertex, std::uint32_t colour) {
+    if (3 * std::size_t{vertex} + 2 >= skin.size()) return;  // of a body that was opened since
+    const float* at = &skin[3 * std::size_t{vertex}];
+    add_marker({at[0], at[1], at[2]}, colour, view);
+  };
+  for (std::size_t k = 0; k < marking.pairs.size(); ++k) {
+    const std::uint32_t colour = kPairColours[k % kPairColours.size()];
+    mark(lead, marking.pairs[k].of_lead, colour);
+    mark(second, marking.pairs[k].of_second, colour);
+  }
+  if (marking.of_lead) mark(lead, *marking.of_lead, kJoint);
 }
 
 void Scene::add_character(std::size_t index, const Controls& controls, std::vector<View>& views) {
@@ -545,6 +566,15 @@ Pose Scene::lead_pose(const Controls& controls) const { return pose_at(lead(), c
 std::vector<float> Scene::lead_skin(const Controls& controls) {
   return lead().measure(SkinMethod::full, lead_pose(controls), controls.playback.frame(),
                         static_cast<float>(controls.settings.pose.correction));
+}
+
+std::vector<float> Scene::skin_on_stage(std::size_t index, const Controls& controls) {
+  const int frame = controls.playback.frame();
+  const std::array<float, 3> offset = place(index, controls);
+  std::vector<float> skin = cast_[index]->measure(SkinMethod::full, pose_at(*cast_[index], frame, controls), frame,
+                                                  static_cast<float>(controls.settings.pose.correction));
+  for (std::size_t k = 0; k < skin.size(); ++k) skin[k] += offset[k % 3];
+  return skin;
 }
 
 Vec3 Scene::whereabouts(int frame) const {

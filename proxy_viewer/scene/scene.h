@@ -52,6 +52,8 @@ class Scene {
   Pose lead_pose(const Controls& controls) const;
   // The lead's full skin in that pose, finest level, output vertex order: quasi-static.
   std::vector<float> lead_skin(const Controls& controls);  // at the frame
+  // The full skin of one of the cast at the frame, where it stands on the stage, finest level, O x 3: quasi-static.
+  std::vector<float> skin_on_stage(std::size_t index, const Controls& controls);
   // Where joint centres of the lead are at the frame, J, metres, world.
   std::vector<Vec3> joint_centres(const Controls& controls) const;
 
@@ -82,7 +84,8 @@ class Scene {
   void add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view);
   void add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, const Controls& controls,
                 std::vector<View>& views);
-  void add_marker(const Vec3& at, View& view);
+  void add_marker(const Vec3& at, std::uint32_t colour, View& view);
+  void add_markings(const Controls& controls, View& view);
   const Standing& standing(const Actor& character, const Controls& controls) const;
   // The frame of its own clip that a character plays at a frame of the lead's.
   int played_frame(const Actor& character, int frame, const Controls& controls) const;

@@ -1,8 +1,10 @@
 // Several of the cast: where they stand, which frames they play, which level of detail they show, what they share.
+#include "proxy_viewer/picking.h"
 #include "proxy_viewer/scene/scene.h"
 #include "tests/proxy_viewer/characters_fixture.h"
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/proxy_viewer/twin_level.h"
+#include "trainer/transfer/markers_file.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -98,6 +100,50 @@ TEST_F(CrowdTest, FurtherAwayItIsCoarser) {
 }
 
 class PlayedCrowdTest : public PlayedTest {};
+
+TEST_F(PlayedCrowdTest, MarkersAreSetByClicksOnOneBodyAndTheOther) {
+  const auto viewport = open(small({small_.basis}), kBarePicture + "; mark on; frame-selection");
+  const auto click_vertex = [&](std::size_t character, std::uint32_t vertex) {
+    Scene& scene = const_cast<Session&>(viewport->session()).scene;
+    const std::vector<float> skin = scene.skin_on_stage(character, viewport->controls());
+    const float* at = &skin[3 * std::size_t{vertex}];
+    const Rectangle picture = {0, 0, viewport->screen.pixels[0], viewport->screen.pixels[1]};
+    const auto pixel = pixel_of(scene, viewport->controls(), picture, 0, {at[0], at[1], at[2]});
+    ASSERT_TRUE(pixel.has_value());
+    const auto seen = vertex_at(scene, viewport->controls(), picture, static_cast<float>((*pixel)[0]),
+                                static_cast<float>((*pixel)[1]));
+    ASSERT_TRUE(seen.has_value());
+    EXPECT_EQ(seen->character, character);
+    viewport->click((*pixel)[0], (*pixel)[1]);
+  };
+  const std::vector<float> rest = small_.made.mesh.rest;
+  std::uint32_t front = 0;  // the vertex nearest to the camera, which nothing hides
+  const Vec3 eye = to_double(viewport->controls().camera.camera().eye);
+  const MeshTable& mesh = small_.made.mesh;
+  const auto distance = [&](std::uint32_t o) {
+    const float* at = &rest[3 * std::size_t{mesh.output_vertex[o]}];
+    return length(Vec3{at[0], at[1], at[2]} - eye);
+  };
+  for (std::uint32_t o = 1; o < mesh.output_count(); ++o) {
+    if (distance(o) < distance(front)) front = o;
+  }
+  click_vertex(1, front);  // first one of the lead is wanted
+  EXPECT_TRUE(viewport->controls().marking.pairs.empty());
+  click_vertex(0, front);
+  EXPECT_TRUE(viewport->controls().marking.of_lead.has_value());
+  click_vertex(1, front);
+  ASSERT_EQ(viewport->controls().marking.pairs.size(), 1u);
+  viewport->prompt("save-markers m.json");
+  const std::vector<SkinMarker> kept = read_markers("m.json");
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_EQ(kept[0].source, viewport->controls().marking.pairs[0].of_lead);
+  viewport->prompt("unmark");
+  viewport->prompt("open m.json");
+  EXPECT_EQ(viewport->controls().marking.pairs.size(), 1u);
+  write_markers({{0, 999999}}, "far.json");
+  viewport->prompt("open far.json");
+  EXPECT_EQ(viewport->controls().marking.pairs.size(), 1u);
+}
 
 TEST_F(PlayedCrowdTest, ASessionKeepsHowEachStandsAndPlays) {
   const Standing second{Vec3{1, 0, -2}, 5, 1};
