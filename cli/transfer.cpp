@@ -112,6 +112,10 @@ Company company_of(const TransferArguments& arguments, const Basis& source) {
                               proxy = arguments.proxy.empty() ? proxy_beside(arguments.source)
                                                               : std::filesystem::path(arguments.proxy);
   if (std::filesystem::exists(dynamics)) company.dynamics = load_dynamics(dynamics, source);
+  if (!arguments.muscles.empty() && !company.dynamics) {
+    throw Error(ErrorKind::usage,
+                "--muscles is for the dynamics beside the source, and there are none: no file " + dynamics.string());
+  }
   if (!arguments.muscles.empty()) company.muscles = read_muscles(arguments.muscles, source.skeleton);
   if (!arguments.proxy.empty() || std::filesystem::exists(proxy)) company.levels = load_levels(proxy);
   return company;
@@ -367,7 +371,9 @@ void add_transfer(CLI::App& app) {
                   "targets, too")
       ->type_name("FILE")
       ->check(refuse_empty);
-  basis.add_flag("--alone", of_basis->alone, "Without the dynamics and the proxy that stand beside the source");
+  basis.add_flag("--alone", of_basis->alone, "Without the dynamics and the proxy that stand beside the source")
+      ->excludes(basis.get_option("--proxy"))
+      ->excludes(basis.get_option("--muscles"));
   basis.add_option("--frames", of_basis->frames, "Frames of it (default: all)")->type_name("R")->check(refuse_empty);
   add_shared(basis, *of_basis);
   basis.callback([of_basis] { run_basis(*of_basis); });

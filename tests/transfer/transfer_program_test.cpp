@@ -53,6 +53,7 @@ TEST_F(TransferProgram, WhatStandsBesideTheBasisGoesWithIt) {
   ASSERT_EQ(transfer(path("limb.glb") + " --alone --out " + path("b.safetensors")).exit_code, 0);
   EXPECT_FALSE(std::filesystem::exists(path("b.proxy.safetensors")));
   EXPECT_FALSE(std::filesystem::exists(path("b.dynamics.safetensors")));
+  EXPECT_EQ(transfer(path("limb.glb") + " --alone --proxy x --out " + path("b.safetensors")).exit_code, 64);
 }
 
 TEST_F(TransferProgram, TheReportSaysWhereBodiesDiffer) {
