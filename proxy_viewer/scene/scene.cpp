@@ -156,7 +156,7 @@ std::array<float, 3> Scene::free_place(std::size_t index) const {
   return {static_cast<float>(step * side), static_cast<float>(cast_.front()->ground() - cast_[index]->ground()), 0};
 }
 
-// Where its clip has it, if nobody says otherwise.
+// Where it is to begin, or where there is room.
 std::array<float, 3> Scene::place(std::size_t index, const Controls& controls) const {
   const Actor& character = *cast_[index];
   const std::optional<Vec3>& at = standing(character, controls).at;
