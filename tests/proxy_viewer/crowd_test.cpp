@@ -137,12 +137,9 @@ TEST_F(PlayedCrowdTest, MarkersAreSetByClicksOnOneBodyAndTheOther) {
   const std::vector<SkinMarker> kept = read_markers("m.json");
   ASSERT_EQ(kept.size(), 1u);
   EXPECT_EQ(kept[0].source, viewport->controls().marking.pairs[0].of_lead);
-  viewport->prompt("unmark");
-  viewport->prompt("open m.json");
-  EXPECT_EQ(viewport->controls().marking.pairs.size(), 1u);
   write_markers({{0, 999999}}, "far.json");
-  viewport->prompt("open far.json");
-  EXPECT_EQ(viewport->controls().marking.pairs.size(), 1u);
+  const auto again = open(small({small_.basis}), "open m.json; open far.json");  // the latter is refused
+  EXPECT_EQ(again->controls().marking.pairs, viewport->controls().marking.pairs);
 }
 
 TEST_F(PlayedCrowdTest, ASessionKeepsHowEachStandsAndPlays) {
