@@ -15,6 +15,7 @@
 #include "cli/arguments/task_arguments.h"
 #include "cli/results/attachments.h"
 #include "cli/results/shot_caches.h"
+#include "cli/run_steps.h"
 #include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/posed_clip.h"
 #include "proxy_viewer/scene/session_file.h"
@@ -35,6 +36,7 @@ struct EvalArguments {
   TaskArguments task;
   JsonOption json;
   std::string session;  // of the viewport: in place of the basis and the clip
+  std::string list;     // of shots, in place of all else
   SessionCharacter posed{};
 };
 
@@ -244,6 +246,7 @@ bool is_done(const EvalArguments& arguments, const TaskRun& task) {
 }
 
 void run(EvalArguments arguments) {
+  if (!arguments.list.empty()) return run_show_list(arguments.list, arguments.task.progress);
   take_session(arguments);
   arguments.task.begin();
   arguments.json.require_writable();
@@ -270,6 +273,21 @@ void run(EvalArguments arguments) {
     if (task && !arguments.task.pretend) task->fail(error);
     throw;
   }
+}
+
+// Says all that other options say, of many; only how progress is shown is left to the command line.
+void add_list(CLI::App& verb, std::string& list) {
+  const std::vector<CLI::Option*> others = verb.get_options(
+      [](const CLI::Option* option) { return !option->check_name("--progress") && !option->check_name("--help"); });
+  CLI::Option& option = *verb.add_option("--list", list,
+                                         "A list of shots (.json, .jsonl, .csv): makes the outputs of all that are not "
+                                         "made yet, one after the other")
+                             ->type_name("SHOTS")
+                             ->check(refuse_empty);
+  for (CLI::Option* other : others) option.excludes(other);
+  option.each([&verb](const std::string&) {
+    for (CLI::Option* other : verb.get_options()) other->required(false);
+  });
 }
 
 }  // namespace
@@ -320,6 +338,7 @@ void add_eval(CLI::App& app) {
   arguments->modifiers.add(verb);
   arguments->task.add(verb);
   arguments->json.add(verb);
+  add_list(verb, arguments->list);
   verb.callback([arguments] { run(*arguments); });
 }
 

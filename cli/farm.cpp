@@ -7,9 +7,9 @@
 #include <memory>
 
 #include "cli/arguments/common.h"
-#include "cli/arguments/exit_code.h"
 #include "cli/arguments/task_arguments.h"
 #include "cli/results/show_page.h"
+#include "cli/run_steps.h"
 #include "farm/farm_status.h"
 #include "farm/opencue.h"
 #include "farm/openjd.h"
@@ -66,27 +66,6 @@ void plan(const FarmArguments& arguments) {
                              (fs::path(arguments.out) / "plan.json").c_str()));
 }
 
-// A command of ours in this process; what it prints stands in the log of the task.
-int run_step(const FarmStep& step, const std::string& progress) {
-  return exit_code_of([&] {
-    make_folder(fs::path(step.out).parent_path());
-    std::vector<std::string> words{step.arguments.begin() + 1, step.arguments.end()};
-    keep_verb_arguments(words);
-    words.insert(words.begin(), step.arguments.front());
-    words.insert(words.end(), {"--progress", progress});
-    std::reverse(words.begin(), words.end());  // as CLI11 takes them
-    CLI::App app;
-    add_eval(app);
-    add_join(app);
-    try {
-      app.parse(words);
-    } catch (const CLI::ParseError& error) {
-      throw Error(ErrorKind::usage, step.out + ": its command cannot be read: " + error.what());
-    }
-    std::fflush(stdout);
-  });
-}
-
 void run_tasks(const FarmArguments& arguments) {
   const FarmPlan plan = read_plan(plan_folder(arguments));
   std::vector<const FarmTask*> tasks;
@@ -100,21 +79,11 @@ void run_tasks(const FarmArguments& arguments) {
     throw Error(ErrorKind::usage, arguments.plan + ": has no task '" + arguments.tasks.front() +
                                       "'; tasks are named WAVE.LANE, as in plan.json");
   }
-  int worst = 0;
-  std::size_t failed = 0;
+  std::vector<const FarmStep*> steps;
   for (const FarmTask* task : tasks) {
-    for (const FarmStep& step : task->steps) {
-      const int code = run_step(step, arguments.task.progress);
-      if (code == 0) continue;
-      ++failed;
-      worst = code;
-      if (code == static_cast<int>(ErrorKind::interrupted)) {
-        throw Error(ErrorKind::interrupted,
-                    "task " + task->name() + " was interrupted; it goes on when it is run again");
-      }
-    }
+    for (const FarmStep& step : task->steps) steps.push_back(&step);
   }
-  if (failed > 0) throw Error(static_cast<ErrorKind>(worst), format("%zu steps failed", failed));
+  run_steps(steps, arguments.task.progress);
 }
 
 Json status_entry(const StepStatus& status) {

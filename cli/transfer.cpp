@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <set>
 
 #include "assets/frame_range.h"
 #include "cli/arguments/common.h"
@@ -11,10 +12,14 @@
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "trainer/check/check.h"
+#include "trainer/curate/edit_stack.h"
 #include "trainer/train/skinning/ddm_basis.h"
 #include "trainer/transfer/markers_file.h"
+#include "trainer/transfer/refine_carried.h"
 #include "trainer/transfer/transfer_basis.h"
 #include "trainer/transfer/transfer_dataset.h"
+#include "trainer/transfer/transfer_dynamics.h"
+#include "trainer/transfer/transfer_levels.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -25,10 +30,10 @@ using Clock = std::chrono::steady_clock;
 constexpr double kLeastConfidence = 0.5;
 
 struct TransferArguments {
-  std::string source, markers, picture, report, clip, frames;
+  std::string source, markers, picture, report, clip, frames, proxy, muscles;
   std::vector<std::string> targets, outs;
   double unit = 0;
-  bool force = false, source_size = false;
+  bool force = false, source_size = false, alone = false;
   TransferOptions options;
   JsonOption json;
 };
@@ -93,6 +98,47 @@ std::vector<ComparedPose> poses_for_report(const TransferPair& pair, const Basis
   return compare_poses(pair, carried, clip, frames);
 }
 
+// What stands beside the source's basis, and goes with it.
+struct Company {
+  std::optional<Dynamics> dynamics;
+  std::vector<Muscle> muscles;
+  std::vector<Level> levels;
+};
+
+Company company_of(const TransferArguments& arguments, const Basis& source) {
+  Company company;
+  if (arguments.alone) return company;
+  const std::filesystem::path dynamics = dynamics_beside(arguments.source),
+                              proxy = arguments.proxy.empty() ? proxy_beside(arguments.source)
+                                                              : std::filesystem::path(arguments.proxy);
+  if (std::filesystem::exists(dynamics)) company.dynamics = load_dynamics(dynamics, source);
+  if (!arguments.muscles.empty() && !company.dynamics) {
+    throw Error(ErrorKind::usage,
+                "--muscles is for the dynamics beside the source, and there are none: no file " + dynamics.string());
+  }
+  if (!arguments.muscles.empty()) company.muscles = read_muscles(arguments.muscles, source.skeleton);
+  if (!arguments.proxy.empty() || std::filesystem::exists(proxy)) company.levels = load_levels(proxy);
+  return company;
+}
+
+// Carries the company to where its basis goes, too. Returns what was written.
+std::vector<std::string> carry_company(const Company& company, const TransferPair& pair, const Character& target,
+                                       const Basis& carried, const std::string& out,
+                                       const TransferArguments& arguments) {
+  std::vector<std::string> written, notes;
+  if (!company.levels.empty()) {
+    std::vector<Level> levels = transfer_levels(pair, target, company.levels, arguments.options, notes);
+    for (Level& level : levels) keep_unit(level.basis, arguments.unit);
+    save_levels(levels, written.emplace_back(proxy_beside(out)));
+  }
+  if (company.dynamics) {
+    const Dynamics dynamics = transfer_dynamics(pair, target, carried, *company.dynamics, company.muscles, notes);
+    save_dynamics(dynamics, written.emplace_back(dynamics_beside(out)));
+  }
+  say(notes);
+  return written;
+}
+
 void run_basis(const TransferArguments& arguments) {
   if (arguments.outs.size() != arguments.targets.size()) {
     throw Error(ErrorKind::usage, format("%zu targets and %zu --out: every target needs a basis to write",
@@ -109,6 +155,7 @@ void run_basis(const TransferArguments& arguments) {
   }
   const TransferOptions options = options_of(arguments);
   const Basis source = load_basis(arguments.source);
+  const Company company = company_of(arguments, source);
   Page page("Transfer", "What was learned in " + arguments.source + ", on other bodies");
   Json list = Json::array();
   std::string text;
@@ -128,6 +175,8 @@ void run_basis(const TransferArguments& arguments) {
     facts["vertices"] = basis.mesh.vertex_count();
     facts["bytes_per_vertex"] = static_cast<double>(total_bytes(basis)) / basis.mesh.vertex_count();
     facts["seconds"] = seconds_since(start);
+    facts["beside"] = carry_company(company, pair, character, basis, arguments.outs[k], arguments);
+    facts["seconds_with_what_is_beside"] = seconds_since(start);
     if (!arguments.report.empty()) {
       const std::vector<ComparedPose> poses = poses_for_report(pair, basis, arguments);
       add_transfer(pair, arguments.targets[k], poses, page);
@@ -135,6 +184,7 @@ void run_basis(const TransferArguments& arguments) {
     }
     text += format("wrote %s: %u vertices, %s, %.1f s\n", arguments.outs[k].c_str(), basis.mesh.vertex_count(),
                    describe(pair).c_str(), facts["seconds"].get<double>());
+    for (const Json& file : facts["beside"]) text += "wrote " + file.get<std::string>() + "\n";
     list.push_back(std::move(facts));
   }
   if (!arguments.report.empty()) {
@@ -175,6 +225,74 @@ void run_dataset(const TransferArguments& arguments) {
   facts["peak_memory_mib"] = peak_memory_mib();
   arguments.json.emit(facts, format("wrote %s: %zu takes, %zu frames, %s, %.1f s\n", (out / "dataset.json").c_str(),
                                     told.takes, told.frames, describe(pair).c_str(), seconds_since(start)));
+}
+
+struct RefineArguments {
+  std::string dataset;
+  std::vector<std::string> carried;
+  TrainOptions options;
+  JsonOption json;
+};
+
+// In the stack; what an earlier refinement made of the take goes.
+std::string refinement_of(const std::string& take) { return "refined " + take; }
+
+// What was carried is read as it is below an earlier refinement.
+SampleSet unrefined_samples(Dataset dataset, const std::set<std::string>& carried) {
+  std::erase_if(dataset.modifiers, [&](const Modifier& modifier) {
+    return std::ranges::any_of(carried, [&](const std::string& take) { return modifier.name == refinement_of(take); });
+  });
+  return read_samples(dataset);
+}
+
+void run_refine(const RefineArguments& arguments) {
+  arguments.json.require_writable();
+  const auto start = Clock::now();
+  std::filesystem::path path = arguments.dataset;
+  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  const Dataset dataset = read_dataset(path);
+  const std::string mismatch = first_problem(check_dataset(dataset), path);
+  if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
+  const std::set<std::string> carried(arguments.carried.begin(), arguments.carried.end());
+  const SampleSet set = unrefined_samples(dataset, carried);
+  say(set.notes);
+  RefinedShapes refined(set, carried, arguments.options);
+  std::size_t count = 0;
+  for (const std::string& take : carried) {
+    std::vector<int> frames;
+    std::vector<const Pose*> poses;
+    for (const Sample& sample : set.train) {
+      if (set.takes[static_cast<std::size_t>(sample.take)] != take) continue;
+      frames.push_back(sample.frame);
+      poses.push_back(&sample.pose);
+    }
+    if (frames.empty()) continue;
+    put_shapes_over(path, refinement_of(take), take, frames, [&](std::size_t k) { return refined(*poses[k]); });
+    count += frames.size();
+  }
+  arguments.json.emit(
+      {{"dataset", path.string()},
+       {"carried_frames", count},
+       {"own_frames", set.train.size() - count},
+       {"difference_mm", refined.difference_mm()},
+       {"seconds", seconds_since(start)}},
+      format("%zu carried frames moved to what %zu own frames show, which were %.2f mm RMS off them, in "
+             "%.1f s: modifiers '%s' and the like of the dataset's stack\n",
+             count, set.train.size() - count, refined.difference_mm(), seconds_since(start),
+             refinement_of(*carried.begin()).c_str()));
+}
+
+void add_refine(CLI::App& transfer) {
+  const auto arguments = std::make_shared<RefineArguments>();
+  CLI::App& verb = *transfer.add_subcommand(
+      "refine", "Carried frames of a dataset, moved to what frames of the body's own in it show");
+  verb.add_option("dataset", arguments->dataset, "Dataset (folder or dataset.json)")->required()->type_name("DATASET");
+  verb.add_option("--carried", arguments->carried, "Takes that 'transfer dataset' wrote; the others are its own")
+      ->required()
+      ->type_name("TAKE");
+  verb.add_option("--seed", arguments->options.seed, "Seed of every random choice")->capture_default_str();
+  arguments->json.add(verb);
+  verb.callback([arguments] { run_refine(*arguments); });
 }
 
 void add_shared(CLI::App& verb, TransferArguments& arguments) {
@@ -241,9 +359,25 @@ void add_transfer(CLI::App& app) {
   basis.add_option("--clip", of_basis->clip, "Poses for the report: motion of the source")
       ->type_name("CLIP")
       ->check(refuse_empty);
+  basis
+      .add_option("--proxy", of_basis->proxy,
+                  "Proxy of the source (default: BASIS.proxy.safetensors beside it), whose levels go with it, to "
+                  "OUT.proxy.safetensors")
+      ->type_name("BASIS")
+      ->check(refuse_empty);
+  basis
+      .add_option("--muscles", of_basis->muscles,
+                  "The source's muscles (muscles.json), for the dynamics that stand beside it: those are made for the "
+                  "targets, too")
+      ->type_name("FILE")
+      ->check(refuse_empty);
+  basis.add_flag("--alone", of_basis->alone, "Without the dynamics and the proxy that stand beside the source")
+      ->excludes(basis.get_option("--proxy"))
+      ->excludes(basis.get_option("--muscles"));
   basis.add_option("--frames", of_basis->frames, "Frames of it (default: all)")->type_name("R")->check(refuse_empty);
   add_shared(basis, *of_basis);
   basis.callback([of_basis] { run_basis(*of_basis); });
+  add_refine(verb);
 }
 
 }  // namespace bodyopt::cli

@@ -129,8 +129,7 @@ class ShowChecker {
   }
 
   double tets(const ShowElement& element, const Basis& basis) {
-    const std::string file =
-        element.option("dynamics", fs::path(element.basis).replace_extension(".dynamics.safetensors").string());
+    const std::string file = element.option("dynamics", dynamics_beside(element.basis).string());
     return tets_.get(file + '\0' + element.basis,
                      [&] { return static_cast<double>(load_dynamics(file, basis).tets.tet_count()); });
   }

@@ -278,6 +278,7 @@ void Application::fulfil() {
   attempt(requests.sequence, [&] { pictures_.take_sequence(*requests.sequence); });
   attempt(requests.turntable, [&] { pictures_.take_turntable(*requests.turntable); });
   attempt(requests.save, [&] { session_.save(*requests.save); });
+  attempt(requests.save_markers, [&] { session_.save_markers(*requests.save_markers); });
   attempt(requests.save_state, [&] { session_.save_state(*requests.save_state); });
   attempt(requests.export_clip, [&] { session_.export_clip(*requests.export_clip); });
   attempt(requests.export_skin, [&] { session_.export_skin(*requests.export_skin); });
@@ -291,6 +292,7 @@ void Application::fulfil() {
 
 void Application::fulfil_of_files(const Requests& requests) {
   for (const std::string& file : requests.open) controls_.attempt([&] { open_meanwhile(file); });
+  if (requests.same_clip) controls_.attempt([&] { change_cast([&] { session_.give_same_clip(); }); });
   if (requests.lead) controls_.attempt([&] { change_cast([&] { session_.make_lead(*requests.lead); }); });
   if (requests.remove) controls_.attempt([&] { change_cast([&] { session_.remove(*requests.remove); }); });
 }

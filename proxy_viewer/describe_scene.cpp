@@ -46,6 +46,8 @@ CharacterRow describe(const Actor& character) {
 void describe_shown(const Actor& character, const ViewSettings& settings, CharacterRow& row) {
   const MeshTable& mesh = character.basis().mesh;
   row.vertices = mesh.vertex_count();
+  row.level = character.level();
+  row.level_count = character.level_count();
   row.triangles = static_cast<std::uint32_t>(mesh.triangles.size() / 3);
   row.tets = character.shown().tet_count();
   row.bytes = total_bytes(character.basis());

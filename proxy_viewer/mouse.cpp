@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "draw/camera.h"
+#include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/grips.h"
 #include "proxy_viewer/picking.h"
 
@@ -28,8 +30,24 @@ ImVec2 mouse_moved() {
   return {pixels_a_point() * by.x, pixels_a_point() * by.y};
 }
 
+// First one of the lead, then the same of the other.
+void mark(Scene& scene, const Rectangle& area, Controls& controls) {
+  const ImVec2 at = mouse_at();
+  const std::optional<PickedVertex> picked = vertex_at(scene, controls, area, at.x, at.y);
+  if (!picked) return;
+  Marking& marking = controls.marking;
+  if (picked->character == 0) {
+    marking.of_lead = picked->vertex;
+  } else if (marking.of_lead) {
+    add_marker(controls, {*std::exchange(marking.of_lead, std::nullopt), picked->vertex});
+  } else {
+    controls.say("first a vertex of " + scene.lead().name() + ", then the same of the other");
+  }
+}
+
 // Where joints are not shown, the skin is what can be picked; from then on they are.
 void pick(Scene& scene, const Rectangle& area, Controls& controls) {
+  if (controls.marking.on) return controls.attempt([&] { mark(scene, area, controls); });
   const ImVec2 at = mouse_at();
   bool& skeleton = controls.settings.look.skeleton;
   controls.joint = skeleton ? joint_at(scene, controls, area, at.x, at.y) : "";

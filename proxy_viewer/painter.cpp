@@ -133,15 +133,19 @@ void Painter::choose_heat() {
   controls_.automatic_heat_mm = heat_.choose(p99, controls_.playback.playing() || makes_series_);
 }
 
-// While it plays, a level of detail that keeps up; but the finest, where what is looked at is of that alone.
+// While it plays, a level of detail that keeps up; but the finest, where what is looked at is of that alone. Of all but
+// the lead one as coarse as their size in the picture allows.
 void Painter::choose_level() {
   const ViewSettings& s = controls_.settings;
-  const bool wants_finest = s.compare.with != CompareWith::none || s.look.tets ||
-                            (s.jiggle.on && scene_.lead().has_at_finest(SkinMethod::jiggle));
+  const bool all_finest = s.compare.with != CompareWith::none || s.look.tets;
+  const bool lead_finest = all_finest || (s.jiggle.on && scene_.lead().has_at_finest(SkinMethod::jiggle));
   const std::size_t automatic =
-      detail_.choose(1e-3 * snapshot_.frame_ms, controls_.playback.playing() && !wants_finest, most_levels());
-  for (const auto& character : scene_.cast()) {
-    character->set_level(s.look.level ? static_cast<std::size_t>(*s.look.level) : automatic);
+      detail_.choose(1e-3 * snapshot_.frame_ms, controls_.playback.playing() && !lead_finest, most_levels());
+  for (std::size_t c = 0; c < scene_.cast().size(); ++c) {
+    const std::optional<int>& own = c == 0 ? s.look.level : controls_.standings[c].level;
+    const std::optional<int>& asked = own ? own : s.look.level;
+    const std::size_t by_size = c == 0 || all_finest ? 0 : scene_.level_by_size(c, controls_, area_.height);
+    scene_.cast()[c]->set_level(asked ? static_cast<std::size_t>(*asked) : std::max(automatic, by_size));
   }
   snapshot_.level = scene_.lead().level();
   snapshot_.level_count = scene_.lead().level_count();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "draw/camera.h"
 #include "proxy_viewer/scene/output_points.h"
@@ -78,6 +79,25 @@ std::string joint_under_skin_at(Scene& scene, const Controls& controls, const Re
   const auto nearest =
       std::ranges::min_element(centres, {}, [&](const Vec3& centre) { return length(centre - hit->at); });
   return scene.lead().basis().skeleton.joints[static_cast<std::size_t>(nearest - centres.begin())].name;
+}
+
+std::optional<PickedVertex> vertex_at(Scene& scene, const Controls& controls, const Rectangle& picture, float x,
+                                      float y) {
+  const Ray ray = ray_through(controls.camera.camera(), view_at(scene, controls, picture, x), static_cast<double>(x),
+                              static_cast<double>(y));
+  std::optional<PickedVertex> picked;
+  double nearest = 0;
+  for (std::size_t c = 0; c < std::min<std::size_t>(2, scene.cast().size()); ++c) {
+    const std::vector<float> skin = scene.skin_on_stage(c, controls);
+    const std::optional<RayHit> hit = first_hit(ray, skin, scene.cast()[c]->finest_basis().mesh.output_triangles);
+    if (!hit) continue;
+    const double along = dot(hit->at - ray.from, ray.along);
+    if (picked && along >= nearest) continue;
+    nearest = along;
+    const auto vertices = std::views::iota(0u, static_cast<std::uint32_t>(skin.size() / 3));
+    picked = {c, std::ranges::min(vertices, {}, [&](std::uint32_t v) { return length(vertex(skin, v) - hit->at); })};
+  }
+  return picked;
 }
 
 Ray ray_through(const Camera& camera, const Rectangle& area, double x, double y) {

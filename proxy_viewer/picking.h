@@ -26,6 +26,15 @@ std::string joint_at(const Scene& scene, const Controls& controls, const Rectang
 // Actor::measure().
 std::string joint_under_skin_at(Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y);
 
+// A vertex of one of the cast, as its file has it.
+struct PickedVertex {
+  std::size_t character;
+  std::uint32_t vertex;
+};
+// Of the lead and the second of the cast, the vertex nearest to where a skin is seen at (x, y); none: no skin is there.
+std::optional<PickedVertex> vertex_at(Scene& scene, const Controls& controls, const Rectangle& picture, float x,
+                                      float y);
+
 // A point is from + t along.
 struct Ray {
   Vec3 from, along;

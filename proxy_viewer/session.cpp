@@ -16,6 +16,7 @@
 #include "proxy_viewer/scene/truth_times.h"
 #include "runtime/core/error.h"
 #include "runtime/modifiers/drive_modifiers.h"
+#include "trainer/transfer/markers_file.h"
 
 namespace bodyopt {
 namespace {
@@ -78,12 +79,15 @@ std::vector<std::string> Session::open(const std::string& file) {
     open_session(file);
     restore_view();
     return notes;
+  } else if (has_extension(file, {".json"}) && is_markers(file)) {
+    open_markers(file);
   } else if (has_extension(file, {".json"})) {
     load_state(file);
   } else {
-    throw Error(ErrorKind::usage, file +
-                                      ": expected a basis (.safetensors), a character (.glb, .gltf), a clip "
-                                      "(.glb, .gltf, .bvh), a point cache (.pc2), a session or a state (.json)");
+    throw Error(ErrorKind::usage,
+                file +
+                    ": expected a basis (.safetensors), a character (.glb, .gltf), a clip "
+                    "(.glb, .gltf, .bvh), a point cache (.pc2), a session, markers or a state (.json)");
   }
   describe_cast();
   watch();
@@ -165,7 +169,20 @@ bool Session::is_character(const std::string& file) const {
 
 std::vector<std::string> Session::add(const ActorFiles& files) {
   scene.add(files, clip_options_);
+  controls.standings.resize(scene.cast().size());
   return scene.cast().back()->notes();
+}
+
+// Each keeps how it is posed.
+void Session::give_same_clip() {
+  const std::string clip = scene.lead().files().clip;
+  if (clip.empty()) throw Error(ErrorKind::usage, "the lead plays no clip of a file that others could play: open one");
+  for (std::size_t c = 1; c < scene.cast().size(); ++c) {
+    scene.cast()[c]->open_clip(clip);
+    for (const std::string& note : scene.cast()[c]->clip().notes) controls.warn(note);
+  }
+  describe_cast();
+  watch();
 }
 
 void Session::reload(const std::vector<fs::path>& files) {
@@ -199,6 +216,8 @@ void Session::make_lead(int number) {
   if (index == 0) return;
   scene.lead().set_posing(controls.settings.pose);
   scene.make_lead(index);
+  const auto lead = controls.standings.begin() + static_cast<std::ptrdiff_t>(index);
+  std::rotate(controls.standings.begin(), lead, lead + 1);
   show_lead();
 }
 
@@ -206,6 +225,7 @@ void Session::remove(int number) {
   const std::size_t index = require_character(number);
   if (scene.cast().size() == 1) throw Error(ErrorKind::usage, "the only character stays: 'quit' closes the viewport");
   scene.remove(index);
+  controls.standings.erase(controls.standings.begin() + static_cast<std::ptrdiff_t>(index));
   receiver_ = receiver_ == index ? 0 : receiver_ - (receiver_ > index ? 1 : 0);
   if (index == 0) return show_lead();
   describe_cast();
@@ -221,6 +241,7 @@ std::size_t Session::require_character(int number) const {
 
 // Another is the lead now.
 void Session::show_lead() {
+  controls.marking = {};
   scene.leave_live_pose();
   controls.joint.clear();
   controls.marker.reset();
@@ -319,6 +340,8 @@ void Session::open_session(const std::string& file) {
   receiver_ = 0;
   scene.leave_live_pose();
   scene.cast() = std::move(cast);
+  controls.standings.clear();
+  for (const SessionCharacter& character : session.cast) controls.standings.push_back(character.standing);
   opened_ = std::move(session);
   controls.joint = opened_->joint;
   controls.marker.reset();
@@ -343,7 +366,10 @@ void Session::save(const std::string& file) {
   refuse_input(file);
   SessionFile session;
   session.clip = clip_options_;
-  for (const auto& character : scene.cast()) session.cast.push_back({character->files(), character->posing()});
+  for (std::size_t c = 0; c < scene.cast().size(); ++c) {
+    const Actor& character = *scene.cast()[c];
+    session.cast.push_back({character.files(), character.posing(), controls.standings[c]});
+  }
   session.frame = controls.playback.frame();
   session.joint = controls.joint;
   session.view = controls.settings;
@@ -358,6 +384,30 @@ void Session::save_state(const std::string& file) {
   controls.settings.camera = controls.kept_camera();
   write_view_settings(controls.settings, file);
   controls.say("wrote " + file);
+}
+
+void Session::save_markers(const std::string& file) {
+  refuse_input(file);
+  if (controls.marking.pairs.empty()) throw Error(ErrorKind::usage, "there is no marker to save: 'mark on', and click");
+  std::vector<SkinMarker> markers;
+  for (const auto& [of_lead, of_second] : controls.marking.pairs) markers.push_back({of_lead, of_second});
+  write_markers(markers, file);
+  controls.say("wrote " + file);
+}
+
+// Of the two that are first now.
+void Session::open_markers(const std::string& file) {
+  std::vector<MarkedPair> pairs;
+  for (const auto& [source, target] : read_markers(file)) {
+    const std::vector<std::uint32_t>& counts = controls.output_counts;
+    if (counts.size() < 2 || source >= counts[0] || target >= counts[1]) {
+      throw Error(ErrorKind::mismatch, file + ": marks vertex " + std::to_string(source) + " of the lead and " +
+                                           std::to_string(target) +
+                                           " of the second of the cast, which are not both there: other bodies?");
+    }
+    pairs.push_back({source, target});
+  }
+  controls.marking.pairs = std::move(pairs);
 }
 
 void Session::load_state(const std::string& file) { use_settings(read_view_settings(file)); }
@@ -474,6 +524,10 @@ void Session::warn_of_truth_times() {
 void Session::describe_cast() {
   const Basis& basis = scene.lead().basis();
   bodyopt::describe_cast(scene, snapshot);
+  controls.output_counts.clear();
+  for (const auto& character : scene.cast()) {
+    controls.output_counts.push_back(character->finest_basis().mesh.output_count());
+  }
   controls.joint_names.clear();
   controls.joint_axes.clear();
   for (const Joint& joint : basis.skeleton.joints) {

@@ -43,6 +43,8 @@ class Session {
   // Reads the characters again that any of the files belong to; the playhead stays, and goes on as it went. All stays
   // as it was where it throws.
   void reload(const std::vector<std::filesystem::path>& files);
+  void save_markers(const std::string& file);
+  void give_same_clip();                             // the lead's, to all
   std::vector<std::filesystem::path> files() const;  // of all characters
   // Those that have changed and are whole; `now`: seconds, of any clock.
   std::vector<std::filesystem::path> changed_files(double now) { return watched_.changed(now); }
@@ -95,6 +97,7 @@ class Session {
   std::vector<std::string> add(const ActorFiles& files);
   ActorFiles files_of_dataset(const std::string& file);
   void open_session(const std::string& file);
+  void open_markers(const std::string& file);
   void use_settings(const ViewSettings& settings);
   void require_dataset() const;
   void read_dataset_again();

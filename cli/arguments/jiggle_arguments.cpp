@@ -93,7 +93,7 @@ void JiggleArguments::check() const {
 
 std::string JiggleArguments::file(const std::string& basis) const {
   if (!jiggle) return "";
-  return dynamics.empty() ? fs::path(basis).replace_extension(".dynamics.safetensors").string() : dynamics;
+  return dynamics.empty() ? dynamics_beside(basis).string() : dynamics;
 }
 
 std::unique_ptr<Deformer> JiggleArguments::deformer(Basis loaded, const std::string& basis,

@@ -127,7 +127,7 @@ JiggleReport demo_jiggle(const SampleSet& set, const Basis& basis, const DeviceC
   const Dynamics dynamics =
       build_dynamics(set.character, set.muscles, basis,
                      {.settings = read_jiggle(folder / "jiggle.json"), .poses = training_poses(set)});
-  save_dynamics(dynamics, folder / "basis.dynamics.safetensors");
+  save_dynamics(dynamics, dynamics_beside(folder / "basis.safetensors"));
   describe_tables(dynamics, report);
 
   const Clip clip = read_clip((folder / "stop.glb").string(), basis.skeleton, {});

@@ -13,7 +13,7 @@
 #include "assets/notes.h"
 #include "proxy_viewer/state/mirrored_joint.h"
 #include "proxy_viewer/state/sections.h"
-#include "proxy_viewer/state/setting_limits.h"
+#include "proxy_viewer/state/setting_fields.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -143,6 +143,30 @@ std::pair<std::string, std::string> split_last(const std::string& text, const st
 const Quat& axes_of(const Controls& controls, const std::string& joint) {
   const auto at = std::find(controls.joint_names.begin(), controls.joint_names.end(), joint);
   return controls.joint_axes.at(static_cast<std::size_t>(at - controls.joint_names.begin()));
+}
+
+// Of one of the cast, which are counted from 1, but the lead.
+Standing& standing_of(Controls& controls, const std::string& number) {
+  const int index = integer(number);
+  if (index >= 2 && static_cast<std::size_t>(index) <= controls.standings.size()) {
+    return controls.standings[static_cast<std::size_t>(index) - 1];
+  }
+  refuse(number, "one of the cast but the lead, expected a number from 2 to " +
+                     std::to_string(controls.standings.size()) + ", as the cast panel counts them");
+}
+
+// Of a vertex of one of the cast.
+std::uint32_t vertex_of(const Controls& controls, std::size_t character, const std::string& number) {
+  if (character >= controls.output_counts.size()) {
+    throw Error(ErrorKind::usage, "markers are of two bodies: open the one that is transferred to after the lead");
+  }
+  const int last = static_cast<int>(controls.output_counts[character]) - 1;
+  return static_cast<std::uint32_t>(integer_within(number, 0, last));
+}
+
+// "auto", or a whole number within these.
+std::optional<int> automatic_or(const std::string& text, int low, int high) {
+  return text == "auto" ? std::nullopt : std::optional(integer_within(text, low, high));
 }
 
 void go_to_pair(Controls& controls, int pair) {
@@ -306,13 +330,7 @@ const Command kCommands[] = {
     {"tet-cut", "0-1", "", "Look", "share of the body that is cut away, from the front",
      [](Controls& c, const std::string& a) { c.settings.look.tet_cut = number_within(a, 0, 1); }},
     {"level", "auto|0|1|2...", "", "Look", "of detail, 0 the finest; auto: the one that keeps up",
-     [](Controls& c, const std::string& a) {
-       if (a == "auto") {
-         c.settings.look.level = std::nullopt;
-       } else {
-         c.settings.look.level = integer_within(a, 0, kCoarsestLevel);
-       }
-     }},
+     [](Controls& c, const std::string& a) { c.settings.look.level = automatic_or(a, 0, kCoarsestLevel); }},
     {"grid", "[on|off]", "D", "Look", "the grid on the ground",
      [](Controls& c, const std::string& a) { toggle(c.settings.look.grid, a); },
      [](const Controls& c) { return name_of(c.settings.look.grid); }},
@@ -579,6 +597,53 @@ const Command kCommands[] = {
     {"copy-delay", "FRAMES", "", "Look", "from one copy to the next",
      [](Controls& c, const std::string& a) { c.settings.cast.delay = integer_within(a, 0, kLongestCopyDelay); }},
 
+    {"mark", "[on|off]", "", "Compare", "clicks mark a vertex of the lead, then the same of the second of the cast",
+     [](Controls& c, const std::string& a) {
+       toggle(c.marking.on, a);
+       c.marking.of_lead.reset();
+     },
+     [](const Controls& c) { return name_of(c.marking.on); }},
+    {"marker", "VERTEX VERTEX", "", "Compare", "of the lead and of the second of the cast, that are the same",
+     [](Controls& c, const std::string& a) {
+       const std::vector<std::string> all = words(a, 2, "two numbers of vertices");
+       add_marker(c, {vertex_of(c, 0, all[0]), vertex_of(c, 1, all[1])});
+     }},
+    {"unmark", "", "", "Compare", "takes the marker away that was set last",
+     [](Controls& c, const std::string&) {
+       if (c.marking.pairs.empty()) throw Error(ErrorKind::usage, "there is no marker");
+       c.marking.pairs.pop_back();
+     }},
+    {"save-markers", "FILE.json", "", "File", "for bodyopt transfer --markers",
+     [](Controls& c, const std::string& a) {
+       if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
+       c.requests.save_markers = a;
+     }},
+
+    {"place", "NUMBER X Y Z|auto", "", "Look", "where one of the cast begins, metres; auto: where there is room",
+     [](Controls& c, const std::string& a) {
+       const std::string expected = "a number of the cast and three coordinates, or auto";
+       const std::vector<std::string> all = words(a);
+       if (all.size() != 4 && !(all.size() == 2 && all[1] == "auto")) refuse(a, expected);
+       std::optional<Vec3> at;
+       if (all.size() == 4) {
+         at.emplace();
+         for (std::size_t i = 0; i < 3; ++i) (*at)[i] = number_within(all[i + 1], -kFurthest, kFurthest);
+       }
+       standing_of(c, all[0]).at = at;
+     }},
+    {"ahead", "NUMBER FRAMES|auto", "", "Playback", "one of the cast goes round in its own clip; auto: frame by frame",
+     [](Controls& c, const std::string& a) {
+       const std::vector<std::string> all = words(a, 2, "a number of the cast and a number of frames, or auto");
+       standing_of(c, all[0]).ahead = automatic_or(all[1], -kFurthestAhead, kFurthestAhead);
+     }},
+    {"level-of", "NUMBER auto|0|1|2...", "", "Look", "of detail, of one of the cast; auto: by its size in the picture",
+     [](Controls& c, const std::string& a) {
+       const std::vector<std::string> all = words(a, 2, "a number of the cast and a level, or auto");
+       standing_of(c, all[0]).level = automatic_or(all[1], 0, kCoarsestLevel);
+     }},
+    {"same-clip", "", "", "Playback", "all of the cast play the lead's clip",
+     [](Controls& c, const std::string&) { c.requests.same_clip = true; }},
+
     {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",
      [](Controls& c, const std::string& a) { c.requests.screenshot = a; }},
     {"turntable", "FILE.####.png", "", "File", "once around, 72 pictures",
@@ -639,6 +704,15 @@ const Command kCommands[] = {
 };
 
 }  // namespace
+
+void add_marker(Controls& controls, const MarkedPair& pair) {
+  for (const MarkedPair& there : controls.marking.pairs) {
+    if (there.of_lead != pair.of_lead && there.of_second != pair.of_second) continue;
+    throw Error(ErrorKind::usage, "vertex " + std::to_string(pair.of_lead) + " of the lead or " +
+                                      std::to_string(pair.of_second) + " of the other is marked already");
+  }
+  controls.marking.pairs.push_back(pair);
+}
 
 std::vector<std::string> choices_of(const Command& command) {
   const std::string all = command.argument;

@@ -41,4 +41,7 @@ void run_command(Controls& controls, const std::string& text);
 // end.
 std::vector<std::string> script_commands(const std::string& text);
 
+// As the command "marker" does, after a click. Throws Error(usage) where either vertex is marked already.
+void add_marker(Controls& controls, const MarkedPair& pair);
+
 }  // namespace bodyopt

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "proxy_viewer/state/orbit_camera.h"
 #include "proxy_viewer/state/playback.h"
 #include "proxy_viewer/state/pose_history.h"
+#include "proxy_viewer/state/standing.h"
 #include "proxy_viewer/state/view_settings.h"
 
 namespace bodyopt {
@@ -58,6 +60,19 @@ struct Curating {
   int pair = -1;                                // that is looked at, from 0
 };
 
+// A vertex of the lead's skin, and the one of the second of the cast that is the same; output vertices.
+struct MarkedPair {
+  std::uint32_t of_lead = 0, of_second = 0;
+  bool operator==(const MarkedPair&) const = default;
+};
+
+// Points of two skins that are the same, as a transfer from the lead to the second of the cast takes them.
+struct Marking {
+  bool on = false;  // clicks mark
+  std::vector<MarkedPair> pairs;
+  std::optional<std::uint32_t> of_lead;  // marked, its other to come
+};
+
 // The end of a limb that is to stay; without a point: where it is.
 struct PinRequest {
   std::string joint;
@@ -74,8 +89,9 @@ struct Grip {
 struct Requests {
   bool quit = false, reload = false, frame_selection = false, reset_jiggle = false;
   bool worst_frame = false, worst_vertex = false;
-  std::optional<std::string> screenshot, turntable, sequence, save, save_state, load_state;  // file names
-  std::vector<std::string> open;                                                             // files, by what they hold
+  bool same_clip = false;  // all are to play the lead's
+  std::optional<std::string> screenshot, turntable, sequence, save, save_state, load_state, save_markers;  // file names
+  std::vector<std::string> open;  // files, by what they hold
   std::vector<ModifierEdit> edits;
   std::optional<PinRequest> pin;
   std::optional<bool> step_back;      // in the history of edits, or forth
@@ -116,6 +132,9 @@ struct Controls {
   PoseHistory poses;  // of the settings
   Playback playback{{1, 1}, 24};
   OrbitCamera camera;
+  Marking marking;
+  std::vector<std::uint32_t> output_counts;  // of the cast: vertices that can be marked
+  std::vector<Standing> standings;           // of the cast, in its order; the lead's waits until another leads
   Vec3 travelled{};  // metres, world: how far the lead has gone since its clip's first frame, in the last picture
   std::vector<std::string> joint_names, axis_names, control_names;  // of the lead: what commands may name
   std::vector<Quat> joint_axes;  // of the lead's joints in the bind pose, joint to world

@@ -47,6 +47,9 @@ void draw_cast(const Snapshot& snapshot, Controls& controls) {
   for (const CharacterRow& row : snapshot.cast) {
     draw_name(row, ++number, snapshot.cast.size(), controls);
     draw_line("shown", row.method);
+    if (row.level_count > 1) {
+      draw_line("level", std::to_string(row.level) + " of " + std::to_string(row.level_count - 1));
+    }
     draw_line("vertices", with_commas(row.vertices));
     draw_line("triangles", with_commas(row.triangles));
     if (row.tets > 0) draw_line("tetrahedra", with_commas(row.tets));

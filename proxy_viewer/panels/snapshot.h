@@ -48,6 +48,7 @@ struct CharacterRow {
   std::uint64_t bytes = 0;                              // of the static tables
   std::string method{};                                 // that is shown
   bool wears = false;                                   // attached meshes
+  std::size_t level = 0, level_count = 1;               // of detail
 };
 
 // How far the lead is from what it is compared with at a frame, mm; not a number: not measured, or nothing to measure.

@@ -49,35 +49,35 @@ Clip bind_clip(const Basis& basis) {
 
 }  // namespace
 
-fs::path ActorFiles::dynamics() const { return fs::path(basis).replace_extension(".dynamics.safetensors"); }
+fs::path ActorFiles::dynamics() const { return dynamics_beside(basis); }
 
 fs::path ActorFiles::attached() const { return fs::path(basis).replace_extension(".attached.safetensors"); }
+
+fs::path ActorFiles::levels() const { return proxy.empty() && is_basis(basis) ? proxy_beside(basis) : fs::path(proxy); }
 
 std::vector<fs::path> ActorFiles::paths() const {
   std::vector<fs::path> all;
   if (is_basis(basis)) all = {dynamics(), attached()};
   for (const std::string& file :
-       {basis, split_source(clip).path.string(), truth, proxy, character, limits, joint_map}) {
+       {basis, split_source(clip).path.string(), truth, levels().string(), character, limits, joint_map}) {
     if (!file.empty()) all.emplace_back(file);
   }
   return all;
 }
 
-Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& files, const ClipOptions& options)
+Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& files, const ClipOptions& options,
+             LevelPool& pool)
     : device_(std::move(device)), files_(files), clip_options_(options) {
-  OpenedCharacter opened = open_character(files.basis, options);
+  OpenedCharacter opened;
+  const auto make = [&] { return make_levels(opened); };
+  const bool trained = is_basis(files.basis);
+  const LevelPool::Levels levels = trained ? pool.get({files.basis, files.dynamics(), files.levels()}, make) : make();
+  for (const auto& level : levels) details_.push_back(std::make_unique<Detail>(device_, level));
   notes_ = std::move(opened.notes);
   Attachments attached = std::move(opened.attached);
-  std::optional<Dynamics> dynamics;
-  if (is_basis(files.basis)) {
-    const Basis& basis = opened.levels.front().basis;
-    if (fs::exists(files.dynamics())) dynamics = load_dynamics(files.dynamics(), basis);
-    if (fs::exists(files.attached())) attached = load_attachments(files.attached(), basis, files.basis);
+  if (trained && fs::exists(files.attached())) {
+    attached = load_attachments(files.attached(), finest().basis(), files.basis);
   }
-  for (Level& level : opened.levels) {
-    details_.push_back(std::make_unique<Detail>(device_, std::move(level), std::exchange(dynamics, std::nullopt)));
-  }
-  if (!files.proxy.empty()) add_proxy(files.proxy);
   if (!files.character.empty()) {
     linear_blend_ = std::make_unique<LinearBlend>(files.character, finest().basis(), kept_unit(finest().basis()));
   } else if (opened.character) {
@@ -101,27 +101,53 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
   }
 }
 
+LevelPool::Levels Actor::make_levels(OpenedCharacter& opened) const {
+  opened = open_character(files_.basis, clip_options_);
+  std::optional<Dynamics> dynamics;
+  if (is_basis(files_.basis) && fs::exists(files_.dynamics())) {
+    dynamics = load_dynamics(files_.dynamics(), opened.levels.front().basis);
+  }
+  LevelPool::Levels levels;
+  const auto add = [&](Level& level) {
+    levels.push_back(std::make_shared<const LevelOnDevice>(device_, std::move(level), std::exchange(dynamics, {})));
+  };
+  for (Level& level : opened.levels) add(level);
+  if (fs::exists(files_.levels()) || !files_.proxy.empty()) {
+    std::vector<Level> proxy = proxy_of(levels.front()->basis());
+    for (Level& level : proxy) add(level);
+  }
+  return levels;
+}
+
 // Coarser levels of the same character.
-void Actor::add_proxy(const std::string& path) {
-  const Basis& full = finest().basis();
-  for (Level& level : load_levels(path)) {
+std::vector<Level> Actor::proxy_of(const Basis& full) const {
+  const std::string path = files_.levels().string();
+  std::vector<Level> levels = load_levels(path);
+  for (const Level& level : levels) {
     if (level.carried.empty()) {
       throw Error(ErrorKind::mismatch, path + ": is a basis that carries no full skin, expected a proxy of " +
                                            files_.basis + ": 'bodyopt proxy' makes them");
     }
-    if (skeleton_hash(level.basis.skeleton) != skeleton_hash(full.skeleton) ||
-        level.carried.size() != full.mesh.output_count()) {
-      throw Error(ErrorKind::mismatch, path + ": is no proxy of " + files_.basis + ": it carries " +
-                                           std::to_string(level.carried.size()) + " vertices of " +
-                                           std::to_string(level.basis.skeleton.size()) + " joints, the character has " +
-                                           std::to_string(full.mesh.output_count()) + " and " +
-                                           std::to_string(full.skeleton.size()) + " (was it made of another basis?)");
+    if (skeleton_hash(level.basis.skeleton) == skeleton_hash(full.skeleton) &&
+        level.carried.size() == full.mesh.output_count()) {
+      continue;
     }
-    details_.push_back(std::make_unique<Detail>(device_, std::move(level), std::nullopt));
+    throw Error(ErrorKind::mismatch, path + ": is no proxy of " + files_.basis + ": it carries " +
+                                         std::to_string(level.carried.size()) + " vertices of " +
+                                         std::to_string(level.basis.skeleton.size()) + " joints, the character has " +
+                                         std::to_string(full.mesh.output_count()) + " and " +
+                                         std::to_string(full.skeleton.size()) + " (was it made of another basis?)");
   }
+  return levels;
 }
 
 std::string Actor::name() const { return files_.basis.empty() ? "arm" : fs::path(files_.basis).stem().string(); }
+
+std::size_t Actor::level_within(double metres) const {
+  std::size_t level = details_.size() - 1;
+  while (level > 0 && details_[level]->distance() > metres) --level;
+  return level;
+}
 
 bool Actor::has(SkinMethod method) const {
   if (method == SkinMethod::jiggle) return shown().jiggles() && why_still().empty();

@@ -16,6 +16,7 @@
 #include "assets/pc2.h"
 #include "proxy_viewer/scene/detail.h"
 #include "proxy_viewer/scene/linear_blend.h"
+#include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/pinned_joints.h"
 #include "proxy_viewer/scene/truth_times.h"
 #include "proxy_viewer/scene/worn_meshes.h"
@@ -26,8 +27,8 @@
 
 namespace bodyopt {
 
-// The files of a character; what is empty is none. Dynamics and attached geometry: those beside a trained basis, where
-// there are any.
+// The files of a character; what is empty is none. Dynamics, attached geometry and, where no other is named, a proxy:
+// those beside a trained basis, where there are any.
 struct ActorFiles {
   std::string basis;  // as open_character() takes it
   std::string clip{}, truth{}, proxy{};
@@ -37,6 +38,7 @@ struct ActorFiles {
 
   std::filesystem::path dynamics() const;
   std::filesystem::path attached() const;
+  std::filesystem::path levels() const;  // the proxy; empty: none, and none can be there
   // All of them, those beside the basis whether they are there or not: to be watched.
   std::vector<std::filesystem::path> paths() const;
 };
@@ -44,7 +46,8 @@ struct ActorFiles {
 class Actor {
  public:
   // Throws Error(file), Error(mismatch), Error(device).
-  Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& files, const ClipOptions& options);
+  Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& files, const ClipOptions& options,
+        LevelPool& pool);
 
   const ActorFiles& files() const { return files_; }
   std::string name() const;
@@ -56,6 +59,8 @@ class Actor {
   const Basis& finest_basis() const { return finest().basis(); }
   std::size_t level_count() const { return details_.size(); }
   std::size_t level() const { return level_; }
+  // The coarsest whose skin at rest is no further than that from the full one, RMS, metres.
+  std::size_t level_within(double metres) const;
   void set_level(std::size_t level) { level_ = std::min(level, details_.size() - 1); }
   bool has_proxy() const { return details_.size() > 1; }
   const Clip& clip() const { return clip_; }              // one frame, the bind pose, where there is no file
@@ -161,7 +166,8 @@ class Actor {
 
   Detail& finest() { return *details_.front(); }
   const Detail& finest() const { return *details_.front(); }
-  void add_proxy(const std::string& path);
+  LevelPool::Levels make_levels(OpenedCharacter& opened) const;
+  std::vector<Level> proxy_of(const Basis& full) const;
   void take_clip(Clip clip);
   std::size_t clip_index(int frame) const;
   const Pose& clip_pose(int frame) const { return clip_.poses[clip_index(frame)]; }

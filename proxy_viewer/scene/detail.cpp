@@ -7,31 +7,6 @@
 namespace bodyopt {
 namespace {
 
-struct Segment {
-  std::uint32_t from, to, fibre;
-};
-
-// Fibre points name strain vertices; drawing needs those of the skin.
-std::vector<FibrePoint> points_on_skin(const StrainTable& strain) {
-  std::vector<FibrePoint> points = strain.points;
-  for (FibrePoint& point : points) {
-    point.a = strain.vertices[point.a];
-    point.b = strain.vertices[point.b];
-    point.c = strain.vertices[point.c];
-  }
-  return points;
-}
-
-std::vector<Segment> segments_of(const StrainTable& strain) {
-  std::vector<Segment> segments;
-  for (std::uint32_t fibre = 0; fibre < strain.fibre_count(); ++fibre) {
-    for (std::uint32_t p = strain.fibre_begin[fibre] + 1; p < strain.fibre_begin[fibre + 1]; ++p) {
-      segments.push_back({p - 1, p, fibre});
-    }
-  }
-  return segments;
-}
-
 // A method is a weight.
 Weights weights_of(SkinMethod method, Weights weights) {
   if (method == SkinMethod::ddm) weights.correction = 0;
@@ -52,26 +27,14 @@ bool same(std::span<const Pose> a, std::span<const Pose> b) {
   });
 }
 
-Detail::Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::optional<Dynamics> dynamics)
-    : device_(std::move(device)),
-      model_(make_character_model(std::move(level.basis), std::move(dynamics))),
-      on_device_(std::make_shared<const vulkan::DeviceModel>(device_, model_)),
-      carried_(std::move(level.carried)) {
-  triangles_ = vulkan::upload(*device_, basis().mesh.triangles, "the triangles");
-  const std::vector<Segment> segments = segments_of(basis().strain);
-  fibre_segments_ = vulkan::upload(*device_, segments, "the fibres");
-  fibre_points_ = vulkan::upload(*device_, points_on_skin(basis().strain), "the fibre points");
-  fibre_segment_count_ = static_cast<std::uint32_t>(segments.size());
-  if (!knows_coverage()) return;
-  expectation_.emplace(basis());
-  shares_ = RegionShares(basis());
-}
+Detail::Detail(std::shared_ptr<const vulkan::Device> device, std::shared_ptr<const LevelOnDevice> level)
+    : device_(std::move(device)), level_(std::move(level)) {}
 
 Deformer& Detail::deformer(SkinMethod method, Use use) {
   std::unique_ptr<Deformer>& made = deformers_[{method, use}];
   if (made) return *made;
-  made = method == SkinMethod::jiggle ? std::make_unique<Deformer>(on_device_, JiggleOptions{})
-                                      : std::make_unique<Deformer>(on_device_);
+  made = method == SkinMethod::jiggle ? std::make_unique<Deformer>(level_->tables, JiggleOptions{})
+                                      : std::make_unique<Deformer>(level_->tables);
   return *made;
 }
 
@@ -100,8 +63,9 @@ const Evaluation& Detail::evaluate(SkinMethod method, std::span<const Pose> pose
 
 const ExpectedSkin& Detail::expected_skin(const Pose& pose) {
   if (expected_ && same({&expected_->first, 1}, {&pose, 1})) return expected_->second;
-  const ExpectedError error = expectation_->of(pose, measure_strains(basis(), pose));
-  std::vector<float> vertices = shares_.carry(error.region_mm);
+  const ErrorExpectation& expectation = *level_->expectation;
+  const ExpectedError error = expectation.of(pose, measure_strains(basis(), pose));
+  std::vector<float> vertices = level_->shares.carry(error.region_mm);
   ExpectedSkin skin{error.rms_mm, 0, 0, vulkan::upload(*device_, vertices, "expected errors")};
   if (!vertices.empty()) {
     skin.largest_mm = 1e3 * double{*std::ranges::max_element(vertices)};
@@ -151,7 +115,7 @@ std::vector<float> Detail::tet_nodes(const Pose& pose, std::optional<float> jigg
 }
 
 const CutTets& Detail::cut_tets(const Pose& pose, std::optional<float> jiggle, const Vec3& towards, double share) {
-  if (!cut_tets_) cut_tets_ = std::make_unique<CutTets>(*device_, *model_->dynamics);
+  if (!cut_tets_) cut_tets_ = std::make_unique<CutTets>(*device_, *level_->model->dynamics);
   cut_tets_->cut(tet_nodes(pose, jiggle), towards, share);
   return *cut_tets_;
 }

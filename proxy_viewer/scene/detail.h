@@ -1,5 +1,4 @@
-// One level of detail of a character: its basis, what drawing needs of it, and its skin by several methods, each on the
-// device.
+// One level of detail as one of the cast shows it: its skin by several methods, each on the device.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +9,8 @@
 #include <vector>
 
 #include "proxy_viewer/scene/cut_tets.h"
-#include "runtime/basis/levels.h"
-#include "runtime/coverage/expected_error.h"
-#include "runtime/coverage/region_shares.h"
+#include "proxy_viewer/scene/level_on_device.h"
 #include "runtime/deformer/deformer.h"
-#include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/buffer.h"
 
 namespace bodyopt {
@@ -42,16 +38,15 @@ class Detail {
     Evaluation result;
   };
 
-  // `dynamics`: of the same basis, where there are any. Throws Error(device), and Error(file) where what the basis says
-  // of its coverage is damaged.
-  Detail(std::shared_ptr<const vulkan::Device> device, Level level, std::optional<Dynamics> dynamics);
+  Detail(std::shared_ptr<const vulkan::Device> device, std::shared_ptr<const LevelOnDevice> level);
 
-  const Basis& basis() const { return model_->basis; }
-  const CarriedSkin& carried() const { return carried_; }  // empty in an ordinary basis
-  bool jiggles() const { return model_->dynamics.has_value(); }
+  const Basis& basis() const { return level_->basis(); }
+  const CarriedSkin& carried() const { return level_->carried; }  // empty in an ordinary basis
+  double distance() const { return level_->distance; }            // of the full skin at rest, RMS, metres
+  bool jiggles() const { return level_->model->dynamics.has_value(); }
   // Frames a second that the jiggle steps; the level must have dynamics.
-  double jiggle_rate() const { return static_cast<double>(model_->dynamics->jiggle.step.frames_per_second); }
-  std::uint32_t tet_count() const { return jiggles() ? model_->dynamics->tets.tet_count() : 0; }
+  double jiggle_rate() const { return static_cast<double>(level_->model->dynamics->jiggle.step.frames_per_second); }
+  std::uint32_t tet_count() const { return jiggles() ? level_->model->dynamics->tets.tet_count() : 0; }
   // The tets at a pose, or, where `jiggle` says how much is shown of it, where the jiggle that is shown has them. The
   // level must have dynamics.
   const CutTets& cut_tets(const Pose& pose, std::optional<float> jiggle, const Vec3& towards, double share);
@@ -74,10 +69,10 @@ class Detail {
   // The quasi-static result on the host, of one pose: does not touch what is shown. `correction`: see Weights.
   Evaluation measure(SkinMethod method, const Pose& pose, float correction = 1);
 
-  const vulkan::Buffer& triangles() const { return triangles_; }
-  const vulkan::Buffer& fibre_segments() const { return fibre_segments_; }
-  const vulkan::Buffer& fibre_points() const { return fibre_points_; }
-  std::uint32_t fibre_segment_count() const { return fibre_segment_count_; }
+  const vulkan::Buffer& triangles() const { return level_->triangles; }
+  const vulkan::Buffer& fibre_segments() const { return level_->fibre_segments; }
+  const vulkan::Buffer& fibre_points() const { return level_->fibre_points; }
+  std::uint32_t fibre_segment_count() const { return level_->fibre_segment_count; }
 
  private:
   enum class Use { show, measure };
@@ -86,18 +81,12 @@ class Detail {
   std::vector<float> tet_nodes(const Pose& pose, std::optional<float> jiggle);
 
   std::shared_ptr<const vulkan::Device> device_;
-  std::shared_ptr<const CharacterModel> model_;
-  std::shared_ptr<const vulkan::DeviceModel> on_device_;
-  CarriedSkin carried_;
-  vulkan::Buffer triangles_, fibre_segments_, fibre_points_;
-  std::uint32_t fibre_segment_count_ = 0;
+  std::shared_ptr<const LevelOnDevice> level_;
   std::map<std::pair<SkinMethod, Use>, std::unique_ptr<Deformer>> deformers_;  // of one model, made when first wanted
   std::map<SkinMethod, Evaluated> evaluated_;
-  std::uint64_t evaluations_ = 0;                // so far
-  std::unique_ptr<CutTets> cut_tets_;            // made when they are first wanted
-  std::vector<Pose> tet_poses_;                  // of which the tets were measured last; none, or one
-  std::optional<ErrorExpectation> expectation_;  // where there is coverage
-  RegionShares shares_;                          // of the regions, where there is coverage
+  std::uint64_t evaluations_ = 0;      // so far
+  std::unique_ptr<CutTets> cut_tets_;  // made when they are first wanted
+  std::vector<Pose> tet_poses_;        // of which the tets were measured last; none, or one
   std::optional<std::pair<Pose, ExpectedSkin>> expected_;
 };
 

@@ -21,6 +21,8 @@ constexpr std::uint32_t kBone = 0xd0f0e4c8, kJoint = 0xffffffff, kSelected = 0xf
 constexpr std::array<std::uint32_t, 3> kAxisColours{0xff5050f0, 0xff50d070, 0xfff09050};  // x, y, z
 constexpr std::size_t kColumns = 7;                                                       // of copies
 constexpr std::uint32_t kMarked = 0xff5a40ff;
+constexpr std::array<std::uint32_t, 6> kPairColours{0xff4060ff, 0xff50d070, 0xffff9040,
+                                                    0xff40d8ff, 0xffe060e0, 0xffd8d840};
 constexpr double kSpacing = 0.7;      // between characters, of their size
 constexpr double kInside = 0.3;       // of its size: nearer to another, a character would begin inside it
 constexpr double kSkinAround = 0.12;  // of joints, of the character's size
@@ -117,7 +119,7 @@ std::optional<SkinMethod> compared_method(const Actor& character, const ViewSett
 void Scene::add(const ActorFiles& files, const ClipOptions& options) { cast_.push_back(make(files, options)); }
 
 std::unique_ptr<Actor> Scene::make(const ActorFiles& files, const ClipOptions& options) const {
-  return std::make_unique<Actor>(device_, files, options);
+  return std::make_unique<Actor>(device_, files, options, levels_);
 }
 
 void Scene::swap(std::size_t index, std::unique_ptr<Actor>& other) {
@@ -143,7 +145,7 @@ void Scene::forget_look() {
 
 // Those of one shot stay where their clips have them. Who would begin inside another is put beside it, in a row: to the
 // right, to the left, further to the right...
-std::array<float, 3> Scene::place(std::size_t index) const {
+std::array<float, 3> Scene::free_place(std::size_t index) const {
   const auto begins_inside = [&](const std::unique_ptr<Actor>& other) {
     const Vec3 apart = cast_[index]->start() - other->start();
     return std::hypot(apart[0], apart[2]) < kInside * cast_[index]->size();
@@ -152,6 +154,44 @@ std::array<float, 3> Scene::place(std::size_t index) const {
   const double step = kSpacing * cast_[index]->size();
   const double side = index % 2 == 1 ? static_cast<double>(index + 1) / 2 : -static_cast<double>(index) / 2;
   return {static_cast<float>(step * side), static_cast<float>(cast_.front()->ground() - cast_[index]->ground()), 0};
+}
+
+// Where it is to begin, or where there is room.
+std::array<float, 3> Scene::place(std::size_t index, const Controls& controls) const {
+  const Actor& character = *cast_[index];
+  const std::optional<Vec3>& at = standing(character, controls).at;
+  if (!at) return free_place(index);
+  const Vec3 begins = character.start();
+  return to_float(*at - Vec3{begins[0], character.ground(), begins[2]});
+}
+
+const Standing& Scene::standing(const Actor& character, const Controls& controls) const {
+  static const Standing kUsual;
+  const auto own = std::ranges::find_if(cast_, [&](const auto& one) { return one.get() == &character; });
+  const auto index = static_cast<std::size_t>(own - cast_.begin());
+  return index == 0 || index >= controls.standings.size() ? kUsual : controls.standings[index];
+}
+
+int Scene::played_frame(const Actor& character, int frame, const Controls& controls) const {
+  const std::optional<int>& ahead = standing(character, controls).ahead;
+  if (!ahead) return frame;
+  const Clip& clip = character.clip();
+  const int length = static_cast<int>(clip.poses.size());
+  const int from_first = (frame - lead().clip().first_frame + *ahead) % length;
+  return clip.first_frame + (from_first + length) % length;
+}
+
+std::size_t Scene::level_by_size(std::size_t index, const Controls& controls, std::uint32_t height) const {
+  constexpr double kPixels = 0.2;  // RMS: where it is half a pixel, heads look cut
+  const Actor& character = *cast_[index];
+  const Pose pose = pose_at(character, controls.playback.frame(), controls);
+  const Vec3 at = pose.joints.front().translation + to_double(place(index, controls));
+  const Camera camera = controls.camera.camera();
+  const double away = std::max(1e-3, length(at - to_double(camera.eye)) - 0.5 * character.size());
+  const double seen = camera.orthographic_height > 0
+                          ? static_cast<double>(camera.orthographic_height)
+                          : 2 * away * std::tan(0.5 * static_cast<double>(camera.vertical_angle));
+  return character.level_within(kPixels * seen / std::max(1u, height));
 }
 
 // Of the lead: in rows behind it.
@@ -170,7 +210,9 @@ void Scene::reset_jiggle() {
 Pose Scene::pose_at(const Actor& character, int frame, const Controls& controls) const {
   const bool leads = &character == &lead();
   if (leads && live_pose_) return *live_pose_;
-  return character.pose(frame, leads ? controls.posing_at(frame) : keyed_posing(character.posing(), frame));
+  if (leads) return character.pose(frame, controls.posing_at(frame));
+  const int own = played_frame(character, frame, controls);
+  return character.pose(own, keyed_posing(character.posing(), own));
 }
 
 std::vector<Pose> Scene::poses_of(const Actor& character, const Controls& controls) const {
@@ -191,12 +233,13 @@ std::vector<Pose> Scene::poses_of(const Actor& character, const Controls& contro
 
 void Scene::preroll(Actor& character, const Controls& controls, const Weights& weights) const {
   const int frame = controls.playback.frame(), second = static_cast<int>(character.clip().fps);
+  const int played = played_frame(character, frame, controls);
   const std::optional<int> last = character.shown().jiggle_frame();
-  const bool came_by_itself = last && *last <= frame && frame - *last <= second;
+  const bool came_by_itself = last && *last <= played && played - *last <= second;
   if (came_by_itself || controls.playback.playing() || live_pose_) return;
-  for (int k = std::max(character.clip().first_frame, frame - second); k < frame; ++k) {
-    const Pose pose = pose_at(character, k, controls);
-    character.evaluate(SkinMethod::jiggle, {&pose, 1}, k, weights, false);
+  for (int k = std::max(character.clip().first_frame - played, -second); k < 0; ++k) {
+    const Pose pose = pose_at(character, frame + k, controls);
+    character.evaluate(SkinMethod::jiggle, {&pose, 1}, played + k, weights, false);
   }
 }
 
@@ -208,7 +251,8 @@ Scene::Shown Scene::evaluate(Actor& character, SkinMethod method, std::span<cons
   // Ghosts are quasi-static: they have no past.
   const auto wanted = method == SkinMethod::full ? poses : poses.first(1);
   const Evaluation& evaluation =
-      character.evaluate(method, wanted, controls.playback.frame(), weights, controls.settings.look.worn);
+      character.evaluate(method, wanted, played_frame(character, controls.playback.frame(), controls), weights,
+                         controls.settings.look.worn);
   for (const auto& [stage, seconds] : evaluation.stage_seconds) stage_seconds_[stage] += seconds;
   return {method, &evaluation, character.skin(method)};
 }
@@ -247,8 +291,9 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
     }
   }
   for (std::size_t c = 0; c < cast_.size(); ++c) add_character(c, controls, views);
+  add_markings(controls, views[0]);
   if (controls.marker && controls.marker->frame == controls.playback.frame()) {
-    for (View& v : views) add_marker(controls.marker->at, v);
+    for (View& v : views) add_marker(controls.marker->at, kMarked, v);
   }
   // What is see-through is drawn over what is not.
   for (View& v : views) std::ranges::stable_partition(v.skins, [](const SkinDraw& draw) { return draw.alpha >= 1; });
@@ -263,7 +308,7 @@ void Scene::surround(const Controls& controls, View& view) const {
     const std::vector<Pose> poses = poses_of(*cast_[c], controls);
     const double around = kSphere * std::max(0.1, cast_[c]->reach());
     for (std::size_t k = 0; k < poses.size(); ++k) {
-      const Vec3 offset = to_double(k > ghosts ? place_copy(k - ghosts) : place(c));
+      const Vec3 offset = to_double(k > ghosts ? place_copy(k - ghosts) : place(c, controls));
       Box own;
       for (const Vec3& centre : centres_of(*cast_[c], poses[k])) own.add(centre + offset);
       all.add(own.low);
@@ -285,18 +330,36 @@ std::vector<Rectangle> Scene::view_areas(const ViewSettings& settings, const Rec
   return {left_half(area), right_half(area)};
 }
 
-void Scene::add_marker(const Vec3& at, View& view) {
+void Scene::add_marker(const Vec3& at, std::uint32_t colour, View& view) {
   const double reach = 0.012 * lead().size();
   std::vector<LinePoint> cross;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const double side : {-reach, reach}) {
       Vec3 end = at;
       end[axis] += side;
-      cross.push_back({static_cast<float>(end[0]), static_cast<float>(end[1]), static_cast<float>(end[2]), kMarked});
+      cross.push_back({static_cast<float>(end[0]), static_cast<float>(end[1]), static_cast<float>(end[2]), colour});
     }
   }
   lines_.push_back(std::move(cross));
   view.lines.push_back({lines_.back(), {}, 2, true});
+}
+
+// Pairs in one colour each, the one that waits for its other in white.
+void Scene::add_markings(const Controls& controls, View& view) {
+  const Marking& marking = controls.marking;
+  if (cast_.size() < 2 || (marking.pairs.empty() && !marking.of_lead)) return;
+  const std::vector<float> lead = skin_on_stage(0, controls), second = skin_on_stage(1, controls);
+  const auto mark = [&](const std::vector<float>& skin, std::uint32_t vertex, std::uint32_t colour) {
+    if (3 * std::size_t{vertex} + 2 >= skin.size()) return;  // of a body that was opened since
+    const float* at = &skin[3 * std::size_t{vertex}];
+    add_marker({at[0], at[1], at[2]}, colour, view);
+  };
+  for (std::size_t k = 0; k < marking.pairs.size(); ++k) {
+    const std::uint32_t colour = kPairColours[k % kPairColours.size()];
+    mark(lead, marking.pairs[k].of_lead, colour);
+    mark(second, marking.pairs[k].of_second, colour);
+  }
+  if (marking.of_lead) mark(lead, *marking.of_lead, kJoint);
 }
 
 void Scene::add_character(std::size_t index, const Controls& controls, std::vector<View>& views) {
@@ -308,7 +371,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   const Shown shown = evaluate(character, method, poses, controls);
   if (index == 0) lead_evaluation_ = shown.evaluation;
   std::optional<Shown> compared;
-  const int frame = controls.playback.frame();
+  const int frame = played_frame(character, controls.playback.frame(), controls);
   const bool is_missing = other == SkinMethod::truth && !character.truth_time(frame);
   const bool is_measured = other != SkinMethod::truth || character.has_sample_at(frame);
   if (other && !is_missing) compared = evaluate(character, *other, poses, controls);
@@ -318,7 +381,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   skin.triangle_count = static_cast<std::uint32_t>(character.basis().mesh.triangles.size() / 3);
   skin.positions = shown.skin.positions;
   skin.normals = shown.skin.normals;
-  skin.offset = place(index);
+  skin.offset = place(index, controls);
   skin.style = surface_style(s.look.style);
   skin.wire = s.look.wire;
   skin.shadow = s.look.shadow;
@@ -507,6 +570,15 @@ std::vector<float> Scene::lead_skin(const Controls& controls) {
                         static_cast<float>(controls.settings.pose.correction));
 }
 
+std::vector<float> Scene::skin_on_stage(std::size_t index, const Controls& controls) {
+  const int frame = controls.playback.frame();
+  const std::array<float, 3> offset = place(index, controls);
+  std::vector<float> skin = cast_[index]->measure(SkinMethod::full, pose_at(*cast_[index], frame, controls), frame,
+                                                  static_cast<float>(controls.settings.pose.correction));
+  for (std::size_t k = 0; k < skin.size(); ++k) skin[k] += offset[k % 3];
+  return skin;
+}
+
 Vec3 Scene::whereabouts(int frame) const {
   const Actor& lead = *cast_.front();
   const Clip& clip = lead.clip();
@@ -533,7 +605,7 @@ std::vector<float> Scene::points_to_frame(const Controls& controls) {
     return points;
   }
   for (std::size_t c = 0; c < cast_.size(); ++c) {
-    const std::array<float, 3> offset = place(c);
+    const std::array<float, 3> offset = place(c, controls);
     const Pose pose = pose_at(*cast_[c], frame, controls);
     std::vector<float> own = cast_[c]->measure(SkinMethod::full, pose, frame);
     if (controls.settings.look.worn) std::ranges::copy(cast_[c]->worn_points(own, pose), std::back_inserter(own));

@@ -22,6 +22,9 @@ class Scene {
   void swap(std::size_t index, std::unique_ptr<Actor>& other);
   void make_lead(std::size_t index);  // the others keep their order
   void remove(std::size_t index);
+  // The coarsest level of detail whose skin is less than a fifth of a pixel (RMS, at rest) from the full one, where the
+  // character stands in a picture of that many pixels' height.
+  std::size_t level_by_size(std::size_t index, const Controls& controls, std::uint32_t height) const;
   // In place of the lead's clip.
   void set_live_pose(Pose pose) { live_pose_ = std::move(pose); }
   void leave_live_pose() { live_pose_.reset(); }  // back to the clip
@@ -49,6 +52,8 @@ class Scene {
   Pose lead_pose(const Controls& controls) const;
   // The lead's full skin in that pose, finest level, output vertex order: quasi-static.
   std::vector<float> lead_skin(const Controls& controls);  // at the frame
+  // The full skin of one of the cast at the frame, where it stands on the stage, finest level, O x 3: quasi-static.
+  std::vector<float> skin_on_stage(std::size_t index, const Controls& controls);
   // Where joint centres of the lead are at the frame, J, metres, world.
   std::vector<Vec3> joint_centres(const Controls& controls) const;
 
@@ -79,11 +84,17 @@ class Scene {
   void add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view);
   void add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, const Controls& controls,
                 std::vector<View>& views);
-  void add_marker(const Vec3& at, View& view);
-  std::array<float, 3> place(std::size_t index) const;
+  void add_marker(const Vec3& at, std::uint32_t colour, View& view);
+  void add_markings(const Controls& controls, View& view);
+  const Standing& standing(const Actor& character, const Controls& controls) const;
+  // The frame of its own clip that a character plays at a frame of the lead's.
+  int played_frame(const Actor& character, int frame, const Controls& controls) const;
+  std::array<float, 3> place(std::size_t index, const Controls& controls) const;
+  std::array<float, 3> free_place(std::size_t index) const;
   std::array<float, 3> place_copy(std::size_t copy) const;
 
   std::shared_ptr<const vulkan::Device> device_;
+  mutable LevelPool levels_;  // of the cast
   std::vector<std::unique_ptr<Actor>> cast_;
   std::optional<Pose> live_pose_;
   std::map<std::string, double> stage_seconds_;

@@ -6,13 +6,15 @@
 #include <vector>
 
 #include "proxy_viewer/scene/actor.h"
+#include "proxy_viewer/state/standing.h"
 #include "proxy_viewer/state/view_settings.h"
 
 namespace bodyopt {
 
 struct SessionCharacter {
   ActorFiles files;
-  ViewSettings::Posing pose;  // of the lead it is that of the view
+  ViewSettings::Posing pose{};  // of the lead it is that of the view
+  Standing standing{};          // while it is not the lead
 };
 
 struct SessionFile {

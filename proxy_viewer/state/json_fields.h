@@ -62,6 +62,10 @@ class FieldReader {
     for (std::size_t i = 0; i < value.size(); ++i) value[i] = list[i].get<double>();
   }
 
+  void vector(const char* key, std::optional<Vec3>& value, double low, double high) {
+    if (has(key)) vector(key, value.emplace(), low, high);
+  }
+
   // One of the names, in the order of the enumeration.
   template <typename Choice, std::size_t N>
   void choice(const char* key, Choice& value, const std::array<const char*, N>& names) {
@@ -167,6 +171,9 @@ class FieldWriter {
     if (!value.empty()) json_[key] = value;
   }
   void vector(const char* key, const Vec3& value, double, double) { json_[key] = value; }
+  void vector(const char* key, const std::optional<Vec3>& value, double, double) {
+    if (value) json_[key] = *value;
+  }
 
   template <typename Choice, std::size_t N>
   void choice(const char* key, Choice value, const std::array<const char*, N>& names) {

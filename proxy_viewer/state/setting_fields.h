@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "proxy_viewer/state/setting_limits.h"
+#include "proxy_viewer/state/standing.h"
 #include "proxy_viewer/state/view_settings.h"
 
 namespace bodyopt {
@@ -88,6 +89,12 @@ inline constexpr auto kGhostsFields = [](auto& list, auto& ghosts) {
 inline constexpr auto kCastFields = [](auto& list, auto& cast) {
   list.integer("copies", cast.copies, 1, kMostCopies);
   list.integer("delay", cast.delay, 0, kLongestCopyDelay);
+};
+
+inline constexpr auto kStandingFields = [](auto& list, auto& standing) {
+  list.vector("at", standing.at, -kFurthest, kFurthest);
+  list.integer("ahead", standing.ahead, -kFurthestAhead, kFurthestAhead);
+  list.integer("level", standing.level, 0, kCoarsestLevel);
 };
 
 inline constexpr auto kHudFields = [](auto& list, auto& hud) {

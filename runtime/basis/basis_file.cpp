@@ -297,6 +297,10 @@ void save_levels(const std::vector<Level>& levels, const std::filesystem::path& 
   write(file, path);
 }
 
+std::filesystem::path proxy_beside(std::filesystem::path basis) {
+  return basis.replace_extension(".proxy.safetensors");
+}
+
 std::vector<Level> load_levels(const std::filesystem::path& path) {
   const Safetensors file = read_safetensors(path);
   TableReader reader(file, path, "a basis");

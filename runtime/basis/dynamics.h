@@ -80,6 +80,9 @@ void save_dynamics(const Dynamics& dynamics, const std::filesystem::path& path);
 // Checked against the basis. Throws Error(file), Error(mismatch).
 Dynamics load_dynamics(const std::filesystem::path& path, const Basis& basis);
 
+// Where the dynamics of a basis are looked for: hero.dynamics.safetensors beside hero.safetensors.
+std::filesystem::path dynamics_beside(std::filesystem::path basis);
+
 // How a file of dynamics is stepped, without the basis it belongs to. Throws Error(file).
 JiggleStep read_step(const Safetensors& file, const std::filesystem::path& path);
 

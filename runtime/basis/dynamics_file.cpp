@@ -98,6 +98,10 @@ void save_dynamics(const Dynamics& dynamics, const std::filesystem::path& path) 
   write_safetensors(file, path);
 }
 
+std::filesystem::path dynamics_beside(std::filesystem::path basis) {
+  return basis.replace_extension(".dynamics.safetensors");
+}
+
 std::string checksum(const Dynamics& dynamics) { return content_checksum(container(dynamics)); }
 
 Dynamics load_dynamics(const std::filesystem::path& path, const Basis& basis) {

@@ -45,6 +45,8 @@ void validate(const std::vector<Level>& levels, const std::string& origin);
 // A file of levels, finest first: load_basis() of it gives the first. What is measured of them is the metadata "levels"
 // of the first (docs/formats.md). Throws Error(file).
 void save_levels(const std::vector<Level>& levels, const std::filesystem::path& path);
+// Where lighter levels of a basis are looked for: hero.proxy.safetensors beside hero.safetensors.
+std::filesystem::path proxy_beside(std::filesystem::path basis);
 // Of an ordinary basis: itself alone.
 std::vector<Level> load_levels(const std::filesystem::path& path);
 

@@ -44,6 +44,8 @@ VERBS = [
     Verb("attach", "attach prop1.glb limb.safetensors"),
     Verb("transfer dataset", "transfer dataset draft limb.glb --out carried"),
     Verb("transfer basis", "transfer basis limb.safetensors limb.glb --out carried.safetensors"),
+    Verb("transfer refine", "transfer refine draft --carried a", same_bytes=False,
+         before=f"{_SIMULATE} --frames 1-36 --draft --name own"),
     Verb("modifiers", "modifiers limb.safetensors modifiers.json --out modified.safetensors"),
     Verb("eval", "eval limb.safetensors --clip bend.glb --fps 960 --device cpu --out shot.pc2"),
     Verb("eval --jiggle", "eval limb.safetensors --clip bend.glb --fps 24 --jiggle --device cpu --state-out end.state "

@@ -54,6 +54,32 @@ class EvalTask : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
+TEST_F(EvalTask, AListIsMadeAsEachOfItWouldBe) {
+  const auto write_list =
+      [&](const std::string& frames) {
+        std::ofstream(path("crowd.json"))
+            << R"({"schema": "bodyopt-shots-1", "show": "crowd", "defaults": {"shot": "s", "basis": "hero.safetensors",
+              "clip": "walk.glb", "device": "cpu", "out": "{element}.pc2"}, "elements": [
+              {"element": "a", "frames": "1-9"}, {"element": "b", "frames": ")"
+            << frames << R"("}]})";
+      };
+  const auto run = [&](const std::string& more) { return run_bodyopt("eval --list " + path("crowd.json") + more); };
+  write_list("5-2001");
+  EXPECT_EQ(run("").exit_code, 64);
+  EXPECT_FALSE(std::filesystem::exists(path("a.pc2")));
+  write_list("5-7");
+  const ProgramResult made = run("");
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  ASSERT_EQ(eval("--frames 5-7", "alone.pc2").exit_code, 0);
+  EXPECT_EQ(content(path("b.pc2")), content(path("alone.pc2")));
+  std::filesystem::remove(path("b.pc2"));
+  const ProgramResult again = run("");
+  ASSERT_EQ(again.exit_code, 0) << again.output;
+  EXPECT_NE(again.output.find("already done: " + path("a.pc2")), std::string::npos) << again.output;
+  EXPECT_EQ(content(path("b.pc2")), content(path("alone.pc2")));
+  for (const char* more : {" --out c.pc2", " hero.safetensors", " --jiggle"}) EXPECT_EQ(run(more).exit_code, 64);
+}
+
 TEST_F(EvalTask, ACheckRunsTheCpuBesideTheDevice) {
   if (!has_vulkan_device()) GTEST_SKIP() << "no Vulkan device";
   const auto on_device = [&](const std::string& options, const std::string& out) {

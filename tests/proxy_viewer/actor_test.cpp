@@ -27,7 +27,8 @@ class ActorTest : public CharactersTest {
     return in_output_order(character.basis().mesh, download(*character.skin(method).positions));
   }
 
-  static Actor small_character() { return {device_, {small_->basis, small_->clip, small_->truth}, {}}; }
+  static Actor small_character() { return {device_, {small_->basis, small_->clip, small_->truth}, {}, pool_}; }
+  static inline LevelPool pool_;
 
   static std::vector<float> evaluate(Actor& character, SkinMethod method, const Pose& pose, const Weights& weights) {
     character.evaluate(method, {&pose, 1}, 1, weights);
@@ -75,7 +76,7 @@ TEST_F(ActorTest, MeasuringLeavesWhatIsShown) {
 }
 
 TEST_F(ActorTest, JiggleStepsOncePerFrameAsEvalDoes) {
-  Actor character(device_, {jiggling_->basis, jiggling_->clip, {}}, {});
+  Actor character(device_, {jiggling_->basis, jiggling_->clip, {}}, {}, pool_);
   ASSERT_TRUE(character.has(SkinMethod::jiggle));
   const auto run = [&] {
     Deformer deformer(jiggling_->made.basis, jiggling_->made.dynamics, {}, test_device());
@@ -96,12 +97,12 @@ TEST_F(ActorTest, JiggleStepsOncePerFrameAsEvalDoes) {
 }
 
 TEST_F(ActorTest, JiggleAmountScalesWhatIsShownAndChangesNoState) {
-  Actor character(device_, {jiggling_->basis, jiggling_->clip, {}}, {});
+  Actor character(device_, {jiggling_->basis, jiggling_->clip, {}}, {}, pool_);
   for (int frame = 1; frame < 6; ++frame) {
     const Pose pose = character.pose(frame, {});
     character.evaluate(SkinMethod::jiggle, {&pose, 1}, frame, {1, frame % 2 == 0 ? 2.0f : 0.0f});
   }
-  Actor plain(device_, {jiggling_->basis, jiggling_->clip, {}}, {});
+  Actor plain(device_, {jiggling_->basis, jiggling_->clip, {}}, {}, pool_);
   Pose pose;
   for (int frame = 1; frame <= 6; ++frame) {
     pose = plain.pose(frame, {});
@@ -275,7 +276,10 @@ TEST_F(ActorTest, DynamicsOfAnotherBasisAreRefused) {
   const TemporaryFolder folder;
   std::filesystem::copy_file(small_->basis, folder / "a.safetensors");
   std::filesystem::copy_file(*folder_ / "limb.dynamics.safetensors", folder / "a.dynamics.safetensors");
-  EXPECT_EQ(kind_of([&] { Actor(device_, {(folder / "a.safetensors").string(), {}, {}}, {}); }), ErrorKind::mismatch);
+  EXPECT_EQ(kind_of([&] {
+              Actor(device_, {(folder / "a.safetensors").string(), {}, {}}, {}, pool_);
+            }),
+            ErrorKind::mismatch);
 }
 
 TEST_F(ActorTest, WatchesWhatLiesBesideTheBasisEvenBeforeItIsThere) {
@@ -286,7 +290,7 @@ TEST_F(ActorTest, WatchesWhatLiesBesideTheBasisEvenBeforeItIsThere) {
 }
 
 TEST_F(ActorTest, WithoutAClipItStandsInTheBindPose) {
-  Actor character(device_, {small_->basis, {}, {}}, {});
+  Actor character(device_, {small_->basis, {}, {}}, {}, pool_);
   EXPECT_EQ(character.clip().poses.size(), 1u);
   EXPECT_FALSE(character.has(SkinMethod::truth));
   EXPECT_FALSE(character.has(SkinMethod::jiggle));
@@ -297,7 +301,7 @@ TEST_F(ActorTest, WithoutAClipItStandsInTheBindPose) {
 
 // Nodes on the skin are where the skin carries them, without the jiggle and as it begins.
 TEST_F(ActorTest, TetsLieUnderTheSkin) {
-  Actor character(device_, {jiggling_->basis, jiggling_->clip}, {});
+  Actor character(device_, {jiggling_->basis, jiggling_->clip}, {}, pool_);
   const std::vector<SurfacePoint>& surface = jiggling_->made.dynamics.tets.surface;
   ASSERT_FALSE(surface.empty());
   for (const int frame : {2, 9}) {
@@ -334,7 +338,7 @@ double mean_between(const Basis& basis, const std::vector<float>& metres, float 
 
 // Its wrist, at 0.5 m, was turned by 0.7 at most.
 TEST_F(ActorTest, ErrorIsExpectedWhereThePoseLeavesTheTraining) {
-  Actor character(device_, {trained_->basis}, {});
+  Actor character(device_, {trained_->basis}, {}, pool_);
   const Skeleton& skeleton = trained_->made.skeleton;
   const Pose usual = limb_pose(skeleton, 0.6, 0.2, 0.3), far = limb_pose(skeleton, 0.6, 0.2, 2);
   ASSERT_TRUE(character.shown().knows_coverage());
@@ -357,7 +361,7 @@ TEST_F(ActorTest, ErrorIsExpectedWhereThePoseLeavesTheTraining) {
 }
 
 TEST_F(ActorTest, WithoutShapesNoErrorIsExpected) {
-  EXPECT_FALSE(Actor(device_, {jiggling_->basis}, {}).shown().knows_coverage());
+  EXPECT_FALSE(Actor(device_, {jiggling_->basis}, {}, pool_).shown().knows_coverage());
 }
 
 // A character in a folder of its own, with an outfit.
@@ -370,7 +374,7 @@ std::string dressed(const JigglingCharacter& character, const TemporaryFolder& f
 
 TEST_F(ActorTest, EveryPoseWearsItsOwn) {
   const TemporaryFolder folder;
-  Actor character(device_, {dressed(*jiggling_, folder), jiggling_->clip}, {});
+  Actor character(device_, {dressed(*jiggling_, folder), jiggling_->clip}, {}, pool_);
   const std::vector<Pose> poses = {character.pose(1, {}), character.pose(9, {})};
   const Evaluation& result = character.evaluate(SkinMethod::full, poses, 1, {});
   const std::size_t count = result.positions.size() / 2;
@@ -391,7 +395,7 @@ TEST_F(ActorTest, EveryPoseWearsItsOwn) {
 
 TEST_F(ActorTest, MoreDressedPosesThanABatchTakesAreRefused) {
   const TemporaryFolder folder;
-  Actor character(device_, {.basis = dressed(*jiggling_, folder), .clip = jiggling_->clip}, {});
+  Actor character(device_, {.basis = dressed(*jiggling_, folder), .clip = jiggling_->clip}, {}, pool_);
   const Deformer of_character(
       std::make_shared<const vulkan::DeviceModel>(device_, make_character_model(jiggling_->made.basis)));
   const std::vector<Pose> many(of_character.batch_limit() + std::size_t{1}, character.pose(1, {}));
@@ -403,7 +407,7 @@ TEST_F(ActorTest, WhatIsComparedWithWearsItToo) {
   const TemporaryFolder folder;
   const std::string truth = (folder / "truth.pc2").string();
   write_truth(jiggling_->made.basis, read_clip(jiggling_->clip, jiggling_->made.basis.skeleton, {}), 0.5f, truth);
-  Actor character(device_, {.basis = dressed(*jiggling_, folder), .clip = jiggling_->clip, .truth = truth}, {});
+  Actor character(device_, {.basis = dressed(*jiggling_, folder), .clip = jiggling_->clip, .truth = truth}, {}, pool_);
   const Pose pose = character.pose(4, {});
   for (const SkinMethod method : {SkinMethod::full, SkinMethod::truth}) character.evaluate(method, {&pose, 1}, 4, {});
   std::vector<float> expected = download(character.worn(SkinMethod::full)[2].positions);
@@ -418,7 +422,7 @@ TEST_F(ActorTest, WhatItWearsMovesWithTheSkinAlone) {
   std::filesystem::copy_file(jiggling_->basis, basis);
   save_attachments(limb_outfit(), folder / "limb.attached.safetensors");
   save_dynamics(jiggling_->made.dynamics, folder / "limb.dynamics.safetensors");
-  Actor character(device_, {basis, jiggling_->clip}, {});
+  Actor character(device_, {basis, jiggling_->clip}, {}, pool_);
   const auto worn = [&](SkinMethod method) -> const vulkan::Buffer& {
     return character.worn(method)[2].positions;  // the sleeve
   };

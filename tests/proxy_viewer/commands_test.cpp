@@ -26,6 +26,9 @@ Controls controls_of_a_session() {
   controls.joint_names = {"Hips", "LeftArm", "LeftForeArm", "RightArm", "Bip01 L Arm"};
   controls.joint_axes.assign(controls.joint_names.size(), Quat{0, 0, 0, 1});
   controls.live = false;
+  controls.standings.resize(3);
+  controls.output_counts = {100, 50, 10};
+  controls.marking.pairs = {{1, 2}};
   controls.control_names = {"biceps", "breath", "upper lip"};
   controls.axis_names = {"elbow_flexion"};
   controls.settings.pose.keys[10] = {};
@@ -198,6 +201,22 @@ const std::map<std::string, Case>& cases() {
         {"1"}}},
       {"copies", {"12", [](C, C c) { return c.settings.cast.copies == 12; }, {"", "0", "101", "1.5"}}},
       {"copy-delay", {"5", [](C, C c) { return c.settings.cast.delay == 5; }, {"", "-1", "1001"}}},
+      {"mark", {"on", [](C, C c) { return c.marking.on; }, {"yes"}}},
+      {"marker",
+       {"99 49",
+        [](C, C c) { return c.marking.pairs.back() == MarkedPair{99, 49}; },
+        {"", "5", "5 x", "100 3", "3 50", "-1 3"}}},
+      {"unmark", {"", [](C, C c) { return c.marking.pairs.empty(); }, {"1"}}},
+      {"save-markers", {"m.json", [](C, C c) { return c.requests.save_markers == "m.json"; }, {"", "m.txt"}}},
+      {"place",
+       {"2 1 0 -2.5",
+        [](C, C c) {
+          return c.standings[1].at == Vec3{1, 0, -2.5};
+        },
+        {"", "2", "2 1 0", "2 1 0 far", "2 free", "1 0 0 0", "4 0 0 0", "hero auto"}}},
+      {"ahead", {"3 -12", [](C, C c) { return c.standings[2].ahead == -12; }, {"", "3", "3 1.5", "1 4", "4 4", "3 100001"}}},
+      {"level-of", {"2 1", [](C, C c) { return c.standings[1].level == 1; }, {"", "2", "2 16", "2 -1", "1 0", "4 0"}}},
+      {"same-clip", {"", [](C, C c) { return c.requests.same_clip; }, {"on"}}},
       {"screenshot", {"a b.png", [](C, C c) { return c.requests.screenshot == "a b.png"; }}},
       {"turntable", {"t.####.png", [](C, C c) { return c.requests.turntable == "t.####.png"; }, {""}}},
       {"sequence", {"s.####.png", [](C, C c) { return c.requests.sequence == "s.####.png"; }, {""}}},

@@ -23,7 +23,7 @@ class ErrorCurveTest : public ::testing::Test {
     folder_ = std::make_unique<TemporaryFolder>();
     small_ = std::make_unique<SmallCharacter>(*folder_);
     actor_ = std::make_unique<Actor>(open_test_device(), ActorFiles{small_->basis, small_->clip, small_->truth},
-                                     ClipOptions{});
+                                     ClipOptions{}, pool_);
   }
   static void TearDownTestSuite() {
     actor_.reset();
@@ -44,6 +44,7 @@ class ErrorCurveTest : public ::testing::Test {
 
   static inline std::unique_ptr<TemporaryFolder> folder_;
   static inline std::unique_ptr<SmallCharacter> small_;
+  static inline LevelPool pool_;
   static inline std::unique_ptr<Actor> actor_;
 };
 

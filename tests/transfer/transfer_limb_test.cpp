@@ -91,13 +91,18 @@ double rms(const Positions& difference) {
   return std::sqrt(difference.squaredNorm() / static_cast<double>(difference.rows()));
 }
 
+// What the trained limb is off its Direct Delta Mush; runtime order.
+Positions unposed_displacement(const Pose& pose) {
+  const MeshTable& mesh = trained_limb().mesh;
+  const Positions output = evaluate(trained_limb(), pose);
+  Positions shape(mesh.vertex_count(), 3);
+  for (std::uint32_t o = 0; o < mesh.output_count(); ++o) shape.row(mesh.output_vertex[o]) = output.row(o);
+  return unpose_ddm(trained_limb(), pose, shape);
+}
+
 // What the source is off its own Direct Delta Mush, carried and put on the target's; output order.
 Positions transferred_frame(const TransferPair& pair, const Pose& pose) {
-  const MeshTable& from = pair.source.mesh;
-  const Positions output = evaluate(pair.source, pose);
-  Positions shape(from.vertex_count(), 3);
-  for (std::uint32_t o = 0; o < from.output_count(); ++o) shape.row(from.output_vertex[o]) = output.row(o);
-  const Positions carried = pair.skin(unpose_ddm(pair.source, pose, shape));
+  const Positions carried = pair.skin(unposed_displacement(pose));
   const Pose moved = transferred_pose(pair.match, pair.source.skeleton, pair.target.skeleton, pose);
   // Un-posing is an isometry: the target's bare shape, un-posed, differs from the one wanted by a turn per vertex.
   const Positions bare = evaluate(pair.target, moved);
@@ -201,6 +206,34 @@ TEST(TransferLimb, AFinerSkinIsMatchedWhereItIs) {
   }
   EXPECT_LT(rms(found - finer.vertices), 3e-4);  // half a per cent of its thickness
   EXPECT_GT(pair.correspondence.mean_confidence(), 0.95);
+}
+
+// A hole in the skin, and a triangle that hangs beside it: it is no part of the source, and stays as it is un-posed.
+TEST(TransferLimb, AnOpenTargetInPiecesIsCarriedTo) {
+  Character target = refined_limb();
+  const Eigen::Index vertices = target.vertices.rows(), triangles = target.triangles.rows() - 8;
+  target.vertices.conservativeResize(vertices + 3, 3);
+  target.triangles.conservativeResize(triangles + 1, 3);
+  const double away = 1.5 * longest_extent(target.vertices.topRows(vertices));
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    target.vertices.row(vertices + k) << away + (k == 1 ? 0.01 : 0), k == 2 ? 0.01 : 0, 0.2;
+    target.triangles(triangles, k) = static_cast<std::uint32_t>(vertices + k);
+    target.weights.push_back({{0, 1}});
+    target.output_vertex.push_back(static_cast<std::uint32_t>(vertices + k));
+  }
+  target.output_triangles = target.triangles;
+  const TransferPair pair(trained_limb(), target, {});
+  EXPECT_GT(pair.correspondence.mean_confidence(), 0.8);
+  const Positions carried = pair.skin(unposed_displacement(bent()));
+  ASSERT_TRUE(carried.allFinite());
+  const std::vector<std::uint32_t> order = morton_order(target.vertices);
+  for (std::size_t v = 0; v < order.size(); ++v) {
+    if (order[v] < static_cast<std::uint32_t>(vertices)) continue;
+    EXPECT_LT(pair.correspondence.confidence[static_cast<Eigen::Index>(v)], kSureConfidence);
+    EXPECT_LT(carried.row(static_cast<Eigen::Index>(v)).norm(), 1e-6);
+  }
+  std::vector<std::string> notes;
+  EXPECT_TRUE(evaluate(transfer_basis(pair, {}, notes), bent()).allFinite());
 }
 
 TEST(TransferLimb, ADatasetCarriedToItsOwnCharacterIsTheSame) {

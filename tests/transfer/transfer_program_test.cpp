@@ -6,6 +6,8 @@
 
 #include "assets/clip.h"
 #include "runtime/basis/basis.h"
+#include "runtime/basis/dynamics.h"
+#include "tests/proxy_viewer/twin_level.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/run_program.h"
@@ -35,6 +37,23 @@ TEST_F(TransferProgram, WritesABasisForEveryTarget) {
                                         " " + path("b.safetensors"));
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_EQ(load_basis(path("a.safetensors")).mesh.rest, load_basis(path("b.safetensors")).mesh.rest);
+}
+
+TEST_F(TransferProgram, WhatStandsBesideTheBasisGoesWithIt) {
+  const Basis source = load_basis(path("limb.safetensors"));
+  save_levels({testing::twin(source)}, path("limb.proxy.safetensors"));
+  const ProgramResult made = run_bodyopt("dynamics " + path("limb.glb") + " --basis " + path("limb.safetensors") +
+                                         " --dynamics-resolution 800 --out " + path("limb.dynamics.safetensors"));
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  const ProgramResult result = transfer(path("limb.glb") + " --out " + path("a.safetensors"));
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const Basis carried = load_basis(path("a.safetensors"));
+  EXPECT_EQ(load_levels(path("a.proxy.safetensors")).front().carried.size(), carried.mesh.output_count());
+  EXPECT_GT(load_dynamics(path("a.dynamics.safetensors"), carried).tets.tet_count(), 0u);
+  ASSERT_EQ(transfer(path("limb.glb") + " --alone --out " + path("b.safetensors")).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(path("b.proxy.safetensors")));
+  EXPECT_FALSE(std::filesystem::exists(path("b.dynamics.safetensors")));
+  EXPECT_EQ(transfer(path("limb.glb") + " --alone --proxy x --out " + path("b.safetensors")).exit_code, 64);
 }
 
 TEST_F(TransferProgram, TheReportSaysWhereBodiesDiffer) {

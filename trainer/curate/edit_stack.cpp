@@ -109,6 +109,17 @@ std::vector<std::string> sculpt_notes(const Character& character, const Position
   return notes;
 }
 
+// Below all but those of its kind that begin the stack.
+void put_over(const Dataset& dataset, const std::string& name, const std::string& take, const std::vector<int>& frames,
+              const std::function<std::vector<float>(std::size_t)>& shape, Modifiers& modifiers) {
+  Modifier over{.name = name, .type = "blend"};
+  over.parameters = {{"take", take}, {"frames", format_frame_range(frames)}};
+  over.parameters["cache"] = keep_samples(dataset, "replaced", frames.size(), shape);
+  const auto place =
+      std::find_if(modifiers.begin(), modifiers.end(), [](const Modifier& there) { return there.type != "blend"; });
+  modifiers.insert(place, std::move(over));
+}
+
 }  // namespace
 
 std::string add_modifier(const fs::path& path, Modifier modifier) {
@@ -185,13 +196,17 @@ void check_modifier(const PoseDatabase& database, const Modifier& modifier) {
 void put_shapes_over(const fs::path& path, const std::string& take, const std::vector<int>& frames,
                      const ShapeReader& shapes, const std::vector<std::uint32_t>& samples) {
   edit_modifiers(path, [&](const Dataset& dataset, Modifiers& modifiers) {
-    Modifier over{.name = free_name(modifiers, {.type = "replaced"}), .type = "blend"};
-    over.parameters = {{"take", take}, {"frames", format_frame_range(frames)}};
-    over.parameters["cache"] =
-        keep_samples(dataset, "replaced", frames.size(), [&](std::size_t k) { return shapes.sample(samples[k]); });
-    const auto place =
-        std::find_if(modifiers.begin(), modifiers.end(), [](const Modifier& there) { return there.type != "blend"; });
-    modifiers.insert(place, std::move(over));
+    const std::string name = free_name(modifiers, {.type = "replaced"});
+    put_over(
+        dataset, name, take, frames, [&](std::size_t k) { return shapes.sample(samples[k]); }, modifiers);
+  });
+}
+
+void put_shapes_over(const fs::path& path, const std::string& name, const std::string& take,
+                     const std::vector<int>& frames, const std::function<std::vector<float>(std::size_t)>& shape) {
+  edit_modifiers(path, [&](const Dataset& dataset, Modifiers& modifiers) {
+    std::erase_if(modifiers, [&](const Modifier& there) { return there.name == name; });
+    put_over(dataset, name, take, frames, shape, modifiers);
   });
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,6 +42,10 @@ void check_modifier(const PoseDatabase& database, const Modifier& modifier);
 // frame. Its cache is named by what is in it. Throws Error(file).
 void put_shapes_over(const std::filesystem::path& path, const std::string& take, const std::vector<int>& frames,
                      const ShapeReader& shapes, const std::vector<std::uint32_t>& samples);
+
+// The same of shapes (O x 3, posed, metres) that are asked for one after the other, by a name: what had it goes.
+void put_shapes_over(const std::filesystem::path& path, const std::string& name, const std::string& take,
+                     const std::vector<int>& frames, const std::function<std::vector<float>(std::size_t)>& shape);
 
 // The sculpt of a frame in the modifier `name` of a stack that is being edited becomes what two skins of it (V x 3,
 // un-posed, metres) differ by; the modifier is made where there is none. Returns what the artist should know: as

@@ -4,9 +4,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "assets/json_file.h"
 #include "base/progress.h"
 #include "base/single_threaded_products.h"
+#include "runtime/core/error.h"
 #include "runtime/core/hexadecimal.h"
+#include "runtime/core/strict_json.h"
 #include "runtime/deformer/deformer.h"
 #include "trainer/dynamics/core_springs.h"
 #include "trainer/dynamics/diffuse.h"
@@ -18,8 +21,6 @@
 
 namespace bodyopt {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostPoses = 800;
 
@@ -113,6 +114,21 @@ Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& m
   dynamics.metadata["provenance"] = text(provenance_of(character, options));
   dynamics.metadata["jiggle_settings"] = text(jiggle_json(chosen_settings(options.settings, fields, ordered, anatomy)));
   return dynamics;
+}
+
+DynamicsOptions asked_options(const Dynamics& dynamics) {
+  const std::string where = "the dynamics' metadata 'provenance'";
+  const auto text = dynamics.metadata.find("provenance");
+  if (text == dynamics.metadata.end()) throw Error(ErrorKind::file, where + " is missing: made by another program?");
+  Json json = parse_strict_json<Json>(text->second, where);
+  if (!json.is_object()) throw Error(ErrorKind::file, where + " is no object: damaged?");
+  constexpr int kMostTets = 1000000;
+  DynamicsOptions options;
+  options.resolution = JsonObject(json, where, "the top level").integer("resolution", 100, kMostTets);
+  options.step = dynamics.jiggle.step;
+  for (const char* other : {"character", "resolution", "jiggle"}) json.erase(other);
+  options.settings = jiggle_settings(json, where);
+  return options;
 }
 
 nlohmann::ordered_json chosen_jiggle(const Dynamics& dynamics) {

@@ -27,6 +27,10 @@ struct DynamicsOptions {
 Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
                         const DynamicsOptions& options);
 
+// What it was built for: the tets and steps that were asked for, and the settings as they were given, open where they
+// left something open. Throws Error(file) where its metadata do not say.
+DynamicsOptions asked_options(const Dynamics& dynamics);
+
 // The settings that it was built with, what they left open as it was chosen: a jiggle.json to edit.
 nlohmann::ordered_json chosen_jiggle(const Dynamics& dynamics);
 

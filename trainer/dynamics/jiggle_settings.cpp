@@ -122,12 +122,15 @@ Json jiggle_json(const JiggleSettings& settings) {
 }
 
 JiggleSettings read_jiggle(const std::filesystem::path& path) {
-  const Json json = read_json(path, kSchema);
-  const JsonObject top(json, path, "the file");
+  return jiggle_settings(read_json(path, kSchema), path);
+}
+
+JiggleSettings jiggle_settings(const Json& json, const std::filesystem::path& origin) {
+  const JsonObject top(json, origin, "the top level");
   top.allow({"schema", "softness", "damping", "amount", "poisson", "density", "tension", "flesh", "lowest_frequency",
              "limit", "regions", "comment"});
   JiggleSettings settings;
-  settings.origin = path.string();
+  settings.origin = origin.string();
   if (top.has("softness")) settings.softness = softness(top);
   if (top.has("damping")) settings.damping = damping(top);
   if (top.has("amount")) settings.amount = amount(top);
@@ -141,7 +144,7 @@ JiggleSettings read_jiggle(const std::filesystem::path& path) {
   if (!top.has("regions")) return settings;
   const Json& list = top.array("regions");
   for (std::size_t k = 0; k < list.size(); ++k) {
-    settings.regions.push_back(read_region(JsonObject(list[k], path, "regions[" + std::to_string(k) + "]")));
+    settings.regions.push_back(read_region(JsonObject(list[k], origin, "regions[" + std::to_string(k) + "]")));
   }
   return settings;
 }

@@ -102,12 +102,6 @@ class ProxyBuilder {
   std::vector<Level> levels_;
 };
 
-nlohmann::ordered_json to_json(const ProxyReport& report) {
-  nlohmann::ordered_json levels = nlohmann::ordered_json::array();
-  for (const LevelReport& level : report.levels) levels.push_back(to_json(level));
-  return {{"full_vertices", report.full_vertices}, {"measured_on", report.measured_on}, {"levels", levels}};
-}
-
 std::vector<Level> ProxyBuilder::take() {
   levels_.front().basis.metadata["levels"] = to_json(report_).dump();
   return std::move(levels_);
@@ -126,6 +120,12 @@ nlohmann::ordered_json to_json(const LevelReport& report) {
           {"max_mm", report.max},
           {"bytes", report.bytes},
           {"map_bytes", report.map_bytes}};
+}
+
+nlohmann::ordered_json to_json(const ProxyReport& report) {
+  nlohmann::ordered_json levels = nlohmann::ordered_json::array();
+  for (const LevelReport& level : report.levels) levels.push_back(to_json(level));
+  return {{"full_vertices", report.full_vertices}, {"measured_on", report.measured_on}, {"levels", levels}};
 }
 
 ProxyReport read_proxy_report(const Basis& basis) {

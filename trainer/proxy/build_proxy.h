@@ -34,6 +34,7 @@ struct ProxyReport {
   std::string measured_on;  // "72 held-out frames"
   std::vector<LevelReport> levels;
 };
+nlohmann::ordered_json to_json(const ProxyReport& report);
 // Of the first level's metadata; without levels where there is none. Throws Error(file) where it is damaged.
 ProxyReport read_proxy_report(const Basis& basis);
 

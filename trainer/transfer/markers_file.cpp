@@ -3,11 +3,32 @@
 #include <set>
 
 #include "assets/json_file.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
+namespace {
+
+constexpr const char* kMarkersSchema = "bodyopt-markers-1";
+
+}  // namespace
+
+bool is_markers(const std::filesystem::path& path) {
+  try {
+    read_json(path, kMarkersSchema);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+void write_markers(const std::vector<SkinMarker>& markers, const std::filesystem::path& path) {
+  Json list = Json::array();
+  for (const auto& [source, target] : markers) list.push_back({{"source", source}, {"target", target}});
+  write_json({{"schema", kMarkersSchema}, {"markers", list}}, path);
+}
 
 std::vector<SkinMarker> read_markers(const std::filesystem::path& path) {
-  const Json json = read_json(path, "bodyopt-markers-1");
+  const Json json = read_json(path, kMarkersSchema);
   const JsonObject top(json, path, "the file");
   top.allow({"schema", "markers"});
   const Json& list = top.array("markers");

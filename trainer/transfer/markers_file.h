@@ -8,7 +8,10 @@
 
 namespace bodyopt {
 
+// Is it a file of markers? False where it cannot be read.
+bool is_markers(const std::filesystem::path& path);
 // Each vertex of either side once. Throws Error(file).
 std::vector<SkinMarker> read_markers(const std::filesystem::path& path);
+void write_markers(const std::vector<SkinMarker>& markers, const std::filesystem::path& path);
 
 }  // namespace bodyopt

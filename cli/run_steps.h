@@ -1,0 +1,19 @@
+// Outputs of a show's list, made in this process one after the other.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "farm/plan.h"
+
+namespace bodyopt::cli {
+
+// Where one fails the others are made all the same. Throws Error of the kind that the last failure had, and
+// Error(interrupted) at once. `progress`: as of eval.
+void run_steps(const std::vector<const FarmStep*>& steps, const std::string& progress);
+
+// Checks the list as a whole and makes all its outputs that are not made yet. Throws Error(usage) where something is
+// wrong with it, before anything is made, and as run_steps().
+void run_show_list(const std::string& list, const std::string& progress);
+
+}  // namespace bodyopt::cli

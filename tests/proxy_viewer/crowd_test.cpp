@@ -1,0 +1,163 @@
+// Several of the cast: where they stand, which frames they play, which level of detail they show, what they share.
+#include "proxy_viewer/picking.h"
+#include "proxy_viewer/scene/scene.h"
+#include "tests/proxy_viewer/characters_fixture.h"
+#include "tests/proxy_viewer/played_viewport.h"
+#include "tests/proxy_viewer/twin_level.h"
+#include "trainer/transfer/markers_file.h"
+
+namespace bodyopt::testing {
+namespace {
+
+constexpr Rectangle kArea = {0, 0, 320, 200};
+
+class CrowdTest : public CharactersTest {
+ protected:
+  void SetUp() override {
+    controls_.playback = Playback({1, kClipFrames}, 24);
+    controls_.standings.resize(3);
+  }
+  void add(const std::string& basis) { scene_.add({.basis = basis, .clip = small_->clip}, {}); }
+  std::vector<float> shown(std::size_t index) {
+    return download(*scene_.look(controls_, kArea).at(0).skins.at(index).positions);
+  }
+  // A character with a level that lies that far from the full skin.
+  std::string with_proxy(const std::string& name, std::int16_t micrometres) {
+    Level level = twin(small_->made);
+    for (CarriedPoint& point : level.carried.points) point.along_normal = micrometres;
+    const std::string basis = (*folder_ / (name + ".safetensors")).string();
+    save_basis(small_->made, basis);
+    save_levels({level}, proxy_beside(basis));
+    return basis;
+  }
+
+  Scene scene_{device_};
+  Controls controls_;
+};
+
+TEST_F(CrowdTest, BodiesOfOneBasisShareItsTables) {
+  add(small_->basis);
+  add(small_->basis);
+  scene_.add({.basis = trained_->basis}, {});
+  const auto tables = [&](std::size_t c) { return &scene_.cast()[c]->basis(); };
+  EXPECT_EQ(tables(0), tables(1));
+  EXPECT_NE(tables(0), tables(2));
+  controls_.standings[1].ahead = 5;
+  EXPECT_NE(shown(0), shown(1));  // each its own pose
+  // A file that is written again is another.
+  std::filesystem::last_write_time(small_->basis, std::filesystem::file_time_type::clock::now());
+  add(small_->basis);
+  EXPECT_NE(tables(0), tables(3));
+}
+
+TEST_F(CrowdTest, WhoIsAheadGoesRoundInHisOwnClip) {
+  add(small_->basis);
+  add(small_->basis);
+  for (const int ahead : {0, 4, -3, 5 * kClipFrames + 2}) {
+    for (const int frame : {1, 7, kClipFrames}) {
+      controls_.standings[1].ahead = ahead;
+      controls_.playback.scrub(frame);
+      const std::vector<float> other = shown(1);
+      const int played = 1 + ((frame - 1 + ahead) % kClipFrames + kClipFrames) % kClipFrames;
+      controls_.playback.scrub(played);
+      EXPECT_EQ(shown(0), other) << ahead << " ahead at frame " << frame;
+    }
+  }
+  controls_.standings[0].ahead = 3;  // the lead plays what the timeline says
+  controls_.standings[1].ahead.reset();
+  EXPECT_EQ(shown(0), shown(1));
+}
+
+TEST_F(CrowdTest, WhoIsPlacedBeginsThere) {
+  add(small_->basis);
+  add(small_->basis);
+  controls_.standings[1].at = Vec3{2, 0.5, -3};
+  const std::array<float, 3> offset = scene_.look(controls_, kArea).at(0).skins.at(1).offset;
+  const Actor& other = *scene_.cast()[1];
+  EXPECT_NEAR(static_cast<double>(offset[0]) + other.start()[0], 2, 1e-6);
+  EXPECT_NEAR(static_cast<double>(offset[1]) + other.ground(), 0.5, 1e-6);
+  EXPECT_NEAR(static_cast<double>(offset[2]) + other.start()[2], -3, 1e-6);
+}
+
+TEST_F(CrowdTest, FurtherAwayItIsCoarser) {
+  add(small_->basis);
+  add(with_proxy("far", 2000));
+  ASSERT_EQ(scene_.cast()[1]->level_count(), 2u);  // the proxy that lies beside the basis
+  EXPECT_NEAR(scene_.cast()[1]->level_within(1.9e-3), 0, 0);
+  EXPECT_NEAR(scene_.cast()[1]->level_within(2.1e-3), 1, 0);
+  controls_.standings[1].at = Vec3{};
+  const auto level_at = [&](double distance) {
+    controls_.camera = OrbitCamera({.target = {0, 0, 0}, .distance = distance});
+    return scene_.level_by_size(1, controls_, 1000);
+  };
+  EXPECT_EQ(level_at(1), 0u);
+  EXPECT_EQ(level_at(100), 1u);
+  // A fifth of a pixel is 2 mm where 10 m fill the picture's height.
+  const double far = 5 / std::tan(0.5 * static_cast<double>(kVerticalAngle));
+  const double size = 0.5 * scene_.cast()[1]->size();
+  EXPECT_EQ(level_at(0.9 * far), 0u);
+  EXPECT_EQ(level_at(1.1 * far + 2 * size), 1u);
+}
+
+class PlayedCrowdTest : public PlayedTest {};
+
+TEST_F(PlayedCrowdTest, MarkersAreSetByClicksOnOneBodyAndTheOther) {
+  const auto viewport = open(small({small_.basis}), kBarePicture + "; mark on; frame-selection");
+  const auto click_vertex = [&](std::size_t character, std::uint32_t vertex) {
+    Scene& scene = const_cast<Session&>(viewport->session()).scene;
+    const std::vector<float> skin = scene.skin_on_stage(character, viewport->controls());
+    const float* at = &skin[3 * std::size_t{vertex}];
+    const Rectangle picture = {0, 0, viewport->screen.pixels[0], viewport->screen.pixels[1]};
+    const auto pixel = pixel_of(scene, viewport->controls(), picture, 0, {at[0], at[1], at[2]});
+    ASSERT_TRUE(pixel.has_value());
+    const auto seen = vertex_at(scene, viewport->controls(), picture, static_cast<float>((*pixel)[0]),
+                                static_cast<float>((*pixel)[1]));
+    ASSERT_TRUE(seen.has_value());
+    EXPECT_EQ(seen->character, character);
+    viewport->click((*pixel)[0], (*pixel)[1]);
+  };
+  const std::vector<float> rest = small_.made.mesh.rest;
+  std::uint32_t front = 0;  // the vertex nearest to the camera, which nothing hides
+  const Vec3 eye = to_double(viewport->controls().camera.camera().eye);
+  const MeshTable& mesh = small_.made.mesh;
+  const auto distance = [&](std::uint32_t o) {
+    const float* at = &rest[3 * std::size_t{mesh.output_vertex[o]}];
+    return length(Vec3{at[0], at[1], at[2]} - eye);
+  };
+  for (std::uint32_t o = 1; o < mesh.output_count(); ++o) {
+    if (distance(o) < distance(front)) front = o;
+  }
+  click_vertex(1, front);  // first one of the lead is wanted
+  EXPECT_TRUE(viewport->controls().marking.pairs.empty());
+  click_vertex(0, front);
+  EXPECT_TRUE(viewport->controls().marking.of_lead.has_value());
+  click_vertex(1, front);
+  ASSERT_EQ(viewport->controls().marking.pairs.size(), 1u);
+  viewport->prompt("save-markers m.json");
+  const std::vector<SkinMarker> kept = read_markers("m.json");
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_EQ(kept[0].source, viewport->controls().marking.pairs[0].of_lead);
+  write_markers({{0, 999999}}, "far.json");
+  const auto again = open(small({small_.basis}), "open m.json; open far.json");  // the latter is refused
+  EXPECT_EQ(again->controls().marking.pairs, viewport->controls().marking.pairs);
+}
+
+TEST_F(PlayedCrowdTest, ASessionKeepsHowEachStandsAndPlays) {
+  const Standing second{Vec3{1, 0, -2}, 5, 1};
+  {
+    const auto viewport = open(small(), "open " + small_.basis + "; same-clip; open " + small_.basis +
+                                            "; place 2 1 0 -2; ahead 2 5; level-of 2 1; save crowd.json");
+    EXPECT_EQ(viewport->session().scene.cast()[1]->files().clip, small_.clip);
+  }
+  const SessionFile kept = read_session("crowd.json");
+  ASSERT_EQ(kept.cast.size(), 3u);
+  EXPECT_EQ(kept.cast[1].standing, second);
+  EXPECT_EQ(kept.cast[2].standing, Standing());
+  const auto viewport = open(small(), "open crowd.json; lead 2");
+  EXPECT_EQ(viewport->controls().standings.at(0), second);
+  viewport->prompt("remove 2");
+  EXPECT_EQ(viewport->controls().standings, (std::vector<Standing>{second, {}}));
+}
+
+}  // namespace
+}  // namespace bodyopt::testing

@@ -1,0 +1,68 @@
+#include "trainer/transfer/refine_carried.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "assets/notes.h"
+#include "base/progress.h"
+#include "runtime/core/error.h"
+#include "trainer/train/fit/train.h"
+
+namespace bodyopt {
+namespace {
+
+void require_takes(const SampleSet& set, const std::set<std::string>& names) {
+  for (const std::string& name : names) {
+    if (std::ranges::find(set.takes, name) != set.takes.end()) continue;
+    throw Error(ErrorKind::usage,
+                "the dataset has no take '" + name + "' with frames to train on; there are " + list_names(set.takes));
+  }
+}
+
+SampleSet only(const SampleSet& set, const std::set<std::string>& carried, bool is_carried) {
+  SampleSet some = set;
+  some.heldout.clear();
+  std::erase_if(some.train, [&](const Sample& sample) {
+    return carried.contains(set.takes[static_cast<std::size_t>(sample.take)]) != is_carried;
+  });
+  if (some.train.empty()) {
+    throw Error(ErrorKind::mismatch, is_carried ? "no frame of the carried takes is trained on"
+                                                : "all takes are carried: there is no frame of the body's own to learn "
+                                                  "from; simulate some into the dataset");
+  }
+  return some;
+}
+
+}  // namespace
+
+RefinedShapes::RefinedShapes(const SampleSet& set, const std::set<std::string>& carried, const TrainOptions& options) {
+  require_takes(set, carried);
+  SampleSet own = only(set, carried, false);
+  const Basis learned = train(only(set, carried, true), options).basis;
+  carried_ = std::make_unique<Deformer>(learned, DeviceChoice{.name = "cpu"});
+  bare_ = std::make_unique<Deformer>(learned, DeviceChoice{.name = "cpu"});
+  bare_->set_weights({.correction = 0});
+  double sum = 0;
+  Progress progress("transfer: what is off", own.train.size());
+  for (Sample& sample : own.train) {
+    const Positions off = sample.shape.read() - welded_from_output(set.character, of(*carried_, sample.pose).data());
+    sum += off.squaredNorm() / static_cast<double>(off.rows());
+    sample.shape = SampleShape(welded_from_output(set.character, of(*bare_, sample.pose).data()) + off);
+    progress.advance();
+  }
+  difference_mm_ = 1e3 * std::sqrt(sum / static_cast<double>(own.train.size()));
+  own_ = std::make_unique<Deformer>(train(own, options).basis, DeviceChoice{.name = "cpu"});
+}
+
+std::vector<float> RefinedShapes::of(Deformer& deformer, const Pose& pose) const {
+  return deformer.evaluate({&pose, 1}).positions;
+}
+
+std::vector<float> RefinedShapes::operator()(const Pose& pose) {
+  std::vector<float> shape = of(*carried_, pose);
+  const std::vector<float> bare = of(*bare_, pose), own = of(*own_, pose);
+  for (std::size_t k = 0; k < shape.size(); ++k) shape[k] += own[k] - bare[k];
+  return shape;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,135 @@
+#include "trainer/transfer/transfer_levels.h"
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "runtime/core/error.h"
+#include "trainer/proxy/build_proxy.h"
+#include "trainer/proxy/skin_map.h"
+#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/transfer/table_rows.h"
+#include "trainer/transfer/transfer_basis.h"
+
+namespace bodyopt {
+namespace {
+
+void require_proxy_of(const Basis& source, const Level& level) {
+  if (level.carried.size() == source.mesh.output_count() &&
+      skeleton_hash(level.basis.skeleton) == skeleton_hash(source.skeleton)) {
+    return;
+  }
+  throw Error(ErrorKind::mismatch, "the proxy is none of the source: it carries " +
+                                       std::to_string(level.carried.size()) + " vertices of " +
+                                       std::to_string(level.basis.skeleton.size()) + " joints, the source has " +
+                                       std::to_string(source.mesh.output_count()) + " and " +
+                                       std::to_string(source.skeleton.size()) + " (was it made of another basis?)");
+}
+
+// Lays skins of levels onto the target.
+class SkinLayer {
+ public:
+  SkinLayer(const TransferPair& pair, const Character& target)
+      : pair_(pair),
+        target_(target),
+        order_(morton_order(target.vertices)),
+        source_rest_(rows_of(pair.source.mesh.rest)),
+        source_triangles_(rows_of(pair.source.mesh.triangles)),
+        target_triangles_(rows_of(pair.target.mesh.triangles)),
+        on_source_(source_rest_, source_triangles_),
+        on_target_(pair.correspondence.target, target_triangles_) {}
+
+  // The level's vertices in their runtime order, its triangles and output vertices; the target's skeleton and weights.
+  Character lay(const MeshTable& level) const {
+    Character result;
+    result.name = target_.name;
+    result.skeleton = target_.skeleton;
+    result.triangles = rows_of(level.triangles);
+    result.output_triangles = rows_of(level.output_triangles);
+    result.output_vertex = level.output_vertex;
+    const Positions rest = rows_of(level.rest);
+    result.vertices.resize(rest.rows(), 3);
+    for (Eigen::Index v = 0; v < rest.rows(); ++v) {
+      const SkinPoint at = place_of(rest.row(v).transpose());
+      result.vertices.row(v) = mixed(target_.vertices, at);
+      result.weights.push_back(mixed_weights(at));
+    }
+    return result;
+  }
+
+ private:
+  static Eigen::RowVector3d mixed(const Positions& rows, const SkinPoint& at) {
+    Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+    for (int k = 0; k < 3; ++k) sum += at.weights[k] * rows.row(at.vertices[static_cast<std::size_t>(k)]);
+    return sum;
+  }
+
+  // Of a point of the source's skin at rest: where on the target's, in the order of its file.
+  SkinPoint place_of(const Eigen::Vector3d& point) const {
+    SkinPoint at = on_target_(mixed(pair_.correspondence.fitted, on_source_(point)).transpose());
+    for (std::uint32_t& vertex : at.vertices) vertex = order_[vertex];
+    return at;
+  }
+
+  std::vector<JointWeight> mixed_weights(const SkinPoint& at) const {
+    std::map<std::uint32_t, double> sums;
+    for (int k = 0; k < 3; ++k) {
+      if (!(at.weights[k] > 0)) continue;
+      for (const auto& [joint, weight] : target_.weights[at.vertices[static_cast<std::size_t>(k)]]) {
+        sums[joint] += at.weights[k] * weight;
+      }
+    }
+    std::vector<JointWeight> weights;
+    for (const auto& [joint, weight] : sums) weights.push_back({joint, weight});
+    std::ranges::stable_sort(weights, std::greater(), &JointWeight::weight);
+    return weights;
+  }
+
+  const TransferPair& pair_;
+  const Character& target_;
+  const std::vector<std::uint32_t> order_;  // of the target's runtime vertices, in its file
+  const Positions source_rest_;
+  const Triangles source_triangles_, target_triangles_;
+  const NearestSkin on_source_, on_target_;
+};
+
+LevelReport carried_report(LevelReport report, double size, const Character& target, const Character& skin,
+                           const Level& level) {
+  for (double* mm : {&report.error, &report.skin_rms, &report.rms, &report.p99, &report.max}) *mm *= size;
+  const SkinDistance distance = skin_distance(target, skin);
+  report.distance_rms = distance.rms;
+  report.distance_max = distance.max;
+  report.bytes = static_cast<double>(total_bytes(level.basis));
+  report.map_bytes = static_cast<double>(level.carried.bytes());
+  return report;
+}
+
+}  // namespace
+
+std::vector<Level> transfer_levels(const TransferPair& pair, const Character& target, const std::vector<Level>& levels,
+                                   const TransferOptions& options, std::vector<std::string>& notes) {
+  TransferOptions own = options;
+  own.markers.clear();  // of the full skins
+  const SkinLayer layer(pair, target);
+  ProxyReport report = read_proxy_report(levels.front().basis);
+  report.full_vertices = static_cast<std::uint32_t>(target.vertices.rows());
+  report.measured_on += " of the source";
+  std::vector<Level> result;
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    require_proxy_of(pair.source, levels[k]);
+    const Character skin = layer.lay(levels[k].basis.mesh);
+    const TransferPair laid(levels[k].basis, skin, own);
+    Level& level = result.emplace_back();
+    std::vector<std::string> said_already;  // of the full basis, whose joints are the same
+    level.basis = transfer_basis(laid, own, k == 0 ? notes : said_already);
+    level.carried = map_skin(target, level.basis.mesh);
+    if (k < report.levels.size()) {
+      report.levels[k] = carried_report(report.levels[k], pair.match.size, target, skin, level);
+    }
+  }
+  if (!report.levels.empty()) result.front().basis.metadata["levels"] = to_json(report).dump();
+  validate(result, "the transferred proxy");
+  return result;
+}
+
+}  // namespace bodyopt

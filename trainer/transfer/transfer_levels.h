@@ -1,0 +1,19 @@
+// Levels of detail of a character, carried to another.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "runtime/basis/levels.h"
+#include "trainer/transfer/transfer_pair.h"
+
+namespace bodyopt {
+
+// Each level's triangles are laid onto the target where the source's skin around their vertices lies on it, and hold
+// its skin weights; what the level learned is carried to that as transfer_basis() does, and it carries the target's
+// full skin. The errors told of the levels are the source's, in the target's size; distances at rest are measured.
+// `levels`: a proxy of the pair's source, or Error(mismatch). `target`: of the pair. Shows progress.
+std::vector<Level> transfer_levels(const TransferPair& pair, const Character& target, const std::vector<Level>& levels,
+                                   const TransferOptions& options, std::vector<std::string>& notes);
+
+}  // namespace bodyopt
