@@ -69,11 +69,14 @@ void write_flex(const fs::path& path, int frames) {
   write_json({{"schema", "bodyopt-controls-1"}, {"controls", controls}}, path);
 }
 
-// Flesh that moves down to the bone on the upper arm and the forearm, firm at the elbow, held from the wrist on.
+// Chest and upper arm wobble in some six frames a swing, slow enough to be seen; firm at the elbow, held from the wrist
+// on.
 void write_jiggle(const fs::path& path) {
-  Json regions = {{{"joint", "shoulder"}, {"softness", 1.2}, {"flesh", 0.06}},
-                  {{"joint", "elbow"}, {"softness", 0.4}},
-                  {{"joint", "forearm"}, {"softness", 0.8}, {"flesh", 0.06}}};
+  Json regions = {{{"joint", "torso"}, {"softness", 5}, {"damping", 0.15}, {"flesh", 0.06}},
+                  {{"joint", "clavicle"}, {"softness", 4}, {"damping", 0.15}, {"flesh", 0.05}},
+                  {{"joint", "shoulder"}, {"softness", 3}, {"damping", 0.15}, {"flesh", 0.05}},
+                  {{"joint", "elbow"}, {"softness", 0.4}, {"amount", 0.5}},
+                  {{"joint", "forearm"}, {"amount", 0.3}}};
   for (const char* held : {"forearm_twist", "wrist", "finger*", "thumb"}) {
     regions.push_back({{"joint", held}, {"amount", 0}});
   }

@@ -11,6 +11,8 @@ void add_flip_book(const JiggleReport& jiggle, const JiggleReport::Pictures& pic
   const std::string labels[] = {"static", "jiggling"};
   page.animation(pictures.animation, pictures.width, pictures.height, labels, "An arm that stops suddenly",
                  "All frames of the motion, in time.");
+  page.animation(pictures.slow_animation, pictures.width, pictures.height, labels, "The same at half the speed",
+                 "All frames, each twice as long.");
   std::vector<std::string> frames;
   for (const int frame : pictures.strip_frames) frames.push_back("frame " + std::to_string(frame));
   page.picture(

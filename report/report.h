@@ -133,8 +133,9 @@ struct JiggleReport {
     Image strip;  // still above, jiggling below, coloured by the displacement; a column for each of strip_frames
     std::vector<int> strip_frames;
     double heat_scale_mm = 1;
-    std::vector<std::uint8_t> animation;  // WebP of all frames: still on the left, jiggling on the right
-    std::uint32_t width = 0, height = 0;  // its size in pixels
+    std::vector<std::uint8_t> animation;       // WebP of all frames: still on the left, jiggling on the right
+    std::vector<std::uint8_t> slow_animation;  // the same at half the speed
+    std::uint32_t width = 0, height = 0;       // their size in pixels
   };
   std::optional<Pictures> pictures;  // none without a Vulkan device
 };

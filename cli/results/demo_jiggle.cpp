@@ -114,8 +114,11 @@ void draw(const Character& character, const Skins& still, const Skins& jiggling,
   const std::vector<Image> animated = flip_book_frames(renderer, book, panel_of(jiggling, 0, arm, 560, 600));
   pictures.width = animated.front().width;
   pictures.height = animated.front().height;
-  pictures.animation = encode_animation(animated, 1000 / report.frames_per_second);
+  const double milliseconds = 1000 / report.frames_per_second;
+  pictures.animation = encode_animation(animated, milliseconds);
+  pictures.slow_animation = encode_animation(animated, 2 * milliseconds);
   write_file_atomically(folder / "stop.webp", std::as_bytes(std::span(pictures.animation)));
+  write_file_atomically(folder / "stop_slow.webp", std::as_bytes(std::span(pictures.slow_animation)));
   report.pictures = std::move(pictures);
 }
 

@@ -11,7 +11,7 @@ namespace bodyopt::cli {
 
 // Makes the dynamics of the built-in arm, from which `set` is, and evaluates the clip `stop.glb` in `folder` with and
 // without them. Writes basis.dynamics.safetensors and, where `pictures_on` names a Vulkan device (empty: none),
-// stop_strip.png and stop.webp. Throws Error(file), Error(device).
+// stop_strip.png, stop.webp and, at half the speed, stop_slow.webp. Throws Error(file), Error(device).
 JiggleReport demo_jiggle(const SampleSet& set, const Basis& basis, const DeviceChoice& device,
                          const std::string& pictures_on, const std::filesystem::path& folder);
 

@@ -161,6 +161,7 @@ double deepest_in_ribs(const Pose& pose) {
     for (const double t : {0.0, 0.5, 1.0}) {
       Vec3 p;
       for (int i = 0; i < 3; ++i) p[i] = (1 - t) * from.m[i][3] + t * to.m[i][3];
+      p[1] -= pose.joints[0].translation[1] - bind_pose(skeleton()).joints[0].translation[1];  // as the torso stands
       if (p[1] < 1.10 || p[1] > 1.40) continue;
       deepest = std::max(deepest, 1 - std::hypot(p[0] / 0.150, p[2] / 0.110));
     }

@@ -86,6 +86,9 @@ void expect_jiggle(const std::filesystem::path& demo, const nlohmann::json& repo
   ASSERT_FALSE(decoded.ends.empty());
   EXPECT_EQ(decoded.ends.back(), std::lround(1000.0 * static_cast<double>(largest.size()) / 24));
   EXPECT_GT(decoded.ends.size(), stops - moves_after);
+  const std::string slow = read_bytes(demo / "stop_slow.webp");
+  EXPECT_EQ(decode_animation({slow.begin(), slow.end()}).ends.back(),
+            std::lround(2000.0 * static_cast<double>(largest.size()) / 24));
 }
 
 TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
@@ -115,6 +118,7 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
                            "basis.dynamics.safetensors",
                            "stop_strip.png",
                            "stop.webp",
+                           "stop_slow.webp",
                            "stocky.glb",
                            "stocky.safetensors",
                            "transfer.html"}) {

@@ -89,6 +89,7 @@ void add_jiggle(ReportData& data) {
   pictures.strip_frames = {3, 5};
   pictures.heat_scale_mm = 8;
   pictures.animation = {'R', 'I', 'F', 'F'};
+  pictures.slow_animation = {'W', 'E', 'B', 'P'};
   pictures.width = 6;
   pictures.height = 2;
 }
@@ -336,6 +337,7 @@ TEST(Report, SaysHowFleshSwings) {
       contains(page, "up to 8 mm from where it would be at rest in its pose, in frame 3; from frame 6 on, 0.12 s"));
   EXPECT_TRUE(contains(page, "A frame on A device: diffuse 0.5 ms, jiggle 6.2"));
   EXPECT_TRUE(contains(page, "width=\"6\" height=\"2\" src=\"data:image/webp;base64,UklGRg==\""));
+  EXPECT_TRUE(contains(page, "src=\"data:image/webp;base64,V0VCUA==\""));
   EXPECT_TRUE(contains(page, "<span>frame 3</span><span>frame 5</span>"));
   EXPECT_TRUE(contains(page, "In 2 of the frames some are turned inside out, 5 at most."));
   data.jiggle->inverted_tets = {0, 0, 0, 0, 0, 0, 0};
@@ -382,9 +384,9 @@ TEST(Report, PageIsSelfContainedAndEscaped) {
   for (const char* outside : {"http", "<script", "<link", "@import", "url(", "file:"}) {
     EXPECT_FALSE(contains(page, outside)) << outside;
   }
-  EXPECT_EQ(count(page, "src=\""), 8u);
+  EXPECT_EQ(count(page, "src=\""), 9u);
   EXPECT_EQ(count(page, "src=\"data:image/png;base64,"), 7u);
-  EXPECT_EQ(count(page, "src=\"data:image/webp;base64,"), 1u);
+  EXPECT_EQ(count(page, "src=\"data:image/webp;base64,"), 2u);
   EXPECT_EQ(count(page, "href"), 1u);  // the cells of the heat strip
   EXPECT_EQ(count(page, "href=\"data:image/png;base64,"), 1u);
   EXPECT_FALSE(contains(page, "nan"));

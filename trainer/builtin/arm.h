@@ -22,7 +22,8 @@ BuiltinArm build_stocky_arm();
 // Held-out motion: smooth acting (reach, curl, throw, twist), 24 frames a second.
 Clip arm_heldout(const Skeleton& skeleton, int frame_count);
 
-// The arm is held, swung up within half a second and stopped dead, and held again: 24 frames a second. Its pose is that
+// The arm is held, swung up within half a second while the torso sinks, both stopped dead, and held again: 24 frames a
+// second. Its pose is that
 // of kStopBegins in every frame before, that of kStopEnds in every frame after.
 inline constexpr int kStopBegins = 6, kStopEnds = 18;
 Clip arm_stop(const Skeleton& skeleton);

@@ -14,6 +14,9 @@ constexpr int kFrames = 60;  // 2.5 s
 constexpr std::array<double, kArmDofCount> kBefore = {-4, 0, 24, 0, 0, 80, -10, 20, 0, 35};
 constexpr std::array<double, kArmDofCount> kAfter = {14, 0, 104, 8, 0, 15, 0, 0, 0, 12};
 
+// Metres that the torso sinks meanwhile, and lands.
+constexpr double kDrop = 0.15;
+
 // Speed rises evenly through the swing and falls to nothing in its last frame and a half.
 double share_at(int frame) {
   constexpr double kBraking = 1.5, kLength = kStopEnds - kStopBegins;
@@ -35,7 +38,9 @@ Clip arm_stop(const Skeleton& skeleton) {
     for (std::size_t dof = 0; dof < angles.size(); ++dof) {
       angles[dof] = kBefore[dof] + share_at(frame) * (kAfter[dof] - kBefore[dof]);
     }
-    clip.poses.push_back(limited_pose(skeleton, limits, {angles}));
+    Pose pose = limited_pose(skeleton, limits, {angles});
+    pose.joints[0].translation[1] += kDrop * (1 - share_at(frame));
+    clip.poses.push_back(std::move(pose));
   }
   return clip;
 }
