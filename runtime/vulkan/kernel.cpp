@@ -34,7 +34,8 @@ Kernel::Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::
   info.stage = shader_stage(VK_SHADER_STAGE_COMPUTE_BIT, shader);
   info.layout = layout_.get();
   VkPipeline pipeline = VK_NULL_HANDLE;
-  check(vkCreateComputePipelines(handle, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "vkCreateComputePipelines");
+  check(vkCreateComputePipelines(handle, device.pipeline_cache(), 1, &info, nullptr, &pipeline),
+        "vkCreateComputePipelines");
   pipeline_ = {handle, pipeline};
 }
 
