@@ -19,8 +19,9 @@ std::uint32_t count_bindings(std::span<const std::uint32_t> spirv) {
 
 }  // namespace
 
-Kernel::Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t push_bytes)
-    : binding_count_(count_bindings(spirv)) {
+Kernel::Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t written,
+               std::uint32_t push_bytes)
+    : binding_count_(count_bindings(spirv)), written_(written) {
   const VkDevice handle = device.handle();
   std::vector<VkDescriptorSetLayoutBinding> bindings(binding_count_);
   for (std::uint32_t b = 0; b < binding_count_; ++b) {

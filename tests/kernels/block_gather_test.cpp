@@ -42,7 +42,6 @@ TEST_F(BlockGather, EqualsTheReference) {
       for (std::size_t l = 0; l < c.small.inverse.levels.size(); ++l) {
         const auto outputs = run_kernel(*device_, {c.before.size()}, [&](auto& commands, const auto& out) {
           commands.copy({before, 0, sizeof(float) * c.before.size()}, out[0]);
-          commands.barrier();
           vulkan::record_block_gather(commands, kernel, {inverse, right_sides, results, out[0]}, inverse.levels[l],
                                       sides.count, sides.interleave);
         });

@@ -40,7 +40,6 @@ TEST_F(BlockUp, EqualsTheReference) {
       for (std::size_t l = 0; l < c.small.inverse.levels.size(); ++l) {
         const auto outputs = run_kernel(*device_, {c.before.size()}, [&](auto& commands, const auto& out) {
           commands.copy({before, 0, sizeof(float) * c.before.size()}, out[0]);
-          commands.barrier();
           vulkan::record_block_up(commands, kernel, {inverse, gathered, out[0]}, inverse.levels[l], right_sides);
         });
         expect_close(outputs[0], c.on_cpu(c.small.inverse.levels[l]), 0);  // one order; other levels are left

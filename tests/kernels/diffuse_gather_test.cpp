@@ -50,7 +50,6 @@ TEST_F(DiffuseGather, EqualsTheReference) {
                  before = vulkan::upload(*device_, c.before, "before");
       const auto outputs = run_kernel(*device_, {c.right_sides.size()}, [&](auto& commands, const auto& out) {
         commands.copy(before, out[0]);
-        commands.barrier();
         kernel.record(commands, {begin, columns, values, nodes, out[0]}, {kSurface, c.node_count}, frames);
       });
       expect_close(outputs[0], c.right_sides, 0);  // sums and products in one order; nodes on the skin are left

@@ -43,7 +43,6 @@ TEST_F(DiffuseSurface, EqualsTheReference) {
                  before = vulkan::upload(*device_, c.before, "before");
       const auto outputs = run_kernel(*device_, {c.nodes.size()}, [&](auto& commands, const auto& out) {
         commands.copy(before, out[0]);
-        commands.barrier();
         kernel.record(commands, {surface, positions, origins, out[0]}, {count, kVertices, count + kInside}, frames);
       });
       expect_close(outputs[0], c.nodes, 0);  // sums and products in one order; nodes inside are left

@@ -51,7 +51,6 @@ TEST_F(OutputPlace, EqualsTheReferenceAndLeavesTheRest) {
                    before = vulkan::upload(*device_, c.before, "before");
         const auto outputs = run_kernel(*device_, {c.before.size()}, [&](auto& commands, const auto& out) {
           commands.copy({before, 0, sizeof(float) * c.before.size()}, out[0]);
-          commands.barrier();
           kernel.record(commands, {output_vertex, values, out[0]},
                         {c.mesh.output_count(), vertices, layout.first, layout.element, c.frame}, frames);
         });

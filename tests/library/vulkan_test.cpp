@@ -53,7 +53,6 @@ TEST_F(LibraryVulkan, RecordsFramesIntoTheHostsBuffer) {
     vulkan::Commands commands(*device_);
     commands.begin();
     commands.fill(target, 0);
-    commands.barrier();
     for (std::size_t f = 0; f < 2; ++f) {
       PoseArrays given({poses[f]});
       given.numbers = {static_cast<int>(f)};
@@ -65,7 +64,6 @@ TEST_F(LibraryVulkan, RecordsFramesIntoTheHostsBuffer) {
       recording.normals = {target.handle(), bytes, at + 3 * sizeof(float), stride};
       ASSERT_EQ(bodyopt_record(recorder.get(), &given.all, &recording), BODYOPT_OK) << bodyopt_last_error();
     }
-    commands.barrier();
     commands.copy(target, readback);
     commands.end();
     commands.run();
