@@ -3,6 +3,7 @@
 #include "runtime/vulkan/kernels/windows.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"
+#include "tests/support/small_windows.h"
 #include "tests/support/textbook_ddm.h"
 
 namespace bodyopt::testing {
@@ -100,30 +101,12 @@ TEST_F(PoseSkin, RigidMotionStaysRigid) {
   }
 }
 
-// A device whose bindings see little: the table is seen through windows, of unaligned entries too.
 TEST_F(PoseSkin, WindowsGiveTheSameBits) {
   const Case c(1237, 2);
-  const std::vector<float> whole = c.on_gpu(*device_, device_->info());
-  for (const std::uint64_t range : {3600u, 10000u, 100000u}) {
-    vulkan::DeviceInfo limits = device_->info();
-    limits.max_storage_buffer_range = range;
-    limits.storage_alignment = 256;
-    const auto windows = vulkan::ddm_windows(c.ddm, limits);
-    EXPECT_GT(windows.size(), 1u);
-    EXPECT_GE(windows.back().end_vertex, c.vertices);
-    for (std::size_t w = 0; w < windows.size(); ++w) {
-      EXPECT_LE(std::max(windows[w].moments_size, windows[w].vertices_size), range);
-      EXPECT_EQ(windows[w].moments_offset % 256, 0u);
-      EXPECT_EQ(windows[w].vertices_offset % 256, 0u);
-      EXPECT_EQ(windows[w].first_vertex, w == 0 ? 0 : windows[w - 1].end_vertex);
-    }
-    EXPECT_EQ(c.on_gpu(*device_, limits), whole) << "range " << range;
-  }
-  vulkan::DeviceInfo limits = device_->info();
-  limits.max_groups_x = 3;
-  EXPECT_EQ(c.on_gpu(*device_, limits), whole);
-  limits.max_storage_buffer_range = 400;  // less than one block
-  EXPECT_THROW(vulkan::ddm_windows(c.ddm, limits), Error);
+  expect_same_bits_through_windows(
+      device_->info(), c.vertices, {3600, 10000, 100000},
+      [&](const auto& limits) { return vulkan::DdmBuffers(*device_, c.ddm, limits).windows; },
+      [&](const auto& limits) { return c.on_gpu(*device_, limits); });
 }
 
 }  // namespace pose_skin_test

@@ -74,7 +74,7 @@ TEST_F(StrainSkin, WindowsGiveTheSameBits) {
   const Case c(130, 2);
   vulkan::DeviceInfo limits = device_->info();
   limits.max_storage_buffer_range = 10000;
-  ASSERT_GT(vulkan::ddm_windows(c.ddm, limits).size(), 1u);
+  ASSERT_GT(vulkan::DdmBuffers(*device_, c.ddm, limits).windows.size(), 1u);
   EXPECT_EQ(c.on_gpu(*device_, limits), c.on_gpu(*device_, device_->info()));
 }
 

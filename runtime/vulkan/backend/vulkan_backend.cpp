@@ -327,16 +327,15 @@ class VulkanBackend final : public Backend {
          b.fades.buffer, b.coefficients.buffer},
         {n.coefficients, n.coordinates, n.centres, n.regions}, frames);
     if (!has_blend_) return;
-    kernels_.residual_blend.record(*commands_, {t.blend_begin, t.blend, b.coefficients.buffer, b.displacements.buffer},
-                                   {n.vertices, n.coefficients, weights_.correction}, frames);
+    record_residual_blend(*commands_, kernels_.residual_blend, {t.blend, b.coefficients.buffer, b.displacements.buffer},
+                          n.vertices, n.coefficients, weights_.correction, frames);
   }
 
   void record_modify(std::uint32_t frames) {
     const BatchBuffers& b = *buffers_;
-    kernels_.modify_blend.record(
-        *commands_,
-        {tables_.modifier_begin, tables_.modifier_blend, b.modifiers.buffer, b.displacements.buffer, b.modified.buffer},
-        {counts_.vertices, counts_.components}, frames);
+    record_modify_blend(*commands_, kernels_.modify_blend,
+                        {tables_.modifiers, b.modifiers.buffer, b.displacements.buffer, b.modified.buffer},
+                        counts_.vertices, counts_.components, frames);
   }
 
   // What goes to the host, in this order.

@@ -1,25 +1,14 @@
 #include "runtime/vulkan/kernels/windows.h"
 
 namespace bodyopt::vulkan {
-namespace {
-
-BufferRange moments_of(const DdmBuffers& ddm, const DdmWindow& window) {
-  return {ddm.moments, window.moments_offset, window.moments_size};
-}
-
-BufferRange vertices_of(const DdmBuffers& ddm, const DdmWindow& window) {
-  return {ddm.vertices, window.vertices_offset, window.vertices_size};
-}
-
-}  // namespace
 
 void record_pose_skin(Commands& commands, const PoseSkin& kernel, const PoseSkinBuffers& buffers,
                       std::uint32_t vertex_count, std::uint32_t joint_count, std::uint32_t frames) {
   const DdmBuffers& ddm = buffers.ddm;
-  for (const DdmWindow& window : ddm.windows) {
+  for (const BlockWindow& window : ddm.windows) {
     kernel.record(commands,
-                  {ddm.block_begin, ddm.block_joints, moments_of(ddm, window), vertices_of(ddm, window),
-                   buffers.skinning, buffers.origins, buffers.displacements, buffers.positions},
+                  {ddm.block_begin, ddm.block_joints, ddm.moments_of(window), ddm.vertices_of(window), buffers.skinning,
+                   buffers.origins, buffers.displacements, buffers.positions},
                   {vertex_count, joint_count, window.first_vertex, window.end_vertex, window.first_entry}, frames);
   }
 }
@@ -27,12 +16,34 @@ void record_pose_skin(Commands& commands, const PoseSkin& kernel, const PoseSkin
 void record_strain_skin(Commands& commands, const StrainSkin& kernel, const StrainSkinBuffers& buffers,
                         std::uint32_t strain_vertex_count, std::uint32_t joint_count, std::uint32_t frames) {
   const DdmBuffers& ddm = buffers.ddm;
-  for (const DdmWindow& window : ddm.windows) {
+  for (const BlockWindow& window : ddm.windows) {
     kernel.record(commands,
-                  {ddm.block_begin, ddm.block_joints, moments_of(ddm, window), vertices_of(ddm, window),
-                   buffers.skinning, buffers.strain_vertices, buffers.positions},
+                  {ddm.block_begin, ddm.block_joints, ddm.moments_of(window), ddm.vertices_of(window), buffers.skinning,
+                   buffers.strain_vertices, buffers.positions},
                   {strain_vertex_count, joint_count, window.first_vertex, window.end_vertex, window.first_entry},
                   frames);
+  }
+}
+
+void record_residual_blend(Commands& commands, const ResidualBlend& kernel, const ResidualBlendBuffers& buffers,
+                           std::uint32_t vertex_count, std::uint32_t coefficient_count, float weight,
+                           std::uint32_t frames) {
+  const BlendBuffers& blend = buffers.blend;
+  for (const BlockWindow& window : blend.windows) {
+    kernel.record(commands, {blend.block_begin, blend.entries_of(window), buffers.coefficients, buffers.displacements},
+                  {vertex_count, coefficient_count, weight, window.first_vertex, window.end_vertex, window.first_entry},
+                  frames);
+  }
+}
+
+void record_modify_blend(Commands& commands, const ModifyBlend& kernel, const ModifyBlendBuffers& buffers,
+                         std::uint32_t vertex_count, std::uint32_t component_count, std::uint32_t frames) {
+  const BlendBuffers& blend = buffers.blend;
+  for (const BlockWindow& window : blend.windows) {
+    kernel.record(
+        commands,
+        {blend.block_begin, blend.entries_of(window), buffers.coefficients, buffers.displacements, buffers.modified},
+        {vertex_count, component_count, window.first_vertex, window.end_vertex, window.first_entry}, frames);
   }
 }
 
