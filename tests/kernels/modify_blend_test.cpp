@@ -1,6 +1,6 @@
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/kernels/windows.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 #include "tests/support/small_windows.h"
 
@@ -27,14 +27,21 @@ struct Case {
     return {device, modifiers.blend_begin, modifiers.blend, limits};
   }
 
-  std::vector<float> on_gpu(const vulkan::Device& device, const vulkan::DeviceInfo& limits) const {
-    const vulkan::ModifyBlend kernel(device);
-    const vulkan::BlendBuffers blend = blend_on(device, limits);
-    const auto w = vulkan::upload(device, weights, "weights"),
-               d = vulkan::upload(device, displacements, "displacements");
-    return run_kernel(device, {modified.size()}, [&](auto& commands, const auto& out) {
-      vulkan::record_modify_blend(commands, kernel, {blend, w, d, out[0]}, vertices, kComponents, frames);
-    })[0];
+  KernelRun on(KernelSet& kernels, const vulkan::DeviceInfo& limits) const {
+    const vulkan::Device& device = kernels.device();
+    struct Bound {
+      vulkan::BlendBuffers blend;
+      vulkan::Buffer weights, displacements;
+    };
+    const auto bound =
+        std::make_shared<const Bound>(Bound{blend_on(device, limits), vulkan::upload(device, weights, "weights"),
+                                            vulkan::upload(device, displacements, "displacements")});
+    return {{{modified}},  // sums and products in one order; numbers convert exactly
+            [&kernel = kernels.get<vulkan::ModifyBlend>(), bound, vertices = vertices, frames = frames](
+                vulkan::Commands& commands, const auto& outputs) {
+              const auto& [blend, w, d] = *bound;
+              vulkan::record_modify_blend(commands, kernel, {blend, w, d, outputs[0]}, vertices, kComponents, frames);
+            }};
   }
 
   Random random;
@@ -45,16 +52,9 @@ struct Case {
 
 class ModifyBlend : public GpuTest {};
 
-TEST_F(ModifyBlend, EqualsTheReference) {
-  for (const std::uint32_t vertices : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      SCOPED_TRACE(std::to_string(vertices) + " vertices, " + std::to_string(frames) + " frames");
-      const Case c(vertices, frames);
-      expect_close(c.on_gpu(*device_, device_->info()), c.modified,
-                   0);  // sums and products in one order; numbers convert exactly
-    }
-  }
-}
+const bool added = add_kernel_cases_of_frames("modify_blend", "vertices", [](KernelSet& kernels, const Trial& trial) {
+  return Case(trial.size, trial.variant).on(kernels, kernels.device().info());
+});
 
 TEST_F(ModifyBlend, ReferenceEqualsTheTextbook) {
   const Case c(200, 2);
@@ -83,10 +83,11 @@ TEST_F(ModifyBlend, WeightsOfZeroChangeNoBit) {
 
 TEST_F(ModifyBlend, WindowsGiveTheSameBits) {
   const Case c(1237, 2);
+  KernelSet kernels(*device_);
   expect_same_bits_through_windows(
       device_->info(), c.vertices, {4000, 8000},
       [&](const auto& limits) { return c.blend_on(*device_, limits).windows; },
-      [&](const auto& limits) { return c.on_gpu(*device_, limits); });
+      [&](const auto& limits) { return outputs_of(*device_, c.on(kernels, limits))[0]; });
 }
 
 }  // namespace modify_blend_test

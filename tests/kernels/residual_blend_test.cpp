@@ -1,6 +1,6 @@
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/kernels/windows.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 #include "tests/support/small_windows.h"
 
@@ -25,13 +25,21 @@ struct Case {
     return {device, residual.blend_begin, residual.blend, limits};
   }
 
-  std::vector<float> on_gpu(const vulkan::Device& device, const vulkan::DeviceInfo& limits) const {
-    const vulkan::ResidualBlend kernel(device);
-    const vulkan::BlendBuffers blend = blend_on(device, limits);
-    const auto c = vulkan::upload(device, coefficients, "coefficients");
-    return run_kernel(device, {displacements.size()}, [&](auto& commands, const auto& out) {
-      vulkan::record_residual_blend(commands, kernel, {blend, c, out[0]}, vertices, kCoefficients, kWeight, frames);
-    })[0];
+  KernelRun on(KernelSet& kernels, const vulkan::DeviceInfo& limits) const {
+    const vulkan::Device& device = kernels.device();
+    struct Bound {
+      vulkan::BlendBuffers blend;
+      vulkan::Buffer coefficients;
+    };
+    const auto bound = std::make_shared<const Bound>(
+        Bound{blend_on(device, limits), vulkan::upload(device, coefficients, "coefficients")});
+    return {{{displacements}},  // sums and products in one order; numbers convert exactly
+            [&kernel = kernels.get<vulkan::ResidualBlend>(), bound, vertices = vertices, frames = frames](
+                vulkan::Commands& commands, const auto& outputs) {
+              const auto& [blend, c] = *bound;
+              vulkan::record_residual_blend(commands, kernel, {blend, c, outputs[0]}, vertices, kCoefficients, kWeight,
+                                            frames);
+            }};
   }
 
   Random random;
@@ -56,16 +64,9 @@ int byte_value(const BlendEntry& entry, std::size_t k) {
 
 class ResidualBlend : public GpuTest {};
 
-TEST_F(ResidualBlend, EqualsTheReference) {
-  for (const std::uint32_t vertices : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      SCOPED_TRACE(std::to_string(vertices) + " vertices, " + std::to_string(frames) + " frames");
-      const Case c(vertices, frames);
-      expect_close(c.on_gpu(*device_, device_->info()), c.displacements,
-                   0);  // sums and products in one order; numbers convert exactly
-    }
-  }
-}
+const bool added = add_kernel_cases_of_frames("residual_blend", "vertices", [](KernelSet& kernels, const Trial& trial) {
+  return Case(trial.size, trial.variant).on(kernels, kernels.device().info());
+});
 
 TEST_F(ResidualBlend, ReferenceEqualsTheTextbook) {
   const Case c(200, 2);
@@ -86,10 +87,11 @@ TEST_F(ResidualBlend, ReferenceEqualsTheTextbook) {
 
 TEST_F(ResidualBlend, WindowsGiveTheSameBits) {
   const Case c(1237, 2);
+  KernelSet kernels(*device_);
   expect_same_bits_through_windows(
       device_->info(), c.vertices, {4000, 8000},
       [&](const auto& limits) { return c.blend_on(*device_, limits).windows; },
-      [&](const auto& limits) { return c.on_gpu(*device_, limits); });
+      [&](const auto& limits) { return outputs_of(*device_, c.on(kernels, limits))[0]; });
 }
 
 }  // namespace residual_blend_test
