@@ -49,7 +49,7 @@ const bool added = add_kernel_cases({"block_up",
                                      {kFrontSizes.begin(), kFrontSizes.end()},
                                      {0, 1, 2, 3, 4, 5},
                                      [](KernelSet& kernels, const Trial& trial) {
-                                       const Case c(trial.seed(), trial.size, trial.variant < kLevels ? 1 : 3);
+                                       const Case c(trial.seed(), trial.size, trial.variant < kLevels ? 1u : 3u);
                                        return c.on(kernels, trial.variant % kLevels);
                                      }});
 
