@@ -117,7 +117,7 @@ void run(const BenchArguments& arguments) {
   for (const Stage stage : stages) text += format(" %9s", name_of(stage));
   text += format(" %7s %8s  %s\n", "GB/s", "of triad", "device");
   for (const std::string& name : devices_of(arguments)) {
-    Deformer deformer(basis, {.name = name, .executor = threads});
+    Deformer deformer(basis, {.name = name, .executor = threads, .pipeline_cache = cache_folder()});
     for (const std::size_t batch : {1, 4, 16, 64}) {
       const FrameCost cost = measure(deformer, std::span(poses).first(batch), arguments.seconds);
       const double bandwidth = bytes / cost.seconds;

@@ -48,6 +48,7 @@ void run(const ViewArguments& arguments) {
                 "sequence");
   }
   options.device.require_device = true;
+  options.device.pipeline_cache = cache_folder();
   run_viewer(options);
 }
 

@@ -18,8 +18,8 @@ foreach(file runtime/cpu/@.cpp tests/kernels/@_test.cpp)
   endforeach()
 endforeach()
 
-# What a kernel's shader declares, as C++ for runtime/vulkan/kernels/shader_kernel.h: its bindings by name, what it is
-# pushed, and the line "// Threads: EXPRESSION" over `push`.
+# What a kernel's shader declares, as C++ for runtime/vulkan/kernels/shader_kernel.h: its bindings by name, which of them
+# it writes, what it is pushed, and the line "// Threads: EXPRESSION" over `push`.
 function(bodyopt_describe_kernel SHADER DECLARATION BINDING_COUNT)
   get_filename_component(kernel ${SHADER} NAME_WE)
   file(READ ${SHADER} text)
@@ -32,6 +32,7 @@ function(bodyopt_describe_kernel SHADER DECLARATION BINDING_COUNT)
   endif()
   string(REGEX MATCHALL "binding = [0-9]+\\)[a-z ]* buffer B[0-9]+ { [A-Za-z]+ [a-z_]+" buffers "${text}")
   set(names "")
+  set(written 0)  # bits
   foreach(buffer ${buffers})
     string(REGEX MATCH "binding = ([0-9]+).* ([a-z_]+)$" found ${buffer})
     list(LENGTH names count)
@@ -39,6 +40,11 @@ function(bodyopt_describe_kernel SHADER DECLARATION BINDING_COUNT)
       message(FATAL_ERROR "${SHADER}: expected binding ${count}, found: ${buffer}")
     endif()
     list(APPEND names ${CMAKE_MATCH_2})
+    if(buffer MATCHES " writeonly ")
+      math(EXPR written "${written} | 1 << ${count}")
+    elseif(NOT buffer MATCHES " readonly ")
+      message(FATAL_ERROR "${SHADER}: expected binding ${count} to be readonly or writeonly, found: ${buffer}")
+    endif()
   endforeach()
   list(LENGTH names count)
   list(JOIN names ", " fields)
@@ -60,6 +66,7 @@ struct ${class}Shader {
     BufferRange ${fields};
   };
   static std::array<BufferRange, ${count}> ranges(const Buffers& buffers) { return {${ranges}}; }
+  static constexpr std::uint32_t written = ${written};
   static std::uint32_t threads([[maybe_unused]] const Push& push) { return ${threads}; }
   static std::span<const std::uint32_t> spirv();
 };

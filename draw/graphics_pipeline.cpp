@@ -35,7 +35,7 @@ VkPipelineColorBlendAttachmentState blend_state(Blending blending) {
 GraphicsPipeline::GraphicsPipeline(const vulkan::Device& device, VkRenderPass render_pass, const PipelineInfo& info)
     : storage_buffers_(info.storage_buffers) {
   make_layout(device.handle(), info);
-  make_pipeline(device.handle(), render_pass, info);
+  make_pipeline(device, render_pass, info);
 }
 
 void GraphicsPipeline::make_layout(VkDevice device, const PipelineInfo& wanted) {
@@ -51,7 +51,9 @@ void GraphicsPipeline::make_layout(VkDevice device, const PipelineInfo& wanted) 
   layout_ = vulkan::make_pipeline_layout(device, set_layout_.get(), {kStages, 0, wanted.push_bytes});
 }
 
-void GraphicsPipeline::make_pipeline(VkDevice device, VkRenderPass render_pass, const PipelineInfo& wanted) {
+void GraphicsPipeline::make_pipeline(const vulkan::Device& on_device, VkRenderPass render_pass,
+                                     const PipelineInfo& wanted) {
+  const VkDevice device = on_device.handle();
   const vulkan::ShaderModule vertex = vulkan::make_shader(device, wanted.vertex);
   const vulkan::ShaderModule fragment = vulkan::make_shader(device, wanted.fragment);
   const std::array stages = {vulkan::shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertex),
@@ -102,7 +104,8 @@ void GraphicsPipeline::make_pipeline(VkDevice device, VkRenderPass render_pass, 
   info.layout = layout_.get();
   info.renderPass = render_pass;
   VkPipeline pipeline = VK_NULL_HANDLE;
-  check(vkCreateGraphicsPipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "vkCreateGraphicsPipelines");
+  check(vkCreateGraphicsPipelines(device, on_device.pipeline_cache(), 1, &info, nullptr, &pipeline),
+        "vkCreateGraphicsPipelines");
   pipeline_ = {device, pipeline};
 }
 

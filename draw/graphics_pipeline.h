@@ -48,7 +48,7 @@ class GraphicsPipeline {
 
  private:
   void make_layout(VkDevice device, const PipelineInfo& info);
-  void make_pipeline(VkDevice device, VkRenderPass render_pass, const PipelineInfo& info);
+  void make_pipeline(const vulkan::Device& device, VkRenderPass render_pass, const PipelineInfo& info);
   void record(VkCommandBuffer commands, VkDescriptorSet set, const void* push, std::uint32_t bytes,
               std::uint32_t corners, const vulkan::Buffer* indices) const;
 

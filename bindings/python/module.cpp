@@ -122,10 +122,11 @@ struct State {
 };
 
 struct Device {
-  explicit Device(const std::optional<std::string>& name, bool validation) {
+  Device(const std::optional<std::string>& name, bool validation, const std::optional<std::string>& pipeline_cache) {
     auto options = api::make<bodyopt_device_options>();
     options.name = name ? name->c_str() : nullptr;
     options.validation = validation;
+    options.pipeline_cache = pipeline_cache ? pipeline_cache->c_str() : nullptr;
     bodyopt_device* opened = nullptr;
     check_without_gil([&] { return bodyopt_open_device(&options, &opened); });
     handle.reset(opened);
@@ -343,8 +344,8 @@ PYBIND11_MODULE(_runtime, module) {
       py::arg("path"), py::arg("dynamics") = none, py::arg("level") = 0);
   module.def(
       "open_device",
-      [](const std::optional<std::string>& name, bool validation) {
-        return std::make_unique<Device>(name, validation);
+      [](const std::optional<std::string>& name, bool validation, const std::optional<std::string>& pipeline_cache) {
+        return std::make_unique<Device>(name, validation, pipeline_cache);
       },
-      py::arg("name") = none, py::arg("validation") = false);
+      py::arg("name") = none, py::arg("validation") = false, py::arg("pipeline_cache") = none);
 }

@@ -72,6 +72,17 @@ Clip ClipArguments::read(const Skeleton& skeleton, double unit, std::vector<int>
   return clip;
 }
 
+std::filesystem::path cache_folder() {
+  // A path that is not absolute is to be ignored (XDG Base Directory Specification).
+  const auto absolute = [](const char* name) -> std::filesystem::path {
+    const char* value = std::getenv(name);
+    return value != nullptr && value[0] == '/' ? value : "";
+  };
+  if (const auto caches = absolute("XDG_CACHE_HOME"); !caches.empty()) return caches / "bodyopt";
+  const auto home = absolute("HOME");
+  return home.empty() ? home : home / ".cache" / "bodyopt";
+}
+
 void DeviceArguments::add(CLI::App& verb) {
   verb.add_option("--device", choice.name, "auto, cpu, or a Vulkan device by index or name (see 'bodyopt devices')")
       ->capture_default_str()

@@ -41,9 +41,13 @@ struct ClipArguments {
   Clip read(const Skeleton& skeleton, double unit, std::vector<int>& frame_numbers) const;
 };
 
+// Where the program keeps what it can make again: bodyopt in $XDG_CACHE_HOME, or in ~/.cache; empty where neither is
+// known.
+std::filesystem::path cache_folder();
+
 // --device D [--require-device]
 struct DeviceArguments {
-  DeviceChoice choice;
+  DeviceChoice choice{.pipeline_cache = cache_folder()};
   void add(CLI::App& verb);
 };
 

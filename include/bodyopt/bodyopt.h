@@ -99,8 +99,11 @@ BODYOPT_API bodyopt_result bodyopt_get_bind_pose(const bodyopt_model* model, dou
 
 typedef struct bodyopt_device_options {
   size_t struct_size;
-  const char* name;    /* an index or part of a name, as `bodyopt devices` lists them; NULL: the best one */
-  uint32_t validation; /* 1: with Vulkan's validation layers; whatever they say is an error */
+  const char* name;           /* an index or part of a name, as `bodyopt devices` lists them; NULL: the best one */
+  uint32_t validation;        /* 1: with Vulkan's validation layers; whatever they say is an error */
+  const char* pipeline_cache; /* folder where the driver's compiled shaders are kept, so that later processes start
+                                 sooner; made where it is missing. One that cannot be read or written is no error: it is
+                                 as without. NULL: nothing is kept */
 } bodyopt_device_options;
 
 /* `options`: NULL for none. BODYOPT_DEVICE where there is no such device, with a list of those there are. */

@@ -53,9 +53,10 @@ inline Model load_model(const std::string& path, const std::string& dynamics = {
   return Model(model);
 }
 
-inline Device open_device(const std::string& name = {}) {
+inline Device open_device(const std::string& name = {}, const std::string& pipeline_cache = {}) {
   auto options = make<bodyopt_device_options>();
   if (!name.empty()) options.name = name.c_str();
+  if (!pipeline_cache.empty()) options.pipeline_cache = pipeline_cache.c_str();
   bodyopt_device* device = nullptr;
   check(bodyopt_open_device(&options, &device));
   return Device(device);

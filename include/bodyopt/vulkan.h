@@ -26,6 +26,7 @@ typedef struct bodyopt_vulkan_device {
   VkDevice device;
   VkQueue queue;
   uint32_t queue_family;
+  VkPipelineCache pipeline_cache; /* of the host, which keeps it; internally synchronized; VK_NULL_HANDLE: none */
 } bodyopt_vulkan_device;
 
 /* A device of the host, which must outlive it and all instances on it. BODYOPT_DEVICE where the device does not do. */

@@ -194,6 +194,7 @@ void Gui::start_backend() {
   info.Device = device_->handle();
   info.QueueFamily = device_->queue_family();
   info.Queue = device_->queue();
+  info.PipelineCache = device_->pipeline_cache();
   info.DescriptorPool = pool;
   info.MinImageCount = info.ImageCount = 2;  // each picture is waited for
   info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;

@@ -1,6 +1,7 @@
 // Which device a user asks for.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -17,6 +18,7 @@ struct DeviceChoice {
   bool validation = false;               // Vulkan validation and synchronization validation; every message is an error
   bool check = false;                    // every stage beside the same on the CPU (runtime/deformer/checked_backend.h)
   std::shared_ptr<Executor> executor{};  // threads of the CPU's kernels; none: oneTBB's
+  std::filesystem::path pipeline_cache{};  // folder of what drivers compile (runtime/vulkan/pipeline_cache.h); none: ""
 };
 
 }  // namespace bodyopt

@@ -8,10 +8,11 @@ bodyopt_result bodyopt_open_device(const bodyopt_device_options* given, bodyopt_
   return guarded([&] {
     required(device, "device");
     bodyopt_device_options options{};
-    if (given != nullptr) options = read_struct(given, sizeof(bodyopt_device_options), "options");
+    if (given != nullptr) options = read_struct(given, offsetof(bodyopt_device_options, pipeline_cache), "options");
     DeviceChoice choice;
     if (options.name != nullptr) choice.name = options.name;
     choice.validation = options.validation != 0;
+    if (options.pipeline_cache != nullptr) choice.pipeline_cache = options.pipeline_cache;
     *device = new bodyopt_device{std::make_shared<const vulkan::Device>(choice)};
   });
 }

@@ -36,9 +36,9 @@ using namespace bodyopt;
 bodyopt_result bodyopt_share_device(const bodyopt_vulkan_device* host, bodyopt_device** device) {
   return guarded([&] {
     required(device, "device");
-    const auto given = read_struct(host, sizeof(bodyopt_vulkan_device), "host");
-    *device = new bodyopt_device{std::make_shared<const vulkan::Device>(
-        vulkan::HostDevice{given.instance, given.physical_device, given.device, given.queue, given.queue_family})};
+    const auto given = read_struct(host, offsetof(bodyopt_vulkan_device, pipeline_cache), "host");
+    *device = new bodyopt_device{std::make_shared<const vulkan::Device>(vulkan::HostDevice{
+        given.instance, given.physical_device, given.device, given.queue, given.queue_family, given.pipeline_cache})};
   });
 }
 

@@ -55,19 +55,32 @@ void Commands::open() {
   dispatch_count_ = 0;
   const auto info = structure<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
   check(vkBeginCommandBuffer(commands_, &info), "vkBeginCommandBuffer");
+  barrier();  // the end of an earlier submission alone does not make what it wrote seen
+}
+
+void Commands::record_into(VkCommandBuffer host) {
+  commands_ = host;
+  dispatch_count_ = 0;  // nothing of the host's is cut
+  barrier();            // after the frame before
 }
 
 void Commands::copy(const BufferRange& from, const BufferRange& to) {
   if (from.size == 0) return;
+  const BufferUse uses[] = {{from, false}, {{to.buffer, to.offset, from.size}, true}};
+  wait_for(uses);
   const VkBufferCopy region{from.offset, to.offset, from.size};
   vkCmdCopyBuffer(commands_, from.buffer, to.buffer, 1, &region);
 }
 
 void Commands::fill(const BufferRange& range, std::uint32_t word) {
+  const BufferUse use{range, true};
+  wait_for({&use, 1});
   vkCmdFillBuffer(commands_, range.buffer, range.offset, range.size, word);
 }
 
 void Commands::update(const BufferRange& range, std::span<const std::byte> bytes) {
+  const BufferUse use{range, true};
+  wait_for({&use, 1});
   for (std::size_t at = 0; at < bytes.size(); at += kMostUpdate) {
     const std::size_t size = std::min(kMostUpdate, bytes.size() - at);
     vkCmdUpdateBuffer(commands_, range.buffer, range.offset + at, size, bytes.data() + at);
@@ -81,15 +94,19 @@ void Commands::barrier() {
                          VK_ACCESS_TRANSFER_WRITE_BIT;
   const VkPipelineStageFlags stages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
   vkCmdPipelineBarrier(commands_, stages, stages, 0, 1, &memory, 0, nullptr, 0, nullptr);
+  hazards_.clear();
+}
+
+void Commands::wait_for(std::span<const BufferUse> uses) {
+  if (hazards_.before(uses)) barrier();
+  hazards_.add(uses);
 }
 
 void Commands::cut() {
-  if (dispatch_count_ >= most_dispatches_) {
-    end();
-    run();
-    open();
-  }
-  barrier();  // also after a submission: its end alone does not make what it wrote seen
+  if (dispatch_count_ < most_dispatches_) return;
+  end();
+  run();
+  open();
 }
 
 VkDescriptorSet Commands::bind(const Kernel& kernel, std::span<const BufferRange> bindings) {
@@ -130,6 +147,9 @@ void Commands::record_dispatch(const Kernel& kernel, std::span<const BufferRange
                                        std::to_string(groups) + " x " + std::to_string(frames) + " are needed");
   }
   const VkDescriptorSet set = bind(kernel, bindings);
+  std::vector<BufferUse> uses;
+  for (std::uint32_t b = 0; b < kernel.binding_count(); ++b) uses.push_back({bindings[b], kernel.writes(b)});
+  wait_for(uses);
   vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.pipeline());
   vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0, 1, &set, 0, nullptr);
   vkCmdPushConstants(commands_, kernel.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,

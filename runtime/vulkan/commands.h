@@ -1,4 +1,6 @@
-// Work for the device: recorded once, run any number of times; long work is run piece by piece as it is recorded.
+// Work for the device: recorded once, run any number of times; long work is run piece by piece as it is recorded. What
+// is recorded sees what was recorded before: barriers stand where kernels, copies and fills use a buffer that needs
+// them.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +11,7 @@
 
 #include "runtime/vulkan/buffer.h"
 #include "runtime/vulkan/descriptor_sets.h"
+#include "runtime/vulkan/hazards.h"
 #include "runtime/vulkan/kernel.h"
 
 namespace bodyopt::vulkan {
@@ -27,20 +30,16 @@ class Commands {
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
 
-  // Recording. begin() forgets what was recorded before. Buffers and kernels must outlive the last run().
+  // Recording. begin() forgets what was recorded before. Buffers and kernels must outlive the last run(). What is
+  // recorded by way of handle() has barriers of its own.
   void begin();
   void copy(const BufferRange& from, const BufferRange& to);  // the size of `from`
   void fill(const BufferRange& range, std::uint32_t word);
   void update(const BufferRange& range, std::span<const std::byte> bytes);  // as many as the range has; multiples of 4
-  void record_into(VkCommandBuffer host) {
-    commands_ = host;
-    dispatch_count_ = 0;  // nothing of the host's is cut
-  }
+  void record_into(VkCommandBuffer host);
   void forget_sets();
-  // What stands before is finished and seen by what comes after.
-  void barrier();
-  // A barrier in work of any length: once kMostDispatches are recorded they run, and recording goes on after them. What
-  // was recorded before is then not run again. Throws as run().
+  // In work of any length: once kMostDispatches are recorded they run, and recording goes on after them. What was
+  // recorded before is then not run again. Throws as run().
   void cut();
   // Runs a kernel over (elements, frames). Throws Error(device) when the device cannot run as many workgroups at once.
   template <typename Push>
@@ -66,6 +65,9 @@ class Commands {
 
  private:
   void open();
+  void barrier();
+  // A barrier, where work that does this needs one before it.
+  void wait_for(std::span<const BufferUse> uses);
   void record_dispatch(const Kernel& kernel, std::span<const BufferRange> bindings, std::span<const std::byte> push,
                        std::uint32_t elements, std::uint32_t frames);
   VkDescriptorSet bind(const Kernel& kernel, std::span<const BufferRange> bindings);
@@ -75,6 +77,7 @@ class Commands {
   CommandPool pool_;
   Owned<VkQueryPool, vkDestroyQueryPool> queries_;
   Fence fence_;
+  Hazards hazards_;
   DescriptorSets allocated_sets_;
   // What was bound before is bound again: the steps of many frames need few sets.
   std::map<std::pair<VkDescriptorSetLayout, std::vector<BufferRange>>, VkDescriptorSet> sets_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cstring>
-#include <optional>
 
 #include "runtime/core/error.h"
 #include "runtime/vulkan/object.h"
@@ -204,6 +203,8 @@ Device::Device(const DeviceChoice& choice, const DeviceUse& use)
   describe_queue();
   device_ = open_device(physical_, queue_family_, use.extensions);
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+  kept_pipelines_.emplace(physical_, device_, choice.pipeline_cache);
+  pipeline_cache_ = kept_pipelines_->handle();
 }
 
 Device::Device(const HostDevice& host)
@@ -212,7 +213,8 @@ Device::Device(const HostDevice& host)
       queue_family_(host.queue_family),
       physical_(host.physical),
       device_(host.device),
-      queue_(host.queue) {
+      queue_(host.queue),
+      pipeline_cache_(host.pipeline_cache) {
   if (!host.instance || !physical_ || !device_ || !queue_) {
     throw Error(ErrorKind::usage,
                 "the instance, physical device, device or queue of the host's Vulkan is a null handle");
@@ -243,6 +245,7 @@ void Device::describe_queue() {
 
 Device::~Device() {
   memory_blocks_.clear();
+  kept_pipelines_.reset();
   if (is_ours_ && device_ != VK_NULL_HANDLE) vkDestroyDevice(device_, nullptr);
 }
 

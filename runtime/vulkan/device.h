@@ -6,12 +6,14 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "runtime/host/device_choice.h"
 #include "runtime/vulkan/instance.h"
 #include "runtime/vulkan/memory.h"
+#include "runtime/vulkan/pipeline_cache.h"
 
 namespace bodyopt::vulkan {
 
@@ -47,6 +49,7 @@ struct HostDevice {
   VkDevice device;
   VkQueue queue;
   std::uint32_t queue_family;
+  VkPipelineCache pipeline_cache = VK_NULL_HANDLE;  // none, or the host keeps it
 };
 
 // An open device with one queue that computes, and draws where the device can.
@@ -78,6 +81,7 @@ class Device {
                             VkMemoryPropertyFlags preferred) const;
 
   MemoryBlocks& memory_blocks() const { return memory_blocks_; }
+  VkPipelineCache pipeline_cache() const { return pipeline_cache_; }  // VK_NULL_HANDLE: none
 
   std::vector<std::string> validation_messages() const { return instance_.log()->messages(); }
   std::shared_ptr<const ValidationLog> validation_log() const { return instance_.log(); }
@@ -97,6 +101,8 @@ class Device {
   VkQueue queue_ = VK_NULL_HANDLE;
   mutable std::mutex queue_mutex_;
   mutable MemoryBlocks memory_blocks_;
+  std::optional<PipelineCache> kept_pipelines_;  // of a device of ours
+  VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
 };
 
 }  // namespace bodyopt::vulkan

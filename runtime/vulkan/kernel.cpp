@@ -19,8 +19,9 @@ std::uint32_t count_bindings(std::span<const std::uint32_t> spirv) {
 
 }  // namespace
 
-Kernel::Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t push_bytes)
-    : binding_count_(count_bindings(spirv)) {
+Kernel::Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t written,
+               std::uint32_t push_bytes)
+    : binding_count_(count_bindings(spirv)), written_(written) {
   const VkDevice handle = device.handle();
   std::vector<VkDescriptorSetLayoutBinding> bindings(binding_count_);
   for (std::uint32_t b = 0; b < binding_count_; ++b) {
@@ -34,7 +35,8 @@ Kernel::Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::
   info.stage = shader_stage(VK_SHADER_STAGE_COMPUTE_BIT, shader);
   info.layout = layout_.get();
   VkPipeline pipeline = VK_NULL_HANDLE;
-  check(vkCreateComputePipelines(handle, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "vkCreateComputePipelines");
+  check(vkCreateComputePipelines(handle, device.pipeline_cache(), 1, &info, nullptr, &pipeline),
+        "vkCreateComputePipelines");
   pipeline_ = {handle, pipeline};
 }
 

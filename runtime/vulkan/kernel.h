@@ -10,16 +10,18 @@ namespace bodyopt::vulkan {
 
 class Kernel {
  public:
-  // The bindings are those that the shader declares. Throws Error(device).
-  Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t push_bytes);
+  // The bindings are those that the shader declares; `written`: a bit for each, of those that it writes, and the others
+  // it reads. Throws Error(device).
+  Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t written, std::uint32_t push_bytes);
 
   VkPipeline pipeline() const { return pipeline_.get(); }
   VkPipelineLayout layout() const { return layout_.get(); }
   VkDescriptorSetLayout set_layout() const { return set_layout_.get(); }
   std::uint32_t binding_count() const { return binding_count_; }
+  bool writes(std::uint32_t binding) const { return written_ >> binding & 1; }
 
  private:
-  std::uint32_t binding_count_;
+  std::uint32_t binding_count_, written_;
   SetLayout set_layout_;
   PipelineLayout layout_;
   Owned<VkPipeline, vkDestroyPipeline> pipeline_;

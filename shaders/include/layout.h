@@ -173,10 +173,14 @@ struct ResidualCoefficientsPush {
 };
 struct ResidualBlendPush {
   uint vertex_count, coefficient_count;
-  float weight;  // of the displacement; 1: as trained
+  float weight;                   // of the displacement; 1: as trained
+  uint first_vertex, end_vertex;  // the window of the blend bound
+  uint first_entry;               // entry at which it begins
 };
 struct ModifyBlendPush {
   uint vertex_count, component_count;
+  uint first_vertex, end_vertex;  // the window of the blend bound
+  uint first_entry;               // entry at which it begins
 };
 struct PoseSkinPush {
   uint vertex_count, joint_count;

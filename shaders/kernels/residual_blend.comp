@@ -4,7 +4,7 @@
 // runtime/cpu/kernels.h.
 #include "layout.h"
 
-// Threads: push.vertex_count
+// Threads: push.end_vertex - push.first_vertex
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { ResidualBlendPush push; };
 layout(set = 0, binding = 0) readonly buffer B0 { uint blend_begin[]; };
@@ -15,8 +15,8 @@ layout(set = 0, binding = 3) writeonly buffer B3 { float displacements[]; };
 #include "blend.glsl"
 
 void main() {
-  uint vertex = gl_GlobalInvocationID.x, frame = gl_GlobalInvocationID.y;
-  if (vertex >= push.vertex_count) return;
+  uint vertex = push.first_vertex + gl_GlobalInvocationID.x, frame = gl_GlobalInvocationID.y;
+  if (vertex >= push.end_vertex || vertex >= push.vertex_count) return;
   float sum[3];
   blend_sum(vertex, push.coefficient_count * frame, sum);
   uint at = 3 * (frame * push.vertex_count + vertex);

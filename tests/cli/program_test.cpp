@@ -212,5 +212,22 @@ TEST(Program, BenchTellsOfEveryBatchSize) {
   EXPECT_EQ(run_bodyopt("bench " + basis + " --device nowhere").exit_code, 5);
 }
 
+// By the XDG Base Directory Specification, which has relative paths ignored.
+TEST(Program, PipelinesAreKeptInTheUsersCache) {
+  const std::string verb =
+      kProgram + " bench " + kSourceFolder + "/tests/old_files/hero.safetensors --device 0 --seconds 0.01";
+  const auto is_kept = [&](const std::string& environment, const std::filesystem::path& folder) {
+    const ProgramResult result = run_program(environment + " " + verb);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return std::filesystem::is_directory(folder) && !std::filesystem::is_empty(folder);
+  };
+  const TemporaryFolder folder;
+  const std::string home = folder.path();
+  EXPECT_TRUE(is_kept("XDG_CACHE_HOME=" + home + "/caches HOME=" + home, folder / "caches/bodyopt"));
+  EXPECT_FALSE(std::filesystem::exists(folder / ".cache/bodyopt"));
+  EXPECT_TRUE(is_kept("XDG_CACHE_HOME=relative HOME=" + home, folder / ".cache/bodyopt"));
+  EXPECT_FALSE(is_kept("env -u HOME -u XDG_CACHE_HOME", folder / "none"));
+}
+
 }  // namespace
 }  // namespace bodyopt

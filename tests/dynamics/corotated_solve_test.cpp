@@ -146,7 +146,6 @@ TEST_F(CorotatedSolveOnDevice, EqualsTheReference) {
       const auto outputs = run_kernel(*device_, {size}, [&](auto& commands, const auto& out) {
         solve.record_start(commands, stage, local_u, local_v, out[0]);
         solve.record_frame(commands, nodes, 1);
-        commands.barrier();
         solve.record(commands, rotations, 1, right_side, iterations, out[0]);
       });
       // The tets' rotations and the iterations' quotients differ by a few ulp.

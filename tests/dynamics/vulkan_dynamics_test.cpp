@@ -186,7 +186,6 @@ struct PushedLimb {
     commands.begin();
     const vulkan::VulkanDynamics::Inputs inputs{skin, zeros, zeros, zeros, fibres, 0};
     device_dynamics.record_diffuse(commands, inputs);
-    commands.barrier();
     device_dynamics.record_jiggle(commands, inputs, frames, 1);
     commands.end();
     commands.run();

@@ -1,14 +1,14 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/windows.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/small_inverse.h"
 
 namespace bodyopt::testing {
 namespace block_down_test {
 
 struct Case {
-  Case(std::uint32_t own, RightSides right_sides)
-      : random(own + 31 * right_sides.count),
+  Case(std::uint32_t seed, std::uint32_t own, RightSides right_sides)
+      : random(seed),
         sides(right_sides),
         small(random, own),
         results(random.floats(std::size_t{sides.count} * small.inverse.slot_count(), -1, 1)),
@@ -20,39 +20,42 @@ struct Case {
     return solutions;
   }
 
+  // Of one level, which leaves the others. Sums in one order.
+  KernelRun on(KernelSet& kernels, std::uint32_t level) const {
+    const vulkan::Device& device = kernels.device();
+    struct Bound {
+      vulkan::InverseBuffers inverse;
+      vulkan::Buffer results;
+    };
+    const auto bound = std::make_shared<const Bound>(Bound{vulkan::InverseBuffers(device, small.inverse, device.info()),
+                                                           vulkan::upload(device, results, "results")});
+    return {{{on_cpu(small.inverse.levels.at(level)), 0, 0, before}},
+            [&kernel = kernels.get<vulkan::BlockDown>(), bound, level, sides = sides](vulkan::Commands& commands,
+                                                                                      const auto& out) {
+              vulkan::record_block_down(commands, kernel, {bound->inverse, bound->results, out[0]},
+                                        bound->inverse.levels[level], sides.count, sides.interleave);
+            }};
+  }
+
   Random random;
   RightSides sides;
   SmallInverse small;
   std::vector<float> results, before;
 };
 
-class BlockDown : public GpuTest {};
-
-TEST_F(BlockDown, EqualsTheReference) {
-  const vulkan::BlockDown kernel(*device_);
-  for (const std::uint32_t own : kFrontSizes) {
-    for (const RightSides sides : kRightSides) {
-      SCOPED_TRACE(std::to_string(own) + " unknowns a front, " + std::to_string(sides.count) + " right sides");
-      const Case c(own, sides);
-      const vulkan::InverseBuffers inverse(*device_, c.small.inverse, device_->info());
-      const auto results = vulkan::upload(*device_, c.results, "results"),
-                 before = vulkan::upload(*device_, c.before, "before");
-      for (std::size_t l = 0; l < c.small.inverse.levels.size(); ++l) {
-        const auto outputs = run_kernel(*device_, {c.before.size()}, [&](auto& commands, const auto& out) {
-          commands.copy({before, 0, sizeof(float) * c.before.size()}, out[0]);
-          commands.barrier();
-          vulkan::record_block_down(commands, kernel, {inverse, results, out[0]}, inverse.levels[l], sides.count,
-                                    sides.interleave);
-        });
-        expect_close(outputs[0], c.on_cpu(c.small.inverse.levels[l]), 0);  // one order; other unknowns are left
-      }
-    }
-  }
-}
+const bool added = add_kernel_cases({"block_down",
+                                     "unknowns_a_front",
+                                     "right_sides_and_level",
+                                     {kFrontSizes.begin(), kFrontSizes.end()},
+                                     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11},
+                                     [](KernelSet& kernels, const Trial& trial) {
+                                       const Case c(trial.seed(), trial.size, kRightSides[trial.variant / kLevels]);
+                                       return c.on(kernels, trial.variant % kLevels);
+                                     }});
 
 // y - W x_boundary at the unknowns of every front.
-TEST_F(BlockDown, ReferenceEqualsTheTextbook) {
-  const Case c(37, {6, 3});
+TEST(BlockDownReference, EqualsTheTextbook) {
+  const Case c(1, 37, {6, 3});
   for (std::size_t r = 0; r < c.sides.count; ++r) {
     for (std::size_t f = 0; f < SmallInverse::kFronts; ++f) {
       const SmallFront& front = c.small.fronts[f];

@@ -1,14 +1,14 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/windows.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/small_inverse.h"
 
 namespace bodyopt::testing {
 namespace block_gather_test {
 
 struct Case {
-  Case(std::uint32_t own, RightSides right_sides_)
-      : random(own + 31 * right_sides_.count),
+  Case(std::uint32_t seed, std::uint32_t own, RightSides right_sides_)
+      : random(seed),
         sides(right_sides_),
         small(random, own),
         right_sides(random.floats(std::size_t{sides.count} * small.inverse.unknown_count, -1, 1)),
@@ -21,40 +21,44 @@ struct Case {
     return gathered;
   }
 
+  // Of one level, which leaves the others. Sums in one order.
+  KernelRun on(KernelSet& kernels, std::uint32_t level) const {
+    const vulkan::Device& device = kernels.device();
+    struct Bound {
+      vulkan::InverseBuffers inverse;
+      vulkan::Buffer right_sides, results;
+    };
+    const auto bound = std::make_shared<const Bound>(Bound{vulkan::InverseBuffers(device, small.inverse, device.info()),
+                                                           vulkan::upload(device, right_sides, "right sides"),
+                                                           vulkan::upload(device, results, "results")});
+    return {{{on_cpu(small.inverse.levels.at(level)), 0, 0, before}},
+            [&kernel = kernels.get<vulkan::BlockGather>(), bound, level, sides = sides](vulkan::Commands& commands,
+                                                                                        const auto& out) {
+              vulkan::record_block_gather(commands, kernel,
+                                          {bound->inverse, bound->right_sides, bound->results, out[0]},
+                                          bound->inverse.levels[level], sides.count, sides.interleave);
+            }};
+  }
+
   Random random;
   RightSides sides;
   SmallInverse small;
   std::vector<float> right_sides, results, before;
 };
 
-class BlockGather : public GpuTest {};
-
-TEST_F(BlockGather, EqualsTheReference) {
-  const vulkan::BlockGather kernel(*device_);
-  for (const std::uint32_t own : kFrontSizes) {
-    for (const RightSides sides : kRightSides) {
-      SCOPED_TRACE(std::to_string(own) + " unknowns a front, " + std::to_string(sides.count) + " right sides");
-      const Case c(own, sides);
-      const vulkan::InverseBuffers inverse(*device_, c.small.inverse, device_->info());
-      const auto right_sides = vulkan::upload(*device_, c.right_sides, "right sides"),
-                 results = vulkan::upload(*device_, c.results, "results"),
-                 before = vulkan::upload(*device_, c.before, "before");
-      for (std::size_t l = 0; l < c.small.inverse.levels.size(); ++l) {
-        const auto outputs = run_kernel(*device_, {c.before.size()}, [&](auto& commands, const auto& out) {
-          commands.copy({before, 0, sizeof(float) * c.before.size()}, out[0]);
-          commands.barrier();
-          vulkan::record_block_gather(commands, kernel, {inverse, right_sides, results, out[0]}, inverse.levels[l],
-                                      sides.count, sides.interleave);
-        });
-        expect_close(outputs[0], c.on_cpu(c.small.inverse.levels[l]), 0);  // sums in one order; other levels are left
-      }
-    }
-  }
-}
+const bool added = add_kernel_cases({"block_gather",
+                                     "unknowns_a_front",
+                                     "right_sides_and_level",
+                                     {kFrontSizes.begin(), kFrontSizes.end()},
+                                     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11},
+                                     [](KernelSet& kernels, const Trial& trial) {
+                                       const Case c(trial.seed(), trial.size, kRightSides[trial.variant / kLevels]);
+                                       return c.on(kernels, trial.variant % kLevels);
+                                     }});
 
 // Right sides at own slots, less what fronts below hand up to the same unknown; at boundary slots that alone.
-TEST_F(BlockGather, ReferenceEqualsTheTextbook) {
-  const Case c(20, {6, 3});
+TEST(BlockGatherReference, EqualsTheTextbook) {
+  const Case c(1, 20, {6, 3});
   const std::size_t slots = c.small.inverse.slot_count();
   std::vector<float> gathered;
   for (const InverseLevel& level : c.small.inverse.levels) {

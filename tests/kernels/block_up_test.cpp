@@ -1,14 +1,14 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/windows.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/small_inverse.h"
 
 namespace bodyopt::testing {
 namespace block_up_test {
 
 struct Case {
-  Case(std::uint32_t own, std::uint32_t count)
-      : random(own + 31 * count),
+  Case(std::uint32_t seed, std::uint32_t own, std::uint32_t count)
+      : random(seed),
         right_side_count(count),
         small(random, own),
         gathered(random.floats(std::size_t{count} * small.inverse.slot_count(), -1, 1)),
@@ -20,38 +20,42 @@ struct Case {
     return results;
   }
 
+  // Of one level, which leaves the others. Sums in one order.
+  KernelRun on(KernelSet& kernels, std::uint32_t level) const {
+    const vulkan::Device& device = kernels.device();
+    struct Bound {
+      vulkan::InverseBuffers inverse;
+      vulkan::Buffer gathered;
+    };
+    const auto bound = std::make_shared<const Bound>(Bound{vulkan::InverseBuffers(device, small.inverse, device.info()),
+                                                           vulkan::upload(device, gathered, "gathered")});
+    return {{{on_cpu(small.inverse.levels.at(level)), 0, 0, before}},
+            [&kernel = kernels.get<vulkan::BlockUp>(), bound, level, count = right_side_count](
+                vulkan::Commands& commands, const auto& out) {
+              vulkan::record_block_up(commands, kernel, {bound->inverse, bound->gathered, out[0]},
+                                      bound->inverse.levels[level], count);
+            }};
+  }
+
   Random random;
   std::uint32_t right_side_count;
   SmallInverse small;
   std::vector<float> gathered, before;
 };
 
-class BlockUp : public GpuTest {};
-
-TEST_F(BlockUp, EqualsTheReference) {
-  const vulkan::BlockUp kernel(*device_);
-  for (const std::uint32_t own : kFrontSizes) {
-    for (const std::uint32_t right_sides : {1u, 3u}) {
-      SCOPED_TRACE(std::to_string(own) + " unknowns a front, " + std::to_string(right_sides) + " right sides");
-      const Case c(own, right_sides);
-      const vulkan::InverseBuffers inverse(*device_, c.small.inverse, device_->info());
-      const auto gathered = vulkan::upload(*device_, c.gathered, "gathered"),
-                 before = vulkan::upload(*device_, c.before, "before");
-      for (std::size_t l = 0; l < c.small.inverse.levels.size(); ++l) {
-        const auto outputs = run_kernel(*device_, {c.before.size()}, [&](auto& commands, const auto& out) {
-          commands.copy({before, 0, sizeof(float) * c.before.size()}, out[0]);
-          commands.barrier();
-          vulkan::record_block_up(commands, kernel, {inverse, gathered, out[0]}, inverse.levels[l], right_sides);
-        });
-        expect_close(outputs[0], c.on_cpu(c.small.inverse.levels[l]), 0);  // one order; other levels are left
-      }
-    }
-  }
-}
+const bool added = add_kernel_cases({"block_up",
+                                     "unknowns_a_front",
+                                     "right_sides_and_level",
+                                     {kFrontSizes.begin(), kFrontSizes.end()},
+                                     {0, 1, 2, 3, 4, 5},
+                                     [](KernelSet& kernels, const Trial& trial) {
+                                       const Case c(trial.seed(), trial.size, trial.variant < kLevels ? 1u : 3u);
+                                       return c.on(kernels, trial.variant % kLevels);
+                                     }});
 
 // P b at the own slots of every front, b_boundary + W^T b at its boundary slots.
-TEST_F(BlockUp, ReferenceEqualsTheTextbook) {
-  const Case c(37, 2);
+TEST(BlockUpReference, EqualsTheTextbook) {
+  const Case c(1, 37, 2);
   const std::size_t slots = c.small.inverse.slot_count();
   for (std::size_t r = 0; r < c.right_side_count; ++r) {
     for (std::size_t f = 0; f < SmallInverse::kFronts; ++f) {

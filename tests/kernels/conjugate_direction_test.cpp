@@ -1,14 +1,14 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
 namespace conjugate_direction_test {
 
 struct Case {
-  Case(std::uint32_t count, float rho_, float next_rho_)
-      : random(count),
+  Case(std::uint32_t seed, std::uint32_t count, float rho_, float next_rho_)
+      : random(seed),
         rho{rho_},
         next_rho{next_rho_},
         y(random.floats(count, -1, 1)),
@@ -22,32 +22,29 @@ struct Case {
   std::vector<float> next_direction;  // by the reference
 };
 
-class ConjugateDirection : public GpuTest {};
+constexpr float kRhos[] = {1.7f, 0.0f};
 
-TEST_F(ConjugateDirection, EqualsTheReference) {
-  const vulkan::ConjugateDirection kernel(*device_);
-  for (const std::uint32_t count : kSizes) {
-    for (const float rho : {1.7f, 0.0f}) {
-      SCOPED_TRACE(std::to_string(count) + " numbers, rho " + std::to_string(rho));
-      const Case c(count, rho, 1.3f);
-      const auto rho_buffer = vulkan::upload(*device_, c.rho, "rho"),
-                 next_rho = vulkan::upload(*device_, c.next_rho, "next rho"), y = vulkan::upload(*device_, c.y, "y"),
-                 direction = vulkan::upload(*device_, c.direction, "direction");
-      const auto outputs = run_kernel(*device_, {count}, [&](auto& commands, const auto& out) {
-        kernel.record(commands, {rho_buffer, next_rho, y, direction, out[0]}, {count});
-      });
-      expect_close(outputs[0], c.next_direction, rho > 0 ? 5e-7 : 0);  // a division of a few ulp
-    }
-  }
-}
+const bool added =
+    add_kernel_cases({"conjugate_direction",
+                      "numbers",
+                      "rho",
+                      {kSizes.begin(), kSizes.end()},
+                      {0, 1},
+                      [](KernelSet& kernels, const Trial& trial) {
+                        const Case c(trial.seed(), trial.size, kRhos[trial.variant], 1.3f);
+                        // A division of a few ulp.
+                        return run_on<vulkan::ConjugateDirection>(kernels, {trial.size}, 1,
+                                                                  {{c.next_direction, trial.variant == 0 ? 5e-7 : 0}},
+                                                                  c.rho, c.next_rho, c.y, c.direction);
+                      }});
 
 TEST(ConjugateDirectionReference, EqualsTheTextbook) {
-  const Case c(100, 2.5f, 1.5f);
+  const Case c(100, 100, 2.5f, 1.5f);
   for (std::size_t k = 0; k < 100; ++k) {
     EXPECT_NEAR(c.next_direction[k], c.y[k] + 0.6 * static_cast<double>(c.direction[k]), 2e-7);
   }
   // The first direction is that of y.
-  const Case first(100, 0, 1.5f);
+  const Case first(100, 100, 0, 1.5f);
   EXPECT_EQ(first.next_direction, first.y);
 }
 

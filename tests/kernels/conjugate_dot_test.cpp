@@ -1,6 +1,6 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
@@ -16,20 +16,11 @@ struct Case {
   std::vector<float> sum = {7};  // by the reference
 };
 
-class ConjugateDot : public GpuTest {};
-
-TEST_F(ConjugateDot, EqualsTheReference) {
-  const vulkan::ConjugateDot kernel(*device_);
-  for (const std::uint32_t count : kSizes) {
-    SCOPED_TRACE(std::to_string(count) + " numbers");
-    const Case c(count);
-    const auto a = vulkan::upload(*device_, c.a, "a"), b = vulkan::upload(*device_, c.b, "b");
-    const auto outputs = run_kernel(*device_, {1}, [&](auto& commands, const auto& out) {
-      kernel.record(commands, {a, b, out[0]}, {count});
-    });
-    expect_close(outputs[0], c.sum, 0);  // sums and products in one order
-  }
-}
+const bool added = add_kernel_cases("conjugate_dot", "numbers", [](KernelSet& kernels, const Trial& trial) {
+  const Case c(trial.size);
+  // Sums and products in one order.
+  return run_on<vulkan::ConjugateDot>(kernels, {trial.size}, 1, {{c.sum}}, c.a, c.b);
+});
 
 TEST(ConjugateDotReference, EqualsTheTextbook) {
   for (const std::uint32_t count : kSizes) {

@@ -1,14 +1,14 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
 namespace conjugate_step_test {
 
 struct Case {
-  Case(std::uint32_t count, float rho_, float pq_)
-      : random(count),
+  Case(std::uint32_t seed, std::uint32_t count, float rho_, float pq_)
+      : random(seed),
         rho{rho_},
         pq{pq_},
         direction(random.floats(count, -1, 1)),
@@ -25,30 +25,24 @@ struct Case {
   std::vector<float> next_solution, next_residual;  // by the reference
 };
 
-class ConjugateStep : public GpuTest {};
+constexpr float kCurvatures[] = {1.7f, 0.0f, -1.0f, 1e-39f};
 
-TEST_F(ConjugateStep, EqualsTheReference) {
-  const vulkan::ConjugateStep kernel(*device_);
-  for (const std::uint32_t count : kSizes) {
-    for (const float pq : {1.7f, 0.0f, -1.0f, 1e-39f}) {
-      SCOPED_TRACE(std::to_string(count) + " numbers, pq " + std::to_string(pq));
-      const Case c(count, 1.3f, pq);
-      const auto rho = vulkan::upload(*device_, c.rho, "rho"), pq_buffer = vulkan::upload(*device_, c.pq, "pq"),
-                 direction = vulkan::upload(*device_, c.direction, "direction"),
-                 product = vulkan::upload(*device_, c.product, "product"),
-                 solution = vulkan::upload(*device_, c.solution, "solution"),
-                 residual = vulkan::upload(*device_, c.residual, "residual");
-      const auto outputs = run_kernel(*device_, {count, count}, [&](auto& commands, const auto& out) {
-        kernel.record(commands, {rho, pq_buffer, direction, product, solution, residual, out[0], out[1]}, {count});
-      });
-      expect_close(outputs[0], c.next_solution, pq > 1 ? 5e-7 : 0);  // a division of a few ulp
-      expect_close(outputs[1], c.next_residual, pq > 1 ? 5e-7 : 0);
-    }
-  }
-}
+const bool added =
+    add_kernel_cases({"conjugate_step",
+                      "numbers",
+                      "curvature",
+                      {kSizes.begin(), kSizes.end()},
+                      {0, 1, 2, 3},
+                      [](KernelSet& kernels, const Trial& trial) {
+                        const Case c(trial.seed(), trial.size, 1.3f, kCurvatures[trial.variant]);
+                        const double tolerance = trial.variant == 0 ? 5e-7 : 0;  // a division of a few ulp
+                        return run_on<vulkan::ConjugateStep>(
+                            kernels, {trial.size}, 1, {{c.next_solution, tolerance}, {c.next_residual, tolerance}},
+                            c.rho, c.pq, c.direction, c.product, c.solution, c.residual);
+                      }});
 
 TEST(ConjugateStepReference, EqualsTheTextbook) {
-  const Case c(100, 1.5f, 2.5f);
+  const Case c(100, 100, 1.5f, 2.5f);
   for (std::size_t k = 0; k < 100; ++k) {
     EXPECT_NEAR(c.next_solution[k], c.solution[k] + 0.6 * static_cast<double>(c.direction[k]), 2e-7);
     EXPECT_NEAR(c.next_residual[k], c.residual[k] - 0.6 * static_cast<double>(c.product[k]), 2e-7);
@@ -59,7 +53,7 @@ TEST(ConjugateStepReference, EqualsTheTextbook) {
 TEST(ConjugateStepReference, StandsStillWithoutCurvature) {
   for (const auto& [rho, pq] :
        {std::pair{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, -1.0f}, {1e-40f, 1e-45f}, {1e30f, 2e-38f}}) {
-    const Case c(100, rho, pq);
+    const Case c(100, 100, rho, pq);
     EXPECT_EQ(c.next_solution, c.solution) << rho << " / " << pq;
     EXPECT_EQ(c.next_residual, c.residual) << rho << " / " << pq;
   }

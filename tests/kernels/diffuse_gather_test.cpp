@@ -1,7 +1,7 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
 #include "tests/simulate/tet_block.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tets.h"
 
 namespace bodyopt::testing {
@@ -35,32 +35,16 @@ struct Case {
   std::vector<float> right_sides;  // by the reference
 };
 
-class DiffuseGather : public GpuTest {};
-
-TEST_F(DiffuseGather, EqualsTheReference) {
-  const vulkan::DiffuseGather kernel(*device_);
-  for (const std::uint32_t inside : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      SCOPED_TRACE(std::to_string(inside) + " nodes inside, " + std::to_string(frames) + " frames");
-      const Case c(inside, frames);
-      const auto begin = vulkan::upload(*device_, c.diffuse.row_begin, "rows"),
-                 columns = vulkan::upload(*device_, c.diffuse.columns, "columns"),
-                 values = vulkan::upload(*device_, c.diffuse.values, "values"),
-                 nodes = vulkan::upload(*device_, c.nodes, "nodes"),
-                 before = vulkan::upload(*device_, c.before, "before");
-      const auto outputs = run_kernel(*device_, {c.right_sides.size()}, [&](auto& commands, const auto& out) {
-        commands.copy(before, out[0]);
-        commands.barrier();
-        kernel.record(commands, {begin, columns, values, nodes, out[0]}, {kSurface, c.node_count}, frames);
-      });
-      expect_close(outputs[0], c.right_sides, 0);  // sums and products in one order; nodes on the skin are left
-    }
-  }
-}
+const bool added = add_kernel_cases_of_frames("diffuse_gather", "nodes", [](KernelSet& kernels, const Trial& trial) {
+  const Case c(trial.size, trial.variant);
+  // Sums and products in one order; nodes on the skin are left.
+  return run_on<vulkan::DiffuseGather>(kernels, {kSurface, c.node_count}, c.frames, {{c.right_sides, 0, 0, c.before}},
+                                       c.diffuse.row_begin, c.diffuse.columns, c.diffuse.values, c.nodes);
+});
 
 // The Laplacian of a block of tets, nodes on its skin first, knows affine maps: with the skin's nodes mapped, the
 // solution inside is the map too.
-TEST_F(DiffuseGather, SolvesToAnAffineMap) {
+TEST(DiffuseGatherReference, SolvesToAnAffineMap) {
   constexpr int kCubes = 5;
   const TetMesh block = tet_block(kCubes, kCubes, kCubes, 0.1);
   std::vector<Eigen::Index> order;

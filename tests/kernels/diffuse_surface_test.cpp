@@ -1,6 +1,6 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tets.h"
 
 namespace bodyopt::testing {
@@ -29,30 +29,15 @@ struct Case {
   std::vector<float> nodes;  // by the reference
 };
 
-class DiffuseSurface : public GpuTest {};
-
-TEST_F(DiffuseSurface, EqualsTheReference) {
-  const vulkan::DiffuseSurface kernel(*device_);
-  for (const std::uint32_t count : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      SCOPED_TRACE(std::to_string(count) + " nodes, " + std::to_string(frames) + " frames");
-      const Case c(count, frames);
-      const auto surface = vulkan::upload(*device_, c.tets.surface, "surface"),
-                 positions = vulkan::upload(*device_, c.positions, "positions"),
-                 origins = vulkan::upload(*device_, c.origins, "origins"),
-                 before = vulkan::upload(*device_, c.before, "before");
-      const auto outputs = run_kernel(*device_, {c.nodes.size()}, [&](auto& commands, const auto& out) {
-        commands.copy(before, out[0]);
-        commands.barrier();
-        kernel.record(commands, {surface, positions, origins, out[0]}, {count, kVertices, count + kInside}, frames);
-      });
-      expect_close(outputs[0], c.nodes, 0);  // sums and products in one order; nodes inside are left
-    }
-  }
-}
+const bool added = add_kernel_cases_of_frames("diffuse_surface", "nodes", [](KernelSet& kernels, const Trial& trial) {
+  const Case c(trial.size, trial.variant);
+  // Sums and products in one order; nodes inside are left.
+  return run_on<vulkan::DiffuseSurface>(kernels, {trial.size, kVertices, trial.size + kInside}, c.frames,
+                                        {{c.nodes, 0, 0, c.before}}, c.tets.surface, c.positions, c.origins);
+});
 
 // A skin that is an affine image of itself carries its points by the same map.
-TEST_F(DiffuseSurface, CarriesAnAffineMap) {
+TEST(DiffuseSurfaceReference, CarriesAnAffineMap) {
   Case c(300, 2);
   const std::vector<float> rest = c.random.floats(std::size_t{3} * kVertices, -1, 1);
   Eigen::Matrix3d map[2];

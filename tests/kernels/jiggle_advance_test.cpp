@@ -1,6 +1,6 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_jiggle.h"
 
 namespace bodyopt::testing {
@@ -33,27 +33,12 @@ struct Case {
   std::vector<float> next_displacement, next_velocity, right_side;  // by the reference
 };
 
-class JiggleAdvance : public GpuTest {};
-
-TEST_F(JiggleAdvance, EqualsTheReference) {
-  const vulkan::JiggleAdvance kernel(*device_);
-  for (const std::uint32_t count : kSizes) {
-    SCOPED_TRACE(std::to_string(count) + " nodes");
-    const Case c(count);
-    const auto nodes = vulkan::upload(*device_, c.jiggle.nodes, "nodes"),
-               rotations = vulkan::upload(*device_, c.rotations, "rotations"),
-               z = vulkan::upload(*device_, c.solution, "solution"),
-               u = vulkan::upload(*device_, c.displacement, "displacement"),
-               v = vulkan::upload(*device_, c.velocity, "velocity");
-    const std::size_t size = c.solution.size();
-    const auto outputs = run_kernel(*device_, {size, size, size}, [&](auto& commands, const auto& out) {
-      kernel.record(commands, {nodes, rotations, z, u, v, out[0], out[1], out[2]}, c.step);
-    });
-    expect_close(outputs[0], c.next_displacement, 0);  // sums and products in one order
-    expect_close(outputs[1], c.next_velocity, 0);
-    expect_close(outputs[2], c.right_side, 0);
-  }
-}
+const bool added = add_kernel_cases("jiggle_advance", "nodes", [](KernelSet& kernels, const Trial& trial) {
+  const Case c(trial.size);
+  // Sums and products in one order.
+  return run_on<vulkan::JiggleAdvance>(kernels, c.step, 1, {{c.next_displacement}, {c.next_velocity}, {c.right_side}},
+                                       c.jiggle.nodes, c.rotations, c.solution, c.displacement, c.velocity);
+});
 
 TEST(JiggleAdvanceReference, EqualsTheTextbook) {
   const Case c(200);

@@ -1,6 +1,6 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_jiggle.h"
 
 namespace bodyopt::testing {
@@ -39,27 +39,15 @@ struct Case {
   std::vector<float> local_displacement, local_velocity, right_side;  // by the reference
 };
 
-class JiggleBegin : public GpuTest {};
-
-TEST_F(JiggleBegin, EqualsTheReference) {
-  const vulkan::JiggleBegin kernel(*device_);
-  for (const std::uint32_t count : kSizes) {
-    SCOPED_TRACE(std::to_string(count) + " nodes");
-    const Case c(count);
-    const auto nodes = vulkan::upload(*device_, c.jiggle.nodes, "nodes"),
-               rotations = vulkan::upload(*device_, c.rotations, "rotations"),
-               strains = vulkan::upload(*device_, c.strains, "strains"),
-               controls = vulkan::upload(*device_, c.controls, "controls"),
-               motion = vulkan::upload(*device_, joined({c.displacement, c.velocity}), "motion");
-    const std::size_t size = c.displacement.size();
-    const auto outputs = run_kernel(*device_, {size, size, size}, [&](auto& commands, const auto& out) {
-      kernel.record(commands, {nodes, rotations, strains, controls, motion, out[0], out[1], out[2]}, c.step);
-    });
-    expect_close(outputs[0], c.local_displacement, 0);  // sums and products in one order
-    expect_close(outputs[1], c.local_velocity, 1e-5);   // of the order of 10; divisions of a few ulp
-    expect_close(outputs[2], c.right_side, 1e-4);       // as the velocity, times up to 4
-  }
-}
+const bool added = add_kernel_cases("jiggle_begin", "nodes", [](KernelSet& kernels, const Trial& trial) {
+  const Case c(trial.size);
+  return run_on<vulkan::JiggleBegin>(kernels, c.step, 1,
+                                     {{c.local_displacement},    // sums and products in one order
+                                      {c.local_velocity, 1e-5},  // of the order of 10; divisions of a few ulp
+                                      {c.right_side, 1e-4}},     // as the velocity, times up to 4
+                                     c.jiggle.nodes, c.rotations, c.strains, c.controls,
+                                     joined({c.displacement, c.velocity}));
+});
 
 TEST(JiggleBeginReference, EqualsTheTextbook) {
   const Case c(200);

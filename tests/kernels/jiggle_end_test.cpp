@@ -1,6 +1,6 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_jiggle.h"
 
 namespace bodyopt::testing {
@@ -26,6 +26,12 @@ struct Case {
                     displacement, velocity);
   }
 
+  // Sums and products in one order.
+  KernelRun on(KernelSet& kernels) const {
+    return run_on<vulkan::JiggleEnd>(kernels, step, 1, {{joined({displacement, velocity})}}, rotations, solution,
+                                     local_displacement);
+  }
+
   Random random;
   std::uint32_t frame;
   JiggleStepPush step;
@@ -33,27 +39,10 @@ struct Case {
   std::vector<float> displacement, velocity;  // by the reference
 };
 
-class JiggleEnd : public GpuTest {
- protected:
-  // Displacement, then velocity.
-  std::vector<float> on_gpu(const Case& c) const {
-    const vulkan::JiggleEnd kernel(*device_);
-    const auto rotations = vulkan::upload(*device_, c.rotations, "rotations"),
-               z = vulkan::upload(*device_, c.solution, "solution"),
-               u = vulkan::upload(*device_, c.local_displacement, "displacement");
-    return run_kernel(*device_, {2 * c.solution.size()}, [&](auto& commands, const auto& out) {
-      kernel.record(commands, {rotations, z, u, out[0]}, c.step);
-    })[0];
-  }
-};
+class JiggleEnd : public GpuTest {};
 
-TEST_F(JiggleEnd, EqualsTheReference) {
-  for (const std::uint32_t count : kSizes) {
-    SCOPED_TRACE(std::to_string(count) + " nodes");
-    const Case c(count);
-    expect_close(on_gpu(c), joined({c.displacement, c.velocity}), 0);  // sums and products in one order
-  }
-}
+const bool added = add_kernel_cases(
+    "jiggle_end", "nodes", [](KernelSet& kernels, const Trial& trial) { return Case(trial.size).on(kernels); });
 
 TEST_F(JiggleEnd, WhatIsNextToNothingIsZero) {
   Case c(100);
@@ -66,7 +55,8 @@ TEST_F(JiggleEnd, WhatIsNextToNothingIsZero) {
     EXPECT_TRUE(
         std::none_of(values->begin() + 150, values->end(), [](float value) { return std::abs(value) < kStill; }));
   }
-  EXPECT_EQ(on_gpu(c), joined({c.displacement, c.velocity}));
+  KernelSet kernels(*device_);
+  expect_reference(*device_, c.on(kernels));
 }
 
 TEST(JiggleEndReference, EqualsTheTextbook) {

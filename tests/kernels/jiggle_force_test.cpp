@@ -2,41 +2,28 @@
 #include "runtime/vulkan/kernels/jiggle_tables.h"
 #include "runtime/vulkan/kernels/kernels.h"
 #include "tests/support/corotated_matrix.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 
 namespace bodyopt::testing {
 namespace jiggle_force_test {
 
 constexpr std::uint32_t kBatch = 3;
 
-class JiggleForce : public GpuTest {};
-
-TEST_F(JiggleForce, EqualsTheReference) {
-  const vulkan::JiggleForce kernel(*device_);
-  for (const std::uint32_t count : kSizes) {
-    SCOPED_TRACE(std::to_string(count) + " nodes");
-    Random random(count);
-    const std::uint32_t frame = random.below(kBatch);
-    const TetTable table = random_tets(random, count);
-    const JiggleTable jiggle = random_corotated(random, table);
-    const std::vector<float> turns = random_rotations(random, kBatch * count, 3),
-                             pulls = random.floats(std::size_t{9} * table.tet_count(), -1, 1),
-                             p = random.floats(std::size_t{3} * count, -1, 1);
-    std::vector<float> expected(p.size());
-    cpu::jiggle_force(table, jiggle, of_frame(turns, 3 * p.size(), frame), pulls, p, expected);
-    const auto shapes = vulkan::upload(*device_, table.shapes, "shapes"),
-               rows = vulkan::upload(*device_, vulkan::node_rows(table, jiggle), "rows"),
-               corners = vulkan::upload(*device_, table.corners, "corners"),
-               held = vulkan::upload(*device_, vulkan::held_nodes(jiggle), "held nodes"),
-               rotations = vulkan::upload(*device_, turns, "rotations"),
-               tractions = vulkan::upload(*device_, pulls, "tractions"),
-               direction = vulkan::upload(*device_, p, "direction");
-    const auto outputs = run_kernel(*device_, {p.size()}, [&](auto& commands, const auto& out) {
-      kernel.record(commands, {shapes, rows, corners, held, rotations, tractions, direction, out[0]}, {count, frame});
-    });
-    expect_close(outputs[0], expected, 0);  // sums and products in one order
-  }
-}
+const bool added = add_kernel_cases("jiggle_force", "nodes", [](KernelSet& kernels, const Trial& trial) {
+  Random random(trial.seed());
+  const std::uint32_t count = trial.size, frame = random.below(kBatch);
+  const TetTable table = random_tets(random, count);
+  const JiggleTable jiggle = random_corotated(random, table);
+  const std::vector<float> turns = random_rotations(random, kBatch * count, 3),
+                           pulls = random.floats(std::size_t{9} * table.tet_count(), -1, 1),
+                           p = random.floats(std::size_t{3} * count, -1, 1);
+  std::vector<float> expected(p.size());
+  cpu::jiggle_force(table, jiggle, of_frame(turns, 3 * p.size(), frame), pulls, p, expected);
+  // Sums and products in one order.
+  return run_on<vulkan::JiggleForce>(kernels, {count, frame}, 1, {{expected}}, table.shapes,
+                                     vulkan::node_rows(table, jiggle), table.corners, vulkan::held_nodes(jiggle), turns,
+                                     pulls, p);
+});
 
 // A block of tets, its nodes and tets turned at random.
 struct Block {

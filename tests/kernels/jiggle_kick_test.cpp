@@ -2,7 +2,7 @@
 
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_jiggle.h"
 
 namespace bodyopt::testing {
@@ -29,28 +29,22 @@ struct State {
   std::vector<float> displacement, velocity, nodes, node_velocity;
 };
 
-class JiggleKick : public GpuTest {};
-
-TEST_F(JiggleKick, EqualsTheReference) {
-  const vulkan::JiggleKick kernel(*device_);
-  for (const std::uint32_t count : kSizes) {
-    for (const std::uint32_t start : {0u, 1u, 2u}) {
-      SCOPED_TRACE(std::to_string(count) + " nodes, start " + std::to_string(start));
-      Random random(count + 31 * start);
-      const std::uint32_t frame = random.below(3);
-      const State before(random, std::size_t{3} * count);
-      const std::vector<float> batch = random.floats(std::size_t{9} * count, -1, 1);
-      const JiggleKickPush push{count, frame, start, 24, 0.25f, -1.5f, 0.03f};
-      const State after = before.kicked(push, of_frame(batch, std::size_t{3} * count, frame));
-      const auto x = vulkan::upload(*device_, batch, "nodes"),
-                 motion = vulkan::upload(*device_, before.joined(), "motion before");
-      const auto outputs = run_kernel(*device_, {std::size_t{12} * count}, [&](auto& commands, const auto& out) {
-        kernel.record(commands, {x, motion, out[0]}, push);
-      });
-      expect_close(outputs[0], after.joined(), 0);  // copies, sums and products in one order
-    }
-  }
-}
+const bool added =
+    add_kernel_cases({"jiggle_kick",
+                      "nodes",
+                      "start",
+                      {kSizes.begin(), kSizes.end()},
+                      {0, 1, 2},
+                      [](KernelSet& kernels, const Trial& trial) {
+                        Random random(trial.seed());
+                        const std::uint32_t count = trial.size, start = trial.variant, frame = random.below(3);
+                        const State before(random, std::size_t{3} * count);
+                        const std::vector<float> batch = random.floats(std::size_t{9} * count, -1, 1);
+                        const JiggleKickPush push{count, frame, start, 24, 0.25f, -1.5f, 0.03f};
+                        const State after = before.kicked(push, of_frame(batch, std::size_t{3} * count, frame));
+                        // Copies, sums and products in one order.
+                        return run_on<vulkan::JiggleKick>(kernels, push, 1, {{after.joined()}}, batch, before.joined());
+                      }});
 
 // Of what was never set nothing is used.
 TEST(JiggleKickReference, FirstFrameIsAtRest) {

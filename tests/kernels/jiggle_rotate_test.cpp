@@ -1,6 +1,6 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tets.h"
 #include "tests/support/textbook_ddm.h"
 
@@ -40,29 +40,14 @@ struct Case {
   std::vector<float> rotations;  // by the reference
 };
 
-class JiggleRotate : public GpuTest {};
+const bool added = add_kernel_cases_of_frames("jiggle_rotate", "nodes", [](KernelSet& kernels, const Trial& trial) {
+  const Case c(trial.size, trial.variant, 0.05);
+  // The gradients have the same bits, rot() has divisions and roots of a few ulp; see rotation_test for its error.
+  return run_on<vulkan::JiggleRotate>(kernels, {trial.size}, c.frames, {{c.rotations, 4e-6}}, c.tets.tets,
+                                      c.tets.shapes, c.tets.corner_begin, c.tets.corners, c.nodes);
+});
 
-TEST_F(JiggleRotate, EqualsTheReference) {
-  const vulkan::JiggleRotate kernel(*device_);
-  for (const std::uint32_t count : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      SCOPED_TRACE(std::to_string(count) + " nodes, " + std::to_string(frames) + " frames");
-      const Case c(count, frames, 0.05);
-      const auto tets = vulkan::upload(*device_, c.tets.tets, "tets"),
-                 shapes = vulkan::upload(*device_, c.tets.shapes, "shapes"),
-                 begin = vulkan::upload(*device_, c.tets.corner_begin, "corners of nodes"),
-                 corners = vulkan::upload(*device_, c.tets.corners, "corners"),
-                 nodes = vulkan::upload(*device_, c.nodes, "nodes");
-      const auto outputs = run_kernel(*device_, {c.rotations.size()}, [&](auto& commands, const auto& out) {
-        kernel.record(commands, {tets, shapes, begin, corners, nodes, out[0]}, {count}, frames);
-      });
-      // The gradients have the same bits, rot() has divisions and roots of a few ulp; see rotation_test for its error.
-      expect_close(outputs[0], c.rotations, 4e-6);
-    }
-  }
-}
-
-TEST_F(JiggleRotate, ReferenceEqualsTheTextbook) {
+TEST(JiggleRotateReference, EqualsTheTextbook) {
   const Case c(300, 2, 0.05);
   std::size_t compared = 0;
   for (std::size_t k = 0; k < 300 * c.frames; ++k) {
@@ -84,7 +69,7 @@ TEST_F(JiggleRotate, ReferenceEqualsTheTextbook) {
 }
 
 // A rigid motion turns every node by its rotation; a node of no tet is not turned.
-TEST_F(JiggleRotate, RigidMotionGivesItsRotation) {
+TEST(JiggleRotateReference, RigidMotionGivesItsRotation) {
   const Case c(300, 2, 0);
   std::size_t loose = 0;
   for (std::size_t k = 0; k < 300 * c.frames; ++k) {

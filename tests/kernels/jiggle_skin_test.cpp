@@ -1,6 +1,6 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tets.h"
 
 namespace bodyopt::testing {
@@ -10,8 +10,8 @@ constexpr std::uint32_t kNodes = 50;
 constexpr float kWeight = 0.7f;
 
 struct Case {
-  explicit Case(std::uint32_t vertices)
-      : random(vertices),
+  Case(std::uint32_t seed, std::uint32_t vertices)
+      : random(seed),
         tets(random_tets(random, kNodes)),
         positions(random.floats(std::size_t{3} * vertices, -1, 1)),
         displacement(random.floats(std::size_t{3} * kNodes, -0.1, 0.1)),
@@ -20,6 +20,13 @@ struct Case {
     // Of displacements of up to 0.17 m most are cut, some are not.
     tets.skin_limit = random.floats(vertices, 0.01, 0.4);
     cpu::jiggle_skin(tets, positions, displacement, kWeight, moved);
+  }
+
+  // A frame of a batch.
+  KernelRun on(KernelSet& kernels, std::uint32_t frame, const std::vector<float>& batch, Expected expected) const {
+    const auto vertices = static_cast<std::uint32_t>(tets.skin.size());
+    return run_on<vulkan::JiggleSkin>(kernels, {vertices, frame, kWeight}, 1, {std::move(expected)}, tets.tets,
+                                      tets.skin, tets.skin_limit, batch, displacement);
   }
 
   Random random;
@@ -31,55 +38,40 @@ struct Case {
 class JiggleSkin : public GpuTest {};
 
 // One frame of a batch of three; the others are left.
-TEST_F(JiggleSkin, EqualsTheReference) {
-  const vulkan::JiggleSkin kernel(*device_);
-  for (const std::uint32_t vertices : kSizes) {
-    for (const std::uint32_t frame : {0u, 2u}) {
-      SCOPED_TRACE(std::to_string(vertices) + " vertices, frame " + std::to_string(frame));
-      Case c(vertices);
-      const auto begin = static_cast<std::ptrdiff_t>(frame * c.positions.size());
-      std::vector<float> batch = c.random.floats(3 * c.positions.size(), -1, 1),
-                         expected = c.random.floats(batch.size(), -1, 1);
-      const auto tets = vulkan::upload(*device_, c.tets.tets, "tets"),
-                 skin = vulkan::upload(*device_, c.tets.skin, "skin"),
-                 limit = vulkan::upload(*device_, c.tets.skin_limit, "limit"),
-                 displacement = vulkan::upload(*device_, c.displacement, "displacement"),
-                 before = vulkan::upload(*device_, expected, "before");
-      std::ranges::copy(c.positions, batch.begin() + begin);
-      std::ranges::copy(c.moved, expected.begin() + begin);
-      const auto positions = vulkan::upload(*device_, batch, "positions");
-      const auto outputs = run_kernel(*device_, {batch.size()}, [&](auto& commands, const auto& out) {
-        commands.copy({before, 0, sizeof(float) * expected.size()}, out[0]);
-        commands.barrier();
-        kernel.record(commands, {tets, skin, limit, positions, displacement, out[0]}, {vertices, frame, kWeight});
-      });
-      expect_close(outputs[0], expected, 1e-7);  // sums in one order; devices round a root and a quotient by themselves
-    }
-  }
-}
+const bool added = add_kernel_cases({"jiggle_skin",
+                                     "vertices",
+                                     "frame",
+                                     {kSizes.begin(), kSizes.end()},
+                                     {0, 2},
+                                     [](KernelSet& kernels, const Trial& trial) {
+                                       Case c(trial.seed(), trial.size);
+                                       const auto begin =
+                                           static_cast<std::ptrdiff_t>(trial.variant * c.positions.size());
+                                       std::vector<float> batch = c.random.floats(3 * c.positions.size(), -1, 1);
+                                       // Sums in one order; devices round a root and a quotient by themselves.
+                                       Expected expected{c.random.floats(batch.size(), -1, 1), 1e-7};
+                                       expected.before = expected.values;
+                                       std::ranges::copy(c.positions, batch.begin() + begin);
+                                       std::ranges::copy(c.moved, expected.values.begin() + begin);
+                                       return c.on(kernels, trial.variant, batch, expected);
+                                     }});
 
 TEST_F(JiggleSkin, NoAmountChangesNoBit) {
-  const vulkan::JiggleSkin kernel(*device_);
-  Case c(100);
+  KernelSet kernels(*device_);
+  Case c(100, 100);
   for (TetPoint& point : c.tets.skin) point.amount = 0;
   c.positions[0] = -0.0f;
   c.positions[4] = 1e-42f;
   std::fill(c.displacement.begin(), c.displacement.end(), std::nanf(""));
   cpu::jiggle_skin(c.tets, c.positions, c.displacement, kWeight, c.moved);
   EXPECT_EQ(std::memcmp(c.moved.data(), c.positions.data(), sizeof(float) * c.moved.size()), 0);
-  const auto tets = vulkan::upload(*device_, c.tets.tets, "tets"), skin = vulkan::upload(*device_, c.tets.skin, "skin"),
-             limit = vulkan::upload(*device_, c.tets.skin_limit, "limit"),
-             displacement = vulkan::upload(*device_, c.displacement, "displacement"),
-             positions = vulkan::upload(*device_, c.positions, "positions");
-  const auto outputs = run_kernel(*device_, {c.moved.size()}, [&](auto& commands, const auto& out) {
-    kernel.record(commands, {tets, skin, limit, positions, displacement, out[0]}, {100, 0, kWeight});
-  });
+  const auto outputs = outputs_of(*device_, c.on(kernels, 0, c.positions, {c.moved}));
   EXPECT_EQ(std::memcmp(outputs[0].data(), c.positions.data(), sizeof(float) * c.moved.size()), 0);
 }
 
 // Nodes displaced by an affine field displace the skin by what each vertex takes of it.
 TEST_F(JiggleSkin, ReproducesAnAffineDisplacement) {
-  Case c(500);
+  Case c(500, 500);
   std::ranges::fill(c.tets.skin_limit, kNoLimit);
   const Eigen::Matrix3d map = Eigen::Matrix3d::NullaryExpr([&] { return c.random.uniform(-0.1, 0.1); });
   const Eigen::Vector3d offset(0.03, -0.02, 0.05);
@@ -102,7 +94,7 @@ TEST_F(JiggleSkin, ReproducesAnAffineDisplacement) {
 // Nodes that all go one way by ever more: exactly so far up to half the limit; beyond as 1 - 1 / (4 s) says; always
 // further, and never to the limit.
 TEST_F(JiggleSkin, CutsWhatNearsTheLimit) {
-  Case c(4);
+  Case c(4, 4);
   const std::size_t vertex = 1;
   c.tets.skin[vertex].amount = 1;
   constexpr double kLimit = 0.2;

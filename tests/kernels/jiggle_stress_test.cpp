@@ -1,7 +1,7 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
 #include "tests/support/corotated_matrix.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 
 namespace bodyopt::testing {
 namespace jiggle_stress_test {
@@ -32,26 +32,13 @@ struct Case {
   std::vector<float> tractions;  // by the reference
 };
 
-class JiggleStress : public GpuTest {};
-
-TEST_F(JiggleStress, EqualsTheReference) {
-  const vulkan::JiggleStress kernel(*device_);
-  for (const std::uint32_t count : kSizes) {
-    SCOPED_TRACE(std::to_string(count) + " nodes");
-    const Case c(count);
-    const auto tets = vulkan::upload(*device_, c.tets.tets, "tets"),
-               shapes = vulkan::upload(*device_, c.tets.shapes, "shapes"),
-               elasticity = vulkan::upload(*device_, c.jiggle.elasticity, "elasticity"),
-               rotations = vulkan::upload(*device_, c.rotations, "rotations"),
-               tet_rotations = vulkan::upload(*device_, c.tet_rotations, "tet rotations"),
-               direction = vulkan::upload(*device_, c.direction, "direction");
-    const auto outputs = run_kernel(*device_, {c.tractions.size()}, [&](auto& commands, const auto& out) {
-      kernel.record(commands, {tets, shapes, elasticity, rotations, tet_rotations, direction, out[0]},
-                    {c.tets.tet_count(), count, c.frame});
-    });
-    expect_close(outputs[0], c.tractions, 0);  // sums and products in one order
-  }
-}
+const bool added = add_kernel_cases("jiggle_stress", "nodes", [](KernelSet& kernels, const Trial& trial) {
+  const Case c(trial.size);
+  // Sums and products in one order.
+  return run_on<vulkan::JiggleStress>(kernels, {c.tets.tet_count(), trial.size, c.frame}, 1, {{c.tractions}},
+                                      c.tets.tets, c.tets.shapes, c.jiggle.elasticity, c.rotations, c.tet_rotations,
+                                      c.direction);
+});
 
 // p = Q B x in the world: in a tet turned by R the stress is R (lambda tr(e) I + 2 mu e), e the symmetric part of
 // R^T Q B.

@@ -1,6 +1,6 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_jiggle.h"
 #include "tests/support/textbook_ddm.h"
 
@@ -34,28 +34,23 @@ struct Case {
   std::vector<float> rotations;  // by the reference
 };
 
-class JiggleTetRotate : public GpuTest {};
-
-TEST_F(JiggleTetRotate, EqualsTheReference) {
-  const vulkan::JiggleTetRotate kernel(*device_);
-  for (const std::uint32_t count : kSizes) {
-    SCOPED_TRACE(std::to_string(count) + " nodes");
-    const Case c(count);
-    const auto tets = vulkan::upload(*device_, c.tets.tets, "tets"),
-               shapes = vulkan::upload(*device_, c.tets.shapes, "shapes"),
-               nodes = vulkan::upload(*device_, c.nodes, "nodes");
-    const auto outputs = run_kernel(*device_, {c.rotations.size()}, [&](auto& commands, const auto& out) {
-      kernel.record(commands, {tets, shapes, nodes, out[0]}, {c.tets.tet_count(), count, c.frame});
-    });
-    // The gradients have the same bits; rot() has divisions and roots of a few ulp, which count for more where other
-    // rotations are almost as near.
-    for (std::size_t t = 0; t < c.tets.tet_count(); ++t) {
-      const double gap = rotation_gap(c.gradient(t));
-      if (gap < 0.01) continue;
-      ASSERT_LT(gap * (matrix_of(outputs[0], t) - matrix_of(c.rotations, t)).norm(), 1e-5) << "tet " << t;
-    }
+// The gradients have the same bits; rot() has divisions and roots of a few ulp, which count for more where other
+// rotations are almost as near.
+void expect_rotations(const Case& c, const std::vector<float>& found) {
+  for (std::size_t t = 0; t < c.tets.tet_count(); ++t) {
+    const double gap = rotation_gap(c.gradient(t));
+    if (gap < 0.01) continue;
+    ASSERT_LT(gap * (matrix_of(found, t) - matrix_of(c.rotations, t)).norm(), 1e-5) << "tet " << t;
   }
 }
+
+const bool added = add_kernel_cases("jiggle_tet_rotate", "nodes", [](KernelSet& kernels, const Trial& trial) {
+  const Case c(trial.size);
+  return run_on<vulkan::JiggleTetRotate>(
+      kernels, {c.tets.tet_count(), trial.size, c.frame}, 1,
+      {{.values = c.rotations, .compare = [c](const std::vector<float>& found) { expect_rotations(c, found); }}},
+      c.tets.tets, c.tets.shapes, c.nodes);
+});
 
 TEST(JiggleTetRotateReference, IsTheNearestRotation) {
   const Case c(300);

@@ -1,7 +1,8 @@
 #include "runtime/cpu/kernels.h"
-#include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "runtime/vulkan/kernels/windows.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
+#include "tests/support/small_windows.h"
 
 namespace bodyopt::testing {
 namespace modify_blend_test {
@@ -9,8 +10,9 @@ namespace modify_blend_test {
 constexpr std::uint32_t kComponents = 40;
 
 struct Case {
-  Case(std::uint32_t vertices, std::uint32_t frame_count)
-      : random(vertices + 31 * frame_count),
+  Case(std::uint32_t vertex_count, std::uint32_t frame_count)
+      : random(vertex_count + 31 * frame_count),
+        vertices(vertex_count),
         frames(frame_count),
         weights(random.floats(std::size_t{kComponents} * frames, -2, 2)),
         displacements(random.floats(std::size_t{3} * vertices * frames, -0.01, 0.01)),
@@ -21,31 +23,38 @@ struct Case {
     cpu::modify_blend(modifiers, weights, frames, modified);
   }
 
+  vulkan::BlendBuffers blend_on(const vulkan::Device& device, const vulkan::DeviceInfo& limits) const {
+    return {device, modifiers.blend_begin, modifiers.blend, limits};
+  }
+
+  KernelRun on(KernelSet& kernels, const vulkan::DeviceInfo& limits) const {
+    const vulkan::Device& device = kernels.device();
+    struct Bound {
+      vulkan::BlendBuffers blend;
+      vulkan::Buffer weights, displacements;
+    };
+    const auto bound =
+        std::make_shared<const Bound>(Bound{blend_on(device, limits), vulkan::upload(device, weights, "weights"),
+                                            vulkan::upload(device, displacements, "displacements")});
+    return {{{modified}},  // sums and products in one order; numbers convert exactly
+            [&kernel = kernels.get<vulkan::ModifyBlend>(), bound, vertices = vertices, frames = frames](
+                vulkan::Commands& commands, const auto& outputs) {
+              const auto& [blend, w, d] = *bound;
+              vulkan::record_modify_blend(commands, kernel, {blend, w, d, outputs[0]}, vertices, kComponents, frames);
+            }};
+  }
+
   Random random;
-  std::uint32_t frames;
+  std::uint32_t vertices, frames;
   SkinModifiers modifiers;
   std::vector<float> weights, displacements, modified;  // the last by the reference
 };
 
 class ModifyBlend : public GpuTest {};
 
-TEST_F(ModifyBlend, EqualsTheReference) {
-  const vulkan::ModifyBlend kernel(*device_);
-  for (const std::uint32_t vertices : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      SCOPED_TRACE(std::to_string(vertices) + " vertices, " + std::to_string(frames) + " frames");
-      const Case c(vertices, frames);
-      const auto begin = vulkan::upload(*device_, c.modifiers.blend_begin, "begin"),
-                 blend = vulkan::upload(*device_, c.modifiers.blend, "blend"),
-                 weights = vulkan::upload(*device_, c.weights, "weights"),
-                 displacements = vulkan::upload(*device_, c.displacements, "displacements");
-      const auto outputs = run_kernel(*device_, {c.modified.size()}, [&](auto& commands, const auto& out) {
-        kernel.record(commands, {begin, blend, weights, displacements, out[0]}, {vertices, kComponents}, frames);
-      });
-      expect_close(outputs[0], c.modified, 0);  // sums and products in one order; numbers convert exactly
-    }
-  }
-}
+const bool added = add_kernel_cases_of_frames("modify_blend", "vertices", [](KernelSet& kernels, const Trial& trial) {
+  return Case(trial.size, trial.variant).on(kernels, kernels.device().info());
+});
 
 TEST_F(ModifyBlend, ReferenceEqualsTheTextbook) {
   const Case c(200, 2);
@@ -70,6 +79,15 @@ TEST_F(ModifyBlend, WeightsOfZeroChangeNoBit) {
   std::vector<float> displacements = c.displacements;
   cpu::modify_blend(c.modifiers, std::vector<float>(kComponents, 0.0f), 1, displacements);
   EXPECT_EQ(displacements, c.displacements);
+}
+
+TEST_F(ModifyBlend, WindowsGiveTheSameBits) {
+  const Case c(1237, 2);
+  KernelSet kernels(*device_);
+  expect_same_bits_through_windows(
+      device_->info(), c.vertices, {4000, 8000},
+      [&](const auto& limits) { return c.blend_on(*device_, limits).windows; },
+      [&](const auto& limits) { return outputs_of(*device_, c.on(kernels, limits))[0]; });
 }
 
 }  // namespace modify_blend_test

@@ -2,7 +2,7 @@
 
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
@@ -25,28 +25,15 @@ struct Case {
   std::vector<float> normals;  // by the reference
 };
 
-class OutputNormals : public GpuTest {};
-
-TEST_F(OutputNormals, EqualsTheReference) {
-  const vulkan::OutputNormals kernel(*device_);
-  for (const std::uint32_t vertices : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      SCOPED_TRACE(std::to_string(vertices) + " vertices, " + std::to_string(frames) + " frames");
-      const Case c(vertices, frames);
-      const auto triangles = vulkan::upload(*device_, c.mesh.triangles, "triangles"),
-                 begin = vulkan::upload(*device_, c.mesh.vertex_triangle_begin, "begin"),
-                 around = vulkan::upload(*device_, c.mesh.vertex_triangles, "vertex triangles"),
-                 positions = vulkan::upload(*device_, c.positions, "positions");
-      const auto outputs = run_kernel(*device_, {c.normals.size()}, [&](auto& commands, const auto& out) {
-        kernel.record(commands, {triangles, begin, around, positions, out[0]}, {vertices}, frames);
-      });
-      expect_close(outputs[0], c.normals, 1e-6);  // equal sums; a square root and a division of a few ulp
-    }
-  }
-}
+const bool added = add_kernel_cases_of_frames("output_normals", "vertices", [](KernelSet& kernels, const Trial& trial) {
+  const Case c(trial.size, trial.variant);
+  // Equal sums; a square root and a division of a few ulp.
+  return run_on<vulkan::OutputNormals>(kernels, {trial.size}, c.frames, {{c.normals, 1e-6}}, c.mesh.triangles,
+                                       c.mesh.vertex_triangle_begin, c.mesh.vertex_triangles, c.positions);
+});
 
 // Scattered from triangles to vertices, in double precision.
-TEST_F(OutputNormals, ReferenceEqualsTheTextbook) {
+TEST(OutputNormalsReference, EqualsTheTextbook) {
   const Case c(200, 2);
   for (std::uint32_t f = 0; f < c.frames; ++f) {
     const auto x = Eigen::Map<const Eigen::Matrix3Xf>(c.positions.data() + 600 * f, 3, 200).cast<double>();

@@ -1,6 +1,6 @@
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
@@ -12,8 +12,8 @@ struct Layout {
 };
 
 struct Case {
-  Case(std::uint32_t vertices, std::uint32_t frame_count, Layout l)
-      : random(vertices + 31 * frame_count), frames(frame_count), layout(l), mesh(random_mesh(random, vertices)) {
+  Case(std::uint32_t seed, std::uint32_t vertices, std::uint32_t frame_count, Layout l)
+      : random(seed), frames(frame_count), layout(l), mesh(random_mesh(random, vertices)) {
     if (vertices > 0) {  // seams, in an order of their own
       for (std::uint32_t k = 0; k < vertices / 3; ++k) mesh.output_vertex.push_back(random.below(vertices));
       std::ranges::reverse(mesh.output_vertex);
@@ -36,35 +36,25 @@ struct Case {
 
 constexpr Layout kLayouts[] = {{0, 3, 0}, {0, 8, 0}, {5, 8, 7}};
 
-class OutputPlace : public GpuTest {};
-
-TEST_F(OutputPlace, EqualsTheReferenceAndLeavesTheRest) {
-  const vulkan::OutputPlace kernel(*device_);
-  for (const std::uint32_t vertices : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      for (const Layout& layout : kLayouts) {
-        SCOPED_TRACE(std::to_string(vertices) + " vertices, " + std::to_string(frames) + " frames, " +
-                     std::to_string(layout.element) + " numbers apart");
-        const Case c(vertices, frames, layout);
-        const auto output_vertex = vulkan::upload(*device_, c.mesh.output_vertex, "output vertices"),
-                   values = vulkan::upload(*device_, c.values, "values"),
-                   before = vulkan::upload(*device_, c.before, "before");
-        const auto outputs = run_kernel(*device_, {c.before.size()}, [&](auto& commands, const auto& out) {
-          commands.copy({before, 0, sizeof(float) * c.before.size()}, out[0]);
-          commands.barrier();
-          kernel.record(commands, {output_vertex, values, out[0]},
-                        {c.mesh.output_count(), vertices, layout.first, layout.element, c.frame}, frames);
-        });
-        EXPECT_EQ(outputs[0], c.placed);
-      }
-    }
-  }
-}
+// Every layout with every number of frames. What is between is left.
+const bool added =
+    add_kernel_cases({"output_place",
+                      "vertices",
+                      "layout",
+                      {kSizes.begin(), kSizes.end()},
+                      {0, 1, 2, 3, 4, 5, 6, 7, 8},
+                      [](KernelSet& kernels, const Trial& trial) {
+                        const Layout& layout = kLayouts[trial.variant % std::size(kLayouts)];
+                        const Case c(trial.seed(), trial.size, kFrames[trial.variant / std::size(kLayouts)], layout);
+                        return run_on<vulkan::OutputPlace>(
+                            kernels, {c.mesh.output_count(), trial.size, layout.first, layout.element, c.frame},
+                            c.frames, {{c.placed, 0, 0, c.before}}, c.mesh.output_vertex, c.values);
+                      }});
 
 // Number by number, from the definition.
-TEST_F(OutputPlace, ReferenceFollowsTheOutputVertices) {
+TEST(OutputPlaceReference, FollowsTheOutputVertices) {
   for (const Layout& layout : kLayouts) {
-    const Case c(100, 3, layout);
+    const Case c(1, 100, 3, layout);
     std::vector<float> expected = c.before;
     for (std::size_t f = 0; f < 3; ++f) {
       for (std::size_t o = 0; o < c.mesh.output_vertex.size(); ++o) {

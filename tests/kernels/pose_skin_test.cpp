@@ -1,14 +1,18 @@
 #include "runtime/core/error.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/kernels/windows.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
+#include "tests/support/small_windows.h"
 #include "tests/support/textbook_ddm.h"
 
 namespace bodyopt::testing {
 namespace pose_skin_test {
 
 constexpr std::uint32_t kJoints = 7;
+
+// 1e-6 m: a few roundings of metres and the rotation's 1e-6 on an offset of centimetres; then a rounding of the origin.
+constexpr double kAbsolute = 1e-6, kRelative = 1.2e-7;
 
 struct Case {
   Case(std::uint32_t vertex_count, std::uint32_t frame_count)
@@ -26,14 +30,21 @@ struct Case {
     return positions;
   }
 
-  std::vector<float> on_gpu(const vulkan::Device& device, const vulkan::DeviceInfo& limits) const {
-    const vulkan::PoseSkin kernel(device);
-    const vulkan::DdmBuffers table(device, ddm, limits);
-    const auto s = vulkan::upload(device, skinning, "skinning"), o = vulkan::upload(device, origins, "origins"),
-               d = vulkan::upload(device, displacements, "displacements");
-    return run_kernel(device, {displacements.size()}, [&](auto& commands, const auto& outputs) {
-      vulkan::record_pose_skin(commands, kernel, {table, s, o, d, outputs[0]}, vertices, kJoints, frames);
-    })[0];
+  KernelRun on(KernelSet& kernels, const vulkan::DeviceInfo& limits) const {
+    const vulkan::Device& device = kernels.device();
+    struct Bound {
+      vulkan::DdmBuffers table;
+      vulkan::Buffer skinning, origins, displacements;
+    };
+    const auto bound = std::make_shared<const Bound>(
+        Bound{vulkan::DdmBuffers(device, ddm, limits), vulkan::upload(device, skinning, "skinning"),
+              vulkan::upload(device, origins, "origins"), vulkan::upload(device, displacements, "displacements")});
+    return {{{on_cpu(), kAbsolute, kRelative}},
+            [&kernel = kernels.get<vulkan::PoseSkin>(), bound, vertices = vertices, frames = frames](
+                vulkan::Commands& commands, const auto& outputs) {
+              const auto& [table, s, o, d] = *bound;
+              vulkan::record_pose_skin(commands, kernel, {table, s, o, d, outputs[0]}, vertices, kJoints, frames);
+            }};
   }
 
   Random random;
@@ -44,18 +55,9 @@ struct Case {
 
 class PoseSkin : public GpuTest {};
 
-// 1e-6 m: a few roundings of metres and the rotation's 1e-6 on an offset of centimetres; then a rounding of the origin.
-constexpr double kAbsolute = 1e-6, kRelative = 1.2e-7;
-
-TEST_F(PoseSkin, EqualsTheReference) {
-  for (const std::uint32_t vertices : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      SCOPED_TRACE(std::to_string(vertices) + " vertices, " + std::to_string(frames) + " frames");
-      const Case c(vertices, frames);
-      expect_close(c.on_gpu(*device_, device_->info()), c.on_cpu(), kAbsolute, kRelative);
-    }
-  }
-}
+const bool added = add_kernel_cases_of_frames("pose_skin", "vertices", [](KernelSet& kernels, const Trial& trial) {
+  return Case(trial.size, trial.variant).on(kernels, kernels.device().info());
+});
 
 TEST_F(PoseSkin, ReferenceEqualsTheTextbook) {
   Case c(1237, 2);
@@ -87,7 +89,8 @@ TEST_F(PoseSkin, RigidMotionStaysRigid) {
   for (std::size_t k = 0; k < c.skinning.size(); ++k) c.skinning[k] = one[k % 12];
   std::fill(c.displacements.begin(), c.displacements.end(), 0.0f);
   std::fill(c.origins.begin(), c.origins.end(), 0.0f);
-  const std::vector<float> positions = c.on_gpu(*device_, device_->info());
+  KernelSet kernels(*device_);
+  const std::vector<float> positions = outputs_of(*device_, c.on(kernels, device_->info()))[0];
   for (std::uint32_t v = 0; v < c.vertices; ++v) {
     const DdmVertex& d = c.ddm.vertices[v];
     const double rest[3] = {static_cast<double>(d.centre_x) + d.offset_x, static_cast<double>(d.centre_y) + d.offset_y,
@@ -100,30 +103,13 @@ TEST_F(PoseSkin, RigidMotionStaysRigid) {
   }
 }
 
-// A device whose bindings see little: the table is seen through windows, of unaligned entries too.
 TEST_F(PoseSkin, WindowsGiveTheSameBits) {
   const Case c(1237, 2);
-  const std::vector<float> whole = c.on_gpu(*device_, device_->info());
-  for (const std::uint64_t range : {3600u, 10000u, 100000u}) {
-    vulkan::DeviceInfo limits = device_->info();
-    limits.max_storage_buffer_range = range;
-    limits.storage_alignment = 256;
-    const auto windows = vulkan::ddm_windows(c.ddm, limits);
-    EXPECT_GT(windows.size(), 1u);
-    EXPECT_GE(windows.back().end_vertex, c.vertices);
-    for (std::size_t w = 0; w < windows.size(); ++w) {
-      EXPECT_LE(std::max(windows[w].moments_size, windows[w].vertices_size), range);
-      EXPECT_EQ(windows[w].moments_offset % 256, 0u);
-      EXPECT_EQ(windows[w].vertices_offset % 256, 0u);
-      EXPECT_EQ(windows[w].first_vertex, w == 0 ? 0 : windows[w - 1].end_vertex);
-    }
-    EXPECT_EQ(c.on_gpu(*device_, limits), whole) << "range " << range;
-  }
-  vulkan::DeviceInfo limits = device_->info();
-  limits.max_groups_x = 3;
-  EXPECT_EQ(c.on_gpu(*device_, limits), whole);
-  limits.max_storage_buffer_range = 400;  // less than one block
-  EXPECT_THROW(vulkan::ddm_windows(c.ddm, limits), Error);
+  KernelSet kernels(*device_);
+  expect_same_bits_through_windows(
+      device_->info(), c.vertices, {3600, 10000, 100000},
+      [&](const auto& limits) { return vulkan::DdmBuffers(*device_, c.ddm, limits).windows; },
+      [&](const auto& limits) { return outputs_of(*device_, c.on(kernels, limits))[0]; });
 }
 
 }  // namespace pose_skin_test

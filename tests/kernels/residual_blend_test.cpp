@@ -1,7 +1,8 @@
 #include "runtime/cpu/kernels.h"
-#include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "runtime/vulkan/kernels/windows.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
+#include "tests/support/small_windows.h"
 
 namespace bodyopt::testing {
 namespace residual_blend_test {
@@ -10,8 +11,9 @@ constexpr std::uint32_t kCoefficients = 300;
 constexpr float kWeight = 0.7f;
 
 struct Case {
-  Case(std::uint32_t vertices, std::uint32_t frame_count)
-      : random(vertices + 31 * frame_count),
+  Case(std::uint32_t vertex_count, std::uint32_t frame_count)
+      : random(vertex_count + 31 * frame_count),
+        vertices(vertex_count),
         frames(frame_count),
         residual(random_residual(random, 10, 100, kCoefficients, vertices)),
         coefficients(random.floats(std::size_t{kCoefficients} * frames, -2, 2)),
@@ -19,8 +21,29 @@ struct Case {
     cpu::residual_blend(residual, coefficients, frames, kWeight, displacements);
   }
 
+  vulkan::BlendBuffers blend_on(const vulkan::Device& device, const vulkan::DeviceInfo& limits) const {
+    return {device, residual.blend_begin, residual.blend, limits};
+  }
+
+  KernelRun on(KernelSet& kernels, const vulkan::DeviceInfo& limits) const {
+    const vulkan::Device& device = kernels.device();
+    struct Bound {
+      vulkan::BlendBuffers blend;
+      vulkan::Buffer coefficients;
+    };
+    const auto bound = std::make_shared<const Bound>(
+        Bound{blend_on(device, limits), vulkan::upload(device, coefficients, "coefficients")});
+    return {{{displacements}},  // sums and products in one order; numbers convert exactly
+            [&kernel = kernels.get<vulkan::ResidualBlend>(), bound, vertices = vertices, frames = frames](
+                vulkan::Commands& commands, const auto& outputs) {
+              const auto& [blend, c] = *bound;
+              vulkan::record_residual_blend(commands, kernel, {blend, c, outputs[0]}, vertices, kCoefficients, kWeight,
+                                            frames);
+            }};
+  }
+
   Random random;
-  std::uint32_t frames;
+  std::uint32_t vertices, frames;
   ResidualTable residual;
   std::vector<float> coefficients;
   std::vector<float> displacements;  // by the reference
@@ -41,22 +64,9 @@ int byte_value(const BlendEntry& entry, std::size_t k) {
 
 class ResidualBlend : public GpuTest {};
 
-TEST_F(ResidualBlend, EqualsTheReference) {
-  const vulkan::ResidualBlend kernel(*device_);
-  for (const std::uint32_t vertices : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      SCOPED_TRACE(std::to_string(vertices) + " vertices, " + std::to_string(frames) + " frames");
-      const Case c(vertices, frames);
-      const auto begin = vulkan::upload(*device_, c.residual.blend_begin, "blend begin"),
-                 blend = vulkan::upload(*device_, c.residual.blend, "blend"),
-                 coefficients = vulkan::upload(*device_, c.coefficients, "coefficients");
-      const auto outputs = run_kernel(*device_, {c.displacements.size()}, [&](auto& commands, const auto& out) {
-        kernel.record(commands, {begin, blend, coefficients, out[0]}, {vertices, kCoefficients, kWeight}, frames);
-      });
-      expect_close(outputs[0], c.displacements, 0);  // sums and products in one order; numbers convert exactly
-    }
-  }
-}
+const bool added = add_kernel_cases_of_frames("residual_blend", "vertices", [](KernelSet& kernels, const Trial& trial) {
+  return Case(trial.size, trial.variant).on(kernels, kernels.device().info());
+});
 
 TEST_F(ResidualBlend, ReferenceEqualsTheTextbook) {
   const Case c(200, 2);
@@ -73,6 +83,15 @@ TEST_F(ResidualBlend, ReferenceEqualsTheTextbook) {
     for (std::size_t i = 0; i < 3; ++i)
       ASSERT_NEAR(c.displacements[3 * k + i], static_cast<double>(kWeight) * sum[i], 2e-8);
   }
+}
+
+TEST_F(ResidualBlend, WindowsGiveTheSameBits) {
+  const Case c(1237, 2);
+  KernelSet kernels(*device_);
+  expect_same_bits_through_windows(
+      device_->info(), c.vertices, {4000, 8000},
+      [&](const auto& limits) { return c.blend_on(*device_, limits).windows; },
+      [&](const auto& limits) { return outputs_of(*device_, c.on(kernels, limits))[0]; });
 }
 
 }  // namespace residual_blend_test

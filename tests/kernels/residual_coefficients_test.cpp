@@ -1,6 +1,6 @@
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
@@ -28,33 +28,18 @@ struct Case {
   std::vector<float> coefficients;  // by the reference
 };
 
-class ResidualCoefficients : public GpuTest {};
+const bool added =
+    add_kernel_cases_of_frames("residual_coefficients", "coefficients", [](KernelSet& kernels, const Trial& trial) {
+      const Case c(trial.size, trial.variant);
+      const ResidualTable& t = c.residual;
+      // Sums and products in one order, without contraction.
+      return run_on<vulkan::ResidualCoefficients>(
+          kernels, {trial.size, t.coordinate_count(), t.centre_count(), static_cast<std::uint32_t>(t.regions.size())},
+          c.frames, {{c.coefficients}}, t.regions, t.coefficient_region, t.weights, c.rest, c.coordinates, c.kernels,
+          c.fades);
+    });
 
-TEST_F(ResidualCoefficients, EqualsTheReference) {
-  const vulkan::ResidualCoefficients kernel(*device_);
-  for (const std::uint32_t count : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      SCOPED_TRACE(std::to_string(count) + " coefficients, " + std::to_string(frames) + " frames");
-      const Case c(count, frames);
-      const auto regions = vulkan::upload(*device_, c.residual.regions, "regions"),
-                 coefficient_region = vulkan::upload(*device_, c.residual.coefficient_region, "coefficient regions"),
-                 weights = vulkan::upload(*device_, c.residual.weights, "weights"),
-                 rest = vulkan::upload(*device_, c.rest, "rest"),
-                 coordinates = vulkan::upload(*device_, c.coordinates, "coordinates"),
-                 fades = vulkan::upload(*device_, c.fades, "fades"),
-                 kernels = vulkan::upload(*device_, c.kernels, "kernels");
-      const auto outputs = run_kernel(*device_, {c.coefficients.size()}, [&](auto& commands, const auto& out) {
-        kernel.record(commands, {regions, coefficient_region, weights, rest, coordinates, kernels, fades, out[0]},
-                      {count, c.residual.coordinate_count(), c.residual.centre_count(),
-                       static_cast<std::uint32_t>(c.residual.regions.size())},
-                      frames);
-      });
-      expect_close(outputs[0], c.coefficients, 0);  // sums and products in one order, without contraction
-    }
-  }
-}
-
-TEST_F(ResidualCoefficients, ReferenceEqualsTheTextbook) {
+TEST(ResidualCoefficientsReference, EqualsTheTextbook) {
   const Case c(100, 2);
   for (std::uint32_t f = 0; f < c.frames; ++f) {
     std::size_t row = 0, at = 0;

@@ -1,6 +1,6 @@
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
@@ -31,29 +31,16 @@ struct Case {
   std::vector<float> features, excess;  // by the reference
 };
 
-class ResidualFeatures : public GpuTest {};
+const bool added =
+    add_kernel_cases_of_frames("residual_features", "features", [](KernelSet& kernels, const Trial& trial) {
+      const Case c(trial.size, trial.variant);
+      // A subtraction and a product, each correctly rounded everywhere.
+      return run_on<vulkan::ResidualFeatures>(kernels, {c.joint_count, c.strain_count, c.controls_count}, c.frames,
+                                              {{c.features}, {c.excess}}, c.residual.features, c.joints, c.strains,
+                                              c.controls);
+    });
 
-TEST_F(ResidualFeatures, EqualsTheReference) {
-  const vulkan::ResidualFeatures kernel(*device_);
-  for (const std::uint32_t count : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      SCOPED_TRACE(std::to_string(count) + " features, " + std::to_string(frames) + " frames");
-      const Case c(count, frames);
-      const auto ranges = vulkan::upload(*device_, c.residual.features, "ranges"),
-                 joints = vulkan::upload(*device_, c.joints, "joints"),
-                 strains = vulkan::upload(*device_, c.strains, "strains"),
-                 controls = vulkan::upload(*device_, c.controls, "controls");
-      const auto outputs = run_kernel(*device_, {c.features.size(), c.excess.size()}, [&](auto& commands, auto& out) {
-        kernel.record(commands, {ranges, joints, strains, controls, out[0], out[1]},
-                      {c.joint_count, c.strain_count, c.controls_count}, frames);
-      });
-      expect_close(outputs[0], c.features, 0);  // a subtraction and a product, each correctly rounded everywhere
-      expect_close(outputs[1], c.excess, 0);
-    }
-  }
-}
-
-TEST_F(ResidualFeatures, ReferenceEqualsTheTextbook) {
+TEST(ResidualFeaturesReference, EqualsTheTextbook) {
   const Case c(100, 3);
   for (std::uint32_t f = 0; f < c.frames; ++f) {
     std::vector<float> raw(c.joints.begin() + f * c.joint_count, c.joints.begin() + (f + 1) * c.joint_count);

@@ -1,13 +1,15 @@
 #include "runtime/core/half.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
 namespace residual_kernels_test {
 
 constexpr std::uint32_t kFeatures = 23;
+// Vulkan's exp(-x) is within 3 + 2x ulp of a value that is exp(-x) itself: at most 4 ulp of 1 in all.
+constexpr double kTolerance = 5e-7;
 
 struct Case {
   Case(std::uint32_t centres, std::uint32_t frame_count)
@@ -24,6 +26,12 @@ struct Case {
                        [&](const Region& r) { return r.centre_count > 0 && (r.coordinate_count % 2 == 1) == odd; });
   }
 
+  KernelRun on(KernelSet& set) const {
+    return run_on<vulkan::ResidualKernels>(set, {residual.centre_count(), residual.coordinate_count()}, frames,
+                                           {{kernels, kTolerance}}, residual.regions, residual.centre_region,
+                                           residual.centres, coordinates);
+  }
+
   Random random;
   std::uint32_t frames;
   ResidualTable residual;
@@ -31,33 +39,11 @@ struct Case {
   std::vector<float> kernels;  // by the reference
 };
 
-// Vulkan's exp(-x) is within 3 + 2x ulp of a value that is exp(-x) itself: at most 4 ulp of 1 in all.
-constexpr double kTolerance = 5e-7;
+class ResidualKernels : public GpuTest {};
 
-class ResidualKernels : public GpuTest {
- protected:
-  std::vector<float> run(const Case& c) const {
-    const vulkan::ResidualKernels kernel(*device_);
-    const auto regions = vulkan::upload(*device_, c.residual.regions, "regions"),
-               centre_region = vulkan::upload(*device_, c.residual.centre_region, "centre regions"),
-               centres = vulkan::upload(*device_, c.residual.centres, "centres"),
-               coordinates = vulkan::upload(*device_, c.coordinates, "coordinates");
-    const ResidualKernelsPush push{c.residual.centre_count(), c.residual.coordinate_count()};
-    return run_kernel(*device_, {c.kernels.size()}, [&](auto& commands, const auto& out) {
-      kernel.record(commands, {regions, centre_region, centres, coordinates, out[0]}, push, c.frames);
-    })[0];
-  }
-};
-
-TEST_F(ResidualKernels, EqualsTheReference) {
-  for (const std::uint32_t centres : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      SCOPED_TRACE(std::to_string(centres) + " centres, " + std::to_string(frames) + " frames");
-      const Case c(centres, frames);
-      expect_close(run(c), c.kernels, kTolerance);
-    }
-  }
-}
+const bool added = add_kernel_cases_of_frames(
+    "residual_kernels", "centres",
+    [](KernelSet& kernels, const Trial& trial) { return Case(trial.size, trial.variant).on(kernels); });
 
 // Rows of an odd number of halves end in one that means nothing.
 TEST_F(ResidualKernels, UnusedHalvesAreNotRead) {
@@ -74,7 +60,8 @@ TEST_F(ResidualKernels, UnusedHalvesAreNotRead) {
   std::vector<float> kernels(c.kernels.size());
   cpu::residual_kernels(c.residual, c.coordinates, c.frames, kernels);
   EXPECT_EQ(kernels, c.kernels);
-  expect_close(run(c), c.kernels, kTolerance);
+  KernelSet set(*device_);
+  expect_reference(*device_, c.on(set));
 }
 
 TEST_F(ResidualKernels, ReferenceEqualsTheTextbook) {

@@ -1,7 +1,7 @@
 #include "runtime/core/half.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
@@ -20,6 +20,13 @@ struct Case {
     cpu::residual_project(residual, features, frames, coordinates);
   }
 
+  // Sums and products in one order, without contraction.
+  KernelRun on(KernelSet& kernels) const {
+    return run_on<vulkan::ResidualProject>(kernels, {residual.coordinate_count(), kFeatures}, frames, {{coordinates}},
+                                           residual.regions, residual.region_features, residual.coordinate_region,
+                                           residual.projections, features);
+  }
+
   Random random;
   std::uint32_t frames;
   ResidualTable residual;
@@ -27,32 +34,11 @@ struct Case {
   std::vector<float> coordinates;  // by the reference
 };
 
-class ResidualProject : public GpuTest {
- protected:
-  std::vector<float> run(const Case& c) const {
-    const vulkan::ResidualProject kernel(*device_);
-    const auto regions = vulkan::upload(*device_, c.residual.regions, "regions"),
-               region_features = vulkan::upload(*device_, c.residual.region_features, "region features"),
-               coordinate_region = vulkan::upload(*device_, c.residual.coordinate_region, "coordinate regions"),
-               projections = vulkan::upload(*device_, c.residual.projections, "projections"),
-               features = vulkan::upload(*device_, c.features, "features");
-    const ResidualProjectPush push{c.residual.coordinate_count(), kFeatures};
-    return run_kernel(*device_, {c.coordinates.size()}, [&](auto& commands, const auto& out) {
-      kernel.record(commands, {regions, region_features, coordinate_region, projections, features, out[0]}, push,
-                    c.frames);
-    })[0];
-  }
-};
+class ResidualProject : public GpuTest {};
 
-TEST_F(ResidualProject, EqualsTheReference) {
-  for (const std::uint32_t coefficients : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      SCOPED_TRACE(std::to_string(coefficients) + " coefficients, " + std::to_string(frames) + " frames");
-      const Case c(coefficients, frames);
-      expect_close(run(c), c.coordinates, 0);  // sums and products in one order, without contraction
-    }
-  }
-}
+const bool added = add_kernel_cases_of_frames(
+    "residual_project", "coefficients",
+    [](KernelSet& kernels, const Trial& trial) { return Case(trial.size, trial.variant).on(kernels); });
 
 // Rows of an odd number of halves end in one that means nothing.
 TEST_F(ResidualProject, UnusedHalvesAreNotRead) {
@@ -69,7 +55,8 @@ TEST_F(ResidualProject, UnusedHalvesAreNotRead) {
   std::vector<float> coordinates(c.coordinates.size());
   cpu::residual_project(c.residual, c.features, c.frames, coordinates);
   EXPECT_EQ(coordinates, c.coordinates);
-  expect_close(run(c), c.coordinates, 0);
+  KernelSet kernels(*device_);
+  expect_reference(*device_, c.on(kernels));
 }
 
 TEST_F(ResidualProject, ReferenceEqualsTheTextbook) {

@@ -2,7 +2,7 @@
 
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
@@ -27,27 +27,14 @@ struct Case {
   std::vector<float> strains;  // by the reference
 };
 
-class StrainMeasure : public GpuTest {};
+const bool added = add_kernel_cases_of_frames("strain_measure", "fibres", [](KernelSet& kernels, const Trial& trial) {
+  const Case c(trial.size, trial.variant);
+  // Square roots and a division of a few ulp.
+  return run_on<vulkan::StrainMeasure>(kernels, {trial.size, kPoints}, c.frames, {{c.strains, 1e-6, 1e-6}},
+                                       c.strain.points, c.strain.fibre_begin, c.strain.rest_length, c.positions);
+});
 
-TEST_F(StrainMeasure, EqualsTheReference) {
-  const vulkan::StrainMeasure kernel(*device_);
-  for (const std::uint32_t fibres : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      SCOPED_TRACE(std::to_string(fibres) + " fibres, " + std::to_string(frames) + " frames");
-      const Case c(fibres, frames);
-      const auto points = vulkan::upload(*device_, c.strain.points, "points"),
-                 begin = vulkan::upload(*device_, c.strain.fibre_begin, "fibres"),
-                 rest = vulkan::upload(*device_, c.strain.rest_length, "rest lengths"),
-                 positions = vulkan::upload(*device_, c.positions, "positions");
-      const auto outputs = run_kernel(*device_, {c.strains.size()}, [&](auto& commands, const auto& out) {
-        kernel.record(commands, {points, begin, rest, positions, out[0]}, {fibres, kPoints}, frames);
-      });
-      expect_close(outputs[0], c.strains, 1e-6, 1e-6);  // square roots and a division of a few ulp
-    }
-  }
-}
-
-TEST_F(StrainMeasure, ReferenceEqualsTheTextbook) {
+TEST(StrainMeasureReference, EqualsTheTextbook) {
   const Case c(200, 2);
   const std::size_t fibres = c.strain.fibre_count();
   for (std::size_t k = 0; k < c.strains.size(); ++k) {

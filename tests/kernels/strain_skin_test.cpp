@@ -1,6 +1,6 @@
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/kernels/windows.h"
-#include "tests/support/gpu_fixture.h"
+#include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 #include "tests/support/textbook_ddm.h"
 
@@ -25,15 +25,22 @@ struct Case {
     return positions;
   }
 
-  std::vector<float> on_gpu(const vulkan::Device& device, const vulkan::DeviceInfo& limits) const {
-    const vulkan::StrainSkin kernel(device);
-    const vulkan::DdmBuffers table(device, ddm, limits);
-    const auto s = vulkan::upload(device, skinning, "skinning"),
-               v = vulkan::upload(device, strain.vertices, "vertices");
-    return run_kernel(device, {count()}, [&](auto& commands, const auto& outputs) {
-      vulkan::record_strain_skin(commands, kernel, {table, s, v, outputs[0]},
-                                 static_cast<std::uint32_t>(strain.vertices.size()), kJoints, frames);
-    })[0];
+  KernelRun on(KernelSet& kernels, const vulkan::DeviceInfo& limits) const {
+    const vulkan::Device& device = kernels.device();
+    struct Bound {
+      vulkan::DdmBuffers table;
+      vulkan::Buffer skinning, vertices;
+    };
+    const auto bound = std::make_shared<const Bound>(Bound{vulkan::DdmBuffers(device, ddm, limits),
+                                                           vulkan::upload(device, skinning, "skinning"),
+                                                           vulkan::upload(device, strain.vertices, "vertices")});
+    return {{{on_cpu(), 1e-6}},
+            [&kernel = kernels.get<vulkan::StrainSkin>(), bound, points = strain.vertices.size(), frames = frames](
+                vulkan::Commands& commands, const auto& outputs) {
+              const auto& [table, s, v] = *bound;
+              vulkan::record_strain_skin(commands, kernel, {table, s, v, outputs[0]},
+                                         static_cast<std::uint32_t>(points), kJoints, frames);
+            }};
   }
 
   Random random;
@@ -45,15 +52,9 @@ struct Case {
 
 class StrainSkin : public GpuTest {};
 
-TEST_F(StrainSkin, EqualsTheReference) {
-  for (const std::uint32_t points : kSizes) {
-    for (const std::uint32_t frames : kFrames) {
-      SCOPED_TRACE(std::to_string(points) + " points, " + std::to_string(frames) + " frames");
-      const Case c(points, frames);
-      expect_close(c.on_gpu(*device_, device_->info()), c.on_cpu(), 1e-6);
-    }
-  }
-}
+const bool added = add_kernel_cases_of_frames("strain_skin", "points", [](KernelSet& kernels, const Trial& trial) {
+  return Case(trial.size, trial.variant).on(kernels, kernels.device().info());
+});
 
 TEST_F(StrainSkin, ReferenceEqualsTheTextbook) {
   const Case c(200, 2);
@@ -74,8 +75,9 @@ TEST_F(StrainSkin, WindowsGiveTheSameBits) {
   const Case c(130, 2);
   vulkan::DeviceInfo limits = device_->info();
   limits.max_storage_buffer_range = 10000;
-  ASSERT_GT(vulkan::ddm_windows(c.ddm, limits).size(), 1u);
-  EXPECT_EQ(c.on_gpu(*device_, limits), c.on_gpu(*device_, device_->info()));
+  ASSERT_GT(vulkan::DdmBuffers(*device_, c.ddm, limits).windows.size(), 1u);
+  KernelSet kernels(*device_);
+  EXPECT_EQ(outputs_of(*device_, c.on(kernels, limits)), outputs_of(*device_, c.on(kernels, device_->info())));
 }
 
 }  // namespace strain_skin_test

@@ -162,6 +162,7 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
   EXPECT_EQ(offsetof(bodyopt_load_options, level), 16u);
   EXPECT_EQ(offsetof(bodyopt_description, frames_per_second), 32u);
   EXPECT_EQ(offsetof(bodyopt_device_options, validation), 16u);
+  EXPECT_EQ(offsetof(bodyopt_device_options, pipeline_cache), 24u);
   EXPECT_EQ(offsetof(bodyopt_executor, host), 16u);
   EXPECT_EQ(offsetof(bodyopt_instance_options, gravity_change), 40u);
   EXPECT_EQ(offsetof(bodyopt_poses, frame_numbers), 64u);

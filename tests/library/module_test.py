@@ -2,6 +2,7 @@
 
     module_test.py BASIS DYNAMICS EXPECTED   (frames of the bind pose and of what turning_poses in c_api.h gives, float32)
 """
+import os
 import sys
 import tempfile
 import threading
@@ -115,6 +116,13 @@ class Refused(unittest.TestCase):
         self.refuses(bodyopt.Error, "/no/such.safetensors", lambda: bodyopt.load("/no/such.safetensors"), 4)
         self.refuses(bodyopt.Error, "'9999'", lambda: bodyopt.open_device("9999"), 5)
         self.refuses(bodyopt.Error, "without dynamics", lambda: bodyopt.load(BASIS).instance(jiggles=True), 64)
+
+    def test_pipelines_are_kept_where_told(self):
+        with tempfile.TemporaryDirectory() as folder:
+            device = bodyopt.open_device(pipeline_cache=folder)
+            MODEL.instance(device)
+            del device
+            self.assertEqual([name[:10] for name in os.listdir(folder)], ["pipelines-"])
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@
 #include "runtime/vulkan/commands.h"
 #include "tests/library/c_api.h"
 #include "tests/support/gpu_fixture.h"
+#include "tests/support/temporary_folder.h"
 
 namespace bodyopt::testing {
 namespace vulkan_test {
@@ -52,7 +53,6 @@ TEST_F(LibraryVulkan, RecordsFramesIntoTheHostsBuffer) {
     vulkan::Commands commands(*device_);
     commands.begin();
     commands.fill(target, 0);
-    commands.barrier();
     for (std::size_t f = 0; f < 2; ++f) {
       PoseArrays given({poses[f]});
       given.numbers = {static_cast<int>(f)};
@@ -64,7 +64,6 @@ TEST_F(LibraryVulkan, RecordsFramesIntoTheHostsBuffer) {
       recording.normals = {target.handle(), bytes, at + 3 * sizeof(float), stride};
       ASSERT_EQ(bodyopt_record(recorder.get(), &given.all, &recording), BODYOPT_OK) << bodyopt_last_error();
     }
-    commands.barrier();
     commands.copy(target, readback);
     commands.end();
     commands.run();
@@ -92,6 +91,30 @@ TEST_F(LibraryVulkan, RecordsFramesIntoTheHostsBuffer) {
     EXPECT_NE(std::string(bodyopt_last_error()).find("records for the host program"), std::string::npos);
     EXPECT_EQ(bodyopt_forget_buffers(recorder.get()), BODYOPT_OK);
   }
+}
+
+// The host's own cache; a program of the first version has none to give.
+TEST_F(LibraryVulkan, TakesTheHostsPipelineCache) {
+  auto info = vulkan::structure<VkPipelineCacheCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO);
+  VkPipelineCache cache = VK_NULL_HANDLE;
+  vulkan::check(vkCreatePipelineCache(device_->handle(), &info, nullptr, &cache), "vkCreatePipelineCache");
+  const auto expect_shared = [](const bodyopt_vulkan_device& host) {
+    bodyopt_device* shared = nullptr;
+    api::check(bodyopt_share_device(&host, &shared));
+    EXPECT_NE(instance(api::load_model(hero()), api::Device(shared), false), nullptr);
+  };
+  bodyopt_vulkan_device host = handles();
+  host.pipeline_cache = cache;
+  expect_shared(host);
+  vkDestroyPipelineCache(device_->handle(), cache, nullptr);  // not looked at any more
+  host.struct_size = offsetof(bodyopt_vulkan_device, pipeline_cache);
+  expect_shared(host);
+}
+
+TEST_F(LibraryVulkan, KeepsPipelinesWhereTold) {
+  const TemporaryFolder folder;
+  instance(api::load_model(hero()), api::open_device({}, folder.path()), false);
+  EXPECT_FALSE(std::filesystem::is_empty(folder.path()));
 }
 
 TEST_F(LibraryVulkan, RefusesWhatDoesNotDo) {

@@ -33,7 +33,6 @@ struct Case {
         results(device, scratch, vulkan::Memory::device, "results");
     return run_kernel(device, {right_sides.size()}, [&](auto& commands, const auto& out) {
       commands.fill(out[0], std::bit_cast<std::uint32_t>(kBefore));
-      commands.barrier();
       solve.record(commands, {inverse, b, gathered, results, out[0]}, sides.count, sides.interleave);
     })[0];
   }

@@ -169,6 +169,7 @@ TEST_F(OpenDevice, SmallBuffersShareAllocations) {
   for (std::size_t k = 0; k < kCount; ++k) {
     values.push_back(random.floats(1 + random.below(9000), -1, 1));
     buffers.push_back(vulkan::upload(*device_, values.back(), "a small table"));
+    EXPECT_EQ(buffers.back().memory().block->mapped, nullptr);  // reached by staging buffers alone, on lavapipe, too
     blocks[buffers.back().memory().block.get()] = buffers.back().memory().block;
   }
   EXPECT_LE(blocks.size(), 3u);  // 5.4 MB on average
@@ -187,31 +188,30 @@ TEST_F(OpenDevice, SmallBuffersShareAllocations) {
   EXPECT_LE(std::ranges::count_if(blocks, [](const auto& block) { return !block.second.expired(); }), 1);
 }
 
-// Proof that validation messages reach us: a kernel that reads what the kernel before it writes.
+// Proof that validation messages reach us: a kernel that reads what is written before it, which the commands know, or
+// do not know of.
 TEST(Validation, SeesAMissingBarrier) {
-  for (const bool with_barrier : {true, false}) {
+  for (const bool is_known : {true, false}) {
     const vulkan::Device device(test_device());
     Random random(1);
     const MeshTable mesh = random_mesh(random, 64);
-    const ResidualTable residual = random_residual(random, 5, 5, 20, 64);
-    const auto begin = vulkan::upload(device, residual.blend_begin, "begin"),
-               blend = vulkan::upload(device, residual.blend, "blend"),
-               coefficients = vulkan::upload(device, random.floats(20, -1, 1), "coefficients"),
-               triangles = vulkan::upload(device, mesh.triangles, "triangles"),
+    const auto triangles = vulkan::upload(device, mesh.triangles, "triangles"),
                around_begin = vulkan::upload(device, mesh.vertex_triangle_begin, "around begin"),
                around = vulkan::upload(device, mesh.vertex_triangles, "around");
     const vulkan::Buffer between(device, 64 * 12, vulkan::Memory::device, "between"),
         normals(device, 64 * 12, vulkan::Memory::device, "normals");
-    const vulkan::ResidualBlend write(device);
     const vulkan::OutputNormals read(device);
     vulkan::Commands commands(device);
     commands.begin();
-    write.record(commands, {begin, blend, coefficients, between}, {64, 20, 1}, 1);
-    if (with_barrier) commands.barrier();
+    if (is_known) {
+      commands.fill(between, 0);
+    } else {
+      vkCmdFillBuffer(commands.handle(), between.handle(), 0, VK_WHOLE_SIZE, 0);
+    }
     read.record(commands, {triangles, around_begin, around, between, normals}, {64}, 1);
     commands.end();
     const auto messages = device.validation_messages();
-    if (with_barrier) {
+    if (is_known) {
       EXPECT_EQ(messages, std::vector<std::string>());
     } else {
       ASSERT_FALSE(messages.empty());

@@ -77,9 +77,7 @@ inline std::vector<std::vector<float>> run_kernel(const vulkan::Device& device, 
   vulkan::Commands commands(device);
   commands.begin();
   for (const vulkan::Buffer& buffer : buffers) commands.fill(buffer, unwritten);
-  commands.barrier();
   record(commands, outputs);
-  commands.barrier();
   for (std::size_t o = 0; o < counts.size(); ++o) commands.copy(buffers[o], readback[o]);
   commands.end();
 

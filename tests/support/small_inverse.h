@@ -194,6 +194,7 @@ inline constexpr std::array<std::uint32_t, 7> kFrontSizes = {0, 1, 15, 16, 31, 6
 struct RightSides {
   std::uint32_t count, interleave;
 };
+inline constexpr std::uint32_t kLevels = 3;  // of a small inverse
 inline constexpr std::array<RightSides, 4> kRightSides = {{{1, 1}, {2, 1}, {3, 3}, {6, 3}}};
 
 // Where an unknown of right side r stands.

@@ -105,5 +105,9 @@ class Model:
         """On a Vulkan device, or the CPU without one."""
 
 def load(path: str, dynamics: Optional[str] = None, level: int = 0) -> Model: ...
-def open_device(name: Optional[str] = None, validation: bool = False) -> Device:
-    """The Vulkan device of this index or part of a name, or the best one."""
+def open_device(
+    name: Optional[str] = None, validation: bool = False, pipeline_cache: Optional[str] = None
+) -> Device:
+    """The Vulkan device of this index or part of a name, or the best one.
+
+    pipeline_cache: folder where the driver's compiled shaders are kept, so that later processes start sooner."""

@@ -10,12 +10,9 @@ void BlockSolve::record(Commands& commands, const Buffers& buffers, std::uint32_
   for (const InverseBuffers::Level& level : inverse.levels) {
     record_block_gather(commands, gather_, {inverse, right_sides, results, gathered}, level, right_side_count,
                         interleave);
-    commands.barrier();
     record_block_up(commands, up_, {inverse, gathered, results}, level, right_side_count);
-    commands.barrier();
   }
   for (auto level = inverse.levels.rbegin(); level != inverse.levels.rend(); ++level) {
-    if (level != inverse.levels.rbegin()) commands.barrier();
     record_block_down(commands, down_, {inverse, results, solutions}, *level, right_side_count, interleave);
   }
 }

@@ -14,7 +14,6 @@ class BlockSolve {
   };
 
   explicit BlockSolve(const Device& device);
-  // With barriers between its kernels; before and after are the caller's.
   void record(Commands& commands, const Buffers& buffers, std::uint32_t right_side_count,
               std::uint32_t interleave) const;
 

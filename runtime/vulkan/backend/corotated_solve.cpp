@@ -61,7 +61,6 @@ void CorotatedSolve::record_start(Commands& commands, std::size_t stage, const B
                                   const BufferRange& local_velocity, const BufferRange& start) const {
   const StartWeights& weights = start_weights_[stage];
   direction_.record(commands, {one_, weights.displacement, zeros_, local_displacement, start}, {3 * node_count_});
-  commands.barrier();
   direction_.record(commands, {one_, weights.velocity, start, local_velocity, start}, {3 * node_count_});
 }
 
@@ -71,23 +70,17 @@ void CorotatedSolve::record(Commands& commands, const BufferRange& rotations, st
   const ConjugatePush push{3 * node_count_};
   for (const Buffer* buffer : {&y_, &search_, &rho_}) commands.fill(*buffer, 0);
   record_product(commands, rotations, frame, solution);
-  commands.barrier();
   // A step of length 1 from zeros: the solution stays as it is, the residual is right side - A z0.
   step_.record(commands, {one_, one_, solution, product_, zeros_, right_side, solution, residual_}, push);
   const Buffer *rho = &rho_, *next_rho = &next_rho_;
   for (std::uint32_t i = 0; i < iterations; ++i) {
     commands.cut();
     block_.record(commands, {tables_.inverse, residual_, gathered_, results_, y_}, 1, 1);
-    commands.barrier();
     dot_.record(commands, {residual_, y_, *next_rho}, push);
-    commands.barrier();
     direction_.record(commands, {*rho, *next_rho, y_, search_, search_}, push);  // rho is 0 at first: y
     std::swap(rho, next_rho);
-    commands.barrier();
     record_product(commands, rotations, frame, search_);
-    commands.barrier();
     dot_.record(commands, {search_, product_, pq_}, push);
-    commands.barrier();
     step_.record(commands, {*rho, pq_, search_, product_, solution, residual_, solution, residual_}, push);
   }
 }
@@ -97,7 +90,6 @@ void CorotatedSolve::record_product(Commands& commands, const BufferRange& rotat
   stress_.record(commands,
                  {tables_.tets, tables_.shapes, elasticity_, rotations, tet_rotations_, direction, tractions_},
                  {tet_count_, node_count_, frame});
-  commands.barrier();
   force_.record(commands, {tables_.shapes, rows_, tables_.corners, held_, rotations, tractions_, direction, product_},
                 {node_count_, frame});
 }

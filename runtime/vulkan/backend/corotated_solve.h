@@ -20,8 +20,6 @@ class CorotatedSolve {
   // `tables` must outlive it. Throws Error(device).
   CorotatedSolve(const Device& device, const TetTable& tets, const JiggleTable& jiggle, const Tables& tables);
 
-  // All of these record barriers between their kernels; before and after are the caller's.
-
   // Once a frame: rotations of its tets. nodes: of the batch.
   void record_frame(Commands& commands, const BufferRange& nodes, std::uint32_t frame) const;
 

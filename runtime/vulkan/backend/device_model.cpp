@@ -4,6 +4,8 @@ namespace bodyopt::vulkan {
 
 SkinTables::SkinTables(const Device& device, const Basis& b)
     : ddm(device, b.ddm, device.info()),
+      blend(device, b.residual.blend_begin, b.residual.blend, device.info()),
+      modifiers(device, b.modifiers.blend_begin, b.modifiers.blend, device.info()),
       strain_vertices(upload(device, b.strain.vertices, "the strain vertices")),
       points(upload(device, b.strain.points, "the fibre points")),
       fibre_begin(upload(device, b.strain.fibre_begin, "the fibres")),
@@ -17,10 +19,6 @@ SkinTables::SkinTables(const Device& device, const Basis& b)
       centres(upload(device, b.residual.centres, "the centres")),
       coefficient_region(upload(device, b.residual.coefficient_region, "the coefficients' regions")),
       weights(upload(device, b.residual.weights, "the weights")),
-      blend_begin(upload(device, b.residual.blend_begin, "the blend's blocks")),
-      blend(upload(device, b.residual.blend, "the blend")),
-      modifier_begin(upload(device, b.modifiers.blend_begin, "the modifiers' blocks")),
-      modifier_blend(upload(device, b.modifiers.blend, "the modifiers")),
       triangles(upload(device, b.mesh.triangles, "the triangles")),
       vertex_triangle_begin(upload(device, b.mesh.vertex_triangle_begin, "the vertices' triangles")),
       vertex_triangles(upload(device, b.mesh.vertex_triangles, "the vertices' triangles")),

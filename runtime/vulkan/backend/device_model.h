@@ -35,9 +35,10 @@ struct SkinTables {
   SkinTables(const Device& device, const Basis& basis);
 
   DdmBuffers ddm;
+  BlendBuffers blend, modifiers;
   Buffer strain_vertices, points, fibre_begin, rest_length;
   Buffer ranges, regions, region_features, coordinate_region, projections, centre_region, centres;
-  Buffer coefficient_region, weights, blend_begin, blend, modifier_begin, modifier_blend;
+  Buffer coefficient_region, weights;
   Buffer triangles, vertex_triangle_begin, vertex_triangles, output_vertex;
 };
 

@@ -133,11 +133,9 @@ class VulkanBackend final : public Backend {
     failed_ = true;  // until this frame went well: the motion has gone on
     become_recorder();
     commands_->record_into(recording.commands);
-    commands_->barrier();  // after the frame before
     record_inputs(batch);
     record_stages(batch);
     record_place(*skin_, recording.positions);
-    commands_->barrier();  // where both go to one buffer
     record_place(buffers_->normals.buffer, recording.normals);
     failed_ = false;
   }
@@ -183,11 +181,9 @@ class VulkanBackend final : public Backend {
   void record_stages(const Batch& batch) {
     // No residual: un-posed displacements of zero.
     if (!has_blend_) commands_->fill(buffers_->displacements.buffer, 0);
-    commands_->barrier();
     commands_->timestamp();
     for (const Stage stage : stages_of(model_->model().basis, batch)) {
       record_stage(stage, batch);
-      commands_->barrier();
       commands_->timestamp();
       stages_.push_back(stage);
     }
@@ -301,7 +297,6 @@ class VulkanBackend final : public Backend {
     record_strain_skin(*commands_, kernels_.strain_skin,
                        {t.ddm, b.skinning.buffer, t.strain_vertices, b.strain_positions.buffer},
                        counts_.strain_vertices, counts_.joints, frames);
-    commands_->barrier();
     kernels_.strain_measure.record(
         *commands_, {t.points, t.fibre_begin, t.rest_length, b.strain_positions.buffer, b.strains.buffer},
         {counts_.fibres, counts_.strain_vertices}, frames);
@@ -315,12 +310,10 @@ class VulkanBackend final : public Backend {
         *commands_,
         {t.ranges, b.joint_features.buffer, b.strains.buffer, b.controls.buffer, b.features.buffer, b.excess.buffer},
         {n.joint_features, n.features == 0 ? 0 : n.fibres, n.controls}, frames);
-    commands_->barrier();
     kernels_.residual_project.record(
         *commands_,
         {t.regions, t.region_features, t.coordinate_region, t.projections, b.features.buffer, b.coordinates.buffer},
         {n.coordinates, n.features}, frames);
-    commands_->barrier();
     if (weights_.kernels) {
       kernels_.residual_kernels.record(*commands_,
                                        {t.regions, t.centre_region, t.centres, b.coordinates.buffer, b.kernels.buffer},
@@ -328,24 +321,21 @@ class VulkanBackend final : public Backend {
     } else {
       commands_->fill(b.kernels.buffer, 0);
     }
-    commands_->barrier();
     kernels_.residual_coefficients.record(
         *commands_,
         {t.regions, t.coefficient_region, t.weights, rest_coefficients_, b.coordinates.buffer, b.kernels.buffer,
          b.fades.buffer, b.coefficients.buffer},
         {n.coefficients, n.coordinates, n.centres, n.regions}, frames);
-    commands_->barrier();
     if (!has_blend_) return;
-    kernels_.residual_blend.record(*commands_, {t.blend_begin, t.blend, b.coefficients.buffer, b.displacements.buffer},
-                                   {n.vertices, n.coefficients, weights_.correction}, frames);
+    record_residual_blend(*commands_, kernels_.residual_blend, {t.blend, b.coefficients.buffer, b.displacements.buffer},
+                          n.vertices, n.coefficients, weights_.correction, frames);
   }
 
   void record_modify(std::uint32_t frames) {
     const BatchBuffers& b = *buffers_;
-    kernels_.modify_blend.record(
-        *commands_,
-        {tables_.modifier_begin, tables_.modifier_blend, b.modifiers.buffer, b.displacements.buffer, b.modified.buffer},
-        {counts_.vertices, counts_.components}, frames);
+    record_modify_blend(*commands_, kernels_.modify_blend,
+                        {tables_.modifiers, b.modifiers.buffer, b.displacements.buffer, b.modified.buffer},
+                        counts_.vertices, counts_.components, frames);
   }
 
   // What goes to the host, in this order.

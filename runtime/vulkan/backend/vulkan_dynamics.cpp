@@ -85,10 +85,8 @@ void VulkanDynamics::record_diffuse(Commands& commands, const Inputs& inputs) co
   const std::uint32_t surface_count = dynamics_.tets.surface_count();
   kernels_.diffuse_surface.record(commands, {t.surface, inputs.positions, inputs.origins, nodes},
                                   {surface_count, vertex_count_, node_count_}, frames);
-  commands.barrier();
   kernels_.diffuse_gather.record(commands, {t.row_begin, t.columns, t.values, nodes, right_sides},
                                  {surface_count, node_count_}, frames);
-  commands.barrier();
   kernels_.block_solve.record(commands, {t.diffuse_inverse, right_sides, gathered, results, nodes}, 3 * frames, 3);
 }
 
@@ -99,10 +97,8 @@ void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std
                                 {t.tets, t.shapes, t.corner_begin, t.corners, batch_->nodes, batch_->rotations},
                                 {node_count_}, batch_->frames);
   for (std::uint32_t f = 0; f < frames.size(); ++f) {
-    commands.barrier();
     if (!frames[f].repeats) {
       record_kick(commands, frames[f], f);
-      commands.barrier();
       const JiggleStages stages =
           jiggle_stages(dynamics_.jiggle.step,
                         jiggle_frame(dynamics_, inputs.fibre_count, inputs.control_count, f, options_.gravity_change));
@@ -136,17 +132,13 @@ void VulkanDynamics::record_step(Commands& commands, const Inputs& inputs, const
                                {tables_.nodes, rotations, inputs.strains, inputs.controls, motion, first.displacement,
                                 first.velocity, right_side_},
                                stages.begin);
-  commands.barrier();
   record_solve(commands, 0, first, frame);
-  commands.barrier();
   if (stages.advance) {
     kernels_.jiggle_advance.record(commands,
                                    {tables_.nodes, rotations, solution_, first.displacement, first.velocity,
                                     second.displacement, second.velocity, right_side_},
                                    *stages.advance);
-    commands.barrier();
     record_solve(commands, 1, second, frame);
-    commands.barrier();
   }
   const Local& last = stages.advance ? second : first;
   kernels_.jiggle_end.record(commands, {rotations, solution_, last.displacement, motion}, stages.end);
@@ -159,7 +151,6 @@ void VulkanDynamics::record_solve(Commands& commands, std::size_t stage, const L
     return;
   }
   corotated_solve_->record_start(commands, stage, local.displacement, local.velocity, solution_);
-  commands.barrier();
   corotated_solve_->record(commands, batch_->rotations, frame, right_side_, options_.iterations, solution_);
 }
 

@@ -34,7 +34,6 @@ class VulkanDynamics {
 
   // Allocates what a batch needs; before its recording.
   void prepare(std::uint32_t frames);
-  // These record barriers between their kernels; before and after are the caller's.
   void record_diffuse(Commands& commands, const Inputs& inputs) const;
   // Cuts the commands: what they read from the host must be there already. The motion is that of the last frame from
   // here on, as if the commands had run. `weight`: how much of it the skin shows.

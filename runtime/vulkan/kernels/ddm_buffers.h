@@ -1,31 +1,26 @@
-// The DDM table on the device, seen through windows where it is larger than one binding can be.
+// The DDM table on the device.
 #pragma once
 
 #include <vector>
 
 #include "runtime/basis/basis.h"
-#include "runtime/vulkan/commands.h"
+#include "runtime/vulkan/kernels/block_windows.h"
 
 namespace bodyopt::vulkan {
 
-// A range of blocks whose moments and vertices each fit one binding.
-struct DdmWindow {
-  std::uint32_t first_vertex, end_vertex;       // lanes of the table
-  std::uint32_t first_entry;                    // entry at which the bound moments begin
-  VkDeviceSize moments_offset, moments_size;    // bytes
-  VkDeviceSize vertices_offset, vertices_size;  // bytes
-};
-
-// Windows over all blocks. `limits`: storage range, offset alignment and groups of the device. Throws Error(device)
-// when a single block is larger than one binding.
-std::vector<DdmWindow> ddm_windows(const DdmTable& ddm, const DeviceInfo& limits);
-
 struct DdmBuffers {
-  // Throws Error(device).
+  // `limits`: as of block_windows. Throws Error(device).
   DdmBuffers(const Device& device, const DdmTable& ddm, const DeviceInfo& limits);
 
+  BufferRange moments_of(const BlockWindow& window) const {
+    return {moments, window.entries_offset, window.entries_size};
+  }
+  BufferRange vertices_of(const BlockWindow& window) const {
+    return {vertices, window.vertices_offset, window.vertices_size};
+  }
+
   Buffer block_begin, block_joints, moments, vertices;
-  std::vector<DdmWindow> windows;
+  std::vector<BlockWindow> windows;
 };
 
 }  // namespace bodyopt::vulkan

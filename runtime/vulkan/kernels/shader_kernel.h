@@ -7,8 +7,8 @@
 
 namespace bodyopt::vulkan {
 
-// `Shader`: Buffers (a BufferRange for each binding, by its name in the shader), Push, threads(push), ranges(buffers)
-// and spirv().
+// `Shader`: Buffers (a BufferRange for each binding, by its name in the shader), Push, threads(push), ranges(buffers),
+// written (a bit for each binding that is written) and spirv().
 template <typename Shader>
 class ShaderKernel {
  public:
@@ -16,7 +16,7 @@ class ShaderKernel {
   using Push = typename Shader::Push;
 
   // Throws Error(device).
-  explicit ShaderKernel(const Device& device) : kernel_(device, Shader::spirv(), sizeof(Push)) {}
+  explicit ShaderKernel(const Device& device) : kernel_(device, Shader::spirv(), Shader::written, sizeof(Push)) {}
 
   void record(Commands& commands, const Buffers& buffers, const Push& push, std::uint32_t frames = 1) const {
     commands.dispatch(kernel_, Shader::ranges(buffers), push, Shader::threads(push), frames);

@@ -1,48 +1,50 @@
 #include "runtime/vulkan/kernels/windows.h"
 
 namespace bodyopt::vulkan {
-namespace {
-
-// All windows write into one buffer: a barrier stands between them.
-template <typename Window, typename Record>
-void for_each_window(Commands& commands, const std::vector<Window>& windows, const Record& record) {
-  for (const Window& window : windows) {
-    if (&window != &windows.front()) commands.barrier();
-    record(window);
-  }
-}
-
-BufferRange moments_of(const DdmBuffers& ddm, const DdmWindow& window) {
-  return {ddm.moments, window.moments_offset, window.moments_size};
-}
-
-BufferRange vertices_of(const DdmBuffers& ddm, const DdmWindow& window) {
-  return {ddm.vertices, window.vertices_offset, window.vertices_size};
-}
-
-}  // namespace
 
 void record_pose_skin(Commands& commands, const PoseSkin& kernel, const PoseSkinBuffers& buffers,
                       std::uint32_t vertex_count, std::uint32_t joint_count, std::uint32_t frames) {
   const DdmBuffers& ddm = buffers.ddm;
-  for_each_window(commands, ddm.windows, [&](const DdmWindow& window) {
+  for (const BlockWindow& window : ddm.windows) {
     kernel.record(commands,
-                  {ddm.block_begin, ddm.block_joints, moments_of(ddm, window), vertices_of(ddm, window),
-                   buffers.skinning, buffers.origins, buffers.displacements, buffers.positions},
+                  {ddm.block_begin, ddm.block_joints, ddm.moments_of(window), ddm.vertices_of(window), buffers.skinning,
+                   buffers.origins, buffers.displacements, buffers.positions},
                   {vertex_count, joint_count, window.first_vertex, window.end_vertex, window.first_entry}, frames);
-  });
+  }
 }
 
 void record_strain_skin(Commands& commands, const StrainSkin& kernel, const StrainSkinBuffers& buffers,
                         std::uint32_t strain_vertex_count, std::uint32_t joint_count, std::uint32_t frames) {
   const DdmBuffers& ddm = buffers.ddm;
-  for_each_window(commands, ddm.windows, [&](const DdmWindow& window) {
+  for (const BlockWindow& window : ddm.windows) {
     kernel.record(commands,
-                  {ddm.block_begin, ddm.block_joints, moments_of(ddm, window), vertices_of(ddm, window),
-                   buffers.skinning, buffers.strain_vertices, buffers.positions},
+                  {ddm.block_begin, ddm.block_joints, ddm.moments_of(window), ddm.vertices_of(window), buffers.skinning,
+                   buffers.strain_vertices, buffers.positions},
                   {strain_vertex_count, joint_count, window.first_vertex, window.end_vertex, window.first_entry},
                   frames);
-  });
+  }
+}
+
+void record_residual_blend(Commands& commands, const ResidualBlend& kernel, const ResidualBlendBuffers& buffers,
+                           std::uint32_t vertex_count, std::uint32_t coefficient_count, float weight,
+                           std::uint32_t frames) {
+  const BlendBuffers& blend = buffers.blend;
+  for (const BlockWindow& window : blend.windows) {
+    kernel.record(commands, {blend.block_begin, blend.entries_of(window), buffers.coefficients, buffers.displacements},
+                  {vertex_count, coefficient_count, weight, window.first_vertex, window.end_vertex, window.first_entry},
+                  frames);
+  }
+}
+
+void record_modify_blend(Commands& commands, const ModifyBlend& kernel, const ModifyBlendBuffers& buffers,
+                         std::uint32_t vertex_count, std::uint32_t component_count, std::uint32_t frames) {
+  const BlendBuffers& blend = buffers.blend;
+  for (const BlockWindow& window : blend.windows) {
+    kernel.record(
+        commands,
+        {blend.block_begin, blend.entries_of(window), buffers.coefficients, buffers.displacements, buffers.modified},
+        {vertex_count, component_count, window.first_vertex, window.end_vertex, window.first_entry}, frames);
+  }
 }
 
 void record_block_gather(Commands& commands, const BlockGather& kernel, const BlockGatherBuffers& buffers,
@@ -58,24 +60,24 @@ void record_block_gather(Commands& commands, const BlockGather& kernel, const Bl
 void record_block_up(Commands& commands, const BlockUp& kernel, const BlockUpBuffers& buffers,
                      const InverseBuffers::Level& level, std::uint32_t right_side_count) {
   const InverseBuffers& inverse = buffers.inverse;
-  for_each_window(commands, level.up, [&](const InverseWindow& window) {
+  for (const InverseWindow& window : level.up) {
     kernel.record(commands, {inverse.up, inverse.values_of(window), buffers.gathered, buffers.results},
                   {window.first, window.count, window.first_value, level.slots.own_end, inverse.slot_count},
                   right_side_count);
-  });
+  }
 }
 
 void record_block_down(Commands& commands, const BlockDown& kernel, const BlockDownBuffers& buffers,
                        const InverseBuffers::Level& level, std::uint32_t right_side_count, std::uint32_t interleave) {
   const InverseBuffers& inverse = buffers.inverse;
-  for_each_window(commands, level.down, [&](const InverseWindow& window) {
+  for (const InverseWindow& window : level.down) {
     kernel.record(
         commands,
         {inverse.down, inverse.values_of(window), inverse.slot_unknown, buffers.results, buffers.solutions,
          buffers.solutions},
         {window.first, window.count, window.first_value, inverse.slot_count, inverse.unknown_count, interleave},
         right_side_count);
-  });
+  }
 }
 
 }  // namespace bodyopt::vulkan

@@ -1,6 +1,7 @@
 // Kernels that read a table which may be larger than one binding: one dispatch for each window of it.
 #pragma once
 
+#include "runtime/vulkan/kernels/blend_buffers.h"
 #include "runtime/vulkan/kernels/ddm_buffers.h"
 #include "runtime/vulkan/kernels/inverse_buffers.h"
 #include "runtime/vulkan/kernels/kernels.h"
@@ -20,6 +21,21 @@ struct StrainSkinBuffers {
 };
 void record_strain_skin(Commands& commands, const StrainSkin& kernel, const StrainSkinBuffers& buffers,
                         std::uint32_t strain_vertex_count, std::uint32_t joint_count, std::uint32_t frames);
+
+struct ResidualBlendBuffers {
+  const BlendBuffers& blend;
+  BufferRange coefficients, displacements;
+};
+void record_residual_blend(Commands& commands, const ResidualBlend& kernel, const ResidualBlendBuffers& buffers,
+                           std::uint32_t vertex_count, std::uint32_t coefficient_count, float weight,
+                           std::uint32_t frames);
+
+struct ModifyBlendBuffers {
+  const BlendBuffers& blend;
+  BufferRange coefficients, displacements, modified;
+};
+void record_modify_blend(Commands& commands, const ModifyBlend& kernel, const ModifyBlendBuffers& buffers,
+                         std::uint32_t vertex_count, std::uint32_t component_count, std::uint32_t frames);
 
 // One level of a block inverse.
 struct BlockGatherBuffers {

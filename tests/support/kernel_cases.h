@@ -1,0 +1,127 @@
+// Every kernel beside its reference: what it is run on, and what it has to give. The tests of a kernel add its cases
+// here, tests/kernels/kernel_cases_test.cpp runs those of all.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <typeindex>
+#include <utility>
+#include <vector>
+
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/random_tables.h"
+
+namespace bodyopt::testing {
+
+// Kernels of one device, each made once.
+class KernelSet {
+ public:
+  explicit KernelSet(const vulkan::Device& device) : device_(device) {}
+
+  const vulkan::Device& device() const { return device_; }
+  template <typename Kernel>
+  const Kernel& get() {
+    std::shared_ptr<const void>& made = made_[typeid(Kernel)];
+    if (!made) made = std::make_shared<const Kernel>(device_);
+    return *static_cast<const Kernel*>(made.get());
+  }
+
+ private:
+  const vulkan::Device& device_;
+  std::map<std::type_index, std::shared_ptr<const void>> made_;
+};
+
+// What one output has to be.
+struct Expected {
+  std::vector<float> values;          // by the reference
+  double absolute = 0, relative = 0;  // how far the device may be off
+  std::vector<float> before{};        // what stands there, where the kernel leaves some of it
+  // Instead of the tolerance.
+  std::function<void(const std::vector<float>& found)> compare{};
+};
+
+struct KernelRun {
+  std::vector<Expected> outputs;
+  Record record;  // owns what it binds, but for the kernel
+};
+
+// A kernel that binds its tables, in this order, and then its outputs.
+template <typename Kernel, typename... Tables>
+KernelRun run_on(KernelSet& kernels, const typename Kernel::Push& push, std::uint32_t frames,
+                 std::vector<Expected> outputs, const std::vector<Tables>&... tables) {
+  const auto buffers = std::make_shared<std::vector<vulkan::Buffer>>();
+  (buffers->push_back(vulkan::upload(kernels.device(), tables, "a table")), ...);
+  const Kernel& kernel = kernels.get<Kernel>();
+  return {std::move(outputs), [&kernel, buffers, push, frames](vulkan::Commands& commands, const auto& out) {
+            std::vector<vulkan::BufferRange> ranges(buffers->begin(), buffers->end());
+            ranges.insert(ranges.end(), out.begin(), out.end());
+            using Buffers = typename Kernel::Buffers;
+            const auto bound = [&]<std::size_t... K>(std::index_sequence<K...>) { return Buffers{ranges.at(K)...}; };
+            constexpr std::size_t kBindings = sizeof(Buffers) / sizeof(vulkan::BufferRange);
+            ASSERT_EQ(ranges.size(), kBindings);
+            kernel.record(commands, bound(std::make_index_sequence<kBindings>()), push, frames);
+          }};
+}
+
+inline std::vector<std::vector<float>> outputs_of(const vulkan::Device& device, const KernelRun& run) {
+  std::vector<std::size_t> counts;
+  std::vector<vulkan::Buffer> before;
+  for (const Expected& expected : run.outputs) {
+    counts.push_back(expected.values.size());
+    before.push_back(vulkan::upload(device, expected.before, "before"));
+  }
+  return run_kernel(device, counts, [&](auto& commands, const auto& outputs) {
+    for (std::size_t o = 0; o < outputs.size(); ++o) {
+      commands.copy({before[o], 0, sizeof(float) * run.outputs[o].before.size()}, outputs[o]);
+    }
+    run.record(commands, outputs);
+  });
+}
+
+inline void expect_reference(const vulkan::Device& device, const KernelRun& run) {
+  const std::vector<std::vector<float>> found = outputs_of(device, run);
+  for (std::size_t o = 0; o < found.size(); ++o) {
+    const Expected& expected = run.outputs[o];
+    if (expected.compare) {
+      expected.compare(found[o]);
+    } else {
+      expect_close(found[o], expected.values, expected.absolute, expected.relative);
+    }
+  }
+}
+
+struct Trial {
+  std::uint32_t size, variant;
+  std::uint32_t seed() const { return size + 31 * variant; }
+};
+
+struct KernelCases {
+  std::string kernel;                // as its shader is named
+  std::string sized, varied;         // what sizes and variants count: "vertices", "frames"
+  std::vector<std::uint32_t> sizes;  // 0, 1, around a workgroup, and many
+  std::vector<std::uint32_t> variants;
+  std::function<KernelRun(KernelSet&, const Trial&)> make;
+};
+
+inline std::vector<KernelCases>& kernel_cases() {
+  static std::vector<KernelCases> all;
+  return all;
+}
+
+inline bool add_kernel_cases(KernelCases cases) {
+  kernel_cases().push_back(std::move(cases));
+  return true;
+}
+
+// Of the most usual sizes.
+inline bool add_kernel_cases(const char* kernel, const char* sized, decltype(KernelCases::make) make) {
+  return add_kernel_cases({kernel, sized, "", {kSizes.begin(), kSizes.end()}, {0}, std::move(make)});
+}
+inline bool add_kernel_cases_of_frames(const char* kernel, const char* sized, decltype(KernelCases::make) make) {
+  return add_kernel_cases(
+      {kernel, sized, "frames", {kSizes.begin(), kSizes.end()}, {kFrames.begin(), kFrames.end()}, std::move(make)});
+}
+
+}  // namespace bodyopt::testing
