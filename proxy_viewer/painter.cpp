@@ -115,9 +115,10 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
     controls_.poses.note(controls_.settings.pose);  // a drag is one step
   gui_.end();
   session_.follow();
+  const auto covered = static_cast<std::uint32_t>(std::lround(names_height(snapshot_, controls_) * scale()));
   controls_.attempt([&] {
-    if (controls_.requests.frame_selection) session_.frame_selection(area_.width, area_.height);
-    session_.keep_framed(area_.width, area_.height);
+    if (controls_.requests.frame_selection) session_.frame_selection(area_.width, area_.height, covered);
+    session_.keep_framed(area_.width, area_.height, covered);
   });
 }
 

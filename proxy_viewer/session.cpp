@@ -451,22 +451,23 @@ void Session::apply_range(const PlaySettings& settings) {
   }
 }
 
-void Session::frame_selection(std::uint32_t width, std::uint32_t height) {
+void Session::frame_selection(std::uint32_t width, std::uint32_t height, std::uint32_t covered) {
   controls.requests.frame_selection = false;
-  frame_points(scene.points_to_frame(controls), width, height);
+  frame_points(scene.points_to_frame(controls), width, height, covered);
 }
 
-void Session::keep_framed(std::uint32_t width, std::uint32_t height) {
+void Session::keep_framed(std::uint32_t width, std::uint32_t height, std::uint32_t covered) {
   const std::size_t views = scene.view_areas(controls.settings, {0, 0, width, height}).size();
-  if (!framed_ || views == framed_->views) return;
+  if (!framed_ || (views == framed_->views && covered == framed_->covered)) return;
   const OrbitView now = controls.kept_camera(), &then = framed_->camera;
   const bool stayed = length(now.target - then.target) < 1e-6 * then.distance && now.distance == then.distance &&
                       now.azimuth == then.azimuth && now.elevation == then.elevation;
   if (!stayed) return framed_.reset();
-  controls.camera.frame(framed_->points, view_aspect(width, height));
+  look_at(framed_->points, width, height, covered);
   controls.go_to_camera(controls.camera.view());
   framed_->camera = controls.kept_camera();
   framed_->views = views;
+  framed_->covered = covered;
 }
 
 void Session::frame_range(std::uint32_t width, std::uint32_t height) {
@@ -483,16 +484,24 @@ void Session::frame_range(std::uint32_t width, std::uint32_t height) {
     for (std::size_t k = 0; k < some.size(); ++k) points.push_back(some[k] - static_cast<float>(gone[k % 3]));
   }
   playback.scrub(shown);
-  frame_points(std::move(points), width, height);
+  frame_points(std::move(points), width, height, 0);
 }
 
-void Session::frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height) {
+void Session::frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height,
+                           std::uint32_t covered) {
   if (points.empty()) return;
-  controls.camera.frame(points, view_aspect(width, height));
+  look_at(points, width, height, covered);
   const Vec3 travelled = controls.settings.look.follow ? controls.travelled : Vec3{0, 0, 0};
   for (std::size_t k = 0; k < points.size(); ++k) points[k] -= static_cast<float>(travelled[k % 3]);
   const std::size_t views = scene.view_areas(controls.settings, {0, 0, width, height}).size();
-  framed_ = Framed{controls.kept_camera(), views, std::move(points)};
+  framed_ = Framed{controls.kept_camera(), views, covered, std::move(points)};
+}
+
+// What is covered above is left free below, too, so that the middle stays the middle.
+void Session::look_at(const std::vector<float>& points, std::uint32_t width, std::uint32_t height,
+                      std::uint32_t covered) {
+  const std::uint32_t free = height > 4 * covered ? height - 2 * covered : height;
+  controls.camera.frame(points, view_aspect(width, free), static_cast<double>(free) / std::max(1u, height));
 }
 
 // Width over height of the first view of a picture.

@@ -71,11 +71,12 @@ class Session {
   bool restore_view();
   // The playhead over the lead's clip, as it played before; a range that the clip lacks is said, and forgotten.
   void play_clip();
-  // The camera sees all, or the joint that is selected, in a picture of so many pixels.
-  void frame_selection(std::uint32_t width, std::uint32_t height);
-  // The same again where a comparison has taken half of the picture since, or given it back, and nobody has moved the
-  // camera.
-  void keep_framed(std::uint32_t width, std::uint32_t height);
+  // The camera sees all, or the joint that is selected, in a picture of so many pixels, of which names cover the
+  // uppermost.
+  void frame_selection(std::uint32_t width, std::uint32_t height, std::uint32_t covered = 0);
+  // The same again where a comparison or its names have taken some of the picture since, or given it back, and nobody
+  // has moved the camera.
+  void keep_framed(std::uint32_t width, std::uint32_t height, std::uint32_t covered = 0);
   // So that nothing leaves the picture in the frames that are played (thirteen are looked at).
   void frame_range(std::uint32_t width, std::uint32_t height);
   // The camera goes along with the lead since the picture before.
@@ -86,7 +87,8 @@ class Session {
   void describe_picture();
 
  private:
-  void frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height);
+  void frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height, std::uint32_t covered);
+  void look_at(const std::vector<float>& points, std::uint32_t width, std::uint32_t height, std::uint32_t covered);
   float view_aspect(std::uint32_t width, std::uint32_t height) const;
   struct Replacement {
     std::size_t index;  // in the cast
@@ -123,6 +125,7 @@ class Session {
   struct Framed {
     OrbitView camera;  // as it is kept
     std::size_t views;
+    std::uint32_t covered;
     std::vector<float> points;  // V x 3, metres, as the camera is kept
   };
   std::optional<Framed> framed_;  // by the last framing

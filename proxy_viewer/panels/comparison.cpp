@@ -7,12 +7,15 @@
 namespace bodyopt {
 namespace {
 
+constexpr float kNamesTop = 12, kNamePadding = 3;  // points
+
 void draw_name(const std::string& name, float middle, float low, float high, float top) {
   const ImVec2 size = ImGui::CalcTextSize(name.c_str());
   if (high - low < size.x + 24) return;
   const float x = std::clamp(middle - 0.5f * size.x, low + 12, high - size.x - 12);
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  list.AddRectFilled({x - 8, top - 3}, {x + size.x + 8, top + size.y + 3}, IM_COL32(20, 20, 22, 170), 4);
+  list.AddRectFilled({x - 8, top - kNamePadding}, {x + size.x + 8, top + size.y + kNamePadding},
+                     IM_COL32(20, 20, 22, 170), 4);
   list.AddText({x, top}, IM_COL32(225, 225, 228, 255), name.c_str());
 }
 
@@ -37,11 +40,17 @@ void draw_wipe(Controls& controls, const PanelLayout& layout) {
 
 }  // namespace
 
+float names_height(const Snapshot& snapshot, const Controls& controls) {
+  const bool shown = controls.settings.hud.legend && !snapshot.compared.empty() &&
+                     !controls.settings.compare.activation && !snapshot.cast.empty();
+  return shown ? kNamesTop + ImGui::GetFontSize() + 2 * kNamePadding : 0;
+}
+
 void draw_comparison(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout) {
   const ViewSettings::Compare& compare = controls.settings.compare;
-  if (snapshot.compared.empty() || compare.activation || snapshot.cast.empty()) return;
+  if (names_height(snapshot, controls) == 0) return;
   const std::string& shown = snapshot.cast.front().method;
-  const float right = layout.right(), top = layout.menu + 12;
+  const float right = layout.right(), top = layout.menu + kNamesTop;
   const auto wipe = static_cast<float>(compare.wipe) * right;
   switch (compare.layout) {
     case CompareLayout::side_by_side:

@@ -30,8 +30,8 @@ Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_
   draw_messages(controls, layout);
   if (layout.timeline > 0) draw_timeline(snapshot, controls, layout);
   if (layout.side > 0) draw_side_panel(snapshot, controls, layout);
+  draw_comparison(snapshot, controls, layout);
   if (controls.settings.hud.legend) {
-    draw_comparison(snapshot, controls, layout);
     draw_colour_bar(snapshot, controls, layout);
     draw_colour_keys(snapshot, controls, layout);
   }

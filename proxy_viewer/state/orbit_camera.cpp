@@ -74,13 +74,13 @@ void OrbitCamera::dolly(double notches) {
   view_.distance = std::clamp(view_.distance * std::pow(0.9, notches), kNearest, kFarthest);
 }
 
-void OrbitCamera::frame(std::span<const float> points, float aspect) {
+void OrbitCamera::frame(std::span<const float> points, float aspect, double share) {
   const Vec3 back = direction(view_);
   const Camera seen = frame_points(points, to_float(back), aspect);
   view_.target = to_double(seen.target);
   const double distance =
       distance_of(view_.orthographic ? frame_points(without_depth(points, back), to_float(back), aspect) : seen);
-  view_.distance = std::clamp(distance, kNearest, kFarthest);
+  view_.distance = std::clamp(distance / share, kNearest, kFarthest);
 }
 
 void OrbitCamera::view_axis(AxisView axis) {

@@ -250,6 +250,16 @@ TEST_F(SessionTest, FramingFitsOneOfTwoViews) {
   EXPECT_GT(distance(CompareLayout::side_by_side), 1.2 * distance(CompareLayout::wipe));
 }
 
+// Names over a tenth of the picture, and as much below them, leave four fifths of its height.
+TEST_F(SessionTest, FramingLeavesRoomForNames) {
+  session_.frame_selection(200, 200);
+  const double free = session_.controls.camera.view().distance;
+  session_.keep_framed(200, 200, 20);
+  EXPECT_NEAR(session_.controls.camera.view().distance, free / 0.8, 1e-3 * free);
+  session_.keep_framed(200, 200, 0);
+  EXPECT_NEAR(session_.controls.camera.view().distance, free, 1e-6 * free);
+}
+
 // As long as nobody has moved the camera since.
 TEST_F(SessionTest, WhatWasFramedFitsWhenAComparisonTakesHalfThePicture) {
   const auto view = [&] { return session_.controls.camera.view(); };
