@@ -18,6 +18,7 @@ namespace {
 constexpr const char *kSchema = "bodyopt-basis-3", *kEarlierSchema = "bodyopt-basis-2";
 constexpr const char *kModifiers = "modifiers", *kModifierBegin = "modifiers.blend_begin",
                      *kModifierBlend = "modifiers.blend";
+constexpr const char *kFoldBegin = "modifiers.fold_begin", *kFoldTriangles = "modifiers.fold_triangles";
 constexpr const char *kCoverageNames = "coverage_names", *kEarlierCoverage = "coverage",
                      *kCoverageBegin = "coverage.joint_begin";
 constexpr const char *kCarried = "carried.points", *kCarriedStep = "carried.step";
@@ -182,13 +183,20 @@ void add_modifiers(Safetensors& file, const SkinModifiers& modifiers, const std:
   file.metadata[prefix + kModifiers] = text_of_stack(modifiers.stack, path.string());
   file.tensors[prefix + kModifierBegin] = tensor_from(modifiers.blend_begin, 1);
   file.tensors[prefix + kModifierBlend] = tensor_from(modifiers.blend, 1);
+  if (modifiers.folds.empty()) return;
+  file.tensors[prefix + kFoldBegin] = tensor_from(modifiers.folds.begin, 1);
+  file.tensors[prefix + kFoldTriangles] = tensor_from(modifiers.folds.triangles, 1);
 }
 
-SkinModifiers read_modifiers(TableReader& reader, const std::string& prefix, const std::filesystem::path& path) {
+SkinModifiers read_modifiers(const Safetensors& file, TableReader& reader, const std::string& prefix,
+                             const std::filesystem::path& path) {
   SkinModifiers modifiers;
   modifiers.stack = stack_from_text(reader.metadata(prefix + kModifiers), path.string() + ", metadata 'modifiers'");
   reader.read(prefix + kModifierBegin, modifiers.blend_begin, 1);
   reader.read(prefix + kModifierBlend, modifiers.blend, 1);
+  if (!file.tensors.contains(prefix + kFoldBegin)) return modifiers;
+  reader.read(prefix + kFoldBegin, modifiers.folds.begin, 1);
+  reader.read(prefix + kFoldTriangles, modifiers.folds.triangles, 1);
   return modifiers;
 }
 
@@ -316,7 +324,7 @@ std::vector<Level> load_levels(const std::filesystem::path& path) {
     basis.strain.names = strings(reader, prefix + "fibre_names", path);
     basis.residual.controls = strings(reader, prefix + "controls", path);
     basis.coverage = read_coverage(file, reader, prefix, path, basis);
-    if (file.metadata.contains(prefix + kModifiers)) basis.modifiers = read_modifiers(reader, prefix, path);
+    if (file.metadata.contains(prefix + kModifiers)) basis.modifiers = read_modifiers(file, reader, prefix, path);
     basis.metadata = metadata_of(file, k, levels.size());
     if (file.tensors.contains(prefix + kCarried) || file.tensors.contains(prefix + kCarriedStep)) {
       levels[k].carried = read_carried(reader, prefix);
@@ -342,8 +350,9 @@ std::map<std::string, std::size_t> table_bytes(const Basis& basis) {
   });
   const SkinModifiers& modifiers = basis.modifiers;
   if (!modifiers.empty()) {
-    bytes["modify"] =
-        modifiers.blend_begin.size() * sizeof(std::uint32_t) + modifiers.blend.size() * sizeof(BlendEntry);
+    bytes["modify"] = modifiers.blend_begin.size() * sizeof(std::uint32_t) +
+                      modifiers.blend.size() * sizeof(BlendEntry) +
+                      (modifiers.folds.begin.size() + modifiers.folds.triangles.size()) * sizeof(std::uint32_t);
   }
   return bytes;
 }

@@ -290,6 +290,8 @@ class Validator : TableChecks {
     if (modifiers.empty()) {
       expect_size("modifiers.blend_begin", modifiers.blend_begin.size(), 0);
       expect_size("modifiers.blend", modifiers.blend.size(), 0);
+      expect_size("modifiers.fold_begin", modifiers.folds.begin.size(), 0);
+      expect_size("modifiers.fold_triangles", modifiers.folds.triangles.size(), 0);
       return;
     }
     std::vector<char> used;  // components
@@ -304,6 +306,24 @@ class Validator : TableChecks {
     if (names.size() > kMostModifiers) refuse("there are more than " + std::to_string(kMostModifiers) + " modifiers");
     expect_offsets("modifiers.blend_begin", modifiers.blend_begin, basis_.mesh.block_count(), modifiers.blend.size());
     expect_entries("modifiers.blend", modifiers.blend, used.size());
+    check_folds(modifiers);
+  }
+
+  void check_folds(const SkinModifiers& modifiers) const {
+    const auto of_type = [](const SkinModifier& modifier) { return modifier.type == kPushOut; };
+    const auto count = std::ranges::count_if(modifiers.stack, of_type);
+    if (count != (modifiers.folds.empty() ? 0 : 1)) {
+      refuse("there are " + std::to_string(count) + " modifiers of the type '" + kPushOut + "', expected " +
+             (modifiers.folds.empty() ? "none without folds" : "one for the folds"));
+    }
+    if (count == 0) return expect_size("modifiers.fold_triangles", modifiers.folds.triangles.size(), 0);
+    const SkinModifier& modifier = *std::ranges::find_if(modifiers.stack, of_type);
+    if (modifier.component_count != 1 || modifier.numbers.size() != 1 || !(modifier.numbers[0] > 0)) {
+      refuse("the modifier '" + modifier.name + "' lacks the one component, and the reach above 0, of its type");
+    }
+    expect_offsets("modifiers.fold_begin", modifiers.folds.begin, basis_.mesh.vertex_count(),
+                   modifiers.folds.triangles.size());
+    expect_below("modifiers.fold_triangles", modifiers.folds.triangles, basis_.mesh.triangles.size() / 3);
   }
 
   // Between them modifiers have each component once.

@@ -8,6 +8,7 @@
 #include "runtime/cpu/cpu_dynamics.h"
 #include "runtime/cpu/ddm_frames.h"
 #include "runtime/cpu/kernels.h"
+#include "runtime/host/separate_steps.h"
 #include "runtime/host/stages.h"
 
 namespace bodyopt {
@@ -98,13 +99,18 @@ class CpuBackend final : public Backend {
     if (stage == Stage::pose && work.batch.keeps_posed) result.posed = result.positions;
     if (stage == Stage::diffuse) dynamics_->diffuse(work.batch, result.positions);
     if (stage == Stage::jiggle) dynamics_->jiggle(work.batch, weights_.jiggle, result.strains, result.positions);
-    if (stage == Stage::output && work.batch.wants_normals) return find_normals(work);
+    if (stage == Stage::output) {
+      separate(work);
+      if (work.batch.wants_normals) find_normals(work);
+      return;
+    }
     work.times.add_since(last, stage);
   }
 
   // Arrays of a batch that nobody asks for, kept from batch to batch.
   struct Scratch {
     std::vector<float> fibre_positions, features, coordinates, kernels;
+    std::vector<float> separated;
     std::vector<float> areas;   // of kFramesAtOnce frames
     std::vector<float> frames;  // of all blocks of kFramesAtOnce frames; none without strains
   };
@@ -225,6 +231,25 @@ class CpuBackend final : public Backend {
         work.times.add_since(last, stage);
       }
     });
+  }
+
+  void separate(Work& work) {
+    const std::vector<OutputSeparatePush> steps = separate_steps(basis_);
+    if (steps.empty()) return;
+    const std::size_t frames = work.batch.frame_count;
+    const std::vector<float> posed = work.result.positions;
+    scratch_.separated.resize(posed.size());
+    for (const OutputSeparatePush& push : steps) {
+      over_parts(frames, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
+        auto last = StageTimes::Clock::now();
+        cpu::separate_part(basis_.mesh, basis_.modifiers.folds, push,
+                           of_frame(work.batch.modifiers, f, frames)[push.component], of_frame(posed, f, frames),
+                           of_frame(work.result.positions, f, frames), first,
+                           of_frame(scratch_.separated, f, frames).subspan(3 * first, 3 * count));
+        work.times.add_since(last, Stage::output);
+      });
+      work.result.positions.swap(scratch_.separated);
+    }
   }
 
   void find_normals(Work& work) {

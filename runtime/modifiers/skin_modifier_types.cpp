@@ -29,6 +29,7 @@ std::span<const SkinModifierType> skin_modifier_types() {
        {{"activation", 0, 0, 1, "how hard all of them are tensed; a channel of a muscle's name tenses that one more"}},
        1,
        drive_flex},
+      {kPushOut, "takes skin out of skin where it folds", {}, 1, drive_constant},
   };
   return types;
 }

@@ -150,6 +150,9 @@ struct TetElasticity {
 };
 BODYOPT_CHECK_SIZE(TetElasticity, 8)
 
+// In how many steps skin is taken out of skin.
+const uint kSeparateSteps = 4u;
+
 // Push constants, one record per kernel. Every kernel runs over (element, frame) = (x, y).
 struct StrainSkinPush {
   uint strain_vertex_count, joint_count;  // strain_vertex_count: length of the strain table's vertex list
@@ -182,6 +185,11 @@ struct PoseSkinPush {
   uint vertex_count, joint_count;
   uint first_vertex, end_vertex;  // the window of the DDM table bound; vertices run from first_vertex
   uint first_entry;               // entry at which the bound moments begin
+};
+struct OutputSeparatePush {
+  uint vertex_count, component_count, component;  // the last: whose weight says how much is shown
+  uint last;                                      // 1: of the steps, the one whose result is shown
+  float reach;                                    // metres
 };
 struct OutputPlacePush {
   uint output_count, vertex_count;

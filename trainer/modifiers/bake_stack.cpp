@@ -27,6 +27,7 @@ const std::vector<BakeType>& bake_types() {
       {"morph", {"file", "target", "mesh"}, bake_morph},
       {"sculpt", {"mesh", "clip", "frame", "spread_degrees", "joints"}, bake_sculpt},
       {"flex", {"muscles", "muscle", "bulge_mm"}, bake_flex},
+      {kPushOut, {"clip"}, bake_push_out},
   };
   return types;
 }
@@ -48,6 +49,12 @@ void refuse_unknown_keys(const JsonObject& json, const BakeType& type) {
     json.refuse("has the unknown key '" + key + "': misspelt? '" + type.name + "' takes " +
                 list_names(type.parameters));
   }
+}
+
+// It has the last word, on skin that is posed: a second one would find nothing left.
+void refuse_second(const JsonObject& json, const std::string& type, const SkinModifiers& stack) {
+  if (type != kPushOut || std::ranges::find(stack.stack, type, &SkinModifier::type) == stack.stack.end()) return;
+  json.refuse("is the second of the type '" + type + "': a stack has one");
 }
 
 // What is trained of the same name would listen to the same channel.
@@ -75,6 +82,7 @@ SkinModifiers bake_stack(const std::filesystem::path& path, const Basis& basis, 
     const BakeType& type = bake_type(object);
     modifier.type = type.name;
     refuse_unknown_keys(object, type);
+    refuse_second(object, modifier.type, stack);
     refuse_name(object, modifier.name, basis, known);
     read_shot_modifier(object, modifier);
     const std::string place = path.string() + ": modifier '" + modifier.name + "'";
@@ -85,6 +93,7 @@ SkinModifiers bake_stack(const std::filesystem::path& path, const Basis& basis, 
     modifier.joints = std::move(baked.joints);
     modifier.numbers = std::move(baked.numbers);
     std::ranges::move(baked.components, std::back_inserter(components));
+    if (!baked.folds.empty()) stack.folds = std::move(baked.folds);
     stack.stack.push_back(std::move(modifier));
   }
   if (stack.stack.empty()) top.refuse("has no modifiers");

@@ -21,6 +21,8 @@ SkinTables::SkinTables(const Device& device, const Basis& b)
       blend(upload(device, b.residual.blend, "the blend")),
       modifier_begin(upload(device, b.modifiers.blend_begin, "the modifiers' blocks")),
       modifier_blend(upload(device, b.modifiers.blend, "the modifiers")),
+      fold_begin(upload(device, b.modifiers.folds.begin, "the vertices' folds")),
+      fold_triangles(upload(device, b.modifiers.folds.triangles, "the folds")),
       triangles(upload(device, b.mesh.triangles, "the triangles")),
       vertex_triangle_begin(upload(device, b.mesh.vertex_triangle_begin, "the vertices' triangles")),
       vertex_triangles(upload(device, b.mesh.vertex_triangles, "the vertices' triangles")),
@@ -36,6 +38,7 @@ SkinKernels::SkinKernels(const Device& device)
       residual_blend(device),
       modify_blend(device),
       pose_skin(device),
+      output_separate(device),
       output_normals(device),
       output_place(device) {}
 

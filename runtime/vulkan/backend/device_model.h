@@ -25,10 +25,12 @@ struct FrameCounts {
         coordinates(basis.residual.coordinate_count()),
         centres(basis.residual.centre_count()),
         coefficients(basis.residual.coefficient_count()),
-        components(basis.modifiers.component_count()) {}
+        components(basis.modifiers.component_count()),
+        separated(basis.modifiers.folds.empty() ? 0 : 3 * vertices) {}
 
   std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
   std::uint32_t regions, coordinates, centres, coefficients, components;
+  std::uint32_t separated;  // numbers of the skin that is pushed out; 0 where none is
 };
 
 struct SkinTables {
@@ -38,6 +40,7 @@ struct SkinTables {
   Buffer strain_vertices, points, fibre_begin, rest_length;
   Buffer ranges, regions, region_features, coordinate_region, projections, centre_region, centres;
   Buffer coefficient_region, weights, blend_begin, blend, modifier_begin, modifier_blend;
+  Buffer fold_begin, fold_triangles;
   Buffer triangles, vertex_triangle_begin, vertex_triangles, output_vertex;
 };
 
@@ -53,6 +56,7 @@ struct SkinKernels {
   ResidualBlend residual_blend;
   ModifyBlend modify_blend;
   PoseSkin pose_skin;
+  OutputSeparate output_separate;
   OutputNormals output_normals;
   OutputPlace output_place;
 };

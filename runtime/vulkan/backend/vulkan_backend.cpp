@@ -4,11 +4,13 @@
 #include "runtime/vulkan/backend/vulkan_backend.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <optional>
 #include <utility>
 
 #include "runtime/core/error.h"
+#include "runtime/host/separate_steps.h"
 #include "runtime/host/stages.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_dynamics.h"
@@ -48,6 +50,8 @@ struct BatchBuffers {
         displacements(device, frames, std::uint64_t{3} * n.vertices, "the displacements"),
         modified(device, frames, n.components == 0 ? 0 : std::uint64_t{3} * n.vertices, "the modified displacements"),
         positions(device, frames, std::uint64_t{3} * n.vertices, "the positions"),
+        separated{Values(device, frames, n.separated, "the skin that is pushed out"),
+                  Values(device, frames, n.separated, "the skin that is pushed out")},
         normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
         staging_in(device, total({&skinning, &origins, &joint_features, &controls, &fades, &modifiers}),
                    Memory::staging, "staging"),
@@ -63,7 +67,9 @@ struct BatchBuffers {
   std::uint32_t frames;
   Values skinning, origins, joint_features, controls, fades, modifiers;
   Values strain_positions, strains, features, excess, coordinates, kernels, coefficients, displacements, modified;
-  Values positions, normals;
+  Values positions;
+  std::array<Values, 2> separated;  // by one step, and by the next
+  Values normals;
   Buffer staging_in, staging_out;
 };
 
@@ -89,8 +95,8 @@ class VulkanBackend final : public Backend {
     const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
     const std::uint64_t largest =
         std::max<std::uint64_t>({skin, skinning, strain, n.coordinates, n.centres, n.features});
-    const std::uint64_t all = (n.components == 0 ? 3 : 4) * skin + n.components + skinning + strain + n.coordinates +
-                              n.centres + 3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
+    const std::uint64_t all = (n.components == 0 ? 3 : 4) * skin + 2 * n.separated + n.components + skinning + strain +
+                              n.coordinates + n.centres + 3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
     const std::uint64_t by_range =
         device_.info().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
     const std::uint64_t by_memory =
@@ -225,11 +231,28 @@ class VulkanBackend final : public Backend {
   }
 
   void record_output(const Batch& batch) {
+    record_separate(batch.frame_count);
     if (!batch.wants_normals) return;
     const SkinTables& t = tables_;
     kernels_.output_normals.record(
         *commands_, {t.triangles, t.vertex_triangle_begin, t.vertex_triangles, *skin_, buffers_->normals.buffer},
         {counts_.vertices}, batch.frame_count);
+  }
+
+  void record_separate(std::uint32_t frames) {
+    const SkinTables& t = tables_;
+    const Buffer& posed = *skin_;
+    std::size_t to = 0;
+    for (const OutputSeparatePush& push : separate_steps(model_->model().basis)) {
+      const Buffer& separated = buffers_->separated[to].buffer;
+      kernels_.output_separate.record(
+          *commands_,
+          {t.fold_begin, t.fold_triangles, t.triangles, buffers_->modifiers.buffer, posed, *skin_, separated}, push,
+          frames);
+      commands_->barrier();
+      skin_ = &separated;
+      to = 1 - to;
+    }
   }
 
   // From now on for the host, one frame at a time: what an earlier frame uses is never let go of.

@@ -1,0 +1,57 @@
+#include <algorithm>
+
+#include "runtime/cpu/kernels.h"
+#include "shaders/include/fold.h"
+
+namespace bodyopt::cpu {
+namespace {
+
+using Point = float[3];
+
+const Point& point(std::span<const float> positions, std::size_t vertex) {
+  return *reinterpret_cast<const Point*>(positions.data() + 3 * vertex);
+}
+
+// The pull of one triangle on a vertex.
+void add_pull(std::span<const float> current, const std::uint32_t* triangle, const Point& own, float reach,
+              float (&pull)[4]) {
+  Point corners[3];
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Point& corner = point(current, triangle[c]);
+    for (std::size_t i = 0; i < 3; ++i) corners[c][i] = corner[i] - own[i];
+  }
+  add_fold_pull(corners[0], corners[1], corners[2], reach, pull);
+}
+
+}  // namespace
+
+void separate_part(const MeshTable& mesh, const FoldTable& folds, const OutputSeparatePush& push, float weight,
+                   std::span<const float> posed, std::span<const float> current, std::size_t first_vertex,
+                   std::span<float> separated) {
+  const float shown = std::clamp(weight, 0.0f, 1.0f);
+  for (std::size_t at = 0; at < separated.size(); at += 3) {
+    const std::size_t vertex = first_vertex + at / 3;
+    const Point& own = point(current, vertex);
+    const std::uint32_t begin = folds.begin[vertex], end = shown > 0 ? folds.begin[vertex + 1] : begin;
+    float pull[4] = {};
+    for (std::uint32_t k = begin; k < end; ++k) {
+      add_pull(current, &mesh.triangles[std::size_t{3} * folds.triangles[k]], own, push.reach, pull);
+    }
+    Point moved;
+    fold_step(pull, point(posed, vertex), own, push.reach, push.last == 1 ? shown : -1.0f, moved);
+    std::copy_n(moved, 3, &separated[at]);
+  }
+}
+
+void output_separate(const MeshTable& mesh, const FoldTable& folds, const OutputSeparatePush& push,
+                     std::span<const float> weights, std::span<const float> posed, std::span<const float> current,
+                     std::span<float> separated) {
+  const std::size_t numbers = std::size_t{3} * push.vertex_count;
+  for (std::size_t f = 0; f * numbers < separated.size(); ++f) {
+    separate_part(mesh, folds, push, weights[push.component_count * f + push.component],
+                  posed.subspan(f * numbers, numbers), current.subspan(f * numbers, numbers), 0,
+                  separated.subspan(f * numbers, numbers));
+  }
+}
+
+}  // namespace bodyopt::cpu

@@ -1,0 +1,80 @@
+#include "trainer/modifiers/measure_push_out.h"
+
+#include <algorithm>
+
+#include "base/parallel.h"
+#include "geometry/skin_in_skin.h"
+#include "trainer/modifiers/bake_modifier.h"
+#include "trainer/modifiers/fold_poses.h"
+
+namespace bodyopt {
+
+void FoldMeasure::add(const FoldMeasure& other) {
+  deepest = std::max(deepest, other.deepest);
+  deepest_left = std::max(deepest_left, other.deepest_left);
+  sum += other.sum;
+  sum_left += other.sum_left;
+  elsewhere = std::max(elsewhere, other.elsewhere);
+}
+
+FoldJudge::FoldJudge(const Basis& basis)
+    : basis_(basis),
+      triangles_(rest_triangles(basis)),
+      before_(without_modifiers(basis)),
+      after_(basis),
+      component_(std::ranges::find(basis.modifiers.stack, kPushOut, &SkinModifier::type)->first_component),
+      kept_(basis.mesh.vertex_count(), 0) {
+  const std::vector<Pose> rest = {bind_pose(basis.skeleton)};
+  for (const BuriedVertex& buried : skin_in_skin(before_(rest)[0], triangles_, triangles_)) kept_[buried.vertex] = 1;
+}
+
+std::vector<FoldMeasure> FoldJudge::operator()(std::span<const Pose> poses,
+                                               const std::vector<std::uint32_t>& searched) {
+  std::vector<Pose> pushed(poses.begin(), poses.end());
+  for (Pose& pose : pushed) {
+    pose.modifiers.assign(basis_.modifiers.component_count(), 0.0f);
+    pose.modifiers[component_] = 1;
+  }
+  const std::vector<Positions> before = before_(poses), after = after_(pushed);
+  const Triangles chosen = triangles_(searched, Eigen::all);
+  std::vector<FoldMeasure> measures(poses.size());
+  parallel_for(poses.size(), [&](std::size_t k) { measures[k] = measure(before[k], after[k], chosen); });
+  return measures;
+}
+
+FoldMeasure FoldJudge::measure(const Positions& before, const Positions& after, const Triangles& searched) const {
+  FoldMeasure measure;
+  std::vector<char> in_skin = kept_;
+  for (const BuriedVertex& buried : skin_in_skin(before, triangles_, searched)) {
+    in_skin[buried.vertex] = 1;
+    if (kept_[buried.vertex]) continue;
+    measure.deepest = std::max(measure.deepest, buried.depth);
+    measure.sum += buried.depth;
+  }
+  for (const BuriedVertex& buried : skin_in_skin(after, triangles_, searched)) {
+    if (kept_[buried.vertex]) continue;
+    measure.deepest_left = std::max(measure.deepest_left, buried.depth);
+    measure.sum_left += buried.depth;
+  }
+  const Eigen::VectorXd moved = (after - before).rowwise().norm();
+  for (Eigen::Index v = 0; v < moved.size(); ++v) {
+    if (!in_skin[static_cast<std::size_t>(v)]) measure.elsewhere = std::max(measure.elsewhere, moved[v]);
+  }
+  return measure;
+}
+
+std::vector<JointFolds> measure_push_out(const Basis& basis) {
+  FoldJudge judge(basis);
+  std::vector<JointFolds> joints;
+  for (std::uint32_t joint = 0; joint < basis.skeleton.size(); ++joint) {
+    if (basis.skeleton.joints[joint].parent < 0) continue;
+    JointFolds folds{basis.skeleton.joints[joint].name, {}};
+    const std::vector<Pose> poses = bent_poses(basis.skeleton, joint, kMeasuredBends);
+    for (const FoldMeasure& measure : judge(poses, triangles_near(basis, joint))) folds.measure.add(measure);
+    if (folds.measure.sum > 0 || folds.measure.elsewhere > 0) joints.push_back(folds);
+  }
+  std::ranges::sort(joints, std::greater(), [](const JointFolds& folds) { return folds.measure.deepest; });
+  return joints;
+}
+
+}  // namespace bodyopt
