@@ -309,17 +309,25 @@ class Validator : TableChecks {
     check_folds(modifiers);
   }
 
-  void check_folds(const SkinModifiers& modifiers) const {
-    const auto of_type = [](const SkinModifier& modifier) { return modifier.type == kPushOut; };
-    const auto count = std::ranges::count_if(modifiers.stack, of_type);
-    if (count != (modifiers.folds.empty() ? 0 : 1)) {
-      refuse("there are " + std::to_string(count) + " modifiers of the type '" + kPushOut + "', expected " +
-             (modifiers.folds.empty() ? "none without folds" : "one for the folds"));
+  // A type that acts on the posed skin is there once, with one component.
+  void check_posed(const SkinModifiers& modifiers, const std::string& type) const {
+    const auto count = std::ranges::count(modifiers.stack, type, &SkinModifier::type);
+    if (count > 1) refuse("there are " + std::to_string(count) + " modifiers of the type '" + type + "', expected one");
+    if (count == 1 && modifiers.of_type(type)->component_count != 1) {
+      refuse("the modifier '" + modifiers.of_type(type)->name + "' has not the one component of its type");
     }
-    if (count == 0) return expect_size("modifiers.fold_triangles", modifiers.folds.triangles.size(), 0);
-    const SkinModifier& modifier = *std::ranges::find_if(modifiers.stack, of_type);
-    if (modifier.component_count != 1 || modifier.numbers.size() != 1 || !(modifier.numbers[0] > 0)) {
-      refuse("the modifier '" + modifier.name + "' lacks the one component, and the reach above 0, of its type");
+  }
+
+  void check_folds(const SkinModifiers& modifiers) const {
+    check_posed(modifiers, kRelax);
+    check_posed(modifiers, kPushOut);
+    const SkinModifier* modifier = modifiers.of_type(kPushOut);
+    if (modifier == nullptr) {
+      expect_size("modifiers.fold_begin", modifiers.folds.begin.size(), 0);
+      return expect_size("modifiers.fold_triangles", modifiers.folds.triangles.size(), 0);
+    }
+    if (modifier->numbers.size() != 1 || !(modifier->numbers[0] > 0)) {
+      refuse("the modifier '" + modifier->name + "' lacks its reach, a number above 0");
     }
     expect_offsets("modifiers.fold_begin", modifiers.folds.begin, basis_.mesh.vertex_count(),
                    modifiers.folds.triangles.size());

@@ -150,8 +150,8 @@ struct TetElasticity {
 };
 BODYOPT_CHECK_SIZE(TetElasticity, 8)
 
-// In how many steps skin is taken out of skin.
-const uint kSeparateSteps = 4u;
+// In how many steps skin is relaxed, and taken out of skin.
+const uint kRelaxSteps = 4u, kSeparateSteps = 4u;
 
 // Push constants, one record per kernel. Every kernel runs over (element, frame) = (x, y).
 struct StrainSkinPush {
@@ -185,6 +185,9 @@ struct PoseSkinPush {
   uint vertex_count, joint_count;
   uint first_vertex, end_vertex;  // the window of the DDM table bound; vertices run from first_vertex
   uint first_entry;               // entry at which the bound moments begin
+};
+struct OutputRelaxPush {
+  uint vertex_count, component_count, component;  // the last: whose weight says how much is shown
 };
 struct OutputSeparatePush {
   uint vertex_count, component_count, component;  // the last: whose weight says how much is shown

@@ -34,6 +34,8 @@ BakedModifier bake_breathing(const BakeInput& input);
 BakedModifier bake_morph(const BakeInput& input);
 BakedModifier bake_sculpt(const BakeInput& input);
 BakedModifier bake_flex(const BakeInput& input);
+BakedModifier bake_sag(const BakeInput& input);
+BakedModifier bake_relax(const BakeInput& input);
 BakedModifier bake_push_out(const BakeInput& input);
 
 // V x 3, in runtime order, of V welded vertices.

@@ -27,6 +27,8 @@ const std::vector<BakeType>& bake_types() {
       {"morph", {"file", "target", "mesh"}, bake_morph},
       {"sculpt", {"mesh", "clip", "frame", "spread_degrees", "joints"}, bake_sculpt},
       {"flex", {"muscles", "muscle", "bulge_mm"}, bake_flex},
+      {"sag", {"dynamics"}, bake_sag},
+      {kRelax, {}, bake_relax},
       {kPushOut, {"clip"}, bake_push_out},
   };
   return types;
@@ -51,9 +53,9 @@ void refuse_unknown_keys(const JsonObject& json, const BakeType& type) {
   }
 }
 
-// It has the last word, on skin that is posed: a second one would find nothing left.
+// They have the last word, on skin that is posed: a second one would find nothing left.
 void refuse_second(const JsonObject& json, const std::string& type, const SkinModifiers& stack) {
-  if (type != kPushOut || std::ranges::find(stack.stack, type, &SkinModifier::type) == stack.stack.end()) return;
+  if ((type != kRelax && type != kPushOut) || stack.of_type(type) == nullptr) return;
   json.refuse("is the second of the type '" + type + "': a stack has one");
 }
 

@@ -1,6 +1,7 @@
 #include "trainer/modifiers/measure_push_out.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "base/parallel.h"
 #include "geometry/skin_in_skin.h"
@@ -17,29 +18,31 @@ void FoldMeasure::add(const FoldMeasure& other) {
   elsewhere = std::max(elsewhere, other.elsewhere);
 }
 
+std::size_t push_out_component(const SkinModifiers& modifiers) { return modifiers.of_type(kPushOut)->first_component; }
+
 FoldJudge::FoldJudge(const Basis& basis)
-    : basis_(basis),
-      triangles_(rest_triangles(basis)),
-      before_(without_modifiers(basis)),
-      after_(basis),
-      component_(std::ranges::find(basis.modifiers.stack, kPushOut, &SkinModifier::type)->first_component),
-      kept_(basis.mesh.vertex_count(), 0) {
+    : basis_(basis), triangles_(rest_triangles(basis)), shown_(basis), kept_(basis.mesh.vertex_count(), 0) {
   const std::vector<Pose> rest = {bind_pose(basis.skeleton)};
-  for (const BuriedVertex& buried : skin_in_skin(before_(rest)[0], triangles_, triangles_)) kept_[buried.vertex] = 1;
+  for (const BuriedVertex& buried : skin_in_skin(shown_(rest)[0], triangles_, triangles_)) kept_[buried.vertex] = 1;
 }
 
 std::vector<FoldMeasure> FoldJudge::operator()(std::span<const Pose> poses,
                                                const std::vector<std::uint32_t>& searched) {
-  std::vector<Pose> pushed(poses.begin(), poses.end());
-  for (Pose& pose : pushed) {
-    pose.modifiers.assign(basis_.modifiers.component_count(), 0.0f);
-    pose.modifiers[component_] = 1;
+  std::vector<Pose> without(poses.begin(), poses.end());
+  for (Pose& pose : without) {
+    if (!pose.modifiers.empty()) pose.modifiers.at(push_out_component(basis_.modifiers)) = 0;
   }
-  const std::vector<Positions> before = before_(poses), after = after_(pushed);
+  const std::vector<Positions> before = shown_(without), after = shown_(poses);
   const Triangles chosen = triangles_(searched, Eigen::all);
   std::vector<FoldMeasure> measures(poses.size());
   parallel_for(poses.size(), [&](std::size_t k) { measures[k] = measure(before[k], after[k], chosen); });
   return measures;
+}
+
+std::vector<FoldMeasure> FoldJudge::operator()(std::span<const Pose> poses) {
+  std::vector<std::uint32_t> all(static_cast<std::size_t>(triangles_.rows()));
+  std::iota(all.begin(), all.end(), 0u);
+  return (*this)(poses, all);
 }
 
 FoldMeasure FoldJudge::measure(const Positions& before, const Positions& after, const Triangles& searched) const {
@@ -69,7 +72,11 @@ std::vector<JointFolds> measure_push_out(const Basis& basis) {
   for (std::uint32_t joint = 0; joint < basis.skeleton.size(); ++joint) {
     if (basis.skeleton.joints[joint].parent < 0) continue;
     JointFolds folds{basis.skeleton.joints[joint].name, {}};
-    const std::vector<Pose> poses = bent_poses(basis.skeleton, joint, kMeasuredBends);
+    std::vector<Pose> poses = bent_poses(basis.skeleton, joint, kMeasuredBends);
+    for (Pose& pose : poses) {
+      pose.modifiers.assign(basis.modifiers.component_count(), 0.0f);
+      pose.modifiers[push_out_component(basis.modifiers)] = 1;
+    }
     for (const FoldMeasure& measure : judge(poses, triangles_near(basis, joint))) folds.measure.add(measure);
     if (folds.measure.sum > 0 || folds.measure.elsewhere > 0) joints.push_back(folds);
   }

@@ -26,18 +26,24 @@ class FoldJudge {
   // The basis must have push-out.
   explicit FoldJudge(const Basis& basis);
 
-  // Of poses without modifiers but push-out in full, one each. `searched`: triangles among which folds are looked for.
+  // One for each pose, with the weights that its modifiers have; before: without that of push-out. `searched`:
+  // triangles among which folds are looked for.
   std::vector<FoldMeasure> operator()(std::span<const Pose> poses, const std::vector<std::uint32_t>& searched);
+  // Among all triangles.
+  std::vector<FoldMeasure> operator()(std::span<const Pose> poses);
 
  private:
   FoldMeasure measure(const Positions& before, const Positions& after, const Triangles& searched) const;
 
   const Basis& basis_;
   const Triangles triangles_;
-  ShownSkin before_, after_;
+  ShownSkin shown_;
   std::size_t component_;
   std::vector<char> kept_;  // V: in skin at rest
 };
+
+// The component of push-out in Pose::modifiers of a basis that has it.
+std::size_t push_out_component(const SkinModifiers& modifiers);
 
 // Bends of a joint that push-out was not made of, between those it was.
 struct JointFolds {

@@ -23,6 +23,7 @@ SkinTables::SkinTables(const Device& device, const Basis& b)
       modifier_blend(upload(device, b.modifiers.blend, "the modifiers")),
       fold_begin(upload(device, b.modifiers.folds.begin, "the vertices' folds")),
       fold_triangles(upload(device, b.modifiers.folds.triangles, "the folds")),
+      rest(upload(device, b.modifiers.of_type(kRelax) ? b.mesh.rest : std::vector<float>(), "the skin at rest")),
       triangles(upload(device, b.mesh.triangles, "the triangles")),
       vertex_triangle_begin(upload(device, b.mesh.vertex_triangle_begin, "the vertices' triangles")),
       vertex_triangles(upload(device, b.mesh.vertex_triangles, "the vertices' triangles")),
@@ -38,6 +39,7 @@ SkinKernels::SkinKernels(const Device& device)
       residual_blend(device),
       modify_blend(device),
       pose_skin(device),
+      output_relax(device),
       output_separate(device),
       output_normals(device),
       output_place(device) {}

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "runtime/host/character_model.h"
+#include "runtime/host/output_steps.h"
 #include "runtime/vulkan/backend/block_solve.h"
 #include "runtime/vulkan/kernels/windows.h"
 
@@ -26,11 +27,11 @@ struct FrameCounts {
         centres(basis.residual.centre_count()),
         coefficients(basis.residual.coefficient_count()),
         components(basis.modifiers.component_count()),
-        separated(basis.modifiers.folds.empty() ? 0 : 3 * vertices) {}
+        moved(output_steps(basis).empty() ? 0 : 3 * vertices) {}
 
   std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
   std::uint32_t regions, coordinates, centres, coefficients, components;
-  std::uint32_t separated;  // numbers of the skin that is pushed out; 0 where none is
+  std::uint32_t moved;  // numbers of the skin where it is moved in the end; 0 where it is not
 };
 
 struct SkinTables {
@@ -40,7 +41,7 @@ struct SkinTables {
   Buffer strain_vertices, points, fibre_begin, rest_length;
   Buffer ranges, regions, region_features, coordinate_region, projections, centre_region, centres;
   Buffer coefficient_region, weights, blend_begin, blend, modifier_begin, modifier_blend;
-  Buffer fold_begin, fold_triangles;
+  Buffer fold_begin, fold_triangles, rest;
   Buffer triangles, vertex_triangle_begin, vertex_triangles, output_vertex;
 };
 
@@ -56,6 +57,7 @@ struct SkinKernels {
   ResidualBlend residual_blend;
   ModifyBlend modify_blend;
   PoseSkin pose_skin;
+  OutputRelax output_relax;
   OutputSeparate output_separate;
   OutputNormals output_normals;
   OutputPlace output_place;

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "runtime/core/error.h"
-#include "runtime/host/separate_steps.h"
+#include "runtime/host/output_steps.h"
 #include "runtime/host/stages.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_dynamics.h"
@@ -50,8 +50,9 @@ struct BatchBuffers {
         displacements(device, frames, std::uint64_t{3} * n.vertices, "the displacements"),
         modified(device, frames, n.components == 0 ? 0 : std::uint64_t{3} * n.vertices, "the modified displacements"),
         positions(device, frames, std::uint64_t{3} * n.vertices, "the positions"),
-        separated{Values(device, frames, n.separated, "the skin that is pushed out"),
-                  Values(device, frames, n.separated, "the skin that is pushed out")},
+        moved{Values(device, frames, n.moved, "the skin that is moved"),
+              Values(device, frames, n.moved, "the skin that is moved"),
+              Values(device, frames, n.moved, "the skin that is moved")},
         normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
         staging_in(device, total({&skinning, &origins, &joint_features, &controls, &fades, &modifiers}),
                    Memory::staging, "staging"),
@@ -68,7 +69,7 @@ struct BatchBuffers {
   Values skinning, origins, joint_features, controls, fades, modifiers;
   Values strain_positions, strains, features, excess, coordinates, kernels, coefficients, displacements, modified;
   Values positions;
-  std::array<Values, 2> separated;  // by one step, and by the next
+  std::array<Values, 3> moved;  // before push-out, by one of its steps and by the next
   Values normals;
   Buffer staging_in, staging_out;
 };
@@ -95,7 +96,7 @@ class VulkanBackend final : public Backend {
     const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
     const std::uint64_t largest =
         std::max<std::uint64_t>({skin, skinning, strain, n.coordinates, n.centres, n.features});
-    const std::uint64_t all = (n.components == 0 ? 3 : 4) * skin + 2 * n.separated + n.components + skinning + strain +
+    const std::uint64_t all = (n.components == 0 ? 3 : 4) * skin + 3 * n.moved + n.components + skinning + strain +
                               n.coordinates + n.centres + 3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
     const std::uint64_t by_range =
         device_.info().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
@@ -231,7 +232,7 @@ class VulkanBackend final : public Backend {
   }
 
   void record_output(const Batch& batch) {
-    record_separate(batch.frame_count);
+    record_posed(batch.frame_count);
     if (!batch.wants_normals) return;
     const SkinTables& t = tables_;
     kernels_.output_normals.record(
@@ -239,19 +240,30 @@ class VulkanBackend final : public Backend {
         {counts_.vertices}, batch.frame_count);
   }
 
-  void record_separate(std::uint32_t frames) {
+  // Where the skin goes next: a buffer that neither holds it nor is `kept`.
+  const Buffer& next_moved(const Buffer& kept) {
+    const auto is_free = [&](const Values& values) { return &values.buffer != skin_ && &values.buffer != &kept; };
+    skin_ = &std::ranges::find_if(buffers_->moved, is_free)->buffer;
+    return *skin_;
+  }
+
+  void record_posed(std::uint32_t frames) {
     const SkinTables& t = tables_;
-    const Buffer& posed = *skin_;
-    std::size_t to = 0;
-    for (const OutputSeparatePush& push : separate_steps(model_->model().basis)) {
-      const Buffer& separated = buffers_->separated[to].buffer;
-      kernels_.output_separate.record(
-          *commands_,
-          {t.fold_begin, t.fold_triangles, t.triangles, buffers_->modifiers.buffer, posed, *skin_, separated}, push,
-          frames);
+    const Buffer& weights = buffers_->modifiers.buffer;
+    const OutputSteps steps = output_steps(model_->model().basis);
+    for (const OutputRelaxPush& push : steps.relax) {
+      const Buffer &current = *skin_, &relaxed = next_moved(current);
+      kernels_.output_relax.record(
+          *commands_, {t.triangles, t.vertex_triangle_begin, t.vertex_triangles, t.rest, weights, current, relaxed},
+          push, frames);
       commands_->barrier();
-      skin_ = &separated;
-      to = 1 - to;
+    }
+    const Buffer& posed = *skin_;
+    for (const OutputSeparatePush& push : steps.separate) {
+      const Buffer &current = *skin_, &separated = next_moved(posed);
+      kernels_.output_separate.record(
+          *commands_, {t.fold_begin, t.fold_triangles, t.triangles, weights, posed, current, separated}, push, frames);
+      commands_->barrier();
     }
   }
 
