@@ -18,7 +18,8 @@ namespace {
 constexpr const char *kSchema = "bodyopt-basis-3", *kEarlierSchema = "bodyopt-basis-2";
 constexpr const char *kModifiers = "modifiers", *kModifierBegin = "modifiers.blend_begin",
                      *kModifierBlend = "modifiers.blend";
-constexpr const char *kFoldBegin = "modifiers.fold_begin", *kFoldTriangles = "modifiers.fold_triangles";
+constexpr const char *kFoldBegin = "modifiers.fold_begin", *kFoldLists = "modifiers.fold_lists",
+                     *kFoldTriangles = "modifiers.fold_triangles";
 constexpr const char *kCoverageNames = "coverage_names", *kEarlierCoverage = "coverage",
                      *kCoverageBegin = "coverage.joint_begin";
 constexpr const char *kCarried = "carried.points", *kCarriedStep = "carried.step";
@@ -185,6 +186,7 @@ void add_modifiers(Safetensors& file, const SkinModifiers& modifiers, const std:
   file.tensors[prefix + kModifierBlend] = tensor_from(modifiers.blend, 1);
   if (modifiers.folds.empty()) return;
   file.tensors[prefix + kFoldBegin] = tensor_from(modifiers.folds.begin, 1);
+  file.tensors[prefix + kFoldLists] = tensor_from(modifiers.folds.lists, 1);
   file.tensors[prefix + kFoldTriangles] = tensor_from(modifiers.folds.triangles, 1);
 }
 
@@ -196,6 +198,7 @@ SkinModifiers read_modifiers(const Safetensors& file, TableReader& reader, const
   reader.read(prefix + kModifierBlend, modifiers.blend, 1);
   if (!file.tensors.contains(prefix + kFoldBegin)) return modifiers;
   reader.read(prefix + kFoldBegin, modifiers.folds.begin, 1);
+  reader.read(prefix + kFoldLists, modifiers.folds.lists, 1);
   reader.read(prefix + kFoldTriangles, modifiers.folds.triangles, 1);
   return modifiers;
 }
@@ -350,9 +353,10 @@ std::map<std::string, std::size_t> table_bytes(const Basis& basis) {
   });
   const SkinModifiers& modifiers = basis.modifiers;
   if (!modifiers.empty()) {
-    bytes["modify"] = modifiers.blend_begin.size() * sizeof(std::uint32_t) +
-                      modifiers.blend.size() * sizeof(BlendEntry) +
-                      (modifiers.folds.begin.size() + modifiers.folds.triangles.size()) * sizeof(std::uint32_t);
+    const auto size_of = [](const auto& values) { return values.size() * sizeof(values[0]); };
+    const FoldTable& folds = modifiers.folds;
+    bytes["modify"] = size_of(modifiers.blend_begin) + size_of(modifiers.blend) + size_of(folds.begin) +
+                      size_of(folds.lists) + size_of(folds.triangles);
   }
   return bytes;
 }

@@ -309,29 +309,37 @@ class Validator : TableChecks {
     check_folds(modifiers);
   }
 
-  // A type that acts on the posed skin is there once, with one component.
-  void check_posed(const SkinModifiers& modifiers, const std::string& type) const {
+  // Types that act on the posed skin are there once.
+  void check_once(const SkinModifiers& modifiers, const std::string& type) const {
     const auto count = std::ranges::count(modifiers.stack, type, &SkinModifier::type);
     if (count > 1) refuse("there are " + std::to_string(count) + " modifiers of the type '" + type + "', expected one");
-    if (count == 1 && modifiers.of_type(type)->component_count != 1) {
-      refuse("the modifier '" + modifiers.of_type(type)->name + "' has not the one component of its type");
-    }
   }
 
   void check_folds(const SkinModifiers& modifiers) const {
-    check_posed(modifiers, kRelax);
-    check_posed(modifiers, kPushOut);
-    const SkinModifier* modifier = modifiers.of_type(kPushOut);
-    if (modifier == nullptr) {
-      expect_size("modifiers.fold_begin", modifiers.folds.begin.size(), 0);
-      return expect_size("modifiers.fold_triangles", modifiers.folds.triangles.size(), 0);
+    check_once(modifiers, kRelax);
+    check_once(modifiers, kPushOut);
+    const SkinModifier *relax = modifiers.of_type(kRelax), *push_out = modifiers.of_type(kPushOut);
+    if (relax != nullptr && relax->component_count == 0) refuse("the modifier '" + relax->name + "' has no component");
+    const FoldTable& folds = modifiers.folds;
+    if (push_out == nullptr) {
+      expect_size("modifiers.fold_begin", folds.begin.size(), 0);
+      expect_size("modifiers.fold_lists", folds.lists.size(), 0);
+      return expect_size("modifiers.fold_triangles", folds.triangles.size(), 0);
     }
-    if (modifier->numbers.size() != 1 || !(modifier->numbers[0] > 0)) {
-      refuse("the modifier '" + modifier->name + "' lacks its reach, a number above 0");
+    if (push_out->numbers.empty() || !(push_out->numbers[0] > 0)) {
+      refuse("the modifier '" + push_out->name + "' lacks its reach, a number above 0");
     }
-    expect_offsets("modifiers.fold_begin", modifiers.folds.begin, basis_.mesh.vertex_count(),
-                   modifiers.folds.triangles.size());
-    expect_below("modifiers.fold_triangles", modifiers.folds.triangles, basis_.mesh.triangles.size() / 3);
+    if (folds.lists.empty()) refuse("modifiers.fold_lists has 0 entries, expected the end at least");
+    expect_offsets("modifiers.fold_begin", folds.begin, basis_.mesh.vertex_count(), folds.lists.size() - 1);
+    Indices first;
+    for (const FoldList& list : folds.lists) {
+      first.push_back(list.first);
+      if (list.component < modifiers.component_count()) continue;
+      refuse("modifiers.fold_lists has a list of component " + std::to_string(list.component) +
+             ", expected one below " + std::to_string(modifiers.component_count()));
+    }
+    expect_offsets("modifiers.fold_lists", first, folds.lists.size() - 1, folds.triangles.size());
+    expect_below("modifiers.fold_triangles", folds.triangles, basis_.mesh.triangles.size() / 3);
   }
 
   // Between them modifiers have each component once.

@@ -250,22 +250,32 @@ class CpuBackend final : public Backend {
 
   void move_posed(Work& work) {
     const OutputSteps steps = output_steps(basis_);
-    const auto weight = [&](std::size_t f, std::uint32_t component) {
-      return of_frame(work.batch.modifiers, f, work.batch.frame_count)[component];
-    };
+    const std::size_t frames = work.batch.frame_count;
     for (const OutputRelaxPush& push : steps.relax) {
       step_positions(work, [&](std::size_t f, auto current, std::size_t first, auto relaxed) {
-        cpu::relax_part(basis_.mesh, weight(f, push.component), current, first, relaxed);
+        cpu::relax_part(basis_.mesh, of_frame(work.batch.modifiers, f, frames)[push.component], current, first,
+                        relaxed);
       });
     }
-    if (steps.separate.empty()) return;
+    if (steps.separate.empty() || !is_folded(work.batch)) return;
     const std::vector<float> posed = work.result.positions;
     for (const OutputSeparatePush& push : steps.separate) {
       step_positions(work, [&](std::size_t f, auto current, std::size_t first, auto separated) {
-        cpu::separate_part(basis_.mesh, basis_.modifiers.folds, push, weight(f, push.component),
-                           of_frame(posed, f, work.batch.frame_count), current, first, separated);
+        cpu::separate_part(basis_.mesh, basis_.modifiers.folds, push, of_frame(work.batch.modifiers, f, frames),
+                           of_frame(posed, f, frames), current, first, separated);
       });
     }
+  }
+
+  // Is any joint of any frame bent so far that push-out has something to do?
+  bool is_folded(const Batch& batch) const {
+    const SkinModifier& modifier = *basis_.modifiers.of_type(kPushOut);
+    for (std::size_t f = 0; f < batch.frame_count; ++f) {
+      const auto weights =
+          of_frame(batch.modifiers, f, batch.frame_count).subspan(modifier.first_component, modifier.component_count);
+      if (std::ranges::any_of(weights, [](float weight) { return weight > 0; })) return true;
+    }
+    return false;
   }
 
   void find_normals(Work& work) {

@@ -25,17 +25,20 @@ void add_pull(std::span<const float> current, const std::uint32_t* triangle, con
 
 }  // namespace
 
-void separate_part(const MeshTable& mesh, const FoldTable& folds, const OutputSeparatePush& push, float weight,
-                   std::span<const float> posed, std::span<const float> current, std::size_t first_vertex,
-                   std::span<float> separated) {
-  const float shown = std::clamp(weight, 0.0f, 1.0f);
+void separate_part(const MeshTable& mesh, const FoldTable& folds, const OutputSeparatePush& push,
+                   std::span<const float> weights, std::span<const float> posed, std::span<const float> current,
+                   std::size_t first_vertex, std::span<float> separated) {
   for (std::size_t at = 0; at < separated.size(); at += 3) {
     const std::size_t vertex = first_vertex + at / 3;
     const Point& own = point(current, vertex);
-    const std::uint32_t begin = folds.begin[vertex], end = shown > 0 ? folds.begin[vertex + 1] : begin;
-    float pull[4] = {};
-    for (std::uint32_t k = begin; k < end; ++k) {
-      add_pull(current, &mesh.triangles[std::size_t{3} * folds.triangles[k]], own, push.reach, pull);
+    float shown = 0, pull[4] = {};
+    for (std::uint32_t l = folds.begin[vertex]; l < folds.begin[vertex + 1]; ++l) {
+      const float weight = weights[folds.lists[l].component];
+      if (!(weight > 0)) continue;
+      shown = std::max(shown, std::min(weight, 1.0f));
+      for (std::uint32_t k = folds.lists[l].first; k < folds.lists[l + 1].first; ++k) {
+        add_pull(current, &mesh.triangles[std::size_t{3} * folds.triangles[k]], own, push.reach, pull);
+      }
     }
     Point moved;
     fold_step(pull, point(posed, vertex), own, push.reach, push.last == 1 ? shown : -1.0f, moved);
@@ -48,7 +51,7 @@ void output_separate(const MeshTable& mesh, const FoldTable& folds, const Output
                      std::span<float> separated) {
   const std::size_t numbers = std::size_t{3} * push.vertex_count;
   for (std::size_t f = 0; f * numbers < separated.size(); ++f) {
-    separate_part(mesh, folds, push, weights[push.component_count * f + push.component],
+    separate_part(mesh, folds, push, weights.subspan(f * push.component_count, push.component_count),
                   posed.subspan(f * numbers, numbers), current.subspan(f * numbers, numbers), 0,
                   separated.subspan(f * numbers, numbers));
   }

@@ -10,7 +10,7 @@ OutputSteps output_steps(const Basis& basis) {
     steps.relax.assign(kRelaxSteps, {vertices, components, relax->first_component});
   }
   if (const SkinModifier* push_out = modifiers.of_type(kPushOut)) {
-    steps.separate.assign(kSeparateSteps, {vertices, components, push_out->first_component, 0, push_out->numbers[0]});
+    steps.separate.assign(kSeparateSteps, {vertices, components, 0, push_out->numbers[0]});
     steps.separate.back().last = 1;
   }
   return steps;

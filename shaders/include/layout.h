@@ -150,6 +150,13 @@ struct TetElasticity {
 };
 BODYOPT_CHECK_SIZE(TetElasticity, 8)
 
+// Triangles that a vertex may come to lie behind while a component of push-out has a weight: those from `first` on, up
+// to those of the next list.
+struct FoldList {
+  uint component, first;
+};
+BODYOPT_CHECK_SIZE(FoldList, 8)
+
 // In how many steps skin is relaxed, and taken out of skin.
 const uint kRelaxSteps = 4u, kSeparateSteps = 4u;
 
@@ -190,9 +197,9 @@ struct OutputRelaxPush {
   uint vertex_count, component_count, component;  // the last: whose weight says how much is shown
 };
 struct OutputSeparatePush {
-  uint vertex_count, component_count, component;  // the last: whose weight says how much is shown
-  uint last;                                      // 1: of the steps, the one whose result is shown
-  float reach;                                    // metres
+  uint vertex_count, component_count;
+  uint last;    // 1: of the steps, the one whose result is shown
+  float reach;  // metres
 };
 struct OutputPlacePush {
   uint output_count, vertex_count;

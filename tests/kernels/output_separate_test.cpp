@@ -10,19 +10,22 @@ namespace output_separate_test {
 
 using Eigen::Vector3d;
 
-constexpr std::uint32_t kComponents = 3, kComponent = 1;
+constexpr std::uint32_t kComponents = 5;
 constexpr float kReach = 0.6f;
 
-// Of a vertex in four, none; of the others up to seven triangles.
+// Of a vertex in four, none; of the others up to three lists of up to four triangles.
 FoldTable random_folds(Random& random, const MeshTable& mesh) {
-  FoldTable folds{{0}, {}};
+  FoldTable folds{{0}, {}, {}};
   const auto triangles = static_cast<std::uint32_t>(mesh.triangles.size() / 3);
+  const auto end = [&] { return static_cast<std::uint32_t>(folds.triangles.size()); };
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
-    for (std::uint32_t k = v % 4 == 0 || triangles == 0 ? 0 : random.below(8); k > 0; --k) {
-      folds.triangles.push_back(random.below(triangles));
+    for (std::uint32_t l = v % 4 == 0 || triangles == 0 ? 0 : random.below(4); l > 0; --l) {
+      folds.lists.push_back({random.below(kComponents), end()});
+      for (std::uint32_t k = random.below(5); k > 0; --k) folds.triangles.push_back(random.below(triangles));
     }
-    folds.begin.push_back(static_cast<std::uint32_t>(folds.triangles.size()));
+    folds.begin.push_back(static_cast<std::uint32_t>(folds.lists.size()));
   }
+  folds.lists.push_back({0, end()});
   return folds;
 }
 
@@ -32,11 +35,11 @@ struct Case {
         frames(frame_count),
         mesh(random_mesh(random, vertices)),
         folds(random_folds(random, mesh)),
-        weights(random.floats(std::size_t{kComponents} * frames, 0.3, 1.3)),
+        weights(random.floats(std::size_t{kComponents} * frames, -0.3, 1.3)),
         posed(random.floats(std::size_t{3} * vertices * frames, -0.5, 0.5)),
         current(posed),
         separated(posed.size()) {
-    push = {vertices, kComponents, kComponent, last ? 1u : 0u, kReach};
+    push = {vertices, kComponents, last ? 1u : 0u, kReach};
     for (float& x : current) x += static_cast<float>(random.uniform(-0.1, 0.1));
     cpu::output_separate(mesh, folds, push, weights, posed, current, separated);
   }
@@ -62,13 +65,14 @@ TEST_F(OutputSeparate, EqualsTheReference) {
       SCOPED_TRACE(std::to_string(vertices) + " vertices, " + std::to_string(frames) + " frames");
       const Case c(vertices, frames, vertices % 2 == 0);
       const auto begin = vulkan::upload(*device_, c.folds.begin, "begin"),
+                 lists = vulkan::upload(*device_, c.folds.lists, "lists"),
                  met = vulkan::upload(*device_, c.folds.triangles, "folds"),
                  triangles = vulkan::upload(*device_, c.mesh.triangles, "triangles"),
                  weights = vulkan::upload(*device_, c.weights, "weights"),
                  posed = vulkan::upload(*device_, c.posed, "posed"),
                  current = vulkan::upload(*device_, c.current, "current");
       const auto outputs = run_kernel(*device_, {c.separated.size()}, [&](auto& commands, const auto& out) {
-        kernel.record(commands, {begin, met, triangles, weights, posed, current, out[0]}, c.push, frames);
+        kernel.record(commands, {begin, lists, met, triangles, weights, posed, current, out[0]}, c.push, frames);
       });
       // Of a box of 1.7 m a millionth: devices round roots and quotients by themselves.
       expect_close(outputs[0], c.separated, 1.7e-6);
@@ -94,10 +98,19 @@ Vector3d nearest_point(const std::array<Vector3d, 3>& corners, const Vector3d& x
 
 Vector3d textbook(const Case& c, std::size_t frame, std::size_t vertex) {
   const Vector3d x = c.at(c.current, frame, vertex), posed = c.at(c.posed, frame, vertex);
+  std::vector<std::uint32_t> met;
+  double shown = 0;
+  for (std::uint32_t l = c.folds.begin[vertex]; l < c.folds.begin[vertex + 1]; ++l) {
+    const double weight = double{c.weights[frame * kComponents + c.folds.lists[l].component]};
+    if (weight <= 0) continue;
+    shown = std::max(shown, std::min(weight, 1.0));
+    met.insert(met.end(), c.folds.triangles.begin() + c.folds.lists[l].first,
+               c.folds.triangles.begin() + c.folds.lists[l + 1].first);
+  }
   Vector3d pull = Vector3d::Zero();
   double sum = 0;
-  for (std::uint32_t k = c.folds.begin[vertex]; k < c.folds.begin[vertex + 1]; ++k) {
-    const std::uint32_t* t = &c.mesh.triangles[3 * std::size_t{c.folds.triangles[k]}];
+  for (const std::uint32_t triangle : met) {
+    const std::uint32_t* t = &c.mesh.triangles[3 * std::size_t{triangle}];
     const std::array<Vector3d, 3> corners = {c.at(c.current, frame, t[0]), c.at(c.current, frame, t[1]),
                                              c.at(c.current, frame, t[2])};
     const Vector3d normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
@@ -114,7 +127,6 @@ Vector3d textbook(const Case& c, std::size_t frame, std::size_t vertex) {
   }
   const Vector3d moved = sum > 0 ? Vector3d(x + 0.5 / sum * pull) : x;
   if (c.push.last == 0) return moved;
-  const double shown = std::clamp(double{c.weights[frame * kComponents + kComponent]}, 0.0, 1.0);
   const double length = (moved - posed).norm(), reaches = length / double{kReach};
   const double share = reaches > 0.5 ? (1 - 0.25 / reaches) / reaches : 1;
   return posed + shown * share * (moved - posed);
@@ -141,8 +153,8 @@ TEST_F(OutputSeparate, SheetsThatCrossMeet) {
     MeshTable mesh;
     mesh.rest = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0.2f, 0.2f, -depth, 0.2f, 0.4f, -depth, 0.4f, 0.2f, -depth};
     mesh.triangles = {0, 1, 2, 3, 4, 5};  // up, and down
-    const FoldTable folds{{0, 0, 0, 0, 1, 2, 3}, {0, 0, 0}};
-    const OutputSeparatePush push{6, 1, 0, 0, 0.2f};
+    const FoldTable folds{{0, 0, 0, 0, 1, 2, 3}, {{0, 0}, {0, 1}, {0, 2}, {0, 3}}, {0, 0, 0}};
+    const OutputSeparatePush push{6, 1, 0, 0.2f};
     std::vector<float> separated(18);
     cpu::output_separate(mesh, folds, push, std::vector<float>{1.0f}, mesh.rest, mesh.rest, separated);
     std::vector<float> expected = mesh.rest;

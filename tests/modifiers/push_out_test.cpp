@@ -123,12 +123,16 @@ TEST_F(PushOut, ForgedFoldsAreRefused) {
   };
   refused([](SkinModifiers& m) { m.folds.triangles[0] = 1u << 30; });
   refused([](SkinModifiers& m) { m.folds.triangles.pop_back(); });
+  refused([](SkinModifiers& m) { m.folds.lists.pop_back(); });
+  refused([](SkinModifiers& m) { m.folds.lists.clear(); });
+  refused([](SkinModifiers& m) { m.folds.lists[1].first = 1u << 30; });
+  refused([](SkinModifiers& m) { m.folds.lists[0].component = 99; });
   refused([](SkinModifiers& m) { m.folds.begin.pop_back(); });
   refused([](SkinModifiers& m) { m.folds.begin[1] = 1u << 30; });
   refused([](SkinModifiers& m) { m.folds = {}; });
   refused([](SkinModifiers& m) { m.folds.begin.clear(); });
   refused([](SkinModifiers& m) { m.stack[0].type = "morph"; });
-  refused([](SkinModifiers& m) { m.stack[0].numbers = {0}; });
+  refused([](SkinModifiers& m) { m.stack[0].numbers[0] = 0; });
   refused([](SkinModifiers& m) { m.stack[0].numbers.clear(); });
 }
 

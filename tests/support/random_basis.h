@@ -43,24 +43,29 @@ inline Basis with_random_modifiers(Basis basis, std::uint32_t components) {
   return basis;
 }
 
-// With push-out on top, of as many triangles for each vertex.
+// With relax and push-out on top, the latter of two components and as many triangles for each vertex.
 inline Basis with_random_folds(Basis basis, std::uint32_t partners) {
   Random random(partners);
   SkinModifiers& modifiers = basis.modifiers;
-  const std::uint32_t component = modifiers.component_count();
-  SkinModifier& modifier = modifiers.stack.emplace_back();
-  modifier.name = "folds";
-  modifier.type = kPushOut;
-  modifier.first_component = component;
-  modifier.component_count = 1;
-  modifier.numbers = {0.5f};
-  modifiers.folds.begin = {0};
-  for (std::uint32_t v = 0; v < basis.mesh.vertex_count(); ++v) {
-    for (std::uint32_t k = 0; k < partners; ++k) {
-      modifiers.folds.triangles.push_back(random.below(static_cast<std::uint32_t>(basis.mesh.triangles.size() / 3)));
-    }
-    modifiers.folds.begin.push_back(static_cast<std::uint32_t>(modifiers.folds.triangles.size()));
+  for (const char* type : {kRelax, kPushOut}) {
+    const std::uint32_t component = modifiers.component_count();
+    SkinModifier& modifier = modifiers.stack.emplace_back();
+    modifier.name = modifier.type = type;
+    modifier.first_component = component;
+    modifier.component_count = type == kRelax ? 1 : 2;
+    modifier.numbers = {0.5f};
   }
+  FoldTable& folds = modifiers.folds;
+  folds.begin = {0};
+  for (std::uint32_t v = 0; v < basis.mesh.vertex_count(); ++v) {
+    folds.lists.push_back(
+        {modifiers.component_count() - 1 - random.below(2), static_cast<std::uint32_t>(folds.triangles.size())});
+    for (std::uint32_t k = 0; k < partners; ++k) {
+      folds.triangles.push_back(random.below(static_cast<std::uint32_t>(basis.mesh.triangles.size() / 3)));
+    }
+    folds.begin.push_back(static_cast<std::uint32_t>(folds.lists.size()));
+  }
+  folds.lists.push_back({0, static_cast<std::uint32_t>(folds.triangles.size())});
   return basis;
 }
 

@@ -39,29 +39,19 @@ Vec3 across(const Vec3& v) {
 }
 
 // A joint and those above it, up to the root.
-std::vector<int> chain_of(const Skeleton& skeleton, std::uint32_t joint) {
-  std::vector<int> chain;
+std::vector<std::uint32_t> chain_of(const Skeleton& skeleton, std::uint32_t joint) {
+  std::vector<std::uint32_t> chain;
   for (int j = static_cast<int>(joint); j >= 0; j = skeleton.joints[static_cast<std::size_t>(j)].parent) {
-    chain.push_back(j);
+    chain.push_back(static_cast<std::uint32_t>(j));
   }
   return chain;
-}
-
-// Along the skeleton, from one over what both hang on to the other.
-std::size_t steps_between(const Skeleton& skeleton, std::uint32_t a, std::uint32_t b) {
-  const std::vector<int> from = chain_of(skeleton, a), to = chain_of(skeleton, b);
-  std::size_t common = 0;
-  while (common < std::min(from.size(), to.size()) && from[from.size() - 1 - common] == to[to.size() - 1 - common]) {
-    ++common;
-  }
-  return from.size() + to.size() - 2 * common;
 }
 
 }  // namespace
 
 std::vector<Pose> bent_poses(const Skeleton& skeleton, std::uint32_t joint, const FoldBends& bends) {
   const Vec3 bone = bone_of(skeleton, joint);
-  if (!(length(bone) > 1e-6)) return {};
+  if (skeleton.joints[joint].parent < 0 || !(length(bone) > 1e-6)) return {};
   const Quat parent = bind_rotations(skeleton)[static_cast<std::size_t>(skeleton.joints[joint].parent)];
   std::vector<Pose> poses;
   for (int k = 0; k < kDirections; ++k) {
@@ -78,9 +68,20 @@ std::vector<Pose> bent_poses(const Skeleton& skeleton, std::uint32_t joint, cons
   return poses;
 }
 
+std::vector<std::uint32_t> joints_between(const Skeleton& skeleton, std::uint32_t from, std::uint32_t to) {
+  std::vector<std::uint32_t> one = chain_of(skeleton, from), other = chain_of(skeleton, to);
+  while (!one.empty() && !other.empty() && one.back() == other.back()) {
+    one.pop_back();
+    other.pop_back();
+  }
+  one.insert(one.end(), other.begin(), other.end());
+  return one;
+}
+
 std::vector<std::uint32_t> triangles_near(const Basis& basis, std::uint32_t joint) {
   std::vector<char> near(basis.skeleton.size());
-  for (std::uint32_t j = 0; j < near.size(); ++j) near[j] = steps_between(basis.skeleton, j, joint) <= kMostSteps;
+  for (std::uint32_t j = 0; j < near.size(); ++j)
+    near[j] = joints_between(basis.skeleton, j, joint).size() <= kMostSteps;
   std::vector<std::uint32_t> triangles;
   for (std::uint32_t t = 0; t < basis.mesh.triangles.size() / 3; ++t) {
     bool all = true;

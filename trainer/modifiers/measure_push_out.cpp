@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "geometry/skin_in_skin.h"
+#include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/fold_poses.h"
 
@@ -18,8 +19,6 @@ void FoldMeasure::add(const FoldMeasure& other) {
   elsewhere = std::max(elsewhere, other.elsewhere);
 }
 
-std::size_t push_out_component(const SkinModifiers& modifiers) { return modifiers.of_type(kPushOut)->first_component; }
-
 FoldJudge::FoldJudge(const Basis& basis)
     : basis_(basis), triangles_(rest_triangles(basis)), shown_(basis), kept_(basis.mesh.vertex_count(), 0) {
   const std::vector<Pose> rest = {bind_pose(basis.skeleton)};
@@ -28,9 +27,11 @@ FoldJudge::FoldJudge(const Basis& basis)
 
 std::vector<FoldMeasure> FoldJudge::operator()(std::span<const Pose> poses,
                                                const std::vector<std::uint32_t>& searched) {
+  const SkinModifier& push_out = *basis_.modifiers.of_type(kPushOut);
   std::vector<Pose> without(poses.begin(), poses.end());
   for (Pose& pose : without) {
-    if (!pose.modifiers.empty()) pose.modifiers.at(push_out_component(basis_.modifiers)) = 0;
+    if (pose.modifiers.empty()) continue;
+    std::fill_n(pose.modifiers.begin() + push_out.first_component, push_out.component_count, 0.0f);
   }
   const std::vector<Positions> before = shown_(without), after = shown_(poses);
   const Triangles chosen = triangles_(searched, Eigen::all);
@@ -66,17 +67,15 @@ FoldMeasure FoldJudge::measure(const Positions& before, const Positions& after, 
   return measure;
 }
 
-std::vector<JointFolds> measure_push_out(const Basis& basis) {
+std::vector<JointFolds> measure_push_out(const Basis& given) {
+  Basis basis = given;
+  for (SkinModifier& modifier : basis.modifiers.stack) modifier.on = modifier.type == kPushOut;
   FoldJudge judge(basis);
   std::vector<JointFolds> joints;
   for (std::uint32_t joint = 0; joint < basis.skeleton.size(); ++joint) {
-    if (basis.skeleton.joints[joint].parent < 0) continue;
     JointFolds folds{basis.skeleton.joints[joint].name, {}};
     std::vector<Pose> poses = bent_poses(basis.skeleton, joint, kMeasuredBends);
-    for (Pose& pose : poses) {
-      pose.modifiers.assign(basis.modifiers.component_count(), 0.0f);
-      pose.modifiers[push_out_component(basis.modifiers)] = 1;
-    }
+    drive_modifiers(basis, {}, 1, poses);
     for (const FoldMeasure& measure : judge(poses, triangles_near(basis, joint))) folds.measure.add(measure);
     if (folds.measure.sum > 0 || folds.measure.elsewhere > 0) joints.push_back(folds);
   }

@@ -42,9 +42,6 @@ class FoldJudge {
   std::vector<char> kept_;  // V: in skin at rest
 };
 
-// The component of push-out in Pose::modifiers of a basis that has it.
-std::size_t push_out_component(const SkinModifiers& modifiers);
-
 // Bends of a joint that push-out was not made of, between those it was.
 struct JointFolds {
   std::string joint;

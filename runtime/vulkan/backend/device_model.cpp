@@ -22,6 +22,7 @@ SkinTables::SkinTables(const Device& device, const Basis& b)
       modifier_begin(upload(device, b.modifiers.blend_begin, "the modifiers' blocks")),
       modifier_blend(upload(device, b.modifiers.blend, "the modifiers")),
       fold_begin(upload(device, b.modifiers.folds.begin, "the vertices' folds")),
+      fold_lists(upload(device, b.modifiers.folds.lists, "the folds")),
       fold_triangles(upload(device, b.modifiers.folds.triangles, "the folds")),
       rest(upload(device, b.modifiers.of_type(kRelax) ? b.mesh.rest : std::vector<float>(), "the skin at rest")),
       triangles(upload(device, b.mesh.triangles, "the triangles")),
