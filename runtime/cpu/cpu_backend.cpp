@@ -249,7 +249,7 @@ class CpuBackend final : public Backend {
   }
 
   void move_posed(Work& work) {
-    const OutputSteps steps = output_steps(basis_);
+    const OutputSteps steps = output_steps(basis_, work.batch);
     const std::size_t frames = work.batch.frame_count;
     for (const OutputRelaxPush& push : steps.relax) {
       step_positions(work, [&](std::size_t f, auto current, std::size_t first, auto relaxed) {
@@ -257,7 +257,7 @@ class CpuBackend final : public Backend {
                         relaxed);
       });
     }
-    if (steps.separate.empty() || !is_folded(work.batch)) return;
+    if (steps.separate.empty()) return;
     const std::vector<float> posed = work.result.positions;
     for (const OutputSeparatePush& push : steps.separate) {
       step_positions(work, [&](std::size_t f, auto current, std::size_t first, auto separated) {
@@ -265,17 +265,6 @@ class CpuBackend final : public Backend {
                            of_frame(posed, f, frames), current, first, separated);
       });
     }
-  }
-
-  // Is any joint of any frame bent so far that push-out has something to do?
-  bool is_folded(const Batch& batch) const {
-    const SkinModifier& modifier = *basis_.modifiers.of_type(kPushOut);
-    for (std::size_t f = 0; f < batch.frame_count; ++f) {
-      const auto weights =
-          of_frame(batch.modifiers, f, batch.frame_count).subspan(modifier.first_component, modifier.component_count);
-      if (std::ranges::any_of(weights, [](float weight) { return weight > 0; })) return true;
-    }
-    return false;
   }
 
   void find_normals(Work& work) {

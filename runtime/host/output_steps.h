@@ -3,18 +3,17 @@
 
 #include <vector>
 
-#include "runtime/basis/basis.h"
+#include "runtime/host/backend.h"
 
 namespace bodyopt {
 
-// What output_relax and output_separate are pushed, step by step; nothing where the basis has no such modifier.
+// What output_relax and output_separate are pushed, step by step; nothing where the basis has no such modifier, or no
+// frame of the batch a weight for it.
 struct OutputSteps {
   std::vector<OutputRelaxPush> relax;
   std::vector<OutputSeparatePush> separate;
-
-  bool empty() const { return relax.empty() && separate.empty(); }
 };
 
-OutputSteps output_steps(const Basis& basis);
+OutputSteps output_steps(const Basis& basis, const Batch& batch);
 
 }  // namespace bodyopt

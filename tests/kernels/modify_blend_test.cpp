@@ -40,7 +40,9 @@ TEST_F(ModifyBlend, EqualsTheReference) {
                  weights = vulkan::upload(*device_, c.weights, "weights"),
                  displacements = vulkan::upload(*device_, c.displacements, "displacements");
       const auto outputs = run_kernel(*device_, {c.modified.size()}, [&](auto& commands, const auto& out) {
-        kernel.record(commands, {begin, blend, weights, displacements, out[0]}, {vertices, kComponents}, frames);
+        commands.copy({displacements, 0, sizeof(float) * c.displacements.size()}, out[0]);
+        commands.barrier();
+        kernel.record(commands, {begin, blend, weights, out[0]}, {vertices, kComponents}, frames);
       });
       expect_close(outputs[0], c.modified, 0);  // sums and products in one order; numbers convert exactly
     }

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "runtime/host/character_model.h"
-#include "runtime/host/output_steps.h"
 #include "runtime/vulkan/backend/block_solve.h"
 #include "runtime/vulkan/kernels/windows.h"
 
@@ -27,7 +26,7 @@ struct FrameCounts {
         centres(basis.residual.centre_count()),
         coefficients(basis.residual.coefficient_count()),
         components(basis.modifiers.component_count()),
-        moved(output_steps(basis).empty() ? 0 : 3 * vertices) {}
+        moved(basis.modifiers.of_type(kRelax) || basis.modifiers.of_type(kPushOut) ? 3 * vertices : 0) {}
 
   std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
   std::uint32_t regions, coordinates, centres, coefficients, components;

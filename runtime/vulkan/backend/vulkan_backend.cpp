@@ -48,7 +48,6 @@ struct BatchBuffers {
         kernels(device, frames, n.centres, "the kernels"),
         coefficients(device, frames, n.coefficients, "the coefficients"),
         displacements(device, frames, std::uint64_t{3} * n.vertices, "the displacements"),
-        modified(device, frames, n.components == 0 ? 0 : std::uint64_t{3} * n.vertices, "the modified displacements"),
         positions(device, frames, std::uint64_t{3} * n.vertices, "the positions"),
         moved{Values(device, frames, n.moved, "the skin that is moved"),
               Values(device, frames, n.moved, "the skin that is moved"),
@@ -67,7 +66,7 @@ struct BatchBuffers {
 
   std::uint32_t frames;
   Values skinning, origins, joint_features, controls, fades, modifiers;
-  Values strain_positions, strains, features, excess, coordinates, kernels, coefficients, displacements, modified;
+  Values strain_positions, strains, features, excess, coordinates, kernels, coefficients, displacements;
   Values positions;
   std::array<Values, 3> moved;  // before push-out, by one of its steps and by the next
   Values normals;
@@ -96,8 +95,8 @@ class VulkanBackend final : public Backend {
     const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
     const std::uint64_t largest =
         std::max<std::uint64_t>({skin, skinning, strain, n.coordinates, n.centres, n.features});
-    const std::uint64_t all = (n.components == 0 ? 3 : 4) * skin + 3 * n.moved + n.components + skinning + strain +
-                              n.coordinates + n.centres + 3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
+    const std::uint64_t all = 3 * skin + 3 * n.moved + n.components + skinning + strain + n.coordinates + n.centres +
+                              3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
     const std::uint64_t by_range =
         device_.info().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
     const std::uint64_t by_memory =
@@ -162,7 +161,7 @@ class VulkanBackend final : public Backend {
     failed_ = true;  // until this batch went well
     const bool recorded = recorded_ && buffers_->frames == batch.frame_count && batch.jiggle.empty() &&
                           batch.stays_on_device == stays_on_device_ && batch.keeps_posed == keeps_posed_ &&
-                          batch.wants_normals == wants_normals_;
+                          batch.wants_normals == wants_normals_ && !has_other_steps(batch);
     if (!recorded) allocate(batch.frame_count);
     send(batch);  // first: recording runs what is long
     if (!recorded) record(batch);
@@ -187,7 +186,14 @@ class VulkanBackend final : public Backend {
     recorded_ = batch.jiggle.empty();
   }
 
+  // Than those that are recorded.
+  bool has_other_steps(const Batch& batch) const {
+    const OutputSteps steps = output_steps(model_->model().basis, batch);
+    return steps.relax.size() != steps_.relax.size() || steps.separate.size() != steps_.separate.size();
+  }
+
   void record_stages(const Batch& batch) {
+    steps_ = output_steps(model_->model().basis, batch);
     // No residual: un-posed displacements of zero.
     if (!has_blend_) commands_->fill(buffers_->displacements.buffer, 0);
     commands_->barrier();
@@ -224,9 +230,8 @@ class VulkanBackend final : public Backend {
 
   void record_pose(std::uint32_t frames) {
     const BatchBuffers& b = *buffers_;
-    const Values& displacements = counts_.components > 0 ? b.modified : b.displacements;
     record_pose_skin(*commands_, kernels_.pose_skin,
-                     {tables_.ddm, b.skinning.buffer, b.origins.buffer, displacements.buffer, b.positions.buffer},
+                     {tables_.ddm, b.skinning.buffer, b.origins.buffer, b.displacements.buffer, b.positions.buffer},
                      counts_.vertices, counts_.joints, frames);
     skin_ = &b.positions.buffer;
   }
@@ -250,8 +255,7 @@ class VulkanBackend final : public Backend {
   void record_posed(std::uint32_t frames) {
     const SkinTables& t = tables_;
     const Buffer& weights = buffers_->modifiers.buffer;
-    const OutputSteps steps = output_steps(model_->model().basis);
-    for (const OutputRelaxPush& push : steps.relax) {
+    for (const OutputRelaxPush& push : steps_.relax) {
       const Buffer &current = *skin_, &relaxed = next_moved(current);
       kernels_.output_relax.record(
           *commands_, {t.triangles, t.vertex_triangle_begin, t.vertex_triangles, t.rest, weights, current, relaxed},
@@ -259,7 +263,7 @@ class VulkanBackend final : public Backend {
       commands_->barrier();
     }
     const Buffer& posed = *skin_;
-    for (const OutputSeparatePush& push : steps.separate) {
+    for (const OutputSeparatePush& push : steps_.separate) {
       const Buffer &current = *skin_, &separated = next_moved(posed);
       kernels_.output_separate.record(
           *commands_, {t.fold_begin, t.fold_lists, t.fold_triangles, t.triangles, weights, posed, current, separated},
@@ -379,8 +383,7 @@ class VulkanBackend final : public Backend {
   void record_modify(std::uint32_t frames) {
     const BatchBuffers& b = *buffers_;
     kernels_.modify_blend.record(
-        *commands_,
-        {tables_.modifier_begin, tables_.modifier_blend, b.modifiers.buffer, b.displacements.buffer, b.modified.buffer},
+        *commands_, {tables_.modifier_begin, tables_.modifier_blend, b.modifiers.buffer, b.displacements.buffer},
         {counts_.vertices, counts_.components}, frames);
   }
 
@@ -464,6 +467,7 @@ class VulkanBackend final : public Backend {
   std::optional<VulkanDynamics> dynamics_;
   std::optional<Commands> commands_;
   std::vector<Stage> stages_;  // recorded
+  OutputSteps steps_;          // recorded
   bool recorded_ = false;      // the quasi-static skin, for as many frames as there are buffers
   Weights weights_;
   const Buffer* skin_ = nullptr;                                               // of the last batch
