@@ -98,7 +98,7 @@ std::vector<BuriedVertex> skin_in_skin(const Positions& vertices, const Triangle
   std::vector<BuriedVertex> found(buried.size());
   parallel_for(buried.size(), [&](std::size_t k) {
     const Eigen::Vector3d point = vertices.row(buried[k]).transpose();
-    const SkinPoint skin = nearest.facing(point, -normals.row(buried[k]).transpose());
+    const SkinPoint skin = nearest.behind(point);
     found[k] = {buried[k], skin.triangle < 0 ? 0 : (skin.position - point).norm(), skin};
   });
   std::erase_if(found, [](const BuriedVertex& vertex) { return vertex.skin.triangle < 0; });

@@ -9,7 +9,7 @@ namespace bodyopt {
 
 struct BuriedVertex {
   std::uint32_t vertex;
-  double depth;    // metres, to the nearest skin that faces its own
+  double depth;    // metres, to the nearest skin that it lies behind
   SkinPoint skin;  // there
 };
 
