@@ -95,9 +95,8 @@ SkinModifiers bake_stack(const std::filesystem::path& path, const Basis& basis, 
     modifier.joints = std::move(baked.joints);
     modifier.numbers = std::move(baked.numbers);
     std::ranges::move(baked.components, std::back_inserter(components));
-    if (baked.folds.empty()) continue;
-    stack.folds = std::move(baked.folds);
-    for (FoldList& list : stack.folds.lists) list.component += stack.stack.back().first_component;
+    for (FoldList& list : baked.folds.lists) list.component += modifier.first_component;
+    if (!baked.folds.empty()) stack.folds = std::move(baked.folds);
     stack.stack.push_back(std::move(modifier));
   }
   if (stack.stack.empty()) top.refuse("has no modifiers");
