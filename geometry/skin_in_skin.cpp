@@ -13,7 +13,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr double kOutside = 1e-4;  // metres
+constexpr double kOutside = 1e-6;  // metres
 
 class BodyInside {
  public:
@@ -94,12 +94,21 @@ std::vector<BuriedVertex> skin_in_skin(const Positions& vertices, const Triangle
     }
   }
   std::sort(buried.begin(), buried.end());
-  const NearestSkin nearest(vertices, triangles);
+  std::vector<char> is_buried(seen.size(), 0);
+  for (const std::uint32_t v : buried) is_buried[v] = 1;
+  std::vector<Eigen::Index> sides;  // what lies twice in the body ends at them
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    if (is_buried[triangles(t, 0)] || is_buried[triangles(t, 1)] || is_buried[triangles(t, 2)]) sides.push_back(t);
+  }
+  if (sides.empty()) return {};
+  const Triangles around_it = triangles(sides, Eigen::all);
+  const NearestSkin nearest(vertices, around_it);
   std::vector<BuriedVertex> found(buried.size());
   parallel_for(buried.size(), [&](std::size_t k) {
     const Eigen::Vector3d point = vertices.row(buried[k]).transpose();
-    const SkinPoint skin = nearest.behind(point);
-    found[k] = {buried[k], skin.triangle < 0 ? 0 : (skin.position - point).norm(), skin};
+    SkinPoint skin = nearest.behind(point);
+    if (skin.triangle >= 0) skin.triangle = sides[static_cast<std::size_t>(skin.triangle)];
+    found[k] = {buried[k], (skin.position - point).norm(), skin};
   });
   std::erase_if(found, [](const BuriedVertex& vertex) { return vertex.skin.triangle < 0; });
   return found;

@@ -9,11 +9,11 @@ namespace bodyopt {
 
 struct BuriedVertex {
   std::uint32_t vertex;
-  double depth;    // metres, to the nearest skin that it lies behind
+  double depth;    // metres, to the nearest skin around it that is in the body, too, and that it lies behind
   SkinPoint skin;  // there
 };
 
-// The vertices outside of which, by a tenth of a millimetre, the body goes on: the winding number there is 1 or more.
+// The vertices outside of which, by a micron, the body goes on: the winding number there is 1 or more.
 // They are looked for from where the `searched` triangles, some of all, pass through each other. Ascending. The skin
 // winds outwards; where it is open, what lies behind an opening may be missed.
 std::vector<BuriedVertex> skin_in_skin(const Positions& vertices, const Triangles& triangles,

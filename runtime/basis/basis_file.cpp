@@ -18,7 +18,7 @@ namespace {
 constexpr const char *kSchema = "bodyopt-basis-3", *kEarlierSchema = "bodyopt-basis-2";
 constexpr const char *kModifiers = "modifiers", *kModifierBegin = "modifiers.blend_begin",
                      *kModifierBlend = "modifiers.blend";
-constexpr const char *kFoldBegin = "modifiers.fold_begin", *kFoldLists = "modifiers.fold_lists",
+constexpr const char *kFoldVertices = "modifiers.fold_vertices", *kFoldLists = "modifiers.fold_lists",
                      *kFoldTriangles = "modifiers.fold_triangles";
 constexpr const char *kCoverageNames = "coverage_names", *kEarlierCoverage = "coverage",
                      *kCoverageBegin = "coverage.joint_begin";
@@ -185,7 +185,7 @@ void add_modifiers(Safetensors& file, const SkinModifiers& modifiers, const std:
   file.tensors[prefix + kModifierBegin] = tensor_from(modifiers.blend_begin, 1);
   file.tensors[prefix + kModifierBlend] = tensor_from(modifiers.blend, 1);
   if (modifiers.folds.empty()) return;
-  file.tensors[prefix + kFoldBegin] = tensor_from(modifiers.folds.begin, 1);
+  file.tensors[prefix + kFoldVertices] = tensor_from(modifiers.folds.vertices, 1);
   file.tensors[prefix + kFoldLists] = tensor_from(modifiers.folds.lists, 1);
   file.tensors[prefix + kFoldTriangles] = tensor_from(modifiers.folds.triangles, 1);
 }
@@ -196,8 +196,8 @@ SkinModifiers read_modifiers(const Safetensors& file, TableReader& reader, const
   modifiers.stack = stack_from_text(reader.metadata(prefix + kModifiers), path.string() + ", metadata 'modifiers'");
   reader.read(prefix + kModifierBegin, modifiers.blend_begin, 1);
   reader.read(prefix + kModifierBlend, modifiers.blend, 1);
-  if (!file.tensors.contains(prefix + kFoldBegin)) return modifiers;
-  reader.read(prefix + kFoldBegin, modifiers.folds.begin, 1);
+  if (!file.tensors.contains(prefix + kFoldVertices)) return modifiers;
+  reader.read(prefix + kFoldVertices, modifiers.folds.vertices, 1);
   reader.read(prefix + kFoldLists, modifiers.folds.lists, 1);
   reader.read(prefix + kFoldTriangles, modifiers.folds.triangles, 1);
   return modifiers;
@@ -355,7 +355,7 @@ std::map<std::string, std::size_t> table_bytes(const Basis& basis) {
   if (!modifiers.empty()) {
     const auto size_of = [](const auto& values) { return values.size() * sizeof(values[0]); };
     const FoldTable& folds = modifiers.folds;
-    bytes["modify"] = size_of(modifiers.blend_begin) + size_of(modifiers.blend) + size_of(folds.begin) +
+    bytes["modify"] = size_of(modifiers.blend_begin) + size_of(modifiers.blend) + size_of(folds.vertices) +
                       size_of(folds.lists) + size_of(folds.triangles);
   }
   return bytes;

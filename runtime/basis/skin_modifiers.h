@@ -34,11 +34,11 @@ struct SkinModifier {
 
 // Where skin folds: the triangles that each vertex may come to lie behind, of which push-out takes it out.
 struct FoldTable {
-  std::vector<std::uint32_t> begin;      // V + 1, into lists
+  std::vector<FoldVertex> vertices;      // V, and one more, which ends the lists of the last
   std::vector<FoldList> lists;           // and one more, which ends the last
   std::vector<std::uint32_t> triangles;  // indices of triangles of the mesh, ascending per list
 
-  bool empty() const { return begin.empty(); }
+  bool empty() const { return vertices.empty(); }
 };
 
 struct SkinModifiers {
@@ -53,8 +53,7 @@ struct SkinModifiers {
 };
 
 // The types that act on the posed skin, after all others and in this order. A stack has at most one of each. Their
-// components move nothing: their weights say how much is shown, of relax by its one, of push-out joint by joint, of
-// which numbers[0] is the reach, metres.
+// components move nothing: their weights say how much is shown, of relax by its one, of push-out joint by joint.
 inline constexpr const char *kRelax = "relax", *kPushOut = "push_out";
 
 constexpr std::size_t kMostModifiers = 256, kMostModifierComponents = 4096;

@@ -290,7 +290,7 @@ class Validator : TableChecks {
     if (modifiers.empty()) {
       expect_size("modifiers.blend_begin", modifiers.blend_begin.size(), 0);
       expect_size("modifiers.blend", modifiers.blend.size(), 0);
-      expect_size("modifiers.fold_begin", modifiers.folds.begin.size(), 0);
+      expect_size("modifiers.fold_vertices", modifiers.folds.vertices.size(), 0);
       expect_size("modifiers.fold_triangles", modifiers.folds.triangles.size(), 0);
       return;
     }
@@ -322,21 +322,25 @@ class Validator : TableChecks {
     if (relax != nullptr && relax->component_count == 0) refuse("the modifier '" + relax->name + "' has no component");
     const FoldTable& folds = modifiers.folds;
     if (push_out == nullptr) {
-      expect_size("modifiers.fold_begin", folds.begin.size(), 0);
+      expect_size("modifiers.fold_vertices", folds.vertices.size(), 0);
       expect_size("modifiers.fold_lists", folds.lists.size(), 0);
       return expect_size("modifiers.fold_triangles", folds.triangles.size(), 0);
     }
-    if (push_out->numbers.empty() || !(push_out->numbers[0] > 0)) {
-      refuse("the modifier '" + push_out->name + "' lacks its reach, a number above 0");
-    }
     if (folds.lists.empty()) refuse("modifiers.fold_lists has 0 entries, expected the end at least");
-    expect_offsets("modifiers.fold_begin", folds.begin, basis_.mesh.vertex_count(), folds.lists.size() - 1);
+    Indices begin, around;
+    for (const FoldVertex& vertex : folds.vertices) {
+      begin.push_back(vertex.first_list);
+      around.insert(around.end(), std::begin(vertex.ring), std::end(vertex.ring));
+    }
+    expect_offsets("modifiers.fold_vertices", begin, basis_.mesh.vertex_count(), folds.lists.size() - 1);
+    expect_below("modifiers.fold_vertices", around, basis_.mesh.vertex_count());
     Indices first;
     for (const FoldList& list : folds.lists) {
       first.push_back(list.first);
-      if (list.component < modifiers.component_count()) continue;
-      refuse("modifiers.fold_lists has a list of component " + std::to_string(list.component) +
-             ", expected one below " + std::to_string(modifiers.component_count()));
+      if (list.component < modifiers.component_count() && list.reach >= 0 && list.reach <= kLargest) continue;
+      refuse("modifiers.fold_lists has a list of component " + std::to_string(list.component) + " and reach " +
+             std::to_string(list.reach) + " m, expected a component below " +
+             std::to_string(modifiers.component_count()) + ", and a reach from 0 to 1e9");
     }
     expect_offsets("modifiers.fold_lists", first, folds.lists.size() - 1, folds.triangles.size());
     expect_below("modifiers.fold_triangles", folds.triangles, basis_.mesh.triangles.size() / 3);

@@ -80,7 +80,7 @@ void relax_part(const MeshTable& mesh, float weight, std::span<const float> curr
                 std::span<float> relaxed);
 
 // Output stage: one of kSeparateSteps steps in which skin is taken out of skin. Each vertex that lies behind triangles
-// of its lists whose components have weights above 0, no further than the push's reach, goes half the way to them, the
+// of its lists whose components have weights above 0, no further than their reach, goes half the way to them, the
 // nearest counting most (shaders/include/fold.h); those triangles' vertices go the other half. No vertex goes further
 // than the reach from where it was posed, and the last step gives what the largest of these weights shows of all of
 // them. weights: F x component_count; positions F x V x 3, metres: posed, before the first step; current, after the

@@ -12,15 +12,28 @@ const Point& point(std::span<const float> positions, std::size_t vertex) {
   return *reinterpret_cast<const Point*>(positions.data() + 3 * vertex);
 }
 
-// The pull of one triangle on a vertex.
-void add_pull(std::span<const float> current, const std::uint32_t* triangle, const Point& own, float reach,
-              float (&pull)[4]) {
-  Point corners[3];
-  for (std::size_t c = 0; c < 3; ++c) {
-    const Point& corner = point(current, triangle[c]);
-    for (std::size_t i = 0; i < 3; ++i) corners[c][i] = corner[i] - own[i];
+void way_between(const Point& from, const Point& to, Point& way) {
+  for (std::size_t i = 0; i < 3; ++i) way[i] = to[i] - from[i];
+}
+
+// Twice the area of the polygon around a vertex long.
+void ring_normal(std::span<const float> current, const FoldVertex& fold, const Point& own, Point& normal) {
+  std::fill_n(normal, 3, 0.0f);
+  Point last, next;
+  way_between(own, point(current, fold.ring[kFoldRing - 1]), last);
+  for (const std::uint32_t vertex : fold.ring) {
+    way_between(own, point(current, vertex), next);
+    add_fold_cross(last, next, normal);
+    std::copy_n(next, 3, last);
   }
-  add_fold_pull(corners[0], corners[1], corners[2], reach, pull);
+}
+
+// The pull of one triangle on a vertex and its normal.
+void add_pull(std::span<const float> current, const std::uint32_t* triangle, const Point& own, const Point& normal,
+              float reach, float (&pull)[4]) {
+  Point corners[3];
+  for (std::size_t c = 0; c < 3; ++c) way_between(own, point(current, triangle[c]), corners[c]);
+  add_fold_pull(normal, corners[0], corners[1], corners[2], reach, pull);
 }
 
 }  // namespace
@@ -31,17 +44,22 @@ void separate_part(const MeshTable& mesh, const FoldTable& folds, const OutputSe
   for (std::size_t at = 0; at < separated.size(); at += 3) {
     const std::size_t vertex = first_vertex + at / 3;
     const Point& own = point(current, vertex);
-    float shown = 0, pull[4] = {};
-    for (std::uint32_t l = folds.begin[vertex]; l < folds.begin[vertex + 1]; ++l) {
-      const float weight = weights[folds.lists[l].component];
+    float shown = 0, reach = 0, pull[4] = {};
+    const FoldVertex& fold = folds.vertices[vertex];
+    Point normal;
+    ring_normal(current, fold, own, normal);
+    for (std::uint32_t l = fold.first_list; l < folds.vertices[vertex + 1].first_list; ++l) {
+      const FoldList& list = folds.lists[l];
+      const float weight = weights[list.component];
       if (!(weight > 0)) continue;
       shown = std::max(shown, std::min(weight, 1.0f));
-      for (std::uint32_t k = folds.lists[l].first; k < folds.lists[l + 1].first; ++k) {
-        add_pull(current, &mesh.triangles[std::size_t{3} * folds.triangles[k]], own, push.reach, pull);
+      reach = std::max(reach, list.reach);
+      for (std::uint32_t k = list.first; k < folds.lists[l + 1].first; ++k) {
+        add_pull(current, &mesh.triangles[std::size_t{3} * folds.triangles[k]], own, normal, list.reach, pull);
       }
     }
     Point moved;
-    fold_step(pull, point(posed, vertex), own, push.reach, push.last == 1 ? shown : -1.0f, moved);
+    fold_step(pull, point(posed, vertex), own, reach, push.last == 1 ? shown : -1.0f, moved);
     std::copy_n(moved, 3, &separated[at]);
   }
 }

@@ -26,8 +26,8 @@ OutputSteps output_steps(const Basis& basis, const Batch& batch) {
   if (const SkinModifier* relax = shown(basis, batch, kRelax)) {
     steps.relax.assign(kRelaxSteps, {vertices, components, relax->first_component});
   }
-  if (const SkinModifier* push_out = shown(basis, batch, kPushOut)) {
-    steps.separate.assign(kSeparateSteps, {vertices, components, 0, push_out->numbers[0]});
+  if (shown(basis, batch, kPushOut) != nullptr) {
+    steps.separate.assign(kSeparateSteps, {vertices, components, 0});
     steps.separate.back().last = 1;
   }
   return steps;

@@ -10,6 +10,7 @@ namespace bodyopt {
 #endif
 
 const float kFoldTouch = 1e-5f;  // metres within which a vertex lies on a triangle
+const float kFoldSoft = 1e-6f;   // square of the distance, metres, within which triangles are equally near
 
 BODYOPT_FUNCTION float fold_dot(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3)) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -49,28 +50,41 @@ BODYOPT_FUNCTION void nearest_of_triangle(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARR
   for (int i = 0; i < 3; ++i) nearest[i] = a[i] + at_b * ab[i] + at_c * ac[i];
 }
 
-// Adds what a triangle, seen from a vertex at the origin, says: weight times the way to it (pull[0..2]; none of a
-// triangle that the vertex is in front of) and weight (pull[3]). The weight is that of the nearest, 1 / distance^4, and
-// fades out towards the reach and where the vertex is beside the triangle more than behind or in front of it, so that
-// what is pulled moves evenly while the pose does.
-BODYOPT_FUNCTION void add_fold_pull(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3), BODYOPT_IN_ARRAY(c, 3), float reach,
-                                    BODYOPT_INOUT_ARRAY(pull, 4)) {
+// a x b, added to a sum.
+BODYOPT_FUNCTION void add_fold_cross(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3), BODYOPT_INOUT_ARRAY(sum, 3)) {
+  BODYOPT_PRECISE float x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+  sum[0] += x;
+  sum[1] += y;
+  sum[2] += z;
+}
+
+// Adds what a triangle, seen from a vertex at the origin with a normal of its own, says: weight times the way to it
+// (pull[0..2]; none of a triangle that the vertex is in front of) and weight (pull[3]). The weight is that of the
+// nearest, 1 / distance^4, and fades out towards the reach, where the vertex is beside the triangle more than behind or
+// in front of it, and where the two do not face each other, so that what is pulled moves evenly while the pose does.
+BODYOPT_FUNCTION void add_fold_pull(BODYOPT_IN_ARRAY(own, 3), BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3),
+                                    BODYOPT_IN_ARRAY(c, 3), float reach, BODYOPT_INOUT_ARRAY(pull, 4)) {
   float nearest[3];
   nearest_of_triangle(a, b, c, nearest);
   BODYOPT_PRECISE float distance2 = fold_dot(nearest, nearest);
   if (!(distance2 < reach * reach)) return;
-  float ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
-  float wx = c[0] - a[0], wy = c[1] - a[1], wz = c[2] - a[2];
-  float normal[3];
-  normal[0] = uy * wz - uz * wy;
-  normal[1] = uz * wx - ux * wz;
-  normal[2] = ux * wy - uy * wx;
+  float ab[3], ac[3], normal[3];
+  for (int i = 0; i < 3; ++i) {
+    ab[i] = b[i] - a[i];
+    ac[i] = c[i] - a[i];
+    normal[i] = 0.0f;
+  }
+  add_fold_cross(ab, ac, normal);
   BODYOPT_PRECISE float area2 = fold_dot(normal, normal), behind = fold_dot(normal, a);
-  if (!(area2 > 1e-20f)) return;
+  BODYOPT_PRECISE float own2 = fold_dot(own, own), alike = fold_dot(own, normal);
+  if (!(area2 > 1e-20f) || !(own2 > 1e-20f)) return;
   float distance = sqrt(distance2), height = abs(behind) / sqrt(area2);
   float facing = (height + kFoldTouch) / (distance + kFoldTouch);
-  float share = min(max(2.5f * (facing - 0.5f), 0.0f), 1.0f) * min(4.0f - 4.0f * distance / reach, 1.0f);
-  float root = share / (distance2 + kFoldTouch * kFoldTouch), weight = root * root;
+  float opposite = -alike / (sqrt(area2) * sqrt(own2));
+  float share = min(max(2.5f * (facing - 0.5f), 0.0f), 1.0f) * min(max(2.5f * (opposite + 0.1f), 0.0f), 1.0f) *
+                min(4.0f - 4.0f * distance / reach, 1.0f);
+  float near = share * kFoldSoft / (distance2 + kFoldSoft), near2 = near * near, near4 = near2 * near2;
+  float weight = near4 * near4;
   if (behind > 0.0f) {
     for (int i = 0; i < 3; ++i) pull[i] += weight * share * nearest[i];
   }

@@ -42,7 +42,13 @@ class PushOut : public ::testing::Test {
     delete pushed_;
   }
 
-  static std::vector<Pose> bent(double degrees) { return bent_poses(plain_->skeleton, 1, {20, {degrees}}); }
+  static std::vector<Pose> bent(double degrees) {
+    std::vector<Pose> poses;
+    for (const FoldDirection& direction : fold_directions(plain_->skeleton, 1, 20)) {
+      poses.push_back(bent_pose(plain_->skeleton, direction, degrees));
+    }
+    return poses;
+  }
 
   // As a shot shows them, by the strength as the shot has it.
   static std::vector<float> shown(const Basis& basis, std::vector<Pose> poses) {
@@ -99,7 +105,7 @@ TEST_F(PushOut, APartOfAShotHasTheBitsOfTheWhole) {
 // However deep: no further than the reach that the modifier says of itself.
 TEST_F(PushOut, IsBounded) {
   Basis near = *pushed_;
-  near.modifiers.stack[0].numbers[0] = 0.002f;
+  for (FoldList& list : near.modifiers.folds.lists) list.reach = 0.002f;
   const std::vector<float> before = shown(*plain_, bent(150)), after = shown(near, bent(150));
   float most = 0;
   for (std::size_t k = 0; k < before.size(); k += 3) {
@@ -127,13 +133,13 @@ TEST_F(PushOut, ForgedFoldsAreRefused) {
   refused([](SkinModifiers& m) { m.folds.lists.clear(); });
   refused([](SkinModifiers& m) { m.folds.lists[1].first = 1u << 30; });
   refused([](SkinModifiers& m) { m.folds.lists[0].component = 99; });
-  refused([](SkinModifiers& m) { m.folds.begin.pop_back(); });
-  refused([](SkinModifiers& m) { m.folds.begin[1] = 1u << 30; });
+  refused([](SkinModifiers& m) { m.folds.vertices.pop_back(); });
+  refused([](SkinModifiers& m) { m.folds.vertices[3].b = 1u << 30; });
+  refused([](SkinModifiers& m) { m.folds.vertices[1].first_list = 1u << 30; });
   refused([](SkinModifiers& m) { m.folds = {}; });
-  refused([](SkinModifiers& m) { m.folds.begin.clear(); });
+  refused([](SkinModifiers& m) { m.folds.vertices.clear(); });
   refused([](SkinModifiers& m) { m.stack[0].type = "morph"; });
-  refused([](SkinModifiers& m) { m.stack[0].numbers[0] = 0; });
-  refused([](SkinModifiers& m) { m.stack[0].numbers.clear(); });
+  refused([](SkinModifiers& m) { m.folds.lists[0].reach = -1; });
 }
 
 TEST_F(PushOut, AStackHasOne) {

@@ -34,7 +34,7 @@ class Relax : public ::testing::Test {
     weighted.modifiers = {strength};
     return ShownSkin(*basis_)({&weighted, 1})[0];
   }
-  static Pose bent() { return bent_poses(basis_->skeleton, 1, {0, {100}})[0]; }
+  static Pose bent() { return bent_pose(basis_->skeleton, {1, {1, 0, 0}}, 100); }
 
   // How unevenly the triangles have lost their area: the standard deviation of its logarithm where it was lost.
   static double unevenness(const Positions& skin) {

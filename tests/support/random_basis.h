@@ -53,19 +53,19 @@ inline Basis with_random_folds(Basis basis, std::uint32_t partners) {
     modifier.name = modifier.type = type;
     modifier.first_component = component;
     modifier.component_count = type == kRelax ? 1 : 2;
-    modifier.numbers = {0.5f};
   }
   FoldTable& folds = modifiers.folds;
-  folds.begin = {0};
-  for (std::uint32_t v = 0; v < basis.mesh.vertex_count(); ++v) {
+  for (std::uint32_t v = 0; v < kBasisVertices; ++v) {
+    folds.vertices.push_back({static_cast<std::uint32_t>(folds.lists.size()), random.below(kBasisVertices),
+                              random.below(kBasisVertices), random.below(kBasisVertices)});
     folds.lists.push_back(
-        {modifiers.component_count() - 1 - random.below(2), static_cast<std::uint32_t>(folds.triangles.size())});
+        {modifiers.component_count() - 1 - random.below(2), static_cast<std::uint32_t>(folds.triangles.size()), 0.5f});
     for (std::uint32_t k = 0; k < partners; ++k) {
       folds.triangles.push_back(random.below(static_cast<std::uint32_t>(basis.mesh.triangles.size() / 3)));
     }
-    folds.begin.push_back(static_cast<std::uint32_t>(folds.lists.size()));
   }
-  folds.lists.push_back({0, static_cast<std::uint32_t>(folds.triangles.size())});
+  folds.vertices.push_back({static_cast<std::uint32_t>(folds.lists.size()), 0, 0, 0});
+  folds.lists.push_back({0, static_cast<std::uint32_t>(folds.triangles.size()), 0});
   return basis;
 }
 

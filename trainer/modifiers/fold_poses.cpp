@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "runtime/host/rig.h"
+#include "runtime/modifiers/joint_turns.h"
 
 namespace bodyopt {
 namespace {
 
-constexpr int kDirections = 6;
+constexpr int kDirections = 12;
 constexpr std::size_t kMostSteps = 3;
 
 Vec3 bind_place(const Joint& joint) {
@@ -17,18 +17,20 @@ Vec3 bind_place(const Joint& joint) {
   return {bind.m[0][3], bind.m[1][3], bind.m[2][3]};
 }
 
-// From a joint to those that follow it, or, of the last of a chain, on from its parent. Rest space; may be zero.
+// From a joint to the middle of those that follow it, or, of the last of a chain, on from its parent. Rest space; may
+// be zero.
 Vec3 bone_of(const Skeleton& skeleton, std::uint32_t joint) {
   const Vec3 own = bind_place(skeleton.joints[joint]);
   Vec3 bone{0, 0, 0};
+  double children = 0;
   for (const Joint& other : skeleton.joints) {
-    if (other.parent == static_cast<int>(joint)) bone = bone + (bind_place(other) - own);
+    if (other.parent != static_cast<int>(joint)) continue;
+    bone = bone + (bind_place(other) - own);
+    ++children;
   }
   const int parent = skeleton.joints[joint].parent;
-  if (!(length(bone) > 1e-6) && parent >= 0) {
-    bone = own - bind_place(skeleton.joints[static_cast<std::size_t>(parent)]);
-  }
-  return bone;
+  if (children > 0) return (1 / children) * bone;
+  return parent < 0 ? bone : own - bind_place(skeleton.joints[static_cast<std::size_t>(parent)]);
 }
 
 // Any one at right angles to a vector that is not zero; unit.
@@ -49,23 +51,42 @@ std::vector<std::uint32_t> chain_of(const Skeleton& skeleton, std::uint32_t join
 
 }  // namespace
 
-std::vector<Pose> bent_poses(const Skeleton& skeleton, std::uint32_t joint, const FoldBends& bends) {
+std::vector<FoldDirection> fold_directions(const Skeleton& skeleton, std::uint32_t joint, double first) {
   const Vec3 bone = bone_of(skeleton, joint);
   if (skeleton.joints[joint].parent < 0 || !(length(bone) > 1e-6)) return {};
-  const Quat parent = bind_rotations(skeleton)[static_cast<std::size_t>(skeleton.joints[joint].parent)];
-  std::vector<Pose> poses;
+  std::vector<FoldDirection> directions;
   for (int k = 0; k < kDirections; ++k) {
-    const double around = bends.first_direction + 360.0 * k / kDirections;
-    const Vec3 axis = rotate(axis_angle((1 / length(bone)) * bone, around * std::numbers::pi / 180), across(bone));
-    for (const double angle : bends.angles) {
-      const Quat turn = axis_angle(axis, angle * std::numbers::pi / 180);  // in rest space
-      Pose pose = bind_pose(skeleton);
-      Quat& rotation = pose.joints[joint].rotation;
-      rotation = conjugate(parent) * turn * parent * rotation;
-      poses.push_back(std::move(pose));
-    }
+    const double around = (first + 360.0 * k / kDirections) * std::numbers::pi / 180;
+    directions.push_back({joint, rotate(axis_angle((1 / length(bone)) * bone, around), across(bone))});
   }
-  return poses;
+  return directions;
+}
+
+Pose bent_pose(const Skeleton& skeleton, const FoldDirection& direction, double degrees) {
+  const Quat parent = bind_world_rotations(skeleton)[static_cast<std::size_t>(skeleton.joints[direction.joint].parent)];
+  const Quat turn = axis_angle(direction.axis, degrees * std::numbers::pi / 180);  // in rest space
+  Pose pose = bind_pose(skeleton);
+  Quat& rotation = pose.joints[direction.joint].rotation;
+  rotation = conjugate(parent) * turn * parent * rotation;
+  return pose;
+}
+
+std::vector<std::uint32_t> folding_joints(const Basis& basis, const Eigen::VectorXd& thickness) {
+  std::vector<double> sum(basis.skeleton.size(), 0), count(basis.skeleton.size(), 0);
+  for (std::uint32_t v = 0; v < basis.mesh.vertex_count(); ++v) {
+    sum[basis.ddm.vertices[v].base_joint] += thickness[v];
+    count[basis.ddm.vertices[v].base_joint] += 1;
+  }
+  std::vector<std::uint32_t> joints;
+  for (std::uint32_t joint = 0; joint < basis.skeleton.size(); ++joint) {
+    if (count[joint] * length(bone_of(basis.skeleton, joint)) > sum[joint]) joints.push_back(joint);
+  }
+  return joints;
+}
+
+bool goes_through(const std::vector<BuriedVertex>& buried, const Eigen::VectorXd& thickness) {
+  const auto too_deep = [&](const BuriedVertex& vertex) { return vertex.depth > 0.3 * thickness[vertex.vertex]; };
+  return 10 * std::ranges::count_if(buried, too_deep) > std::ssize(buried);
 }
 
 std::vector<std::uint32_t> joints_between(const Skeleton& skeleton, std::uint32_t from, std::uint32_t to) {

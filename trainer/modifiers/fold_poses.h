@@ -3,22 +3,34 @@
 
 #include <vector>
 
+#include "geometry/skin_in_skin.h"
 #include "runtime/basis/basis.h"
 
 namespace bodyopt {
 
-// One joint bent, and no other: about axes across its bone, evenly all around it from `first_direction` degrees on, by
-// each of the angles (degrees).
-struct FoldBends {
-  double first_direction;
-  std::vector<double> angles;
+// A joint bent one way: about an axis across its bone (unit, rest space).
+struct FoldDirection {
+  std::uint32_t joint;
+  Vec3 axis;
 };
 
-// Those that push-out is made of, and, between them, those that it is measured at.
-inline const FoldBends kFoldBends{0, {50, 90, 130}}, kMeasuredBends{30, {70, 110}};
+// Evenly all around the joint's bone, from `first` degrees on. None of a joint without a parent or a bone.
+std::vector<FoldDirection> fold_directions(const Skeleton& skeleton, std::uint32_t joint, double first);
 
-// Direction by direction, each by all angles. None of a joint without a parent or a bone.
-std::vector<Pose> bent_poses(const Skeleton& skeleton, std::uint32_t joint, const FoldBends& bends);
+// Whether what is buried is no fold any more, but a part of the body that goes through another: more than a tenth of it
+// lies deeper than three tenths of the body's thickness. thickness: V, metres (geometry/thickness.h).
+bool goes_through(const std::vector<BuriedVertex>& buried, const Eigen::VectorXd& thickness);
+
+// Joints whose bone is longer than the body around it is thick, so that they may fold skin by themselves; others, of a
+// spine, say, fold it together. thickness: as above.
+std::vector<std::uint32_t> folding_joints(const Basis& basis, const Eigen::VectorXd& thickness);
+
+// The bind pose, but for that joint, which is bent so many degrees.
+Pose bent_pose(const Skeleton& skeleton, const FoldDirection& direction, double degrees);
+
+// The bends that push-out is made of, and, between them, those that it is measured at.
+inline constexpr double kFoldAngles[] = {40, 60, 80, 100, 120, 140}, kMeasuredAngles[] = {70, 110, 130};
+inline constexpr double kFirstFold = 0, kFirstMeasured = 15;
 
 // The joints along the skeleton from one to another, over what both hang on, but for that.
 std::vector<std::uint32_t> joints_between(const Skeleton& skeleton, std::uint32_t from, std::uint32_t to);

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "geometry/skin_in_skin.h"
+#include "geometry/thickness.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/fold_poses.h"
@@ -20,7 +21,11 @@ void FoldMeasure::add(const FoldMeasure& other) {
 }
 
 FoldJudge::FoldJudge(const Basis& basis)
-    : basis_(basis), triangles_(rest_triangles(basis)), shown_(basis), kept_(basis.mesh.vertex_count(), 0) {
+    : basis_(basis),
+      triangles_(rest_triangles(basis)),
+      shown_(basis),
+      kept_(basis.mesh.vertex_count(), 0),
+      thickness_(thickness(rest_positions(basis), triangles_)) {
   const std::vector<Pose> rest = {bind_pose(basis.skeleton)};
   for (const BuriedVertex& buried : skin_in_skin(shown_(rest)[0], triangles_, triangles_)) kept_[buried.vertex] = 1;
 }
@@ -49,16 +54,20 @@ std::vector<FoldMeasure> FoldJudge::operator()(std::span<const Pose> poses) {
 FoldMeasure FoldJudge::measure(const Positions& before, const Positions& after, const Triangles& searched) const {
   FoldMeasure measure;
   std::vector<char> in_skin = kept_;
-  for (const BuriedVertex& buried : skin_in_skin(before, triangles_, searched)) {
+  const std::vector<BuriedVertex> fold = skin_in_skin(before, triangles_, searched);
+  if (goes_through(fold, thickness_)) return measure;
+  for (const BuriedVertex& buried : fold) {
     in_skin[buried.vertex] = 1;
     if (kept_[buried.vertex]) continue;
-    measure.deepest = std::max(measure.deepest, buried.depth);
-    measure.sum += buried.depth;
+    const double depth = std::min(buried.depth, 0.45 * thickness_[buried.vertex]);
+    measure.deepest = std::max(measure.deepest, depth);
+    measure.sum += depth;
   }
   for (const BuriedVertex& buried : skin_in_skin(after, triangles_, searched)) {
     if (kept_[buried.vertex]) continue;
-    measure.deepest_left = std::max(measure.deepest_left, buried.depth);
-    measure.sum_left += buried.depth;
+    const double depth = std::min(buried.depth, 0.45 * thickness_[buried.vertex]);
+    measure.deepest_left = std::max(measure.deepest_left, depth);
+    measure.sum_left += depth;
   }
   const Eigen::VectorXd moved = (after - before).rowwise().norm();
   for (Eigen::Index v = 0; v < moved.size(); ++v) {
@@ -72,9 +81,12 @@ std::vector<JointFolds> measure_push_out(const Basis& given) {
   for (SkinModifier& modifier : basis.modifiers.stack) modifier.on = modifier.type == kPushOut;
   FoldJudge judge(basis);
   std::vector<JointFolds> joints;
-  for (std::uint32_t joint = 0; joint < basis.skeleton.size(); ++joint) {
+  for (const std::uint32_t joint : folding_joints(basis, thickness(rest_positions(basis), rest_triangles(basis)))) {
     JointFolds folds{basis.skeleton.joints[joint].name, {}};
-    std::vector<Pose> poses = bent_poses(basis.skeleton, joint, kMeasuredBends);
+    std::vector<Pose> poses;
+    for (const FoldDirection& direction : fold_directions(basis.skeleton, joint, kFirstMeasured)) {
+      for (const double degrees : kMeasuredAngles) poses.push_back(bent_pose(basis.skeleton, direction, degrees));
+    }
     drive_modifiers(basis, {}, 1, poses);
     for (const FoldMeasure& measure : judge(poses, triangles_near(basis, joint))) folds.measure.add(measure);
     if (folds.measure.sum > 0 || folds.measure.elsewhere > 0) joints.push_back(folds);

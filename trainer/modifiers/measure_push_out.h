@@ -27,7 +27,7 @@ class FoldJudge {
   explicit FoldJudge(const Basis& basis);
 
   // One for each pose, with the weights that its modifiers have; before: without that of push-out. `searched`:
-  // triangles among which folds are looked for.
+  // triangles among which folds are looked for. Nothing is measured where the body goes through itself.
   std::vector<FoldMeasure> operator()(std::span<const Pose> poses, const std::vector<std::uint32_t>& searched);
   // Among all triangles.
   std::vector<FoldMeasure> operator()(std::span<const Pose> poses);
@@ -39,7 +39,8 @@ class FoldJudge {
   const Triangles triangles_;
   ShownSkin shown_;
   std::size_t component_;
-  std::vector<char> kept_;  // V: in skin at rest
+  std::vector<char> kept_;     // V: in skin at rest
+  Eigen::VectorXd thickness_;  // V: metres
 };
 
 // Bends of a joint that push-out was not made of, between those it was.

@@ -21,7 +21,7 @@ SkinTables::SkinTables(const Device& device, const Basis& b)
       blend(upload(device, b.residual.blend, "the blend")),
       modifier_begin(upload(device, b.modifiers.blend_begin, "the modifiers' blocks")),
       modifier_blend(upload(device, b.modifiers.blend, "the modifiers")),
-      fold_begin(upload(device, b.modifiers.folds.begin, "the vertices' folds")),
+      fold_vertices(upload(device, b.modifiers.folds.vertices, "the vertices' folds")),
       fold_lists(upload(device, b.modifiers.folds.lists, "the folds")),
       fold_triangles(upload(device, b.modifiers.folds.triangles, "the folds")),
       rest(upload(device, b.modifiers.of_type(kRelax) ? b.mesh.rest : std::vector<float>(), "the skin at rest")),

@@ -40,7 +40,7 @@ struct SkinTables {
   Buffer strain_vertices, points, fibre_begin, rest_length;
   Buffer ranges, regions, region_features, coordinate_region, projections, centre_region, centres;
   Buffer coefficient_region, weights, blend_begin, blend, modifier_begin, modifier_blend;
-  Buffer fold_begin, fold_lists, fold_triangles, rest;
+  Buffer fold_vertices, fold_lists, fold_triangles, rest;
   Buffer triangles, vertex_triangle_begin, vertex_triangles, output_vertex;
 };
 

@@ -266,8 +266,9 @@ class VulkanBackend final : public Backend {
     for (const OutputSeparatePush& push : steps_.separate) {
       const Buffer &current = *skin_, &separated = next_moved(posed);
       kernels_.output_separate.record(
-          *commands_, {t.fold_begin, t.fold_lists, t.fold_triangles, t.triangles, weights, posed, current, separated},
-          push, frames);
+          *commands_,
+          {t.fold_vertices, t.fold_lists, t.fold_triangles, t.triangles, weights, posed, current, separated}, push,
+          frames);
       commands_->barrier();
     }
   }
