@@ -15,7 +15,6 @@
 #include "cli/arguments/task_arguments.h"
 #include "cli/results/attachments.h"
 #include "cli/results/shot_caches.h"
-#include "cli/results/shot_folds.h"
 #include "cli/run_steps.h"
 #include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/posed_clip.h"
@@ -196,7 +195,6 @@ void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun
   if (const auto file = arguments.jiggle.write_last_state(*shot.deformer)) states.push_back(*file);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  const std::optional<ShotFolds> folds = measure_shot_folds(shot.deformer->basis(), shot.poses, shot.frames);
   const Json attached = caches.attached();
   const std::vector<fs::path> outputs = outputs_of(arguments, attached, states);
   Json summary = caches.log().summary();
@@ -206,7 +204,6 @@ void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun
   std::string text = format("%zu frames of %u points on %s in %.2f s\n", shot.frames.size(), caches.points(),
                             shot.deformer->device_name().c_str(), seconds) +
                      caches.log().text();
-  if (folds) text += text_of(*folds);
   for (const fs::path& file : outputs) text += "wrote " + file.string() + "\n";
   Json result = caches.log().result();
   result["cache"] = arguments.cache.out;
@@ -216,7 +213,6 @@ void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun
   result["jiggle"] = arguments.jiggle.jiggle;
   result["states"] = states;
   result["attached"] = attached;
-  if (folds) result["folds"] = to_json(*folds);
   arguments.json.emit(result, text);
 }
 

@@ -1,11 +1,10 @@
-// bodyopt modifiers: breathing, morphs, sculpts, flexed muscles and push-out for a basis.
+// bodyopt modifiers: breathing, morphs, sculpts, flexed muscles, sag and relax for a basis.
 #include "assets/shot_modifiers.h"
 #include "cli/arguments/common.h"
 #include "runtime/basis/levels.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/modifiers/bake_stack.h"
 #include "trainer/modifiers/measure_breathing.h"
-#include "trainer/modifiers/measure_push_out.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -37,33 +36,6 @@ Json json_of_breaths(const std::vector<BreathMeasure>& breaths) {
   return list;
 }
 
-std::string fold_table(const std::vector<JointFolds>& joints) {
-  FoldMeasure all;
-  std::string text = format("%-20s %10s %10s %10s %12s\n", "folds of", "deep mm", "left mm", "removed", "elsewhere mm");
-  const auto line = [&](const std::string& name, const FoldMeasure& m) {
-    text += format("%-20s %10.1f %10.1f %8.1f %% %12.4f\n", name.c_str(), 1e3 * m.deepest, 1e3 * m.deepest_left,
-                   100 * m.removed(), 1e3 * m.elsewhere);
-  };
-  for (const JointFolds& folds : joints) {
-    line(folds.joint, folds.measure);
-    all.add(folds.measure);
-  }
-  line("all", all);
-  return text;
-}
-
-Json json_of_folds(const std::vector<JointFolds>& joints) {
-  Json list = Json::array();
-  for (const auto& [joint, measure] : joints) {
-    list.push_back({{"joint", joint},
-                    {"deepest_mm", 1e3 * measure.deepest},
-                    {"left_mm", 1e3 * measure.deepest_left},
-                    {"removed_share", measure.removed()},
-                    {"elsewhere_mm", 1e3 * measure.elsewhere}});
-  }
-  return list;
-}
-
 void run(const ModifiersArguments& arguments) {
   refuse_overwriting(arguments.out, arguments.basis);
   require_writable(arguments.out);
@@ -81,11 +53,6 @@ void run(const ModifiersArguments& arguments) {
   for (const SkinModifier& modifier : basis.modifiers.stack) {
     text += format("%-16s %-12s %10u\n", modifier.name.c_str(), modifier.type.c_str(), modifier.component_count);
     list.push_back({{"name", modifier.name}, {"type", modifier.type}, {"components", modifier.component_count}});
-    if (modifier.type == kPushOut) {
-      const std::vector<JointFolds> folds = measure_push_out(basis);
-      text += fold_table(folds);
-      list.back()["folds"] = json_of_folds(folds);
-    }
     if (modifier.type != "breathing") continue;
     const std::vector<BreathMeasure> breaths = measure_breathing(basis, modifier);
     text += breath_table(breaths);
@@ -103,8 +70,8 @@ void run(const ModifiersArguments& arguments) {
 
 void add_modifiers(CLI::App& app) {
   auto arguments = std::make_shared<ModifiersArguments>();
-  CLI::App& verb =
-      *app.add_subcommand("modifiers", "Give a basis modifiers: breathing, morphs, sculpts, flexed muscles, push-out");
+  CLI::App& verb = *app.add_subcommand(
+      "modifiers", "Give a basis modifiers: breathing, morphs, sculpts, flexed muscles, sag, relax");
   verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
   verb.add_option("stack", arguments->stack, "The stack to make (modifiers.json)")->required()->type_name("STACK");
   add_output(verb, arguments->out, ".safetensors", "Basis to write, with the modifiers in place of those it had");

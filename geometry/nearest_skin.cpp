@@ -133,12 +133,4 @@ SkinPoint NearestSkin::facing(const Eigen::Vector3d& point, const Eigen::Vector3
   });
 }
 
-SkinPoint NearestSkin::behind(const Eigen::Vector3d& point) const {
-  return search(point, [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
-    const Eigen::Vector3d weights = nearest_weights(point, a, b, c);
-    const Eigen::Vector3d way = weights[0] * a + weights[1] * b + weights[2] * c - point;
-    return (b - a).cross(c - a).normalized().dot(way) > 0.5 * way.norm();
-  });
-}
-
 }  // namespace bodyopt

@@ -27,8 +27,6 @@ class NearestSkin {
   SkinPoint operator()(const Eigen::Vector3d& point) const;
   // Among triangles whose normal is less than 90 degrees from `normal`; triangle -1 where there is none.
   SkinPoint facing(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
-  // Among triangles that the point lies behind, less than 60 degrees off their normal; triangle -1 where there is none.
-  SkinPoint behind(const Eigen::Vector3d& point) const;
 
  private:
   class CentreTree;

@@ -18,8 +18,6 @@ namespace {
 constexpr const char *kSchema = "bodyopt-basis-3", *kEarlierSchema = "bodyopt-basis-2";
 constexpr const char *kModifiers = "modifiers", *kModifierBegin = "modifiers.blend_begin",
                      *kModifierBlend = "modifiers.blend";
-constexpr const char *kFoldVertices = "modifiers.fold_vertices", *kFoldLists = "modifiers.fold_lists",
-                     *kFoldTriangles = "modifiers.fold_triangles";
 constexpr const char *kCoverageNames = "coverage_names", *kEarlierCoverage = "coverage",
                      *kCoverageBegin = "coverage.joint_begin";
 constexpr const char *kCarried = "carried.points", *kCarriedStep = "carried.step";
@@ -184,22 +182,13 @@ void add_modifiers(Safetensors& file, const SkinModifiers& modifiers, const std:
   file.metadata[prefix + kModifiers] = text_of_stack(modifiers.stack, path.string());
   file.tensors[prefix + kModifierBegin] = tensor_from(modifiers.blend_begin, 1);
   file.tensors[prefix + kModifierBlend] = tensor_from(modifiers.blend, 1);
-  if (modifiers.folds.empty()) return;
-  file.tensors[prefix + kFoldVertices] = tensor_from(modifiers.folds.vertices, 1);
-  file.tensors[prefix + kFoldLists] = tensor_from(modifiers.folds.lists, 1);
-  file.tensors[prefix + kFoldTriangles] = tensor_from(modifiers.folds.triangles, 1);
 }
 
-SkinModifiers read_modifiers(const Safetensors& file, TableReader& reader, const std::string& prefix,
-                             const std::filesystem::path& path) {
+SkinModifiers read_modifiers(TableReader& reader, const std::string& prefix, const std::filesystem::path& path) {
   SkinModifiers modifiers;
   modifiers.stack = stack_from_text(reader.metadata(prefix + kModifiers), path.string() + ", metadata 'modifiers'");
   reader.read(prefix + kModifierBegin, modifiers.blend_begin, 1);
   reader.read(prefix + kModifierBlend, modifiers.blend, 1);
-  if (!file.tensors.contains(prefix + kFoldVertices)) return modifiers;
-  reader.read(prefix + kFoldVertices, modifiers.folds.vertices, 1);
-  reader.read(prefix + kFoldLists, modifiers.folds.lists, 1);
-  reader.read(prefix + kFoldTriangles, modifiers.folds.triangles, 1);
   return modifiers;
 }
 
@@ -327,7 +316,7 @@ std::vector<Level> load_levels(const std::filesystem::path& path) {
     basis.strain.names = strings(reader, prefix + "fibre_names", path);
     basis.residual.controls = strings(reader, prefix + "controls", path);
     basis.coverage = read_coverage(file, reader, prefix, path, basis);
-    if (file.metadata.contains(prefix + kModifiers)) basis.modifiers = read_modifiers(file, reader, prefix, path);
+    if (file.metadata.contains(prefix + kModifiers)) basis.modifiers = read_modifiers(reader, prefix, path);
     basis.metadata = metadata_of(file, k, levels.size());
     if (file.tensors.contains(prefix + kCarried) || file.tensors.contains(prefix + kCarriedStep)) {
       levels[k].carried = read_carried(reader, prefix);
@@ -353,10 +342,8 @@ std::map<std::string, std::size_t> table_bytes(const Basis& basis) {
   });
   const SkinModifiers& modifiers = basis.modifiers;
   if (!modifiers.empty()) {
-    const auto size_of = [](const auto& values) { return values.size() * sizeof(values[0]); };
-    const FoldTable& folds = modifiers.folds;
-    bytes["modify"] = size_of(modifiers.blend_begin) + size_of(modifiers.blend) + size_of(folds.vertices) +
-                      size_of(folds.lists) + size_of(folds.triangles);
+    bytes["modify"] =
+        modifiers.blend_begin.size() * sizeof(std::uint32_t) + modifiers.blend.size() * sizeof(BlendEntry);
   }
   return bytes;
 }

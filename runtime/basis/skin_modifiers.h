@@ -1,5 +1,5 @@
-// Modifiers of the skin at run time, the last word of an animator on it: breathing, sculpts, morphs. Each but those
-// that act on the posed skin adds
+// Modifiers of the skin at run time, the last word of an animator on it: breathing, sculpts, morphs. Each but relax
+// adds
 //   delta d_i += sum_k w_k b_ki      (un-posed space, metres)
 // and may turn joints, with weights w_k that a function of its type makes of channels over time (runtime/modifiers).
 // Made by the trainer, constant afterwards but for what a shot chooses: order, switches, strengths and constants.
@@ -32,29 +32,19 @@ struct SkinModifier {
   std::vector<float> numbers;         // what the type says of them
 };
 
-// Where skin folds: the triangles that each vertex may come to lie behind, of which push-out takes it out.
-struct FoldTable {
-  std::vector<FoldVertex> vertices;      // V, and one more, which ends the lists of the last
-  std::vector<FoldList> lists;           // and one more, which ends the last
-  std::vector<std::uint32_t> triangles;  // indices of triangles of the mesh, ascending per list
-
-  bool empty() const { return vertices.empty(); }
-};
-
 struct SkinModifiers {
   std::vector<SkinModifier> stack;         // in the order in which they are applied
   std::vector<std::uint32_t> blend_begin;  // blocks + 1, into blend; empty without modifiers
   std::vector<BlendEntry> blend;           // as of the residual; a component in place of a coefficient
-  FoldTable folds;                         // of the modifier of the type kPushOut; empty without one
 
   bool empty() const { return stack.empty(); }
   std::uint32_t component_count() const;
   const SkinModifier* of_type(const std::string& type) const;  // the first of a type, or null
 };
 
-// The types that act on the posed skin, after all others and in this order. A stack has at most one of each. Their
-// components move nothing: their weights say how much is shown, of relax by its one, of push-out joint by joint.
-inline constexpr const char *kRelax = "relax", *kPushOut = "push_out";
+// The type that acts on the posed skin, after all others. A stack has at most one of it. Its one component moves
+// nothing: its weight says how much is shown.
+inline constexpr const char* kRelax = "relax";
 
 constexpr std::size_t kMostModifiers = 256, kMostModifierComponents = 4096;
 

@@ -290,8 +290,6 @@ class Validator : TableChecks {
     if (modifiers.empty()) {
       expect_size("modifiers.blend_begin", modifiers.blend_begin.size(), 0);
       expect_size("modifiers.blend", modifiers.blend.size(), 0);
-      expect_size("modifiers.fold_vertices", modifiers.folds.vertices.size(), 0);
-      expect_size("modifiers.fold_triangles", modifiers.folds.triangles.size(), 0);
       return;
     }
     std::vector<char> used;  // components
@@ -306,44 +304,15 @@ class Validator : TableChecks {
     if (names.size() > kMostModifiers) refuse("there are more than " + std::to_string(kMostModifiers) + " modifiers");
     expect_offsets("modifiers.blend_begin", modifiers.blend_begin, basis_.mesh.block_count(), modifiers.blend.size());
     expect_entries("modifiers.blend", modifiers.blend, used.size());
-    check_folds(modifiers);
+    check_relax(modifiers);
   }
 
-  // Types that act on the posed skin are there once.
-  void check_once(const SkinModifiers& modifiers, const std::string& type) const {
-    const auto count = std::ranges::count(modifiers.stack, type, &SkinModifier::type);
-    if (count > 1) refuse("there are " + std::to_string(count) + " modifiers of the type '" + type + "', expected one");
-  }
-
-  void check_folds(const SkinModifiers& modifiers) const {
-    check_once(modifiers, kRelax);
-    check_once(modifiers, kPushOut);
-    const SkinModifier *relax = modifiers.of_type(kRelax), *push_out = modifiers.of_type(kPushOut);
-    if (relax != nullptr && relax->component_count == 0) refuse("the modifier '" + relax->name + "' has no component");
-    const FoldTable& folds = modifiers.folds;
-    if (push_out == nullptr) {
-      expect_size("modifiers.fold_vertices", folds.vertices.size(), 0);
-      expect_size("modifiers.fold_lists", folds.lists.size(), 0);
-      return expect_size("modifiers.fold_triangles", folds.triangles.size(), 0);
+  void check_relax(const SkinModifiers& modifiers) const {
+    const auto count = std::ranges::count(modifiers.stack, kRelax, &SkinModifier::type);
+    if (count > 1) refuse("there are " + std::to_string(count) + " modifiers of the type 'relax', expected one");
+    if (count == 1 && modifiers.of_type(kRelax)->component_count != 1) {
+      refuse("the modifier '" + modifiers.of_type(kRelax)->name + "' has not the one component of its type");
     }
-    if (folds.lists.empty()) refuse("modifiers.fold_lists has 0 entries, expected the end at least");
-    Indices begin, around;
-    for (const FoldVertex& vertex : folds.vertices) {
-      begin.push_back(vertex.first_list);
-      around.insert(around.end(), std::begin(vertex.ring), std::end(vertex.ring));
-    }
-    expect_offsets("modifiers.fold_vertices", begin, basis_.mesh.vertex_count(), folds.lists.size() - 1);
-    expect_below("modifiers.fold_vertices", around, basis_.mesh.vertex_count());
-    Indices first;
-    for (const FoldList& list : folds.lists) {
-      first.push_back(list.first);
-      if (list.component < modifiers.component_count() && list.reach >= 0 && list.reach <= kLargest) continue;
-      refuse("modifiers.fold_lists has a list of component " + std::to_string(list.component) + " and reach " +
-             std::to_string(list.reach) + " m, expected a component below " +
-             std::to_string(modifiers.component_count()) + ", and a reach from 0 to 1e9");
-    }
-    expect_offsets("modifiers.fold_lists", first, folds.lists.size() - 1, folds.triangles.size());
-    expect_below("modifiers.fold_triangles", folds.triangles, basis_.mesh.triangles.size() / 3);
   }
 
   // Between them modifiers have each component once.

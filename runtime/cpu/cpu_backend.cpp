@@ -8,7 +8,7 @@
 #include "runtime/cpu/cpu_dynamics.h"
 #include "runtime/cpu/ddm_frames.h"
 #include "runtime/cpu/kernels.h"
-#include "runtime/host/output_steps.h"
+#include "runtime/host/relax_steps.h"
 #include "runtime/host/stages.h"
 
 namespace bodyopt {
@@ -100,7 +100,7 @@ class CpuBackend final : public Backend {
     if (stage == Stage::diffuse) dynamics_->diffuse(work.batch, result.positions);
     if (stage == Stage::jiggle) dynamics_->jiggle(work.batch, weights_.jiggle, result.strains, result.positions);
     if (stage == Stage::output) {
-      move_posed(work);
+      relax(work);
       if (work.batch.wants_normals) find_normals(work);
       return;
     }
@@ -110,7 +110,7 @@ class CpuBackend final : public Backend {
   // Arrays of a batch that nobody asks for, kept from batch to batch.
   struct Scratch {
     std::vector<float> fibre_positions, features, coordinates, kernels;
-    std::vector<float> moved;
+    std::vector<float> relaxed;
     std::vector<float> areas;   // of kFramesAtOnce frames
     std::vector<float> frames;  // of all blocks of kFramesAtOnce frames; none without strains
   };
@@ -233,37 +233,18 @@ class CpuBackend final : public Backend {
     });
   }
 
-  // step(frame f, its positions, first vertex, where its part goes to) of all parts of all frames; then positions are
-  // what was written.
-  template <typename Step>
-  void step_positions(Work& work, const Step& step) {
+  void relax(Work& work) {
     const std::size_t frames = work.batch.frame_count;
-    scratch_.moved.resize(work.result.positions.size());
-    over_parts(frames, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
-      auto last = StageTimes::Clock::now();
-      step(f, of_frame(work.result.positions, f, frames), first,
-           of_frame(scratch_.moved, f, frames).subspan(3 * first, 3 * count));
-      work.times.add_since(last, Stage::output);
-    });
-    work.result.positions.swap(scratch_.moved);
-  }
-
-  void move_posed(Work& work) {
-    const OutputSteps steps = output_steps(basis_, work.batch);
-    const std::size_t frames = work.batch.frame_count;
-    for (const OutputRelaxPush& push : steps.relax) {
-      step_positions(work, [&](std::size_t f, auto current, std::size_t first, auto relaxed) {
-        cpu::relax_part(basis_.mesh, of_frame(work.batch.modifiers, f, frames)[push.component], current, first,
-                        relaxed);
+    for (const OutputRelaxPush& push : relax_steps(basis_, work.batch)) {
+      scratch_.relaxed.resize(work.result.positions.size());
+      over_parts(frames, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
+        auto last = StageTimes::Clock::now();
+        cpu::relax_part(basis_.mesh, of_frame(work.batch.modifiers, f, frames)[push.component],
+                        of_frame(work.result.positions, f, frames), first,
+                        of_frame(scratch_.relaxed, f, frames).subspan(3 * first, 3 * count));
+        work.times.add_since(last, Stage::output);
       });
-    }
-    if (steps.separate.empty()) return;
-    const std::vector<float> posed = work.result.positions;
-    for (const OutputSeparatePush& push : steps.separate) {
-      step_positions(work, [&](std::size_t f, auto current, std::size_t first, auto separated) {
-        cpu::separate_part(basis_.mesh, basis_.modifiers.folds, push, of_frame(work.batch.modifiers, f, frames),
-                           of_frame(posed, f, frames), current, first, separated);
-      });
+      work.result.positions.swap(scratch_.relaxed);
     }
   }
 

@@ -79,21 +79,6 @@ void output_relax(const MeshTable& mesh, const OutputRelaxPush& push, std::span<
 void relax_part(const MeshTable& mesh, float weight, std::span<const float> current, std::size_t first_vertex,
                 std::span<float> relaxed);
 
-// Output stage: one of kSeparateSteps steps in which skin is taken out of skin. Each vertex that lies behind triangles
-// of its lists whose components have weights above 0, no further than their reach, goes half the way to them, the
-// nearest counting most (shaders/include/fold.h); those triangles' vertices go the other half. No vertex goes further
-// than the reach from where it was posed, and the last step gives what the largest of these weights shows of all of
-// them. weights: F x component_count; positions F x V x 3, metres: posed, before the first step; current, after the
-// step before.
-// -> separated F x V x 3. Weights of 0, and skin that crosses nothing, change no bit.
-void output_separate(const MeshTable& mesh, const FoldTable& folds, const OutputSeparatePush& push,
-                     std::span<const float> weights, std::span<const float> posed, std::span<const float> current,
-                     std::span<float> separated);
-// The same of one frame and some vertices: those from first_vertex on, as many as separated holds.
-void separate_part(const MeshTable& mesh, const FoldTable& folds, const OutputSeparatePush& push,
-                   std::span<const float> weights, std::span<const float> posed, std::span<const float> current,
-                   std::size_t first_vertex, std::span<float> separated);
-
 // Output stage: normals by the sum of area vectors of the triangles around each vertex, in ascending triangle order.
 // positions F x V x 3 -> normals F x V x 3; zero where the sum's length is not above 1e-20.
 void output_normals(const MeshTable& mesh, std::span<const float> positions, std::span<float> normals);

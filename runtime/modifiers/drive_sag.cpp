@@ -4,11 +4,27 @@
 #include <cmath>
 #include <numbers>
 
-#include "runtime/modifiers/joint_turns.h"
 #include "runtime/modifiers/skin_modifier_type.h"
 
 namespace bodyopt {
 namespace {
+
+// Rotations of all joints, world.
+std::vector<Quat> world_rotations(const Skeleton& skeleton, const std::vector<Quat>& local) {
+  std::vector<Quat> world;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    const Quat own = normalized(local[j]);
+    world.push_back(parent < 0 ? own : world[static_cast<std::size_t>(parent)] * own);
+  }
+  return world;
+}
+
+std::vector<Quat> local_rotations(const Skeleton& skeleton) {
+  std::vector<Quat> local;
+  for (const Joint& joint : skeleton.joints) local.push_back(joint.bind.rotation);
+  return local;
+}
 
 std::vector<Quat> local_rotations(const Pose& pose) {
   std::vector<Quat> local;
@@ -28,7 +44,7 @@ Vec3 difference_of_gravity(double amount, double forward, double sideways) {
 void drive_sag(const ModifierFrames& frames, std::span<float> weights) {
   const SkinModifier& modifier = frames.modifier;
   const Skeleton& skeleton = frames.basis.skeleton;
-  const std::vector<Quat> bind = bind_world_rotations(skeleton);
+  const std::vector<Quat> bind = world_rotations(skeleton, local_rotations(skeleton));
   for (std::size_t f = 0; f < frames.count(); ++f) {
     const auto control = [&](std::size_t k) { return static_cast<double>(frames.controls[k][f]); };
     const Vec3 difference = difference_of_gravity(control(0), control(1), control(2));

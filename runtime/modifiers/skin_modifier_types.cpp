@@ -37,7 +37,6 @@ std::span<const SkinModifierType> skin_modifier_types() {
        kAsBaked,
        drive_sag},
       {kRelax, "evens out skin that is compressed", {}, 1, drive_constant},
-      {kPushOut, "takes skin out of skin where it folds", {}, kAsBaked, drive_push_out},
   };
   return types;
 }

@@ -150,25 +150,8 @@ struct TetElasticity {
 };
 BODYOPT_CHECK_SIZE(TetElasticity, 8)
 
-// A vertex where skin folds: its lists begin there, and end where those of the next vertex begin; vertices around it,
-// counter-clockwise seen from outside, the last as often as there are too few: their polygon's normal is its own.
-const uint kFoldRing = 6u;
-struct FoldVertex {
-  uint first_list;
-  uint ring[kFoldRing];
-};
-BODYOPT_CHECK_SIZE(FoldVertex, 28)
-
-// Triangles that a vertex may come to lie behind, no further than the reach, while a component of push-out has a
-// weight: those from `first` on, up to those of the next list.
-struct FoldList {
-  uint component, first;
-  float reach;  // metres
-};
-BODYOPT_CHECK_SIZE(FoldList, 12)
-
-// In how many steps skin is relaxed, and taken out of skin.
-const uint kRelaxSteps = 4u, kSeparateSteps = 4u;
+// In how many steps skin is relaxed.
+const uint kRelaxSteps = 4u;
 
 // Push constants, one record per kernel. Every kernel runs over (element, frame) = (x, y).
 struct StrainSkinPush {
@@ -205,10 +188,6 @@ struct PoseSkinPush {
 };
 struct OutputRelaxPush {
   uint vertex_count, component_count, component;  // the last: whose weight says how much is shown
-};
-struct OutputSeparatePush {
-  uint vertex_count, component_count;
-  uint last;  // 1: of the steps, the one whose result is shown
 };
 struct OutputPlacePush {
   uint output_count, vertex_count;

@@ -49,30 +49,5 @@ TEST(NearestSkin, IsTheNearestOfAllTriangles) {
   }
 }
 
-// From points within the arm: the nearest of all triangles, one after the other, that look away from the point.
-TEST(NearestSkin, IsTheNearestOfWhatThePointLiesBehind) {
-  const Character& character = arm().character;
-  const NearestSkin nearest(character.vertices, character.triangles);
-  const auto squarely_behind = [&](Eigen::Index t, const Eigen::Vector3d& point, const Eigen::Vector3d& skin) {
-    const Eigen::Vector3d a = character.vertices.row(character.triangles(t, 0)),
-                          b = character.vertices.row(character.triangles(t, 1)),
-                          c = character.vertices.row(character.triangles(t, 2));
-    return (b - a).cross(c - a).normalized().dot((skin - point).normalized()) > 0.5;
-  };
-  for (Eigen::Index v = 0; v < character.vertices.rows(); v += 97) {
-    const Eigen::Vector3d point = 0.9 * character.vertices.row(v).transpose() + Eigen::Vector3d(0.003, 0.002, 0.001);
-    double distance = 1e300;
-    for (Eigen::Index t = 0; t < character.triangles.rows(); ++t) {
-      const Triangles alone = character.triangles.row(t);
-      const SkinPoint skin = NearestSkin(character.vertices, alone)(point);
-      if (squarely_behind(t, point, skin.position)) distance = std::min(distance, (skin.position - point).norm());
-    }
-    const SkinPoint found = nearest.behind(point);
-    ASSERT_GE(found.triangle, 0);
-    EXPECT_NEAR((found.position - point).norm(), distance, 1e-12);
-    EXPECT_TRUE(squarely_behind(found.triangle, point, found.position));
-  }
-}
-
 }  // namespace
 }  // namespace bodyopt

@@ -43,29 +43,13 @@ inline Basis with_random_modifiers(Basis basis, std::uint32_t components) {
   return basis;
 }
 
-// With relax and push-out on top, the latter of two components and as many triangles for each vertex.
-inline Basis with_random_folds(Basis basis, std::uint32_t partners) {
-  Random random(partners);
-  SkinModifiers& modifiers = basis.modifiers;
-  for (const char* type : {kRelax, kPushOut}) {
-    const std::uint32_t component = modifiers.component_count();
-    SkinModifier& modifier = modifiers.stack.emplace_back();
-    modifier.name = modifier.type = type;
-    modifier.first_component = component;
-    modifier.component_count = type == kRelax ? 1 : 2;
-  }
-  FoldTable& folds = modifiers.folds;
-  for (std::uint32_t v = 0; v < kBasisVertices; ++v) {
-    folds.vertices.push_back({static_cast<std::uint32_t>(folds.lists.size()), random.below(kBasisVertices),
-                              random.below(kBasisVertices), random.below(kBasisVertices)});
-    folds.lists.push_back(
-        {modifiers.component_count() - 1 - random.below(2), static_cast<std::uint32_t>(folds.triangles.size()), 0.5f});
-    for (std::uint32_t k = 0; k < partners; ++k) {
-      folds.triangles.push_back(random.below(static_cast<std::uint32_t>(basis.mesh.triangles.size() / 3)));
-    }
-  }
-  folds.vertices.push_back({static_cast<std::uint32_t>(folds.lists.size()), 0, 0, 0});
-  folds.lists.push_back({0, static_cast<std::uint32_t>(folds.triangles.size()), 0});
+// With relax on top.
+inline Basis with_relax(Basis basis) {
+  const std::uint32_t component = basis.modifiers.component_count();
+  SkinModifier& modifier = basis.modifiers.stack.emplace_back();
+  modifier.name = modifier.type = kRelax;
+  modifier.first_component = component;
+  modifier.component_count = 1;
   return basis;
 }
 

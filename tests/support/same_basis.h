@@ -69,9 +69,6 @@ inline std::string difference(const Basis& a, const Basis& b) {
   }
   if (!same_bits(a.modifiers.blend_begin, b.modifiers.blend_begin) ||
       !same_bits(a.modifiers.blend, b.modifiers.blend) ||
-      !same_bits(a.modifiers.folds.vertices, b.modifiers.folds.vertices) ||
-      !same_bits(a.modifiers.folds.lists, b.modifiers.folds.lists) ||
-      !same_bits(a.modifiers.folds.triangles, b.modifiers.folds.triangles) ||
       text_of_stack(a.modifiers.stack, "a") != text_of_stack(b.modifiers.stack, "b")) {
     return "modifiers";
   }

@@ -26,7 +26,6 @@ struct BakedModifier {
   std::vector<ModifierTurn> turns;
   std::vector<std::uint32_t> joints;
   std::vector<float> numbers;
-  FoldTable folds;
 };
 
 // All throw Error(mismatch) where the character does not suit, Error(file) for files.
@@ -36,7 +35,6 @@ BakedModifier bake_sculpt(const BakeInput& input);
 BakedModifier bake_flex(const BakeInput& input);
 BakedModifier bake_sag(const BakeInput& input);
 BakedModifier bake_relax(const BakeInput& input);
-BakedModifier bake_push_out(const BakeInput& input);
 
 // V x 3, in runtime order, of V welded vertices.
 Positions rest_positions(const Basis& basis);

@@ -29,7 +29,6 @@ const std::vector<BakeType>& bake_types() {
       {"flex", {"muscles", "muscle", "bulge_mm"}, bake_flex},
       {"sag", {"dynamics"}, bake_sag},
       {kRelax, {}, bake_relax},
-      {kPushOut, {"clip"}, bake_push_out},
   };
   return types;
 }
@@ -53,10 +52,11 @@ void refuse_unknown_keys(const JsonObject& json, const BakeType& type) {
   }
 }
 
-// They have the last word, on skin that is posed: a second one would find nothing left.
+// It has the last word, on skin that is posed: a second one would only go on with it.
 void refuse_second(const JsonObject& json, const std::string& type, const SkinModifiers& stack) {
-  if ((type != kRelax && type != kPushOut) || stack.of_type(type) == nullptr) return;
-  json.refuse("is the second of the type '" + type + "': a stack has one");
+  if (type == kRelax && stack.of_type(type) != nullptr) {
+    json.refuse("is the second of the type '" + type + "': a stack has one");
+  }
 }
 
 // What is trained of the same name would listen to the same channel.
@@ -95,8 +95,6 @@ SkinModifiers bake_stack(const std::filesystem::path& path, const Basis& basis, 
     modifier.joints = std::move(baked.joints);
     modifier.numbers = std::move(baked.numbers);
     std::ranges::move(baked.components, std::back_inserter(components));
-    for (FoldList& list : baked.folds.lists) list.component += modifier.first_component;
-    if (!baked.folds.empty()) stack.folds = std::move(baked.folds);
     stack.stack.push_back(std::move(modifier));
   }
   if (stack.stack.empty()) top.refuse("has no modifiers");

@@ -21,9 +21,6 @@ SkinTables::SkinTables(const Device& device, const Basis& b)
       blend(upload(device, b.residual.blend, "the blend")),
       modifier_begin(upload(device, b.modifiers.blend_begin, "the modifiers' blocks")),
       modifier_blend(upload(device, b.modifiers.blend, "the modifiers")),
-      fold_vertices(upload(device, b.modifiers.folds.vertices, "the vertices' folds")),
-      fold_lists(upload(device, b.modifiers.folds.lists, "the folds")),
-      fold_triangles(upload(device, b.modifiers.folds.triangles, "the folds")),
       rest(upload(device, b.modifiers.of_type(kRelax) ? b.mesh.rest : std::vector<float>(), "the skin at rest")),
       triangles(upload(device, b.mesh.triangles, "the triangles")),
       vertex_triangle_begin(upload(device, b.mesh.vertex_triangle_begin, "the vertices' triangles")),
@@ -41,7 +38,6 @@ SkinKernels::SkinKernels(const Device& device)
       modify_blend(device),
       pose_skin(device),
       output_relax(device),
-      output_separate(device),
       output_normals(device),
       output_place(device) {}
 

@@ -26,11 +26,11 @@ struct FrameCounts {
         centres(basis.residual.centre_count()),
         coefficients(basis.residual.coefficient_count()),
         components(basis.modifiers.component_count()),
-        moved(basis.modifiers.of_type(kRelax) || basis.modifiers.of_type(kPushOut) ? 3 * vertices : 0) {}
+        relaxed(basis.modifiers.of_type(kRelax) ? 3 * vertices : 0) {}
 
   std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
   std::uint32_t regions, coordinates, centres, coefficients, components;
-  std::uint32_t moved;  // numbers of the skin where it is moved in the end; 0 where it is not
+  std::uint32_t relaxed;  // numbers of the skin that is relaxed; 0 where none is
 };
 
 struct SkinTables {
@@ -40,7 +40,7 @@ struct SkinTables {
   Buffer strain_vertices, points, fibre_begin, rest_length;
   Buffer ranges, regions, region_features, coordinate_region, projections, centre_region, centres;
   Buffer coefficient_region, weights, blend_begin, blend, modifier_begin, modifier_blend;
-  Buffer fold_vertices, fold_lists, fold_triangles, rest;
+  Buffer rest;
   Buffer triangles, vertex_triangle_begin, vertex_triangles, output_vertex;
 };
 
@@ -57,7 +57,6 @@ struct SkinKernels {
   ModifyBlend modify_blend;
   PoseSkin pose_skin;
   OutputRelax output_relax;
-  OutputSeparate output_separate;
   OutputNormals output_normals;
   OutputPlace output_place;
 };

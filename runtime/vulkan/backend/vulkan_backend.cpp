@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "runtime/core/error.h"
-#include "runtime/host/output_steps.h"
+#include "runtime/host/relax_steps.h"
 #include "runtime/host/stages.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_dynamics.h"
@@ -49,9 +49,8 @@ struct BatchBuffers {
         coefficients(device, frames, n.coefficients, "the coefficients"),
         displacements(device, frames, std::uint64_t{3} * n.vertices, "the displacements"),
         positions(device, frames, std::uint64_t{3} * n.vertices, "the positions"),
-        moved{Values(device, frames, n.moved, "the skin that is moved"),
-              Values(device, frames, n.moved, "the skin that is moved"),
-              Values(device, frames, n.moved, "the skin that is moved")},
+        relaxed{Values(device, frames, n.relaxed, "the relaxed skin"),
+                Values(device, frames, n.relaxed, "the relaxed skin")},
         normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
         staging_in(device, total({&skinning, &origins, &joint_features, &controls, &fades, &modifiers}),
                    Memory::staging, "staging"),
@@ -68,7 +67,7 @@ struct BatchBuffers {
   Values skinning, origins, joint_features, controls, fades, modifiers;
   Values strain_positions, strains, features, excess, coordinates, kernels, coefficients, displacements;
   Values positions;
-  std::array<Values, 3> moved;  // before push-out, by one of its steps and by the next
+  std::array<Values, 2> relaxed;  // by one step, and by the next
   Values normals;
   Buffer staging_in, staging_out;
 };
@@ -95,7 +94,7 @@ class VulkanBackend final : public Backend {
     const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
     const std::uint64_t largest =
         std::max<std::uint64_t>({skin, skinning, strain, n.coordinates, n.centres, n.features});
-    const std::uint64_t all = 3 * skin + 3 * n.moved + n.components + skinning + strain + n.coordinates + n.centres +
+    const std::uint64_t all = 3 * skin + 2 * n.relaxed + n.components + skinning + strain + n.coordinates + n.centres +
                               3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
     const std::uint64_t by_range =
         device_.info().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
@@ -161,7 +160,8 @@ class VulkanBackend final : public Backend {
     failed_ = true;  // until this batch went well
     const bool recorded = recorded_ && buffers_->frames == batch.frame_count && batch.jiggle.empty() &&
                           batch.stays_on_device == stays_on_device_ && batch.keeps_posed == keeps_posed_ &&
-                          batch.wants_normals == wants_normals_ && !has_other_steps(batch);
+                          batch.wants_normals == wants_normals_ &&
+                          relax_steps(model_->model().basis, batch).size() == relax_steps_.size();
     if (!recorded) allocate(batch.frame_count);
     send(batch);  // first: recording runs what is long
     if (!recorded) record(batch);
@@ -186,14 +186,8 @@ class VulkanBackend final : public Backend {
     recorded_ = batch.jiggle.empty();
   }
 
-  // Than those that are recorded.
-  bool has_other_steps(const Batch& batch) const {
-    const OutputSteps steps = output_steps(model_->model().basis, batch);
-    return steps.relax.size() != steps_.relax.size() || steps.separate.size() != steps_.separate.size();
-  }
-
   void record_stages(const Batch& batch) {
-    steps_ = output_steps(model_->model().basis, batch);
+    relax_steps_ = relax_steps(model_->model().basis, batch);
     // No residual: un-posed displacements of zero.
     if (!has_blend_) commands_->fill(buffers_->displacements.buffer, 0);
     commands_->barrier();
@@ -237,7 +231,7 @@ class VulkanBackend final : public Backend {
   }
 
   void record_output(const Batch& batch) {
-    record_posed(batch.frame_count);
+    record_relax(batch.frame_count);
     if (!batch.wants_normals) return;
     const SkinTables& t = tables_;
     kernels_.output_normals.record(
@@ -245,31 +239,18 @@ class VulkanBackend final : public Backend {
         {counts_.vertices}, batch.frame_count);
   }
 
-  // Where the skin goes next: a buffer that neither holds it nor is `kept`.
-  const Buffer& next_moved(const Buffer& kept) {
-    const auto is_free = [&](const Values& values) { return &values.buffer != skin_ && &values.buffer != &kept; };
-    skin_ = &std::ranges::find_if(buffers_->moved, is_free)->buffer;
-    return *skin_;
-  }
-
-  void record_posed(std::uint32_t frames) {
+  void record_relax(std::uint32_t frames) {
     const SkinTables& t = tables_;
-    const Buffer& weights = buffers_->modifiers.buffer;
-    for (const OutputRelaxPush& push : steps_.relax) {
-      const Buffer &current = *skin_, &relaxed = next_moved(current);
-      kernels_.output_relax.record(
-          *commands_, {t.triangles, t.vertex_triangle_begin, t.vertex_triangles, t.rest, weights, current, relaxed},
-          push, frames);
+    std::size_t to = 0;
+    for (const OutputRelaxPush& push : relax_steps_) {
+      const Buffer& relaxed = buffers_->relaxed[to].buffer;
+      kernels_.output_relax.record(*commands_,
+                                   {t.triangles, t.vertex_triangle_begin, t.vertex_triangles, t.rest,
+                                    buffers_->modifiers.buffer, *skin_, relaxed},
+                                   push, frames);
       commands_->barrier();
-    }
-    const Buffer& posed = *skin_;
-    for (const OutputSeparatePush& push : steps_.separate) {
-      const Buffer &current = *skin_, &separated = next_moved(posed);
-      kernels_.output_separate.record(
-          *commands_,
-          {t.fold_vertices, t.fold_lists, t.fold_triangles, t.triangles, weights, posed, current, separated}, push,
-          frames);
-      commands_->barrier();
+      skin_ = &relaxed;
+      to = 1 - to;
     }
   }
 
@@ -467,9 +448,9 @@ class VulkanBackend final : public Backend {
   std::unique_ptr<BatchBuffers> buffers_;
   std::optional<VulkanDynamics> dynamics_;
   std::optional<Commands> commands_;
-  std::vector<Stage> stages_;  // recorded
-  OutputSteps steps_;          // recorded
-  bool recorded_ = false;      // the quasi-static skin, for as many frames as there are buffers
+  std::vector<Stage> stages_;                 // recorded
+  std::vector<OutputRelaxPush> relax_steps_;  // recorded
+  bool recorded_ = false;                     // the quasi-static skin, for as many frames as there are buffers
   Weights weights_;
   const Buffer* skin_ = nullptr;                                               // of the last batch
   bool stays_on_device_ = false, keeps_posed_ = false, wants_normals_ = true;  // as recorded
