@@ -1,4 +1,4 @@
-// bodyopt modifiers: breathing, morphs, sculpts and flexed muscles for a basis.
+// bodyopt modifiers: breathing, morphs, sculpts, flexed muscles, sag and relax for a basis.
 #include "assets/shot_modifiers.h"
 #include "cli/arguments/common.h"
 #include "runtime/basis/levels.h"
@@ -70,8 +70,8 @@ void run(const ModifiersArguments& arguments) {
 
 void add_modifiers(CLI::App& app) {
   auto arguments = std::make_shared<ModifiersArguments>();
-  CLI::App& verb =
-      *app.add_subcommand("modifiers", "Give a basis modifiers: breathing, morphs, sculpts, flexed muscles");
+  CLI::App& verb = *app.add_subcommand(
+      "modifiers", "Give a basis modifiers: breathing, morphs, sculpts, flexed muscles, sag, relax");
   verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
   verb.add_option("stack", arguments->stack, "The stack to make (modifiers.json)")->required()->type_name("STACK");
   add_output(verb, arguments->out, ".safetensors", "Basis to write, with the modifiers in place of those it had");

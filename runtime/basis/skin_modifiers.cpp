@@ -52,6 +52,13 @@ std::uint32_t SkinModifiers::component_count() const {
   return count;
 }
 
+const SkinModifier* SkinModifiers::of_type(const std::string& type) const {
+  for (const SkinModifier& modifier : stack) {
+    if (modifier.type == type) return &modifier;
+  }
+  return nullptr;
+}
+
 std::string text_of_stack(const std::vector<SkinModifier>& stack, const std::string& place) {
   StackJson list = StackJson::array();
   for (const SkinModifier& modifier : stack) list.push_back(json_of(modifier));

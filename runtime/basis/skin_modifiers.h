@@ -1,4 +1,5 @@
-// Modifiers of the skin at run time, the last word of an animator on it: breathing, sculpts, morphs. Each adds
+// Modifiers of the skin at run time, the last word of an animator on it: breathing, sculpts, morphs. Each but relax
+// adds
 //   delta d_i += sum_k w_k b_ki      (un-posed space, metres)
 // and may turn joints, with weights w_k that a function of its type makes of channels over time (runtime/modifiers).
 // Made by the trainer, constant afterwards but for what a shot chooses: order, switches, strengths and constants.
@@ -38,7 +39,12 @@ struct SkinModifiers {
 
   bool empty() const { return stack.empty(); }
   std::uint32_t component_count() const;
+  const SkinModifier* of_type(const std::string& type) const;  // the first of a type, or null
 };
+
+// The type that acts on the posed skin, after all others. A stack has at most one of it. Its one component moves
+// nothing: its weight says how much is shown.
+inline constexpr const char* kRelax = "relax";
 
 constexpr std::size_t kMostModifiers = 256, kMostModifierComponents = 4096;
 

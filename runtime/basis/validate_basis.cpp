@@ -304,6 +304,15 @@ class Validator : TableChecks {
     if (names.size() > kMostModifiers) refuse("there are more than " + std::to_string(kMostModifiers) + " modifiers");
     expect_offsets("modifiers.blend_begin", modifiers.blend_begin, basis_.mesh.block_count(), modifiers.blend.size());
     expect_entries("modifiers.blend", modifiers.blend, used.size());
+    check_relax(modifiers);
+  }
+
+  void check_relax(const SkinModifiers& modifiers) const {
+    const auto count = std::ranges::count(modifiers.stack, kRelax, &SkinModifier::type);
+    if (count > 1) refuse("there are " + std::to_string(count) + " modifiers of the type 'relax', expected one");
+    if (count == 1 && modifiers.of_type(kRelax)->component_count != 1) {
+      refuse("the modifier '" + modifiers.of_type(kRelax)->name + "' has not the one component of its type");
+    }
   }
 
   // Between them modifiers have each component once.

@@ -8,6 +8,7 @@
 #include "runtime/cpu/cpu_dynamics.h"
 #include "runtime/cpu/ddm_frames.h"
 #include "runtime/cpu/kernels.h"
+#include "runtime/host/relax_steps.h"
 #include "runtime/host/stages.h"
 
 namespace bodyopt {
@@ -98,13 +99,18 @@ class CpuBackend final : public Backend {
     if (stage == Stage::pose && work.batch.keeps_posed) result.posed = result.positions;
     if (stage == Stage::diffuse) dynamics_->diffuse(work.batch, result.positions);
     if (stage == Stage::jiggle) dynamics_->jiggle(work.batch, weights_.jiggle, result.strains, result.positions);
-    if (stage == Stage::output && work.batch.wants_normals) return find_normals(work);
+    if (stage == Stage::output) {
+      relax(work);
+      if (work.batch.wants_normals) find_normals(work);
+      return;
+    }
     work.times.add_since(last, stage);
   }
 
   // Arrays of a batch that nobody asks for, kept from batch to batch.
   struct Scratch {
     std::vector<float> fibre_positions, features, coordinates, kernels;
+    std::vector<float> relaxed;
     std::vector<float> areas;   // of kFramesAtOnce frames
     std::vector<float> frames;  // of all blocks of kFramesAtOnce frames; none without strains
   };
@@ -225,6 +231,21 @@ class CpuBackend final : public Backend {
         work.times.add_since(last, stage);
       }
     });
+  }
+
+  void relax(Work& work) {
+    const std::size_t frames = work.batch.frame_count;
+    for (const OutputRelaxPush& push : relax_steps(basis_, work.batch)) {
+      scratch_.relaxed.resize(work.result.positions.size());
+      over_parts(frames, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
+        auto last = StageTimes::Clock::now();
+        cpu::relax_part(basis_.mesh, of_frame(work.batch.modifiers, f, frames)[push.component],
+                        of_frame(work.result.positions, f, frames), first,
+                        of_frame(scratch_.relaxed, f, frames).subspan(3 * first, 3 * count));
+        work.times.add_since(last, Stage::output);
+      });
+      work.result.positions.swap(scratch_.relaxed);
+    }
   }
 
   void find_normals(Work& work) {

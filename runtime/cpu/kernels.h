@@ -68,6 +68,17 @@ void pose_skin(const DdmTable& ddm, std::uint32_t joint_count, std::span<const f
 void pose_blocks(const DdmTable& ddm, const float* skinning, const float* frames, const float* origin,
                  std::uint32_t first_block, std::span<const float> displacements, std::span<float> positions);
 
+// Output stage: one of kRelaxSteps steps in which skin that is compressed is evened out along itself
+// (shaders/include/relax.h). Each vertex around which the triangles have lost more than a tenth of their area at rest
+// goes, within its tangent plane, towards its neighbours' mean by the cotangents of the mesh at rest, which at rest is
+// no way at all. weights: F x component_count; current F x V x 3, metres, posed -> relaxed F x V x 3. Weights of 0, and
+// skin that is not compressed, change no bit.
+void output_relax(const MeshTable& mesh, const OutputRelaxPush& push, std::span<const float> weights,
+                  std::span<const float> current, std::span<float> relaxed);
+// The same of one frame and some vertices: those from first_vertex on, as many as relaxed holds.
+void relax_part(const MeshTable& mesh, float weight, std::span<const float> current, std::size_t first_vertex,
+                std::span<float> relaxed);
+
 // Output stage: normals by the sum of area vectors of the triangles around each vertex, in ascending triangle order.
 // positions F x V x 3 -> normals F x V x 3; zero where the sum's length is not above 1e-20.
 void output_normals(const MeshTable& mesh, std::span<const float> positions, std::span<float> normals);

@@ -124,6 +124,7 @@ class CheckedBackend final : public Backend {
         compare(nodes(stage, device_motion_.displacement, cpu_->motion().displacement), 1);
         return compare(vertices(stage, found.positions, expected.positions, kOfSize * size_), frames);
       case Stage::output:
+        compare(vertices(stage, found.positions, expected.positions, kOfSize * size_), frames);
         return compare(vertices(stage, found.normals, expected.normals, kNormal), frames);
     }
   }

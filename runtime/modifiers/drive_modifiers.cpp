@@ -86,7 +86,7 @@ void apply_modifier(const Basis& basis, const SkinModifier& modifier, std::span<
     throw Error(ErrorKind::mismatch, "the modifier '" + modifier.name + "' " + what + " that its type '" +
                                          modifier.type + "' needs: damaged, or of another version");
   };
-  if (modifier.component_count != type.components) {
+  if (type.components != kAsBaked && modifier.component_count != type.components) {
     refuse("has " + std::to_string(modifier.component_count) + " components, not the " +
            std::to_string(type.components));
   }

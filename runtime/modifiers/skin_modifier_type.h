@@ -18,6 +18,8 @@ struct SkinModifierControl {
   const char* what;        // with its unit, one line
 };
 
+inline constexpr std::uint32_t kAsBaked = 0;
+
 // A modifier over a clip.
 struct ModifierFrames {
   const Basis& basis;
@@ -33,7 +35,7 @@ struct SkinModifierType {
   const char* name;
   const char* what;  // one line
   std::vector<SkinModifierControl> controls;
-  std::uint32_t components;  // that it drives
+  std::uint32_t components;  // that it drives; kAsBaked: as many as were made of the character
   // Fills the weights, F x component_count, for a strength of 1. They depend on the frames from the clip's first on and
   // on nothing else, so that a part of a shot has the bits of the whole.
   void (*drive)(const ModifierFrames& frames, std::span<float> weights);
@@ -50,5 +52,6 @@ void drive_breathing(const ModifierFrames& frames, std::span<float> weights);
 void drive_constant(const ModifierFrames& frames, std::span<float> weights);
 void drive_sculpt(const ModifierFrames& frames, std::span<float> weights);
 void drive_flex(const ModifierFrames& frames, std::span<float> weights);
+void drive_sag(const ModifierFrames& frames, std::span<float> weights);
 
 }  // namespace bodyopt

@@ -29,6 +29,14 @@ std::span<const SkinModifierType> skin_modifier_types() {
        {{"activation", 0, 0, 1, "how hard all of them are tensed; a channel of a muscle's name tenses that one more"}},
        1,
        drive_flex},
+      {"sag",
+       "soft parts hang as another gravity would have it",
+       {{"amount", 1, 0, 4, "gravity, in parts of the earth's"},
+        {"forward", 0, -180, 180, "degrees that it is tilted forwards, to +z; -90: the character lies on its back"},
+        {"sideways", 0, -180, 180, "degrees that it is tilted to +x"}},
+       kAsBaked,
+       drive_sag},
+      {kRelax, "evens out skin that is compressed", {}, 1, drive_constant},
   };
   return types;
 }

@@ -150,6 +150,9 @@ struct TetElasticity {
 };
 BODYOPT_CHECK_SIZE(TetElasticity, 8)
 
+// In how many steps skin is relaxed.
+const uint kRelaxSteps = 4u;
+
 // Push constants, one record per kernel. Every kernel runs over (element, frame) = (x, y).
 struct StrainSkinPush {
   uint strain_vertex_count, joint_count;  // strain_vertex_count: length of the strain table's vertex list
@@ -186,6 +189,9 @@ struct PoseSkinPush {
   uint vertex_count, joint_count;
   uint first_vertex, end_vertex;  // the window of the DDM table bound; vertices run from first_vertex
   uint first_entry;               // entry at which the bound moments begin
+};
+struct OutputRelaxPush {
+  uint vertex_count, component_count, component;  // the last: whose weight says how much is shown
 };
 struct OutputPlacePush {
   uint output_count, vertex_count;

@@ -13,6 +13,7 @@ using std::min;
 using std::sqrt;
 #define BODYOPT_IN_ARRAY(name, count) const float(&name)[count]
 #define BODYOPT_OUT_ARRAY(name, count) float(&name)[count]
+#define BODYOPT_INOUT_ARRAY(name, count) float(&name)[count]
 #define BODYOPT_IN_REALS(name, count) const Real(&name)[count]
 #define BODYOPT_OUT_REALS(name, count) Real(&name)[count]
 #define BODYOPT_INOUT_REALS(name, count) Real(&name)[count]
@@ -26,6 +27,7 @@ using std::sqrt;
 #define Real float
 #define BODYOPT_IN_ARRAY(name, count) in float name[count]
 #define BODYOPT_OUT_ARRAY(name, count) out float name[count]
+#define BODYOPT_INOUT_ARRAY(name, count) inout float name[count]
 #define BODYOPT_IN_REALS(name, count) in Real name[count]
 #define BODYOPT_OUT_REALS(name, count) out Real name[count]
 #define BODYOPT_INOUT_REALS(name, count) inout Real name[count]

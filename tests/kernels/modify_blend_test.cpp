@@ -31,16 +31,15 @@ struct Case {
     const vulkan::Device& device = kernels.device();
     struct Bound {
       vulkan::BlendBuffers blend;
-      vulkan::Buffer weights, displacements;
+      vulkan::Buffer weights;
     };
     const auto bound =
-        std::make_shared<const Bound>(Bound{blend_on(device, limits), vulkan::upload(device, weights, "weights"),
-                                            vulkan::upload(device, displacements, "displacements")});
-    return {{{modified}},  // sums and products in one order; numbers convert exactly
+        std::make_shared<const Bound>(Bound{blend_on(device, limits), vulkan::upload(device, weights, "weights")});
+    return {{{modified, 0, 0, displacements}},  // in place; sums and products in one order; numbers convert exactly
             [&kernel = kernels.get<vulkan::ModifyBlend>(), bound, vertices = vertices, frames = frames](
                 vulkan::Commands& commands, const auto& outputs) {
-              const auto& [blend, w, d] = *bound;
-              vulkan::record_modify_blend(commands, kernel, {blend, w, d, outputs[0]}, vertices, kComponents, frames);
+              const auto& [blend, w] = *bound;
+              vulkan::record_modify_blend(commands, kernel, {blend, w, outputs[0]}, vertices, kComponents, frames);
             }};
   }
 

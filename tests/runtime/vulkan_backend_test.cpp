@@ -65,6 +65,30 @@ TEST(VulkanBackend, ModifiersEqualTheCpuBackend) {
   }
 }
 
+TEST(VulkanBackend, RelaxEqualsTheCpuBackend) {
+  const Basis plain = with_random_modifiers(random_basis(20, 70), 7), basis = with_relax(plain);
+  const auto cpu = make_cpu_backend(basis), gpu = on_device(basis), without = on_device(plain);
+  Batch batch = random_batch(basis, 3), same = random_batch(plain, 3);
+  const auto relax = [&](const std::vector<float>& weights) {
+    for (std::size_t f = 0; f < 3; ++f) {
+      batch.modifiers[8 * f + 7] = weights[f];
+      std::copy_n(&batch.modifiers[8 * f], 7, &same.modifiers[7 * f]);
+    }
+  };
+  relax({0, 0, 0});
+  const std::vector<float> before = without->run(same).positions;
+  EXPECT_EQ(gpu->run(batch).positions, before);
+  EXPECT_EQ(cpu->run(batch).positions, make_cpu_backend(plain)->run(same).positions);
+  for (const std::vector<float>& weights : {std::vector<float>{0.7f, 0, 1}, {0, 0.5f, 1}}) {
+    relax(weights);
+    const BatchResult shown = gpu->run(batch);
+    expect_equal(shown, cpu->run(batch));
+    EXPECT_NE(shown.positions, before);
+  }
+  relax({0, 0, 0});
+  EXPECT_EQ(gpu->run(batch).positions, before);
+}
+
 TEST(VulkanBackend, RestCoefficientsAreTakenOutExactly) {
   const Basis basis = random_basis(20, 70);
   const auto gpu = on_device(basis);

@@ -43,6 +43,16 @@ inline Basis with_random_modifiers(Basis basis, std::uint32_t components) {
   return basis;
 }
 
+// With relax on top.
+inline Basis with_relax(Basis basis) {
+  const std::uint32_t component = basis.modifiers.component_count();
+  SkinModifier& modifier = basis.modifiers.stack.emplace_back();
+  modifier.name = modifier.type = kRelax;
+  modifier.first_component = component;
+  modifier.component_count = 1;
+  return basis;
+}
+
 inline Batch random_batch(const Basis& basis, std::uint32_t frames) {
   Random random(frames);
   Batch batch;

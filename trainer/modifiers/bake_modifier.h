@@ -33,6 +33,8 @@ BakedModifier bake_breathing(const BakeInput& input);
 BakedModifier bake_morph(const BakeInput& input);
 BakedModifier bake_sculpt(const BakeInput& input);
 BakedModifier bake_flex(const BakeInput& input);
+BakedModifier bake_sag(const BakeInput& input);
+BakedModifier bake_relax(const BakeInput& input);
 
 // V x 3, in runtime order, of V welded vertices.
 Positions rest_positions(const Basis& basis);

@@ -7,9 +7,9 @@
 #include "assets/notes.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
-#include "runtime/deformer/deformer.h"
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/joint_holds.h"
+#include "trainer/modifiers/shown_skin.h"
 #include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
@@ -30,23 +30,6 @@ Pose sculpted_pose(const BakeInput& input) {
   Pose pose = clip.poses[static_cast<std::size_t>(frame - clip.first_frame)];
   pose.controls.clear();
   return pose;
-}
-
-// V x 3, posed: by the basis without modifiers.
-Positions evaluated_skin(const Basis& basis, const Pose& pose) {
-  Basis without = basis;
-  without.modifiers = {};
-  DeviceChoice cpu;
-  cpu.name = "cpu";
-  const Evaluation evaluation = Deformer(std::move(without), cpu).evaluate({&pose, 1});
-  Positions skin(basis.mesh.vertex_count(), 3);
-  for (std::size_t o = 0; o < basis.mesh.output_vertex.size(); ++o) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      skin(basis.mesh.output_vertex[o], static_cast<Eigen::Index>(i)) =
-          static_cast<double>(evaluation.positions[3 * o + i]);
-    }
-  }
-  return skin;
 }
 
 // Those named, or those that bend what was sculpted: skin on both sides of them belongs to it.
@@ -80,7 +63,7 @@ std::vector<std::uint32_t> listened_joints(const BakeInput& input, const Positio
 BakedModifier bake_sculpt(const BakeInput& input) {
   const Pose pose = sculpted_pose(input);
   const Positions target = unpose_ddm(input.basis, pose, read_modifier_shape(input, "mesh")),
-                  own = unpose_ddm(input.basis, pose, evaluated_skin(input.basis, pose));
+                  own = unpose_ddm(input.basis, pose, ShownSkin(without_modifiers(input.basis))({&pose, 1})[0]);
   BakedModifier baked;
   baked.components.push_back(target - own);
   baked.joints = listened_joints(input, baked.components[0]);

@@ -27,6 +27,8 @@ const std::vector<BakeType>& bake_types() {
       {"morph", {"file", "target", "mesh"}, bake_morph},
       {"sculpt", {"mesh", "clip", "frame", "spread_degrees", "joints"}, bake_sculpt},
       {"flex", {"muscles", "muscle", "bulge_mm"}, bake_flex},
+      {"sag", {"dynamics"}, bake_sag},
+      {kRelax, {}, bake_relax},
   };
   return types;
 }
@@ -47,6 +49,13 @@ void refuse_unknown_keys(const JsonObject& json, const BakeType& type) {
     if (shared || std::ranges::find(type.parameters, key) != type.parameters.end()) continue;
     json.refuse("has the unknown key '" + key + "': misspelt? '" + type.name + "' takes " +
                 list_names(type.parameters));
+  }
+}
+
+// It has the last word, on skin that is posed: a second one would only go on with it.
+void refuse_second(const JsonObject& json, const std::string& type, const SkinModifiers& stack) {
+  if (type == kRelax && stack.of_type(type) != nullptr) {
+    json.refuse("is the second of the type '" + type + "': a stack has one");
   }
 }
 
@@ -75,6 +84,7 @@ SkinModifiers bake_stack(const std::filesystem::path& path, const Basis& basis, 
     const BakeType& type = bake_type(object);
     modifier.type = type.name;
     refuse_unknown_keys(object, type);
+    refuse_second(object, modifier.type, stack);
     refuse_name(object, modifier.name, basis, known);
     read_shot_modifier(object, modifier);
     const std::string place = path.string() + ": modifier '" + modifier.name + "'";

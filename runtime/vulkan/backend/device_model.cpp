@@ -19,6 +19,7 @@ SkinTables::SkinTables(const Device& device, const Basis& b)
       centres(upload(device, b.residual.centres, "the centres")),
       coefficient_region(upload(device, b.residual.coefficient_region, "the coefficients' regions")),
       weights(upload(device, b.residual.weights, "the weights")),
+      rest(upload(device, b.modifiers.of_type(kRelax) ? b.mesh.rest : std::vector<float>(), "the skin at rest")),
       triangles(upload(device, b.mesh.triangles, "the triangles")),
       vertex_triangle_begin(upload(device, b.mesh.vertex_triangle_begin, "the vertices' triangles")),
       vertex_triangles(upload(device, b.mesh.vertex_triangles, "the vertices' triangles")),
@@ -34,6 +35,7 @@ SkinKernels::SkinKernels(const Device& device)
       residual_blend(device),
       modify_blend(device),
       pose_skin(device),
+      output_relax(device),
       output_normals(device),
       output_place(device) {}
 

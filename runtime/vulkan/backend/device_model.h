@@ -25,10 +25,12 @@ struct FrameCounts {
         coordinates(basis.residual.coordinate_count()),
         centres(basis.residual.centre_count()),
         coefficients(basis.residual.coefficient_count()),
-        components(basis.modifiers.component_count()) {}
+        components(basis.modifiers.component_count()),
+        relaxed(basis.modifiers.of_type(kRelax) ? 3 * vertices : 0) {}
 
   std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
   std::uint32_t regions, coordinates, centres, coefficients, components;
+  std::uint32_t relaxed;  // numbers of the skin that is relaxed; 0 where none is
 };
 
 struct SkinTables {
@@ -38,7 +40,7 @@ struct SkinTables {
   BlendBuffers blend, modifiers;
   Buffer strain_vertices, points, fibre_begin, rest_length;
   Buffer ranges, regions, region_features, coordinate_region, projections, centre_region, centres;
-  Buffer coefficient_region, weights;
+  Buffer coefficient_region, weights, rest;
   Buffer triangles, vertex_triangle_begin, vertex_triangles, output_vertex;
 };
 
@@ -54,6 +56,7 @@ struct SkinKernels {
   ResidualBlend residual_blend;
   ModifyBlend modify_blend;
   PoseSkin pose_skin;
+  OutputRelax output_relax;
   OutputNormals output_normals;
   OutputPlace output_place;
 };

@@ -4,11 +4,13 @@
 #include "runtime/vulkan/backend/vulkan_backend.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <optional>
 #include <utility>
 
 #include "runtime/core/error.h"
+#include "runtime/host/relax_steps.h"
 #include "runtime/host/stages.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_dynamics.h"
@@ -46,8 +48,9 @@ struct BatchBuffers {
         kernels(device, frames, n.centres, "the kernels"),
         coefficients(device, frames, n.coefficients, "the coefficients"),
         displacements(device, frames, std::uint64_t{3} * n.vertices, "the displacements"),
-        modified(device, frames, n.components == 0 ? 0 : std::uint64_t{3} * n.vertices, "the modified displacements"),
         positions(device, frames, std::uint64_t{3} * n.vertices, "the positions"),
+        relaxed{Values(device, frames, n.relaxed, "the relaxed skin"),
+                Values(device, frames, n.relaxed, "the relaxed skin")},
         normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
         staging_in(device, total({&skinning, &origins, &joint_features, &controls, &fades, &modifiers}),
                    Memory::staging, "staging"),
@@ -62,8 +65,10 @@ struct BatchBuffers {
 
   std::uint32_t frames;
   Values skinning, origins, joint_features, controls, fades, modifiers;
-  Values strain_positions, strains, features, excess, coordinates, kernels, coefficients, displacements, modified;
-  Values positions, normals;
+  Values strain_positions, strains, features, excess, coordinates, kernels, coefficients, displacements;
+  Values positions;
+  std::array<Values, 2> relaxed;  // by one step, and by the next
+  Values normals;
   Buffer staging_in, staging_out;
 };
 
@@ -89,8 +94,8 @@ class VulkanBackend final : public Backend {
     const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
     const std::uint64_t largest =
         std::max<std::uint64_t>({skin, skinning, strain, n.coordinates, n.centres, n.features});
-    const std::uint64_t all = (n.components == 0 ? 3 : 4) * skin + n.components + skinning + strain + n.coordinates +
-                              n.centres + 3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
+    const std::uint64_t all = 3 * skin + 2 * n.relaxed + n.components + skinning + strain + n.coordinates + n.centres +
+                              3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
     const std::uint64_t by_range =
         device_.info().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
     const std::uint64_t by_memory =
@@ -153,7 +158,8 @@ class VulkanBackend final : public Backend {
     failed_ = true;  // until this batch went well
     const bool recorded = recorded_ && buffers_->frames == batch.frame_count && batch.jiggle.empty() &&
                           batch.stays_on_device == stays_on_device_ && batch.keeps_posed == keeps_posed_ &&
-                          batch.wants_normals == wants_normals_;
+                          batch.wants_normals == wants_normals_ &&
+                          relax_steps(model_->model().basis, batch).size() == relax_steps_.size();
     if (!recorded) allocate(batch.frame_count);
     send(batch);  // first: recording runs what is long
     if (!recorded) record(batch);
@@ -179,6 +185,7 @@ class VulkanBackend final : public Backend {
   }
 
   void record_stages(const Batch& batch) {
+    relax_steps_ = relax_steps(model_->model().basis, batch);
     // No residual: un-posed displacements of zero.
     if (!has_blend_) commands_->fill(buffers_->displacements.buffer, 0);
     commands_->timestamp();
@@ -213,19 +220,33 @@ class VulkanBackend final : public Backend {
 
   void record_pose(std::uint32_t frames) {
     const BatchBuffers& b = *buffers_;
-    const Values& displacements = counts_.components > 0 ? b.modified : b.displacements;
     record_pose_skin(*commands_, kernels_.pose_skin,
-                     {tables_.ddm, b.skinning.buffer, b.origins.buffer, displacements.buffer, b.positions.buffer},
+                     {tables_.ddm, b.skinning.buffer, b.origins.buffer, b.displacements.buffer, b.positions.buffer},
                      counts_.vertices, counts_.joints, frames);
     skin_ = &b.positions.buffer;
   }
 
   void record_output(const Batch& batch) {
+    record_relax(batch.frame_count);
     if (!batch.wants_normals) return;
     const SkinTables& t = tables_;
     kernels_.output_normals.record(
         *commands_, {t.triangles, t.vertex_triangle_begin, t.vertex_triangles, *skin_, buffers_->normals.buffer},
         {counts_.vertices}, batch.frame_count);
+  }
+
+  void record_relax(std::uint32_t frames) {
+    const SkinTables& t = tables_;
+    std::size_t to = 0;
+    for (const OutputRelaxPush& push : relax_steps_) {
+      const Buffer& relaxed = buffers_->relaxed[to].buffer;
+      kernels_.output_relax.record(*commands_,
+                                   {t.triangles, t.vertex_triangle_begin, t.vertex_triangles, t.rest,
+                                    buffers_->modifiers.buffer, *skin_, relaxed},
+                                   push, frames);
+      skin_ = &relaxed;
+      to = 1 - to;
+    }
   }
 
   // From now on for the host, one frame at a time: what an earlier frame uses is never let go of.
@@ -334,7 +355,7 @@ class VulkanBackend final : public Backend {
   void record_modify(std::uint32_t frames) {
     const BatchBuffers& b = *buffers_;
     record_modify_blend(*commands_, kernels_.modify_blend,
-                        {tables_.modifiers, b.modifiers.buffer, b.displacements.buffer, b.modified.buffer},
+                        {tables_.modifiers, b.modifiers.buffer, b.displacements.buffer},
                         counts_.vertices, counts_.components, frames);
   }
 
@@ -417,8 +438,9 @@ class VulkanBackend final : public Backend {
   std::unique_ptr<BatchBuffers> buffers_;
   std::optional<VulkanDynamics> dynamics_;
   std::optional<Commands> commands_;
-  std::vector<Stage> stages_;  // recorded
-  bool recorded_ = false;      // the quasi-static skin, for as many frames as there are buffers
+  std::vector<Stage> stages_;                 // recorded
+  std::vector<OutputRelaxPush> relax_steps_;  // recorded
+  bool recorded_ = false;                     // the quasi-static skin, for as many frames as there are buffers
   Weights weights_;
   const Buffer* skin_ = nullptr;                                               // of the last batch
   bool stays_on_device_ = false, keeps_posed_ = false, wants_normals_ = true;  // as recorded

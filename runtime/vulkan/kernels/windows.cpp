@@ -40,10 +40,8 @@ void record_modify_blend(Commands& commands, const ModifyBlend& kernel, const Mo
                          std::uint32_t vertex_count, std::uint32_t component_count, std::uint32_t frames) {
   const BlendBuffers& blend = buffers.blend;
   for (const BlockWindow& window : blend.windows) {
-    kernel.record(
-        commands,
-        {blend.block_begin, blend.entries_of(window), buffers.coefficients, buffers.displacements, buffers.modified},
-        {vertex_count, component_count, window.first_vertex, window.end_vertex, window.first_entry}, frames);
+    kernel.record(commands, {blend.block_begin, blend.entries_of(window), buffers.coefficients, buffers.displacements},
+                  {vertex_count, component_count, window.first_vertex, window.end_vertex, window.first_entry}, frames);
   }
 }
 

@@ -32,7 +32,7 @@ void record_residual_blend(Commands& commands, const ResidualBlend& kernel, cons
 
 struct ModifyBlendBuffers {
   const BlendBuffers& blend;
-  BufferRange coefficients, displacements, modified;
+  BufferRange coefficients, displacements;
 };
 void record_modify_blend(Commands& commands, const ModifyBlend& kernel, const ModifyBlendBuffers& buffers,
                          std::uint32_t vertex_count, std::uint32_t component_count, std::uint32_t frames);

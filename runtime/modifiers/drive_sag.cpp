@@ -1,0 +1,62 @@
+// Sag: how gravity differs from the earth's, downwards, as each joint feels it.
+//   joints: those that soft parts go with;  components: three to a joint, for a difference of once the earth's gravity
+//   along x, y and z of the rest space that the joint carries along
+#include <cmath>
+#include <numbers>
+
+#include "runtime/modifiers/skin_modifier_type.h"
+
+namespace bodyopt {
+namespace {
+
+// Rotations of all joints, world.
+std::vector<Quat> world_rotations(const Skeleton& skeleton, const std::vector<Quat>& local) {
+  std::vector<Quat> world;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    const Quat own = normalized(local[j]);
+    world.push_back(parent < 0 ? own : world[static_cast<std::size_t>(parent)] * own);
+  }
+  return world;
+}
+
+std::vector<Quat> local_rotations(const Skeleton& skeleton) {
+  std::vector<Quat> local;
+  for (const Joint& joint : skeleton.joints) local.push_back(joint.bind.rotation);
+  return local;
+}
+
+std::vector<Quat> local_rotations(const Pose& pose) {
+  std::vector<Quat> local;
+  for (const JointTransform& joint : pose.joints) local.push_back(joint.rotation);
+  return local;
+}
+
+// In parts of the earth's gravity, world, Y up.
+Vec3 difference_of_gravity(double amount, double forward, double sideways) {
+  const double degree = std::numbers::pi / 180;
+  const Quat tilt = axis_angle({0, 0, 1}, sideways * degree) * axis_angle({1, 0, 0}, -forward * degree);
+  return amount * rotate(tilt, {0, -1, 0}) - Vec3{0, -1, 0};
+}
+
+}  // namespace
+
+void drive_sag(const ModifierFrames& frames, std::span<float> weights) {
+  const SkinModifier& modifier = frames.modifier;
+  const Skeleton& skeleton = frames.basis.skeleton;
+  const std::vector<Quat> bind = world_rotations(skeleton, local_rotations(skeleton));
+  for (std::size_t f = 0; f < frames.count(); ++f) {
+    const auto control = [&](std::size_t k) { return static_cast<double>(frames.controls[k][f]); };
+    const Vec3 difference = difference_of_gravity(control(0), control(1), control(2));
+    const std::vector<Quat> posed = world_rotations(skeleton, local_rotations(frames.poses[f]));
+    for (std::size_t k = 0; k < modifier.joints.size(); ++k) {
+      const std::uint32_t joint = modifier.joints[k];
+      const Vec3 felt = rotate(bind[joint] * conjugate(posed[joint]), difference);
+      for (std::size_t i = 0; i < 3; ++i) {
+        weights[f * modifier.component_count + 3 * k + i] = static_cast<float>(felt[i]);
+      }
+    }
+  }
+}
+
+}  // namespace bodyopt

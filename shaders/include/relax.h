@@ -1,0 +1,72 @@
+// How skin that is compressed is evened out along itself. One source for GLSL and C++.
+#ifndef BODYOPT_RELAX_H
+#define BODYOPT_RELAX_H
+
+#include "one_source.h"
+
+#ifdef __cplusplus
+namespace bodyopt {
+#endif
+
+// What is summed around a vertex: the way to its neighbours times their weights, the weights, the area vectors, their
+// lengths, and those at rest; areas are twice what they are.
+const int kRelaxWay = 0, kRelaxWeight = 3, kRelaxNormal = 4, kRelaxArea = 7, kRelaxRest = 8;
+
+BODYOPT_FUNCTION float relax_dot(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3)) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+BODYOPT_FUNCTION void relax_cross(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3), BODYOPT_OUT_ARRAY(c, 3)) {
+  BODYOPT_PRECISE float x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+  c[0] = x;
+  c[1] = y;
+  c[2] = z;
+}
+
+// Adds one triangle: p and q, its other corners counter-clockwise, as seen from the vertex, now and at rest. Each
+// neighbour weighs the cotangent at rest of the angle opposite to its edge (Pinkall and Polthier 1993), 0 at least.
+BODYOPT_FUNCTION void add_relax_corner(BODYOPT_IN_ARRAY(p, 3), BODYOPT_IN_ARRAY(q, 3), BODYOPT_IN_ARRAY(rest_p, 3),
+                                       BODYOPT_IN_ARRAY(rest_q, 3), BODYOPT_INOUT_ARRAY(sums, 9)) {
+  float normal[3], rest_normal[3];
+  relax_cross(p, q, normal);
+  relax_cross(rest_p, rest_q, rest_normal);
+  BODYOPT_PRECISE float squared = relax_dot(normal, normal), rest_squared = relax_dot(rest_normal, rest_normal);
+  BODYOPT_PRECISE float along = relax_dot(rest_p, rest_q);
+  BODYOPT_PRECISE float from_q = relax_dot(rest_q, rest_q) - along, from_p = relax_dot(rest_p, rest_p) - along;
+  float area = sqrt(squared), rest_area = sqrt(rest_squared);
+  sums[kRelaxArea] += area;
+  sums[kRelaxRest] += rest_area;
+  float inverse = rest_area > 1e-20f ? 1.0f / rest_area : 0.0f;
+  float to_p = max(from_q * inverse, 0.0f), to_q = max(from_p * inverse, 0.0f);
+  for (int i = 0; i < 3; ++i) {
+    BODYOPT_PRECISE float way = to_p * p[i] + to_q * q[i];
+    sums[kRelaxWay + i] += way;
+    sums[kRelaxNormal + i] += normal[i];
+  }
+  sums[kRelaxWeight] += to_p + to_q;
+}
+
+// The place of a vertex after a step, of which `shown` (0 to 1) is shown. What does not move keeps its bits.
+BODYOPT_FUNCTION void relax_step(BODYOPT_IN_ARRAY(sums, 9), BODYOPT_IN_ARRAY(current, 3), float shown,
+                                 BODYOPT_OUT_ARRAY(moved, 3)) {
+  for (int i = 0; i < 3; ++i) moved[i] = current[i];
+  float rest = sums[kRelaxRest], lost = rest > 0.0f ? 1.0f - sums[kRelaxArea] / rest : 0.0f;
+  float amount = shown * min(max(5.0f * (lost - 0.1f), 0.0f), 1.0f);
+  if (!(amount > 0.0f) || !(sums[kRelaxWeight] > 0.0f)) return;
+  float way[3], normal[3];
+  for (int i = 0; i < 3; ++i) {
+    way[i] = sums[kRelaxWay + i] / sums[kRelaxWeight];
+    normal[i] = sums[kRelaxNormal + i];
+  }
+  BODYOPT_PRECISE float squared = relax_dot(normal, normal), out_of_plane = relax_dot(way, normal);
+  float share = squared > 1e-30f ? out_of_plane / squared : 0.0f;
+  for (int i = 0; i < 3; ++i) {
+    BODYOPT_PRECISE float x = current[i] + 0.5f * amount * (way[i] - share * normal[i]);
+    moved[i] = x;
+  }
+}
+
+#ifdef __cplusplus
+}  // namespace bodyopt
+#endif
+#endif

@@ -1,0 +1,119 @@
+#include <Eigen/Dense>
+
+#include "runtime/cpu/kernels.h"
+#include "runtime/vulkan/kernels/kernels.h"
+#include "tests/support/kernel_cases.h"
+#include "tests/support/random_tables.h"
+
+namespace bodyopt::testing {
+namespace output_relax_test {
+
+using Eigen::Vector3d;
+
+constexpr std::uint32_t kComponents = 3, kComponent = 2;
+
+struct Case {
+  Case(std::uint32_t vertices, std::uint32_t frame_count)
+      : random(vertices + 31 * frame_count),
+        frames(frame_count),
+        mesh(random_mesh(random, vertices)),
+        weights(random.floats(std::size_t{kComponents} * frames, 0.3, 1.3)),
+        current(random.floats(std::size_t{3} * vertices * frames, -0.9, 0.9)),
+        relaxed(current.size()) {
+    push = {vertices, kComponents, kComponent};
+    cpu::output_relax(mesh, push, weights, current, relaxed);
+  }
+
+  Vector3d at(const std::vector<float>& positions, std::size_t frame, std::size_t vertex) const {
+    return Eigen::Map<const Eigen::Vector3f>(&positions[3 * (frame * push.vertex_count + vertex)]).cast<double>();
+  }
+
+  Random random;
+  std::uint32_t frames;
+  MeshTable mesh;
+  std::vector<float> weights, current, relaxed;  // the last by the reference
+  OutputRelaxPush push{};
+};
+
+const bool added = add_kernel_cases_of_frames("output_relax", "vertices", [](KernelSet& kernels, const Trial& trial) {
+  const Case c(trial.size, trial.variant);
+  return run_on<vulkan::OutputRelax>(kernels, c.push, c.frames, {{c.relaxed, 3e-6}},  // of a box of 3 m a millionth
+                                     c.mesh.triangles, c.mesh.vertex_triangle_begin, c.mesh.vertex_triangles,
+                                     c.mesh.rest, c.weights, c.current);
+});
+
+double cotangent(const Vector3d& a, const Vector3d& b) {
+  const double area = a.cross(b).norm();
+  return area > 1e-20 ? a.dot(b) / area : 0;
+}
+
+TEST(OutputRelaxReference, EqualsTheTextbook) {
+  const Case c(200, 2);
+  std::size_t moved = 0;
+  for (std::size_t f = 0; f < 2; ++f) {
+    for (std::size_t v = 0; v < 200; ++v) {
+      Vector3d way = Vector3d::Zero(), normal = Vector3d::Zero();
+      double sum = 0, area = 0, rest_area = 0;
+      const Vector3d x = c.at(c.current, f, v), rest = c.at(c.mesh.rest, 0, v);
+      for (std::uint32_t k = c.mesh.vertex_triangle_begin[v]; k < c.mesh.vertex_triangle_begin[v + 1]; ++k) {
+        const std::uint32_t* t = &c.mesh.triangles[3 * std::size_t{c.mesh.vertex_triangles[k]}];
+        const std::size_t corner = t[0] == v ? 0 : t[1] == v ? 1 : 2;
+        const std::uint32_t p = t[(corner + 1) % 3], q = t[(corner + 2) % 3];
+        const Vector3d at_p = c.at(c.current, f, p) - x, at_q = c.at(c.current, f, q) - x;
+        const Vector3d rest_p = c.at(c.mesh.rest, 0, p) - rest, rest_q = c.at(c.mesh.rest, 0, q) - rest;
+        const double to_p = std::max(0.0, cotangent(-rest_q, rest_p - rest_q)),
+                     to_q = std::max(0.0, cotangent(-rest_p, rest_q - rest_p));
+        way += to_p * at_p + to_q * at_q;
+        sum += to_p + to_q;
+        normal += at_p.cross(at_q);
+        area += at_p.cross(at_q).norm();
+        rest_area += rest_p.cross(rest_q).norm();
+      }
+      const double shown = std::clamp(double{c.weights[f * kComponents + kComponent]}, 0.0, 1.0);
+      const double amount = rest_area > 0 ? shown * std::clamp(5 * (0.9 - area / rest_area), 0.0, 1.0) : 0;
+      Vector3d expected = x;
+      if (amount > 0 && sum > 0) {
+        const Vector3d unit = normal.normalized();
+        expected += amount / 2 * (way / sum - (way / sum).dot(unit) * unit);
+      }
+      ASSERT_LT((c.at(c.relaxed, f, v) - expected).norm(), 3e-6) << "vertex " << v;
+      moved += (expected - x).norm() > 1e-3;
+    }
+  }
+  EXPECT_GT(moved, 50u);
+  EXPECT_LT(moved, 350u);  // some are not compressed
+}
+
+// A plane whose middle row is pressed against the next one: it goes back towards where it was, and stays in the plane.
+TEST(OutputRelaxReference, WhatIsPressedTogetherGoesApart) {
+  MeshTable mesh;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      for (const int x : {column, row, 0}) mesh.rest.push_back(static_cast<float>(x));
+    }
+  }
+  std::vector<std::vector<std::uint32_t>> around(9);
+  for (std::uint32_t corner : {0u, 1u, 3u, 4u}) {
+    mesh.triangles.insert(mesh.triangles.end(), {corner, corner + 1, corner + 4, corner, corner + 4, corner + 3});
+  }
+  for (std::uint32_t c = 0; c < mesh.triangles.size(); ++c) around[mesh.triangles[c]].push_back(c / 3);
+  mesh.vertex_triangle_begin = {0};
+  for (const auto& list : around) {
+    mesh.vertex_triangles.insert(mesh.vertex_triangles.end(), list.begin(), list.end());
+    mesh.vertex_triangle_begin.push_back(static_cast<std::uint32_t>(mesh.vertex_triangles.size()));
+  }
+  std::vector<float> pressed = mesh.rest, relaxed(pressed.size());
+  for (std::size_t k = 0; k < 9; ++k) pressed[3 * k] *= 0.5f;
+  pressed[3 * 4] = 0.8f;  // of 0 to 1; the middle is 0.5
+  cpu::output_relax(mesh, {9, 1, 0}, std::vector<float>{1}, pressed, relaxed);
+  EXPECT_NEAR(relaxed[12], 0.65f, 1e-6f);  // half the way
+  EXPECT_NEAR(relaxed[13], 1, 1e-6f);
+  EXPECT_EQ(relaxed[14], 0);
+  cpu::output_relax(mesh, {9, 1, 0}, std::vector<float>{0}, pressed, relaxed);
+  EXPECT_EQ(relaxed, pressed);
+  cpu::output_relax(mesh, {9, 1, 0}, std::vector<float>{1}, mesh.rest, relaxed);
+  EXPECT_EQ(relaxed, mesh.rest);
+}
+
+}  // namespace output_relax_test
+}  // namespace bodyopt::testing
