@@ -288,4 +288,22 @@ std::vector<double> read_vertex_colours(const std::filesystem::path& character, 
   return colours;
 }
 
+std::vector<double> read_texture_coordinates(const std::filesystem::path& character) {
+  const GltfFile file(character);
+  std::vector<std::string> unused;
+  std::vector<double> all;
+  const int skin = choose_skin(file, unused);
+  if (skin < 0) file.fail("has no skinned mesh");
+  for (const auto& [primitive, what] : skin_primitives(file, skin)) {
+    if (attribute(primitive, "TEXCOORD_0") < 0) return {};
+    const std::size_t count =
+        file.numbers(attribute(primitive, "POSITION"), TINYGLTF_TYPE_VEC3, what + " POSITION").size() / 3;
+    const std::vector<double> own =
+        file.numbers(attribute(primitive, "TEXCOORD_0"), TINYGLTF_TYPE_VEC2, what + " TEXCOORD_0");
+    if (own.size() != 2 * count) file.fail(what + " TEXCOORD_0 has another count than the positions");
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  return all;
+}
+
 }  // namespace bodyopt

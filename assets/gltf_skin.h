@@ -33,4 +33,8 @@ std::vector<Vec3> read_morph_target(const std::filesystem::path& character, int 
 // only other parts of the skin have it. Throws Error(file), also where no part has it.
 std::vector<double> read_vertex_colours(const std::filesystem::path& character, const std::string& name);
 
+// O x 2 in output order: texture coordinates (TEXCOORD_0) of a character's skin; empty where a part of it has none.
+// Throws Error(file).
+std::vector<double> read_texture_coordinates(const std::filesystem::path& character);
+
 }  // namespace bodyopt

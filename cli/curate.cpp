@@ -1,4 +1,5 @@
 // bodyopt curate: the stack of modifiers that a dataset's shapes are read through.
+#include <algorithm>
 #include <filesystem>
 
 #include "assets/clip_source.h"
@@ -135,6 +136,51 @@ Json frame_json(const PoseDatabase& database, std::size_t n) {
   return {{"take", database.takes[static_cast<std::size_t>(frame.take)]}, {"frame", frame.frame}};
 }
 
+std::vector<float> flat(const Positions& positions) { return {positions.data(), positions.data() + positions.size()}; }
+
+// Two shapes in one pose, and the second in the colours of how far it is from the first. Returns where these are
+// hottest, mm.
+double draw_apart(const Character& character, const Positions& before, const Positions& after,
+                  const std::string& path) {
+  constexpr std::uint32_t kWidth = 500, kHeight = 700;
+  const std::vector<float> first = flat(before), second = flat(after);
+  const PosePair drawn{
+      {character.triangles.data(), static_cast<std::size_t>(character.triangles.size())}, first, second};
+  const double largest = 1e3 * (after - before).rowwise().norm().maxCoeff();
+  const double scale = std::max(0.1, largest);  // mm; under a tenth nothing is to be seen of it
+  Renderer renderer;
+  write_png(
+      triptych(renderer, drawn, scale, frame_pose(drawn, {0.3f, 0.2f, 1.0f}, float{kWidth} / kHeight), kWidth, kHeight),
+      path);
+  return scale;
+}
+
+// The worst pair in one pose, and in colour how far apart the shapes are in its region.
+std::string draw_pair(const ShapeStack& stack, const DisagreeingPair& pair, const std::string& path) {
+  const PairInOnePose shapes = in_one_pose(stack, pair);
+  const double scale = draw_apart(stack.database().character, shapes.first, shapes.second, path);
+  return format("wrote %s: %s; %s in the same pose; how far they are apart in the region %s, darkest at %.2f mm\n",
+                path.c_str(), frame_text(stack.database(), pair.first).c_str(),
+                frame_text(stack.database(), pair.second).c_str(), pair.region.c_str(), scale);
+}
+
+// The frame that a modifier moves most, below it and above.
+std::string draw_effect(const ShapeStack& stack, const ModifierEffect& effect, const std::string& path) {
+  if (effect.frames.empty()) {
+    throw Error(ErrorKind::usage,
+                "--picture shows what a modifier moves, and '" + effect.name +
+                    "' moves no vertex of any frame: is it switched off, or of a type that moves none?");
+  }
+  const std::vector<Modifier>& modifiers = stack.database().dataset.modifiers;
+  const auto place =
+      static_cast<std::size_t>(std::ranges::find(modifiers, effect.name, &Modifier::name) - modifiers.begin());
+  const UnposedSpace::Frame space = stack.space().frame(stack.database().frames[effect.worst].pose);
+  const auto left_by = [&](std::size_t count) { return space.shape(stack.offsets(effect.worst, count)); };
+  const double scale = draw_apart(stack.database().character, left_by(place), left_by(place + 1), path);
+  return format("wrote %s: %s before '%s' and after; how far that is, darkest at %.2f mm\n", path.c_str(),
+                frame_text(stack.database(), effect.worst).c_str(), effect.name.c_str(), scale);
+}
+
 void diff(const CurateArguments& arguments) {
   const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
   say(stack.notes());
@@ -151,6 +197,7 @@ void diff(const CurateArguments& arguments) {
     }
     list.push_back({{"name", effect.name}, {"rms_mm", effect.rms_mm}, {"max_mm", effect.max_mm}, {"frames", frames}});
   }
+  if (!arguments.picture.empty()) text += draw_effect(stack, effects.front(), arguments.picture);
   arguments.json.emit({{"modifiers", list}}, text);
 }
 
@@ -171,27 +218,6 @@ void prune(const CurateArguments& arguments) {
   arguments.json.emit({{"files", gone.files}, {"bytes", gone.bytes}},
                       format("removed %s, %.1f MiB\n", count_of(gone.files, "file", "files").c_str(),
                              static_cast<double>(gone.bytes) / (1 << 20)));
-}
-
-std::vector<float> flat(const Positions& positions) { return {positions.data(), positions.data() + positions.size()}; }
-
-// The worst pair in one pose, and in colour how far apart the shapes are in its region.
-std::string draw_pair(const ShapeStack& stack, const DisagreeingPair& pair, const std::string& path) {
-  constexpr std::uint32_t kWidth = 500, kHeight = 700;
-  const Character& character = stack.database().character;
-  const PairInOnePose shapes = in_one_pose(stack, pair);
-  const std::vector<float> first = flat(shapes.first), second = flat(shapes.second);
-  const PosePair drawn{
-      {character.triangles.data(), static_cast<std::size_t>(character.triangles.size())}, first, second};
-  const double largest = 1e3 * (shapes.second - shapes.first).rowwise().norm().maxCoeff();
-  const double scale = std::max(0.1, largest);  // mm; under a tenth nothing is to be seen of it
-  Renderer renderer;
-  write_png(
-      triptych(renderer, drawn, scale, frame_pose(drawn, {0.3f, 0.2f, 1.0f}, float{kWidth} / kHeight), kWidth, kHeight),
-      path);
-  return format("wrote %s: %s; %s in the same pose; how far they are apart in the region %s, darkest at %.2f mm\n",
-                path.c_str(), frame_text(stack.database(), pair.first).c_str(),
-                frame_text(stack.database(), pair.second).c_str(), pair.region.c_str(), scale);
 }
 
 void report(const CurateArguments& arguments) {
@@ -249,7 +275,7 @@ void export_frame(const CurateArguments& arguments) {
   if (lower_case_extension(arguments.out) == ".glb") {
     write_frame_gltf(character, skin, arguments.unposed ? bind_pose(character.skeleton) : pose, arguments.out);
   } else {
-    write_frame_obj(character, output_from_welded(character, skin), arguments.out);
+    write_frame_obj(character, frame_surface(stack.database()), output_from_welded(character, skin), arguments.out);
   }
   arguments.json.emit({{"mesh", arguments.out}, {"vertices", character.output_count()}},
                       format("wrote %s: %u vertices\n", arguments.out.c_str(), character.output_count()));
@@ -258,8 +284,9 @@ void export_frame(const CurateArguments& arguments) {
 void import_frame(const CurateArguments& arguments) {
   const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
   const std::size_t frame = stack.database().find(arguments.take, arguments.frame, "import-frame");
-  const std::vector<float> mesh =
-      read_frame_mesh(stack.database().character, exported_skin(stack, frame, arguments.unposed), arguments.mesh);
+  const PoseDatabase& database = stack.database();
+  const std::vector<float> mesh = read_frame_mesh(database.character, frame_surface(database).texture,
+                                                  exported_skin(stack, frame, arguments.unposed), arguments.mesh);
   const std::vector<std::string> notes = add_sculpt(path_of(arguments), arguments.name, arguments.take, arguments.frame,
                                                     mesh, arguments.unposed, arguments.spread);
   say(notes);
@@ -381,7 +408,13 @@ void add_curate(CLI::App& app) {
 
   const auto measured = std::make_shared<CurateArguments>();
   CLI::App& sub_diff = subverb(verb, "diff", "What every modifier does to the shapes, or one does, in mm", measured);
-  sub_diff.add_option("name", measured->name, "Only this modifier")->type_name("NAME");
+  CLI::Option* one = sub_diff.add_option("name", measured->name, "Only this modifier")->type_name("NAME");
+  sub_diff
+      .add_option("--picture", measured->picture,
+                  "The frame that it moves most: below the modifier, above it, and how far that is")
+      ->type_name("FILE.png")
+      ->check(must_end_in(".png"))
+      ->needs(one);
   sub_diff.callback([measured] { diff(*measured); });
 
   const auto baked = std::make_shared<CurateArguments>();

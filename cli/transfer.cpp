@@ -117,17 +117,35 @@ Company company_of(const TransferArguments& arguments, const Basis& source) {
                 "--muscles is for the dynamics beside the source, and there are none: no file " + dynamics.string());
   }
   if (!arguments.muscles.empty()) company.muscles = read_muscles(arguments.muscles, source.skeleton);
-  if (!arguments.proxy.empty() || std::filesystem::exists(proxy)) company.levels = load_levels(proxy);
+  if (!arguments.proxy.empty() || std::filesystem::exists(proxy)) {
+    company.levels = load_levels(proxy);
+    require_proxy_of(source, company.levels);
+  }
   return company;
+}
+
+// Of an ordinary basis one level, which carries nothing; of a proxy all of them.
+std::vector<Level> carried_levels(const TransferPair& pair, const Character& target, const std::vector<Level>& source,
+                                  const TransferOptions& options, double unit) {
+  std::vector<std::string> notes;
+  std::vector<Level> levels;
+  if (source.front().carried.empty()) {
+    levels.push_back({transfer_basis(pair, options, notes), {}});
+  } else {
+    levels = transfer_levels(pair, target, source, options, notes);
+  }
+  say(notes);
+  for (Level& level : levels) keep_unit(level.basis, unit);
+  return levels;
 }
 
 // Carries the company to where its basis goes, too. Returns what was written.
 std::vector<std::string> carry_company(const Company& company, const TransferPair& pair, const Character& target,
-                                       const Basis& carried, const std::string& out,
-                                       const TransferArguments& arguments) {
+                                       const Basis& carried, const std::string& out, const TransferArguments& arguments,
+                                       const TransferOptions& options) {
   std::vector<std::string> written, notes;
   if (!company.levels.empty()) {
-    std::vector<Level> levels = transfer_levels(pair, target, company.levels, arguments.options, notes);
+    std::vector<Level> levels = transfer_levels(pair, target, company.levels, options, notes);
     for (Level& level : levels) keep_unit(level.basis, arguments.unit);
     save_levels(levels, written.emplace_back(proxy_beside(out)));
   }
@@ -154,8 +172,8 @@ void run_basis(const TransferArguments& arguments) {
     throw Error(ErrorKind::usage, "--clip is what --report shows: there is no --report");
   }
   const TransferOptions options = options_of(arguments);
-  const Basis source = load_basis(arguments.source);
-  const Company company = company_of(arguments, source);
+  const std::vector<Level> source = load_levels(arguments.source);
+  const Company company = company_of(arguments, source.front().basis);
   Page page("Transfer", "What was learned in " + arguments.source + ", on other bodies");
   Json list = Json::array();
   std::string text;
@@ -163,23 +181,22 @@ void run_basis(const TransferArguments& arguments) {
     const auto start = Clock::now();
     const Character character = read_character(arguments.targets[k], arguments.unit);
     say(character.notes);
-    const TransferPair pair(source, character, options);
+    const TransferPair pair(source.front().basis, character, options);
     judge(pair, arguments, arguments.targets[k]);
-    std::vector<std::string> notes;
-    Basis basis = transfer_basis(pair, options, notes);
-    say(notes);
-    keep_unit(basis, arguments.unit);
-    save_basis(basis, arguments.outs[k]);
+    const std::vector<Level> carried = carried_levels(pair, character, source, options, arguments.unit);
+    save_levels(carried, arguments.outs[k]);
+    const Basis& basis = carried.front().basis;
     Json facts = facts_of(pair);
     facts["basis"] = arguments.outs[k];
     facts["vertices"] = basis.mesh.vertex_count();
+    facts["levels"] = carried.size();
     facts["bytes_per_vertex"] = static_cast<double>(total_bytes(basis)) / basis.mesh.vertex_count();
     facts["seconds"] = seconds_since(start);
-    facts["beside"] = carry_company(company, pair, character, basis, arguments.outs[k], arguments);
+    facts["beside"] = carry_company(company, pair, character, basis, arguments.outs[k], arguments, options);
     facts["seconds_with_what_is_beside"] = seconds_since(start);
     if (!arguments.report.empty()) {
       const std::vector<ComparedPose> poses = poses_for_report(pair, basis, arguments);
-      add_transfer(pair, arguments.targets[k], poses, page);
+      add_transfer(pair, arguments.targets[k], basis.mesh, poses, page);
       facts.update(to_json(pair, poses));
     }
     text += format("wrote %s: %u vertices, %s, %.1f s\n", arguments.outs[k].c_str(), basis.mesh.vertex_count(),
@@ -338,7 +355,9 @@ void add_transfer(CLI::App& app) {
   dataset.callback([of_dataset] { run_dataset(*of_dataset); });
 
   CLI::App& basis = *verb.add_subcommand("basis", "A trained basis for other characters, at no cost at run time");
-  basis.add_option("source", of_basis->source, "Trained basis (.safetensors)")->required()->type_name("BASIS");
+  basis.add_option("source", of_basis->source, "Trained basis, or a proxy with all of its levels (.safetensors)")
+      ->required()
+      ->type_name("BASIS");
   basis.add_option("targets", of_basis->targets, "The other characters (.glb, .gltf)")
       ->required()
       ->type_name("CHARACTER");

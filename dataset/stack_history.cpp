@@ -68,8 +68,8 @@ Dataset write_both(Dataset dataset, StackHistory& history, const fs::path& path)
   return dataset;
 }
 
-Dataset step(const fs::path& path, bool back) {
-  const FileLock lock = lock_to_change(path);
+Dataset step(const fs::path& path, bool back, std::chrono::milliseconds patience) {
+  const FileLock lock = lock_to_change(path, patience);
   const Dataset dataset = read_dataset(path);
   StackHistory history = read_history(dataset);
   if (back ? history.now == 0 : history.now + 1 == history.states.size()) {
@@ -108,7 +108,7 @@ void look_at_stacks(const fs::path& path, bool forget,
   look(dataset, history.states);
 }
 
-Dataset undo_modifiers(const fs::path& path) { return step(path, true); }
-Dataset redo_modifiers(const fs::path& path) { return step(path, false); }
+Dataset undo_modifiers(const fs::path& path, std::chrono::milliseconds patience) { return step(path, true, patience); }
+Dataset redo_modifiers(const fs::path& path, std::chrono::milliseconds patience) { return step(path, false, patience); }
 
 }  // namespace bodyopt

@@ -20,8 +20,8 @@ Dataset edit_modifiers(const std::filesystem::path& path,
                        const std::function<void(const Dataset& dataset, std::vector<Modifier>& modifiers)>& edit,
                        std::chrono::milliseconds patience = kPatienceForChanges);
 // Back to the stack before the last edit, and forth again. Throws Error(usage) where there is none.
-Dataset undo_modifiers(const std::filesystem::path& path);
-Dataset redo_modifiers(const std::filesystem::path& path);
+Dataset undo_modifiers(const std::filesystem::path& path, std::chrono::milliseconds patience = kPatienceForChanges);
+Dataset redo_modifiers(const std::filesystem::path& path, std::chrono::milliseconds patience = kPatienceForChanges);
 
 // Calls `look` with the dataset and all stacks that undo and redo lead to, its own among them, while nobody edits.
 // `forget`: the others are given up first.

@@ -29,8 +29,8 @@ struct SkinDraw {
   bool shadow = true;
   float alpha = 1;  // below 1: a ghost
   // Coloured by the distance to these positions, F' x V x 3, or by these distances, F' x V, metres; red at `heat_range`
-  // metres. Null: not.
-  const vulkan::Buffer *reference = nullptr, *distances = nullptr;
+  // metres. Or by these colours, F' x V x 3, linear RGB. Null: not.
+  const vulkan::Buffer *reference = nullptr, *distances = nullptr, *colours = nullptr;
   std::uint32_t first_reference = 0;
   float heat_range = 0.005f;
 };

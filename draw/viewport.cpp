@@ -37,7 +37,7 @@ struct ViewPush {
 struct SurfacePush {
   ViewPush view;
   std::array<float, 4> offset_alpha, tint_heat;
-  std::uint32_t style, wire, orthographic, first_vertex, first_reference, measured;
+  std::uint32_t style, wire, orthographic, first_vertex, first_reference, reference_kind;
 };
 static_assert(sizeof(SurfacePush) == 120);
 
@@ -63,6 +63,9 @@ struct FibrePush {
   std::uint32_t orthographic, first_vertex;
 };
 static_assert(sizeof(FibrePush) == 96);
+
+// What the reference of a surface holds, as view_surface.vert and .frag count.
+enum ReferenceKind : std::uint32_t { kPositions, kDistances, kColours };
 
 // The near and far planes enclose the view's sphere.
 ViewPush view_push(const View& view) {
@@ -186,7 +189,8 @@ struct Viewport::Impl {
   void record_skin(VkCommandBuffer recorder, const SkinDraw& skin, const ViewPush& push, bool orthographic) {
     const GraphicsPipeline& pipeline = skin.alpha < 1 ? scene->ghost : scene->surface;
     pipeline.bind(recorder);
-    const vulkan::Buffer* heat = skin.distances ? skin.distances : skin.reference;
+    const ReferenceKind kind = skin.colours ? kColours : skin.distances ? kDistances : kPositions;
+    const vulkan::Buffer* heat = skin.colours ? skin.colours : skin.distances ? skin.distances : skin.reference;
     const VkDescriptorSet set =
         sets.make(pipeline, {skin.triangles, skin.positions, skin.normals, heat ? heat : skin.positions, &palette});
     pipeline.draw(
@@ -199,7 +203,7 @@ struct Viewport::Impl {
                     orthographic,
                     skin.first_vertex,
                     skin.first_reference,
-                    skin.distances != nullptr},
+                    kind},
         3 * skin.triangle_count, skin.wire ? nullptr : skin.triangles);
   }
 

@@ -12,7 +12,9 @@ namespace bodyopt {
 namespace {
 
 using Eigen::Index;
+using namespace std::chrono_literals;
 
+constexpr auto kAtOnce = 250ms;     // with others that edit: a window answers
 constexpr double kNear = 15;        // degrees
 constexpr std::size_t kPairs = 12;  // that the panel lists
 constexpr double kDense = 12;       // neighbours of a pose that is well covered
@@ -190,15 +192,15 @@ void Curation::find_contradictions(Controls& controls) {
 }
 
 void Curation::edit(const ModifierEdit& edit) const {
-  if (edit.enabled) enable_modifier(path(), edit.name, *edit.enabled);
-  if (edit.strength) change_modifier(path(), edit.name, {.strength = edit.strength});
+  if (edit.enabled) enable_modifier(path(), edit.name, *edit.enabled, kAtOnce);
+  if (edit.strength) change_modifier(path(), edit.name, {.strength = edit.strength}, kAtOnce);
 }
 
 void Curation::step(bool back) const {
   if (back) {
-    undo_modifiers(path());
+    undo_modifiers(path(), kAtOnce);
   } else {
-    redo_modifiers(path());
+    redo_modifiers(path(), kAtOnce);
   }
 }
 

@@ -123,8 +123,14 @@ std::vector<std::string> possible_comparisons(const Actor& lead, ViewSettings se
 
 }  // namespace
 
-std::map<std::string, std::string> describe_missing(const Actor& lead) {
+std::map<std::string, std::string> describe_missing(const Scene& scene) {
+  const Actor& lead = scene.lead();
   std::map<std::string, std::string> missing;
+  if (scene.cast().size() < 2) {
+    for (const char* command : {"match colours", "match confidence"}) {
+      missing[command] = "a match is of two bodies: open the one that is transferred to after the lead";
+    }
+  }
   if (!lead.has_at_finest(SkinMethod::lbs)) {
     missing["compare lbs"] =
         "the weights of linear blending are in the character's file: begin with --character hero.glb";

@@ -7,8 +7,8 @@
 
 namespace bodyopt {
 
-// What the lead has not, and how to get it; see Controls::missing.
-std::map<std::string, std::string> describe_missing(const Actor& lead);
+// What the lead and the cast have not, and how to get it; see Controls::missing.
+std::map<std::string, std::string> describe_missing(const Scene& scene);
 
 // What stays as it is until files are read: the cast, and the lead's joints, controls, fibres and clip.
 void describe_cast(const Scene& scene, Snapshot& snapshot);

@@ -76,6 +76,7 @@ void Painter::draw(const PictureSize& size, Edges edges, double passed) {
   controls_.follow_keys();
   session_.warn_of_truth_times();
   session_.curation.look(scene_, controls_);
+  controls_.attempt([&] { session_.matching.look(); });
   scene_.lead().show_raw(controls_.curating.raw);
   if (controls_.headless) errors_.measure_shown_frame();
   controls_.attempt([&] { choose_heat(); });
@@ -105,6 +106,7 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
   describe_turns(scene_, controls_.playback.frame(), snapshot_);
   describe_pins(scene_, controls_, snapshot_);
   describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
+  session_.matching.describe(snapshot_);
   const Brushing& brushing = session_.brushing;
   const bool shows_stroke = brushing.is_pressed() || controls_.curating.colour == MapColour::sculpt;
   session_.curation.describe(controls_, snapshot_,
@@ -138,7 +140,7 @@ void Painter::choose_heat() {
 // the lead one as coarse as their size in the picture allows.
 void Painter::choose_level() {
   const ViewSettings& s = controls_.settings;
-  const bool all_finest = s.compare.with != CompareWith::none || s.look.tets;
+  const bool all_finest = s.compare.with != CompareWith::none || s.compare.match != MatchView::none || s.look.tets;
   const bool lead_finest = all_finest || (s.jiggle.on && scene_.lead().has_at_finest(SkinMethod::jiggle));
   const std::size_t automatic =
       detail_.choose(1e-3 * snapshot_.frame_ms, controls_.playback.playing() && !lead_finest, most_levels());

@@ -31,7 +31,12 @@ bool has_extension(const std::string& file, std::initializer_list<const char*> e
 }  // namespace
 
 Session::Session(std::shared_ptr<const vulkan::Device> device, const ViewerOptions& options)
-    : scene(device), options_(options), clip_options_(options.clip), device_name_(device->info().name), watched_({}) {}
+    : scene(device),
+      matching(device, scene, controls),
+      options_(options),
+      clip_options_(options.clip),
+      device_name_(device->info().name),
+      watched_({}) {}
 
 std::vector<std::string> Session::open_first() {
   const std::string file = options_.files.empty() ? "" : options_.files.front();
@@ -547,9 +552,10 @@ void Session::describe_cast() {
   for (const std::string& name : modifier_channels(basis.modifiers)) controls.control_names.push_back(name);
   controls.axis_names.clear();
   for (const DegreeOfFreedom& dof : scene.lead().axes()) controls.axis_names.push_back(dof.name);
-  controls.missing = describe_missing(scene.lead());
+  controls.missing = describe_missing(scene);
   if (basis.skeleton.find(controls.joint) < 0) controls.joint.clear();
   curation.look(scene, controls);
+  matching.forget();
   snapshot.device = device_name_;
   warn_of_rates();
 }

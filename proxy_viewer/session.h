@@ -11,6 +11,7 @@
 #include "proxy_viewer/brushing.h"
 #include "proxy_viewer/commands/controls.h"
 #include "proxy_viewer/curation.h"
+#include "proxy_viewer/matching.h"
 #include "proxy_viewer/panels/snapshot.h"
 #include "proxy_viewer/platform/watched_files.h"
 #include "proxy_viewer/scene/scene.h"
@@ -28,6 +29,7 @@ class Session {
   Snapshot snapshot;
   Curation curation;
   Brushing brushing{scene, controls, curation};
+  Matching matching;
 
   // The first of the options' files, which must be a basis or a character, or the built-in arm where there is none.
   // Gives what is to be said of it. Throws Error(usage), and as the readers do.

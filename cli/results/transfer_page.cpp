@@ -56,14 +56,14 @@ std::vector<const ComparedPose*> shown_of(const std::vector<ComparedPose>& poses
   return shown;
 }
 
-void add_poses(const TransferPair& pair, const std::vector<ComparedPose>& poses, Page& page) {
+void add_poses(const MeshTable& source, const MeshTable& carried, const std::vector<ComparedPose>& poses, Page& page) {
   if (poses.empty()) return;
   Renderer renderer;
   std::vector<Image> row;
   std::vector<std::string> labels;
   for (const ComparedPose* pose : shown_of(poses)) {
-    row.push_back(draw_pose(renderer, pair.source.mesh, pose->source));
-    row.push_back(draw_pose(renderer, pair.target.mesh, pose->target));
+    row.push_back(draw_pose(renderer, source, pose->source));
+    row.push_back(draw_pose(renderer, carried, pose->target));
     labels.push_back(format("frame %d: source", pose->frame));
     labels.push_back("target");
   }
@@ -83,8 +83,12 @@ void add_poses(const TransferPair& pair, const std::vector<ComparedPose>& poses,
   }
 }
 
+std::vector<TransferPart> parts_of(const TransferPair& pair) {
+  return transfer_parts(pair.source, pair.target, pair.match, pair.correspondence);
+}
+
 void add_parts(const TransferPair& pair, Page& page) {
-  const std::vector<TransferPart> parts = transfer_parts(pair);
+  const std::vector<TransferPart> parts = parts_of(pair);
   Table table{{{"held by"}, {"vertices"}, {"confidence"}, {"size"}, {"uneven by"}, {""}}, {}};
   for (const TransferPart& part : parts) {
     table.rows.push_back({{part.joint, {}},
@@ -106,7 +110,7 @@ std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& c
                                         const std::vector<int>& frames) {
   Deformer source(pair.source, {.name = "cpu"}), target(carried, {.name = "cpu"});
   const double source_rest = volume_of(pair.source.mesh, pair.source.mesh.rest),
-               target_rest = volume_of(pair.target.mesh, pair.target.mesh.rest);
+               target_rest = volume_of(carried.mesh, carried.mesh.rest);
   std::vector<ComparedPose> poses;
   std::vector<Pose> moved;
   for (const int frame : frames) {
@@ -114,7 +118,7 @@ std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& c
     moved.push_back(transferred_pose(pair.match, pair.source.skeleton, pair.target.skeleton, pose));
     ComparedPose compared{frame, skin_in(source, pose), skin_in(target, moved.back()), 1, 1, 0};
     compared.source_volume = volume_of(pair.source.mesh, compared.source) / source_rest;
-    compared.target_volume = volume_of(pair.target.mesh, compared.target) / target_rest;
+    compared.target_volume = volume_of(carried.mesh, compared.target) / target_rest;
     poses.push_back(std::move(compared));
   }
   if (!carried.coverage.empty()) {
@@ -135,8 +139,8 @@ std::string frames_to_simulate(const std::vector<ComparedPose>& poses) {
   return format_frame_range(frames);
 }
 
-void add_transfer(const TransferPair& pair, const std::string& target, const std::vector<ComparedPose>& poses,
-                  Page& page) {
+void add_transfer(const TransferPair& pair, const std::string& target, const MeshTable& carried,
+                  const std::vector<ComparedPose>& poses, Page& page) {
   const Correspondence& match = pair.correspondence;
   page.heading(target);
   const std::array headlines{
@@ -150,12 +154,12 @@ void add_transfer(const TransferPair& pair, const std::string& target, const std
   page.picture(transfer_picture(pair), labels, "Which point is which",
                "The same colour is the same point. Both in the pose in which they were matched.", "");
   add_parts(pair, page);
-  add_poses(pair, poses, page);
+  add_poses(pair.source.mesh, carried, poses, page);
 }
 
 Json to_json(const TransferPair& pair, const std::vector<ComparedPose>& poses) {
   Json parts = Json::array(), volumes = Json::array();
-  for (const TransferPart& part : transfer_parts(pair)) {
+  for (const TransferPart& part : parts_of(pair)) {
     parts.push_back({{"joint", part.joint},
                      {"vertices", part.vertices},
                      {"confidence", part.confidence},

@@ -25,9 +25,10 @@ std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& c
 // The frames of the clip that would teach the target most, as `simulate --frames` takes them; empty where not known.
 std::string frames_to_simulate(const std::vector<ComparedPose>& poses);
 
-// Adds what is known of one target. `poses` may be empty. Throws Error(device) where nothing can be drawn.
-void add_transfer(const TransferPair& pair, const std::string& target, const std::vector<ComparedPose>& poses,
-                  Page& page);
+// Adds what is known of one target. `carried`: of which the poses are, if there are any. Throws Error(device) where
+// nothing can be drawn.
+void add_transfer(const TransferPair& pair, const std::string& target, const MeshTable& carried,
+                  const std::vector<ComparedPose>& poses, Page& page);
 
 // The same for programs.
 Json to_json(const TransferPair& pair, const std::vector<ComparedPose>& poses);

@@ -1,4 +1,4 @@
-// What the colours of a heat map mean, in millimetres, and the largest value of the frame.
+// What the colours of a heat map mean, and of distances the largest of the frame.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,19 +17,24 @@ constexpr int kLabels = 5, kSteps = 44;
 
 struct Heat {
   const char* title;
-  double most;  // of the frame that is shown, mm; not a number where it was not measured
+  double most;     // of the frame that is shown, mm; not a number where it was not measured
+  double hottest;  // at the top of the bar
 };
 
 // That colours the lead: none, or the first of several.
 std::optional<Heat> heat_of(const Snapshot& snapshot, const Controls& controls) {
   const ViewSettings::Compare& compare = controls.settings.compare;
+  if (snapshot.match) {
+    if (compare.match == MatchView::colours) return std::nullopt;  // which are no heat
+    return Heat{"unsure (0: the same)", NAN, 1};
+  }
   if (compare.coverage && snapshot.knows_coverage) {
-    return Heat{"expected error, mm", snapshot.most_expected_mm.value_or(NAN)};
+    return Heat{"expected error, mm", snapshot.most_expected_mm.value_or(NAN), controls.heat_mm()};
   }
   if (snapshot.compared.empty() || !(compare.heat || compare.activation)) return std::nullopt;
   const auto index = static_cast<std::size_t>(controls.playback.frame() - snapshot.first_frame);
   const ErrorRow error = index < snapshot.errors.size() ? snapshot.errors[index] : ErrorRow{};
-  return Heat{compare.activation ? "learned, mm" : "distance, mm", static_cast<double>(error.max)};
+  return Heat{compare.activation ? "learned, mm" : "distance, mm", static_cast<double>(error.max), controls.heat_mm()};
 }
 
 // Three digits, or as many as it has before the point.
@@ -55,7 +60,6 @@ void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const P
   }
   const std::optional<Heat> heat = heat_of(snapshot, controls);
   if (!heat) return;
-  const double hottest = controls.heat_mm();
   const float height = std::min(kHeight, layout.bottom() - layout.menu - 4 * line - 2 * kMargin);
   if (height < 40) return;
   const float right = layout.right() - kMargin, bottom = layout.bottom() - kMargin - 0.5f * line;
@@ -72,11 +76,11 @@ void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const P
   for (int k = 0; k < kLabels; ++k) {
     const float share = static_cast<float>(k) / (kLabels - 1);
     draw_text(list, left - 7, bottom - share * height, ImGui::GetColorU32(ImGuiCol_Text),
-              millimetres(static_cast<double>(share) * hottest));
+              millimetres(static_cast<double>(share) * heat->hottest));
   }
   draw_text(list, right, top - 1.3f * line, ImGui::GetColorU32(ImGuiCol_Text), heat->title);
   if (largest.empty()) return;
-  const float share = static_cast<float>(std::min(1.0, heat->most / hottest));
+  const float share = static_cast<float>(std::min(1.0, heat->most / heat->hottest));
   list.AddTriangleFilled({right + 8, bottom - share * height - 4}, {right + 8, bottom - share * height + 4},
                          {right + 1, bottom - share * height}, kAccent);
   draw_text(list, right, top - 2.4f * line, kAccent, largest);

@@ -1,4 +1,4 @@
-// What the colours of muscle fibres and of cut tetrahedra mean: a line each, at the bottom of the picture.
+// What the colours of muscle fibres, of cut tetrahedra and of a match mean: a line each, at the bottom of the picture.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -86,6 +86,12 @@ void draw_tet_key(float middle, float right) {
   line.draw();
 }
 
+void draw_match_key(float middle, float right) {
+  KeyLine line(middle, right);
+  line.add_text("the same colour is the same point of both");
+  line.draw();
+}
+
 }  // namespace
 
 void draw_colour_keys(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
@@ -97,7 +103,12 @@ void draw_colour_keys(const Snapshot& snapshot, const Controls& controls, const 
     draw_fibre_key(middle, layout.right());
     middle -= line;
   }
-  if (look.tets && snapshot.cast.front().tets > 0) draw_tet_key(middle, layout.right());
+  if (look.tets && snapshot.cast.front().tets > 0) {
+    draw_tet_key(middle, layout.right());
+    middle -= line;
+  }
+  const bool by_match = snapshot.match && controls.settings.compare.match == MatchView::colours;
+  if (by_match) draw_match_key(middle, layout.right());
 }
 
 }  // namespace bodyopt

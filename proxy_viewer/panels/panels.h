@@ -55,6 +55,7 @@ void draw_muscles(const Snapshot& snapshot, Controls& controls);
 void draw_jiggle(const Snapshot& snapshot, Controls& controls);
 void draw_ghosts(const Snapshot& snapshot, Controls& controls);
 void draw_cast(const Snapshot& snapshot, Controls& controls);
+void draw_transfer(const Snapshot& snapshot, Controls& controls);
 void draw_output(const Snapshot& snapshot, Controls& controls);
 
 }  // namespace bodyopt

@@ -12,9 +12,9 @@ namespace {
 using Draw = void (*)(const Snapshot&, Controls&);
 
 // As kSections.
-constexpr std::array<Draw, kSections.size()> kDraw = {draw_look,   draw_cameras, draw_compare,   draw_curate,
-                                                      draw_pose,   draw_keys,    draw_modifiers, draw_muscles,
-                                                      draw_jiggle, draw_ghosts,  draw_cast,      draw_output};
+constexpr std::array<Draw, kSections.size()> kDraw = {draw_look, draw_cameras,   draw_compare, draw_curate, draw_pose,
+                                                      draw_keys, draw_modifiers, draw_muscles, draw_jiggle, draw_ghosts,
+                                                      draw_cast, draw_transfer,  draw_output};
 
 }  // namespace
 
@@ -25,6 +25,7 @@ void draw_side_panel(const Snapshot& snapshot, Controls& controls, const PanelLa
   for (std::size_t k = 0; k < kSections.size(); ++k) {
     const Section& section = kSections[k];
     if (kDraw[k] == draw_curate && !snapshot.curation) continue;
+    if (kDraw[k] == draw_transfer && snapshot.cast.size() < 2) continue;
     const bool was_open = is_open(controls.settings, section);
     ImGui::SetNextItemOpen(was_open, ImGuiCond_Always);
     const bool open = ImGui::CollapsingHeader(section.title);

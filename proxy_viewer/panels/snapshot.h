@@ -87,6 +87,20 @@ struct CurationRow {
   std::vector<std::string> pairs;  // that disagree most; none: they were not looked for
 };
 
+// The skin that a joint of the lead holds, and the same of the second of the cast; see TransferPart.
+struct MatchedPartRow {
+  std::string joint;
+  double confidence = 1, size = 1, unevenness = 0;
+  bool is_guess = false;  // another anatomy
+};
+
+// How the lead and the second of the cast match.
+struct MatchRow {
+  bool same_topology = false;
+  double confidence = 1, size = 1;    // mean; of the second over the lead
+  std::vector<MatchedPartRow> parts;  // least sure first
+};
+
 struct Snapshot {
   std::vector<CharacterRow> cast;  // the first is the lead, of whom the rest speaks
   std::vector<JointRow> joints;
@@ -112,6 +126,7 @@ struct Snapshot {
 
   std::optional<CurationRow> curation;  // none: no dataset is open
   std::optional<LiveRow> live;          // none: the clip is shown
+  std::optional<MatchRow> match;        // none: nobody asked for it
 
   std::string device;
   double shown_fps = 0;                    // pictures a second, over the last second

@@ -1,8 +1,21 @@
 #include "proxy_viewer/platform/watched_files.h"
 
+#include <fstream>
+#include <iterator>
+
 namespace bodyopt {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// Nothing of one that cannot be read: who opens it says why.
+std::string content_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace
 
 WatchedFiles::WatchedFiles(const std::vector<fs::path>& files) {
   for (const fs::path& path : files) {
@@ -34,7 +47,7 @@ std::optional<WatchedFiles::Stamp> WatchedFiles::stamp(const fs::path& path) {
   if (failure) return {};
   const std::uintmax_t size = fs::file_size(path, failure);
   if (failure) return {};
-  return Stamp{time, size};
+  return Stamp{time, size, size <= kSmall ? content_of(path) : ""};
 }
 
 }  // namespace bodyopt

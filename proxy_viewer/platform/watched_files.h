@@ -4,16 +4,19 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace bodyopt {
 
 // Asks the file system each time (which works on network folders, too). A file has changed when its modification time
-// or size is another, or when it was away and is back; it is reported once nothing has happened to it for kQuiet, so
-// that nobody reads one that is still being written.
+// or size is another, of a small one (kSmall) its content, or when it was away and is back: a dataset may be edited
+// twice within one tick of the file system's clock. It is reported once nothing has happened to it for kQuiet, so that
+// nobody reads one that is still being written.
 class WatchedFiles {
  public:
-  static constexpr double kQuiet = 0.3;  // seconds
+  static constexpr double kQuiet = 0.3;                              // seconds
+  static constexpr std::uintmax_t kSmall = std::uintmax_t{1} << 20;  // bytes
 
   // What the files are like now is what they are compared with; a file that is not there is reported when it comes.
   explicit WatchedFiles(const std::vector<std::filesystem::path>& files);
@@ -26,6 +29,7 @@ class WatchedFiles {
   struct Stamp {
     std::filesystem::file_time_type time;
     std::uintmax_t size;
+    std::string content;  // of a small file
     bool operator==(const Stamp&) const = default;
   };
   struct File {

@@ -59,7 +59,7 @@ SurfaceStyle surface_style(LookStyle style) {
 
 // Heat is of a character's skin alone: what else is drawn of it keeps its colour.
 SkinDraw without_heat(SkinDraw draw) {
-  draw.reference = draw.distances = nullptr;
+  draw.reference = draw.distances = draw.colours = nullptr;
   return draw;
 }
 
@@ -399,6 +399,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     if (index == 0) lead_expected_ = &expected;
   }
 
+  colour_by_match(index, s, skin);
   if (s.look.tets && character.shown().tet_count() > 0) {
     add_tets(character, poses[0], skin, controls, views);
     skin.alpha = kSkinOverTets;
@@ -456,6 +457,16 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
       dress(worn, g, extra, extra.colour, view);
     }
   }
+}
+
+// In place of any heat.
+void Scene::colour_by_match(std::size_t index, const ViewSettings& settings, SkinDraw& skin) const {
+  const MatchView view = settings.compare.match;
+  if (view == MatchView::none || !match_ || index >= 2 || cast_[index]->level() > 0) return;
+  skin = without_heat(skin);
+  skin.heat_range = 1;  // of what is not sure at all
+  (view == MatchView::colours ? skin.colours : skin.distances) =
+      &(view == MatchView::colours ? match_->colours : match_->unsure)[index];
 }
 
 void Scene::add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, const Controls& controls,

@@ -1,9 +1,12 @@
 // The characters, and what of them is to be seen at a frame.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "draw/view.h"
@@ -11,6 +14,12 @@
 #include "proxy_viewer/scene/actor.h"
 
 namespace bodyopt {
+
+// Which point of the lead is which of the second of the cast: of their finest levels, runtime vertices.
+struct MatchedSkins {
+  std::array<vulkan::Buffer, 2> colours;  // V x 3, linear RGB: the same on the same points
+  std::array<vulkan::Buffer, 2> unsure;   // V: one less the confidence
+};
 
 class Scene {
  public:
@@ -29,6 +38,8 @@ class Scene {
   void set_live_pose(Pose pose) { live_pose_ = std::move(pose); }
   void leave_live_pose() { live_pose_.reset(); }  // back to the clip
   void reset_jiggle();
+  // What the settings may colour the two by, until it is taken back; they must be the two that were matched.
+  void show_match(std::optional<MatchedSkins> match) { match_ = std::move(match); }
   bool empty() const { return cast_.empty(); }
   std::vector<std::unique_ptr<Actor>>& cast() { return cast_; }
   const std::vector<std::unique_ptr<Actor>>& cast() const { return cast_; }
@@ -82,6 +93,7 @@ class Scene {
                     const Controls& controls, View& view);
   void add_rings(const Controls& controls, const std::array<float, 3>& offset, View& view);
   void add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view);
+  void colour_by_match(std::size_t index, const ViewSettings& settings, SkinDraw& skin) const;
   void add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, const Controls& controls,
                 std::vector<View>& views);
   void add_marker(const Vec3& at, std::uint32_t colour, View& view);
@@ -97,6 +109,7 @@ class Scene {
   mutable LevelPool levels_;  // of the cast
   std::vector<std::unique_ptr<Actor>> cast_;
   std::optional<Pose> live_pose_;
+  std::optional<MatchedSkins> match_;
   std::map<std::string, double> stage_seconds_;
   const Evaluation* lead_evaluation_ = nullptr;
   const ExpectedSkin* lead_expected_ = nullptr;

@@ -15,7 +15,7 @@ struct Section {
   bool open;          // to begin with
 };
 
-constexpr std::array<Section, 12> kSections = {{{"look", "Look", true},
+constexpr std::array<Section, 13> kSections = {{{"look", "Look", true},
                                                 {"cameras", "Cameras", false},
                                                 {"compare", "Compare", true},
                                                 {"curate", "Curate", true},
@@ -26,6 +26,7 @@ constexpr std::array<Section, 12> kSections = {{{"look", "Look", true},
                                                 {"jiggle", "Jiggle", false},
                                                 {"ghosts", "Ghosts", false},
                                                 {"cast", "Cast", false},
+                                                {"transfer", "Transfer", false},
                                                 {"output", "Output", false}}};
 constexpr const char* kSidePanel = "side";  // all of them
 

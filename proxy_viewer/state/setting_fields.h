@@ -53,6 +53,7 @@ inline constexpr auto kCompareFields = [](auto& list, auto& compare) {
   list.number("heat_scale_mm", compare.heat_scale_mm, kFinestHeat, kCoarsestHeat);
   list.boolean("activation", compare.activation);
   list.boolean("coverage", compare.coverage);
+  list.choice("match", compare.match, kMatchNames);
 };
 
 inline constexpr auto kPoseKeyFields = [](auto& list, auto& key) {

@@ -15,12 +15,14 @@ namespace bodyopt {
 enum class LookStyle { clay, matcap, flat, normals };
 enum class CompareWith { none, lbs, ddm, linear, full, jiggle, truth, proxy };
 enum class CompareLayout { side_by_side, overlay, wipe, hold };
+enum class MatchView { none, colours, confidence };
 
 // In commands, panels and the state file; in the order of the enumerations.
 inline constexpr std::array kPlayModeNames{"loop", "ping-pong", "once"};
 inline constexpr std::array kStyleNames{"clay", "matcap", "flat", "normals"};
 inline constexpr std::array kComparisonNames{"none", "lbs", "ddm", "linear", "full", "jiggle", "truth", "proxy"};
 inline constexpr std::array kLayoutNames{"side-by-side", "overlay", "wipe", "hold"};
+inline constexpr std::array kMatchNames{"none", "colours", "confidence"};
 
 struct ViewSettings {
   struct Look {
@@ -41,6 +43,7 @@ struct ViewSettings {
     bool heat = false;
     std::optional<double> heat_scale_mm;  // the hottest colour; otherwise as the errors of the frame are
     bool activation = false, coverage = false;
+    MatchView match = MatchView::none;  // of the lead with the second of the cast
     bool operator==(const Compare&) const = default;
   };
 

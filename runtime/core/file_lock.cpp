@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <sstream>
 #include <thread>
 #include <utility>
 
@@ -107,9 +108,11 @@ FileLock lock_to_change(const fs::path& file, std::chrono::milliseconds patience
     FileLock lock(path);
     if (lock.is_held()) return lock;
     if (std::chrono::steady_clock::now() - start > patience) {
-      throw Error(ErrorKind::file, file.string() + ": another process has been changing it for " +
-                                       std::to_string(patience / 1s) + " seconds and holds " + path.string() +
-                                       ": does it hang? Try again once it has ended");
+      std::ostringstream text;
+      text << file.string() << ": another process has been changing it for "
+           << std::chrono::duration<double>(patience).count() << " seconds and holds " << path.string()
+           << ": does it hang? Try again once it has ended";
+      throw Error(ErrorKind::file, text.str());
     }
     std::this_thread::sleep_for(5ms);
   }

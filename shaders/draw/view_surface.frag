@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// A skin as clay, as a polished ball would show it (matcap), in facets, by its normals, or by the heat of a distance;
-// edges over it, and see-through as a ghost.
+// A skin as clay, as a polished ball would show it (matcap), in facets, by its normals, by the heat of a distance, or in
+// colours of its vertices; edges over it, and see-through as a ghost.
 #include "studio.glsl"
 #include "view.glsl"
 
@@ -10,8 +10,9 @@ layout(push_constant) uniform Push {
   vec4 offset_alpha;
   vec4 tint_heat;
   uint style, wire, orthographic;
-  uint first_vertex, first_reference, measured;
+  uint first_vertex, first_reference, reference_kind;
 };
+const uint kColours = 2;  // of reference_kind
 const uint kMatcap = 1, kFlat = 2, kNormals = 3;
 
 const uint kPaletteSize = 256;
@@ -21,6 +22,7 @@ layout(location = 0) in vec3 in_position;
 layout(location = 1) in vec3 in_normal;
 layout(location = 2) in vec3 in_corner;
 layout(location = 3) in float in_heat;
+layout(location = 4) in vec3 in_own;
 layout(location = 0) out vec4 out_colour;
 
 // Polished: a soft window above, a strip of light at the side, dark where it looks away.
@@ -57,7 +59,7 @@ void main() {
   const vec3 base = tint_heat.rgb;
   vec3 colour;
   if (tint_heat.w > 0) {
-    colour = coloured(palette_colour(in_heat), n, eye, up);
+    colour = coloured(reference_kind == kColours ? in_own : palette_colour(in_heat), n, eye, up);
   } else if (style == kMatcap) {
     colour = matcap(base, n);
   } else if (style == kNormals) {

@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <random>
 #include <sstream>
@@ -365,7 +366,8 @@ struct Shuffled {
   std::string obj;
 };
 
-Shuffled shuffled(const Character& character, const Positions& frame) {
+// `texture`: O x 2, with as many output vertices as welded ones; empty: none.
+Shuffled shuffled(const Character& character, const Positions& frame, const std::vector<double>& texture = {}) {
   Shuffled result{frame + bulge(character), ""};
   std::vector<std::size_t> order(character.vertices.rows()), place(order.size());
   std::iota(order.begin(), order.end(), 0);
@@ -376,10 +378,15 @@ Shuffled shuffled(const Character& character, const Positions& frame) {
     place[order[k]] = k + 1;
     const auto at = result.sculpted.row(static_cast<Eigen::Index>(order[k]));
     obj << "v " << at[0] << ' ' << at[1] << ' ' << at[2] << '\n';
+    if (!texture.empty()) obj << "vt " << texture[2 * order[k]] << ' ' << 1 - texture[2 * order[k] + 1] << '\n';
   }
+  const auto corner = [&](std::uint32_t vertex) {
+    const std::string number = std::to_string(place[vertex]);
+    return texture.empty() ? number : number + "/" + number;
+  };
   for (Eigen::Index t = character.triangles.rows(); t-- > 0;) {
-    obj << "f " << place[character.triangles(t, 1)] << ' ' << place[character.triangles(t, 2)] << ' '
-        << place[character.triangles(t, 0)] << '\n';
+    obj << "f " << corner(character.triangles(t, 1)) << ' ' << corner(character.triangles(t, 2)) << ' '
+        << corner(character.triangles(t, 0)) << '\n';
   }
   result.obj = obj.str();
   return result;
@@ -390,19 +397,70 @@ TEST(FrameFiles, AMeshComesBackInAnyOrderAndAnotherIsRefused) {
   const auto path = limb.folder() / "frame.obj";
   const Positions frame = limb.truth(0, 5);
   const std::vector<float> shape = output_from_welded(limb.character(), frame);
-  write_frame_obj(limb.character(), shape, path);
-  EXPECT_EQ(read_frame_mesh(limb.character(), frame, path), shape);
+  write_frame_obj(limb.character(), {}, shape, path);
+  EXPECT_EQ(read_frame_mesh(limb.character(), {}, frame, path), shape);
   const Shuffled sculpt = shuffled(limb.character(), frame);
   std::ofstream(path) << sculpt.obj;
-  const std::vector<float> back = read_frame_mesh(limb.character(), frame, path);
+  const std::vector<float> back = read_frame_mesh(limb.character(), {}, frame, path);
   EXPECT_LT(rms_mm(welded_from_output(limb.character(), back.data()), sculpt.sculpted), 1e-4);
   std::ofstream(path, std::ios::app) << "v 0 0 0\n";
-  EXPECT_EQ(kind_of([&] { read_frame_mesh(limb.character(), frame, path); }), ErrorKind::mismatch);
+  EXPECT_EQ(kind_of([&] { read_frame_mesh(limb.character(), {}, frame, path); }), ErrorKind::mismatch);
   const std::size_t faces = sculpt.obj.find("f "), half = sculpt.obj.find("f ", (faces + sculpt.obj.size()) / 2);
   std::ofstream(path) << sculpt.obj.substr(0, half);  // what was moved has too few neighbours
-  EXPECT_EQ(kind_of([&] { read_frame_mesh(limb.character(), frame, path); }), ErrorKind::mismatch);
+  EXPECT_EQ(kind_of([&] { read_frame_mesh(limb.character(), {}, frame, path); }), ErrorKind::mismatch);
   std::ofstream(path) << "v 0 0 nan\n";
-  EXPECT_EQ(kind_of([&] { read_frame_mesh(limb.character(), frame, path); }), ErrorKind::file);
+  EXPECT_EQ(kind_of([&] { read_frame_mesh(limb.character(), {}, frame, path); }), ErrorKind::file);
+}
+
+// Moved as a whole, in another order and with other faces first: the texture alone tells which vertex is which.
+TEST(FrameFiles, ATextureTellsVerticesThatWereAllMoved) {
+  const CuratedLimb limb;
+  const Character& character = limb.character();
+  const auto path = limb.folder() / "frame.obj";
+  const Positions frame = limb.truth(0, 5);
+  FrameSurface surface = frame_surface(limb.stack().database());
+  EXPECT_TRUE(surface.texture.empty());  // of a character without
+  std::mt19937 random(7);
+  for (std::uint32_t o = 0; o < 2 * character.output_count(); ++o) {
+    surface.texture.push_back(std::uniform_real_distribution<>(0, 1)(random));
+  }
+  const Positions moved = frame.rowwise() + Eigen::RowVector3d(0.3, 0, 0);
+  const Shuffled sculpt = shuffled(character, moved, surface.texture);
+  std::ofstream(path) << sculpt.obj;
+  const std::vector<float> back = read_frame_mesh(character, surface.texture, frame, path);
+  EXPECT_LT(rms_mm(welded_from_output(character, back.data()), sculpt.sculpted), 1e-4);
+  EXPECT_EQ(kind_of([&] { read_frame_mesh(character, {}, frame, path); }), ErrorKind::mismatch);
+  std::ofstream(path) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.5\nf 1/1 2/1 3/1\n";
+  EXPECT_EQ(kind_of([&] { read_frame_mesh(character, {}, frame, path); }), ErrorKind::file);
+  std::ofstream(path) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.5 0.5\nf 1/1 2/2 3/1\n";
+  EXPECT_EQ(kind_of([&] { read_frame_mesh(character, {}, frame, path); }), ErrorKind::file);
+}
+
+TEST(FrameFiles, AnObjHasATextureAndAMaterialForEveryRegion) {
+  const CuratedLimb limb;
+  const Character& character = limb.character();
+  const auto path = limb.folder() / "frame.obj";
+  const std::vector<float> shape = output_from_welded(character, limb.truth(0, 5));
+  FrameSurface surface = frame_surface(limb.stack().database());
+  surface.texture.assign(2 * std::size_t{character.output_count()}, 0.25);
+  write_frame_obj(character, surface, shape, path);
+  EXPECT_EQ(read_frame_mesh(character, surface.texture, limb.truth(0, 5), path), shape);
+  std::ifstream file(path);
+  std::map<std::string, int> faces;
+  std::string line, material;
+  int textured = 0;
+  while (std::getline(file, line)) {
+    if (line.starts_with("usemtl ")) material = line.substr(7);
+    if (line.starts_with("f ")) ++faces[material];
+    if (line == "vt 0.25 0.75") ++textured;
+  }
+  EXPECT_EQ(textured, static_cast<int>(character.output_count()));
+  int sum = 0;
+  for (const RegionWeights& region : surface.regions) sum += faces[region.name];
+  EXPECT_EQ(sum, character.output_triangles.rows());
+  // A triangle of which one joint holds all is of that joint's material.
+  EXPECT_GT(faces.at(character.skeleton.joints[0].name), 0);
+  EXPECT_GT(faces.at(character.skeleton.joints[1].name), 0);
 }
 
 TEST(FrameFiles, AGltfRestsInThePoseAndComesBack) {
@@ -417,7 +475,7 @@ TEST(FrameFiles, AGltfRestsInThePoseAndComesBack) {
   for (int k = 0; k < 4; ++k) {
     EXPECT_NEAR(read.skeleton.joints[1].bind.rotation[k], limb.pose(0, 12).joints[1].rotation[k], 1e-6);
   }
-  const std::vector<float> back = read_frame_mesh(limb.character(), frame, path);
+  const std::vector<float> back = read_frame_mesh(limb.character(), {}, frame, path);
   EXPECT_LT(rms_mm(welded_from_output(limb.character(), back.data()), frame), 1e-3);
 }
 

@@ -32,10 +32,10 @@ std::vector<std::string> obj_seeds() {
   for (const std::uint32_t v : limb().output_vertex) {
     for (int i = 0; i < 3; ++i) points.push_back(static_cast<float>(limb().vertices(v, i)));
   }
-  return {written("frame.obj", [&](const auto& path) { write_obj(limb(), points, path); })};
+  return {written("frame.obj", [&](const auto& path) { write_frame_obj(limb(), {}, points, path); })};
 }
 void read_obj_file(const std::string& bytes) {
-  require_finite(read_obj(limb(), as_file("frame.obj", bytes)), "points");
+  require_finite(read_frame_mesh(limb(), {}, limb().vertices, as_file("frame.obj", bytes)), "points");
 }
 
 std::vector<std::string> markers_seeds() {

@@ -1,6 +1,7 @@
 // Brushes on the skin of a dataset, by mouse and by script.
 #include "proxy_viewer/brushing.h"
 
+#include <chrono>
 #include <fstream>
 
 #include "dataset/stack_history.h"
@@ -8,6 +9,7 @@
 #include "tests/curate/curated_limb.h"
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/support/error_kind.h"
+#include "trainer/curate/edit_stack.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -148,6 +150,24 @@ TEST_F(BrushingTest, WhatCannotBeWrittenStaysInHand) {
   ASSERT_EQ(modifiers().size(), 1u);
   EXPECT_EQ(modifiers()[0].parameters["sculpts"].size(), 1u);
   EXPECT_GT(moved_mm(), 5);
+}
+
+TEST_F(BrushingTest, EditsWhileAnotherProcessEditsAreRefusedAtOnce) {
+  add_modifier(limb_.path(), {.type = "inflate"});
+  const auto viewport = open(dataset(), kFromTheSide);
+  const std::string before = bytes();
+  for (const char* command : {"strength inflate 0.5", "modifier inflate off", "undo-edit"}) {
+    const FileLock lock = lock_to_change(limb_.path());
+    const auto start = std::chrono::steady_clock::now();
+    viewport->prompt(command);
+    EXPECT_LT(std::chrono::steady_clock::now() - start, kPatienceForChanges / 2) << command;
+    ASSERT_FALSE(viewport->controls().messages.empty()) << command;
+    EXPECT_NE(viewport->controls().messages.back().text.find("another process"), std::string::npos);
+    viewport->click_messages_away();
+  }
+  EXPECT_EQ(bytes(), before);
+  viewport->prompt("undo-edit");
+  EXPECT_TRUE(modifiers().empty());
 }
 
 }  // namespace

@@ -149,6 +149,7 @@ const std::map<std::string, Case>& cases() {
       {"heat-scale", {"2.5", [](C, C c) { return c.settings.compare.heat_scale_mm == 2.5; }, {"", "0", "-1", "1001", "automatic"}}},
       {"activation", {"on", [](C, C c) { return c.settings.compare.activation; }, {"yes"}}},
       {"coverage", {"on", [](C, C c) { return c.settings.compare.coverage; }, {"yes"}}},
+      {"match", {"colours", [](C, C c) { return c.settings.compare.match == MatchView::colours; }, {"", "on", "coloured"}}},
       {"worst-frame", {"", [](C, C c) { return c.requests.worst_frame; }, {"1"}}},
       {"worst-vertex", {"", [](C, C c) { return c.requests.worst_vertex; }, {"1"}}},
       {"mirror",

@@ -1,9 +1,11 @@
 // Several of the cast: where they stand, which frames they play, which level of detail they show, what they share.
+#include "proxy_viewer/matching.h"
 #include "proxy_viewer/picking.h"
 #include "proxy_viewer/scene/scene.h"
 #include "tests/proxy_viewer/characters_fixture.h"
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/proxy_viewer/twin_level.h"
+#include "tests/support/error_kind.h"
 #include "trainer/transfer/markers_file.h"
 
 namespace bodyopt::testing {
@@ -99,7 +101,77 @@ TEST_F(CrowdTest, FurtherAwayItIsCoarser) {
   EXPECT_EQ(level_at(1.1 * far + 2 * size), 1u);
 }
 
+TEST_F(CrowdTest, MatchedBodiesHaveOneColourAtOnePoint) {
+  add(small_->basis);
+  add(small_->basis);
+  Matching matching(device_, scene_, controls_);
+  const auto skins = [&] { return scene_.look(controls_, kArea).at(0).skins; };
+  Snapshot snapshot;
+  matching.look();
+  matching.describe(snapshot);
+  EXPECT_FALSE(snapshot.match.has_value());  // nobody asked for it
+  EXPECT_EQ(skins()[0].colours, nullptr);
+
+  controls_.settings.compare.coverage = controls_.settings.compare.heat = true;
+  controls_.settings.compare.match = MatchView::colours;
+  matching.look();
+  const std::vector<SkinDraw> coloured = skins();
+  const std::vector<float> lead = download(*coloured[0].colours), second = download(*coloured[1].colours);
+  EXPECT_EQ(lead, second);
+  const std::vector<float>& rest = small_->made.mesh.rest;
+  ASSERT_EQ(lead.size(), rest.size());
+  for (std::size_t k = 3; k < rest.size(); ++k) {  // what lies further along an axis has more of its colour
+    EXPECT_EQ(rest[k] > rest[k - 3], lead[k] > lead[k - 3]) << k;
+  }
+  EXPECT_EQ(coloured[0].distances, nullptr);
+
+  controls_.settings.compare.match = MatchView::confidence;
+  matching.look();
+  const SkinDraw unsure = skins()[1];
+  EXPECT_EQ(unsure.colours, nullptr);
+  EXPECT_EQ(unsure.heat_range, 1);
+  EXPECT_EQ(download(*unsure.distances), std::vector<float>(rest.size() / 3, 0.0f));
+  matching.describe(snapshot);
+  ASSERT_TRUE(snapshot.match.has_value());
+  EXPECT_TRUE(snapshot.match->same_topology);
+  EXPECT_NEAR(snapshot.match->size, 1, 1e-9);
+  EXPECT_FALSE(snapshot.match->parts.empty());
+
+  controls_.marking.pairs = {{0, 0}};  // the numbers of vertices are then no longer believed
+  matching.look();
+  matching.describe(snapshot);
+  EXPECT_FALSE(snapshot.match->same_topology);
+  EXPECT_GT(snapshot.match->confidence, 0.9);
+  matching.forget();
+  matching.describe(snapshot);
+  EXPECT_FALSE(snapshot.match.has_value());
+  EXPECT_EQ(skins()[0].colours, nullptr);
+}
+
+TEST_F(CrowdTest, BodiesThatCannotBeMatchedAreShownAsTheyWere) {
+  add(small_->basis);
+  scene_.add({.basis = trained_->basis}, {});
+  controls_.settings.compare.match = MatchView::colours;
+  Matching matching(device_, scene_, controls_);
+  EXPECT_EQ(kind_of([&] { matching.look(); }), ErrorKind::mismatch);
+  EXPECT_EQ(controls_.settings.compare.match, MatchView::none);
+  EXPECT_EQ(scene_.look(controls_, kArea).at(0).skins.at(0).colours, nullptr);
+}
+
 class PlayedCrowdTest : public PlayedTest {};
+
+TEST_F(PlayedCrowdTest, AMatchIsOfTwoBodiesAndIsWorkedOutForOthersAnew) {
+  const auto alone = open(small(), kBarePicture + "; match colours");
+  EXPECT_EQ(alone->controls().settings.compare.match, MatchView::none);
+  EXPECT_TRUE(alone->controls().missing.contains("match colours"));
+  const auto viewport = open(small({small_.basis}), kBarePicture + "; match colours; save-state match.json");
+  EXPECT_TRUE(viewport->session().snapshot.match.has_value());
+  EXPECT_EQ(read_view_settings("match.json").compare.match, MatchView::colours);
+  viewport->prompt("remove 2");
+  EXPECT_FALSE(viewport->session().snapshot.match.has_value());
+  viewport->prompt("open " + small_.basis);
+  EXPECT_TRUE(viewport->session().snapshot.match.has_value());
+}
 
 TEST_F(PlayedCrowdTest, MarkersAreSetByClicksOnOneBodyAndTheOther) {
   const auto viewport = open(small({small_.basis}), kBarePicture + "; mark on; frame-selection");

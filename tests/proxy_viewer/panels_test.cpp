@@ -75,6 +75,9 @@ CurationRow small_dataset() {
   return row;
 }
 
+// As two bodies match.
+MatchRow small_match() { return {false, 0.9, 1.1, {{"LeftArm", 0.6, 2.3, 0.4, true}, {"Hips", 0.95, 1, 0.1, false}}}; }
+
 // Without muscles, clip, controls or errors.
 Snapshot bare_character() {
   Snapshot s;
@@ -188,6 +191,8 @@ TEST_F(PanelsTest, ThePromptHearsFromItsFirstPicture) {
 TEST_F(PanelsTest, EverySectionDrawsSomething) {
   Snapshot snapshot = small_character();
   snapshot.curation = small_dataset();
+  snapshot.cast.push_back(snapshot.cast.front());
+  snapshot.match = small_match();
   Controls controls = controls_with_all_open(snapshot);
   controls.prompt = controls.cheat_sheet = false;
   for (const Section& section : kSections) controls.settings.hud.panels[section.name] = false;
@@ -218,6 +223,23 @@ TEST_F(PanelsTest, CoverageHasAColourBarOrAWordWhyNot) {
   EXPECT_GT(unknown, without + 40);
   EXPECT_GT(bar, unknown);
   EXPECT_GT(drawn(), bar + 40);
+}
+
+TEST_F(PanelsTest, AMatchSaysWhatItsColoursAre) {
+  Snapshot snapshot = small_character();
+  snapshot.compared.clear();
+  Controls controls;
+  run_command(controls, "side-panel off");
+  const auto drawn = [&](const char* command) {
+    run_command(controls, command);
+    for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+    return vertices();
+  };
+  const int without = drawn("match colours");  // nothing is matched yet
+  EXPECT_EQ(drawn("match confidence"), without);
+  snapshot.match = small_match();
+  EXPECT_GT(drawn("match colours"), without + 40);
+  EXPECT_GT(drawn("match confidence"), without + 4 * 44);  // a bar of 44 steps
 }
 
 TEST_F(PanelsTest, HiddenPanelsLeaveAllToThePicture) {

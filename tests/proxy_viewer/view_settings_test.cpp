@@ -43,6 +43,7 @@ class RandomSettings {
       s.pose.axes[name()] = number(-90, 90);
       s.pose.keys[integer(-1, 1)] = s.pose;
     }
+    s.compare.match = static_cast<MatchView>(integer(0, 2));
     s.jiggle = {yes(), number(0, kMostJiggle)};
     s.ghosts = {integer(0, kMostGhosts), integer(0, kMostGhosts), integer(1, kLongestGhostStep), number(0, 1)};
     s.cast = {integer(1, kMostCopies), integer(0, kLongestCopyDelay)};

@@ -196,6 +196,35 @@ TEST_F(ViewportTest, DistancesThatAreGivenLookAsThoseThatAreMeasured) {
   EXPECT_LE(difference(draw(one), draw(two)).largest, 1);
 }
 
+TEST_F(ViewportTest, AVertexHasItsOwnColour) {
+  const std::size_t count = sphere_.positions.size() / 3;
+  const std::array<float, 3> hot = heat_colour(0.5f);
+  std::vector<float> colours(3 * count, 1.0f);  // of another frame
+  for (std::size_t v = 0; v < count; ++v) colours.insert(colours.end(), hot.begin(), hot.end());
+  const vulkan::Buffer given = vulkan::upload(*device_, colours, "colours");
+  const vulkan::Buffer metres = vulkan::upload(*device_, std::vector<float>(count, 0.015f), "distances");
+  View one = view({skin()}), two = one;
+  one.skins[0].distances = &metres;
+  one.skins[0].heat_range = 0.03f;
+  two.skins[0].colours = &given;
+  two.skins[0].first_reference = static_cast<std::uint32_t>(count);
+  EXPECT_LE(difference(draw(one), draw(two)).largest, 1);
+
+  for (std::size_t v = 0; v < count; ++v) {  // red where x is negative, otherwise blue
+    const bool red = sphere_.positions[3 * v] < 0;
+    const std::array<float, 3> own{red ? 0.6f : 0.0f, 0, red ? 0.0f : 0.6f};
+    std::copy(own.begin(), own.end(), colours.begin() + static_cast<std::ptrdiff_t>(3 * v));
+  }
+  const vulkan::Buffer halves = vulkan::upload(*device_, colours, "colours");
+  two.skins[0].colours = &halves;
+  two.skins[0].first_reference = 0;
+  const Image picture = draw(two);
+  const Colour left = pixel(picture, kWidth / 2 - 12, kHeight / 2),
+               right = pixel(picture, kWidth / 2 + 12, kHeight / 2);
+  EXPECT_GT(left[0], left[2] + 60);
+  EXPECT_GT(right[2], right[0] + 60);
+}
+
 TEST_F(ViewportTest, HeatIsMeasuredFrameByFrame) {
   const vulkan::Buffer far = moved_sphere({0, 0, -0.02f});
   std::vector<float> both = sphere_.positions;

@@ -53,6 +53,16 @@ TEST_F(WatchedFilesTest, SeesAnotherSizeAtTheSameTime) {
   EXPECT_EQ(watched.changed(2), Paths({clip_}));
 }
 
+TEST_F(WatchedFilesTest, SeesAnotherContentOfTheSameSizeAtTheSameTime) {
+  WatchedFiles watched({basis_, clip_});
+  write(clip_, "klip", 0);
+  EXPECT_EQ(watched.changed(1), Paths());
+  EXPECT_EQ(watched.changed(2), Paths({clip_}));
+  write(clip_, "clip", 0);
+  EXPECT_EQ(watched.changed(3), Paths());
+  EXPECT_EQ(watched.changed(4), Paths({clip_}));
+}
+
 TEST_F(WatchedFilesTest, WaitsForAFileThatGrows) {
   WatchedFiles watched({basis_});
   double now = 10;

@@ -75,6 +75,11 @@ double off_by(const Positions& difference) {
   return std::sqrt(difference.squaredNorm() / static_cast<double>(difference.rows()));
 }
 
+Positions evaluated(const Basis& basis, const Pose& pose) {
+  Deformer deformer(basis, {.name = "cpu"});
+  return rows(deformer.evaluate({&pose, 1}).positions);
+}
+
 // The full skin that the level carries.
 Positions carried_skin(const Level& level, const Pose& pose) {
   Deformer deformer(level.basis, {.name = "cpu"});
@@ -118,13 +123,28 @@ TEST(TransferLevels, OnABodyOfAnotherSizeTheyMoveAsItsBasisDoes) {
   EXPECT_LT(off_by(difference), 3e-4);
 }
 
-TEST(TransferLevels, RefusesAProxyOfAnotherCharacter) {
+// Of the source there is nothing but its proxy.
+TEST(TransferLevels, AProxyAloneTakesAllOfItsLevelsAlong) {
   const Character limb = limb_character();
-  const TransferPair pair(limb_basis(), limb, {});
+  const TransferPair pair(limb_levels().front().basis, limb, {});
   std::vector<std::string> notes;
+  const std::vector<Level> carried = transfer_levels(pair, limb, limb_levels(), {}, notes);
+  ASSERT_EQ(carried.size(), limb_levels().size());
+  const Pose& bent = few_samples().heldout[7].pose;
+  const Positions bare = evaluated(pair.target, bent);
+  for (std::size_t k = 0; k < carried.size(); ++k) {
+    EXPECT_EQ(carried[k].basis.mesh.output_triangles, limb_levels()[k].basis.mesh.output_triangles);
+    EXPECT_EQ(carried[k].carried.size(), limb.output_count());
+    const Positions own = carried_skin(limb_levels()[k], bent);
+    EXPECT_LT(off_by(carried_skin(carried[k], bent) - own), 0.2 * off_by(bare - own)) << k;
+  }
+}
+
+TEST(TransferLevels, RefusesAProxyOfAnotherCharacter) {
   std::vector<Level> strange = limb_levels();
+  EXPECT_NO_THROW(require_proxy_of(limb_basis(), strange));
   strange.back().carried.points.pop_back();
-  EXPECT_EQ(testing::kind_of([&] { transfer_levels(pair, limb, strange, {}, notes); }), ErrorKind::mismatch);
+  EXPECT_EQ(testing::kind_of([&] { require_proxy_of(limb_basis(), strange); }), ErrorKind::mismatch);
 }
 
 TEST(TransferDynamics, SettingsGoToTheTargetsJointsInItsSize) {

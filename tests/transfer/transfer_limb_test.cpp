@@ -15,6 +15,8 @@
 #include "trainer/train/skinning/mesh_table.h"
 #include "trainer/train/skinning/unpose.h"
 #include "trainer/transfer/carry_modifiers.h"
+#include "trainer/transfer/match_colours.h"
+#include "trainer/transfer/table_rows.h"
 #include "trainer/transfer/transfer_basis.h"
 #include "trainer/transfer/transfer_dataset.h"
 
@@ -206,6 +208,19 @@ TEST(TransferLimb, AFinerSkinIsMatchedWhereItIs) {
   }
   EXPECT_LT(rms(found - finer.vertices), 3e-4);  // half a per cent of its thickness
   EXPECT_GT(pair.correspondence.mean_confidence(), 0.95);
+}
+
+// Both lie in one box: a point of either has the colour of its place.
+TEST(TransferLimb, MatchedPointsHaveOneColourAndAreAsSureOnEitherBody) {
+  TransferPair pair(trained_limb(), refined_limb(), {});
+  const Positions source = rows_of(trained_limb().mesh.rest), target = rows_of(pair.target.mesh.rest);
+  const Positions colours = place_colours(source);
+  EXPECT_LT(rms(matched_colours(pair.correspondence, colours) - place_colours(target)), 0.01);
+  EXPECT_GT(rms(colours.rowwise() - colours.colwise().mean()), 0.1);  // one place is not as another
+  pair.correspondence.confidence = target.col(2) / target.col(2).maxCoeff();
+  const Eigen::VectorXd told = source_confidence(pair.correspondence, rows_of(pair.target.mesh.triangles));
+  ASSERT_EQ(told.size(), source.rows());
+  EXPECT_LT((told - source.col(2) / target.col(2).maxCoeff()).cwiseAbs().maxCoeff(), 0.03);
 }
 
 // A hole in the skin, and a triangle that hangs beside it: it is no part of the source, and stays as it is un-posed.

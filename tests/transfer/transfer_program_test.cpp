@@ -56,6 +56,20 @@ TEST_F(TransferProgram, WhatStandsBesideTheBasisGoesWithIt) {
   EXPECT_EQ(transfer(path("limb.glb") + " --alone --proxy x --out " + path("b.safetensors")).exit_code, 64);
 }
 
+TEST_F(TransferProgram, AProxyIsASourceWithAllOfItsLevels) {
+  const Basis source = load_basis(path("limb.safetensors"));
+  save_levels({testing::twin(source), testing::twin(source)}, path("twins.safetensors"));
+  const ProgramResult result =
+      run_bodyopt("transfer basis " + path("twins.safetensors") + " " + path("limb.glb") + " --out " +
+                  path("a.safetensors") + " --json " + path("r.json") + " --report " + path("r.html"));
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const std::vector<Level> carried = load_levels(path("a.safetensors"));
+  ASSERT_EQ(carried.size(), 2u);
+  for (const Level& level : carried) EXPECT_EQ(level.carried.size(), source.mesh.output_count());
+  const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
+  EXPECT_EQ(told.at("levels").get<int>(), 2);
+}
+
 TEST_F(TransferProgram, TheReportSaysWhereBodiesDiffer) {
   Character other = limb_character();
   for (Eigen::Index v = 0; v < other.vertices.rows(); ++v) {  // the far half is six times as thick

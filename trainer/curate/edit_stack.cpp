@@ -131,8 +131,9 @@ std::string add_modifier(const fs::path& path, Modifier modifier) {
   return modifier.name;
 }
 
-void change_modifier(const fs::path& path, const std::string& name, const ModifierChange& change) {
-  edit_modifiers(path, [&](const Dataset& dataset, Modifiers& modifiers) {
+void change_modifier(const fs::path& path, const std::string& name, const ModifierChange& change,
+                     std::chrono::milliseconds patience) {
+  const auto edit = [&](const Dataset& dataset, Modifiers& modifiers) {
     Modifier& modifier = *find_modifier(modifiers, name);
     if (change.strength) modifier.strength = *change.strength;
     if (change.frames) modifier.frames = *change.frames;
@@ -148,7 +149,8 @@ void change_modifier(const fs::path& path, const std::string& name, const Modifi
       modifier.name = *change.name;
     }
     check_modifier(read_pose_database(dataset), modifier);
-  });
+  };
+  edit_modifiers(path, edit, patience);
 }
 
 void move_modifier(const fs::path& path, const std::string& name, std::size_t place) {
@@ -164,9 +166,9 @@ void move_modifier(const fs::path& path, const std::string& name, std::size_t pl
   });
 }
 
-void enable_modifier(const fs::path& path, const std::string& name, bool enabled) {
-  edit_modifiers(path,
-                 [&](const Dataset&, Modifiers& modifiers) { find_modifier(modifiers, name)->enabled = enabled; });
+void enable_modifier(const fs::path& path, const std::string& name, bool enabled, std::chrono::milliseconds patience) {
+  edit_modifiers(
+      path, [&](const Dataset&, Modifiers& modifiers) { find_modifier(modifiers, name)->enabled = enabled; }, patience);
 }
 
 void remove_modifier(const fs::path& path, const std::string& name) {

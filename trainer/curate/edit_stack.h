@@ -1,6 +1,7 @@
 // Edits of a dataset's stack of modifiers, each of them whole or not at all, and one step of undo.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -9,12 +10,13 @@
 
 #include "assets/shape_reader.h"
 #include "dataset/dataset.h"
+#include "runtime/core/file_lock.h"
 #include "trainer/curate/pose_database.h"
 
 namespace bodyopt {
 
 // `path`: the dataset.json. Each throws Error(usage) where no modifier has the name (with the names nearest to it), and
-// what check_modifier() says; nothing is changed then.
+// what check_modifier() says; nothing is changed then. `patience`: with others that edit.
 
 // What of a modifier is to be another; what is not set stays.
 struct ModifierChange {
@@ -26,10 +28,12 @@ struct ModifierChange {
 
 // On top of the stack. An empty name becomes its type's, with a number where that is taken. Returns the name.
 std::string add_modifier(const std::filesystem::path& path, Modifier modifier);
-void change_modifier(const std::filesystem::path& path, const std::string& name, const ModifierChange& change);
+void change_modifier(const std::filesystem::path& path, const std::string& name, const ModifierChange& change,
+                     std::chrono::milliseconds patience = kPatienceForChanges);
 // To a place from 1 on.
 void move_modifier(const std::filesystem::path& path, const std::string& name, std::size_t place);
-void enable_modifier(const std::filesystem::path& path, const std::string& name, bool enabled);
+void enable_modifier(const std::filesystem::path& path, const std::string& name, bool enabled,
+                     std::chrono::milliseconds patience = kPatienceForChanges);
 void remove_modifier(const std::filesystem::path& path, const std::string& name);
 
 // Throws Error(mismatch) or Error(file), naming the modifier, where it does not fit the dataset: an unknown type,

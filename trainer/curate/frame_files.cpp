@@ -10,10 +10,12 @@
 #include <sstream>
 
 #include "assets/clip_source.h"
+#include "assets/gltf_skin.h"
 #include "assets/notes.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "trainer/curate/local_models.h"
 #include "trainer/curate/match_vertices.h"
 
 namespace bodyopt {
@@ -36,21 +38,34 @@ float coordinate(const std::string& word, const std::string& place) {
   return value;
 }
 
-// "3", "3/1/7", "-1".
-Corner corner(const std::string& word, std::size_t vertices, const std::string& place) {
+// Of `count` things that the file numbers from 1, or backwards from -1: "3".
+Corner number_of(const std::string& word, std::size_t count, const char* what, const std::string& place) {
   long number = 0;
   std::from_chars(word.data(), word.data() + word.size(), number);
-  if (number < 0) number += static_cast<long>(vertices) + 1;
-  if (number < 1 || static_cast<std::size_t>(number) > vertices) {
-    throw Error(ErrorKind::file, place + ": the face's corner '" + word.substr(0, 40) + "' is no vertex of the file");
+  if (number < 0) number += static_cast<long>(count) + 1;
+  if (number < 1 || static_cast<std::size_t>(number) > count) {
+    throw Error(ErrorKind::file,
+                place + ": the face's corner '" + word.substr(0, 40) + "' is no " + what + " of the file");
   }
   return static_cast<Corner>(number - 1);
 }
 
 struct ObjMesh {
   std::vector<float> positions;
+  std::vector<std::array<double, 2>> texture;
   std::vector<std::vector<Corner>> faces;
+  std::vector<std::array<Corner, 2>> textured;  // vertices, and what of the texture corners give them
 };
+
+// "3", "3/1/7", "3//7", "-1".
+Corner read_corner(const std::string& word, const std::string& place, ObjMesh& mesh) {
+  const std::size_t slash = word.find('/');
+  const Corner vertex = number_of(word.substr(0, slash), mesh.positions.size() / 3, "vertex", place);
+  if (slash == std::string::npos || slash + 1 == word.size() || word[slash + 1] == '/') return vertex;
+  const std::string uv = word.substr(slash + 1, word.find('/', slash + 1) - slash - 1);
+  mesh.textured.push_back({vertex, number_of(uv, mesh.texture.size(), "texture coordinate", place)});
+  return vertex;
+}
 
 ObjMesh parse_obj(const std::filesystem::path& path) {
   std::istringstream text(read_file(path, kLargestObj, "a Wavefront OBJ"));
@@ -59,15 +74,26 @@ ObjMesh parse_obj(const std::filesystem::path& path) {
   for (std::size_t number = 1; std::getline(text, line); ++number) {
     std::istringstream words(line);
     if (!(words >> word)) continue;
-    if (word == "v") {
-      for (int i = 0; i < 3; ++i) {
-        if (!(words >> word))
-          throw Error(ErrorKind::file, place_of(path, number) + ": a vertex of fewer than 3 numbers");
-        mesh.positions.push_back(coordinate(word, place_of(path, number)));
+    const auto coordinates = [&](int count, const char* of) {
+      std::array<float, 3> values{};
+      for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+        if (!(words >> word)) {
+          throw Error(ErrorKind::file,
+                      place_of(path, number) + ": " + of + " of fewer than " + std::to_string(count) + " numbers");
+        }
+        values[i] = coordinate(word, place_of(path, number));
       }
+      return values;
+    };
+    if (word == "v") {
+      const std::array<float, 3> at = coordinates(3, "a vertex");
+      mesh.positions.insert(mesh.positions.end(), at.begin(), at.end());
+    } else if (word == "vt") {
+      const std::array<float, 3> at = coordinates(2, "a texture coordinate");
+      mesh.texture.push_back({double{at[0]}, 1 - double{at[1]}});  // glTF counts from the top
     } else if (word == "f") {
       std::vector<Corner> face;
-      while (words >> word) face.push_back(corner(word, mesh.positions.size() / 3, place_of(path, number)));
+      while (words >> word) face.push_back(read_corner(word, place_of(path, number), mesh));
       mesh.faces.push_back(std::move(face));
     }
   }
@@ -111,14 +137,8 @@ std::string both_counts(const Character& character, const std::filesystem::path&
          " without seams): ";
 }
 
-// A surface whose vertices stand in an order of their own.
-struct GivenSurface {
-  Positions vertices;
-  Triangles triangles;
-};
-
 // Without what a file repeats along seams. Faces of more corners become fans.
-GivenSurface surface_of(const ObjMesh& mesh) {
+TexturedSurface surface_of(const ObjMesh& mesh) {
   const std::size_t count = mesh.positions.size() / 3;
   std::map<std::array<float, 3>, Corner> places;
   std::vector<Corner> welded(count);
@@ -126,7 +146,7 @@ GivenSurface surface_of(const ObjMesh& mesh) {
     const std::array<float, 3> place{mesh.positions[3 * v], mesh.positions[3 * v + 1], mesh.positions[3 * v + 2]};
     welded[v] = places.emplace(place, static_cast<Corner>(places.size())).first->second;
   }
-  GivenSurface surface;
+  TexturedSurface surface;
   surface.vertices.resize(static_cast<Eigen::Index>(places.size()), 3);
   for (const auto& [place, number] : places) {
     surface.vertices.row(number) << double{place[0]}, double{place[1]}, double{place[2]};
@@ -138,26 +158,80 @@ GivenSurface surface_of(const ObjMesh& mesh) {
     }
   }
   surface.triangles = Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+  for (const auto& [vertex, uv] : mesh.textured) {
+    surface.texture.push_back({welded[vertex], mesh.texture[uv][0], mesh.texture[uv][1]});
+  }
   return surface;
 }
 
-Positions in_own_order(const Character& character, const Positions& exported, const GivenSurface& given,
+// `texture`: O x 2, or empty.
+std::vector<TexturedVertex> textured(const Character& character, const std::vector<double>& texture) {
+  std::vector<TexturedVertex> all;
+  for (std::size_t o = 0; 2 * o + 1 < texture.size(); ++o) {
+    all.push_back({character.output_vertex[o], texture[2 * o], texture[2 * o + 1]});
+  }
+  return all;
+}
+
+// Of every output triangle the region that weighs most at its corners.
+std::vector<std::size_t> heaviest_regions(const Character& character, const std::vector<RegionWeights>& regions) {
+  const Eigen::Index count = character.output_triangles.rows();
+  std::vector<std::size_t> heaviest(static_cast<std::size_t>(count), 0);
+  std::vector<double> most(heaviest.size(), 0);
+  std::vector<double> weight(static_cast<std::size_t>(character.vertices.rows()));
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    std::fill(weight.begin(), weight.end(), 0.0);
+    for (std::size_t k = 0; k < regions[r].vertices.size(); ++k) weight[regions[r].vertices[k]] = regions[r].weights[k];
+    for (Eigen::Index t = 0; t < count; ++t) {
+      double sum = 0;
+      for (int k = 0; k < 3; ++k) sum += weight[character.output_vertex[character.output_triangles(t, k)]];
+      if (sum <= most[static_cast<std::size_t>(t)]) continue;
+      most[static_cast<std::size_t>(t)] = sum;
+      heaviest[static_cast<std::size_t>(t)] = r;
+    }
+  }
+  return heaviest;
+}
+
+std::string face_line(const Character& character, Eigen::Index triangle, bool has_texture) {
+  std::string line = "f";
+  for (int k = 0; k < 3; ++k) {
+    const std::string number = std::to_string(character.output_triangles(triangle, k) + 1);
+    line += " " + number + (has_texture ? "/" + number : "");
+  }
+  return line + "\n";
+}
+
+// Region after region, each with a material of its name.
+std::string face_lines(const Character& character, const FrameSurface& surface) {
+  const std::vector<std::size_t> region_of = heaviest_regions(character, surface.regions);
+  std::string text;
+  for (std::size_t r = 0; r < std::max<std::size_t>(1, surface.regions.size()); ++r) {
+    if (!surface.regions.empty()) text += "usemtl " + surface.regions[r].name + "\n";
+    for (std::size_t t = 0; t < region_of.size(); ++t) {
+      if (region_of[t] == r) text += face_line(character, static_cast<Eigen::Index>(t), !surface.texture.empty());
+    }
+  }
+  return text;
+}
+
+Positions in_own_order(const Character& character, const TexturedSurface& exported, const TexturedSurface& given,
                        const std::filesystem::path& path) {
   const auto found = static_cast<std::size_t>(given.vertices.rows());
-  if (given.vertices.rows() != exported.rows()) {
+  if (given.vertices.rows() != exported.vertices.rows()) {
     throw Error(ErrorKind::mismatch, both_counts(character, path, found) + likely_cause(character, found));
   }
   constexpr double kUnmoved = 1e-6;  // of the size: files round
-  const double size = (exported.colwise().maxCoeff() - exported.colwise().minCoeff()).norm();
-  const std::vector<int> match =
-      match_vertices(exported, character.triangles, given.vertices, given.triangles, kUnmoved * size);
-  Positions result = exported;
+  const double size = (exported.vertices.colwise().maxCoeff() - exported.vertices.colwise().minCoeff()).norm();
+  const std::vector<int> match = match_vertices(exported, given, kUnmoved * size);
+  Positions result = exported.vertices;
   const auto lost = static_cast<std::size_t>(std::count(match.begin(), match.end(), -1));
   if (lost > 0) {
-    throw Error(ErrorKind::mismatch,
-                both_counts(character, path, found) + "which of them " + count_of(lost, "vertex is", "vertices are") +
-                    " is not to be told: their order is not the character's, nor are the faces, or all of it was moved "
-                    "(keep the vertex order, or another pose was exported)");
+    throw Error(
+        ErrorKind::mismatch,
+        both_counts(character, path, found) + "which of them " + count_of(lost, "vertex is", "vertices are") +
+            " is not to be told: their order is not the character's, nor are the faces or the texture coordinates, "
+            "or all of it was moved (keep the vertex order or the UVs, or another pose was exported)");
   }
   for (std::size_t v = 0; v < match.size(); ++v)
     result.row(match[v]) = given.vertices.row(static_cast<Eigen::Index>(v));
@@ -166,7 +240,13 @@ Positions in_own_order(const Character& character, const Positions& exported, co
 
 }  // namespace
 
-void write_frame_obj(const Character& character, const std::vector<float>& positions,
+FrameSurface frame_surface(const PoseDatabase& database) {
+  FrameSurface surface{read_texture_coordinates(database.dataset.folder / database.dataset.character), {}};
+  for (SkinPart& part : skin_parts(database)) surface.regions.push_back(std::move(part.region));
+  return surface;
+}
+
+void write_frame_obj(const Character& character, const FrameSurface& surface, const std::vector<float>& positions,
                      const std::filesystem::path& path) {
   std::string text = "# " + character.name + "\n";
   char line[96];
@@ -175,11 +255,11 @@ void write_frame_obj(const Character& character, const std::vector<float>& posit
                   double{positions[v + 2]});
     text += line;
   }
-  for (Eigen::Index t = 0; t < character.output_triangles.rows(); ++t) {
-    std::snprintf(line, sizeof(line), "f %u %u %u\n", character.output_triangles(t, 0) + 1,
-                  character.output_triangles(t, 1) + 1, character.output_triangles(t, 2) + 1);
+  for (std::size_t k = 0; k + 1 < surface.texture.size(); k += 2) {
+    std::snprintf(line, sizeof(line), "vt %.9g %.9g\n", surface.texture[k], 1 - surface.texture[k + 1]);
     text += line;
   }
+  text += face_lines(character, surface);
   write_file_atomically(path, std::as_bytes(std::span(text)));
 }
 
@@ -196,9 +276,9 @@ void write_frame_gltf(const Character& character, const Positions& skin, const P
   write_character(posed, path);
 }
 
-std::vector<float> read_frame_mesh(const Character& character, const Positions& exported,
-                                   const std::filesystem::path& path) {
-  GivenSurface given;
+std::vector<float> read_frame_mesh(const Character& character, const std::vector<double>& texture,
+                                   const Positions& exported, const std::filesystem::path& path) {
+  TexturedSurface given;
   if (lower_case_extension(path) == ".obj") {
     ObjMesh mesh = parse_obj(path);
     if (mesh.positions.size() == 3 * std::size_t{character.output_count()} && has_its_faces(character, mesh)) {
@@ -207,9 +287,10 @@ std::vector<float> read_frame_mesh(const Character& character, const Positions& 
     given = surface_of(mesh);
   } else {
     const Character read = read_character(path, 1);
-    given = {read.vertices, read.triangles};
+    given = {read.vertices, read.triangles, textured(read, read_texture_coordinates(path))};
   }
-  return output_from_welded(character, in_own_order(character, exported, given, path));
+  const TexturedSurface own{exported, character.triangles, textured(character, texture)};
+  return output_from_welded(character, in_own_order(character, own, given, path));
 }
 
 }  // namespace bodyopt

@@ -25,32 +25,92 @@ Opposite opposite_corners(const Triangles& triangles) {
   return corners;
 }
 
-// The only point within the tolerance, -1 where there is none or are several.
-int only_point_near(const PointGrid& grid, const Positions& points, const Eigen::RowVector3d& place, double tolerance) {
-  int found = -1, count = 0;
+// The one vertex that lies within the tolerance, -1 where there is none or are several. `owners`: of the points.
+int only_vertex_near(const PointGrid& grid, const Positions& points, const std::vector<int>& owners,
+                     const Eigen::RowVector3d& place, double tolerance) {
+  int found = -1;
+  bool several = false;
   const Eigen::RowVector3d reach = Eigen::RowVector3d::Constant(tolerance);
   grid.visit(place - reach, place + reach, [&](int n) {
     if ((points.row(n) - place).norm() > tolerance) return;
-    found = n;
-    ++count;
+    const int owner = owners[static_cast<std::size_t>(n)];
+    several = several || (found >= 0 && found != owner);
+    found = owner;
   });
-  return count == 1 ? found : -1;
+  return several ? -1 : found;
 }
 
-std::vector<int> by_place(const Positions& known, const Positions& given, double tolerance, std::vector<char>& taken) {
-  std::vector<int> all(static_cast<std::size_t>(known.rows()));
-  std::iota(all.begin(), all.end(), 0);
-  const PointGrid grid(known, all, tolerance);
-  std::vector<int> match(static_cast<std::size_t>(given.rows()), -1), claims(all.size(), 0);
-  for (std::size_t v = 0; v < match.size(); ++v) {
-    match[v] = only_point_near(grid, known, given.row(static_cast<Index>(v)), tolerance);
-    if (match[v] >= 0) ++claims[static_cast<std::size_t>(match[v])];
+constexpr int kDisputed = -2;
+
+// Points that have an owner each, to be found by places.
+class OwnedPoints {
+ public:
+  OwnedPoints(Positions points, std::vector<int> owners, double tolerance)
+      : points_(std::move(points)),
+        owners_(std::move(owners)),
+        tolerance_(tolerance),
+        grid_(points_, all(), tolerance) {}
+  int only_owner_at(const Eigen::RowVector3d& place) const {
+    return only_vertex_near(grid_, points_, owners_, place, tolerance_);
   }
-  for (int& known_vertex : match) {
-    if (known_vertex >= 0 && claims[static_cast<std::size_t>(known_vertex)] > 1) known_vertex = -1;
-    if (known_vertex >= 0) taken[static_cast<std::size_t>(known_vertex)] = true;
+
+ private:
+  std::vector<int> all() const {
+    std::vector<int> all(owners_.size());
+    std::iota(all.begin(), all.end(), 0);
+    return all;
   }
-  return match;
+
+  Positions points_;
+  std::vector<int> owners_;
+  double tolerance_;
+  PointGrid grid_;
+};
+
+// Takes over what was found of those that are not matched yet: of a known vertex that one alone claims.
+void claim(const std::vector<int>& found, std::vector<int>& match, std::vector<char>& taken) {
+  std::vector<int> claims(taken.size(), 0);
+  const auto is_open = [&](std::size_t v) {
+    return match[v] < 0 && found[v] >= 0 && !taken[static_cast<std::size_t>(found[v])];
+  };
+  for (std::size_t v = 0; v < found.size(); ++v) {
+    if (is_open(v)) ++claims[static_cast<std::size_t>(found[v])];
+  }
+  for (std::size_t v = 0; v < found.size(); ++v) {
+    if (is_open(v) && claims[static_cast<std::size_t>(found[v])] == 1) match[v] = found[v];
+  }
+  for (const int known : match) {
+    if (known >= 0) taken[static_cast<std::size_t>(known)] = true;
+  }
+}
+
+std::vector<int> by_place(const Positions& known, const Positions& given, double tolerance) {
+  std::vector<int> owners(static_cast<std::size_t>(known.rows()));
+  std::iota(owners.begin(), owners.end(), 0);
+  const OwnedPoints points(known, std::move(owners), tolerance);
+  std::vector<int> found;
+  for (Index v = 0; v < given.rows(); ++v) found.push_back(points.only_owner_at(given.row(v)));
+  return found;
+}
+
+std::vector<int> by_texture(const TexturedSurface& known, const TexturedSurface& given) {
+  constexpr double kSame = 2e-6;  // files round to six digits
+  Positions places(static_cast<Index>(known.texture.size()), 3);
+  std::vector<int> owners;
+  for (const TexturedVertex& at : known.texture) {
+    places.row(static_cast<Index>(owners.size())) << at.u, at.v, 0;
+    owners.push_back(static_cast<int>(at.vertex));
+  }
+  std::vector<int> found(static_cast<std::size_t>(given.vertices.rows()), -1);
+  if (owners.empty()) return found;
+  const OwnedPoints points(std::move(places), std::move(owners), kSame);
+  for (const TexturedVertex& at : given.texture) {
+    const int owner = points.only_owner_at(Eigen::RowVector3d(at.u, at.v, 0));
+    int& known_vertex = found[at.vertex];
+    if (owner < 0 || known_vertex == owner) continue;
+    known_vertex = known_vertex == -1 ? owner : kDisputed;
+  }
+  return found;
 }
 
 // The third corner of triangles of which two are known. Whether any was found.
@@ -73,12 +133,13 @@ bool grow(const Opposite& opposite, const Triangles& given, std::vector<int>& ma
 
 }  // namespace
 
-std::vector<int> match_vertices(const Positions& known, const Triangles& known_triangles, const Positions& given,
-                                const Triangles& given_triangles, double tolerance) {
-  std::vector<char> taken(static_cast<std::size_t>(known.rows()), false);
-  std::vector<int> match = by_place(known, given, tolerance, taken);
-  const Opposite opposite = opposite_corners(known_triangles);
-  while (grow(opposite, given_triangles, match, taken)) {
+std::vector<int> match_vertices(const TexturedSurface& known, const TexturedSurface& given, double tolerance) {
+  std::vector<char> taken(static_cast<std::size_t>(known.vertices.rows()), false);
+  std::vector<int> match(static_cast<std::size_t>(given.vertices.rows()), -1);
+  claim(by_place(known.vertices, given.vertices, tolerance), match, taken);
+  claim(by_texture(known, given), match, taken);
+  const Opposite opposite = opposite_corners(known.triangles);
+  while (grow(opposite, given.triangles, match, taken)) {
   }
   return match;
 }

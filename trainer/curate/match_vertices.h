@@ -7,11 +7,23 @@
 
 namespace bodyopt {
 
+// A vertex, and a place of the texture that it has: one along a seam has several.
+struct TexturedVertex {
+  std::uint32_t vertex = 0;
+  double u = 0, v = 0;
+};
+
+// A surface, V x 3 metres and T x 3, and what is known of its texture.
+struct TexturedSurface {
+  Positions vertices;
+  Triangles triangles;
+  std::vector<TexturedVertex> texture;
+};
+
 // Of every vertex of `given` the vertex of `known` that it is, -1 where nothing tells. Both are one surface but for the
 // order of vertices and triangles, and for where some vertices are: those that were not moved (by more than
-// `tolerance`, metres) are known by their places, the others by the triangles between them, from neighbour to
-// neighbour. Positions: V x 3, triangles: T x 3, of either.
-std::vector<int> match_vertices(const Positions& known, const Triangles& known_triangles, const Positions& given,
-                                const Triangles& given_triangles, double tolerance);
+// `tolerance`, metres) are known by their places, those that were by their place on the texture, where no other vertex
+// has that, and what is left by the triangles between them, from neighbour to neighbour.
+std::vector<int> match_vertices(const TexturedSurface& known, const TexturedSurface& given, double tolerance);
 
 }  // namespace bodyopt

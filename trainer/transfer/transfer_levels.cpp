@@ -14,18 +14,6 @@
 namespace bodyopt {
 namespace {
 
-void require_proxy_of(const Basis& source, const Level& level) {
-  if (level.carried.size() == source.mesh.output_count() &&
-      skeleton_hash(level.basis.skeleton) == skeleton_hash(source.skeleton)) {
-    return;
-  }
-  throw Error(ErrorKind::mismatch, "the proxy is none of the source: it carries " +
-                                       std::to_string(level.carried.size()) + " vertices of " +
-                                       std::to_string(level.basis.skeleton.size()) + " joints, the source has " +
-                                       std::to_string(source.mesh.output_count()) + " and " +
-                                       std::to_string(source.skeleton.size()) + " (was it made of another basis?)");
-}
-
 // Lays skins of levels onto the target.
 class SkinLayer {
  public:
@@ -116,7 +104,6 @@ std::vector<Level> transfer_levels(const TransferPair& pair, const Character& ta
   report.measured_on += " of the source";
   std::vector<Level> result;
   for (std::size_t k = 0; k < levels.size(); ++k) {
-    require_proxy_of(pair.source, levels[k]);
     const Character skin = layer.lay(levels[k].basis.mesh);
     const TransferPair laid(levels[k].basis, skin, own);
     Level& level = result.emplace_back();
@@ -130,6 +117,20 @@ std::vector<Level> transfer_levels(const TransferPair& pair, const Character& ta
   if (!report.levels.empty()) result.front().basis.metadata["levels"] = to_json(report).dump();
   validate(result, "the transferred proxy");
   return result;
+}
+
+void require_proxy_of(const Basis& source, const std::vector<Level>& levels) {
+  for (const Level& level : levels) {
+    if (level.carried.size() == source.mesh.output_count() &&
+        skeleton_hash(level.basis.skeleton) == skeleton_hash(source.skeleton)) {
+      continue;
+    }
+    throw Error(ErrorKind::mismatch, "the proxy is none of the source: it carries " +
+                                         std::to_string(level.carried.size()) + " vertices of " +
+                                         std::to_string(level.basis.skeleton.size()) + " joints, the source has " +
+                                         std::to_string(source.mesh.output_count()) + " and " +
+                                         std::to_string(source.skeleton.size()) + " (was it made of another basis?)");
+  }
 }
 
 }  // namespace bodyopt

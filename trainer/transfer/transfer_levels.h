@@ -12,8 +12,11 @@ namespace bodyopt {
 // Each level's triangles are laid onto the target where the source's skin around their vertices lies on it, and hold
 // its skin weights; what the level learned is carried to that as transfer_basis() does, and it carries the target's
 // full skin. The errors told of the levels are the source's, in the target's size; distances at rest are measured.
-// `levels`: a proxy of the pair's source, or Error(mismatch). `target`: of the pair. Shows progress.
+// `levels`: a proxy of the pair's source, or one whose first level that is. `target`: of the pair. Shows progress.
 std::vector<Level> transfer_levels(const TransferPair& pair, const Character& target, const std::vector<Level>& levels,
                                    const TransferOptions& options, std::vector<std::string>& notes);
+
+// Throws Error(mismatch) where the levels are no proxy of the source: of another skeleton or number of vertices.
+void require_proxy_of(const Basis& source, const std::vector<Level>& levels);
 
 }  // namespace bodyopt

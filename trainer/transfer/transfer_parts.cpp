@@ -27,14 +27,13 @@ struct LogSizes {
   double deviation() const { return std::sqrt(std::max(0.0, squares / count - mean() * mean())); }
 };
 
-std::vector<LogSizes> log_sizes(const TransferPair& pair) {
-  const MeshTable& mesh = pair.source.mesh;
+std::vector<LogSizes> log_sizes(const Basis& source, const SkeletonMatch& match, const Positions& fitted) {
+  const MeshTable& mesh = source.mesh;
   const Triangles triangles = rows_of(mesh.triangles);
-  const Eigen::ArrayXd own = lumped_areas(pair.correspondence.fitted, triangles),
-                       other = lumped_areas(rows_of(mesh.rest), triangles);
+  const Eigen::ArrayXd own = lumped_areas(fitted, triangles), other = lumped_areas(rows_of(mesh.rest), triangles);
   const Eigen::ArrayXd logs = 0.5 * (own / other).log();
-  std::vector<LogSizes> sizes(pair.source.skeleton.size());
-  const std::vector<Eigen::Index> joints = holders(source_joint_shares(pair.source, pair.match));
+  std::vector<LogSizes> sizes(source.skeleton.size());
+  const std::vector<Eigen::Index> joints = holders(source_joint_shares(source, match));
   for (Eigen::Index v = 0; v < logs.size(); ++v) {
     if (!std::isfinite(logs[v])) continue;  // no area on one side
     LogSizes& part = sizes[static_cast<std::size_t>(joints[static_cast<std::size_t>(v)])];
@@ -47,25 +46,26 @@ std::vector<LogSizes> log_sizes(const TransferPair& pair) {
 
 }  // namespace
 
-std::vector<TransferPart> transfer_parts(const TransferPair& pair) {
-  const std::vector<LogSizes> sizes = log_sizes(pair);
+std::vector<TransferPart> transfer_parts(const Basis& source, const Basis& target, const SkeletonMatch& match,
+                                         const Correspondence& correspondence) {
+  const std::vector<LogSizes> sizes = log_sizes(source, match, correspondence.fitted);
   std::vector<TransferPart> parts(sizes.size());
-  const std::vector<Eigen::Index> joints = holders(target_joint_shares(pair.target, pair.match));
+  const std::vector<Eigen::Index> joints = holders(target_joint_shares(target, match));
   for (TransferPart& part : parts) part.confidence = 0;
   for (std::size_t v = 0; v < joints.size(); ++v) {
     TransferPart& part = parts[static_cast<std::size_t>(joints[v])];
-    part.confidence += pair.correspondence.confidence[static_cast<Eigen::Index>(v)];
+    part.confidence += correspondence.confidence[static_cast<Eigen::Index>(v)];
     ++part.vertices;
   }
   std::vector<TransferPart> list;
   for (std::size_t j = 0; j < parts.size(); ++j) {
     TransferPart& part = parts[j];
     if (part.vertices == 0 || sizes[j].count == 0) continue;
-    part.joint = pair.source.skeleton.joints[j].name;
+    part.joint = source.skeleton.joints[j].name;
     part.confidence /= static_cast<double>(part.vertices);
     part.size = std::exp(sizes[j].mean());
     part.unevenness = sizes[j].deviation();
-    const double build = std::abs(std::log(part.size / pair.match.size));
+    const double build = std::abs(std::log(part.size / match.size));
     part.breaks_assumption =
         part.confidence < kSureMean || build > std::log(kOtherBuild) || part.unevenness > kUnevenStretch;
     list.push_back(part);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "trainer/transfer/transfer_pair.h"
+#include "trainer/transfer/correspondence.h"
 
 namespace bodyopt {
 
@@ -21,6 +21,7 @@ struct TransferPart {
 };
 
 // Parts with skin on both bodies, least sure first.
-std::vector<TransferPart> transfer_parts(const TransferPair& pair);
+std::vector<TransferPart> transfer_parts(const Basis& source, const Basis& target, const SkeletonMatch& match,
+                                         const Correspondence& correspondence);
 
 }  // namespace bodyopt
