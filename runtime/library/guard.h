@@ -26,9 +26,12 @@ bodyopt_result guarded(const Function& function) noexcept {
 }
 
 // Throws Error(usage) for a null pointer. `name`: of the argument.
+void require(const void* pointer, const char* name);
+
+// What an aligned pointer points to. Throws as above.
 template <typename T>
 T& required(T* pointer, const char* name) {
-  if (pointer == nullptr) throw Error(ErrorKind::usage, std::string("the argument '") + name + "' is a null pointer");
+  require(pointer, name);
   return *pointer;
 }
 

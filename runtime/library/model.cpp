@@ -31,7 +31,7 @@ template <typename T>
 void copy_all(const std::vector<T>& values, T* to, std::size_t size, const char* name) {
   const std::size_t bytes = values.size() * sizeof(T);
   if (bytes == 0) return;
-  required(to, name);
+  require(to, name);
   if (size < bytes) {
     throw Error(ErrorKind::usage, std::string("'") + name + "' has " + std::to_string(size) + " bytes, " +
                                       std::to_string(bytes) + " are needed");

@@ -84,7 +84,7 @@ GivenPoses::GivenPoses(const bodyopt_poses* poses, const Basis& basis)
   require_count(poses_.joint_count, basis.skeleton.size(), "joints");
   if (poses_.control_count > 0) require_count(poses_.control_count, basis.residual.controls.size(), "controls");
   if (poses_.frame_count == 0) return;
-  required(poses_.joints, "poses.joints");
+  require(poses_.joints, "poses.joints");
   require_aligned(poses_.joints, "poses.joints");
   const std::size_t unit = sizeof(double);
   poses_.joint_stride = checked_stride(poses_.joint_stride, kJointNumbers * unit, unit, "poses.joint_stride");
@@ -93,7 +93,7 @@ GivenPoses::GivenPoses(const bodyopt_poses* poses, const Basis& basis)
                                              unit, "poses.joint_frame_stride");
   checked_size(poses_.frame_count, poses_.joint_frame_stride, 0, "poses.joints");
   if (poses_.control_count == 0) return;
-  required(poses_.controls, "poses.controls");
+  require(poses_.controls, "poses.controls");
   require_aligned(poses_.controls, "poses.controls");
   poses_.control_frame_stride =
       checked_stride(poses_.control_frame_stride, std::size_t{poses_.control_count} * sizeof(float), sizeof(float),
