@@ -8,6 +8,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/vulkan/kernels/block_windows.h"
+#include "shaders/include/layout.h"
 #include "tests/support/gpu_fixture.h"
 
 namespace bodyopt::testing {
@@ -37,6 +38,9 @@ inline void expect_same_bits_through_windows(
   }
   limits = device;
   limits.max_groups_x = 3;
+  for (const vulkan::BlockWindow& window : windows_of(limits)) {
+    EXPECT_LE(window.end_vertex - window.first_vertex, 3 * kWorkgroupSize);
+  }
   EXPECT_EQ(run(limits), whole);
   limits.max_storage_buffer_range = 400;
   EXPECT_THROW(windows_of(limits), Error);
