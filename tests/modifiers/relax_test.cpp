@@ -1,6 +1,7 @@
 // Skin that is compressed in a bend, evened out.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <fstream>
 
 #include "runtime/deformer/deformer.h"
