@@ -70,9 +70,9 @@ void pose_blocks(const DdmTable& ddm, const float* skinning, const float* frames
 
 // Output stage: one of kRelaxSteps steps in which skin that is compressed is evened out along itself
 // (shaders/include/relax.h). Each vertex around which the triangles have lost more than a tenth of their area at rest
-// goes, within its tangent plane, towards its neighbours' mean by the cotangents of the mesh at rest, which at rest is
-// no way at all. weights: F x component_count; current F x V x 3, metres, posed -> relaxed F x V x 3. Weights of 0, and
-// skin that is not compressed, change no bit.
+// goes half the way, within its tangent plane, on which they would get it back, as far as all of them agree. weights:
+// F x component_count; current F x V x 3, metres, posed -> relaxed F x V x 3. Weights of 0, and skin that is not
+// compressed, change no bit.
 void output_relax(const MeshTable& mesh, const OutputRelaxPush& push, std::span<const float> weights,
                   std::span<const float> current, std::span<float> relaxed);
 // The same of one frame and some vertices: those from first_vertex on, as many as relaxed holds.

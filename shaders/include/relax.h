@@ -8,8 +8,8 @@
 namespace bodyopt {
 #endif
 
-// What is summed around a vertex: the way to its neighbours times their weights, the weights, the area vectors, their
-// lengths, and those at rest; areas are twice what they are.
+// What is summed around a vertex: the ways on which the triangles would get back what they lost, times their weights,
+// the weights, the area vectors, their lengths, and those at rest; areas are twice what they are.
 const int kRelaxWay = 0, kRelaxWeight = 3, kRelaxNormal = 4, kRelaxArea = 7, kRelaxRest = 8;
 
 BODYOPT_FUNCTION float relax_dot(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3)) {
@@ -23,27 +23,26 @@ BODYOPT_FUNCTION void relax_cross(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3)
   c[2] = z;
 }
 
-// Adds one triangle: p and q, its other corners counter-clockwise, as seen from the vertex, now and at rest. Each
-// neighbour weighs the cotangent at rest of the angle opposite to its edge (Pinkall and Polthier 1993), 0 at least.
+// Adds one triangle: p and q, its other corners counter-clockwise, as seen from the vertex, now and at rest. Its area
+// grows by half the length of its edge times how far the vertex goes away from that.
 BODYOPT_FUNCTION void add_relax_corner(BODYOPT_IN_ARRAY(p, 3), BODYOPT_IN_ARRAY(q, 3), BODYOPT_IN_ARRAY(rest_p, 3),
                                        BODYOPT_IN_ARRAY(rest_q, 3), BODYOPT_INOUT_ARRAY(sums, 9)) {
-  float normal[3], rest_normal[3];
+  float normal[3], rest_normal[3], edge[3], away[3];
   relax_cross(p, q, normal);
   relax_cross(rest_p, rest_q, rest_normal);
   BODYOPT_PRECISE float squared = relax_dot(normal, normal), rest_squared = relax_dot(rest_normal, rest_normal);
-  BODYOPT_PRECISE float along = relax_dot(rest_p, rest_q);
-  BODYOPT_PRECISE float from_q = relax_dot(rest_q, rest_q) - along, from_p = relax_dot(rest_p, rest_p) - along;
   float area = sqrt(squared), rest_area = sqrt(rest_squared);
-  sums[kRelaxArea] += area;
-  sums[kRelaxRest] += rest_area;
-  float inverse = rest_area > 1e-20f ? 1.0f / rest_area : 0.0f;
-  float to_p = max(from_q * inverse, 0.0f), to_q = max(from_p * inverse, 0.0f);
+  for (int i = 0; i < 3; ++i) edge[i] = q[i] - p[i];
+  relax_cross(normal, edge, away);
+  float lost = area > 1e-20f ? (rest_area - area) / area : 0.0f;
   for (int i = 0; i < 3; ++i) {
-    BODYOPT_PRECISE float way = to_p * p[i] + to_q * q[i];
+    BODYOPT_PRECISE float way = lost * away[i];
     sums[kRelaxWay + i] += way;
     sums[kRelaxNormal + i] += normal[i];
   }
-  sums[kRelaxWeight] += to_p + to_q;
+  sums[kRelaxWeight] += relax_dot(edge, edge);
+  sums[kRelaxArea] += area;
+  sums[kRelaxRest] += rest_area;
 }
 
 // The place of a vertex after a step, of which `shown` (0 to 1) is shown. What does not move keeps its bits.

@@ -42,18 +42,13 @@ const bool added = add_kernel_cases_of_frames("output_relax", "vertices", [](Ker
                                      c.mesh.rest, c.weights, c.current);
 });
 
-double cotangent(const Vector3d& a, const Vector3d& b) {
-  const double area = a.cross(b).norm();
-  return area > 1e-20 ? a.dot(b) / area : 0;
-}
-
 TEST(OutputRelaxReference, EqualsTheTextbook) {
   const Case c(200, 2);
   std::size_t moved = 0;
   for (std::size_t f = 0; f < 2; ++f) {
     for (std::size_t v = 0; v < 200; ++v) {
       Vector3d way = Vector3d::Zero(), normal = Vector3d::Zero();
-      double sum = 0, area = 0, rest_area = 0;
+      double sum = 0, area = 0, rest_area = 0;  // areas doubled
       const Vector3d x = c.at(c.current, f, v), rest = c.at(c.mesh.rest, 0, v);
       for (std::uint32_t k = c.mesh.vertex_triangle_begin[v]; k < c.mesh.vertex_triangle_begin[v + 1]; ++k) {
         const std::uint32_t* t = &c.mesh.triangles[3 * std::size_t{c.mesh.vertex_triangles[k]}];
@@ -61,10 +56,10 @@ TEST(OutputRelaxReference, EqualsTheTextbook) {
         const std::uint32_t p = t[(corner + 1) % 3], q = t[(corner + 2) % 3];
         const Vector3d at_p = c.at(c.current, f, p) - x, at_q = c.at(c.current, f, q) - x;
         const Vector3d rest_p = c.at(c.mesh.rest, 0, p) - rest, rest_q = c.at(c.mesh.rest, 0, q) - rest;
-        const double to_p = std::max(0.0, cotangent(-rest_q, rest_p - rest_q)),
-                     to_q = std::max(0.0, cotangent(-rest_p, rest_q - rest_p));
-        way += to_p * at_p + to_q * at_q;
-        sum += to_p + to_q;
+        const Vector3d edge = at_q - at_p, doubled = at_p.cross(at_q);
+        const double lost = rest_p.cross(rest_q).norm() - doubled.norm();
+        if (doubled.norm() > 1e-12) way += lost * doubled.normalized().cross(edge);  // along the gradient of the area
+        sum += edge.squaredNorm();
         normal += at_p.cross(at_q);
         area += at_p.cross(at_q).norm();
         rest_area += rest_p.cross(rest_q).norm();
@@ -84,7 +79,7 @@ TEST(OutputRelaxReference, EqualsTheTextbook) {
   EXPECT_LT(moved, 350u);  // some are not compressed
 }
 
-// A plane whose middle row is pressed against the next one: it goes back towards where it was, and stays in the plane.
+// A plane that is pressed together, its middle more to one side: it goes back to the middle, and stays in the plane.
 TEST(OutputRelaxReference, WhatIsPressedTogetherGoesApart) {
   MeshTable mesh;
   for (int row = 0; row < 3; ++row) {
@@ -106,9 +101,18 @@ TEST(OutputRelaxReference, WhatIsPressedTogetherGoesApart) {
   for (std::size_t k = 0; k < 9; ++k) pressed[3 * k] *= 0.5f;
   pressed[3 * 4] = 0.8f;  // of 0 to 1; the middle is 0.5
   cpu::output_relax(mesh, {9, 1, 0}, std::vector<float>{1}, pressed, relaxed);
-  EXPECT_NEAR(relaxed[12], 0.65f, 1e-6f);  // half the way
-  EXPECT_NEAR(relaxed[13], 1, 1e-6f);
+  EXPECT_LT(relaxed[12], 0.75f);
+  EXPECT_GT(relaxed[12], 0.5f);
   EXPECT_EQ(relaxed[14], 0);
+  for (std::size_t k = 0; k < 30; ++k) {
+    pressed.swap(relaxed);
+    for (std::size_t v = 0; v < 9; ++v) {  // what is around it is held
+      for (std::size_t i = 0; i < 2 && v != 4; ++i) pressed[3 * v + i] = mesh.rest[3 * v + i] * (i == 0 ? 0.5f : 1.0f);
+    }
+    cpu::output_relax(mesh, {9, 1, 0}, std::vector<float>{1}, pressed, relaxed);
+  }
+  EXPECT_NEAR(relaxed[12], 0.5f, 0.01f);  // in the middle again
+  EXPECT_NEAR(relaxed[13], 1, 0.01f);
   cpu::output_relax(mesh, {9, 1, 0}, std::vector<float>{0}, pressed, relaxed);
   EXPECT_EQ(relaxed, pressed);
   cpu::output_relax(mesh, {9, 1, 0}, std::vector<float>{1}, mesh.rest, relaxed);

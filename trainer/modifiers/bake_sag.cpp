@@ -10,9 +10,9 @@
 namespace bodyopt {
 namespace {
 
-constexpr double kGravity = 9.81;  // m/s^2
-constexpr double kNoticed = 1e-4;  // metres that the skin of a joint must hang for it to be listened to
-constexpr float kSettled = 1e-3f;  // change of a step over the largest displacement
+constexpr double kGravity = 9.81;    // m/s^2
+constexpr double kLeastHang = 1e-4;  // metres that the skin of a joint must hang for it to be listened to
+constexpr float kSettled = 1e-3f;    // change of a step over the largest displacement
 constexpr int kMostSteps = 2000;
 
 // Where K u = M g. The dynamics have the inverse of A = inertia + b K alone: implicit steps without momentum,
@@ -69,7 +69,7 @@ BakedModifier bake_sag(const BakeInput& input) {
       own.emplace_back(share.asDiagonal() * field);
       most = std::max(most, own.back().rowwise().norm().maxCoeff());
     }
-    if (most < kNoticed) continue;
+    if (most < kLeastHang) continue;
     baked.joints.push_back(joint);
     std::ranges::move(own, std::back_inserter(baked.components));
   }
