@@ -44,10 +44,6 @@ bodyopt_result keep_error(const std::exception_ptr& error) noexcept {
   }
 }
 
-void require(const void* pointer, const char* name) {
-  if (pointer == nullptr) throw Error(ErrorKind::usage, std::string("the argument '") + name + "' is a null pointer");
-}
-
 void require_struct_size(std::size_t found, std::size_t first, std::size_t present, const char* name) {
   if (first <= found && found <= present) return;
   throw Error(ErrorKind::usage, std::string("the struct_size of '") + name + "' is " + std::to_string(found) +

@@ -26,7 +26,10 @@ bodyopt_result guarded(const Function& function) noexcept {
 }
 
 // Throws Error(usage) for a null pointer. `name`: of the argument.
-void require(const void* pointer, const char* name);
+template <typename T>
+void require(T* pointer, const char* name) {
+  if (pointer == nullptr) throw Error(ErrorKind::usage, std::string("the argument '") + name + "' is a null pointer");
+}
 
 // What an aligned pointer points to. Throws as above.
 template <typename T>
