@@ -45,7 +45,8 @@ BODYOPT_FUNCTION void add_relax_corner(BODYOPT_IN_ARRAY(p, 3), BODYOPT_IN_ARRAY(
   sums[kRelaxRest] += rest_area;
 }
 
-// The place of a vertex after a step, of which `shown` (0 to 1) is shown. What does not move keeps its bits.
+// The place of a vertex after a step, no further than about a quarter of an edge, of which `shown` (0 to 1) is shown.
+// What does not move keeps its bits.
 BODYOPT_FUNCTION void relax_step(BODYOPT_IN_ARRAY(sums, 9), BODYOPT_IN_ARRAY(current, 3), float shown,
                                  BODYOPT_OUT_ARRAY(moved, 3)) {
   for (int i = 0; i < 3; ++i) moved[i] = current[i];
@@ -59,8 +60,11 @@ BODYOPT_FUNCTION void relax_step(BODYOPT_IN_ARRAY(sums, 9), BODYOPT_IN_ARRAY(cur
   }
   BODYOPT_PRECISE float squared = relax_dot(normal, normal), out_of_plane = relax_dot(way, normal);
   float share = squared > 1e-30f ? out_of_plane / squared : 0.0f;
+  for (int i = 0; i < 3; ++i) way[i] -= share * normal[i];
+  BODYOPT_PRECISE float length2 = relax_dot(way, way), most2 = 0.04f * sums[kRelaxWeight];
+  float bounded = 0.5f * amount * (length2 > most2 ? sqrt(most2 / length2) : 1.0f);
   for (int i = 0; i < 3; ++i) {
-    BODYOPT_PRECISE float x = current[i] + 0.5f * amount * (way[i] - share * normal[i]);
+    BODYOPT_PRECISE float x = current[i] + bounded * way[i];
     moved[i] = x;
   }
 }

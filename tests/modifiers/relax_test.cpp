@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.h"
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/bake_stack.h"
-#include "trainer/modifiers/shown_skin.h"
+#include "trainer/modifiers/evaluated_skin.h"
 #include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt::testing {
@@ -32,7 +32,7 @@ class Relax : public ::testing::Test {
   static Positions shown(const Pose& pose, float strength) {
     Pose weighted = pose;
     weighted.modifiers = {strength};
-    return ShownSkin(*basis_)({&weighted, 1})[0];
+    return EvaluatedSkin(*basis_)({&weighted, 1})[0];
   }
   static Pose bent() {
     Pose pose = bind_pose(basis_->skeleton);

@@ -8,8 +8,8 @@
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
 #include "trainer/modifiers/bake_modifier.h"
+#include "trainer/modifiers/evaluated_skin.h"
 #include "trainer/modifiers/joint_holds.h"
-#include "trainer/modifiers/shown_skin.h"
 #include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
@@ -63,7 +63,7 @@ std::vector<std::uint32_t> listened_joints(const BakeInput& input, const Positio
 BakedModifier bake_sculpt(const BakeInput& input) {
   const Pose pose = sculpted_pose(input);
   const Positions target = unpose_ddm(input.basis, pose, read_modifier_shape(input, "mesh")),
-                  own = unpose_ddm(input.basis, pose, ShownSkin(without_modifiers(input.basis))({&pose, 1})[0]);
+                  own = unpose_ddm(input.basis, pose, EvaluatedSkin(without_modifiers(input.basis))({&pose, 1})[0]);
   BakedModifier baked;
   baked.components.push_back(target - own);
   baked.joints = listened_joints(input, baked.components[0]);

@@ -1,19 +1,19 @@
-#include "trainer/modifiers/shown_skin.h"
+#include "trainer/modifiers/evaluated_skin.h"
 
 #include "runtime/deformer/deformer.h"
 
 namespace bodyopt {
 
-ShownSkin::ShownSkin(Basis basis) {
+EvaluatedSkin::EvaluatedSkin(Basis basis) {
   DeviceChoice cpu;
   cpu.name = "cpu";
   deformer_ = std::make_unique<Deformer>(std::move(basis), cpu);
   deformer_->set_normals(false);
 }
 
-ShownSkin::~ShownSkin() = default;
+EvaluatedSkin::~EvaluatedSkin() = default;
 
-std::vector<Positions> ShownSkin::operator()(std::span<const Pose> poses) {
+std::vector<Positions> EvaluatedSkin::operator()(std::span<const Pose> poses) {
   const std::vector<float> shown = deformer_->evaluate(poses).positions;
   const MeshTable& mesh = deformer_->basis().mesh;
   std::vector<Positions> skins(poses.size(), Positions(mesh.vertex_count(), 3));

@@ -12,10 +12,10 @@ namespace bodyopt {
 
 class Deformer;
 
-class ShownSkin {
+class EvaluatedSkin {
  public:
-  explicit ShownSkin(Basis basis);
-  ~ShownSkin();
+  explicit EvaluatedSkin(Basis basis);
+  ~EvaluatedSkin();
   // One for each pose: V x 3, runtime order, metres, world, quasi-static, on the CPU.
   std::vector<Positions> operator()(std::span<const Pose> poses);
 
