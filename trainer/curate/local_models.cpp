@@ -20,6 +20,9 @@ constexpr double kAnchor = 10;
 // On slopes, per weight of the neighbours and in units of the reach, and on what a pass is off by: passes that lie
 // closer together than about a third of the reach disagree, those further apart may differ by a slope.
 constexpr double kSlopePenalty = 5e-5, kPassPenalty = 0.005;
+// What a pass is off by, told from others at its side, is a difference of means: the shares of these add up to 2 at
+// most, signs apart. More is told from slopes, drawn out beyond the frames that show them.
+constexpr double kMostLeverage = 2;
 constexpr double kLeastStep = 0.1 * std::numbers::pi / 180;  // radians: shorter ones have no direction of their own
 
 struct Neighbour {
@@ -120,7 +123,8 @@ std::vector<FrameShare> fit(const std::vector<Neighbour>& near, int own, const s
   Eigen::MatrixXd normal = rows.transpose() * weight.asDiagonal() * rows;
   normal.diagonal() += penalty;
   const Eigen::VectorXd wanted = normal.ldlt().solve(Eigen::VectorXd::Unit(columns, passes.at(own).first));
-  const Eigen::VectorXd shares = weight.asDiagonal() * (rows * wanted);
+  Eigen::VectorXd shares = weight.asDiagonal() * (rows * wanted);
+  shares *= std::min(1.0, kMostLeverage / std::max(shares.lpNorm<1>(), 1e-12));
   std::vector<FrameShare> result;
   for (Index k = 0; k < count; ++k) result.push_back({near[static_cast<std::size_t>(k)].frame, shares[k]});
   return result;

@@ -199,7 +199,7 @@ Eigen::VectorXd ShapeStack::frozen_part(std::size_t frame) const {
 namespace {
 
 // Raised whenever a modifier that looks at all frames makes something else of them.
-constexpr std::uint64_t kCacheVersion = 2;
+constexpr std::uint64_t kCacheVersion = 3;
 
 }  // namespace
 
