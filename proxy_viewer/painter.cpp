@@ -115,9 +115,9 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
   draw_brush(session_.brushing, scene_, area_, controls_);
   if (!ImGui::IsAnyItemActive() && !controls_.grip)
     controls_.poses.note(controls_.settings.pose);  // a drag is one step
+  const auto covered = static_cast<std::uint32_t>(std::lround(names_height(snapshot_, controls_) * scale()));
   gui_.end();
   session_.follow();
-  const auto covered = static_cast<std::uint32_t>(std::lround(names_height(snapshot_, controls_) * scale()));
   controls_.attempt([&] {
     if (controls_.requests.frame_selection) session_.frame_selection(area_.width, area_.height, covered);
     session_.keep_framed(area_.width, area_.height, covered);
