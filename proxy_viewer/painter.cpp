@@ -140,14 +140,15 @@ void Painter::choose_heat() {
 // the lead one as coarse as their size in the picture allows.
 void Painter::choose_level() {
   const ViewSettings& s = controls_.settings;
-  const bool all_finest = s.compare.with != CompareWith::none || s.compare.match != MatchView::none || s.look.tets;
-  const bool lead_finest = all_finest || (s.jiggle.on && scene_.lead().has_at_finest(SkinMethod::jiggle));
+  const bool all_finest = s.compare.with != CompareWith::none || s.look.tets, matched = snapshot_.match.has_value();
+  const bool lead_finest = all_finest || matched || (s.jiggle.on && scene_.lead().has_at_finest(SkinMethod::jiggle));
   const std::size_t automatic =
       detail_.choose(1e-3 * snapshot_.frame_ms, controls_.playback.playing() && !lead_finest, most_levels());
   for (std::size_t c = 0; c < scene_.cast().size(); ++c) {
     const std::optional<int>& own = c == 0 ? s.look.level : controls_.standings[c].level;
     const std::optional<int>& asked = own ? own : s.look.level;
-    const std::size_t by_size = c == 0 || all_finest ? 0 : scene_.level_by_size(c, controls_, area_.height);
+    const bool finest = c == 0 || all_finest || (matched && c == 1);
+    const std::size_t by_size = finest ? 0 : scene_.level_by_size(c, controls_, area_.height);
     scene_.cast()[c]->set_level(asked ? static_cast<std::size_t>(*asked) : std::max(automatic, by_size));
   }
   snapshot_.level = scene_.lead().level();

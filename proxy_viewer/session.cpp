@@ -199,6 +199,9 @@ void Session::reload(const std::vector<fs::path>& files) {
     replacements.push_back({c, scene.make(own, clip_options_)});
   }
   for (auto& [index, actor] : replacements) {
+    const std::uint32_t before = scene.cast()[index]->finest_basis().mesh.vertex_count();
+    if (index < 2) matching.forget();
+    if (index < 2 && actor->finest_basis().mesh.vertex_count() != before) forget_pair();  // markers number vertices
     actor->set_posing(scene.cast()[index]->posing());
     scene.swap(index, actor);
   }
@@ -233,6 +236,7 @@ void Session::remove(int number) {
   controls.standings.erase(controls.standings.begin() + static_cast<std::ptrdiff_t>(index));
   receiver_ = receiver_ == index ? 0 : receiver_ - (receiver_ > index ? 1 : 0);
   if (index == 0) return show_lead();
+  if (index == 1) forget_pair();
   describe_cast();
   watch();
 }
@@ -244,9 +248,14 @@ std::size_t Session::require_character(int number) const {
                                     std::to_string(count) + ", as the cast panel counts them");
 }
 
+void Session::forget_pair() {
+  controls.marking = {};
+  matching.forget();
+}
+
 // Another is the lead now.
 void Session::show_lead() {
-  controls.marking = {};
+  forget_pair();
   scene.leave_live_pose();
   controls.joint.clear();
   controls.marker.reset();
@@ -345,6 +354,7 @@ void Session::open_session(const std::string& file) {
   receiver_ = 0;
   scene.leave_live_pose();
   scene.cast() = std::move(cast);
+  forget_pair();
   controls.standings.clear();
   for (const SessionCharacter& character : session.cast) controls.standings.push_back(character.standing);
   opened_ = std::move(session);
@@ -555,7 +565,6 @@ void Session::describe_cast() {
   controls.missing = describe_missing(scene);
   if (basis.skeleton.find(controls.joint) < 0) controls.joint.clear();
   curation.look(scene, controls);
-  matching.forget();
   snapshot.device = device_name_;
   warn_of_rates();
 }

@@ -111,6 +111,7 @@ class Session {
   void refuse_input(const std::string& file) const;  // throws Error(usage) where it is one of files()
   void pose_lead();
   void show_lead();
+  void forget_pair();  // one of the first two is another: markers and the match are of none now
   void play_on();
   void describe_cast();
   void warn_of_rates();

@@ -43,7 +43,8 @@ class OrbitCamera {
   // Notches of a wheel: each goes a tenth of the way to the target; negative ones go back as far.
   void dolly(double notches);
   // Moves along the direction of view and across it until all points (V x 3, world, metres, at least one) are seen, as
-  // large as they can be in `share` of the picture's height and width. `aspect`: width over height. Throws Error(usage) as frame_points().
+  // large as they can be in `share` of the picture's height and width. `aspect`: width over height. Throws Error(usage)
+  // as frame_points().
   void frame(std::span<const float> points, float aspect, double share = 1);
   // Eye and target, metres, world.
   void move(const Vec3& by) { view_.target = view_.target + by; }

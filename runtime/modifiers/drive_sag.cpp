@@ -3,6 +3,7 @@
 //   along x, y and z of the rest space that the joint carries along
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "runtime/modifiers/skin_modifier_type.h"
 
@@ -43,6 +44,7 @@ Vec3 difference_of_gravity(double amount, double forward, double sideways) {
 
 void drive_sag(const ModifierFrames& frames, std::span<float> weights) {
   const SkinModifier& modifier = frames.modifier;
+  if (modifier.component_count != 3 * modifier.joints.size()) throw std::out_of_range("components of sag");
   const Skeleton& skeleton = frames.basis.skeleton;
   const std::vector<Quat> bind = world_rotations(skeleton, local_rotations(skeleton));
   for (std::size_t f = 0; f < frames.count(); ++f) {

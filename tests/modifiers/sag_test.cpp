@@ -91,6 +91,13 @@ TEST_F(Sag, IsFeltInTheFrameOfTheJoint) {
   EXPECT_NEAR(aside.modifiers[1], 1, 1e-6f);
 }
 
+TEST_F(Sag, ComponentsThatAreNotThreeToAJointAreRefused) {
+  Basis damaged = *basis_;
+  damaged.modifiers.stack[0].joints.push_back(0);
+  std::vector<Pose> poses{limb_pose({})};
+  EXPECT_EQ(kind_of([&] { drive_modifiers(damaged, {}, 24, poses); }), ErrorKind::mismatch);
+}
+
 TEST_F(Sag, DynamicsOfAnotherBodyAreRefused) {
   const TemporaryFolder folder;
   Dynamics other = limb_model().dynamics;

@@ -173,6 +173,18 @@ TEST_F(PlayedCrowdTest, AMatchIsOfTwoBodiesAndIsWorkedOutForOthersAnew) {
   EXPECT_TRUE(viewport->session().snapshot.match.has_value());
 }
 
+TEST_F(PlayedCrowdTest, MarkersAndMatchAreOfThePairTheyWereMadeFor) {
+  const auto viewport = open(small({small_.basis, small_.basis}), kBarePicture + "; marker 3 5; match colours");
+  const auto markers = [&] { return viewport->controls().marking.pairs.size(); };
+  viewport->prompt("remove 3");
+  viewport->prompt("same-clip");
+  EXPECT_EQ(markers(), 1u);
+  viewport->prompt("open " + small_.basis);
+  viewport->prompt("remove 2");
+  EXPECT_EQ(markers(), 0u);
+  EXPECT_TRUE(viewport->session().snapshot.match.has_value());
+}
+
 TEST_F(PlayedCrowdTest, MarkersAreSetByClicksOnOneBodyAndTheOther) {
   const auto viewport = open(small({small_.basis}), kBarePicture + "; mark on; frame-selection");
   const auto click_vertex = [&](std::size_t character, std::uint32_t vertex) {

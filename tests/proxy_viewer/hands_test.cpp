@@ -291,7 +291,8 @@ TEST_F(HandsTest, SequencesAreWithoutPanelsAndTheScriptWaitsForThem) {
   each.emplace_back("frame 9; in 3; out 6; panels on");
   const std::vector<Image> expected = headless_after_each(each);
   const auto viewport =
-      open(small(), "frame 9; orbit 10 0; compare ddm; in 3; out 6; sequence s.####.png; hud off; screenshot after.png; quit");
+      open(small(),
+           "frame 9; orbit 10 0; compare ddm; in 3; out 6; sequence s.####.png; hud off; screenshot after.png; quit");
   EXPECT_TRUE(viewport->is_done());
   for (std::size_t k = 0; k < 4; ++k) {
     EXPECT_TRUE(read_png("s.000" + std::to_string(3 + k) + ".png").rgba == expected[k].rgba) << k;

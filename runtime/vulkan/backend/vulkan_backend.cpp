@@ -172,7 +172,6 @@ class VulkanBackend final : public Backend {
 
  private:
   void record(const Batch& batch) {
-    stages_.clear();
     commands_->begin();
     record_upload();
     stays_on_device_ = batch.stays_on_device;
@@ -189,6 +188,7 @@ class VulkanBackend final : public Backend {
     // No residual: un-posed displacements of zero.
     if (!has_blend_) commands_->fill(buffers_->displacements.buffer, 0);
     commands_->timestamp();
+    stages_.clear();
     for (const Stage stage : stages_of(model_->model().basis, batch)) {
       record_stage(stage, batch);
       commands_->timestamp();
@@ -355,8 +355,8 @@ class VulkanBackend final : public Backend {
   void record_modify(std::uint32_t frames) {
     const BatchBuffers& b = *buffers_;
     record_modify_blend(*commands_, kernels_.modify_blend,
-                        {tables_.modifiers, b.modifiers.buffer, b.displacements.buffer},
-                        counts_.vertices, counts_.components, frames);
+                        {tables_.modifiers, b.modifiers.buffer, b.displacements.buffer}, counts_.vertices,
+                        counts_.components, frames);
   }
 
   // What goes to the host, in this order.
