@@ -452,7 +452,12 @@ const Command kCommands[] = {
     {"contradictions", "", "", "Compare", "looks for like poses whose shapes disagree",
      [](Controls& c, const std::string&) { c.requests.contradictions = true; }},
     {"pair", "NUMBER", "", "Compare", "to the first of two frames that disagree, the worst from 1",
-     [](Controls& c, const std::string& a) { go_to_pair(c, integer_within(a, 1, static_cast<int>(c.curating.pairs.size())) - 1); }},
+     [](Controls& c, const std::string& a) {
+       if (c.curating.pairs.empty()) {
+         throw Error(ErrorKind::usage, "no frames are known to disagree: 'contradictions' looks for them");
+       }
+       go_to_pair(c, integer_within(a, 1, static_cast<int>(c.curating.pairs.size())) - 1);
+     }},
     {"next-pair", "", "", "Compare", "to the pair after that",
      [](Controls& c, const std::string&) {
        const auto count = static_cast<int>(c.curating.pairs.size());

@@ -133,6 +133,20 @@ const Pose& bent() {
 
 }  // namespace
 
+TEST(TransferLimb, ModifiersStayWithTheSourceAndThatIsSaid) {
+  Basis source = trained_limb();
+  SkinModifier& smile = source.modifiers.stack.emplace_back();
+  smile.name = "smile";
+  smile.type = "morph";
+  smile.component_count = 1;
+  source.modifiers.blend_begin.assign(source.mesh.block_count() + 1, 0);
+  const TransferPair pair(source, limb_character(), {});
+  std::vector<std::string> notes;
+  EXPECT_TRUE(transfer_basis(pair, {}, notes).modifiers.empty());
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("bodyopt modifiers"), std::string::npos) << notes[0];
+}
+
 TEST(TransferLimb, ABasisCarriedToItsOwnCharacterIsTheSame) {
   const TransferPair pair(trained_limb(), limb_character(), {});
   ASSERT_TRUE(pair.correspondence.same_topology);

@@ -133,6 +133,11 @@ Basis transfer_basis(const TransferPair& pair, const TransferOptions& options, s
   result.residual.blend = std::move(columns.blend);
   result.residual.blend_begin = std::move(columns.blend_begin);
   carry_metadata(pair, result);
+  if (!pair.source.modifiers.empty()) {
+    notes.emplace_back(
+        "the modifiers of the source are left out: they were made of its body; 'bodyopt modifiers' makes them of the "
+        "target's");
+  }
   validate(result, "the transferred basis");
   return result;
 }
