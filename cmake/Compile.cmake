@@ -23,9 +23,12 @@ endif()
 
 option(BODYOPT_SANITIZE_THREADS "Build with ThreadSanitizer" OFF)
 if(BODYOPT_SANITIZE_THREADS)
-  target_compile_definitions(bodyopt_language INTERFACE BODYOPT_SANITIZED)
+  target_compile_definitions(bodyopt_language INTERFACE BODYOPT_SANITIZED BODYOPT_SANITIZED_THREADS)
   target_compile_options(bodyopt_language INTERFACE -fsanitize=thread -fno-omit-frame-pointer -O1)
   target_link_options(bodyopt_language INTERFACE -fsanitize=thread)
+  # Templates of oneTBB, whose library is not instrumented either.
+  set_source_files_properties(${PROJECT_SOURCE_DIR}/runtime/threads/tbb_executor.cpp PROPERTIES
+                              COMPILE_OPTIONS -fno-sanitize=thread)
 endif()
 
 option(BODYOPT_FUZZ "Build for libFuzzer, which clang brings" OFF)

@@ -3,15 +3,40 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#ifdef BODYOPT_SANITIZED_THREADS
+extern "C" void __tsan_acquire(void* address);
+extern "C" void __tsan_release(void* address);
+#endif
+
 namespace bodyopt {
 namespace {
+
+// ThreadSanitizer does not see how oneTBB, which it does not instrument, hands work to threads and waits for them: it
+// is told what happens before what.
+class HandOver {
+ public:
+#ifdef BODYOPT_SANITIZED_THREADS
+  void give() { __tsan_release(this); }
+  void take() { __tsan_acquire(this); }
+#else
+  void give() {}
+  void take() {}
+#endif
+};
 
 class TbbExecutor final : public Executor {
  public:
   void parallel_for(std::size_t count, std::size_t grain, Task task, const void* context) override {
     // A range is halved while it is longer than oneTBB's grain.
     const tbb::blocked_range<std::size_t> range(0, count, 2 * grain);
-    tbb::parallel_for(range, [=](const auto& part) { task(context, part.begin(), part.end()); });
+    HandOver work, results;
+    work.give();
+    tbb::parallel_for(range, [&](const auto& part) {
+      work.take();
+      task(context, part.begin(), part.end());
+      results.give();
+    });
+    results.take();
   }
 };
 
