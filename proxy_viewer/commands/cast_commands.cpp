@@ -1,0 +1,90 @@
+// Ghosts, and the others of the cast.
+#include "proxy_viewer/commands/command_arguments.h"
+#include "proxy_viewer/commands/command_tables.h"
+#include "proxy_viewer/state/setting_fields.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+const Command kCommands[] = {
+    {"ghosts", "BEFORE AFTER", "", "Look", "frames before and after, see-through",
+     [](Controls& c, const std::string& a) {
+       const auto w = words(a, 2, "two counts");
+       c.settings.ghosts.before = integer_within(w[0], 0, kMostGhosts);
+       c.settings.ghosts.after = integer_within(w[1], 0, kMostGhosts);
+     }},
+    {"ghost-step", "FRAMES", "", "Look", "from one ghost to the next",
+     [](Controls& c, const std::string& a) { c.settings.ghosts.step = integer_within(a, 1, kLongestGhostStep); }},
+    {"ghost-opacity", "0-1", "", "Look", "of the ghost that is next; those beyond fade",
+     [](Controls& c, const std::string& a) { c.settings.ghosts.opacity = number_within(a, 0, 1); }},
+    {"toggle-ghosts", "[on|off]", "G", "Look", "two ghosts before and two after",
+     [](Controls& c, const std::string& a) {
+       ViewSettings::Ghosts& ghosts = c.settings.ghosts;
+       const bool had = ghosts.before + ghosts.after > 0;
+       bool has = had;
+       toggle(has, a);
+       if (has == had) return;
+       ghosts.before = ghosts.after = has ? 2 : 0;
+       if (has && ghosts.step == 1) ghosts.step = 4;
+     },
+     [](const Controls& c) { return name_of(c.settings.ghosts.before + c.settings.ghosts.after > 0); }},
+
+    {"copies", "COUNT", "", "Look", "of the lead on the stage",
+     [](Controls& c, const std::string& a) { c.settings.cast.copies = integer_within(a, 1, kMostCopies); }},
+    {"copy-delay", "FRAMES", "", "Look", "from one copy to the next",
+     [](Controls& c, const std::string& a) { c.settings.cast.delay = integer_within(a, 0, kLongestCopyDelay); }},
+
+    {"mark", "[on|off]", "", "Compare", "clicks mark a vertex of the lead, then the same of the second of the cast",
+     [](Controls& c, const std::string& a) {
+       toggle(c.marking.on, a);
+       c.marking.of_lead.reset();
+     },
+     [](const Controls& c) { return name_of(c.marking.on); }},
+    {"marker", "VERTEX VERTEX", "", "Compare", "of the lead and of the second of the cast, that are the same",
+     [](Controls& c, const std::string& a) {
+       const std::vector<std::string> all = words(a, 2, "two numbers of vertices");
+       add_marker(c, {vertex_of(c, 0, all[0]), vertex_of(c, 1, all[1])});
+     }},
+    {"unmark", "", "", "Compare", "takes the marker away that was set last",
+     [](Controls& c, const std::string&) {
+       if (c.marking.pairs.empty()) throw Error(ErrorKind::usage, "there is no marker");
+       c.marking.pairs.pop_back();
+     }},
+    {"save-markers", "FILE.json", "", "File", "for bodyopt transfer --markers",
+     [](Controls& c, const std::string& a) {
+       if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
+       c.requests.save_markers = a;
+     }},
+
+    {"place", "NUMBER X Y Z|auto", "", "Look", "where one of the cast begins, metres; auto: where there is room",
+     [](Controls& c, const std::string& a) {
+       const std::string expected = "a number of the cast and three coordinates, or auto";
+       const std::vector<std::string> all = words(a);
+       if (all.size() != 4 && !(all.size() == 2 && all[1] == "auto")) refuse(a, expected);
+       std::optional<Vec3> at;
+       if (all.size() == 4) {
+         at.emplace();
+         for (std::size_t i = 0; i < 3; ++i) (*at)[i] = number_within(all[i + 1], -kFurthest, kFurthest);
+       }
+       standing_of(c, all[0]).at = at;
+     }},
+    {"ahead", "NUMBER FRAMES|auto", "", "Playback", "one of the cast goes round in its own clip; auto: frame by frame",
+     [](Controls& c, const std::string& a) {
+       const std::vector<std::string> all = words(a, 2, "a number of the cast and a number of frames, or auto");
+       standing_of(c, all[0]).ahead = automatic_or(all[1], -kFurthestAhead, kFurthestAhead);
+     }},
+    {"level-of", "NUMBER auto|0|1|2...", "", "Look", "of detail, of one of the cast; auto: by its size in the picture",
+     [](Controls& c, const std::string& a) {
+       const std::vector<std::string> all = words(a, 2, "a number of the cast and a level, or auto");
+       standing_of(c, all[0]).level = automatic_or(all[1], 0, kCoarsestLevel);
+     }},
+    {"same-clip", "", "", "Playback", "all of the cast play the lead's clip",
+     [](Controls& c, const std::string&) { c.requests.same_clip = true; }},
+};
+
+}  // namespace
+
+std::span<const Command> cast_commands() { return kCommands; }
+
+}  // namespace bodyopt

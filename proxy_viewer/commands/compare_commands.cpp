@@ -1,0 +1,159 @@
+// What is compared, and curated.
+#include <optional>
+#include <utility>
+
+#include "proxy_viewer/commands/command_arguments.h"
+#include "proxy_viewer/commands/command_tables.h"
+#include "proxy_viewer/state/setting_fields.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+void go_to_pair(Controls& controls, int pair) {
+  controls.curating.pair = pair;
+  controls.playback.pause();
+  const ListedPair& listed = controls.curating.pairs[static_cast<std::size_t>(pair)];
+  controls.curating.region = listed.region;
+  controls.playback.scrub(listed.first);
+}
+
+const Command kCommands[] = {
+    {"compare", "none|lbs|ddm|linear|full|jiggle|truth|proxy", "", "Compare", "with what",
+     [](Controls& c, const std::string& a) {
+       choose(c.settings.compare.with, a, kComparisonNames);
+       const CompareWith shown = c.settings.jiggle.on ? CompareWith::jiggle : CompareWith::full;
+       if (c.settings.compare.with == shown) c.say("that is what is shown: there is nothing beside it");
+     },
+     [](const Controls& c) { return name_of(c.settings.compare.with, kComparisonNames); }},
+    {"layout", "side-by-side|overlay|wipe|hold", "", "Compare", "of a comparison",
+     [](Controls& c, const std::string& a) { choose(c.settings.compare.layout, a, kLayoutNames); },
+     [](const Controls& c) { return name_of(c.settings.compare.layout, kLayoutNames); }},
+    {"next-layout", "", "L", "Compare", "side by side, overlay, wipe, hold",
+     [](Controls& c, const std::string&) { choose_next(c.settings.compare.layout, kLayoutNames); }},
+    {"wipe", "0-1", "", "Compare", "where, of the picture's width",
+     [](Controls& c, const std::string& a) { c.settings.compare.wipe = number_within(a, 0, 1); }},
+    {"heat", "[on|off]", "E", "Compare", "colour by the distance, in millimetres",
+     [](Controls& c, const std::string& a) { toggle(c.settings.compare.heat, a); },
+     [](const Controls& c) { return name_of(c.settings.compare.heat); }},
+    {"heat-scale", "auto|MM", "", "Compare", "the hottest colour; auto: by what was measured",
+     [](Controls& c, const std::string& a) {
+       if (a == "auto") {
+         c.settings.compare.heat_scale_mm = std::nullopt;
+       } else {
+         c.settings.compare.heat_scale_mm = number_within(a, kFinestHeat, kCoarsestHeat);
+       }
+     }},
+    {"activation", "[on|off]", "", "Compare", "colour by what was learned: the distance to Direct Delta Mush",
+     [](Controls& c, const std::string& a) { toggle(c.settings.compare.activation, a); },
+     [](const Controls& c) { return name_of(c.settings.compare.activation); }},
+    {"coverage", "[on|off]", "", "Compare", "colour by the error to expect of the pose, in millimetres",
+     [](Controls& c, const std::string& a) { toggle(c.settings.compare.coverage, a); },
+     [](const Controls& c) { return name_of(c.settings.compare.coverage); }},
+    {"match", "none|colours|confidence", "", "Compare",
+     "colour the lead and the second of the cast by which point is which, or by how sure that is",
+     [](Controls& c, const std::string& a) { choose(c.settings.compare.match, a, kMatchNames); },
+     [](const Controls& c) { return name_of(c.settings.compare.match, kMatchNames); }},
+    {"worst-frame", "", "N", "Compare", "to the frame that is furthest from what it is compared with",
+     [](Controls& c, const std::string&) { c.requests.worst_frame = true; }},
+    {"worst-vertex", "", "Shift+N", "Compare", "to the vertex that is furthest off in this frame",
+     [](Controls& c, const std::string&) { c.requests.worst_vertex = true; }},
+
+    {"region", "NAME", "", "Compare", "of the dataset's map of poses",
+     [](Controls& c, const std::string& a) { c.curating.region = known(a, c.curating.regions, "region"); }},
+    {"map-colour", "coverage|contradiction|error|sculpt", "", "Compare",
+     "of the map: thin data, like poses that disagree, the distance, or what takes part in the last stroke",
+     [](Controls& c, const std::string& a) { choose(c.curating.colour, a, kMapColourNames); },
+     [](const Controls& c) { return name_of(c.curating.colour, kMapColourNames); }},
+    {"raw", "[on|off]", "", "Compare", "the dataset's shapes before any modifier",
+     [](Controls& c, const std::string& a) { toggle(c.curating.raw, a); },
+     [](const Controls& c) { return name_of(c.curating.raw); }},
+    {"modifier", "NAME on|off", "", "Compare", "switches a modifier of the dataset",
+     [](Controls& c, const std::string& a) {
+       const auto [name, state] = split_last(a, "a modifier, and on or off");
+       if (state != "on" && state != "off") refuse(state, "on or off");
+       c.requests.edits.push_back({.name = known(name, c.curating.modifiers, "modifier"), .enabled = state == "on"});
+     }},
+    {"strength", "NAME 0-1", "", "Compare", "of a modifier of the dataset",
+     [](Controls& c, const std::string& a) {
+       const auto [name, strength] = split_last(a, "a modifier and a strength");
+       c.requests.edits.push_back(
+           {.name = known(name, c.curating.modifiers, "modifier"), .strength = number_within(strength, 0, 1)});
+     }},
+    {"undo-edit", "", "", "Compare", "the dataset's stack before the last edit",
+     [](Controls& c, const std::string&) { c.requests.step_back = true; }},
+    {"redo-edit", "", "", "Compare", "the edit of the stack that was undone",
+     [](Controls& c, const std::string&) { c.requests.step_back = false; }},
+    {"brush", "none|grab|smooth|inflate|flatten|erase", "", "Compare",
+     "what the mouse does to the dataset's skin; none: it turns the view",
+     [](Controls& c, const std::string& a) {
+       if (a == "none") {
+         c.brush.kind = std::nullopt;
+         return;
+       }
+       BrushKind kind{};
+       choose(kind, a, kBrushKindNames);
+       if (c.curating.regions.empty())
+         throw Error(ErrorKind::usage, "no dataset is open: begin with bodyopt view DATASET");
+       c.brush.kind = kind;
+       c.settings.compare.with = CompareWith::truth;  // or its skin would not be seen
+     },
+     [](const Controls& c) { return c.brush.kind ? name_of(*c.brush.kind, kBrushKindNames) : "none"; }},
+    {"brush-radius", "MM", "", "Compare", "of the brush, along the skin",
+     [](Controls& c, const std::string& a) { c.brush.radius_mm = number_within(a, kFinestBrush, kWidestBrush); }},
+    {"brush-strength", "0-1", "", "Compare", "of the brush",
+     [](Controls& c, const std::string& a) { c.brush.strength = number_within(a, 0, 1); }},
+    {"brush-symmetry", "[on|off]", "", "Compare", "the brush does the same on the other side of the body",
+     [](Controls& c, const std::string& a) { toggle(c.brush.symmetric, a); },
+     [](const Controls& c) { return name_of(c.brush.symmetric); }},
+    {"brush-spread", "auto|DEGREES", "", "Compare", "to poses how near a stroke reaches; auto: as the modifier's",
+     [](Controls& c, const std::string& a) {
+       if (a == "auto") {
+         c.brush.spread = std::nullopt;
+       } else {
+         c.brush.spread = number_within(a, 0, kWidestSpread);
+       }
+     }},
+    {"brush-modifier", "NAME", "", "Compare",
+     "the sculpt of the dataset's stack that takes strokes; a new name makes one",
+     [](Controls& c, const std::string& a) { c.brush.modifier = a; }},
+    {"stroke", "X Y [X Y ...]", "", "Compare",
+     "of the brush through points of the picture, by shares of its width and height",
+     [](Controls& c, const std::string& a) {
+       const std::vector<std::string> w = words(a);
+       if (w.size() % 2 != 0) refuse(a, "a list of points: two shares each");
+       if (!c.brush.kind) throw Error(ErrorKind::usage, "no brush is in hand: 'brush grab'");
+       PicturePath path;
+       for (std::size_t k = 0; k < w.size(); k += 2)
+         path.push_back({number_within(w[k], 0, 1), number_within(w[k + 1], 0, 1)});
+       c.requests.stroke = std::move(path);
+     }},
+    {"keep-strokes", "", "", "Compare", "writes what was brushed and could not be written before",
+     [](Controls& c, const std::string&) { c.requests.keep_strokes = true; }},
+    {"contradictions", "", "", "Compare", "looks for like poses whose shapes disagree",
+     [](Controls& c, const std::string&) { c.requests.contradictions = true; }},
+    {"pair", "NUMBER", "", "Compare", "to the first of two frames that disagree, the worst from 1",
+     [](Controls& c, const std::string& a) {
+       if (c.curating.pairs.empty()) {
+         throw Error(ErrorKind::usage, "no frames are known to disagree: 'contradictions' looks for them");
+       }
+       go_to_pair(c, integer_within(a, 1, static_cast<int>(c.curating.pairs.size())) - 1);
+     }},
+    {"next-pair", "", "", "Compare", "to the pair after that",
+     [](Controls& c, const std::string&) {
+       const auto count = static_cast<int>(c.curating.pairs.size());
+       if (count > 0) go_to_pair(c, (c.curating.pair + 1) % count);
+     }},
+    {"other-of-pair", "", "", "Compare", "to the other of the two frames",
+     [](Controls& c, const std::string&) {
+       if (c.curating.pair < 0) return;
+       const ListedPair& listed = c.curating.pairs[static_cast<std::size_t>(c.curating.pair)];
+       c.playback.scrub(c.playback.frame() == listed.first ? listed.second : listed.first);
+     }},
+};
+
+}  // namespace
+
+std::span<const Command> compare_commands() { return kCommands; }
+
+}  // namespace bodyopt

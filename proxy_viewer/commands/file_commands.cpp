@@ -1,0 +1,82 @@
+// What is written, and what is around the picture.
+#include "proxy_viewer/commands/command_arguments.h"
+#include "proxy_viewer/commands/command_tables.h"
+#include "proxy_viewer/state/sections.h"
+#include "proxy_viewer/state/setting_fields.h"
+
+namespace bodyopt {
+namespace {
+
+const Command kCommands[] = {
+    {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",
+     [](Controls& c, const std::string& a) { c.requests.screenshot = a; }},
+    {"turntable", "FILE.####.png", "", "File", "once around, 72 pictures",
+     [](Controls& c, const std::string& a) { c.requests.turntable = a; }},
+    {"sequence", "FILE.####.png", "", "File", "a picture of every frame of the range; .webp: one that moves",
+     [](Controls& c, const std::string& a) { c.requests.sequence = a; }},
+    {"export-clip", "FILE.glb|.bvh", "", "File", "the motion of the range, as it is posed and keyed",
+     [](Controls& c, const std::string& a) {
+       if (!a.ends_with(".glb") && !a.ends_with(".bvh")) refuse(a, "a file that ends in .glb or .bvh");
+       c.requests.export_clip = a;
+     }},
+    {"export-skin", "FILE.pc2|.usda", "", "File", "the lead's skin over the range, without jiggle",
+     [](Controls& c, const std::string& a) {
+       if (!a.ends_with(".pc2") && !a.ends_with(".usda")) refuse(a, "a file that ends in .pc2 or .usda");
+       c.requests.export_skin = a;
+     }},
+    {"save", "FILE.json", "", "File", "the session: files, poses, keys, cameras and settings; open and eval read it",
+     [](Controls& c, const std::string& a) {
+       if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
+       c.requests.save = a;
+     }},
+    {"browse", "open|save|save-state|load-state|export-clip|export-skin|screenshot|sequence|turntable", "", "File",
+     "chooses the file of a command from the list of a folder",
+     [](Controls& c, const std::string& a) {
+       c.dialog = browse_folder(known(a, browsed_commands(), "command that takes a file"), ".");
+     }},
+    {"open", "FILE", "", "File", "a basis, character, clip, point cache, dataset or session",
+     [](Controls& c, const std::string& a) { c.requests.open.push_back(a); }},
+    {"lead", "NUMBER", "", "File", "the character of whom panels speak, and to whom clips and caches go",
+     [](Controls& c, const std::string& a) { c.requests.lead = integer(a); }},
+    {"remove", "NUMBER", "", "File", "a character of the cast; its files stay",
+     [](Controls& c, const std::string& a) { c.requests.remove = integer(a); }},
+    {"reload", "", "F5", "File", "read all files again",
+     [](Controls& c, const std::string&) { c.requests.reload = true; }},
+    {"save-state", "FILE.json", "", "File", "cameras and settings",
+     [](Controls& c, const std::string& a) { c.requests.save_state = a; }},
+    {"load-state", "FILE.json", "", "File", "cameras and settings",
+     [](Controls& c, const std::string& a) { c.requests.load_state = a; }},
+    {"panels", "[on|off]", "Tab", "View", "panels, or the picture alone",
+     [](Controls& c, const std::string& a) { toggle(c.panels, a); },
+     [](const Controls& c) { return name_of(c.panels); }},
+    {"hud", "[on|off]", "Z", "View", "figures over the picture",
+     [](Controls& c, const std::string& a) { toggle(c.settings.hud.on, a); },
+     [](const Controls& c) { return name_of(c.settings.hud.on); }},
+    {"legend", "[on|off]", "", "View", "names of what is compared, and what colours mean",
+     [](Controls& c, const std::string& a) { toggle(c.settings.hud.legend, a); },
+     [](const Controls& c) { return name_of(c.settings.hud.legend); }},
+    {"cheat-sheet", "[on|off]", "H", "View", "all keys",
+     [](Controls& c, const std::string& a) { toggle(c.cheat_sheet, a); },
+     [](const Controls& c) { return name_of(c.cheat_sheet); }},
+    {"prompt", "[on|off]", "Enter", "View", "type a command",
+     [](Controls& c, const std::string& a) { toggle(c.prompt, a); },
+     [](const Controls& c) { return name_of(c.prompt); }},
+    {"side-panel", "[on|off]", "Q", "View", "the panel on the right",
+     [](Controls& c, const std::string& a) {
+       toggle(c.settings.hud.panels.try_emplace(kSidePanel, true).first->second, a);
+     },
+     [](const Controls& c) { return name_of(shows_side_panel(c.settings)); }},
+    {"section", "look|cameras|compare|curate|pose|keys|modifiers|muscles|jiggle|ghosts|cast|transfer|output", "",
+     "View", "opens a section of the side panel, and closes the others",
+     [](Controls& c, const std::string& a) {
+       open_section(c.settings, known(a, section_names(), "section of the side panel"));
+     }},
+    {"quit", "", "Ctrl+Q", "File", "close the viewport",
+     [](Controls& c, const std::string&) { c.requests.quit = true; }},
+};
+
+}  // namespace
+
+std::span<const Command> file_commands() { return kCommands; }
+
+}  // namespace bodyopt

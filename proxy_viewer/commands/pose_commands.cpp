@@ -1,0 +1,126 @@
+// Posing, and keys.
+#include <algorithm>
+#include <tuple>
+
+#include "proxy_viewer/commands/command_arguments.h"
+#include "proxy_viewer/commands/command_tables.h"
+#include "proxy_viewer/state/mirrored_joint.h"
+#include "proxy_viewer/state/setting_fields.h"
+
+namespace bodyopt {
+namespace {
+
+const Command kCommands[] = {
+    {"select", "[JOINT]", "", "Pose", "a joint; nothing: none",
+     [](Controls& c, const std::string& a) { c.joint = a.empty() ? a : known(a, c.joint_names, "joint"); }},
+    {"turn", "JOINT X Y Z", "", "Pose", "a joint on top of the clip, degrees",
+     [](Controls& c, const std::string& a) {
+       std::string joint = a, angle;
+       Vec3 angles;
+       for (const std::size_t axis : {2, 1, 0}) {
+         std::tie(joint, angle) = split_last(joint, "a joint and three angles in degrees");
+         angles[axis] = number_within(angle, -kMostTurn, kMostTurn);
+       }
+       c.settings.pose.joints[known(joint, c.joint_names, "joint")] = angles;
+     }},
+    {"axis", "NAME DEGREES", "", "Pose", "a joint along an axis of its limits, on top of the clip",
+     [](Controls& c, const std::string& a) {
+       const auto [name, angle] = split_last(a, "an axis and an angle in degrees");
+       c.settings.pose.axes[known(name, c.axis_names, "axis of the joint limits")] =
+           number_within(angle, -kMostTurn, kMostTurn);
+     }},
+    {"pin", "JOINT [X Y Z]", "", "Pose", "the end of a limb where it is, or there, metres: the limb reaches for it",
+     [](Controls& c, const std::string& a) {
+       if (std::ranges::find(c.joint_names, a) != c.joint_names.end()) {
+         c.requests.pin = PinRequest{a};
+         return;
+       }
+       std::string joint = a, number;
+       Vec3 at;
+       for (const std::size_t axis : {2, 1, 0}) {
+         std::tie(joint, number) = split_last(joint, "a joint, or a joint and a point");
+         at[axis] = number_within(number, -1e6, 1e6);
+       }
+       c.requests.pin = PinRequest{known(joint, c.joint_names, "joint"), at};
+     }},
+    {"unpin", "[JOINT]", "", "Pose", "lets go of the joint that is selected",
+     [](Controls& c, const std::string& a) {
+       const std::string joint = a.empty() ? selected(c) : known(a, c.joint_names, "joint");
+       if (c.settings.pose.pins.erase(joint) == 0) c.say(joint + " has no pin");
+     }},
+    {"move-key", "FROM TO", "", "Pose", "the key of a frame to another",
+     [](Controls& c, const std::string& a) {
+       const auto w = words(a, 2, "two frames");
+       const int from = integer(w[0]), to = integer(w[1]);
+       c.playback.require_frame(to);
+       const auto key = c.settings.pose.keys.find(from);
+       if (key == c.settings.pose.keys.end()) refuse(w[0], "a frame that has a key");
+       if (from == to) return;
+       c.settings.pose.keys[to] = key->second;
+       c.settings.pose.keys.erase(from);
+       c.keyed_frame.reset();
+     }},
+    {"key", "", "Alt+K", "Pose", "keeps turns and controls as a key of this frame; between keys they blend",
+     [](Controls& c, const std::string&) {
+       c.settings.pose.keys[c.playback.frame()] = c.settings.pose;
+       c.keyed_frame = c.playback.frame();
+     }},
+    {"unkey", "", "", "Pose", "forgets the key of this frame",
+     [](Controls& c, const std::string&) {
+       const int frame = c.playback.frame();
+       if (c.settings.pose.keys.erase(frame) == 0) c.say("frame " + std::to_string(frame) + " has no key");
+       c.keyed_frame.reset();
+     }},
+    {"mirror", "[JOINT]", "P", "Pose", "turns the other side's joint as the one that is selected",
+     [](Controls& c, const std::string& a) {
+       const std::string joint = a.empty() ? selected(c) : known(a, c.joint_names, "joint");
+       const std::string other = mirrored_joint(joint, c.joint_names);
+       if (other.empty()) refuse(joint, "a joint that another side has, too");
+       const auto turned = c.settings.pose.joints.find(joint);
+       const Vec3 angles = turned == c.settings.pose.joints.end() ? Vec3{} : turned->second;
+       c.settings.pose.joints[other] = mirrored_angles(angles, axes_of(c, joint), axes_of(c, other));
+     }},
+    {"reset-joint", "[JOINT]", "Shift+R", "Pose", "the joint that is selected as the clip has it",
+     [](Controls& c, const std::string& a) {
+       c.settings.pose.joints.erase(a.empty() ? selected(c) : known(a, c.joint_names, "joint"));
+     }},
+    {"control", "NAME VALUE", "", "Pose", "a control of the basis, as a muscle's activation",
+     [](Controls& c, const std::string& a) {
+       const auto [name, value] = split_last(a, "a control and a number");
+       c.settings.pose.controls[known(name, c.control_names, "control of the basis")] =
+           number_within(value, -kMostControl, kMostControl);
+     }},
+    {"reset-pose", "", "R", "Pose", "the pose as the clip has it",
+     [](Controls& c, const std::string&) { static_cast<ViewSettings::PoseKey&>(c.settings.pose) = {}; }},
+    {"undo", "", "Ctrl+Z", "Pose", "turns, controls and keys before the last change; with a brush in hand: undo-edit",
+     [](Controls& c, const std::string&) {
+       if (c.brush.kind) {
+         c.requests.step_back = true;
+         return;
+       }
+       if (!c.poses.undo(c.settings.pose)) c.say("nothing to undo: only turns, controls and keys are");
+     }},
+    {"redo", "", "Ctrl+Shift+Z", "Pose", "turns, controls and keys that were undone; with a brush in hand: redo-edit",
+     [](Controls& c, const std::string&) {
+       if (c.brush.kind) {
+         c.requests.step_back = false;
+         return;
+       }
+       if (!c.poses.redo(c.settings.pose)) c.say("nothing to redo");
+     }},
+    {"correction", "0-1", "", "Pose", "how much is shown of what was learned",
+     [](Controls& c, const std::string& a) { c.settings.pose.correction = number_within(a, 0, 1); }},
+    {"jiggle", "[on|off]", "J", "Pose", "flesh that moves by inertia",
+     [](Controls& c, const std::string& a) { toggle(c.settings.jiggle.on, a); },
+     [](const Controls& c) { return name_of(c.settings.jiggle.on); }},
+    {"jiggle-amount", "0-4", "", "Pose", "how much is shown of the jiggle",
+     [](Controls& c, const std::string& a) { c.settings.jiggle.amount = number_within(a, 0, kMostJiggle); }},
+    {"reset-jiggle", "", "", "Pose", "the jiggle begins anew",
+     [](Controls& c, const std::string&) { c.requests.reset_jiggle = true; }},
+};
+
+}  // namespace
+
+std::span<const Command> pose_commands() { return kCommands; }
+
+}  // namespace bodyopt
