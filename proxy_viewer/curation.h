@@ -30,7 +30,7 @@ class Curation {
   std::size_t number_of(int frame) const;
   // Compares like poses of the whole dataset. Shows progress.
   void find_contradictions(Controls& controls);
-  // Throw as change_modifier() and undo_modifiers(); Error(file) at once where another process is editing.
+  // Throw as change_modifier() and undo_modifiers(); Error(file) within a moment where another process is editing.
   void edit(const ModifierEdit& edit) const;
   void step(bool back) const;
 

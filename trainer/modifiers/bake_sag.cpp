@@ -16,8 +16,8 @@ constexpr float kSettled = 1e-3f;    // change of a step over the largest displa
 constexpr int kMostSteps = 2000;
 
 // Where K u = M g. The dynamics have the inverse of A = inertia + b K alone: implicit steps without momentum,
-// A u' = inertia u + b M g, end there.
-std::vector<float> hanging(const Dynamics& dynamics, int axis) {
+// A u' = inertia u + b M g, end there. `settled`: whether they did.
+std::vector<float> hanging(const Dynamics& dynamics, int axis, bool& settled) {
   const std::size_t numbers = dynamics.tets.nodes.size();
   const double stage = dynamics.jiggle.step.stage();
   const auto b = static_cast<float>(1 + dynamics.jiggle.step.stiffness_damping / stage);
@@ -35,16 +35,17 @@ std::vector<float> hanging(const Dynamics& dynamics, int axis) {
       largest = std::max(largest, std::abs(next[k]));
     }
     u.swap(next);
-    if (change <= kSettled * largest) break;
+    if (change <= kSettled * largest) return u;
   }
+  settled = false;
   return u;
 }
 
 // V x 3: of the skin, as far as it goes with its tets, however far.
-Positions hanging_skin(const Basis& basis, Dynamics& dynamics, int axis) {
+Positions hanging_skin(const Basis& basis, Dynamics& dynamics, int axis, bool& settled) {
   std::ranges::fill(dynamics.tets.skin_limit, kNoLimit);
   std::vector<float> moved(basis.mesh.rest.size());
-  cpu::jiggle_skin(dynamics.tets, basis.mesh.rest, hanging(dynamics, axis), 1, moved);
+  cpu::jiggle_skin(dynamics.tets, basis.mesh.rest, hanging(dynamics, axis, settled), 1, moved);
   const auto rows = static_cast<Eigen::Index>(basis.mesh.vertex_count());
   return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(moved.data(), rows, 3)
              .cast<double>() -
@@ -57,7 +58,12 @@ Positions hanging_skin(const Basis& basis, Dynamics& dynamics, int axis) {
 BakedModifier bake_sag(const BakeInput& input) {
   Dynamics dynamics = load_dynamics(input.folder / input.parameters.name("dynamics"), input.basis);
   std::vector<Positions> fields;
-  for (int axis = 0; axis < 3; ++axis) fields.push_back(hanging_skin(input.basis, dynamics, axis));
+  bool settled = true;
+  for (int axis = 0; axis < 3; ++axis) fields.push_back(hanging_skin(input.basis, dynamics, axis, settled));
+  if (!settled) {
+    input.notes.push_back(input.place + ": so soft that it did not come to rest in " + std::to_string(kMostSteps) +
+                          " steps, and hangs less than it would");
+  }
   BakedModifier baked;
   for (std::uint32_t joint = 0; joint < input.basis.skeleton.size(); ++joint) {
     std::vector<char> chosen(input.basis.skeleton.size(), 0);
