@@ -32,6 +32,10 @@ struct Pose {
   std::vector<JointTransform> joints;
   std::vector<float> controls;
   std::vector<float> modifiers{};  // weights of the modifiers' components (drive_modifiers); empty: all 0
+  std::vector<JointTransform> unmodified{};  // joints before modifiers turned some; empty: none did
+
+  // Those that what was learned goes by: it knows nothing of modifiers.
+  const std::vector<JointTransform>& own_joints() const { return unmodified.empty() ? joints : unmodified; }
 };
 
 Pose bind_pose(const Skeleton& skeleton);

@@ -1,5 +1,6 @@
 #include "runtime/basis/skin_modifiers.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -50,6 +51,10 @@ std::uint32_t SkinModifiers::component_count() const {
   std::uint32_t count = 0;
   for (const SkinModifier& modifier : stack) count += modifier.component_count;
   return count;
+}
+
+bool SkinModifiers::turn_joints() const {
+  return std::ranges::any_of(stack, [](const SkinModifier& modifier) { return !modifier.turns.empty(); });
 }
 
 const SkinModifier* SkinModifiers::of_type(const std::string& type) const {

@@ -39,6 +39,7 @@ struct SkinModifiers {
 
   bool empty() const { return stack.empty(); }
   std::uint32_t component_count() const;
+  bool turn_joints() const;
   const SkinModifier* of_type(const std::string& type) const;  // the first of a type, or null
 };
 

@@ -157,6 +157,17 @@ class CpuBackend final : public Backend {
   std::size_t vertex_count() const { return basis_.mesh.vertex_count(); }
   std::size_t block_count() const { return basis_.ddm.block_begin.size() - 1; }
 
+  // What strains are of.
+  static const std::vector<float>& learned_skinning(const Batch& batch) {
+    return batch.learned_skinning.empty() ? batch.skinning : batch.learned_skinning;
+  }
+
+  // Are the frames of the strains those that the skin is posed by?
+  static bool poses_as_learned(const Batch& batch, std::size_t f) {
+    return std::ranges::equal(of_frame(batch.skinning, f, batch.frame_count),
+                              of_frame(learned_skinning(batch), f, batch.frame_count));
+  }
+
   // Frames of Direct Delta Mush of the blocks of frame k of a range, from `first_block` on; none without strains.
   std::span<float> known_frames(std::size_t k, std::size_t first_block) {
     if (scratch_.frames.empty()) return {};
@@ -165,7 +176,8 @@ class CpuBackend final : public Backend {
         .subspan(cpu::kFrameNumbers * first_block);
   }
 
-  // The frames of Direct Delta Mush of all blocks, which the pose stage needs, too, and from them the strains.
+  // The frames of Direct Delta Mush of all blocks, which the pose stage needs, too, where no modifier turned a joint,
+  // and from them the strains.
   void find_strains(Work& work, FrameRange range) {
     if (basis_.strain.vertices.empty()) return;
     const Batch& batch = work.batch;
@@ -173,7 +185,7 @@ class CpuBackend final : public Backend {
     over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
       auto last = StageTimes::Clock::now();
       const std::size_t block = first / kBlockSize, blocks = (count + kBlockSize - 1) / kBlockSize;
-      cpu::block_frames(basis_.ddm, of_frame(batch.skinning, range.begin + k, batch.frame_count).data(),
+      cpu::block_frames(basis_.ddm, of_frame(learned_skinning(batch), range.begin + k, batch.frame_count).data(),
                         static_cast<std::uint32_t>(block), known_frames(k, block).first(cpu::kFrameNumbers * blocks));
       work.times.add_since(last, Stage::strain);
     });
@@ -216,6 +228,8 @@ class CpuBackend final : public Backend {
       const auto block = static_cast<std::uint32_t>(first / kBlockSize);
       float numbers[3 * kPartVertices];
       const std::span<float> displacements(numbers, 3 * count);
+      const std::span<float> known =
+          poses_as_learned(work.batch, range.begin + k) ? known_frames(k, block) : std::span<float>();
       auto last = StageTimes::Clock::now();
       for (const Stage stage : stages) {
         if (stage == Stage::residual) {
@@ -224,7 +238,7 @@ class CpuBackend final : public Backend {
         } else if (stage == Stage::modify) {
           cpu::modify_blocks(basis_.modifiers, frame(work.batch.modifiers).data(), block, displacements);
         } else if (stage == Stage::pose) {
-          cpu::pose_blocks(basis_.ddm, frame(work.batch.skinning).data(), known_frames(k, block).data(),
+          cpu::pose_blocks(basis_.ddm, frame(work.batch.skinning).data(), known.data(),
                            &work.batch.origins[4 * (range.begin + k)], block, displacements,
                            frame(work.result.positions).subspan(3 * first, 3 * count));
         }

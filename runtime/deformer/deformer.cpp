@@ -90,6 +90,10 @@ Batch make_batch(const Basis& basis, std::span<const Pose> poses) {
     batch.skinning.insert(batch.skinning.end(), rig.skinning.begin(), rig.skinning.end());
     batch.origins.insert(batch.origins.end(), {rig.origin[0], rig.origin[1], rig.origin[2], 0.0f});
     batch.joint_features.insert(batch.joint_features.end(), rig.joint_features.begin(), rig.joint_features.end());
+    if (basis.modifiers.turn_joints()) {
+      batch.learned_skinning.insert(batch.learned_skinning.end(), rig.learned_skinning.begin(),
+                                    rig.learned_skinning.end());
+    }
     batch.joints.insert(batch.joints.end(), rig.joints.begin(), rig.joints.end());
     const std::vector<float> fades = region_fades(basis.residual, rig.joint_features);
     batch.fades.insert(batch.fades.end(), fades.begin(), fades.end());

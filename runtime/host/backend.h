@@ -42,6 +42,8 @@ struct Batch {
   std::vector<float> controls;        // F x control count
   std::vector<float> fades;           // F x region count, see region_fades
   std::vector<float> modifiers{};     // F x component count of the modifiers
+  // As skinning, before modifiers turned joints: for the strains. Empty where the basis has none that turn any.
+  std::vector<float> learned_skinning{};
   std::vector<double> joints{};       // F x J x 3, metres, world: for the plan of the jiggle
   std::vector<JiggleFrame> jiggle{};  // F; empty: the skin is quasi-static
   bool stays_on_device = false;       // positions and normals are wanted there, and not in the result

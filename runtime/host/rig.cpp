@@ -36,14 +36,14 @@ std::uint32_t joint_feature_count(const Skeleton& skeleton) {
 
 namespace {
 
-void check_pose(const Skeleton& skeleton, const Pose& pose) {
-  if (pose.joints.size() != skeleton.size()) {
-    throw Error(ErrorKind::mismatch, "a pose of " + std::to_string(pose.joints.size()) +
+void check_joints(const Skeleton& skeleton, const std::vector<JointTransform>& joints) {
+  if (joints.size() != skeleton.size()) {
+    throw Error(ErrorKind::mismatch, "a pose of " + std::to_string(joints.size()) +
                                          " joints was given to a skeleton of " + std::to_string(skeleton.size()) +
                                          ": it was made for another skeleton");
   }
-  for (std::size_t j = 0; j < pose.joints.size(); ++j) {
-    const JointTransform& t = pose.joints[j];
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const JointTransform& t = joints[j];
     double sum = 0;
     for (int i = 0; i < 3; ++i) sum += std::abs(t.translation[i]) + std::abs(t.scale[i]);
     for (const double x : t.rotation) sum += std::abs(x);
@@ -64,31 +64,55 @@ std::vector<Quat> bind_rotations(const Skeleton& skeleton) {
   return world;
 }
 
-RigFrame pose_rig(const Skeleton& skeleton, const Pose& pose) {
-  check_pose(skeleton, pose);
-  RigFrame frame;
-  const std::vector<Affine> world = posed_joints(skeleton, pose.joints);
-  for (int i = 0; i < 3; ++i) frame.origin[i] = world.empty() ? 0.0f : static_cast<float>(world[0].m[i][3]);
+namespace {
+
+// J x 12.
+std::vector<float> relative_skinning(const Skeleton& skeleton, const std::vector<Affine>& world,
+                                     const float (&origin)[3]) {
+  std::vector<float> skinning;
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
     Affine relative = world[j];
-    for (const auto& row : relative.m) frame.joints.push_back(row[3]);
-    for (int i = 0; i < 3; ++i) relative.m[i][3] -= static_cast<double>(frame.origin[i]);
+    for (int i = 0; i < 3; ++i) relative.m[i][3] -= static_cast<double>(origin[i]);
     relative = relative * skeleton.joints[j].inverse_bind;
     for (const auto& row : relative.m) {
-      for (const double x : row) frame.skinning.push_back(static_cast<float>(x));
+      for (const double x : row) skinning.push_back(static_cast<float>(x));
     }
   }
+  return skinning;
+}
 
+// See RigFrame.
+std::vector<float> joint_features(const Skeleton& skeleton, const std::vector<JointTransform>& joints) {
+  std::vector<float> features;
   const std::vector<Quat> bind = bind_rotations(skeleton);
   for (const std::uint32_t j : feature_joints(skeleton)) {
     const Joint& joint = skeleton.joints[j];
     const Quat& axes = bind[static_cast<std::size_t>(joint.parent)];
-    const Quat change = normalized(pose.joints[j].rotation) * conjugate(normalized(joint.bind.rotation));
+    const Quat change = normalized(joints[j].rotation) * conjugate(normalized(joint.bind.rotation));
     const auto r = rotation_matrix(normalized(axes * change * conjugate(axes)));
     for (int i = 0; i < 3; ++i) {
-      for (int k = 0; k < 3; ++k) frame.joint_features.push_back(static_cast<float>(r[i][k] - (i == k ? 1 : 0)));
+      for (int k = 0; k < 3; ++k) features.push_back(static_cast<float>(r[i][k] - (i == k ? 1 : 0)));
     }
   }
+  return features;
+}
+
+}  // namespace
+
+RigFrame pose_rig(const Skeleton& skeleton, const Pose& pose) {
+  check_joints(skeleton, pose.joints);
+  RigFrame frame;
+  const std::vector<Affine> world = posed_joints(skeleton, pose.joints);
+  for (int i = 0; i < 3; ++i) frame.origin[i] = world.empty() ? 0.0f : static_cast<float>(world[0].m[i][3]);
+  for (const Affine& joint : world) {
+    for (const auto& row : joint.m) frame.joints.push_back(row[3]);
+  }
+  frame.skinning = relative_skinning(skeleton, world, frame.origin);
+  check_joints(skeleton, pose.own_joints());
+  frame.learned_skinning = pose.unmodified.empty()
+                               ? frame.skinning
+                               : relative_skinning(skeleton, posed_joints(skeleton, pose.unmodified), frame.origin);
+  frame.joint_features = joint_features(skeleton, pose.own_joints());
   return frame;
 }
 

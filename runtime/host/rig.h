@@ -17,9 +17,11 @@ struct RigFrame {
   // single precision and added back by the pose stage, so that the skin is as exact at 100 m as at the origin.
   float origin[3];
   std::vector<double> joints;  // J x 3: posed positions of the joints, metres, world
-  // 9 values per non-root joint, in joint order: R_k - I, row-major, where R_k is the joint's rotation relative to its
-  // parent, away from the bind pose, in rest axes. Made of local rotations only: a turn of the root changes no bit.
+  // What was learned goes by the pose before modifiers turned joints (Pose::own_joints). 9 values per non-root joint,
+  // in joint order: R_k - I, row-major, where R_k is the joint's rotation relative to its parent, away from the bind
+  // pose, in rest axes. Made of local rotations only: a turn of the root changes no bit.
   std::vector<float> joint_features;
+  std::vector<float> learned_skinning;  // as skinning, of that pose: for the strains
 };
 
 // Posed joint matrices (joint space to world), J, in double precision.

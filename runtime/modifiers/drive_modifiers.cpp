@@ -73,6 +73,7 @@ void turn_joints(const SkinModifier& modifier, std::span<const float> weights, s
       const Vec3 axis{static_cast<double>(turn.x), static_cast<double>(turn.y), static_cast<double>(turn.z)};
       const double angle = weight * length(axis);
       if (angle == 0) continue;  // not a bit of the pose changes
+      if (poses[f].unmodified.empty()) poses[f].unmodified = poses[f].joints;
       Quat& rotation = poses[f].joints.at(turn.joint).rotation;
       rotation = axis_angle((1 / length(axis)) * axis, angle) * rotation;
     }
@@ -127,7 +128,10 @@ std::vector<std::string> drive_modifiers(const Basis& basis, std::span<const std
                                          double frames_per_second, std::span<Pose> poses) {
   std::vector<std::string> notes;
   if (basis.modifiers.empty()) return notes;
-  for (Pose& pose : poses) pose.modifiers.assign(basis.modifiers.component_count(), 0.0f);
+  for (Pose& pose : poses) {
+    pose.modifiers.assign(basis.modifiers.component_count(), 0.0f);
+    pose.unmodified.clear();
+  }
   for (const SkinModifier& modifier : basis.modifiers.stack) {
     if (modifier.on) apply_modifier(basis, modifier, channels, frames_per_second, poses, notes);
   }

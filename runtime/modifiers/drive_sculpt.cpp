@@ -1,5 +1,5 @@
 // Sculpt: 1 at the pose it was made for, 0 from the spread on, between them smooth. How far a pose is off is the
-// largest turn of the joints that the sculpt listens to.
+// largest turn of the joints that the sculpt listens to, before modifiers turn them.
 //   joints: those;  numbers: the spread, radians, then the rotation of each of the joints at the pose (x, y, z, w)
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,7 @@ void drive_sculpt(const ModifierFrames& frames, std::span<float> weights) {
     for (std::size_t k = 0; k < modifier.joints.size(); ++k) {
       Quat own;
       for (std::size_t i = 0; i < 4; ++i) own[i] = static_cast<double>(modifier.numbers.at(1 + 4 * k + i));
-      const Quat& posed = frames.poses[f].joints[modifier.joints[k]].rotation;
+      const Quat& posed = frames.poses[f].own_joints()[modifier.joints[k]].rotation;
       furthest = std::max(furthest, turn_between(normalized(own), normalized(posed)));
     }
     const double always = static_cast<double>(frames.controls[0][f]);

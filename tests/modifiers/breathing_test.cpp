@@ -1,6 +1,7 @@
 // The breath over time.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "runtime/deformer/deformer.h"
@@ -152,6 +153,37 @@ TEST(Breathing, TurnsJointsWithTheChest) {
       axis_angle({1, 0, 0}, 0.1 * static_cast<double>(poses[25].modifiers[0])) * basis.skeleton.joints[1].bind.rotation;
   ASSERT_GT(poses[25].modifiers[0], 0);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(poses[25].joints[1].rotation[i], expected[i], 1e-6);
+}
+
+// The joints turn far out of what was trained: what was learned, and what is said of it, are of the pose below.
+TEST(Breathing, WhatWasLearnedGoesByThePoseWithoutIt) {
+  Basis basis = breathing_basis();
+  basis.modifiers.stack[0].turns = {{1, 0, 3, 0, 0}};
+  Basis without = basis;
+  without.modifiers = {};
+  const std::vector<Pose> still = bind_poses(basis, 40), breathed = driven(basis, {}, still);
+  const Evaluation expected = on_cpu(without, still), shown = on_cpu(basis, breathed);
+  EXPECT_EQ(shown.strains, expected.strains);
+  EXPECT_EQ(shown.fades, expected.fades);
+  EXPECT_EQ(shown.outside, expected.outside);
+  EXPECT_EQ(shown.fading_joint, expected.fading_joint);
+  EXPECT_NE(shown.positions, expected.positions);
+  std::vector<Pose> meant = breathed;  // so turned by the clip itself, they are another pose
+  for (Pose& pose : meant) pose.unmodified.clear();
+  EXPECT_GT(std::ranges::max(on_cpu(basis, meant).outside), std::ranges::max(expected.outside));
+}
+
+// A clip that was driven once is driven anew.
+TEST(Breathing, APoseBelowIsThatOfThisClip) {
+  const Basis basis = breathing_basis();
+  std::vector<Pose> poses = driven(basis, {}, bind_poses(basis, 30));
+  ASSERT_EQ(poses[25].unmodified.size(), 2u);
+  EXPECT_EQ(poses[25].own_joints()[1].rotation, bind_pose(basis.skeleton).joints[1].rotation);
+  EXPECT_TRUE(poses[0].unmodified.empty());  // nothing has moved
+  Basis off = basis;
+  off.modifiers.stack[0].on = false;
+  poses = driven(off, {}, poses);
+  EXPECT_EQ(poses[25].own_joints()[1].rotation, poses[25].joints[1].rotation);
 }
 
 TEST(DriveModifiers, ClampsAndSaysSo) {

@@ -65,6 +65,26 @@ TEST(VulkanBackend, ModifiersEqualTheCpuBackend) {
   }
 }
 
+// Strains are of the skinning before modifiers turned joints, on either, and the skin is of that after.
+TEST(VulkanBackend, StrainsOfTurnedJointsEqualTheCpuBackend) {
+  const Basis plain = with_random_modifiers(random_basis(20, 70), 2);
+  Basis turning = plain;
+  turning.modifiers.stack[0].turns = {{1, 0, 0.1f, 0, 0}};
+  const auto cpu = make_cpu_backend(turning), gpu = on_device(turning);
+  Batch batch = random_batch(plain, 3), before = batch;
+  batch.learned_skinning = batch.skinning;
+  const std::vector<float> unturned = gpu->run(batch).positions;
+  EXPECT_EQ(unturned, on_device(plain)->run(before).positions);
+  EXPECT_EQ(cpu->run(batch).positions, make_cpu_backend(plain)->run(before).positions);
+  const std::vector<float> strains = gpu->run(batch).strains;
+  const std::size_t one = batch.skinning.size() / 3;  // the second frame turns
+  std::copy_n(random_batch(plain, 4).skinning.begin(), one, batch.skinning.begin() + static_cast<std::ptrdiff_t>(one));
+  const BatchResult shown = gpu->run(batch);
+  expect_equal(shown, cpu->run(batch));
+  EXPECT_EQ(shown.strains, strains);
+  EXPECT_NE(shown.positions, unturned);
+}
+
 TEST(VulkanBackend, RelaxEqualsTheCpuBackend) {
   const Basis plain = with_random_modifiers(random_basis(20, 70), 7), basis = with_relax(plain);
   const auto cpu = make_cpu_backend(basis), gpu = on_device(basis), without = on_device(plain);

@@ -26,11 +26,13 @@ struct FrameCounts {
         centres(basis.residual.centre_count()),
         coefficients(basis.residual.coefficient_count()),
         components(basis.modifiers.component_count()),
+        turned_joints(basis.modifiers.turn_joints() ? joints : 0),
         relaxed(basis.modifiers.of_type(kRelax) ? 3 * vertices : 0) {}
 
   std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
   std::uint32_t regions, coordinates, centres, coefficients, components;
-  std::uint32_t relaxed;  // numbers of the skin that is relaxed; 0 where none is
+  std::uint32_t turned_joints;  // all joints where modifiers turn some; 0 where none do
+  std::uint32_t relaxed;        // numbers of the skin that is relaxed; 0 where none is
 };
 
 struct SkinTables {

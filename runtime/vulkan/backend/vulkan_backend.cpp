@@ -40,6 +40,7 @@ struct BatchBuffers {
         controls(device, frames, n.controls, "the controls"),
         fades(device, frames, n.regions, "the fades"),
         modifiers(device, frames, n.components, "the modifiers' weights"),
+        learned_skinning(device, frames, std::uint64_t{12} * n.turned_joints, "the skinning matrices of the strains"),
         strain_positions(device, frames, std::uint64_t{3} * n.strain_vertices, "the strain positions"),
         strains(device, frames, n.fibres, "the strains"),
         features(device, frames, n.features, "the features"),
@@ -52,19 +53,30 @@ struct BatchBuffers {
         relaxed{Values(device, frames, n.relaxed, "the relaxed skin"),
                 Values(device, frames, n.relaxed, "the relaxed skin")},
         normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
-        staging_in(device, total({&skinning, &origins, &joint_features, &controls, &fades, &modifiers}),
-                   Memory::staging, "staging"),
+        staging_in(device, total(inputs()), Memory::staging, "staging"),
         staging_out(device, total({&positions, &normals, &positions, &strains, &excess, &coefficients}),
                     Memory::staging, "staging") {}
 
-  static VkDeviceSize total(std::initializer_list<const Values*> parts) {
+  // What a batch brings, in this order.
+  std::vector<const Values*> inputs() const {
+    return {&skinning, &origins, &joint_features, &controls, &fades, &modifiers, &learned_skinning};
+  }
+  static std::vector<std::span<const float>> inputs_of(const Batch& b) {
+    return {b.skinning, b.origins, b.joint_features, b.controls, b.fades, b.modifiers, b.learned_skinning};
+  }
+  // Of the pose before modifiers turned joints.
+  const Buffer& skinning_of_strains() const {
+    return learned_skinning.bytes > 0 ? learned_skinning.buffer : skinning.buffer;
+  }
+
+  static VkDeviceSize total(const std::vector<const Values*>& parts) {
     VkDeviceSize sum = 0;
     for (const Values* part : parts) sum += part->bytes;
     return sum;
   }
 
   std::uint32_t frames;
-  Values skinning, origins, joint_features, controls, fades, modifiers;
+  Values skinning, origins, joint_features, controls, fades, modifiers, learned_skinning;
   Values strain_positions, strains, features, excess, coordinates, kernels, coefficients, displacements;
   Values positions;
   std::array<Values, 2> relaxed;  // by one step, and by the next
@@ -94,8 +106,8 @@ class VulkanBackend final : public Backend {
     const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
     const std::uint64_t largest =
         std::max<std::uint64_t>({skin, skinning, strain, n.coordinates, n.centres, n.features});
-    const std::uint64_t all = 3 * skin + 2 * n.relaxed + n.components + skinning + strain + n.coordinates + n.centres +
-                              3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
+    const std::uint64_t all = 3 * skin + 2 * n.relaxed + n.components + 2 * skinning + strain + n.coordinates +
+                              n.centres + 3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
     const std::uint64_t by_range =
         device_.info().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
     const std::uint64_t by_memory =
@@ -259,12 +271,10 @@ class VulkanBackend final : public Backend {
   }
 
   void record_inputs(const Batch& batch) {
-    const BatchBuffers& b = *buffers_;
-    const std::pair<const Values&, const std::vector<float>&> parts[] = {
-        {b.skinning, batch.skinning}, {b.origins, batch.origins}, {b.joint_features, batch.joint_features},
-        {b.controls, batch.controls}, {b.fades, batch.fades},     {b.modifiers, batch.modifiers}};
-    for (const auto& [values, from] : parts) {
-      if (values.bytes > 0) commands_->update(values.buffer, std::as_bytes(std::span(from)).first(values.bytes));
+    const std::vector<const Values*> to = buffers_->inputs();
+    const std::vector<std::span<const float>> from = BatchBuffers::inputs_of(batch);
+    for (std::size_t k = 0; k < to.size(); ++k) {
+      if (to[k]->bytes > 0) commands_->update(to[k]->buffer, std::as_bytes(from[k]).first(to[k]->bytes));
     }
   }
 
@@ -304,10 +314,9 @@ class VulkanBackend final : public Backend {
   }
 
   void record_upload() {
-    const BatchBuffers& b = *buffers_;
     VkDeviceSize offset = 0;
-    for (const Values* values : {&b.skinning, &b.origins, &b.joint_features, &b.controls, &b.fades, &b.modifiers}) {
-      commands_->copy({b.staging_in, offset, values->bytes}, values->buffer);
+    for (const Values* values : buffers_->inputs()) {
+      commands_->copy({buffers_->staging_in, offset, values->bytes}, values->buffer);
       offset += values->bytes;
     }
   }
@@ -316,7 +325,7 @@ class VulkanBackend final : public Backend {
     const BatchBuffers& b = *buffers_;
     const SkinTables& t = tables_;
     record_strain_skin(*commands_, kernels_.strain_skin,
-                       {t.ddm, b.skinning.buffer, t.strain_vertices, b.strain_positions.buffer},
+                       {t.ddm, b.skinning_of_strains(), t.strain_vertices, b.strain_positions.buffer},
                        counts_.strain_vertices, counts_.joints, frames);
     kernels_.strain_measure.record(
         *commands_, {t.points, t.fibre_begin, t.rest_length, b.strain_positions.buffer, b.strains.buffer},
@@ -390,15 +399,13 @@ class VulkanBackend final : public Backend {
   }
 
   void send(const Batch& batch) {
-    const BatchBuffers& b = *buffers_;
-    std::byte* to = b.staging_in.mapped();
-    const std::pair<const Values&, const std::vector<float>&> parts[] = {
-        {b.skinning, batch.skinning}, {b.origins, batch.origins}, {b.joint_features, batch.joint_features},
-        {b.controls, batch.controls}, {b.fades, batch.fades},     {b.modifiers, batch.modifiers}};
-    for (const auto& [values, from] : parts) {
-      if (values.bytes == 0) continue;
-      std::memcpy(to, from.data(), values.bytes);
-      to += values.bytes;
+    std::byte* to = buffers_->staging_in.mapped();
+    const std::vector<const Values*> values = buffers_->inputs();
+    const std::vector<std::span<const float>> from = BatchBuffers::inputs_of(batch);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (values[k]->bytes == 0) continue;
+      std::memcpy(to, from[k].data(), values[k]->bytes);
+      to += values[k]->bytes;
     }
   }
 

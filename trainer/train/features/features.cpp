@@ -17,7 +17,8 @@ constexpr double kLeastDeviation = 1e-3;
 
 std::vector<float> strains_of(const Basis& basis, const RigFrame& rig) {
   std::vector<float> positions(3 * basis.strain.vertices.size()), strains(basis.strain.fibre_count());
-  cpu::strain_skin(basis.ddm, basis.strain, static_cast<std::uint32_t>(basis.skeleton.size()), rig.skinning, positions);
+  cpu::strain_skin(basis.ddm, basis.strain, static_cast<std::uint32_t>(basis.skeleton.size()), rig.learned_skinning,
+                   positions);
   cpu::strain_measure(basis.strain, positions, strains);
   return strains;
 }
