@@ -15,6 +15,7 @@
 #include "cli/arguments/task_arguments.h"
 #include "cli/results/attachments.h"
 #include "cli/results/shot_caches.h"
+#include "cli/results/shot_folds.h"
 #include "cli/run_steps.h"
 #include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/posed_clip.h"
@@ -204,8 +205,11 @@ void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun
   std::string text = format("%zu frames of %u points on %s in %.2f s\n", shot.frames.size(), caches.points(),
                             shot.deformer->device_name().c_str(), seconds) +
                      caches.log().text();
+  const std::optional<ShotFolds> folds = measure_shot_folds(shot.deformer->basis(), shot.poses, shot.frames);
+  if (folds) text += text_of(*folds);
   for (const fs::path& file : outputs) text += "wrote " + file.string() + "\n";
   Json result = caches.log().result();
+  if (folds) result["push_out"] = to_json(*folds);
   result["cache"] = arguments.cache.out;
   result["points"] = caches.points();
   result["device"] = shot.deformer->device_name();

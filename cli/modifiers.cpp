@@ -1,6 +1,7 @@
-// bodyopt modifiers: breathing, morphs, sculpts, flexed muscles, sag and relax for a basis.
+// bodyopt modifiers: breathing, morphs, sculpts, flexed muscles, sag, relax and push-out for a basis.
 #include "assets/shot_modifiers.h"
 #include "cli/arguments/common.h"
+#include "cli/results/shot_folds.h"
 #include "runtime/basis/levels.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/modifiers/bake_stack.h"
@@ -53,10 +54,16 @@ void run(const ModifiersArguments& arguments) {
   for (const SkinModifier& modifier : basis.modifiers.stack) {
     text += format("%-16s %-12s %10u\n", modifier.name.c_str(), modifier.type.c_str(), modifier.component_count);
     list.push_back({{"name", modifier.name}, {"type", modifier.type}, {"components", modifier.component_count}});
-    if (modifier.type != "breathing") continue;
-    const std::vector<BreathMeasure> breaths = measure_breathing(basis, modifier);
-    text += breath_table(breaths);
-    list.back()["breaths"] = json_of_breaths(breaths);
+    if (modifier.type == "breathing") {
+      const std::vector<BreathMeasure> breaths = measure_breathing(basis, modifier);
+      text += breath_table(breaths);
+      list.back()["breaths"] = json_of_breaths(breaths);
+    }
+    if (modifier.type == kPushOut.name) {
+      const std::vector<JointFold> folds = measure_push_out(basis);
+      text += text_of(folds);
+      list.back()["folds"] = to_json(folds);
+    }
   }
   text += format("%.1f bytes a vertex\nwrote %s\n", bytes / basis.mesh.vertex_count(), arguments.out.c_str());
   arguments.json.emit({{"modifiers", list},
@@ -71,7 +78,7 @@ void run(const ModifiersArguments& arguments) {
 void add_modifiers(CLI::App& app) {
   auto arguments = std::make_shared<ModifiersArguments>();
   CLI::App& verb = *app.add_subcommand(
-      "modifiers", "Give a basis modifiers: breathing, morphs, sculpts, flexed muscles, sag, relax");
+      "modifiers", "Give a basis modifiers: breathing, morphs, sculpts, flexed muscles, sag, relax, push-out");
   verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
   verb.add_option("stack", arguments->stack, "The stack to make (modifiers.json)")->required()->type_name("STACK");
   add_output(verb, arguments->out, ".safetensors", "Basis to write, with the modifiers in place of those it had");

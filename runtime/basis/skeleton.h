@@ -31,7 +31,7 @@ std::uint64_t skeleton_hash(const Skeleton& skeleton);
 struct Pose {
   std::vector<JointTransform> joints;
   std::vector<float> controls;
-  std::vector<float> modifiers{};  // weights of the modifiers' components (drive_modifiers); empty: all 0
+  std::vector<float> modifiers{};            // weights of the modifiers' components (drive_modifiers); empty: all 0
   std::vector<JointTransform> unmodified{};  // joints before modifiers turned some; empty: none did
 
   // Those that what was learned goes by: it knows nothing of modifiers.

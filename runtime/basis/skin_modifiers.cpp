@@ -57,6 +57,17 @@ bool SkinModifiers::turn_joints() const {
   return std::ranges::any_of(stack, [](const SkinModifier& modifier) { return !modifier.turns.empty(); });
 }
 
+bool SkinModifiers::move_posed_skin() const {
+  return std::ranges::any_of(stack, [](const SkinModifier& modifier) { return posed_skin_type(modifier.type); });
+}
+
+const PosedSkinType* posed_skin_type(const std::string& type) {
+  for (const PosedSkinType* posed : kPosedSkinTypes) {
+    if (posed->name == type) return posed;
+  }
+  return nullptr;
+}
+
 const SkinModifier* SkinModifiers::of_type(const std::string& type) const {
   for (const SkinModifier& modifier : stack) {
     if (modifier.type == type) return &modifier;

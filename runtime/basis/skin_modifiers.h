@@ -1,8 +1,9 @@
-// Modifiers of the skin at run time, the last word of an animator on it: breathing, sculpts, morphs. Each but relax
+// Modifiers of the skin at run time, the last word of an animator on it: breathing, sculpts, morphs. Each
 // adds
 //   delta d_i += sum_k w_k b_ki      (un-posed space, metres)
-// and may turn joints, with weights w_k that a function of its type makes of channels over time (runtime/modifiers).
-// Made by the trainer, constant afterwards but for what a shot chooses: order, switches, strengths and constants.
+// and may turn joints, or moves the skin in the end (PosedSkinType), with weights w_k that a function of its type makes
+// of channels over time (runtime/modifiers). Made by the trainer, constant afterwards but for what a shot chooses:
+// order, switches, strengths and constants.
 #pragma once
 
 #include <cstdint>
@@ -40,12 +41,26 @@ struct SkinModifiers {
   bool empty() const { return stack.empty(); }
   std::uint32_t component_count() const;
   bool turn_joints() const;
+  bool move_posed_skin() const;
   const SkinModifier* of_type(const std::string& type) const;  // the first of a type, or null
 };
 
-// The type that acts on the posed skin, after all others. A stack has at most one of it. Its one component moves
-// nothing: its weight says how much is shown.
-inline constexpr const char* kRelax = "relax";
+// A type that moves the posed skin, after all others and after the jiggle, by a kernel of the output stage that runs in
+// steps. A stack has at most one of each; they act in its order. Their components move nothing: the kernel reads their
+// weights.
+enum class PosedSkinStep { relax, separate };
+struct PosedSkinType {
+  const char* name;
+  PosedSkinStep step;
+  std::uint32_t steps;
+  std::uint32_t components, joint_components;  // of the modifier, and more for each of its joints
+  std::uint32_t numbers, joint_numbers;
+};
+inline constexpr PosedSkinType kRelax = {"relax", PosedSkinStep::relax, kRelaxSteps, 1, 0, 0, 0};
+inline constexpr PosedSkinType kPushOut = {"push_out", PosedSkinStep::separate, kSeparateSteps, 0, 3, 1, 7};
+inline constexpr const PosedSkinType* kPosedSkinTypes[] = {&kRelax, &kPushOut};
+// Null: of a type that acts before the skin is posed.
+const PosedSkinType* posed_skin_type(const std::string& type);
 
 constexpr std::size_t kMostModifiers = 256, kMostModifierComponents = 4096;
 

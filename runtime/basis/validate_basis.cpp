@@ -304,14 +304,21 @@ class Validator : TableChecks {
     if (names.size() > kMostModifiers) refuse("there are more than " + std::to_string(kMostModifiers) + " modifiers");
     expect_offsets("modifiers.blend_begin", modifiers.blend_begin, basis_.mesh.block_count(), modifiers.blend.size());
     expect_entries("modifiers.blend", modifiers.blend, used.size());
-    check_relax(modifiers);
+    check_posed_skin(modifiers);
   }
 
-  void check_relax(const SkinModifiers& modifiers) const {
-    const auto count = std::ranges::count(modifiers.stack, kRelax, &SkinModifier::type);
-    if (count > 1) refuse("there are " + std::to_string(count) + " modifiers of the type 'relax', expected one");
-    if (count == 1 && modifiers.of_type(kRelax)->component_count != 1) {
-      refuse("the modifier '" + modifiers.of_type(kRelax)->name + "' has not the one component of its type");
+  void check_posed_skin(const SkinModifiers& modifiers) const {
+    for (const PosedSkinType* type : kPosedSkinTypes) {
+      const auto count = std::ranges::count(modifiers.stack, type->name, &SkinModifier::type);
+      if (count == 0) continue;
+      const std::string name = std::string("the type '") + type->name + "'";
+      if (count > 1) refuse("there are " + std::to_string(count) + " modifiers of " + name + ", expected one");
+      const SkinModifier& modifier = *modifiers.of_type(type->name);
+      const std::size_t joints = modifier.joints.size();
+      if (modifier.component_count != type->components + joints * type->joint_components ||
+          modifier.numbers.size() != type->numbers + joints * type->joint_numbers) {
+        refuse("the modifier '" + modifier.name + "' has not the components and numbers of " + name);
+      }
     }
   }
 

@@ -8,7 +8,7 @@
 #include "runtime/cpu/cpu_dynamics.h"
 #include "runtime/cpu/ddm_frames.h"
 #include "runtime/cpu/kernels.h"
-#include "runtime/host/relax_steps.h"
+#include "runtime/host/output_steps.h"
 #include "runtime/host/stages.h"
 
 namespace bodyopt {
@@ -61,6 +61,7 @@ class CpuBackend final : public Backend {
   CpuBackend(const Basis& basis, const JiggleModel& jiggle, std::shared_ptr<Executor> executor)
       : basis_(basis),
         executor_(executor ? std::move(executor) : std::make_shared<SerialExecutor>()),
+        fold_sides_(fold_sides(basis)),
         rest_coefficients_(basis.residual.coefficient_count(), 0) {
     if (jiggle.dynamics) dynamics_.emplace(jiggle, *executor_);
   }
@@ -100,8 +101,8 @@ class CpuBackend final : public Backend {
     if (stage == Stage::diffuse) dynamics_->diffuse(work.batch, result.positions);
     if (stage == Stage::jiggle) dynamics_->jiggle(work.batch, weights_.jiggle, result.strains, result.positions);
     if (stage == Stage::output) {
-      relax(work);
-      if (work.batch.wants_normals) find_normals(work);
+      finish(work);
+      if (work.batch.wants_normals) find_normals(work, work.result.normals);
       return;
     }
     work.times.add_since(last, stage);
@@ -110,7 +111,8 @@ class CpuBackend final : public Backend {
   // Arrays of a batch that nobody asks for, kept from batch to batch.
   struct Scratch {
     std::vector<float> fibre_positions, features, coordinates, kernels;
-    std::vector<float> relaxed;
+    std::vector<float> finished, unfinished;  // skins by modifiers that move it in the end
+    std::vector<float> finished_normals, boxes;
     std::vector<float> areas;   // of kFramesAtOnce frames
     std::vector<float> frames;  // of all blocks of kFramesAtOnce frames; none without strains
   };
@@ -247,22 +249,60 @@ class CpuBackend final : public Backend {
     });
   }
 
-  void relax(Work& work) {
-    const std::size_t frames = work.batch.frame_count;
-    for (const OutputRelaxPush& push : relax_steps(basis_, work.batch)) {
-      scratch_.relaxed.resize(work.result.positions.size());
-      over_parts(frames, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
-        auto last = StageTimes::Clock::now();
-        cpu::relax_part(basis_.mesh, of_frame(work.batch.modifiers, f, frames)[push.component],
-                        of_frame(work.result.positions, f, frames), first,
-                        of_frame(scratch_.relaxed, f, frames).subspan(3 * first, 3 * count));
-        work.times.add_since(last, Stage::output);
-      });
-      work.result.positions.swap(scratch_.relaxed);
+  // What modifiers do that move the skin in the end.
+  void finish(Work& work) {
+    std::vector<float>& positions = work.result.positions;
+    for (const OutputStep& step : output_steps(basis_, work.batch)) {
+      scratch_.finished.resize(positions.size());
+      switch (step.kind) {
+        case PosedSkinStep::relax:
+          relax(work, step);
+          break;
+        case PosedSkinStep::separate:
+          if (step.number == 0) scratch_.unfinished = positions;
+          separate(work, step);
+          break;
+      }
+      positions.swap(scratch_.finished);
     }
   }
 
-  void find_normals(Work& work) {
+  void relax(Work& work, const OutputStep& step) {
+    const std::size_t frames = work.batch.frame_count;
+    over_parts(frames, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
+      auto last = StageTimes::Clock::now();
+      cpu::relax_part(basis_.mesh, of_frame(work.batch.modifiers, f, frames)[step.modifier->first_component],
+                      of_frame(work.result.positions, f, frames), first,
+                      of_frame(scratch_.finished, f, frames).subspan(3 * first, 3 * count));
+      work.times.add_since(last, Stage::output);
+    });
+  }
+
+  void separate(Work& work, const OutputStep& step) {
+    const std::size_t frames = work.batch.frame_count;
+    const OutputBoundPush bound = bound_push(basis_);
+    const OutputSeparatePush push = separate_push(basis_, step);
+    scratch_.finished_normals.resize(work.result.positions.size());
+    find_normals(work, scratch_.finished_normals);
+    scratch_.boxes.resize(frames * 6 * bound.box_count);
+    over_frames({0, frames}, [&](std::size_t f) {
+      auto last = StageTimes::Clock::now();
+      cpu::output_bound(basis_.mesh, bound, of_frame(work.result.positions, f, frames),
+                        of_frame(scratch_.boxes, f, frames));
+      work.times.add_since(last, Stage::output);
+    });
+    over_parts(frames, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
+      auto last = StageTimes::Clock::now();
+      const auto frame = [&](auto& values) { return of_frame(values, f, frames); };
+      cpu::separate_part(basis_.mesh, fold_sides_, push,
+                         {frame(scratch_.boxes), frame(work.batch.modifiers), frame(scratch_.finished_normals),
+                          frame(scratch_.unfinished), frame(work.result.positions)},
+                         first, frame(scratch_.finished).subspan(3 * first, 3 * count));
+      work.times.add_since(last, Stage::output);
+    });
+  }
+
+  void find_normals(Work& work, std::vector<float>& normals) {
     const std::size_t frames = work.batch.frame_count;
     const std::size_t triangles = basis_.mesh.triangles.size() / 3, numbers = cpu::kAreaNumbers * triangles;
     for_ranges(frames, [&](FrameRange range) {
@@ -277,7 +317,7 @@ class CpuBackend final : public Backend {
       over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
         auto last = StageTimes::Clock::now();
         cpu::part_normals(basis_.mesh, areas.subspan(k * numbers, numbers), first,
-                          of_frame(work.result.normals, range.begin + k, frames).subspan(3 * first, 3 * count));
+                          of_frame(normals, range.begin + k, frames).subspan(3 * first, 3 * count));
         work.times.add_since(last, Stage::output);
       });
     });
@@ -285,6 +325,7 @@ class CpuBackend final : public Backend {
 
   const Basis& basis_;
   const std::shared_ptr<Executor> executor_;
+  const std::vector<std::uint32_t> fold_sides_;
   std::vector<float> rest_coefficients_;
   Weights weights_;
   std::optional<CpuDynamics> dynamics_;

@@ -79,6 +79,29 @@ void output_relax(const MeshTable& mesh, const OutputRelaxPush& push, std::span<
 void relax_part(const MeshTable& mesh, float weight, std::span<const float> current, std::size_t first_vertex,
                 std::span<float> relaxed);
 
+// Output stage: the box around each kBoxTriangles triangles. positions F x V x 3 -> boxes F x box_count x 6: the least
+// of x, y and z, and the most.
+void output_bound(const MeshTable& mesh, const OutputBoundPush& push, std::span<const float> positions,
+                  std::span<float> boxes);
+
+// What output_separate reads of one frame, or of all.
+struct SeparateFrame {
+  std::span<const float> boxes;           // box_count x 6: of the current skin
+  std::span<const float> weights;         // component_count
+  std::span<const float> normals;         // V x 3: of the current skin
+  std::span<const float> posed, current;  // V x 3, metres: before the first step, and now
+};
+
+// Output stage: one of kSeparateSteps steps in which skin that has crossed skin in a fold goes half its depth along the
+// fold's normal (shaders/include/fold.h), so that both sides meet; of several folds by the shortest way. Only vertices
+// that face the other side do, after the first step only those that it moved. The weights are the folds' normals, as
+// long as how much is shown. sides: see fold_sides. -> moved F x V x 3. What has crossed nothing keeps its bits.
+void output_separate(const MeshTable& mesh, std::span<const std::uint32_t> sides, const OutputSeparatePush& push,
+                     const SeparateFrame& batch, std::span<float> moved);
+// The same of one frame and some vertices: those from first_vertex on, as many as moved holds.
+void separate_part(const MeshTable& mesh, std::span<const std::uint32_t> sides, const OutputSeparatePush& push,
+                   const SeparateFrame& frame, std::size_t first_vertex, std::span<float> moved);
+
 // Output stage: normals by the sum of area vectors of the triangles around each vertex, in ascending triangle order.
 // positions F x V x 3 -> normals F x V x 3; zero where the sum's length is not above 1e-20.
 void output_normals(const MeshTable& mesh, std::span<const float> positions, std::span<float> normals);

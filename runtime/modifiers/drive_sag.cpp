@@ -6,32 +6,10 @@
 #include <stdexcept>
 
 #include "runtime/modifiers/skin_modifier_type.h"
+#include "runtime/modifiers/world_rotations.h"
 
 namespace bodyopt {
 namespace {
-
-// Rotations of all joints, world.
-std::vector<Quat> world_rotations(const Skeleton& skeleton, const std::vector<Quat>& local) {
-  std::vector<Quat> world;
-  for (std::size_t j = 0; j < skeleton.size(); ++j) {
-    const int parent = skeleton.joints[j].parent;
-    const Quat own = normalized(local[j]);
-    world.push_back(parent < 0 ? own : world[static_cast<std::size_t>(parent)] * own);
-  }
-  return world;
-}
-
-std::vector<Quat> local_rotations(const Skeleton& skeleton) {
-  std::vector<Quat> local;
-  for (const Joint& joint : skeleton.joints) local.push_back(joint.bind.rotation);
-  return local;
-}
-
-std::vector<Quat> local_rotations(const Pose& pose) {
-  std::vector<Quat> local;
-  for (const JointTransform& joint : pose.joints) local.push_back(joint.rotation);
-  return local;
-}
 
 // In parts of the earth's gravity, world, Y up.
 Vec3 difference_of_gravity(double amount, double forward, double sideways) {
@@ -46,11 +24,11 @@ void drive_sag(const ModifierFrames& frames, std::span<float> weights) {
   const SkinModifier& modifier = frames.modifier;
   if (modifier.component_count != 3 * modifier.joints.size()) throw std::out_of_range("components of sag");
   const Skeleton& skeleton = frames.basis.skeleton;
-  const std::vector<Quat> bind = world_rotations(skeleton, local_rotations(skeleton));
+  const std::vector<Quat> bind = world_rotations(skeleton, bind_pose(skeleton));
   for (std::size_t f = 0; f < frames.count(); ++f) {
     const auto control = [&](std::size_t k) { return static_cast<double>(frames.controls[k][f]); };
     const Vec3 difference = difference_of_gravity(control(0), control(1), control(2));
-    const std::vector<Quat> posed = world_rotations(skeleton, local_rotations(frames.poses[f]));
+    const std::vector<Quat> posed = world_rotations(skeleton, frames.poses[f]);
     for (std::size_t k = 0; k < modifier.joints.size(); ++k) {
       const std::uint32_t joint = modifier.joints[k];
       const Vec3 felt = rotate(bind[joint] * conjugate(posed[joint]), difference);

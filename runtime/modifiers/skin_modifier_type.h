@@ -53,5 +53,6 @@ void drive_constant(const ModifierFrames& frames, std::span<float> weights);
 void drive_sculpt(const ModifierFrames& frames, std::span<float> weights);
 void drive_flex(const ModifierFrames& frames, std::span<float> weights);
 void drive_sag(const ModifierFrames& frames, std::span<float> weights);
+void drive_push_out(const ModifierFrames& frames, std::span<float> weights);
 
 }  // namespace bodyopt

@@ -36,7 +36,8 @@ std::span<const SkinModifierType> skin_modifier_types() {
         {"sideways", 0, -180, 180, "degrees that it is tilted to +x"}},
        kAsBaked,
        drive_sag},
-      {kRelax, "evens out skin that is compressed", {}, 1, drive_constant},
+      {kRelax.name, "evens out skin that is compressed", {}, 1, drive_constant},
+      {kPushOut.name, "keeps skin from crossing itself in folds", {}, kAsBaked, drive_push_out},
   };
   return types;
 }

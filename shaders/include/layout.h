@@ -150,8 +150,11 @@ struct TetElasticity {
 };
 BODYOPT_CHECK_SIZE(TetElasticity, 8)
 
-// In how many steps skin is relaxed.
-const uint kRelaxSteps = 4u;
+// In how many steps skin is relaxed, and skin that has crossed skin is taken out of it.
+const uint kRelaxSteps = 4u, kSeparateSteps = 3u;
+
+// So many triangles, one after the other, share a box that those a line may meet are found by.
+const uint kBoxTriangles = 32u;
 
 // Push constants, one record per kernel. Every kernel runs over (element, frame) = (x, y).
 struct StrainSkinPush {
@@ -192,6 +195,16 @@ struct PoseSkinPush {
 };
 struct OutputRelaxPush {
   uint vertex_count, component_count, component;  // the last: whose weight says how much is shown
+};
+struct OutputBoundPush {
+  uint vertex_count, triangle_count, box_count;
+};
+struct OutputSeparatePush {
+  uint vertex_count, triangle_count, box_count;
+  uint component_count, component;  // the last: the first of three that are a fold's normal
+  uint fold_count;
+  uint step;    // from 0
+  float limit;  // metres that a vertex moves at most
 };
 struct OutputPlacePush {
   uint output_count, vertex_count;

@@ -110,6 +110,39 @@ TEST(VulkanBackend, RelaxEqualsTheCpuBackend) {
   EXPECT_EQ(gpu->run(batch).positions, before);
 }
 
+// After relax, and alone; with normals and without.
+TEST(VulkanBackend, PushOutEqualsTheCpuBackend) {
+  const Basis plain = with_random_modifiers(random_basis(20, 70), 7);
+  for (const Basis& basis : {with_push_out(plain), with_push_out(with_relax(plain))}) {
+    const std::size_t components = basis.modifiers.component_count(), first = components - 6;
+    const auto cpu = make_cpu_backend(basis), gpu = on_device(basis);
+    Batch batch = random_batch(basis, 3);
+    const auto push_out = [&](float shown) {
+      for (std::size_t k = 0; k < batch.modifiers.size(); ++k) {
+        if (k % components >= first)
+          batch.modifiers[k] = shown * static_cast<float>(k % 5) / 7 * (k % 2 == 0 ? 1.0f : -1.0f);
+      }
+    };
+    push_out(0);
+    const std::vector<float> before = gpu->run(batch).positions;
+    for (const bool normals : {true, false}) {
+      batch.wants_normals = normals;
+      push_out(1);
+      const BatchResult shown = gpu->run(batch);
+      expect_equal(shown, cpu->run(batch));
+      EXPECT_NE(shown.positions, before);
+      push_out(0);
+      EXPECT_EQ(gpu->run(batch).positions, before);
+    }
+    // Nothing in the stack is at work.
+    std::fill(batch.modifiers.begin(), batch.modifiers.end(), 0.0f);
+    Batch bare = batch;
+    bare.modifiers.resize(std::size_t{3} * 7);
+    EXPECT_EQ(gpu->run(batch).positions, on_device(plain)->run(bare).positions);
+    EXPECT_EQ(cpu->run(batch).positions, make_cpu_backend(plain)->run(bare).positions);
+  }
+}
+
 TEST(VulkanBackend, RestCoefficientsAreTakenOutExactly) {
   const Basis basis = random_basis(20, 70);
   const auto gpu = on_device(basis);

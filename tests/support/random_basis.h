@@ -47,9 +47,22 @@ inline Basis with_random_modifiers(Basis basis, std::uint32_t components) {
 inline Basis with_relax(Basis basis) {
   const std::uint32_t component = basis.modifiers.component_count();
   SkinModifier& modifier = basis.modifiers.stack.emplace_back();
-  modifier.name = modifier.type = kRelax;
+  modifier.name = modifier.type = kRelax.name;
   modifier.first_component = component;
   modifier.component_count = 1;
+  return basis;
+}
+
+// With push-out on top, whose folds hold all skin.
+inline Basis with_push_out(Basis basis) {
+  const std::uint32_t component = basis.modifiers.component_count();
+  SkinModifier& modifier = basis.modifiers.stack.emplace_back();
+  modifier.name = modifier.type = kPushOut.name;
+  modifier.first_component = component;
+  modifier.component_count = 6;
+  modifier.joints = {2, 4};
+  modifier.numbers = {0.2f, 0, 0, 0, 9, 1, 0, 0, 0, 0, 0, 9, 1, 0, 0};
+  for (std::size_t j = 1; j < basis.skeleton.size(); ++j) basis.skeleton.joints[j].parent = static_cast<int>(j) - 1;
   return basis;
 }
 

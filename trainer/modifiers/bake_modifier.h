@@ -35,6 +35,7 @@ BakedModifier bake_sculpt(const BakeInput& input);
 BakedModifier bake_flex(const BakeInput& input);
 BakedModifier bake_sag(const BakeInput& input);
 BakedModifier bake_relax(const BakeInput& input);
+BakedModifier bake_push_out(const BakeInput& input);
 
 // V x 3, in runtime order, of V welded vertices.
 Positions rest_positions(const Basis& basis);

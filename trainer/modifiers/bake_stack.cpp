@@ -28,7 +28,8 @@ const std::vector<BakeType>& bake_types() {
       {"sculpt", {"mesh", "clip", "frame", "spread_degrees", "joints"}, bake_sculpt},
       {"flex", {"muscles", "muscle", "bulge_mm"}, bake_flex},
       {"sag", {"dynamics"}, bake_sag},
-      {kRelax, {}, bake_relax},
+      {kRelax.name, {}, bake_relax},
+      {kPushOut.name, {"limit_mm"}, bake_push_out},
   };
   return types;
 }
@@ -54,7 +55,7 @@ void refuse_unknown_keys(const JsonObject& json, const BakeType& type) {
 
 // It has the last word, on skin that is posed: a second one would only go on with it.
 void refuse_second(const JsonObject& json, const std::string& type, const SkinModifiers& stack) {
-  if (type == kRelax && stack.of_type(type) != nullptr) {
+  if (posed_skin_type(type) != nullptr && stack.of_type(type) != nullptr) {
     json.refuse("is the second of the type '" + type + "': a stack has one");
   }
 }

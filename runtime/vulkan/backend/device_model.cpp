@@ -19,7 +19,8 @@ SkinTables::SkinTables(const Device& device, const Basis& b)
       centres(upload(device, b.residual.centres, "the centres")),
       coefficient_region(upload(device, b.residual.coefficient_region, "the coefficients' regions")),
       weights(upload(device, b.residual.weights, "the weights")),
-      rest(upload(device, b.modifiers.of_type(kRelax) ? b.mesh.rest : std::vector<float>(), "the skin at rest")),
+      rest(upload(device, b.modifiers.of_type(kRelax.name) ? b.mesh.rest : std::vector<float>(), "the skin at rest")),
+      fold_sides(upload(device, bodyopt::fold_sides(b), "the folds' sides")),
       triangles(upload(device, b.mesh.triangles, "the triangles")),
       vertex_triangle_begin(upload(device, b.mesh.vertex_triangle_begin, "the vertices' triangles")),
       vertex_triangles(upload(device, b.mesh.vertex_triangles, "the vertices' triangles")),
@@ -36,6 +37,8 @@ SkinKernels::SkinKernels(const Device& device)
       modify_blend(device),
       pose_skin(device),
       output_relax(device),
+      output_bound(device),
+      output_separate(device),
       output_normals(device),
       output_place(device) {}
 

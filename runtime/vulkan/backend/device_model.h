@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "runtime/host/character_model.h"
+#include "runtime/host/output_steps.h"
 #include "runtime/vulkan/backend/block_solve.h"
 #include "runtime/vulkan/kernels/windows.h"
 
@@ -27,12 +28,14 @@ struct FrameCounts {
         coefficients(basis.residual.coefficient_count()),
         components(basis.modifiers.component_count()),
         turned_joints(basis.modifiers.turn_joints() ? joints : 0),
-        relaxed(basis.modifiers.of_type(kRelax) ? 3 * vertices : 0) {}
+        finished(basis.modifiers.move_posed_skin() ? 3 * vertices : 0),
+        boxes(basis.modifiers.of_type(kPushOut.name) ? box_count(basis.mesh) : 0) {}
 
   std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
   std::uint32_t regions, coordinates, centres, coefficients, components;
   std::uint32_t turned_joints;  // all joints where modifiers turn some; 0 where none do
-  std::uint32_t relaxed;        // numbers of the skin that is relaxed; 0 where none is
+  std::uint32_t finished;       // numbers of a skin that modifiers move in the end; 0 where none do
+  std::uint32_t boxes;          // of triangles; 0 without push-out
 };
 
 struct SkinTables {
@@ -42,7 +45,7 @@ struct SkinTables {
   BlendBuffers blend, modifiers;
   Buffer strain_vertices, points, fibre_begin, rest_length;
   Buffer ranges, regions, region_features, coordinate_region, projections, centre_region, centres;
-  Buffer coefficient_region, weights, rest;
+  Buffer coefficient_region, weights, rest, fold_sides;
   Buffer triangles, vertex_triangle_begin, vertex_triangles, output_vertex;
 };
 
@@ -59,6 +62,8 @@ struct SkinKernels {
   ModifyBlend modify_blend;
   PoseSkin pose_skin;
   OutputRelax output_relax;
+  OutputBound output_bound;
+  OutputSeparate output_separate;
   OutputNormals output_normals;
   OutputPlace output_place;
 };

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "runtime/core/error.h"
-#include "runtime/host/relax_steps.h"
+#include "runtime/host/output_steps.h"
 #include "runtime/host/stages.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_dynamics.h"
@@ -50,8 +50,10 @@ struct BatchBuffers {
         coefficients(device, frames, n.coefficients, "the coefficients"),
         displacements(device, frames, std::uint64_t{3} * n.vertices, "the displacements"),
         positions(device, frames, std::uint64_t{3} * n.vertices, "the positions"),
-        relaxed{Values(device, frames, n.relaxed, "the relaxed skin"),
-                Values(device, frames, n.relaxed, "the relaxed skin")},
+        finished{Values(device, frames, n.finished, "the finished skin"),
+                 Values(device, frames, n.finished, "the finished skin"),
+                 Values(device, frames, n.finished, "the finished skin")},
+        boxes(device, frames, std::uint64_t{6} * n.boxes, "the boxes of triangles"),
         normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
         staging_in(device, total(inputs()), Memory::staging, "staging"),
         staging_out(device, total({&positions, &normals, &positions, &strains, &excess, &coefficients}),
@@ -79,7 +81,8 @@ struct BatchBuffers {
   Values skinning, origins, joint_features, controls, fades, modifiers, learned_skinning;
   Values strain_positions, strains, features, excess, coordinates, kernels, coefficients, displacements;
   Values positions;
-  std::array<Values, 2> relaxed;  // by one step, and by the next
+  std::array<Values, 3> finished;  // before a modifier, and by one of its steps and the next
+  Values boxes;
   Values normals;
   Buffer staging_in, staging_out;
 };
@@ -106,8 +109,8 @@ class VulkanBackend final : public Backend {
     const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
     const std::uint64_t largest =
         std::max<std::uint64_t>({skin, skinning, strain, n.coordinates, n.centres, n.features});
-    const std::uint64_t all = 3 * skin + 2 * n.relaxed + n.components + 2 * skinning + strain + n.coordinates +
-                              n.centres + 3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
+    const std::uint64_t all = 3 * skin + 3 * n.finished + 6 * n.boxes + n.components + 2 * skinning + strain +
+                              n.coordinates + n.centres + 3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
     const std::uint64_t by_range =
         device_.info().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
     const std::uint64_t by_memory =
@@ -171,7 +174,7 @@ class VulkanBackend final : public Backend {
     const bool recorded = recorded_ && buffers_->frames == batch.frame_count && batch.jiggle.empty() &&
                           batch.stays_on_device == stays_on_device_ && batch.keeps_posed == keeps_posed_ &&
                           batch.wants_normals == wants_normals_ &&
-                          relax_steps(model_->model().basis, batch).size() == relax_steps_.size();
+                          output_steps(model_->model().basis, batch) == output_steps_;
     if (!recorded) allocate(batch.frame_count);
     send(batch);  // first: recording runs what is long
     if (!recorded) record(batch);
@@ -196,7 +199,7 @@ class VulkanBackend final : public Backend {
   }
 
   void record_stages(const Batch& batch) {
-    relax_steps_ = relax_steps(model_->model().basis, batch);
+    output_steps_ = output_steps(model_->model().basis, batch);
     // No residual: un-posed displacements of zero.
     if (!has_blend_) commands_->fill(buffers_->displacements.buffer, 0);
     commands_->timestamp();
@@ -239,26 +242,55 @@ class VulkanBackend final : public Backend {
   }
 
   void record_output(const Batch& batch) {
-    record_relax(batch.frame_count);
-    if (!batch.wants_normals) return;
+    record_finish(batch.frame_count);
+    if (batch.wants_normals) record_normals(batch.frame_count);
+  }
+
+  void record_normals(std::uint32_t frames) {
     const SkinTables& t = tables_;
     kernels_.output_normals.record(
         *commands_, {t.triangles, t.vertex_triangle_begin, t.vertex_triangles, *skin_, buffers_->normals.buffer},
-        {counts_.vertices}, batch.frame_count);
+        {counts_.vertices}, frames);
   }
 
-  void record_relax(std::uint32_t frames) {
-    const SkinTables& t = tables_;
-    std::size_t to = 0;
-    for (const OutputRelaxPush& push : relax_steps_) {
-      const Buffer& relaxed = buffers_->relaxed[to].buffer;
-      kernels_.output_relax.record(*commands_,
-                                   {t.triangles, t.vertex_triangle_begin, t.vertex_triangles, t.rest,
-                                    buffers_->modifiers.buffer, *skin_, relaxed},
-                                   push, frames);
-      skin_ = &relaxed;
-      to = 1 - to;
+  // What modifiers do that move the skin in the end.
+  void record_finish(std::uint32_t frames) {
+    const Buffer* unfinished = nullptr;
+    for (const OutputStep& step : output_steps_) {
+      if (step.number == 0) unfinished = skin_;
+      const auto unused = std::ranges::find_if(
+          buffers_->finished, [&](const Values& v) { return &v.buffer != skin_ && &v.buffer != unfinished; });
+      const Buffer& to = unused->buffer;
+      switch (step.kind) {
+        case PosedSkinStep::relax:
+          record_relax(step, to, frames);
+          break;
+        case PosedSkinStep::separate:
+          record_separate(step, *unfinished, to, frames);
+          break;
+      }
+      skin_ = &to;
     }
+  }
+
+  void record_relax(const OutputStep& step, const Buffer& to, std::uint32_t frames) {
+    const SkinTables& t = tables_;
+    kernels_.output_relax.record(
+        *commands_,
+        {t.triangles, t.vertex_triangle_begin, t.vertex_triangles, t.rest, buffers_->modifiers.buffer, *skin_, to},
+        relax_push(model_->model().basis, step), frames);
+  }
+
+  void record_separate(const OutputStep& step, const Buffer& unfinished, const Buffer& to, std::uint32_t frames) {
+    const BatchBuffers& b = *buffers_;
+    const SkinTables& t = tables_;
+    const Basis& basis = model_->model().basis;
+    record_normals(frames);
+    kernels_.output_bound.record(*commands_, {t.triangles, *skin_, b.boxes.buffer}, bound_push(basis), frames);
+    kernels_.output_separate.record(
+        *commands_,
+        {t.triangles, t.fold_sides, b.boxes.buffer, b.modifiers.buffer, b.normals.buffer, unfinished, *skin_, to},
+        separate_push(basis, step), frames);
   }
 
   // From now on for the host, one frame at a time: what an earlier frame uses is never let go of.
@@ -445,9 +477,9 @@ class VulkanBackend final : public Backend {
   std::unique_ptr<BatchBuffers> buffers_;
   std::optional<VulkanDynamics> dynamics_;
   std::optional<Commands> commands_;
-  std::vector<Stage> stages_;                 // recorded
-  std::vector<OutputRelaxPush> relax_steps_;  // recorded
-  bool recorded_ = false;                     // the quasi-static skin, for as many frames as there are buffers
+  std::vector<Stage> stages_;             // recorded
+  std::vector<OutputStep> output_steps_;  // recorded
+  bool recorded_ = false;                 // the quasi-static skin, for as many frames as there are buffers
   Weights weights_;
   const Buffer* skin_ = nullptr;                                               // of the last batch
   bool stays_on_device_ = false, keeps_posed_ = false, wants_normals_ = true;  // as recorded

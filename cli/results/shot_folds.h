@@ -1,0 +1,33 @@
+// What push-out does in a shot, and to joints bent far.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cli/arguments/common.h"
+#include "trainer/modifiers/measure_push_out.h"
+
+namespace bodyopt::cli {
+
+struct ShotFolds {
+  std::size_t frames = 0;  // that were looked at
+  FoldMeasure measure;
+  int deepest_frame = 0;
+};
+
+// Of some of the frames in which a fold may close, spread over them, of the quasi-static skin. Nothing where the stack
+// has no push-out, or it is switched off, or no fold closes. `frames`: the poses' numbers.
+std::optional<ShotFolds> measure_shot_folds(const Basis& basis, std::span<const Pose> poses,
+                                            std::span<const int> frames);
+
+Json to_json(const ShotFolds& folds);
+// A line for people.
+std::string text_of(const ShotFolds& folds);
+
+Json to_json(const std::vector<JointFold>& folds);
+// A table for people.
+std::string text_of(const std::vector<JointFold>& folds);
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,32 @@
+// How the modifiers that move the posed skin are run.
+#pragma once
+
+#include <vector>
+
+#include "runtime/host/backend.h"
+
+namespace bodyopt {
+
+struct OutputStep {
+  const SkinModifier* modifier;  // of the basis
+  PosedSkinStep kind;
+  std::uint32_t number;  // of the modifier's steps, from 0
+  bool operator==(const OutputStep&) const = default;
+};
+
+// Those of a batch, in the stack's order; none of a modifier that no frame has a weight for.
+std::vector<OutputStep> output_steps(const Basis& basis, const Batch& batch);
+
+// What output_relax, output_bound and output_separate are pushed.
+OutputRelaxPush relax_push(const Basis& basis, const OutputStep& step);
+OutputBoundPush bound_push(const Basis& basis);
+OutputSeparatePush separate_push(const Basis& basis, const OutputStep& step);
+
+// Boxes of the triangles of a skin, kBoxTriangles to each.
+std::uint32_t box_count(const MeshTable& mesh);
+
+// What output_separate knows of the vertices where there is push-out, or nothing: of each V words of a bit for each
+// fold whose reach it lies within, and as many of a bit for each whose joint, or one below that, holds it.
+std::vector<std::uint32_t> fold_sides(const Basis& basis);
+
+}  // namespace bodyopt

@@ -1,0 +1,56 @@
+// Push-out: the normals of folds that are bent far enough to close. A bone that turns away from where it points at rest
+// leaves a fold between both directions, whose normal is half-way between them (shaders/include/fold.h).
+//   joints: one for each fold;  components: three to a fold, its normal;  numbers: the metres that skin moves at most,
+//   then of each fold where its joint stands at rest, how far from there skin belongs to it, and the bone's direction
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "runtime/modifiers/skin_modifier_type.h"
+#include "runtime/modifiers/world_rotations.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kBegins = 30, kInFull = 45;  // degrees that a bone is turned
+
+double shown_at(double cosine) {
+  const double degrees = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
+  return std::clamp((degrees - kBegins) / (kInFull - kBegins), 0.0, 1.0);
+}
+
+// As long as the fold is shown.
+Vec3 fold_normal(const Vec3& bone, const Vec3& straight) {
+  const Vec3 sum = bone + straight;
+  const double size = length(sum);
+  if (!(size > 1e-6)) return {0, 0, 0};  // turned back on itself
+  return shown_at(dot(bone, straight)) / size * sum;
+}
+
+}  // namespace
+
+void drive_push_out(const ModifierFrames& frames, std::span<float> weights) {
+  const SkinModifier& modifier = frames.modifier;
+  const Skeleton& skeleton = frames.basis.skeleton;
+  if (modifier.component_count != 3 * modifier.joints.size()) throw std::out_of_range("components of push-out");
+  const std::vector<Quat> bind = world_rotations(skeleton, bind_pose(skeleton));
+  for (std::size_t f = 0; f < frames.count(); ++f) {
+    const std::vector<Quat> posed = world_rotations(skeleton, frames.poses[f]);
+    const auto turned = [&](std::size_t joint, const Vec3& v) {
+      return rotate(posed[joint] * conjugate(bind[joint]), v);
+    };
+    for (std::size_t k = 0; k < modifier.joints.size(); ++k) {
+      const int parent = skeleton.joints[modifier.joints[k]].parent;
+      if (parent < 0) throw std::out_of_range("a fold's joint");
+      Vec3 bone;
+      for (std::size_t i = 0; i < 3; ++i) bone[i] = static_cast<double>(modifier.numbers.at(5 + 7 * k + i));
+      const Vec3 normal = fold_normal(turned(modifier.joints[k], bone), turned(static_cast<std::size_t>(parent), bone));
+      for (std::size_t i = 0; i < 3; ++i) {
+        weights[f * modifier.component_count + 3 * k + i] = static_cast<float>(normal[i]);
+      }
+    }
+  }
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,118 @@
+// Where skin has crossed skin in a fold. One source for GLSL and C++.
+//
+// The sides of a fold are the skin that its joint or one below it holds (the child's) and all other (the parent's). Its
+// normal n points from the parent's side to the child's. A vertex lies in the skin of the other side where the line
+// through it along n leaves that side's body above, and enters it below, once more than the other way round.
+#ifndef BODYOPT_FOLD_H
+#define BODYOPT_FOLD_H
+
+#include "one_source.h"
+
+#ifdef __cplusplus
+namespace bodyopt {
+#endif
+
+// Metres that a vertex is looked at outside of where it stands: skin that touches skin has not crossed it.
+const float kFoldOffset = 1e-5f;
+
+// What is found along a line: how often the body is left above the point, and entered below it, less the other way
+// round; the same of the other side's body; how far above that is first left, and how far below (< 0) last entered.
+const int kFoldAbove = 0, kFoldBelow = 1, kFoldOtherAbove = 2, kFoldOtherBelow = 3, kFoldLeft = 4, kFoldEntered = 5;
+
+BODYOPT_FUNCTION float fold_dot(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3)) {
+  BODYOPT_PRECISE float sum = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  return sum;
+}
+
+BODYOPT_FUNCTION void fold_cross(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3), BODYOPT_OUT_ARRAY(c, 3)) {
+  BODYOPT_PRECISE float x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+  c[0] = x;
+  c[1] = y;
+  c[2] = z;
+}
+
+// Two axes across the normal, so that u x w points along it; none of the three is a unit.
+BODYOPT_FUNCTION void fold_axes(BODYOPT_IN_ARRAY(n, 3), BODYOPT_OUT_ARRAY(u, 3), BODYOPT_OUT_ARRAY(w, 3)) {
+  float x = abs(n[0]), y = abs(n[1]), z = abs(n[2]);
+  float across[3];
+  across[0] = x <= y && x <= z ? 1.0f : 0.0f;
+  across[1] = x > y && y <= z ? 1.0f : 0.0f;
+  across[2] = across[0] + across[1] > 0.0f ? 0.0f : 1.0f;
+  fold_cross(n, across, u);
+  fold_cross(n, u, w);
+}
+
+// Does the line surely pass by a box of this middle, relative to the point, and these half edges?
+BODYOPT_FUNCTION bool fold_passes_by(BODYOPT_IN_ARRAY(middle, 3), BODYOPT_IN_ARRAY(half_edge, 3),
+                                     BODYOPT_IN_ARRAY(axis, 3)) {
+  float away = 0.0f, reach = 0.0f, sum = 0.0f;
+  for (int i = 0; i < 3; ++i) {
+    away += axis[i] * middle[i];
+    reach += abs(axis[i]) * half_edge[i];
+    sum += abs(axis[i] * middle[i]);
+  }
+  return abs(away) > reach + 1e-5f * (reach + sum);
+}
+
+// Of a triangle's edge, seen along the normal from the point: 1 where it crosses the half line along u to the left, -1
+// to the right. Of an edge from either end the same, so that no line slips between triangles.
+BODYOPT_FUNCTION float fold_edge(float from_u, float from_w, float to_u, float to_w) {
+  if ((from_w > 0.0f) == (to_w > 0.0f)) return 0.0f;
+  bool left = to_w > 0.0f;
+  float low_u = left ? from_u : to_u, low_w = left ? from_w : to_w;
+  float high_u = left ? to_u : from_u, high_w = left ? to_w : from_w;
+  BODYOPT_PRECISE float side = low_u * high_w - high_u * low_w;
+  if (!(side > 0.0f)) return 0.0f;
+  return left ? 1.0f : -1.0f;
+}
+
+// Adds a triangle, its corners relative to the point, to what is found along the line.
+BODYOPT_FUNCTION void add_fold_triangle(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3), BODYOPT_IN_ARRAY(c, 3),
+                                        BODYOPT_IN_ARRAY(n, 3), BODYOPT_IN_ARRAY(u, 3), BODYOPT_IN_ARRAY(w, 3),
+                                        bool other, BODYOPT_INOUT_ARRAY(found, 6)) {
+  float au = fold_dot(u, a), aw = fold_dot(w, a), bu = fold_dot(u, b), bw = fold_dot(w, b), cu = fold_dot(u, c),
+        cw = fold_dot(w, c);
+  float leaves = fold_edge(au, aw, bu, bw) + fold_edge(bu, bw, cu, cw) + fold_edge(cu, cw, au, aw);
+  if (leaves == 0.0f) return;
+  float ah = fold_dot(n, a), bh = fold_dot(n, b), ch = fold_dot(n, c);
+  BODYOPT_PRECISE float at_a = bu * cw - cu * bw, at_b = cu * aw - au * cw, at_c = au * bw - bu * aw;
+  BODYOPT_PRECISE float sum = at_a + at_b + at_c, weighted = at_a * ah + at_b * bh + at_c * ch;
+  float height = sum != 0.0f ? weighted / sum : ah;
+  height = min(max(height, min(ah, min(bh, ch))), max(ah, max(bh, ch)));
+  float share = other ? 1.0f : 0.0f;
+  if (height > 0.0f) {
+    found[kFoldAbove] += leaves;
+    found[kFoldOtherAbove] += share * leaves;
+    if (other && leaves > 0.0f) found[kFoldLeft] = min(found[kFoldLeft], height);
+  } else {
+    found[kFoldBelow] -= leaves;
+    found[kFoldOtherBelow] -= share * leaves;
+    if (other && leaves < 0.0f) found[kFoldEntered] = max(found[kFoldEntered], height);
+  }
+}
+
+// How deep, along n and in parts of its length, a vertex lies in the other side's skin; 0 where it does not. `offset`:
+// of the point from the vertex, along n.
+BODYOPT_FUNCTION float fold_depth(BODYOPT_IN_ARRAY(found, 6), bool is_child, float offset) {
+  float least = min(min(found[kFoldAbove], found[kFoldBelow]), min(found[kFoldOtherAbove], found[kFoldOtherBelow]));
+  if (!(least > 0.5f)) return 0.0f;
+  return max(is_child ? found[kFoldLeft] + offset : -found[kFoldEntered] - offset, 0.0f);
+}
+
+// The place of a vertex that goes half its depth, as the other skin does; away from where it was posed `limit` at most.
+BODYOPT_FUNCTION void fold_step(BODYOPT_IN_ARRAY(way, 3), BODYOPT_IN_ARRAY(posed, 3), BODYOPT_IN_ARRAY(current, 3),
+                                float limit, BODYOPT_OUT_ARRAY(moved, 3)) {
+  float whole[3];
+  for (int i = 0; i < 3; ++i) whole[i] = current[i] + way[i] - posed[i];
+  BODYOPT_PRECISE float squared = fold_dot(whole, whole);
+  float share = squared > limit * limit ? limit / sqrt(squared) : 1.0f;
+  for (int i = 0; i < 3; ++i) {
+    BODYOPT_PRECISE float x = posed[i] + share * whole[i];
+    moved[i] = x;
+  }
+}
+
+#ifdef __cplusplus
+}  // namespace bodyopt
+#endif
+#endif

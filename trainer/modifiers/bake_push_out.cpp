@@ -1,0 +1,51 @@
+// Push-out: which joints fold skin, and which skin may lie in such a fold: what stands about a bone's length around the
+// joint. What crosses is found by the kernel (shaders/include/fold.h).
+#include "runtime/core/error.h"
+#include "trainer/modifiers/bake_modifier.h"
+#include "trainer/modifiers/bones.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kReach = 1.25;  // of the bone's length
+
+// Skin on one side only does not fold.
+bool has_both_sides(const Basis& basis, std::uint32_t joint, const Vec3& place, double reach) {
+  std::vector<char> below(basis.skeleton.size());
+  for (std::size_t j = 0; j < below.size(); ++j) {
+    const int parent = basis.skeleton.joints[j].parent;
+    below[j] = j == joint || (parent >= 0 && below[static_cast<std::size_t>(parent)]);
+  }
+  bool sides[2] = {false, false};
+  const Positions rest = rest_positions(basis);
+  for (Eigen::Index v = 0; v < rest.rows(); ++v) {
+    const Vec3 way = Vec3{rest(v, 0), rest(v, 1), rest(v, 2)} - place;
+    if (length(way) < reach) sides[below[basis.ddm.vertices[static_cast<std::size_t>(v)].base_joint] ? 1 : 0] = true;
+  }
+  return sides[0] && sides[1];
+}
+
+}  // namespace
+
+BakedModifier bake_push_out(const BakeInput& input) {
+  const Basis& basis = input.basis;
+  BakedModifier baked;
+  baked.numbers.push_back(static_cast<float>(1e-3 * bake_number(input, "limit_mm", 80, 0, 1000)));
+  for (std::uint32_t joint = 0; joint < basis.skeleton.size(); ++joint) {
+    if (basis.skeleton.joints[joint].parent < 0) continue;
+    const Vec3 place = bind_place(basis.skeleton, joint), bone = bone_of(basis.skeleton, joint);
+    const double size = length(bone);
+    if (!(size > 1e-6) || !has_both_sides(basis, joint, place, kReach * size)) continue;
+    baked.joints.push_back(joint);
+    for (const double x : place) baked.numbers.push_back(static_cast<float>(x));
+    baked.numbers.push_back(static_cast<float>(kReach * size));
+    for (const double x : bone) baked.numbers.push_back(static_cast<float>(x / size));
+    baked.components.resize(baked.components.size() + 3, Positions::Zero(basis.mesh.vertex_count(), 3));
+  }
+  if (baked.joints.empty()) {
+    throw Error(ErrorKind::mismatch, input.place + ": no joint of the character bends skin: it cannot fold");
+  }
+  return baked;
+}
+
+}  // namespace bodyopt

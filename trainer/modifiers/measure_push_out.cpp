@@ -1,0 +1,104 @@
+#include "trainer/modifiers/measure_push_out.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <optional>
+
+#include "geometry/skin_in_skin.h"
+#include "runtime/host/rig.h"
+#include "runtime/modifiers/drive_modifiers.h"
+#include "trainer/modifiers/bake_modifier.h"
+#include "trainer/modifiers/bones.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180, kBent = 130 * kDegree;
+constexpr double kLeastRest = 3 * kDegree, kMostRest = 60 * kDegree;  // bent more: the bones are of no limb
+
+// The bind pose with a joint bent further the way it is bent; none where that is not to be told.
+std::optional<Pose> bent_pose(const Skeleton& skeleton, std::uint32_t joint) {
+  const int parent = skeleton.joints[joint].parent;
+  if (parent < 0 || skeleton.joints[static_cast<std::size_t>(parent)].parent < 0) return std::nullopt;
+  const Vec3 above = bind_place(skeleton, joint) - bind_place(skeleton, static_cast<std::uint32_t>(parent)),
+             below = bone_of(skeleton, joint), across = cross(above, below);
+  const double rest = std::atan2(length(across), dot(above, below));
+  if (!(rest > kLeastRest && rest < kMostRest)) return std::nullopt;
+  const Quat axes = bind_rotations(skeleton)[static_cast<std::size_t>(parent)];
+  Pose pose = bind_pose(skeleton);
+  Quat& rotation = pose.joints[joint].rotation;
+  rotation = conjugate(axes) * axis_angle((1 / length(across)) * across, kBent - rest) * axes * rotation;
+  return pose;
+}
+
+}  // namespace
+
+void FoldMeasure::add(const FoldMeasure& other) {
+  deepest = std::max(deepest, other.deepest);
+  deepest_left = std::max(deepest_left, other.deepest_left);
+  sum += other.sum;
+  sum_left += other.sum_left;
+  elsewhere = std::max(elsewhere, other.elsewhere);
+}
+
+FoldJudge::FoldJudge(const Basis& basis)
+    : basis_(basis), triangles_(rest_triangles(basis)), shown_(basis), kept_(basis.mesh.vertex_count(), 0) {
+  for (const BuriedVertex& buried : skin_in_skin(rest_positions(basis), triangles_)) kept_[buried.vertex] = 1;
+}
+
+std::vector<FoldMeasure> FoldJudge::operator()(std::span<const Pose> poses) {
+  const SkinModifier& push_out = *basis_.modifiers.of_type(kPushOut.name);
+  std::vector<Pose> without(poses.begin(), poses.end());
+  for (Pose& pose : without) {
+    if (pose.modifiers.empty()) continue;
+    std::fill_n(pose.modifiers.begin() + push_out.first_component, push_out.component_count, 0.0f);
+  }
+  const std::vector<Positions> before = shown_(without), after = shown_(poses);
+  std::vector<FoldMeasure> measures;
+  for (std::size_t k = 0; k < poses.size(); ++k) measures.push_back(measure(before[k], after[k]));
+  return measures;
+}
+
+FoldMeasure FoldJudge::measure(const Positions& before, const Positions& after) const {
+  FoldMeasure measure;
+  std::vector<char> in_skin(kept_.size(), 0);
+  for (const BuriedVertex& buried : skin_in_skin(before, triangles_)) {
+    in_skin[buried.vertex] = 1;
+    if (kept_[buried.vertex]) continue;
+    measure.deepest = std::max(measure.deepest, buried.depth);
+    measure.sum += buried.depth;
+  }
+  for (const BuriedVertex& buried : skin_in_skin(after, triangles_)) {
+    if (kept_[buried.vertex]) continue;
+    measure.deepest_left = std::max(measure.deepest_left, buried.depth);
+    measure.sum_left += buried.depth;
+  }
+  const Eigen::VectorXd moved = (after - before).rowwise().norm();
+  for (Eigen::Index v = 0; v < moved.size(); ++v) {
+    if (!in_skin[static_cast<std::size_t>(v)]) measure.elsewhere = std::max(measure.elsewhere, moved[v]);
+  }
+  return measure;
+}
+
+std::vector<JointFold> measure_push_out(const Basis& given) {
+  Basis basis = given;
+  for (SkinModifier& modifier : basis.modifiers.stack) modifier.on = modifier.type == kPushOut.name;
+  std::vector<JointFold> folds;
+  std::vector<Pose> poses;
+  for (const std::uint32_t joint : basis.modifiers.of_type(kPushOut.name)->joints) {
+    const std::optional<Pose> bent = bent_pose(basis.skeleton, joint);
+    if (!bent) continue;
+    folds.push_back({basis.skeleton.joints[joint].name, {}});
+    poses.push_back(*bent);
+  }
+  drive_modifiers(basis, {}, 1, poses);
+  const std::vector<FoldMeasure> measures = FoldJudge(basis)(poses);
+  for (std::size_t k = 0; k < folds.size(); ++k) folds[k].measure = measures[k];
+  std::erase_if(folds, [](const JointFold& fold) { return !(fold.measure.sum > 0); });
+  std::ranges::sort(folds, std::greater(), [](const JointFold& fold) { return fold.measure.deepest; });
+  return folds;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,50 @@
+// How deep skin lies in skin where it folds, and what push-out leaves of it.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "trainer/modifiers/evaluated_skin.h"
+
+namespace bodyopt {
+
+// Over some poses. Metres. A vertex' depth is its distance to the skin that it lies behind (geometry/skin_in_skin.h).
+struct FoldMeasure {
+  double deepest = 0, deepest_left = 0;  // of one vertex, before push-out and after it
+  double sum = 0, sum_left = 0;          // of all vertices
+  double elsewhere = 0;                  // how far a vertex moves at most that lay in no skin
+
+  double removed() const { return sum > 0 ? 1 - sum_left / sum : 0; }
+  void add(const FoldMeasure& other);
+};
+
+class FoldJudge {
+ public:
+  // The basis must have push-out, and outlive this.
+  explicit FoldJudge(const Basis& basis);
+
+  // One for each pose, with the weights that its modifiers have; before: without that of push-out. What lies in skin at
+  // rest is left out.
+  std::vector<FoldMeasure> operator()(std::span<const Pose> poses);
+
+ private:
+  FoldMeasure measure(const Positions& before, const Positions& after) const;
+
+  const Basis& basis_;
+  const Triangles triangles_;
+  EvaluatedSkin shown_;
+  std::vector<char> kept_;  // V: in skin at rest
+};
+
+// A joint bent by 130 degrees.
+struct JointFold {
+  std::string joint;
+  FoldMeasure measure;
+};
+
+// Of the joints that bend one way, as the rest pose tells: elbows, knees, fingers. Deepest first; those that fold no
+// skin are left out.
+std::vector<JointFold> measure_push_out(const Basis& basis);
+
+}  // namespace bodyopt
