@@ -54,7 +54,7 @@ void run(const ModifiersArguments& arguments) {
   for (const SkinModifier& modifier : basis.modifiers.stack) {
     text += format("%-16s %-12s %10u\n", modifier.name.c_str(), modifier.type.c_str(), modifier.component_count);
     list.push_back({{"name", modifier.name}, {"type", modifier.type}, {"components", modifier.component_count}});
-    if (modifier.type == "breathing") {
+    if (modifier.type == "breathing" && modifier.component_count == 2) {
       const std::vector<BreathMeasure> breaths = measure_breathing(basis, modifier);
       text += breath_table(breaths);
       list.back()["breaths"] = json_of_breaths(breaths);

@@ -58,7 +58,8 @@ std::string text_of(const ShotFolds& folds) {
   const FoldMeasure& measure = folds.measure;
   if (!(measure.sum > 0)) return format("push-out: no skin in skin in the %zu frames looked at\n", folds.frames);
   return format(
-      "push-out, %zu frames looked at: skin in skin up to %.1f mm deep, in frame %d; %.1f mm left, %.1f %% of all depth "
+      "push-out, %zu frames looked at: skin in skin up to %.1f mm deep, in frame %d; %.1f mm left, %.1f %% of all "
+      "depth "
       "taken out; other skin moves by %.4f mm at most\n",
       folds.frames, 1e3 * measure.deepest, folds.deepest_frame, 1e3 * measure.deepest_left, 100 * measure.removed(),
       1e3 * measure.elsewhere);
@@ -75,8 +76,8 @@ Json to_json(const std::vector<JointFold>& folds) {
 
 std::string text_of(const std::vector<JointFold>& folds) {
   if (folds.empty()) return "no elbow, knee or finger crosses skin where it is bent by 130 degrees\n";
-  std::string text = format("%-20s %9s %9s %10s %13s\n", "bent by 130 degrees", "deep mm", "left mm", "taken out",
-                            "elsewhere mm");
+  std::string text =
+      format("%-20s %9s %9s %10s %13s\n", "bent by 130 degrees", "deep mm", "left mm", "taken out", "elsewhere mm");
   for (const JointFold& fold : folds) {
     text += format("%-20s %9.1f %9.1f %8.1f %% %13.4f\n", fold.joint.c_str(), 1e3 * fold.measure.deepest,
                    1e3 * fold.measure.deepest_left, 100 * fold.measure.removed(), 1e3 * fold.measure.elsewhere);

@@ -7,6 +7,7 @@
 #include "assets/frame_range.h"
 #include "assets/shape_reader.h"
 #include "assets/usda_part.h"
+#include "cli/results/number_cell.h"
 #include "farm/shell_word.h"
 #include "report/html.h"
 #include "report/pictures.h"
@@ -21,8 +22,6 @@ constexpr std::size_t kMostRows = 25, kPicturesInARow = 4;
 constexpr std::uint32_t kPictureWidth = 290, kPictureHeight = 330;
 
 double hours(double seconds) { return seconds / 3600; }
-
-Cell number_of(const char* pattern, double value) { return {format(pattern, value), value}; }
 
 double milliseconds_per_frame(const ElementSummary& element) {
   return element.frames == 0 ? 0 : 1e3 * element.seconds / static_cast<double>(element.frames);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "assets/frame_range.h"
+#include "cli/results/number_cell.h"
 #include "cli/results/transfer_picture.h"
 #include "geometry/closed_skin.h"
 #include "report/pictures.h"
@@ -45,8 +46,6 @@ Image draw_pose(Renderer& renderer, const MeshTable& mesh, const std::vector<flo
   const Camera camera = frame_points(skin, {0.35f, 0.15f, 1}, static_cast<float>(kWidth) / kHeight);
   return renderer.draw(std::span(&drawn, 1), camera, kWidth, kHeight);
 }
-
-Cell number_of(const char* pattern, double value) { return {format(pattern, value), value}; }
 
 // Some, spread over all.
 std::vector<const ComparedPose*> shown_of(const std::vector<ComparedPose>& poses) {

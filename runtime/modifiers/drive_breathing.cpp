@@ -1,11 +1,13 @@
 // Breathing: a breath is a rise, a fall that is quick at first and slow in the end as that of a relaxing lung, and a
 // pause. Its phase is summed over the frames, so that rates may change while it goes on. Component 0 is the chest, 1
-// the belly, both in litres of this body.
+// the belly, both in litres of this body; where it was learnt they are the breath's shapes.
 //   d phase / dt = rate / 60 (1 - hold) / (1 + irregularity * r_k / 2),   k: number of the breath, r_k in -1..1
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <stdexcept>
 
+#include "runtime/modifiers/breath_shapes.h"
 #include "runtime/modifiers/skin_modifier_type.h"
 
 namespace bodyopt {
@@ -39,18 +41,37 @@ double noise(std::uint64_t seed, std::int64_t breath, std::uint64_t which) {
   return static_cast<double>(x >> 11) * 0x1p-52 - 1;
 }
 
-// Filled share of a breath, 0..1, at a phase in 0..1; its slope is continuous.
-double filled(double phase, const BreathControls& c) {
+struct Breath {
+  double filled;  // share, 0..1; its slope is continuous
+  bool comes_in;
+};
+
+// At a phase in 0..1.
+Breath breath_at(double phase, const BreathControls& c) {
   const double moving = 1 - c.pause, in = moving / (1 + c.asymmetry), out = moving - in;
-  if (phase < in) return 0.5 - 0.5 * std::cos(std::numbers::pi * phase / in);
-  if (phase >= moving) return 0;
+  if (phase < in) return {0.5 - 0.5 * std::cos(std::numbers::pi * phase / in), true};
+  if (phase >= moving) return {0, false};
   const double left = 1 - (phase - in) / out;  // 1 to 0
-  return 0.5 + 0.5 * std::cos(std::numbers::pi * (1 - left * std::sqrt(left)));
+  return {0.5 + 0.5 * std::cos(std::numbers::pi * (1 - left * std::sqrt(left))), false};
+}
+
+// Of one frame, of a breath of this depth in the modifier's own measure.
+void set_weights(const Breath& breath, double depth, double chest, std::span<float> weights) {
+  if (weights.size() == 2) {
+    const double volume = depth * breath.filled;
+    weights[0] = static_cast<float>(chest * volume);
+    weights[1] = static_cast<float>((1 - chest) * volume);
+    return;
+  }
+  const std::array<double, kBreathShapes> shares = breath_shapes(breath.filled, breath.comes_in);
+  for (std::size_t k = 0; k < kBreathShapes; ++k) weights[k] = static_cast<float>(depth * shares[k]);
 }
 
 }  // namespace
 
 void drive_breathing(const ModifierFrames& frames, std::span<float> weights) {
+  const std::size_t components = frames.modifier.component_count;
+  if (components != 2 && components != kBreathShapes) throw std::out_of_range("components of breathing");
   const double litres = static_cast<double>(frames.modifier.numbers.at(0));  // of this body for one of a man's
   double phase = frames.count() == 0 ? 0 : static_cast<double>(frames.controls[kPhase][0]);
   for (std::size_t f = 0; f < frames.count(); ++f) {
@@ -58,9 +79,8 @@ void drive_breathing(const ModifierFrames& frames, std::span<float> weights) {
     const auto seed = static_cast<std::uint64_t>(frames.controls[kSeed][f]);
     const auto breath = static_cast<std::int64_t>(std::floor(phase));
     const double depth = c.depth * (1 + 0.5 * c.irregularity * noise(seed, breath, 0));
-    const double volume = litres * depth * filled(phase - std::floor(phase), c);
-    weights[2 * f] = static_cast<float>(c.chest * volume);
-    weights[2 * f + 1] = static_cast<float>((1 - c.chest) * volume);
+    set_weights(breath_at(phase - std::floor(phase), c), litres * depth, c.chest,
+                weights.subspan(components * f, components));
     const double length = 1 + 0.5 * c.irregularity * noise(seed, breath, 1);
     const double hold = static_cast<double>(frames.controls[kHold][f]);
     phase += c.rate / 60 * (1 - hold) / (length * frames.frames_per_second);

@@ -16,7 +16,7 @@ std::span<const SkinModifierType> skin_modifier_types() {
         {"phase", 0, 0, 1, "of the breath at the clip's first frame; 0: about to breathe in"},
         {"hold", 0, 0, 1, "1 holds the breath where it is"},
         {"exertion", 0, 0, 1, "drives all of them from rest to running for life"}},
-       2,
+       kAsBaked,
        drive_breathing},
       {"morph", "a morph target of the character's file, or a mesh, added in un-posed space", {}, 1, drive_constant},
       {"sculpt",

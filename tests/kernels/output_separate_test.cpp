@@ -12,6 +12,7 @@ namespace output_separate_test {
 using Eigen::Vector3d;
 
 constexpr std::uint32_t kFolds = 34, kComponent = 2, kComponents = kComponent + 3 * kFolds, kWords = 2;
+constexpr float kLimit = 0.05f;
 
 // A soup of triangles, of which some folds are bent.
 struct Case {
@@ -26,7 +27,7 @@ struct Case {
              kComponent,
              kFolds,
              step,
-             0.3f},
+             kLimit},
         weights(random.floats(std::size_t{kComponents} * frames, -0.6, 0.6)),
         posed(random.floats(std::size_t{3} * vertices * frames, -0.9, 0.9)),
         current(posed),
@@ -37,7 +38,7 @@ struct Case {
       sides.push_back(random.below(0x10000) << 16 | random.below(0x10000));
     }
     for (std::size_t k = 0; k < kFolds * frames; ++k) {  // most folds are straight
-      if (k % 8 != 3) std::fill_n(&weights[kComponents * (k / kFolds) + kComponent + 3 * (k % kFolds)], 3, 0.0f);
+      if (k % 4 != 3) std::fill_n(&weights[kComponents * (k / kFolds) + kComponent + 3 * (k % kFolds)], 3, 0.0f);
     }
     for (std::size_t k = 0; k < current.size(); ++k) {  // every other vertex was moved by a step before
       if (k / 3 % 2 == 1) current[k] += static_cast<float>(random.uniform(-0.05, 0.05));
@@ -99,8 +100,9 @@ struct Case {
       way = (is_child(v, fold) ? 0.5 : -0.5) * deep * std::min(1.0, weight.norm()) * weight.normalized();
     }
     if (least == 1e9) return own;
+    const double limit{kLimit};
     Vector3d whole = own + way - before;
-    if (whole.norm() > 0.3) whole *= 0.3 / whole.norm();
+    if (whole.norm() > limit) whole *= limit / whole.norm();
     return before + whole;
   }
 
@@ -122,20 +124,20 @@ const bool added =
 
 TEST(OutputSeparateReference, EqualsTheTextbook) {
   for (const std::uint32_t step : {0u, 1u}) {
-    const Case c(150, 3, step);
+    const Case c(300, 3, step);
     std::size_t moved = 0, limited = 0;
     for (std::size_t f = 0; f < 3; ++f) {
-      for (std::size_t v = 0; v < 150; ++v) {
+      for (std::size_t v = 0; v < 300; ++v) {
         const Vector3d expected = c.expected(f, v);
         ASSERT_LT((c.at(c.moved, f, v) - expected).norm(), 1e-5) << "vertex " << v << " of frame " << f;
         moved += expected != c.at(c.current, f, v);
-        limited += (expected - c.at(c.posed, f, v)).norm() > 0.2999;
+        limited += (expected - c.at(c.posed, f, v)).norm() > 0.0499;
       }
     }
     EXPECT_GT(moved, 30u);
-    EXPECT_LT(moved, 400u);
+    EXPECT_LT(moved, 800u);
     EXPECT_GT(limited, 3u);
-    EXPECT_LT(limited, moved - 10);
+    EXPECT_LT(limited + 10, moved);
   }
 }
 

@@ -141,6 +141,7 @@ void add_shoulders(const Basis& basis, const Torso& torso, double litres, BakedM
 
 // numbers: litres of this body for one of a man's.
 BakedModifier bake_breathing(const BakeInput& input) {
+  if (input.parameters.has("dataset") || input.parameters.has("take")) return bake_learnt_breathing(input);
   const Torso torso = find_torso(input.basis, input.place);
   const Positions rest = rest_positions(input.basis);
   const TorsoSlices slices(rest, torso);

@@ -30,6 +30,7 @@ struct BakedModifier {
 
 // All throw Error(mismatch) where the character does not suit, Error(file) for files.
 BakedModifier bake_breathing(const BakeInput& input);
+BakedModifier bake_learnt_breathing(const BakeInput& input);
 BakedModifier bake_morph(const BakeInput& input);
 BakedModifier bake_sculpt(const BakeInput& input);
 BakedModifier bake_flex(const BakeInput& input);
@@ -44,6 +45,9 @@ Triangles rest_triangles(const Basis& basis);
 // An artist's mesh: a PC2 cache of one sample, or a glTF character, with the vertices of the basis' character. V x 3,
 // metres. Throws Error(file), and Error(mismatch) for another topology.
 Positions read_modifier_shape(const BakeInput& input, const char* key);
+
+// The same of the character's points, O x 3, in the order of its file; `source` is named where they do not fit.
+Positions modifier_shape(const BakeInput& input, const std::vector<float>& points, const std::string& source);
 
 // A number of the parameters, `usual` where it is not named.
 double bake_number(const BakeInput& input, const char* key, double usual, double low, double high);

@@ -23,7 +23,7 @@ struct BakeType {
 
 const std::vector<BakeType>& bake_types() {
   static const std::vector<BakeType> types = {
-      {"breathing", {}, bake_breathing},
+      {"breathing", {"dataset", "take"}, bake_breathing},
       {"morph", {"file", "target", "mesh"}, bake_morph},
       {"sculpt", {"mesh", "clip", "frame", "spread_degrees", "joints"}, bake_sculpt},
       {"flex", {"muscles", "muscle", "bulge_mm"}, bake_flex},
@@ -128,9 +128,13 @@ Positions read_modifier_shape(const BakeInput& input, const char* key) {
     }
     points = reader.sample(0);
   }
+  return modifier_shape(input, points, path.string());
+}
+
+Positions modifier_shape(const BakeInput& input, const std::vector<float>& points, const std::string& source) {
   const MeshTable& mesh = input.basis.mesh;
   if (points.size() != 3 * std::size_t{mesh.output_count()}) {
-    throw Error(ErrorKind::mismatch, input.place + ": " + path.string() + " has " + std::to_string(points.size() / 3) +
+    throw Error(ErrorKind::mismatch, input.place + ": " + source + " has " + std::to_string(points.size() / 3) +
                                          " points, the character " + std::to_string(mesh.output_count()) +
                                          " vertices: it is of another mesh, or was re-ordered on export");
   }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "geometry/skin_in_skin.h"
+#include "geometry/thickness.h"
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/modifiers/bake_modifier.h"
@@ -31,6 +32,20 @@ std::optional<Pose> bent_pose(const Skeleton& skeleton, std::uint32_t joint) {
   Quat& rotation = pose.joints[joint].rotation;
   rotation = conjugate(axes) * axis_angle((1 / length(across)) * across, kBent - rest) * axes * rotation;
   return pose;
+}
+
+// J: is the bone longer than the skin that goes with it is thick? A neck's or a spine's does not fold, it is crushed.
+std::vector<char> slender_joints(const Basis& basis) {
+  const Eigen::VectorXd thick = thickness(rest_positions(basis), rest_triangles(basis));
+  std::vector<double> sum(basis.skeleton.size(), 0), count(sum);
+  for (std::uint32_t v = 0; v < basis.mesh.vertex_count(); ++v) {
+    sum[basis.ddm.vertices[v].base_joint] += thick[v];
+    count[basis.ddm.vertices[v].base_joint] += 1;
+  }
+  std::vector<char> slender;
+  for (std::uint32_t j = 0; j < sum.size(); ++j)
+    slender.push_back(count[j] * length(bone_of(basis.skeleton, j)) > sum[j]);
+  return slender;
 }
 
 }  // namespace
@@ -85,11 +100,12 @@ FoldMeasure FoldJudge::measure(const Positions& before, const Positions& after) 
 std::vector<JointFold> measure_push_out(const Basis& given) {
   Basis basis = given;
   for (SkinModifier& modifier : basis.modifiers.stack) modifier.on = modifier.type == kPushOut.name;
+  const std::vector<char> slender = slender_joints(basis);
   std::vector<JointFold> folds;
   std::vector<Pose> poses;
   for (const std::uint32_t joint : basis.modifiers.of_type(kPushOut.name)->joints) {
     const std::optional<Pose> bent = bent_pose(basis.skeleton, joint);
-    if (!bent) continue;
+    if (!bent || !slender[joint]) continue;
     folds.push_back({basis.skeleton.joints[joint].name, {}});
     poses.push_back(*bent);
   }

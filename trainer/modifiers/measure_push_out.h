@@ -43,8 +43,8 @@ struct JointFold {
   FoldMeasure measure;
 };
 
-// Of the joints that bend one way, as the rest pose tells: elbows, knees, fingers. Deepest first; those that fold no
-// skin are left out.
+// Of the joints of slender limbs that bend one way, as the rest pose tells: elbows, knees, fingers. Deepest first;
+// those that fold no skin are left out.
 std::vector<JointFold> measure_push_out(const Basis& basis);
 
 }  // namespace bodyopt
