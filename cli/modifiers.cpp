@@ -60,7 +60,7 @@ void run(const ModifiersArguments& arguments) {
       list.back()["breaths"] = json_of_breaths(breaths);
     }
     if (modifier.type == kPushOut.name) {
-      const std::vector<JointFold> folds = measure_push_out(basis);
+      const std::vector<BentJoint> folds = measure_push_out(basis);
       text += text_of(folds);
       list.back()["folds"] = to_json(folds);
     }

@@ -65,20 +65,20 @@ std::string text_of(const ShotFolds& folds) {
       1e3 * measure.elsewhere);
 }
 
-Json to_json(const std::vector<JointFold>& folds) {
+Json to_json(const std::vector<BentJoint>& folds) {
   Json list = Json::array();
-  for (const JointFold& fold : folds) {
+  for (const BentJoint& fold : folds) {
     list.push_back(to_json(fold.measure));
     list.back()["joint"] = fold.joint;
   }
   return list;
 }
 
-std::string text_of(const std::vector<JointFold>& folds) {
+std::string text_of(const std::vector<BentJoint>& folds) {
   if (folds.empty()) return "no elbow, knee or finger crosses skin where it is bent by 130 degrees\n";
   std::string text =
       format("%-20s %9s %9s %10s %13s\n", "bent by 130 degrees", "deep mm", "left mm", "taken out", "elsewhere mm");
-  for (const JointFold& fold : folds) {
+  for (const BentJoint& fold : folds) {
     text += format("%-20s %9.1f %9.1f %8.1f %% %13.4f\n", fold.joint.c_str(), 1e3 * fold.measure.deepest,
                    1e3 * fold.measure.deepest_left, 100 * fold.measure.removed(), 1e3 * fold.measure.elsewhere);
   }

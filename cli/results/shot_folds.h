@@ -26,8 +26,8 @@ Json to_json(const ShotFolds& folds);
 // A line for people.
 std::string text_of(const ShotFolds& folds);
 
-Json to_json(const std::vector<JointFold>& folds);
+Json to_json(const std::vector<BentJoint>& folds);
 // A table for people.
-std::string text_of(const std::vector<JointFold>& folds);
+std::string text_of(const std::vector<BentJoint>& folds);
 
 }  // namespace bodyopt::cli

@@ -12,7 +12,7 @@ namespace output_separate_test {
 using Eigen::Vector3d;
 
 constexpr std::uint32_t kFolds = 34, kComponent = 2, kComponents = kComponent + 3 * kFolds, kWords = 2;
-constexpr float kLimit = 0.05f;
+constexpr float kLimit = 0.1f;
 
 // A soup of triangles, of which some folds are bent.
 struct Case {
@@ -130,13 +130,14 @@ TEST(OutputSeparateReference, EqualsTheTextbook) {
       for (std::size_t v = 0; v < 300; ++v) {
         const Vector3d expected = c.expected(f, v);
         ASSERT_LT((c.at(c.moved, f, v) - expected).norm(), 1e-5) << "vertex " << v << " of frame " << f;
-        moved += expected != c.at(c.current, f, v);
-        limited += (expected - c.at(c.posed, f, v)).norm() > 0.0499;
+        if (expected == c.at(c.current, f, v)) continue;
+        ++moved;
+        limited += (expected - c.at(c.posed, f, v)).norm() > 0.0999;
       }
     }
     EXPECT_GT(moved, 30u);
     EXPECT_LT(moved, 800u);
-    EXPECT_GT(limited, 3u);
+    EXPECT_GT(limited, 2u);
     EXPECT_LT(limited + 10, moved);
   }
 }

@@ -97,11 +97,11 @@ FoldMeasure FoldJudge::measure(const Positions& before, const Positions& after) 
   return measure;
 }
 
-std::vector<JointFold> measure_push_out(const Basis& given) {
+std::vector<BentJoint> measure_push_out(const Basis& given) {
   Basis basis = given;
   for (SkinModifier& modifier : basis.modifiers.stack) modifier.on = modifier.type == kPushOut.name;
   const std::vector<char> slender = slender_joints(basis);
-  std::vector<JointFold> folds;
+  std::vector<BentJoint> folds;
   std::vector<Pose> poses;
   for (const std::uint32_t joint : basis.modifiers.of_type(kPushOut.name)->joints) {
     const std::optional<Pose> bent = bent_pose(basis.skeleton, joint);
@@ -112,8 +112,8 @@ std::vector<JointFold> measure_push_out(const Basis& given) {
   drive_modifiers(basis, {}, 1, poses);
   const std::vector<FoldMeasure> measures = FoldJudge(basis)(poses);
   for (std::size_t k = 0; k < folds.size(); ++k) folds[k].measure = measures[k];
-  std::erase_if(folds, [](const JointFold& fold) { return !(fold.measure.sum > 0); });
-  std::ranges::sort(folds, std::greater(), [](const JointFold& fold) { return fold.measure.deepest; });
+  std::erase_if(folds, [](const BentJoint& fold) { return !(fold.measure.sum > 0); });
+  std::ranges::sort(folds, std::greater(), [](const BentJoint& fold) { return fold.measure.deepest; });
   return folds;
 }
 

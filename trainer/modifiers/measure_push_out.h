@@ -38,13 +38,13 @@ class FoldJudge {
 };
 
 // A joint bent by 130 degrees.
-struct JointFold {
+struct BentJoint {
   std::string joint;
   FoldMeasure measure;
 };
 
 // Of the joints of slender limbs that bend one way, as the rest pose tells: elbows, knees, fingers. Deepest first;
 // those that fold no skin are left out.
-std::vector<JointFold> measure_push_out(const Basis& basis);
+std::vector<BentJoint> measure_push_out(const Basis& basis);
 
 }  // namespace bodyopt
