@@ -76,7 +76,12 @@ CurationRow small_dataset() {
 }
 
 // As two bodies match.
-MatchRow small_match() { return {false, 0.9, 1.1, {{"LeftArm", 0.6, 2.3, 0.4, true}, {"Hips", 0.95, 1, 0.1, false}}}; }
+MatchRow small_match() {
+  MatchRow row{false, 0.9, 1.1, {{"LeftArm", 0.6, 2.3, 0.4, true}, {"Hips", 0.95, 1, 0.1, false}}};
+  row.volumes = {1.013, 0.994};
+  row.to_simulate = "3, 12-14";
+  return row;
+}
 
 // Without muscles, clip, controls or errors.
 Snapshot bare_character() {

@@ -388,7 +388,6 @@ TEST(MatchSkeletons, RefusesMirrorImagesAndStrangers) {
   EXPECT_EQ(testing::kind_of([&] { match_skeletons(source, stranger, ""); }), ErrorKind::mismatch);
 }
 
-// A limb that is bent at rest, 60 degrees: posed as the straight one rests, it is straight.
 TEST(MatchSkeletons, NamesTheRatioOfUnits) {
   const Character limb = limb_character();
   const auto notes_at = [&](double size) {
@@ -403,6 +402,47 @@ TEST(MatchSkeletons, NamesTheRatioOfUnits) {
   EXPECT_EQ(notes_at(0.01).size(), 1u);
 }
 
+// A joint that only one of the two has, half-way along the forearm: named, and what it turns is counted to the wrist.
+TEST(MatchSkeletons, TwistJointsThatOnlyOneHasAreNamedAndCountedToTheNext) {
+  const Skeleton plain = limb_skeleton();
+  Skeleton twisting = plain;
+  Joint twist = plain.joints[2];
+  twist.name = "twist";
+  twist.bind.translation[2] = twist.default_local.translation[2] = 0.1;
+  twist.inverse_bind.m[2][3] = -0.4;
+  twisting.joints.insert(twisting.joints.begin() + 2, twist);
+  twisting.joints[3].parent = 2;
+  twisting.joints[3].bind.translation[2] = twisting.joints[3].default_local.translation[2] = 0.1;
+  const auto turns = [](const Skeleton& skeleton, const Pose& pose, std::size_t joint) {
+    return decompose(posed_joints(skeleton, pose.joints)[joint]).rotation;
+  };
+  const auto expect_same = [](const Quat& a, const Quat& b) {
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(a[i], b[i], 1e-9) << i;
+  };
+  const auto is_named = [](const SkeletonMatch& match) {
+    return std::any_of(match.notes.begin(), match.notes.end(),
+                       [](const std::string& note) { return note.find("twist") != std::string::npos; });
+  };
+  Pose posed = bind_pose(twisting);
+  posed.joints[1].rotation = axis_angle({1, 0, 0}, 0.9);
+  posed.joints[2].rotation = axis_angle({0, 0, 1}, 0.7);
+  posed.joints[3].rotation = axis_angle({0, 1, 0}, 0.3);
+
+  const SkeletonMatch to_plain = match_skeletons(twisting, plain, "");
+  EXPECT_TRUE(is_named(to_plain));
+  EXPECT_EQ(to_plain.target_joint, (std::vector<int>{0, 1, -1, 2}));
+  const Pose folded = transferred_pose(to_plain, twisting, plain, posed);
+  expect_same(turns(plain, folded, 1), turns(twisting, posed, 1));
+  expect_same(turns(plain, folded, 2), turns(twisting, posed, 3));
+
+  const SkeletonMatch to_twisting = match_skeletons(plain, twisting, "");
+  EXPECT_TRUE(is_named(to_twisting));
+  const Pose back = transferred_pose(to_twisting, plain, twisting, folded);
+  expect_same(turns(twisting, back, 2), turns(plain, folded, 1));  // it keeps to the joint above
+  expect_same(turns(twisting, back, 3), turns(plain, folded, 2));
+}
+
+// A limb that is bent at rest, 60 degrees: posed as the straight one rests, it is straight.
 TEST(MatchSkeletons, PosesTheTargetAsTheSourceRests) {
   const Skeleton source = limb_skeleton();
   Skeleton bent_skeleton = source;

@@ -109,6 +109,28 @@ TEST_F(TransferProgram, RefusesTargetsWithoutAPlaceAndStrangers) {
   EXPECT_FALSE(std::filesystem::exists(path("a.safetensors")));
 }
 
+// The skin of the one end is held by the joint of the other.
+TEST_F(TransferProgram, UnlikeBodiesAreShownAndRefusedUnlessForced) {
+  Character unlike = limb_character();
+  for (Eigen::Index v = 0; v < unlike.vertices.rows(); ++v) {
+    unlike.weights[static_cast<std::size_t>(v)] = limb_weights(kLimbLength - unlike.vertices(v, 2));
+  }
+  unlike.triangles.conservativeResize(unlike.triangles.rows() - 1, 3);  // other triangles: not matched by number
+  unlike.output_triangles = unlike.triangles;
+  write_character(unlike, path("unlike.glb"));
+  const std::string arguments = path("unlike.glb") + " --out " + path("a.safetensors");
+  const ProgramResult refused = transfer(arguments + " --picture " + path("match.png"));
+  EXPECT_EQ(refused.exit_code, 3) << refused.output;
+  EXPECT_NE(refused.output.find("--force"), std::string::npos) << refused.output;
+  EXPECT_TRUE(std::filesystem::exists(path("match.png")));
+  EXPECT_FALSE(std::filesystem::exists(path("a.safetensors")));
+  const ProgramResult forced = transfer(arguments + " --force --json " + path("r.json"));
+  EXPECT_EQ(forced.exit_code, 0) << forced.output;
+  EXPECT_EQ(load_basis(path("a.safetensors")).mesh.vertex_count(), unlike.vertices.rows());
+  EXPECT_LT(nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0).at("confidence").get<double>(),
+            0.5);
+}
+
 TEST_F(TransferProgram, RefusesMarkersThatAreNone) {
   const std::string good = R"({"schema":"bodyopt-markers-1","markers":[{"source":1,"target":2}]})";
   const auto read = [](const std::filesystem::path& file) { read_markers(file); };
