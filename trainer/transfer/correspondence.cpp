@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "geometry/laplacian.h"
 #include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/ddm_frames.h"
@@ -99,6 +100,7 @@ Correspondence match_skins(const Basis& source, const Basis& target, const Skele
                            const std::vector<SkinMarker>& markers) {
   Correspondence result;
   pose_target(target, match, result);
+  result.area = lumped_areas(result.target, rows_of(target.mesh.triangles));
   if (markers.empty() && have_same_output(source.mesh, target.mesh)) {
     match_by_number(source, target, result);
     return result;

@@ -23,8 +23,10 @@ struct Correspondence {
   std::vector<SkinPoint> at;   // V': where on the source's skin (runtime vertices and triangles)
   Eigen::VectorXd confidence;  // V', 0 .. 1: how near, how alike in normal and joints; 1 for the same topology
   Eigen::VectorXd distance;    // V', metres: from the fitted source
+  Eigen::VectorXd area;        // V', square metres: of the target's skin around each vertex, above 0
 
-  double mean_confidence() const { return confidence.size() == 0 ? 0 : confidence.mean(); }
+  // By area: a head of many vertices is not more of a body than it is.
+  double mean_confidence() const { return confidence.size() == 0 ? 0 : confidence.dot(area) / area.sum(); }
 };
 
 // Less than this is unsure: what is carried there is filled in from around it.
