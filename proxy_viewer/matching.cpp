@@ -42,7 +42,7 @@ void Matching::match() {
   const Basis &source = scene_.cast()[0]->finest_basis(), &target = scene_.cast()[1]->finest_basis();
   std::vector<SkinMarker> markers;
   for (const MarkedPair& pair : controls_.marking.pairs) markers.push_back({pair.of_lead, pair.of_second});
-  const SkeletonMatch skeletons = match_skeletons(source.skeleton, target.skeleton, "");
+  const SkeletonMatch skeletons = match_as_carried(source.skeleton, target.skeleton, target.metadata);
   const Correspondence found = match_skins(source, target, skeletons, markers);
   const auto upload = [&](const Eigen::MatrixXd& rows) { return vulkan::upload(*device_, floats(rows), "a match"); };
   const Positions places = place_colours(rows_of(source.mesh.rest));

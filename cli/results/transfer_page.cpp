@@ -9,7 +9,6 @@
 #include "runtime/basis/output_order.h"
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/transfer/motion_of_target.h"
-#include "trainer/transfer/transfer_parts.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -72,12 +71,7 @@ void add_poses(const MeshTable& source, const MeshTable& carried, const std::vec
   }
 }
 
-std::vector<TransferPart> parts_of(const TransferPair& pair) {
-  return transfer_parts(pair.source, pair.target, pair.match, pair.correspondence);
-}
-
-void add_parts(const TransferPair& pair, Page& page) {
-  const std::vector<TransferPart> parts = parts_of(pair);
+void add_parts(const std::vector<TransferPart>& parts, Page& page) {
   Table table{{{"held by"}, {"vertices"}, {"confidence"}, {"size"}, {"uneven by"}, {""}}, {}};
   for (const TransferPart& part : parts) {
     table.rows.push_back({{part.joint, {}},
@@ -120,8 +114,8 @@ std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& c
   return poses;
 }
 
-void add_transfer(const TransferPair& pair, const std::string& target, const MeshTable& carried,
-                  const std::vector<ComparedPose>& poses, Page& page) {
+void add_transfer(const TransferPair& pair, const std::vector<TransferPart>& parts, const std::string& target,
+                  const MeshTable& carried, const std::vector<ComparedPose>& poses, Page& page) {
   const Correspondence& match = pair.correspondence;
   page.heading(target);
   const std::array headlines{
@@ -134,19 +128,19 @@ void add_transfer(const TransferPair& pair, const std::string& target, const Mes
   const std::vector<std::string> labels{"source, by place", "target, by its matches", "target, hot where unsure"};
   page.picture(transfer_picture(pair), labels, "Which point is which",
                "The same colour is the same point. Both in the pose in which they were matched.", "");
-  add_parts(pair, page);
+  add_parts(parts, page);
   add_poses(pair.source.mesh, carried, poses, page);
 }
 
-Json to_json(const TransferPair& pair, const std::vector<ComparedPose>& poses) {
-  Json parts = Json::array(), volumes = Json::array();
-  for (const TransferPart& part : parts_of(pair)) {
-    parts.push_back({{"joint", part.joint},
-                     {"vertices", part.vertices},
-                     {"confidence", part.confidence},
-                     {"size", part.size},
-                     {"unevenness", part.unevenness},
-                     {"breaks_assumption", part.breaks_assumption}});
+Json to_json(const std::vector<TransferPart>& parts, const std::vector<ComparedPose>& poses) {
+  Json list = Json::array(), volumes = Json::array();
+  for (const TransferPart& part : parts) {
+    list.push_back({{"joint", part.joint},
+                    {"vertices", part.vertices},
+                    {"confidence", part.confidence},
+                    {"size", part.size},
+                    {"unevenness", part.unevenness},
+                    {"breaks_assumption", part.breaks_assumption}});
   }
   for (const ComparedPose& pose : poses) {
     volumes.push_back({{"frame", pose.frame},
@@ -154,7 +148,7 @@ Json to_json(const TransferPair& pair, const std::vector<ComparedPose>& poses) {
                        {"target_volume", pose.target_volume},
                        {"expected_rms_mm", pose.expected_rms_mm}});
   }
-  return {{"parts", parts}, {"poses", volumes}, {"worth_simulating", next_frames(poses)}};
+  return {{"parts", list}, {"poses", volumes}, {"worth_simulating", next_frames(poses)}};
 }
 
 }  // namespace bodyopt::cli

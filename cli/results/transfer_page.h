@@ -7,6 +7,7 @@
 #include "cli/arguments/common.h"
 #include "report/html.h"
 #include "trainer/transfer/transfer_pair.h"
+#include "trainer/transfer/transfer_parts.h"
 
 namespace bodyopt::cli {
 
@@ -24,10 +25,10 @@ std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& c
 
 // Adds what is known of one target. `carried`: of which the poses are, if there are any. Throws Error(device) where
 // nothing can be drawn.
-void add_transfer(const TransferPair& pair, const std::string& target, const MeshTable& carried,
-                  const std::vector<ComparedPose>& poses, Page& page);
+void add_transfer(const TransferPair& pair, const std::vector<TransferPart>& parts, const std::string& target,
+                  const MeshTable& carried, const std::vector<ComparedPose>& poses, Page& page);
 
 // The same for programs.
-Json to_json(const TransferPair& pair, const std::vector<ComparedPose>& poses);
+Json to_json(const std::vector<TransferPart>& parts, const std::vector<ComparedPose>& poses);
 
 }  // namespace bodyopt::cli
