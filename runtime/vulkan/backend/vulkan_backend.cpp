@@ -72,7 +72,7 @@ struct BatchBuffers {
   Buffer staging_in, staging_out;
 };
 
-class VulkanBackend final : public Backend {
+class VulkanBackend final : public Backend, private SplitRun {
  public:
   VulkanBackend(std::shared_ptr<const DeviceModel> model, const std::optional<JiggleOptions>& jiggle)
       : model_(std::move(model)),
@@ -149,12 +149,20 @@ class VulkanBackend final : public Backend {
     if (records_) commands_->forget_sets();
   }
 
+  SplitRun* split() override { return this; }
+
   BatchResult run(const Batch& batch) override {
+    if (batch.frame_count == 0) return {};
+    start(batch).run();
+    return finish();
+  }
+
+ private:
+  Commands& start(const Batch& batch) override {
     refuse_failed();
     if (records_) {
       throw Error(ErrorKind::usage, "the instance records for the host program: make another one to evaluate");
     }
-    if (batch.frame_count == 0) return {};
     failed_ = true;  // until this batch went well
     const bool recorded = recorded_ && buffers_->frames == batch.frame_count && batch.jiggle.empty() &&
                           batch.stays_on_device == stays_on_device_ && batch.keeps_posed == keeps_posed_ &&
@@ -163,14 +171,16 @@ class VulkanBackend final : public Backend {
     if (!recorded) allocate(batch.frame_count);
     send(batch);  // first: recording runs what is long
     if (!recorded) record(batch);
-    commands_->run();
+    return *commands_;
+  }
+
+  BatchResult finish() override {
     BatchResult result = receive();
     refuse_validation_messages();
     failed_ = false;
     return result;
   }
 
- private:
   void record(const Batch& batch) {
     commands_->begin();
     record_upload();
