@@ -8,7 +8,8 @@ std::vector<OutputRelaxPush> relax_steps(const Basis& basis, const Batch& batch)
   const std::uint32_t components = basis.modifiers.component_count(), component = relax->first_component;
   for (std::size_t f = 0; f < batch.frame_count; ++f) {
     if (!(batch.modifiers[f * components + component] > 0)) continue;
-    return {kRelaxSteps, OutputRelaxPush{basis.mesh.vertex_count(), components, component}};
+    const std::uint32_t vertices = basis.mesh.vertex_count();
+    return {kRelaxSteps, OutputRelaxPush{vertices, components, component, 0, vertices, 0}};
   }
   return {};
 }

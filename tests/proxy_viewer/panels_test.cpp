@@ -390,9 +390,9 @@ TEST_F(PanelsTest, MessagesTakeRoomFromTheSidePanelAlone) {
   Rectangle quiet, loud;
   for (int k = 0; k < 3; ++k) quiet = draw(snapshot, controls);
   const float before = rectangle_of("Side").GetHeight();
+  const std::string name(300, 'x');
   for (int k = 0; k < 9; ++k) {
-    controls.warn(std::string(300, 'x') + " a long text that names a file and what was found in it, number " +
-                  std::to_string(k));
+    controls.warn(name + " a long text that names a file and what was found in it, number " + std::to_string(k));
   }
   for (int k = 0; k < 3; ++k) loud = draw(snapshot, controls);
   EXPECT_EQ(loud.width, quiet.width);
