@@ -57,7 +57,7 @@ Clip read_bvh_clip(const std::filesystem::path& path, const Skeleton& skeleton, 
   const SourceMotion motion = motion_of(bvh);
   std::vector<NamedJoint> joints;
   for (const SourceJoint& joint : motion.joints) joints.push_back(joint.joint);
-  const std::vector<int> match = match_joints(joints, skeleton, options.joint_map, path.string(), clip.notes);
+  const std::vector<int> match = match_joints(joints, skeleton, options.joint_map, "the clip " + path.string(), clip.notes);
   if (std::all_of(match.begin(), match.end(), [](int b) { return b < 0; })) {
     std::vector<std::string> names;
     for (const NamedJoint& joint : joints) names.push_back(joint.name);

@@ -41,5 +41,7 @@ std::vector<std::string> clip_names(const std::filesystem::path& path);
 // Writes an animation-only .glb: the skeleton's nodes and one LINEAR animation with a key per frame. Throws
 // Error(file).
 void write_clip(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path);
+// The same in the unit of the character's file (metres; 0: metres), as a DCC would export it, and as clip_unit() says.
+void write_clip(Clip clip, Skeleton skeleton, double unit, const std::filesystem::path& path);
 
 }  // namespace bodyopt

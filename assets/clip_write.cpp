@@ -88,4 +88,20 @@ void write_clip(const Clip& source, const Skeleton& skeleton, const std::filesys
   glb.write(path);
 }
 
+void write_clip(Clip clip, Skeleton skeleton, double unit, const std::filesystem::path& path) {
+  const double per_metre = unit > 0 ? 1 / unit : 1;
+  const auto rescale = [per_metre](JointTransform& transform) {
+    transform.translation = per_metre * transform.translation;
+  };
+  for (Joint& joint : skeleton.joints) {
+    rescale(joint.bind);
+    rescale(joint.default_local);
+    for (auto& row : joint.inverse_bind.m) row[3] *= per_metre;
+  }
+  for (Pose& pose : clip.poses) {
+    for (JointTransform& joint : pose.joints) rescale(joint);
+  }
+  write_clip(clip, skeleton, path);
+}
+
 }  // namespace bodyopt

@@ -69,7 +69,7 @@ std::vector<int> match_nodes(const GltfFile& file, const NodeTree& tree, const S
     place[n] = static_cast<int>(joints.size());
     joints.push_back({names[n], above < 0 ? -1 : place[static_cast<std::size_t>(above)]});
   }
-  std::vector<int> matched = match_joints(joints, skeleton, joint_map, file.path().string(), notes);
+  std::vector<int> matched = match_joints(joints, skeleton, joint_map, "the clip " + file.path().string(), notes);
   for (int& node : matched) node = node < 0 ? -1 : static_cast<int>(tree.order[static_cast<std::size_t>(node)]);
   return matched;
 }

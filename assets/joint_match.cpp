@@ -54,9 +54,9 @@ class Matcher {
     pair_roles();
   }
 
-  void match_by_map(const std::string& path, const std::string& file) {
+  void match_by_map(const std::string& path, const std::string& whose) {
     for (const MappedJoint& joint : read_joint_map(path)) {
-      const std::size_t from = find(source_, joint.from, path, "the clip " + file);
+      const std::size_t from = find(source_, joint.from, path, whose);
       pair(from, find(target_, joint.to, path, "the character"));
     }
   }
@@ -166,9 +166,9 @@ class Matcher {
 }  // namespace
 
 std::vector<int> match_joints(std::span<const NamedJoint> source, const Skeleton& skeleton,
-                              const std::string& joint_map, const std::string& file, std::vector<std::string>& notes) {
+                              const std::string& joint_map, const std::string& whose, std::vector<std::string>& notes) {
   Matcher matcher(source, skeleton);
-  if (!joint_map.empty()) matcher.match_by_map(joint_map, file);
+  if (!joint_map.empty()) matcher.match_by_map(joint_map, whose);
   matcher.match_by_name([](const std::string& name) { return name; });
   const std::vector<std::string> loosely = matcher.match_by_name(in_small_letters);
   if (!loosely.empty()) notes.push_back("Matched without regard to case: " + list_names(loosely) + ".");

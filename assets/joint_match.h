@@ -14,9 +14,10 @@ namespace bodyopt {
 // order: what the joint map says (a file, or empty), equal names unless they stand for different parts of the body
 // (they do not where all names of the skeleton are there), names equal but for case, the same part of the body by the
 // names of other conventions (joint_roles()). Spines and necks of different lengths are laid along each other from end
-// to end, unless one has all the names of the other. Notes tell what was not matched by equal names. `file` is the
-// clip's, for messages. Throws Error(mismatch) where the map names joints that are not there, and as read_joint_map().
+// to end, unless one has all the names of the other. Notes tell what was not matched by equal names. `whose` joints
+// the source's are, for messages: "the clip a.glb". Throws Error(mismatch) where the map names joints that are not
+// there, and as read_joint_map().
 std::vector<int> match_joints(std::span<const NamedJoint> source, const Skeleton& skeleton,
-                              const std::string& joint_map, const std::string& file, std::vector<std::string>& notes);
+                              const std::string& joint_map, const std::string& whose, std::vector<std::string>& notes);
 
 }  // namespace bodyopt

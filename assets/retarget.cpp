@@ -20,6 +20,14 @@ double cosine(const Vec3& a, const Vec3& b) {
   return size > 0 ? dot(a, b) / size : 1;
 }
 
+// The smallest turn of a coordinate axis that makes it y.
+Quat raise(const Vec3& up) {
+  const double quarter = std::numbers::pi / 2;
+  if (up[1] < -0.5) return axis_angle({1, 0, 0}, 2 * quarter);
+  const Vec3 axis = cross(up, {0, 1, 0});
+  return length(axis) < 0.5 ? Quat{0, 0, 0, 1} : axis_angle(axis, quarter);
+}
+
 double angle_between_bones(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(cosine(a, b), -1.0, 1.0)); }
 
 // The rotation that lays the bones `from` best along `to` (Kabsch); of many such, the smallest.
@@ -88,12 +96,11 @@ Retarget::Retarget(const SourceMotion& motion, const Skeleton& skeleton, std::ve
     const int above = joint.joint.parent;
     travels_.push_back(joint.has_travel || (above >= 0 && travels_[static_cast<std::size_t>(above)]));
   }
-  stand(motion.in_world ? Quat{0, 0, 0, 1} : turn_upright(skeleton));
-  turn_ = fit_turn();
-  if (motion.in_world) {
-    stand(conjugate(turn_));
-    turn_ = {0, 0, 0, 1};
-  }
+  const Quat upright = motion.in_world ? Quat{0, 0, 0, 1} : turn_upright(skeleton);
+  stand(upright);
+  const Quat fitted = fit_turn();
+  if (!motion.in_world) turn_ = raise(rotate(conjugate(fitted), {0, 1, 0}));
+  stand(turn_ * conjugate(fitted) * upright);
   align_rests(turning_joints(frames, fps), notes);
 }
 
@@ -227,7 +234,7 @@ void Retarget::align_rests(const std::vector<bool>& turns, std::vector<std::stri
                     "'); the bones were laid along each other.");
   }
   if (std::abs(turn_[3]) < 0.999) {
-    notes.push_back("The " + motion_.kind + " was turned to the character's axes (another axis is up or front).");
+    notes.push_back("The " + motion_.kind + " was turned to the character's axes (another axis is up).");
   }
 }
 

@@ -29,8 +29,9 @@ struct SourceMotion {
 //   world rotation of a joint = its world rotation away from the source's rest * alignment * that in the bind pose,
 // where the alignment lays the joint's bones at bind along the same bones of the source at rest, with as little twist
 // as it takes, once both have the same axes: one is turned by that of the 24 turns between coordinate axes that lays
-// the offsets between matched joints best along each other; it settles Z-up, Y-up and the facing. It is the source that
-// is turned, or, where its axes are the world's, the skeleton: it stands as the source does. Trunks rest alike: their
+// the offsets between matched joints best along each other. Of that turn the source takes what makes its up axis y,
+// nothing where its axes are the world's, and the skeleton the rest: whoever it is carried to stands and goes where the
+// source does, however he faces at bind. Trunks rest alike: their
 // bones (by the names of the joints; clavicles, too) differ by build, and not by pose, and are not laid along each
 // other, unless one leans 20 degrees from the other on the whole. So do feet within 45 degrees, and bones of joints
 // that never turn. Topmost matched joints take their position from the source, where it travels; joints without a match
@@ -75,7 +76,7 @@ class Retarget {
   std::vector<Quat> rest_rotation_;  // per joint of the source, world
   std::vector<bool> travels_;        // per joint of the source: it or one above travels
   std::vector<BonePair> pairs_;
-  Quat turn_{0, 0, 0, 1};  // of the source to the skeleton's axes
+  Quat turn_{0, 0, 0, 1};  // of the source, which makes its up axis y
 };
 
 }  // namespace bodyopt

@@ -204,8 +204,7 @@ std::string coupling_of(const Dataset& dataset) {
 }
 
 void check(const CheckArguments& arguments) {
-  std::filesystem::path path = arguments.path;
-  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  const std::filesystem::path path = dataset_file(arguments.path);
   const Dataset dataset = read_dataset(path);
   const std::vector<TakeCheck> takes = check_dataset(dataset);
   const std::string mismatch = first_problem(takes, path);

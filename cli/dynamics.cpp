@@ -54,8 +54,7 @@ Dynamics build(DynamicsArguments& arguments, const Basis& basis) {
     say(character.notes);
     return build_dynamics(character, {}, basis, options);
   }
-  std::filesystem::path path = arguments.dataset;
-  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  const std::filesystem::path path = dataset_file(arguments.dataset);
   const Dataset dataset = read_dataset(path);
   const Character character = read_character(dataset.folder / dataset.character, dataset.unit);
   say(character.notes);

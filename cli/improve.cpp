@@ -185,8 +185,7 @@ TrainOptions options_of(const Basis& basis, const std::string& path) {
 void run(const ImproveArguments& arguments) {
   arguments.json.require_writable();
   require_writable(arguments.basis);
-  fs::path path = arguments.dataset;
-  if (fs::is_directory(path)) path /= "dataset.json";
+  const fs::path path = dataset_file(arguments.dataset);
   Basis basis = load_basis(arguments.basis);
   const TrainOptions options = options_of(basis, arguments.basis);
   const Dataset dataset = read_dataset(path);

@@ -232,7 +232,7 @@ Json info(std::string path, double unit) {
   if (!std::filesystem::exists(path)) {
     throw Error(ErrorKind::file, path + ": no such file");
   }
-  if (std::filesystem::is_directory(path)) path = (std::filesystem::path(path) / "dataset.json").string();
+  path = dataset_file(path).string();
   const std::string extension = std::filesystem::path(path).extension();
   if (extension == ".glb" || extension == ".gltf") {
     if (!has_skin(path)) return skinless_info(path);

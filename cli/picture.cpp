@@ -52,8 +52,7 @@ std::optional<Positions> curated_skin(const Scene& scene, int number) {
 }
 
 Scene read_scene(const PictureArguments& arguments) {
-  std::filesystem::path path = arguments.dataset;
-  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  const std::filesystem::path path = dataset_file(arguments.dataset);
   Scene scene;
   scene.dataset = read_dataset(path);
   const auto take = std::find_if(scene.dataset.takes.begin(), scene.dataset.takes.end(), [&](const DatasetTake& t) {

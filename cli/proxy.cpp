@@ -36,8 +36,7 @@ Source dataset_source(const ProxyArguments& arguments) {
     throw Error(ErrorKind::usage,
                 "--character, --muscles and --clip go with a basis; a dataset (" + arguments.source + ") has its own");
   }
-  std::filesystem::path path = arguments.source;
-  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  const std::filesystem::path path = dataset_file(arguments.source);
   const Dataset dataset = read_dataset(path);
   const std::string mismatch = first_problem(check_dataset(dataset), path);
   if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);

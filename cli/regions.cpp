@@ -35,8 +35,7 @@ void run(const RegionsArguments& arguments) {
     if (!path.empty()) require_writable(path);
   }
   arguments.json.require_writable();
-  std::filesystem::path path = arguments.dataset;
-  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  const std::filesystem::path path = dataset_file(arguments.dataset);
   const Dataset dataset = read_dataset(path);
   if (!arguments.out.empty()) {
     refuse_overwriting(arguments.out, path);

@@ -1,6 +1,9 @@
 // bodyopt rig: what a rig that nobody has prepared needs, to begin with and to edit.
 #include <spdlog/spdlog.h>
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <set>
 
 #include "assets/joint_regions.h"
@@ -9,6 +12,7 @@
 #include "cli/arguments/common.h"
 #include "cli/arguments/example_poses.h"
 #include "dataset/regions_file.h"
+#include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "trainer/anatomy/carried_mapping.h"
 #include "trainer/dynamics/build_dynamics.h"
@@ -57,40 +61,52 @@ constexpr const char* kRegionSource =
     "region "
     "of its own, has one; the skin of others is with the nearest joint above that has one";
 
-std::vector<std::string> write_mappings(const RigArguments& arguments, const Skeleton& skeleton) {
-  std::vector<std::string> written;
+struct RigFile {
+  fs::path path;
+  std::string text;
+};
+
+void add_mappings(const RigArguments& arguments, const Skeleton& skeleton, std::vector<RigFile>& files) {
   for (const std::string& path : arguments.mappings) {
     const anatomy::CarriedMapping mapping = anatomy::carried_mapping(path, skeleton);
     const fs::path out = fs::path(arguments.out) / fs::path(path).filename();
-    write_json(mapping.json, out);
-    written.push_back(out.string());
+    files.push_back({out, text_of(mapping.json, out)});
     if (mapping.unknown.empty()) continue;
     spdlog::warn("{}: the character has no joint that is known to be {}: write its own in their place", out.string(),
                  list_names(mapping.unknown));
   }
-  return written;
 }
 
-// They are written to be edited: what was edited is not lost.
-void refuse_existing(const RigArguments& arguments) {
-  std::vector<std::string> names{"limits.json", "regions.json", "jiggle.json"};
-  for (const std::string& path : arguments.mappings) names.push_back(fs::path(path).filename().string());
-  std::set<std::string> seen;
-  for (const std::string& name : names) {
-    const fs::path out = fs::path(arguments.out) / name;
-    if (!seen.insert(name).second) {
-      throw Error(ErrorKind::usage, out.string() + ": two files would be written to it: rename a mapping");
-    }
-    if (fs::exists(out)) {
-      throw Error(ErrorKind::usage,
-                  out.string() + ": is there already, edited perhaps: remove it, or give another --out");
+void require_distinct(const std::vector<RigFile>& files) {
+  std::set<fs::path> seen;
+  for (const RigFile& file : files) {
+    if (seen.insert(file.path).second) continue;
+    throw Error(ErrorKind::usage, file.path.string() + ": two files would be written to it: rename a mapping");
+  }
+}
+
+bool is_there(const RigFile& file) {
+  std::ifstream stream(file.path, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(stream), {}) == file.text;
+}
+
+// They are written to be edited: what was edited is not lost. What a run that was cut off has left is no edit.
+void write_new(const std::vector<RigFile>& files) {
+  std::vector<const RigFile*> open;
+  for (const RigFile& file : files) {
+    if (!fs::exists(file.path)) {
+      open.push_back(&file);
+    } else if (!is_there(file)) {
+      throw Error(ErrorKind::usage, file.path.string() +
+                                        ": is there already, edited perhaps: remove it, or give "
+                                        "another --out");
     }
   }
+  for (const RigFile* file : open) write_file_atomically(file->path, std::as_bytes(std::span(file->text)));
 }
 
 void run(const RigArguments& arguments) {
   arguments.json.require_writable();
-  refuse_existing(arguments);
   const Character character = read_character(arguments.character, arguments.unit);
   say(character.notes);
   const Skeleton& skeleton = character.skeleton;
@@ -99,25 +115,28 @@ void run(const RigArguments& arguments) {
   const std::vector<RegionWeights> regions = joint_regions(character);
   const Json jiggle = first_jiggle(character);
 
-  make_folder(arguments.out);
   const fs::path out = arguments.out;
-  std::vector<std::string> files = write_mappings(arguments, skeleton);
-  write_joint_limits(limits, skeleton, out / "limits.json");
-  write_regions(regions, character, out / "regions.json", kRegionSource);
-  if (!jiggle.is_null()) write_json(jiggle, out / "jiggle.json");
-  for (const char* name : {"limits.json", "regions.json"}) files.push_back((out / name).string());
-  if (!jiggle.is_null()) files.push_back((out / "jiggle.json").string());
+  std::vector<RigFile> files;
+  add_mappings(arguments, skeleton, files);
+  files.push_back({out / "limits.json", text_of(to_json(limits, skeleton), out / "limits.json")});
+  files.push_back({out / "regions.json", regions_text(regions, character, kRegionSource)});
+  if (!jiggle.is_null()) files.push_back({out / "jiggle.json", text_of(jiggle, out / "jiggle.json")});
+  require_distinct(files);
+  make_folder(arguments.out);
+  write_new(files);
+  std::vector<std::string> names;
+  for (const RigFile& file : files) names.push_back(file.path.string());
   const auto from_clips = std::count_if(limits.dofs.begin(), limits.dofs.end(), [](const DegreeOfFreedom& dof) {
     return dof.source.starts_with("what the clips");
   });
-  arguments.json.emit({{"files", files},
+  arguments.json.emit({{"files", names},
                        {"frames", poses.size()},
                        {"degrees_of_freedom", limits.dofs.size()},
                        {"from_clips", from_clips},
                        {"regions", regions.size()}},
                       format("%zu degrees of freedom, %td from %zu frames of clips, the others by rule; %zu regions\n",
                              limits.dofs.size(), from_clips, poses.size(), regions.size()) +
-                          "wrote " + list_names(files, files.size()) + "\n");
+                          "wrote " + list_names(names, names.size()) + "\n");
 }
 
 }  // namespace

@@ -80,22 +80,6 @@ std::string describe_wanted(const RomArguments& arguments, std::size_t count) {
   return format("degrees from %zu random poses, in which no limbs overlap, to the nearest frame:\n", count);
 }
 
-// Clips are in the unit of the character's file, as a DCC would export them.
-void write_in_unit(Clip clip, Skeleton skeleton, double unit, const std::string& path) {
-  const auto rescale = [unit](JointTransform& transform) {
-    transform.translation = (1 / unit) * transform.translation;
-  };
-  for (Joint& joint : skeleton.joints) {
-    rescale(joint.bind);
-    rescale(joint.default_local);
-    for (auto& row : joint.inverse_bind.m) row[3] /= unit;
-  }
-  for (Pose& pose : clip.poses) {
-    for (JointTransform& joint : pose.joints) rescale(joint);
-  }
-  write_clip(clip, skeleton, path);
-}
-
 void run(const RomArguments& arguments) {
   arguments.json.require_writable();
   const Character character = read_character(arguments.character, arguments.unit);
@@ -109,7 +93,7 @@ void run(const RomArguments& arguments) {
 
   const RangeOfMotion motion = range_of_motion(character, limits, options);
   const Clip clip = clip_of(motion, limits, skeleton);
-  write_in_unit(clip, skeleton, arguments.unit > 0 ? arguments.unit : 1, arguments.out);
+  write_clip(clip, skeleton, arguments.unit, arguments.out);
 
   say_few_frames(arguments, limits);
   std::string text = format("%zu frames: rest, %zu of sweeps, %zu of pairs, %zu random\n", clip.poses.size(),

@@ -87,8 +87,7 @@ std::string lines_of(const TakeErrors& take) {
 void run(const TestArguments& arguments) {
   arguments.json.require_writable();
   const Basis basis = load_basis(arguments.basis);
-  std::filesystem::path path = arguments.dataset;
-  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  const std::filesystem::path path = dataset_file(arguments.dataset);
   const SampleSet set = read_samples(read_dataset(path));
   say(set.notes);
   Json takes = Json::array();

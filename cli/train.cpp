@@ -129,8 +129,7 @@ void run(TrainArguments arguments) {
   arguments.options.keep_in = std::filesystem::path(arguments.out).replace_extension(".training");
 
   const auto start = std::chrono::steady_clock::now();
-  std::filesystem::path path = arguments.dataset;
-  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  const std::filesystem::path path = dataset_file(arguments.dataset);
   Dataset dataset = read_dataset(path);
   spdlog::info("checking that shapes, clips and character belong together");
   const std::string mismatch = first_problem(check_dataset(dataset), path);

@@ -20,6 +20,7 @@
 #include "trainer/transfer/transfer_dataset.h"
 #include "trainer/transfer/transfer_dynamics.h"
 #include "trainer/transfer/transfer_levels.h"
+#include "trainer/transfer/transfer_parts.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -47,10 +48,25 @@ TransferOptions options_of(const TransferArguments& arguments) {
   return options;
 }
 
+// What would fail after the long work fails before it.
+void check_outputs(const TransferArguments& arguments) {
+  arguments.json.require_writable();
+  for (const std::string& path : {arguments.picture, arguments.report}) {
+    if (!path.empty()) require_writable(path);
+  }
+  if (!arguments.picture.empty() || !arguments.report.empty()) const Renderer device;
+}
+
+void say_of(const std::string& target, std::vector<std::string> notes) {
+  for (std::string& note : notes) note = target + ": " + note;
+  say(notes);
+}
+
 // Draws the correspondence where it is asked for, and says what is not sure of it. Throws Error(mismatch) for unlike
 // bodies, unless --force.
 void judge(const TransferPair& pair, const TransferArguments& arguments, const std::string& target) {
-  say(pair.match.notes);
+  say_of(target, pair.match.notes);
+  say_of(target, pair.correspondence.notes);
   if (!arguments.picture.empty()) write_png(transfer_picture(pair), arguments.picture);
   const double confidence = pair.correspondence.mean_confidence();
   if (confidence >= kLeastConfidence) return;
@@ -62,6 +78,14 @@ void judge(const TransferPair& pair, const TransferArguments& arguments, const s
   spdlog::warn(what);
 }
 
+Json names_without(const std::vector<int>& match, const Skeleton& skeleton) {
+  Json names = Json::array();
+  for (std::size_t j = 0; j < match.size(); ++j) {
+    if (match[j] < 0) names.push_back(skeleton.joints[j].name);
+  }
+  return names;
+}
+
 Json facts_of(const TransferPair& pair) {
   const Correspondence& correspondence = pair.correspondence;
   const double count = static_cast<double>(std::max<Eigen::Index>(1, correspondence.distance.size()));
@@ -69,6 +93,8 @@ Json facts_of(const TransferPair& pair) {
           {"size_ratio", pair.match.size},
           {"matched_joints", std::count_if(pair.match.source_joint.begin(), pair.match.source_joint.end(),
                                            [](int joint) { return joint >= 0; })},
+          {"unmatched_source_joints", names_without(pair.match.target_joint, pair.source.skeleton)},
+          {"unmatched_target_joints", names_without(pair.match.source_joint, pair.target.skeleton)},
           {"posed_to_the_source", pair.match.is_aligned()},
           {"confidence", correspondence.mean_confidence()},
           {"filled_in_vertices", pair.skin.unsure()},
@@ -77,25 +103,32 @@ Json facts_of(const TransferPair& pair) {
 
 std::string describe(const TransferPair& pair) {
   const Correspondence& correspondence = pair.correspondence;
-  if (correspondence.same_topology) return "the same triangles";
+  if (correspondence.same_topology) {
+    return format("the same triangles, confidence %.2f", correspondence.mean_confidence());
+  }
   return format("confidence %.2f, %lld of %lld vertices filled in", correspondence.mean_confidence(),
                 static_cast<long long>(pair.skin.unsure()), static_cast<long long>(correspondence.target.rows()));
 }
 
-// Of the clip that the report shows, for the source.
-std::vector<ComparedPose> poses_for_report(const TransferPair& pair, const Basis& carried,
-                                           const TransferArguments& arguments) {
-  if (arguments.clip.empty()) return {};
+// What the report shows the bodies in.
+struct ReportMotion {
+  Clip clip;
+  std::vector<int> frames;
+};
+
+std::optional<ReportMotion> motion_for_report(const TransferArguments& arguments, const Basis& source) {
+  if (arguments.clip.empty()) return std::nullopt;
   ClipOptions options;
-  options.unit = clip_unit(arguments.clip, kept_unit(pair.source));
-  const Clip clip = read_clip(arguments.clip, pair.source.skeleton, options);
-  const std::string all = std::to_string(clip.first_frame) + "-" + std::to_string(clip.last_frame());
-  const std::vector<int> frames = parse_frame_range(arguments.frames.empty() ? all : arguments.frames);
-  const auto [first, last] = std::minmax_element(frames.begin(), frames.end());
-  if (*first < clip.first_frame || *last > clip.last_frame()) {
+  options.unit = clip_unit(arguments.clip, kept_unit(source));
+  ReportMotion motion{read_clip(arguments.clip, source.skeleton, options), {}};
+  const int first = motion.clip.first_frame, last = motion.clip.last_frame();
+  const std::string all = std::to_string(first) + "-" + std::to_string(last);
+  motion.frames = parse_frame_range(arguments.frames.empty() ? all : arguments.frames);
+  const auto [least, most] = std::ranges::minmax(motion.frames);
+  if (least < first || most > last) {
     throw Error(ErrorKind::usage, "--frames " + arguments.frames + ": '" + arguments.clip + "' has frames " + all);
   }
-  return compare_poses(pair, carried, clip, frames);
+  return motion;
 }
 
 // What stands beside the source's basis, and goes with it.
@@ -126,99 +159,151 @@ Company company_of(const TransferArguments& arguments, const Basis& source) {
 
 // Of an ordinary basis one level, which carries nothing; of a proxy all of them.
 std::vector<Level> carried_levels(const TransferPair& pair, const Character& target, const std::vector<Level>& source,
-                                  const TransferOptions& options, double unit) {
-  std::vector<std::string> notes;
+                                  const TransferOptions& options, double unit, std::vector<std::string>& notes) {
   std::vector<Level> levels;
   if (source.front().carried.empty()) {
     levels.push_back({transfer_basis(pair, options, notes), {}});
   } else {
     levels = transfer_levels(pair, target, source, options, notes);
   }
-  say(notes);
   for (Level& level : levels) keep_unit(level.basis, unit);
   return levels;
 }
 
 // Carries the company to where its basis goes, too. Returns what was written.
 std::vector<std::string> carry_company(const Company& company, const TransferPair& pair, const Character& target,
-                                       const Basis& carried, const std::string& out, const TransferArguments& arguments,
-                                       const TransferOptions& options) {
-  std::vector<std::string> written, notes;
+                                       const Basis& carried, const std::string& out, double unit,
+                                       const TransferOptions& options, std::vector<std::string>& notes) {
+  std::vector<std::string> written;
   if (!company.levels.empty()) {
     std::vector<Level> levels = transfer_levels(pair, target, company.levels, options, notes);
-    for (Level& level : levels) keep_unit(level.basis, arguments.unit);
+    for (Level& level : levels) keep_unit(level.basis, unit);
     save_levels(levels, written.emplace_back(proxy_beside(out)));
   }
   if (company.dynamics) {
     const Dynamics dynamics = transfer_dynamics(pair, target, carried, *company.dynamics, company.muscles, notes);
     save_dynamics(dynamics, written.emplace_back(dynamics_beside(out)));
   }
-  say(notes);
   return written;
 }
 
-void run_basis(const TransferArguments& arguments) {
+void check_basis_arguments(const TransferArguments& arguments) {
   if (arguments.outs.size() != arguments.targets.size()) {
     throw Error(ErrorKind::usage, format("%zu targets and %zu --out: every target needs a basis to write",
                                          arguments.targets.size(), arguments.outs.size()));
   }
+  std::set<std::filesystem::path> places;
   for (const std::string& out : arguments.outs) {
+    if (!places.insert(std::filesystem::weakly_canonical(out)).second) {
+      throw Error(ErrorKind::usage, "--out names " + out + " twice: every target needs a basis of its own");
+    }
     refuse_overwriting(out, arguments.source);
     require_writable(out);
   }
-  arguments.json.require_writable();
-  if (!arguments.report.empty()) require_writable(arguments.report);
   if (arguments.report.empty() && !arguments.clip.empty()) {
     throw Error(ErrorKind::usage, "--clip is what --report shows: there is no --report");
   }
-  const TransferOptions options = options_of(arguments);
-  const std::vector<Level> source = load_levels(arguments.source);
-  const Company company = company_of(arguments, source.front().basis);
-  Page page("Transfer", "What was learned in " + arguments.source + ", on other bodies");
-  Json list = Json::array();
-  std::string text;
-  for (std::size_t k = 0; k < arguments.targets.size(); ++k) {
+  if (arguments.clip.empty() && !arguments.frames.empty()) {
+    throw Error(ErrorKind::usage, "--frames are those of --clip, and there is none");
+  }
+}
+
+// One source, and target after target.
+class BasisTransfer {
+ public:
+  explicit BasisTransfer(const TransferArguments& arguments)
+      : arguments_(arguments),
+        options_(options_of(arguments)),
+        source_(load_levels(arguments.source)),
+        company_(company_of(arguments, source_.front().basis)),
+        motion_(motion_for_report(arguments, source_.front().basis)) {}
+
+  // Of one target, as --json has it; what is for people is printed.
+  Json carry(const std::string& target, const std::string& out, Page& page) {
     const auto start = Clock::now();
-    const Character character = read_character(arguments.targets[k], arguments.unit);
-    say(character.notes);
-    const TransferPair pair(source.front().basis, character, options);
-    judge(pair, arguments, arguments.targets[k]);
-    const std::vector<Level> carried = carried_levels(pair, character, source, options, arguments.unit);
-    save_levels(carried, arguments.outs[k]);
+    const Character character = read_character(target, arguments_.unit);
+    say_of(target, character.notes);
+    const TransferPair pair(source_.front().basis, character, options_);
+    judge(pair, arguments_, target);
+    std::vector<std::string> notes;
+    const std::vector<Level> carried = carried_levels(pair, character, source_, options_, arguments_.unit, notes);
+    save_levels(carried, out);
     const Basis& basis = carried.front().basis;
     Json facts = facts_of(pair);
-    facts["basis"] = arguments.outs[k];
+    facts["target"] = target;
+    facts["basis"] = out;
     facts["vertices"] = basis.mesh.vertex_count();
     facts["levels"] = carried.size();
     facts["bytes_per_vertex"] = static_cast<double>(total_bytes(basis)) / basis.mesh.vertex_count();
     facts["seconds"] = seconds_since(start);
-    facts["beside"] = carry_company(company, pair, character, basis, arguments.outs[k], arguments, options);
+    facts["beside"] = carry_company(company_, pair, character, basis, out, arguments_.unit, options_, notes);
     facts["seconds_with_what_is_beside"] = seconds_since(start);
-    if (!arguments.report.empty()) {
-      const std::vector<ComparedPose> poses = poses_for_report(pair, basis, arguments);
-      add_transfer(pair, arguments.targets[k], basis.mesh, poses, page);
-      facts.update(to_json(pair, poses));
-    }
-    text += format("wrote %s: %u vertices, %s, %.1f s\n", arguments.outs[k].c_str(), basis.mesh.vertex_count(),
-                   describe(pair).c_str(), facts["seconds"].get<double>());
+    say_of(target, notes);
+    if (!arguments_.report.empty()) report(pair, basis, target, facts, page);
+    std::string text = format("wrote %s: %u vertices, %s, %.1f s\n", out.c_str(), basis.mesh.vertex_count(),
+                              describe(pair).c_str(), facts["seconds"].get<double>());
     for (const Json& file : facts["beside"]) text += "wrote " + file.get<std::string>() + "\n";
-    list.push_back(std::move(facts));
+    arguments_.json.print(text);
+    return facts;
   }
+
+ private:
+  void report(const TransferPair& pair, const Basis& basis, const std::string& target, Json& facts, Page& page) const {
+    std::vector<ComparedPose> poses;
+    if (motion_) poses = compare_poses(pair, basis, motion_->clip, motion_->frames);
+    const auto parts = transfer_parts(pair.source, pair.target, pair.match, pair.correspondence);
+    add_transfer(pair, parts, target, basis.mesh, poses, page);
+    facts.update(to_json(parts, poses));
+  }
+
+  const TransferArguments& arguments_;
+  const TransferOptions options_;
+  const std::vector<Level> source_;
+  const Company company_;
+  const std::optional<ReportMotion> motion_;
+};
+
+// A target that fails leaves the others alone: they, the report and --json are finished first.
+void run_basis(const TransferArguments& arguments) {
+  check_basis_arguments(arguments);
+  check_outputs(arguments);
+  BasisTransfer transfer(arguments);
+  Page page("Transfer", "What was learned in " + arguments.source + ", on other bodies");
+  Json list = Json::array();
+  std::optional<Error> failure;
+  for (std::size_t k = 0; k < arguments.targets.size(); ++k) {
+    try {
+      list.push_back(transfer.carry(arguments.targets[k], arguments.outs[k], page));
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::interrupted) throw;
+      list.push_back({{"target", arguments.targets[k]}, {"error", error.what()}});
+      if (failure) {
+        spdlog::error(error.what());
+      } else {
+        failure = error;
+      }
+    }
+  }
+  std::string text;
   if (!arguments.report.empty()) {
     const std::string html = page.text();
     write_file_atomically(arguments.report, std::as_bytes(std::span(html)));
-    text += "wrote " + arguments.report + "\n";
+    text = "wrote " + arguments.report + "\n";
   }
   arguments.json.emit({{"targets", list}, {"peak_memory_mib", peak_memory_mib()}}, text);
+  if (failure) throw *failure;
 }
 
 void run_dataset(const TransferArguments& arguments) {
-  arguments.json.require_writable();
+  check_outputs(arguments);
   const auto start = Clock::now();
   const TransferOptions options = options_of(arguments);
-  std::filesystem::path path = arguments.source;
-  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  const std::filesystem::path path = dataset_file(arguments.source);
   const Dataset dataset = read_dataset(path);
+  if (std::filesystem::exists(arguments.outs.front())) {
+    require_writable(std::filesystem::path(arguments.outs.front()) / "dataset.json");
+  }
+  require_no_own_takes(dataset, arguments.outs.front());
   const std::string mismatch = first_problem(check_dataset(dataset), path);
   if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
   const Character source_character = read_character(dataset.folder / dataset.character, dataset.unit);
@@ -228,12 +313,12 @@ void run_dataset(const TransferArguments& arguments) {
   }
   const TransferTarget target{read_character(arguments.targets.front(), arguments.unit), arguments.targets.front(),
                               arguments.unit};
-  say(target.character.notes);
+  say_of(arguments.targets.front(), target.character.notes);
   const Basis source = build_ddm_basis(source_character, {});
   const TransferPair pair(source, target.character, options);
   judge(pair, arguments, arguments.targets.front());
   const TransferredDataset told = transfer_dataset(dataset, source_character, pair, target, out);
-  say(told.notes);
+  say_of(out.string(), told.notes);
   Json facts = facts_of(pair);
   facts["dataset"] = (out / "dataset.json").string();
   facts["takes"] = told.takes;
@@ -251,9 +336,6 @@ struct RefineArguments {
   JsonOption json;
 };
 
-// In the stack; what an earlier refinement made of the take goes.
-std::string refinement_of(const std::string& take) { return "refined " + take; }
-
 // What was carried is read as it is below an earlier refinement.
 SampleSet unrefined_samples(Dataset dataset, const std::set<std::string>& carried) {
   std::erase_if(dataset.modifiers, [&](const Modifier& modifier) {
@@ -265,8 +347,7 @@ SampleSet unrefined_samples(Dataset dataset, const std::set<std::string>& carrie
 void run_refine(const RefineArguments& arguments) {
   arguments.json.require_writable();
   const auto start = Clock::now();
-  std::filesystem::path path = arguments.dataset;
-  if (std::filesystem::is_directory(path)) path /= "dataset.json";
+  const std::filesystem::path path = dataset_file(arguments.dataset);
   const Dataset dataset = read_dataset(path);
   const std::string mismatch = first_problem(check_dataset(dataset), path);
   if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);

@@ -69,8 +69,8 @@ std::string described(const Dataset& dataset) {
 }
 
 DatasetTake read_take(const JsonObject& json) {
-  json.allow(
-      {"name", "clip", "fps", "first_frame", "frames", "controls", "joint_map", "shapes", "shapes_status", "heldout"});
+  json.allow({"name", "clip", "fps", "first_frame", "frames", "controls", "joint_map", "shapes", "shapes_status",
+              "heldout", "carried"});
   DatasetTake take;
   take.name = json.name("name");
   take.clip = json.name("clip");
@@ -82,6 +82,7 @@ DatasetTake read_take(const JsonObject& json) {
   take.shapes = json.name("shapes");
   if (json.has("shapes_status")) take.shapes_status = json.text("shapes_status");
   if (json.has("heldout")) take.heldout = frames_of(json, "heldout");
+  if (json.has("carried")) take.carried = json.boolean("carried");
   if (take.frames.empty()) json.refuse("names no frames");
   const std::set<int> known(take.frames.begin(), take.frames.end());
   for (const int frame : take.heldout) {
@@ -109,6 +110,7 @@ Json to_json(const Dataset& dataset, const std::filesystem::path& path) {
     if (!take.joint_map.empty()) entry["joint_map"] = relative_path(take.joint_map, folder);
     if (!take.shapes_status.empty()) entry["shapes_status"] = relative_path(take.shapes_status, folder);
     if (!take.heldout.empty()) entry["heldout"] = range_text(take.heldout, take, path);
+    if (take.carried) entry["carried"] = true;
     json["takes"].push_back(entry);
   }
   if (!dataset.selections.empty()) json["selections"] = dataset.selections;

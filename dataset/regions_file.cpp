@@ -159,8 +159,8 @@ std::vector<RegionWeights> read_regions(const Dataset& dataset, const Character&
 }
 
 // A list of numbers is one line, so that the file can be read.
-void write_regions(const std::vector<RegionWeights>& regions, const Character& character,
-                   const std::filesystem::path& path, const std::string& source) {
+std::string regions_text(const std::vector<RegionWeights>& regions, const Character& character,
+                         const std::string& source) {
   const std::string from = source.empty() ? "" : ",\n  \"source\": " + Json(source).dump();
   std::string text = "{\n  \"schema\": \"" + std::string(kSchema) + "\"" + from +
                      ",\n  \"vertex_count\": " + std::to_string(character.output_count()) +
@@ -180,7 +180,12 @@ void write_regions(const std::vector<RegionWeights>& regions, const Character& c
     write_list(text, "weights", weights);
     text += "}";
   }
-  text += "\n  ]\n}\n";
+  return text + "\n  ]\n}\n";
+}
+
+void write_regions(const std::vector<RegionWeights>& regions, const Character& character,
+                   const std::filesystem::path& path, const std::string& source) {
+  const std::string text = regions_text(regions, character, source);
   write_file_atomically(path, std::as_bytes(std::span(text)));
 }
 

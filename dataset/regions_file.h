@@ -21,5 +21,8 @@ std::vector<RegionWeights> read_regions(const Dataset& dataset, const Character&
 // come from, for who edits the file.
 void write_regions(const std::vector<RegionWeights>& regions, const Character& character,
                    const std::filesystem::path& path, const std::string& source = {});
+// The text of that file.
+std::string regions_text(const std::vector<RegionWeights>& regions, const Character& character,
+                         const std::string& source = {});
 
 }  // namespace bodyopt

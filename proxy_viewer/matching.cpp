@@ -2,6 +2,7 @@
 
 #include "trainer/transfer/match_colours.h"
 #include "trainer/transfer/match_skeletons.h"
+#include "trainer/transfer/motion_of_target.h"
 #include "trainer/transfer/table_rows.h"
 #include "trainer/transfer/transfer_parts.h"
 
@@ -26,9 +27,10 @@ MatchRow row_of(const Basis& source, const Basis& target, const SkeletonMatch& m
 
 void Matching::look() {
   if (controls_.settings.compare.match == MatchView::none || scene_.cast().size() < 2) return;
-  if (row_ && controls_.marking.pairs == markers_) return;
   try {
-    match();
+    if (!row_ || controls_.marking.pairs != markers_) match();
+    measure_volumes();
+    look_through_clip();
   } catch (...) {
     controls_.settings.compare.match = MatchView::none;
     throw;
@@ -40,7 +42,7 @@ void Matching::match() {
   const Basis &source = scene_.cast()[0]->finest_basis(), &target = scene_.cast()[1]->finest_basis();
   std::vector<SkinMarker> markers;
   for (const MarkedPair& pair : controls_.marking.pairs) markers.push_back({pair.of_lead, pair.of_second});
-  const SkeletonMatch skeletons = match_skeletons(source.skeleton, target.skeleton, "");
+  const SkeletonMatch skeletons = match_as_carried(source.skeleton, target.skeleton, target.metadata);
   const Correspondence found = match_skins(source, target, skeletons, markers);
   const auto upload = [&](const Eigen::MatrixXd& rows) { return vulkan::upload(*device_, floats(rows), "a match"); };
   const Positions places = place_colours(rows_of(source.mesh.rest));
@@ -52,8 +54,35 @@ void Matching::match() {
   markers_ = controls_.marking.pairs;
 }
 
+void Matching::measure_volumes() {
+  if (controls_.playback.playing()) {
+    row_->volumes.reset();
+    measured_ = {};
+    return;
+  }
+  std::array<double, 2> volumes = row_->volumes.value_or(std::array{1.0, 1.0});
+  for (std::size_t k = 0; k < 2; ++k) {
+    Actor& body = *scene_.cast()[k];
+    const int frame = controls_.playback.frame();
+    const Pose pose = scene_.pose_at(body, frame, controls_);
+    if (same(measured_[k], {&pose, 1})) continue;
+    volumes[k] = relative_volume(body.finest_basis().mesh, body.measure(SkinMethod::full, pose, frame));
+    measured_[k] = {pose};
+  }
+  row_->volumes = volumes;
+}
+
+void Matching::look_through_clip() {
+  const Actor& second = *scene_.cast()[1];
+  if (looked_through_ == second.files().clip) return;
+  row_->to_simulate = frames_to_simulate(second.finest_basis(), second.clip());
+  looked_through_ = second.files().clip;
+}
+
 void Matching::forget() {
   row_.reset();
+  measured_ = {};
+  looked_through_.reset();
   scene_.show_match(std::nullopt);
 }
 

@@ -5,7 +5,7 @@
 #include <ranges>
 
 #include "draw/camera.h"
-#include "proxy_viewer/scene/output_points.h"
+#include "runtime/basis/output_order.h"
 
 namespace bodyopt {
 namespace {

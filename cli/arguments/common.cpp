@@ -23,6 +23,12 @@ void JsonOption::require_writable() const {
   if (!path.empty() && path != "-") cli::require_writable(path);
 }
 
+void JsonOption::print(const std::string& text) const {
+  if (path == "-") return;
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
 void JsonOption::emit(const Json& result, const std::string& text) const {
   // Names of files may be any bytes: those that are no text are replaced.
   const std::string json = result.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -138,6 +144,10 @@ void refuse_overwriting(const std::filesystem::path& out, const std::filesystem:
   if (std::filesystem::equivalent(out, input, ignored)) {
     throw Error(ErrorKind::usage, "--out " + out.string() + " would write over the input of that name");
   }
+}
+
+std::filesystem::path dataset_file(const std::filesystem::path& given) {
+  return std::filesystem::is_directory(given) ? given / "dataset.json" : given;
 }
 
 void require_writable(const std::filesystem::path& path) { const AtomicFile probe(path); }

@@ -26,6 +26,8 @@ struct JsonOption {
   void add(CLI::App& verb);
   // Throws Error(file) now rather than after long work.
   void require_writable() const;
+  // Prints `text` for people, unless standard output is taken by the JSON.
+  void print(const std::string& text) const;
   // Prints `text` for people (unless standard output is taken by the JSON) and writes `result` where asked.
   void emit(const Json& result, const std::string& text) const;
 };
@@ -65,6 +67,9 @@ std::string above_zero(const std::string& text);
 
 // A check of options: the file's name ends as said.
 std::function<std::string(const std::string&)> must_end_in(const std::string& extension);
+
+// A dataset given by its folder or its dataset.json: that file.
+std::filesystem::path dataset_file(const std::filesystem::path& given);
 
 // An option that names a file to write, which must end as said: a slip must not overwrite a character.
 void add_output(CLI::App& verb, std::string& path, const std::string& extension, const std::string& description);

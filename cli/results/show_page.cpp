@@ -13,6 +13,7 @@
 #include "report/pictures.h"
 #include "report/report_sections.h"
 #include "runtime/basis/levels.h"
+#include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt::cli {
@@ -152,10 +153,7 @@ class CacheDrawer {
     if (points.size() != 3 * mesh.output_vertex.size()) {
       throw Error(ErrorKind::mismatch, step.out + ": is of another mesh than its basis");
     }
-    std::vector<float> skin(mesh.rest.size());  // without seams
-    for (std::size_t o = 0; o < mesh.output_vertex.size(); ++o) {
-      std::copy_n(&points[3 * o], 3, &skin[std::size_t{3} * mesh.output_vertex[o]]);
-    }
+    const std::vector<float> skin = vertices_of(mesh, points);
     const std::vector<float> normals = smooth_normals(mesh.triangles, skin);
     const Camera camera = frame_points(skin, {0.35f, 0.15f, 1}, static_cast<float>(kPictureWidth) / kPictureHeight);
     const DrawMesh drawn{skin, normals, mesh.triangles, {}};

@@ -7,13 +7,14 @@
 #include "cli/arguments/common.h"
 #include "report/html.h"
 #include "trainer/transfer/transfer_pair.h"
+#include "trainer/transfer/transfer_parts.h"
 
 namespace bodyopt::cli {
 
 // Source and target in one pose, and what each skin encloses there, over what it does at rest.
 struct ComparedPose {
   int frame = 0;
-  std::vector<float> source, target;  // runtime vertices x 3, metres
+  std::vector<float> source, target;  // O x 3, output vertex order, metres; empty where it is not drawn
   double source_volume = 1, target_volume = 1;
   double expected_rms_mm = 0;  // of the target; 0: not known
 };
@@ -22,15 +23,12 @@ struct ComparedPose {
 std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& carried, const Clip& clip,
                                         const std::vector<int>& frames);
 
-// The frames of the clip that would teach the target most, as `simulate --frames` takes them; empty where not known.
-std::string frames_to_simulate(const std::vector<ComparedPose>& poses);
-
 // Adds what is known of one target. `carried`: of which the poses are, if there are any. Throws Error(device) where
 // nothing can be drawn.
-void add_transfer(const TransferPair& pair, const std::string& target, const MeshTable& carried,
-                  const std::vector<ComparedPose>& poses, Page& page);
+void add_transfer(const TransferPair& pair, const std::vector<TransferPart>& parts, const std::string& target,
+                  const MeshTable& carried, const std::vector<ComparedPose>& poses, Page& page);
 
 // The same for programs.
-Json to_json(const TransferPair& pair, const std::vector<ComparedPose>& poses);
+Json to_json(const std::vector<TransferPart>& parts, const std::vector<ComparedPose>& poses);
 
 }  // namespace bodyopt::cli

@@ -14,12 +14,16 @@ struct Body {
   const std::vector<std::uint32_t>& triangles;
 };
 
-// `shift`: metres along x.
+// Each as large as the others, on one ground, `shift` (of its size) along x.
 Body body_of(const MeshTable& mesh, const Positions& skin, double shift, const Positions& colours) {
   Body body{{}, std::vector<float>(mesh.rest.size()), {}, mesh.triangles};
+  const Eigen::RowVector3d low = skin.colwise().minCoeff(), high = skin.colwise().maxCoeff(), middle = (low + high) / 2;
+  const double size = std::max((high - low).maxCoeff(), 1e-9);
+  const Eigen::RowVector3d origin(middle[0], low[1], middle[2]);
   for (Eigen::Index v = 0; v < skin.rows(); ++v) {
+    const Eigen::RowVector3d point = (skin.row(v) - origin) / size;
     for (int i = 0; i < 3; ++i) {
-      body.positions.push_back(static_cast<float>(skin(v, i) + (i == 0 ? shift : 0)));
+      body.positions.push_back(static_cast<float>(point[i] + (i == 0 ? shift : 0)));
       body.colours.push_back(static_cast<float>(colours(v, i)));
     }
   }
@@ -44,8 +48,11 @@ Image transfer_picture(const TransferPair& pair) {
   const Positions rest = Eigen::Map<const FloatRows>(from.rest.data(), from.vertex_count(), 3).cast<double>();
   const Correspondence& correspondence = pair.correspondence;
   const Positions colours = place_colours(rest);
-  const auto width_of = [](const Positions& p) { return p.col(0).maxCoeff() - p.col(0).minCoeff(); };
-  const double step = 1.1 * std::max(width_of(rest), width_of(correspondence.target));
+  const auto width_of = [](const Positions& p) {
+    const Eigen::RowVector3d extent = p.colwise().maxCoeff() - p.colwise().minCoeff();
+    return extent[0] / std::max(extent.maxCoeff(), 1e-9);
+  };
+  const double step = 0.1 + std::max(width_of(rest), width_of(correspondence.target));
   const Body bodies[] = {body_of(from, rest, -step, colours),
                          body_of(to, correspondence.target, 0, matched_colours(correspondence, colours)),
                          body_of(to, correspondence.target, step, confidence_colours(correspondence))};

@@ -7,7 +7,8 @@
 namespace bodyopt::cli {
 
 // The source, coloured by place; the target, each point in the colour of its match; the target again, from clay where
-// the match is sure to hot where it is not. Both in the common pose. Throws Error(device).
+// the match is sure to hot where it is not. Both in the common pose, each as large as the other.
+// Throws Error(device).
 Image transfer_picture(const TransferPair& pair);
 
 }  // namespace bodyopt::cli

@@ -184,6 +184,23 @@ BODYOPT_API bodyopt_result bodyopt_evaluate(bodyopt_instance* instance, const bo
 BODYOPT_API bodyopt_result bodyopt_jiggle(bodyopt_instance* instance, const bodyopt_poses* poses,
                                           const bodyopt_skin* skin);
 
+/* What one instance does among others. */
+typedef struct bodyopt_call {
+  size_t struct_size;
+  bodyopt_instance* instance; /* each in one call only */
+  const bodyopt_poses* poses;
+  const bodyopt_skin* skin;
+  uint32_t jiggles;      /* 1: as bodyopt_jiggle; 0: as bodyopt_evaluate */
+  bodyopt_result result; /* written: of this call */
+} bodyopt_call;
+
+/* Many instances at once, of one model or of several: what a device has to do for all of them goes there in one
+ * submission and is waited for once. The same bits as one after the other. One that fails takes none of the others with
+ * it, unless their device is lost; what is given back is BODYOPT_OK where all went well, or the result of the first
+ * that did not, and bodyopt_last_error() names those that did not by their number, "call 3: ...". `calls`: `count` of
+ * them, each with the same struct_size. On one thread, as a call of each of the instances. */
+BODYOPT_API bodyopt_result bodyopt_evaluate_together(bodyopt_call* calls, size_t count);
+
 /* ---- The state of the jiggle ---- */
 
 BODYOPT_API bodyopt_result bodyopt_get_state(const bodyopt_instance* instance, bodyopt_state** state);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "bodyopt.h"
 
@@ -66,6 +67,11 @@ inline Instance create_instance(const Model& model, const bodyopt_instance_optio
   bodyopt_instance* instance = nullptr;
   check(bodyopt_create_instance(model.get(), &options, &instance));
   return Instance(instance);
+}
+
+// Throws Error where a call fails; the others are done, and `result` of each says which.
+inline void evaluate_together(std::vector<bodyopt_call>& calls) {
+  check(bodyopt_evaluate_together(calls.data(), calls.size()));
 }
 
 inline bodyopt_description describe(const Model& model) {

@@ -5,8 +5,8 @@
  * needs Vulkan 1.2, no extension and no feature, and the queue given must compute.
  *
  * Threads: a call that loads tables or evaluates on the CPU's behalf (bodyopt_create_instance, bodyopt_evaluate,
- * bodyopt_set_state, bodyopt_get_state) submits to the queue given; the host must not use that queue from another
- * thread meanwhile. bodyopt_record submits nothing.
+ * bodyopt_jiggle, bodyopt_evaluate_together, bodyopt_set_state, bodyopt_get_state) submits to the queue given; the host
+ * must not use that queue from another thread meanwhile. bodyopt_record submits nothing.
  */
 #ifndef BODYOPT_VULKAN_H
 #define BODYOPT_VULKAN_H

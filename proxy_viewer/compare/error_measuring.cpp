@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "proxy_viewer/scene/output_points.h"
+#include "proxy_viewer/scene/skin_normal.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

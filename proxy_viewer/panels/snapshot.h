@@ -1,6 +1,7 @@
 // What panels read: plain values of one picture. They hold nothing that lives longer, and no panel computes.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -99,6 +100,9 @@ struct MatchRow {
   bool same_topology = false;
   double confidence = 1, size = 1;    // mean; of the second over the lead
   std::vector<MatchedPartRow> parts;  // least sure first
+  // What the two skins enclose at the frame, over their rest; none: it plays.
+  std::optional<std::array<double, 2>> volumes{};
+  std::string to_simulate{};  // frames of what the second plays that would teach it most; empty: not known
 };
 
 struct Snapshot {

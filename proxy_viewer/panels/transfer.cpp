@@ -59,6 +59,14 @@ void draw_transfer(const Snapshot& snapshot, Controls& controls) {
   const MatchRow& match = *snapshot.match;
   ImGui::TextDisabled("1 to 2: sure by %.2f, size %.3g", match.confidence, match.size);
   if (match.same_topology) ImGui::TextDisabled("the same triangles");
+  if (match.volumes) {
+    ImGui::TextDisabled("volume: 1 %+.1f %%, 2 %+.1f %%", 100 * (match.volumes->front() - 1),
+                        100 * (match.volumes->back() - 1));
+  }
+  if (!match.to_simulate.empty()) {
+    ImGui::TextDisabled("worth simulating of 2:");
+    ImGui::TextWrapped("%s", match.to_simulate.c_str());
+  }
   draw_parts(match.parts, controls);
 }
 

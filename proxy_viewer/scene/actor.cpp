@@ -11,11 +11,11 @@
 #include "assets/clip_source.h"
 #include "assets/shot_modifiers.h"
 #include "proxy_viewer/scene/open_character.h"
-#include "proxy_viewer/scene/output_points.h"
 #include "proxy_viewer/scene/posed_clip.h"
 #include "proxy_viewer/state/box.h"
 #include "proxy_viewer/state/pose_keys.h"
 #include "runtime/basis/character_unit.h"
+#include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/carry_skin.h"
@@ -345,9 +345,27 @@ const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses
     show_linear_blend(poses[0]);
     return hosted_;
   }
-  if (method == SkinMethod::proxy) return carry_proxy(poses.first(1), frame, weights);
-  const bool carries = dressed && worn_ && has_worn_skin();
-  return details_[level_]->evaluate(method, poses, frame, weights, carries);
+  const SkinRequest asked = *request(method, poses, frame, weights, dressed);
+  evaluate_together({&asked, 1});
+  return method == SkinMethod::proxy ? carry_proxy() : asked.detail->last(method).result;
+}
+
+std::optional<SkinRequest> Actor::request(SkinMethod method, std::span<const Pose> poses, int frame,
+                                          const Weights& weights, bool dressed) {
+  if (method == SkinMethod::truth || method == SkinMethod::lbs) return std::nullopt;
+  const bool is_one = method == SkinMethod::proxy || method == SkinMethod::jiggle;
+  SkinRequest asked{.detail = details_[level_].get(),
+                    .method = method,
+                    .poses = {poses.begin(), is_one ? poses.begin() + 1 : poses.end()},
+                    .frame = frame,
+                    .weights = weights,
+                    .host = dressed && worn_ && has_worn_skin()};
+  if (method == SkinMethod::proxy) {
+    asked.detail = details_[1].get();
+    asked.method = SkinMethod::full;
+    asked.host = true;
+  }
+  return asked;
 }
 
 std::span<const WornMesh> Actor::worn(SkinMethod method) {
@@ -403,9 +421,10 @@ std::vector<float> Actor::full_skin(const Detail& detail, const Evaluation& eval
   return carry_skin(mesh, detail.carried(), positions, std::span(evaluation.normals).subspan(pose * count, count));
 }
 
-const Evaluation& Actor::carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights) {
-  Detail& proxy = *details_[1];
-  const Evaluation& result = proxy.evaluate(SkinMethod::full, poses, frame, weights, true);
+// As it was evaluated last.
+const Evaluation& Actor::carry_proxy() {
+  const Detail& proxy = *details_[1];
+  const Evaluation& result = proxy.last(SkinMethod::full).result;
   const Source from{1, proxy.last(SkinMethod::full).number};
   if (from != carried_from_) carried_ = upload_output(full_skin(proxy, result, 0));
   carried_from_ = from;

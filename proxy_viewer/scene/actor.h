@@ -104,6 +104,9 @@ class Actor {
   // `dressed`: worn() is to follow.
   const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
                              bool dressed = true);
+  // What evaluate() has to be evaluated for the same on the device; nothing where the skin comes from the host.
+  std::optional<SkinRequest> request(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
+                                     bool dressed = true);
   void reset_jiggle();  // which starts anew with the next frame
   // What it wears, on the skins that the method has evaluated last, one a pose; empty: nothing.
   std::span<const WornMesh> worn(SkinMethod method);
@@ -178,7 +181,7 @@ class Actor {
   std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation, std::size_t pose) const;
   const HostedSkin* hosted_skin(SkinMethod method) const;
   std::vector<std::vector<float>> skins_on_host(SkinMethod method) const;
-  const Evaluation& carry_proxy(std::span<const Pose> poses, int frame, const Weights& weights);
+  const Evaluation& carry_proxy();
   void show_linear_blend(const Pose& pose);
   HostedSkin upload_output(std::span<const float> points);
   void show_truth(int frame);

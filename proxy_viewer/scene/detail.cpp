@@ -38,27 +38,45 @@ Deformer& Detail::deformer(SkinMethod method, Use use) {
   return *made;
 }
 
-const Evaluation& Detail::evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
-                                   bool host) {
-  Evaluated& last = evaluated_[method];
-  if (method == SkinMethod::jiggle) poses = poses.first(1);
-  const bool again = frame == last.frame && weights == last.weights && host <= last.host && same(poses, last.poses);
-  if (again) return last.result;
-  last.poses.clear();  // should it throw
-  Deformer& d = deformer(method, Use::show);
-  d.set_weights(weights_of(method, weights));
-  if (method == SkinMethod::jiggle) {
-    last.result = host ? d.jiggle(poses, {&frame, 1}) : d.jiggle_on_device(poses, {&frame, 1});
-  } else {
-    if (host) d.require_one_batch(poses);  // what is drawn is on the device, too
-    last.result = host ? d.evaluate(poses) : d.evaluate_on_device(poses);
+// Nothing: it is the last.
+std::optional<DeformerCall> Detail::call_of(const SkinRequest& request) {
+  Evaluated& last = evaluated_[request.method];
+  const bool again = request.frame == last.frame && request.weights == last.weights && request.host <= last.host &&
+                     same(request.poses, last.poses);
+  if (again) return std::nullopt;
+  last.poses.clear();  // should it fail
+  Deformer& d = deformer(request.method, Use::show);
+  d.set_weights(weights_of(request.method, request.weights));
+  d.require_one_batch(request.poses);  // what is drawn is on the device
+  DeformerCall call{.deformer = &d, .poses = request.poses, .stays_on_device = !request.host};
+  if (request.method == SkinMethod::jiggle) call.frames = {&request.frame, 1};
+  return call;
+}
+
+void Detail::keep(const SkinRequest& request, Evaluation result) {
+  evaluated_[request.method] = {request.poses, request.frame,  request.weights,
+                                request.host,  ++evaluations_, std::move(result)};
+}
+
+void evaluate_together(std::span<const SkinRequest> requests) {
+  std::vector<const SkinRequest*> anew;
+  std::vector<DeformerCall> calls;
+  for (const SkinRequest& request : requests) {
+    const std::optional<DeformerCall> call = request.detail->call_of(request);
+    if (!call) continue;
+    anew.push_back(&request);
+    calls.push_back(*call);
   }
-  last.poses.assign(poses.begin(), poses.end());
-  last.frame = frame;
-  last.weights = weights;
-  last.host = host;
-  last.number = ++evaluations_;
-  return last.result;
+  std::exception_ptr error;
+  std::vector<CallOutcome> outcomes = evaluate_together(calls);
+  for (std::size_t k = 0; k < anew.size(); ++k) {
+    if (!outcomes[k].error) {
+      anew[k]->detail->keep(*anew[k], std::move(outcomes[k].evaluation));
+    } else if (!error) {
+      error = outcomes[k].error;
+    }
+  }
+  if (error) std::rethrow_exception(error);
 }
 
 const ExpectedSkin& Detail::expected_skin(const Pose& pose) {

@@ -26,6 +26,23 @@ struct ExpectedSkin {
   vulkan::Buffer vertices;                        // V, metres
 };
 
+class Detail;
+
+// Poses of one frame, then of ghosts, by ddm, linear, full or jiggle, on one level. `frame`: of the first; the jiggle
+// steps only with that. On the host, too, when `host` asks for it.
+struct SkinRequest {
+  Detail* detail;
+  SkinMethod method;
+  std::vector<Pose> poses;  // of the jiggle one
+  int frame = 0;
+  Weights weights;
+  bool host = false;
+};
+
+// What is the same as the last time is not evaluated again; what is not goes to the device in one submission, and has
+// each to be of another level or method. Throws the first error, when all others are done.
+void evaluate_together(std::span<const SkinRequest> requests);
+
 class Detail {
  public:
   // What a method has evaluated last, and of what.
@@ -55,10 +72,6 @@ class Detail {
   // The level must know its coverage. The same pose as the last time is not looked at again.
   const ExpectedSkin& expected_skin(const Pose& pose);
 
-  // By ddm, linear, full or jiggle. Poses of one frame, then of ghosts; `frame`: of the first. The jiggle steps only
-  // with that. The same as the last time is not evaluated again. On the host, too, when `host` asks for it.
-  const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
-                             bool host);
   // Of the last evaluation by the method.
   DeviceSkin skin(SkinMethod method) const;
   const Evaluated& last(SkinMethod method) const { return evaluated_.at(method); }
@@ -75,8 +88,11 @@ class Detail {
   std::uint32_t fibre_segment_count() const { return level_->fibre_segment_count; }
 
  private:
+  friend void evaluate_together(std::span<const SkinRequest> requests);
   enum class Use { show, measure };
 
+  std::optional<DeformerCall> call_of(const SkinRequest& request);
+  void keep(const SkinRequest& request, Evaluation result);
   Deformer& deformer(SkinMethod method, Use use);
   std::vector<float> tet_nodes(const Pose& pose, std::optional<float> jiggle);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
 
 #include "draw/camera.h"
 #include "proxy_viewer/scene/turn_rings.h"
@@ -76,6 +77,15 @@ void dress(std::span<const WornMesh> meshes, std::size_t pose, const SkinDraw& s
     worn.colour = colour;
     view.skins.push_back(worn);
   }
+}
+
+Weights weights_of(const Controls& controls) {
+  return {static_cast<float>(controls.settings.pose.correction), static_cast<float>(controls.settings.jiggle.amount)};
+}
+
+// Ghosts are quasi-static: they have no past.
+std::span<const Pose> wanted(SkinMethod method, std::span<const Pose> poses) {
+  return method == SkinMethod::full ? poses : poses.first(1);
 }
 
 Rectangle left_half(const Rectangle& r) { return {r.x, r.y, r.width / 2, r.height}; }
@@ -243,16 +253,30 @@ void Scene::preroll(Actor& character, const Controls& controls, const Weights& w
   }
 }
 
+// What add_character() shows of all of the cast, so that the device has it at once.
+void Scene::evaluate_cast(const Controls& controls) {
+  const Weights weights = weights_of(controls);
+  std::vector<SkinRequest> requests;
+  for (const auto& character : cast_) {
+    const std::vector<Pose> poses = poses_of(*character, controls);
+    const int frame = played_frame(*character, controls.playback.frame(), controls);
+    std::set<SkinMethod> methods = {shown_method(*character, controls.settings)};
+    if (const auto other = compared_method(*character, controls.settings)) methods.insert(*other);
+    if (poses.size() > 1) methods.insert(SkinMethod::full);
+    for (const SkinMethod method : methods) {
+      if (method == SkinMethod::jiggle) preroll(*character, controls, weights);
+      const auto asked = character->request(method, wanted(method, poses), frame, weights, controls.settings.look.worn);
+      if (asked) requests.push_back(*asked);
+    }
+  }
+  evaluate_together(requests);
+}
+
 Scene::Shown Scene::evaluate(Actor& character, SkinMethod method, std::span<const Pose> poses,
                              const Controls& controls) {
-  const Weights weights{static_cast<float>(controls.settings.pose.correction),
-                        static_cast<float>(controls.settings.jiggle.amount)};
-  if (method == SkinMethod::jiggle) preroll(character, controls, weights);
-  // Ghosts are quasi-static: they have no past.
-  const auto wanted = method == SkinMethod::full ? poses : poses.first(1);
   const Evaluation& evaluation =
-      character.evaluate(method, wanted, played_frame(character, controls.playback.frame(), controls), weights,
-                         controls.settings.look.worn);
+      character.evaluate(method, wanted(method, poses), played_frame(character, controls.playback.frame(), controls),
+                         weights_of(controls), controls.settings.look.worn);
   for (const auto& [stage, seconds] : evaluation.stage_seconds) stage_seconds_[stage] += seconds;
   return {method, &evaluation, character.skin(method)};
 }
@@ -290,6 +314,7 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
       views[1].part.width = area.width - wipe;
     }
   }
+  evaluate_cast(controls);
   for (std::size_t c = 0; c < cast_.size(); ++c) add_character(c, controls, views);
   add_markings(controls, views[0]);
   if (controls.marker && controls.marker->frame == controls.playback.frame()) {

@@ -84,6 +84,7 @@ class Scene {
   void forget_look();  // whose results may be gone
   // Where the jiggle has not come to a frame by itself and nothing plays, it is stepped through the second before it.
   void preroll(Actor& character, const Controls& controls, const Weights& weights) const;
+  void evaluate_cast(const Controls& controls);
   Shown evaluate(Actor& character, SkinMethod method, std::span<const Pose> poses, const Controls& controls);
   std::vector<Pose> poses_of(const Actor& character, const Controls& controls) const;
   // The sphere of all that is seen, and that of the smallest of them.

@@ -20,8 +20,10 @@ constexpr const char *kModifiers = "modifiers", *kModifierBegin = "modifiers.ble
                      *kModifierBlend = "modifiers.blend";
 constexpr const char *kCoverageNames = "coverage_names", *kEarlierCoverage = "coverage",
                      *kCoverageBegin = "coverage.joint_begin";
+constexpr const char *kFeatureJoints = "skeleton.feature_joints", *kFeatureTurns = "skeleton.feature_turns";
 constexpr const char *kCarried = "carried.points", *kCarriedStep = "carried.step";
 constexpr std::size_t kJointNumbers = 10 + 10 + 12;  // bind, default local, inverse bind
+constexpr std::size_t kTurnNumbers = 4 + 4;          // turn above, own turn
 
 // Applies `visit(name, array, values to a row)` to every array of the tables but those of the residual that the earlier
 // schema lacks, or has otherwise.
@@ -126,7 +128,40 @@ std::vector<std::string> strings(const TableReader& reader, const std::string& k
   return values;
 }
 
-Skeleton read_skeleton(TableReader& reader, const std::filesystem::path& path) {
+// A file whose features are those of its own joints is what it was before others could be told.
+void add_joint_features(Safetensors& file, const std::vector<JointFeatures>& features) {
+  if (features.empty()) return;
+  std::vector<std::uint32_t> joints;
+  std::vector<double> turns;
+  for (const JointFeatures& of : features) {
+    joints.insert(joints.end(), {of.joint, of.above});
+    turns.insert(turns.end(), of.above_turn.begin(), of.above_turn.end());
+    turns.insert(turns.end(), of.own_turn.begin(), of.own_turn.end());
+  }
+  file.tensors[kFeatureJoints] = tensor_from(joints, 2);
+  file.tensors[kFeatureTurns] = tensor_from(turns, kTurnNumbers);
+}
+
+std::vector<JointFeatures> read_joint_features(TableReader& reader) {
+  std::vector<std::uint32_t> joints;
+  std::vector<double> turns;
+  reader.read(kFeatureJoints, joints, 2);
+  reader.read(kFeatureTurns, turns, kTurnNumbers);
+  std::vector<JointFeatures> features(joints.size() / 2);
+  if (turns.size() != features.size() * kTurnNumbers) {
+    reader.refuse("it has the joints of " + std::to_string(features.size()) + " groups of features, and the turns of " +
+                  std::to_string(turns.size() / kTurnNumbers));
+  }
+  for (std::size_t k = 0; k < features.size(); ++k) {
+    const double* row = turns.data() + k * kTurnNumbers;
+    features[k] = {joints[2 * k], joints[2 * k + 1]};
+    std::copy(row, row + 4, features[k].above_turn.begin());
+    std::copy(row + 4, row + 8, features[k].own_turn.begin());
+  }
+  return features;
+}
+
+Skeleton read_skeleton(const Safetensors& file, TableReader& reader, const std::filesystem::path& path) {
   Skeleton skeleton;
   const std::vector<std::string> names = strings(reader, "joint_names", path);
   std::vector<double> numbers;
@@ -151,6 +186,7 @@ Skeleton read_skeleton(TableReader& reader, const std::filesystem::path& path) {
     for (int i = 0; i < 3; ++i) std::copy(row + 20 + 4 * i, row + 24 + 4 * i, joint.inverse_bind.m[i]);
     skeleton.joints.push_back(joint);
   }
+  if (file.tensors.contains(kFeatureJoints)) skeleton.features = read_joint_features(reader);
   return skeleton;
 }
 
@@ -173,6 +209,7 @@ void add_skeleton(Safetensors& file, const Skeleton& skeleton, const std::filesy
   file.tensors["skeleton.joints"] = tensor_from(joint_numbers(skeleton), kJointNumbers);
   file.tensors["skeleton.parents"] = tensor_from(parents, 1);
   file.metadata["joint_names"] = list_text(names, path);
+  add_joint_features(file, skeleton.features);
 }
 
 // A file without modifiers is what it was before there were any.
@@ -307,7 +344,7 @@ std::vector<Level> load_levels(const std::filesystem::path& path) {
   const bool earlier = reader.metadata("schema") == kEarlierSchema;
   reader.require_schema(earlier ? kEarlierSchema : kSchema);
   std::vector<Level> levels(level_count(file));
-  levels.front().basis.skeleton = read_skeleton(reader, path);
+  levels.front().basis.skeleton = read_skeleton(file, reader, path);
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const std::string prefix = prefix_of(k);
     Basis& basis = levels[k].basis;

@@ -17,8 +17,19 @@ struct Joint {
   Affine inverse_bind;           // rest space (mesh space, metres) to joint space
 };
 
+// What nine joint features tell: R - I, row-major, of
+//   R = above_turn (rotation of `joint` relative to `above`, away from the bind pose, in rest axes) own_turn^-1.
+// A basis that was carried from another skeleton so reads the features of that one.
+struct JointFeatures {
+  std::uint32_t joint = 0, above = 0;  // `above` is above it; or the same, of a joint that does not turn here
+  Quat above_turn{0, 0, 0, 1}, own_turn{0, 0, 0, 1};
+
+  bool operator==(const JointFeatures&) const = default;
+};
+
 struct Skeleton {
   std::vector<Joint> joints;
+  std::vector<JointFeatures> features{};  // empty: of every joint but roots, relative to its parent, as it is
 
   std::size_t size() const { return joints.size(); }
   int find(const std::string& name) const;  // index, or -1

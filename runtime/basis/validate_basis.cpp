@@ -21,6 +21,7 @@ class Validator : TableChecks {
 
   void run() const {
     check_skeleton();
+    check_joint_features();
     check_mesh();
     check_ddm();
     check_strain();
@@ -40,14 +41,18 @@ class Validator : TableChecks {
     return (word & 0x7c00u) != 0x7c00u && ((word >> 16) & 0x7c00u) != 0x7c00u;
   }
 
+  static bool is_turn(const Quat& q) {
+    double norm2 = 0;
+    for (const double x : q) norm2 += x * x;
+    return std::abs(std::sqrt(norm2) - 1) <= kUnitTolerance;
+  }
+
   // Every number finite and of sane size, the rotation of unit length.
   static bool usable(const JointTransform& t) {
     bool good = true;
-    double norm2 = 0;
     for (int i = 0; i < 3; ++i)
       good = good && std::abs(t.translation[i]) <= kLargest && std::abs(t.scale[i]) <= kLargest;
-    for (const double x : t.rotation) norm2 += x * x;
-    return good && std::abs(std::sqrt(norm2) - 1) <= kUnitTolerance;
+    return good && is_turn(t.rotation);
   }
 
   void check_skeleton() const {
@@ -70,6 +75,25 @@ class Validator : TableChecks {
           }
         }
       }
+    }
+  }
+
+  bool is_above(std::uint32_t above, std::uint32_t joint) const {
+    int j = static_cast<int>(joint);
+    while (j >= 0 && j != static_cast<int>(above)) j = basis_.skeleton.joints[static_cast<std::size_t>(j)].parent;
+    return j >= 0;
+  }
+
+  void check_joint_features() const {
+    const std::vector<JointFeatures>& features = basis_.skeleton.features;
+    for (std::size_t k = 0; k < features.size(); ++k) {
+      const JointFeatures& of = features[k];
+      const std::string name = element("skeleton.features", k);
+      if (of.joint >= basis_.skeleton.size() || !is_above(of.above, of.joint)) {
+        refuse(name + " is of joint " + std::to_string(of.joint) + " below " + std::to_string(of.above) +
+               ", expected a joint and one above it");
+      }
+      if (!is_turn(of.above_turn) || !is_turn(of.own_turn)) refuse(name + " turns by no rotation of unit length");
     }
   }
 
@@ -424,6 +448,7 @@ class Validator : TableChecks {
   }
 
   std::size_t feature_joint_count() const {
+    if (!basis_.skeleton.features.empty()) return basis_.skeleton.features.size();
     return static_cast<std::size_t>(std::count_if(basis_.skeleton.joints.begin(), basis_.skeleton.joints.end(),
                                                   [](const Joint& joint) { return joint.parent >= 0; }));
   }

@@ -9,16 +9,10 @@
 #include "runtime/core/error.h"
 #include "runtime/core/extent.h"
 #include "runtime/host/stages.h"
+#include "runtime/host/tolerances.h"
 
 namespace bodyopt {
 namespace {
-
-// Tolerances. Both sides add the same numbers in the same order; devices round roots, quotients and exponentials by
-// themselves, to some units in the last place.
-constexpr double kOfSize = 1e-5;     // positions: of the character's diagonal, as whole frames are held to
-constexpr double kStrain = 1e-5;     // a position's error over a rest length of a decimetre
-constexpr double kOfLargest = 1e-3;  // what strains, divided by their spread in training, and kernels make of it
-constexpr double kNormal = 2e-2;     // a position's error over the edge of a small triangle
 
 // What a stage leaves behind: `width` numbers of each element, frame-major.
 struct StageOutput {
@@ -112,45 +106,62 @@ class CheckedBackend final : public Backend {
       case Stage::modify:
         return;  // seen in what is posed
       case Stage::strain:
-        return compare(fibres(stage, found.strains, expected.strains), frames);
+        return compare(fibres(tolerance_of(Stage::strain, "strains"), found.strains, expected.strains), frames);
       case Stage::residual:
-        compare(numbers(stage, "feature", found.excess, expected.excess), frames);
-        return compare(numbers(stage, "coefficient", found.coefficients, expected.coefficients), frames);
+        compare(numbers(tolerance_of(Stage::residual, "excess"), "feature", found.excess, expected.excess), frames);
+        return compare(numbers(tolerance_of(Stage::residual, "coefficients"), "coefficient", found.coefficients,
+                               expected.coefficients),
+                       frames);
       case Stage::pose:
-        return compare(vertices(stage, found.posed, expected.posed, kOfSize * size_), frames);
+        return compare(vertices(tolerance_of(Stage::pose, "posed"), found.posed, expected.posed), frames);
       case Stage::diffuse:
-        return compare(nodes(stage, device_motion_.nodes, cpu_->motion().nodes), 1);
+        return compare(nodes(tolerance_of(Stage::diffuse, "nodes"), device_motion_.nodes, cpu_->motion().nodes), 1);
       case Stage::jiggle:
-        compare(nodes(stage, device_motion_.displacement, cpu_->motion().displacement), 1);
-        return compare(vertices(stage, found.positions, expected.positions, kOfSize * size_), frames);
+        compare(nodes(tolerance_of(Stage::jiggle, "displacement"), device_motion_.displacement,
+                      cpu_->motion().displacement),
+                1);
+        return compare(vertices(tolerance_of(Stage::jiggle, "positions"), found.positions, expected.positions), frames);
       case Stage::output:
-        compare(vertices(stage, found.positions, expected.positions, kOfSize * size_), frames);
-        return compare(vertices(stage, found.normals, expected.normals, kNormal), frames);
+        compare(vertices(tolerance_of(Stage::output, "positions"), found.positions, expected.positions), frames);
+        return compare(vertices(tolerance_of(Stage::output, "normals"), found.normals, expected.normals), frames);
     }
   }
 
-  StageOutput fibres(Stage stage, std::span<const float> device, std::span<const float> cpu) const {
-    return {stage, device, cpu, 1, kStrain, [this](std::size_t k) { return "fibre " + model_->basis.strain.names[k]; }};
+  double allowed(const StageTolerance& tolerance, std::span<const float> cpu) const {
+    return tolerance.absolute + tolerance.of_size * size_ + tolerance.of_largest * std::max(1.0, largest(cpu));
   }
 
-  static StageOutput numbers(Stage stage, const std::string& what, std::span<const float> device,
-                             std::span<const float> cpu) {
-    return {stage, device, cpu, 1, kOfLargest * std::max(1.0, largest(cpu)), [what](std::size_t k) {
+  StageOutput fibres(const StageTolerance& tolerance, std::span<const float> device, std::span<const float> cpu) const {
+    return {tolerance.stage, device, cpu, 1, allowed(tolerance, cpu), [this](std::size_t k) {
+              return "fibre " + model_->basis.strain.names[k];
+            }};
+  }
+
+  StageOutput numbers(const StageTolerance& tolerance, const std::string& what, std::span<const float> device,
+                      std::span<const float> cpu) const {
+    return {tolerance.stage, device, cpu, 1, allowed(tolerance, cpu), [what](std::size_t k) {
               return what + " " + std::to_string(k);
             }};
   }
 
   // By the number that the character's file has for a vertex.
-  StageOutput vertices(Stage stage, std::span<const float> device, std::span<const float> cpu, double tolerance) const {
-    return {stage, device, cpu, 3, tolerance, [this](std::size_t k) {
+  StageOutput vertices(const StageTolerance& tolerance, std::span<const float> device,
+                       std::span<const float> cpu) const {
+    return {tolerance.stage, device, cpu, 3, allowed(tolerance, cpu), [this](std::size_t k) {
               const std::vector<std::uint32_t>& output = model_->basis.mesh.output_vertex;
               return "vertex " + std::to_string(std::ranges::find(output, k) - output.begin());
             }};
   }
 
   // Of the last frame.
-  StageOutput nodes(Stage stage, std::span<const float> device, std::span<const float> cpu) const {
-    return {stage, device, cpu, 3, kOfSize * size_, [](std::size_t k) { return "node " + std::to_string(k); }};
+  StageOutput nodes(const StageTolerance& tolerance, std::span<const float> device, std::span<const float> cpu) const {
+    return {tolerance.stage,
+            device,
+            cpu,
+            3,
+            allowed(tolerance, cpu),
+            [](std::size_t k) {
+              return "node " + std::to_string(k); }};
   }
 
   std::shared_ptr<const CharacterModel> model_;

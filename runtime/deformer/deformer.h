@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -12,6 +11,8 @@
 #include <vector>
 
 #include "runtime/basis/basis.h"
+#include "runtime/deformer/evaluate_together.h"
+#include "runtime/deformer/evaluation.h"
 #include "runtime/host/backend.h"
 #include "runtime/host/character_model.h"
 #include "runtime/host/device_choice.h"
@@ -23,33 +24,6 @@ namespace vulkan {
 class Device;
 class DeviceModel;
 }  // namespace vulkan
-
-// The result of a batch of F frames, in output vertex order (as in the character's file).
-struct Evaluation {
-  std::vector<float> positions;  // F x O x 3, metres, posed (world)
-  std::vector<float> normals;    // F x O x 3, unit (zero where all triangles around a vertex are degenerate); see
-                                 // Deformer::set_normals
-  std::vector<float> strains;    // F x S
-  std::vector<float> outside;    // F: how far the worst feature lies outside its trained range, in standard
-                                 // deviations of training; 0 when the frame is covered
-  std::vector<std::uint32_t> outside_feature;   // F: that feature, see feature_name
-  std::vector<float> fades;                     // F x regions: how much of what was learned is left, see region_fades
-  std::vector<int> fading_joint;                // F: the joint that takes most of it; -1: nothing fades
-  std::vector<JiggleStart> starts;              // F where frames jiggle: how each began
-  std::map<std::string, double> stage_seconds;  // by stage name, summed over the batch
-};
-
-// Memory of the caller for three numbers of each vertex: at data + frame x frame_stride + output vertex x
-// element_stride, bytes.
-struct PlacedVertices {
-  std::byte* data = nullptr;  // null: not wanted
-  std::size_t element_stride = 0, frame_stride = 0;
-};
-
-// Where a skin is written instead of into an Evaluation; normals that are not wanted are not computed.
-struct SkinPlace {
-  PlacedVertices positions, normals;
-};
 
 // The mean over the regions of frame k: how much is left of what was learned. 1 without regions.
 double mean_fade(const Evaluation& evaluation, std::size_t k);
@@ -120,16 +94,12 @@ class Deformer {
   std::string device_name() const;
 
  private:
+  friend class RunningCall;  // of runtime/deformer/evaluate_together.cpp
+
   Deformer(std::shared_ptr<const CharacterModel> model, const std::optional<JiggleOptions>& jiggle,
            std::unique_ptr<Backend> backend);
   void set_rest();
-  // Where the skin of a call goes: into its Evaluation, nowhere (it stays on the device), or to the caller's memory.
-  struct Destination {
-    bool stays_on_device = false;
-    const SkinPlace* place = nullptr;
-  };
-  Evaluation run(std::span<const Pose> poses, std::span<const int> frames, const Destination& to);
-  Evaluation step(std::span<const Pose> poses, std::span<const int> frames, const Destination& to);
+  Evaluation run(const DeformerCall& call);
   std::vector<JiggleFrame> plan(const Batch& batch, std::span<const int> frames);
 
   std::shared_ptr<const CharacterModel> model_;

@@ -16,6 +16,7 @@ namespace bodyopt {
 
 namespace vulkan {
 class Buffer;
+class Commands;
 struct Recording;
 }  // namespace vulkan
 
@@ -62,6 +63,17 @@ struct BatchResult {
   std::map<std::string, double> stage_seconds;
 };
 
+// Backend::run in two halves, so that the work of several goes to their device at once: what start() gives is ended,
+// and is run before finish(). Throws as run().
+class SplitRun {
+ public:
+  virtual vulkan::Commands& start(const Batch& batch) = 0;
+  virtual BatchResult finish() = 0;
+
+ protected:
+  ~SplitRun() = default;
+};
+
 class Backend {
  public:
   virtual ~Backend() = default;
@@ -70,6 +82,7 @@ class Backend {
   virtual std::uint32_t batch_limit() const = 0;
   // Where it throws the motion is that of before, or no batch runs any more.
   virtual BatchResult run(const Batch& batch) = 0;
+  virtual SplitRun* split() { return nullptr; }  // null: there is no device between the halves
   // Records a batch of one frame for the host program (include/bodyopt/vulkan.h); from then on it does nothing else.
   // Throws Error(usage) where it has no device.
   virtual void record(const Batch&, const vulkan::Recording&) {

@@ -38,7 +38,8 @@ std::vector<OutputStep> output_steps(const Basis& basis, const Batch& batch) {
 }
 
 OutputRelaxPush relax_push(const Basis& basis, const OutputStep& step) {
-  return {basis.mesh.vertex_count(), basis.modifiers.component_count(), step.modifier->first_component};
+  const std::uint32_t vertices = basis.mesh.vertex_count();
+  return {vertices, basis.modifiers.component_count(), step.modifier->first_component, 0, vertices, 0};
 }
 
 OutputBoundPush bound_push(const Basis& basis) {

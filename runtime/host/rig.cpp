@@ -22,16 +22,24 @@ std::vector<Affine> skinning_matrices(const Skeleton& skeleton, std::span<const 
   return matrices;
 }
 
+std::vector<JointFeatures> joint_features_of(const Skeleton& skeleton) {
+  if (!skeleton.features.empty()) return skeleton.features;
+  std::vector<JointFeatures> features;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    if (parent >= 0) features.push_back({static_cast<std::uint32_t>(j), static_cast<std::uint32_t>(parent)});
+  }
+  return features;
+}
+
 std::vector<std::uint32_t> feature_joints(const Skeleton& skeleton) {
   std::vector<std::uint32_t> joints;
-  for (std::size_t j = 0; j < skeleton.size(); ++j) {
-    if (skeleton.joints[j].parent >= 0) joints.push_back(static_cast<std::uint32_t>(j));
-  }
+  for (const JointFeatures& of : joint_features_of(skeleton)) joints.push_back(of.joint);
   return joints;
 }
 
 std::uint32_t joint_feature_count(const Skeleton& skeleton) {
-  return 9 * static_cast<std::uint32_t>(feature_joints(skeleton).size());
+  return 9 * static_cast<std::uint32_t>(joint_features_of(skeleton).size());
 }
 
 namespace {
@@ -51,6 +59,26 @@ void check_joints(const Skeleton& skeleton, const std::vector<JointTransform>& j
       throw Error(ErrorKind::mismatch, "the pose of joint '" + skeleton.joints[j].name + "' is not a finite number");
     }
   }
+}
+
+// Rotation of a joint relative to its parent, away from the bind pose, in rest axes.
+Quat turn_of(const Skeleton& skeleton, const std::vector<Quat>& bind, const std::vector<JointTransform>& joints,
+             std::size_t j) {
+  const Joint& joint = skeleton.joints[j];
+  const Quat& axes = bind[static_cast<std::size_t>(joint.parent)];
+  const Quat change = normalized(joints[j].rotation) * conjugate(normalized(joint.bind.rotation));
+  return normalized(axes * change * conjugate(axes));
+}
+
+// R of JointFeatures.
+Quat rotation_of(const JointFeatures& of, const Skeleton& skeleton, const std::vector<Quat>& bind,
+                 const std::vector<JointTransform>& joints) {
+  Quat relative{0, 0, 0, 1};
+  for (std::uint32_t j = of.joint; j != of.above; j = static_cast<std::uint32_t>(skeleton.joints[j].parent)) {
+    relative = turn_of(skeleton, bind, joints, j) * relative;
+  }
+  if (of.joint == of.above) return relative;
+  return of.above_turn * relative * conjugate(of.own_turn);
 }
 
 }  // namespace
@@ -85,11 +113,8 @@ std::vector<float> relative_skinning(const Skeleton& skeleton, const std::vector
 std::vector<float> joint_features(const Skeleton& skeleton, const std::vector<JointTransform>& joints) {
   std::vector<float> features;
   const std::vector<Quat> bind = bind_rotations(skeleton);
-  for (const std::uint32_t j : feature_joints(skeleton)) {
-    const Joint& joint = skeleton.joints[j];
-    const Quat& axes = bind[static_cast<std::size_t>(joint.parent)];
-    const Quat change = normalized(joints[j].rotation) * conjugate(normalized(joint.bind.rotation));
-    const auto r = rotation_matrix(normalized(axes * change * conjugate(axes)));
+  for (const JointFeatures& of : joint_features_of(skeleton)) {
+    const auto r = rotation_matrix(rotation_of(of, skeleton, bind, joints));
     for (int i = 0; i < 3; ++i) {
       for (int k = 0; k < 3; ++k) features.push_back(static_cast<float>(r[i][k] - (i == k ? 1 : 0)));
     }

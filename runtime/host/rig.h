@@ -17,9 +17,10 @@ struct RigFrame {
   // single precision and added back by the pose stage, so that the skin is as exact at 100 m as at the origin.
   float origin[3];
   std::vector<double> joints;  // J x 3: posed positions of the joints, metres, world
-  // What was learned goes by the pose before modifiers turned joints (Pose::own_joints). 9 values per non-root joint,
-  // in joint order: R_k - I, row-major, where R_k is the joint's rotation relative to its parent, away from the bind
-  // pose, in rest axes. Made of local rotations only: a turn of the root changes no bit.
+  // What was learned goes by the pose before modifiers turned joints (Pose::own_joints). 9 values for each of
+  // joint_features_of(skeleton): R_k - I, row-major, where R_k is, but for what is carried, a joint's rotation relative
+  // to its parent, away from the bind pose, in rest axes. Made of local rotations only: a turn of the root changes no
+  // bit.
   std::vector<float> joint_features;
   std::vector<float> learned_skinning;  // as skinning, of that pose: for the strains
 };
@@ -36,7 +37,10 @@ std::vector<Quat> bind_rotations(const Skeleton& skeleton);
 // Throws Error(mismatch) when the pose has another number of joints than the skeleton, and when it is not finite.
 RigFrame pose_rig(const Skeleton& skeleton, const Pose& pose);
 
-std::uint32_t joint_feature_count(const Skeleton& skeleton);  // 9 per non-root joint
+// skeleton.features, or, where there are none, those of every joint but roots, in joint order.
+std::vector<JointFeatures> joint_features_of(const Skeleton& skeleton);
+
+std::uint32_t joint_feature_count(const Skeleton& skeleton);  // 9 for each of these
 
 // Joint index of each group of nine joint features.
 std::vector<std::uint32_t> feature_joints(const Skeleton& skeleton);

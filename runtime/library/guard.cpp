@@ -8,11 +8,6 @@ namespace {
 // Not a string: keeping an error must not fail for want of memory.
 thread_local char last_error[2048] = "";
 
-bodyopt_result keep(bodyopt_result result, const char* text) noexcept {
-  std::strncpy(last_error, text, sizeof(last_error) - 1);
-  return result;
-}
-
 bodyopt_result result_of(ErrorKind kind) {
   switch (kind) {
     case ErrorKind::mismatch:
@@ -30,17 +25,22 @@ bodyopt_result result_of(ErrorKind kind) {
 
 }  // namespace
 
+bodyopt_result keep_failure(bodyopt_result result, const char* text) noexcept {
+  std::strncpy(last_error, text, sizeof(last_error) - 1);
+  return result;
+}
+
 bodyopt_result keep_error(const std::exception_ptr& error) noexcept {
   try {
     std::rethrow_exception(error);
   } catch (const Error& e) {
-    return keep(result_of(e.kind()), e.what());
+    return keep_failure(result_of(e.kind()), e.what());
   } catch (const std::bad_alloc&) {
-    return keep(BODYOPT_MEMORY, "there is not enough memory");
+    return keep_failure(BODYOPT_MEMORY, "there is not enough memory");
   } catch (const std::exception& e) {
-    return keep(BODYOPT_INTERNAL, e.what());
+    return keep_failure(BODYOPT_INTERNAL, e.what());
   } catch (...) {
-    return keep(BODYOPT_INTERNAL, "an exception of no known kind");
+    return keep_failure(BODYOPT_INTERNAL, "an exception of no known kind");
   }
 }
 

@@ -14,6 +14,9 @@ namespace bodyopt {
 // Keeps what the exception says for bodyopt_last_error(), and gives its result. Throws nothing.
 bodyopt_result keep_error(const std::exception_ptr& error) noexcept;
 
+// Keeps this for bodyopt_last_error(), and gives the result.
+bodyopt_result keep_failure(bodyopt_result result, const char* text) noexcept;
+
 // Of function().
 template <typename Function>
 bodyopt_result guarded(const Function& function) noexcept {

@@ -1,11 +1,9 @@
-// bodyopt.h: instances, frames and states.
+// bodyopt.h: instances and their states.
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
-#include "runtime/library/strides.h"
 
 namespace bodyopt {
 namespace {
@@ -61,27 +59,6 @@ const Dynamics& dynamics_of(const bodyopt_instance& instance) {
   return *dynamics;
 }
 
-// None where it is not wanted. Throws Error(mismatch) of a model that does not know its error.
-const ErrorExpectation* wanted_expectation(bodyopt_instance& instance, const WantedSkin& wanted) {
-  if (!wanted.wants_expected_errors()) return nullptr;
-  if (!instance.expectation) instance.expectation.emplace(instance.deformer->basis());
-  return &*instance.expectation;
-}
-
-// What is not placed, of the frames from `begin` on.
-void write_results(const Evaluation& evaluation, const std::vector<Pose>& poses, const ErrorExpectation* expectation,
-                   std::size_t begin, const WantedSkin& wanted) {
-  wanted.write(evaluation, begin);
-  if (expectation == nullptr || poses.empty()) return;
-  const std::size_t strains = evaluation.strains.size() / poses.size();
-  std::vector<float> metres;
-  for (std::size_t f = 0; f < poses.size(); ++f) {
-    const std::span<const float> of_frame(evaluation.strains.data() + f * strains, strains);
-    metres.push_back(static_cast<float>(1e-3 * expectation->of(poses[f], of_frame).rms_mm));
-  }
-  wanted.write_expected_errors(metres, begin);
-}
-
 }  // namespace
 }  // namespace bodyopt
 
@@ -112,31 +89,6 @@ bodyopt_result bodyopt_set_weights(bodyopt_instance* instance, float correction,
   return guarded([&] {
     if (!std::isfinite(correction) || !std::isfinite(jiggle)) throw Error(ErrorKind::usage, "a weight is not finite");
     required(instance, "instance").deformer->set_weights({.correction = correction, .jiggle = jiggle});
-  });
-}
-
-bodyopt_result bodyopt_evaluate(bodyopt_instance* instance, const bodyopt_poses* poses, const bodyopt_skin* skin) {
-  return guarded([&] {
-    Deformer& deformer = *required(instance, "instance").deformer;
-    const GivenPoses given(poses, deformer.basis());
-    const WantedSkin wanted(skin, deformer.basis(), given.count());
-    const ErrorExpectation* expectation = wanted_expectation(*instance, wanted);
-    const std::size_t most = deformer.batch_limit();
-    for (std::size_t begin = 0; begin < given.count(); begin += most) {
-      const std::vector<Pose> part = given.read(begin, std::min(most, given.count() - begin));
-      write_results(deformer.evaluate_into(wanted.place(begin), part), part, expectation, begin, wanted);
-    }
-  });
-}
-
-bodyopt_result bodyopt_jiggle(bodyopt_instance* instance, const bodyopt_poses* poses, const bodyopt_skin* skin) {
-  return guarded([&] {
-    Deformer& deformer = *required(instance, "instance").deformer;
-    const GivenPoses given(poses, deformer.basis());
-    const WantedSkin wanted(skin, deformer.basis(), given.count());
-    const ErrorExpectation* expectation = wanted_expectation(*instance, wanted);
-    const std::vector<Pose> frames = given.read(0, given.count());
-    write_results(deformer.jiggle_into(wanted.place(0), frames, given.frame_numbers()), frames, expectation, 0, wanted);
   });
 }
 

@@ -45,6 +45,14 @@ Buffer::Buffer(const Device& device, VkDeviceSize bytes, Memory memory, const ch
   require(vkBindBufferMemory(handle, buffer, memory_.block->memory.get(), memory_.offset), "vkBindBufferMemory");
 }
 
+void require_binding(std::size_t bytes, const char* name, const DeviceInfo& limits) {
+  if (bytes <= limits.max_storage_buffer_range) return;
+  throw Error(ErrorKind::device, std::string(name) + ": " + std::to_string(bytes) + " bytes, which kernels need at " +
+                                     "once, are more than the " + std::to_string(limits.max_storage_buffer_range) +
+                                     " bytes that a binding of '" + limits.name +
+                                     "' can see; the CPU has no such limit");
+}
+
 Buffer upload_bytes(const Device& device, std::span<const std::byte> bytes, const char* name) {
   Buffer buffer(device, bytes.size(), Memory::device, name);
   if (bytes.empty()) return buffer;

@@ -60,4 +60,14 @@ Buffer upload(const Device& device, const std::vector<T>& values, const char* na
   return upload_bytes(device, std::as_bytes(std::span(values)), name);
 }
 
+// Throws Error(device) that names the table where it is larger than one binding can be.
+void require_binding(std::size_t bytes, const char* name, const DeviceInfo& limits);
+
+// A table that kernels read here and there, so that one binding has to see all of it. Throws as require_binding.
+template <typename T>
+Buffer upload_whole(const Device& device, const std::vector<T>& values, const char* name, const DeviceInfo& limits) {
+  require_binding(values.size() * sizeof(T), name, limits);
+  return upload(device, values, name);
+}
+
 }  // namespace bodyopt::vulkan

@@ -173,20 +173,30 @@ void Commands::end() {
 }
 
 void Commands::run() {
-  const VkDevice handle = device_.handle();
-  const VkFence fence = fence_.get();
-  check(vkResetFences(handle, 1, &fence), "vkResetFences");
+  Commands* const alone = this;
+  run_together({&alone, 1});
+}
+
+void Commands::run_together(std::span<Commands* const> all) {
+  if (all.empty()) return;
+  const Device& device = all.front()->device_;
+  const VkFence fence = all.front()->fence_.get();
+  check(vkResetFences(device.handle(), 1, &fence), "vkResetFences");
+  std::vector<VkCommandBuffer> buffers;
+  for (const Commands* commands : all) buffers.push_back(commands->commands_);
   auto submit = structure<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);
-  submit.commandBufferCount = 1;
-  submit.pCommandBuffers = &commands_;
+  submit.commandBufferCount = static_cast<std::uint32_t>(buffers.size());
+  submit.pCommandBuffers = buffers.data();
   {
-    const std::lock_guard lock(device_.queue_mutex());
-    check(vkQueueSubmit(device_.queue(), 1, &submit, fence), "vkQueueSubmit");
+    const std::lock_guard lock(device.queue_mutex());
+    check(vkQueueSubmit(device.queue(), 1, &submit, fence), "vkQueueSubmit");
   }
-  pending_ = true;
-  ++submission_count_;
-  check(vkWaitForFences(handle, 1, &fence, VK_TRUE, kTimeout), "vkWaitForFences");
-  pending_ = false;
+  for (Commands* commands : all) {
+    commands->pending_ = true;
+    ++commands->submission_count_;
+  }
+  check(vkWaitForFences(device.handle(), 1, &fence, VK_TRUE, kTimeout), "vkWaitForFences");
+  for (Commands* commands : all) commands->pending_ = false;
 }
 
 std::vector<double> Commands::seconds() const {

@@ -55,6 +55,9 @@ class Commands {
   // Submits what cut() has not, and waits; afterwards the host sees what was copied to staging buffers. Throws
   // Error(device) when the device is lost or does not finish.
   void run();
+  // run() of several of one device, which have ended: one submission, and one wait.
+  static void run_together(std::span<Commands* const> all);
+  const Device& device() const { return device_; }
 
   // Submissions since begin().
   std::uint32_t submission_count() const { return submission_count_; }

@@ -195,6 +195,8 @@ struct PoseSkinPush {
 };
 struct OutputRelaxPush {
   uint vertex_count, component_count, component;  // the last: whose weight says how much is shown
+  uint first_vertex, end_vertex;                  // the window of the fans bound
+  uint first_triangle;                            // of the fans, at which it begins
 };
 struct OutputBoundPush {
   uint vertex_count, triangle_count, box_count;
@@ -212,6 +214,8 @@ struct OutputPlacePush {
 };
 struct OutputNormalsPush {
   uint vertex_count;
+  uint first_vertex, end_vertex;  // the window of the fans bound
+  uint first_triangle;            // of the fans, at which it begins
 };
 struct DiffuseSurfacePush {
   uint surface_count, vertex_count, node_count;

@@ -4,23 +4,22 @@
 // runtime/cpu/kernels.h.
 #include "layout.h"
 
-// Threads: push.vertex_count
+// Threads: push.end_vertex - push.first_vertex
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { OutputNormalsPush push; };
-layout(set = 0, binding = 0) readonly buffer B0 { uint triangles[]; };
-layout(set = 0, binding = 1) readonly buffer B1 { uint vertex_triangle_begin[]; };
-layout(set = 0, binding = 2) readonly buffer B2 { uint vertex_triangles[]; };
-layout(set = 0, binding = 3) readonly buffer B3 { float positions[]; };
-layout(set = 0, binding = 4) writeonly buffer B4 { float normals[]; };
+layout(set = 0, binding = 0) readonly buffer B0 { uint fan_begin[]; };
+layout(set = 0, binding = 1) readonly buffer B1 { uint fans[]; };  // three corners of each triangle around a vertex
+layout(set = 0, binding = 2) readonly buffer B2 { float positions[]; };
+layout(set = 0, binding = 3) writeonly buffer B3 { float normals[]; };
 
 void main() {
-  uint vertex = gl_GlobalInvocationID.x, frame = gl_GlobalInvocationID.y;
-  if (vertex >= push.vertex_count) return;
+  uint vertex = push.first_vertex + gl_GlobalInvocationID.x, frame = gl_GlobalInvocationID.y;
+  if (vertex >= push.end_vertex || vertex >= push.vertex_count) return;
   uint x = 3 * push.vertex_count * frame;
   precise float nx = 0.0, ny = 0.0, nz = 0.0;
-  for (uint k = vertex_triangle_begin[vertex]; k < vertex_triangle_begin[vertex + 1]; ++k) {
-    uint t = 3 * vertex_triangles[k];
-    uint a = x + 3 * triangles[t], b = x + 3 * triangles[t + 1], c = x + 3 * triangles[t + 2];
+  uint end = 3 * (fan_begin[vertex + 1] - push.first_triangle);
+  for (uint t = 3 * (fan_begin[vertex] - push.first_triangle); t < end; t += 3) {
+    uint a = x + 3 * fans[t], b = x + 3 * fans[t + 1], c = x + 3 * fans[t + 2];
     precise float ux = positions[b] - positions[a], uy = positions[b + 1] - positions[a + 1],
                   uz = positions[b + 2] - positions[a + 2];
     precise float wx = positions[c] - positions[a], wy = positions[c + 1] - positions[a + 1],

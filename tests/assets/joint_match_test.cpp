@@ -27,7 +27,7 @@ Names moved_by(const Names& source, const Names& target, const std::string& join
   const std::vector<NamedJoint> joints = named_joints(chain_skeleton(source));
   Names unused, result;
   for (const int joint :
-       match_joints(joints, chain_skeleton(target), joint_map, "a.bvh", notes == nullptr ? unused : *notes)) {
+       match_joints(joints, chain_skeleton(target), joint_map, "the clip a.bvh", notes == nullptr ? unused : *notes)) {
     result.push_back(joint < 0 ? "-" : source[static_cast<std::size_t>(joint)]);
   }
   return result;

@@ -410,6 +410,39 @@ TEST(Retarget, MeshesThatLieStandUpright) {
   EXPECT_EQ(turn_upright(skeleton), (Quat{0, 0, 0, 1}));
 }
 
+// Bodies that were bound facing elsewhere play one motion side by side.
+TEST(Retarget, HowACharacterFacesAtBindIsNoMatterOfTheMotion) {
+  const TemporaryFolder folder;
+  put_bytes(folder / "walk.bvh", kWalk);
+  const auto skeleton_facing = [](double angle) {
+    const auto turned = [&](double x, double y, double z) {
+      return rotate(axis_angle({0, 1, 0}, angle), Vec3{x, y, z});
+    };
+    return skeleton_of({{"Hips", -1, turned(0, 9, 0)},
+                        {"Spine", 0, turned(0, 11, 0)},
+                        {"Neck", 1, turned(0, 13, 0)},
+                        {"Head", 2, turned(0, 14, 0)},
+                        {"LeftUpLeg", 0, turned(1, 9, 0)},
+                        {"LeftFoot", 4, turned(1, 5, 0)},
+                        {"LeftToeBase", 5, turned(1, 4, 1)}});
+  };
+  const Skeleton forwards = skeleton_facing(0);
+  const Clip expected = read_clip((folder / "walk.bvh").string(), forwards, {.fps = 1});
+  for (const double angle : {kQuarter, -kQuarter, 2 * kQuarter}) {
+    const Skeleton other = skeleton_facing(angle);
+    const Clip clip = read_clip((folder / "walk.bvh").string(), other, {.fps = 1});
+    ASSERT_EQ(clip.poses.size(), expected.poses.size());
+    for (std::size_t k = 0; k < clip.poses.size(); ++k) {
+      for (const Joint& joint : forwards.joints) {
+        const Vec3 off =
+            place(other, clip.poses[k], joint.name.c_str()) - place(forwards, expected.poses[k], joint.name.c_str());
+        EXPECT_LT(length(off), 1e-9) << joint.name << ' ' << angle;
+      }
+    }
+    EXPECT_FALSE(mentions(clip.notes, "axis"));
+  }
+}
+
 // A clip of a heavier body on the real human: the limbs point as they do on the body that the clip was made for.
 TEST(Retarget, RealClipsMoveOtherRealCharacters) {
   const auto human = shared_data("characters/human_muscular.glb"), heavy = shared_data("characters/human_heavy.glb"),

@@ -90,6 +90,17 @@ TEST(BasisFile, RoundTripIsBitExact) {
 std::string earlier_file(const std::string& ending) { return kSourceFolder + "/tests/data/basis_schema_2" + ending; }
 
 // The small basis as the program wrote it before residuals had coordinates, and the positions it gave then.
+// Features that a carried basis reads as those of another skeleton.
+TEST(BasisFile, RoundTripOfCarriedFeatures) {
+  const TemporaryFolder folder;
+  Basis basis = small_basis();
+  basis.skeleton.features = {{1, 0, axis_angle({1, 2, 0}, 0.3), axis_angle({0, 1, 3}, 0.7)}};
+  save_basis(basis, folder / "a.safetensors");
+  const Basis read = load_basis(folder / "a.safetensors");
+  EXPECT_EQ(read.skeleton.features, basis.skeleton.features);
+  EXPECT_EQ(difference(read, basis), "");
+}
+
 TEST(BasisFile, TheEarlierSchemaGivesTheSame) {
   const TemporaryFolder folder;
   const Basis basis = load_basis(earlier_file(".safetensors"));
@@ -244,6 +255,10 @@ TEST(BasisFile, ForgedTablesAreRefusedOrEvaluateToNumbers) {
   save_basis(small_basis(), folder / "a.safetensors");
   EXPECT_GT(forged_and_accepted(read_safetensors(folder / "a.safetensors")), 50);  // or the kernels were hardly tried
   EXPECT_GT(forged_and_accepted(read_safetensors(earlier_file(".safetensors"))), 50);
+  Basis carried = small_basis();
+  carried.skeleton.features = {{1, 0, axis_angle({1, 2, 0}, 0.3), axis_angle({0, 1, 3}, 0.7)}};
+  save_basis(carried, folder / "carried.safetensors");
+  EXPECT_GT(forged_and_accepted(read_safetensors(folder / "carried.safetensors")), 50);
 }
 
 // Its regions become rows of coordinates, as many as they claim to have features.

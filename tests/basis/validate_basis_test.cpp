@@ -55,6 +55,26 @@ TEST(ValidateBasis, Skeleton) {
   });
 }
 
+TEST(ValidateBasis, JointFeatures) {
+  Basis carried = small_basis();
+  carried.skeleton.features = {{1, 0, axis_angle({1, 0, 0}, 0.3), axis_angle({0, 1, 0}, 0.3)}};
+  EXPECT_NO_THROW(validate(carried, "here"));
+  const auto one = [](Basis& b) -> JointFeatures& { return b.skeleton.features.emplace_back(JointFeatures{1, 0}); };
+  expect_refused({
+      {"skeleton.features[0] is of joint 2", [&](Basis& b) { one(b).joint = 2; }},
+      {"skeleton.features[0] is of joint 0 below 1",
+       [&](Basis& b) {
+         one(b) = {0, 1};
+       }},
+      {"skeleton.features[0] turns by no rotation", [&](Basis& b) { one(b).above_turn[3] = 2; }},
+      {"skeleton.features[0] turns by no rotation", [&](Basis& b) { one(b).own_turn[1] = std::nan(""); }},
+      {"residual.features",
+       [&](Basis& b) {
+         b.skeleton.features = {{1, 0}, {1, 0}};
+       }},
+  });
+}
+
 TEST(ValidateBasis, Mesh) {
   expect_refused({
       {"mesh.rest has 0", [](Basis& b) { b.mesh.rest.clear(); }},

@@ -5,6 +5,7 @@
 
 #include "assets/json_file.h"
 #include "tests/cli/limb_files.h"
+#include "tests/support/hostile_bytes.h"
 #include "tests/support/run_program.h"
 
 namespace bodyopt {
@@ -28,6 +29,27 @@ TEST(RigVerb, WritesWhatTheOtherVerbsRead) {
   const ProgramResult dynamics = run_bodyopt("dynamics " + limb.character + " --basis " + basis + " --jiggle " + rig +
                                              "/jiggle.json --out " + (folder / "limb.dynamics.safetensors").string());
   EXPECT_EQ(dynamics.exit_code, 0) << dynamics.output;
+}
+
+// As of a run that was cut off: what is missing is added, what was edited stays, and is said.
+TEST(RigVerb, FinishesWhatWasCutOffAndKeepsWhatWasEdited) {
+  const TemporaryFolder folder;
+  const LimbFiles limb(folder, 1);
+  const std::string verb = "rig " + limb.character + " --out " + (folder / "rig").string();
+  const std::filesystem::path limits = folder / "rig/limits.json", regions = folder / "rig/regions.json";
+  ASSERT_EQ(run_bodyopt(verb).exit_code, 0);
+  const std::string whole = testing::read_bytes(regions);
+  std::filesystem::remove(regions);
+  EXPECT_EQ(run_bodyopt(verb).exit_code, 0);
+  EXPECT_EQ(testing::read_bytes(regions), whole);
+  const std::string edited = testing::read_bytes(limits) + "\n";
+  testing::write_bytes(limits, edited);
+  std::filesystem::remove(regions);
+  const ProgramResult refused = run_bodyopt(verb);
+  EXPECT_EQ(refused.exit_code, 64);
+  EXPECT_NE(refused.output.find("limits.json: is there already"), std::string::npos) << refused.output;
+  EXPECT_EQ(testing::read_bytes(limits), edited);
+  EXPECT_FALSE(std::filesystem::exists(regions));
 }
 
 TEST(RomVerb, NeedsNoLimitsWithClips) {

@@ -10,8 +10,12 @@ namespace {
 // The smallest first: most of what can go wrong is in the tables' counts.
 std::vector<std::string> seeds() {
   const Basis basis = testing::small_basis();
-  return {bytes_of_file(given_file("tet.safetensors")),
-          written("basis.safetensors", [&](const auto& path) { save_basis(basis, path); })};
+  Basis carried = basis;
+  carried.skeleton.features = {{1, 0, axis_angle({1, 2, 0}, 0.3), axis_angle({0, 1, 3}, 0.7)}};
+  const auto bytes_of = [](const Basis& of) {
+    return written("basis.safetensors", [&](const auto& path) { save_basis(of, path); });
+  };
+  return {bytes_of_file(given_file("tet.safetensors")), bytes_of(basis), bytes_of(carried)};
 }
 
 void read(const std::string& bytes) {

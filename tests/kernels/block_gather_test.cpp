@@ -31,7 +31,7 @@ struct Case {
     const auto bound = std::make_shared<const Bound>(Bound{vulkan::InverseBuffers(device, small.inverse, device.info()),
                                                            vulkan::upload(device, right_sides, "right sides"),
                                                            vulkan::upload(device, results, "results")});
-    return {{{on_cpu(small.inverse.levels.at(level)), 0, 0, before}},
+    return {{{.values = on_cpu(small.inverse.levels.at(level)), .before = before}},
             [&kernel = kernels.get<vulkan::BlockGather>(), bound, level, sides = sides](vulkan::Commands& commands,
                                                                                         const auto& out) {
               vulkan::record_block_gather(commands, kernel,

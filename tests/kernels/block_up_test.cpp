@@ -29,7 +29,7 @@ struct Case {
     };
     const auto bound = std::make_shared<const Bound>(Bound{vulkan::InverseBuffers(device, small.inverse, device.info()),
                                                            vulkan::upload(device, gathered, "gathered")});
-    return {{{on_cpu(small.inverse.levels.at(level)), 0, 0, before}},
+    return {{{.values = on_cpu(small.inverse.levels.at(level)), .before = before}},
             [&kernel = kernels.get<vulkan::BlockUp>(), bound, level, count = right_side_count](
                 vulkan::Commands& commands, const auto& out) {
               vulkan::record_block_up(commands, kernel, {bound->inverse, bound->gathered, out[0]},

@@ -38,8 +38,9 @@ struct Case {
 const bool added = add_kernel_cases_of_frames("diffuse_gather", "nodes", [](KernelSet& kernels, const Trial& trial) {
   const Case c(trial.size, trial.variant);
   // Sums and products in one order; nodes on the skin are left.
-  return run_on<vulkan::DiffuseGather>(kernels, {kSurface, c.node_count}, c.frames, {{c.right_sides, 0, 0, c.before}},
-                                       c.diffuse.row_begin, c.diffuse.columns, c.diffuse.values, c.nodes);
+  return run_on<vulkan::DiffuseGather>(kernels, {kSurface, c.node_count}, c.frames,
+                                       {{.values = c.right_sides, .before = c.before}}, c.diffuse.row_begin,
+                                       c.diffuse.columns, c.diffuse.values, c.nodes);
 });
 
 // The Laplacian of a block of tets, nodes on its skin first, knows affine maps: with the skin's nodes mapped, the

@@ -33,7 +33,8 @@ const bool added = add_kernel_cases_of_frames("diffuse_surface", "nodes", [](Ker
   const Case c(trial.size, trial.variant);
   // Sums and products in one order; nodes inside are left.
   return run_on<vulkan::DiffuseSurface>(kernels, {trial.size, kVertices, trial.size + kInside}, c.frames,
-                                        {{c.nodes, 0, 0, c.before}}, c.tets.surface, c.positions, c.origins);
+                                        {{.values = c.nodes, .before = c.before}}, c.tets.surface, c.positions,
+                                        c.origins);
 });
 
 // A skin that is an affine image of itself carries its points by the same map.

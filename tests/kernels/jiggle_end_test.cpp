@@ -56,7 +56,7 @@ TEST_F(JiggleEnd, WhatIsNextToNothingIsZero) {
         std::none_of(values->begin() + 150, values->end(), [](float value) { return std::abs(value) < kStill; }));
   }
   KernelSet kernels(*device_);
-  expect_reference(*device_, c.on(kernels));
+  expect_reference(*device_, "jiggle_end", c.on(kernels));
 }
 
 TEST(JiggleEndReference, EqualsTheTextbook) {

@@ -35,7 +35,8 @@ struct Case {
     };
     const auto bound =
         std::make_shared<const Bound>(Bound{blend_on(device, limits), vulkan::upload(device, weights, "weights")});
-    return {{{modified, 0, 0, displacements}},  // in place; sums and products in one order; numbers convert exactly
+    return {{{.values = modified,
+              .before = displacements}},  // in place; sums and products in one order; numbers convert exactly
             [&kernel = kernels.get<vulkan::ModifyBlend>(), bound, vertices = vertices, frames = frames](
                 vulkan::Commands& commands, const auto& outputs) {
               const auto& [blend, w] = *bound;

@@ -1,9 +1,10 @@
 #include <Eigen/Dense>
 
 #include "runtime/cpu/kernels.h"
-#include "runtime/vulkan/kernels/kernels.h"
+#include "runtime/vulkan/kernels/windows.h"
 #include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
+#include "tests/support/small_windows.h"
 
 namespace bodyopt::testing {
 namespace output_normals_test {
@@ -18,6 +19,22 @@ struct Case {
     cpu::output_normals(mesh, positions, normals);
   }
 
+  KernelRun on(KernelSet& kernels, const vulkan::DeviceInfo& limits) const {
+    const vulkan::Device& device = kernels.device();
+    struct Bound {
+      vulkan::FanBuffers fans;
+      vulkan::Buffer positions;
+    };
+    const auto bound = std::make_shared<const Bound>(
+        Bound{vulkan::FanBuffers(device, mesh, limits), vulkan::upload(device, positions, "positions")});
+    return {{{normals}},
+            [&kernel = kernels.get<vulkan::OutputNormals>(), bound, vertices = mesh.vertex_count(), frames = frames](
+                vulkan::Commands& commands, const auto& outputs) {
+              vulkan::record_output_normals(commands, kernel, {bound->fans, bound->positions, outputs[0]}, vertices,
+                                            frames);
+            }};
+  }
+
   Random random;
   std::uint32_t frames;
   MeshTable mesh;
@@ -25,12 +42,20 @@ struct Case {
   std::vector<float> normals;  // by the reference
 };
 
+class OutputNormals : public GpuTest {};
+
 const bool added = add_kernel_cases_of_frames("output_normals", "vertices", [](KernelSet& kernels, const Trial& trial) {
-  const Case c(trial.size, trial.variant);
-  // Equal sums; a square root and a division of a few ulp.
-  return run_on<vulkan::OutputNormals>(kernels, {trial.size}, c.frames, {{c.normals, 1e-6}}, c.mesh.triangles,
-                                       c.mesh.vertex_triangle_begin, c.mesh.vertex_triangles, c.positions);
+  return Case(trial.size, trial.variant).on(kernels, kernels.device().info());
 });
+
+TEST_F(OutputNormals, WindowsGiveTheSameBits) {
+  const Case c(1237, 2);
+  KernelSet kernels(*device_);
+  expect_same_bits_through_windows(
+      device_->info(), 1237, {8000, 20000},
+      [&](const auto& limits) { return vulkan::FanBuffers(*device_, c.mesh, limits).windows; },
+      [&](const auto& limits) { return outputs_of(*device_, c.on(kernels, limits))[0]; });
+}
 
 // Scattered from triangles to vertices, in double precision.
 TEST(OutputNormalsReference, EqualsTheTextbook) {

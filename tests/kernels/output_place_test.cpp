@@ -48,7 +48,7 @@ const bool added =
                         const Case c(trial.seed(), trial.size, kFrames[trial.variant / std::size(kLayouts)], layout);
                         return run_on<vulkan::OutputPlace>(
                             kernels, {c.mesh.output_count(), trial.size, layout.first, layout.element, c.frame},
-                            c.frames, {{c.placed, 0, 0, c.before}}, c.mesh.output_vertex, c.values);
+                            c.frames, {{.values = c.placed, .before = c.before}}, c.mesh.output_vertex, c.values);
                       }});
 
 // Number by number, from the definition.

@@ -1,9 +1,10 @@
 #include <Eigen/Dense>
 
 #include "runtime/cpu/kernels.h"
-#include "runtime/vulkan/kernels/kernels.h"
+#include "runtime/vulkan/kernels/windows.h"
 #include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
+#include "tests/support/small_windows.h"
 
 namespace bodyopt::testing {
 namespace output_relax_test {
@@ -20,12 +21,29 @@ struct Case {
         weights(random.floats(std::size_t{kComponents} * frames, 0.3, 1.3)),
         current(random.floats(std::size_t{3} * vertices * frames, -0.9, 0.9)),
         relaxed(current.size()) {
-    push = {vertices, kComponents, kComponent};
+    push = {vertices, kComponents, kComponent, 0, vertices, 0};
     cpu::output_relax(mesh, push, weights, current, relaxed);
   }
 
   Vector3d at(const std::vector<float>& positions, std::size_t frame, std::size_t vertex) const {
     return Eigen::Map<const Eigen::Vector3f>(&positions[3 * (frame * push.vertex_count + vertex)]).cast<double>();
+  }
+
+  KernelRun on(KernelSet& kernels, const vulkan::DeviceInfo& limits) const {
+    const vulkan::Device& device = kernels.device();
+    struct Bound {
+      vulkan::FanBuffers fans;
+      vulkan::Buffer rest, weights, current;
+    };
+    const auto bound = std::make_shared<const Bound>(
+        Bound{vulkan::FanBuffers(device, mesh, limits), vulkan::upload(device, mesh.rest, "rest"),
+              vulkan::upload(device, weights, "weights"), vulkan::upload(device, current, "current")});
+    return {{{relaxed}},
+            [&kernel = kernels.get<vulkan::OutputRelax>(), bound, push = push, frames = frames](
+                vulkan::Commands& commands, const auto& outputs) {
+              const auto& [fans, rest, w, x] = *bound;
+              vulkan::record_output_relax(commands, kernel, {fans, rest, w, x, outputs[0]}, push, frames);
+            }};
   }
 
   Random random;
@@ -35,12 +53,20 @@ struct Case {
   OutputRelaxPush push{};
 };
 
+class OutputRelax : public GpuTest {};
+
 const bool added = add_kernel_cases_of_frames("output_relax", "vertices", [](KernelSet& kernels, const Trial& trial) {
-  const Case c(trial.size, trial.variant);
-  return run_on<vulkan::OutputRelax>(kernels, c.push, c.frames, {{c.relaxed, 3e-6}},  // of a box of 3 m a millionth
-                                     c.mesh.triangles, c.mesh.vertex_triangle_begin, c.mesh.vertex_triangles,
-                                     c.mesh.rest, c.weights, c.current);
+  return Case(trial.size, trial.variant).on(kernels, kernels.device().info());
 });
+
+TEST_F(OutputRelax, WindowsGiveTheSameBits) {
+  const Case c(1237, 2);
+  KernelSet kernels(*device_);
+  expect_same_bits_through_windows(
+      device_->info(), 1237, {8000, 20000},
+      [&](const auto& limits) { return vulkan::FanBuffers(*device_, c.mesh, limits).windows; },
+      [&](const auto& limits) { return outputs_of(*device_, c.on(kernels, limits))[0]; });
+}
 
 TEST(OutputRelaxReference, EqualsTheTextbook) {
   const Case c(200, 2);
@@ -102,7 +128,7 @@ TEST(OutputRelaxReference, WhatIsPressedTogetherGoesApart) {
   std::vector<float> pressed = mesh.rest, relaxed(pressed.size());
   for (std::size_t k = 0; k < 9; ++k) pressed[3 * k] *= 0.5f;
   pressed[3 * 4] = 0.8f;  // of 0 to 1; the middle is 0.5
-  cpu::output_relax(mesh, {9, 1, 0}, std::vector<float>{1}, pressed, relaxed);
+  cpu::output_relax(mesh, {9, 1, 0, 0, 9, 0}, std::vector<float>{1}, pressed, relaxed);
   EXPECT_LT(relaxed[12], 0.75f);
   EXPECT_GT(relaxed[12], 0.5f);
   EXPECT_EQ(relaxed[14], 0);
@@ -111,13 +137,13 @@ TEST(OutputRelaxReference, WhatIsPressedTogetherGoesApart) {
     for (std::size_t v = 0; v < 9; ++v) {  // what is around it is held
       for (std::size_t i = 0; i < 2 && v != 4; ++i) pressed[3 * v + i] = mesh.rest[3 * v + i] * (i == 0 ? 0.5f : 1.0f);
     }
-    cpu::output_relax(mesh, {9, 1, 0}, std::vector<float>{1}, pressed, relaxed);
+    cpu::output_relax(mesh, {9, 1, 0, 0, 9, 0}, std::vector<float>{1}, pressed, relaxed);
   }
   EXPECT_NEAR(relaxed[12], 0.5f, 0.01f);  // in the middle again
   EXPECT_NEAR(relaxed[13], 1, 0.01f);
-  cpu::output_relax(mesh, {9, 1, 0}, std::vector<float>{0}, pressed, relaxed);
+  cpu::output_relax(mesh, {9, 1, 0, 0, 9, 0}, std::vector<float>{0}, pressed, relaxed);
   EXPECT_EQ(relaxed, pressed);
-  cpu::output_relax(mesh, {9, 1, 0}, std::vector<float>{1}, mesh.rest, relaxed);
+  cpu::output_relax(mesh, {9, 1, 0, 0, 9, 0}, std::vector<float>{1}, mesh.rest, relaxed);
   EXPECT_EQ(relaxed, mesh.rest);
 }
 

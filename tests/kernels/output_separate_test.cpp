@@ -117,9 +117,8 @@ struct Case {
 const bool added =
     add_kernel_cases_of_frames("output_separate", "vertices", [](KernelSet& kernels, const Trial& trial) {
       const Case c(trial.size, trial.variant, trial.variant % 2);
-      return run_on<vulkan::OutputSeparate>(
-          kernels, c.push, c.frames, {{c.moved, 3e-6}},  // of a box of 3 m a millionth
-          c.mesh.triangles, c.sides, c.boxes, c.weights, c.normals, c.posed, c.current);
+      return run_on<vulkan::OutputSeparate>(kernels, c.push, c.frames, {{c.moved}}, c.mesh.triangles, c.sides, c.boxes,
+                                            c.weights, c.normals, c.posed, c.current);
     });
 
 TEST(OutputSeparateReference, EqualsTheTextbook) {

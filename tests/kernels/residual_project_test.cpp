@@ -56,7 +56,7 @@ TEST_F(ResidualProject, UnusedHalvesAreNotRead) {
   cpu::residual_project(c.residual, c.features, c.frames, coordinates);
   EXPECT_EQ(coordinates, c.coordinates);
   KernelSet kernels(*device_);
-  expect_reference(*device_, c.on(kernels));
+  expect_reference(*device_, "residual_project", c.on(kernels));
 }
 
 TEST_F(ResidualProject, ReferenceEqualsTheTextbook) {

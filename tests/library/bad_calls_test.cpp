@@ -169,6 +169,7 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
   EXPECT_EQ(offsetof(bodyopt_skin, fades), 136u);
   EXPECT_EQ(offsetof(bodyopt_skin, expected_errors), 168u);
   EXPECT_EQ(offsetof(bodyopt_description, knows_error), 36u);
+  EXPECT_EQ(offsetof(bodyopt_call, result), 36u);
   EXPECT_EQ(BODYOPT_MISMATCH, 3);
   EXPECT_EQ(BODYOPT_USAGE, 64);
 }

@@ -68,4 +68,31 @@ inline bodyopt_floats floats_in(std::vector<float>& values) {
   return {values.data(), values.size() * sizeof(float), 0, 0};
 }
 
+// The outputs of a call, without gaps.
+struct Arrays {
+  explicit Arrays(const Basis& basis, std::size_t frames)
+      : positions(3 * basis.mesh.output_count() * frames),
+        normals(positions.size()),
+        strains(basis.strain.fibre_count() * frames),
+        outside(frames),
+        fades(frames) {
+    all = api::make<bodyopt_skin>();
+    all.positions = floats_in(positions);
+    all.normals = floats_in(normals);
+    all.strains = floats_in(strains);
+    all.outside = floats_in(outside);
+    all.fades = floats_in(fades);
+  }
+
+  std::vector<float> positions, normals, strains, outside, fades;
+  bodyopt_skin all;
+};
+
+inline api::Instance make_instance(const api::Model& model, bool jiggles = false, const api::Device& device = {}) {
+  auto options = api::make<bodyopt_instance_options>();
+  options.jiggles = jiggles;
+  options.device = device.get();
+  return api::create_instance(model, options);
+}
+
 }  // namespace bodyopt::testing

@@ -2,11 +2,13 @@
 #include "proxy_viewer/matching.h"
 #include "proxy_viewer/picking.h"
 #include "proxy_viewer/scene/scene.h"
+#include "runtime/basis/output_order.h"
 #include "tests/proxy_viewer/characters_fixture.h"
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/proxy_viewer/twin_level.h"
 #include "tests/support/error_kind.h"
 #include "trainer/transfer/markers_file.h"
+#include "trainer/transfer/motion_of_target.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -130,22 +132,70 @@ TEST_F(CrowdTest, MatchedBodiesHaveOneColourAtOnePoint) {
   const SkinDraw unsure = skins()[1];
   EXPECT_EQ(unsure.colours, nullptr);
   EXPECT_EQ(unsure.heat_range, 1);
-  EXPECT_EQ(download(*unsure.distances), std::vector<float>(rest.size() / 3, 0.0f));
+  for (const float off : download(*unsure.distances)) EXPECT_NEAR(off, 0, 1e-5f);
   matching.describe(snapshot);
   ASSERT_TRUE(snapshot.match.has_value());
   EXPECT_TRUE(snapshot.match->same_topology);
   EXPECT_NEAR(snapshot.match->size, 1, 1e-9);
   EXPECT_FALSE(snapshot.match->parts.empty());
 
-  controls_.marking.pairs = {{0, 0}};  // the numbers of vertices are then no longer believed
-  matching.look();
-  matching.describe(snapshot);
-  EXPECT_FALSE(snapshot.match->same_topology);
-  EXPECT_GT(snapshot.match->confidence, 0.9);
+  const auto is_by_number = [&](const std::vector<MarkedPair>& pairs) {
+    controls_.marking.pairs = pairs;
+    matching.look();
+    matching.describe(snapshot);
+    return snapshot.match->same_topology;
+  };
+  EXPECT_TRUE(is_by_number({{0, 0}}));  // says what the numbers say
+  const auto last = static_cast<std::uint32_t>(rest.size() / 3 - 1);
+  EXPECT_FALSE(is_by_number({{0, last}}));  // the numbers are then no longer believed
   matching.forget();
   matching.describe(snapshot);
   EXPECT_FALSE(snapshot.match.has_value());
   EXPECT_EQ(skins()[0].colours, nullptr);
+}
+
+// The divergence theorem, over triangles of output vertices.
+double volume_of(const MeshTable& mesh, const std::vector<float>& output) {
+  double sum = 0;
+  const auto corner = [&](std::size_t t, std::size_t k) {
+    const float* at = &output[std::size_t{3} * mesh.output_triangles[3 * t + k]];
+    return Vec3{at[0], at[1], at[2]};
+  };
+  for (std::size_t t = 0; t < mesh.output_triangles.size() / 3; ++t) {
+    sum += dot(corner(t, 0), cross(corner(t, 1), corner(t, 2))) / 6;
+  }
+  return sum;
+}
+
+TEST_F(CrowdTest, AMatchTellsVolumesAtTheFrameAndWhatIsWorthSimulating) {
+  scene_.add({.basis = trained_->basis, .clip = jiggling_->clip}, {});
+  scene_.add({.basis = trained_->basis, .clip = jiggling_->clip}, {});
+  controls_.settings.compare.match = MatchView::confidence;
+  controls_.standings[1].ahead = 3;
+  Matching matching(device_, scene_, controls_);
+  Snapshot snapshot;
+  const Actor& second = *scene_.cast()[1];
+  const auto expect_volumes = [&](int frame) {
+    controls_.playback.scrub(frame);
+    matching.look();
+    matching.describe(snapshot);
+    ASSERT_TRUE(snapshot.match->volumes.has_value());
+    const MeshTable& mesh = second.finest_basis().mesh;
+    const double rest = volume_of(mesh, output_of(mesh, mesh.rest));
+    for (std::size_t k = 0; k < 2; ++k) {
+      EXPECT_NEAR((*snapshot.match->volumes)[k], volume_of(mesh, scene_.skin_on_stage(k, controls_)) / rest, 1e-5) << k;
+    }
+  };
+  expect_volumes(1);
+  const double first = snapshot.match->volumes->front();
+  expect_volumes(kClipFrames);
+  EXPECT_NE(snapshot.match->volumes->front(), first);
+  EXPECT_EQ(snapshot.match->to_simulate, frames_to_simulate(second.finest_basis(), second.clip()));
+  EXPECT_FALSE(snapshot.match->to_simulate.empty());
+  controls_.playback.play();
+  matching.look();
+  matching.describe(snapshot);
+  EXPECT_FALSE(snapshot.match->volumes.has_value());
 }
 
 TEST_F(CrowdTest, BodiesThatCannotBeMatchedAreShownAsTheyWere) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <set>
 
 #include "tests/proxy_viewer/window_fixture.h"
@@ -22,18 +21,6 @@ class DeviceLossTest : public WindowTest {
     for (const char* said : {"the device was lost", "likely", "whole"}) {
       EXPECT_NE(result.output.find(said), std::string::npos) << call << ": " << said << " is not in\n" << result.output;
     }
-  }
-
-  // How many submissions the program makes, start and all: how they are batched is its own affair.
-  int submissions_of(const std::string& arguments) const {
-    const std::filesystem::path file = folder_ / "submissions.txt";
-    const std::string counting = misbehaving_device("COUNT_SUBMISSIONS=" + file.string());
-    const ProgramResult result = run_program(command(arguments, counting));
-    EXPECT_EQ(result.exit_code, 0) << result.output;
-    int count = 0;
-    std::ifstream(file) >> count;
-    EXPECT_GT(count, 0);
-    return count;
   }
 
   void remove_pictures() const {

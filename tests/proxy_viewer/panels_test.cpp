@@ -76,7 +76,12 @@ CurationRow small_dataset() {
 }
 
 // As two bodies match.
-MatchRow small_match() { return {false, 0.9, 1.1, {{"LeftArm", 0.6, 2.3, 0.4, true}, {"Hips", 0.95, 1, 0.1, false}}}; }
+MatchRow small_match() {
+  MatchRow row{false, 0.9, 1.1, {{"LeftArm", 0.6, 2.3, 0.4, true}, {"Hips", 0.95, 1, 0.1, false}}};
+  row.volumes = {1.013, 0.994};
+  row.to_simulate = "3, 12-14";
+  return row;
+}
 
 // Without muscles, clip, controls or errors.
 Snapshot bare_character() {
@@ -385,9 +390,9 @@ TEST_F(PanelsTest, MessagesTakeRoomFromTheSidePanelAlone) {
   Rectangle quiet, loud;
   for (int k = 0; k < 3; ++k) quiet = draw(snapshot, controls);
   const float before = rectangle_of("Side").GetHeight();
+  const std::string name(300, 'x');
   for (int k = 0; k < 9; ++k) {
-    controls.warn(std::string(300, 'x') + " a long text that names a file and what was found in it, number " +
-                  std::to_string(k));
+    controls.warn(name + " a long text that names a file and what was found in it, number " + std::to_string(k));
   }
   for (int k = 0; k < 3; ++k) loud = draw(snapshot, controls);
   EXPECT_EQ(loud.width, quiet.width);

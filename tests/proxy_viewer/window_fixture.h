@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -88,6 +89,17 @@ class WindowTest : public ::testing::Test {
     std::vector<Image> images;
     for (std::size_t k = 0; k < scripts.size(); ++k) images.push_back(picture("each" + std::to_string(k) + ".png"));
     return images;
+  }
+  // How many submissions the program makes, start and all: how they are batched is its own affair.
+  int submissions_of(const std::string& arguments) const {
+    const std::filesystem::path file = folder_ / "submissions.txt";
+    const std::string counting = misbehaving_device("COUNT_SUBMISSIONS=" + file.string());
+    const ProgramResult result = run_program(command(arguments, counting));
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    int count = 0;
+    std::ifstream(file) >> count;
+    EXPECT_GT(count, 0);
+    return count;
   }
   void expect_end(BackgroundProgram& program, int exit_code) {
     EXPECT_EQ(program.wait(kPatience), exit_code) << program.output();

@@ -1,4 +1,4 @@
-// What the pages of the manual link to is there.
+// What the pages of the manual link to is there, and every page is found.
 #include <gtest/gtest.h>
 
 #include <cctype>
@@ -63,6 +63,15 @@ TEST(Links, LeadToFilesAndHeadings) {
     }
   }
   EXPECT_GT(checked, 100);
+}
+
+TEST(Links, TheReadmeLeadsToEveryPageOfTheManual) {
+  const fs::path source = bodyopt::kSourceFolder;
+  const std::string readme = text_of(source / "README.md");
+  for (const auto& entry : fs::directory_iterator(source / "docs")) {
+    if (entry.path().extension() != ".md") continue;
+    EXPECT_NE(readme.find("(docs/" + entry.path().filename().string() + ")"), std::string::npos) << entry.path();
+  }
 }
 
 }  // namespace

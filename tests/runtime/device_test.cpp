@@ -6,7 +6,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
-#include "runtime/vulkan/kernels/kernels.h"
+#include "runtime/vulkan/kernels/windows.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"
 
@@ -153,9 +153,9 @@ TEST_F(OpenDevice, RefusesWhatItCannotHold) {
   huge.size = device_->info().max_storage_buffer_range + 1;
   vulkan::Commands commands(*device_);
   commands.begin();
-  EXPECT_THROW(kernel.record(commands, {small, small, small, huge, small}, {64}, 1), Error);
-  EXPECT_THROW(kernel.record(commands, {small, small, small, small, small}, {64}, device_->info().max_groups_y + 1),
-               Error);
+  const OutputNormalsPush push{64, 0, 64, 0};
+  EXPECT_THROW(kernel.record(commands, {small, small, huge, small}, push, 1), Error);
+  EXPECT_THROW(kernel.record(commands, {small, small, small, small}, push, device_->info().max_groups_y + 1), Error);
   commands.end();
 }
 
@@ -195,9 +195,7 @@ TEST(Validation, SeesAMissingBarrier) {
     const vulkan::Device device(test_device());
     Random random(1);
     const MeshTable mesh = random_mesh(random, 64);
-    const auto triangles = vulkan::upload(device, mesh.triangles, "triangles"),
-               around_begin = vulkan::upload(device, mesh.vertex_triangle_begin, "around begin"),
-               around = vulkan::upload(device, mesh.vertex_triangles, "around");
+    const vulkan::FanBuffers fans(device, mesh, device.info());
     const vulkan::Buffer between(device, 64 * 12, vulkan::Memory::device, "between"),
         normals(device, 64 * 12, vulkan::Memory::device, "normals");
     const vulkan::OutputNormals read(device);
@@ -208,7 +206,7 @@ TEST(Validation, SeesAMissingBarrier) {
     } else {
       vkCmdFillBuffer(commands.handle(), between.handle(), 0, VK_WHOLE_SIZE, 0);
     }
-    read.record(commands, {triangles, around_begin, around, between, normals}, {64}, 1);
+    vulkan::record_output_normals(commands, read, {fans, between, normals}, 64, 1);
     commands.end();
     const auto messages = device.validation_messages();
     if (is_known) {

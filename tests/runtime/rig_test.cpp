@@ -68,6 +68,27 @@ TEST(Rig, FeaturesAreTheRotationAwayFromBindInRestAxes) {
   }
 }
 
+// Features of a carried basis: by world rotations, of a joint relative to one three above it.
+TEST(Rig, CarriedFeaturesAreThoseOfAChainInOtherAxes) {
+  std::mt19937_64 random(5);
+  Skeleton skeleton = random_chain(random, 5);
+  const Pose pose = random_pose(skeleton, random);
+  const Quat above = normalized({0.2, -0.1, 0.4, 0.9}), own = normalized({-0.3, 0.5, 0.1, 0.8});
+  skeleton.features = {{4, 1, above, own}, {2, 2}};
+  EXPECT_EQ(joint_feature_count(skeleton), 18u);
+  EXPECT_EQ(feature_joints(skeleton), (std::vector<std::uint32_t>{4, 2}));
+  const std::vector<float> features = pose_rig(skeleton, pose).joint_features;
+  const auto world = posed_joints(skeleton, pose.joints);
+  const std::vector<Quat> bind = bind_rotations(skeleton);
+  const auto away = [&](std::size_t j) { return decompose(world[j]).rotation * conjugate(bind[j]); };
+  const Quat whole = normalized(above * conjugate(away(1)) * away(4) * conjugate(own));
+  for (std::size_t k = 0; k < 9; ++k) {
+    const double rest = k % 4 == 0 ? 1 : 0;
+    EXPECT_NEAR(features[k], rotation_matrix(whole)[k / 3][k % 3] - rest, 1e-6);
+    EXPECT_EQ(features[9 + k], 0);
+  }
+}
+
 TEST(Rig, TurningTheRootChangesNoFeatureBit) {
   std::mt19937_64 random(3);
   const Skeleton skeleton = random_chain(random, 6);

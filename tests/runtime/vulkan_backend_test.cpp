@@ -173,6 +173,40 @@ TEST(VulkanBackend, InstancesOfAModelDoNotDisturbEachOther) {
   EXPECT_EQ(one->run(first).positions, alone);
 }
 
+// A device whose bindings see little: tables by blocks of vertices are seen through windows, others are named.
+TEST(VulkanBackend, SeesTablesThroughWindows) {
+  const Basis basis = with_relax(with_random_modifiers(random_basis(20, 70), 7));
+  const auto model = std::make_shared<const CharacterModel>(CharacterModel{basis, {}});
+  const auto device = open_test_device();
+  vulkan::DeviceInfo limits = device->info();
+  limits.storage_alignment = 256;
+  const auto backend = [&](std::uint64_t range) {
+    limits.max_storage_buffer_range = range;
+    const auto tables = std::make_shared<const vulkan::DeviceModel>(device, model, limits);
+    EXPECT_EQ(tables->tables().ddm.windows.size() > 1, range < 1u << 20);
+    EXPECT_EQ(tables->tables().fans.windows.size() > 1, range < 1u << 20);
+    return make_vulkan_backend(tables);
+  };
+  Batch batch = random_batch(basis, 1);
+  for (std::size_t k = 7; k < batch.modifiers.size(); k += 8) batch.modifiers[k] = 0.7f;
+  const auto whole = backend(device->info().max_storage_buffer_range), windows = backend(8000);
+  EXPECT_EQ(windows->batch_limit(), 1u);
+  const BatchResult expected = whole->run(batch), found = windows->run(batch);
+  EXPECT_EQ(found.positions, expected.positions);
+  EXPECT_EQ(found.normals, expected.normals);
+  EXPECT_EQ(found.strains, expected.strains);
+
+  try {
+    backend(4000);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::device);
+    for (const char* said : {"the skin at rest: 6012 bytes, which", "more than the 4000 bytes", "the CPU"}) {
+      EXPECT_NE(std::string(error.what()).find(said), std::string::npos) << said << " is not in: " << error.what();
+    }
+  }
+}
+
 // Weights of zero on all kernels.
 TEST(VulkanBackend, WithoutKernelsIsLinear) {
   const Basis basis = random_basis(20, 70);

@@ -1,6 +1,7 @@
 // A Vulkan layer that loses the device as drivers do: from one call on, nothing works any more. Which call, the
 // environment says: BODYOPT_LOSE_DEVICE="vkQueueSubmit 5" is the fifth submission. For one device at a time.
 // With BODYOPT_COUNT_SUBMISSIONS=FILE, how many submissions there were is written to that file as the program ends.
+// With BODYOPT_KEEP_PIPELINES=FILE, what the driver is given to begin a pipeline cache with is written to that file.
 // With BODYOPT_OUT_OF_DATE set, the surface is out of date whenever something has been submitted since the last time it
 // was: for every picture, once. With BODYOPT_HOLD_FIRST_PICTURE set, the program waits for ever before it shows its
 // second picture: what the first looks like can be seen.
@@ -62,6 +63,15 @@ VKAPI_ATTR VkResult VKAPI_CALL queue_submit(VkQueue queue, std::uint32_t count, 
   if (loses("vkQueueSubmit")) return VK_ERROR_DEVICE_LOST;
   has_submitted = true;
   return go_on<PFN_vkQueueSubmit>("vkQueueSubmit", queue, count, submits, fence);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL create_pipeline_cache(VkDevice device, const VkPipelineCacheCreateInfo* info,
+                                                     const VkAllocationCallbacks* allocator, VkPipelineCache* cache) {
+  if (const char* file = std::getenv("BODYOPT_KEEP_PIPELINES")) {
+    std::ofstream(file, std::ios::binary)
+        .write(static_cast<const char*>(info->pInitialData), static_cast<std::streamsize>(info->initialDataSize));
+  }
+  return go_on<PFN_vkCreatePipelineCache>("vkCreatePipelineCache", device, info, allocator, cache);
 }
 
 // Waits before it loses: what was submitted ends on the device beneath, which is well.
@@ -157,7 +167,7 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_function(VkDevice device, const 
       find({entry("vkGetDeviceProcAddr", device_function), entry("vkQueueSubmit", queue_submit),
             entry("vkWaitForFences", wait_for_fences), entry("vkAcquireNextImageKHR", acquire_next_image),
             entry("vkQueuePresentKHR", queue_present), entry("vkDeviceWaitIdle", device_wait_idle),
-            entry("vkGetQueryPoolResults", query_results)},
+            entry("vkGetQueryPoolResults", query_results), entry("vkCreatePipelineCache", create_pipeline_cache)},
            name);
   return own ? own : next_of_device(device, name);
 }

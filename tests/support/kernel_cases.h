@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "runtime/host/tolerances.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"
 
@@ -33,13 +34,13 @@ class KernelSet {
   std::map<std::type_index, std::shared_ptr<const void>> made_;
 };
 
-// What one output has to be.
+// What one output has to be, within the tolerance that runtime/host/tolerances.h has for it.
 struct Expected {
-  std::vector<float> values;          // by the reference
-  double absolute = 0, relative = 0;  // how far the device may be off
-  std::vector<float> before{};        // what stands there, where the kernel leaves some of it
-  // Instead of the tolerance.
-  std::function<void(const std::vector<float>& found)> compare{};
+  std::vector<float> values;    // by the reference
+  bool is_exact = false;        // bit for bit, whatever the tolerance is elsewhere
+  std::vector<float> before{};  // what stands there, where the kernel leaves some of it
+  // In place of number by number.
+  std::function<void(const std::vector<float>& found, double tolerance)> compare{};
 };
 
 struct KernelRun {
@@ -80,14 +81,18 @@ inline std::vector<std::vector<float>> outputs_of(const vulkan::Device& device, 
   });
 }
 
-inline void expect_reference(const vulkan::Device& device, const KernelRun& run) {
+inline void expect_reference(const vulkan::Device& device, const std::string& kernel, const KernelRun& run) {
   const std::vector<std::vector<float>> found = outputs_of(device, run);
   for (std::size_t o = 0; o < found.size(); ++o) {
     const Expected& expected = run.outputs[o];
+    const KernelTolerance* tolerance = find_tolerance(kernel, o);
+    ASSERT_NE(tolerance, nullptr) << kernel << ", output " << o << ", has no tolerance";
     if (expected.compare) {
-      expected.compare(found[o]);
+      expected.compare(found[o], tolerance->absolute);
+    } else if (expected.is_exact) {
+      expect_close(found[o], expected.values, 0);
     } else {
-      expect_close(found[o], expected.values, expected.absolute, expected.relative);
+      expect_close(found[o], expected.values, tolerance->absolute, tolerance->relative);
     }
   }
 }

@@ -15,7 +15,7 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
 }
 
 inline bool same_bits(const Skeleton& a, const Skeleton& b) {
-  if (a.size() != b.size()) return false;
+  if (a.size() != b.size() || a.features != b.features) return false;
   for (std::size_t j = 0; j < a.size(); ++j) {
     const Joint &x = a.joints[j], &y = b.joints[j];
     if (x.name != y.name || x.parent != y.parent || std::memcmp(&x.bind, &y.bind, sizeof(x.bind)) != 0 ||

@@ -12,6 +12,7 @@
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/transfer/limb_dataset.h"
 #include "trainer/train/skinning/ddm_basis.h"
 #include "trainer/transfer/markers_file.h"
 
@@ -98,6 +99,95 @@ TEST_F(TransferProgram, TheReportSaysWhereBodiesDiffer) {
   }
 }
 
+// All that the report tells of a trained basis: what it expects to be wrong by, and what is worth simulating.
+TEST_F(TransferProgram, ATrainedBasisKnowsOnAnotherBodyWhatItDoesNotKnow) {
+  testing::write_limb_dataset(folder_ / "data", 40);
+  const ProgramResult trained = run_bodyopt("train " + path("data") + " --out " + path("trained.safetensors"));
+  ASSERT_EQ(trained.exit_code, 0) << trained.output;
+  Character thick = limb_character();
+  thick.vertices.leftCols<2>() *= 1.3;
+  write_character(thick, path("thick.glb"));
+  const ProgramResult result = run_bodyopt(
+      "transfer basis " + path("trained.safetensors") + " " + path("thick.glb") + " --out " + path("a.safetensors") +
+      " --report " + path("r.html") + " --clip " + path("data/bend.glb") + " --frames 1-40x3 --json " + path("r.json"));
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const Basis source = load_basis(path("trained.safetensors")), carried = load_basis(path("a.safetensors"));
+  EXPECT_EQ(carried.residual.coefficient_count(), source.residual.coefficient_count());
+  EXPECT_FALSE(carried.residual.blend.empty());
+  const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
+  ASSERT_EQ(told.at("poses").size(), 14u);
+  for (const auto& pose : told.at("poses")) EXPECT_GT(pose.at("expected_rms_mm").get<double>(), 0) << pose;
+  const std::string frames = told.at("worth_simulating").get<std::string>();
+  EXPECT_FALSE(frames.empty());
+  std::ifstream file(path("r.html"));
+  const std::string page(std::istreambuf_iterator<char>(file), {});
+  EXPECT_NE(page.find("--frames " + frames), std::string::npos);
+  EXPECT_NE(page.find("expected error"), std::string::npos);
+  EXPECT_NE(page.find("thick.glb"), std::string::npos);
+}
+
+// The others, the report and the JSON are finished; then the first failure is told.
+TEST_F(TransferProgram, ATargetThatFailsDoesNotTakeTheOthersAlong) {
+  Character stranger = limb_character();
+  for (Joint& joint : stranger.skeleton.joints) joint.name = "bone" + joint.name;
+  write_character(stranger, path("stranger.glb"));
+  const ProgramResult result =
+      transfer(path("stranger.glb") + " " + path("limb.glb") + " --out " + path("a.safetensors") + " " +
+               path("b.safetensors") + " --report " + path("r.html") + " --json " + path("r.json"));
+  EXPECT_EQ(result.exit_code, 3) << result.output;
+  EXPECT_FALSE(std::filesystem::exists(path("a.safetensors")));
+  EXPECT_TRUE(std::filesystem::exists(path("b.safetensors")));
+  EXPECT_TRUE(std::filesystem::exists(path("r.html")));
+  const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets");
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_NE(told.at(0).at("error").get<std::string>().find("in common"), std::string::npos);
+  EXPECT_EQ(told.at(1).at("basis").get<std::string>(), path("b.safetensors"));
+}
+
+TEST_F(TransferProgram, RefusesBeforeAnyWorkWhatWouldFailAfterIt) {
+  Clip clip;
+  clip.poses.assign(3, bind_pose(limb_skeleton()));
+  write_clip(clip, limb_skeleton(), path("still.glb"));
+  const std::string one = path("limb.glb") + " --out " + path("a.safetensors"),
+                    report = one + " --report " + path("r.html");
+  const auto expect = [&](int code, const std::string& arguments, const std::string& told) {
+    const ProgramResult result = transfer(arguments);
+    EXPECT_EQ(result.exit_code, code) << arguments << "\n" << result.output;
+    EXPECT_NE(result.output.find(told), std::string::npos) << result.output;
+    EXPECT_FALSE(std::filesystem::exists(path("a.safetensors"))) << arguments;
+  };
+  expect(64,
+         path("limb.glb") + " " + path("limb.glb") + " --out " + path("a.safetensors") + " " + path("./a.safetensors"),
+         "twice");
+  expect(64, one + " --frames 1-2", "--clip");
+  expect(64, report + " --clip " + path("still.glb") + " --frames 2-9", "1-3");
+  expect(4, report + " --clip " + path("none.glb"), "none.glb");
+  expect(4, one + " --picture " + path("none/match.png"), "match.png");
+  expect(4, one + " --report " + path("none/r.html"), "r.html");
+}
+
+TEST_F(TransferProgram, NotesSayWhichTargetTheyAreOfAndAllJointsAreListed) {
+  Character more = limb_character();
+  for (int k = 0; k < 30; ++k) {
+    Joint joint = more.skeleton.joints[2];
+    joint.name = "finger" + std::to_string(k);
+    joint.parent = 2;
+    joint.bind.translation = {0.001 * (k + 1), 0, 0.02};
+    joint.default_local = joint.bind;
+    joint.inverse_bind.m[0][3] = -0.001 * (k + 1);
+    joint.inverse_bind.m[2][3] = -0.52;
+    more.skeleton.joints.push_back(joint);
+  }
+  write_character(more, path("more.glb"));
+  const ProgramResult result =
+      transfer(path("more.glb") + " --out " + path("a.safetensors") + " --json " + path("r.json"));
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("more.glb: Joints of the target"), std::string::npos) << result.output;
+  const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
+  EXPECT_EQ(told.at("unmatched_target_joints").size(), 30u);
+  EXPECT_TRUE(told.at("unmatched_source_joints").empty());
+}
+
 TEST_F(TransferProgram, RefusesTargetsWithoutAPlaceAndStrangers) {
   EXPECT_EQ(transfer(path("limb.glb") + " " + path("limb.glb") + " --out " + path("a.safetensors")).exit_code, 64);
   Character stranger = limb_character();
@@ -107,6 +197,28 @@ TEST_F(TransferProgram, RefusesTargetsWithoutAPlaceAndStrangers) {
   EXPECT_EQ(refused.exit_code, 3) << refused.output;
   EXPECT_NE(refused.output.find("--map"), std::string::npos) << refused.output;
   EXPECT_FALSE(std::filesystem::exists(path("a.safetensors")));
+}
+
+// The skin of the one end is held by the joint of the other.
+TEST_F(TransferProgram, UnlikeBodiesAreShownAndRefusedUnlessForced) {
+  Character unlike = limb_character();
+  for (Eigen::Index v = 0; v < unlike.vertices.rows(); ++v) {
+    unlike.weights[static_cast<std::size_t>(v)] = limb_weights(kLimbLength - unlike.vertices(v, 2));
+  }
+  unlike.triangles.conservativeResize(unlike.triangles.rows() - 1, 3);  // other triangles: not matched by number
+  unlike.output_triangles = unlike.triangles;
+  write_character(unlike, path("unlike.glb"));
+  const std::string arguments = path("unlike.glb") + " --out " + path("a.safetensors");
+  const ProgramResult refused = transfer(arguments + " --picture " + path("match.png"));
+  EXPECT_EQ(refused.exit_code, 3) << refused.output;
+  EXPECT_NE(refused.output.find("--force"), std::string::npos) << refused.output;
+  EXPECT_TRUE(std::filesystem::exists(path("match.png")));
+  EXPECT_FALSE(std::filesystem::exists(path("a.safetensors")));
+  const ProgramResult forced = transfer(arguments + " --force --json " + path("r.json"));
+  EXPECT_EQ(forced.exit_code, 0) << forced.output;
+  EXPECT_EQ(load_basis(path("a.safetensors")).mesh.vertex_count(), unlike.vertices.rows());
+  EXPECT_LT(nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0).at("confidence").get<double>(),
+            0.5);
 }
 
 TEST_F(TransferProgram, RefusesMarkersThatAreNone) {

@@ -173,6 +173,7 @@ DatasetTake with_frames(const DatasetTake& old, DatasetTake take, const std::vec
     take.frames = old.frames;
     take.shapes = old.shapes;
     take.shapes_status = old.shapes_status;
+    take.carried = old.carried;
     return take;
   }
   take.shapes = files.name(name, ".pc2");

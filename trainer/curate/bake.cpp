@@ -61,7 +61,7 @@ std::string write_poses(const ShapeStack& stack, const std::vector<std::size_t>&
     clip.poses.back().controls.clear();
   }
   const std::string name = take.name + ".glb";
-  write_clip(clip, database.character.skeleton, folder / name);
+  write_clip(clip, database.character.skeleton, database.dataset.unit, folder / name);
   return name;
 }
 

@@ -222,7 +222,7 @@ JointLimits read_joint_limits(const std::filesystem::path& path, const Skeleton&
   return LimitsReader(path, skeleton).read();
 }
 
-void write_joint_limits(const JointLimits& limits, const Skeleton& skeleton, const std::filesystem::path& path) {
+Json to_json(const JointLimits& limits, const Skeleton& skeleton) {
   Json dofs = Json::array();
   for (const DegreeOfFreedom& dof : limits.dofs) {
     Json turns = Json::array();
@@ -252,7 +252,11 @@ void write_joint_limits(const JointLimits& limits, const Skeleton& skeleton, con
   Json json = {{"schema", kSchema}};
   if (!limits.source.empty()) json["source"] = limits.source;
   json.update({{"dofs", dofs}, {"deviations", deviations}, {"poses", poses}});
-  write_json(json, path);
+  return json;
+}
+
+void write_joint_limits(const JointLimits& limits, const Skeleton& skeleton, const std::filesystem::path& path) {
+  write_json(to_json(limits, skeleton), path);
 }
 
 }  // namespace bodyopt

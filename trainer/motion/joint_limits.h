@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "assets/json_file.h"
 #include "runtime/basis/skeleton.h"
 
 namespace bodyopt {
@@ -55,5 +56,6 @@ inline constexpr double kUsualDeviation = 15;  // degrees
 // exclude the rest pose.
 JointLimits read_joint_limits(const std::filesystem::path& path, const Skeleton& skeleton);
 void write_joint_limits(const JointLimits& limits, const Skeleton& skeleton, const std::filesystem::path& path);
+Json to_json(const JointLimits& limits, const Skeleton& skeleton);  // what the file has
 
 }  // namespace bodyopt

@@ -1,14 +1,17 @@
 #include "trainer/transfer/correspondence.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
+#include "geometry/laplacian.h"
 #include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/ddm_frames.h"
 #include "runtime/host/rig.h"
 #include "trainer/transfer/joint_shares.h"
+#include "trainer/transfer/joint_warp.h"
 #include "trainer/transfer/register_skin.h"
 #include "trainer/transfer/table_rows.h"
 
@@ -41,6 +44,37 @@ bool have_same_output(const MeshTable& a, const MeshTable& b) {
   return a.output_count() == b.output_count() && a.output_triangles == b.output_triangles;
 }
 
+double largest_extent(const Positions& skin) {
+  return (skin.colwise().maxCoeff() - skin.colwise().minCoeff()).maxCoeff();
+}
+
+void require_marker(std::uint32_t number, const MeshTable& mesh, const char* whose) {
+  if (number < mesh.output_count()) return;
+  throw Error(ErrorKind::mismatch, "a marker names vertex " + std::to_string(number) + " of the " + whose +
+                                       ", which has " + std::to_string(mesh.output_count()) +
+                                       ": the markers are of another file?");
+}
+
+// Clicks on the vertex of that number, or beside it, say nothing new.
+bool agree_with_numbers(const std::vector<SkinMarker>& markers, const Basis& target, const Positions& skin) {
+  const auto place = [&](std::uint32_t number) { return skin.row(target.mesh.output_vertex[number]); };
+  const double near = kNear * largest_extent(skin);
+  return std::ranges::all_of(
+      markers, [&](const SkinMarker& marker) { return (place(marker.source) - place(marker.target)).norm() <= near; });
+}
+
+// Whether it is plausible that vertices of the same number are the same points.
+void judge_numbers(const Basis& source, const Basis& target, const SkeletonMatch& match, const JointShares& from,
+                   const JointShares& to, Correspondence& result) {
+  const Positions normals = vertex_normals(result.target, rows_of(target.mesh.triangles)),
+                  warped = vertex_normals(warped_by_joints(source, target, match), rows_of(source.mesh.triangles));
+  for (Eigen::Index v = 0; v < result.confidence.size(); ++v) {
+    const std::uint32_t other = result.at[static_cast<std::size_t>(v)].vertices[0];
+    const double alike = normals.row(v).normalized().dot(warped.row(other).normalized());
+    result.confidence[v] = std::clamp(alike, 0.0, 1.0) * from.row(other).cwiseMin(to.row(v)).sum();
+  }
+}
+
 // Seams may have been welded otherwise: every vertex of either has an output vertex.
 void match_by_number(const Basis& source, const Basis& target, Correspondence& result) {
   const MeshTable &from = source.mesh, &to = target.mesh;
@@ -68,7 +102,7 @@ void match_by_place(const Basis& source, const Basis& target, const JointShares&
   const Triangles triangles = rows_of(source.mesh.triangles);
   const Positions normals = vertex_normals(result.target, rows_of(target.mesh.triangles)),
                   fitted_normals = vertex_normals(result.fitted, triangles);
-  const double near = kNear * (result.target.colwise().maxCoeff() - result.target.colwise().minCoeff()).maxCoeff();
+  const double near = kNear * largest_extent(result.target);
   const NearestSkin nearest(result.fitted, triangles);
   const std::uint32_t count = target.mesh.vertex_count();
   result.at.resize(count);
@@ -99,11 +133,23 @@ Correspondence match_skins(const Basis& source, const Basis& target, const Skele
                            const std::vector<SkinMarker>& markers) {
   Correspondence result;
   pose_target(target, match, result);
-  if (markers.empty() && have_same_output(source.mesh, target.mesh)) {
-    match_by_number(source, target, result);
-    return result;
+  result.area = lumped_areas(result.target, rows_of(target.mesh.triangles));
+  for (const SkinMarker& marker : markers) {
+    require_marker(marker.source, source.mesh, "source");
+    require_marker(marker.target, target.mesh, "target");
   }
   const JointShares from = source_joint_shares(source, match), to = target_joint_shares(target, match);
+  if (have_same_output(source.mesh, target.mesh)) {
+    if (agree_with_numbers(markers, target, result.target)) {
+      match_by_number(source, target, result);
+      judge_numbers(source, target, match, from, to, result);
+      return result;
+    }
+    result.notes.emplace_back(
+        "the triangles are the same, but markers say that vertices of one number are not the same points: the skins "
+        "are "
+        "matched by place");
+  }
   result.fitted = register_skin(source, target, result.target, from, to, match, markers);
   match_by_place(source, target, from, to, result);
   return result;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "geometry/nearest_skin.h"
@@ -21,20 +22,24 @@ struct Correspondence {
   std::vector<Quat> rotation;  // V': of the target's skin, from its rest to the common pose
   Positions fitted;            // V x 3, runtime order: the source's rest skin, laid onto `target`
   std::vector<SkinPoint> at;   // V': where on the source's skin (runtime vertices and triangles)
-  Eigen::VectorXd confidence;  // V', 0 .. 1: how near, how alike in normal and joints; 1 for the same topology
+  Eigen::VectorXd confidence;  // V', 0 .. 1: how near, how alike in normal and joints
   Eigen::VectorXd distance;    // V', metres: from the fitted source
+  Eigen::VectorXd area;        // V', square metres: of the target's skin around each vertex, above 0
+  std::vector<std::string> notes;
 
-  double mean_confidence() const { return confidence.size() == 0 ? 0 : confidence.mean(); }
+  // By area: a head of many vertices is not more of a body than it is.
+  double mean_confidence() const { return confidence.size() == 0 ? 0 : confidence.dot(area) / area.sum(); }
 };
 
-// Less than this is unsure: what is carried there is filled in from around it.
+// Less than this is unsure: what is carried there is filled in from around it, but for vertices of the same number.
 constexpr double kSureConfidence = 0.4;
 
-// The bases need skeleton, mesh and ddm. Output vertices and triangles of the same numbers: the same vertices, unless
-// there are markers. Otherwise the source is warped by the joints, then laid onto the target from coarse to fine by
-// non-rigid closest points (Amberg, Romdhani, Vetter 2007, with a membrane in place of affine maps), among triangles
-// that face alike and are held by the same joints, through the markers. Throws Error(mismatch) for markers that are not
-// there.
+// The bases need skeleton, mesh and ddm. Output vertices and triangles of the same numbers: the same vertices, unless a
+// marker says otherwise (further than 1.5 % of the target's size from the vertex of that number); of these the
+// confidence tells how alike they are in joints, and in normal, with the source warped by the joints. Otherwise the
+// source is warped by the joints, then laid onto the target from coarse to fine by non-rigid closest points (Amberg,
+// Romdhani, Vetter 2007, with a membrane in place of affine maps), among triangles that face alike and are held by the
+// same joints, through the markers. Throws Error(mismatch) for markers that are not there.
 Correspondence match_skins(const Basis& source, const Basis& target, const SkeletonMatch& match,
                            const std::vector<SkinMarker>& markers);
 

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "assets/joint_match.h"
+#include "assets/json_file.h"
 #include "assets/notes.h"
 #include "geometry/nearest_rotation.h"
 #include "runtime/core/error.h"
@@ -17,7 +18,8 @@ namespace bodyopt {
 namespace {
 
 constexpr double kBuild = 35 * std::numbers::pi / 180;  // less between two bones is a difference of build
-constexpr double kUnlikely = 12;                        // times as large: rather another unit than another body
+constexpr double kUnlikely = 5;                         // times as large: rather another unit than another body
+constexpr double kHanded = 0.2;                         // of handedness(): less may be a posture
 constexpr double kSame = 1e-3;                          // of a skeleton's size: joints of the same body
 
 using Points = Eigen::Matrix3Xd;
@@ -57,8 +59,52 @@ RigidFit fit_rigidly(Points from, Points to) {
   return {nearest.rotation, trace / own, left(trace), left(reflected)};
 }
 
+struct PlacedRole {
+  JointRole role;
+  Eigen::Vector3d place;
+};
+
+// Volume of the unit vectors from right to left (by a part that is there twice), from hips to head and from heels to
+// toes: its sign tells a body from its mirror image, however it is posed. 0 where a part is not there.
+double handedness(const std::vector<PlacedRole>& joints, BodyPart pair) {
+  const auto find = [&](BodyPart part, BodySide side) {
+    const auto found = std::ranges::find_if(
+        joints, [&](const PlacedRole& joint) { return joint.role.part == part && joint.role.side == side; });
+    return found == joints.end() ? nullptr : &found->place;
+  };
+  const Eigen::Vector3d *left = find(pair, BodySide::left), *right = find(pair, BodySide::right),
+                        *hips = find(BodyPart::hips, BodySide::middle), *top = find(BodyPart::head, BodySide::middle);
+  if (top == nullptr) top = find(BodyPart::neck, BodySide::middle);
+  Eigen::Vector3d ahead = Eigen::Vector3d::Zero();
+  for (const BodySide side : {BodySide::left, BodySide::right}) {
+    const Eigen::Vector3d *heel = find(BodyPart::foot, side), *toe = find(BodyPart::toe, side);
+    if (heel != nullptr && toe != nullptr) ahead += (*toe - *heel).normalized();
+  }
+  if (left == nullptr || right == nullptr || hips == nullptr || top == nullptr) return 0;
+  return (*left - *right).normalized().dot((*top - *hips).normalized().cross(ahead.normalized()));
+}
+
 double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+// What is likely where one body is `ratio` times as large as another.
+std::string note_of_units(double ratio) {
+  struct Unit {
+    const char* name;
+    double metres;
+  };
+  constexpr Unit kUnits[] = {
+      {"millimetres", 0.001}, {"centimetres", 0.01}, {"inches", 0.0254}, {"decimetres", 0.1}, {"feet", 0.3048}};
+  const double metres = 1 / std::max(ratio, 1 / ratio);
+  const Unit likely =
+      *std::ranges::min_element(kUnits, {}, [&](const Unit& unit) { return std::abs(std::log(unit.metres / metres)); });
+  char numbers[2][32];
+  std::snprintf(numbers[0], sizeof(numbers[0]), "%.3g", ratio);
+  std::snprintf(numbers[1], sizeof(numbers[1]), "%.4g", likely.metres);
+  return std::string("the target's bones are ") + numbers[0] + " times as long as the source's: is " +
+         (ratio > 1 ? "its" : "the source's") + " file in " + likely.name + ", and was read as if in metres (--unit " +
+         numbers[1] + ")?";
 }
 
 class SkeletonAligner {
@@ -68,7 +114,8 @@ class SkeletonAligner {
         match_(match),
         from_(bind_positions(target)),
         to_(bind_positions(source)),
-        roles_(joint_roles(named_joints(target))) {
+        roles_(joint_roles(named_joints(target))),
+        source_roles_(joint_roles(named_joints(source))) {
     collect_bones();
   }
 
@@ -107,19 +154,37 @@ class SkeletonAligner {
                   "the one is beside the other; a joint map (--map) may match more");
     }
     match_.size = own / other;
-    if (match_.size > kUnlikely || match_.size < 1 / kUnlikely) {
-      char ratio[32];
-      std::snprintf(ratio, sizeof(ratio), "%.3g", match_.size);
-      match_.notes.push_back(
-          std::string("the target's bones are ") + ratio +
-          " times as long as the source's: is one of the two in another unit? (--unit of the target)");
-    }
+    if (match_.size > kUnlikely || match_.size < 1 / kUnlikely) match_.notes.push_back(note_of_units(match_.size));
   }
 
   static Eigen::Vector3d at(const Points& points, std::size_t j) { return points.col(static_cast<Eigen::Index>(j)); }
   Eigen::Vector3d source_at(std::size_t j) const { return at(to_, static_cast<std::size_t>(match_.source_joint[j])); }
 
+  // By the roles that either name tells: those of both bodies, by their matched joints.
+  void require_same_sides() const {
+    std::vector<PlacedRole> own, other;
+    for (std::size_t j = 0; j < target_.size(); ++j) {
+      if (match_.source_joint[j] < 0) continue;
+      const auto& of_source = source_roles_[static_cast<std::size_t>(match_.source_joint[j])];
+      const auto& role = of_source ? of_source : roles_[j];
+      if (!role) continue;
+      own.push_back({*role, at(from_, j)});
+      other.push_back({*role, source_at(j)});
+    }
+    for (const BodyPart pair : {BodyPart::thigh, BodyPart::upper_arm}) {
+      const double a = handedness(own, pair), b = handedness(other, pair);
+      if (a * b < 0 && std::min(std::abs(a), std::abs(b)) > kHanded) refuse_mirrored();
+    }
+  }
+
+  [[noreturn]] static void refuse_mirrored() {
+    throw Error(ErrorKind::mismatch,
+                "the target's joints, as they are matched, are the mirror image of the source's (left is right): "
+                "exchange the sides in the joint map (--map), or mirror one of the two");
+  }
+
   Quat align_whole() {
+    require_same_sides();
     std::vector<Eigen::Index> own, other;
     for (std::size_t j = 0; j < target_.size(); ++j) {
       if (match_.source_joint[j] < 0) continue;
@@ -127,10 +192,7 @@ class SkeletonAligner {
       other.push_back(match_.source_joint[j]);
     }
     const RigidFit fit = fit_rigidly(from_(Eigen::all, own), to_(Eigen::all, other));
-    if (fit.mirrored < 0.25 * fit.left && fit.left > 0.05) {
-      throw Error(ErrorKind::mismatch,
-                  "the target's joints are the mirror image of the source's (left is right): mirror one of the two");
-    }
+    if (fit.mirrored < 0.25 * fit.left && fit.left > 0.05) refuse_mirrored();
     const Eigen::Quaterniond rotation(fit.rotation);
     const bool stands_alike = rotation.angularDistance(Eigen::Quaterniond::Identity()) < kBuild;
     if (fit.left > kSame && stands_alike) return {0, 0, 0, 1};
@@ -184,8 +246,8 @@ class SkeletonAligner {
 
   const Skeleton& target_;
   SkeletonMatch& match_;
-  Points from_, to_;                             // bind positions of the target's joints, of the source's
-  std::vector<std::optional<JointRole>> roles_;  // of the target's joints
+  Points from_, to_;  // bind positions of the target's joints, of the source's
+  std::vector<std::optional<JointRole>> roles_, source_roles_;  // of the target's joints, of the source's
   std::vector<std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>> bones_;  // target's, source's
 };
 
@@ -197,7 +259,7 @@ void note_unmatched(const Skeleton& skeleton, const std::vector<int>& match, con
     if (match[j] < 0) names.push_back(skeleton.joints[j].name);
   }
   if (names.empty()) return;
-  notes.push_back("Joints of the " + whose + " that the other does not have: " + list_names(names) + "; " +
+  notes.push_back("Joints of the " + whose + " that the other does not have: " + list_names(names, 24) + "; " +
                   consequence + ".");
 }
 
@@ -212,15 +274,14 @@ std::vector<Quat> world_rotations(const Skeleton& skeleton, const Pose& pose) {
   return world;
 }
 
-}  // namespace
-
-bool SkeletonMatch::is_aligned() const {
-  return std::any_of(alignment.begin(), alignment.end(), [](const Quat& q) { return q != Quat{0, 0, 0, 1}; });
+// The joint whose name the entry has under `key`; -1 where there is none.
+int find_named(const Skeleton& skeleton, const Json& entry, const char* key) {
+  if (!entry.is_object() || !entry.contains(key) || !entry[key].is_string()) return -1;
+  return skeleton.find(entry[key].get<std::string>());
 }
 
-SkeletonMatch match_skeletons(const Skeleton& source, const Skeleton& target, const std::string& joint_map) {
-  SkeletonMatch match;
-  match.source_joint = match_joints(named_joints(source), target, joint_map, "the source", match.notes);
+// What follows from which joints are the same.
+SkeletonMatch completed(SkeletonMatch match, const Skeleton& source, const Skeleton& target) {
   match.target_joint.assign(source.size(), -1);
   int matched = 0;
   for (std::size_t j = 0; j < target.size(); ++j) {
@@ -238,6 +299,42 @@ SkeletonMatch match_skeletons(const Skeleton& source, const Skeleton& target, co
   note_unmatched(target, match.source_joint, "target", "they keep to the joint above", match.notes);
   SkeletonAligner(source, target, match).align();
   return match;
+}
+
+}  // namespace
+
+bool SkeletonMatch::is_aligned() const {
+  return std::any_of(alignment.begin(), alignment.end(), [](const Quat& q) { return q != Quat{0, 0, 0, 1}; });
+}
+
+Json to_json(const SkeletonMatch& match, const Skeleton& source, const Skeleton& target) {
+  Json joints = Json::array();
+  for (std::size_t j = 0; j < target.size(); ++j) {
+    if (match.source_joint[j] < 0) continue;
+    joints.push_back(
+        {{"from", source.joints[static_cast<std::size_t>(match.source_joint[j])].name}, {"to", target.joints[j].name}});
+  }
+  return joints;
+}
+
+SkeletonMatch match_skeletons(const Skeleton& source, const Skeleton& target, const std::string& joint_map) {
+  SkeletonMatch match;
+  match.source_joint = match_joints(named_joints(source), target, joint_map, "the source", match.notes);
+  return completed(std::move(match), source, target);
+}
+
+SkeletonMatch match_as_carried(const Skeleton& source, const Skeleton& target, const Metadata& target_metadata) {
+  const auto text = target_metadata.find(kMatchedJoints);
+  const Json joints = text == target_metadata.end() ? Json() : Json::parse(text->second, nullptr, false);
+  if (!joints.is_array()) return match_skeletons(source, target, "");
+  SkeletonMatch match;
+  match.source_joint.assign(target.size(), -1);
+  for (const Json& joint : joints) {
+    const int from = find_named(source, joint, "from"), to = find_named(target, joint, "to");
+    if (from < 0 || to < 0) return match_skeletons(source, target, "");  // it was carried from another
+    match.source_joint[static_cast<std::size_t>(to)] = from;
+  }
+  return completed(std::move(match), source, target);
 }
 
 Pose transferred_pose(const SkeletonMatch& match, const Skeleton& source, const Skeleton& target, const Pose& pose) {

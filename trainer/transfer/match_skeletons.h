@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/basis/skeleton.h"
+#include "assets/json_file.h"
+#include "runtime/basis/basis.h"
 
 namespace bodyopt {
 
@@ -28,6 +29,14 @@ struct SkeletonMatch {
 // Error(mismatch) where fewer than two joints match, or where the target is the source's mirror image, and as
 // match_joints().
 SkeletonMatch match_skeletons(const Skeleton& source, const Skeleton& target, const std::string& joint_map);
+
+// Which joints are the same, for the metadata of what is carried: a list of `from` of the source, `to` of the target.
+constexpr const char* kMatchedJoints = "matched_joints";
+Json to_json(const SkeletonMatch& match, const Skeleton& source, const Skeleton& target);
+
+// As the metadata of the target, a carried basis, says that it was matched with its source; where that is not of these
+// joints, as match_skeletons() without a joint map, and throws as that.
+SkeletonMatch match_as_carried(const Skeleton& source, const Skeleton& target, const Metadata& target_metadata);
 
 // The target's pose that moves each joint as the source's pose moves its match away from rest. Translations and scales
 // are those of the source, changed as much, in the target's size.

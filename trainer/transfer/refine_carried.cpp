@@ -35,6 +35,8 @@ SampleSet only(const SampleSet& set, const std::set<std::string>& carried, bool 
 
 }  // namespace
 
+std::string refinement_of(const std::string& take) { return "refined " + take; }
+
 RefinedShapes::RefinedShapes(const SampleSet& set, const std::set<std::string>& carried, const TrainOptions& options) {
   require_takes(set, carried);
   SampleSet own = only(set, carried, false);

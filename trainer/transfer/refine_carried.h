@@ -11,6 +11,9 @@
 
 namespace bodyopt {
 
+// The modifier in a dataset's stack that holds what refining made of a carried take.
+std::string refinement_of(const std::string& take);
+
 // A cheap model of much and a dear one of little (Kennedy and O'Hagan 2000): the carried frames are learned; then what
 // the body's own frames differ by from that, which is less and changes less with the pose than they do, so that few
 // tell it. Where the own frames know nothing, what was carried stays.

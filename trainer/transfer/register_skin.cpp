@@ -7,7 +7,6 @@
 #include "base/progress.h"
 #include "geometry/laplacian.h"
 #include "geometry/vertex_normals.h"
-#include "runtime/core/error.h"
 #include "trainer/transfer/joint_warp.h"
 #include "trainer/transfer/table_rows.h"
 
@@ -103,13 +102,6 @@ class NonRigidFit {
   std::vector<std::pair<std::uint32_t, Eigen::RowVector3d>> markers_;  // source vertices, where they are to be
 };
 
-void require_marker(std::uint32_t number, const MeshTable& mesh, const char* whose) {
-  if (number < mesh.output_count()) return;
-  throw Error(ErrorKind::mismatch, "a marker names vertex " + std::to_string(number) + " of the " + whose +
-                                       ", which has " + std::to_string(mesh.output_count()) +
-                                       ": the markers are of another file?");
-}
-
 }  // namespace
 
 Positions register_skin(const Basis& source, const Basis& target, const Positions& goal,
@@ -117,8 +109,6 @@ Positions register_skin(const Basis& source, const Basis& target, const Position
                         const std::vector<SkinMarker>& markers) {
   NonRigidFit fit(source, target, goal, source_shares, target_shares, warped_by_joints(source, target, match));
   for (const SkinMarker& marker : markers) {
-    require_marker(marker.source, source.mesh, "source");
-    require_marker(marker.target, target.mesh, "target");
     fit.set_marker(source.mesh.output_vertex[marker.source], goal.row(target.mesh.output_vertex[marker.target]));
   }
   return fit.fit();

@@ -9,7 +9,7 @@ SkinTransfer::SkinTransfer(const Basis& source, const Basis& target, const Corre
                            TransferSize size)
     : correspondence_(correspondence),
       transfer_(rows_of(source.mesh.rest), correspondence.fitted, rows_of(source.mesh.triangles), size) {
-  prepare_filling(rows_of(target.mesh.triangles));
+  if (!correspondence.same_topology) prepare_filling(rows_of(target.mesh.triangles));
 }
 
 void SkinTransfer::prepare_filling(const Triangles& triangles) {

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "trainer/train/features/features.h"
+#include "trainer/transfer/carried_features.h"
 #include "trainer/transfer/table_rows.h"
 #include "trainer/transfer/transfer_columns.h"
-#include "trainer/transfer/transfer_features.h"
 
 namespace bodyopt {
 namespace {
@@ -66,20 +66,21 @@ class FibreCarrier {
   std::map<std::uint32_t, std::uint32_t> places_;  // of the target's vertices in the table's list
 };
 
-// Rest lengths as the run-time kernels measure them: with a length of 1 m the strain is the length less one. A fibre
-// that has collapsed to a point keeps 1 m, and no strain.
-void measure_rest_lengths(Basis& basis) {
-  basis.strain.rest_length.assign(basis.strain.rest_length.size(), 1.0f);
-  for (std::size_t k = 0; const float strain : measure_strains(basis, bind_pose(basis.skeleton))) {
-    float& length = basis.strain.rest_length[k++];
-    length = 1 + strain > 1e-6f ? 1 + strain : 1;
-  }
-}
-
 std::vector<float> strains_at_target_rest(const TransferPair& pair) {
-  if (pair.source.strain.fibre_count() == 0) return {};
   if (!pair.match.is_aligned()) return std::vector<float>(pair.source.strain.fibre_count(), 0.0f);
   return measure_strains(pair.source, pose_at_target_rest(pair.match, pair.source.skeleton));
+}
+
+// At the target's rest its fibres are strained as the source's are where it stands so. Lengths are what the run-time
+// kernels measure: with a rest length of 1 m the strain is the length less one. A fibre that has collapsed to a point
+// keeps 1 m.
+void measure_rest_lengths(const TransferPair& pair, Basis& basis) {
+  const std::vector<float> strain_at_rest = strains_at_target_rest(pair);
+  basis.strain.rest_length.assign(basis.strain.rest_length.size(), 1.0f);
+  for (std::size_t k = 0; const float strain : measure_strains(basis, bind_pose(basis.skeleton))) {
+    const float length = (1 + strain) / (1 + strain_at_rest[k]);
+    basis.strain.rest_length[k++] = length > 1e-6f ? length : 1;
+  }
 }
 
 // With the target's joints and number of vertices; the errors are those of the source.
@@ -113,6 +114,8 @@ void carry_metadata(const TransferPair& pair, Basis& basis) {
   const nlohmann::json source = parse(pair.source.metadata, "provenance");
   if (!source.is_discarded()) provenance["transferred_from"] = source;
   basis.metadata["provenance"] = provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  basis.metadata[kMatchedJoints] = to_json(pair.match, pair.source.skeleton, pair.target.skeleton)
+                                       .dump(-1, ' ', false, Json::error_handler_t::replace);
   basis.coverage = carried_coverage(pair);
   const auto report = pair.source.metadata.find("report");
   if (report != pair.source.metadata.end()) basis.metadata["report"] = report->second;
@@ -123,10 +126,9 @@ void carry_metadata(const TransferPair& pair, Basis& basis) {
 Basis transfer_basis(const TransferPair& pair, const TransferOptions& options, std::vector<std::string>& notes) {
   Basis result = pair.target;
   result.strain = FibreCarrier(pair, pair.source.strain).carry();
-  measure_rest_lengths(result);
   result.residual = pair.source.residual;
-  transfer_features(feature_formulas(pair.source, pair.target.skeleton, pair.match, strains_at_target_rest(pair)),
-                    pair.source.skeleton, pair.target.skeleton, pair.match, result.residual, notes);
+  result.skeleton.features = carried_features(pair.source.skeleton, pair.target.skeleton, pair.match);
+  measure_rest_lengths(pair, result);
   ResidualTable columns = pair.source.residual;
   transfer_columns(pair.skin, pair.source.mesh.vertex_count(), pair.target.mesh.vertex_count(), options.tolerance,
                    columns);

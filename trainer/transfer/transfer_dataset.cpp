@@ -19,6 +19,7 @@
 #include "trainer/train/skinning/unpose.h"
 #include "trainer/transfer/carry_anatomy.h"
 #include "trainer/transfer/carry_modifiers.h"
+#include "trainer/transfer/refine_carried.h"
 
 namespace bodyopt {
 namespace {
@@ -79,7 +80,9 @@ class DatasetTransfer {
     fs::create_directories(out_, error);
     if (error) throw Error(ErrorKind::file, out_.string() + ": cannot be made: " + error.message());
     // One dataset, one character: what differs is refused before anything is written.
-    open_dataset(with_names(), out_ / "dataset.json");
+    there_ = open_dataset(with_names(), out_ / "dataset.json");
+    require_no_own_takes(dataset_, out_);
+    switch_off_refinements();
     write_anatomy();
     for (const DatasetTake& take : dataset_.takes) transfer_take(take);
     write_modifiers();
@@ -94,13 +97,40 @@ class DatasetTransfer {
     return result_;
   }
 
+  // What 'refine' made of shapes that are replaced belongs over those alone.
+  void switch_off_refinements() {
+    const auto is_of_a_take = [&](const Modifier& modifier) {
+      return modifier.enabled && std::ranges::any_of(dataset_.takes, [&](const DatasetTake& take) {
+               return modifier.name == refinement_of(take.name);
+             });
+    };
+    if (std::ranges::none_of(there_.modifiers, is_of_a_take)) return;
+    edit_modifiers(out_ / "dataset.json", [&](const Dataset&, std::vector<Modifier>& modifiers) {
+      for (Modifier& modifier : modifiers) {
+        if (!is_of_a_take(modifier)) continue;
+        modifier.enabled = false;
+        told_.notes.push_back("the modifier '" + modifier.name +
+                              "' is switched off: it is of the shapes that this transfer replaced; 'bodyopt transfer "
+                              "refine' makes it anew");
+      }
+    });
+  }
+
+  // What frames of the target's own were made with stays.
+  bool is_to_write(const std::string& part) {
+    const bool has_own = std::ranges::any_of(there_.takes, [](const DatasetTake& take) { return !take.carried; });
+    if (part.empty() || !has_own || !fs::exists(out_ / part)) return !part.empty();
+    told_.notes.push_back("its own " + part + " is kept: takes of its own go with it");
+    return false;
+  }
+
   void write_anatomy() {
-    if (!dataset_.muscles.empty()) {
+    if (is_to_write(result_.muscles)) {
       const auto muscles = read_muscles(dataset_.folder / dataset_.muscles, source_character_.skeleton);
       write_muscles(carried_muscles(pair_, muscles, told_.notes), target_.character.skeleton, out_ / result_.muscles);
     }
-    if (!dataset_.materials.empty()) copy_into(dataset_.folder / dataset_.materials, out_ / result_.materials);
-    if (!dataset_.regions.empty()) write_carried_regions();
+    if (is_to_write(result_.materials)) copy_into(dataset_.folder / dataset_.materials, out_ / result_.materials);
+    if (is_to_write(result_.regions)) write_carried_regions();
   }
 
   void write_carried_regions() {
@@ -130,13 +160,14 @@ class DatasetTransfer {
     const Clip clip = read_clip(dataset_, take, source_character_.skeleton);
     DatasetTake carried = take;
     carried.clip = take.name + ".glb";
+    carried.carried = true;
     carried.joint_map.clear();
     carried.shapes = take.name + ".pc2";
     carried.shapes_status = take.shapes_status.empty() ? "" : take.name + ".status.json";
     carried.controls = take.controls.empty() ? "" : take.name + ".controls.json";
     const Clip moved = moved_clip(clip);
     const TakeLock lock(out_ / carried.shapes);  // until dataset.json names what the shapes are of
-    write_clip(moved, target_.character.skeleton, out_ / carried.clip);
+    write_clip(moved, target_.character.skeleton, target_.unit, out_ / carried.clip);
     if (!take.controls.empty()) copy_into(dataset_.folder / take.controls, out_ / carried.controls);
     write_shapes(take, clip, moved, out_ / carried.shapes);
     if (!take.shapes_status.empty()) write_status(take, out_ / carried.shapes_status);
@@ -187,11 +218,24 @@ class DatasetTransfer {
   const TransferPair& pair_;
   const TransferTarget& target_;
   const fs::path out_;
-  Dataset result_;
+  Dataset result_, there_;  // what is written; what was there before
   TransferredDataset told_;
 };
 
 }  // namespace
+
+void require_no_own_takes(const Dataset& dataset, const fs::path& out) {
+  const fs::path path = out / "dataset.json";
+  if (!fs::exists(path)) return;
+  for (const DatasetTake& there : read_dataset(path).takes) {
+    const auto has_its_name = [&](const DatasetTake& take) { return take.name == there.name; };
+    if (there.carried || std::ranges::none_of(dataset.takes, has_its_name)) continue;
+    throw Error(ErrorKind::mismatch,
+                path.string() + " has a take '" + there.name +
+                    "' of its own, whose shapes the source's take of that name would replace: give --out another "
+                    "folder, or the source's take another name");
+  }
+}
 
 TransferredDataset transfer_dataset(const Dataset& dataset, const Character& source_character, const TransferPair& pair,
                                     const TransferTarget& target, const fs::path& out) {

@@ -51,18 +51,21 @@ std::vector<TransferPart> transfer_parts(const Basis& source, const Basis& targe
   const std::vector<LogSizes> sizes = log_sizes(source, match, correspondence.fitted);
   std::vector<TransferPart> parts(sizes.size());
   const std::vector<Eigen::Index> joints = holders(target_joint_shares(target, match));
+  std::vector<double> areas(parts.size(), 0);
   for (TransferPart& part : parts) part.confidence = 0;
   for (std::size_t v = 0; v < joints.size(); ++v) {
-    TransferPart& part = parts[static_cast<std::size_t>(joints[v])];
-    part.confidence += correspondence.confidence[static_cast<Eigen::Index>(v)];
-    ++part.vertices;
+    const auto j = static_cast<std::size_t>(joints[v]);
+    const double area = correspondence.area[static_cast<Eigen::Index>(v)];
+    parts[j].confidence += area * correspondence.confidence[static_cast<Eigen::Index>(v)];
+    ++parts[j].vertices;
+    areas[j] += area;
   }
   std::vector<TransferPart> list;
   for (std::size_t j = 0; j < parts.size(); ++j) {
     TransferPart& part = parts[j];
     if (part.vertices == 0 || sizes[j].count == 0) continue;
     part.joint = source.skeleton.joints[j].name;
-    part.confidence /= static_cast<double>(part.vertices);
+    part.confidence /= areas[j];
     part.size = std::exp(sizes[j].mean());
     part.unevenness = sizes[j].deviation();
     const double build = std::abs(std::log(part.size / match.size));

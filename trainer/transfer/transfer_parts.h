@@ -12,7 +12,7 @@ namespace bodyopt {
 struct TransferPart {
   std::string joint;
   Eigen::Index vertices = 0;  // of the target
-  double confidence = 1;      // of the match, mean
+  double confidence = 1;      // of the match, mean by area
   double size = 1;            // lengths along the skin, of the target over the source, geometric mean
   double unevenness = 0;      // standard deviation of the logarithm of these: 0.1 is about 10 per cent
   // The match is unsure, or the part is less than half or more than twice as large as the body would have it, or

@@ -16,7 +16,7 @@ Buffer number(const Device& device, float value) {
 }  // namespace
 
 CorotatedSolve::CorotatedSolve(const Device& device, const TetTable& tets, const JiggleTable& jiggle,
-                               const Tables& tables)
+                               const Tables& tables, const DeviceInfo& limits)
     : tables_(tables),
       node_count_(tets.node_count()),
       tet_count_(tets.tet_count()),
@@ -27,9 +27,9 @@ CorotatedSolve::CorotatedSolve(const Device& device, const TetTable& tets, const
       step_(device),
       direction_(device),
       block_(device),
-      elasticity_(upload(device, jiggle.elasticity, "the tets' elasticity")),
-      rows_(upload(device, node_rows(tets, jiggle), "the nodes' tets and springs")),
-      held_(upload(device, held_nodes(jiggle), "the held nodes")),
+      elasticity_(upload_whole(device, jiggle.elasticity, "the tets' elasticity", limits)),
+      rows_(upload_whole(device, node_rows(tets, jiggle), "the nodes' tets and springs", limits)),
+      held_(upload_whole(device, held_nodes(jiggle), "the held nodes", limits)),
       one_(number(device, 1)),
       zeros_(upload(device, std::vector<float>(std::size_t{3} * node_count_), "zeros")),
       tet_rotations_(floats(device, std::uint64_t{9} * tet_count_, "the tets' rotations")),

@@ -17,8 +17,9 @@ class CorotatedSolve {
     const InverseBuffers& inverse;  // of the jiggle
   };
 
-  // `tables` must outlive it. Throws Error(device).
-  CorotatedSolve(const Device& device, const TetTable& tets, const JiggleTable& jiggle, const Tables& tables);
+  // `tables` must outlive it; `limits`: of the device's bindings. Throws Error(device).
+  CorotatedSolve(const Device& device, const TetTable& tets, const JiggleTable& jiggle, const Tables& tables,
+                 const DeviceInfo& limits);
 
   // Once a frame: rotations of its tets. nodes: of the batch.
   void record_frame(Commands& commands, const BufferRange& nodes, std::uint32_t frame) const;

@@ -2,29 +2,31 @@
 
 namespace bodyopt::vulkan {
 
-SkinTables::SkinTables(const Device& device, const Basis& b)
-    : ddm(device, b.ddm, device.info()),
-      blend(device, b.residual.blend_begin, b.residual.blend, device.info()),
-      modifiers(device, b.modifiers.blend_begin, b.modifiers.blend, device.info()),
-      strain_vertices(upload(device, b.strain.vertices, "the strain vertices")),
-      points(upload(device, b.strain.points, "the fibre points")),
-      fibre_begin(upload(device, b.strain.fibre_begin, "the fibres")),
-      rest_length(upload(device, b.strain.rest_length, "the fibres' rest lengths")),
-      ranges(upload(device, b.residual.features, "the feature ranges")),
-      regions(upload(device, b.residual.regions, "the regions")),
-      region_features(upload(device, b.residual.region_features, "the regions' features")),
-      coordinate_region(upload(device, b.residual.coordinate_region, "the coordinates' regions")),
-      projections(upload(device, b.residual.projections, "the projections")),
-      centre_region(upload(device, b.residual.centre_region, "the centres' regions")),
-      centres(upload(device, b.residual.centres, "the centres")),
-      coefficient_region(upload(device, b.residual.coefficient_region, "the coefficients' regions")),
-      weights(upload(device, b.residual.weights, "the weights")),
-      rest(upload(device, b.modifiers.of_type(kRelax.name) ? b.mesh.rest : std::vector<float>(), "the skin at rest")),
-      fold_sides(upload(device, bodyopt::fold_sides(b), "the folds' sides")),
-      triangles(upload(device, b.mesh.triangles, "the triangles")),
-      vertex_triangle_begin(upload(device, b.mesh.vertex_triangle_begin, "the vertices' triangles")),
-      vertex_triangles(upload(device, b.mesh.vertex_triangles, "the vertices' triangles")),
-      output_vertex(upload(device, b.mesh.output_vertex, "the output vertices")) {}
+SkinTables::SkinTables(const Device& device, const Basis& b, const DeviceInfo& limits)
+    : ddm(device, b.ddm, limits),
+      blend(device, b.residual.blend_begin, b.residual.blend, limits),
+      modifiers(device, b.modifiers.blend_begin, b.modifiers.blend, limits),
+      strain_vertices(upload_whole(device, b.strain.vertices, "the strain vertices", limits)),
+      points(upload_whole(device, b.strain.points, "the fibre points", limits)),
+      fibre_begin(upload_whole(device, b.strain.fibre_begin, "the fibres", limits)),
+      rest_length(upload_whole(device, b.strain.rest_length, "the fibres' rest lengths", limits)),
+      ranges(upload_whole(device, b.residual.features, "the feature ranges", limits)),
+      regions(upload_whole(device, b.residual.regions, "the regions", limits)),
+      region_features(upload_whole(device, b.residual.region_features, "the regions' features", limits)),
+      coordinate_region(upload_whole(device, b.residual.coordinate_region, "the coordinates' regions", limits)),
+      projections(upload_whole(device, b.residual.projections, "the projections", limits)),
+      centre_region(upload_whole(device, b.residual.centre_region, "the centres' regions", limits)),
+      centres(upload_whole(device, b.residual.centres, "the centres", limits)),
+      coefficient_region(upload_whole(device, b.residual.coefficient_region, "the coefficients' regions", limits)),
+      weights(upload_whole(device, b.residual.weights, "the weights", limits)),
+      rest(upload_whole(device, b.modifiers.of_type(kRelax.name) ? b.mesh.rest : std::vector<float>(),
+                        "the skin at rest", limits)),
+      fold_sides(upload_whole(device, bodyopt::fold_sides(b), "the folds' sides", limits)),
+      triangles(upload_whole(device,
+                             b.modifiers.of_type(kPushOut.name) ? b.mesh.triangles : std::vector<std::uint32_t>(),
+                             "the triangles", limits)),
+      fans(device, b.mesh, limits),
+      output_vertex(upload_whole(device, b.mesh.output_vertex, "the output vertices", limits)) {}
 
 SkinKernels::SkinKernels(const Device& device)
     : strain_skin(device),
@@ -42,20 +44,20 @@ SkinKernels::SkinKernels(const Device& device)
       output_normals(device),
       output_place(device) {}
 
-DynamicsTables::DynamicsTables(const Device& device, const Dynamics& d)
-    : tets(upload(device, d.tets.tets, "the tets")),
-      shapes(upload(device, d.tets.shapes, "the tets' shapes")),
-      corner_begin(upload(device, d.tets.corner_begin, "the nodes' tets")),
-      corners(upload(device, d.tets.corners, "the nodes' tets")),
-      surface(upload(device, d.tets.surface, "the nodes on the skin")),
-      skin(upload(device, d.tets.skin, "the tets of the skin")),
-      limit(upload(device, d.tets.skin_limit, "the limits of the skin")),
-      row_begin(upload(device, d.diffuse.row_begin, "the rows of diffuse")),
-      columns(upload(device, d.diffuse.columns, "the columns of diffuse")),
-      values(upload(device, d.diffuse.values, "the values of diffuse")),
-      diffuse_inverse(device, d.diffuse.inverse, device.info()),
-      nodes(upload(device, d.jiggle.nodes, "the nodes of the jiggle")),
-      jiggle_inverse(device, d.jiggle.inverse, device.info()) {}
+DynamicsTables::DynamicsTables(const Device& device, const Dynamics& d, const DeviceInfo& limits)
+    : tets(upload_whole(device, d.tets.tets, "the tets", limits)),
+      shapes(upload_whole(device, d.tets.shapes, "the tets' shapes", limits)),
+      corner_begin(upload_whole(device, d.tets.corner_begin, "the nodes' tets", limits)),
+      corners(upload_whole(device, d.tets.corners, "the nodes' tets", limits)),
+      surface(upload_whole(device, d.tets.surface, "the nodes on the skin", limits)),
+      skin(upload_whole(device, d.tets.skin, "the tets of the skin", limits)),
+      limit(upload_whole(device, d.tets.skin_limit, "the limits of the skin", limits)),
+      row_begin(upload_whole(device, d.diffuse.row_begin, "the rows of diffuse", limits)),
+      columns(upload_whole(device, d.diffuse.columns, "the columns of diffuse", limits)),
+      values(upload_whole(device, d.diffuse.values, "the values of diffuse", limits)),
+      diffuse_inverse(device, d.diffuse.inverse, limits),
+      nodes(upload_whole(device, d.jiggle.nodes, "the nodes of the jiggle", limits)),
+      jiggle_inverse(device, d.jiggle.inverse, limits) {}
 
 DynamicsKernels::DynamicsKernels(const Device& device)
     : diffuse_surface(device),
@@ -69,15 +71,20 @@ DynamicsKernels::DynamicsKernels(const Device& device)
       jiggle_skin(device) {}
 
 DeviceModel::DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<const CharacterModel> model)
+    : DeviceModel(device, std::move(model), device->info()) {}
+
+DeviceModel::DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<const CharacterModel> model,
+                         const DeviceInfo& limits)
     : device_(std::move(device)),
       model_(std::move(model)),
+      limits_(limits),
       counts_(model_->basis),
-      tables_(*device_, model_->basis),
+      tables_(*device_, model_->basis, limits_),
       kernels_(*device_) {}
 
 const DeviceModel::Jiggling& DeviceModel::jiggling() const {
   std::call_once(jiggles_, [&] {
-    jiggling_.emplace(Jiggling{DynamicsTables(*device_, *model_->dynamics), DynamicsKernels(*device_)});
+    jiggling_.emplace(Jiggling{DynamicsTables(*device_, *model_->dynamics, limits_), DynamicsKernels(*device_)});
   });
   return *jiggling_;
 }

@@ -39,14 +39,16 @@ struct FrameCounts {
 };
 
 struct SkinTables {
-  SkinTables(const Device& device, const Basis& basis);
+  SkinTables(const Device& device, const Basis& basis, const DeviceInfo& limits);
 
   DdmBuffers ddm;
   BlendBuffers blend, modifiers;
   Buffer strain_vertices, points, fibre_begin, rest_length;
   Buffer ranges, regions, region_features, coordinate_region, projections, centre_region, centres;
   Buffer coefficient_region, weights, rest, fold_sides;
-  Buffer triangles, vertex_triangle_begin, vertex_triangles, output_vertex;
+  Buffer triangles;  // without push-out none
+  FanBuffers fans;
+  Buffer output_vertex;
 };
 
 struct SkinKernels {
@@ -69,7 +71,7 @@ struct SkinKernels {
 };
 
 struct DynamicsTables {
-  DynamicsTables(const Device& device, const Dynamics& dynamics);
+  DynamicsTables(const Device& device, const Dynamics& dynamics, const DeviceInfo& limits);
 
   Buffer tets, shapes, corner_begin, corners, surface, skin, limit;
   Buffer row_begin, columns, values;
@@ -99,10 +101,15 @@ class DeviceModel {
     DynamicsKernels kernels;
   };
 
-  // Uploads the basis. Throws Error(device) when the tables do not fit the device.
+  // Uploads the basis. Throws Error(device) when the tables do not fit the device. What kernels read block by block may
+  // be larger than a binding can be; what they read here and there may not, and is named.
   DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<const CharacterModel> model);
+  // For a device whose bindings see less than that one's.
+  DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<const CharacterModel> model,
+              const DeviceInfo& limits);
 
   const Device& device() const { return *device_; }
+  const DeviceInfo& limits() const { return limits_; }
   const CharacterModel& model() const { return *model_; }
   const std::shared_ptr<const CharacterModel>& shared_model() const { return model_; }
   const FrameCounts& counts() const { return counts_; }
@@ -114,6 +121,7 @@ class DeviceModel {
  private:
   std::shared_ptr<const Device> device_;
   std::shared_ptr<const CharacterModel> model_;
+  DeviceInfo limits_;
   FrameCounts counts_;
   SkinTables tables_;
   SkinKernels kernels_;

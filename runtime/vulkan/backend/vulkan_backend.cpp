@@ -87,7 +87,7 @@ struct BatchBuffers {
   Buffer staging_in, staging_out;
 };
 
-class VulkanBackend final : public Backend {
+class VulkanBackend final : public Backend, private SplitRun {
  public:
   VulkanBackend(std::shared_ptr<const DeviceModel> model, const std::optional<JiggleOptions>& jiggle)
       : model_(std::move(model)),
@@ -112,7 +112,7 @@ class VulkanBackend final : public Backend {
     const std::uint64_t all = 3 * skin + 3 * n.finished + 6 * n.boxes + n.components + 2 * skinning + strain +
                               n.coordinates + n.centres + 3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
     const std::uint64_t by_range =
-        device_.info().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
+        model_->limits().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
     const std::uint64_t by_memory =
         std::min(kBatchBytes, device_.info().memory_bytes / 8) / (sizeof(float) * std::max<std::uint64_t>(1, all));
     const std::uint64_t by_groups = device_.info().max_groups_y;
@@ -164,12 +164,20 @@ class VulkanBackend final : public Backend {
     if (records_) commands_->forget_sets();
   }
 
+  SplitRun* split() override { return this; }
+
   BatchResult run(const Batch& batch) override {
+    if (batch.frame_count == 0) return {};
+    start(batch).run();
+    return finish();
+  }
+
+ private:
+  Commands& start(const Batch& batch) override {
     refuse_failed();
     if (records_) {
       throw Error(ErrorKind::usage, "the instance records for the host program: make another one to evaluate");
     }
-    if (batch.frame_count == 0) return {};
     failed_ = true;  // until this batch went well
     const bool recorded = recorded_ && buffers_->frames == batch.frame_count && batch.jiggle.empty() &&
                           batch.stays_on_device == stays_on_device_ && batch.keeps_posed == keeps_posed_ &&
@@ -178,14 +186,16 @@ class VulkanBackend final : public Backend {
     if (!recorded) allocate(batch.frame_count);
     send(batch);  // first: recording runs what is long
     if (!recorded) record(batch);
-    commands_->run();
+    return *commands_;
+  }
+
+  BatchResult finish() override {
     BatchResult result = receive();
     refuse_validation_messages();
     failed_ = false;
     return result;
   }
 
- private:
   void record(const Batch& batch) {
     commands_->begin();
     record_upload();
@@ -247,10 +257,8 @@ class VulkanBackend final : public Backend {
   }
 
   void record_normals(std::uint32_t frames) {
-    const SkinTables& t = tables_;
-    kernels_.output_normals.record(
-        *commands_, {t.triangles, t.vertex_triangle_begin, t.vertex_triangles, *skin_, buffers_->normals.buffer},
-        {counts_.vertices}, frames);
+    record_output_normals(*commands_, kernels_.output_normals, {tables_.fans, *skin_, buffers_->normals.buffer},
+                          counts_.vertices, frames);
   }
 
   // What modifiers do that move the skin in the end.
@@ -274,11 +282,9 @@ class VulkanBackend final : public Backend {
   }
 
   void record_relax(const OutputStep& step, const Buffer& to, std::uint32_t frames) {
-    const SkinTables& t = tables_;
-    kernels_.output_relax.record(
-        *commands_,
-        {t.triangles, t.vertex_triangle_begin, t.vertex_triangles, t.rest, buffers_->modifiers.buffer, *skin_, to},
-        relax_push(model_->model().basis, step), frames);
+    record_output_relax(*commands_, kernels_.output_relax,
+                        {tables_.fans, tables_.rest, buffers_->modifiers.buffer, *skin_, to},
+                        relax_push(model_->model().basis, step), frames);
   }
 
   void record_separate(const OutputStep& step, const Buffer& unfinished, const Buffer& to, std::uint32_t frames) {

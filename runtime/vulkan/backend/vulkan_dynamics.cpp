@@ -33,6 +33,7 @@ VulkanDynamics::Local::Local(const Device& device, std::uint64_t numbers)
 
 VulkanDynamics::VulkanDynamics(const DeviceModel& model, const JiggleOptions& options)
     : device_(model.device()),
+      limits_(model.limits()),
       dynamics_(*model.model().dynamics),
       options_(options),
       node_count_(dynamics_.tets.node_count()),
@@ -48,7 +49,7 @@ VulkanDynamics::VulkanDynamics(const DeviceModel& model, const JiggleOptions& op
   if (options_.iterations == 0) return;
   corotated_solve_.emplace(
       device_, dynamics_.tets, dynamics_.jiggle,
-      CorotatedSolve::Tables{tables_.tets, tables_.shapes, tables_.corners, tables_.jiggle_inverse});
+      CorotatedSolve::Tables{tables_.tets, tables_.shapes, tables_.corners, tables_.jiggle_inverse}, limits_);
 }
 
 std::uint64_t VulkanDynamics::frame_floats() const {
@@ -59,7 +60,7 @@ std::uint64_t VulkanDynamics::frame_floats() const {
 std::uint64_t VulkanDynamics::batch_limit() const {
   const std::uint64_t largest = std::max<std::uint64_t>(
       {std::uint64_t{9} * node_count_, std::uint64_t{3} * tables_.diffuse_inverse.slot_count, 1});
-  const std::uint64_t by_range = device_.info().max_storage_buffer_range / (sizeof(float) * largest);
+  const std::uint64_t by_range = limits_.max_storage_buffer_range / (sizeof(float) * largest);
   const std::uint64_t by_groups = device_.info().max_groups_y / 3;  // a group per right side of diffuse
   const JiggleStep& step = dynamics_.jiggle.step;
   const std::uint64_t frame_solves =

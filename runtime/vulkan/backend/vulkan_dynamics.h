@@ -63,6 +63,7 @@ class VulkanDynamics {
   void record_solve(Commands& commands, std::size_t stage, const Local& local, std::uint32_t frame) const;
 
   const Device& device_;
+  const DeviceInfo& limits_;  // of what a binding sees
   const Dynamics& dynamics_;
   const JiggleOptions options_;
   std::uint32_t node_count_, vertex_count_;

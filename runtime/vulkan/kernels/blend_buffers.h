@@ -12,7 +12,7 @@ struct BlendBuffers {
   // `limits`: as of block_windows. Throws Error(device).
   BlendBuffers(const Device& device, const std::vector<std::uint32_t>& begin, const std::vector<BlendEntry>& blend,
                const DeviceInfo& limits)
-      : block_begin(upload(device, begin, "the blend's blocks")),
+      : block_begin(upload_whole(device, begin, "the blend's blocks", limits)),
         entries(upload(device, blend, "the blend")),
         windows(block_windows({begin, sizeof(BlendEntry), 0, "the blend"}, limits)) {}
 

@@ -59,10 +59,10 @@ std::vector<InverseWindow> inverse_windows(const std::vector<InverseStrip>& stri
 InverseBuffers::InverseBuffers(const Device& device, const BlockInverse& inverse, const DeviceInfo& limits)
     : unknown_count(inverse.unknown_count),
       slot_count(inverse.slot_count()),
-      slot_unknown(upload(device, inverse.slot_unknown, "the block inverse's unknowns")),
-      child_slots(upload(device, inverse.child_slots, "the block inverse's children")),
-      up(upload(device, inverse.up, "the block inverse's panels")),
-      down(upload(device, inverse.down, "the block inverse's strips")),
+      slot_unknown(upload_whole(device, inverse.slot_unknown, "the block inverse's unknowns", limits)),
+      child_slots(upload_whole(device, inverse.child_slots, "the block inverse's children", limits)),
+      up(upload_whole(device, inverse.up, "the block inverse's panels", limits)),
+      down(upload_whole(device, inverse.down, "the block inverse's strips", limits)),
       values(upload(device, inverse.values, "the block inverse's values")) {
   for (const InverseLevel& level : inverse.levels) {
     levels.push_back({level, inverse_windows(inverse.up, level.up_begin, level.up_end, limits),

@@ -45,6 +45,29 @@ void record_modify_blend(Commands& commands, const ModifyBlend& kernel, const Mo
   }
 }
 
+void record_output_relax(Commands& commands, const OutputRelax& kernel, const OutputRelaxBuffers& buffers,
+                         OutputRelaxPush push, std::uint32_t frames) {
+  const FanBuffers& fans = buffers.fans;
+  for (const BlockWindow& window : fans.windows) {
+    push.first_vertex = window.first_vertex;
+    push.end_vertex = window.end_vertex;
+    push.first_triangle = window.first_entry;
+    kernel.record(
+        commands,
+        {fans.begin, fans.triangles_of(window), buffers.rest, buffers.weights, buffers.current, buffers.relaxed}, push,
+        frames);
+  }
+}
+
+void record_output_normals(Commands& commands, const OutputNormals& kernel, const OutputNormalsBuffers& buffers,
+                           std::uint32_t vertex_count, std::uint32_t frames) {
+  const FanBuffers& fans = buffers.fans;
+  for (const BlockWindow& window : fans.windows) {
+    kernel.record(commands, {fans.begin, fans.triangles_of(window), buffers.positions, buffers.normals},
+                  {vertex_count, window.first_vertex, window.end_vertex, window.first_entry}, frames);
+  }
+}
+
 void record_block_gather(Commands& commands, const BlockGather& kernel, const BlockGatherBuffers& buffers,
                          const InverseBuffers::Level& level, std::uint32_t right_side_count, std::uint32_t interleave) {
   const InverseBuffers& inverse = buffers.inverse;

@@ -3,6 +3,7 @@
 
 #include "runtime/vulkan/kernels/blend_buffers.h"
 #include "runtime/vulkan/kernels/ddm_buffers.h"
+#include "runtime/vulkan/kernels/fan_buffers.h"
 #include "runtime/vulkan/kernels/inverse_buffers.h"
 #include "runtime/vulkan/kernels/kernels.h"
 
@@ -36,6 +37,21 @@ struct ModifyBlendBuffers {
 };
 void record_modify_blend(Commands& commands, const ModifyBlend& kernel, const ModifyBlendBuffers& buffers,
                          std::uint32_t vertex_count, std::uint32_t component_count, std::uint32_t frames);
+
+struct OutputRelaxBuffers {
+  const FanBuffers& fans;
+  BufferRange rest, weights, current, relaxed;
+};
+// `push`: without the window.
+void record_output_relax(Commands& commands, const OutputRelax& kernel, const OutputRelaxBuffers& buffers,
+                         OutputRelaxPush push, std::uint32_t frames);
+
+struct OutputNormalsBuffers {
+  const FanBuffers& fans;
+  BufferRange positions, normals;
+};
+void record_output_normals(Commands& commands, const OutputNormals& kernel, const OutputNormalsBuffers& buffers,
+                           std::uint32_t vertex_count, std::uint32_t frames);
 
 // One level of a block inverse.
 struct BlockGatherBuffers {

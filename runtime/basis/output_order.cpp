@@ -1,8 +1,6 @@
-#include "proxy_viewer/scene/output_points.h"
+#include "runtime/basis/output_order.h"
 
 #include <algorithm>
-
-#include "runtime/cpu/kernels.h"
 
 namespace bodyopt {
 
@@ -22,14 +20,6 @@ std::vector<float> output_of(const MeshTable& mesh, std::span<const float> verti
     output.insert(output.end(), at, at + 3);
   }
   return output;
-}
-
-Vec3 normal_at(const MeshTable& mesh, std::span<const float> output, std::uint32_t vertex) {
-  const std::vector<float> vertices = vertices_of(mesh, output);
-  std::vector<float> normals(vertices.size());
-  cpu::output_normals(mesh, vertices, normals);
-  const float* const at = normals.data() + std::size_t{3} * mesh.output_vertex[vertex];
-  return {at[0], at[1], at[2]};
 }
 
 }  // namespace bodyopt

@@ -1,4 +1,5 @@
-// Points of a character's file, in the order of its mesh.
+// Points in the order of a character's file (output vertices, of which a seam has several a place) and in that of the
+// runtime (one vertex a place).
 #pragma once
 
 #include <span>
@@ -13,8 +14,5 @@ std::vector<float> vertices_of(const MeshTable& mesh, std::span<const float> out
 
 // V x 3, to O x 3.
 std::vector<float> output_of(const MeshTable& mesh, std::span<const float> vertices);
-
-// Of the skin at a vertex, output vertex order: unit, outwards; zero where the triangles around it have no area.
-Vec3 normal_at(const MeshTable& mesh, std::span<const float> output, std::uint32_t vertex);
 
 }  // namespace bodyopt

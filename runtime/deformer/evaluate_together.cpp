@@ -1,0 +1,213 @@
+#include "runtime/deformer/evaluate_together.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <utility>
+
+#include "runtime/core/error.h"
+#include "runtime/cpu/kernels.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/deformer/make_batch.h"
+#include "runtime/host/fade.h"
+#include "runtime/host/rig.h"
+#include "runtime/host/stages.h"
+#include "runtime/vulkan/commands.h"
+
+namespace bodyopt {
+namespace {
+
+// Frame-major V x 3 in runtime order to O x 3 in output order, appended.
+void append_output(const MeshTable& mesh, std::span<const float> values, std::vector<float>& out) {
+  if (values.empty()) return;
+  const std::size_t at = out.size(), numbers = 3 * std::size_t{mesh.output_count()};
+  out.resize(at + numbers * (values.size() / (3 * std::size_t{mesh.vertex_count()})));
+  cpu::output_place(mesh, values, 3 * sizeof(float), numbers * sizeof(float),
+                    reinterpret_cast<std::byte*>(out.data() + at));
+}
+
+// The same into the caller's memory, frames `begin` and after.
+void place_output(const MeshTable& mesh, std::span<const float> values, const PlacedVertices& place,
+                  std::size_t begin) {
+  if (place.data == nullptr || values.empty()) return;
+  cpu::output_place(mesh, values, place.element_stride, place.frame_stride, place.data + begin * place.frame_stride);
+}
+
+// Of each of `frames` frames the feature that lies furthest outside its trained range.
+void append_outside(const BatchResult& result, std::size_t frames, Evaluation& evaluation) {
+  const std::size_t features = result.excess.size() / std::max<std::size_t>(1, frames);
+  for (std::size_t f = 0; f < frames; ++f) {
+    const auto begin = result.excess.begin() + static_cast<std::ptrdiff_t>(f * features);
+    const auto worst = std::max_element(begin, begin + static_cast<std::ptrdiff_t>(features));
+    evaluation.outside.push_back(features > 0 ? *worst : 0.0f);
+    evaluation.outside_feature.push_back(static_cast<std::uint32_t>(worst - begin));
+  }
+}
+
+void append_fades(const Basis& basis, const Batch& batch, Evaluation& evaluation) {
+  evaluation.fades.insert(evaluation.fades.end(), batch.fades.begin(), batch.fades.end());
+  const std::vector<std::uint32_t> joints = feature_joints(basis.skeleton);
+  for (std::size_t f = 0; f < batch.frame_count; ++f) {
+    const std::size_t stride = 9 * joints.size();
+    const int joint = fading_joint(basis.residual, std::span(batch.joint_features).subspan(f * stride, stride));
+    evaluation.fading_joint.push_back(joint < 0 ? -1 : static_cast<int>(joints[static_cast<std::size_t>(joint)]));
+  }
+}
+
+}  // namespace
+
+// A call between its batches.
+class RunningCall {
+ public:
+  explicit RunningCall(const DeformerCall& call) : call_(call), deformer_(*call.deformer) {
+    attempt([&] { check(); });
+  }
+
+  bool has_more() const { return !outcome_.error && begin_ < call_.poses.size(); }
+
+  // The next batch. Gives what is to run on the device before finish(); null: nothing, or it failed.
+  vulkan::Commands* start() {
+    vulkan::Commands* commands = nullptr;
+    attempt([&] { commands = start_batch(); });
+    return commands;
+  }
+
+  void finish() {
+    if (outcome_.error) return;
+    attempt([&] { take(split_ != nullptr ? split_->finish() : std::move(result_)); });
+  }
+
+  // A batch that fails leaves the motion as it was; only of several some may have been stepped, and the motion of
+  // before was fetched from the device for that.
+  void fail(const std::exception_ptr& error) {
+    outcome_.error = error;
+    if (!before_) return;
+    if (is_several_) {
+      deformer_.set_state(*before_);
+    } else {
+      deformer_.state_ = *before_;
+    }
+  }
+
+  CallOutcome outcome() && { return std::move(outcome_); }
+
+ private:
+  template <typename Step>
+  void attempt(const Step& step) {
+    try {
+      step();
+    } catch (...) {
+      fail(std::current_exception());
+    }
+  }
+
+  void check() {
+    if (call_.stays_on_device) deformer_.require_one_batch(call_.poses);
+    if (!call_.frames) return;
+    if (!deformer_.jiggles_) {
+      throw Error(ErrorKind::usage, "the character was loaded without dynamics: it cannot jiggle");
+    }
+    if (call_.frames->size() != call_.poses.size()) {
+      throw Error(ErrorKind::usage, std::to_string(call_.poses.size()) + " poses have " +
+                                        std::to_string(call_.frames->size()) + " frame numbers");
+    }
+    is_several_ = call_.poses.size() > deformer_.batch_limit();
+    before_ = is_several_ ? deformer_.state() : deformer_.state_;
+  }
+
+  vulkan::Commands* start_batch() {
+    const std::size_t count = std::min<std::size_t>(std::max(1u, deformer_.batch_limit()), call_.poses.size() - begin_);
+    const auto start = std::chrono::steady_clock::now();
+    batch_ = make_batch(deformer_.basis(), call_.poses.subspan(begin_, count));
+    batch_.stays_on_device = call_.stays_on_device;
+    batch_.wants_normals = call_.place != nullptr ? call_.place->normals.data != nullptr : deformer_.wants_normals_;
+    if (call_.frames) batch_.jiggle = deformer_.plan(batch_, call_.frames->subspan(begin_, count));
+    outcome_.evaluation.stage_seconds[name_of(Stage::rig)] +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    split_ = deformer_.backend_->split();
+    if (split_ != nullptr) return &split_->start(batch_);
+    result_ = deformer_.backend_->run(batch_);
+    return nullptr;
+  }
+
+  void take(const BatchResult& result) {
+    const Basis& basis = deformer_.basis();
+    Evaluation& evaluation = outcome_.evaluation;
+    if (call_.place != nullptr) {
+      place_output(basis.mesh, result.positions, call_.place->positions, begin_);
+      place_output(basis.mesh, result.normals, call_.place->normals, begin_);
+    } else {
+      append_output(basis.mesh, result.positions, evaluation.positions);
+      append_output(basis.mesh, result.normals, evaluation.normals);
+    }
+    evaluation.strains.insert(evaluation.strains.end(), result.strains.begin(), result.strains.end());
+    append_outside(result, batch_.frame_count, evaluation);
+    append_fades(basis, batch_, evaluation);
+    for (const JiggleFrame& frame : batch_.jiggle) evaluation.starts.push_back(frame.start);
+    for (const auto& [stage, seconds] : result.stage_seconds) evaluation.stage_seconds[stage] += seconds;
+    begin_ += batch_.frame_count;
+  }
+
+  const DeformerCall& call_;
+  Deformer& deformer_;
+  std::optional<JiggleState> before_;  // of a jiggle
+  bool is_several_ = false;            // batches
+  std::size_t begin_ = 0;              // of the batch under way, in poses
+  Batch batch_;
+  SplitRun* split_ = nullptr;
+  BatchResult result_;  // of a batch that nothing split
+  CallOutcome outcome_;
+};
+
+namespace {
+
+// The calls whose work one device has.
+struct Submission {
+  std::vector<vulkan::Commands*> commands;
+  std::vector<RunningCall*> calls;
+
+  void run() const {
+    try {
+      vulkan::Commands::run_together(commands);
+    } catch (...) {
+      for (RunningCall* call : calls) call->fail(std::current_exception());
+    }
+  }
+};
+
+// A batch of every call that has more.
+void run_batches(std::span<RunningCall> calls) {
+  std::vector<RunningCall*> started;
+  std::map<const vulkan::Device*, Submission> submissions;
+  for (RunningCall& call : calls) {
+    if (!call.has_more()) continue;
+    started.push_back(&call);
+    vulkan::Commands* commands = call.start();
+    if (commands == nullptr) continue;
+    Submission& submission = submissions[&commands->device()];
+    submission.commands.push_back(commands);
+    submission.calls.push_back(&call);
+  }
+  for (const auto& [device, submission] : submissions) submission.run();
+  for (RunningCall* call : started) call->finish();
+}
+
+}  // namespace
+
+std::vector<CallOutcome> evaluate_together(std::span<const DeformerCall> calls) {
+  std::vector<RunningCall> running;
+  running.reserve(calls.size());
+  for (std::size_t k = 0; k < calls.size(); ++k) {
+    const auto own = [&](const DeformerCall& earlier) { return earlier.deformer == calls[k].deformer; };
+    if (std::ranges::any_of(calls.first(k), own)) {
+      throw Error(ErrorKind::usage, "an instance was asked for two evaluations at once");
+    }
+    running.emplace_back(calls[k]);
+  }
+  while (std::ranges::any_of(running, &RunningCall::has_more)) run_batches(running);
+  std::vector<CallOutcome> outcomes;
+  for (RunningCall& call : running) outcomes.push_back(std::move(call).outcome());
+  return outcomes;
+}
+
+}  // namespace bodyopt

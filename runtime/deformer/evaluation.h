@@ -1,0 +1,41 @@
+// What a deformer gives of poses.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "runtime/host/jiggle.h"
+
+namespace bodyopt {
+
+// The result of a batch of F frames, in output vertex order (as in the character's file).
+struct Evaluation {
+  std::vector<float> positions;  // F x O x 3, metres, posed (world)
+  std::vector<float> normals;    // F x O x 3, unit (zero where all triangles around a vertex are degenerate); see
+                                 // Deformer::set_normals
+  std::vector<float> strains;    // F x S
+  std::vector<float> outside;    // F: how far the worst feature lies outside its trained range, in standard
+                                 // deviations of training; 0 when the frame is covered
+  std::vector<std::uint32_t> outside_feature;   // F: that feature, see feature_name
+  std::vector<float> fades;                     // F x regions: how much of what was learned is left, see region_fades
+  std::vector<int> fading_joint;                // F: the joint that takes most of it; -1: nothing fades
+  std::vector<JiggleStart> starts;              // F where frames jiggle: how each began
+  std::map<std::string, double> stage_seconds;  // by stage name, summed over the batch
+};
+
+// Memory of the caller for three numbers of each vertex: at data + frame x frame_stride + output vertex x
+// element_stride, bytes.
+struct PlacedVertices {
+  std::byte* data = nullptr;  // null: not wanted
+  std::size_t element_stride = 0, frame_stride = 0;
+};
+
+// Where a skin is written instead of into an Evaluation; normals that are not wanted are not computed.
+struct SkinPlace {
+  PlacedVertices positions, normals;
+};
+
+}  // namespace bodyopt

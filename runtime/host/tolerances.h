@@ -1,0 +1,101 @@
+// How far a device may be from the CPU: once, for the tests of the kernels and for the check while it runs
+// (runtime/deformer/checked_backend.h).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+#include "runtime/host/stages.h"
+
+namespace bodyopt {
+
+// Of one output of a kernel, on the same inputs: absolute + relative x |the reference|, in the output's unit. Sums and
+// products stand in one order and are not contracted, so that they have the same bits everywhere; quotients, roots and
+// exponentials may be off by some units in the last place (Vulkan, "Precision and Operation of SPIR-V Instructions":
+// 2.5 ulp of a quotient, 2 + that of a root, 3 + 2 |x| of an exponential; an ulp is 1.2e-7 at most).
+struct KernelTolerance {
+  std::string_view kernel;
+  std::size_t output;
+  double absolute = 0, relative = 0;
+};
+
+inline constexpr std::array kKernelTolerances = {
+    KernelTolerance{"strain_skin", 0, 1e-6},           // m: as pose_skin, without its origin
+    KernelTolerance{"strain_measure", 0, 1e-6, 1e-6},  // roots of segments and a quotient, of the order of 1
+    KernelTolerance{"residual_features", 0},
+    KernelTolerance{"residual_features", 1},
+    KernelTolerance{"residual_project", 0},
+    KernelTolerance{"residual_kernels", 0, 5e-7},  // an exponential: (3 + 2 x) ulp of e^-x are at most 4 ulp of 1
+    KernelTolerance{"residual_coefficients", 0},
+    KernelTolerance{"residual_blend", 0},
+    KernelTolerance{"modify_blend", 0},
+    // m: the rotation's quotients and roots, 1e-6 on an offset of centimetres, and roundings of metres that follow from
+    // it; then a rounding of the origin.
+    KernelTolerance{"pose_skin", 0, 1e-6, 1.2e-7},
+    KernelTolerance{"diffuse_surface", 0},
+    KernelTolerance{"diffuse_gather", 0},
+    KernelTolerance{"block_gather", 0},
+    KernelTolerance{"block_up", 0},
+    KernelTolerance{"block_down", 0},
+    KernelTolerance{"jiggle_rotate", 0, 4e-6},  // a rotation's numbers: quotients and roots, one after the other
+    KernelTolerance{"jiggle_kick", 0},
+    KernelTolerance{"jiggle_begin", 0},
+    KernelTolerance{"jiggle_begin", 1, 1e-5},  // of the order of 10 m/s: quotients
+    KernelTolerance{"jiggle_begin", 2, 1e-4},  // as the velocity, times up to 4
+    KernelTolerance{"jiggle_advance", 0},
+    KernelTolerance{"jiggle_advance", 1},
+    KernelTolerance{"jiggle_advance", 2},
+    KernelTolerance{"jiggle_end", 0},
+    KernelTolerance{"jiggle_skin", 0, 1e-7},  // m, of decimetres: a root and a quotient
+    // A rotation's numbers, times how much nearer it is than any other: as jiggle_rotate, of a norm of nine.
+    KernelTolerance{"jiggle_tet_rotate", 0, 1e-5},
+    KernelTolerance{"jiggle_stress", 0},
+    KernelTolerance{"jiggle_force", 0},
+    KernelTolerance{"conjugate_dot", 0},
+    KernelTolerance{"conjugate_step", 0, 5e-7},  // a quotient of the order of 1
+    KernelTolerance{"conjugate_step", 1, 5e-7},
+    KernelTolerance{"conjugate_direction", 0, 5e-7},
+    KernelTolerance{"output_relax", 0, 3e-6},  // m, of a box of 3 m a millionth: quotients and roots of areas
+    KernelTolerance{"output_bound", 0},
+    KernelTolerance{"output_separate", 0, 3e-6},  // m, as output_relax
+    KernelTolerance{"output_normals", 0, 1e-6},   // a root and a quotient, of 1
+    KernelTolerance{"output_place", 0},
+};
+
+// What a stage leaves behind after all stages before it ran there, too: absolute + of_size x the diagonal of the rest
+// skin + of_largest x the largest magnitude (1 at least) that the CPU has. Those before add up, and are amplified.
+struct StageTolerance {
+  Stage stage;
+  std::string_view output;
+  double absolute = 0, of_size = 0, of_largest = 0;
+};
+
+inline constexpr double kPlace = 1e-5;  // of_size: as whole frames are held to; 1e-6 m of a kernel, of a person's 2 m
+
+inline constexpr std::array kStageTolerances = {
+    StageTolerance{Stage::strain, "strains", 1e-5},  // a place's error over a rest length of a decimetre
+    // Strains, divided by their spread in training; what kernels make of that.
+    StageTolerance{Stage::residual, "excess", 0, 0, 1e-3}, StageTolerance{Stage::residual, "coefficients", 0, 0, 1e-3},
+    StageTolerance{Stage::pose, "posed", 0, kPlace}, StageTolerance{Stage::diffuse, "nodes", 0, kPlace},
+    StageTolerance{Stage::jiggle, "displacement", 0, kPlace}, StageTolerance{Stage::jiggle, "positions", 0, kPlace},
+    StageTolerance{Stage::output, "positions", 0, kPlace},
+    StageTolerance{Stage::output, "normals", 2e-2},  // a place's error over the edge of a small triangle
+};
+
+// Null where there is none.
+constexpr const KernelTolerance* find_tolerance(std::string_view kernel, std::size_t output) {
+  for (const KernelTolerance& tolerance : kKernelTolerances) {
+    if (tolerance.kernel == kernel && tolerance.output == output) return &tolerance;
+  }
+  return nullptr;
+}
+// One that there is not does not compile.
+consteval StageTolerance tolerance_of(Stage stage, std::string_view output) {
+  for (const StageTolerance& tolerance : kStageTolerances) {
+    if (tolerance.stage == stage && tolerance.output == output) return tolerance;
+  }
+  throw "no such tolerance";
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,183 @@
+// bodyopt.h: frames.
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+
+#include "runtime/library/guard.h"
+#include "runtime/library/handles.h"
+#include "runtime/library/strides.h"
+
+namespace bodyopt {
+namespace {
+
+// What a caller asks of an instance, looked at, and done part by part: as much as is held in memory at once.
+class AskedFrames {
+ public:
+  AskedFrames(bodyopt_instance& instance, const bodyopt_poses* poses, const bodyopt_skin* skin, bool jiggles)
+      : deformer_(*instance.deformer),
+        given_(poses, deformer_.basis()),
+        wanted_(skin, deformer_.basis(), given_.count()),
+        jiggles_(jiggles) {
+    if (!wanted_.wants_expected_errors()) return;
+    if (!instance.expectation) instance.expectation.emplace(deformer_.basis());
+    expectation_ = &*instance.expectation;
+  }
+
+  bool has_more() const { return has_more_; }
+
+  // Of the next part. A jiggle is one: where it fails, none of it has been stepped.
+  DeformerCall next() {
+    const std::size_t left = given_.count() - begin_;
+    poses_ = given_.read(begin_, jiggles_ ? left : std::min<std::size_t>(left, deformer_.batch_limit()));
+    place_ = wanted_.place(begin_);
+    DeformerCall call{.deformer = &deformer_, .poses = poses_, .place = &place_};
+    if (jiggles_) call.frames = given_.frame_numbers();
+    return call;
+  }
+
+  // What is not placed of it.
+  void take(const Evaluation& evaluation) {
+    wanted_.write(evaluation, begin_);
+    if (expectation_ != nullptr && !poses_.empty()) write_expected_errors(evaluation);
+    begin_ += poses_.size();
+    has_more_ = begin_ < given_.count();
+  }
+
+ private:
+  void write_expected_errors(const Evaluation& evaluation) const {
+    const std::size_t strains = evaluation.strains.size() / poses_.size();
+    std::vector<float> metres;
+    for (std::size_t f = 0; f < poses_.size(); ++f) {
+      const std::span<const float> of_frame(evaluation.strains.data() + f * strains, strains);
+      metres.push_back(static_cast<float>(1e-3 * expectation_->of(poses_[f], of_frame).rms_mm));
+    }
+    wanted_.write_expected_errors(metres, begin_);
+  }
+
+  Deformer& deformer_;
+  GivenPoses given_;
+  WantedSkin wanted_;
+  bool jiggles_;
+  const ErrorExpectation* expectation_ = nullptr;  // where errors are wanted
+  bool has_more_ = true;                           // nothing of no frames is asked for, too
+  std::size_t begin_ = 0;
+  std::vector<Pose> poses_;  // of the part under way
+  SkinPlace place_;
+};
+
+// One of many, with what became of it.
+struct AskedCall {
+  std::optional<AskedFrames> frames;  // none: it failed
+  std::exception_ptr error;
+
+  template <typename Step>
+  void attempt(const Step& step) {
+    try {
+      step();
+    } catch (...) {
+      frames.reset();
+      error = std::current_exception();
+    }
+  }
+};
+
+void run_parts(std::span<AskedCall> calls) {
+  std::vector<AskedCall*> running;
+  std::vector<DeformerCall> parts;
+  for (AskedCall& call : calls) {
+    if (!call.frames || !call.frames->has_more()) continue;
+    call.attempt([&] {
+      parts.push_back(call.frames->next());
+      running.push_back(&call);
+    });
+  }
+  std::vector<CallOutcome> outcomes = evaluate_together(parts);
+  for (std::size_t k = 0; k < running.size(); ++k) {
+    running[k]->attempt([&] {
+      if (outcomes[k].error) std::rethrow_exception(outcomes[k].error);
+      running[k]->frames->take(outcomes[k].evaluation);
+    });
+  }
+}
+
+void run_all(std::span<AskedCall> calls) {
+  while (std::ranges::any_of(calls, [](const AskedCall& c) { return c.frames && c.frames->has_more(); })) {
+    run_parts(calls);
+  }
+}
+
+bodyopt_result run_alone(bodyopt_instance* instance, const bodyopt_poses* poses, const bodyopt_skin* skin,
+                         bool jiggles) {
+  return guarded([&] {
+    AskedCall call;
+    call.frames.emplace(required(instance, "instance"), poses, skin, jiggles);
+    run_all({&call, 1});
+    if (call.error) std::rethrow_exception(call.error);
+  });
+}
+
+// The calls of an array whose elements may be those of an earlier version.
+class CallArray {
+ public:
+  CallArray(bodyopt_call* first, std::size_t count) : first_(first) {
+    if (count > 0) size_ = read_struct(first, sizeof(bodyopt_call), "calls").struct_size;
+  }
+
+  bodyopt_call& operator[](std::size_t k) const {
+    return *reinterpret_cast<bodyopt_call*>(reinterpret_cast<std::byte*>(first_) + k * size_);
+  }
+
+ private:
+  bodyopt_call* first_;
+  std::size_t size_ = 0;  // bytes from one to the next
+};
+
+void begin(const bodyopt_call& given, AskedCall& call, std::set<const bodyopt_instance*>& known) {
+  const auto asked = read_struct(&given, sizeof(bodyopt_call), "call");
+  bodyopt_instance& instance = required(asked.instance, "call.instance");
+  if (!known.insert(&instance).second) throw Error(ErrorKind::usage, "the instance is in an earlier call, too");
+  call.frames.emplace(instance, asked.poses, asked.skin, asked.jiggles != 0);
+}
+
+// Says what became of every call. Gives the result of the first that failed, and keeps what all that did have to say.
+bodyopt_result tell(const CallArray& given, std::span<const AskedCall> calls) {
+  bodyopt_result first = BODYOPT_OK;
+  std::string text;
+  for (std::size_t k = 0; k < calls.size(); ++k) {
+    given[k].result = calls[k].error ? keep_error(calls[k].error) : BODYOPT_OK;
+    if (given[k].result == BODYOPT_OK) continue;
+    if (first == BODYOPT_OK) first = given[k].result;
+    text += (text.empty() ? "call " : "; call ") + std::to_string(k) + ": " + bodyopt_last_error();
+  }
+  return first == BODYOPT_OK ? BODYOPT_OK : keep_failure(first, text.c_str());
+}
+
+}  // namespace
+}  // namespace bodyopt
+
+using namespace bodyopt;
+
+bodyopt_result bodyopt_evaluate(bodyopt_instance* instance, const bodyopt_poses* poses, const bodyopt_skin* skin) {
+  return run_alone(instance, poses, skin, false);
+}
+
+bodyopt_result bodyopt_jiggle(bodyopt_instance* instance, const bodyopt_poses* poses, const bodyopt_skin* skin) {
+  return run_alone(instance, poses, skin, true);
+}
+
+bodyopt_result bodyopt_evaluate_together(bodyopt_call* given, size_t count) {
+  bodyopt_result of_calls = BODYOPT_OK;
+  const bodyopt_result result = guarded([&] {
+    const CallArray array(given, count);
+    std::vector<AskedCall> calls(count);
+    std::set<const bodyopt_instance*> known;
+    for (std::size_t k = 0; k < count; ++k) {
+      calls[k].attempt([&] { begin(array[k], calls[k], known); });
+    }
+    run_all(calls);
+    of_calls = tell(array, calls);
+  });
+  return result != BODYOPT_OK ? result : of_calls;
+}

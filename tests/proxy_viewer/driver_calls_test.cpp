@@ -1,0 +1,62 @@
+// What programs ask of the driver, as the layer of tests/support sees it.
+#include <sstream>
+
+#include "runtime/vulkan/pipeline_cache.h"
+#include "tests/proxy_viewer/window_fixture.h"
+
+namespace bodyopt::testing {
+namespace {
+
+class DriverCallsTest : public WindowTest {
+ protected:
+  // What a picture needs more, once all is loaded.
+  int of_a_picture(const std::string& cast) const {
+    const auto of_pictures = [&](int last) {
+      return submissions_of(cast + " --headless --ff 1 --lf " + std::to_string(last) + " -o many.####.png");
+    };
+    const int few = of_pictures(4), many = of_pictures(kClipFrames);
+    EXPECT_EQ((many - few) % (kClipFrames - 4), 0);
+    return (many - few) / (kClipFrames - 4);
+  }
+
+  static std::string bytes_of(const std::filesystem::path& file) {
+    std::ostringstream bytes;
+    bytes << std::ifstream(file, std::ios::binary).rdbuf();
+    return bytes.str();
+  }
+};
+
+TEST_F(DriverCallsTest, SubmissionsOfACastAreThoseOfOne) {
+  const std::string one = small_.basis + " " + small_.clip;
+  EXPECT_EQ(of_a_picture(one), of_a_picture(one + " " + one + " " + one));
+}
+
+// Ghosts, which are quasi-static, beside the jiggle.
+TEST_F(DriverCallsTest, SubmissionsOfSeveralMethodsAreThoseOfOne) {
+  const JigglingCharacter limb(folder_);
+  const std::string one = limb.basis + " " + limb.clip;
+  EXPECT_EQ(of_a_picture(one), of_a_picture(one + " --do 'jiggle on; ghosts 1 1'"));
+}
+
+TEST_F(DriverCallsTest, PipelinesThatWereKeptReachTheDriver) {
+  const std::filesystem::path given = folder_ / "given.bin", caches = folder_ / "caches";
+  const auto evaluate = [&] {
+    std::filesystem::remove(given);
+    const ProgramResult result =
+        run_program(misbehaving_device("KEEP_PIPELINES=" + given.string()) + " XDG_CACHE_HOME=" + caches.string() +
+                    " " + kProgram + " eval " + small_.basis + " --clip " + small_.clip + " --require-device --out " +
+                    (folder_ / "out.pc2").string());
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_TRUE(std::filesystem::exists(given));
+    return bytes_of(given);
+  };
+  EXPECT_EQ(evaluate(), "");
+  const std::filesystem::directory_iterator kept(caches / "bodyopt");
+  ASSERT_NE(kept, std::filesystem::directory_iterator());
+  const std::string file = bytes_of(kept->path());
+  ASSERT_GT(file.size(), sizeof(vulkan::PipelineCacheHeader));
+  EXPECT_EQ(evaluate(), file.substr(sizeof(vulkan::PipelineCacheHeader)));
+}
+
+}  // namespace
+}  // namespace bodyopt::testing
