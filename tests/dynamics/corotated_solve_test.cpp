@@ -136,7 +136,7 @@ TEST_F(CorotatedSolveOnDevice, EqualsTheReference) {
              local_u = vulkan::upload(*device_, u, "displacement"), local_v = vulkan::upload(*device_, v, "velocity"),
              right_side = vulkan::upload(*device_, bar.right_side, "right side");
   const vulkan::InverseBuffers inverse(*device_, bar.jiggle.inverse, device_->info());
-  const vulkan::CorotatedSolve solve(*device_, bar.tets, bar.jiggle, {tets, shapes, corners, inverse});
+  const vulkan::CorotatedSolve solve(*device_, bar.tets, bar.jiggle, {tets, shapes, corners, inverse}, device_->info());
   const JiggleStages stages = jiggle_stages(bar.jiggle.step, {});
   for (const std::size_t stage : {0u, 1u}) {
     std::vector<float> start(size);
