@@ -93,7 +93,8 @@ TEST_F(TransferProgram, TheReportSaysWhereBodiesDiffer) {
   const ProgramResult alike = transfer(path("limb.glb") + " --out " + path("a.safetensors") + " --report " +
                                        path("r.html") + " --json " + path("r.json"));
   ASSERT_EQ(alike.exit_code, 0) << alike.output;
-  for (const auto& part : nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0).at("parts")) {
+  const auto parts = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0).at("parts");
+  for (const auto& part : parts) {
     EXPECT_FALSE(part.at("breaks_assumption").get<bool>()) << part;
     EXPECT_NEAR(part.at("size").get<double>(), 1, 1e-6);
   }

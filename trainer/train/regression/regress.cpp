@@ -86,7 +86,9 @@ class KernelRidge {
       part.targets.array().colwise() *= scales_(rows).array();
       part.frames = scales_(rows).squaredNorm();
       part.normal = MatrixXd::Zero(regressors.cols(), regressors.cols());
-      part.normal.selfadjointView<Eigen::Lower>().rankUpdate(part.regressors.transpose());
+      if (part.regressors.size() > 0) {  // Eigen refers to the first number, also where there is none
+        part.normal.selfadjointView<Eigen::Lower>().rankUpdate(part.regressors.transpose());
+      }
       part.right = part.regressors.transpose() * part.targets;
     }
   }
