@@ -162,6 +162,7 @@ class KernelRidge {
   }
 
   MatrixXd solve(Sums sums, const Penalty& penalty) const {
+    if (sums.normal.size() == 0) return sums.right;  // no feature varies: no weights
     const Index kernels = kernel_norm_.rows(), linear = sums.normal.rows() - kernels;
     sums.normal.diagonal().head(linear).array() += penalty.linear * sums.frames;
     sums.normal.bottomRightCorner(kernels, kernels) += penalty.kernel * kernel_norm_;
