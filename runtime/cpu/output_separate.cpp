@@ -46,7 +46,7 @@ class Separation {
       Vector n;
       std::copy_n(&frame_.weights[push_.component + 3 * std::size_t{fold}], 3, n);
       const bool child = is_child(vertex, fold);
-      const float facing = fold_dot(normal, n), squared = fold_dot(n, n);
+      const float facing = dot_product(normal, n), squared = dot_product(n, n);
       if (!(squared > 0) || !(child ? facing < 0 : facing > 0)) continue;
       const float depth = depth_of(vertex, fold, n, normal, child, kFoldOffset * facing), size = std::sqrt(squared);
       if (!(depth > 0) || !(depth / size < least)) continue;

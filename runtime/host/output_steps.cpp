@@ -15,16 +15,6 @@ bool has_weight(const Basis& basis, const Batch& batch, const SkinModifier& modi
   return false;
 }
 
-// J: of each joint whether it is `joint` or one below it.
-std::vector<char> at_or_below(const Skeleton& skeleton, std::uint32_t joint) {
-  std::vector<char> found(skeleton.size());
-  for (std::size_t j = 0; j < found.size(); ++j) {
-    const int parent = skeleton.joints[j].parent;
-    found[j] = j == joint || (parent >= 0 && found[static_cast<std::size_t>(parent)]);
-  }
-  return found;
-}
-
 }  // namespace
 
 std::vector<OutputStep> output_steps(const Basis& basis, const Batch& batch) {
@@ -57,6 +47,15 @@ OutputSeparatePush separate_push(const Basis& basis, const OutputStep& step) {
           static_cast<std::uint32_t>(step.modifier->joints.size()),
           step.number,
           step.modifier->numbers[0]};
+}
+
+std::vector<char> at_or_below(const Skeleton& skeleton, std::uint32_t joint) {
+  std::vector<char> found(skeleton.size());
+  for (std::size_t j = 0; j < found.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    found[j] = j == joint || (parent >= 0 && found[static_cast<std::size_t>(parent)]);
+  }
+  return found;
 }
 
 std::uint32_t box_count(const MeshTable& mesh) {

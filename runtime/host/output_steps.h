@@ -22,6 +22,9 @@ OutputRelaxPush relax_push(const Basis& basis, const OutputStep& step);
 OutputBoundPush bound_push(const Basis& basis);
 OutputSeparatePush separate_push(const Basis& basis, const OutputStep& step);
 
+// J: of each joint whether it is `joint` or one below it.
+std::vector<char> at_or_below(const Skeleton& skeleton, std::uint32_t joint);
+
 // Boxes of the triangles of a skin, kBoxTriangles to each.
 std::uint32_t box_count(const MeshTable& mesh);
 

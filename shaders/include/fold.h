@@ -6,7 +6,7 @@
 #ifndef BODYOPT_FOLD_H
 #define BODYOPT_FOLD_H
 
-#include "one_source.h"
+#include "vectors.h"
 
 #ifdef __cplusplus
 namespace bodyopt {
@@ -19,18 +19,6 @@ const float kFoldOffset = 1e-5f;
 // round; the same of the other side's body; how far above that is first left, and how far below (< 0) last entered.
 const int kFoldAbove = 0, kFoldBelow = 1, kFoldOtherAbove = 2, kFoldOtherBelow = 3, kFoldLeft = 4, kFoldEntered = 5;
 
-BODYOPT_FUNCTION float fold_dot(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3)) {
-  BODYOPT_PRECISE float sum = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-  return sum;
-}
-
-BODYOPT_FUNCTION void fold_cross(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3), BODYOPT_OUT_ARRAY(c, 3)) {
-  BODYOPT_PRECISE float x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
-  c[0] = x;
-  c[1] = y;
-  c[2] = z;
-}
-
 // Two axes across the normal, so that u x w points along it; none of the three is a unit.
 BODYOPT_FUNCTION void fold_axes(BODYOPT_IN_ARRAY(n, 3), BODYOPT_OUT_ARRAY(u, 3), BODYOPT_OUT_ARRAY(w, 3)) {
   float x = abs(n[0]), y = abs(n[1]), z = abs(n[2]);
@@ -38,8 +26,8 @@ BODYOPT_FUNCTION void fold_axes(BODYOPT_IN_ARRAY(n, 3), BODYOPT_OUT_ARRAY(u, 3),
   across[0] = x <= y && x <= z ? 1.0f : 0.0f;
   across[1] = x > y && y <= z ? 1.0f : 0.0f;
   across[2] = across[0] + across[1] > 0.0f ? 0.0f : 1.0f;
-  fold_cross(n, across, u);
-  fold_cross(n, u, w);
+  cross_product(n, across, u);
+  cross_product(n, u, w);
 }
 
 // Does the line surely pass by a box of this middle, relative to the point, and these half edges?
@@ -70,11 +58,11 @@ BODYOPT_FUNCTION float fold_edge(float from_u, float from_w, float to_u, float t
 BODYOPT_FUNCTION void add_fold_triangle(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3), BODYOPT_IN_ARRAY(c, 3),
                                         BODYOPT_IN_ARRAY(n, 3), BODYOPT_IN_ARRAY(u, 3), BODYOPT_IN_ARRAY(w, 3),
                                         bool other, BODYOPT_INOUT_ARRAY(found, 6)) {
-  float au = fold_dot(u, a), aw = fold_dot(w, a), bu = fold_dot(u, b), bw = fold_dot(w, b), cu = fold_dot(u, c),
-        cw = fold_dot(w, c);
+  float au = dot_product(u, a), aw = dot_product(w, a), bu = dot_product(u, b), bw = dot_product(w, b),
+        cu = dot_product(u, c), cw = dot_product(w, c);
   float leaves = fold_edge(au, aw, bu, bw) + fold_edge(bu, bw, cu, cw) + fold_edge(cu, cw, au, aw);
   if (leaves == 0.0f) return;
-  float ah = fold_dot(n, a), bh = fold_dot(n, b), ch = fold_dot(n, c);
+  float ah = dot_product(n, a), bh = dot_product(n, b), ch = dot_product(n, c);
   BODYOPT_PRECISE float at_a = bu * cw - cu * bw, at_b = cu * aw - au * cw, at_c = au * bw - bu * aw;
   BODYOPT_PRECISE float sum = at_a + at_b + at_c, weighted = at_a * ah + at_b * bh + at_c * ch;
   float height = sum != 0.0f ? weighted / sum : ah;
@@ -104,7 +92,7 @@ BODYOPT_FUNCTION void fold_step(BODYOPT_IN_ARRAY(way, 3), BODYOPT_IN_ARRAY(posed
                                 float limit, BODYOPT_OUT_ARRAY(moved, 3)) {
   float whole[3];
   for (int i = 0; i < 3; ++i) whole[i] = current[i] + way[i] - posed[i];
-  BODYOPT_PRECISE float squared = fold_dot(whole, whole);
+  BODYOPT_PRECISE float squared = dot_product(whole, whole);
   float share = squared > limit * limit ? limit / sqrt(squared) : 1.0f;
   for (int i = 0; i < 3; ++i) {
     BODYOPT_PRECISE float x = posed[i] + share * whole[i];

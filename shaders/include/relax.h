@@ -2,7 +2,7 @@
 #ifndef BODYOPT_RELAX_H
 #define BODYOPT_RELAX_H
 
-#include "one_source.h"
+#include "vectors.h"
 
 #ifdef __cplusplus
 namespace bodyopt {
@@ -12,35 +12,24 @@ namespace bodyopt {
 // the weights, the area vectors, their lengths, and those at rest; areas are twice what they are.
 const int kRelaxWay = 0, kRelaxWeight = 3, kRelaxNormal = 4, kRelaxArea = 7, kRelaxRest = 8;
 
-BODYOPT_FUNCTION float relax_dot(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3)) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-BODYOPT_FUNCTION void relax_cross(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3), BODYOPT_OUT_ARRAY(c, 3)) {
-  BODYOPT_PRECISE float x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
-  c[0] = x;
-  c[1] = y;
-  c[2] = z;
-}
-
 // Adds one triangle: p and q, its other corners counter-clockwise, as seen from the vertex, now and at rest. Its area
 // grows by half the length of its edge times how far the vertex goes away from that.
 BODYOPT_FUNCTION void add_relax_corner(BODYOPT_IN_ARRAY(p, 3), BODYOPT_IN_ARRAY(q, 3), BODYOPT_IN_ARRAY(rest_p, 3),
                                        BODYOPT_IN_ARRAY(rest_q, 3), BODYOPT_INOUT_ARRAY(sums, 9)) {
   float normal[3], rest_normal[3], edge[3], away[3];
-  relax_cross(p, q, normal);
-  relax_cross(rest_p, rest_q, rest_normal);
-  BODYOPT_PRECISE float squared = relax_dot(normal, normal), rest_squared = relax_dot(rest_normal, rest_normal);
+  cross_product(p, q, normal);
+  cross_product(rest_p, rest_q, rest_normal);
+  BODYOPT_PRECISE float squared = dot_product(normal, normal), rest_squared = dot_product(rest_normal, rest_normal);
   float area = sqrt(squared), rest_area = sqrt(rest_squared);
   for (int i = 0; i < 3; ++i) edge[i] = q[i] - p[i];
-  relax_cross(normal, edge, away);
+  cross_product(normal, edge, away);
   float lost = area > 1e-20f ? (rest_area - area) / area : 0.0f;
   for (int i = 0; i < 3; ++i) {
     BODYOPT_PRECISE float way = lost * away[i];
     sums[kRelaxWay + i] += way;
     sums[kRelaxNormal + i] += normal[i];
   }
-  sums[kRelaxWeight] += relax_dot(edge, edge);
+  sums[kRelaxWeight] += dot_product(edge, edge);
   sums[kRelaxArea] += area;
   sums[kRelaxRest] += rest_area;
 }
@@ -58,10 +47,10 @@ BODYOPT_FUNCTION void relax_step(BODYOPT_IN_ARRAY(sums, 9), BODYOPT_IN_ARRAY(cur
     way[i] = sums[kRelaxWay + i] / sums[kRelaxWeight];
     normal[i] = sums[kRelaxNormal + i];
   }
-  BODYOPT_PRECISE float squared = relax_dot(normal, normal), out_of_plane = relax_dot(way, normal);
+  BODYOPT_PRECISE float squared = dot_product(normal, normal), out_of_plane = dot_product(way, normal);
   float share = squared > 1e-30f ? out_of_plane / squared : 0.0f;
   for (int i = 0; i < 3; ++i) way[i] -= share * normal[i];
-  BODYOPT_PRECISE float length2 = relax_dot(way, way), most2 = 0.04f * sums[kRelaxWeight];
+  BODYOPT_PRECISE float length2 = dot_product(way, way), most2 = 0.04f * sums[kRelaxWeight];
   float bounded = 0.5f * amount * (length2 > most2 ? sqrt(most2 / length2) : 1.0f);
   for (int i = 0; i < 3; ++i) {
     BODYOPT_PRECISE float x = current[i] + bounded * way[i];

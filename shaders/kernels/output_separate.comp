@@ -61,7 +61,7 @@ void main() {
     uint weight = push.component_count * frame + push.component + 3 * fold;
     for (uint i = 0; i < 3; ++i) n[i] = weights[weight + i];
     bool child = is_child(vertex, fold);
-    float facing = fold_dot(normal, n), squared = fold_dot(n, n);
+    float facing = dot_product(normal, n), squared = dot_product(n, n);
     if (!(squared > 0.0) || !(child ? facing < 0.0 : facing > 0.0)) continue;
     fold_axes(n, u, w);
     float found[6] = float[6](0.0, 0.0, 0.0, 0.0, 3.4e38, -3.4e38);

@@ -2,9 +2,8 @@
 
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/kernels/windows.h"
-#include "tests/support/kernel_cases.h"
+#include "tests/support/fan_windows.h"
 #include "tests/support/random_tables.h"
-#include "tests/support/small_windows.h"
 
 namespace bodyopt::testing {
 namespace output_normals_test {
@@ -48,14 +47,7 @@ const bool added = add_kernel_cases_of_frames("output_normals", "vertices", [](K
   return Case(trial.size, trial.variant).on(kernels, kernels.device().info());
 });
 
-TEST_F(OutputNormals, WindowsGiveTheSameBits) {
-  const Case c(1237, 2);
-  KernelSet kernels(*device_);
-  expect_same_bits_through_windows(
-      device_->info(), 1237, {8000, 20000},
-      [&](const auto& limits) { return vulkan::FanBuffers(*device_, c.mesh, limits).windows; },
-      [&](const auto& limits) { return outputs_of(*device_, c.on(kernels, limits))[0]; });
-}
+TEST_F(OutputNormals, WindowsGiveTheSameBits) { expect_same_bits_through_windows_of_fans(*device_, Case(1237, 2)); }
 
 // Scattered from triangles to vertices, in double precision.
 TEST(OutputNormalsReference, EqualsTheTextbook) {

@@ -634,14 +634,7 @@ TEST(MatchSkeletons, NamesTheRatioOfUnits) {
 // A joint that only one of the two has, half-way along the forearm: named, and what it turns is counted to the wrist.
 TEST(MatchSkeletons, TwistJointsThatOnlyOneHasAreNamedAndCountedToTheNext) {
   const Skeleton plain = limb_skeleton();
-  Skeleton twisting = plain;
-  Joint twist = plain.joints[2];
-  twist.name = "twist";
-  twist.bind.translation[2] = twist.default_local.translation[2] = 0.1;
-  twist.inverse_bind.m[2][3] = -0.4;
-  twisting.joints.insert(twisting.joints.begin() + 2, twist);
-  twisting.joints[3].parent = 2;
-  twisting.joints[3].bind.translation[2] = twisting.joints[3].default_local.translation[2] = 0.1;
+  const Skeleton twisting = limb_with_twist_joint().skeleton;
   const auto turns = [](const Skeleton& skeleton, const Pose& pose, std::size_t joint) {
     return decompose(posed_joints(skeleton, pose.joints)[joint]).rotation;
   };

@@ -1,6 +1,7 @@
 // Push-out: which joints fold skin, and which skin may lie in such a fold: what stands about a bone's length around the
 // joint. What crosses is found by the kernel (shaders/include/fold.h).
 #include "runtime/core/error.h"
+#include "runtime/host/output_steps.h"
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/bones.h"
 
@@ -11,11 +12,7 @@ constexpr double kReach = 1.25;  // of the bone's length
 
 // Skin on one side only does not fold.
 bool has_both_sides(const Basis& basis, std::uint32_t joint, const Vec3& place, double reach) {
-  std::vector<char> below(basis.skeleton.size());
-  for (std::size_t j = 0; j < below.size(); ++j) {
-    const int parent = basis.skeleton.joints[j].parent;
-    below[j] = j == joint || (parent >= 0 && below[static_cast<std::size_t>(parent)]);
-  }
+  const std::vector<char> below = at_or_below(basis.skeleton, joint);
   bool sides[2] = {false, false};
   const Positions rest = rest_positions(basis);
   for (Eigen::Index v = 0; v < rest.rows(); ++v) {
