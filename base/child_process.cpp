@@ -1,10 +1,8 @@
 #include "base/child_process.h"
 
 #include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,6 +12,7 @@
 #include <cstring>
 #include <exception>
 #include <iostream>
+#include <utility>
 
 #include "runtime/core/error.h"
 
@@ -27,38 +26,48 @@ constexpr int kReturned = 0, kThrew = 1, kNotWritten = 2;
                                      "; the likely cause is a limit of memory or of processes");
 }
 
-// Where the child leaves its bytes: memory without a name, read by the parent when the child has ended.
-class SharedMemory {
+// What the child's bytes come through. No limit of memory or of files is on it: they are read while they are written.
+class Pipe {
  public:
-  SharedMemory() : file_(memfd_create("child", MFD_CLOEXEC)) {
-    if (file_ < 0) fail("has no memory to leave its result in");
+  Pipe() {
+    if (pipe2(ends_, O_CLOEXEC) != 0) fail("has nothing to hand its result over with");
   }
-  ~SharedMemory() { close(file_); }
-  SharedMemory(const SharedMemory&) = delete;
-  SharedMemory& operator=(const SharedMemory&) = delete;
+  ~Pipe() {
+    close_end(0);
+    close_end(1);
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
 
   bool write(const std::string& bytes) const {
     for (std::size_t done = 0; done < bytes.size();) {
-      const ssize_t wrote = ::write(file_, bytes.data() + done, bytes.size() - done);
+      const ssize_t wrote = ::write(ends_[1], bytes.data() + done, bytes.size() - done);
       if (wrote <= 0) return false;
       done += static_cast<std::size_t>(wrote);
     }
     return true;
   }
-  std::string read() const {
-    struct stat status {};
-    fstat(file_, &status);
-    std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
-    for (std::size_t done = 0; done < bytes.size();) {
-      const ssize_t got = pread(file_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(done));
-      if (got <= 0) fail("left a result that cannot be read");
-      done += static_cast<std::size_t>(got);
+  // Until the child has ended.
+  std::string read() {
+    close_end(1);
+    std::string bytes;
+    char some[1 << 16];
+    for (;;) {
+      const ssize_t got = ::read(ends_[0], some, sizeof(some));
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) fail("left a result that cannot be read");
+      if (got == 0) return bytes;
+      bytes.append(some, static_cast<std::size_t>(got));
     }
-    return bytes;
   }
 
  private:
-  int file_;
+  void close_end(int end) {
+    if (ends_[end] >= 0) close(ends_[end]);
+    ends_[end] = -1;
+  }
+
+  int ends_[2] = {-1, -1};
 };
 
 void keep_to_itself(pid_t parent) {
@@ -74,7 +83,7 @@ void keep_to_itself(pid_t parent) {
   dup2(nowhere, STDERR_FILENO);
 }
 
-[[noreturn]] void be_the_child(const std::function<std::string()>& work, pid_t parent, const SharedMemory& result) {
+[[noreturn]] void be_the_child(const std::function<std::string()>& work, pid_t parent, const Pipe& result) {
   keep_to_itself(parent);
   int code = kThrew;
   std::string bytes;
@@ -92,13 +101,14 @@ void keep_to_itself(pid_t parent) {
 }  // namespace
 
 ChildResult run_in_child(const std::function<std::string()>& work) {
-  const SharedMemory result;
+  Pipe result;
   std::cout.flush();  // or the child would print it again
   std::cerr.flush();
   std::fflush(nullptr);
   const pid_t parent = getpid(), child = fork();
   if (child < 0) fail("cannot be made");
   if (child == 0) be_the_child(work, parent, result);
+  std::string bytes = result.read();
   int status = 0;
   while (waitpid(child, &status, 0) < 0) {
     if (errno != EINTR) fail("was lost");
@@ -109,9 +119,9 @@ ChildResult run_in_child(const std::function<std::string()>& work) {
   }
   switch (WEXITSTATUS(status)) {
     case kReturned:
-      return {result.read(), ""};
+      return {std::move(bytes), ""};
     case kThrew:
-      return {"", result.read()};
+      return {"", std::move(bytes)};
     default:
       return {"", "exit code " + std::to_string(WEXITSTATUS(status))};
   }

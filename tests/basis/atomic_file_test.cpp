@@ -1,7 +1,6 @@
 #include "runtime/core/atomic_file.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -11,6 +10,7 @@
 #include <thread>
 
 #include "tests/support/hostile_bytes.h"
+#include "tests/support/lowered_limit.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
@@ -80,13 +80,11 @@ TEST(AtomicFile, FollowsASymbolicLink) {
 TEST(AtomicFile, AFullDiskLeavesTheOldFile) {
   const TemporaryFolder folder;
   write(folder / "a", "old");
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  const rlimit small{1000, before.rlim_max};
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
-  const bool refused = refuses([](const auto& p) { write(p, std::string(100'000, 'x')); }, folder / "a", "full");
-  setrlimit(RLIMIT_FSIZE, &before);
+  const bool refused = [&] {
+    const LoweredLimit limit(RLIMIT_FSIZE, 1000);
+    return refuses([](const auto& p) { write(p, std::string(100'000, 'x')); }, folder / "a", "full");
+  }();
   std::signal(SIGXFSZ, handler);
   EXPECT_TRUE(refused);
   EXPECT_EQ(read_bytes(folder / "a"), "old");

@@ -4,6 +4,8 @@
 
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"
+#include "tests/support/error_kind.h"
+#include "tests/support/lowered_limit.h"
 
 namespace bodyopt {
 namespace {
@@ -19,6 +21,15 @@ TEST(MakeCage, TakesTheSkinWhereItCanBeFilled) {
   const Cage coarse = make_cage(character.vertices, character.triangles, character.weights, 120);
   EXPECT_TRUE(coarse.is_lattice);
   EXPECT_FALSE(coarse.why_lattice.empty());
+}
+
+// No word of the skin: a lattice in its place would be another body.
+TEST(MakeCage, WhatIsNotForTheSkinIsNoReasonForALattice) {
+  const Character limb = make_limb();
+  const auto cage = [&] { return make_cage(limb.vertices, limb.triangles, limb.weights, 500); };
+  EXPECT_FALSE(cage().is_lattice);
+  const LoweredLimit limit(RLIMIT_NOFILE, 3);
+  EXPECT_EQ(testing::kind_of(cage), ErrorKind::device);
 }
 
 // A lattice of pieces in one cell is joined; filled, they would drift apart.

@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "tests/support/lowered_limit.h"
+
 namespace bodyopt {
 namespace {
 
@@ -36,6 +38,13 @@ TEST(ChildProcess, NamesACrash) {
   EXPECT_EQ(ended.crash, "exit code 7");
 }
 
+TEST(ChildProcess, ALimitOfFilesIsNoneOfResults) {
+  const LoweredLimit limit(RLIMIT_FSIZE, 1000);
+  const ChildResult result = run_in_child([] { return std::string(100'000, 'x'); });
+  EXPECT_EQ(result.crash, "");
+  EXPECT_EQ(result.bytes.size(), 100'000u);
+}
+
 TEST(ChildProcess, LeavesInterruptionsToItsParent) {
   const ChildResult result = run_in_child([] {
     std::raise(SIGINT);
@@ -46,13 +55,13 @@ TEST(ChildProcess, LeavesInterruptionsToItsParent) {
 }
 
 TEST(ChildProcess, PrintsNothing) {
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   run_in_child([] {
     std::puts("from a library");
     std::fflush(stdout);
     return std::string();
   });
-  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
 }
 
 }  // namespace

@@ -50,6 +50,7 @@ Cage make_cage(const Positions& vertices, const Triangles& triangles, const Skin
   try {
     cage = filled_skin(vertices, triangles, weights, max_nodes);
   } catch (const Error& error) {
+    if (error.kind() != ErrorKind::mismatch) throw;  // it is not for the skin
     const std::string reason = error.what();
     cage = lattice_cage(vertices, triangles, max_nodes);
     cage.why_lattice = reason;

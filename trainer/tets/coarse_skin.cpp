@@ -116,6 +116,7 @@ FilledSkin fill_coarser(const FineSkin& fine, FillLimit limit, const std::functi
       if (share <= 1 && share > kCloseEnough) break;
       scale *= std::sqrt(share / (0.5 + 0.5 * kCloseEnough));
     } catch (const Error& error) {
+      if (error.kind() != ErrorKind::mismatch && error.kind() != ErrorKind::usage) throw;  // too fine, or not filled
       refusal = error.what();
       ++refused;
       scale *= kLittleFiner;
