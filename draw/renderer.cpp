@@ -1,29 +1,17 @@
 #include "draw/renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
-#include "draw/camera.h"
-#include "draw/graphics_pipeline.h"
-#include "draw/target.h"
-#include "draw_surface.frag.spv.h"
-#include "draw_surface.vert.spv.h"
+#include "draw/srgb.h"
+#include "draw/viewport.h"
 #include "runtime/core/error.h"
-#include "runtime/vulkan/commands.h"
 
 namespace bodyopt {
 namespace {
 
-enum class SurfaceKind : std::uint32_t { clay = 0, coloured = 1, backdrop = 2 };
-
-// That of draw_surface.
-struct SurfacePush {
-  std::array<std::array<float, 4>, 3> view;
-  std::array<float, 4> projection;
-  SurfaceKind kind;
-  std::uint32_t orthographic;
-};
-static_assert(sizeof(SurfacePush) == 72);
+constexpr std::uint32_t kOversampling = 2;  // a side, on top of the samples
 
 [[noreturn]] void refuse_mesh(std::size_t index, const std::string& what) {
   throw Error(ErrorKind::mismatch, "mesh " + std::to_string(index) + " to draw: " + what);
@@ -50,58 +38,79 @@ void check_mesh(const DrawMesh& mesh, std::size_t index) {
   }
 }
 
-DepthRange depth_range(std::span<const DrawMesh> meshes, const std::array<float, 4>& back) {
-  DepthRange range;
+// The middle of the box around the meshes, and how far its corners are from there.
+void enclose(std::span<const DrawMesh> meshes, View& view) {
+  std::array<float, 3> low, high;
+  low.fill(kMaxCoordinate);
+  high.fill(-kMaxCoordinate);
   for (const DrawMesh& mesh : meshes) {
-    for (std::size_t i = 0; i < mesh.positions.size(); i += 3) {
-      const double z =
-          back[0] * mesh.positions[i] + back[1] * mesh.positions[i + 1] + back[2] * mesh.positions[i + 2] + back[3];
-      range.nearest = std::min(range.nearest, -z);
-      range.farthest = std::max(range.farthest, -z);
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+      low[i % 3] = std::min(low[i % 3], mesh.positions[i]);
+      high[i % 3] = std::max(high[i % 3], mesh.positions[i]);
     }
   }
-  return range;
+  if (low[0] > high[0]) return;
+  for (std::size_t i = 0; i < 3; ++i) view.middle[i] = 0.5f * (low[i] + high[i]);
+  view.radius = 0.5f * std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
 }
 
-// What the host wrote before is seen by the vertex shader.
-void await_uploads(VkCommandBuffer commands) {
-  auto memory = vulkan::structure<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
-  memory.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-  memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT;
-  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_VERTEX_SHADER_BIT, 0, 1, &memory, 0,
-                       nullptr, 0, nullptr);
+std::array<float, 256> make_linear() {
+  std::array<float, 256> linear;
+  for (std::size_t k = 0; k < linear.size(); ++k) {
+    const float c = static_cast<float>(k) / 255;
+    linear[k] = c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
+  }
+  return linear;
+}
+
+// Every pixel is the mean light of kOversampling x kOversampling.
+Image shrunk(const Image& drawn) {
+  static const std::array<float, 256> linear = make_linear();
+  Image image{drawn.width / kOversampling, drawn.height / kOversampling, {}};
+  image.rgba.reserve(std::size_t{image.width} * image.height * 4);
+  for (std::uint32_t y = 0; y < image.height; ++y) {
+    for (std::uint32_t x = 0; x < image.width; ++x) {
+      std::array<float, 3> light{};
+      for (std::uint32_t k = 0; k < kOversampling * kOversampling; ++k) {
+        const std::size_t row = kOversampling * y + k / kOversampling, column = kOversampling * x + k % kOversampling;
+        for (std::size_t c = 0; c < 3; ++c) light[c] += linear[drawn.rgba[4 * (row * drawn.width + column) + c]];
+      }
+      for (float& l : light) l /= kOversampling * kOversampling;
+      const std::array<std::uint8_t, 3> colour = srgb(light);
+      image.rgba.insert(image.rgba.end(), {colour[0], colour[1], colour[2], 255});
+    }
+  }
+  return image;
 }
 
 struct MeshBuffers {
   vulkan::Buffer triangles, positions, normals, colours;
-  VkDescriptorSet set = VK_NULL_HANDLE;
 };
+
+MeshBuffers upload(const vulkan::Device& device, const DrawMesh& mesh) {
+  return {vulkan::upload_bytes(device, std::as_bytes(mesh.triangles), "triangles"),
+          vulkan::upload_bytes(device, std::as_bytes(mesh.positions), "positions"),
+          vulkan::upload_bytes(device, std::as_bytes(mesh.normals), "normals"),
+          vulkan::upload_bytes(device, std::as_bytes(mesh.colours), "colours")};
+}
+
+SkinDraw drawn(const MeshBuffers& buffers, const DrawMesh& mesh) {
+  SkinDraw skin;
+  skin.triangles = &buffers.triangles;
+  skin.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size() / 3);
+  skin.positions = &buffers.positions;
+  skin.normals = &buffers.normals;
+  skin.colours = mesh.colours.empty() ? nullptr : &buffers.colours;
+  return skin;
+}
 
 }  // namespace
 
 struct Renderer::Impl {
-  explicit Impl(const DeviceChoice& choice)
-      : device(choice, {.draws = true}),
-        render_pass(make_target_pass(device)),
-        pipeline(device, render_pass.get(),
-                 {.vertex = draw_surface_vert_spv,
-                  .fragment = draw_surface_frag_spv,
-                  .storage_buffers = 4,
-                  .push_bytes = sizeof(SurfacePush)}) {}
-
-  MeshBuffers upload(const DrawMesh& mesh, PictureSets& sets) const {
-    MeshBuffers buffers;
-    buffers.triangles = vulkan::upload_bytes(device, std::as_bytes(mesh.triangles), "triangles");
-    buffers.positions = vulkan::upload_bytes(device, std::as_bytes(mesh.positions), "positions");
-    buffers.normals = vulkan::upload_bytes(device, std::as_bytes(mesh.normals), "normals");
-    buffers.colours = vulkan::upload_bytes(device, std::as_bytes(mesh.colours), "colours");
-    buffers.set = sets.make(pipeline, {&buffers.triangles, &buffers.positions, &buffers.normals, &buffers.colours});
-    return buffers;
-  }
+  explicit Impl(const DeviceChoice& choice) : device(choice, {.draws = true}), viewport(device) {}
 
   vulkan::Device device;
-  RenderPass render_pass;
-  GraphicsPipeline pipeline;
+  Viewport viewport;
 };
 
 Renderer::Renderer(const std::string& device, bool validation)
@@ -118,35 +127,20 @@ Image Renderer::draw(std::span<const DrawMesh> meshes, const Camera& camera, std
                                       std::to_string(width) + " x " + std::to_string(height));
   }
   for (std::size_t m = 0; m < meshes.size(); ++m) check_mesh(meshes[m], m);
-  SurfacePush push;
-  push.view = view_matrix(camera);
-  push.orthographic = camera.orthographic_height > 0;
-  push.projection = projection(camera, depth_range(meshes, push.view[2]), static_cast<double>(width) / height);
-
-  const vulkan::Device& device = impl_->device;
-  const GraphicsPipeline& pipeline = impl_->pipeline;
-  PictureSets sets(device);
-  const MeshBuffers nothing = impl_->upload({}, sets);
+  const Rectangle whole{0, 0, kOversampling * width, kOversampling * height};
+  View view;
+  view.camera = camera;
+  view.area = view.part = whole;
+  view.ground = kNoGround;
+  enclose(meshes, view);
   std::vector<MeshBuffers> buffers;
-  for (const DrawMesh& mesh : meshes) buffers.push_back(impl_->upload(mesh, sets));
-  const Target target(device, impl_->render_pass.get(), width, height);
-
-  vulkan::Commands commands(device);
-  commands.begin();
-  const VkCommandBuffer recorder = commands.handle();
-  await_uploads(recorder);
-  target.begin(recorder);
-  pipeline.bind(recorder);
-  push.kind = SurfaceKind::backdrop;
-  pipeline.draw(recorder, nothing.set, push, 3);
-  for (std::size_t m = 0; m < meshes.size(); ++m) {
-    push.kind = meshes[m].colours.empty() ? SurfaceKind::clay : SurfaceKind::coloured;
-    pipeline.draw(recorder, buffers[m].set, push, static_cast<std::uint32_t>(meshes[m].triangles.size()));
+  buffers.reserve(meshes.size());
+  for (const DrawMesh& mesh : meshes) {
+    buffers.push_back(upload(impl_->device, mesh));
+    view.skins.push_back(drawn(buffers.back(), mesh));
   }
-  target.end(recorder);
-  commands.end();
-  commands.run();
-  return target.picture();
+  impl_->viewport.draw({&view, 1}, whole.width, whole.height, Edges::smooth);
+  return shrunk(impl_->viewport.picture());
 }
 
 }  // namespace bodyopt

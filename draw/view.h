@@ -73,8 +73,11 @@ struct Ground {
   bool grid = true, axes = false;
   float height = 0, spacing = 0.1f;  // metres
   float shadow = 0.75f;              // strength; 0: none
-  float caster = 0;  // radius of the smallest of those that cast it, metres: how soft it is; 0: the view's
+  float caster = 0;    // radius of the smallest of those that cast it, metres: how soft it is; 0: the view's
+  float reach = 2.5f;  // of the light that falls on it, in radii of the view; 0: there is no ground
 };
+
+constexpr Ground kNoGround{.grid = false, .shadow = 0, .reach = 0};
 
 // A part of the picture.
 struct View {

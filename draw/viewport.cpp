@@ -180,7 +180,7 @@ struct Viewport::Impl {
     scene->ground.draw(recorder, sets.make(scene->ground, {}, shadow.image()),
                        GroundPush{push,
                                   {view.middle[0], view.middle[2], shadow_scale(view), g.shadow},
-                                  {g.height, g.spacing, 2.5f * view.radius, g.axes ? 1.0f : 0.0f},
+                                  {g.height, g.spacing, g.reach * view.radius, g.axes ? 1.0f : 0.0f},
                                   g.grid,
                                   view.camera.orthographic_height > 0},
                        3);
@@ -237,7 +237,7 @@ struct Viewport::Impl {
     return {width / static_cast<float>(view.area.width), width / static_cast<float>(view.area.height)};
   }
 
-  void record_view(VkCommandBuffer recorder, const View& view, const ShadowMap& shadow) {
+  void record_view(VkCommandBuffer recorder, const View& view, const ViewPush& push, const ShadowMap& shadow) {
     const VkRect2D part = inside(view.part, picture->size());
     if (part.extent.width == 0 || part.extent.height == 0) return;
     const VkViewport area{static_cast<float>(view.area.x),
@@ -248,7 +248,6 @@ struct Viewport::Impl {
                           1};
     vkCmdSetViewport(recorder, 0, 1, &area);
     vkCmdSetScissor(recorder, 0, 1, &part);
-    const ViewPush push = view_push(view);
     record_ground(recorder, view, push, shadow);
     for (const SkinDraw& skin : view.skins) {
       record_skin(recorder, skin, push, view.camera.orthographic_height > 0);
@@ -301,6 +300,8 @@ void Viewport::draw(std::span<const View> views, std::uint32_t width, std::uint3
     throw Error(ErrorKind::usage, "a picture has 1 to " + std::to_string(most) + " pixels a side, not " +
                                       std::to_string(width) + " x " + std::to_string(height));
   }
+  std::vector<ViewPush> pushes;  // before anything is recorded: they refuse cameras
+  for (const View& view : views) pushes.push_back(view_push(view));
   Impl& v = *impl_;
   v.prepare({width, height}, edges);
   v.streamed.clear();
@@ -312,7 +313,7 @@ void Viewport::draw(std::span<const View> views, std::uint32_t width, std::uint3
   await_data(recorder);
   for (std::size_t k = 0; k < views.size(); ++k) v.shadows[k]->record(recorder, v.sets, views[k]);
   v.picture->begin_scene(recorder);
-  for (std::size_t k = 0; k < views.size(); ++k) v.record_view(recorder, views[k], *v.shadows[k]);
+  for (std::size_t k = 0; k < views.size(); ++k) v.record_view(recorder, views[k], pushes[k], *v.shadows[k]);
   vkCmdEndRenderPass(recorder);
   v.picture->begin_panels(recorder);
   if (panels) panels(recorder);

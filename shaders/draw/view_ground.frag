@@ -31,7 +31,7 @@ void main() {
   const float t = (ground.x - in_origin.y) / in_direction.y;
   const vec3 at = in_origin + t * in_direction;
   const vec2 width = fwidth(at.xz);
-  if (t > 0 && t < 1e6) {  // not along the ground
+  if (ground.z > 0 && t > 0 && t < 1e6) {  // not along the ground
     const vec2 from_middle = (at.xz - shadow.xy) / ground.z;
     const float near = 1 / (1 + dot(from_middle, from_middle)), reach = near * near;
     colour *= 1 + 1.4 * reach;  // light falls on the ground

@@ -6,7 +6,7 @@
 layout(push_constant) uniform Push {
   View view;
   vec4 shadow;  // centre x, z; half sides of the map a metre; strength
-  vec4 ground;  // height; spacing of the grid; how far it reaches, metres; axes (0 or 1)
+  vec4 ground;  // height; spacing of the grid; how far it reaches, metres, 0: none; axes (0 or 1)
   uint grid, orthographic;
 };
 
