@@ -12,8 +12,6 @@
 namespace bodyopt {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 std::atomic<bool> interrupt_received{false};
 ProgressStyle chosen_style = ProgressStyle::automatic;
 
@@ -40,8 +38,6 @@ std::string formatted(const char* pattern, auto... values) {
   return text;
 }
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
 }  // namespace
 
 void catch_interrupts() {
@@ -62,7 +58,7 @@ void set_progress_style(ProgressStyle style) { chosen_style = style; }
 bool interrupted() { return interrupt_received; }
 
 Progress::Progress(std::string label, std::size_t total, std::string kept)
-    : label_(std::move(label)), kept_(std::move(kept)), total_(total), start_(Clock::now()), printed_(start_) {}
+    : label_(std::move(label)), kept_(std::move(kept)), total_(total) {}
 
 Progress::~Progress() {
   if (done_ > 0) print(true);
@@ -71,16 +67,16 @@ Progress::~Progress() {
 void Progress::advance(std::size_t steps) {
   const std::lock_guard<std::mutex> lock(mutex_);
   done_ += steps;
-  if (seconds_since(printed_) > pause()) print(false);
+  if (printed_.seconds() > pause()) print(false);
   if (interrupted()) {
     throw Error(ErrorKind::interrupted, label_ + ": interrupted; " + kept_);
   }
 }
 
 void Progress::print(bool last) const {
-  printed_ = Clock::now();
+  printed_ = {};
   std::FILE* out = style() == ProgressStyle::openjd ? stdout : stderr;
-  std::fputs(line(seconds_since(start_), last).c_str(), out);
+  std::fputs(line(started_.seconds(), last).c_str(), out);
   std::fflush(out);
 }
 

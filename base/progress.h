@@ -2,10 +2,11 @@
 // programs read it.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <mutex>
 #include <string>
+
+#include "runtime/core/stopwatch.h"
 
 namespace bodyopt {
 
@@ -33,8 +34,8 @@ class Progress {
   std::string line(double seconds, bool last) const;
   std::string label_, kept_;
   std::size_t total_, done_ = 0;
-  std::chrono::steady_clock::time_point start_;
-  mutable std::chrono::steady_clock::time_point printed_;
+  Stopwatch started_;
+  mutable Stopwatch printed_;
   std::mutex mutex_;
 };
 

@@ -35,7 +35,7 @@ struct Cost {
   double seconds = 0, core_seconds = 0;
 };
 
-class Stopwatch {
+class CostWatch {
  public:
   Cost cost() const {
     return {std::chrono::duration<double>(Clock::now() - start_).count(), core_seconds() - start_core_seconds_};
@@ -108,7 +108,7 @@ const Training& training() {
   const auto run = [] {
     film();
     PeakMemory::reset();
-    const Stopwatch watch;
+    const CostWatch watch;
     Basis basis = train(film(), {}).basis;
     return Training{std::move(basis), watch.cost(), PeakMemory::gib()};
   };
@@ -199,7 +199,7 @@ void BM_Product(benchmark::State& state) {
   const Eigen::MatrixXf columns = Eigen::MatrixXf::Random(unposed().cols(), rank());
   Eigen::MatrixXf product;
   for (auto _ : state) {
-    const Stopwatch watch;
+    const CostWatch watch;
     product.noalias() = unposed() * columns;
     report_peer(state, watch.cost());
   }
@@ -211,7 +211,7 @@ void BM_RandomisedSvd(benchmark::State& state) {
   unposed();
   for (auto _ : state) {
     PeakMemory::reset();
-    const Stopwatch watch;
+    const CostWatch watch;
     const Svd svd = randomised_svd(unposed(), rank(), 1);
     report_peer(state, watch.cost());
     state.counters["peak_gib"] = PeakMemory::gib();
@@ -230,7 +230,7 @@ void BM_OverLargeBasis(benchmark::State& state) {
   set.train.clear();
   for (std::size_t k = 0; k < all.size(); k += 8) set.train.push_back(all[k]);
   for (auto _ : state) {
-    const Stopwatch watch;
+    const CostWatch watch;
     const Basis basis = over_large_basis(set);
     report(state, watch.cost());
     state.counters["frames"] = static_cast<double>(set.train.size());

@@ -1,12 +1,12 @@
 // bodyopt bench: how long a frame of a basis takes on each device, stage by stage, and how near that is to the
 // memory's.
 #include <algorithm>
-#include <chrono>
 #include <random>
 
 #include "base/progress.h"
 #include "cli/arguments/common.h"
 #include "runtime/core/error.h"
+#include "runtime/core/stopwatch.h"
 #include "runtime/host/stages.h"
 #include "runtime/threads/tbb_executor.h"
 #include "runtime/vulkan/device.h"
@@ -20,10 +20,6 @@ struct BenchArguments {
   bool one_thread = false;
   JsonOption json;
 };
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 void stop_if_interrupted() {
   if (interrupted()) throw Error(ErrorKind::interrupted, "interrupted; nothing of the measurement is kept");
@@ -41,11 +37,11 @@ double triad_bandwidth(Executor& threads) {
   std::vector<float> a(kCount), b(kCount, 1.0f), c(kCount, 2.0f);
   double best = 0;
   for (int round = 0; round < kRounds; ++round) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     parallel_for(threads, kCount, kCount / 64, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) a[k] = b[k] + 3 * c[k];
     });
-    best = std::max(best, 3 * sizeof(float) * kCount / seconds_since(start));
+    best = std::max(best, 3 * sizeof(float) * kCount / watch.seconds());
   }
   return best;
 }
@@ -78,15 +74,15 @@ struct FrameCost {
 FrameCost measure(Deformer& deformer, std::span<const Pose> poses, double seconds) {
   deformer.evaluate(poses);  // memory is got, caches fill
   std::vector<FrameCost> costs;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   do {
     stop_if_interrupted();
-    const auto batch = std::chrono::steady_clock::now();
+    const Stopwatch batch;
     FrameCost cost{0, deformer.evaluate(poses).stage_seconds};
-    cost.seconds = seconds_since(batch) / static_cast<double>(poses.size());
+    cost.seconds = batch.seconds() / static_cast<double>(poses.size());
     for (auto& [stage, time] : cost.stage_seconds) time /= static_cast<double>(poses.size());
     costs.push_back(std::move(cost));
-  } while (seconds_since(start) < seconds || costs.size() < 3);
+  } while (watch.seconds() < seconds || costs.size() < 3);
   const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(costs.size() / 2);
   std::nth_element(costs.begin(), middle, costs.end(),
                    [](const auto& a, const auto& b) { return a.seconds < b.seconds; });

@@ -2,7 +2,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -18,6 +17,7 @@
 #include "cli/results/provenance.h"
 #include "cli/results/report_pictures.h"
 #include "runtime/core/error.h"
+#include "runtime/core/stopwatch.h"
 #include "runtime/host/rig.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/builtin/arm_dofs.h"
@@ -44,14 +44,6 @@ constexpr DemoSize kFull{400, 144}, kQuick{48, 24};
 constexpr int kFlexedStep = 10;
 // Simulating every second frame of the held-out motion shows its whole arc at half the cost.
 constexpr int kHeldoutStep = 2;
-
-class Stopwatch {
- public:
-  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 // Three groups of muscles flexed and relaxed in turns over a clip.
 void write_flex(const fs::path& path, int frames) {

@@ -1,7 +1,6 @@
 // bodyopt dynamics: the tables of diffuse and jiggle for a trained basis.
 #include <spdlog/spdlog.h>
 
-#include <chrono>
 #include <filesystem>
 #include <set>
 
@@ -11,6 +10,7 @@
 #include "dataset/dataset.h"
 #include "dataset/regions_file.h"
 #include "runtime/core/error.h"
+#include "runtime/core/stopwatch.h"
 #include "trainer/dynamics/build_dynamics.h"
 
 namespace bodyopt::cli {
@@ -71,7 +71,7 @@ void run(DynamicsArguments arguments) {
   if (!arguments.jiggle_out.empty()) require_writable(arguments.jiggle_out);
   arguments.json.require_writable();
   refuse_overwriting(arguments.out, arguments.basis);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const Basis basis = load_basis(arguments.basis);
   if (!arguments.jiggle.empty()) arguments.options.settings = read_jiggle(arguments.jiggle);
   arguments.options.step.implicit_euler = arguments.integrator == "euler";
@@ -79,7 +79,7 @@ void run(DynamicsArguments arguments) {
   validate(dynamics, basis, "the dynamics to be saved");
   save_dynamics(dynamics, arguments.out);
   if (!arguments.jiggle_out.empty()) write_json(chosen_jiggle(dynamics), arguments.jiggle_out);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
 
   say(dynamics_notes(dynamics));
   const Json report = Json::parse(dynamics.metadata.at("report"));

@@ -2,7 +2,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "assets/frame_range.h"
@@ -21,6 +20,7 @@
 #include "proxy_viewer/scene/posed_clip.h"
 #include "proxy_viewer/scene/session_file.h"
 #include "runtime/core/error.h"
+#include "runtime/core/stopwatch.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -186,7 +186,7 @@ std::vector<fs::path> outputs_of(const EvalArguments& arguments, const Json& att
 }
 
 void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun* task) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   ShotCaches caches(arguments.cache, shot);
   shot.deformer->set_normals(holds_normals(arguments.cache.out) || arguments.cache.full_skin ||
                              arguments.device.choice.check);
@@ -194,7 +194,7 @@ void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun
   if (task != nullptr) task->require_same_inputs();
   caches.close();
   if (const auto file = arguments.jiggle.write_last_state(*shot.deformer)) states.push_back(*file);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
 
   const Json attached = caches.attached();
   const std::vector<fs::path> outputs = outputs_of(arguments, attached, states);

@@ -2,7 +2,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 
 #include "assets/controls.h"
@@ -10,6 +9,7 @@
 #include "cli/results/attachments.h"
 #include "cli/results/level_table.h"
 #include "runtime/core/error.h"
+#include "runtime/core/stopwatch.h"
 #include "trainer/check/check.h"
 #include "trainer/proxy/build_proxy.h"
 #include "trainer/proxy/taught_samples.h"
@@ -75,7 +75,7 @@ void run(ProxyArguments arguments) {
   arguments.json.require_writable();
   std::sort(arguments.errors_mm.begin(), arguments.errors_mm.end());
   for (const double error : arguments.errors_mm) arguments.options.errors.push_back(1e-3 * error);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const bool of_basis = arguments.source.ends_with(".safetensors");
   const Source source = of_basis ? basis_source(arguments) : dataset_source(arguments);
   say(source.set.notes);
@@ -86,7 +86,7 @@ void run(ProxyArguments arguments) {
   save_levels(levels, arguments.out);
   const std::vector<AttachedMesh> attached = attach_own_meshes(
       source.character, source.unit, source.set.character.output_count(), levels.front().basis, arguments.out);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
   const Json table = levels_info(levels);
   arguments.json.emit(
       {{"proxy", arguments.out},

@@ -3,7 +3,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <chrono>
 #include <filesystem>
 #include <optional>
 
@@ -13,6 +12,7 @@
 #include "cli/results/measure.h"
 #include "cli/results/provenance.h"
 #include "runtime/core/error.h"
+#include "runtime/core/stopwatch.h"
 #include "runtime/core/strict_json.h"
 #include "trainer/check/check.h"
 #include "trainer/motion/coupled_joints.h"
@@ -128,7 +128,7 @@ void run(TrainArguments arguments) {
   if (!arguments.report.empty()) make_folder(arguments.report);
   arguments.options.keep_in = std::filesystem::path(arguments.out).replace_extension(".training");
 
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const std::filesystem::path path = dataset_file(arguments.dataset);
   Dataset dataset = read_dataset(path);
   spdlog::info("checking that shapes, clips and character belong together");
@@ -153,7 +153,7 @@ void run(TrainArguments arguments) {
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
 
   arguments.options.surface_curves = surface_curves_for(arguments, set);
-  const double preparing = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double preparing = watch.seconds();
   const Training training = train_and_measure(set, arguments.options, arguments.ablate, dataset.unit, arguments.out);
   const Basis& basis = training.result.basis;
   const std::vector<AttachedMesh> attached = attach_own_meshes(dataset.folder / dataset.character, dataset.unit,

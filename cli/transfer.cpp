@@ -1,7 +1,6 @@
 // bodyopt transfer: what was simulated or learned of one character, carried to others.
 #include <spdlog/spdlog.h>
 
-#include <chrono>
 #include <filesystem>
 #include <set>
 
@@ -11,6 +10,7 @@
 #include "cli/results/transfer_picture.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "runtime/core/stopwatch.h"
 #include "trainer/check/check.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/train/skinning/ddm_basis.h"
@@ -25,8 +25,6 @@
 namespace bodyopt::cli {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 // The mean over the skin below which two bodies are unlike.
 constexpr double kLeastConfidence = 0.5;
 
@@ -38,8 +36,6 @@ struct TransferArguments {
   TransferOptions options;
   JsonOption json;
 };
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 TransferOptions options_of(const TransferArguments& arguments) {
   TransferOptions options = arguments.options;
@@ -220,7 +216,7 @@ class BasisTransfer {
 
   // Of one target, as --json has it; what is for people is printed.
   Json carry(const std::string& target, const std::string& out, Page& page) {
-    const auto start = Clock::now();
+    const Stopwatch watch;
     const Character character = read_character(target, arguments_.unit);
     say_of(target, character.notes);
     const TransferPair pair(source_.front().basis, character, options_);
@@ -235,9 +231,9 @@ class BasisTransfer {
     facts["vertices"] = basis.mesh.vertex_count();
     facts["levels"] = carried.size();
     facts["bytes_per_vertex"] = static_cast<double>(total_bytes(basis)) / basis.mesh.vertex_count();
-    facts["seconds"] = seconds_since(start);
+    facts["seconds"] = watch.seconds();
     facts["beside"] = carry_company(company_, pair, character, basis, out, arguments_.unit, options_, notes);
-    facts["seconds_with_what_is_beside"] = seconds_since(start);
+    facts["seconds_with_what_is_beside"] = watch.seconds();
     say_of(target, notes);
     if (!arguments_.report.empty()) report(pair, basis, target, facts, page);
     std::string text = format("wrote %s: %u vertices, %s, %.1f s\n", out.c_str(), basis.mesh.vertex_count(),
@@ -296,7 +292,7 @@ void run_basis(const TransferArguments& arguments) {
 
 void run_dataset(const TransferArguments& arguments) {
   check_outputs(arguments);
-  const auto start = Clock::now();
+  const Stopwatch watch;
   const TransferOptions options = options_of(arguments);
   const std::filesystem::path path = dataset_file(arguments.source);
   const Dataset dataset = read_dataset(path);
@@ -323,10 +319,10 @@ void run_dataset(const TransferArguments& arguments) {
   facts["dataset"] = (out / "dataset.json").string();
   facts["takes"] = told.takes;
   facts["frames"] = told.frames;
-  facts["seconds"] = seconds_since(start);
+  facts["seconds"] = watch.seconds();
   facts["peak_memory_mib"] = peak_memory_mib();
   arguments.json.emit(facts, format("wrote %s: %zu takes, %zu frames, %s, %.1f s\n", (out / "dataset.json").c_str(),
-                                    told.takes, told.frames, describe(pair).c_str(), seconds_since(start)));
+                                    told.takes, told.frames, describe(pair).c_str(), watch.seconds()));
 }
 
 struct RefineArguments {
@@ -346,7 +342,7 @@ SampleSet unrefined_samples(Dataset dataset, const std::set<std::string>& carrie
 
 void run_refine(const RefineArguments& arguments) {
   arguments.json.require_writable();
-  const auto start = Clock::now();
+  const Stopwatch watch;
   const std::filesystem::path path = dataset_file(arguments.dataset);
   const Dataset dataset = read_dataset(path);
   const std::string mismatch = first_problem(check_dataset(dataset), path);
@@ -373,10 +369,10 @@ void run_refine(const RefineArguments& arguments) {
        {"carried_frames", count},
        {"own_frames", set.train.size() - count},
        {"difference_mm", refined.difference_mm()},
-       {"seconds", seconds_since(start)}},
+       {"seconds", watch.seconds()}},
       format("%zu carried frames moved to what %zu own frames show, which were %.2f mm RMS off them, in "
              "%.1f s: modifiers '%s' and the like of the dataset's stack\n",
-             count, set.train.size() - count, refined.difference_mm(), seconds_since(start),
+             count, set.train.size() - count, refined.difference_mm(), watch.seconds(),
              refinement_of(*carried.begin()).c_str()));
 }
 

@@ -1,4 +1,4 @@
-// Draws meshes offscreen with Vulkan: the pictures of reports, and the base of the viewport.
+// Pictures of meshes of the host, drawn as the viewport draws: for reports and verbs.
 #pragma once
 
 #include <cstdint>

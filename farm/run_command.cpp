@@ -6,11 +6,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
 #include <cstring>
 
 #include "runtime/core/error.h"
+#include "runtime/core/stopwatch.h"
 
 extern char** environ;
 
@@ -42,10 +42,10 @@ CommandResult run_command(const std::vector<std::string>& words, double seconds)
   }
   CommandResult result;
   bool is_late = false;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   char buffer[65536];
   for (;;) {
-    const double left = seconds - std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double left = seconds - watch.seconds();
     pollfd ready{ends[0], POLLIN, 0};
     is_late = left <= 0 || poll(&ready, 1, static_cast<int>(1e3 * left) + 1) == 0;
     if (is_late || result.output.size() > kMostOutput) break;

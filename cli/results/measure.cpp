@@ -3,10 +3,10 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "cli/results/report_pictures.h"
+#include "runtime/core/stopwatch.h"
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/train/judge/ablation.h"
 #include "trainer/train/judge/test_errors.h"
@@ -134,10 +134,10 @@ std::vector<TakeReport> take_reports(const SampleSet& set, const Basis& basis) {
 
 Training train_and_measure(const SampleSet& set, const TrainOptions& options, bool ablate, double unit,
                            const std::string& out) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   Training training{train(set, options), 0, {}, {}};
   for (const std::string& note : training.result.notes) spdlog::info(note);
-  training.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  training.seconds = watch.seconds();
   Basis& basis = training.result.basis;
   say(training.result.warnings);
   keep_unit(basis, unit);

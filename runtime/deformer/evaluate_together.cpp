@@ -1,11 +1,11 @@
 #include "runtime/deformer/evaluate_together.h"
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 #include <utility>
 
 #include "runtime/core/error.h"
+#include "runtime/core/stopwatch.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/deformer/make_batch.h"
@@ -117,13 +117,12 @@ class RunningCall {
 
   vulkan::Commands* start_batch() {
     const std::size_t count = std::min<std::size_t>(std::max(1u, deformer_.batch_limit()), call_.poses.size() - begin_);
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     batch_ = make_batch(deformer_.basis(), call_.poses.subspan(begin_, count));
     batch_.stays_on_device = call_.stays_on_device;
     batch_.wants_normals = call_.place != nullptr ? call_.place->normals.data != nullptr : deformer_.wants_normals_;
     if (call_.frames) batch_.jiggle = deformer_.plan(batch_, call_.frames->subspan(begin_, count));
-    outcome_.evaluation.stage_seconds[name_of(Stage::rig)] +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    outcome_.evaluation.stage_seconds[name_of(Stage::rig)] += watch.seconds();
     split_ = deformer_.backend_->split();
     if (split_ != nullptr) return &split_->start(batch_);
     result_ = deformer_.backend_->run(batch_);

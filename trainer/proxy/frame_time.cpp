@@ -3,10 +3,10 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <vector>
 
+#include "runtime/core/stopwatch.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/carry_skin.h"
 #include "runtime/threads/tbb_executor.h"
@@ -14,7 +14,6 @@
 namespace bodyopt {
 
 FrameTime frame_time(const Level& level) {
-  using Clock = std::chrono::steady_clock;
   constexpr std::size_t kFrames = 32;
   constexpr int kRounds = 3;
   Deformer deformer(level.basis, {.name = "cpu"});
@@ -26,9 +25,9 @@ FrameTime frame_time(const Level& level) {
     double seconds = 0;
     for (const auto& [stage, time] : frames.stage_seconds) seconds += time;
     best = std::min(best, seconds);
-    const Clock::time_point start = Clock::now();
+    const Stopwatch watch;
     carry_skin(level.basis.mesh, level.carried, frames.positions, frames.normals, *threads);
-    carrying = std::min(carrying, std::chrono::duration<double>(Clock::now() - start).count());
+    carrying = std::min(carrying, watch.seconds());
   }
   if (level.carried.empty()) carrying = 0;
   return {1e6 * best / kFrames, 1e6 * carrying / kFrames, omp_get_max_threads()};

@@ -2,12 +2,12 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
 #include "geometry/closed_skin.h"
 #include "runtime/core/error.h"
+#include "runtime/core/stopwatch.h"
 #include "runtime/host/rig.h"
 #include "trainer/simulate/body_hash.h"
 #include "trainer/simulate/lbfgs.h"
@@ -360,7 +360,7 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, const Tissue::BarrierSh
 }
 
 SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<const double> flex) const {
-  const auto start_time = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   require_flex(flex, muscles_.size());
   SolvedPose solved = attempt(path, flex, 1, Tissue::kBarrier);
   if (!solved.status.converged) {
@@ -369,7 +369,7 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
     if (again.status.converged) solved = std::move(again);
     solved.status.iterations = before + again.status.iterations;
   }
-  solved.status.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_time).count();
+  solved.status.seconds = watch.seconds();
   return solved;
 }
 

@@ -1,8 +1,8 @@
 #include "trainer/train/judge/ablation.h"
 
 #include <algorithm>
-#include <chrono>
 
+#include "runtime/core/stopwatch.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/pack/trade_off.h"
@@ -69,7 +69,7 @@ AblationRow row_of(const std::string& name, const SampleSet& set, const Basis& b
 
 // `spared_bytes`: of every vertex, what linear blending takes less than Direct Delta Mush.
 AblationRow row_of(const NamedMethod& named, const SampleSet& set, TrainOptions options, double spared_bytes) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   options.method = named.method;
   if (!named.method.kernels || named.method.support == Support::whole_skin) {
     options.components = std::max(options.components, kManyComponents);
@@ -77,7 +77,7 @@ AblationRow row_of(const NamedMethod& named, const SampleSet& set, TrainOptions 
   // The basis that is trained has the table of Direct Delta Mush; linear blending does without.
   if (named.method.unposing == Unposing::lbs) options.budget += spared_bytes;
   const Basis basis = train(set, options).basis;
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
   if (named.method.unposing == Unposing::ddm) return row_of(named.name, set, basis, seconds);
   const auto tables = table_bytes(basis);
   const auto learned = static_cast<double>(tables.at("strain") + tables.at("residual"));
