@@ -81,7 +81,7 @@ void add_regions(const ReportData& data, Page& page) {
 void add_muscles(const ReportData& data, Page& page) {
   if (data.muscles.empty()) return;
   constexpr std::size_t kShown = 20;
-  page.heading("What the muscles are worth");
+  page.heading("What the muscles explain");
   std::vector<Bar> bars;
   std::vector<std::string> useless;
   for (const MuscleReport& muscle : data.muscles) {

@@ -161,7 +161,7 @@ struct ReportData {
   std::vector<TradeOffReport> trade_off;                       // by rising bytes; may be empty
   std::vector<RegionReport> regions;
   std::optional<Image> region_picture;  // from the front and from behind, numbered from 1 in their order
-  std::vector<MuscleReport> muscles;    // by falling worth
+  std::vector<MuscleReport> muscles;    // what they explain, falling
   std::optional<CoverageReport> coverage;
   std::vector<std::string> warnings;
   std::string device;  // on which the held-out frames were evaluated

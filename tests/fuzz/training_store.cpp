@@ -26,7 +26,7 @@ RegionModel kept_region() {
   RegionModel model;
   model.region = {"region", {0, 1}, {0.5, 1}};
   model.features = {0, 2};
-  model.worth = {1, 0.5};
+  model.explained = {1, 0.5};
   model.projection = Eigen::MatrixXd::Ones(1, 2);
   model.components = {Eigen::MatrixXd::Ones(2, 1), Eigen::MatrixXd::Ones(1, 6), Eigen::VectorXd::Ones(2),
                       Eigen::VectorXd::Zero(2)};

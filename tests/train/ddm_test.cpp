@@ -15,7 +15,7 @@
 namespace bodyopt {
 namespace {
 
-using Weights = std::vector<std::vector<JointWeight>>;
+using SkinWeights = std::vector<std::vector<JointWeight>>;
 using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
 Positions packed_positions(const DdmTable& table, Eigen::Index count, const std::vector<float>& skinning) {
@@ -52,7 +52,7 @@ struct Hinge {
   }
   Positions positions;
   Triangles triangles;
-  Weights weights;
+  SkinWeights weights;
 };
 
 TEST(Ddm, RestOfRandomHingesIsRest) {
@@ -181,7 +181,7 @@ TEST(Ddm, LooseAndFlatPartsStayPut) {
   positions *= 0.1;
   Triangles triangles(3, 3);
   triangles << 1, 2, 3, 4, 5, 6, 6, 5, 7;
-  const Weights weights(9, {{0, 0.75}, {1, 0.25}});
+  const SkinWeights weights(9, {{0, 0.75}, {1, 0.25}});
   const DdmTable table = pack_ddm(ddm_moments(positions, triangles, weights, {.radius = 0.05}));
   const Rows motion = rigid({0, 1, 1}, 0.7, {0.1, 0.2, 0.3});
   for (const Rows& m : {Rows(Rows::Identity()), motion}) {
@@ -198,7 +198,7 @@ TEST(Ddm, RefusesAVertexWithoutWeights) {
   positions << 0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 5, 5;
   Triangles triangles(1, 3);
   triangles << 0, 1, 2;
-  Weights weights(4, {{0, 1.0}});
+  SkinWeights weights(4, {{0, 1.0}});
   weights[3].clear();
   EXPECT_THROW(ddm_moments(positions, triangles, weights, {}), Error);
 }

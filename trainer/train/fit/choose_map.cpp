@@ -55,10 +55,10 @@ void take_features(const MatrixXd& values, const std::vector<std::uint32_t>& cho
   const MatrixXd& targets = model.components.coefficients;
   const std::vector<SelectedFeature> selected = selected_features(values, targets, most);
   model.features.clear();
-  model.worth.clear();
+  model.explained.clear();
   for (const SelectedFeature& feature : selected) {
     model.features.push_back(choice[feature.column]);
-    model.worth.push_back(feature.gain * targets.squaredNorm());
+    model.explained.push_back(feature.gain * targets.squaredNorm());
   }
   model.projection = projection(values(Eigen::all, columns_of(selected)), targets);
 }

@@ -16,8 +16,8 @@ struct StrainFeatures {
   std::uint32_t first = 0, count = 0;
 };
 
-// Sets the features, their worth, the projection and the fits of a region whose components are there, in metres of
-// positions. Of the choices it takes the one that leaves least in cross-validation; of few frames (kFewFrames) every
+// Sets the features, what each explains, the projection and the fits of a region whose components are there, in metres
+// of positions. Of the choices it takes the one that leaves least in cross-validation; of few frames (kFewFrames) every
 // fold has features of its own for that, since those found on all frames know the ones they are measured on, and the
 // best choice with strains stays where its finished map leaves a tenth less than that of the best one without. Where
 // kernels are allowed, the map has them unless a linear one is better in cross-validation by a twentieth. `folds`,

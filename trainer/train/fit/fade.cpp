@@ -65,7 +65,7 @@ Shares explained_shares(const FeatureJoints& joints, const RegionModel& region) 
   for (std::size_t k = 0; k < region.features.size(); ++k) {
     const std::vector<std::size_t> own = joints.of(region.features[k]);
     for (const std::size_t j : own) {
-      shares[static_cast<Eigen::Index>(j)] += region.worth[k] / static_cast<double>(own.size());
+      shares[static_cast<Eigen::Index>(j)] += region.explained[k] / static_cast<double>(own.size());
     }
   }
   scale_to_one(shares);

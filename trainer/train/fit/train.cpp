@@ -71,10 +71,10 @@ std::vector<MuscleShare> muscle_shares(const StrainTable& fibres, const std::vec
   double energy = 0;
   for (const RegionModel& region : model.regions) {
     energy += region.components.energy.sum();
-    for (std::size_t k = 0; k < region.worth.size(); ++k) {
+    for (std::size_t k = 0; k < region.explained.size(); ++k) {
       const std::uint32_t feature = region.features[k];
       if (feature < first || feature >= first + fibres.fibre_count()) continue;
-      explained[muscles[muscle_of_fibre[feature - first]].name] += region.worth[k];
+      explained[muscles[muscle_of_fibre[feature - first]].name] += region.explained[k];
     }
   }
   std::vector<MuscleShare> shares;

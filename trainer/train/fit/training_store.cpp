@@ -455,7 +455,7 @@ std::optional<RegionModel> TrainingStore::region(std::size_t number, std::uint64
   RegionModel model;
   model.region = region_weights(file, "");
   model.features = file.list<std::uint32_t>("features");
-  model.worth = file.list<double>("worth");
+  model.explained = file.list<double>("worth");
   model.projection = file.matrix("projection");
   model.components = components_in(file);
   for (std::size_t f = 0; file.has(fit_prefix(f) + "dials"); ++f) {
@@ -471,7 +471,7 @@ void TrainingStore::keep(std::size_t number, std::uint64_t key, const RegionMode
   Safetensors file = new_file(kRegionSchema, key);
   put(file, "", model.region);
   put(file, "features", model.features);
-  put(file, "worth", model.worth);
+  put(file, "worth", model.explained);
   put(file, "projection", model.projection);
   put(file, model.components);
   for (std::size_t f = 0; f < model.fits.size(); ++f) put(file, fit_prefix(f), model.fits[f]);

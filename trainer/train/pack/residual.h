@@ -19,7 +19,7 @@ namespace bodyopt {
 struct RegionModel {
   RegionWeights region;
   std::vector<std::uint32_t> features;  // feature indices, ascending
-  std::vector<double> worth;            // square metres: the energy of the motion that each explains, in a linear fit
+  std::vector<double> explained;        // square metres: the energy of the motion that each explains, in a linear fit
   Eigen::MatrixXd projection;           // coordinates x features, see projection.h
   Components components;                // every basis column scaled so that its largest entry is 1
   std::vector<Regression> fits;         // with ever fewer centres; never none

@@ -16,7 +16,7 @@
 namespace bodyopt {
 namespace {
 
-// Of a byte, in mean squared displacements of a vertex: without a dial, and so little that everything is worth it.
+// Of a byte, in mean squared displacements of a vertex: where no budget is given, and so little that all is worth it.
 constexpr double kUsualPrice = 3e-6, kLowestPrice = 1e-7;
 // Nanoseconds of one core per byte, measured by `bodyopt bench` on the built-in arm with AVX-512.
 constexpr double kDdmNanoseconds = 0.1, kResidualNanoseconds = 0.045;
@@ -37,19 +37,19 @@ double estimated_microseconds(const Basis& basis) {
 }  // namespace
 
 TradeOff::TradeOff(const Basis& bare, const ResidualModel& model)
-    : bare_(bare), model_(model), worth_(model), highest_(kLowestPrice) {
-  while (!is_empty(worth_.at(highest_))) highest_ *= 2;
+    : bare_(bare), model_(model), allocation_(model), highest_(kLowestPrice) {
+  while (!is_empty(allocation_.at(highest_))) highest_ *= 2;
 }
 
 Selection TradeOff::choose(const TrainOptions& options) const {
   if (options.budget > 0) return within(options.budget);
   if (options.tolerance_mm <= 0) {
-    return model_.folds.size() <= kFewFrames ? worth_.at(kLowestPrice) : worth_.with_all_centres(kUsualPrice);
+    return model_.folds.size() <= kFewFrames ? allocation_.at(kLowestPrice) : allocation_.with_all_centres(kUsualPrice);
   }
   const auto misses = [&](const Selection& selection) {
     return 1e3 * expected_error(model_, selection) > options.tolerance_mm;
   };
-  return worth_.at(turn_of(misses).below);
+  return allocation_.at(turn_of(misses).below);
 }
 
 Selection TradeOff::within(double budget) const {
@@ -59,9 +59,9 @@ Selection TradeOff::within(double budget) const {
     return bytes_per_vertex(basis);
   };
   const Bracket price = turn_of([&](const Selection& selection) { return bytes_of(selection) <= budget; });
-  Selection best = worth_.at(price.above);
+  Selection best = allocation_.at(price.above);
   if (is_empty(best)) {
-    refuse_budget(budget, bytes_of(worth_.at(turn_of(is_empty).below)), "the least that holds anything learned");
+    refuse_budget(budget, bytes_of(allocation_.at(turn_of(is_empty).below)), "the least that holds anything learned");
   }
   return best;
 }
@@ -69,10 +69,10 @@ Selection TradeOff::within(double budget) const {
 // By halving, to a hundredth of a factor of two.
 TradeOff::Bracket TradeOff::turn_of(const std::function<bool(const Selection&)>& holds) const {
   Bracket price{kLowestPrice, highest_};
-  if (holds(worth_.at(price.below))) return {price.below, price.below};
+  if (holds(allocation_.at(price.below))) return {price.below, price.below};
   while (price.above > 1.007 * price.below) {
     const double middle = std::sqrt(price.below * price.above);
-    (holds(worth_.at(middle)) ? price.above : price.below) = middle;
+    (holds(allocation_.at(middle)) ? price.above : price.below) = middle;
   }
   return price;
 }
@@ -82,7 +82,7 @@ std::vector<TradeOffPoint> TradeOff::curve() const {
   Progress progress("train: trade-off", kCurvePoints);
   for (int k = 0; k < kCurvePoints; ++k) {
     const double share = static_cast<double>(k) / (kCurvePoints - 1);
-    const Selection selection = worth_.at(highest_ * std::pow(kLowestPrice / highest_, share));
+    const Selection selection = allocation_.at(highest_ * std::pow(kLowestPrice / highest_, share));
     Basis basis = bare_;
     pack_into(basis, model_, selection);
     points.push_back({bytes_per_vertex(basis), 1e3 * expected_error(model_, selection), estimated_microseconds(basis),

@@ -8,8 +8,8 @@
 
 #include "runtime/basis/basis.h"
 #include "trainer/train/options.h"
+#include "trainer/train/pack/byte_allocation.h"
 #include "trainer/train/pack/residual.h"
-#include "trainer/train/pack/worth.h"
 
 namespace bodyopt {
 
@@ -48,7 +48,7 @@ class TradeOff {
 
   const Basis& bare_;
   const ResidualModel& model_;
-  Worth worth_;
+  ByteAllocation allocation_;
   double highest_;  // price, at which nothing is kept
 };
 

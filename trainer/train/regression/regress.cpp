@@ -221,7 +221,7 @@ double fold_error(const RegressionData& data, int centre_count, int fold) {
   return middling_ridge(data, centre_count).fold_error(static_cast<std::size_t>(fold), {});
 }
 
-// One dial after the other: all combinations would be four times as many fits.
+// One hyper-parameter after the other: all combinations would be four times as many fits.
 Regression fit_regression(const RegressionData& data, int centre_count) {
   Regression best = at_centres(choose_centres(data, centre_count));
   best.validation_error = std::numeric_limits<double>::infinity();

@@ -1,4 +1,4 @@
-// What of a residual is worth its bytes.
+// Which parts of a residual get the bytes: those that save the most error for each.
 //
 // A blend entry (a component in a block of vertices) saves what its component takes off the mean square error in
 // cross-validation, times the squared length of the component's vectors in the block. An entry for its rounding saves
@@ -16,9 +16,9 @@
 
 namespace bodyopt {
 
-class Worth {
+class ByteAllocation {
  public:
-  explicit Worth(const ResidualModel& model);
+  explicit ByteAllocation(const ResidualModel& model);
 
   // What is kept at a price per byte, in mean squared displacements of a vertex.
   Selection at(double price) const;

@@ -1,5 +1,5 @@
 // What is kept at a price, against arithmetic done by hand, and what is left, against a sum over all vertices.
-#include "trainer/train/pack/worth.h"
+#include "trainer/train/pack/byte_allocation.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "trainer/train/pack/selection_error.h"
 
 namespace bodyopt {
-namespace worth_test {
+namespace byte_allocation_test {
 
 constexpr std::uint32_t kVertices = 32, kBlocks = 2;
 constexpr Eigen::Index kFrames = 10, kCentres = 4;
@@ -60,56 +60,56 @@ double bytes(const ResidualModel& model, const Selection& selection) {
 // A price at which nothing but rounding is not worth its bytes.
 constexpr double kCheap = 1e-6;
 
-TEST(Worth, KeepsWhatSavesMoreThanItCosts) {
+TEST(ByteAllocation, KeepsWhatSavesMoreThanItCosts) {
   const ResidualModel model = small_model();
-  const Worth worth(model);
-  const Selection all = worth.at(kCheap);
+  const ByteAllocation allocation(model);
+  const Selection all = allocation.at(kCheap);
   EXPECT_EQ(all[0].fit, 0u);
   EXPECT_EQ(all[0].blocks, (std::vector<std::vector<std::uint32_t>>{{0}, {1}}));
   Selection one = all;
   one[0].blocks[1].clear();
   const double second = bytes(model, all) - bytes(model, one);
   const double price = kSaved[1] / second / kMotion;  // at which the second component is worth just what it takes
-  EXPECT_EQ(worth.at(0.999 * price)[0].blocks, all[0].blocks);
-  EXPECT_EQ(worth.at(1.001 * price)[0].blocks, one[0].blocks);
+  EXPECT_EQ(allocation.at(0.999 * price)[0].blocks, all[0].blocks);
+  EXPECT_EQ(allocation.at(1.001 * price)[0].blocks, one[0].blocks);
 }
 
-TEST(Worth, DearBytesLeaveFewerCentresAndThenNothing) {
+TEST(ByteAllocation, DearBytesLeaveFewerCentresAndThenNothing) {
   const ResidualModel model = small_model();
-  const Worth worth(model);
-  Selection many = worth.at(kCheap), few = many;
+  const ByteAllocation allocation(model);
+  Selection many = allocation.at(kCheap), few = many;
   many[0].blocks[1].clear();
   few[0] = {1, many[0].blocks, many[0].fine};
   const double saved_bytes = bytes(model, many) - bytes(model, few);
   ASSERT_GT(saved_bytes, 0);
   const double price = (kSaved[0] - kSavedByFewer) / saved_bytes / kMotion;
-  EXPECT_EQ(worth.at(0.999 * price)[0].fit, 0u);
-  EXPECT_EQ(worth.at(1.001 * price)[0].fit, 1u);
-  EXPECT_EQ(worth.with_all_centres(1.001 * price)[0].fit, 0u);
+  EXPECT_EQ(allocation.at(0.999 * price)[0].fit, 0u);
+  EXPECT_EQ(allocation.at(1.001 * price)[0].fit, 1u);
+  EXPECT_EQ(allocation.with_all_centres(1.001 * price)[0].fit, 0u);
   const double last = kSavedByFewer / bytes(model, few) / kMotion;
-  EXPECT_EQ(worth.at(0.999 * last)[0].blocks, few[0].blocks);
-  EXPECT_TRUE(worth.at(1.001 * last)[0].blocks.empty());
+  EXPECT_EQ(allocation.at(0.999 * last)[0].blocks, few[0].blocks);
+  EXPECT_TRUE(allocation.at(1.001 * last)[0].blocks.empty());
 }
 
 // A number between two that 8 bits can tell.
-TEST(Worth, RoundingThatIsWorthItsBytesIsKept) {
+TEST(ByteAllocation, RoundingThatIsWorthItsBytesIsKept) {
   ResidualModel model = small_model();
   model.regions[0].components.basis(0, 4) = 0.5;
   const double left = rounding_of(model.regions[0], 0)[0].left;
   EXPECT_NEAR(left, std::pow(0.5 / 127, 2), 0.1 * left);
-  const Worth worth(model);
+  const ByteAllocation allocation(model);
   const double price = 4 * left / sizeof(BlendEntry) / kMotion;
-  const Selection cheap = worth.at(0.98 * price), dear = worth.at(1.02 * price);
+  const Selection cheap = allocation.at(0.98 * price), dear = allocation.at(1.02 * price);
   EXPECT_EQ(cheap[0].fine[0], std::vector<std::uint32_t>{0});
   EXPECT_TRUE(dear[0].fine[0].empty());
   EXPECT_EQ(cheap[0].blocks, dear[0].blocks);
   EXPECT_EQ(bytes(model, cheap) - bytes(model, dear), sizeof(BlendEntry));
 }
 
-TEST(Worth, ComponentsThatDoHarmAreNeverKept) {
+TEST(ByteAllocation, ComponentsThatDoHarmAreNeverKept) {
   ResidualModel model = small_model();
   for (Regression& fit : model.regions[0].fits) fit.errors.col(1).setConstant(1.1);
-  const Selection selection = Worth(model).at(0);
+  const Selection selection = ByteAllocation(model).at(0);
   EXPECT_FALSE(selection[0].blocks[0].empty());
   EXPECT_TRUE(selection[0].blocks[1].empty());
 }
@@ -134,7 +134,7 @@ TEST(ExpectedError, IsThatOfTheSumOfAllRegions) {
     ResidualModel model = small_model();
     model.regions.push_back(model.regions[0]);
     model.regions[1].fits[0].errors *= sign;
-    Selection selection = Worth(model).at(0);
+    Selection selection = ByteAllocation(model).at(0);
     selection[1].blocks[1].clear();
     const double first = 1 + sign;  // both kept
     const double second = 0.5 - 1;  // one kept; the other one's metre is missing
@@ -143,5 +143,5 @@ TEST(ExpectedError, IsThatOfTheSumOfAllRegions) {
   }
 }
 
-}  // namespace worth_test
+}  // namespace byte_allocation_test
 }  // namespace bodyopt

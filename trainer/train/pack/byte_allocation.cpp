@@ -1,4 +1,4 @@
-#include "trainer/train/pack/worth.h"
+#include "trainer/train/pack/byte_allocation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@ namespace bodyopt {
 
 using Eigen::Index;
 
-Worth::Worth(const ResidualModel& model) {
+ByteAllocation::ByteAllocation(const ResidualModel& model) {
   const std::vector<Index> frames = heldout_frames(model);
   for (const RegionModel& region : model.regions) {
     std::vector<Candidate>& candidates = regions_.emplace_back();
@@ -17,7 +17,8 @@ Worth::Worth(const ResidualModel& model) {
   }
 }
 
-Worth::Candidate Worth::candidate(const RegionModel& region, const Regression& fit, const std::vector<Index>& frames) {
+ByteAllocation::Candidate ByteAllocation::candidate(const RegionModel& region, const Regression& fit,
+                                                    const std::vector<Index>& frames) {
   const Eigen::MatrixXd& basis = region.components.basis;
   const Eigen::RowVectorXd motion =
       region.components.coefficients(frames, Eigen::all).colwise().squaredNorm() / static_cast<double>(frames.size());
@@ -43,7 +44,7 @@ Worth::Candidate Worth::candidate(const RegionModel& region, const Regression& f
   return result;
 }
 
-Worth::Bid Worth::bid(const Candidate& candidate, double per_byte) {
+ByteAllocation::Bid ByteAllocation::bid(const Candidate& candidate, double per_byte) {
   const double entry_cost = per_byte * sizeof(BlendEntry);
   Bid bid{{}, -per_byte * candidate.bytes};
   bid.region.fine.resize(candidate.components.size());
@@ -68,11 +69,11 @@ Worth::Bid Worth::bid(const Candidate& candidate, double per_byte) {
   return bid;
 }
 
-Selection Worth::at(double price) const { return best(price, std::numeric_limits<std::size_t>::max()); }
+Selection ByteAllocation::at(double price) const { return best(price, std::numeric_limits<std::size_t>::max()); }
 
-Selection Worth::with_all_centres(double price) const { return best(price, 1); }
+Selection ByteAllocation::with_all_centres(double price) const { return best(price, 1); }
 
-Selection Worth::best(double price, std::size_t most_fits) const {
+Selection ByteAllocation::best(double price, std::size_t most_fits) const {
   Selection selection;
   for (const std::vector<Candidate>& fits : regions_) {
     SelectedRegion& region = selection.emplace_back();
