@@ -5,7 +5,7 @@ The earlier runtime is built in a git worktree of its own, which is removed agai
 machine does falls on both; the quickest of all counts. Prints a table for docs/benchmarks.md: ms a frame, and how many
 times quicker. BASIS and DYNAMICS have to be files that the earlier runtime reads, too.
 """
-import argparse, os, pathlib, subprocess, sys, tempfile
+import argparse, os, pathlib, signal, subprocess, sys, tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -40,23 +40,25 @@ def build(tree, folder):
 
 
 def run(program, threads, device, files):
-    """{(what, stage): ms} on so many of the processors; none, with a word on it, where the program fails."""
+    """{(what, stage): ms} on so many of the processors, and what the program says where it fails."""
     cores = sorted(os.sched_getaffinity(0))[:threads]
     done = subprocess.run([program, device, *files], capture_output=True, text=True,
                           preexec_fn=lambda: os.sched_setaffinity(0, cores))
-    if done.returncode != 0:
-        print(f"bench: {device}, {threads} threads: {done.stderr.strip()}", file=sys.stderr)
     rows = [line.split("\t") for line in done.stdout.splitlines()]
-    return {(what, stage): float(ms) for what, stage, ms in rows}
+    return {(what, stage): float(ms) for what, stage, ms in rows}, done.stderr.strip()
 
 
 def measure(programs, threads, device, files):
-    """Of each of the programs, in turns, the quickest of all rounds."""
-    quickest = [{} for _ in programs]
+    """Of each of the programs, in turns, the quickest of all rounds, and what those say that fail."""
+    quickest, complaints = [{} for _ in programs], set()
     for _ in range(ROUNDS):
         for best, program in zip(quickest, programs):
-            for key, ms in run(program, threads, device, files).items():
+            figures, said = run(program, threads, device, files)
+            for key, ms in figures.items():
                 best[key] = min(ms, best.get(key, ms))
+            complaints |= {f"{program}, {device}: {said}"} if said else set()
+    for complaint in sorted(complaints):
+        print(f"bench: {complaint}", file=sys.stderr)
     return quickest
 
 
@@ -86,6 +88,7 @@ def main():
     for file in arguments.files:
         if not pathlib.Path(file).is_file():
             stop(f"there is no file {file}")
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # the worktree is removed then, too
     with tempfile.TemporaryDirectory(prefix="bodyopt_against_") as folder:
         tree = f"{folder}/tree"
         added = subprocess.run(["git", "-C", ROOT, "worktree", "add", "--detach", tree, arguments.commit],
