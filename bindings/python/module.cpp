@@ -9,7 +9,9 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "include/bodyopt/bodyopt.hpp"
@@ -106,6 +108,55 @@ struct Skin {
   std::optional<py::array_t<float>> expected_errors;  // of a model that knows its error
 };
 
+// Poses as they were given, and a skin to write: the arrays live as long as this, which stays where it is.
+struct Frames {
+  // `frame_numbers`: none for the quasi-static skin.
+  Frames(const bodyopt_description& description, const py::object& given_joints, const py::object& given_controls,
+         std::optional<std::vector<std::int32_t>> given_numbers, const py::object& positions, const py::object& normals)
+      : joints(as_given<double>(given_joints, {-1, -1, 10}, "joints")), frame_numbers(std::move(given_numbers)) {
+    const py::ssize_t count = joints.shape(0), vertices = description.vertex_count;
+    poses.frame_count = static_cast<std::uint32_t>(count);
+    poses.joint_count = static_cast<std::uint32_t>(joints.shape(1));
+    poses.joints = joints.data();
+    poses.joint_frame_stride = stride_of(joints, 0);
+    poses.joint_stride = stride_of(joints, 1);
+    if (!given_controls.is_none()) {
+      controls = as_given<float>(given_controls, {count, -1}, "controls");
+      poses.control_count = static_cast<std::uint32_t>(controls.shape(1));
+      poses.controls = controls.data();
+      poses.control_frame_stride = stride_of(controls, 0);
+    }
+    if (frame_numbers) {
+      if (static_cast<py::ssize_t>(frame_numbers->size()) != count) {
+        throw py::value_error("frame_numbers: expected " + std::to_string(count) + " numbers, found " +
+                              std::to_string(frame_numbers->size()));
+      }
+      poses.frame_numbers = frame_numbers->data();
+    }
+    skin = {output(positions, {count, vertices, 3}, "positions"),
+            output(normals, {count, vertices, 3}, "normals"),
+            py::array_t<float>(Shape{count, static_cast<py::ssize_t>(description.strain_count)}),
+            py::array_t<float>(Shape{count}),
+            py::array_t<float>(Shape{count}),
+            {}};
+    wanted.positions = floats_of(skin.positions);
+    wanted.normals = floats_of(skin.normals);
+    wanted.strains = floats_of(skin.strains);
+    wanted.outside = floats_of(skin.outside);
+    wanted.fades = floats_of(skin.fades);
+    if (description.knows_error != 0) wanted.expected_errors = floats_of(skin.expected_errors.emplace(Shape{count}));
+  }
+  Frames(const Frames&) = delete;
+  Frames& operator=(const Frames&) = delete;
+
+  py::array_t<double> joints;
+  py::array_t<float> controls;
+  std::optional<std::vector<std::int32_t>> frame_numbers;
+  bodyopt_poses poses = api::make<bodyopt_poses>();
+  Skin skin;
+  bodyopt_skin wanted = api::make<bodyopt_skin>();
+};
+
 // Other Python threads run meanwhile.
 template <typename Call>
 void check_without_gil(const Call& call) {
@@ -152,12 +203,16 @@ class Instance {
 
   Skin evaluate(const py::object& joints, const py::object& controls, const py::object& positions,
                 const py::object& normals) {
-    return frames(joints, controls, nullptr, positions, normals);
+    Frames frames(description_, joints, controls, std::nullopt, positions, normals);
+    call([&] { return bodyopt_evaluate(handle_.get(), &frames.poses, &frames.wanted); });
+    return std::move(frames.skin);
   }
 
-  Skin jiggle(const py::object& joints, const std::vector<std::int32_t>& frame_numbers, const py::object& controls,
+  Skin jiggle(const py::object& joints, std::vector<std::int32_t> frame_numbers, const py::object& controls,
               const py::object& positions, const py::object& normals) {
-    return frames(joints, controls, &frame_numbers, positions, normals);
+    Frames frames(description_, joints, controls, std::move(frame_numbers), positions, normals);
+    call([&] { return bodyopt_jiggle(handle_.get(), &frames.poses, &frames.wanted); });
+    return std::move(frames.skin);
   }
 
   void set_weights(float correction, float jiggle) {
@@ -194,53 +249,56 @@ class Instance {
     api::check(result);
   }
 
-  Skin frames(const py::object& given_joints, const py::object& given_controls,
-              const std::vector<std::int32_t>* frame_numbers, const py::object& positions, const py::object& normals) {
-    const auto joints = as_given<double>(given_joints, {-1, -1, 10}, "joints");
-    const py::ssize_t count = joints.shape(0), vertices = description_.vertex_count;
-    auto poses = api::make<bodyopt_poses>();
-    poses.frame_count = static_cast<std::uint32_t>(count);
-    poses.joint_count = static_cast<std::uint32_t>(joints.shape(1));
-    poses.joints = joints.data();
-    poses.joint_frame_stride = stride_of(joints, 0);
-    poses.joint_stride = stride_of(joints, 1);
-    py::array_t<float> controls;
-    if (!given_controls.is_none()) {
-      controls = as_given<float>(given_controls, {count, -1}, "controls");
-      poses.control_count = static_cast<std::uint32_t>(controls.shape(1));
-      poses.controls = controls.data();
-      poses.control_frame_stride = stride_of(controls, 0);
-    }
-    if (frame_numbers != nullptr) {
-      if (static_cast<py::ssize_t>(frame_numbers->size()) != count) {
-        throw py::value_error("frame_numbers: expected " + std::to_string(count) + " numbers, found " +
-                              std::to_string(frame_numbers->size()));
-      }
-      poses.frame_numbers = frame_numbers->data();
-    }
-    Skin skin{output(positions, {count, vertices, 3}, "positions"),
-              output(normals, {count, vertices, 3}, "normals"),
-              py::array_t<float>(Shape{count, static_cast<py::ssize_t>(description_.strain_count)}),
-              py::array_t<float>(Shape{count}),
-              py::array_t<float>(Shape{count}),
-              {}};
-    auto wanted = api::make<bodyopt_skin>();
-    wanted.positions = floats_of(skin.positions);
-    wanted.normals = floats_of(skin.normals);
-    wanted.strains = floats_of(skin.strains);
-    wanted.outside = floats_of(skin.outside);
-    wanted.fades = floats_of(skin.fades);
-    if (description_.knows_error != 0) wanted.expected_errors = floats_of(skin.expected_errors.emplace(Shape{count}));
-    call([&] {
-      return frame_numbers != nullptr ? bodyopt_jiggle(handle_.get(), &poses, &wanted)
-                                      : bodyopt_evaluate(handle_.get(), &poses, &wanted);
-    });
-    return skin;
-  }
+  friend class Call;
 
   bodyopt_description description_;
   api::Instance handle_;
   std::mutex mutex_;
+};
+
+// What one instance does among others.
+class Call {
+ public:
+  Call(Instance& instance, const py::object& joints, const py::object& controls,
+       std::optional<std::vector<std::int32_t>> frame_numbers, const py::object& positions, const py::object& normals)
+      : instance_(instance),
+        kept_(py::cast(&instance, py::return_value_policy::reference)),
+        frames_(instance.description_, joints, controls, std::move(frame_numbers), positions, normals) {}
+
+  // None before it is evaluated, and where that failed.
+  std::optional<Skin> skin() const {
+    if (!is_done_) return std::nullopt;
+    return frames_.skin;
+  }
+
+  static void evaluate_together(const std::vector<std::shared_ptr<Call>>& calls) {
+    std::vector<bodyopt_call> all(calls.size(), api::make<bodyopt_call>());
+    std::set<std::mutex*> mutexes;  // in the same order in every thread
+    for (std::size_t k = 0; k < calls.size(); ++k) {
+      if (calls[k] == nullptr) throw py::type_error("calls: expected a bodyopt.Call, found None");
+      Call& call = *calls[k];
+      all[k].instance = call.instance_.handle_.get();
+      all[k].poses = &call.frames_.poses;
+      all[k].skin = &call.frames_.wanted;
+      all[k].jiggles = call.frames_.frame_numbers.has_value();
+      mutexes.insert(&call.instance_.mutex_);
+    }
+    bodyopt_result result;
+    {
+      const py::gil_scoped_release others_run;
+      std::vector<std::unique_lock<std::mutex>> locks;
+      for (std::mutex* mutex : mutexes) locks.emplace_back(*mutex);
+      result = bodyopt_evaluate_together(all.data(), all.size());
+    }
+    for (std::size_t k = 0; k < calls.size(); ++k) calls[k]->is_done_ = all[k].result == BODYOPT_OK;
+    api::check(result);
+  }
+
+ private:
+  Instance& instance_;
+  py::object kept_;  // the same
+  Frames frames_;
+  bool is_done_ = false;
 };
 
 class Model {
@@ -314,6 +372,13 @@ PYBIND11_MODULE(_runtime, module) {
       .def("set_state", &Instance::set_state, py::arg("state"))
       .def("save_state", &Instance::save_state, py::arg("state"), py::arg("path"))
       .def("load_state", &Instance::load_state, py::arg("path"));
+  py::class_<Call, std::shared_ptr<Call>>(module, "Call")
+      .def(py::init<Instance&, const py::object&, const py::object&, std::optional<std::vector<std::int32_t>>,
+                    const py::object&, const py::object&>(),
+           py::arg("instance"), py::arg("joints"), py::arg("controls") = none, py::arg("frame_numbers") = none,
+           py::kw_only(), py::arg("positions") = none, py::arg("normals") = none)
+      .def_property_readonly("skin", &Call::skin);
+  module.def("evaluate_together", &Call::evaluate_together, py::arg("calls"));
   py::class_<Model>(module, "Model")
       .def_property_readonly("vertex_count", [](const Model& m) { return m.description.vertex_count; })
       .def_property_readonly("knows_error", [](const Model& m) { return m.description.knows_error != 0; })

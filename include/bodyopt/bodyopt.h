@@ -175,8 +175,8 @@ typedef struct bodyopt_skin {
                                      a model that knows_error, BODYOPT_MISMATCH of others */
 } bodyopt_skin;
 
-/* The quasi-static skin. BODYOPT_MISMATCH where a pose does not fit the model or is not finite, BODYOPT_USAGE,
- * BODYOPT_DEVICE. */
+/* The quasi-static skin. BODYOPT_MISMATCH where a pose does not fit the model, is not finite or has a rotation of
+ * length 0, BODYOPT_USAGE, BODYOPT_DEVICE. */
 BODYOPT_API bodyopt_result bodyopt_evaluate(bodyopt_instance* instance, const bodyopt_poses* poses,
                                             const bodyopt_skin* skin);
 /* The skin with jiggle, frames in the order of the shot; it goes on from the frames of earlier calls. Where it fails,

@@ -52,7 +52,7 @@ class StageTimes {
 // A batch under way.
 struct Work {
   const Batch& batch;
-  BatchResult result{};
+  BatchResult& result;
   StageTimes times{};
 };
 
@@ -73,8 +73,8 @@ class CpuBackend final : public Backend {
   void set_motion(const NodeMotion& motion) override { dynamics_->motion = motion; }
   NodeMotion motion() const override { return dynamics_->motion; }
 
-  BatchResult run(const Batch& batch) override {
-    Work work{batch};
+  const BatchResult& run(const Batch& batch) override {
+    Work work{batch, result_};
     prepare(batch.frame_count, batch.wants_normals, work.result);
     const std::vector<Stage> stages = stages_of(basis_, batch);
     for_ranges(batch.frame_count, [&](FrameRange range) {
@@ -83,7 +83,7 @@ class CpuBackend final : public Backend {
     });
     for (const Stage stage : stages) run_batch(stage, work);
     for (const Stage stage : stages) work.result.stage_seconds[name_of(stage)] = work.times.of(stage);
-    return std::move(work.result);
+    return result_;
   }
 
  private:
@@ -119,7 +119,9 @@ class CpuBackend final : public Backend {
 
   void prepare(std::size_t frames, bool wants_normals, BatchResult& result) {
     result.positions.resize(frames * vertex_count() * 3);
-    if (wants_normals) result.normals.resize(result.positions.size());
+    result.normals.resize(wants_normals ? result.positions.size() : 0);
+    result.posed.clear();
+    result.stage_seconds.clear();
     result.strains.resize(frames * basis_.strain.fibre_count());
     result.excess.resize(frames * basis_.residual.feature_count());
     result.coefficients.resize(frames * basis_.residual.coefficient_count());
@@ -329,6 +331,7 @@ class CpuBackend final : public Backend {
   std::vector<float> rest_coefficients_;
   Weights weights_;
   std::optional<CpuDynamics> dynamics_;
+  BatchResult result_;
   Scratch scratch_;
 };
 

@@ -74,7 +74,7 @@ class RunningCall {
 
   void finish() {
     if (outcome_.error) return;
-    attempt([&] { take(split_ != nullptr ? split_->finish() : std::move(result_)); });
+    attempt([&] { take(split_ != nullptr ? split_->finish() : *result_); });
   }
 
   // A batch that fails leaves the motion as it was; only of several some may have been stepped, and the motion of
@@ -125,7 +125,7 @@ class RunningCall {
     outcome_.evaluation.stage_seconds[name_of(Stage::rig)] += watch.seconds();
     split_ = deformer_.backend_->split();
     if (split_ != nullptr) return &split_->start(batch_);
-    result_ = deformer_.backend_->run(batch_);
+    result_ = &deformer_.backend_->run(batch_);
     return nullptr;
   }
 
@@ -154,7 +154,7 @@ class RunningCall {
   std::size_t begin_ = 0;              // of the batch under way, in poses
   Batch batch_;
   SplitRun* split_ = nullptr;
-  BatchResult result_;  // of a batch that nothing split
+  const BatchResult* result_ = nullptr;  // the backend's, of a batch that nothing split
   CallOutcome outcome_;
 };
 

@@ -68,7 +68,7 @@ struct BatchResult {
 class SplitRun {
  public:
   virtual vulkan::Commands& start(const Batch& batch) = 0;
-  virtual BatchResult finish() = 0;
+  virtual const BatchResult& finish() = 0;
 
  protected:
   ~SplitRun() = default;
@@ -80,8 +80,9 @@ class Backend {
   virtual std::string name() const = 0;
   // Most frames of one batch.
   virtual std::uint32_t batch_limit() const = 0;
-  // Where it throws the motion is that of before, or no batch runs any more.
-  virtual BatchResult run(const Batch& batch) = 0;
+  // The result is the backend's until the next batch, whose memory it is, too. Where it throws the motion is that of
+  // before, or no batch runs any more.
+  virtual const BatchResult& run(const Batch& batch) = 0;
   virtual SplitRun* split() { return nullptr; }  // null: there is no device between the halves
   // Records a batch of one frame for the host program (include/bodyopt/vulkan.h); from then on it does nothing else.
   // Throws Error(usage) where it has no device.

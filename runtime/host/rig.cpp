@@ -58,6 +58,10 @@ void check_joints(const Skeleton& skeleton, const std::vector<JointTransform>& j
     if (!(sum < 1e12)) {
       throw Error(ErrorKind::mismatch, "the pose of joint '" + skeleton.joints[j].name + "' is not a finite number");
     }
+    if (!has_length(t.rotation)) {
+      throw Error(ErrorKind::mismatch, "the rotation of joint '" + skeleton.joints[j].name +
+                                           "' has the length 0: expected a quaternion x y z w");
+    }
   }
 }
 

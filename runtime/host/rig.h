@@ -34,7 +34,8 @@ std::vector<Affine> skinning_matrices(const Skeleton& skeleton, std::span<const 
 // Rotation of each joint in the bind pose, world; scale and shear are left out.
 std::vector<Quat> bind_rotations(const Skeleton& skeleton);
 
-// Throws Error(mismatch) when the pose has another number of joints than the skeleton, and when it is not finite.
+// Throws Error(mismatch) when the pose has another number of joints than the skeleton, when it is not finite,
+// and when a rotation has no length.
 RigFrame pose_rig(const Skeleton& skeleton, const Pose& pose);
 
 // skeleton.features, or, where there are none, those of every joint but roots, in joint order.

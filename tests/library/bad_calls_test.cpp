@@ -72,6 +72,9 @@ TEST_F(BadCalls, OfAFrameAreRefusedAndTheInstanceWorksOn) {
     spoilt.joints[12] = number;
     refuses([&](auto& poses, auto&) { poses.joints = spoilt.joints.data(); }, BODYOPT_MISMATCH, "finite");
   }
+  PoseArrays unturned = given_;
+  for (std::size_t i = 3; i < 7; ++i) unturned.joints[10 + i] = 0;
+  refuses([&](auto& poses, auto&) { poses.joints = unturned.joints.data(); }, BODYOPT_MISMATCH, "has the length 0");
   expect(bodyopt_evaluate(nullptr, &given_.all, &skin_), BODYOPT_USAGE, "'instance' is a null pointer");
   expect(bodyopt_evaluate(instance_.get(), nullptr, &skin_), BODYOPT_USAGE, "'poses' is a null pointer");
   expect(bodyopt_evaluate(instance_.get(), &given_.all, nullptr), BODYOPT_USAGE, "'skin' is a null pointer");

@@ -1,6 +1,6 @@
 """The Python module: the frames of the C interface, arrays where they are, and what it refuses.
 
-    module_test.py BASIS DYNAMICS EXPECTED   (frames of the bind pose and of what turning_poses in c_api.h gives, float32)
+    module_test.py BASIS DYNAMICS POSES EXPECTED   (frames of the bind pose and of what turning_poses in c_api.h gives, float32)
 """
 import os
 import sys
@@ -61,6 +61,48 @@ class Frames(unittest.TestCase):
         for positions in found:
             np.testing.assert_array_equal(positions, SKIN)
 
+    def test_are_the_same_together(self):
+        device = bodyopt.open_device()
+        buffer = np.full((len(JOINTS), MODEL.vertex_count, 4), -7, np.float32)
+        numbers = range(len(JOINTS))
+        for on in (None, device):
+            expected = MODEL.instance(on).evaluate(JOINTS)
+            jiggled = MODEL.instance(on, jiggles=True).jiggle(JOINTS, numbers)
+            calls = [
+                bodyopt.Call(MODEL.instance(on), JOINTS),
+                bodyopt.Call(MODEL.instance(on), JOINTS[1:], positions=buffer[1:, :, :3]),
+                bodyopt.Call(MODEL.instance(on, jiggles=True), JOINTS, frame_numbers=numbers),
+            ]
+            self.assertIsNone(calls[0].skin)
+            bodyopt.evaluate_together(calls)
+            np.testing.assert_array_equal(calls[0].skin.positions, expected.positions)
+            np.testing.assert_array_equal(calls[0].skin.normals, expected.normals)
+            np.testing.assert_array_equal(calls[0].skin.expected_errors, expected.expected_errors)
+            np.testing.assert_array_equal(buffer[1:, :, :3], expected.positions[1:])
+            np.testing.assert_array_equal(calls[2].skin.positions, jiggled.positions)
+            self.assertTrue((buffer[0] == -7).all() and (buffer[:, :, 3] == -7).all())
+        bodyopt.evaluate_together([])
+
+    def test_are_the_same_together_from_several_threads(self):
+        instances = [MODEL.instance() for _ in range(3)]
+        found = [None] * 4
+
+        def evaluate(k):
+            order = instances if k % 2 else instances[::-1]
+            for _ in range(20):
+                calls = [bodyopt.Call(instance, JOINTS) for instance in order]
+                bodyopt.evaluate_together(calls)
+            found[k] = [call.skin.positions for call in calls]
+
+        threads = [threading.Thread(target=evaluate, args=(k,)) for k in range(len(found))]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for positions in found:
+            for skin in positions:
+                np.testing.assert_array_equal(skin, SKIN)
+
     def test_jiggle_goes_on_from_a_state(self):
         instance = MODEL.instance(jiggles=True)
         whole = instance.jiggle(JOINTS, range(len(JOINTS))).positions
@@ -90,6 +132,8 @@ class Refused(unittest.TestCase):
         instance = MODEL.instance()
         nan = JOINTS.copy()
         nan[1, 1, 0] = np.nan
+        unturned = JOINTS.copy()
+        unturned[1, 1, 3:7] = 0
         read_only = np.zeros_like(SKIN)
         read_only.flags.writeable = False
         evaluate = instance.evaluate
@@ -107,10 +151,29 @@ class Refused(unittest.TestCase):
         self.refuses(bodyopt.Error, "joints, the basis has", lambda: evaluate(JOINTS[:, :1]), 3)
         self.refuses(bodyopt.Error, "controls, the basis has", lambda: evaluate(JOINTS, np.zeros((len(JOINTS), 9), np.float32)), 3)
         self.refuses(bodyopt.Error, "finite", lambda: evaluate(nan), 3)
+        self.refuses(bodyopt.Error, "has the length 0", lambda: evaluate(unturned), 3)
         self.refuses(bodyopt.Error, "without dynamics", lambda: instance.jiggle(JOINTS, range(len(JOINTS))), 64)
         self.refuses(ValueError, "frame_numbers", lambda: instance.jiggle(JOINTS, [1]))
         self.refuses(bodyopt.Error, "does not jiggle", instance.state, 64)
         np.testing.assert_array_equal(evaluate(JOINTS).positions, SKIN)
+
+    def test_calls_among_others(self):
+        nan = JOINTS.copy()
+        nan[1, 1, 0] = np.nan
+        instance = MODEL.instance()
+        calls = [bodyopt.Call(MODEL.instance(), nan), bodyopt.Call(instance, JOINTS)]
+        self.refuses(bodyopt.Error, "call 0: ", lambda: bodyopt.evaluate_together(calls), 3)
+        self.assertIsNone(calls[0].skin)
+        np.testing.assert_array_equal(calls[1].skin.positions, SKIN)
+        again = bodyopt.Call(instance, JOINTS)
+        self.refuses(bodyopt.Error, "call 1: the instance is in an earlier call", lambda: bodyopt.evaluate_together([calls[1], again]), 64)
+        self.assertIsNone(again.skin)
+        still = bodyopt.Call(instance, JOINTS, frame_numbers=range(len(JOINTS)))
+        self.refuses(bodyopt.Error, "without dynamics", lambda: bodyopt.evaluate_together([still]), 64)
+        self.refuses(TypeError, "found None", lambda: bodyopt.evaluate_together([None]))
+        self.refuses(TypeError, "", lambda: bodyopt.Call(None, JOINTS))
+        self.refuses(ValueError, "frame_numbers", lambda: bodyopt.Call(instance, JOINTS, frame_numbers=[1]))
+        self.refuses(TypeError, "float64, found float32", lambda: bodyopt.Call(instance, JOINTS.astype(np.float32)))
 
     def test_files_and_devices(self):
         self.refuses(bodyopt.Error, "/no/such.safetensors", lambda: bodyopt.load("/no/such.safetensors"), 4)

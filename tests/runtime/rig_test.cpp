@@ -119,6 +119,11 @@ TEST(Rig, RefusesPosesThatDoNotFit) {
   pose = bind_pose(skeleton);
   pose.joints[1].rotation[2] = std::nan("");
   EXPECT_THROW(pose_rig(skeleton, pose), Error);
+  pose = bind_pose(skeleton);
+  pose.joints[1].rotation = {0, 0, 0, 0};
+  EXPECT_THROW(pose_rig(skeleton, pose), Error);
+  pose.joints[1].rotation = {0, 0, 0, -0.5};  // any length is one rotation
+  EXPECT_NO_THROW(pose_rig(skeleton, pose));
 }
 
 }  // namespace

@@ -50,6 +50,27 @@ TEST(VulkanBackend, EqualsTheCpuBackend) {
   }
 }
 
+// The memory of a result is that of the one before: nothing of it is left.
+TEST(VulkanBackend, AndTheCpuBackendGiveWhatABatchAsksForAndNoMore) {
+  const Basis basis = random_basis(20, 70);
+  for (const auto& backend : {make_cpu_backend(basis), on_device(basis)}) {
+    SCOPED_TRACE(backend->name());
+    Batch batch = random_batch(basis, 3);
+    const BatchResult plain = backend->run(batch);
+    batch.keeps_posed = true;
+    EXPECT_EQ(backend->run(batch).posed, plain.positions);
+    batch.keeps_posed = batch.wants_normals = false;
+    const BatchResult& result = backend->run(batch);
+    EXPECT_TRUE(result.posed.empty());
+    EXPECT_TRUE(result.normals.empty());
+    EXPECT_EQ(result.positions, plain.positions);
+    EXPECT_EQ(result.strains, plain.strains);
+    const float* positions = result.positions.data();
+    EXPECT_EQ(backend->run(random_batch(basis, 2)).positions.size(), 2u * kBasisVertices * 3);
+    EXPECT_EQ(backend->run(batch).positions.data(), positions);
+  }
+}
+
 TEST(VulkanBackend, ModifiersEqualTheCpuBackend) {
   for (const std::uint32_t coefficients : {70u, 0u}) {
     const Basis plain = random_basis(20, coefficients), basis = with_random_modifiers(plain, 7);

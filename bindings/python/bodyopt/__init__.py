@@ -6,6 +6,30 @@
     skin.positions                               # frames x vertices x 3, float32, in the vertex order of the character
 """
 
-from ._runtime import Device, Error, Instance, Model, Skin, State, __version__, load, open_device
+from ._runtime import (
+    Call,
+    Device,
+    Error,
+    Instance,
+    Model,
+    Skin,
+    State,
+    __version__,
+    evaluate_together,
+    load,
+    open_device,
+)
 
-__all__ = ["Device", "Error", "Instance", "Model", "Skin", "State", "__version__", "load", "open_device"]
+__all__ = [
+    "Call",
+    "Device",
+    "Error",
+    "Instance",
+    "Model",
+    "Skin",
+    "State",
+    "__version__",
+    "evaluate_together",
+    "load",
+    "open_device",
+]

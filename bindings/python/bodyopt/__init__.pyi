@@ -68,6 +68,27 @@ class Instance:
     def save_state(self, state: State, path: str) -> None: ...
     def load_state(self, path: str) -> State: ...
 
+class Call:
+    """What one instance does among others, by evaluate_together.
+
+    With frame_numbers as Instance.jiggle, without them as Instance.evaluate, whose arguments these are. Evaluated again, it
+    writes the same arrays.
+    """
+
+    def __init__(
+        self,
+        instance: Instance,
+        joints: NDArray[np.float64],
+        controls: Optional[NDArray[np.float32]] = None,
+        frame_numbers: Optional[Sequence[int]] = None,
+        *,
+        positions: Optional[NDArray[np.float32]] = None,
+        normals: Optional[NDArray[np.float32]] = None,
+    ) -> None: ...
+    @property
+    def skin(self) -> Optional[Skin]:
+        """None before the call is evaluated, and where that failed."""
+
 class Model:
     """The tables of a character: constant, used by any number of instances."""
 
@@ -103,6 +124,12 @@ class Model:
         gravity_change: tuple[float, float, float] = (0, 0, 0),
     ) -> Instance:
         """On a Vulkan device, or the CPU without one."""
+
+def evaluate_together(calls: Sequence[Call]) -> None:
+    """Many instances at once, each in one call only: one submission for all that are on one device.
+
+    Raises Error, which names those that failed by their number ("call 3: ..."); the others are right all the same.
+    """
 
 def load(path: str, dynamics: Optional[str] = None, level: int = 0) -> Model: ...
 def open_device(

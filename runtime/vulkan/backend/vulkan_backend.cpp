@@ -166,8 +166,8 @@ class VulkanBackend final : public Backend, private SplitRun {
 
   SplitRun* split() override { return this; }
 
-  BatchResult run(const Batch& batch) override {
-    if (batch.frame_count == 0) return {};
+  const BatchResult& run(const Batch& batch) override {
+    if (batch.frame_count == 0) return result_ = {};
     start(batch).run();
     return finish();
   }
@@ -189,11 +189,11 @@ class VulkanBackend final : public Backend, private SplitRun {
     return *commands_;
   }
 
-  BatchResult finish() override {
-    BatchResult result = receive();
+  const BatchResult& finish() override {
+    receive();
     refuse_validation_messages();
     failed_ = false;
-    return result;
+    return result_;
   }
 
   void record(const Batch& batch) {
@@ -447,18 +447,19 @@ class VulkanBackend final : public Backend, private SplitRun {
     }
   }
 
-  BatchResult receive() const {
-    BatchResult result;
+  void receive() {
+    for (const auto skin : {&BatchResult::positions, &BatchResult::normals, &BatchResult::posed})
+      (result_.*skin).clear();
     const std::byte* from = buffers_->staging_out.mapped();
     for (const Download& download : downloads()) {
-      std::vector<float>& to = result.*download.to;
+      std::vector<float>& to = result_.*download.to;
       to.resize(download.from.size / sizeof(float));
       if (!to.empty()) std::memcpy(to.data(), from, download.from.size);
       from += download.from.size;
     }
+    result_.stage_seconds.clear();
     const std::vector<double> seconds = commands_->seconds();
-    for (std::size_t s = 0; s < seconds.size(); ++s) result.stage_seconds[name_of(stages_[s])] = seconds[s];
-    return result;
+    for (std::size_t s = 0; s < seconds.size(); ++s) result_.stage_seconds[name_of(stages_[s])] = seconds[s];
   }
 
   void refuse_failed() const {
@@ -481,6 +482,7 @@ class VulkanBackend final : public Backend, private SplitRun {
   bool has_blend_;
   Buffer rest_coefficients_;
   std::unique_ptr<BatchBuffers> buffers_;
+  BatchResult result_;
   std::optional<VulkanDynamics> dynamics_;
   std::optional<Commands> commands_;
   std::vector<Stage> stages_;             // recorded
