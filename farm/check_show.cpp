@@ -112,7 +112,7 @@ class ShowChecker {
       key += '\0' + element.option(option, "");
     }
     const FrameSpan span = spans_.get(key, [&] {
-      const Clip clip = read_clip(element.clip, basis.skeleton, options);
+      const Clip clip = read_clip(element.clip, basis, options);
       return FrameSpan{clip.first_frame, clip.last_frame()};
     });
     const std::string range =
