@@ -10,6 +10,7 @@
 #include "assets/clip.h"
 #include "assets/controls.h"
 #include "assets/frame_range.h"
+#include "assets/matched_joints.h"
 #include "runtime/basis/attachments.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/dynamics.h"

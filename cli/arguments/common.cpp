@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "assets/frame_range.h"
+#include "assets/matched_joints.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 

@@ -6,7 +6,7 @@
 namespace bodyopt {
 
 // Below this two bodies are unlike: see docs/transfer.md.
-constexpr double kLeastLikeness = 0.35;
+constexpr double kLeastLikeness = 0.36;
 
 // 0 .. 1, the product of
 // - how alike the skins are in normal and joints where they are matched, by area, the mean of both;
