@@ -180,8 +180,9 @@ std::vector<std::string> Session::add(const ActorFiles& files) {
 
 // Each keeps how it is posed.
 void Session::give_same_clip() {
-  if (scene.lead().files().clip.empty())
+  if (scene.lead().files().clip.empty()) {
     throw Error(ErrorKind::usage, "the lead plays no clip of a file that others could play: open one");
+  }
   for (std::size_t c = 1; c < scene.cast().size(); ++c) {
     scene.cast()[c]->open_clip_of(scene.lead());
     for (const std::string& note : scene.cast()[c]->clip().notes) controls.warn(note);
