@@ -13,13 +13,14 @@ namespace {
 
 using Names = std::set<std::string>;
 
-// Of all that could be a joint.
+// Of all that could be a joint; none of what is no clip.
 Names names_in(const std::string& source, const std::string& joint_map) {
   Names names;
   const ClipSource parts = split_source(source);
-  if (lower_case_extension(parts.path) == ".bvh") {
+  const std::string extension = lower_case_extension(parts.path);
+  if (extension == ".bvh") {
     for (const BvhJoint& joint : read_bvh(parts.path).joints) names.insert(joint.name);
-  } else {
+  } else if (extension == ".glb" || extension == ".gltf") {
     const GltfFile file(parts.path);
     for (const tinygltf::Node& node : file.model().nodes) names.insert(node.name);
   }
