@@ -82,7 +82,7 @@ void run(const CoverageArguments& arguments) {
   const std::vector<std::string>& regions = basis.coverage.names;
   std::vector<int> frames;
   const double unit = arguments.unit > 0 ? arguments.unit : kept_unit(basis);
-  Clip clip = arguments.clip.read(basis.skeleton, unit, frames);
+  Clip clip = arguments.clip.read(basis, unit, frames);
   for (const std::string& name : arrange_controls(basis.residual.controls, clip)) {
     spdlog::warn("control '{}' is none that the basis was trained with: it has no effect", name);
   }

@@ -125,7 +125,7 @@ EvaluatedShot read_shot(const EvalArguments& arguments) {
   arguments.modifiers.choose(level.basis);
   shot.deformer = arguments.jiggle.deformer(std::move(level.basis), arguments.cache.basis, arguments.device.choice);
   const Basis& basis = shot.deformer->basis();
-  shot.clip = arguments.clip.read(basis.skeleton, arguments.unit > 0 ? arguments.unit : kept_unit(basis), shot.frames);
+  shot.clip = arguments.clip.read(basis, arguments.unit > 0 ? arguments.unit : kept_unit(basis), shot.frames);
   if (!arguments.session.empty()) shot.clip = as_posed(arguments.posed, std::move(shot.clip), basis.skeleton);
   arguments.modifiers.apply(basis, shot.clip);
   shot.poses = poses_of(shot.clip, shot.frames);

@@ -61,7 +61,7 @@ Source basis_source(const ProxyArguments& arguments) {
         teacher.strain.fibre_count());
   }
   std::vector<int> frames;
-  Clip clip = arguments.clip.read(teacher.skeleton, unit, frames);
+  Clip clip = arguments.clip.read(teacher, unit, frames);
   for (const std::string& name : arrange_controls(teacher.residual.controls, clip)) {
     spdlog::warn("control '{}' is none that the basis was trained with: it has no effect", name);
   }

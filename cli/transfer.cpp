@@ -14,6 +14,7 @@
 #include "trainer/check/check.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/transfer/likeness.h"
 #include "trainer/transfer/markers_file.h"
 #include "trainer/transfer/refine_carried.h"
 #include "trainer/transfer/transfer_basis.h"
@@ -24,9 +25,6 @@
 
 namespace bodyopt::cli {
 namespace {
-
-// The mean over the skin below which two bodies are unlike.
-constexpr double kLeastConfidence = 0.5;
 
 struct TransferArguments {
   std::string source, markers, picture, report, clip, frames, proxy, muscles;
@@ -64,12 +62,12 @@ void judge(const TransferPair& pair, const TransferArguments& arguments, const s
   say_of(target, pair.match.notes);
   say_of(target, pair.correspondence.notes);
   if (!arguments.picture.empty()) write_png(transfer_picture(pair), arguments.picture);
-  const double confidence = pair.correspondence.mean_confidence();
-  if (confidence >= kLeastConfidence) return;
+  const double alike = likeness(pair);
+  if (alike >= kLeastLikeness) return;
   const std::string what = format(
-      "%s: its skin could be matched with the source's with a confidence of %.2f only (1: surely the same part of the "
-      "body): unlike bodies, joints of other meaning, or a rest pose far off%s",
-      target.c_str(), confidence, arguments.picture.empty() ? "; --picture FILE.png shows where" : "");
+      "%s: is like the source's body by %.2f only (1: the same skin on the same joints; people among each other: %.2f "
+      "and more): an unlike body, joints of other meaning, or a rest pose far off%s",
+      target.c_str(), alike, kLeastLikeness, arguments.picture.empty() ? "; --picture FILE.png shows where" : "");
   if (!arguments.force) throw Error(ErrorKind::mismatch, what + "; --force goes on all the same");
   spdlog::warn(what);
 }
@@ -92,6 +90,7 @@ Json facts_of(const TransferPair& pair) {
           {"unmatched_source_joints", names_without(pair.match.target_joint, pair.source.skeleton)},
           {"unmatched_target_joints", names_without(pair.match.source_joint, pair.target.skeleton)},
           {"posed_to_the_source", pair.match.is_aligned()},
+          {"likeness", likeness(pair)},
           {"confidence", correspondence.mean_confidence()},
           {"filled_in_vertices", pair.skin.unsure()},
           {"fit_rms_mm", 1e3 * std::sqrt(correspondence.distance.squaredNorm() / count)}};

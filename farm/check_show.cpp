@@ -10,6 +10,7 @@
 #include "assets/clip.h"
 #include "assets/controls.h"
 #include "assets/frame_range.h"
+#include "assets/matched_joints.h"
 #include "runtime/basis/attachments.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/dynamics.h"
@@ -112,7 +113,7 @@ class ShowChecker {
       key += '\0' + element.option(option, "");
     }
     const FrameSpan span = spans_.get(key, [&] {
-      const Clip clip = read_clip(element.clip, basis.skeleton, options);
+      const Clip clip = read_clip(element.clip, basis, options);
       return FrameSpan{clip.first_frame, clip.last_frame()};
     });
     const std::string range =

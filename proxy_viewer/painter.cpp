@@ -115,7 +115,8 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
   draw_brush(session_.brushing, scene_, area_, controls_);
   if (!ImGui::IsAnyItemActive() && !controls_.grip)
     controls_.poses.note(controls_.settings.pose);  // a drag is one step
-  const auto covered = static_cast<std::uint32_t>(std::lround(names_height(snapshot_, controls_) * scale()));
+  const auto pixels = [&](float points) { return static_cast<std::uint32_t>(std::lround(points * scale())); };
+  const Covered covered = {pixels(names_height(snapshot_, controls_)), pixels(colour_bar_width(snapshot_, controls_))};
   gui_.end();
   session_.follow();
   controls_.attempt([&] {

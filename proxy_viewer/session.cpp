@@ -180,10 +180,11 @@ std::vector<std::string> Session::add(const ActorFiles& files) {
 
 // Each keeps how it is posed.
 void Session::give_same_clip() {
-  const std::string clip = scene.lead().files().clip;
-  if (clip.empty()) throw Error(ErrorKind::usage, "the lead plays no clip of a file that others could play: open one");
+  if (scene.lead().files().clip.empty()) {
+    throw Error(ErrorKind::usage, "the lead plays no clip of a file that others could play: open one");
+  }
   for (std::size_t c = 1; c < scene.cast().size(); ++c) {
-    scene.cast()[c]->open_clip(clip);
+    scene.cast()[c]->open_clip_of(scene.lead());
     for (const std::string& note : scene.cast()[c]->clip().notes) controls.warn(note);
   }
   describe_cast();
@@ -466,12 +467,12 @@ void Session::apply_range(const PlaySettings& settings) {
   }
 }
 
-void Session::frame_selection(std::uint32_t width, std::uint32_t height, std::uint32_t covered) {
+void Session::frame_selection(std::uint32_t width, std::uint32_t height, Covered covered) {
   controls.requests.frame_selection = false;
   frame_points(scene.points_to_frame(controls), width, height, covered);
 }
 
-void Session::keep_framed(std::uint32_t width, std::uint32_t height, std::uint32_t covered) {
+void Session::keep_framed(std::uint32_t width, std::uint32_t height, Covered covered) {
   const std::size_t views = scene.view_areas(controls.settings, {0, 0, width, height}).size();
   if (!framed_ || (views == framed_->views && covered == framed_->covered)) return;
   const OrbitView now = controls.kept_camera(), &then = framed_->camera;
@@ -499,11 +500,10 @@ void Session::frame_range(std::uint32_t width, std::uint32_t height) {
     for (std::size_t k = 0; k < some.size(); ++k) points.push_back(some[k] - static_cast<float>(gone[k % 3]));
   }
   playback.scrub(shown);
-  frame_points(std::move(points), width, height, 0);
+  frame_points(std::move(points), width, height, {});
 }
 
-void Session::frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height,
-                           std::uint32_t covered) {
+void Session::frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height, Covered covered) {
   if (points.empty()) return;
   look_at(points, width, height, covered);
   const Vec3 travelled = controls.settings.look.follow ? controls.travelled : Vec3{0, 0, 0};
@@ -512,17 +512,16 @@ void Session::frame_points(std::vector<float> points, std::uint32_t width, std::
   framed_ = Framed{controls.kept_camera(), views, covered, std::move(points)};
 }
 
-// What is covered above is left free below, too, so that the middle stays the middle.
-void Session::look_at(const std::vector<float>& points, std::uint32_t width, std::uint32_t height,
-                      std::uint32_t covered) {
-  const std::uint32_t free = height > 4 * covered ? height - 2 * covered : height;
-  controls.camera.frame(points, view_aspect(width, free), static_cast<double>(free) / std::max(1u, height));
-}
-
-// Width over height of the first view of a picture.
-float Session::view_aspect(std::uint32_t width, std::uint32_t height) const {
-  const Rectangle view = scene.view_areas(controls.settings, {0, 0, width, height}).front();
-  return static_cast<float>(std::max(1u, view.width)) / static_cast<float>(std::max(1u, height));
+// What is covered on one side is left free on the other, too, so that the middle stays the middle.
+void Session::look_at(const std::vector<float>& points, std::uint32_t width, std::uint32_t height, Covered covered) {
+  const auto without = [](std::uint32_t size, std::uint32_t taken) {
+    return size > 4 * taken ? size - 2 * taken : size;
+  };
+  const std::uint32_t free = without(height, covered.top);
+  const Rectangle view = scene.view_areas(controls.settings, {0, 0, width, free}).front();  // the first of the picture
+  const auto across = static_cast<float>(std::max(1u, without(view.width, covered.right)));
+  controls.camera.frame(points, across / static_cast<float>(std::max(1u, free)),
+                        static_cast<double>(free) / std::max(1u, height));
 }
 
 void Session::follow() {

@@ -20,6 +20,12 @@
 
 namespace bodyopt {
 
+// Pixels of a picture that names take at its top, and a legend at its right.
+struct Covered {
+  std::uint32_t top = 0, right = 0;
+  bool operator==(const Covered&) const = default;
+};
+
 class Session {
  public:
   Session(std::shared_ptr<const vulkan::Device> device, const ViewerOptions& options);
@@ -75,10 +81,10 @@ class Session {
   void play_clip();
   // The camera sees all, or the joint that is selected, in a picture of so many pixels, of which names cover the
   // uppermost.
-  void frame_selection(std::uint32_t width, std::uint32_t height, std::uint32_t covered = 0);
+  void frame_selection(std::uint32_t width, std::uint32_t height, Covered covered = {});
   // The same again where a comparison or its names have taken some of the picture since, or given it back, and nobody
   // has moved the camera.
-  void keep_framed(std::uint32_t width, std::uint32_t height, std::uint32_t covered = 0);
+  void keep_framed(std::uint32_t width, std::uint32_t height, Covered covered = {});
   // So that nothing leaves the picture in the frames that are played (thirteen are looked at).
   void frame_range(std::uint32_t width, std::uint32_t height);
   // The camera goes along with the lead since the picture before.
@@ -89,9 +95,8 @@ class Session {
   void describe_picture();
 
  private:
-  void frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height, std::uint32_t covered);
-  void look_at(const std::vector<float>& points, std::uint32_t width, std::uint32_t height, std::uint32_t covered);
-  float view_aspect(std::uint32_t width, std::uint32_t height) const;
+  void frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height, Covered covered);
+  void look_at(const std::vector<float>& points, std::uint32_t width, std::uint32_t height, Covered covered);
   struct Replacement {
     std::size_t index;  // in the cast
     std::unique_ptr<Actor> actor;
@@ -128,7 +133,7 @@ class Session {
   struct Framed {
     OrbitView camera;  // as it is kept
     std::size_t views;
-    std::uint32_t covered;
+    Covered covered;
     std::vector<float> points;  // V x 3, metres, as the camera is kept
   };
   std::optional<Framed> framed_;  // by the last framing

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "assets/frame_range.h"
+#include "assets/matched_joints.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 
@@ -60,9 +61,20 @@ void ClipArguments::add(CLI::App& verb) {
 }
 
 Clip ClipArguments::read(const Skeleton& skeleton, double unit, std::vector<int>& frame_numbers) const {
-  ClipOptions with_unit = options;
-  with_unit.unit = clip_unit(source, unit);
-  Clip clip = read_clip(source, skeleton, with_unit);
+  return choose_frames(read_clip(source, skeleton, in_unit(unit)), frame_numbers);
+}
+
+Clip ClipArguments::read(const Basis& basis, double unit, std::vector<int>& frame_numbers) const {
+  return choose_frames(read_clip(source, basis, in_unit(unit)), frame_numbers);
+}
+
+ClipOptions ClipArguments::in_unit(double unit) const {
+  ClipOptions result = options;
+  result.unit = clip_unit(source, unit);
+  return result;
+}
+
+Clip ClipArguments::choose_frames(Clip clip, std::vector<int>& frame_numbers) const {
   say(clip.notes);
   if (frames.empty()) {
     for (int frame = clip.first_frame; frame <= clip.last_frame(); ++frame) frame_numbers.push_back(frame);

@@ -41,6 +41,11 @@ struct ClipArguments {
   // frame lies outside the clip.
   // `unit`: that of the character.
   Clip read(const Skeleton& skeleton, double unit, std::vector<int>& frame_numbers) const;
+  Clip read(const Basis& basis, double unit, std::vector<int>& frame_numbers) const;
+
+ private:
+  Clip choose_frames(Clip clip, std::vector<int>& frame_numbers) const;
+  ClipOptions in_unit(double unit) const;
 };
 
 // Where the program keeps what it can make again: bodyopt in $XDG_CACHE_HOME, or in ~/.cache; empty where neither is

@@ -9,6 +9,7 @@
 #include "report/pictures.h"
 #include "runtime/basis/output_order.h"
 #include "trainer/train/coverage/coverage.h"
+#include "trainer/transfer/likeness.h"
 #include "trainer/transfer/motion_of_target.h"
 
 namespace bodyopt::cli {
@@ -118,6 +119,7 @@ void add_transfer(const TransferPair& pair, const std::vector<TransferPart>& par
   const Correspondence& match = pair.correspondence;
   page.heading(target);
   const std::array headlines{
+      Headline{format("%.2f", likeness(pair)), "", format("likeness: under %.2f are unlike bodies", kLeastLikeness)},
       Headline{format("%.2f", match.mean_confidence()), "",
                match.same_topology ? "confidence: the same triangles" : "confidence of the match (1: surely the same)"},
       Headline{format("%.3g", pair.match.size), "times", "as large as the source"},

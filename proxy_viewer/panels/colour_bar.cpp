@@ -11,7 +11,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kWidth = 14, kHeight = 176, kMargin = 16;
+constexpr float kWidth = 14, kHeight = 176, kMargin = 16, kPadding = 8;
 constexpr ImU32 kBehind = IM_COL32(20, 20, 22, 150);  // text over a bright character
 constexpr int kLabels = 5, kSteps = 44;
 
@@ -50,7 +50,20 @@ void draw_text(ImDrawList& list, float right, float y, ImU32 colour, const std::
   list.AddText({right - size.x, y - 0.5f * size.y}, colour, text.c_str());
 }
 
+std::string describe_largest(const Heat& heat) {
+  return std::isfinite(heat.most) ? "largest " + millimetres(heat.most) + " mm" : "";
+}
+
+float widest_text(const Heat& heat) {
+  return std::max(ImGui::CalcTextSize(heat.title).x, ImGui::CalcTextSize(describe_largest(heat).c_str()).x);
+}
+
 }  // namespace
+
+float colour_bar_width(const Snapshot& snapshot, const Controls& controls) {
+  const std::optional<Heat> heat = heat_of(snapshot, controls);
+  return heat && controls.settings.hud.legend ? kMargin + widest_text(*heat) + kPadding : 0;
+}
 
 void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
   const float line = ImGui::GetTextLineHeight();
@@ -65,9 +78,9 @@ void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const P
   const float right = layout.right() - kMargin, bottom = layout.bottom() - kMargin - 0.5f * line;
   const float left = right - kWidth, top = bottom - height;
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const std::string largest = std::isfinite(heat->most) ? "largest " + millimetres(heat->most) + " mm" : "";
-  const float widest = std::max(ImGui::CalcTextSize(heat->title).x, ImGui::CalcTextSize(largest.c_str()).x);
-  list.AddRectFilled({right - widest - 8, top - 3.1f * line}, {right + 12, bottom + line}, kBehind, 6);
+  const std::string largest = describe_largest(*heat);
+  list.AddRectFilled({right - widest_text(*heat) - kPadding, top - 3.1f * line}, {right + 12, bottom + line}, kBehind,
+                     6);
   for (int k = 0; k < kSteps; ++k) {
     const float low = static_cast<float>(k) / kSteps, high = static_cast<float>(k + 1) / kSteps;
     const ImU32 a = opaque(heat_colour(low)), b = opaque(heat_colour(high));

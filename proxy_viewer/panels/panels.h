@@ -37,6 +37,8 @@ void draw_file_dialog(Controls& controls, const PanelLayout& layout);
 // Points that the names of what is compared take at its top; 0 where none are shown.
 float names_height(const Snapshot& snapshot, const Controls& controls);
 void draw_comparison(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout);
+// Points that the colours of a heat map and what they mean take at its right; 0 where none are shown.
+float colour_bar_width(const Snapshot& snapshot, const Controls& controls);
 void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
 void draw_colour_keys(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
 void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);

@@ -9,6 +9,7 @@
 
 #include "assets/clip_keys.h"
 #include "assets/clip_source.h"
+#include "assets/matched_joints.h"
 #include "assets/shot_modifiers.h"
 #include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/posed_clip.h"
@@ -218,12 +219,22 @@ bool Actor::reread_truth() {
   return true;
 }
 
+void Actor::open_clip_of(const Actor& lead) {
+  const std::string before = std::exchange(files_.joint_map, lead.files().joint_map);
+  try {
+    open_clip(lead.files().clip);
+  } catch (...) {
+    files_.joint_map = before;
+    throw;
+  }
+}
+
 void Actor::open_clip(const std::string& source) {
   if (is_dataset(source)) return open_frames(source);
   ClipOptions options = clip_options_;
   options.unit = clip_unit(source, kept_unit(basis()));
   options.joint_map = files_.joint_map;
-  Clip clip = read_clip(source, basis().skeleton, options);
+  Clip clip = read_clip(source, basis(), options);
   if (clip.poses.empty()) throw Error(ErrorKind::file, source + ": the clip has no frame");
   keys_ = clip_keys(source, options);
   take_clip(std::move(clip));

@@ -73,6 +73,7 @@ class Actor {
 
   // These throw as the constructor, and leave what was there.
   void open_clip(const std::string& source);  // of a dataset: its frames, one after the other, takes as keys
+  void open_clip_of(const Actor& lead);       // with the joint map by which the lead plays it
   void open_truth(const std::string& name);   // as NamedShapes
 
   // Whether the truth is shown as its dataset has it before any modifier.

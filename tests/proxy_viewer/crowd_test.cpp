@@ -1,4 +1,5 @@
 // Several of the cast: where they stand, which frames they play, which level of detail they show, what they share.
+#include "assets/matched_joints.h"
 #include "proxy_viewer/matching.h"
 #include "proxy_viewer/picking.h"
 #include "proxy_viewer/scene/scene.h"
@@ -274,6 +275,56 @@ TEST_F(PlayedCrowdTest, MarkersAreSetByClicksOnOneBodyAndTheOther) {
   write_markers({{0, 999999}}, "far.json");
   const auto again = open(small({small_.basis}), "open m.json; open far.json");  // the latter is refused
   EXPECT_EQ(again->controls().marking.pairs, viewport->controls().marking.pairs);
+}
+
+// Of other names, as a joint map matched them when it was carried; what is read again says so, too.
+TEST_F(PlayedCrowdTest, ABodyOfOtherJointsPlaysTheClipOfItsSource) {
+  Basis other = small_.made;
+  Json joints = Json::array();
+  for (Joint& joint : other.skeleton.joints) {
+    joints.push_back({{"from", joint.name}, {"to", "other_" + joint.name}});
+    joint.name = "other_" + joint.name;
+  }
+  other.metadata[kMatchedJoints] = joints.dump();
+  save_basis(other, "other.safetensors");
+  {
+    const auto viewport = open(small(), "open other.safetensors; same-clip; save both.json");
+    const auto& cast = viewport->session().scene.cast();
+    ASSERT_EQ(cast.at(1)->files().clip, small_.clip);
+  }
+  const auto viewport = open(small(), "open both.json");
+  const auto& cast = viewport->session().scene.cast();
+  ASSERT_EQ(cast.size(), 2u);
+  ASSERT_EQ(cast[1]->clip().poses.size(), cast[0]->clip().poses.size());
+  for (std::size_t k = 0; k < cast[0]->clip().poses.size(); ++k) {
+    EXPECT_TRUE(same({&cast[0]->clip().poses[k], 1}, {&cast[1]->clip().poses[k], 1})) << k;
+  }
+}
+
+// Where the legend is drawn is found by leaving it out.
+TEST_F(PlayedCrowdTest, TheLegendCoversNoneOfTheTwo) {
+  const auto viewport = open(small({small_.basis}), kBarePicture + "; match confidence");
+  viewport->screen.pixels = {900, 500};
+  viewport->prompt("frame-selection");
+  Scene& scene = const_cast<Session&>(viewport->session()).scene;
+  const Rectangle picture = {0, 0, 900, 500};
+  double furthest = 0;
+  const std::vector<float> skin = scene.skin_on_stage(1, viewport->controls());
+  for (std::size_t k = 0; k < skin.size(); k += 3) {
+    const auto pixel = pixel_of(scene, viewport->controls(), picture, 0, {skin[k], skin[k + 1], skin[k + 2]});
+    ASSERT_TRUE(pixel.has_value());
+    furthest = std::max(furthest, static_cast<double>((*pixel)[0]));
+  }
+  viewport->prompt("orbit 0.01 0");  // so that nothing is framed anew
+  const Image with = viewport->screen.picture;
+  viewport->prompt("legend off");
+  const Image without = viewport->screen.picture;
+  std::size_t leftmost = 900;
+  for (std::size_t k = 0; k < with.rgba.size(); ++k) {
+    if (with.rgba[k] != without.rgba[k]) leftmost = std::min(leftmost, k / 4 % 900);
+  }
+  ASSERT_LT(leftmost, 900u);
+  EXPECT_LT(furthest, static_cast<double>(leftmost));
 }
 
 TEST_F(PlayedCrowdTest, ASessionKeepsHowEachStandsAndPlays) {

@@ -2,14 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <map>
 
+#include "assets/matched_joints.h"
 #include "assets/pc2.h"
 #include "dataset/dataset.h"
 #include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/transfer/refined_limb.h"
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/train/features/features.h"
 #include "trainer/train/fit/train.h"
@@ -51,36 +52,6 @@ Character moved_limb(const Affine& map) {
     joint.bind = decompose(j == 0 ? world : limb.skeleton.joints[j - 1].inverse_bind * world);
     joint.default_local = joint.bind;
   }
-  return limb;
-}
-
-// Every triangle in four, by the middles of its edges.
-Character refined_limb() {
-  Character limb = limb_character();
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
-  std::vector<Eigen::RowVector3d> points;
-  for (Eigen::Index v = 0; v < limb.vertices.rows(); ++v) points.push_back(limb.vertices.row(v));
-  const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-    const auto [entry, added] = middles.emplace(std::minmax(a, b), static_cast<std::uint32_t>(points.size()));
-    if (added) points.push_back(0.5 * (points[a] + points[b]));
-    return entry->second;
-  };
-  std::vector<std::uint32_t> corners;
-  for (Eigen::Index t = 0; t < limb.triangles.rows(); ++t) {
-    const std::uint32_t a = limb.triangles(t, 0), b = limb.triangles(t, 1), c = limb.triangles(t, 2);
-    const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-    corners.insert(corners.end(), {a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca});
-  }
-  limb.vertices.resize(static_cast<Eigen::Index>(points.size()), 3);
-  limb.weights.clear();
-  limb.output_vertex.clear();
-  for (std::size_t v = 0; v < points.size(); ++v) {
-    limb.vertices.row(static_cast<Eigen::Index>(v)) = points[v];
-    limb.weights.push_back(limb_weights(points[v].z()));
-    limb.output_vertex.push_back(static_cast<std::uint32_t>(v));
-  }
-  limb.triangles = Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
-  limb.output_triangles = limb.triangles;
   return limb;
 }
 
@@ -611,6 +582,20 @@ TEST(MatchSkeletons, WhatWasCarriedTellsHowItWasMatched) {
   EXPECT_EQ(match_as_carried(limb_skeleton(), carried.skeleton, carried.metadata).source_joint,
             pair.match.source_joint);
   EXPECT_EQ(testing::kind_of([&] { match_as_carried(limb_skeleton(), carried.skeleton, {}); }), ErrorKind::mismatch);
+  // Clips of the source's joints move what was carried from it.
+  const Clip clip{"bend", 24, 1, {bind_pose(limb_skeleton()), bent()}, {}, {}};
+  write_clip(clip, limb_skeleton(), folder / "source.glb");
+  write_clip(clip, other.skeleton, folder / "own.glb");
+  for (const char* name : {"source.glb", "own.glb"}) {
+    const Clip read = read_clip((folder / name).string(), carried, {});
+    ASSERT_EQ(read.poses.size(), 2u);
+    for (std::size_t j = 0; j < 3; ++j) {
+      const Quat &turn = read.poses[1].joints[j].rotation, &wanted = bent().joints[j].rotation;
+      for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(turn[i], wanted[i], 1e-6) << name << j;
+    }
+  }
+  EXPECT_EQ(testing::kind_of([&] { read_clip((folder / "source.glb").string(), carried.skeleton, {}); }),
+            ErrorKind::mismatch);
   const Skeleton stranger = two_sided(0);
   EXPECT_EQ(match_as_carried(stranger, stranger, carried.metadata).source_joint.back(), 12);
 }

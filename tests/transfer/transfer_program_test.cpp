@@ -14,6 +14,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/transfer/limb_dataset.h"
 #include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/transfer/likeness.h"
 #include "trainer/transfer/markers_file.h"
 
 namespace bodyopt {
@@ -218,8 +219,8 @@ TEST_F(TransferProgram, UnlikeBodiesAreShownAndRefusedUnlessForced) {
   const ProgramResult forced = transfer(arguments + " --force --json " + path("r.json"));
   EXPECT_EQ(forced.exit_code, 0) << forced.output;
   EXPECT_EQ(load_basis(path("a.safetensors")).mesh.vertex_count(), unlike.vertices.rows());
-  EXPECT_LT(nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0).at("confidence").get<double>(),
-            0.5);
+  EXPECT_LT(nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0).at("likeness").get<double>(),
+            kLeastLikeness);
 }
 
 TEST_F(TransferProgram, RefusesMarkersThatAreNone) {

@@ -6,6 +6,7 @@
 #include "assets/notes.h"
 #include "runtime/host/rig.h"
 #include "trainer/transfer/joint_warp.h"
+#include "trainer/transfer/sure_places.h"
 #include "trainer/transfer/table_rows.h"
 
 namespace bodyopt {
@@ -18,7 +19,7 @@ class BodyCarrier {
       : pair_(pair),
         warp_(joint_warps(pair.source, pair.target, pair.match)),
         rest_(rows_of(pair.source.mesh.rest)),
-        skin_gap_(pair.correspondence.fitted - warped_by_joints(pair.source, pair.target, pair.match)) {}
+        skin_gap_(sure_places(pair) - warped_by_joints(pair.source, pair.target, pair.match)) {}
 
   // The nearest joint that the target has, at or above `joint` of the source; -1 for none.
   int joint_of(std::uint32_t joint) const {
@@ -59,6 +60,22 @@ class BodyCarrier {
   const Positions skin_gap_;  // of the source's vertices: what the fit adds to the joints' warp
 };
 
+// V' x R: of every vertex of the target the weights of the points of the source that it is.
+Eigen::MatrixXd mixed_on_target(const TransferPair& pair, const std::vector<RegionWeights>& regions) {
+  const std::vector<SkinPoint>& at = pair.correspondence.at;
+  Eigen::MatrixXd weights(at.size(), regions.size());
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    Eigen::VectorXd on_source = Eigen::VectorXd::Zero(pair.source.mesh.vertex_count());
+    on_source(regions[r].vertices) = Eigen::Map<const Eigen::VectorXd>(
+        regions[r].weights.data(), static_cast<Eigen::Index>(regions[r].weights.size()));
+    for (std::size_t v = 0; v < at.size(); ++v) {
+      weights(static_cast<Eigen::Index>(v), static_cast<Eigen::Index>(r)) =
+          at[v].weights.dot(on_source(at[v].vertices));
+    }
+  }
+  return weights;
+}
+
 }  // namespace
 
 std::vector<Muscle> carried_muscles(const TransferPair& pair, const std::vector<Muscle>& muscles,
@@ -91,21 +108,21 @@ std::vector<Muscle> carried_muscles(const TransferPair& pair, const std::vector<
 }
 
 std::vector<RegionWeights> carried_regions(const TransferPair& pair, const std::vector<RegionWeights>& regions) {
-  const std::vector<SkinPoint>& at = pair.correspondence.at;
+  Eigen::MatrixXd weights = mixed_on_target(pair, regions);
+  pair.skin.fill()(weights);
   std::vector<RegionWeights> result;
-  for (const RegionWeights& region : regions) {
-    Eigen::VectorXd on_source = Eigen::VectorXd::Zero(pair.source.mesh.vertex_count());
-    for (std::size_t k = 0; k < region.vertices.size(); ++k) on_source[region.vertices[k]] = region.weights[k];
-    RegionWeights carried{region.name, {}, {}};
-    for (std::uint32_t v = 0; v < at.size(); ++v) {
-      double weight = 0;
-      for (int k = 0; k < 3; ++k) weight += at[v].weights[k] * on_source[at[v].vertices[static_cast<std::size_t>(k)]];
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    RegionWeights carried{regions[r].name, {}, {}};
+    for (std::uint32_t v = 0; v < weights.rows(); ++v) {
+      const double weight = weights(v, static_cast<Eigen::Index>(r));
       if (!(weight > 0)) continue;
       carried.vertices.push_back(v);
       carried.weights.push_back(std::min(weight, 1.0));
     }
-    if (!carried.vertices.empty()) result.push_back(std::move(carried));
+    result.push_back(std::move(carried));
   }
+  drop_negligible(result);
+  std::erase_if(result, [](const RegionWeights& region) { return region.vertices.empty(); });
   return result;
 }
 

@@ -16,7 +16,8 @@ namespace bodyopt {
 std::vector<Muscle> carried_muscles(const TransferPair& pair, const std::vector<Muscle>& muscles,
                                     std::vector<std::string>& notes);
 
-// Regions on the source's runtime vertices to regions on the target's.
+// Regions on the source's runtime vertices to regions on the target's: as they are where the match is sure, elsewhere
+// filled in smoothly.
 std::vector<RegionWeights> carried_regions(const TransferPair& pair, const std::vector<RegionWeights>& regions);
 
 }  // namespace bodyopt

@@ -63,16 +63,56 @@ bool agree_with_numbers(const std::vector<SkinMarker>& markers, const Basis& tar
       markers, [&](const SkinMarker& marker) { return (place(marker.source) - place(marker.target)).norm() <= near; });
 }
 
+// What is compared of two skins, per vertex.
+struct Look {
+  Positions normals;  // of any length
+  JointShares shares;
+
+  double alike(Eigen::Index vertex, const Look& other, const SkinPoint& at) const {
+    Eigen::RowVectorXd mixed = Eigen::RowVectorXd::Zero(shares.cols());
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t corner = at.vertices[static_cast<std::size_t>(k)];
+      mixed += at.weights[k] * other.shares.row(corner);
+      normal += at.weights[k] * other.normals.row(corner).transpose();
+    }
+    const double angle = normals.row(vertex).normalized().dot(normal.normalized().transpose());
+    return std::max(0.0, angle) * mixed.cwiseMin(shares.row(vertex)).sum();
+  }
+};
+
+// Where the vertices of a skin lie on another.
+std::vector<SkinPoint> places_on(const Positions& skin, const Positions& normals, const NearestSkin& other) {
+  std::vector<SkinPoint> places(static_cast<std::size_t>(skin.rows()));
+  parallel_for(places.size(), [&](std::size_t v) {
+    const auto row = static_cast<Eigen::Index>(v);
+    const Eigen::Vector3d place = skin.row(row);
+    places[v] = other.facing(place, normals.row(row).normalized());
+    if (places[v].triangle < 0) places[v] = other(place);
+  });
+  return places;
+}
+
+Eigen::VectorXd alike_at(const Look& look, const Look& other, const std::vector<SkinPoint>& at) {
+  Eigen::VectorXd alike(static_cast<Eigen::Index>(at.size()));
+  parallel_for(at.size(), [&](std::size_t v) {
+    const auto row = static_cast<Eigen::Index>(v);
+    alike[row] = look.alike(row, other, at[v]);
+  });
+  return alike;
+}
+
 // Whether it is plausible that vertices of the same number are the same points.
 void judge_numbers(const Basis& source, const Basis& target, const SkeletonMatch& match, const JointShares& from,
                    const JointShares& to, Correspondence& result) {
-  const Positions normals = vertex_normals(result.target, rows_of(target.mesh.triangles)),
-                  warped = vertex_normals(warped_by_joints(source, target, match), rows_of(source.mesh.triangles));
-  for (Eigen::Index v = 0; v < result.confidence.size(); ++v) {
-    const std::uint32_t other = result.at[static_cast<std::size_t>(v)].vertices[0];
-    const double alike = normals.row(v).normalized().dot(warped.row(other).normalized());
-    result.confidence[v] = std::clamp(alike, 0.0, 1.0) * from.row(other).cwiseMin(to.row(v)).sum();
+  const Look own{vertex_normals(result.target, rows_of(target.mesh.triangles)), to},
+      warped{vertex_normals(warped_by_joints(source, target, match), rows_of(source.mesh.triangles)), from};
+  result.alike = alike_at(own, warped, result.at);
+  result.source_alike.resize(source.mesh.vertex_count());
+  for (std::uint32_t o = 0; o < target.mesh.output_count(); ++o) {
+    result.source_alike[source.mesh.output_vertex[o]] = result.alike[target.mesh.output_vertex[o]];
   }
+  result.confidence = result.alike;
 }
 
 // Seams may have been welded otherwise: every vertex of either has an output vertex.
@@ -92,39 +132,25 @@ void match_by_number(const Basis& source, const Basis& target, Correspondence& r
                          ? static_cast<Eigen::Index>(from.vertex_triangles[from.vertex_triangle_begin[s]])
                          : -1;
   }
-  result.confidence = Eigen::VectorXd::Ones(to.vertex_count());
   result.distance = Eigen::VectorXd::Zero(to.vertex_count());
 }
 
 // Where the target's vertices lie on the fitted source, and how sure that is.
 void match_by_place(const Basis& source, const Basis& target, const JointShares& source_shares,
                     const JointShares& target_shares, Correspondence& result) {
-  const Triangles triangles = rows_of(source.mesh.triangles);
-  const Positions normals = vertex_normals(result.target, rows_of(target.mesh.triangles)),
-                  fitted_normals = vertex_normals(result.fitted, triangles);
+  const Triangles from = rows_of(source.mesh.triangles), to = rows_of(target.mesh.triangles);
+  const Look fitted{vertex_normals(result.fitted, from), source_shares},
+      own{vertex_normals(result.target, to), target_shares};
+  result.at = places_on(result.target, own.normals, NearestSkin(result.fitted, from));
+  result.alike = alike_at(own, fitted, result.at);
+  result.source_alike = alike_at(fitted, own, places_on(result.fitted, fitted.normals, NearestSkin(result.target, to)));
+  result.distance.resize(result.target.rows());
+  for (Eigen::Index v = 0; v < result.distance.size(); ++v) {
+    const Eigen::RowVector3d nearest = result.at[static_cast<std::size_t>(v)].position.transpose();
+    result.distance[v] = (nearest - result.target.row(v)).norm();
+  }
   const double near = kNear * largest_extent(result.target);
-  const NearestSkin nearest(result.fitted, triangles);
-  const std::uint32_t count = target.mesh.vertex_count();
-  result.at.resize(count);
-  result.confidence.resize(count);
-  result.distance.resize(count);
-  parallel_for(count, [&](std::size_t v) {
-    const auto row = static_cast<Eigen::Index>(v);
-    const Eigen::Vector3d place = result.target.row(row), normal = normals.row(row).normalized();
-    SkinPoint point = nearest.facing(place, normal);
-    if (point.triangle < 0) point = nearest(place);
-    Eigen::RowVectorXd shares = Eigen::RowVectorXd::Zero(source_shares.cols());
-    Eigen::Vector3d other = Eigen::Vector3d::Zero();
-    for (int k = 0; k < 3; ++k) {
-      shares += point.weights[k] * source_shares.row(point.vertices[static_cast<std::size_t>(k)]);
-      other += point.weights[k] * fitted_normals.row(point.vertices[static_cast<std::size_t>(k)]).transpose();
-    }
-    result.distance[row] = (point.position - place).norm();
-    const double off = result.distance[row] / near;
-    result.confidence[row] = std::exp(-off * off) * std::max(0.0, normal.dot(other.normalized())) *
-                             shares.cwiseMin(target_shares.row(row)).sum();
-    result.at[v] = point;
-  });
+  result.confidence = result.alike.array() * (-(result.distance / near).array().square()).exp();
 }
 
 }  // namespace
@@ -152,6 +178,19 @@ Correspondence match_skins(const Basis& source, const Basis& target, const Skele
   }
   result.fitted = register_skin(source, target, result.target, from, to, match, markers);
   match_by_place(source, target, from, to, result);
+  return result;
+}
+
+Eigen::VectorXd source_confidence(const Correspondence& correspondence, const Triangles& triangles) {
+  const NearestSkin nearest(correspondence.target, triangles);
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(correspondence.fitted.rows());
+  parallel_for(static_cast<std::size_t>(result.size()), [&](std::size_t v) {
+    const auto row = static_cast<Eigen::Index>(v);
+    const SkinPoint at = nearest(correspondence.fitted.row(row).transpose());
+    for (int k = 0; k < 3; ++k) {
+      result[row] += at.weights[k] * correspondence.confidence[at.vertices[static_cast<std::size_t>(k)]];
+    }
+  });
   return result;
 }
 

@@ -18,13 +18,15 @@ struct SkinMarker {
 
 struct Correspondence {
   bool same_topology = false;
-  Positions target;            // V' x 3, runtime order: the target's rest skin in the common pose, metres
-  std::vector<Quat> rotation;  // V': of the target's skin, from its rest to the common pose
-  Positions fitted;            // V x 3, runtime order: the source's rest skin, laid onto `target`
-  std::vector<SkinPoint> at;   // V': where on the source's skin (runtime vertices and triangles)
-  Eigen::VectorXd confidence;  // V', 0 .. 1: how near, how alike in normal and joints
-  Eigen::VectorXd distance;    // V', metres: from the fitted source
-  Eigen::VectorXd area;        // V', square metres: of the target's skin around each vertex, above 0
+  Positions target;              // V' x 3, runtime order: the target's rest skin in the common pose, metres
+  std::vector<Quat> rotation;    // V': of the target's skin, from its rest to the common pose
+  Positions fitted;              // V x 3, runtime order: the source's rest skin, laid onto `target`
+  std::vector<SkinPoint> at;     // V': where on the source's skin (runtime vertices and triangles)
+  Eigen::VectorXd alike;         // V', 0 .. 1: in normal and joints, to the point of the source that it is
+  Eigen::VectorXd source_alike;  // V, the same of the source's vertices, to the points of the target that they lie on
+  Eigen::VectorXd confidence;    // V', 0 .. 1: how alike, and how near
+  Eigen::VectorXd distance;      // V', metres: from the fitted source
+  Eigen::VectorXd area;          // V', square metres: of the target's skin around each vertex, above 0
   std::vector<std::string> notes;
 
   // By area: a head of many vertices is not more of a body than it is.
@@ -42,5 +44,9 @@ constexpr double kSureConfidence = 0.4;
 // same joints, through the markers. Throws Error(mismatch) for markers that are not there.
 Correspondence match_skins(const Basis& source, const Basis& target, const SkeletonMatch& match,
                            const std::vector<SkinMarker>& markers);
+
+// V: of every vertex of the source the confidence of the target's skin where the source is laid onto it. `triangles`:
+// T' x 3, the target's, runtime vertices.
+Eigen::VectorXd source_confidence(const Correspondence& correspondence, const Triangles& triangles);
 
 }  // namespace bodyopt

@@ -14,4 +14,7 @@ using JointShares = Eigen::MatrixXd;
 JointShares source_joint_shares(const Basis& source, const SkeletonMatch& match);
 JointShares target_joint_shares(const Basis& target, const SkeletonMatch& match);
 
+// V: of each vertex, what joints hold that have a match themselves; `match`: per joint of the basis, -1 for none.
+Eigen::VectorXd share_of_matched(const Basis& basis, const std::vector<int>& match);
+
 }  // namespace bodyopt

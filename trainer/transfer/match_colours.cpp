@@ -1,7 +1,5 @@
 #include "trainer/transfer/match_colours.h"
 
-#include "base/parallel.h"
-
 namespace bodyopt {
 
 Positions place_colours(const Positions& rest) {
@@ -19,19 +17,6 @@ Positions matched_colours(const Correspondence& correspondence, const Positions&
     const SkinPoint& at = correspondence.at[static_cast<std::size_t>(v)];
     for (int k = 0; k < 3; ++k) result.row(v) += at.weights[k] * colours.row(at.vertices[static_cast<std::size_t>(k)]);
   }
-  return result;
-}
-
-Eigen::VectorXd source_confidence(const Correspondence& correspondence, const Triangles& triangles) {
-  const NearestSkin nearest(correspondence.target, triangles);
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(correspondence.fitted.rows());
-  parallel_for(static_cast<std::size_t>(result.size()), [&](std::size_t v) {
-    const auto row = static_cast<Eigen::Index>(v);
-    const SkinPoint at = nearest(correspondence.fitted.row(row).transpose());
-    for (int k = 0; k < 3; ++k) {
-      result[row] += at.weights[k] * correspondence.confidence[at.vertices[static_cast<std::size_t>(k)]];
-    }
-  });
   return result;
 }
 

@@ -9,6 +9,7 @@
 
 #include "assets/joint_match.h"
 #include "assets/json_file.h"
+#include "assets/matched_joints.h"
 #include "assets/notes.h"
 #include "geometry/nearest_rotation.h"
 #include "runtime/core/error.h"
@@ -154,7 +155,21 @@ class SkeletonAligner {
                   "the one is beside the other; a joint map (--map) may match more");
     }
     match_.size = own / other;
+    match_.other_proportions = deviation_of_ratios(own, other);
     if (match_.size > kUnlikely || match_.size < 1 / kUnlikely) match_.notes.push_back(note_of_units(match_.size));
+  }
+
+  double deviation_of_ratios(double own, double other) const {
+    double count = 0, sum = 0, squares = 0;
+    for (const auto& of_joint : bones_) {
+      for (const auto& [from, to] : of_joint) {
+        const double weight = from.norm() / own + to.norm() / other, ratio = std::log(from.norm() / to.norm());
+        count += weight;
+        sum += weight * ratio;
+        squares += weight * ratio * ratio;
+      }
+    }
+    return count > 0 ? std::sqrt(std::max(0.0, squares / count - std::pow(sum / count, 2))) : 0;
   }
 
   static Eigen::Vector3d at(const Points& points, std::size_t j) { return points.col(static_cast<Eigen::Index>(j)); }
@@ -274,12 +289,6 @@ std::vector<Quat> world_rotations(const Skeleton& skeleton, const Pose& pose) {
   return world;
 }
 
-// The joint whose name the entry has under `key`; -1 where there is none.
-int find_named(const Skeleton& skeleton, const Json& entry, const char* key) {
-  if (!entry.is_object() || !entry.contains(key) || !entry[key].is_string()) return -1;
-  return skeleton.find(entry[key].get<std::string>());
-}
-
 // What follows from which joints are the same.
 SkeletonMatch completed(SkeletonMatch match, const Skeleton& source, const Skeleton& target) {
   match.target_joint.assign(source.size(), -1);
@@ -324,13 +333,12 @@ SkeletonMatch match_skeletons(const Skeleton& source, const Skeleton& target, co
 }
 
 SkeletonMatch match_as_carried(const Skeleton& source, const Skeleton& target, const Metadata& target_metadata) {
-  const auto text = target_metadata.find(kMatchedJoints);
-  const Json joints = text == target_metadata.end() ? Json() : Json::parse(text->second, nullptr, false);
-  if (!joints.is_array()) return match_skeletons(source, target, "");
+  const std::vector<MappedJoint> joints = matched_joints(target_metadata);
+  if (joints.empty()) return match_skeletons(source, target, "");
   SkeletonMatch match;
   match.source_joint.assign(target.size(), -1);
-  for (const Json& joint : joints) {
-    const int from = find_named(source, joint, "from"), to = find_named(target, joint, "to");
+  for (const MappedJoint& joint : joints) {
+    const int from = source.find(joint.from), to = target.find(joint.to);
     if (from < 0 || to < 0) return match_skeletons(source, target, "");  // it was carried from another
     match.source_joint[static_cast<std::size_t>(to)] = from;
   }

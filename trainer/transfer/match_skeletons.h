@@ -16,6 +16,9 @@ struct SkeletonMatch {
   std::vector<Quat> alignment;
   Pose common;      // the target, posed as the source rests; where the source stands
   double size = 1;  // of the target over the source: the lengths between matched joints, in total
+  // Standard deviation of the logarithm of the ratios of these lengths, each weighed by its share of either body: 0.1
+  // is about 10 per cent.
+  double other_proportions = 0;
   std::vector<std::string> notes;
 
   // False where every joint rests alike, but for what builds differ by: all alignments are then the identity.
@@ -30,8 +33,7 @@ struct SkeletonMatch {
 // match_joints().
 SkeletonMatch match_skeletons(const Skeleton& source, const Skeleton& target, const std::string& joint_map);
 
-// Which joints are the same, for the metadata of what is carried: a list of `from` of the source, `to` of the target.
-constexpr const char* kMatchedJoints = "matched_joints";
+// Which joints are the same, for the metadata of what is carried (assets/matched_joints.h).
 Json to_json(const SkeletonMatch& match, const Skeleton& source, const Skeleton& target);
 
 // As the metadata of the target, a carried basis, says that it was matched with its source; where that is not of these

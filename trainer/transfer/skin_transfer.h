@@ -4,6 +4,7 @@
 #include "runtime/basis/basis.h"
 #include "trainer/transfer/correspondence.h"
 #include "trainer/transfer/deformation_transfer.h"
+#include "trainer/transfer/smooth_fill.h"
 
 namespace bodyopt {
 
@@ -17,17 +18,14 @@ class SkinTransfer {
   // V x 3, runtime order of the source, to V' x 3, runtime order of the target; metres, un-posed. On any thread.
   Positions operator()(const Positions& displacements) const;
 
-  Eigen::Index unsure() const { return static_cast<Eigen::Index>(unsure_.size()); }  // vertices filled in
+  // Of the target's skin, runtime order, where the correspondence is unsure.
+  const SmoothFill& fill() const { return fill_; }
+  Eigen::Index unsure() const { return static_cast<Eigen::Index>(fill_.unknown().size()); }  // vertices filled in
 
  private:
-  void prepare_filling(const Triangles& triangles);
-  void fill_unsure(Positions& displacements) const;
-
   const Correspondence& correspondence_;
   DeformationTransfer transfer_;
-  std::vector<int> unsure_;
-  Eigen::SparseMatrix<double> to_sure_;  // unsure x V': the membrane between them and all others
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> fill_;
+  SmoothFill fill_;
 };
 
 }  // namespace bodyopt

@@ -3,8 +3,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "assets/matched_joints.h"
 #include "trainer/train/features/features.h"
 #include "trainer/transfer/carried_features.h"
+#include "trainer/transfer/sure_places.h"
 #include "trainer/transfer/table_rows.h"
 #include "trainer/transfer/transfer_columns.h"
 
@@ -18,6 +20,7 @@ class FibreCarrier {
       : pair_(pair),
         source_(source),
         triangles_(rows_of(pair.target.mesh.triangles)),
+        places_on_target_(sure_places(pair)),
         nearest_(pair.correspondence.target, triangles_) {
     target_vertex_.resize(pair.source.mesh.vertex_count());
     if (!pair.correspondence.same_topology) return;
@@ -38,8 +41,7 @@ class FibreCarrier {
 
  private:
   FibrePoint carried(const FibrePoint& point, std::vector<std::uint32_t>& vertices) {
-    const Positions& fitted = pair_.correspondence.fitted;
-    const auto corner = [&](std::uint32_t k) -> Eigen::Vector3d { return fitted.row(source_.vertices[k]); };
+    const auto corner = [&](std::uint32_t k) -> Eigen::Vector3d { return places_on_target_.row(source_.vertices[k]); };
     const SkinPoint at = nearest_(double{point.wa} * corner(point.a) + double{point.wb} * corner(point.b) +
                                   double{point.wc} * corner(point.c));
     std::uint32_t place[3];
@@ -61,6 +63,7 @@ class FibreCarrier {
   const TransferPair& pair_;
   const StrainTable& source_;
   const Triangles triangles_;
+  const Positions places_on_target_;  // of the source's vertices
   const NearestSkin nearest_;
   std::vector<std::uint32_t> target_vertex_;       // of each source vertex, for the same topology
   std::map<std::uint32_t, std::uint32_t> places_;  // of the target's vertices in the table's list

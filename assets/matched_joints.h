@@ -1,0 +1,23 @@
+// The joints by which a basis was carried from another body, and the clips of that body's joints.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "assets/clip.h"
+#include "assets/joint_map.h"
+#include "runtime/basis/basis.h"
+
+namespace bodyopt {
+
+// The key of the metadata: a list of `from` of the source, `to` of what was carried.
+constexpr const char* kMatchedJoints = "matched_joints";
+
+// None where the basis was not carried, or does not say.
+std::vector<MappedJoint> matched_joints(const Metadata& metadata);
+
+// As read_clip(); a clip that has the source's names for all joints by which the basis was carried moves it by these,
+// unless it has all names of the basis' own joints. Names that the joint map gives to joints count as the clip's.
+Clip read_clip(const std::string& source, const Basis& basis, const ClipOptions& options);
+
+}  // namespace bodyopt
