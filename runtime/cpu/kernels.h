@@ -80,8 +80,8 @@ void output_relax(const MeshTable& mesh, const OutputRelaxPush& push, std::span<
 void relax_part(const MeshTable& mesh, float weight, std::span<const float> current, std::size_t first_vertex,
                 std::span<float> relaxed);
 
-// Output stage: the box around each kBoxTriangles triangles. positions F x V x 3 -> boxes F x box_count x 6: the least
-// of x, y and z, and the most.
+// Output stage: the box around each kBoxTriangles triangles, and around each kLargeBox boxes. positions F x V x 3 ->
+// boxes F x box_count x 6: the least of x, y and z, and the most.
 void output_bound(std::span<const std::uint32_t> triangles, const OutputBoundPush& push,
                   std::span<const float> positions, std::span<float> boxes);
 

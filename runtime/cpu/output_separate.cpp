@@ -116,13 +116,15 @@ class Separation {
   }
 
   void find_boxes(const BentFold& fold, const Spans& spans) {
-    boxes_.resize(push_.box_count);
-    std::size_t count = 0;
-    for (std::uint32_t box = 0; box < push_.box_count; ++box) {
-      boxes_[count] = box;
-      count += meets(fold, box, spans) ? 1 : 0;
+    boxes_.clear();
+    const std::uint32_t small = small_box_count(push_.triangle_count);
+    for (std::uint32_t large = 0; small + large < push_.box_count; ++large) {
+      if (!meets(fold, small + large, spans)) continue;
+      const std::uint32_t end = std::min(kLargeBox * (large + 1), small);
+      for (std::uint32_t box = kLargeBox * large; box < end; ++box) {
+        if (meets(fold, box, spans)) boxes_.push_back(box);
+      }
     }
-    boxes_.resize(count);
   }
 
   // Is there skin of the other side above and below?
@@ -178,9 +180,8 @@ class Separation {
         for (std::size_t i = 0; i < 3; ++i) corners[k][i] = frame_.current[3 * std::size_t{vertices[k]} + i] - point[i];
       }
       if (is_beside_fold_line(corners[0], corners[1], corners[2], fold.w)) continue;
-      const bool other = std::any_of(vertices, vertices + 3, [&](std::uint32_t vertex) {
-        return is_child(vertex, fold.fold) != child;
-      });
+      const bool other = std::any_of(vertices, vertices + 3,
+                                     [&](std::uint32_t vertex) { return is_child(vertex, fold.fold) != child; });
       add_fold_triangle(corners[0], corners[1], corners[2], fold.n, fold.u, fold.w, other, found);
     }
   }
@@ -207,8 +208,8 @@ std::vector<BentFold> bent_folds(const OutputSeparatePush& push, std::span<const
     if (!(dot_product(fold.n, fold.n) > 0)) continue;
     fold_axes(fold.n, fold.u, fold.w);
     for (std::size_t i = 0; i < 3; ++i) {
-      fold.from[i].reserve(push.box_count);
-      fold.to[i].reserve(push.box_count);
+      fold.from[i].reserve(boxes.size() / 6);
+      fold.to[i].reserve(boxes.size() / 6);
     }
     for (std::size_t at = 0; at < boxes.size(); at += 6) {
       Vector middle, half_edge;

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <span>
 
+#include "shaders/include/fold.h"
+
 namespace bodyopt {
 namespace {
 
@@ -34,7 +36,8 @@ class TriangleBoxes {
   void split(std::span<std::uint32_t> triangles) {
     if (triangles.size() <= kBoxTriangles) return;
     const std::size_t axis = longest_axis(triangles),
-                      half = box_count(triangles.size()) / 2 * std::size_t{kBoxTriangles};
+                      half = small_box_count(static_cast<std::uint32_t>(triangles.size())) / 2 *
+                             std::size_t{kBoxTriangles};
     std::ranges::nth_element(triangles, triangles.begin() + static_cast<std::ptrdiff_t>(half), {},
                              [&](std::uint32_t t) { return std::pair(centres_[t][axis], t); });
     split(triangles.first(half));
@@ -89,7 +92,7 @@ std::vector<std::uint32_t> boxed_triangles(const MeshTable& mesh) {
 void add_box_sides(std::size_t words, FoldTables& tables) {
   std::vector<std::uint32_t>& sides = tables.sides;
   const std::size_t begin = sides.size();
-  sides.resize(begin + 2 * words * box_count(tables.triangles.size() / 3));
+  sides.resize(begin + 2 * words * small_box_count(static_cast<std::uint32_t>(tables.triangles.size() / 3)));
   for (std::size_t k = 0; k < tables.triangles.size(); ++k) {
     const std::uint32_t* child = &sides[2 * words * tables.triangles[k] + words];
     std::uint32_t* box = &sides[begin + 2 * words * (k / 3 / kBoxTriangles)];
@@ -98,10 +101,6 @@ void add_box_sides(std::size_t words, FoldTables& tables) {
       box[words + word] |= child[word];
     }
   }
-}
-
-std::uint32_t box_count(std::size_t triangle_count) {
-  return static_cast<std::uint32_t>((triangle_count + kBoxTriangles - 1) / kBoxTriangles);
 }
 
 std::vector<char> at_or_below(const Skeleton& skeleton, std::uint32_t joint) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "runtime/host/fold_tables.h"
+#include "shaders/include/fold.h"
 
 namespace bodyopt {
 namespace {
@@ -35,8 +35,8 @@ OutputRelaxPush relax_push(const Basis& basis, const OutputStep& step) {
 }
 
 OutputBoundPush bound_push(const Basis& basis) {
-  const std::size_t triangles = basis.mesh.triangles.size() / 3;
-  return {basis.mesh.vertex_count(), static_cast<std::uint32_t>(triangles), box_count(triangles)};
+  const auto triangles = static_cast<std::uint32_t>(basis.mesh.triangles.size() / 3);
+  return {basis.mesh.vertex_count(), triangles, box_count(triangles)};
 }
 
 OutputSeparatePush separate_push(const Basis& basis, const OutputStep& step) {

@@ -6,11 +6,24 @@
 #ifndef BODYOPT_FOLD_H
 #define BODYOPT_FOLD_H
 
+#include "layout.h"
 #include "vectors.h"
 
 #ifdef __cplusplus
 namespace bodyopt {
 #endif
+
+// So many boxes of triangles share a large one; the large ones stand after the others.
+const uint kLargeBox = 16u;
+BODYOPT_FUNCTION uint small_box_count(uint triangle_count) {
+  return (triangle_count + kBoxTriangles - 1u) / kBoxTriangles;
+}
+BODYOPT_FUNCTION uint large_box_count(uint triangle_count) {
+  return (small_box_count(triangle_count) + kLargeBox - 1u) / kLargeBox;
+}
+BODYOPT_FUNCTION uint box_count(uint triangle_count) {
+  return small_box_count(triangle_count) + large_box_count(triangle_count);
+}
 
 // Metres that a vertex is looked at outside of where it stands: skin that touches skin has not crossed it.
 const float kFoldOffset = 1e-5f;

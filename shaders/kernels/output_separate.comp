@@ -23,9 +23,8 @@ shared uint member_count;
 // Is there skin of the other side above and below any of them, as the parent's side sees it, and, shifted, the child's?
 const uint kAbove = 1, kBelow = 2, kBetween = kAbove | kBelow, kChildShift = 2;
 shared uint seen;
-// Of some boxes of triangles those that lines along n through members may meet, and where they lie along u and w.
-shared uint met[kWorkgroupSize], met_count;
-shared float met_from[2][kWorkgroupSize], met_to[2][kWorkgroupSize];
+// Boxes of triangles, of kWorkgroupSize large ones, that lines along n through members may meet.
+shared uint met[kWorkgroupSize * kLargeBox], met_count;
 
 uint words() { return (push.fold_count + 31) / 32; }
 // entry: a vertex, or push.vertex_count and a box.
@@ -64,9 +63,7 @@ uint gather_members(bool is_member, float spans[3][2]) {
   return member_count;
 }
 
-// May a line through a member meet the box?
-bool meets_box(uint box, float axes[3][3], out float spans[3][2]) {
-  if (box >= push.box_count) return false;
+void find_box_spans(uint box, float axes[3][3], out float spans[3][2]) {
   float middle[3], half_edge[3];
   uint b = 6 * (push.box_count * gl_GlobalInvocationID.y + box);
   for (uint i = 0; i < 3; ++i) {
@@ -74,17 +71,42 @@ bool meets_box(uint box, float axes[3][3], out float spans[3][2]) {
     half_edge[i] = 0.5 * (boxes[b + 3 + i] - boxes[b + i]);
   }
   find_spans(middle, half_edge, axes, spans);
-  return spans[0][0] <= to[0][0] && spans[0][1] >= from[0][0] && spans[1][0] <= to[1][0] && spans[1][1] >= from[1][0];
+}
+
+bool meet(float a[3][2], float b[3][2]) {
+  return a[0][0] <= b[0][1] && a[0][1] >= b[0][0] && a[1][0] <= b[1][1] && a[1][1] >= b[1][0];
+}
+
+// Where all members lie.
+void find_all(out float all[3][2]) {
+  for (uint k = 0; k < 3; ++k) {
+    all[k][0] = from[k][0];
+    all[k][1] = to[k][0];
+  }
+}
+
+// The boxes of a large one, first .. end; none if no line through a member may meet it.
+uint boxes_end(uint large, float axes[3][3], float all[3][2]) {
+  float spans[3][2];
+  uint small = small_box_count(push.triangle_count);
+  if (small + large >= push.box_count) return 0;
+  find_box_spans(small + large, axes, spans);
+  return meet(spans, all) ? min(kLargeBox * (large + 1), small) : 0;
 }
 
 uint find_seen(uint fold, float axes[3][3]) {
   uint found = 0;
-  for (uint box = gl_LocalInvocationID.x; box < push.box_count; box += kWorkgroupSize) {
-    float spans[3][2];
-    if (!meets_box(box, axes, spans)) continue;
-    uint there = (spans[2][1] >= from[2][0] ? kAbove : 0) | (spans[2][0] <= to[2][0] ? kBelow : 0);
-    if (has_bit(push.vertex_count + box, 0, fold)) found |= there << kChildShift;
-    if (has_bit(push.vertex_count + box, 1, fold)) found |= there;
+  float all[3][2], spans[3][2];
+  find_all(all);
+  for (uint large = gl_LocalInvocationID.x; large < large_box_count(push.triangle_count); large += kWorkgroupSize) {
+    uint end = boxes_end(large, axes, all);
+    for (uint box = kLargeBox * large; box < end; ++box) {
+      find_box_spans(box, axes, spans);
+      if (!meet(spans, all)) continue;
+      uint there = (spans[2][1] >= all[2][0] ? kAbove : 0) | (spans[2][0] <= all[2][1] ? kBelow : 0);
+      if (has_bit(push.vertex_count + box, 0, fold)) found |= there << kChildShift;
+      if (has_bit(push.vertex_count + box, 1, fold)) found |= there;
+    }
   }
   if (found != 0) atomicOr(seen, found);
   barrier();
@@ -95,22 +117,14 @@ void gather_boxes(uint first, float axes[3][3]) {
   barrier();
   if (gl_LocalInvocationID.x == 0) met_count = 0;
   barrier();
-  float spans[3][2];
-  uint box = first + gl_LocalInvocationID.x;
-  if (meets_box(box, axes, spans)) {
-    uint slot = atomicAdd(met_count, 1);
-    met[slot] = box;
-    for (uint k = 0; k < 2; ++k) {
-      met_from[k][slot] = spans[k][0];
-      met_to[k][slot] = spans[k][1];
-    }
+  float all[3][2], spans[3][2];
+  find_all(all);
+  uint large = first + gl_LocalInvocationID.x, end = boxes_end(large, axes, all);
+  for (uint box = kLargeBox * large; box < end; ++box) {
+    find_box_spans(box, axes, spans);
+    if (meet(spans, all)) met[atomicAdd(met_count, 1)] = box;
   }
   barrier();
-}
-
-bool met_passes_by(uint slot, float spans[3][2]) {
-  return met_from[0][slot] > spans[0][1] || met_to[0][slot] < spans[0][0] || met_from[1][slot] > spans[1][1] ||
-         met_to[1][slot] < spans[1][0];
 }
 
 // Adds the triangles of a box.
@@ -163,10 +177,12 @@ void main() {
     bool looks = is_member && (child ? facing < 0.0 : facing > 0.0) &&
                  (between >> (child ? kChildShift : 0) & kBetween) == kBetween;
     float found[6] = float[6](0.0, 0.0, 0.0, 0.0, 3.4e38, -3.4e38);
-    for (uint first = 0; first < push.box_count; first += kWorkgroupSize) {
+    for (uint first = 0; first < large_box_count(push.triangle_count); first += kWorkgroupSize) {
       gather_boxes(first, axes);
       for (uint slot = 0; slot < met_count && looks; ++slot) {
-        if (!met_passes_by(slot, spans)) add_box(met[slot], point, axes, fold, child, found);
+        float box_spans[3][2];
+        find_box_spans(met[slot], axes, box_spans);
+        if (meet(box_spans, spans)) add_box(met[slot], point, axes, fold, child, found);
       }
     }
     float depth = fold_depth(found, child, kFoldOffset * facing), size = sqrt(squared);

@@ -3,6 +3,7 @@
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/fold_tables.h"
 #include "runtime/vulkan/kernels/kernels.h"
+#include "shaders/include/fold.h"
 #include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 
@@ -22,7 +23,7 @@ struct Case {
         mesh(random_mesh(random, vertices)),
         push{vertices,
              static_cast<std::uint32_t>(mesh.triangles.size() / 3),
-             box_count(mesh.triangles.size() / 3),
+             box_count(static_cast<std::uint32_t>(mesh.triangles.size() / 3)),
              kComponents,
              kComponent,
              kFolds,
@@ -173,12 +174,12 @@ TEST(OutputSeparateReference, SidesMeetHalfWay) {
     mesh.vertex_triangles.insert(mesh.vertex_triangles.end(), list.begin(), list.end());
     mesh.vertex_triangle_begin.push_back(static_cast<std::uint32_t>(mesh.vertex_triangles.size()));
   }
-  std::vector<float> boxes(6), moved(48);
+  std::vector<float> boxes(24), moved(48);
   tables.triangles = mesh.triangles;
   add_box_sides(1, tables);
   const auto separated = [&](const std::vector<float>& weights, float limit) {
-    cpu::output_bound(tables.triangles, {16, 24, 1}, current, boxes);
-    cpu::output_separate(mesh, tables, {16, 24, 1, 3, 0, 1, 0, limit}, {boxes, weights, current, current}, moved);
+    cpu::output_bound(tables.triangles, {16, 24, 4}, current, boxes);
+    cpu::output_separate(mesh, tables, {16, 24, 4, 3, 0, 1, 0, limit}, {boxes, weights, current, current}, moved);
     return moved;
   };
   const std::vector<float> whole = separated({0, 0, 1}, 1), half = separated({0, 0, 0.5f}, 1),

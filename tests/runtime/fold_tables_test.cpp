@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "shaders/include/fold.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
@@ -58,7 +59,8 @@ TEST(FoldTables, BoxesKnowTheSidesOfTheirCorners) {
   // Of fold 33 the corners of the first box are the child's, and one of the second box.
   for (std::uint32_t v = 0; v < 3 * kBoxTriangles + 1; ++v) tables.sides[2 * kWords * v + kWords + 1] = 1u << 1;
   add_box_sides(kWords, tables);
-  ASSERT_EQ(tables.sides.size(), 2 * kWords * (vertices + box_count(mesh.triangles.size() / 3)));
+  ASSERT_EQ(tables.sides.size(),
+            2 * kWords * (vertices + small_box_count(static_cast<std::uint32_t>(mesh.triangles.size() / 3))));
   const auto has = [&](std::size_t box, std::size_t list) {
     return (tables.sides[2 * kWords * (vertices + box) + list * kWords + 1] >> 1 & 1u) == 1u;
   };

@@ -30,7 +30,7 @@ struct FrameCounts {
         components(basis.modifiers.component_count()),
         turned_joints(basis.modifiers.turn_joints() ? joints : 0),
         finished(basis.modifiers.move_posed_skin() ? 3 * vertices : 0),
-        boxes(basis.modifiers.of_type(kPushOut.name) ? box_count(basis.mesh.triangles.size() / 3) : 0) {}
+        boxes(basis.modifiers.of_type(kPushOut.name) ? bound_push(basis).box_count : 0) {}
 
   std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
   std::uint32_t regions, coordinates, centres, coefficients, components;
