@@ -54,15 +54,20 @@ std::array<std::array<float, 4>, 3> view_matrix(const Camera& camera) {
   return rows;
 }
 
+double distance_to_target(const Camera& camera) { return length(to_double(camera.eye) - to_double(camera.target)); }
+
 std::array<float, 4> projection(const Camera& camera, const DepthRange& seen, double aspect) {
+  const auto cut = [&](double nearest) {
+    return camera.cut_away ? std::max(nearest, distance_to_target(camera)) : nearest;
+  };
   if (camera.orthographic_height > 0) {
     const double margin = 0.01 * std::max(seen.farthest - seen.nearest, 0.0) + 1e-3;
-    const double n = seen.nearest - margin, f = seen.farthest + margin;
+    const double n = cut(seen.nearest - margin), f = std::max(seen.farthest, n) + margin;
     const double scale = 2 / static_cast<double>(camera.orthographic_height);
     return {static_cast<float>(scale / aspect), static_cast<float>(scale), static_cast<float>(1 / (n - f)),
             static_cast<float>(n / (n - f))};
   }
-  const double f = std::max(1.01 * seen.farthest, 1e-3), n = std::clamp(0.99 * seen.nearest, 1e-3 * f, 0.9 * f);
+  const double f = std::max(1.01 * seen.farthest, 1e-3), n = std::clamp(cut(0.99 * seen.nearest), 1e-3 * f, 0.9 * f);
   const double scale = 1 / std::tan(0.5 * static_cast<double>(camera.vertical_angle));
   return {static_cast<float>(scale / aspect), static_cast<float>(scale), static_cast<float>(f / (n - f)),
           static_cast<float>(n * f / (n - f))};

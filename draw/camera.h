@@ -21,6 +21,7 @@ struct Camera {
   std::array<float, 3> eye{}, target{};  // metres, world
   float vertical_angle = 0.5f;           // radians
   float orthographic_height = 0;         // metres seen vertically, whatever the distance; 0: perspective
+  bool cut_away = false;                 // what stands before the target is cut away
 };
 
 // A camera that sees all points (V x 3, world, at least one) as large as it can, from the direction given (world,
@@ -46,9 +47,13 @@ struct DepthRange {
   double nearest = 1e30, farthest = -1e30;  // metres before the camera
 };
 
+// From the eye to the target, metres.
+double distance_to_target(const Camera& camera);
+
 // x and y scale, and depth terms a, b: depth = (z a + b) / w with w = -z, or 1 of an orthographic camera. The near and
 // far planes enclose what is seen as tightly as they can, so that depth is exact from a thimble to a house; an
-// orthographic camera also sees what lies behind its eye. aspect: width over height.
+// orthographic camera also sees what lies behind its eye, and one that cuts away begins at its target. aspect: width
+// over height.
 std::array<float, 4> projection(const Camera& camera, const DepthRange& seen, double aspect);
 
 }  // namespace bodyopt

@@ -107,8 +107,9 @@ Ray ray_through(const Camera& camera, const Rectangle& area, double x, double y)
   const double right = (2 * (x - area.x) / std::max(1u, area.width) - 1) / static_cast<double>(scale[0]);
   const double up = (1 - 2 * (y - area.y) / std::max(1u, area.height)) / static_cast<double>(scale[1]);
   const Vec3 across = right * axes.right + up * axes.up;
-  if (camera.orthographic_height > 0) return {eye + across, -1 * axes.back, -1e30};
-  return {eye, across - axes.back};
+  const double cut = camera.cut_away ? distance_to_target(camera) : 0;
+  if (camera.orthographic_height > 0) return {eye + across, -1 * axes.back, camera.cut_away ? cut : -1e30};
+  return {eye, across - axes.back, cut};
 }
 
 std::optional<RayHit> first_hit(const Ray& ray, std::span<const float> vertices,

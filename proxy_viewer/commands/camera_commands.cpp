@@ -33,6 +33,13 @@ const Command kCommands[] = {
        if (wanted != c.camera.view().orthographic) c.camera.toggle_orthographic();
      },
      [](const Controls& c) { return name_of(c.camera.view().orthographic); }},
+    {"cut-away", "[on|off]", "", "Camera", "cuts away what stands before the point that the camera turns about",
+     [](Controls& c, const std::string& a) {
+       bool wanted = c.camera.view().cut_away;
+       toggle(wanted, a);
+       if (wanted != c.camera.view().cut_away) c.camera.toggle_cut_away();
+     },
+     [](const Controls& c) { return name_of(c.camera.view().cut_away); }},
     {"follow", "[on|off]", "V", "Camera", "go along with the character",
      [](Controls& c, const std::string& a) { toggle(c.settings.look.follow, a); },
      [](const Controls& c) { return name_of(c.settings.look.follow); }},

@@ -52,6 +52,8 @@ void draw_cameras(const Snapshot&, Controls& controls) {
   command_button(controls, "frame-selection", "Frame", share_of_line(3));
   ImGui::SameLine();
   command_tick(controls, "orthographic");
+  ImGui::SameLine();
+  command_tick(controls, "cut-away");
   draw_kept(controls);
   const std::string name = free_name(controls);
   const float button = 56;

@@ -102,7 +102,8 @@ void label_before(const char* text) {
   const float left = ImGui::GetCursorPosX();
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(text);
-  ImGui::SameLine(left + kLabelShare * width);
+  const bool fits = ImGui::CalcTextSize(text).x < kLabelShare * width;  // otherwise it has a line of its own
+  if (fits) ImGui::SameLine(left + kLabelShare * width);
   ImGui::SetNextItemWidth(-1);
 }
 

@@ -55,6 +55,7 @@ Camera OrbitCamera::camera() const {
   camera.target = to_float(view_.target);
   camera.vertical_angle = kVerticalAngle;
   if (view_.orthographic) camera.orthographic_height = static_cast<float>(height_at_target(view_));
+  camera.cut_away = view_.cut_away;
   return camera;
 }
 

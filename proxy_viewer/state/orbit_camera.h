@@ -15,6 +15,7 @@ struct OrbitView {
   double azimuth = 0;         // radians: 0 from the front (+z), pi / 2 from the character's left (+x)
   double elevation = 0;       // radians above the horizon
   bool orthographic = false;  // at the target things look as large as in perspective
+  bool cut_away = false;      // what stands before the target is cut away
 
   bool operator==(const OrbitView&) const = default;
 };
@@ -50,6 +51,7 @@ class OrbitCamera {
   void move(const Vec3& by) { view_.target = view_.target + by; }
   void view_axis(AxisView axis);
   void toggle_orthographic() { view_.orthographic = !view_.orthographic; }
+  void toggle_cut_away() { view_.cut_away = !view_.cut_away; }
 
  private:
   OrbitView view_;

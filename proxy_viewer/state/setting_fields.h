@@ -28,6 +28,7 @@ inline constexpr auto kViewFields = [](auto& list, auto& view) {
   list.number("azimuth", view.azimuth, -std::numbers::pi, std::numbers::pi);
   list.number("elevation", view.elevation, -std::numbers::pi / 2, std::numbers::pi / 2);
   list.boolean("orthographic", view.orthographic);
+  list.boolean("cut_away", view.cut_away);
 };
 
 inline constexpr auto kLookFields = [](auto& list, auto& look) {

@@ -61,7 +61,7 @@ class CpuBackend final : public Backend {
   CpuBackend(const Basis& basis, const JiggleModel& jiggle, std::shared_ptr<Executor> executor)
       : basis_(basis),
         executor_(executor ? std::move(executor) : std::make_shared<SerialExecutor>()),
-        fold_sides_(fold_sides(basis)),
+        folds_(fold_tables(basis)),
         rest_coefficients_(basis.residual.coefficient_count(), 0) {
     if (jiggle.dynamics) dynamics_.emplace(jiggle, *executor_);
   }
@@ -102,7 +102,7 @@ class CpuBackend final : public Backend {
     if (stage == Stage::jiggle) dynamics_->jiggle(work.batch, weights_.jiggle, result.strains, result.positions);
     if (stage == Stage::output) {
       finish(work);
-      if (work.batch.wants_normals) find_normals(work, work.result.normals);
+      if (work.batch.wants_normals) find_normals(work);
       return;
     }
     work.times.add_since(last, stage);
@@ -112,9 +112,10 @@ class CpuBackend final : public Backend {
   struct Scratch {
     std::vector<float> fibre_positions, features, coordinates, kernels;
     std::vector<float> finished, unfinished;  // skins by modifiers that move it in the end
-    std::vector<float> finished_normals, boxes;
-    std::vector<float> areas;   // of kFramesAtOnce frames
-    std::vector<float> frames;  // of all blocks of kFramesAtOnce frames; none without strains
+    std::vector<float> boxes;
+    std::vector<std::vector<cpu::BentFold>> bent_folds;  // F
+    std::vector<float> areas;                            // of kFramesAtOnce frames
+    std::vector<float> frames;                           // of all blocks of kFramesAtOnce frames; none without strains
   };
 
   void prepare(std::size_t frames, bool wants_normals, BatchResult& result) {
@@ -254,6 +255,7 @@ class CpuBackend final : public Backend {
   // What modifiers do that move the skin in the end.
   void finish(Work& work) {
     std::vector<float>& positions = work.result.positions;
+    bool separates = true;
     for (const OutputStep& step : output_steps(basis_, work.batch)) {
       scratch_.finished.resize(positions.size());
       switch (step.kind) {
@@ -262,7 +264,8 @@ class CpuBackend final : public Backend {
           break;
         case PosedSkinStep::separate:
           if (step.number == 0) scratch_.unfinished = positions;
-          separate(work, step);
+          if (step.number > 0 && !separates) continue;  // nothing has moved that could move on
+          separates = separate(work, step);
           break;
       }
       positions.swap(scratch_.finished);
@@ -280,31 +283,36 @@ class CpuBackend final : public Backend {
     });
   }
 
-  void separate(Work& work, const OutputStep& step) {
+  // Did anything move?
+  bool separate(Work& work, const OutputStep& step) {
     const std::size_t frames = work.batch.frame_count;
     const OutputBoundPush bound = bound_push(basis_);
     const OutputSeparatePush push = separate_push(basis_, step);
-    scratch_.finished_normals.resize(work.result.positions.size());
-    find_normals(work, scratch_.finished_normals);
     scratch_.boxes.resize(frames * 6 * bound.box_count);
+    scratch_.bent_folds.resize(frames);
     over_frames({0, frames}, [&](std::size_t f) {
       auto last = StageTimes::Clock::now();
-      cpu::output_bound(basis_.mesh, bound, of_frame(work.result.positions, f, frames),
-                        of_frame(scratch_.boxes, f, frames));
+      const auto boxes = of_frame(scratch_.boxes, f, frames);
+      cpu::output_bound(folds_.triangles, bound, of_frame(work.result.positions, f, frames), boxes);
+      scratch_.bent_folds[f] = cpu::bent_folds(push, of_frame(work.batch.modifiers, f, frames), boxes);
       work.times.add_since(last, Stage::output);
     });
+    std::atomic<bool> moves = false;
     over_parts(frames, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
       auto last = StageTimes::Clock::now();
       const auto frame = [&](auto& values) { return of_frame(values, f, frames); };
-      cpu::separate_part(basis_.mesh, fold_sides_, push,
-                         {frame(scratch_.boxes), frame(work.batch.modifiers), frame(scratch_.finished_normals),
-                          frame(scratch_.unfinished), frame(work.result.positions)},
-                         first, frame(scratch_.finished).subspan(3 * first, 3 * count));
+      if (cpu::separate_part(basis_.mesh, folds_, push, scratch_.bent_folds[f],
+                             {frame(scratch_.boxes), frame(work.batch.modifiers), frame(scratch_.unfinished),
+                              frame(work.result.positions)},
+                             first, frame(scratch_.finished).subspan(3 * first, 3 * count))) {
+        moves = true;
+      }
       work.times.add_since(last, Stage::output);
     });
+    return moves;
   }
 
-  void find_normals(Work& work, std::vector<float>& normals) {
+  void find_normals(Work& work) {
     const std::size_t frames = work.batch.frame_count;
     const std::size_t triangles = basis_.mesh.triangles.size() / 3, numbers = cpu::kAreaNumbers * triangles;
     for_ranges(frames, [&](FrameRange range) {
@@ -319,7 +327,7 @@ class CpuBackend final : public Backend {
       over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
         auto last = StageTimes::Clock::now();
         cpu::part_normals(basis_.mesh, areas.subspan(k * numbers, numbers), first,
-                          of_frame(normals, range.begin + k, frames).subspan(3 * first, 3 * count));
+                          of_frame(work.result.normals, range.begin + k, frames).subspan(3 * first, 3 * count));
         work.times.add_since(last, Stage::output);
       });
     });
@@ -327,7 +335,7 @@ class CpuBackend final : public Backend {
 
   const Basis& basis_;
   const std::shared_ptr<Executor> executor_;
-  const std::vector<std::uint32_t> fold_sides_;
+  const FoldTables folds_;
   std::vector<float> rest_coefficients_;
   Weights weights_;
   std::optional<CpuDynamics> dynamics_;

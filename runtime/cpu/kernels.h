@@ -9,6 +9,7 @@
 #include <span>
 
 #include "runtime/basis/basis.h"
+#include "runtime/host/fold_tables.h"
 
 namespace bodyopt::cpu {
 
@@ -79,28 +80,38 @@ void output_relax(const MeshTable& mesh, const OutputRelaxPush& push, std::span<
 void relax_part(const MeshTable& mesh, float weight, std::span<const float> current, std::size_t first_vertex,
                 std::span<float> relaxed);
 
-// Output stage: the box around each kBoxTriangles triangles. positions F x V x 3 -> boxes F x box_count x 6: the least
-// of x, y and z, and the most.
-void output_bound(const MeshTable& mesh, const OutputBoundPush& push, std::span<const float> positions,
-                  std::span<float> boxes);
+// Output stage: the box around each kBoxTriangles triangles, and around each kLargeBox boxes. positions F x V x 3 ->
+// boxes F x box_count x 6: the least of x, y and z, and the most.
+void output_bound(std::span<const std::uint32_t> triangles, const OutputBoundPush& push,
+                  std::span<const float> positions, std::span<float> boxes);
 
 // What output_separate reads of one frame, or of all.
 struct SeparateFrame {
   std::span<const float> boxes;           // box_count x 6: of the current skin
   std::span<const float> weights;         // component_count
-  std::span<const float> normals;         // V x 3: of the current skin
   std::span<const float> posed, current;  // V x 3, metres: before the first step, and now
 };
 
 // Output stage: one of kSeparateSteps steps in which skin that has crossed skin in a fold goes half its depth along the
 // fold's normal (shaders/include/fold.h), so that both sides meet; of several folds by the shortest way. Only vertices
-// that face the other side do, after the first step only those that it moved. The weights are the folds' normals, as
-// long as how much is shown. sides: see fold_sides. -> moved F x V x 3. What has crossed nothing keeps its bits.
-void output_separate(const MeshTable& mesh, std::span<const std::uint32_t> sides, const OutputSeparatePush& push,
+// that faced the other side do before the first step, after it only those that it moved. The weights are the folds'
+// normals, as long as how much is shown. -> moved F x V x 3. What has crossed nothing keeps its
+// bits.
+void output_separate(const MeshTable& mesh, const FoldTables& tables, const OutputSeparatePush& push,
                      const SeparateFrame& batch, std::span<float> moved);
-// The same of one frame and some vertices: those from first_vertex on, as many as moved holds.
-void separate_part(const MeshTable& mesh, std::span<const std::uint32_t> sides, const OutputSeparatePush& push,
-                   const SeparateFrame& frame, std::size_t first_vertex, std::span<float> moved);
+
+// A fold that is bent, and where the boxes of triangles lie along its axes u and w across its normal n, and along that.
+struct BentFold {
+  std::uint32_t fold = 0;
+  float n[3] = {}, u[3] = {}, w[3] = {};
+  std::vector<float> from[3], to[3];  // of u, w and n: box_count
+};
+std::vector<BentFold> bent_folds(const OutputSeparatePush& push, std::span<const float> weights,
+                                 std::span<const float> boxes);
+// Of one frame and some vertices: those from first_vertex on, as many as moved holds. Did any move?
+bool separate_part(const MeshTable& mesh, const FoldTables& tables, const OutputSeparatePush& push,
+                   std::span<const BentFold> folds, const SeparateFrame& frame, std::size_t first_vertex,
+                   std::span<float> moved);
 
 // Output stage: normals by the sum of area vectors of the triangles around each vertex, in ascending triangle order.
 // positions F x V x 3 -> normals F x V x 3; zero where the sum's length is not above 1e-20.
@@ -113,6 +124,8 @@ void area_vectors(const MeshTable& mesh, std::span<const float> positions, std::
 // The normals of some vertices, those from first_vertex on, as many as normals hold. areas: of all triangles.
 void part_normals(const MeshTable& mesh, std::span<const float> areas, std::size_t first_vertex,
                   std::span<float> normals);
+// That of one vertex, the same bits.
+void vertex_normal(const MeshTable& mesh, std::span<const float> positions, std::size_t vertex, float* normal);
 
 // Output stage: three numbers of each output vertex (positions or normals), at frame x frame_stride + output vertex x
 // element_stride of `placed`, bytes. values F x V x 3; what lies between is left.

@@ -6,17 +6,29 @@
 
 namespace bodyopt::cpu {
 
+namespace {
+
+void area_vector(const float* x, const std::uint32_t* triangle, float* area) {
+  const float *a = x + 3 * triangle[0], *b = x + 3 * triangle[1], *c = x + 3 * triangle[2];
+  const float ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
+  const float wx = c[0] - a[0], wy = c[1] - a[1], wz = c[2] - a[2];
+  area[0] = uy * wz - uz * wy;
+  area[1] = uz * wx - ux * wz;
+  area[2] = ux * wy - uy * wx;
+}
+
+void normalise(const float* sum, float* normal) {
+  const float length = std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+  const float scale = length > 1e-20f ? 1.0f / length : 0.0f;
+  for (std::size_t i = 0; i < 3; ++i) normal[i] = sum[i] * scale;
+}
+
+}  // namespace
+
 void area_vectors(const MeshTable& mesh, std::span<const float> positions, std::size_t first_triangle,
                   std::span<float> areas) {
-  const float* x = positions.data();
   for (std::size_t at = 0; at < areas.size(); at += kAreaNumbers) {
-    const std::uint32_t* t = mesh.triangles.data() + 3 * (first_triangle + at / kAreaNumbers);
-    const float *a = x + 3 * t[0], *b = x + 3 * t[1], *c = x + 3 * t[2];
-    const float ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
-    const float wx = c[0] - a[0], wy = c[1] - a[1], wz = c[2] - a[2];
-    areas[at] = uy * wz - uz * wy;
-    areas[at + 1] = uz * wx - ux * wz;
-    areas[at + 2] = ux * wy - uy * wx;
+    area_vector(positions.data(), &mesh.triangles[3 * (first_triangle + at / kAreaNumbers)], &areas[at]);
     areas[at + 3] = 0;
   }
 }
@@ -30,10 +42,18 @@ void part_normals(const MeshTable& mesh, std::span<const float> areas, std::size
       const float* area = areas.data() + kAreaNumbers * mesh.vertex_triangles[k];
       for (std::size_t i = 0; i < kAreaNumbers; ++i) sum[i] += area[i];
     }
-    const float length = std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
-    const float scale = length > 1e-20f ? 1.0f / length : 0.0f;
-    for (std::size_t i = 0; i < 3; ++i) normals[at + i] = sum[i] * scale;
+    normalise(sum, &normals[at]);
   }
+}
+
+void vertex_normal(const MeshTable& mesh, std::span<const float> positions, std::size_t vertex, float* normal) {
+  float sum[3] = {};
+  for (std::uint32_t k = mesh.vertex_triangle_begin[vertex]; k < mesh.vertex_triangle_begin[vertex + 1]; ++k) {
+    float area[3];
+    area_vector(positions.data(), &mesh.triangles[3 * std::size_t{mesh.vertex_triangles[k]}], area);
+    for (std::size_t i = 0; i < 3; ++i) sum[i] += area[i];
+  }
+  normalise(sum, normal);
 }
 
 void output_normals(const MeshTable& mesh, std::span<const float> positions, std::span<float> normals) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 #include "runtime/cpu/kernels.h"
 #include "shaders/include/fold.h"
@@ -9,112 +10,246 @@ namespace {
 
 using Vector = float[3];
 
-// One frame of a step.
+// A box's spans along u, w and n, or those of all of some points.
+struct Spans {
+  float from[3], to[3];
+
+  void add(const Spans& other) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      from[k] = std::min(from[k], other.from[k]);
+      to[k] = std::max(to[k], other.to[k]);
+    }
+  }
+};
+
+Spans spans_of(const Vector& middle, const Vector& half_edge, const BentFold& fold) {
+  Spans spans;
+  const Vector* axes[] = {&fold.u, &fold.w, &fold.n};
+  for (std::size_t k = 0; k < 3; ++k) {
+    float span[2];
+    fold_span(middle, half_edge, *axes[k], span);
+    spans.from[k] = span[0];
+    spans.to[k] = span[1];
+  }
+  return spans;
+}
+
+// Some vertices, one after the other, in a step of one frame. What it leaves out has no part in what is found.
 class Separation {
  public:
-  Separation(const MeshTable& mesh, std::span<const std::uint32_t> sides, const OutputSeparatePush& push,
-             const SeparateFrame& frame)
-      : mesh_(mesh), sides_(sides), push_(push), frame_(frame), words_((push.fold_count + 31) / 32) {}
+  Separation(const MeshTable& mesh, const FoldTables& tables, const OutputSeparatePush& push,
+             const SeparateFrame& frame, std::size_t first, std::span<float> moved)
+      : mesh_(mesh), tables_(tables), push_(push), frame_(frame), words_((push.fold_count + 31) / 32), first_(first) {
+    std::ranges::copy(frame.current.subspan(3 * first, moved.size()), moved.begin());
+    for (std::size_t at = 0; at < moved.size(); at += 3) {
+      const std::size_t vertex = first + at / 3;
+      const float *own = &frame.current[3 * vertex], *before = &frame.posed[3 * vertex];
+      if (push.step == 0 || !std::equal(own, own + 3, before)) movable_.push_back({vertex});
+    }
+  }
 
-  void move(std::size_t vertex, float* moved) const {
-    Vector own, before, way{};
-    std::copy_n(&frame_.current[3 * vertex], 3, own);
-    std::copy_n(&frame_.posed[3 * vertex], 3, before);
-    std::copy_n(own, 3, moved);
-    if (push_.step > 0 && std::equal(own, own + 3, before)) return;
-    if (!find_way(vertex, way)) return;
-    Vector to;
-    fold_step(way, before, own, push_.limit, to);
-    std::copy_n(to, 3, moved);
+  void look_at(const BentFold& fold) {
+    members_.clear();
+    for (Movable& movable : movable_) {
+      if (is_near(movable.vertex, fold.fold)) members_.push_back({&movable, point_spans(movable.vertex, fold)});
+    }
+    if (members_.empty()) return;
+    Spans all = members_[0].spans;
+    for (const Member& member : members_) all.add(member.spans);
+    find_boxes(fold, all);
+    for (const bool child : {false, true}) {
+      if (!may_lie_between(fold, all, child)) continue;
+      for (const Member& member : members_) {
+        if (is_child(member.movable->vertex, fold.fold) != child) continue;
+        if (may_lie_between(fold, member.spans, child)) look_at(fold, member, child);
+      }
+    }
+  }
+
+  // Did any vertex move?
+  bool move(std::span<float> moved) const {
+    bool moves = false;
+    for (const Movable& movable : movable_) {
+      if (movable.least == std::numeric_limits<float>::max()) continue;
+      Vector own, before, to;
+      std::copy_n(&frame_.current[3 * movable.vertex], 3, own);
+      std::copy_n(&frame_.posed[3 * movable.vertex], 3, before);
+      fold_step(movable.way, before, own, push_.limit, to);
+      std::copy_n(to, 3, &moved[3 * (movable.vertex - first_)]);
+      moves = true;
+    }
+    return moves;
   }
 
  private:
+  struct Movable {
+    std::size_t vertex;
+    float least = std::numeric_limits<float>::max();  // of all folds so far
+    Vector way{};
+  };
+  struct Member {
+    Movable* movable;
+    Spans spans;
+  };
+
   bool is_near(std::size_t vertex, std::uint32_t fold) const {
-    return sides_[2 * words_ * vertex + fold / 32] >> fold % 32 & 1u;
+    return tables_.sides[2 * words_ * vertex + fold / 32] >> fold % 32 & 1u;
   }
   bool is_child(std::size_t vertex, std::uint32_t fold) const {
-    return sides_[2 * words_ * vertex + words_ + fold / 32] >> fold % 32 & 1u;
+    return tables_.sides[2 * words_ * vertex + words_ + fold / 32] >> fold % 32 & 1u;
+  }
+  // Is some of a box's skin of the side that is not the child's, or the parent's?
+  bool has_other(std::size_t box, std::uint32_t fold, bool child) const {
+    const std::size_t at = 2 * words_ * (push_.vertex_count + box) + (child ? 0 : words_);
+    return tables_.sides[at + fold / 32] >> fold % 32 & 1u;
   }
 
-  // The shortest of all folds; false where the vertex has crossed nothing.
-  bool find_way(std::size_t vertex, Vector& way) const {
-    float least = std::numeric_limits<float>::max();
-    Vector normal;
-    std::copy_n(&frame_.normals[3 * vertex], 3, normal);
-    for (std::uint32_t fold = 0; fold < push_.fold_count; ++fold) {
-      if (!is_near(vertex, fold)) continue;
-      Vector n;
-      std::copy_n(&frame_.weights[push_.component + 3 * std::size_t{fold}], 3, n);
-      const bool child = is_child(vertex, fold);
-      const float facing = dot_product(normal, n), squared = dot_product(n, n);
-      if (!(squared > 0) || !(child ? facing < 0 : facing > 0)) continue;
-      const float depth = depth_of(vertex, fold, n, normal, child, kFoldOffset * facing), size = std::sqrt(squared);
-      if (!(depth > 0) || !(depth / size < least)) continue;
-      least = depth / size;
-      const float share = (child ? 0.5f : -0.5f) * std::min(size, 1.0f) * depth / squared;
-      for (std::size_t i = 0; i < 3; ++i) way[i] = share * n[i];
-    }
-    return least < std::numeric_limits<float>::max();
+  Spans point_spans(std::size_t vertex, const BentFold& fold) const {
+    Vector point;
+    std::copy_n(&frame_.current[3 * vertex], 3, point);
+    return spans_of(point, {0, 0, 0}, fold);
   }
 
-  float depth_of(std::size_t vertex, std::uint32_t fold, const Vector& n, const Vector& normal, bool child,
-                 float offset) const {
-    Vector point, u, w;
-    for (std::size_t i = 0; i < 3; ++i) point[i] = frame_.current[3 * vertex + i] + kFoldOffset * normal[i];
-    fold_axes(n, u, w);
-    float found[6] = {0, 0, 0, 0, std::numeric_limits<float>::max(), -std::numeric_limits<float>::max()};
-    for (std::size_t box = 0; box < push_.box_count; ++box) {
-      Vector middle, half_edge;
-      const float* bounds = &frame_.boxes[6 * box];
-      for (std::size_t i = 0; i < 3; ++i) {
-        middle[i] = 0.5f * (bounds[i] + bounds[3 + i]) - point[i];
-        half_edge[i] = 0.5f * (bounds[3 + i] - bounds[i]);
+  static bool meets(const BentFold& fold, std::size_t box, const Spans& spans) {
+    return (fold.from[0][box] <= spans.to[0]) & (fold.to[0][box] >= spans.from[0]) &
+           (fold.from[1][box] <= spans.to[1]) & (fold.to[1][box] >= spans.from[1]);
+  }
+
+  void find_boxes(const BentFold& fold, const Spans& spans) {
+    boxes_.clear();
+    const std::uint32_t small = small_box_count(push_.triangle_count);
+    for (std::uint32_t large = 0; small + large < push_.box_count; ++large) {
+      if (!meets(fold, small + large, spans)) continue;
+      const std::uint32_t end = std::min(kLargeBox * (large + 1), small);
+      for (std::uint32_t box = kLargeBox * large; box < end; ++box) {
+        if (meets(fold, box, spans)) boxes_.push_back(box);
       }
-      if (fold_passes_by(middle, half_edge, u) || fold_passes_by(middle, half_edge, w)) continue;
-      add_box(box, point, n, u, w, fold, child, found);
     }
+  }
+
+  // Is there skin of the other side above and below?
+  bool may_lie_between(const BentFold& fold, const Spans& spans, bool child) const {
+    bool above = false, below = false;
+    for (const std::uint32_t box : boxes_) {
+      if (!has_other(box, fold.fold, child) || !meets(fold, box, spans)) continue;
+      above = above || fold.to[2][box] >= spans.from[2];
+      below = below || fold.from[2][box] <= spans.to[2];
+      if (above && below) return true;
+    }
+    return false;
+  }
+
+  void look_at(const BentFold& fold, const Member& member, bool child) {
+    Vector normal;
+    vertex_normal(mesh_, frame_.posed, member.movable->vertex, normal);
+    const float facing = dot_product(normal, fold.n), squared = dot_product(fold.n, fold.n);
+    if (!(child ? facing < 0 : facing > 0)) return;
+    const float depth = depth_of(fold, member, normal, child, kFoldOffset * facing), size = std::sqrt(squared);
+    Movable& movable = *member.movable;
+    if (!(depth > 0) || !(depth / size < movable.least)) return;
+    movable.least = depth / size;
+    const float share = (child ? 0.5f : -0.5f) * std::min(size, 1.0f) * depth / squared;
+    for (std::size_t i = 0; i < 3; ++i) movable.way[i] = share * fold.n[i];
+  }
+
+  float depth_of(const BentFold& fold, const Member& member, const Vector& normal, bool child, float offset) const {
+    Vector point;
+    for (std::size_t i = 0; i < 3; ++i) {
+      point[i] = frame_.current[3 * member.movable->vertex + i] + kFoldOffset * normal[i];
+    }
+    float found[6] = {0, 0, 0, 0, std::numeric_limits<float>::max(), -std::numeric_limits<float>::max()};
+    const auto add_boxes = [&](bool with_other) {
+      for (const std::uint32_t box : boxes_) {
+        if (has_other(box, fold.fold, child) == with_other && meets(fold, box, member.spans)) {
+          add_box(box, point, fold, child, found);
+        }
+      }
+    };
+    add_boxes(true);
+    if (!(std::min(found[kFoldOtherAbove], found[kFoldOtherBelow]) > 0)) return 0;
+    add_boxes(false);
     return fold_depth(found, child, offset);
   }
 
-  void add_box(std::size_t box, const Vector& point, const Vector& n, const Vector& u, const Vector& w,
-               std::uint32_t fold, bool child, float (&found)[6]) const {
+  void add_box(std::size_t box, const Vector& point, const BentFold& fold, bool child, float (&found)[6]) const {
     const std::size_t end = std::min<std::size_t>(kBoxTriangles * (box + 1), push_.triangle_count);
     for (std::size_t t = kBoxTriangles * box; t < end; ++t) {
+      const std::uint32_t* vertices = &tables_.triangles[3 * t];
       Vector corners[3];
-      bool other = false;
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t vertex = mesh_.triangles[3 * t + k];
-        other = other || is_child(vertex, fold) != child;
-        for (std::size_t i = 0; i < 3; ++i) corners[k][i] = frame_.current[3 * vertex + i] - point[i];
+        for (std::size_t i = 0; i < 3; ++i) corners[k][i] = frame_.current[3 * std::size_t{vertices[k]} + i] - point[i];
       }
-      add_fold_triangle(corners[0], corners[1], corners[2], n, u, w, other, found);
+      if (is_beside_fold_line(corners[0], corners[1], corners[2], fold.w)) continue;
+      const bool other = std::any_of(vertices, vertices + 3,
+                                     [&](std::uint32_t vertex) { return is_child(vertex, fold.fold) != child; });
+      add_fold_triangle(corners[0], corners[1], corners[2], fold.n, fold.u, fold.w, other, found);
     }
   }
 
   const MeshTable& mesh_;
-  const std::span<const std::uint32_t> sides_;
+  const FoldTables& tables_;
   const OutputSeparatePush& push_;
   const SeparateFrame& frame_;
-  const std::size_t words_;
+  const std::size_t words_, first_;
+  std::vector<Movable> movable_;
+  std::vector<Member> members_;       // of the fold that is looked at
+  std::vector<std::uint32_t> boxes_;  // that lines through members may meet
 };
 
 }  // namespace
 
-void separate_part(const MeshTable& mesh, std::span<const std::uint32_t> sides, const OutputSeparatePush& push,
-                   const SeparateFrame& frame, std::size_t first_vertex, std::span<float> moved) {
-  const Separation separation(mesh, sides, push, frame);
-  for (std::size_t at = 0; at < moved.size(); at += 3) separation.move(first_vertex + at / 3, &moved[at]);
+std::vector<BentFold> bent_folds(const OutputSeparatePush& push, std::span<const float> weights,
+                                 std::span<const float> boxes) {
+  std::vector<BentFold> bent;
+  for (std::uint32_t k = 0; k < push.fold_count; ++k) {
+    BentFold fold;
+    fold.fold = k;
+    std::copy_n(&weights[push.component + 3 * std::size_t{k}], 3, fold.n);
+    if (!(dot_product(fold.n, fold.n) > 0)) continue;
+    fold_axes(fold.n, fold.u, fold.w);
+    for (std::size_t i = 0; i < 3; ++i) {
+      fold.from[i].reserve(boxes.size() / 6);
+      fold.to[i].reserve(boxes.size() / 6);
+    }
+    for (std::size_t at = 0; at < boxes.size(); at += 6) {
+      Vector middle, half_edge;
+      for (std::size_t i = 0; i < 3; ++i) {
+        middle[i] = 0.5f * (boxes[at + i] + boxes[at + 3 + i]);
+        half_edge[i] = 0.5f * (boxes[at + 3 + i] - boxes[at + i]);
+      }
+      const Spans spans = spans_of(middle, half_edge, fold);
+      for (std::size_t i = 0; i < 3; ++i) {
+        fold.from[i].push_back(spans.from[i]);
+        fold.to[i].push_back(spans.to[i]);
+      }
+    }
+    bent.push_back(std::move(fold));
+  }
+  return bent;
 }
 
-void output_separate(const MeshTable& mesh, std::span<const std::uint32_t> sides, const OutputSeparatePush& push,
+bool separate_part(const MeshTable& mesh, const FoldTables& tables, const OutputSeparatePush& push,
+                   std::span<const BentFold> folds, const SeparateFrame& frame, std::size_t first_vertex,
+                   std::span<float> moved) {
+  bool moves = false;
+  for (std::size_t at = 0; at < moved.size(); at += std::size_t{3} * kWorkgroupSize) {
+    const std::span<float> some = moved.subspan(at, std::min(moved.size() - at, std::size_t{3} * kWorkgroupSize));
+    Separation separation(mesh, tables, push, frame, first_vertex + at / 3, some);
+    for (const BentFold& fold : folds) separation.look_at(fold);
+    moves = separation.move(some) || moves;
+  }
+  return moves;
+}
+
+void output_separate(const MeshTable& mesh, const FoldTables& tables, const OutputSeparatePush& push,
                      const SeparateFrame& batch, std::span<float> moved) {
   const std::size_t numbers = std::size_t{3} * push.vertex_count, boxes = std::size_t{6} * push.box_count;
   for (std::size_t f = 0; f * numbers < moved.size(); ++f) {
-    const SeparateFrame frame = {batch.boxes.subspan(f * boxes, boxes),
-                                 batch.weights.subspan(f * push.component_count, push.component_count),
-                                 batch.normals.subspan(f * numbers, numbers), batch.posed.subspan(f * numbers, numbers),
-                                 batch.current.subspan(f * numbers, numbers)};
-    separate_part(mesh, sides, push, frame, 0, moved.subspan(f * numbers, numbers));
+    const SeparateFrame frame = {
+        batch.boxes.subspan(f * boxes, boxes), batch.weights.subspan(f * push.component_count, push.component_count),
+        batch.posed.subspan(f * numbers, numbers), batch.current.subspan(f * numbers, numbers)};
+    separate_part(mesh, tables, push, bent_folds(push, frame.weights, frame.boxes), frame, 0,
+                  moved.subspan(f * numbers, numbers));
   }
 }
 

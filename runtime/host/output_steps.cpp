@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "shaders/include/fold.h"
+
 namespace bodyopt {
 namespace {
 
@@ -33,8 +35,8 @@ OutputRelaxPush relax_push(const Basis& basis, const OutputStep& step) {
 }
 
 OutputBoundPush bound_push(const Basis& basis) {
-  return {basis.mesh.vertex_count(), static_cast<std::uint32_t>(basis.mesh.triangles.size() / 3),
-          box_count(basis.mesh)};
+  const auto triangles = static_cast<std::uint32_t>(basis.mesh.triangles.size() / 3);
+  return {basis.mesh.vertex_count(), triangles, box_count(triangles)};
 }
 
 OutputSeparatePush separate_push(const Basis& basis, const OutputStep& step) {
@@ -47,42 +49,6 @@ OutputSeparatePush separate_push(const Basis& basis, const OutputStep& step) {
           static_cast<std::uint32_t>(step.modifier->joints.size()),
           step.number,
           step.modifier->numbers[0]};
-}
-
-std::vector<char> at_or_below(const Skeleton& skeleton, std::uint32_t joint) {
-  std::vector<char> found(skeleton.size());
-  for (std::size_t j = 0; j < found.size(); ++j) {
-    const int parent = skeleton.joints[j].parent;
-    found[j] = j == joint || (parent >= 0 && found[static_cast<std::size_t>(parent)]);
-  }
-  return found;
-}
-
-std::uint32_t box_count(const MeshTable& mesh) {
-  return (static_cast<std::uint32_t>(mesh.triangles.size() / 3) + kBoxTriangles - 1) / kBoxTriangles;
-}
-
-std::vector<std::uint32_t> fold_sides(const Basis& basis) {
-  const SkinModifier* modifier = basis.modifiers.of_type(kPushOut.name);
-  if (modifier == nullptr) return {};
-  const std::size_t words = (modifier->joints.size() + 31) / 32;
-  std::vector<std::uint32_t> sides(2 * words * basis.mesh.vertex_count());
-  for (std::size_t k = 0; k < modifier->joints.size(); ++k) {
-    const std::vector<char> below = at_or_below(basis.skeleton, modifier->joints[k]);
-    const float* fold = &modifier->numbers[kPushOut.numbers + k * kPushOut.joint_numbers];
-    for (std::size_t v = 0; v < basis.mesh.vertex_count(); ++v) {
-      float squared = 0;
-      for (std::size_t i = 0; i < 3; ++i) {
-        const float way = basis.mesh.rest[3 * v + i] - fold[i];
-        squared += way * way;
-      }
-      const std::uint32_t bit = 1u << k % 32;
-      std::uint32_t* own = &sides[2 * words * v + k / 32];
-      if (squared < fold[3] * fold[3]) own[0] |= bit;
-      if (below[basis.ddm.vertices[v].base_joint]) own[words] |= bit;
-    }
-  }
-  return sides;
 }
 
 }  // namespace bodyopt

@@ -22,14 +22,4 @@ OutputRelaxPush relax_push(const Basis& basis, const OutputStep& step);
 OutputBoundPush bound_push(const Basis& basis);
 OutputSeparatePush separate_push(const Basis& basis, const OutputStep& step);
 
-// J: of each joint whether it is `joint` or one below it.
-std::vector<char> at_or_below(const Skeleton& skeleton, std::uint32_t joint);
-
-// Boxes of the triangles of a skin, kBoxTriangles to each.
-std::uint32_t box_count(const MeshTable& mesh);
-
-// What output_separate knows of the vertices where there is push-out, or nothing: of each V words of a bit for each
-// fold whose reach it lies within, and as many of a bit for each whose joint, or one below that, holds it.
-std::vector<std::uint32_t> fold_sides(const Basis& basis);
-
 }  // namespace bodyopt

@@ -1,5 +1,6 @@
 // Push-out: the normals of folds that are bent far enough to close. A bone that turns away from where it points at rest
-// leaves a fold between both directions, whose normal is half-way between them (shaders/include/fold.h).
+// leaves a fold between it and the limb above, whose normal is half-way between their directions
+// (shaders/include/fold.h).
 //   joints: one for each fold;  components: three to a fold, its normal;  numbers: the metres that skin moves at most,
 //   then of each fold where its joint stands at rest, how far from there skin belongs to it, and the bone's direction
 #include <algorithm>
@@ -13,6 +14,7 @@
 namespace bodyopt {
 namespace {
 
+constexpr double kOneLimb = 0.5;              // cosine of what its bones are bent at most at rest
 constexpr double kBegins = 30, kInFull = 45;  // degrees that a bone is turned
 
 double shown_at(double cosine) {
@@ -20,9 +22,23 @@ double shown_at(double cosine) {
   return std::clamp((degrees - kBegins) / (kInFull - kBegins), 0.0, 1.0);
 }
 
+Vec3 bind_place(const Skeleton& skeleton, std::size_t joint) {
+  const Affine bind = inverse(skeleton.joints[joint].inverse_bind);
+  return {bind.m[0][3], bind.m[1][3], bind.m[2][3]};
+}
+
+// Where the limb that a bone bends comes from at rest: the bone above it, where both are of one limb, or the bone's
+// own.
+Vec3 limb_direction(const Skeleton& skeleton, std::size_t joint, const Vec3& bone) {
+  const Vec3 above =
+      bind_place(skeleton, joint) - bind_place(skeleton, static_cast<std::size_t>(skeleton.joints[joint].parent));
+  const double size = length(above);
+  return size > 1e-6 && dot(above, bone) > kOneLimb * size ? (1 / size) * above : bone;
+}
+
 // As long as the fold is shown.
-Vec3 fold_normal(const Vec3& bone, const Vec3& straight) {
-  const Vec3 sum = bone + straight;
+Vec3 fold_normal(const Vec3& bone, const Vec3& straight, const Vec3& limb) {
+  const Vec3 sum = bone + limb;
   const double size = length(sum);
   if (!(size > 1e-6)) return {0, 0, 0};  // turned back on itself
   return shown_at(dot(bone, straight)) / size * sum;
@@ -45,7 +61,9 @@ void drive_push_out(const ModifierFrames& frames, std::span<float> weights) {
       if (parent < 0) throw std::out_of_range("a fold's joint");
       Vec3 bone;
       for (std::size_t i = 0; i < 3; ++i) bone[i] = static_cast<double>(modifier.numbers.at(5 + 7 * k + i));
-      const Vec3 normal = fold_normal(turned(modifier.joints[k], bone), turned(static_cast<std::size_t>(parent), bone));
+      const Vec3 normal =
+          fold_normal(turned(modifier.joints[k], bone), turned(static_cast<std::size_t>(parent), bone),
+                      turned(static_cast<std::size_t>(parent), limb_direction(skeleton, modifier.joints[k], bone)));
       for (std::size_t i = 0; i < 3; ++i) {
         weights[f * modifier.component_count + 3 * k + i] = static_cast<float>(normal[i]);
       }

@@ -6,11 +6,24 @@
 #ifndef BODYOPT_FOLD_H
 #define BODYOPT_FOLD_H
 
+#include "layout.h"
 #include "vectors.h"
 
 #ifdef __cplusplus
 namespace bodyopt {
 #endif
+
+// So many boxes of triangles share a large one; the large ones stand after the others.
+const uint kLargeBox = 16u;
+BODYOPT_FUNCTION uint small_box_count(uint triangle_count) {
+  return (triangle_count + kBoxTriangles - 1u) / kBoxTriangles;
+}
+BODYOPT_FUNCTION uint large_box_count(uint triangle_count) {
+  return (small_box_count(triangle_count) + kLargeBox - 1u) / kLargeBox;
+}
+BODYOPT_FUNCTION uint box_count(uint triangle_count) {
+  return small_box_count(triangle_count) + large_box_count(triangle_count);
+}
 
 // Metres that a vertex is looked at outside of where it stands: skin that touches skin has not crossed it.
 const float kFoldOffset = 1e-5f;
@@ -30,16 +43,19 @@ BODYOPT_FUNCTION void fold_axes(BODYOPT_IN_ARRAY(n, 3), BODYOPT_OUT_ARRAY(u, 3),
   cross_product(n, u, w);
 }
 
-// Does the line surely pass by a box of this middle, relative to the point, and these half edges?
-BODYOPT_FUNCTION bool fold_passes_by(BODYOPT_IN_ARRAY(middle, 3), BODYOPT_IN_ARRAY(half_edge, 3),
-                                     BODYOPT_IN_ARRAY(axis, 3)) {
-  float away = 0.0f, reach = 0.0f, sum = 0.0f;
+// Where a box surely lies along an axis, from .. to: of this middle and these half edges; of a point's own 0.
+BODYOPT_FUNCTION void fold_span(BODYOPT_IN_ARRAY(middle, 3), BODYOPT_IN_ARRAY(half_edge, 3), BODYOPT_IN_ARRAY(axis, 3),
+                                BODYOPT_OUT_ARRAY(span, 2)) {
+  float away = 0.0f, reach = 0.0f, sum = 0.0f, size = 0.0f;
   for (int i = 0; i < 3; ++i) {
     away += axis[i] * middle[i];
     reach += abs(axis[i]) * half_edge[i];
     sum += abs(axis[i] * middle[i]);
+    size = max(size, abs(axis[i]));
   }
-  return abs(away) > reach + 1e-5f * (reach + sum);
+  float margin = 1e-5f * (reach + sum) + 4.0f * kFoldOffset * size;
+  span[0] = away - reach - margin;
+  span[1] = away + reach + margin;
 }
 
 // Of a triangle's edge, seen along the normal from the point: 1 where it crosses the half line along u to the left, -1
@@ -52,6 +68,13 @@ BODYOPT_FUNCTION float fold_edge(float from_u, float from_w, float to_u, float t
   BODYOPT_PRECISE float side = low_u * high_w - high_u * low_w;
   if (!(side > 0.0f)) return 0.0f;
   return left ? 1.0f : -1.0f;
+}
+
+// Does a triangle, its corners relative to the point, surely lie to one side of the line?
+BODYOPT_FUNCTION bool is_beside_fold_line(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3), BODYOPT_IN_ARRAY(c, 3),
+                                          BODYOPT_IN_ARRAY(w, 3)) {
+  bool left = dot_product(w, a) > 0.0f;
+  return left == (dot_product(w, b) > 0.0f) && left == (dot_product(w, c) > 0.0f);
 }
 
 // Adds a triangle, its corners relative to the point, to what is found along the line.

@@ -151,10 +151,10 @@ struct TetElasticity {
 BODYOPT_CHECK_SIZE(TetElasticity, 8)
 
 // In how many steps skin is relaxed, and skin that has crossed skin is taken out of it.
-const uint kRelaxSteps = 4u, kSeparateSteps = 3u;
+const uint kRelaxSteps = 4u, kSeparateSteps = 5u;
 
 // So many triangles, one after the other, share a box that those a line may meet are found by.
-const uint kBoxTriangles = 32u;
+const uint kBoxTriangles = 8u;
 
 // Push constants, one record per kernel. Every kernel runs over (element, frame) = (x, y).
 struct StrainSkinPush {

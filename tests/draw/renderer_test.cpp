@@ -125,6 +125,28 @@ TEST_F(RendererTest, OrthographicCameraKeepsTheNearerMeshBeforeTheOther) {
   EXPECT_GT(back[2], back[0] + 100);
 }
 
+TEST_F(RendererTest, CutsAwayWhatStandsBeforeTheTarget) {
+  Sphere red(0.5f), blue(0.5f);
+  red.colours.assign(red.positions.size(), 0.0f);
+  blue.colours = red.colours;
+  for (std::size_t i = 0; i < red.colours.size(); i += 3) red.colours[i] = blue.colours[i + 2] = 1;
+  for (std::size_t i = 2; i < red.positions.size(); i += 3) {
+    red.positions[i] += 0.6f;
+    blue.positions[i] -= 0.6f;
+  }
+  const DrawMesh meshes[] = {red.mesh(), blue.mesh()};
+  for (const float height : {0.0f, 2.0f}) {
+    Camera camera{{0, 0, 3}, {0, 0, 0}, 0.45f, height};
+    const auto whole = pixel(renderer_->draw(meshes, camera, 64, 64), 32, 32);
+    EXPECT_GT(whole[0], whole[2] + 100) << height;
+    camera.cut_away = true;
+    const auto cut = pixel(renderer_->draw(meshes, camera, 64, 64), 32, 32);
+    EXPECT_GT(cut[2], cut[0] + 100) << height;
+    camera.target[2] = -2;
+    EXPECT_FALSE(covered(renderer_->draw(meshes, camera, 64, 64), 32, 32)) << height;
+  }
+}
+
 TEST_F(RendererTest, SameInputGivesTheSameBits) {
   const Sphere sphere(1);
   EXPECT_EQ(draw({sphere.mesh()}).rgba, draw({sphere.mesh()}).rgba);

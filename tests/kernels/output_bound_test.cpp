@@ -1,8 +1,8 @@
 #include <Eigen/Geometry>
 
 #include "runtime/cpu/kernels.h"
-#include "runtime/host/output_steps.h"
 #include "runtime/vulkan/kernels/kernels.h"
+#include "shaders/include/fold.h"
 #include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 
@@ -14,10 +14,11 @@ struct Case {
       : random(vertices + 31 * frame_count),
         frames(frame_count),
         mesh(random_mesh(random, vertices)),
-        push{vertices, static_cast<std::uint32_t>(mesh.triangles.size() / 3), box_count(mesh)},
+        push{vertices, static_cast<std::uint32_t>(mesh.triangles.size() / 3),
+             box_count(static_cast<std::uint32_t>(mesh.triangles.size() / 3))},
         positions(random.floats(std::size_t{3} * vertices * frames, -1, 1)),
         boxes(std::size_t{6} * push.box_count * frames) {
-    cpu::output_bound(mesh, push, positions, boxes);
+    cpu::output_bound(mesh.triangles, push, positions, boxes);
   }
 
   Random random;
@@ -36,18 +37,20 @@ TEST(OutputBoundReference, EqualsTheTextbook) {
   const Case c(200, 2);
   const std::size_t triangles = c.mesh.triangles.size() / 3;
   ASSERT_EQ(triangles, 400u);
-  ASSERT_EQ(c.push.box_count, 13u);  // of 32, the last of 16
+  ASSERT_EQ(c.push.box_count, 54u);  // 50 of 8, and 4 of 128, the last of 16
   for (std::size_t f = 0; f < 2; ++f) {
-    std::vector<Eigen::AlignedBox3f> boxes(13);
+    std::vector<Eigen::AlignedBox3f> boxes(54);
     for (std::size_t t = 0; t < triangles; ++t) {
       for (std::size_t k = 0; k < 3; ++k) {
-        boxes[t / 32].extend(Eigen::Vector3f(
-            Eigen::Map<const Eigen::Vector3f>(&c.positions[600 * f + 3 * c.mesh.triangles[3 * t + k]])));
+        const Eigen::Vector3f corner =
+            Eigen::Map<const Eigen::Vector3f>(&c.positions[600 * f + 3 * c.mesh.triangles[3 * t + k]]);
+        boxes[t / 8].extend(corner);
+        boxes[50 + t / 128].extend(corner);
       }
     }
-    for (std::size_t b = 0; b < 13; ++b) {
+    for (std::size_t b = 0; b < 54; ++b) {
       for (int i = 0; i < 3; ++i) {
-        const std::size_t at = 6 * (13 * f + b) + static_cast<std::size_t>(i);
+        const std::size_t at = 6 * (54 * f + b) + static_cast<std::size_t>(i);
         ASSERT_EQ(c.boxes[at], boxes[b].min()[i]);
         ASSERT_EQ(c.boxes[at + 3], boxes[b].max()[i]);
       }

@@ -1,8 +1,9 @@
 #include <Eigen/Dense>
 
 #include "runtime/cpu/kernels.h"
-#include "runtime/host/output_steps.h"
+#include "runtime/host/fold_tables.h"
 #include "runtime/vulkan/kernels/kernels.h"
+#include "shaders/include/fold.h"
 #include "tests/support/kernel_cases.h"
 #include "tests/support/random_tables.h"
 
@@ -22,7 +23,7 @@ struct Case {
         mesh(random_mesh(random, vertices)),
         push{vertices,
              static_cast<std::uint32_t>(mesh.triangles.size() / 3),
-             box_count(mesh),
+             box_count(static_cast<std::uint32_t>(mesh.triangles.size() / 3)),
              kComponents,
              kComponent,
              kFolds,
@@ -35,7 +36,7 @@ struct Case {
         boxes(std::size_t{6} * push.box_count * frames),
         moved(posed.size()) {
     for (std::uint32_t k = 0; k < 2 * kWords * vertices; ++k) {
-      sides.push_back(random.below(0x10000) << 16 | random.below(0x10000));
+      tables.sides.push_back(random.below(0x10000) << 16 | random.below(0x10000));
     }
     for (std::size_t k = 0; k < kFolds * frames; ++k) {  // most folds are straight
       if (k % 4 != 3) std::fill_n(&weights[kComponents * (k / kFolds) + kComponent + 3 * (k % kFolds)], 3, 0.0f);
@@ -43,17 +44,21 @@ struct Case {
     for (std::size_t k = 0; k < current.size(); ++k) {  // every other vertex was moved by a step before
       if (k / 3 % 2 == 1) current[k] += static_cast<float>(random.uniform(-0.05, 0.05));
     }
-    cpu::output_normals(mesh, current, normals);
-    cpu::output_bound(mesh, bound_push(), current, boxes);
-    cpu::output_separate(mesh, sides, push, {boxes, weights, normals, posed, current}, moved);
+    tables.triangles = boxed_triangles(mesh);
+    add_box_sides(kWords, tables);
+    cpu::output_normals(mesh, posed, normals);
+    cpu::output_bound(tables.triangles, bound_push(), current, boxes);
+    cpu::output_separate(mesh, tables, push, {boxes, weights, posed, current}, moved);
   }
 
   OutputBoundPush bound_push() const { return {push.vertex_count, push.triangle_count, push.box_count}; }
   Vector3d at(const std::vector<float>& values, std::size_t frame, std::size_t vertex) const {
     return Eigen::Map<const Eigen::Vector3f>(&values[3 * (frame * push.vertex_count + vertex)]).cast<double>();
   }
-  bool is_near(std::size_t v, std::uint32_t fold) const { return sides[4 * v + fold / 32] >> fold % 32 & 1u; }
-  bool is_child(std::size_t v, std::uint32_t fold) const { return sides[4 * v + 2 + fold / 32] >> fold % 32 & 1u; }
+  bool is_near(std::size_t v, std::uint32_t fold) const { return tables.sides[4 * v + fold / 32] >> fold % 32 & 1u; }
+  bool is_child(std::size_t v, std::uint32_t fold) const {
+    return tables.sides[4 * v + 2 + fold / 32] >> fold % 32 & 1u;
+  }
 
   // How deep a vertex lies in the other side, along the unit n, by all triangles; 0 where it does not.
   double depth(std::size_t f, std::size_t v, std::uint32_t fold, const Vector3d& n) const {
@@ -110,15 +115,15 @@ struct Case {
   std::uint32_t frames;
   MeshTable mesh;
   OutputSeparatePush push;
-  std::vector<std::uint32_t> sides;
+  FoldTables tables;
   std::vector<float> weights, posed, current, normals, boxes, moved;  // the last by the reference
 };
 
 const bool added =
     add_kernel_cases_of_frames("output_separate", "vertices", [](KernelSet& kernels, const Trial& trial) {
       const Case c(trial.size, trial.variant, trial.variant % 2);
-      return run_on<vulkan::OutputSeparate>(kernels, c.push, c.frames, {{c.moved}}, c.mesh.triangles, c.sides, c.boxes,
-                                            c.weights, c.normals, c.posed, c.current);
+      return run_on<vulkan::OutputSeparate>(kernels, c.push, c.frames, {{c.moved}}, c.tables.triangles, c.tables.sides,
+                                            c.boxes, c.weights, c.normals, c.posed, c.current);
     });
 
 TEST(OutputSeparateReference, EqualsTheTextbook) {
@@ -146,7 +151,7 @@ TEST(OutputSeparateReference, EqualsTheTextbook) {
 TEST(OutputSeparateReference, SidesMeetHalfWay) {
   MeshTable mesh;
   std::vector<float> current;
-  std::vector<std::uint32_t> sides;
+  FoldTables tables;
   const std::uint32_t corners[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                         {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   for (std::uint32_t box = 0; box < 2; ++box) {
@@ -155,7 +160,7 @@ TEST(OutputSeparateReference, SidesMeetHalfWay) {
       const float size = box == 0 ? 1 : 3, x = static_cast<float>(k & 1) - 0.5f, y = static_cast<float>(k >> 1 & 1);
       current.insert(current.end(),
                      {size * x, size * (y - 0.5f), static_cast<float>(k >> 2) + 0.9f * static_cast<float>(box)});
-      sides.insert(sides.end(), {1, box});
+      tables.sides.insert(tables.sides.end(), {1, box});
     }
     for (const auto& triangle : corners) {
       for (const std::uint32_t corner : triangle) mesh.triangles.push_back(corner + 8 * box);
@@ -169,12 +174,12 @@ TEST(OutputSeparateReference, SidesMeetHalfWay) {
     mesh.vertex_triangles.insert(mesh.vertex_triangles.end(), list.begin(), list.end());
     mesh.vertex_triangle_begin.push_back(static_cast<std::uint32_t>(mesh.vertex_triangles.size()));
   }
-  std::vector<float> normals(48), boxes(6), moved(48);
+  std::vector<float> boxes(24), moved(48);
+  tables.triangles = mesh.triangles;
+  add_box_sides(1, tables);
   const auto separated = [&](const std::vector<float>& weights, float limit) {
-    cpu::output_normals(mesh, current, normals);
-    cpu::output_bound(mesh, {16, 24, 1}, current, boxes);
-    cpu::output_separate(mesh, sides, {16, 24, 1, 3, 0, 1, 0, limit}, {boxes, weights, normals, current, current},
-                         moved);
+    cpu::output_bound(tables.triangles, {16, 24, 4}, current, boxes);
+    cpu::output_separate(mesh, tables, {16, 24, 4, 3, 0, 1, 0, limit}, {boxes, weights, current, current}, moved);
     return moved;
   };
   const std::vector<float> whole = separated({0, 0, 1}, 1), half = separated({0, 0, 0.5f}, 1),

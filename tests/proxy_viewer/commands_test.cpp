@@ -110,6 +110,7 @@ const std::map<std::string, Case>& cases() {
       {"left", {"", [](C, C c) { return looks_from(c, -90, 0); }, {"1"}}},
       {"top", {"", [](C, C c) { return looks_from(c, 0, 90); }, {"1"}}},
       {"bottom", {"", [](C, C c) { return looks_from(c, 0, -90); }, {"1"}}},
+      {"cut-away", {"on", [](C, C c) { return c.camera.view().cut_away; }, {"yes"}}},
       {"orthographic",
        {"on", [](C, C c) { return c.camera.view().orthographic; }, {"yes"}}},
       {"follow", {"off", [](C, C c) { return !c.settings.look.follow; }, {"no"}}},

@@ -69,8 +69,8 @@ class RandomSettings {
     return names[random_.below(6)];
   }
   OrbitView view() {
-    return {
-        {number(-9, 9), number(-9, 9), number(-9, 9)}, number(0.01, 50), number(-kPi, kPi), number(-1.5, 1.5), yes()};
+    const Vec3 target{number(-9, 9), number(-9, 9), number(-9, 9)};
+    return {target, number(0.01, 50), number(-kPi, kPi), number(-1.5, 1.5), yes(), yes()};
   }
 
   Random random_;

@@ -1,14 +1,14 @@
 // Push-out: which joints fold skin, and which skin may lie in such a fold: what stands about a bone's length around the
 // joint. What crosses is found by the kernel (shaders/include/fold.h).
 #include "runtime/core/error.h"
-#include "runtime/host/output_steps.h"
+#include "runtime/host/fold_tables.h"
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/bones.h"
 
 namespace bodyopt {
 namespace {
 
-constexpr double kReach = 1.25;  // of the bone's length
+constexpr double kReach = 2;  // of the bone's length
 
 // Skin on one side only does not fold.
 bool has_both_sides(const Basis& basis, std::uint32_t joint, const Vec3& place, double reach) {

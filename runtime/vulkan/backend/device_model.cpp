@@ -2,6 +2,10 @@
 
 namespace bodyopt::vulkan {
 
+FoldBuffers::FoldBuffers(const Device& device, const FoldTables& tables, const DeviceInfo& limits)
+    : triangles(upload_whole(device, tables.triangles, "the triangles", limits)),
+      sides(upload_whole(device, tables.sides, "the folds' sides", limits)) {}
+
 SkinTables::SkinTables(const Device& device, const Basis& b, const DeviceInfo& limits)
     : ddm(device, b.ddm, limits),
       blend(device, b.residual.blend_begin, b.residual.blend, limits),
@@ -21,10 +25,7 @@ SkinTables::SkinTables(const Device& device, const Basis& b, const DeviceInfo& l
       weights(upload_whole(device, b.residual.weights, "the weights", limits)),
       rest(upload_whole(device, b.modifiers.of_type(kRelax.name) ? b.mesh.rest : std::vector<float>(),
                         "the skin at rest", limits)),
-      fold_sides(upload_whole(device, bodyopt::fold_sides(b), "the folds' sides", limits)),
-      triangles(upload_whole(device,
-                             b.modifiers.of_type(kPushOut.name) ? b.mesh.triangles : std::vector<std::uint32_t>(),
-                             "the triangles", limits)),
+      folds(device, fold_tables(b), limits),
       fans(device, b.mesh, limits),
       output_vertex(upload_whole(device, b.mesh.output_vertex, "the output vertices", limits)) {}
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "runtime/host/character_model.h"
+#include "runtime/host/fold_tables.h"
 #include "runtime/host/output_steps.h"
 #include "runtime/vulkan/backend/block_solve.h"
 #include "runtime/vulkan/kernels/windows.h"
@@ -29,13 +30,19 @@ struct FrameCounts {
         components(basis.modifiers.component_count()),
         turned_joints(basis.modifiers.turn_joints() ? joints : 0),
         finished(basis.modifiers.move_posed_skin() ? 3 * vertices : 0),
-        boxes(basis.modifiers.of_type(kPushOut.name) ? box_count(basis.mesh) : 0) {}
+        boxes(basis.modifiers.of_type(kPushOut.name) ? bound_push(basis).box_count : 0) {}
 
   std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
   std::uint32_t regions, coordinates, centres, coefficients, components;
   std::uint32_t turned_joints;  // all joints where modifiers turn some; 0 where none do
   std::uint32_t finished;       // numbers of a skin that modifiers move in the end; 0 where none do
   std::uint32_t boxes;          // of triangles; 0 without push-out
+};
+
+struct FoldBuffers {
+  FoldBuffers(const Device& device, const FoldTables& tables, const DeviceInfo& limits);
+
+  Buffer triangles, sides;
 };
 
 struct SkinTables {
@@ -45,8 +52,8 @@ struct SkinTables {
   BlendBuffers blend, modifiers;
   Buffer strain_vertices, points, fibre_begin, rest_length;
   Buffer ranges, regions, region_features, coordinate_region, projections, centre_region, centres;
-  Buffer coefficient_region, weights, rest, fold_sides;
-  Buffer triangles;  // without push-out none
+  Buffer coefficient_region, weights, rest;
+  FoldBuffers folds;  // without push-out empty
   FanBuffers fans;
   Buffer output_vertex;
 };

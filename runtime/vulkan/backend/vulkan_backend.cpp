@@ -291,12 +291,12 @@ class VulkanBackend final : public Backend, private SplitRun {
     const BatchBuffers& b = *buffers_;
     const SkinTables& t = tables_;
     const Basis& basis = model_->model().basis;
-    record_normals(frames);
-    kernels_.output_bound.record(*commands_, {t.triangles, *skin_, b.boxes.buffer}, bound_push(basis), frames);
-    kernels_.output_separate.record(
-        *commands_,
-        {t.triangles, t.fold_sides, b.boxes.buffer, b.modifiers.buffer, b.normals.buffer, unfinished, *skin_, to},
-        separate_push(basis, step), frames);
+    if (step.number == 0) record_normals(frames);  // those of the skin as it was posed
+    kernels_.output_bound.record(*commands_, {t.folds.triangles, *skin_, b.boxes.buffer}, bound_push(basis), frames);
+    kernels_.output_separate.record(*commands_,
+                                    {t.folds.triangles, t.folds.sides, b.boxes.buffer, b.modifiers.buffer,
+                                     b.normals.buffer, unfinished, *skin_, to},
+                                    separate_push(basis, step), frames);
   }
 
   // From now on for the host, one frame at a time: what an earlier frame uses is never let go of.
