@@ -254,9 +254,9 @@ TEST_F(SessionTest, FramingFitsOneOfTwoViews) {
 TEST_F(SessionTest, FramingLeavesRoomForNames) {
   session_.frame_selection(200, 200);
   const double free = session_.controls.camera.view().distance;
-  session_.keep_framed(200, 200, 20);
+  session_.keep_framed(200, 200, {.top = 20});
   EXPECT_NEAR(session_.controls.camera.view().distance, free / 0.8, 1e-3 * free);
-  session_.keep_framed(200, 200, 0);
+  session_.keep_framed(200, 200, {});
   EXPECT_NEAR(session_.controls.camera.view().distance, free, 1e-6 * free);
 }
 
