@@ -11,15 +11,17 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 ROUNDS = 5
 SINGLE, TOGETHER, JIGGLING = "one frame", "frames of 16", "frames that jiggle"
-# Title, what frame_bench calls it, its stages. Stages are summed over threads, and are left out where there are several.
-FIGURES = [
+# Title, what frame_bench calls it, its stages.
+STAGES = [
     ("`strain` and `pose`", SINGLE, ("strain", "pose")),
     ("`residual`", SINGLE, ("residual",)),
-    ("whole static frame", SINGLE, ("frame",)),
-    ("whole static frame, of 16", TOGETHER, ("frame",)),
     ("`diffuse`", JIGGLING, ("diffuse",)),
     ("`jiggle`", JIGGLING, ("jiggle",)),
-    ("whole frame that jiggles, of 16", JIGGLING, ("frame",)),
+]
+FRAMES = [
+    (f"{title}, {where}", what, (stage,))
+    for title, what in (("static frame", SINGLE), ("static frame of 16", TOGETHER), ("frame of 16 that jiggle", JIGGLING))
+    for where, stage in (("on the clock", "clock"), ("of the processors", "processors"))
 ]
 
 
@@ -68,10 +70,8 @@ def milliseconds(figures, what, stages):
     return sum(found) if found else None
 
 
-def print_rows(where, several_threads, earlier, now):
-    for title, what, stages in FIGURES:
-        if several_threads and stages != ("frame",):
-            continue
+def print_rows(where, rows, earlier, now):
+    for title, what, stages in rows:
         times = [milliseconds(figures, what, stages) for figures in (earlier, now)]
         if times == [None, None]:
             continue
@@ -109,9 +109,11 @@ def compare(earlier, now, arguments):
     described = subprocess.run(["git", "-C", ROOT, "describe", "--always", "--dirty"], check=True, capture_output=True,
                                text=True).stdout.strip()
     print(f"| where | ms a frame | {arguments.commit} | {described} | |\n|---|---|---|---|---|")
-    places = [("CPU, 1 thread", 1, "cpu"), ("CPU, 2 threads", 2, "cpu"), ("device 0", os.cpu_count(), "0")]
-    for where, threads, device in places:
-        print_rows(where, device == "cpu" and threads > 1, *measure((earlier, now), threads, device, arguments.files))
+    # Of several threads of the CPU, the stages are sums over them.
+    places = [("CPU, 1 thread", 1, "cpu", STAGES + FRAMES), ("CPU, 2 threads", 2, "cpu", FRAMES),
+              ("device 0", os.cpu_count(), "0", STAGES + FRAMES)]
+    for where, threads, device, rows in places:
+        print_rows(where, rows, *measure((earlier, now), threads, device, arguments.files))
 
 
 main()

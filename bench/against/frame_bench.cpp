@@ -1,10 +1,12 @@
 // How long frames of a basis take, with what every version of the runtime has had: a Deformer, and the seconds of its
 // stages. bench/against/compare.py compiles this beside two of them.
 //   frame_bench DEVICE BASIS [DYNAMICS]
-// A line for each figure: what was run, the stage ("frame": on the clock), and ms a frame, of the quickest run.
+// A line for each figure: what was run, the stage ("clock" and "processors": all of the frame, on the clock and of all
+// threads), and ms a frame, of the quickest run.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <map>
 #include <random>
 #include <span>
@@ -47,8 +49,10 @@ void measure(const char* what, std::size_t frames, const Run& run) {
   const auto start = Clock::now();
   for (int round = 0; round < 3 || Clock::now() - start < std::chrono::duration<double>(kSeconds); ++round) {
     const auto begin = Clock::now();
+    const std::clock_t used = std::clock();
     const std::map<std::string, double> stages = run();
-    keep("frame", std::chrono::duration<double>(Clock::now() - begin).count());
+    keep("processors", static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC);
+    keep("clock", std::chrono::duration<double>(Clock::now() - begin).count());
     for (const auto& [stage, seconds] : stages) keep(stage, seconds);
   }
   for (const auto& [stage, seconds] : quickest) {
