@@ -54,8 +54,6 @@ class UnsureLimb : public ::testing::Test {
   TransferPair pair_{source_, oddly_held_limb(), {}};
 };
 
-}  // namespace
-
 // A linear function of the plane is harmonic, whatever the steps of the grid.
 TEST(SmoothFill, ALinearFunctionIsFilledInExactly) {
   const Sheet sheet;
@@ -137,4 +135,5 @@ TEST_F(UnsureLimb, UnsureSkinLiesAmongWhatIsSureAroundIt) {
   }
 }
 
+}  // namespace
 }  // namespace bodyopt
