@@ -39,6 +39,7 @@ struct EvalArguments {
   std::string session;  // of the viewport: in place of the basis and the clip
   std::string list;     // of shots, in place of all else
   SessionCharacter posed{};
+  std::optional<int> in, out;  // ends of the range that a session plays; otherwise the clip's
 };
 
 // All files that decide the result.
@@ -98,9 +99,19 @@ void take_session(EvalArguments& arguments) {
   arguments.clip.source = files.clip;
   arguments.clip.options.fps = session.clip.fps;
   arguments.clip.options.joint_map = files.joint_map;
-  const auto& [in, out] = std::pair(session.view.playback.in, session.view.playback.out);
-  if (arguments.clip.frames.empty() && in && out) {
-    arguments.clip.frames = std::to_string(*in) + "-" + std::to_string(*out);
+  if (!arguments.clip.frames.empty()) return;
+  arguments.in = session.view.playback.in;
+  arguments.out = session.view.playback.out;
+}
+
+// Frames of a clip that its session does not play are left out.
+void keep_range(const EvalArguments& arguments, std::vector<int>& frames) {
+  std::erase_if(
+      frames, [&](int frame) { return frame < arguments.in.value_or(frame) || frame > arguments.out.value_or(frame); });
+  if (frames.empty()) {
+    throw Error(ErrorKind::usage, arguments.session + ": '" + arguments.clip.source +
+                                      "' has no frame of the range that it plays: was the clip replaced? --frames "
+                                      "chooses others");
   }
 }
 
@@ -126,6 +137,7 @@ EvaluatedShot read_shot(const EvalArguments& arguments) {
   shot.deformer = arguments.jiggle.deformer(std::move(level.basis), arguments.cache.basis, arguments.device.choice);
   const Basis& basis = shot.deformer->basis();
   shot.clip = arguments.clip.read(basis, arguments.unit > 0 ? arguments.unit : kept_unit(basis), shot.frames);
+  keep_range(arguments, shot.frames);
   if (!arguments.session.empty()) shot.clip = as_posed(arguments.posed, std::move(shot.clip), basis.skeleton);
   arguments.modifiers.apply(basis, shot.clip);
   shot.poses = poses_of(shot.clip, shot.frames);
@@ -257,10 +269,11 @@ void run(EvalArguments arguments) {
   arguments.jiggle.check();
   if (arguments.cache.out.find('#') != std::string::npos) {
     // The clip alone knows its first frame.
-    if (arguments.clip.frames.empty()) {
+    if (arguments.clip.frames.empty() && !arguments.in) {
       throw Error(ErrorKind::usage, "--out with '#' stands for the first frame and needs --frames");
     }
-    arguments.cache.out = with_first_frame(arguments.cache.out, parse_frame_range(arguments.clip.frames).front());
+    const int first = arguments.in ? *arguments.in : parse_frame_range(arguments.clip.frames).front();
+    arguments.cache.out = with_first_frame(arguments.cache.out, first);
   }
   std::optional<TaskRun> task;
   if (arguments.task.resume)

@@ -67,7 +67,8 @@ std::array<float, 4> projection(const Camera& camera, const DepthRange& seen, do
     return {static_cast<float>(scale / aspect), static_cast<float>(scale), static_cast<float>(1 / (n - f)),
             static_cast<float>(n / (n - f))};
   }
-  const double f = std::max(1.01 * seen.farthest, 1e-3), n = std::clamp(cut(0.99 * seen.nearest), 1e-3 * f, 0.9 * f);
+  const double near = cut(0.99 * seen.nearest), behind_cut = camera.cut_away ? 1.2 * near : 0;
+  const double f = std::max({1.01 * seen.farthest, behind_cut, 1e-3}), n = std::clamp(near, 1e-3 * f, 0.9 * f);
   const double scale = 1 / std::tan(0.5 * static_cast<double>(camera.vertical_angle));
   return {static_cast<float>(scale / aspect), static_cast<float>(scale), static_cast<float>(f / (n - f)),
           static_cast<float>(n * f / (n - f))};
