@@ -104,6 +104,17 @@ TEST_F(SessionFileTest, EvalMakesOfItWhatWasExported) {
   }
 }
 
+TEST_F(SessionFileTest, EvalKeepsARangeOfWhichOneEndIsTheClips) {
+  { const auto viewport = open(small(), "out 5; save begin.json; export-skin seen.pc2"); }
+  const ProgramResult result = run_program("cd " + folder_.path().string() + " && " + kProgram +
+                                           " eval --session begin.json --device cpu --out evaluated.pc2");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const Pc2Reader seen("seen.pc2"), evaluated("evaluated.pc2");
+  EXPECT_LT(seen.sample_count(), 7u);
+  EXPECT_EQ(evaluated.sample_count(), seen.sample_count());
+  EXPECT_EQ(evaluated.start_frame(), seen.start_frame());
+}
+
 // A script that saves a session leaves a file: it needs neither a window nor a picture.
 TEST_F(SessionFileTest, IsSavedWithoutAWindow) {
   const ProgramResult saved =
