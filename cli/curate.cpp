@@ -272,10 +272,11 @@ void export_frame(const CurateArguments& arguments) {
   const std::size_t frame = stack.database().find(arguments.take, arguments.frame, "export-frame");
   const Positions skin = exported_skin(stack, frame, arguments.unposed);
   const Pose& pose = stack.database().frames[frame].pose;
+  const SkinSurface surface = frame_surface(stack.database());
   if (lower_case_extension(arguments.out) == ".glb") {
-    write_frame_gltf(character, skin, arguments.unposed ? bind_pose(character.skeleton) : pose, arguments.out);
+    write_frame_gltf(character, surface, skin, arguments.unposed ? bind_pose(character.skeleton) : pose, arguments.out);
   } else {
-    write_frame_obj(character, frame_surface(stack.database()), output_from_welded(character, skin), arguments.out);
+    write_frame_obj(character, surface, output_from_welded(character, skin), arguments.out);
   }
   arguments.json.emit({{"mesh", arguments.out}, {"vertices", character.output_count()}},
                       format("wrote %s: %u vertices\n", arguments.out.c_str(), character.output_count()));
