@@ -63,7 +63,7 @@ Displacements made_consistent(const ModifierInput& input, const ConsistencySetti
   for (std::size_t n = 0; n < moves.size(); ++n) moves[n] = moves[n] && !input.frozen[n];
   Progress progress("curate: consistency", parts.size() + static_cast<std::size_t>(settings.iterations));
   for (const SkinPart& part : parts) {
-    models.push_back(local_models(database, part, settings.degrees, used, input.frozen));
+    models.push_back(local_models(database, part, settings.degrees, used, input.frozen, begun));
     progress.advance();
   }
   const SkinSmoother smoother(database.character.vertices, database.character.triangles, settings.smooth);
@@ -83,8 +83,8 @@ std::unique_ptr<ShapeModifier> prepare_consistency(const ModifierInput& input) {
   const auto vertices = static_cast<std::size_t>(input.database.character.vertices.rows());
   if (auto cached = cached_offsets(input.cache, vertices, rows)) return cached;
   const ConsistencySettings settings{
-      parameter(input, "degrees", 15, 0.1, 180), 1e-3 * parameter(input, "smooth_mm", 10, 0.01, 1000),
-      1e-3 * parameter(input, "cap_mm", 20, 0, 1000), static_cast<int>(parameter(input, "iterations", 3, 1, 20))};
+      parameter(input, "degrees", 20, 0.1, 180), 1e-3 * parameter(input, "smooth_mm", 10, 0.01, 1000),
+      1e-3 * parameter(input, "cap_mm", 20, 0, 1000), static_cast<int>(parameter(input, "iterations", 10, 1, 20))};
   const Displacements begun = all_displacements(input.database, "curate: un-posing", input.below);
   Displacements changes = made_consistent(input, settings, begun);
   changes -= begun;
