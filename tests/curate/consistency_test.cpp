@@ -39,7 +39,7 @@ TEST(Consistency, LeavesCleanDataAlone) {
   const CuratedLimb limb;
   add_modifier(limb.path(), {.type = "consistency"});
   const double moved = mean_rms_mm(limb.stack(), limb);
-  EXPECT_LT(moved, 0.015);
+  EXPECT_LT(moved, 0.05);
   std::printf("clean shapes were moved by %.4f mm\n", moved);
 }
 
