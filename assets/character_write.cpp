@@ -1,8 +1,9 @@
+#include "assets/character_write.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 
-#include "assets/character.h"
 #include "assets/gltf_write.h"
 #include "runtime/core/error.h"
 
@@ -68,9 +69,42 @@ std::span<const std::uint32_t> flat(const Triangles& triangles) {
   return {triangles.data(), static_cast<std::size_t>(triangles.size())};
 }
 
+// Of the triangles of one material.
+std::vector<std::uint32_t> indices_of(const Character& character, const SkinSurface& surface, std::size_t material) {
+  std::vector<std::uint32_t> indices;
+  for (Eigen::Index t = 0; t < character.output_triangles.rows(); ++t) {
+    if (surface.material_of[static_cast<std::size_t>(t)] != material) continue;
+    for (int k = 0; k < 3; ++k) indices.push_back(character.output_triangles(t, k));
+  }
+  return indices;
+}
+
+nlohmann::ordered_json primitives(const Character& character, const SkinSurface& surface,
+                                  const nlohmann::ordered_json& attributes, GlbWriter& glb) {
+  using nlohmann::ordered_json;
+  if (surface.materials.empty()) {
+    const std::size_t all = glb.add(flat(character.output_triangles), "SCALAR", GlbTarget::indices);
+    return ordered_json::array({{{"attributes", attributes}, {"indices", all}, {"mode", 4}}});
+  }
+  ordered_json list = ordered_json::array();
+  for (std::size_t m = 0; m < surface.materials.size(); ++m) {
+    const std::vector<std::uint32_t> indices = indices_of(character, surface, m);
+    if (indices.empty()) continue;
+    glb.root["materials"].push_back({{"name", surface.materials[m]}});
+    const std::size_t own = glb.add(indices, "SCALAR", GlbTarget::indices);
+    list.push_back(
+        {{"attributes", attributes}, {"indices", own}, {"material", glb.root["materials"].size() - 1}, {"mode", 4}});
+  }
+  return list;
+}
+
 }  // namespace
 
 void write_character(const Character& character, const std::filesystem::path& path) {
+  write_character(character, {}, path);
+}
+
+void write_character(const Character& character, const SkinSurface& surface, const std::filesystem::path& path) {
   if (character.skeleton.size() > 65536 || character.skeleton.size() == 0 || character.output_triangles.rows() == 0) {
     throw Error(ErrorKind::file, path.string() + ": not written; a character has 1 to 65,536 joints and triangles");
   }
@@ -80,19 +114,21 @@ void write_character(const Character& character, const std::filesystem::path& pa
   ordered_json attributes;
   attributes["POSITION"] = glb.add(output_from_welded(character, character.vertices), "VEC3", GlbTarget::vertices);
   attributes["NORMAL"] = glb.add(normals(character), "VEC3", GlbTarget::vertices);
+  if (!surface.texture.empty()) {
+    const std::vector<float> texture(surface.texture.begin(), surface.texture.end());
+    attributes["TEXCOORD_0"] = glb.add(texture, "VEC2", GlbTarget::vertices);
+  }
   const std::vector<WeightSet> sets = weight_sets(character);
   for (std::size_t s = 0; s < sets.size(); ++s) {
     attributes["JOINTS_" + std::to_string(s)] = glb.add(sets[s].joints, "VEC4", GlbTarget::vertices);
     attributes["WEIGHTS_" + std::to_string(s)] = glb.add(sets[s].weights, "VEC4", GlbTarget::vertices);
   }
-  const std::size_t triangles = glb.add(flat(character.output_triangles), "SCALAR", GlbTarget::indices);
+  const ordered_json drawn = primitives(character, surface, attributes, glb);
   const std::size_t binds = glb.add(inverse_binds(character.skeleton), "MAT4", GlbTarget::none);
 
   std::vector<std::size_t> joints(character.skeleton.size());
   for (std::size_t j = 0; j < joints.size(); ++j) joints[j] = j;
-  glb.root["meshes"].push_back(
-      {{"name", character.name},
-       {"primitives", ordered_json::array({{{"attributes", attributes}, {"indices", triangles}, {"mode", 4}}})}});
+  glb.root["meshes"].push_back({{"name", character.name}, {"primitives", drawn}});
   glb.root["skins"].push_back({{"inverseBindMatrices", binds}, {"skeleton", skeleton}, {"joints", joints}});
   glb.root["nodes"].push_back({{"name", character.name}, {"mesh", 0}, {"skin", 0}});
   glb.root["scenes"][0]["nodes"].push_back(glb.root["nodes"].size() - 1);

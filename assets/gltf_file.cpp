@@ -57,6 +57,8 @@ std::size_t component_count(int type) {
   switch (type) {
     case TINYGLTF_TYPE_SCALAR:
       return 1;
+    case TINYGLTF_TYPE_VEC2:
+      return 2;
     case TINYGLTF_TYPE_VEC3:
       return 3;
     case TINYGLTF_TYPE_VEC4:

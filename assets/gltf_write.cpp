@@ -44,7 +44,7 @@ template <class T>
 std::size_t GlbWriter::add_values(std::span<const T> values, int component_type, const std::string& type,
                                   GlbTarget target) {
   const std::size_t components =
-      std::map<std::string, std::size_t>{{"SCALAR", 1}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}}.at(type);
+      std::map<std::string, std::size_t>{{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}}.at(type);
   std::vector<double> low(components, INFINITY), high(components, -INFINITY);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto value = static_cast<double>(values[i]);

@@ -20,7 +20,7 @@ class GlbWriter {
 
   nlohmann::ordered_json root;
 
-  // Each returns the new accessor's index. `type`: SCALAR, VEC3, VEC4 or MAT4.
+  // Each returns the new accessor's index. `type`: SCALAR, VEC2, VEC3, VEC4 or MAT4.
   std::size_t add(std::span<const float> values, const std::string& type, GlbTarget target);
   std::size_t add(std::span<const std::uint16_t> values, const std::string& type, GlbTarget target);
   std::size_t add(std::span<const std::uint32_t> values, const std::string& type, GlbTarget target);

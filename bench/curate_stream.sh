@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# bench/curate_stream.sh CHARACTER LIMITS [FRAMES] [FOLDER]: 3,200 frames of a character through five modifiers, then one of
-# them edited. The shapes are made up: Direct Delta Mush of its range of motion. Says seconds and the most that was resident.
+# bench/curate_stream.sh CHARACTER LIMITS [FRAMES] [FOLDER]: 3,200 frames of a character through five modifiers, once
+# more, and after edits. The shapes are made up: Direct Delta Mush of its range of motion. Says seconds and the most that was resident.
 set -euo pipefail
 character=$(realpath "$1")
 limits=$(realpath "$2")
@@ -31,9 +31,19 @@ fi
 data=$folder/data
 for type in smooth relax volume inflate; do $bodyopt curate add "$data" $type --strength 0.5 >/dev/null; done
 $bodyopt curate export-frame "$data" --take rom --frame 100 --out "$folder/frame.obj" >/dev/null
-$bodyopt curate import-frame "$data" --take rom --frame 100 --mesh "$folder/frame.obj" --name sculpt >/dev/null
-rm -rf "$folder/baked"
-timed "$frames frames through five modifiers" "$bodyopt" curate bake "$data" --out "$folder/baked"
-rm -rf "$folder/baked"
-timed "an edit of the last" "$bodyopt" curate edit "$data" sculpt --strength 0.7
-timed "one frame of it" "$bodyopt" curate export-frame "$data" --take rom --frame 100 --out "$folder/frame.obj"
+awk '/^v / && ++count <= 1000 { $3 += 0.005 } { print }' "$folder/frame.obj" >"$folder/sculpt.obj"
+$bodyopt curate import-frame "$data" --take rom --frame 100 --mesh "$folder/sculpt.obj" --name sculpt --spread 0 >/dev/null
+bake() {
+  rm -rf "$folder/baked"
+  timed "$1" "$bodyopt" curate bake "$data" --out "$folder/baked"
+}
+bake "$frames frames through five modifiers"
+bake "once more"
+$bodyopt curate edit "$data" sculpt --strength 0.7 >/dev/null
+bake "after an edit of the last"
+$bodyopt curate move "$data" sculpt 1 >/dev/null
+bake "with the sculpt of one frame below the others"
+$bodyopt curate edit "$data" smooth --strength 0.6 >/dev/null
+bake "after an edit of the first that takes long"
+timed "one frame" "$bodyopt" curate export-frame "$data" --take rom --frame 100 --out "$folder/frame.obj"
+echo "kept: $(du -sh "$data/modifiers/cache" | cut -f1)"

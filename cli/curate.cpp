@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 struct CurateArguments {
   std::string dataset, name, type, new_name, out, take, frames, list, mesh, picture;
   std::vector<std::string> settings, joints, muscles, regions, near_joints;
-  double strength = 1, within = -1, degrees = 15, spread = 30;
+  double strength = 1, within = -1, degrees = 20, spread = 30;
   int near = 0, frame = 0, worst = 10;
   std::size_t place = 1;
   bool history = false, unposed = false, everywhere = false, whole_skin = false;
@@ -226,15 +226,18 @@ void report(const CurateArguments& arguments) {
   const PoseDatabase& database = stack.database();
   const ConsistencyReport found =
       report_consistency(stack, arguments.degrees, static_cast<std::size_t>(arguments.worst));
-  std::string text = format("%-20s %-20s %-24s %9s %9s\n", "frame", "and frame", "region", "apart mm", "degrees");
+  std::string text =
+      format("%-20s %-20s %-24s %9s %9s %9s\n", "frame", "and frame", "region", "apart mm", "most mm", "degrees");
   Json pairs = Json::array(), regions = Json::array();
   for (const DisagreeingPair& pair : found.pairs) {
-    text += format("%-20s %-20s %-24s %9.2f %9.1f\n", frame_text(database, pair.first).c_str(),
-                   frame_text(database, pair.second).c_str(), pair.region.c_str(), pair.apart_mm, pair.pose_degrees);
+    text += format("%-20s %-20s %-24s %9.2f %9.2f %9.1f\n", frame_text(database, pair.first).c_str(),
+                   frame_text(database, pair.second).c_str(), pair.region.c_str(), pair.apart_mm, pair.most_mm,
+                   pair.pose_degrees);
     pairs.push_back({{"first", frame_json(database, pair.first)},
                      {"second", frame_json(database, pair.second)},
                      {"region", pair.region},
                      {"apart_mm", pair.apart_mm},
+                     {"most_mm", pair.most_mm},
                      {"pose_degrees", pair.pose_degrees}});
   }
   text += format("\n%-24s %11s %9s %12s\n", "region", "neighbours", "alone", "deviation mm");
@@ -246,7 +249,9 @@ void report(const CurateArguments& arguments) {
                        {"alone", region.single},
                        {"deviation_mm", region.deviation_mm}});
   }
-  if (!arguments.picture.empty() && !found.pairs.empty()) {
+  if (found.pairs.empty()) {
+    text += "no like poses have shapes that differ by more than their poses do: there is no pair to draw\n";
+  } else if (!arguments.picture.empty()) {
     text += draw_pair(stack, found.pairs.front(), arguments.picture);
   }
   Json frames = Json::array();
@@ -272,10 +277,11 @@ void export_frame(const CurateArguments& arguments) {
   const std::size_t frame = stack.database().find(arguments.take, arguments.frame, "export-frame");
   const Positions skin = exported_skin(stack, frame, arguments.unposed);
   const Pose& pose = stack.database().frames[frame].pose;
+  const SkinSurface surface = frame_surface(stack.database());
   if (lower_case_extension(arguments.out) == ".glb") {
-    write_frame_gltf(character, skin, arguments.unposed ? bind_pose(character.skeleton) : pose, arguments.out);
+    write_frame_gltf(character, surface, skin, arguments.unposed ? bind_pose(character.skeleton) : pose, arguments.out);
   } else {
-    write_frame_obj(character, frame_surface(stack.database()), output_from_welded(character, skin), arguments.out);
+    write_frame_obj(character, surface, output_from_welded(character, skin), arguments.out);
   }
   arguments.json.emit({{"mesh", arguments.out}, {"vertices", character.output_count()}},
                       format("wrote %s: %u vertices\n", arguments.out.c_str(), character.output_count()));

@@ -67,6 +67,7 @@ void Curation::begin(const std::shared_ptr<const ShapeStack>& stack, std::vector
   stack_ = stack;
   if (!stack) return;
   numbers_ = std::move(numbers);
+  for (const std::size_t number : numbers_) controls.curating.frames.push_back(frame_text(number));
   parts_ = skin_parts(stack->database());
   double widest = -1;
   for (const SkinPart& part : parts_) {
@@ -121,6 +122,9 @@ std::vector<double> Curation::values(MapColour colour, const Snapshot& snapshot,
       case MapColour::sculpt:
         if (n < brushed.size()) values[k] = brushed[n];
         break;
+      case MapColour::weight:
+        values[k] = stack_->weight(n);
+        break;
     }
   }
   return values;
@@ -163,6 +167,9 @@ void Curation::describe(const Controls& controls, Snapshot& snapshot, std::span<
       break;
     case MapColour::sculpt:
       std::snprintf(text, sizeof(text), "%s", known ? "hottest: takes all of the stroke" : "nothing was brushed yet");
+      break;
+    case MapColour::weight:
+      std::snprintf(text, sizeof(text), "hottest: counts %g times in training", *hottest);
       break;
   }
   row.legend = text;

@@ -50,6 +50,11 @@ int integer(const std::string& text) {
 }
 
 int frame_of_clip(const Controls& controls, const std::string& text) {
+  if (text.find(' ') != std::string::npos) {
+    const std::vector<std::string>& frames = controls.curating.frames;
+    const auto place = std::ranges::find(frames, known(text, frames, "frame of a dataset's take")) - frames.begin();
+    return controls.playback.first() + static_cast<int>(place);
+  }
   const int frame = integer(text);
   controls.playback.require_frame(frame);
   return frame;

@@ -27,6 +27,7 @@ double number_within(const std::string& text, double low, double high);
 
 int integer(const std::string& text);
 
+// "12", or as the take of a dataset that is open numbers it: "rom 40".
 int frame_of_clip(const Controls& controls, const std::string& text);
 
 int integer_within(const std::string& text, int low, int high);

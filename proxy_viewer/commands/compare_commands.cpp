@@ -61,8 +61,9 @@ const Command kCommands[] = {
 
     {"region", "NAME", "", "Compare", "of the dataset's map of poses",
      [](Controls& c, const std::string& a) { c.curating.region = known(a, c.curating.regions, "region"); }},
-    {"map-colour", "coverage|contradiction|error|sculpt", "", "Compare",
-     "of the map: thin data, like poses that disagree, the distance, or what takes part in the last stroke",
+    {"map-colour", "coverage|contradiction|error|sculpt|weight", "", "Compare",
+     "of the map: thin data, like poses that disagree, the distance, what takes part in the last stroke, or how much "
+     "frames count",
      [](Controls& c, const std::string& a) { choose(c.curating.colour, a, kMapColourNames); },
      [](const Controls& c) { return name_of(c.curating.colour, kMapColourNames); }},
     {"raw", "[on|off]", "", "Compare", "the dataset's shapes before any modifier",

@@ -21,8 +21,8 @@
 namespace bodyopt {
 
 // What colours the map of poses.
-enum class MapColour { coverage, contradiction, error, sculpt };
-inline constexpr std::array kMapColourNames{"coverage", "contradiction", "error", "sculpt"};
+enum class MapColour { coverage, contradiction, error, sculpt, weight };
+inline constexpr std::array kMapColourNames{"coverage", "contradiction", "error", "sculpt", "weight"};
 
 // What the mouse does to the skin of the dataset that is looked at.
 struct BrushInHand {
@@ -56,6 +56,7 @@ struct Curating {
   MapColour colour = MapColour::coverage;
   bool raw = false;                             // shapes before any modifier
   std::vector<std::string> regions, modifiers;  // what commands may name; none: no dataset is open
+  std::vector<std::string> frames;              // of the clip's frames, what their takes call them: "rom 40"
   std::vector<ListedPair> pairs;                // the worst first
   int pair = -1;                                // that is looked at, from 0
 };

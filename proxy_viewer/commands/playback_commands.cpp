@@ -32,7 +32,7 @@ const Command kCommands[] = {
        c.playback.go_to_previous_key();
      },
      nullptr, kRepeats},
-    {"frame", "FRAME", "", "Playback", "to a frame",
+    {"frame", "FRAME", "", "Playback", "to a frame; of a dataset's take: rom 40",
      [](Controls& c, const std::string& a) { c.playback.scrub(frame_of_clip(c, a)); }},
     {"backwards", "[on|off]", "B", "Playback", "play backwards",
      [](Controls& c, const std::string& a) {

@@ -2,9 +2,10 @@
 #include <algorithm>
 #include <tuple>
 
+#include "assets/mirrored_name.h"
 #include "proxy_viewer/commands/command_arguments.h"
 #include "proxy_viewer/commands/command_tables.h"
-#include "proxy_viewer/state/mirrored_joint.h"
+#include "proxy_viewer/state/mirrored_angles.h"
 #include "proxy_viewer/state/setting_fields.h"
 
 namespace bodyopt {
@@ -74,7 +75,7 @@ const Command kCommands[] = {
     {"mirror", "[JOINT]", "P", "Pose", "turns the other side's joint as the one that is selected",
      [](Controls& c, const std::string& a) {
        const std::string joint = a.empty() ? selected(c) : known(a, c.joint_names, "joint");
-       const std::string other = mirrored_joint(joint, c.joint_names);
+       const std::string other = mirrored_name(joint, c.joint_names);
        if (other.empty()) refuse(joint, "a joint that another side has, too");
        const auto turned = c.settings.pose.joints.find(joint);
        const Vec3 angles = turned == c.settings.pose.joints.end() ? Vec3{} : turned->second;

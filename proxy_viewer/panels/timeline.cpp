@@ -217,7 +217,14 @@ void draw_frame_number(const Snapshot& snapshot, Controls& controls) {
   ImGui::PopStyleColor();
   ImGui::PopFont();
   explain("frame");
-  ImGui::TextDisabled("%d\xe2\x80\x93%d  %g fps", playback.in(), playback.out(), snapshot.clip_fps);
+  // Of a dataset the frames that are solved follow each other: their takes number them otherwise.
+  const std::vector<std::string>& names = controls.curating.frames;
+  const auto place = static_cast<std::size_t>(playback.frame() - snapshot.first_frame);
+  if (place < names.size()) {
+    ImGui::TextDisabled("%s  of %zu", names[place].c_str(), names.size());
+  } else {
+    ImGui::TextDisabled("%d\xe2\x80\x93%d  %g fps", playback.in(), playback.out(), snapshot.clip_fps);
+  }
   ImGui::EndGroup();
 }
 

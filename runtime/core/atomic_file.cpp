@@ -169,19 +169,26 @@ void AtomicFile::write_unfinished(AtomicFile& other) {
 }
 
 void AtomicFile::rename_to(const std::filesystem::path& path) {
-  if (std::fflush(file_) != 0 || fsync(fileno(file_)) != 0) fail("cannot be written");
+  if (std::fflush(file_) != 0) fail("cannot be written");
   require_replaceable();  // it may have come since
   if (std::rename(temporary_.c_str(), path.c_str()) != 0) fail("cannot be renamed into place");
   std::fclose(file_);  // nothing is buffered any more
   file_ = nullptr;
+}
+
+void AtomicFile::flush_and_rename_to(const std::filesystem::path& path) {
+  if (std::fflush(file_) != 0 || fsync(fileno(file_)) != 0) fail("cannot be written");
+  rename_to(path);
   sync_folder(path.parent_path());
 }
 
-void AtomicFile::commit() { rename_to(path_); }
+void AtomicFile::commit() { flush_and_rename_to(path_); }
+
+void AtomicFile::commit_unflushed() { rename_to(path_); }
 
 void AtomicFile::put_aside(const std::filesystem::path& path) {
   path_ = link_target(path);
-  rename_to(path_);
+  flush_and_rename_to(path_);
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {

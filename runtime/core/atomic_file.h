@@ -30,6 +30,9 @@ class AtomicFile {
   // Appends what another, which stays unfinished, holds so far.
   void write_unfinished(AtomicFile& other);
   void commit();
+  // Renames it without waiting for the disk: where the machine fails soon after, the file may be there and hold
+  // anything. For what is checked when it is read, and can be made again.
+  void commit_unflushed();
   // Puts what was written so far aside under another name in the same folder or file system, whole; nothing is left to
   // commit.
   void put_aside(const std::filesystem::path& path);
@@ -37,6 +40,7 @@ class AtomicFile {
  private:
   void require_replaceable() const;
   void rename_to(const std::filesystem::path& path);
+  void flush_and_rename_to(const std::filesystem::path& path);
   [[noreturn]] void fail(const char* doing) const;
   std::filesystem::path path_, temporary_;
   std::FILE* file_ = nullptr;

@@ -1,6 +1,8 @@
 // Shapes of like poses that disagree are found, and made to agree.
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "runtime/core/error.h"
 #include "tests/curate/sweep_history.h"
 #include "trainer/curate/consistency_report.h"
@@ -41,6 +43,16 @@ TEST(Consistency, LeavesCleanDataAlone) {
   std::printf("clean shapes were moved by %.4f mm\n", moved);
 }
 
+// Every pair that is listed disagrees somewhere; parts whose shapes vary with the pose alone have none.
+TEST(Consistency, OfCleanDataListsNoPairThatAgrees) {
+  const CuratedLimb limb;
+  for (const DisagreeingPair& pair : report_consistency(limb.stack(), 12, 1000).pairs) {
+    EXPECT_GT(pair.apart_mm, 0);
+    EXPECT_LT(pair.apart_mm, 0.1);
+    EXPECT_FALSE(pair.region.empty());
+  }
+}
+
 TEST(Consistency, ItsCacheGivesTheSameShapes) {
   const Character character = limb_character();
   const CuratedLimb limb(
@@ -53,6 +65,20 @@ TEST(Consistency, ItsCacheGivesTheSameShapes) {
     files += entry.is_regular_file() ? 1 : 0;
   }
   EXPECT_EQ(files, 1u);
+}
+
+TEST(Consistency, ADamagedCacheIsWorkedOutAgain) {
+  const Character character = limb_character();
+  const CuratedLimb limb(
+      [&](int take, int frame, const Positions& truth) { return with_history(character, take, frame, truth); });
+  add_modifier(limb.path(), {.type = "consistency", .parameters = {{"iterations", 1}}});
+  const Positions first = limb.stack().shape(10);
+  for (const auto& entry : std::filesystem::directory_iterator(limb.folder() / "modifiers" / "cache")) {
+    std::fstream file(entry.path(), std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(static_cast<std::streamoff>(entry.file_size() / 8));  // in what is added to frame 10
+    for (int k = 0; k < 400; ++k) file.write("\x3f\x3f\x3f\x3f", 4);
+  }
+  EXPECT_EQ(limb.stack().shape(10), first);
 }
 
 TEST(Consistency, FrozenFramesStayAndDrawTheOthers) {

@@ -43,6 +43,7 @@ Controls controls_of_a_session() {
   controls.joint = "LeftArm";
   controls.curating.regions = {"forearm", "upper arm"};
   controls.brush.kind = BrushKind::grab;
+  controls.curating.frames = {"to 1", "to 4", "fro 1"};
   controls.curating.modifiers = {"elbow", "smooth all"};
   controls.curating.pairs = {{5, 12, "forearm"}, {7, 20, "upper arm"}};
   controls.curating.pair = 1;
@@ -81,7 +82,7 @@ const std::map<std::string, Case>& cases() {
       {"last", {"", [](C, C c) { return c.playback.frame() == 30; }, {"1"}}},
       {"next-key", {"", [](C, C c) { return c.playback.frame() == 15; }, {"1"}}},
       {"previous-key", {"", [](C, C c) { return c.playback.frame() == 5; }, {"1"}}},
-      {"frame", {"17", [](C, C c) { return c.playback.frame() == 17; }, {"", "seven", "1-2", "0x3", "0", "41"}}},
+      {"frame", {"17", [](C, C c) { return c.playback.frame() == 17; }, {"", "seven", "1-2", "0x3", "0", "41", "to 2", "to"}}},
       {"backwards",
        {"on", [](C, C c) { return c.playback.backwards(); }, {"yes", "on off"}}},
       {"mode",
@@ -406,6 +407,18 @@ TEST(Commands, ValueIsTheArgumentThatWasGiven) {
     }
   }
   EXPECT_GT(count, 40);
+}
+
+// Frames that are solved follow each other in the viewport; their takes may have gaps.
+TEST(Commands, AFrameIsNamedAsItsTakeNumbersIt) {
+  Controls controls = controls_of_a_session();
+  run_command(controls, "frame to 4");
+  EXPECT_EQ(controls.playback.frame(), controls.playback.first() + 1);
+  run_command(controls, "frame fro 1");
+  EXPECT_EQ(controls.playback.frame(), controls.playback.first() + 2);
+  EXPECT_NE(message_of(controls, "frame to 5").find("the nearest is 'to 4'"), std::string::npos);
+  controls.curating.frames.clear();
+  EXPECT_NE(message_of(controls, "frame to 4").find("there is none"), std::string::npos);
 }
 
 TEST(Commands, NamesAndKeysAreUniqueAndFound) {

@@ -17,14 +17,13 @@ namespace fs = std::filesystem;
 ModifierEffect summary(const std::string& name, std::vector<FrameEffect> frames) {
   ModifierEffect effect;
   effect.name = name;
-  double sum = 0, worst = 0;
+  double sum = 0;
   for (const FrameEffect& frame : frames) {
     if (!(frame.max_mm > 0)) continue;
     effect.frames.push_back(frame);
     sum += frame.rms_mm * frame.rms_mm;
-    effect.max_mm = std::max(effect.max_mm, frame.max_mm);
-    if (frame.rms_mm > worst) {
-      worst = frame.rms_mm;
+    if (frame.max_mm > effect.max_mm) {
+      effect.max_mm = frame.max_mm;
       effect.worst = frame.frame;
     }
   }

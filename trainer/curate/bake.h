@@ -18,7 +18,7 @@ struct ModifierEffect {
   std::string name;
   std::vector<FrameEffect> frames;  // those that it changes
   double rms_mm = 0, max_mm = 0;    // over these
-  std::size_t worst = 0;            // frame with the largest RMS
+  std::size_t worst = 0;            // the frame in which a vertex moves by max_mm
 };
 
 // How far each modifier moves the shapes that those before it leave; of one, where `name` is not empty. Shows progress.

@@ -3,6 +3,7 @@
 
 #include "assets/frame_range.h"
 #include "runtime/core/error.h"
+#include "trainer/curate/hash_of.h"
 #include "trainer/curate/modifier_type.h"
 
 namespace bodyopt {
@@ -12,6 +13,12 @@ class Blend : public ShapeModifier {
  public:
   Blend(const Character& character, ShapeReader reader, std::map<std::size_t, std::uint32_t> samples)
       : character_(character), reader_(std::move(reader)), samples_(std::move(samples)) {}
+
+  std::optional<std::uint64_t> cause(std::size_t frame) const override {
+    const auto sample = samples_.find(frame);
+    if (sample == samples_.end()) return std::nullopt;
+    return hash_of(welded_from_output(character_, reader_.sample(sample->second).data()));
+  }
 
   void apply(const FrameInHand& frame, Positions& offsets) const override {
     const auto sample = samples_.find(frame.number);

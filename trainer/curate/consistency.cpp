@@ -1,17 +1,41 @@
 // consistency: takes from every frame what passes by its pose disagree in, smoothed over the skin and capped, several
 // times over. What changes with the pose is in all passes: bulges at the ends of the range keep their size. Frames held
 // out are neither moved nor asked: they judge.
+#include "base/content_hash.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "geometry/laplacian.h"
 #include "trainer/curate/deviations.h"
+#include "trainer/curate/hash_of.h"
 #include "trainer/curate/modifier_type.h"
-#include "trainer/curate/stored_offsets.h"
 
 namespace bodyopt {
 namespace {
 
 using Eigen::Index;
+
+// Raised whenever the same frames are made to agree in another way.
+constexpr std::uint64_t kVersion = 4;
+
+class Consistency : public ShapeModifier {
+ public:
+  // `changes`: N x 3V, what is added to every frame.
+  explicit Consistency(Displacements changes) : changes_(std::move(changes)) {}
+  std::optional<std::uint64_t> cause(std::size_t frame) const override {
+    return hash_of(Positions(change(frame).cast<double>()));
+  }
+  void apply(const FrameInHand& frame, Positions& offsets) const override {
+    offsets += change(frame.number).cast<double>();
+  }
+
+ private:
+  using Change = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+  Eigen::Map<const Change> change(std::size_t frame) const {
+    return {changes_.row(static_cast<Index>(frame)).data(), changes_.cols() / 3, 3};
+  }
+
+  Displacements changes_;
+};
 
 struct ConsistencySettings {
   double degrees, smooth, cap;  // metres
@@ -63,7 +87,7 @@ Displacements made_consistent(const ModifierInput& input, const ConsistencySetti
   for (std::size_t n = 0; n < moves.size(); ++n) moves[n] = moves[n] && !input.frozen[n];
   Progress progress("curate: consistency", parts.size() + static_cast<std::size_t>(settings.iterations));
   for (const SkinPart& part : parts) {
-    models.push_back(local_models(database, part, settings.degrees, used, input.frozen));
+    models.push_back(local_models(database, part, settings.degrees, used, input.frozen, begun));
     progress.advance();
   }
   const SkinSmoother smoother(database.character.vertices, database.character.triangles, settings.smooth);
@@ -75,21 +99,49 @@ Displacements made_consistent(const ModifierInput& input, const ConsistencySetti
   return displacements;
 }
 
+// A hash of all that made_consistent() looks at.
+std::uint64_t key_of(const ModifierInput& input, const ConsistencySettings& settings) {
+  const PoseDatabase& database = input.database;
+  std::vector<std::uint64_t> below(database.frames.size());
+  parallel_for(below.size(), [&](std::size_t n) { below[n] = input.key_below(n); });
+  ContentHash hash;
+  hash.add(kVersion);
+  for (const double setting :
+       {settings.degrees, settings.smooth, settings.cap, static_cast<double>(settings.iterations)}) {
+    hash.add(setting);
+  }
+  for (const RegionWeights& region : database.regions) {
+    hash.add(region.name);
+    hash.append(region.vertices.data(), region.vertices.size() * sizeof(region.vertices[0]));
+    hash.append(region.weights.data(), region.weights.size() * sizeof(region.weights[0]));
+  }
+  for (std::size_t n = 0; n < below.size(); ++n) {
+    const DatabaseFrame& frame = database.frames[n];
+    hash.add(below[n]);
+    for (const float control : frame.pose.controls) hash.add(static_cast<double>(control));
+    for (const int number :
+         {frame.take, frame.frame, int{frame.heldout}, int{input.selected[n]}, int{input.frozen[n]}}) {
+      hash.add(static_cast<std::uint64_t>(number));
+    }
+  }
+  return hash.value();
+}
+
 }  // namespace
 
 std::unique_ptr<ShapeModifier> prepare_consistency(const ModifierInput& input) {
-  std::vector<int> rows(input.database.frames.size());
-  for (std::size_t n = 0; n < rows.size(); ++n) rows[n] = static_cast<int>(n);
-  const auto vertices = static_cast<std::size_t>(input.database.character.vertices.rows());
-  if (auto cached = cached_offsets(input.cache, vertices, rows)) return cached;
   const ConsistencySettings settings{
-      parameter(input, "degrees", 15, 0.1, 180), 1e-3 * parameter(input, "smooth_mm", 10, 0.01, 1000),
-      1e-3 * parameter(input, "cap_mm", 20, 0, 1000), static_cast<int>(parameter(input, "iterations", 3, 1, 20))};
-  const Displacements begun = all_displacements(input.database, "curate: un-posing", input.below);
-  Displacements changes = made_consistent(input, settings, begun);
-  changes -= begun;
-  cache_offsets(changes, input.cache);
-  return stored_offsets(std::move(changes), std::move(rows));
+      parameter(input, "degrees", 20, 0.1, 180), 1e-3 * parameter(input, "smooth_mm", 10, 0.01, 1000),
+      1e-3 * parameter(input, "cap_mm", 20, 0, 1000), static_cast<int>(parameter(input, "iterations", 10, 1, 20))};
+  const std::uint64_t key = key_of(input, settings);
+  const PoseDatabase& database = input.database;
+  Displacements changes(static_cast<Index>(database.frames.size()), 3 * database.character.vertices.rows());
+  if (changes.size() > 0 && !input.cache.find(key, {changes.data(), static_cast<std::size_t>(changes.size())})) {
+    changes = all_displacements(database, "curate: un-posing", input.below);
+    changes = made_consistent(input, settings, changes) - changes;
+    input.cache.keep(key, {changes.data(), static_cast<std::size_t>(changes.size())});
+  }
+  return std::make_unique<Consistency>(std::move(changes));
 }
 
 }  // namespace bodyopt

@@ -54,6 +54,7 @@ void add_pairs(const PoseDatabase& database, const SkinPart& part, const LocalMo
       if (other <= n) continue;
       const double apart =
           region_rms_mm(part.region, deviations.row(static_cast<Index>(n)) - deviations.row(static_cast<Index>(other)));
+      if (!(apart > 0)) continue;
       DisagreeingPair& there = worst[{n, other}];
       if (apart <= there.apart_mm) continue;
       there = {n, other, part.region.name, apart,
@@ -82,6 +83,18 @@ std::vector<DisagreeingPair> ranked(const WorstOfPair& worst, std::size_t most) 
   return result;
 }
 
+// Of shapes that displacements (N x 3V) pose.
+double most_apart_mm(const DisagreeingPair& pair, const SkinPart& part, const Displacements& displacements) {
+  double most = 0;
+  for (std::size_t k = 0; k < part.region.vertices.size(); ++k) {
+    const Index at = 3 * Index{part.region.vertices[k]};
+    const auto apart = displacements.row(static_cast<Index>(pair.first)).segment<3>(at) -
+                       displacements.row(static_cast<Index>(pair.second)).segment<3>(at);
+    most = std::max(most, part.region.weights[k] * double{apart.norm()});
+  }
+  return 1e3 * most;
+}
+
 }  // namespace
 
 ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, std::size_t most) {
@@ -103,7 +116,7 @@ ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, st
   const std::vector<SkinPart> parts = skin_parts(database);
   Progress progress("curate: comparing like poses", parts.size());
   for (const SkinPart& part : parts) {
-    const LocalModels models = local_models(database, part, degrees, used, anchors);
+    const LocalModels models = local_models(database, part, degrees, used, anchors, displacements);
     const Displacements deviations = part_deviations(displacements, part, models);
     report.regions.push_back(agreement(part, models, deviations));
     add_pairs(database, part, models, deviations, worst);
@@ -116,6 +129,11 @@ ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, st
     progress.advance();
   }
   report.pairs = ranked(worst, most);
+  for (DisagreeingPair& pair : report.pairs) {
+    const auto part =
+        std::ranges::find_if(parts, [&](const SkinPart& there) { return there.region.name == pair.region; });
+    pair.most_mm = most_apart_mm(pair, *part, displacements);
+  }
   for (const double square : of_frame)
     report.frame_mm.push_back(1e3 * std::sqrt(square / static_cast<double>(vertices)));
   for (const double square : of_vertex) report.vertex_mm.push_back(1e3 * std::sqrt(square));

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "base/parallel.h"
-#include "base/progress.h"
+#include "base/content_hash.h"
 #include "trainer/curate/modifier_type.h"
 
 namespace bodyopt {
@@ -14,22 +13,7 @@ using Eigen::Index;
 
 constexpr double kFar = 5;  // times as far as the frames around it are spread, too: fast motion is no spike
 constexpr std::array<int, 4> kAround = {-2, -1, 1, 2};
-
-struct Spike {
-  std::uint32_t vertex;
-  Eigen::RowVector3d change;
-};
-
-class Despike : public ShapeModifier {
- public:
-  explicit Despike(std::vector<std::vector<Spike>> spikes) : spikes_(std::move(spikes)) {}
-  void apply(const FrameInHand& frame, Positions& offsets) const override {
-    for (const Spike& spike : spikes_[frame.number]) offsets.row(spike.vertex) += spike.change;
-  }
-
- private:
-  std::vector<std::vector<Spike>> spikes_;  // of every frame
-};
+constexpr std::size_t kFewest = 3;  // of these
 
 // The frames of one take around one of it that are there.
 std::vector<std::size_t> frames_around(const PoseDatabase& database, std::size_t frame) {
@@ -43,8 +27,8 @@ std::vector<std::size_t> frames_around(const PoseDatabase& database, std::size_t
   return around;
 }
 
-std::vector<Spike> spikes_of(const Positions& own, const std::vector<Positions>& around, double limit) {
-  std::vector<Spike> spikes;
+// Puts the vertices of a frame that are further than the limit from where those around it have them on their median.
+void put_back(const std::vector<Positions>& around, double limit, Positions& own) {
   std::vector<double> values(around.size());
   const auto middle = [&](auto&& value) {
     for (std::size_t k = 0; k < around.size(); ++k) values[k] = value(around[k]);
@@ -57,27 +41,43 @@ std::vector<Spike> spikes_of(const Positions& own, const std::vector<Positions>&
     const double apart = (own.row(v) - median).norm();
     if (!(apart > limit)) continue;
     const double spread = middle([&](const Positions& there) { return (there.row(v) - median).norm(); });
-    if (apart > kFar * spread) spikes.push_back({static_cast<std::uint32_t>(v), median - own.row(v)});
+    if (apart > kFar * spread) own.row(v) = median;
   }
-  return spikes;
 }
+
+class Despike : public ShapeModifier {
+ public:
+  Despike(const ModifierInput& input, double limit)
+      : database_(input.database), below_(input.below), key_below_(input.key_below), limit_(limit) {}
+
+  std::optional<std::uint64_t> cause(std::size_t frame) const override {
+    const std::vector<std::size_t> around = frames_around(database_, frame);
+    if (around.size() < kFewest) return std::nullopt;
+    ContentHash hash;
+    hash.add(limit_);
+    for (const std::size_t other : around) hash.add(key_below_(other));
+    return hash.value();
+  }
+
+  void apply(const FrameInHand& frame, Positions& offsets) const override {
+    const std::vector<std::size_t> around = frames_around(database_, frame.number);
+    if (around.size() < kFewest) return;
+    std::vector<Positions> shapes;
+    for (const std::size_t other : around) shapes.push_back(below_(other));
+    put_back(shapes, limit_, offsets);
+  }
+
+ private:
+  const PoseDatabase& database_;
+  std::function<Positions(std::size_t frame)> below_;
+  std::function<std::uint64_t(std::size_t frame)> key_below_;
+  double limit_;  // metres
+};
 
 }  // namespace
 
 std::unique_ptr<ShapeModifier> prepare_despike(const ModifierInput& input) {
-  const double limit = 1e-3 * parameter(input, "limit_mm", 5, 0.01, 1e4);
-  std::vector<std::vector<Spike>> spikes(input.database.frames.size());
-  Progress progress("curate: despike", spikes.size());
-  parallel_for(spikes.size(), [&](std::size_t n) {
-    const std::vector<std::size_t> around = frames_around(input.database, n);
-    if (input.selected[n] && around.size() >= 3) {
-      std::vector<Positions> shapes;
-      for (const std::size_t other : around) shapes.push_back(input.below(other));
-      spikes[n] = spikes_of(input.below(n), shapes, limit);
-    }
-    progress.advance();
-  });
-  return std::make_unique<Despike>(std::move(spikes));
+  return std::make_unique<Despike>(input, 1e-3 * parameter(input, "limit_mm", 5, 0.01, 1e4));
 }
 
 }  // namespace bodyopt

@@ -1,5 +1,6 @@
 // detail: what smoothing takes from one frame, in the place of what it takes from others.
 #include "geometry/laplacian.h"
+#include "trainer/curate/hash_of.h"
 #include "trainer/curate/modifier_type.h"
 
 namespace bodyopt {
@@ -8,10 +9,19 @@ namespace {
 class Detail : public ShapeModifier {
  public:
   Detail(const Character& character, double radius, const Positions& source)
-      : smoother_(character.vertices, character.triangles, radius), fine_(source - Positions(smoother_(source))) {}
+      : radius_(radius),
+        smoother_(character.vertices, character.triangles, radius),
+        fine_(source - Positions(smoother_(source))) {}
+  std::optional<std::uint64_t> cause(std::size_t) const override {
+    ContentHash hash;
+    hash.add(radius_);
+    hash.add(hash_of(fine_));
+    return hash.value();
+  }
   void apply(const FrameInHand&, Positions& offsets) const override { offsets = smoother_(offsets) + fine_; }
 
  private:
+  double radius_;  // metres
   SkinSmoother smoother_;
   Positions fine_;  // V x 3
 };

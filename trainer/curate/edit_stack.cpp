@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 using Eigen::Index;
 using Modifiers = std::vector<Modifier>;
 
-constexpr double kTooFar = 0.2;  // of the character's size: no sculpt moves a vertex so far
+// Of the character's size: no sculpt moves a vertex so far, and files round by less than so little.
+constexpr double kTooFar = 0.2, kAsItIs = 1e-6;
 
 Modifiers::iterator find_modifier(Modifiers& modifiers, const std::string& name) {
   const auto found =
@@ -84,10 +85,14 @@ void name_sculpt(Modifier& modifier, const std::string& take, int frame, const s
   modifier.parameters["spread_degrees"] = spread;
 }
 
+double size_of(const Character& character) {
+  return (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).norm();
+}
+
 std::vector<std::string> sculpt_notes(const Character& character, const Positions& before, const Positions& after) {
   std::vector<std::string> notes;
   const Positions was = vertex_normals(before, character.triangles), is = vertex_normals(after, character.triangles);
-  const double size = (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).norm();
+  const double size = size_of(character);
   Index far = 0, turned = 0, far_vertex = 0, turned_vertex = 0;
   for (Index v = 0; v < before.rows(); ++v) {
     if ((after.row(v) - before.row(v)).norm() > kTooFar * size && far++ == 0) far_vertex = v;
@@ -186,11 +191,10 @@ void check_modifier(const PoseDatabase& database, const Modifier& modifier) {
   alone.dataset.modifiers = {modifier};
   alone.dataset.modifiers.front().enabled = true;
   // What looks at all frames is worked out when it is needed; here its parameters and scope are enough.
-  if (modifier.type == "consistency" || modifier.type == "despike")
-    alone.frames.resize(std::min<std::size_t>(alone.frames.size(), 1));
-  if (alone.frames.size() < database.frames.size()) {
+  if (modifier.type == "consistency") {
     ShapeStack::check_scope(database, modifier);
     alone.dataset.modifiers.front().frames = Json::array();
+    alone.frames.clear();
   }
   const ShapeStack stack(std::move(alone));
 }
@@ -249,6 +253,11 @@ std::vector<std::string> add_sculpt(const fs::path& path, const std::string& nam
     const UnposedSpace::Frame space = stack.space().frame(stack.database().frames[number].pose);
     const Positions before = stack.offsets(number, place), given = welded_from_output(character, mesh.data());
     const Positions after = unposed ? given : Positions(character.vertices + space.offsets(given));
+    const Positions there_now = character.vertices + stack.offsets(number, modifiers.size());
+    if ((after - there_now).rowwise().norm().maxCoeff() < kAsItIs * size_of(character)) {
+      notes = {"the mesh is what the frame is already: nothing is changed"};
+      return;
+    }
     notes = put_sculpt(stack.database(), modifiers, name, number, character.vertices + before, after, spread_degrees);
   });
   return notes;

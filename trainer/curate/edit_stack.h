@@ -61,7 +61,8 @@ std::vector<std::string> put_sculpt(const PoseDatabase& database, std::vector<Mo
 // An artist's mesh of a frame (O x 3, output vertices, metres; posed, or where `unposed`, as export wrote it un-posed):
 // what it differs by from the frame as the stack leaves it becomes a sculpt of the modifier `name`, which is made where
 // there is none. Returns what the artist should know: vertices that went further than a fifth of the character's size,
-// triangles that turned over. Throws Error(mismatch) where the mesh does not fit.
+// triangles that turned over, or that the mesh is the frame as it is, which changes nothing. Throws Error(mismatch)
+// where the mesh does not fit.
 std::vector<std::string> add_sculpt(const std::filesystem::path& path, const std::string& name, const std::string& take,
                                     int frame, const std::vector<float>& mesh, bool unposed, double spread_degrees);
 

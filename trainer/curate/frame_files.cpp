@@ -202,17 +202,38 @@ std::string face_line(const Character& character, Eigen::Index triangle, bool ha
   return line + "\n";
 }
 
-// Region after region, each with a material of its name.
-std::string face_lines(const Character& character, const FrameSurface& surface) {
-  const std::vector<std::size_t> region_of = heaviest_regions(character, surface.regions);
+std::string face_lines(const Character& character, const SkinSurface& surface) {
   std::string text;
-  for (std::size_t r = 0; r < std::max<std::size_t>(1, surface.regions.size()); ++r) {
-    if (!surface.regions.empty()) text += "usemtl " + surface.regions[r].name + "\n";
-    for (std::size_t t = 0; t < region_of.size(); ++t) {
-      if (region_of[t] == r) text += face_line(character, static_cast<Eigen::Index>(t), !surface.texture.empty());
+  for (std::size_t m = 0; m < std::max<std::size_t>(1, surface.materials.size()); ++m) {
+    if (!surface.materials.empty()) text += "usemtl " + surface.materials[m] + "\n";
+    for (Eigen::Index t = 0; t < character.output_triangles.rows(); ++t) {
+      const bool own = surface.materials.empty() || surface.material_of[static_cast<std::size_t>(t)] == m;
+      if (own) text += face_line(character, t, !surface.texture.empty());
     }
   }
   return text;
+}
+
+double size_of(const Positions& positions) {
+  return (positions.colwise().maxCoeff() - positions.colwise().minCoeff()).norm();
+}
+
+// A mesh of another unit is no sculpt, whatever order its vertices have.
+void check_size(const Positions& exported, const std::vector<float>& given, const std::filesystem::path& path) {
+  constexpr double kLargest = 5;
+  if (given.empty()) return;
+  const double own = size_of(exported);
+  const double found = size_of(Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
+                                   given.data(), static_cast<Eigen::Index>(given.size() / 3), 3)
+                                   .cast<double>());
+  if (found < kLargest * own && own < kLargest * found) return;
+  char text[160];
+  std::snprintf(text, sizeof(text),
+                ": the mesh measures %.4g m from corner to corner, the frame %.4g m, %.3g times as much: ", found, own,
+                found / own);
+  throw Error(ErrorKind::mismatch, path.string() + text +
+                                       "was it written in another unit (metres are expected), or scaled, or is it of "
+                                       "another character?");
 }
 
 Positions in_own_order(const Character& character, const TexturedSurface& exported, const TexturedSurface& given,
@@ -222,8 +243,7 @@ Positions in_own_order(const Character& character, const TexturedSurface& export
     throw Error(ErrorKind::mismatch, both_counts(character, path, found) + likely_cause(character, found));
   }
   constexpr double kUnmoved = 1e-6;  // of the size: files round
-  const double size = (exported.vertices.colwise().maxCoeff() - exported.vertices.colwise().minCoeff()).norm();
-  const std::vector<int> match = match_vertices(exported, given, kUnmoved * size);
+  const std::vector<int> match = match_vertices(exported, given, kUnmoved * size_of(exported.vertices));
   Positions result = exported.vertices;
   const auto lost = static_cast<std::size_t>(std::count(match.begin(), match.end(), -1));
   if (lost > 0) {
@@ -240,13 +260,18 @@ Positions in_own_order(const Character& character, const TexturedSurface& export
 
 }  // namespace
 
-FrameSurface frame_surface(const PoseDatabase& database) {
-  FrameSurface surface{read_texture_coordinates(database.dataset.folder / database.dataset.character), {}};
-  for (SkinPart& part : skin_parts(database)) surface.regions.push_back(std::move(part.region));
+SkinSurface frame_surface(const PoseDatabase& database) {
+  SkinSurface surface{read_texture_coordinates(database.dataset.folder / database.dataset.character), {}, {}};
+  std::vector<RegionWeights> regions;
+  for (SkinPart& part : skin_parts(database)) {
+    surface.materials.push_back(part.region.name);
+    regions.push_back(std::move(part.region));
+  }
+  surface.material_of = heaviest_regions(database.character, regions);
   return surface;
 }
 
-void write_frame_obj(const Character& character, const FrameSurface& surface, const std::vector<float>& positions,
+void write_frame_obj(const Character& character, const SkinSurface& surface, const std::vector<float>& positions,
                      const std::filesystem::path& path) {
   std::string text = "# " + character.name + "\n";
   char line[96];
@@ -263,7 +288,7 @@ void write_frame_obj(const Character& character, const FrameSurface& surface, co
   write_file_atomically(path, std::as_bytes(std::span(text)));
 }
 
-void write_frame_gltf(const Character& character, const Positions& skin, const Pose& pose,
+void write_frame_gltf(const Character& character, const SkinSurface& surface, const Positions& skin, const Pose& pose,
                       const std::filesystem::path& path) {
   Character posed = character;
   posed.vertices = skin;
@@ -273,7 +298,7 @@ void write_frame_gltf(const Character& character, const Positions& skin, const P
     joint.bind = joint.default_local = pose.joints[j];
     joint.inverse_bind = inverse(joints[j]);
   }
-  write_character(posed, path);
+  write_character(posed, surface, path);
 }
 
 std::vector<float> read_frame_mesh(const Character& character, const std::vector<double>& texture,
@@ -281,12 +306,14 @@ std::vector<float> read_frame_mesh(const Character& character, const std::vector
   TexturedSurface given;
   if (lower_case_extension(path) == ".obj") {
     ObjMesh mesh = parse_obj(path);
+    check_size(exported, mesh.positions, path);
     if (mesh.positions.size() == 3 * std::size_t{character.output_count()} && has_its_faces(character, mesh)) {
       return std::move(mesh.positions);
     }
     given = surface_of(mesh);
   } else {
     const Character read = read_character(path, 1);
+    check_size(exported, output_from_welded(read, read.vertices), path);
     given = {read.vertices, read.triangles, textured(read, read_texture_coordinates(path))};
   }
   const TexturedSurface own{exported, character.triangles, textured(character, texture)};

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -17,12 +18,11 @@ using Eigen::Index;
 
 constexpr std::size_t kMostNeighbours = 48, kMostOfPass = 8;
 constexpr double kAnchor = 10;
-// On slopes, per weight of the neighbours and in units of the reach, and on what a pass is off by: passes that lie
-// closer together than about a third of the reach disagree, those further apart may differ by a slope.
-constexpr double kSlopePenalty = 5e-5, kPassPenalty = 0.005;
-// What a pass is off by, told from others at its side, is a difference of means: the shares of these add up to 2 at
-// most, signs apart. More is told from slopes, drawn out beyond the frames that show them.
-constexpr double kMostLeverage = 2;
+constexpr std::size_t kMostAsked = 64;  // frames whose neighbours say how much of what is history
+// The variances that are tried, in units of how much shapes vary with the pose, and the lengths, in units of the reach.
+constexpr std::array kLengths = {0.25, 0.5, 1.0, 2.0, 4.0, 8.0};
+constexpr std::array kPasses = {0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0};
+constexpr std::array kNoises = {1e-6, 1e-4, 1e-2};
 constexpr double kLeastStep = 0.1 * std::numbers::pi / 180;  // radians: shorter ones have no direction of their own
 
 struct Neighbour {
@@ -31,6 +31,8 @@ struct Neighbour {
   double distance = 0;
   int pass = 0;
 };
+
+constexpr double kLeastNearness = 1e-3;
 
 // 1 at 0, 0 from 1 on (Tukey's biweight).
 double nearness(double distance) {
@@ -90,43 +92,119 @@ void keep_nearest(std::vector<Neighbour>& near) {
   if (near.size() > kMostNeighbours) near.resize(kMostNeighbours);
 }
 
-// A column for every pass, and how much weighs against its being off: more if it stays. All passes weigh alike, however
-// many frames they have; one that comes barely near has little weight to begin with.
-std::map<int, std::pair<Index, double>> pass_columns(const std::vector<Neighbour>& near, Index first,
-                                                     const std::vector<char>& anchors) {
-  std::map<int, std::pair<Index, double>> columns;
+// How shapes near a pose vary: smoothly with the pose, by what a pass is off by, and from frame to frame.
+struct Variances {
+  double length = 1, pass = 0, noise = kNoises.front();
+};
+
+// Of the neighbours' shapes, M x M. Passes with anchors are off by little. Those further away count less.
+Eigen::MatrixXd covariance(const std::vector<Neighbour>& near, const Variances& variances,
+                           const std::vector<char>& anchors) {
+  const Index count = static_cast<Index>(near.size());
+  std::set<int> anchored;
   for (const Neighbour& other : near) {
-    const Index next = first + static_cast<Index>(columns.size());
-    auto& [column, penalty] = columns.try_emplace(other.pass, next, 0.0).first->second;
-    const double weight = kPassPenalty * (anchors[other.frame] ? kAnchor : 1);
-    penalty = std::max(penalty, weight);
+    if (anchors[other.frame]) anchored.insert(other.pass);
   }
-  return columns;
+  Eigen::MatrixXd result(count, count);
+  for (Index k = 0; k < count; ++k) {
+    const Neighbour& one = near[static_cast<std::size_t>(k)];
+    for (Index l = 0; l < count; ++l) {
+      const Neighbour& other = near[static_cast<std::size_t>(l)];
+      const double apart = (one.difference - other.difference).squaredNorm() / (variances.length * variances.length);
+      result(k, l) = std::exp(-0.5 * apart);
+      if (one.pass == other.pass) result(k, l) += variances.pass / (anchored.contains(one.pass) ? kAnchor : 1);
+    }
+    result(k, k) += variances.noise / std::max(nearness(one.distance), kLeastNearness);
+  }
+  return result;
+}
+
+// What is left of the inverse of a covariance when the mean is not known, and the logarithm of what weighs against it.
+struct Precision {
+  Eigen::MatrixXd matrix;  // M x M
+  double log_volume = 0;
+};
+
+Precision precision(const Eigen::MatrixXd& covariance) {
+  const Eigen::LLT<Eigen::MatrixXd> solver(covariance);
+  Precision result;
+  result.matrix = solver.solve(Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols()));
+  const Eigen::VectorXd of_mean = result.matrix.rowwise().sum();
+  result.log_volume = 2 * Eigen::MatrixXd(solver.matrixL()).diagonal().array().log().sum() + std::log(of_mean.sum());
+  result.matrix -= of_mean * of_mean.transpose() / of_mean.sum();
+  return result;
+}
+
+// Inner products of the neighbours' displacements over a part of the skin, M x M.
+Eigen::MatrixXd products(const std::vector<Neighbour>& near, const SkinPart& part, const Displacements& displacements) {
+  const std::vector<std::uint32_t>& vertices = part.region.vertices;
+  Eigen::MatrixXd rows(static_cast<Index>(near.size()), 3 * static_cast<Index>(vertices.size()));
+  for (Index k = 0; k < rows.rows(); ++k) {
+    const auto shape = displacements.row(static_cast<Index>(near[static_cast<std::size_t>(k)].frame));
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+      rows.row(k).segment<3>(3 * static_cast<Index>(v)) =
+          std::sqrt(part.region.weights[v]) * shape.segment<3>(3 * Index{vertices[v]}).cast<double>();
+    }
+  }
+  rows.rowwise() -= rows.colwise().mean().eval();
+  return rows * rows.transpose();
+}
+
+struct Asked {
+  std::vector<Neighbour> near;
+  Eigen::MatrixXd products;
+};
+
+// The logarithm of the restricted likelihood of what neighbours look like, per dimension of the shapes.
+double log_likelihood(const Asked& asked, const Variances& variances, const std::vector<char>& anchors) {
+  const Precision given = precision(covariance(asked.near, variances, anchors));
+  const double rounding = 1e-14 * asked.products.trace();
+  const double apart = std::max(given.matrix.cwiseProduct(asked.products).sum(), rounding);
+  return -0.5 * (static_cast<double>(asked.near.size() - 1) * std::log(apart) + given.log_volume);
+}
+
+// Of some of the frames that others pass by.
+std::vector<Asked> asked_of(const std::vector<std::vector<Neighbour>>& near, const SkinPart& part,
+                            const Displacements& displacements) {
+  std::vector<std::size_t> compared;
+  for (std::size_t n = 0; n < near.size(); ++n) {
+    if (!near[n].empty()) compared.push_back(n);
+  }
+  std::vector<Asked> asked;
+  const std::size_t step = compared.size() / kMostAsked + 1;
+  for (std::size_t k = 0; k < compared.size(); k += step) {
+    const std::vector<Neighbour>& there = near[compared[k]];
+    asked.push_back({there, products(there, part, displacements)});
+    if (!(asked.back().products.trace() > 0)) asked.pop_back();
+  }
+  return asked;
+}
+
+Variances likeliest(const std::vector<Asked>& asked, const std::vector<char>& anchors) {
+  std::vector<Variances> all;
+  for (const double pass : kPasses) {
+    for (const double length : kLengths) {
+      for (const double noise : kNoises) all.push_back({length, pass, noise});
+    }
+  }
+  std::vector<double> likelihoods(all.size(), 0.0);
+  parallel_for(all.size(), [&](std::size_t k) {
+    for (const Asked& there : asked) likelihoods[k] += log_likelihood(there, all[k], anchors);
+  });
+  return all[static_cast<std::size_t>(std::ranges::max_element(likelihoods) - likelihoods.begin())];
 }
 
 // What of the shapes of the neighbours adds up to what their pass `own` is off by.
-std::vector<FrameShare> fit(const std::vector<Neighbour>& near, int own, const std::vector<char>& anchors) {
-  const Index count = static_cast<Index>(near.size()), features = near.front().difference.size();
-  const std::map<int, std::pair<Index, double>> passes = pass_columns(near, features + 1, anchors);
-  const Index columns = features + 1 + static_cast<Index>(passes.size());
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(count, columns);
-  Eigen::VectorXd weight(count), penalty = Eigen::VectorXd::Zero(columns);
-  for (Index k = 0; k < count; ++k) {
-    const Neighbour& other = near[static_cast<std::size_t>(k)];
-    rows(k, 0) = 1;
-    rows.row(k).segment(1, features) = other.difference.transpose();
-    rows(k, passes.at(other.pass).first) = 1;
-    weight[k] = nearness(other.distance);
-  }
-  penalty.segment(1, features).setConstant(kSlopePenalty * weight.sum());
-  for (const auto& [pass, column] : passes) penalty[column.first] = column.second;
-  Eigen::MatrixXd normal = rows.transpose() * weight.asDiagonal() * rows;
-  normal.diagonal() += penalty;
-  const Eigen::VectorXd wanted = normal.ldlt().solve(Eigen::VectorXd::Unit(columns, passes.at(own).first));
-  Eigen::VectorXd shares = weight.asDiagonal() * (rows * wanted);
-  shares *= std::min(1.0, kMostLeverage / std::max(shares.lpNorm<1>(), 1e-12));
+std::vector<FrameShare> shares_of(const std::vector<Neighbour>& near, int own, const Variances& variances,
+                                  const std::vector<char>& anchors) {
+  const Eigen::MatrixXd with = covariance(near, variances, anchors);
+  Variances without = variances;
+  without.pass = 0;
+  const auto same = std::ranges::find(near, own, &Neighbour::pass) - near.begin();
+  const Eigen::VectorXd of_pass = with.col(same) - covariance(near, without, anchors).col(same);
+  const Eigen::VectorXd shares = precision(with).matrix * of_pass;
   std::vector<FrameShare> result;
-  for (Index k = 0; k < count; ++k) result.push_back({near[static_cast<std::size_t>(k)].frame, shares[k]});
+  for (std::size_t k = 0; k < near.size(); ++k) result.push_back({near[k].frame, shares[static_cast<Index>(k)]});
   return result;
 }
 
@@ -173,26 +251,31 @@ std::vector<SkinPart> skin_parts(const PoseDatabase& database) {
 }
 
 LocalModels local_models(const PoseDatabase& database, const SkinPart& part, double degrees,
-                         const std::vector<char>& used, const std::vector<char>& anchors) {
+                         const std::vector<char>& used, const std::vector<char>& anchors,
+                         const Displacements& displacements) {
   const double reach = degrees * std::numbers::pi / 180;
   LocalModels models;
   models.shares.resize(database.frames.size());
   models.others.resize(database.frames.size());
   models.neighbours.resize(database.frames.size(), 0);
   const std::vector<int> stretches = stretches_of(database, part);
+  std::vector<std::vector<Neighbour>> near(database.frames.size());
+  std::vector<int> own(database.frames.size(), 0);
   parallel_for(database.frames.size(), [&](std::size_t n) {
     if (!used[n]) return;
-    std::vector<Neighbour> near = neighbours_of(database, part, n, reach, stretches, used);
-    models.neighbours[n] = static_cast<int>(near.size());
-    if (near.back().pass == 0) return;
-    const auto own = std::find_if(near.begin(), near.end(), [n](const Neighbour& k) { return k.frame == n; });
-    const int own_pass = own->pass;
-    std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.distance < b.distance; });
-    keep_nearest(near);
-    for (const Neighbour& other : near) {
-      if (other.pass != own_pass) models.others[n].push_back(other.frame);
+    std::vector<Neighbour> all = neighbours_of(database, part, n, reach, stretches, used);
+    models.neighbours[n] = static_cast<int>(all.size());
+    own[n] = std::ranges::find(all, n, &Neighbour::frame)->pass;
+    std::ranges::stable_sort(all, {}, &Neighbour::distance);
+    keep_nearest(all);
+    for (const Neighbour& other : all) {
+      if (other.pass != own[n]) models.others[n].push_back(other.frame);
     }
-    if (!models.others[n].empty()) models.shares[n] = fit(near, own_pass, anchors);
+    if (!models.others[n].empty()) near[n] = std::move(all);
+  });
+  const Variances variances = likeliest(asked_of(near, part, displacements), anchors);
+  parallel_for(near.size(), [&](std::size_t n) {
+    if (!near[n].empty()) models.shares[n] = shares_of(near[n], own[n], variances, anchors);
   });
   return models;
 }

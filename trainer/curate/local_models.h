@@ -1,9 +1,10 @@
-// What passes of the motion by a pose disagree in: per part of the skin, a local affine model of shape over pose
-// (weighted least squares over the frames near in the part's pose space, Cleveland & Devlin 1988) with an effect of
-// each pass,
-//   y_m = a + B f_m + o_pass(m),   min sum_m w_m |y_m - a - B f_m - o|^2 + kappa |B|^2 + lambda sum_p |o_p|^2,
-// a mixed model (Henderson 1975). A pass is a stretch of a take in one direction: its frames share what they have of
-// history. What slopes and curves along a pass is in all of its frames and stays; o is what it alone has. Linear in the
+// What passes of the motion by a pose disagree in. Per part of the skin and frame, the shapes of the frames near in the
+// part's pose space are a mean, what varies smoothly with the pose, what each pass is off by, and noise,
+//   y_m = a + g(f_m) + o_pass(m) + e_m,   cov g = exp(-|f - f'|^2 / 2 l^2), var o = p, var e = s / w_m,
+// a mixed model (Henderson 1975; Sacks et al. 1989). l, p and s are what makes the shapes of all neighbourhoods of the
+// part likeliest (restricted likelihood, Patterson & Thompson 1971): where shapes vary with the pose alone, p is
+// nothing, and nothing is found. A pass is a stretch of a take in one direction: its frames share what they have of
+// history. What slopes and curves with the pose is in all passes and stays; o is what one alone has. Linear in the
 // shapes: o at a frame is sum_m s_m y_m.
 #pragma once
 
@@ -11,6 +12,7 @@
 
 #include "geometry/region_weights.h"
 #include "trainer/curate/pose_database.h"
+#include "trainer/train/regression/components.h"
 
 namespace bodyopt {
 
@@ -35,9 +37,10 @@ struct LocalModels {
   std::vector<int> neighbours;                   // how many frames are near
 };
 
-// `degrees`: how far frames are that say nothing. Frames that are not `used` are left out; effects of passes with
-// `anchors` weigh ten times.
+// `degrees`: how far frames are that say nothing. Frames that are not `used` are left out; the effects of passes with
+// `anchors` vary by a tenth. `displacements`: N x 3V.
 LocalModels local_models(const PoseDatabase& database, const SkinPart& part, double degrees,
-                         const std::vector<char>& used, const std::vector<char>& anchors);
+                         const std::vector<char>& used, const std::vector<char>& anchors,
+                         const Displacements& displacements);
 
 }  // namespace bodyopt

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assets/mirrored_name.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 
@@ -15,15 +16,14 @@ constexpr double kJointTolerance = 0.02, kSkinTolerance = 0.05;  // of the chara
 
 Quat mirrored(const Quat& q) { return {q[0], -q[1], -q[2], q[3]}; }  // across a plane of constant x
 
-// "LeftArm" for "RightArm", "arm.l" for "arm.r".
-std::string other_side(const std::string& name) {
-  for (const auto& [a, b] : {std::pair{"Left", "Right"}, {"left", "right"}, {"_l", "_r"}, {".l", ".r"}, {".L", ".R"}}) {
-    for (const auto& [from, to] : {std::pair{a, b}, {b, a}}) {
-      const std::size_t at = name.find(from);
-      if (at != std::string::npos) return std::string(name).replace(at, std::string(from).size(), to);
-    }
+// Of every name the place of that of the other side, or its own.
+std::vector<std::size_t> name_counterparts(const std::vector<std::string>& names) {
+  std::vector<std::size_t> counterparts;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto other = std::ranges::find(names, mirrored_name(names[k], names));
+    counterparts.push_back(other == names.end() ? k : static_cast<std::size_t>(other - names.begin()));
   }
-  return name;
+  return counterparts;
 }
 
 std::vector<Vec3> bind_positions(const Skeleton& skeleton) {
@@ -35,10 +35,11 @@ std::vector<Vec3> bind_positions(const Skeleton& skeleton) {
 // The joint of the other side's name, or itself; both must lie where the mirror has them.
 std::vector<std::size_t> joint_counterparts(const Skeleton& skeleton, double middle, double size) {
   const std::vector<Vec3> positions = bind_positions(skeleton);
-  std::vector<std::size_t> counterparts;
+  std::vector<std::string> names;
+  for (const Joint& joint : skeleton.joints) names.push_back(joint.name);
+  std::vector<std::size_t> counterparts = name_counterparts(names);
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
-    const int found = skeleton.find(other_side(skeleton.joints[j].name));
-    const std::size_t other = found < 0 ? j : static_cast<std::size_t>(found);
+    const std::size_t other = counterparts[j];
     const Vec3 image{2 * middle - positions[j][0], positions[j][1], positions[j][2]};
     const double apart = length(positions[other] - image);
     if (apart > kJointTolerance * size) {
@@ -48,7 +49,6 @@ std::vector<std::size_t> joint_counterparts(const Skeleton& skeleton, double mid
                       "', expected less than " + std::to_string(std::lround(1e3 * kJointTolerance * size)) +
                       ": the character is not symmetric, or its joints are not named left and right");
     }
-    counterparts.push_back(other);
   }
   return counterparts;
 }
@@ -56,7 +56,7 @@ std::vector<std::size_t> joint_counterparts(const Skeleton& skeleton, double mid
 }  // namespace
 
 MirrorImage::MirrorImage(const Character& character, const std::vector<std::string>& controls)
-    : skeleton_(character.skeleton) {
+    : skeleton_(character.skeleton), control_counterpart_(name_counterparts(controls)) {
   const Positions& rest = character.vertices;
   const Eigen::RowVector3d low = rest.colwise().minCoeff(), high = rest.colwise().maxCoeff();
   middle_ = 0.5 * (low.x() + high.x());
@@ -71,10 +71,6 @@ MirrorImage::MirrorImage(const Character& character, const std::vector<std::stri
                                            std::to_string(std::lround(1e3 * (image_.back().position - image).norm())) +
                                            " mm from the skin: the character is not symmetric");
     }
-  }
-  for (std::size_t c = 0; c < controls.size(); ++c) {
-    const auto other = std::find(controls.begin(), controls.end(), other_side(controls[c]));
-    control_counterpart_.push_back(other == controls.end() ? c : static_cast<std::size_t>(other - controls.begin()));
   }
 }
 

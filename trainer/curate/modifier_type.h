@@ -1,13 +1,16 @@
 // What kinds of modifiers there are. Each is a file of this folder, and a line of the table in modifier_types.cpp.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "assets/json_file.h"
+#include "trainer/curate/offset_cache.h"
 #include "trainer/curate/pose_database.h"
 #include "trainer/curate/unposed_space.h"
 
@@ -26,18 +29,24 @@ class ShapeModifier {
   // Changes the offsets (V x 3, un-posed, metres) of one frame. Mask, strength, selection and frozen parts are seen to
   // by the stack. On any thread.
   virtual void apply(const FrameInHand& frame, Positions& offsets) const = 0;
+  // A hash of all that apply() makes of a frame's pose and offsets depends on: what was worked out is known again by
+  // it. None: it leaves the frame as it is. On any thread.
+  virtual std::optional<std::uint64_t> cause(std::size_t frame) const = 0;
 };
 
 struct ModifierInput {
   const PoseDatabase& database;
   const UnposedSpace& space;
-  const JsonObject& parameters;                       // keys are checked against ModifierType::parameters already
-  const std::string& place;                           // "modifier 'elbow'", for messages
-  const std::vector<char>& selected;                  // of every frame
-  const std::vector<char>& frozen;                    // of every frame: whether all of it stays as it is
-  const Eigen::VectorXd& mask;                        // V
-  std::function<Positions(std::size_t frame)> below;  // offsets as the modifiers before this one leave them; any thread
-  std::string cache;  // a file for what all frames together say, its name a hash of all it depends on; empty: none
+  const JsonObject& parameters;       // keys are checked against ModifierType::parameters already
+  const std::string& place;           // "modifier 'elbow'", for messages
+  const std::vector<char>& selected;  // of every frame
+  const std::vector<char>& frozen;    // of every frame: whether all of it stays as it is
+  const Eigen::VectorXd& mask;        // V
+  // Offsets of a frame as the modifiers before this one leave them, and a hash of all that they come from. On any
+  // thread, and as long as the modifier lives.
+  std::function<Positions(std::size_t frame)> below;
+  std::function<std::uint64_t(std::size_t frame)> key_below;
+  const OffsetCache& cache;  // for what is not of single frames
 };
 
 struct ModifierType {
@@ -46,6 +55,7 @@ struct ModifierType {
   const char* what;  // one line
   Effect effect;
   bool automatic;  // leaves frozen frames and parts alone
+  bool kept;       // what it makes of a frame is cached: that takes longer to work out than to read
   std::vector<const char*> parameters;
   // With Effect::shape. Throws Error(mismatch) or Error(file) where the parameters do not fit the dataset.
   std::unique_ptr<ShapeModifier> (*prepare)(const ModifierInput& input);

@@ -27,11 +27,14 @@ void remove_file(const fs::path& path, PrunedFiles& pruned) {
   pruned.bytes += size;
 }
 
+// Those that are written whole: not the temporary ones.
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code none;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
-    if (entry.is_regular_file(none) && entry.path().extension() == ".pc2") files.push_back(entry.path());
+  for (fs::directory_iterator entry(folder, none), end; !none && entry != end; entry.increment(none)) {
+    const std::string kind = entry->path().extension();
+    std::error_code gone;
+    if ((kind == ".pc2" || kind == ".offsets") && entry->is_regular_file(gone)) files.push_back(entry->path());
   }
   return files;
 }
@@ -55,7 +58,7 @@ PrunedFiles prune_modifiers(const fs::path& path, bool history) {
 
 void bound_cache(const fs::path& folder, std::uint64_t bytes, const fs::path& kept) {
   struct Cache {
-    fs::file_time_type written;
+    fs::file_time_type used;
     std::uint64_t size;
     fs::path path;
   };
@@ -68,7 +71,7 @@ void bound_cache(const fs::path& folder, std::uint64_t bytes, const fs::path& ke
     sum += cache.size;
     if (file != kept) caches.push_back(cache);
   }
-  std::sort(caches.begin(), caches.end(), [](const Cache& a, const Cache& b) { return a.written < b.written; });
+  std::sort(caches.begin(), caches.end(), [](const Cache& a, const Cache& b) { return a.used < b.used; });
   PrunedFiles pruned;
   for (std::size_t k = 0; k < caches.size() && sum > bytes; ++k) {
     remove_file(caches[k].path, pruned);

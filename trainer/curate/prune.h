@@ -15,7 +15,10 @@ struct PrunedFiles {
 // undo leads to names; with `history` the stacks that there were are forgotten first. Throws Error(file).
 PrunedFiles prune_modifiers(const std::filesystem::path& path, bool history);
 
-// Removes the oldest files of a folder of caches until the others are this large together; never `kept`.
+constexpr std::uint64_t kLargestCache = std::uint64_t{4} << 30;  // bytes of all that a dataset's modifiers cache
+
+// Removes the files of a folder of caches that were not used the longest until the others are this large together;
+// never `kept`.
 void bound_cache(const std::filesystem::path& folder, std::uint64_t bytes, const std::filesystem::path& kept);
 
 }  // namespace bodyopt

@@ -1,6 +1,7 @@
 // relax: evens out how vertices have slid along the skin, and leaves how far they stand off it.
 #include "geometry/laplacian.h"
 #include "geometry/vertex_normals.h"
+#include "trainer/curate/hash_of.h"
 #include "trainer/curate/modifier_type.h"
 
 namespace bodyopt {
@@ -9,8 +10,11 @@ namespace {
 class Relax : public ShapeModifier {
  public:
   Relax(const Character& character, double radius)
-      : smoother_(character.vertices, character.triangles, radius),
+      : radius_(radius),
+        smoother_(character.vertices, character.triangles, radius),
         normals_(vertex_normals(character.vertices, character.triangles).rowwise().normalized()) {}
+
+  std::optional<std::uint64_t> cause(std::size_t) const override { return hash_of(radius_); }
 
   void apply(const FrameInHand&, Positions& offsets) const override {
     const Positions change = smoother_(offsets) - offsets;
@@ -19,6 +23,7 @@ class Relax : public ShapeModifier {
   }
 
  private:
+  double radius_;  // metres
   SkinSmoother smoother_;
   Positions normals_;  // V x 3, at rest, unit or zero
 };

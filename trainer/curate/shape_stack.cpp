@@ -2,11 +2,10 @@
 
 #include <algorithm>
 
-#include "assets/frame_range.h"
+#include "assets/character_hash.h"
 #include "base/content_hash.h"
-#include "dataset/file_hashes.h"
 #include "runtime/core/error.h"
-#include "runtime/core/hexadecimal.h"
+#include "trainer/curate/hash_of.h"
 #include "trainer/curate/mirror_image.h"
 #include "trainer/curate/modifier_scope.h"
 
@@ -18,13 +17,43 @@ struct ShapeStack::Layer {
   std::string name;       // "modifier 'elbow'"
   const Modifier* modifier = nullptr;
   bool automatic = false;
+  bool kept = false;
   std::vector<char> selected;
   Eigen::VectorXd mask;
   std::unique_ptr<ShapeModifier> shape{};
+  std::uint64_t identity = 0;  // a hash of its type, strength and mask
 };
 
+namespace {
+
+// Raised whenever a modifier, or un-posing, makes something else of the same shape.
+constexpr std::uint64_t kVersion = 1;
+
+using KeptOffsets = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;  // V x 3, metres
+
+std::uint64_t identity_of(const Character& character) {
+  ContentHash hash;
+  hash.add(kVersion);
+  add(hash, character);
+  return hash.value();
+}
+
+std::uint64_t identity_of(const Modifier& modifier, const Eigen::VectorXd& mask) {
+  ContentHash hash;
+  hash.add(modifier.type);
+  hash.add(modifier.strength);
+  hash.append(mask.data(), static_cast<std::size_t>(mask.size()) * sizeof(double));
+  return hash.value();
+}
+
+}  // namespace
+
 ShapeStack::ShapeStack(PoseDatabase database, std::shared_ptr<const UnposedSpace> space)
-    : database_(std::move(database)), space_(std::move(space)), raw_frames_(database_.frames.size()) {
+    : database_(std::move(database)),
+      space_(std::move(space)),
+      cache_(database_.dataset.folder / "modifiers" / "cache"),
+      identity_(identity_of(database_.character)),
+      raw_frames_(database_.frames.size()) {
   dropped_.assign(raw_frames_, false);
   weights_.assign(raw_frames_, 1);
   const std::vector<Modifier>& modifiers = database_.dataset.modifiers;
@@ -74,10 +103,11 @@ void ShapeStack::check_scope(const PoseDatabase& database, const Modifier& modif
 }
 
 void ShapeStack::add(std::size_t place, const Modifier& modifier, const ModifierType& type) {
-  Layer layer{place, modifier_name(modifier), &modifier, type.automatic, {}, {}};
+  Layer layer{place, modifier_name(modifier), &modifier, type.automatic, type.kept, {}, {}};
   require_known_parameters(modifier, type, layer.name);
   layer.selected = selected_frames(database_, modifier.frames, layer.name);
   layer.mask = skin_mask(database_, modifier.mask, layer.name);
+  layer.identity = identity_of(modifier, layer.mask);
   switch (type.effect) {
     case ModifierType::Effect::shape:
       return add_shape(place, std::move(layer), type);
@@ -102,7 +132,7 @@ void ShapeStack::add_shape(std::size_t place, Layer layer, const ModifierType& t
   const JsonObject parameters(layer.modifier->parameters, path, layer.name);
   layer.shape = type.prepare({database_, *space_, parameters, layer.name, layer.selected, frozen, layer.mask,
                               [this, place](std::size_t frame) { return offsets(frame, place); },
-                              type.prepare == prepare_consistency ? cache_name(place) : ""});
+                              [this, place](std::size_t frame) { return key(frame, place); }, cache_});
   layers_.push_back(std::move(layer));
 }
 
@@ -152,25 +182,78 @@ Positions ShapeStack::shape(std::size_t frame) const { return posed(frame, datab
 
 // As the first modifiers leave it, posed.
 Positions ShapeStack::posed(std::size_t frame, std::size_t count) const {
-  if (!is_changed(frame)) return database_.raw_shape(frame);
-  const UnposedSpace::Frame space = space_ ? space_->frame(database_.frames[frame].pose) : UnposedSpace::Frame();
-  const Positions start = begun(frame);
-  Positions offsets;
-  for (const Layer& layer : layers_) {
-    if (layer.place >= count || !layer.selected[frame]) continue;
-    if (offsets.size() == 0) offsets = space.offsets(start);
-    apply(layer, {frame, space}, offsets);
-  }
-  return offsets.size() == 0 ? start : space.shape(offsets);
+  const std::vector<const Layer*> layers = layers_of(frame, count);
+  if (layers.empty()) return begun(frame);
+  const UnposedSpace::Frame space = space_->frame(database_.frames[frame].pose);
+  return space.shape(through(layers, {frame, space}));
 }
 
 Positions ShapeStack::offsets(std::size_t frame, std::size_t count) const {
   const UnposedSpace::Frame in = space().frame(database_.frames[frame].pose);
-  Positions offsets = in.offsets(begun(frame));
+  return through(layers_of(frame, count), {frame, in});
+}
+
+// Those of the first modifiers that may change a frame.
+std::vector<const ShapeStack::Layer*> ShapeStack::layers_of(std::size_t frame, std::size_t count) const {
+  const bool stays = !freezes_.empty() && frozen_part(frame).minCoeff() >= 1;
+  std::vector<const Layer*> layers;
   for (const Layer& layer : layers_) {
-    if (layer.place < count && layer.selected[frame]) apply(layer, {frame, in}, offsets);
+    if (layer.place < count && layer.selected[frame] && !(stays && layer.automatic)) layers.push_back(&layer);
+  }
+  return layers;
+}
+
+// What layers make of a frame, from the topmost on whose work is kept. It is kept in single precision, as raw shapes
+// are, and goes on so rounded when it was not there, too: either way gives the same bits.
+Positions ShapeStack::through(const std::vector<const Layer*>& layers, const FrameInHand& frame) const {
+  const Positions start = begun(frame.number);
+  const auto top = std::find_if(layers.rbegin(), layers.rend(), [](const Layer* layer) { return layer->kept; });
+  const std::vector<const Layer*> below(layers.begin(), top.base());
+  std::vector<std::uint64_t> keys;
+  if (!below.empty()) keys = keys_after(below, frame.number, start);
+  KeptOffsets kept(start.rows(), 3);
+  const std::span<float> numbers(kept.data(), static_cast<std::size_t>(kept.size()));
+  std::size_t next = below.size();
+  while (next > 0 && !(layers[next - 1]->kept && cache_.find(keys[next], numbers))) --next;
+  Positions offsets = next > 0 ? Positions(kept.cast<double>()) : frame.space.offsets(start);
+  for (; next < layers.size(); ++next) {
+    apply(*layers[next], frame, offsets);
+    if (!layers[next]->kept) continue;
+    kept = offsets.cast<float>();
+    cache_.keep(keys[next + 1], numbers);
+    offsets = kept.cast<double>();
   }
   return offsets;
+}
+
+// Of how a frame begins, and of what every layer leaves of it: a hash of all that it comes from.
+std::vector<std::uint64_t> ShapeStack::keys_after(const std::vector<const Layer*>& layers, std::size_t frame,
+                                                  const Positions& start) const {
+  ContentHash first;
+  first.add(identity_);
+  for (const JointTransform& joint : database_.frames[frame].pose.joints) first.add(joint);
+  first.add(hash_of(start));
+  std::vector<std::uint64_t> keys{first.value()};
+  for (const Layer* layer : layers) keys.push_back(key_after(*layer, frame, keys.back()));
+  return keys;
+}
+
+std::uint64_t ShapeStack::key(std::size_t frame, std::size_t count) const {
+  return keys_after(layers_of(frame, count), frame, begun(frame)).back();
+}
+
+std::uint64_t ShapeStack::key_after(const Layer& layer, std::size_t frame, std::uint64_t before) const {
+  const std::optional<std::uint64_t> cause = layer.shape->cause(frame);
+  if (!cause) return before;
+  ContentHash hash;
+  hash.add(before);
+  hash.add(layer.identity);
+  hash.add(*cause);
+  if (layer.automatic && !freezes_.empty()) {
+    const Eigen::VectorXd frozen = frozen_part(frame);
+    if (!frozen.isZero(0)) hash.append(frozen.data(), static_cast<std::size_t>(frozen.size()) * sizeof(double));
+  }
+  return hash.value();
 }
 
 Positions ShapeStack::begun(std::size_t frame) const {
@@ -194,39 +277,6 @@ Eigen::VectorXd ShapeStack::frozen_part(std::size_t frame) const {
     if (freeze.selected[frame]) frozen = frozen.cwiseMax(freeze.modifier->strength * freeze.mask);
   }
   return frozen;
-}
-
-namespace {
-
-// Raised whenever a modifier that looks at all frames makes something else of them.
-constexpr std::uint64_t kCacheVersion = 3;
-
-}  // namespace
-
-// Named by a hash of what the modifier at a place sees: the files of the dataset, the modifiers up to it, and the files
-// that these name.
-std::string ShapeStack::cache_name(std::size_t place) const {
-  const Dataset& dataset = database_.dataset;
-  ContentHash hash;
-  hash.add(kCacheVersion);
-  for (const HashedFile& file : hashed_files(dataset)) hash.add(file.xxh3);
-  for (const DatasetTake& take : dataset.takes) {
-    hash.add(take.name + ':' + format_frame_range(take.frames) + ':' + format_frame_range(take.heldout));
-  }
-  hash.add(dataset.selections.dump());
-  for (std::size_t k = 0; k < dataset.modifiers.size(); ++k) {
-    const Modifier& modifier = dataset.modifiers[k];
-    const bool freezes = modifier.type == "freeze";
-    if (!modifier.enabled || !(k <= place || freezes)) continue;
-    Json json = to_json(modifier);
-    json.erase("name");
-    if (k == place) json["strength"] = json["mask"] = nullptr;  // the stack sees to them
-    hash.add(json.dump());
-    if (modifier.parameters.contains("cache") && modifier.parameters["cache"].is_string()) {
-      hash.add(file_hash(dataset.folder / modifier.parameters["cache"].get<std::string>()));
-    }
-  }
-  return (dataset.folder / "modifiers" / "cache" / (hexadecimal(hash.value()) + ".pc2")).string();
 }
 
 }  // namespace bodyopt

@@ -1,4 +1,5 @@
-// The one way to the shapes of a dataset: every frame through the stack of modifiers, when it is asked for.
+// The one way to the shapes of a dataset: every frame through the stack of modifiers, when it is asked for. What takes
+// long of it is kept (offset_cache.h), to the bit: an edit works out what follows it, in the frames that it touches.
 #pragma once
 
 #include <memory>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "trainer/curate/modifier_type.h"
+#include "trainer/curate/offset_cache.h"
 #include "trainer/curate/pose_database.h"
 #include "trainer/curate/unposed_space.h"
 
@@ -17,7 +19,7 @@ class MirrorImage;
 class ShapeStack {
  public:
   // Modifiers that are off are left out, those of types that this version does not know, too, which a note says. What
-  // looks at all frames (consistency, despike) is worked out here, or read from modifiers/cache; shows progress then.
+  // looks at all frames (consistency) is worked out here, or read from modifiers/cache; shows progress then.
   // Throws Error(mismatch), naming the modifier, where one does not fit the dataset, and Error(file).
   // `space`: of the character, where it is made already.
   explicit ShapeStack(PoseDatabase database, std::shared_ptr<const UnposedSpace> space = nullptr);
@@ -58,9 +60,14 @@ class ShapeStack {
   void add_weight(const Layer& layer);
   void add_shape(std::size_t place, Layer layer, const ModifierType& type);
   Positions posed(std::size_t frame, std::size_t count) const;
+  std::vector<const Layer*> layers_of(std::size_t frame, std::size_t count) const;
+  Positions through(const std::vector<const Layer*>& layers, const FrameInHand& frame) const;
+  std::vector<std::uint64_t> keys_after(const std::vector<const Layer*>& layers, std::size_t frame,
+                                        const Positions& start) const;
+  std::uint64_t key_after(const Layer& layer, std::size_t frame, std::uint64_t before) const;
+  std::uint64_t key(std::size_t frame, std::size_t count) const;
   void apply(const Layer& layer, const FrameInHand& frame, Positions& offsets) const;
   Eigen::VectorXd frozen_part(std::size_t frame) const;
-  std::string cache_name(std::size_t place) const;
 
   PoseDatabase database_;
   std::vector<std::string> notes_;
@@ -69,6 +76,8 @@ class ShapeStack {
   std::vector<Layer> layers_, freezes_;
   mutable std::once_flag space_made_;                  // shapes are asked for by several threads
   mutable std::shared_ptr<const UnposedSpace> space_;  // made with the first modifier
+  OffsetCache cache_;
+  std::uint64_t identity_;  // a hash of the character
   std::unique_ptr<MirrorImage> mirror_;
   std::size_t raw_frames_ = 0, mirror_place_ = 0;
 };

@@ -1,5 +1,6 @@
 // smooth: the displacement, evened out over the skin by a Gaussian. What the rest skin has of detail stays.
 #include "geometry/laplacian.h"
+#include "trainer/curate/hash_of.h"
 #include "trainer/curate/modifier_type.h"
 
 namespace bodyopt {
@@ -7,10 +8,13 @@ namespace {
 
 class Smooth : public ShapeModifier {
  public:
-  Smooth(const Character& character, double radius) : smoother_(character.vertices, character.triangles, radius) {}
+  Smooth(const Character& character, double radius)
+      : radius_(radius), smoother_(character.vertices, character.triangles, radius) {}
+  std::optional<std::uint64_t> cause(std::size_t) const override { return hash_of(radius_); }
   void apply(const FrameInHand&, Positions& offsets) const override { offsets = smoother_(offsets); }
 
  private:
+  double radius_;  // metres
   SkinSmoother smoother_;
 };
 

@@ -4,6 +4,7 @@
 
 #include "geometry/closed_skin.h"
 #include "geometry/vertex_normals.h"
+#include "trainer/curate/hash_of.h"
 #include "trainer/curate/modifier_type.h"
 
 namespace bodyopt {
@@ -16,6 +17,8 @@ class Volume : public ShapeModifier {
         mask_(input.mask),
         cap_(cap),
         rest_(enclosed_volume(character_.vertices, character_.triangles)) {}
+
+  std::optional<std::uint64_t> cause(std::size_t) const override { return hash_of(cap_); }
 
   void apply(const FrameInHand& frame, Positions& offsets) const override {
     Positions skin = frame.space.shape(offsets);

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "assets/character_hash.h"
 #include "base/content_hash.h"
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -26,24 +27,6 @@ void add(ContentHash& hash, const std::vector<RegionWeights>& regions) {
     hash.add(region.name);
     hash.append(region.vertices.data(), region.vertices.size() * sizeof(std::uint32_t));
     hash.append(region.weights.data(), region.weights.size() * sizeof(double));
-  }
-}
-
-void add(ContentHash& hash, const Character& character) {
-  hash.append(character.vertices.data(), static_cast<std::size_t>(character.vertices.size()) * sizeof(double));
-  hash.append(character.triangles.data(), static_cast<std::size_t>(character.triangles.size()) * sizeof(std::uint32_t));
-  for (const std::vector<JointWeight>& weights : character.weights) {
-    hash.add(static_cast<std::uint64_t>(weights.size()));
-    for (const JointWeight& weight : weights) {
-      hash.add(std::uint64_t{weight.joint});
-      hash.add(weight.weight);
-    }
-  }
-  for (const Joint& joint : character.skeleton.joints) {
-    hash.add(joint.name);
-    hash.add(static_cast<std::uint64_t>(joint.parent));
-    hash.add(joint.bind);
-    hash.append(&joint.inverse_bind.m, sizeof(joint.inverse_bind.m));
   }
 }
 
@@ -345,7 +328,7 @@ void read_data_problems(const KeptFile& file, RegionModel& model) {
 TrainingKeys training_keys(const SampleSet& set, const TrainOptions& options) {
   ContentHash subject;
   subject.add(kTrainerVersion);
-  add(subject, set.character);
+  bodyopt::add(subject, set.character);
   add(subject, set.muscles);
   add(subject, set.regions);
   for (const std::string& control : set.controls) subject.add(control);

@@ -1,9 +1,7 @@
-#include "proxy_viewer/state/mirrored_joint.h"
+#include "assets/mirrored_name.h"
 
 #include <algorithm>
 #include <cctype>
-
-#include "proxy_viewer/state/euler_angles.h"
 
 namespace bodyopt {
 namespace {
@@ -35,23 +33,15 @@ std::string replaced(const std::string& name, const std::string& from, const std
   return {};
 }
 
-// At x = 0: an axis is reflected, and the sense of turning as well.
-Quat reflected(const Quat& turn) { return {turn[0], -turn[1], -turn[2], turn[3]}; }
-
 }  // namespace
 
-std::string mirrored_joint(const std::string& name, std::span<const std::string> names) {
+std::string mirrored_name(const std::string& name, std::span<const std::string> names) {
   for (const auto& [left, right] : kSides) {
     for (const auto& [from, to] : {Sides{left, right}, Sides{right, left}}) {
       if (std::string other = replaced(name, from, to, names); !other.empty()) return other;
     }
   }
   return {};
-}
-
-Vec3 mirrored_angles(const Vec3& degrees, const Quat& axes, const Quat& other_axes) {
-  const Quat in_world = axes * turn_of(degrees) * conjugate(axes);
-  return degrees_of(conjugate(other_axes) * reflected(in_world) * other_axes);
 }
 
 }  // namespace bodyopt

@@ -1,4 +1,4 @@
-#include "proxy_viewer/state/mirrored_joint.h"
+#include "proxy_viewer/state/mirrored_angles.h"
 
 #include <gtest/gtest.h>
 
@@ -46,33 +46,7 @@ Skeleton two_arms(Random& random) {
 
 Vec3 place_of(const Affine& joint) { return {joint.m[0][3], joint.m[1][3], joint.m[2][3]}; }
 
-TEST(MirroredJoint, IsFoundByItsName) {
-  const std::pair<const char*, const char*> pairs[] = {{"LeftArm", "RightArm"},
-                                                       {"mixamorig:LeftHand", "mixamorig:RightHand"},
-                                                       {"arm_left_1", "arm_right_1"},
-                                                       {"LEFT KNEE", "RIGHT KNEE"},
-                                                       {"LThumb", "RThumb"},
-                                                       {"ToeL", "ToeR"},
-                                                       {"L_Arm", "R_Arm"},
-                                                       {"l_leg", "r_leg"},
-                                                       {"arm_L_jnt", "arm_R_jnt"},
-                                                       {"Bip01 L Arm", "Bip01 R Arm"},
-                                                       {"upper.L", "upper.R"},
-                                                       {"L_Leg_L", "L_Leg_R"},
-                                                       {"clavicle_l", "clavicle_r"}};
-  std::vector<std::string> names = {"Legs", "R", "Spine", "Pervis", "Pelvis", "tail", "tair", "LOD", "ROD"};
-  for (const auto& [left, right] : pairs) names.insert(names.end(), {left, right});
-  for (const auto& [left, right] : pairs) {
-    EXPECT_EQ(mirrored_joint(left, names), right);
-    EXPECT_EQ(mirrored_joint(right, names), left);
-  }
-  // A letter within a word is none of a side.
-  for (const char* alone : {"Spine", "Legs", "R", "", "LeftLeg", "Pelvis", "tail"}) {
-    EXPECT_EQ(mirrored_joint(alone, names), "") << alone;
-  }
-}
-
-TEST(MirroredJoint, MakesThePoseTheMirrorImage) {
+TEST(MirroredAngles, MakesThePoseTheMirrorImage) {
   Random random(7);
   for (int k = 0; k < 50; ++k) {
     const Skeleton skeleton = two_arms(random);

@@ -1,0 +1,33 @@
+// Un-posed offsets that take longer to work out than to read, in files beside the dataset, each named by a hash of all
+// that it comes from. They are never the only copy of anything: the folder may be removed at any time.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+namespace bodyopt {
+
+class OffsetCache {
+ public:
+  explicit OffsetCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  ~OffsetCache();
+  OffsetCache(const OffsetCache&) = delete;
+  OffsetCache& operator=(const OffsetCache&) = delete;
+
+  // Reads what is kept under a key, as many numbers as there are. False: nothing, or a file that is damaged; the
+  // numbers then mean nothing. On any thread.
+  bool find(std::uint64_t key, std::span<float> offsets) const;
+  // Where nothing can be written (a folder of others, a full disk) nothing is kept. Of all that is kept what was not
+  // asked for the longest goes first. On any thread.
+  void keep(std::uint64_t key, std::span<const float> offsets) const;
+
+ private:
+  std::filesystem::path path_of(std::uint64_t key) const;
+
+  std::filesystem::path folder_;
+  mutable std::atomic<std::size_t> written_{0};
+};
+
+}  // namespace bodyopt
