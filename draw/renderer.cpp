@@ -54,18 +54,16 @@ void enclose(std::span<const DrawMesh> meshes, View& view) {
   view.radius = 0.5f * std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
 }
 
-std::array<float, 256> make_linear() {
-  std::array<float, 256> linear;
-  for (std::size_t k = 0; k < linear.size(); ++k) {
-    const float c = static_cast<float>(k) / 255;
-    linear[k] = c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
-  }
-  return linear;
+// Of every byte, once: a picture has millions.
+std::array<float, 256> make_lights() {
+  std::array<float, 256> lights;
+  for (std::size_t k = 0; k < lights.size(); ++k) lights[k] = linear(static_cast<std::uint8_t>(k));
+  return lights;
 }
 
 // Every pixel is the mean light of kOversampling x kOversampling.
 Image shrunk(const Image& drawn) {
-  static const std::array<float, 256> linear = make_linear();
+  static const std::array<float, 256> lights = make_lights();
   Image image{drawn.width / kOversampling, drawn.height / kOversampling, {}};
   image.rgba.reserve(std::size_t{image.width} * image.height * 4);
   for (std::uint32_t y = 0; y < image.height; ++y) {
@@ -73,7 +71,7 @@ Image shrunk(const Image& drawn) {
       std::array<float, 3> light{};
       for (std::uint32_t k = 0; k < kOversampling * kOversampling; ++k) {
         const std::size_t row = kOversampling * y + k / kOversampling, column = kOversampling * x + k % kOversampling;
-        for (std::size_t c = 0; c < 3; ++c) light[c] += linear[drawn.rgba[4 * (row * drawn.width + column) + c]];
+        for (std::size_t c = 0; c < 3; ++c) light[c] += lights[drawn.rgba[4 * (row * drawn.width + column) + c]];
       }
       for (float& l : light) l /= kOversampling * kOversampling;
       const std::array<std::uint8_t, 3> colour = srgb(light);

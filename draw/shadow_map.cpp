@@ -27,6 +27,13 @@ struct ShadowPush {
 };
 
 constexpr VkRect2D kWhole{{0, 0}, {kSide, kSide}};
+// Without a shadow nothing is drawn or read, but the ground's set still names the image, in this layout.
+constexpr ImagePassage kUnread{VK_IMAGE_LAYOUT_UNDEFINED,
+                               VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+                               VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+                               VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+                               0,
+                               VK_ACCESS_SHADER_READ_BIT};
 
 float caster_radius(const View& view) { return view.ground.caster > 0 ? view.ground.caster : view.radius; }
 
@@ -121,11 +128,15 @@ void ShadowMap::begin(VkCommandBuffer commands, VkFramebuffer framebuffer, const
 }
 
 void ShadowMap::record(VkCommandBuffer commands, PictureSets& sets, const View& view) const {
+  if (view.ground.shadow <= 0) {
+    pass_on(commands, soft_.image.get(), kUnread);
+    return;
+  }
   const float scale = shadow_scale(view), caster = caster_radius(view);
   begin(commands, hard_framebuffer_.get(), kWhole);
   draw_.bind(commands);
   for (const SkinDraw& skin : view.skins) {
-    if (!skin.shadow || view.ground.shadow <= 0) continue;
+    if (!skin.shadow) continue;
     const ShadowPush push{{view.middle[0], view.middle[2], scale, view.ground.height},
                           {skin.offset[0], skin.offset[1], skin.offset[2], 1 / (kReach * caster)},
                           skin.first_vertex};
@@ -133,10 +144,8 @@ void ShadowMap::record(VkCommandBuffer commands, PictureSets& sets, const View& 
   }
   vkCmdEndRenderPass(commands);
   begin(commands, soft_framebuffer_.get(), used_part(view));
-  if (view.ground.shadow > 0) {
-    blur_.bind(commands);
-    blur_.draw(commands, sets.make(blur_, {}, {hard_.view.get(), sampler_.get()}), scale * caster, 3);
-  }
+  blur_.bind(commands);
+  blur_.draw(commands, sets.make(blur_, {}, {hard_.view.get(), sampler_.get()}), scale * caster, 3);
   vkCmdEndRenderPass(commands);
 }
 

@@ -20,4 +20,10 @@ inline std::array<std::uint8_t, 3> srgb(const std::array<float, 3>& linear) {
   return result;
 }
 
+// Linear light, 0 to 1, of a channel in sRGB (IEC 61966-2-1).
+inline float linear(std::uint8_t encoded) {
+  const float c = static_cast<float>(encoded) / 255;
+  return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
+}
+
 }  // namespace bodyopt

@@ -3,7 +3,8 @@
   scripts/bench --against COMMIT BASIS [DYNAMICS]
 The earlier runtime is built in a git worktree of its own, which is removed again. Both run in turns, so that what else the
 machine does falls on both; the quickest of all counts. Prints a table for docs/benchmarks.md: ms a frame, and how many
-times quicker. BASIS and DYNAMICS have to be files that the earlier runtime reads, too.
+times quicker. BASIS and DYNAMICS have to be files that the earlier runtime reads, too. Exits with 2 where a run of either
+fails, after the table of what was measured.
 """
 import argparse, os, pathlib, signal, subprocess, sys, tempfile
 
@@ -42,26 +43,25 @@ def build(tree, folder):
 
 
 def run(program, threads, device, files):
-    """{(what, stage): ms} on so many of the processors, and what the program says where it fails."""
+    """{(what, stage): ms} on so many of the processors, and why the program failed; None where it did not."""
     cores = sorted(os.sched_getaffinity(0))[:threads]
     done = subprocess.run([program, device, *files], capture_output=True, text=True,
                           preexec_fn=lambda: os.sched_setaffinity(0, cores))
     rows = [line.split("\t") for line in done.stdout.splitlines()]
-    return {(what, stage): float(ms) for what, stage, ms in rows}, done.stderr.strip()
+    failure = None if done.returncode == 0 else done.stderr.strip() or f"ended with {done.returncode}"
+    return {(what, stage): float(ms) for what, stage, ms in rows}, failure
 
 
 def measure(programs, threads, device, files):
-    """Of each of the programs, in turns, the quickest of all rounds, and what those say that fail."""
-    quickest, complaints = [{} for _ in programs], set()
+    """Of each of the programs, in turns, the quickest of all rounds; and why any failed, as lines."""
+    quickest, failures = [{} for _ in programs], set()
     for _ in range(ROUNDS):
         for best, program in zip(quickest, programs):
-            figures, said = run(program, threads, device, files)
+            figures, failure = run(program, threads, device, files)
             for key, ms in figures.items():
                 best[key] = min(ms, best.get(key, ms))
-            complaints |= {f"{program}, {device}: {said}"} if said else set()
-    for complaint in sorted(complaints):
-        print(f"bench: {complaint}", file=sys.stderr)
-    return quickest
+            failures |= {f"{program}, device {device}: {failure}"} if failure else set()
+    return quickest, sorted(failures)
 
 
 def milliseconds(figures, what, stages):
@@ -112,8 +112,13 @@ def compare(earlier, now, arguments):
     # Of several threads of the CPU, the stages are sums over them.
     places = [("CPU, 1 thread", 1, "cpu", STAGES + FRAMES), ("CPU, 2 threads", 2, "cpu", FRAMES),
               ("device 0", os.cpu_count(), "0", STAGES + FRAMES)]
+    failures = []
     for where, threads, device, rows in places:
-        print_rows(where, rows, *measure((earlier, now), threads, device, arguments.files))
+        quickest, failed = measure((earlier, now), threads, device, arguments.files)
+        print_rows(where, rows, *quickest)
+        failures += failed
+    if failures:
+        stop("not all was measured\n" + "\n".join(failures))
 
 
 main()

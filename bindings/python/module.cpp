@@ -281,6 +281,7 @@ class Call {
       all[k].poses = &call.frames_.poses;
       all[k].skin = &call.frames_.wanted;
       all[k].jiggles = call.frames_.frame_numbers.has_value();
+      all[k].result = BODYOPT_INTERNAL;  // until told otherwise: the library may fail before it tells
       mutexes.insert(&call.instance_.mutex_);
     }
     bodyopt_result result;

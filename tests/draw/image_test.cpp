@@ -17,6 +17,7 @@
 
 #include "draw/heat_colour.h"
 #include "draw/renderer.h"
+#include "draw/srgb.h"
 #include "runtime/core/error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -64,6 +65,17 @@ TEST(Png, RefusesWhatIsNoImage) {
   image.rgba.pop_back();
   EXPECT_THROW(encode_png(image), Error);
   EXPECT_THROW(encode_png({4'000'000'000, 4'000'000'000, {}}), Error);
+}
+
+TEST(Srgb, IsTheStandardsAndEveryByteComesBack) {
+  for (int k = 0; k < 256; ++k) {
+    const double c = k / 255.0;
+    const float light = linear(static_cast<std::uint8_t>(k));
+    EXPECT_NEAR(light, c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4), 1e-6) << k;
+    EXPECT_EQ(int{srgb({light, 0, 0})[0]}, k);
+  }
+  EXPECT_EQ(linear(255), 1);
+  EXPECT_NEAR(linear(188), 0.5029, 1e-4);  // about half the light is three quarters of the way up
 }
 
 struct Lab {

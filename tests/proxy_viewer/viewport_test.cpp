@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "draw/heat_colour.h"
+#include "draw/srgb.h"
 #include "shaders/include/layout.h"
 #include "tests/draw/sphere.h"
 #include "tests/support/error_kind.h"
@@ -37,11 +38,6 @@ Difference difference(const Image& a, const Image& b) {
     d.largest = std::max(d.largest, off);
   }
   return d;
-}
-
-double linear(double srgb) {
-  const double c = srgb / 255;
-  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
 }
 
 // A sphere of radius 0.5 on the ground, seen from the front.
@@ -173,11 +169,12 @@ TEST_F(ViewportTest, HeatHasTheColourOfItsDistanceOnTheBar) {
     const std::array<float, 3> bar = heat_colour(std::min(1.0f, t));
     double shown_sum = 0, bar_sum = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-      shown_sum += linear(shown[i]);
-      bar_sum += static_cast<double>(bar[i]);
+      shown_sum += double{linear(static_cast<std::uint8_t>(shown[i]))};
+      bar_sum += double{bar[i]};
     }
     for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_NEAR(linear(shown[i]) / shown_sum, static_cast<double>(bar[i]) / bar_sum, 0.015) << t << ", channel " << i;
+      EXPECT_NEAR(double{linear(static_cast<std::uint8_t>(shown[i]))} / shown_sum, double{bar[i]} / bar_sum, 0.015)
+          << t << ", channel " << i;
     }
   }
 }
@@ -342,7 +339,7 @@ TEST_F(ViewportTest, ShadowIsAsSharpInAWideView) {
     const Image with = draw(shaded), without = draw(plain);
     std::vector<double> share;
     for (std::size_t k = 0; k < with.rgba.size(); k += 4) {
-      share.push_back(linear(with.rgba[k]) / std::max(1e-3, linear(without.rgba[k])));
+      share.push_back(double{linear(with.rgba[k])} / std::max(1e-3, double{linear(without.rgba[k])}));
     }
     return share;
   };

@@ -448,8 +448,9 @@ class VulkanBackend final : public Backend, private SplitRun {
   }
 
   void receive() {
-    for (const auto skin : {&BatchResult::positions, &BatchResult::normals, &BatchResult::posed})
+    for (const auto skin : {&BatchResult::positions, &BatchResult::normals, &BatchResult::posed}) {
       (result_.*skin).clear();
+    }
     const std::byte* from = buffers_->staging_out.mapped();
     for (const Download& download : downloads()) {
       std::vector<float>& to = result_.*download.to;
