@@ -14,7 +14,7 @@ namespace {
 using Names = std::set<std::string>;
 
 // Of all that could be a joint; none of what is no clip.
-Names names_in(const std::string& source, const std::string& joint_map) {
+Names names_in(const std::string& source) {
   Names names;
   const ClipSource parts = split_source(source);
   const std::string extension = lower_case_extension(parts.path);
@@ -24,8 +24,6 @@ Names names_in(const std::string& source, const std::string& joint_map) {
     const GltfFile file(parts.path);
     for (const tinygltf::Node& node : file.model().nodes) names.insert(node.name);
   }
-  if (joint_map.empty()) return names;
-  for (const MappedJoint& joint : read_joint_map(joint_map)) names.insert(joint.to);
   return names;
 }
 
@@ -60,7 +58,12 @@ std::vector<MappedJoint> matched_joints(const Metadata& metadata) {
 Clip read_clip(const std::string& source, const Basis& basis, const ClipOptions& options) {
   const std::vector<MappedJoint> matched = matched_joints(basis.metadata);
   if (matched.empty()) return read_clip(source, basis.skeleton, options);
-  const Names names = names_in(source, options.joint_map);
+  std::vector<MappedJoint> mapped;
+  if (!options.joint_map.empty()) mapped = read_joint_map(options.joint_map);
+  const auto is_own = [&](const MappedJoint& joint) { return basis.skeleton.find(joint.to) >= 0; };
+  if (!mapped.empty() && std::ranges::all_of(mapped, is_own)) return read_clip(source, basis.skeleton, options);
+  Names names = names_in(source);
+  for (const MappedJoint& joint : mapped) names.insert(joint.to);
   const auto has = [&](const std::string& name) { return names.contains(name); };
   const bool has_own = std::ranges::all_of(basis.skeleton.joints, has, &Joint::name),
              has_source = std::ranges::all_of(matched, has, &MappedJoint::from);

@@ -56,20 +56,21 @@ void say_of(const std::string& target, std::vector<std::string> notes) {
   say(notes);
 }
 
-// Draws the correspondence where it is asked for, and says what is not sure of it. Throws Error(mismatch) for unlike
-// bodies, unless --force.
-void judge(const TransferPair& pair, const TransferArguments& arguments, const std::string& target) {
+// Draws the correspondence where it is asked for, and says what is not sure of it. Returns the likeness. Throws
+// Error(mismatch) for unlike bodies, unless --force.
+double judge(const TransferPair& pair, const TransferArguments& arguments, const std::string& target) {
   say_of(target, pair.match.notes);
   say_of(target, pair.correspondence.notes);
   if (!arguments.picture.empty()) write_png(transfer_picture(pair), arguments.picture);
   const double alike = likeness(pair);
-  if (alike >= kLeastLikeness) return;
+  if (alike >= kLeastLikeness) return alike;
   const std::string what = format(
-      "%s: is like the source's body by %.2f only (1: the same skin on the same joints; people among each other: %.2f "
-      "and more): an unlike body, joints of other meaning, or a rest pose far off%s",
+      "%s: is like the source's body by %.2f only (1: the same skin on the same joints; below %.2f is refused): "
+      "an unlike body, joints of other meaning, or a rest pose far off%s",
       target.c_str(), alike, kLeastLikeness, arguments.picture.empty() ? "; --picture FILE.png shows where" : "");
   if (!arguments.force) throw Error(ErrorKind::mismatch, what + "; --force goes on all the same");
   spdlog::warn(what);
+  return alike;
 }
 
 Json names_without(const std::vector<int>& match, const Skeleton& skeleton) {
@@ -80,7 +81,7 @@ Json names_without(const std::vector<int>& match, const Skeleton& skeleton) {
   return names;
 }
 
-Json facts_of(const TransferPair& pair) {
+Json facts_of(const TransferPair& pair, double alike) {
   const Correspondence& correspondence = pair.correspondence;
   const double count = static_cast<double>(std::max<Eigen::Index>(1, correspondence.distance.size()));
   return {{"same_topology", correspondence.same_topology},
@@ -90,7 +91,7 @@ Json facts_of(const TransferPair& pair) {
           {"unmatched_source_joints", names_without(pair.match.target_joint, pair.source.skeleton)},
           {"unmatched_target_joints", names_without(pair.match.source_joint, pair.target.skeleton)},
           {"posed_to_the_source", pair.match.is_aligned()},
-          {"likeness", likeness(pair)},
+          {"likeness", alike},
           {"confidence", correspondence.mean_confidence()},
           {"filled_in_vertices", pair.skin.unsure()},
           {"fit_rms_mm", 1e3 * std::sqrt(correspondence.distance.squaredNorm() / count)}};
@@ -219,12 +220,12 @@ class BasisTransfer {
     const Character character = read_character(target, arguments_.unit);
     say_of(target, character.notes);
     const TransferPair pair(source_.front().basis, character, options_);
-    judge(pair, arguments_, target);
+    const double alike = judge(pair, arguments_, target);
     std::vector<std::string> notes;
     const std::vector<Level> carried = carried_levels(pair, character, source_, options_, arguments_.unit, notes);
     save_levels(carried, out);
     const Basis& basis = carried.front().basis;
-    Json facts = facts_of(pair);
+    Json facts = facts_of(pair, alike);
     facts["target"] = target;
     facts["basis"] = out;
     facts["vertices"] = basis.mesh.vertex_count();
@@ -234,7 +235,7 @@ class BasisTransfer {
     facts["beside"] = carry_company(company_, pair, character, basis, out, arguments_.unit, options_, notes);
     facts["seconds_with_what_is_beside"] = watch.seconds();
     say_of(target, notes);
-    if (!arguments_.report.empty()) report(pair, basis, target, facts, page);
+    if (!arguments_.report.empty()) report(pair, alike, basis, target, facts, page);
     std::string text = format("wrote %s: %u vertices, %s, %.1f s\n", out.c_str(), basis.mesh.vertex_count(),
                               describe(pair).c_str(), facts["seconds"].get<double>());
     for (const Json& file : facts["beside"]) text += "wrote " + file.get<std::string>() + "\n";
@@ -243,11 +244,12 @@ class BasisTransfer {
   }
 
  private:
-  void report(const TransferPair& pair, const Basis& basis, const std::string& target, Json& facts, Page& page) const {
+  void report(const TransferPair& pair, double alike, const Basis& basis, const std::string& target, Json& facts,
+              Page& page) const {
     std::vector<ComparedPose> poses;
     if (motion_) poses = compare_poses(pair, basis, motion_->clip, motion_->frames);
     const auto parts = transfer_parts(pair.source, pair.target, pair.match, pair.correspondence);
-    add_transfer(pair, parts, target, basis.mesh, poses, page);
+    add_transfer(pair, alike, parts, target, basis.mesh, poses, page);
     facts.update(to_json(parts, poses));
   }
 
@@ -311,10 +313,10 @@ void run_dataset(const TransferArguments& arguments) {
   say_of(arguments.targets.front(), target.character.notes);
   const Basis source = build_ddm_basis(source_character, {});
   const TransferPair pair(source, target.character, options);
-  judge(pair, arguments, arguments.targets.front());
+  const double alike = judge(pair, arguments, arguments.targets.front());
   const TransferredDataset told = transfer_dataset(dataset, source_character, pair, target, out);
   say_of(out.string(), told.notes);
-  Json facts = facts_of(pair);
+  Json facts = facts_of(pair, alike);
   facts["dataset"] = (out / "dataset.json").string();
   facts["takes"] = told.takes;
   facts["frames"] = told.frames;

@@ -80,7 +80,7 @@ class Session {
   // The playhead over the lead's clip, as it played before; a range that the clip lacks is said, and forgotten.
   void play_clip();
   // The camera sees all, or the joint that is selected, in a picture of so many pixels, of which names cover the
-  // uppermost.
+  // uppermost and a legend those on the right.
   void frame_selection(std::uint32_t width, std::uint32_t height, Covered covered = {});
   // The same again where a comparison or its names have taken some of the picture since, or given it back, and nobody
   // has moved the camera.

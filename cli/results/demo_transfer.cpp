@@ -3,6 +3,7 @@
 #include "cli/results/transfer_page.h"
 #include "runtime/core/atomic_file.h"
 #include "trainer/builtin/arm.h"
+#include "trainer/transfer/likeness.h"
 #include "trainer/transfer/transfer_basis.h"
 
 namespace bodyopt::cli {
@@ -17,8 +18,8 @@ void write_page(const TransferPair& pair, const Basis& carried, const fs::path& 
   std::vector<int> frames;
   for (int frame = clip.first_frame; frame <= clip.last_frame(); frame += kFrameStep) frames.push_back(frame);
   Page page("A stockier arm", "What the built-in arm learned, on one of thicker flesh and other triangles");
-  add_transfer(pair, transfer_parts(pair.source, pair.target, pair.match, pair.correspondence), "stocky.glb",
-               carried.mesh, compare_poses(pair, carried, clip, frames), page);
+  add_transfer(pair, likeness(pair), transfer_parts(pair.source, pair.target, pair.match, pair.correspondence),
+               "stocky.glb", carried.mesh, compare_poses(pair, carried, clip, frames), page);
   const std::string html = page.text();
   write_file_atomically(folder / "transfer.html", std::as_bytes(std::span(html)));
 }

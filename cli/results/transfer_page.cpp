@@ -114,12 +114,13 @@ std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& c
   return poses;
 }
 
-void add_transfer(const TransferPair& pair, const std::vector<TransferPart>& parts, const std::string& target,
-                  const MeshTable& carried, const std::vector<ComparedPose>& poses, Page& page) {
+void add_transfer(const TransferPair& pair, double alike, const std::vector<TransferPart>& parts,
+                  const std::string& target, const MeshTable& carried, const std::vector<ComparedPose>& poses,
+                  Page& page) {
   const Correspondence& match = pair.correspondence;
   page.heading(target);
   const std::array headlines{
-      Headline{format("%.2f", likeness(pair)), "", format("likeness: under %.2f are unlike bodies", kLeastLikeness)},
+      Headline{format("%.2f", alike), "", format("likeness: under %.2f are unlike bodies", kLeastLikeness)},
       Headline{format("%.2f", match.mean_confidence()), "",
                match.same_topology ? "confidence: the same triangles" : "confidence of the match (1: surely the same)"},
       Headline{format("%.3g", pair.match.size), "times", "as large as the source"},

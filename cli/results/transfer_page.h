@@ -23,10 +23,11 @@ struct ComparedPose {
 std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& carried, const Clip& clip,
                                         const std::vector<int>& frames);
 
-// Adds what is known of one target. `carried`: of which the poses are, if there are any. Throws Error(device) where
-// nothing can be drawn.
-void add_transfer(const TransferPair& pair, const std::vector<TransferPart>& parts, const std::string& target,
-                  const MeshTable& carried, const std::vector<ComparedPose>& poses, Page& page);
+// Adds what is known of one target. `carried`: of which the poses are, if there are any; `alike`: likeness() of the
+// pair. Throws Error(device) where nothing can be drawn.
+void add_transfer(const TransferPair& pair, double alike, const std::vector<TransferPart>& parts,
+                  const std::string& target, const MeshTable& carried, const std::vector<ComparedPose>& poses,
+                  Page& page);
 
 // The same for programs.
 Json to_json(const std::vector<TransferPart>& parts, const std::vector<ComparedPose>& poses);

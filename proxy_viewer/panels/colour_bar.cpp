@@ -54,15 +54,17 @@ std::string describe_largest(const Heat& heat) {
   return std::isfinite(heat.most) ? "largest " + millimetres(heat.most) + " mm" : "";
 }
 
-float widest_text(const Heat& heat) {
-  return std::max(ImGui::CalcTextSize(heat.title).x, ImGui::CalcTextSize(describe_largest(heat).c_str()).x);
+float widest_text(const Heat& heat, const std::string& largest) {
+  return std::max(ImGui::CalcTextSize(heat.title).x, ImGui::CalcTextSize(largest.c_str()).x);
 }
 
 }  // namespace
 
 float colour_bar_width(const Snapshot& snapshot, const Controls& controls) {
+  // Not that of the frame: the camera would be framed again from frame to frame.
+  static const std::string kUsualLargest = "largest 88.8 mm";
   const std::optional<Heat> heat = heat_of(snapshot, controls);
-  return heat && controls.settings.hud.legend ? kMargin + widest_text(*heat) + kPadding : 0;
+  return heat && controls.settings.hud.legend ? kMargin + widest_text(*heat, kUsualLargest) + kPadding : 0;
 }
 
 void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
@@ -79,8 +81,8 @@ void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const P
   const float left = right - kWidth, top = bottom - height;
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const std::string largest = describe_largest(*heat);
-  list.AddRectFilled({right - widest_text(*heat) - kPadding, top - 3.1f * line}, {right + 12, bottom + line}, kBehind,
-                     6);
+  list.AddRectFilled({right - widest_text(*heat, largest) - kPadding, top - 3.1f * line}, {right + 12, bottom + line},
+                     kBehind, 6);
   for (int k = 0; k < kSteps; ++k) {
     const float low = static_cast<float>(k) / kSteps, high = static_cast<float>(k + 1) / kSteps;
     const ImU32 a = opaque(heat_colour(low)), b = opaque(heat_colour(high));

@@ -594,6 +594,17 @@ TEST(MatchSkeletons, WhatWasCarriedTellsHowItWasMatched) {
       for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(turn[i], wanted[i], 1e-6) << name << j;
     }
   }
+  // A joint map from the source's joints to its own does, too; what it leaves out stays at rest.
+  joints.erase(joints.size() - 1);
+  std::ofstream(folder / "most.json") << Json{{"schema", "bodyopt-joint-map-1"}, {"joints", joints}};
+  const auto by_map = [&](const auto& moved) {
+    return read_clip((folder / "source.glb").string(), moved, {.joint_map = (folder / "most.json").string()});
+  };
+  const Clip read = by_map(carried), expected = by_map(carried.skeleton);
+  ASSERT_EQ(read.poses.size(), expected.poses.size());
+  for (std::size_t j = 0; j < carried.skeleton.size(); ++j) {
+    EXPECT_EQ(read.poses[1].joints[j].rotation, expected.poses[1].joints[j].rotation) << j;
+  }
   EXPECT_EQ(testing::kind_of([&] { read_clip((folder / "source.glb").string(), carried.skeleton, {}); }),
             ErrorKind::mismatch);
   const Skeleton stranger = two_sided(0);
