@@ -125,7 +125,7 @@ struct Case : Skin {
 
   std::vector<float> moved() const {  // by the reference
     std::vector<float> to(posed.size());
-    cpu::output_separate(mesh, tables, push, {boxes, weights, posed, current}, to);
+    cpu::output_separate(mesh, tables, push, boxes, weights, {posed, current}, to);
     return to;
   }
   KernelRun run(KernelSet& kernels) const {
@@ -297,7 +297,7 @@ TEST(OutputSeparateReference, SidesMeetHalfWay) {
   add_box_sides(1, tables);
   const auto separated = [&](const std::vector<float>& weights, float limit) {
     cpu::output_bound(tables.triangles, {16, 24, 4}, current, boxes);
-    cpu::output_separate(mesh, tables, {16, 24, 4, 3, 0, 1, 0, limit}, {boxes, weights, current, current}, moved);
+    cpu::output_separate(mesh, tables, {16, 24, 4, 3, 0, 1, 0, limit}, boxes, weights, {current, current}, moved);
     return moved;
   };
   const std::vector<float> whole = separated({0, 0, 1}, 1), half = separated({0, 0, 0.5f}, 1),
