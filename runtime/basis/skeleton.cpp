@@ -30,4 +30,9 @@ Pose bind_pose(const Skeleton& skeleton) {
   return pose;
 }
 
+Vec3 bind_place(const Skeleton& skeleton, std::size_t joint) {
+  const Affine bind = inverse(skeleton.joints[joint].inverse_bind);
+  return {bind.m[0][3], bind.m[1][3], bind.m[2][3]};
+}
+
 }  // namespace bodyopt

@@ -51,4 +51,7 @@ struct Pose {
 
 Pose bind_pose(const Skeleton& skeleton);
 
+// Where a joint stands in the bind pose: rest space, metres.
+Vec3 bind_place(const Skeleton& skeleton, std::size_t joint);
+
 }  // namespace bodyopt

@@ -2,6 +2,7 @@
 #include "runtime/cpu/cpu_backend.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 
@@ -58,11 +59,11 @@ struct Work {
 
 class CpuBackend final : public Backend {
  public:
-  CpuBackend(const Basis& basis, const JiggleModel& jiggle, std::shared_ptr<Executor> executor)
-      : basis_(basis),
+  CpuBackend(std::shared_ptr<const CharacterModel> model, const JiggleModel& jiggle, std::shared_ptr<Executor> executor)
+      : model_(std::move(model)),
+        basis_(model_->basis),
         executor_(executor ? std::move(executor) : std::make_shared<SerialExecutor>()),
-        folds_(fold_tables(basis)),
-        rest_coefficients_(basis.residual.coefficient_count(), 0) {
+        rest_coefficients_(basis_.residual.coefficient_count(), 0) {
     if (jiggle.dynamics) dynamics_.emplace(jiggle, *executor_);
   }
 
@@ -112,10 +113,10 @@ class CpuBackend final : public Backend {
   struct Scratch {
     std::vector<float> fibre_positions, features, coordinates, kernels;
     std::vector<float> finished, unfinished;  // skins by modifiers that move it in the end
-    std::vector<float> boxes;
-    std::vector<std::vector<cpu::BentFold>> bent_folds;  // F
-    std::vector<float> areas;                            // of kFramesAtOnce frames
-    std::vector<float> frames;                           // of all blocks of kFramesAtOnce frames; none without strains
+    std::vector<float> boxes;                 // of kFramesAtOnce frames
+    std::array<cpu::BentFolds, kFramesAtOnce> bent_folds;
+    std::vector<float> areas;   // of kFramesAtOnce frames
+    std::vector<float> frames;  // of all blocks of kFramesAtOnce frames; none without strains
   };
 
   void prepare(std::size_t frames, bool wants_normals, BatchResult& result) {
@@ -285,31 +286,37 @@ class CpuBackend final : public Backend {
 
   // Did anything move?
   bool separate(Work& work, const OutputStep& step) {
-    const std::size_t frames = work.batch.frame_count;
-    const OutputBoundPush bound = bound_push(basis_);
     const OutputSeparatePush push = separate_push(basis_, step);
-    scratch_.boxes.resize(frames * 6 * bound.box_count);
-    scratch_.bent_folds.resize(frames);
-    over_frames({0, frames}, [&](std::size_t f) {
-      auto last = StageTimes::Clock::now();
-      const auto boxes = of_frame(scratch_.boxes, f, frames);
-      cpu::output_bound(folds_.triangles, bound, of_frame(work.result.positions, f, frames), boxes);
-      scratch_.bent_folds[f] = cpu::bent_folds(push, of_frame(work.batch.modifiers, f, frames), boxes);
-      work.times.add_since(last, Stage::output);
-    });
     std::atomic<bool> moves = false;
-    over_parts(frames, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
-      auto last = StageTimes::Clock::now();
-      const auto frame = [&](auto& values) { return of_frame(values, f, frames); };
-      if (cpu::separate_part(basis_.mesh, folds_, push, scratch_.bent_folds[f],
-                             {frame(scratch_.boxes), frame(work.batch.modifiers), frame(scratch_.unfinished),
-                              frame(work.result.positions)},
-                             first, frame(scratch_.finished).subspan(3 * first, 3 * count))) {
-        moves = true;
-      }
-      work.times.add_since(last, Stage::output);
+    for_ranges(work.batch.frame_count, [&](FrameRange range) {
+      find_bent_folds(work, push, range);
+      over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
+        auto last = StageTimes::Clock::now();
+        const auto frame = [&](auto& values) { return of_frame(values, range.begin + k, work.batch.frame_count); };
+        if (cpu::separate_part(basis_.mesh, model_->folds, push, scratch_.bent_folds[k].all(),
+                               {frame(scratch_.unfinished), frame(work.result.positions)}, first,
+                               frame(scratch_.finished).subspan(3 * first, 3 * count))) {
+          moves = true;
+        }
+        work.times.add_since(last, Stage::output);
+      });
     });
     return moves;
+  }
+
+  void find_bent_folds(Work& work, const OutputSeparatePush& push, FrameRange range) {
+    const OutputBoundPush bound = bound_push(basis_);
+    const std::size_t numbers = std::size_t{6} * bound.box_count;
+    scratch_.boxes.resize(std::max(scratch_.boxes.size(), numbers * range.count()));
+    over_frames(range, [&](std::size_t f) {
+      auto last = StageTimes::Clock::now();
+      const std::size_t k = f - range.begin;
+      const std::span<float> boxes = std::span(scratch_.boxes).subspan(k * numbers, numbers);
+      cpu::output_bound(model_->folds.triangles, bound, of_frame(work.result.positions, f, work.batch.frame_count),
+                        boxes);
+      scratch_.bent_folds[k].find(push, of_frame(work.batch.modifiers, f, work.batch.frame_count), boxes);
+      work.times.add_since(last, Stage::output);
+    });
   }
 
   void find_normals(Work& work) {
@@ -333,9 +340,9 @@ class CpuBackend final : public Backend {
     });
   }
 
+  const std::shared_ptr<const CharacterModel> model_;
   const Basis& basis_;
   const std::shared_ptr<Executor> executor_;
-  const FoldTables folds_;
   std::vector<float> rest_coefficients_;
   Weights weights_;
   std::optional<CpuDynamics> dynamics_;
@@ -345,9 +352,9 @@ class CpuBackend final : public Backend {
 
 }  // namespace
 
-std::unique_ptr<Backend> make_cpu_backend(const Basis& basis, const JiggleModel& jiggle,
+std::unique_ptr<Backend> make_cpu_backend(std::shared_ptr<const CharacterModel> model, const JiggleModel& jiggle,
                                           std::shared_ptr<Executor> executor) {
-  return std::make_unique<CpuBackend>(basis, jiggle, std::move(executor));
+  return std::make_unique<CpuBackend>(std::move(model), jiggle, std::move(executor));
 }
 
 }  // namespace bodyopt

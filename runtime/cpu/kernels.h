@@ -85,29 +85,36 @@ void relax_part(const MeshTable& mesh, float weight, std::span<const float> curr
 void output_bound(std::span<const std::uint32_t> triangles, const OutputBoundPush& push,
                   std::span<const float> positions, std::span<float> boxes);
 
-// What output_separate reads of one frame, or of all.
+// The skin that output_separate moves, of one frame or of all: V x 3, metres, before the first step and now.
 struct SeparateFrame {
-  std::span<const float> boxes;           // box_count x 6: of the current skin
-  std::span<const float> weights;         // component_count
-  std::span<const float> posed, current;  // V x 3, metres: before the first step, and now
+  std::span<const float> posed, current;
 };
 
 // Output stage: one of kSeparateSteps steps in which skin that has crossed skin in a fold goes half its depth along the
 // fold's normal (shaders/include/fold.h), so that both sides meet; of several folds by the shortest way. Only vertices
-// that faced the other side do before the first step, after it only those that it moved. The weights are the folds'
-// normals, as long as how much is shown. -> moved F x V x 3. What has crossed nothing keeps its
-// bits.
+// that faced the other side before the first step move, after it only those that it moved. boxes F x box_count x 6: of
+// the skin now. weights F x component_count: the folds' normals, as long as how much is shown. -> moved F x V x 3. What
+// has crossed nothing keeps its bits.
 void output_separate(const MeshTable& mesh, const FoldTables& tables, const OutputSeparatePush& push,
-                     const SeparateFrame& batch, std::span<float> moved);
+                     std::span<const float> boxes, std::span<const float> weights, const SeparateFrame& batch,
+                     std::span<float> moved);
 
 // A fold that is bent, and where the boxes of triangles lie along its axes u and w across its normal n, and along that.
 struct BentFold {
   std::uint32_t fold = 0;
   float n[3] = {}, u[3] = {}, w[3] = {};
-  std::vector<float> from[3], to[3];  // of u, w and n: box_count
+  std::span<const float> from[3], to[3];  // of u, w and n: box_count
 };
-std::vector<BentFold> bent_folds(const OutputSeparatePush& push, std::span<const float> weights,
-                                 std::span<const float> boxes);
+// Those of one frame. Kept from frame to frame, so that their memory is.
+class BentFolds {
+ public:
+  void find(const OutputSeparatePush& push, std::span<const float> weights, std::span<const float> boxes);
+  std::span<const BentFold> all() const { return folds_; }
+
+ private:
+  std::vector<BentFold> folds_;
+  std::vector<float> spans_;  // of each fold what it has of u, w and n
+};
 // Of one frame and some vertices: those from first_vertex on, as many as moved holds. Did any move?
 bool separate_part(const MeshTable& mesh, const FoldTables& tables, const OutputSeparatePush& push,
                    std::span<const BentFold> folds, const SeparateFrame& frame, std::size_t first_vertex,

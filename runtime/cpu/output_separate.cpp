@@ -34,19 +34,59 @@ Spans spans_of(const Vector& middle, const Vector& half_edge, const BentFold& fo
   return spans;
 }
 
-// Some vertices, one after the other, in a step of one frame. What it leaves out has no part in what is found.
+// Those of boxes: from and to along each axis.
+void find_spans(std::span<const float> boxes, std::span<float> found, BentFold& fold) {
+  const std::size_t count = boxes.size() / 6;
+  for (std::size_t box = 0; box < count; ++box) {
+    Vector middle, half_edge;
+    for (std::size_t i = 0; i < 3; ++i) {
+      middle[i] = 0.5f * (boxes[6 * box + i] + boxes[6 * box + 3 + i]);
+      half_edge[i] = 0.5f * (boxes[6 * box + 3 + i] - boxes[6 * box + i]);
+    }
+    const Spans spans = spans_of(middle, half_edge, fold);
+    for (std::size_t k = 0; k < 3; ++k) {
+      found[2 * count * k + box] = spans.from[k];
+      found[count * (2 * k + 1) + box] = spans.to[k];
+    }
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    fold.from[k] = found.subspan(2 * count * k, count);
+    fold.to[k] = found.subspan(count * (2 * k + 1), count);
+  }
+}
+
+// A step of one frame, as many vertices at a time as a device takes. What it leaves out has no part in what is found.
 class Separation {
  public:
   Separation(const MeshTable& mesh, const FoldTables& tables, const OutputSeparatePush& push,
-             const SeparateFrame& frame, std::size_t first, std::span<float> moved)
-      : mesh_(mesh), tables_(tables), push_(push), frame_(frame), words_((push.fold_count + 31) / 32), first_(first) {
-    std::ranges::copy(frame.current.subspan(3 * first, moved.size()), moved.begin());
-    for (std::size_t at = 0; at < moved.size(); at += 3) {
-      const std::size_t vertex = first + at / 3;
-      const float *own = &frame.current[3 * vertex], *before = &frame.posed[3 * vertex];
-      if (push.step == 0 || !std::equal(own, own + 3, before)) movable_.push_back({vertex});
-    }
+             const SeparateFrame& frame)
+      : mesh_(mesh), tables_(tables), push_(push), frame_(frame), words_((push.fold_count + 31) / 32) {
+    movable_.reserve(kWorkgroupSize);
+    members_.reserve(kWorkgroupSize);
   }
+
+  // The vertices from `first` on, as many as moved holds. Did any move?
+  bool separate(std::span<const BentFold> folds, std::size_t first, std::span<float> moved) {
+    std::ranges::copy(frame_.current.subspan(3 * first, moved.size()), moved.begin());
+    movable_.clear();
+    for (std::size_t vertex = first; vertex < first + moved.size() / 3; ++vertex) {
+      const float *own = &frame_.current[3 * vertex], *before = &frame_.posed[3 * vertex];
+      if (push_.step == 0 || !std::equal(own, own + 3, before)) movable_.push_back({vertex});
+    }
+    for (const BentFold& fold : folds) look_at(fold);
+    return move(first, moved);
+  }
+
+ private:
+  struct Movable {
+    std::size_t vertex;
+    float least = std::numeric_limits<float>::max();  // of all folds so far
+    Vector way{};
+  };
+  struct Member {
+    Movable* movable;
+    Spans spans;
+  };
 
   void look_at(const BentFold& fold) {
     members_.clear();
@@ -66,8 +106,7 @@ class Separation {
     }
   }
 
-  // Did any vertex move?
-  bool move(std::span<float> moved) const {
+  bool move(std::size_t first, std::span<float> moved) const {
     bool moves = false;
     for (const Movable& movable : movable_) {
       if (movable.least == std::numeric_limits<float>::max()) continue;
@@ -75,22 +114,11 @@ class Separation {
       std::copy_n(&frame_.current[3 * movable.vertex], 3, own);
       std::copy_n(&frame_.posed[3 * movable.vertex], 3, before);
       fold_step(movable.way, before, own, push_.limit, to);
-      std::copy_n(to, 3, &moved[3 * (movable.vertex - first_)]);
+      std::copy_n(to, 3, &moved[3 * (movable.vertex - first)]);
       moves = true;
     }
     return moves;
   }
-
- private:
-  struct Movable {
-    std::size_t vertex;
-    float least = std::numeric_limits<float>::max();  // of all folds so far
-    Vector way{};
-  };
-  struct Member {
-    Movable* movable;
-    Spans spans;
-  };
 
   bool is_near(std::size_t vertex, std::uint32_t fold) const {
     return tables_.sides[2 * words_ * vertex + fold / 32] >> fold % 32 & 1u;
@@ -190,7 +218,7 @@ class Separation {
   const FoldTables& tables_;
   const OutputSeparatePush& push_;
   const SeparateFrame& frame_;
-  const std::size_t words_, first_;
+  const std::size_t words_;
   std::vector<Movable> movable_;
   std::vector<Member> members_;       // of the fold that is looked at
   std::vector<std::uint32_t> boxes_;  // that lines through members may meet
@@ -198,57 +226,45 @@ class Separation {
 
 }  // namespace
 
-std::vector<BentFold> bent_folds(const OutputSeparatePush& push, std::span<const float> weights,
-                                 std::span<const float> boxes) {
-  std::vector<BentFold> bent;
+void BentFolds::find(const OutputSeparatePush& push, std::span<const float> weights, std::span<const float> boxes) {
+  folds_.clear();
   for (std::uint32_t k = 0; k < push.fold_count; ++k) {
     BentFold fold;
     fold.fold = k;
     std::copy_n(&weights[push.component + 3 * std::size_t{k}], 3, fold.n);
     if (!(dot_product(fold.n, fold.n) > 0)) continue;
     fold_axes(fold.n, fold.u, fold.w);
-    for (std::size_t i = 0; i < 3; ++i) {
-      fold.from[i].reserve(boxes.size() / 6);
-      fold.to[i].reserve(boxes.size() / 6);
-    }
-    for (std::size_t at = 0; at < boxes.size(); at += 6) {
-      Vector middle, half_edge;
-      for (std::size_t i = 0; i < 3; ++i) {
-        middle[i] = 0.5f * (boxes[at + i] + boxes[at + 3 + i]);
-        half_edge[i] = 0.5f * (boxes[at + 3 + i] - boxes[at + i]);
-      }
-      const Spans spans = spans_of(middle, half_edge, fold);
-      for (std::size_t i = 0; i < 3; ++i) {
-        fold.from[i].push_back(spans.from[i]);
-        fold.to[i].push_back(spans.to[i]);
-      }
-    }
-    bent.push_back(std::move(fold));
+    folds_.push_back(fold);
   }
-  return bent;
+  const std::size_t count = boxes.size() / 6;
+  spans_.resize(6 * count * folds_.size());
+  for (std::size_t k = 0; k < folds_.size(); ++k) {
+    find_spans(boxes, std::span(spans_).subspan(6 * count * k, 6 * count), folds_[k]);
+  }
 }
 
 bool separate_part(const MeshTable& mesh, const FoldTables& tables, const OutputSeparatePush& push,
                    std::span<const BentFold> folds, const SeparateFrame& frame, std::size_t first_vertex,
                    std::span<float> moved) {
+  Separation separation(mesh, tables, push, frame);
   bool moves = false;
   for (std::size_t at = 0; at < moved.size(); at += std::size_t{3} * kWorkgroupSize) {
     const std::span<float> some = moved.subspan(at, std::min(moved.size() - at, std::size_t{3} * kWorkgroupSize));
-    Separation separation(mesh, tables, push, frame, first_vertex + at / 3, some);
-    for (const BentFold& fold : folds) separation.look_at(fold);
-    moves = separation.move(some) || moves;
+    moves = separation.separate(folds, first_vertex + at / 3, some) || moves;
   }
   return moves;
 }
 
 void output_separate(const MeshTable& mesh, const FoldTables& tables, const OutputSeparatePush& push,
-                     const SeparateFrame& batch, std::span<float> moved) {
-  const std::size_t numbers = std::size_t{3} * push.vertex_count, boxes = std::size_t{6} * push.box_count;
+                     std::span<const float> boxes, std::span<const float> weights, const SeparateFrame& batch,
+                     std::span<float> moved) {
+  const std::size_t numbers = std::size_t{3} * push.vertex_count, box_numbers = std::size_t{6} * push.box_count;
+  BentFolds folds;
   for (std::size_t f = 0; f * numbers < moved.size(); ++f) {
-    const SeparateFrame frame = {
-        batch.boxes.subspan(f * boxes, boxes), batch.weights.subspan(f * push.component_count, push.component_count),
-        batch.posed.subspan(f * numbers, numbers), batch.current.subspan(f * numbers, numbers)};
-    separate_part(mesh, tables, push, bent_folds(push, frame.weights, frame.boxes), frame, 0,
+    folds.find(push, weights.subspan(f * push.component_count, push.component_count),
+               boxes.subspan(f * box_numbers, box_numbers));
+    separate_part(mesh, tables, push, folds.all(),
+                  {batch.posed.subspan(f * numbers, numbers), batch.current.subspan(f * numbers, numbers)}, 0,
                   moved.subspan(f * numbers, numbers));
   }
 }

@@ -19,11 +19,10 @@
 namespace bodyopt {
 namespace {
 
-// `model` outlives the backend.
 std::unique_ptr<Backend> on_the_cpu(const std::shared_ptr<const CharacterModel>& model,
                                     const std::optional<JiggleOptions>& jiggle,
                                     const std::shared_ptr<Executor>& threads = nullptr) {
-  return make_cpu_backend(model->basis, jiggle ? JiggleModel{&*model->dynamics, *jiggle} : JiggleModel{},
+  return make_cpu_backend(model, jiggle ? JiggleModel{&*model->dynamics, *jiggle} : JiggleModel{},
                           threads ? threads : make_tbb_executor());
 }
 

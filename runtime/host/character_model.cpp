@@ -7,7 +7,7 @@ namespace bodyopt {
 std::shared_ptr<const CharacterModel> make_character_model(Basis basis, std::optional<Dynamics> dynamics) {
   validate(basis, "the basis");
   if (dynamics) validate(*dynamics, basis, "the dynamics");
-  return std::make_shared<const CharacterModel>(CharacterModel{std::move(basis), std::move(dynamics)});
+  return std::make_shared<const CharacterModel>(std::move(basis), std::move(dynamics));
 }
 
 }  // namespace bodyopt

@@ -3,15 +3,21 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "runtime/basis/basis.h"
 #include "runtime/basis/dynamics.h"
+#include "runtime/host/fold_tables.h"
 
 namespace bodyopt {
 
 struct CharacterModel {
+  CharacterModel(Basis of, std::optional<Dynamics> jiggling)
+      : basis(std::move(of)), dynamics(std::move(jiggling)), folds(fold_tables(basis)) {}
+
   Basis basis;
   std::optional<Dynamics> dynamics;  // of the basis; none: nothing jiggles
+  FoldTables folds;                  // of the basis
 };
 
 // Validates both. Throws Error(file).

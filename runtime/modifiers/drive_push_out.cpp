@@ -22,18 +22,30 @@ double shown_at(double cosine) {
   return std::clamp((degrees - kBegins) / (kInFull - kBegins), 0.0, 1.0);
 }
 
-Vec3 bind_place(const Skeleton& skeleton, std::size_t joint) {
-  const Affine bind = inverse(skeleton.joints[joint].inverse_bind);
-  return {bind.m[0][3], bind.m[1][3], bind.m[2][3]};
-}
+// At rest.
+struct Fold {
+  std::size_t joint, parent;
+  Vec3 bone, limb;  // directions of the bone, and of where the limb that it bends comes from
+};
 
-// Where the limb that a bone bends comes from at rest: the bone above it, where both are of one limb, or the bone's
-// own.
-Vec3 limb_direction(const Skeleton& skeleton, std::size_t joint, const Vec3& bone) {
-  const Vec3 above =
-      bind_place(skeleton, joint) - bind_place(skeleton, static_cast<std::size_t>(skeleton.joints[joint].parent));
+// The bone above, where both are of one limb, or the bone's own.
+Vec3 limb_direction(const Skeleton& skeleton, std::size_t joint, std::size_t parent, const Vec3& bone) {
+  const Vec3 above = bind_place(skeleton, joint) - bind_place(skeleton, parent);
   const double size = length(above);
   return size > 1e-6 && dot(above, bone) > kOneLimb * size ? (1 / size) * above : bone;
+}
+
+std::vector<Fold> folds_at_rest(const Skeleton& skeleton, const SkinModifier& modifier) {
+  std::vector<Fold> folds;
+  for (std::size_t k = 0; k < modifier.joints.size(); ++k) {
+    const std::size_t joint = modifier.joints[k];
+    if (skeleton.joints[joint].parent < 0) throw std::out_of_range("a fold's joint");
+    const auto parent = static_cast<std::size_t>(skeleton.joints[joint].parent);
+    Vec3 bone;
+    for (std::size_t i = 0; i < 3; ++i) bone[i] = static_cast<double>(modifier.numbers.at(5 + 7 * k + i));
+    folds.push_back({joint, parent, bone, limb_direction(skeleton, joint, parent, bone)});
+  }
+  return folds;
 }
 
 // As long as the fold is shown.
@@ -50,20 +62,17 @@ void drive_push_out(const ModifierFrames& frames, std::span<float> weights) {
   const SkinModifier& modifier = frames.modifier;
   const Skeleton& skeleton = frames.basis.skeleton;
   if (modifier.component_count != 3 * modifier.joints.size()) throw std::out_of_range("components of push-out");
+  const std::vector<Fold> folds = folds_at_rest(skeleton, modifier);
   const std::vector<Quat> bind = world_rotations(skeleton, bind_pose(skeleton));
   for (std::size_t f = 0; f < frames.count(); ++f) {
     const std::vector<Quat> posed = world_rotations(skeleton, frames.poses[f]);
     const auto turned = [&](std::size_t joint, const Vec3& v) {
       return rotate(posed[joint] * conjugate(bind[joint]), v);
     };
-    for (std::size_t k = 0; k < modifier.joints.size(); ++k) {
-      const int parent = skeleton.joints[modifier.joints[k]].parent;
-      if (parent < 0) throw std::out_of_range("a fold's joint");
-      Vec3 bone;
-      for (std::size_t i = 0; i < 3; ++i) bone[i] = static_cast<double>(modifier.numbers.at(5 + 7 * k + i));
+    for (std::size_t k = 0; k < folds.size(); ++k) {
+      const Fold& fold = folds[k];
       const Vec3 normal =
-          fold_normal(turned(modifier.joints[k], bone), turned(static_cast<std::size_t>(parent), bone),
-                      turned(static_cast<std::size_t>(parent), limb_direction(skeleton, modifier.joints[k], bone)));
+          fold_normal(turned(fold.joint, fold.bone), turned(fold.parent, fold.bone), turned(fold.parent, fold.limb));
       for (std::size_t i = 0; i < 3; ++i) {
         weights[f * modifier.component_count + 3 * k + i] = static_cast<float>(normal[i]);
       }

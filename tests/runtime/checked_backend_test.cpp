@@ -19,10 +19,10 @@ namespace checked_backend_test {
 struct Sides {
   Sides(const std::function<void(Basis&)>& spoil) {
     Basis basis = random_basis(20, 70);
-    model = std::make_shared<const CharacterModel>(CharacterModel{basis, {}});
+    model = model_of(basis);
     spoilt = basis;
     spoil(spoilt);
-    checked = make_checked_backend(model, make_cpu_backend(spoilt), make_cpu_backend(model->basis));
+    checked = make_checked_backend(model, make_cpu_backend(model_of(spoilt)), make_cpu_backend(model));
   }
 
   std::shared_ptr<const CharacterModel> model;
@@ -35,7 +35,7 @@ std::string said_of(const std::function<void(Basis&)>& spoil) {
   const Sides sides(spoil);
   try {
     const Batch batch = random_batch(sides.model->basis, 3);
-    EXPECT_EQ(sides.checked->run(batch).positions, make_cpu_backend(sides.spoilt)->run(batch).positions);
+    EXPECT_EQ(sides.checked->run(batch).positions, make_cpu_backend(model_of(sides.spoilt))->run(batch).positions);
     return "";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::device);
@@ -65,11 +65,11 @@ TEST(CheckedBackend, NamesStageFrameVertexValuesAndTolerance) {
 
 TEST(CheckedBackend, PassesADevice) {
   const Sides sides([](Basis&) {});
-  const auto model = std::make_shared<const CharacterModel>(CharacterModel{sides.model->basis, {}});
+  const auto model = model_of(sides.model->basis);
   Sides gpu([](Basis&) {});
   gpu.checked = make_checked_backend(
       model, make_vulkan_backend(std::make_shared<const vulkan::DeviceModel>(open_test_device(), model)),
-      make_cpu_backend(model->basis));
+      make_cpu_backend(model));
   const Batch batch = random_batch(model->basis, 3);
   BatchResult result;
   EXPECT_NO_THROW(result = gpu.checked->run(batch));

@@ -27,9 +27,9 @@ TEST(CpuBackend, SameBitsHoweverItIsCut) {
     const Basis basis = random_basis(fibres, 70);
     const Batch batch = random_batch(basis, 19);
     const auto cut = std::make_shared<CutExecutor>();
-    const BatchResult whole = make_cpu_backend(basis)->run(batch);
-    expect_same(whole, make_cpu_backend(basis, {}, cut)->run(batch));
-    expect_same(whole, make_cpu_backend(basis, {}, make_tbb_executor())->run(batch));
+    const BatchResult whole = make_cpu_backend(model_of(basis))->run(batch);
+    expect_same(whole, make_cpu_backend(model_of(basis), {}, cut)->run(batch));
+    expect_same(whole, make_cpu_backend(model_of(basis), {}, make_tbb_executor())->run(batch));
     EXPECT_GT(cut->calls, 0u);
   }
 }
@@ -53,7 +53,7 @@ Batch frame_of(const Batch& batch, std::size_t f) {
 TEST(CpuBackend, ABatchHasTheBitsOfItsFrames) {
   const Basis basis = random_basis(20, 70);
   const Batch batch = random_batch(basis, 11);
-  const auto backend = make_cpu_backend(basis);
+  const auto backend = make_cpu_backend(model_of(basis));
   const BatchResult whole = backend->run(batch);
   const std::size_t numbers = whole.positions.size() / 11;
   for (std::size_t f = 0; f < 11; ++f) {
@@ -70,7 +70,7 @@ TEST(CpuBackend, ABatchHasTheBitsOfItsFrames) {
 TEST(CpuBackend, PosesAsTheKernel) {
   const Basis basis = random_basis(20, 70);
   const Batch batch = random_batch(basis, 3);
-  const BatchResult result = make_cpu_backend(basis)->run(batch);
+  const BatchResult result = make_cpu_backend(model_of(basis))->run(batch);
   std::vector<float> displacements(result.positions.size()), positions(displacements.size());
   cpu::residual_blend(basis.residual, result.coefficients, 3, 1, displacements);
   cpu::pose_skin(basis.ddm, kBasisJoints, batch.skinning, batch.origins, displacements, positions);

@@ -43,7 +43,7 @@ TEST(Stages, ThoseOfABatch) {
 TEST(Stages, TheCpuTimesThoseOfTheBatch) {
   const Basis basis = with_random_modifiers(random_basis(20, 70), 7);
   const Batch batch = random_batch(basis, 9);
-  const BatchResult result = make_cpu_backend(basis)->run(batch);
+  const BatchResult result = make_cpu_backend(model_of(basis))->run(batch);
   const std::vector<Stage> stages = stages_of(basis, batch);
   EXPECT_EQ(result.stage_seconds.size(), stages.size());
   for (const Stage stage : stages) EXPECT_GT(result.stage_seconds.at(name_of(stage)), 0) << name_of(stage);

@@ -14,7 +14,7 @@ namespace bodyopt::testing {
 namespace {
 
 std::unique_ptr<Backend> on_device(const Basis& basis) {
-  const auto model = std::make_shared<const CharacterModel>(CharacterModel{basis, {}});
+  const auto model = model_of(basis);
   return make_vulkan_backend(std::make_shared<const vulkan::DeviceModel>(open_test_device(), model));
 }
 
@@ -31,7 +31,7 @@ TEST(VulkanBackend, EqualsTheCpuBackend) {
   for (const auto& [fibres, coefficients] : {std::pair(20u, 70u), {0u, 70u}, {20u, 0u}, {0u, 0u}}) {
     SCOPED_TRACE(std::to_string(fibres) + " fibres, " + std::to_string(coefficients) + " coefficients");
     const Basis basis = random_basis(fibres, coefficients);
-    const auto cpu = make_cpu_backend(basis), gpu = on_device(basis);
+    const auto cpu = make_cpu_backend(model_of(basis)), gpu = on_device(basis);
     EXPECT_GE(gpu->batch_limit(), 64u);
     // Recorded for one frame, again for three, submitted again, and again for one.
     for (const std::uint32_t frames : {1u, 3u, 3u, 1u}) {
@@ -53,7 +53,7 @@ TEST(VulkanBackend, EqualsTheCpuBackend) {
 // The memory of a result is that of the one before: nothing of it is left.
 TEST(VulkanBackend, AndTheCpuBackendGiveWhatABatchAsksForAndNoMore) {
   const Basis basis = random_basis(20, 70);
-  for (const auto& backend : {make_cpu_backend(basis), on_device(basis)}) {
+  for (const auto& backend : {make_cpu_backend(model_of(basis)), on_device(basis)}) {
     SCOPED_TRACE(backend->name());
     Batch batch = random_batch(basis, 3);
     const BatchResult plain = backend->run(batch);
@@ -74,7 +74,7 @@ TEST(VulkanBackend, AndTheCpuBackendGiveWhatABatchAsksForAndNoMore) {
 TEST(VulkanBackend, ModifiersEqualTheCpuBackend) {
   for (const std::uint32_t coefficients : {70u, 0u}) {
     const Basis plain = random_basis(20, coefficients), basis = with_random_modifiers(plain, 7);
-    const auto cpu = make_cpu_backend(basis), gpu = on_device(basis);
+    const auto cpu = make_cpu_backend(model_of(basis)), gpu = on_device(basis);
     Batch batch = random_batch(basis, 3);
     const BatchResult shown = gpu->run(batch);
     expect_equal(shown, cpu->run(batch));
@@ -82,7 +82,7 @@ TEST(VulkanBackend, ModifiersEqualTheCpuBackend) {
     EXPECT_NE(shown.positions, on_device(plain)->run(batch).positions);
     std::fill(batch.modifiers.begin(), batch.modifiers.end(), 0.0f);
     EXPECT_EQ(gpu->run(batch).positions, on_device(plain)->run(batch).positions);
-    EXPECT_EQ(cpu->run(batch).positions, make_cpu_backend(plain)->run(batch).positions);
+    EXPECT_EQ(cpu->run(batch).positions, make_cpu_backend(model_of(plain))->run(batch).positions);
   }
 }
 
@@ -91,12 +91,12 @@ TEST(VulkanBackend, StrainsOfTurnedJointsEqualTheCpuBackend) {
   const Basis plain = with_random_modifiers(random_basis(20, 70), 2);
   Basis turning = plain;
   turning.modifiers.stack[0].turns = {{1, 0, 0.1f, 0, 0}};
-  const auto cpu = make_cpu_backend(turning), gpu = on_device(turning);
+  const auto cpu = make_cpu_backend(model_of(turning)), gpu = on_device(turning);
   Batch batch = random_batch(plain, 3), before = batch;
   batch.learned_skinning = batch.skinning;
   const std::vector<float> unturned = gpu->run(batch).positions;
   EXPECT_EQ(unturned, on_device(plain)->run(before).positions);
-  EXPECT_EQ(cpu->run(batch).positions, make_cpu_backend(plain)->run(before).positions);
+  EXPECT_EQ(cpu->run(batch).positions, make_cpu_backend(model_of(plain))->run(before).positions);
   const std::vector<float> strains = gpu->run(batch).strains;
   const std::size_t one = batch.skinning.size() / 3;  // the second frame turns
   std::copy_n(random_batch(plain, 4).skinning.begin(), one, batch.skinning.begin() + static_cast<std::ptrdiff_t>(one));
@@ -108,7 +108,7 @@ TEST(VulkanBackend, StrainsOfTurnedJointsEqualTheCpuBackend) {
 
 TEST(VulkanBackend, RelaxEqualsTheCpuBackend) {
   const Basis plain = with_random_modifiers(random_basis(20, 70), 7), basis = with_relax(plain);
-  const auto cpu = make_cpu_backend(basis), gpu = on_device(basis), without = on_device(plain);
+  const auto cpu = make_cpu_backend(model_of(basis)), gpu = on_device(basis), without = on_device(plain);
   Batch batch = random_batch(basis, 3), same = batch;
   same.modifiers.resize(std::size_t{3} * 7);
   const auto relax = [&](const std::vector<float>& weights) {
@@ -120,7 +120,7 @@ TEST(VulkanBackend, RelaxEqualsTheCpuBackend) {
   relax({0, 0, 0});
   const std::vector<float> before = without->run(same).positions;
   EXPECT_EQ(gpu->run(batch).positions, before);
-  EXPECT_EQ(cpu->run(batch).positions, make_cpu_backend(plain)->run(same).positions);
+  EXPECT_EQ(cpu->run(batch).positions, make_cpu_backend(model_of(plain))->run(same).positions);
   for (const std::vector<float>& weights : {std::vector<float>{0.7f, 0, 1}, {0, 0.5f, 1}}) {
     relax(weights);
     const BatchResult shown = gpu->run(batch);
@@ -136,7 +136,7 @@ TEST(VulkanBackend, PushOutEqualsTheCpuBackend) {
   const Basis plain = with_random_modifiers(random_basis(20, 70), 7);
   for (const Basis& basis : {with_push_out(plain), with_push_out(with_relax(plain))}) {
     const std::size_t components = basis.modifiers.component_count(), first = components - 6;
-    const auto cpu = make_cpu_backend(basis), gpu = on_device(basis);
+    const auto cpu = make_cpu_backend(model_of(basis)), gpu = on_device(basis);
     Batch batch = random_batch(basis, 3);
     const auto push_out = [&](float shown) {
       for (std::size_t k = 0; k < batch.modifiers.size(); ++k) {
@@ -160,7 +160,7 @@ TEST(VulkanBackend, PushOutEqualsTheCpuBackend) {
     Batch bare = batch;
     bare.modifiers.resize(std::size_t{3} * 7);
     EXPECT_EQ(gpu->run(batch).positions, on_device(plain)->run(bare).positions);
-    EXPECT_EQ(cpu->run(batch).positions, make_cpu_backend(plain)->run(bare).positions);
+    EXPECT_EQ(cpu->run(batch).positions, make_cpu_backend(model_of(plain))->run(bare).positions);
   }
 }
 
@@ -181,8 +181,7 @@ TEST(VulkanBackend, RestCoefficientsAreTakenOutExactly) {
 // Instances of one model share its tables, and nothing else.
 TEST(VulkanBackend, InstancesOfAModelDoNotDisturbEachOther) {
   const Basis basis = random_basis(20, 70);
-  const auto model = std::make_shared<const vulkan::DeviceModel>(
-      open_test_device(), std::make_shared<const CharacterModel>(CharacterModel{basis, {}}));
+  const auto model = std::make_shared<const vulkan::DeviceModel>(open_test_device(), model_of(basis));
   const auto one = make_vulkan_backend(model), other = make_vulkan_backend(model);
   const Batch first = random_batch(basis, 3), second = random_batch(basis, 5);
   const std::vector<float> alone = on_device(basis)->run(first).positions;
@@ -197,7 +196,7 @@ TEST(VulkanBackend, InstancesOfAModelDoNotDisturbEachOther) {
 // A device whose bindings see little: tables by blocks of vertices are seen through windows, others are named.
 TEST(VulkanBackend, SeesTablesThroughWindows) {
   const Basis basis = with_relax(with_random_modifiers(random_basis(20, 70), 7));
-  const auto model = std::make_shared<const CharacterModel>(CharacterModel{basis, {}});
+  const auto model = model_of(basis);
   const auto device = open_test_device();
   vulkan::DeviceInfo limits = device->info();
   limits.storage_alignment = 256;
@@ -239,10 +238,10 @@ TEST(VulkanBackend, WithoutKernelsIsLinear) {
     }
   }
   const Batch batch = random_batch(basis, 3);
-  const auto cpu = make_cpu_backend(basis), gpu = on_device(basis);
+  const auto cpu = make_cpu_backend(model_of(basis)), gpu = on_device(basis);
   const std::vector<float> whole = cpu->run(batch).coefficients;
   for (Backend* backend : {cpu.get(), gpu.get()}) backend->set_weights({.kernels = false});
-  EXPECT_EQ(cpu->run(batch).coefficients, make_cpu_backend(linear)->run(batch).coefficients);
+  EXPECT_EQ(cpu->run(batch).coefficients, make_cpu_backend(model_of(linear))->run(batch).coefficients);
   EXPECT_EQ(gpu->run(batch).coefficients, on_device(linear)->run(batch).coefficients);
   EXPECT_NE(cpu->run(batch).coefficients, whole);
 }

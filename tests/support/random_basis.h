@@ -2,6 +2,7 @@
 #pragma once
 
 #include "runtime/host/backend.h"
+#include "runtime/host/character_model.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
@@ -64,6 +65,11 @@ inline Basis with_push_out(Basis basis) {
   modifier.numbers = {0.2f, 0, 0, 0, 9, 1, 0, 0, 0, 0, 0, 9, 1, 0, 0};
   for (std::size_t j = 1; j < basis.skeleton.size(); ++j) basis.skeleton.joints[j].parent = static_cast<int>(j) - 1;
   return basis;
+}
+
+// The basis need not be sound.
+inline std::shared_ptr<const CharacterModel> model_of(const Basis& basis) {
+  return std::make_shared<const CharacterModel>(basis, std::nullopt);
 }
 
 inline Batch random_batch(const Basis& basis, std::uint32_t frames) {

@@ -117,7 +117,7 @@ TEST(Train, RestIsRest) {
 
 TEST(Train, DisplacementAtRestIsExactlyZero) {
   const Basis& basis = full_basis();
-  const std::unique_ptr<Backend> backend = make_cpu_backend(basis);
+  const std::unique_ptr<Backend> backend = make_cpu_backend(make_character_model(basis));
   const RigFrame rig = pose_rig(basis.skeleton, bind_pose(basis.skeleton));
   Batch batch;
   batch.frame_count = 1;

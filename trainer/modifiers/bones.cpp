@@ -2,11 +2,6 @@
 
 namespace bodyopt {
 
-Vec3 bind_place(const Skeleton& skeleton, std::uint32_t joint) {
-  const Affine bind = inverse(skeleton.joints[joint].inverse_bind);
-  return {bind.m[0][3], bind.m[1][3], bind.m[2][3]};
-}
-
 Vec3 bone_of(const Skeleton& skeleton, std::uint32_t joint) {
   const Vec3 own = bind_place(skeleton, joint);
   Vec3 sum{0, 0, 0};

@@ -5,8 +5,6 @@
 
 namespace bodyopt {
 
-Vec3 bind_place(const Skeleton& skeleton, std::uint32_t joint);
-
 // From a joint to the middle of those that follow it, or, of the last of a chain, on from its parent; zero of a joint
 // that stands alone.
 Vec3 bone_of(const Skeleton& skeleton, std::uint32_t joint);

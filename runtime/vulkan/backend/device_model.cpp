@@ -6,7 +6,7 @@ FoldBuffers::FoldBuffers(const Device& device, const FoldTables& tables, const D
     : triangles(upload_whole(device, tables.triangles, "the triangles", limits)),
       sides(upload_whole(device, tables.sides, "the folds' sides", limits)) {}
 
-SkinTables::SkinTables(const Device& device, const Basis& b, const DeviceInfo& limits)
+SkinTables::SkinTables(const Device& device, const Basis& b, const FoldTables& fold_tables, const DeviceInfo& limits)
     : ddm(device, b.ddm, limits),
       blend(device, b.residual.blend_begin, b.residual.blend, limits),
       modifiers(device, b.modifiers.blend_begin, b.modifiers.blend, limits),
@@ -25,7 +25,7 @@ SkinTables::SkinTables(const Device& device, const Basis& b, const DeviceInfo& l
       weights(upload_whole(device, b.residual.weights, "the weights", limits)),
       rest(upload_whole(device, b.modifiers.of_type(kRelax.name) ? b.mesh.rest : std::vector<float>(),
                         "the skin at rest", limits)),
-      folds(device, fold_tables(b), limits),
+      folds(device, fold_tables, limits),
       fans(device, b.mesh, limits),
       output_vertex(upload_whole(device, b.mesh.output_vertex, "the output vertices", limits)) {}
 
@@ -80,7 +80,7 @@ DeviceModel::DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<c
       model_(std::move(model)),
       limits_(limits),
       counts_(model_->basis),
-      tables_(*device_, model_->basis, limits_),
+      tables_(*device_, model_->basis, model_->folds, limits_),
       kernels_(*device_) {}
 
 const DeviceModel::Jiggling& DeviceModel::jiggling() const {

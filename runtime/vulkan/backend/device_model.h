@@ -46,7 +46,7 @@ struct FoldBuffers {
 };
 
 struct SkinTables {
-  SkinTables(const Device& device, const Basis& basis, const DeviceInfo& limits);
+  SkinTables(const Device& device, const Basis& basis, const FoldTables& fold_tables, const DeviceInfo& limits);
 
   DdmBuffers ddm;
   BlendBuffers blend, modifiers;
