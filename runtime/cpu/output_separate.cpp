@@ -185,7 +185,8 @@ class Separation {
     for (std::size_t i = 0; i < 3; ++i) {
       point[i] = frame_.current[3 * member.movable->vertex + i] + kFoldOffset * normal[i];
     }
-    float found[6] = {0, 0, 0, 0, std::numeric_limits<float>::max(), -std::numeric_limits<float>::max()};
+    constexpr float kFar = std::numeric_limits<float>::max();
+    float found[8] = {0, 0, 0, 0, kFar, -kFar, kFar, -kFar};
     const auto add_boxes = [&](bool with_other) {
       for (const std::uint32_t box : boxes_) {
         if (has_other(box, fold.fold, child) == with_other && meets(fold, box, member.spans)) {
@@ -199,7 +200,7 @@ class Separation {
     return fold_depth(found, child, offset);
   }
 
-  void add_box(std::size_t box, const Vector& point, const BentFold& fold, bool child, float (&found)[6]) const {
+  void add_box(std::size_t box, const Vector& point, const BentFold& fold, bool child, float (&found)[8]) const {
     const std::size_t end = std::min<std::size_t>(kBoxTriangles * (box + 1), push_.triangle_count);
     for (std::size_t t = kBoxTriangles * box; t < end; ++t) {
       const std::uint32_t* vertices = &tables_.triangles[3 * t];
@@ -210,7 +211,9 @@ class Separation {
       if (is_beside_fold_line(corners[0], corners[1], corners[2], fold.w)) continue;
       const bool other = std::any_of(vertices, vertices + 3,
                                      [&](std::uint32_t vertex) { return is_child(vertex, fold.fold) != child; });
-      add_fold_triangle(corners[0], corners[1], corners[2], fold.n, fold.u, fold.w, other, found);
+      const bool near =
+          std::any_of(vertices, vertices + 3, [&](std::uint32_t vertex) { return is_near(vertex, fold.fold); });
+      add_fold_triangle(corners[0], corners[1], corners[2], fold.n, fold.u, fold.w, other, near, found);
     }
   }
 

@@ -11,9 +11,10 @@ namespace bodyopt {
 struct FoldTables {
   // T x 3: the skin's, in an order in which each kBoxTriangles of them lie together at rest.
   std::vector<std::uint32_t> triangles;
-  // Of each of V vertices words of a bit for each fold whose reach it lies within, and as many of a bit for each whose
-  // joint, or one below that, holds it: the child's side. Then of each box of triangles words of a bit for each fold
-  // of whose parent's side a corner is, and as many of a bit for each of whose child's side one is.
+  // Of each of V vertices words of a bit for each fold whose reach it lies within, in space and along the bones, and as
+  // many of a bit for each whose joint, or one below that, holds it: the child's side. Then of each box of triangles
+  // words of a bit for each fold of whose parent's side a corner is, and as many of a bit for each of whose child's
+  // side one is.
   std::vector<std::uint32_t> sides;
 };
 

@@ -2,7 +2,8 @@
 //
 // The sides of a fold are the skin that its joint or one below it holds (the child's) and all other (the parent's). Its
 // normal n points from the parent's side to the child's. A vertex lies in the skin of the other side where the line
-// through it along n leaves that side's body above, and enters it below, once more than the other way round.
+// through it along n leaves that side's body above, and enters it below, once more than the other way round. It is
+// taken out of it by the fold only where it would come out at skin that the fold is of: a hand in a thigh stays.
 #ifndef BODYOPT_FOLD_H
 #define BODYOPT_FOLD_H
 
@@ -29,8 +30,10 @@ BODYOPT_FUNCTION uint box_count(uint triangle_count) {
 const float kFoldOffset = 1e-5f;
 
 // What is found along a line: how often the body is left above the point, and entered below it, less the other way
-// round; the same of the other side's body; how far above that is first left, and how far below (< 0) last entered.
-const int kFoldAbove = 0, kFoldBelow = 1, kFoldOtherAbove = 2, kFoldOtherBelow = 3, kFoldLeft = 4, kFoldEntered = 5;
+// round; the same of the other side's body; how far above that is first left, and how far below (< 0) last entered;
+// the same two of skin near the fold alone.
+const int kFoldAbove = 0, kFoldBelow = 1, kFoldOtherAbove = 2, kFoldOtherBelow = 3, kFoldLeft = 4, kFoldEntered = 5,
+          kFoldNearLeft = 6, kFoldNearEntered = 7;
 
 // Two axes across the normal, so that u x w points along it; none of the three is a unit.
 BODYOPT_FUNCTION void fold_axes(BODYOPT_IN_ARRAY(n, 3), BODYOPT_OUT_ARRAY(u, 3), BODYOPT_OUT_ARRAY(w, 3)) {
@@ -77,10 +80,11 @@ BODYOPT_FUNCTION bool is_beside_fold_line(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARR
   return left == (dot_product(w, b) > 0.0f) && left == (dot_product(w, c) > 0.0f);
 }
 
-// Adds a triangle, its corners relative to the point, to what is found along the line.
+// Adds a triangle, its corners relative to the point, to what is found along the line. Of the other side, and near the
+// fold?
 BODYOPT_FUNCTION void add_fold_triangle(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 3), BODYOPT_IN_ARRAY(c, 3),
                                         BODYOPT_IN_ARRAY(n, 3), BODYOPT_IN_ARRAY(u, 3), BODYOPT_IN_ARRAY(w, 3),
-                                        bool other, BODYOPT_INOUT_ARRAY(found, 6)) {
+                                        bool other, bool near, BODYOPT_INOUT_ARRAY(found, 8)) {
   float au = dot_product(u, a), aw = dot_product(w, a), bu = dot_product(u, b), bw = dot_product(w, b),
         cu = dot_product(u, c), cw = dot_product(w, c);
   float leaves = fold_edge(au, aw, bu, bw) + fold_edge(bu, bw, cu, cw) + fold_edge(cu, cw, au, aw);
@@ -94,19 +98,26 @@ BODYOPT_FUNCTION void add_fold_triangle(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY
   if (height > 0.0f) {
     found[kFoldAbove] += leaves;
     found[kFoldOtherAbove] += share * leaves;
-    if (other && leaves > 0.0f) found[kFoldLeft] = min(found[kFoldLeft], height);
+    if (other && leaves > 0.0f) {
+      found[kFoldLeft] = min(found[kFoldLeft], height);
+      if (near) found[kFoldNearLeft] = min(found[kFoldNearLeft], height);
+    }
   } else {
     found[kFoldBelow] -= leaves;
     found[kFoldOtherBelow] -= share * leaves;
-    if (other && leaves < 0.0f) found[kFoldEntered] = max(found[kFoldEntered], height);
+    if (other && leaves < 0.0f) {
+      found[kFoldEntered] = max(found[kFoldEntered], height);
+      if (near) found[kFoldNearEntered] = max(found[kFoldNearEntered], height);
+    }
   }
 }
 
-// How deep, along n and in parts of its length, a vertex lies in the other side's skin; 0 where it does not. `offset`:
-// of the point from the vertex, along n.
-BODYOPT_FUNCTION float fold_depth(BODYOPT_IN_ARRAY(found, 6), bool is_child, float offset) {
+// How deep, along n and in parts of its length, a vertex lies in the other side's skin; 0 where it does not, or would
+// come out at skin that is not near the fold. `offset`: of the point from the vertex, along n.
+BODYOPT_FUNCTION float fold_depth(BODYOPT_IN_ARRAY(found, 8), bool is_child, float offset) {
   float least = min(min(found[kFoldAbove], found[kFoldBelow]), min(found[kFoldOtherAbove], found[kFoldOtherBelow]));
   if (!(least > 0.5f)) return 0.0f;
+  if (is_child ? found[kFoldNearLeft] > found[kFoldLeft] : found[kFoldNearEntered] < found[kFoldEntered]) return 0.0f;
   return max(is_child ? found[kFoldLeft] + offset : -found[kFoldEntered] - offset, 0.0f);
 }
 

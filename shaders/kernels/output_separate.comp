@@ -31,6 +31,7 @@ uint words() { return (push.fold_count + 31) / 32; }
 bool has_bit(uint entry, uint list, uint fold) {
   return (sides[(2 * entry + list) * words() + fold / 32] >> fold % 32 & 1u) == 1u;
 }
+bool is_near(uint vertex, uint fold) { return has_bit(vertex, 0, fold); }
 bool is_child(uint vertex, uint fold) { return has_bit(vertex, 1, fold); }
 
 void find_spans(float middle[3], float half_edge[3], float axes[3][3], out float spans[3][2]) {
@@ -128,7 +129,7 @@ void gather_boxes(uint first, float axes[3][3]) {
 }
 
 // Adds the triangles of a box.
-void add_box(uint box, float point[3], float axes[3][3], uint fold, bool child, inout float found[6]) {
+void add_box(uint box, float point[3], float axes[3][3], uint fold, bool child, inout float found[8]) {
   uint x = 3 * push.vertex_count * gl_GlobalInvocationID.y;
   uint end = min(kBoxTriangles * (box + 1), push.triangle_count);
   for (uint t = kBoxTriangles * box; t < end; ++t) {
@@ -139,9 +140,12 @@ void add_box(uint box, float point[3], float axes[3][3], uint fold, bool child, 
       for (uint i = 0; i < 3; ++i) corners[k][i] = current[x + 3 * vertices[k] + i] - point[i];
     }
     if (is_beside_fold_line(corners[0], corners[1], corners[2], axes[1])) continue;
-    bool other = false;
-    for (uint k = 0; k < 3; ++k) other = other || is_child(vertices[k], fold) != child;
-    add_fold_triangle(corners[0], corners[1], corners[2], axes[2], axes[0], axes[1], other, found);
+    bool other = false, near = false;
+    for (uint k = 0; k < 3; ++k) {
+      other = other || is_child(vertices[k], fold) != child;
+      near = near || is_near(vertices[k], fold);
+    }
+    add_fold_triangle(corners[0], corners[1], corners[2], axes[2], axes[0], axes[1], other, near, found);
   }
 }
 
@@ -168,7 +172,7 @@ void main() {
     if (!(squared > 0.0)) continue;
     fold_axes(axes[2], axes[0], axes[1]);
     find_spans(own, float[3](0.0, 0.0, 0.0), axes, spans);
-    bool is_member = can_move && has_bit(vertex, 0, fold);
+    bool is_member = can_move && is_near(vertex, fold);
     if (gather_members(is_member, spans) == 0) continue;
     uint between = find_seen(fold, axes);
     if ((between & kBetween) != kBetween && (between >> kChildShift) != kBetween) continue;
@@ -176,7 +180,7 @@ void main() {
     float facing = is_member ? dot_product(normal, axes[2]) : 0.0;
     bool looks = is_member && (child ? facing < 0.0 : facing > 0.0) &&
                  (between >> (child ? kChildShift : 0) & kBetween) == kBetween;
-    float found[6] = float[6](0.0, 0.0, 0.0, 0.0, 3.4e38, -3.4e38);
+    float found[8] = float[8](0.0, 0.0, 0.0, 0.0, 3.4e38, -3.4e38, 3.4e38, -3.4e38);
     for (uint first = 0; first < large_box_count(push.triangle_count); first += kWorkgroupSize) {
       gather_boxes(first, axes);
       for (uint slot = 0; slot < met_count && looks; ++slot) {

@@ -147,6 +147,7 @@ struct Case : Skin {
     const Vector3d own = at(current, f, v), point = own + 1e-5 * at(normals, f, v);
     int above = 0, below = 0, other_above = 0, other_below = 0;
     double left = 1e9, entered = -1e9;
+    bool left_near = false, entered_near = false;
     for (std::size_t t = 0; t < push.triangle_count; ++t) {
       const std::uint32_t* corners = &mesh.triangles[3 * t];
       Eigen::Matrix3d edges;  // of a + s (b - a) + r (c - a) = point + h n
@@ -162,10 +163,17 @@ struct Case : Skin {
       (h > 0 ? above : below) += h > 0 ? leaves : -leaves;
       if (!other) continue;
       (h > 0 ? other_above : other_below) += h > 0 ? leaves : -leaves;
-      if (h > 0 && leaves > 0) left = std::min(left, h);
-      if (h <= 0 && leaves < 0) entered = std::max(entered, h);
+      const bool near = is_near(corners[0], fold) || is_near(corners[1], fold) || is_near(corners[2], fold);
+      if (h > 0 && leaves > 0 && h < left) {
+        left = h;
+        left_near = near;
+      }
+      if (h <= 0 && leaves < 0 && h > entered) {
+        entered = h;
+        entered_near = near;
+      }
     }
-    if (std::min({above, below, other_above, other_below}) < 1) return 0;
+    if (std::min({above, below, other_above, other_below}) < 1 || !(child ? left_near : entered_near)) return 0;
     const double offset = 1e-5 * at(normals, f, v).dot(n);
     return std::max(0.0, child ? left + offset : -entered - offset);
   }
@@ -201,7 +209,7 @@ struct Case : Skin {
 Case soup_case(std::uint32_t vertices, std::uint32_t frames, std::uint32_t step) {
   Random random(vertices + 31 * frames + 97 * step);
   Skin skin = soup(random, vertices, frames);
-  return {random, std::move(skin), frames, step, 0.1f};
+  return {random, std::move(skin), frames, step, 0.08f};
 }
 
 Case ring_case(std::uint32_t pairs, std::uint32_t frames, std::uint32_t step) {

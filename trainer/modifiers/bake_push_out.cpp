@@ -9,6 +9,9 @@ namespace bodyopt {
 namespace {
 
 constexpr double kReach = 2;  // of the bone's length
+// Of the body's size: the webs of fingers and toes, whose bones are shorter, lie in each other in many a pose, and are
+// as thick as their bones are long.
+constexpr double kShortestBone = 0.05;
 
 // Skin on one side only does not fold.
 bool has_both_sides(const Basis& basis, std::uint32_t joint, const Vec3& place, double reach) {
@@ -26,13 +29,15 @@ bool has_both_sides(const Basis& basis, std::uint32_t joint, const Vec3& place, 
 
 BakedModifier bake_push_out(const BakeInput& input) {
   const Basis& basis = input.basis;
+  const Positions rest = rest_positions(basis);
+  const double body = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
   BakedModifier baked;
   baked.numbers.push_back(static_cast<float>(1e-3 * bake_number(input, "limit_mm", 80, 0, 1000)));
   for (std::uint32_t joint = 0; joint < basis.skeleton.size(); ++joint) {
     if (basis.skeleton.joints[joint].parent < 0) continue;
     const Vec3 place = bind_place(basis.skeleton, joint), bone = bone_of(basis.skeleton, joint);
     const double size = length(bone);
-    if (!(size > 1e-6) || !has_both_sides(basis, joint, place, kReach * size)) continue;
+    if (!(size > kShortestBone * body) || !has_both_sides(basis, joint, place, kReach * size)) continue;
     baked.joints.push_back(joint);
     for (const double x : place) baked.numbers.push_back(static_cast<float>(x));
     baked.numbers.push_back(static_cast<float>(kReach * size));
