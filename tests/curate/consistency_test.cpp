@@ -7,6 +7,7 @@
 #include "tests/curate/sweep_history.h"
 #include "trainer/curate/consistency_report.h"
 #include "trainer/curate/edit_stack.h"
+#include "trainer/curate/local_models.h"
 
 namespace bodyopt {
 namespace {
@@ -51,6 +52,34 @@ TEST(Consistency, OfCleanDataListsNoPairThatAgrees) {
     EXPECT_LT(pair.apart_mm, 0.1);
     EXPECT_FALSE(pair.region.empty());
   }
+}
+
+// A belly beside a thigh, between which a joint stands still, and a shin.
+PoseDatabase belly_and_leg() {
+  PoseDatabase database;
+  for (const auto& [name, parent] : {std::pair{"root", -1}, {"belly", 0}, {"hip", 0}, {"thigh", 2}, {"shin", 3}}) {
+    Joint joint;
+    joint.name = name;
+    joint.parent = parent;
+    database.character.skeleton.joints.push_back(joint);
+  }
+  database.character.vertices = Positions::Zero(5, 3);
+  for (std::uint32_t j = 0; j < 5; ++j) database.character.weights.push_back({{j, 1.0f}});
+  for (const double turn : {0.0, 0.3}) {
+    DatabaseFrame& frame = database.frames.emplace_back();
+    frame.pose.joints.resize(5);
+    for (const std::size_t j : {0, 1, 3, 4}) frame.pose.joints[j].rotation = axis_angle({1, 0, 0}, turn);
+  }
+  return database;
+}
+
+TEST(Consistency, PartsAreComparedByTheNearestJointsThatTurn) {
+  const std::vector<SkinPart> parts = skin_parts(belly_and_leg());
+  ASSERT_EQ(parts.size(), 5u);
+  EXPECT_EQ(parts[1].region.name, "belly");
+  EXPECT_EQ(parts[1].joints, (std::vector<std::uint32_t>{1, 2, 3}));
+  EXPECT_EQ(parts[3].joints, (std::vector<std::uint32_t>{1, 2, 3, 4}));
+  EXPECT_EQ(parts[4].joints, (std::vector<std::uint32_t>{3, 4}));
 }
 
 TEST(Consistency, ItsCacheGivesTheSameShapes) {

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/fold_tables.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/error_kind.h"
@@ -146,6 +147,34 @@ TEST_F(PushOut, RefusesTablesThatAreNotItsOwn) {
       {"name": "folds", "type": "push_out"}, {"name": "again", "type": "push_out"}]})";
   std::vector<std::string> notes;
   EXPECT_EQ(kind_of([&] { bake_stack(folder / "stack.json", *basis_, notes); }), ErrorKind::file);
+}
+
+// Of a hand that lies by a knee at rest, and hangs on a body far off, the knee's fold has nothing.
+TEST_F(PushOut, SkinThatIsFarAlongTheBonesIsNotTheFolds) {
+  Basis basis = *basis_;
+  const Vec3 knee = bind_place(basis.skeleton, 1), away = knee + Vec3{10, 0, 0};
+  const auto hang = [&](int parent, const Vec3& place) {
+    Joint joint = basis.skeleton.joints[0];
+    joint.parent = parent;
+    joint.inverse_bind = inverse(affine_from({.translation = place}));
+    basis.skeleton.joints.push_back(joint);
+    return static_cast<std::uint32_t>(basis.skeleton.size() - 1);
+  };
+  const std::uint32_t arm = hang(0, away), hand = hang(static_cast<int>(arm), knee), calf = hang(1, knee);
+  const auto near_bits = [&] {
+    const FoldTables tables = fold_tables(basis);
+    std::size_t count = 0;
+    for (std::size_t v = 0; v < basis.mesh.vertex_count(); ++v) count += tables.sides[2 * v] & 1u;
+    return count;
+  };
+  const auto held_by = [&](std::uint32_t joint) {
+    for (auto& vertex : basis.ddm.vertices) vertex.base_joint = joint;
+    return near_bits();
+  };
+  const std::size_t within_reach = held_by(calf);
+  EXPECT_GT(within_reach, 0u);
+  EXPECT_EQ(held_by(0), within_reach);  // the limb that the joint bends
+  EXPECT_EQ(held_by(hand), 0u);
 }
 
 }  // namespace push_out_test

@@ -23,6 +23,7 @@ constexpr std::size_t kMostAsked = 64;  // frames whose neighbours say how much 
 constexpr std::array kLengths = {0.25, 0.5, 1.0, 2.0, 4.0, 8.0};
 constexpr std::array kPasses = {0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0};
 constexpr std::array kNoises = {1e-6, 1e-4, 1e-2};
+constexpr double kTurned = 0.005;                            // the sine of half the angle
 constexpr double kLeastStep = 0.1 * std::numbers::pi / 180;  // radians: shorter ones have no direction of their own
 
 struct Neighbour {
@@ -208,18 +209,40 @@ std::vector<FrameShare> shares_of(const std::vector<Neighbour>& near, int own, c
   return result;
 }
 
-// With their parents and children, but for roots: tissue passes on what these do.
-std::vector<std::uint32_t> with_next(const Skeleton& skeleton, const std::vector<std::uint32_t>& joints) {
-  std::set<std::uint32_t> all(joints.begin(), joints.end());
+// Of every joint: does it turn from frame to frame?
+std::vector<char> turning_joints(const PoseDatabase& database) {
+  std::vector<char> turns(database.character.skeleton.size(), 0);
+  for (const DatabaseFrame& frame : database.frames) {
+    for (std::size_t j = 0; j < turns.size(); ++j) {
+      const Quat apart = conjugate(database.frames.front().pose.joints[j].rotation) * frame.pose.joints[j].rotation;
+      if (length(Vec3{apart[0], apart[1], apart[2]}) > kTurned) turns[j] = 1;
+    }
+  }
+  return turns;
+}
+
+// With the nearest that turn along the skeleton, beyond roots and what stands still: tissue passes on what these do, as
+// thighs move a belly.
+std::vector<std::uint32_t> with_next(const Skeleton& skeleton, const std::vector<char>& turns,
+                                     const std::vector<std::uint32_t>& joints) {
+  std::vector<std::vector<std::uint32_t>> beside(skeleton.size());
   for (std::uint32_t j = 0; j < skeleton.size(); ++j) {
-    const int parent = skeleton.joints[j].parent;
-    if (parent < 0) continue;
-    const auto up = static_cast<std::uint32_t>(parent);
-    const auto moves = [&](std::uint32_t joint) {
-      return std::find(joints.begin(), joints.end(), joint) != joints.end();
-    };
-    if (moves(up)) all.insert(j);
-    if (moves(j) && skeleton.joints[up].parent >= 0) all.insert(up);
+    if (skeleton.joints[j].parent < 0) continue;
+    const auto parent = static_cast<std::uint32_t>(skeleton.joints[j].parent);
+    beside[j].push_back(parent);
+    beside[parent].push_back(j);
+  }
+  std::set<std::uint32_t> seen(joints.begin(), joints.end()), all = seen;
+  std::vector<std::uint32_t> open = joints;
+  while (!open.empty()) {
+    const std::uint32_t from = open.back();
+    open.pop_back();
+    for (const std::uint32_t next : beside[from]) {
+      if (!seen.insert(next).second) continue;
+      const bool leads_on = skeleton.joints[next].parent < 0 || !turns[next];
+      if (leads_on) open.push_back(next);
+      if (skeleton.joints[next].parent >= 0) all.insert(next);
+    }
   }
   return {all.begin(), all.end()};
 }
@@ -240,12 +263,13 @@ std::vector<SkinPart> skin_parts(const PoseDatabase& database) {
       }
     }
   }
+  const std::vector<char> turns = turning_joints(database);
   std::vector<SkinPart> parts;
   for (RegionWeights& region : regions) {
     if (region.vertices.empty()) continue;
     Eigen::VectorXd mask = Eigen::VectorXd::Zero(vertices);
     for (std::size_t k = 0; k < region.vertices.size(); ++k) mask[Index{region.vertices[k]}] = region.weights[k];
-    parts.push_back({std::move(region), with_next(character.skeleton, joints_moving(character, mask))});
+    parts.push_back({std::move(region), with_next(character.skeleton, turns, joints_moving(character, mask))});
   }
   return parts;
 }

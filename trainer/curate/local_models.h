@@ -24,7 +24,7 @@ struct FrameShare {
 // A part of the skin and the joints that move it.
 struct SkinPart {
   RegionWeights region;               // welded vertices
-  std::vector<std::uint32_t> joints;  // its pose space: those that move it, and those next to them
+  std::vector<std::uint32_t> joints;  // its pose space: those that move it, and the nearest beside them that turn
 };
 
 // Painted regions, where they cover the skin; otherwise the joints' own skin weights. Weights sum to 1 at most.
