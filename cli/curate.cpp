@@ -13,6 +13,7 @@
 #include "trainer/curate/consistency_report.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/frame_files.h"
+#include "trainer/curate/local_models.h"
 #include "trainer/curate/prune.h"
 
 namespace bodyopt::cli {
@@ -23,7 +24,7 @@ namespace fs = std::filesystem;
 struct CurateArguments {
   std::string dataset, name, type, new_name, out, take, frames, list, mesh, picture;
   std::vector<std::string> settings, joints, muscles, regions, near_joints;
-  double strength = 1, within = -1, degrees = 20, spread = 30;
+  double strength = 1, within = -1, degrees = kAlikeDegrees, spread = 30;
   int near = 0, frame = 0, worst = 10;
   std::size_t place = 1;
   bool history = false, unposed = false, everywhere = false, whole_skin = false;
@@ -159,9 +160,11 @@ double draw_apart(const Character& character, const Positions& before, const Pos
 std::string draw_pair(const ShapeStack& stack, const DisagreeingPair& pair, const std::string& path) {
   const PairInOnePose shapes = in_one_pose(stack, pair);
   const double scale = draw_apart(stack.database().character, shapes.first, shapes.second, path);
-  return format("wrote %s: %s; %s in the same pose; how far they are apart in the region %s, darkest at %.2f mm\n",
-                path.c_str(), frame_text(stack.database(), pair.first).c_str(),
-                frame_text(stack.database(), pair.second).c_str(), pair.region.c_str(), scale);
+  return format(
+      "wrote %s: %s; %s, whose pose is %.1f degrees off, brought into that of the first; how far they are apart in the "
+      "region %s, darkest at %.2f mm\n",
+      path.c_str(), frame_text(stack.database(), pair.first).c_str(), frame_text(stack.database(), pair.second).c_str(),
+      pair.pose_degrees, pair.region.c_str(), scale);
 }
 
 // The frame that a modifier moves most, below it and above.

@@ -7,6 +7,7 @@
 
 #include "dataset/stack_history.h"
 #include "trainer/curate/edit_stack.h"
+#include "trainer/curate/local_models.h"
 
 namespace bodyopt {
 namespace {
@@ -15,7 +16,6 @@ using Eigen::Index;
 using namespace std::chrono_literals;
 
 constexpr auto kAtOnce = 250ms;     // with others that edit: a window answers
-constexpr double kNear = 15;        // degrees
 constexpr std::size_t kPairs = 12;  // that the panel lists
 constexpr double kDense = 12;       // neighbours of a pose that is well covered
 
@@ -90,7 +90,7 @@ void Curation::choose_region(const std::string& name) {
       std::find_if(parts_.begin(), parts_.end(), [&](const SkinPart& p) { return p.region.name == name; });
   if (part == parts_.end()) return;
   region_ = name;
-  map_ = pose_map(stack_->database(), *part, kNear);
+  map_ = pose_map(stack_->database(), *part, kAlikeDegrees);
 }
 
 std::string Curation::frame_text(std::size_t number) const {
@@ -157,7 +157,7 @@ void Curation::describe(const Controls& controls, Snapshot& snapshot, std::span<
   char text[96];
   switch (colour) {
     case MapColour::coverage:
-      std::snprintf(text, sizeof(text), "hot: fewer than %.0f poses within %.0f degrees", kDense, kNear);
+      std::snprintf(text, sizeof(text), "hot: fewer than %.0f poses within %.0f degrees", kDense, kAlikeDegrees);
       break;
     case MapColour::contradiction:
       std::snprintf(text, sizeof(text), known ? "hottest: %.2f mm from like poses" : "not compared yet", *hottest);
@@ -186,7 +186,7 @@ void Curation::describe(const Controls& controls, Snapshot& snapshot, std::span<
 }
 
 void Curation::find_contradictions(Controls& controls) {
-  report_ = report_consistency(*stack_, kNear, kPairs);
+  report_ = report_consistency(*stack_, kAlikeDegrees, kPairs);
   controls.curating.pairs.clear();
   const auto frame_of = [&](std::size_t n) {
     const auto place = std::lower_bound(numbers_.begin(), numbers_.end(), n);

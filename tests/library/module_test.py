@@ -17,6 +17,15 @@ JOINTS = np.fromfile(POSES, np.float64).reshape(-1, len(MODEL.joint_names), 10)
 SKIN = np.fromfile(EXPECTED, np.float32).reshape(len(JOINTS), MODEL.vertex_count, 3)
 
 
+def in_threads(task, count):
+    """Runs task(0) to task(count - 1) at once, and waits for all."""
+    threads = [threading.Thread(target=task, args=(k,)) for k in range(count)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+
+
 class Frames(unittest.TestCase):
     def setUp(self):
         self.instance = MODEL.instance()
@@ -53,11 +62,7 @@ class Frames(unittest.TestCase):
         def evaluate(k):
             found[k] = self.instance.evaluate(JOINTS).positions
 
-        threads = [threading.Thread(target=evaluate, args=(k,)) for k in range(len(found))]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        in_threads(evaluate, len(found))
         for positions in found:
             np.testing.assert_array_equal(positions, SKIN)
 
@@ -94,11 +99,7 @@ class Frames(unittest.TestCase):
                 bodyopt.evaluate_together(calls)
             found[k] = [call.skin.positions for call in calls]
 
-        threads = [threading.Thread(target=evaluate, args=(k,)) for k in range(len(found))]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        in_threads(evaluate, len(found))
         for positions in found:
             for skin in positions:
                 np.testing.assert_array_equal(skin, SKIN)

@@ -131,7 +131,7 @@ std::uint64_t key_of(const ModifierInput& input, const ConsistencySettings& sett
 
 std::unique_ptr<ShapeModifier> prepare_consistency(const ModifierInput& input) {
   const ConsistencySettings settings{
-      parameter(input, "degrees", 20, 0.1, 180), 1e-3 * parameter(input, "smooth_mm", 10, 0.01, 1000),
+      parameter(input, "degrees", kAlikeDegrees, 0.1, 180), 1e-3 * parameter(input, "smooth_mm", 10, 0.01, 1000),
       1e-3 * parameter(input, "cap_mm", 20, 0, 1000), static_cast<int>(parameter(input, "iterations", 10, 1, 20))};
   const std::uint64_t key = key_of(input, settings);
   const PoseDatabase& database = input.database;

@@ -16,6 +16,9 @@
 
 namespace bodyopt {
 
+// How far poses are that are alike, where nobody says.
+constexpr double kAlikeDegrees = 20;
+
 struct FrameShare {
   std::size_t frame = 0;
   double share = 0;
