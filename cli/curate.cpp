@@ -12,9 +12,13 @@
 #include "trainer/curate/bake.h"
 #include "trainer/curate/consistency_report.h"
 #include "trainer/curate/edit_stack.h"
+#include "trainer/curate/exported_frames.h"
 #include "trainer/curate/frame_files.h"
+#include "trainer/curate/frame_sculpting.h"
 #include "trainer/curate/local_models.h"
 #include "trainer/curate/prune.h"
+#include "trainer/curate/sculpted_frames.h"
+#include "trainer/train/judge/heldout.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -25,7 +29,7 @@ struct CurateArguments {
   std::string dataset, name, type, new_name, out, take, frames, list, mesh, picture;
   std::vector<std::string> settings, joints, muscles, regions, near_joints;
   double strength = 1, within = -1, degrees = kAlikeDegrees, spread = 30;
-  int near = 0, frame = 0, worst = 10;
+  int near = 0, frame = 0, worst = 10, heldout_every = 0;
   std::size_t place = 1;
   bool history = false, unposed = false, everywhere = false, whole_skin = false;
   JsonOption json;
@@ -184,9 +188,20 @@ std::string draw_effect(const ShapeStack& stack, const ModifierEffect& effect, c
                 frame_text(stack.database(), effect.worst).c_str(), effect.name.c_str(), scale);
 }
 
+[[noreturn]] void refuse_picture_of_all(const std::vector<Modifier>& modifiers) {
+  std::vector<std::string> names;
+  for (const Modifier& modifier : modifiers) names.push_back(modifier.name);
+  throw Error(
+      ErrorKind::usage,
+      "--picture shows what one modifier moves: name it, as in 'curate diff DATASET NAME --picture FILE.png'; the "
+      "stack has " +
+          list_names(names));
+}
+
 void diff(const CurateArguments& arguments) {
   const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
   say(stack.notes());
+  if (!arguments.picture.empty() && arguments.name.empty()) refuse_picture_of_all(stack.database().dataset.modifiers);
   const std::vector<ModifierEffect> effects = measure_modifiers(stack, arguments.name);
   std::string text = format("%-20s %8s %10s %10s   %s\n", "modifier", "frames", "RMS mm", "max mm", "most of all");
   Json list = Json::array();
@@ -206,7 +221,9 @@ void diff(const CurateArguments& arguments) {
 
 void bake(const CurateArguments& arguments) {
   make_folder(arguments.out);
-  const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
+  Dataset dataset = read_dataset(path_of(arguments));
+  if (arguments.heldout_every > 0) hold_out_blocks(dataset, arguments.heldout_every);
+  const ShapeStack stack(read_pose_database(dataset));
   say(stack.notes());
   const Dataset baked = bake_dataset(stack, arguments.out);
   std::size_t frames = 0;
@@ -265,11 +282,21 @@ void report(const CurateArguments& arguments) {
   arguments.json.emit({{"pairs", pairs}, {"regions", regions}, {"frames", frames}}, text);
 }
 
-// V x 3, as a frame goes to the artist's tool.
-Positions exported_skin(const ShapeStack& stack, std::size_t frame, bool unposed) {
-  if (!unposed) return stack.shape(frame);
+// V x 3, as a frame went to the artist's tool.
+Positions exported_skin(const ShapeStack& stack, std::size_t frame, const ExportedFrame& exported, bool unposed) {
+  if (unposed) return exported.skin;
   const PoseDatabase& database = stack.database();
-  return database.character.vertices + stack.offsets(frame, database.dataset.modifiers.size());
+  return stack.space().frame(database.frames[frame].pose).shape(exported.skin - database.character.vertices);
+}
+
+// The frame can be looked at and sculpted all the same: it comes back as a sculpt of what the frame is then.
+void remember(const CurateArguments& arguments, const ShapeStack& stack, std::size_t frame,
+              const ExportedFrame& exported) {
+  try {
+    keep_exported(path_of(arguments), stack, frame, exported);
+  } catch (const Error& error) {
+    say({std::string("import-frame will not know what was exported, should the stack change: ") + error.what()});
+  }
 }
 
 void export_frame(const CurateArguments& arguments) {
@@ -278,7 +305,8 @@ void export_frame(const CurateArguments& arguments) {
   say(stack.notes());
   const Character& character = stack.database().character;
   const std::size_t frame = stack.database().find(arguments.take, arguments.frame, "export-frame");
-  const Positions skin = exported_skin(stack, frame, arguments.unposed);
+  const ExportedFrame exported = exported_now(stack, frame);
+  const Positions skin = arguments.unposed ? exported.skin : stack.shape(frame);
   const Pose& pose = stack.database().frames[frame].pose;
   const SkinSurface surface = frame_surface(stack.database());
   if (lower_case_extension(arguments.out) == ".glb") {
@@ -286,20 +314,88 @@ void export_frame(const CurateArguments& arguments) {
   } else {
     write_frame_obj(character, surface, output_from_welded(character, skin), arguments.out);
   }
+  remember(arguments, stack, frame, exported);
   arguments.json.emit({{"mesh", arguments.out}, {"vertices", character.output_count()}},
                       format("wrote %s: %u vertices\n", arguments.out.c_str(), character.output_count()));
 }
 
+// What the artist should know where the frame is another by now, but for what the modifier itself makes of it.
+std::vector<std::string> changes_since(const ShapeStack& stack, std::size_t frame, const ExportedFrame& exported,
+                                       const std::string& name) {
+  constexpr double kChanged = 1e-5;  // metres
+  const PoseDatabase& database = stack.database();
+  const std::vector<Modifier>& modifiers = database.dataset.modifiers;
+  const auto without = [&](const ExportedFrame& there) {
+    return Positions(there.skin - sculpted_by(database, there.modifiers, name, frame));
+  };
+  const double most = (without(exported_now(stack, frame)) - without(exported)).rowwise().norm().maxCoeff();
+  if (most < kChanged) return {};
+  std::vector<std::string> names = names_that_differ(exported.modifiers, modifiers);
+  std::erase(names, name);
+  return {
+      format("%s has changed by %.2f mm since the mesh was exported (%s): what was sculpted is added to what it is "
+             "now",
+             frame_text(database, frame).c_str(), 1e3 * most,
+             names.empty() ? "its raw shape" : ("modifiers " + list_names(names)).c_str())};
+}
+
+// How far the sculpt of a frame reaches, now that it is in the stack; none where the modifier has no sculpt of it.
+struct SculptReach {
+  double most_mm = 0;
+  std::size_t others = 0;  // frames that take of it
+};
+
+std::optional<SculptReach> reach_of(const PoseDatabase& database, const std::string& name, std::size_t frame) {
+  const auto modifier = std::ranges::find(database.dataset.modifiers, name, &Modifier::name);
+  if (modifier == database.dataset.modifiers.end()) return std::nullopt;
+  const SculptedFrames sculpted(database,
+                                JsonObject(modifier->parameters, database.dataset.folder / "dataset.json", name), name);
+  const auto own = std::ranges::find(sculpted.sculpts(), frame, &SculptedFrame::frame);
+  if (own == sculpted.sculpts().end()) return std::nullopt;
+  SculptReach reach{1e3 * own->delta.rowwise().norm().maxCoeff()};
+  const auto number = static_cast<std::size_t>(own - sculpted.sculpts().begin());
+  for (std::size_t n = 0; n < database.frames.size(); ++n) {
+    if (n != frame && sculpted.weights(n)[number] > 0) ++reach.others;
+  }
+  return reach;
+}
+
+// The stack with the sculpt in it, and what the sculpt moves.
+void emit_sculpt(const CurateArguments& arguments) {
+  const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
+  const PoseDatabase& database = stack.database();
+  const std::size_t frame = database.find(arguments.take, arguments.frame, "import-frame");
+  Json result = {{"dataset", path_of(arguments).string()}, {"modifiers", modifier_list(database.dataset)}};
+  std::string text = stack_text(database.dataset);
+  const std::optional<SculptReach> reach = reach_of(database, arguments.name, frame);
+  if (reach) {
+    result["sculpt"] = {{"max_mm", reach->most_mm}, {"other_frames", reach->others}};
+    text += format("the sculpt moves %s by %.2f mm at most, and %s within %g degrees by less\n",
+                   frame_text(database, frame).c_str(), reach->most_mm,
+                   count_of(reach->others, "other frame", "other frames").c_str(), arguments.spread);
+  }
+  const std::string hidden = why_not_shown(database, arguments.name, frame);
+  if (!hidden.empty())
+    say({"the modifier '" + arguments.name + "' " + hidden + ": the frame is not what was sculpted"});
+  arguments.json.emit(result, text);
+}
+
 void import_frame(const CurateArguments& arguments) {
   const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
-  const std::size_t frame = stack.database().find(arguments.take, arguments.frame, "import-frame");
   const PoseDatabase& database = stack.database();
-  const std::vector<float> mesh = read_frame_mesh(database.character, frame_surface(database).texture,
-                                                  exported_skin(stack, frame, arguments.unposed), arguments.mesh);
-  const std::vector<std::string> notes = add_sculpt(path_of(arguments), arguments.name, arguments.take, arguments.frame,
-                                                    mesh, arguments.unposed, arguments.spread);
-  say(notes);
-  emit_stack(arguments);
+  const std::size_t frame = database.find(arguments.take, arguments.frame, "import-frame");
+  std::vector<ExportedFrame> exports = kept_exports(stack, frame);
+  exports.push_back(exported_now(stack, frame));
+  std::vector<Positions> skins;
+  for (const ExportedFrame& exported : exports) {
+    skins.push_back(exported_skin(stack, frame, exported, arguments.unposed));
+  }
+  const FrameMesh mesh = read_frame_mesh(database.character, frame_surface(database).texture, skins, arguments.mesh);
+  const ExportedFrame& exported = exports[mesh.of];
+  say(changes_since(stack, frame, exported, arguments.name));
+  say(add_sculpt(path_of(arguments), arguments.name, arguments.take, arguments.frame, exported, mesh.positions,
+                 arguments.unposed, arguments.spread));
+  emit_sculpt(arguments);
 }
 
 CLI::App& subverb(CLI::App& verb, const char* name, const char* description, const Arguments& arguments) {
@@ -417,18 +513,21 @@ void add_curate(CLI::App& app) {
 
   const auto measured = std::make_shared<CurateArguments>();
   CLI::App& sub_diff = subverb(verb, "diff", "What every modifier does to the shapes, or one does, in mm", measured);
-  CLI::Option* one = sub_diff.add_option("name", measured->name, "Only this modifier")->type_name("NAME");
+  sub_diff.add_option("name", measured->name, "Only this modifier")->type_name("NAME");
   sub_diff
       .add_option("--picture", measured->picture,
                   "The frame that it moves most: below the modifier, above it, and how far that is")
       ->type_name("FILE.png")
-      ->check(must_end_in(".png"))
-      ->needs(one);
+      ->check(must_end_in(".png"));
   sub_diff.callback([measured] { diff(*measured); });
 
   const auto baked = std::make_shared<CurateArguments>();
   CLI::App& sub_bake = subverb(verb, "bake", "Another dataset, whose shapes are what the stack makes of these", baked);
   sub_bake.add_option("--out", baked->out, "Its folder")->required()->type_name("DIR");
+  sub_bake
+      .add_option("--heldout-every", baked->heldout_every,
+                  "As of train: every Nth block of ten frames of a take is held out, and stays so in the new dataset")
+      ->check(CLI::Range(2, 1000));
   sub_bake.callback([baked] { bake(*baked); });
 
   const auto reported = std::make_shared<CurateArguments>();

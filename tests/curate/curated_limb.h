@@ -10,6 +10,7 @@
 #include "dataset/dataset.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/temporary_folder.h"
+#include "trainer/curate/edit_stack.h"
 #include "trainer/curate/shape_stack.h"
 
 namespace bodyopt {
@@ -69,6 +70,14 @@ class CuratedLimb {
   Character character_ = limb_character();
   Dataset dataset_;
 };
+
+// A mesh of a frame as it is now becomes its sculpt.
+inline std::vector<std::string> sculpt_frame(const CuratedLimb& limb, const std::string& name, const std::string& take,
+                                             int frame, const std::vector<float>& mesh, bool unposed, double spread) {
+  const ShapeStack stack = limb.stack();
+  const ExportedFrame now = exported_now(stack, stack.database().find(take, frame, "the test"));
+  return add_sculpt(limb.path(), name, take, frame, now, mesh, unposed, spread);
+}
 
 // Root mean square distance of vertices, mm.
 inline double rms_mm(const Positions& a, const Positions& b) {

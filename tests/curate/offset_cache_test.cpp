@@ -92,7 +92,7 @@ TEST(OffsetCache, ASculptTouchesThePosesThatItReaches) {
   all_shapes(limb);
   Positions mesh = limb.character().vertices + limb.stack().offsets(15, 0);
   mesh.row(100) *= 1.01;
-  add_sculpt(limb.path(), "bump", "one", 16, output_from_welded(limb.character(), mesh), true, 13);  // at 90 degrees
+  sculpt_frame(limb, "bump", "one", 16, output_from_welded(limb.character(), mesh), true, 13);  // at 90 degrees
   move_modifier(limb.path(), "bump", 1);
   std::size_t reached = 0;
   const ShapeStack stack = limb.stack();

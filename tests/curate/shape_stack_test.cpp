@@ -46,6 +46,11 @@ std::vector<float> sculpted(const CuratedLimb& limb, int frame) {
   return output_from_welded(limb.character(), limb.character().vertices + offsets);
 }
 
+std::vector<float> read_mesh(const Character& character, const std::vector<double>& texture, const Positions& exported,
+                             const std::filesystem::path& path) {
+  return read_frame_mesh(character, texture, {&exported, 1}, path).positions;
+}
+
 std::string bytes_of_file(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
@@ -69,7 +74,7 @@ TEST(ShapeStack, ThereAndBackThroughUnposedSpaceMovesNothing) {
 
 TEST(Sculpt, IsExactAtItsPoseHalfAtHalfTheSpreadAndNothingBeyond) {
   const CuratedLimb limb;
-  add_sculpt(limb.path(), "elbow", "one", 16, sculpted(limb, 16), true, 36);  // 90 degrees
+  sculpt_frame(limb, "elbow", "one", 16, sculpted(limb, 16), true, 36);  // 90 degrees
   const ShapeStack stack = limb.stack();
   const auto peak = [&](int frame) {
     const auto n = static_cast<std::size_t>(frame - 1);
@@ -85,7 +90,7 @@ TEST(Sculpt, IsExactAtItsPoseHalfAtHalfTheSpreadAndNothingBeyond) {
 
 TEST(Sculpt, TwoOfNearbyPosesAreBothExact) {
   const CuratedLimb limb;
-  add_sculpt(limb.path(), "elbow", "one", 16, sculpted(limb, 16), true, 60);
+  sculpt_frame(limb, "elbow", "one", 16, sculpted(limb, 16), true, 60);
   std::vector<float> plain =
       output_from_welded(limb.character(), Positions(limb.character().vertices + limb.stack().offsets(12, 0)));
   const auto moved = [](const ShapeStack& stack, std::size_t frame) {
@@ -93,7 +98,7 @@ TEST(Sculpt, TwoOfNearbyPosesAreBothExact) {
   };
   const double alone = moved(limb.stack(), 15);
   EXPECT_GT(alone, 5);
-  add_sculpt(limb.path(), "elbow", "one", 13, plain, true, 60);  // as it was
+  sculpt_frame(limb, "elbow", "one", 13, plain, true, 60);  // as it was
   const ShapeStack stack = limb.stack();
   EXPECT_LT(moved(stack, 12), 1e-4);
   EXPECT_NEAR(moved(stack, 15), alone, 1e-3);
@@ -311,8 +316,8 @@ TEST(Curate, PruneLeavesWhatUndoLeadsTo) {
     }
     return count;
   };
-  add_sculpt(limb.path(), "elbow", "one", 16, sculpted(limb, 16), true, 36);
-  add_sculpt(limb.path(), "elbow", "one", 16, sculpted(limb, 15), true, 36);
+  sculpt_frame(limb, "elbow", "one", 16, sculpted(limb, 16), true, 36);
+  sculpt_frame(limb, "elbow", "one", 16, sculpted(limb, 15), true, 36);
   remove_modifier(limb.path(), "elbow");
   std::ofstream(limb.folder() / "modifiers" / "stranded.pc2") << "of a run that was killed";
   EXPECT_EQ(files(), 3u);
@@ -351,13 +356,12 @@ TEST(Curate, RefusesWhatDoesNotFit) {
   EXPECT_EQ(kind({.type = "smooth", .parameters = {{"radius_mm", "wide"}}}), ErrorKind::file);
   EXPECT_EQ(kind({.type = "blend", .parameters = {{"cache", "none.pc2"}, {"take", "one"}, {"frames", "1"}}}),
             ErrorKind::file);
-  EXPECT_EQ(kind_of([&] { add_sculpt(limb.path(), "s", "one", 3, std::vector<float>(30), true, 10); }),
-            ErrorKind::mismatch);
+  EXPECT_EQ(kind_of([&] { sculpt_frame(limb, "s", "one", 3, std::vector<float>(30), true, 10); }), ErrorKind::mismatch);
   std::vector<float> exploded(3 * limb.character().output_count(), 9.0f);
-  EXPECT_FALSE(add_sculpt(limb.path(), "s", "one", 3, exploded, true, 10).empty());  // said, and done
+  EXPECT_FALSE(sculpt_frame(limb, "s", "one", 3, exploded, true, 10).empty());  // said, and done
   undo_modifiers(limb.path());
   exploded[7] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_EQ(kind_of([&] { add_sculpt(limb.path(), "s", "one", 3, exploded, true, 10); }), ErrorKind::mismatch);
+  EXPECT_EQ(kind_of([&] { sculpt_frame(limb, "s", "one", 3, exploded, true, 10); }), ErrorKind::mismatch);
   EXPECT_EQ(bytes_of_file(limb.path()), begun);
 }
 
@@ -423,18 +427,36 @@ TEST(FrameFiles, AMeshComesBackInAnyOrderAndAnotherIsRefused) {
   const Positions frame = limb.truth(0, 5);
   const std::vector<float> shape = output_from_welded(limb.character(), frame);
   write_frame_obj(limb.character(), {}, shape, path);
-  EXPECT_EQ(read_frame_mesh(limb.character(), {}, frame, path), shape);
+  EXPECT_EQ(read_mesh(limb.character(), {}, frame, path), shape);
   const Shuffled sculpt = shuffled(limb.character(), frame);
   std::ofstream(path) << sculpt.obj;
-  const std::vector<float> back = read_frame_mesh(limb.character(), {}, frame, path);
+  const std::vector<float> back = read_mesh(limb.character(), {}, frame, path);
   EXPECT_LT(rms_mm(welded_from_output(limb.character(), back.data()), sculpt.sculpted), 1e-4);
   std::ofstream(path, std::ios::app) << "v 0 0 0\n";
-  EXPECT_EQ(kind_of([&] { read_frame_mesh(limb.character(), {}, frame, path); }), ErrorKind::mismatch);
+  EXPECT_EQ(kind_of([&] { read_mesh(limb.character(), {}, frame, path); }), ErrorKind::mismatch);
   const std::size_t faces = sculpt.obj.find("f "), half = sculpt.obj.find("f ", (faces + sculpt.obj.size()) / 2);
   std::ofstream(path) << sculpt.obj.substr(0, half);  // what was moved has too few neighbours
-  EXPECT_EQ(kind_of([&] { read_frame_mesh(limb.character(), {}, frame, path); }), ErrorKind::mismatch);
+  EXPECT_EQ(kind_of([&] { read_mesh(limb.character(), {}, frame, path); }), ErrorKind::mismatch);
   std::ofstream(path) << "v 0 0 nan\n";
-  EXPECT_EQ(kind_of([&] { read_frame_mesh(limb.character(), {}, frame, path); }), ErrorKind::file);
+  EXPECT_EQ(kind_of([&] { read_mesh(limb.character(), {}, frame, path); }), ErrorKind::file);
+}
+
+// Whatever its vertices' order, a mesh tells by what was not moved which skin it was made of.
+TEST(FrameFiles, AMeshIsOfTheSkinThatMostOfItLiesOn) {
+  const CuratedLimb limb;
+  const auto path = limb.folder() / "frame.obj";
+  const Positions frame = limb.truth(0, 5);
+  std::vector<Positions> exported(3, frame);
+  for (Eigen::Index v = 0; v < frame.rows(); ++v) {
+    exported[0].row(v) *= 1.001;
+    if (v % 2 == 0) exported[2].row(v) *= 1.001;
+  }
+  std::ofstream(path) << shuffled(limb.character(), frame).obj;
+  EXPECT_EQ(read_frame_mesh(limb.character(), {}, exported, path).of, 1u);
+  write_frame_obj(limb.character(), {}, output_from_welded(limb.character(), exported[2]), path);
+  EXPECT_EQ(read_frame_mesh(limb.character(), {}, exported, path).of, 2u);
+  write_frame_obj(limb.character(), {}, output_from_welded(limb.character(), 1.01 * frame), path);
+  EXPECT_EQ(read_frame_mesh(limb.character(), {}, exported, path).of, 0u) << "of none: the first";
 }
 
 // In centimetres, or in hundreds of metres: refused, whatever the order of its vertices.
@@ -450,7 +472,7 @@ TEST(FrameFiles, AMeshOfAnotherUnitIsRefused) {
         write_frame_gltf(limb.character(), {}, unit * frame, limb.pose(0, 5), path);
       }
       try {
-        read_frame_mesh(limb.character(), {}, frame, path);
+        read_mesh(limb.character(), {}, frame, path);
         ADD_FAILURE() << name << " times " << unit << " was read";
       } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::mismatch) << error.what();
@@ -475,13 +497,13 @@ TEST(FrameFiles, ATextureTellsVerticesThatWereAllMoved) {
   const Positions moved = frame.rowwise() + Eigen::RowVector3d(0.3, 0, 0);
   const Shuffled sculpt = shuffled(character, moved, surface.texture);
   std::ofstream(path) << sculpt.obj;
-  const std::vector<float> back = read_frame_mesh(character, surface.texture, frame, path);
+  const std::vector<float> back = read_mesh(character, surface.texture, frame, path);
   EXPECT_LT(rms_mm(welded_from_output(character, back.data()), sculpt.sculpted), 1e-4);
-  EXPECT_EQ(kind_of([&] { read_frame_mesh(character, {}, frame, path); }), ErrorKind::mismatch);
+  EXPECT_EQ(kind_of([&] { read_mesh(character, {}, frame, path); }), ErrorKind::mismatch);
   std::ofstream(path) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.5\nf 1/1 2/1 3/1\n";
-  EXPECT_EQ(kind_of([&] { read_frame_mesh(character, {}, frame, path); }), ErrorKind::file);
+  EXPECT_EQ(kind_of([&] { read_mesh(character, {}, frame, path); }), ErrorKind::file);
   std::ofstream(path) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.5 0.5\nf 1/1 2/2 3/1\n";
-  EXPECT_EQ(kind_of([&] { read_frame_mesh(character, {}, frame, path); }), ErrorKind::file);
+  EXPECT_EQ(kind_of([&] { read_mesh(character, {}, frame, path); }), ErrorKind::file);
 }
 
 TEST(FrameFiles, AnObjHasATextureAndAMaterialForEveryRegion) {
@@ -492,7 +514,7 @@ TEST(FrameFiles, AnObjHasATextureAndAMaterialForEveryRegion) {
   SkinSurface surface = frame_surface(limb.stack().database());
   surface.texture.assign(2 * std::size_t{character.output_count()}, 0.25);
   write_frame_obj(character, surface, shape, path);
-  EXPECT_EQ(read_frame_mesh(character, surface.texture, limb.truth(0, 5), path), shape);
+  EXPECT_EQ(read_mesh(character, surface.texture, limb.truth(0, 5), path), shape);
   std::ifstream file(path);
   std::map<std::string, int> faces;
   std::string line, material;
@@ -549,7 +571,7 @@ TEST(FrameFiles, AGltfRestsInThePoseAndComesBack) {
   for (int k = 0; k < 4; ++k) {
     EXPECT_NEAR(read.skeleton.joints[1].bind.rotation[k], limb.pose(0, 12).joints[1].rotation[k], 1e-6);
   }
-  const std::vector<float> back = read_frame_mesh(limb.character(), {}, frame, path);
+  const std::vector<float> back = read_mesh(limb.character(), {}, frame, path);
   EXPECT_LT(rms_mm(welded_from_output(limb.character(), back.data()), frame), 1e-3);
 }
 

@@ -63,7 +63,7 @@ TEST(CuratedTraining, LearnsASculptWhereItIsAndNothingElsewhere) {
     if (side > 0) bulge(v, 1) = 0.01 * std::pow(side / kLimbRadius, 2) * std::exp(-along * along);
   }
   const Positions sculpt = limb.character().vertices + limb.stack().offsets(at(16), 0) + bulge;
-  add_sculpt(limb.path(), "elbow", "one", 16, output_from_welded(limb.character(), sculpt), true, 60);
+  sculpt_frame(limb, "elbow", "one", 16, output_from_welded(limb.character(), sculpt), true, 60);
   Deformer with(trained(limb), {.name = "cpu"}), without(trained(plain), {.name = "cpu"});
   Eigen::Index top;
   bulge.col(1).maxCoeff(&top);

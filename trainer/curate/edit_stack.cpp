@@ -5,12 +5,11 @@
 
 #include "assets/frame_range.h"
 #include "assets/notes.h"
-#include "assets/pc2.h"
-#include "base/content_hash.h"
 #include "dataset/stack_history.h"
 #include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
-#include "runtime/core/hexadecimal.h"
+#include "trainer/curate/keep_samples.h"
+#include "trainer/curate/sculpted_frames.h"
 #include "trainer/curate/shape_stack.h"
 
 namespace bodyopt {
@@ -45,27 +44,6 @@ std::string free_name(const Modifiers& modifiers, const Modifier& modifier) {
   }
   std::string name = modifier.type;
   for (int k = 2; has_name(modifiers, name); ++k) name = modifier.type + std::to_string(k);
-  return name;
-}
-
-// Samples of a modifier (all of one size), kept in a file that is named by what is in it. Returns its name in the
-// dataset's folder.
-std::string keep_samples(const Dataset& dataset, const std::string& modifier, std::size_t count,
-                         const std::function<std::vector<float>(std::size_t k)>& sample) {
-  ContentHash hash;
-  std::size_t size = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::vector<float> own = sample(k);
-    ContentHash of_sample;
-    of_sample.append(own.data(), own.size() * sizeof(float));
-    hash.add(of_sample.value());
-    size = own.size();
-  }
-  const std::string name = "modifiers/" + modifier + "-" + hexadecimal(hash.value()) + ".pc2";
-  fs::create_directories(dataset.folder / "modifiers");
-  Pc2Writer writer(dataset.folder / name, static_cast<std::uint32_t>(size / 3), static_cast<std::uint32_t>(count));
-  for (std::size_t k = 0; k < count; ++k) writer.append(sample(k));
-  writer.close();
   return name;
 }
 
@@ -235,30 +213,28 @@ std::vector<std::string> put_sculpt(const PoseDatabase& database, Modifiers& mod
 }
 
 std::vector<std::string> add_sculpt(const fs::path& path, const std::string& name, const std::string& take, int frame,
-                                    const std::vector<float>& mesh, bool unposed, double spread_degrees) {
+                                    const ExportedFrame& exported, const std::vector<float>& mesh, bool unposed,
+                                    double spread_degrees) {
   std::vector<std::string> notes;
   edit_modifiers(path, [&](const Dataset& dataset, Modifiers& modifiers) {
-    ShapeStack stack(read_pose_database(dataset));
-    const Character& character = stack.database().character;
+    const ShapeStack stack(read_pose_database(dataset));
+    const PoseDatabase& database = stack.database();
+    const Character& character = database.character;
     if (mesh.size() != 3 * std::size_t{character.output_count()}) {
       throw Error(ErrorKind::mismatch, "the sculpt has " + std::to_string(mesh.size() / 3) +
                                            " vertices, the character " + std::to_string(character.output_count()) +
                                            ": it was subdivided, merged or made of another mesh");
     }
-    const std::size_t number = stack.database().find(take, frame, "the sculpt");
-    // Against what is below it: an earlier sculpt of the frame is replaced, not added to.
-    const auto there =
-        std::find_if(modifiers.begin(), modifiers.end(), [&](const Modifier& m) { return m.name == name; });
-    const auto place = static_cast<std::size_t>(there - modifiers.begin());
-    const UnposedSpace::Frame space = stack.space().frame(stack.database().frames[number].pose);
-    const Positions before = stack.offsets(number, place), given = welded_from_output(character, mesh.data());
+    const std::size_t number = database.find(take, frame, "the sculpt");
+    const Positions given = welded_from_output(character, mesh.data());
+    const UnposedSpace::Frame space = stack.space().frame(database.frames[number].pose);
     const Positions after = unposed ? given : Positions(character.vertices + space.offsets(given));
-    const Positions there_now = character.vertices + stack.offsets(number, modifiers.size());
-    if ((after - there_now).rowwise().norm().maxCoeff() < kAsItIs * size_of(character)) {
-      notes = {"the mesh is what the frame is already: nothing is changed"};
+    if ((after - exported.skin).rowwise().norm().maxCoeff() < kAsItIs * size_of(character)) {
+      notes = {"the mesh is the frame as it was exported: nothing is changed"};
       return;
     }
-    notes = put_sculpt(stack.database(), modifiers, name, number, character.vertices + before, after, spread_degrees);
+    const Positions before = exported.skin - sculpted_by(database, exported.modifiers, name, number);
+    notes = put_sculpt(database, modifiers, name, number, before, after, spread_degrees);
   });
   return notes;
 }

@@ -11,6 +11,7 @@
 #include "assets/shape_reader.h"
 #include "dataset/dataset.h"
 #include "runtime/core/file_lock.h"
+#include "trainer/curate/exported_frames.h"
 #include "trainer/curate/pose_database.h"
 
 namespace bodyopt {
@@ -59,11 +60,13 @@ std::vector<std::string> put_sculpt(const PoseDatabase& database, std::vector<Mo
                                     const Positions& after, double spread_degrees);
 
 // An artist's mesh of a frame (O x 3, output vertices, metres; posed, or where `unposed`, as export wrote it un-posed):
-// what it differs by from the frame as the stack leaves it becomes a sculpt of the modifier `name`, which is made where
-// there is none. Returns what the artist should know: vertices that went further than a fifth of the character's size,
-// triangles that turned over, or that the mesh is the frame as it is, which changes nothing. Throws Error(mismatch)
-// where the mesh does not fit.
+// what it differs by from the frame as it was exported is added to the sculpt that the modifier `name` had of it then,
+// and becomes its sculpt; what the stack has beside it by now stays. The modifier is made where there is none. Returns
+// what the artist should know: vertices that went further than a fifth of the character's size, triangles that turned
+// over, or that the mesh is the frame as it was exported, which changes nothing. Throws Error(mismatch) where the mesh
+// does not fit.
 std::vector<std::string> add_sculpt(const std::filesystem::path& path, const std::string& name, const std::string& take,
-                                    int frame, const std::vector<float>& mesh, bool unposed, double spread_degrees);
+                                    int frame, const ExportedFrame& exported, const std::vector<float>& mesh,
+                                    bool unposed, double spread_degrees);
 
 }  // namespace bodyopt

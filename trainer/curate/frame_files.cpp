@@ -24,6 +24,7 @@ namespace {
 using Corner = std::uint32_t;
 
 constexpr std::uint64_t kLargestObj = std::uint64_t{1} << 30;  // bytes
+constexpr double kUnmoved = 1e-6;                              // of the size: files round
 
 std::string place_of(const std::filesystem::path& path, std::size_t line) {
   return path.string() + ", line " + std::to_string(line);
@@ -219,13 +220,10 @@ double size_of(const Positions& positions) {
 }
 
 // A mesh of another unit is no sculpt, whatever order its vertices have.
-void check_size(const Positions& exported, const std::vector<float>& given, const std::filesystem::path& path) {
+void check_size(const Positions& exported, const Positions& given, const std::filesystem::path& path) {
   constexpr double kLargest = 5;
-  if (given.empty()) return;
-  const double own = size_of(exported);
-  const double found = size_of(Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-                                   given.data(), static_cast<Eigen::Index>(given.size() / 3), 3)
-                                   .cast<double>());
+  if (given.rows() == 0) return;
+  const double own = size_of(exported), found = size_of(given);
   if (found < kLargest * own && own < kLargest * found) return;
   char text[160];
   std::snprintf(text, sizeof(text),
@@ -236,13 +234,25 @@ void check_size(const Positions& exported, const std::vector<float>& given, cons
                                        "another character?");
 }
 
+// Which of the skins the mesh was made of.
+std::size_t made_of(std::span<const Positions> exported, const Positions& given) {
+  std::size_t best = 0, most = 0;
+  for (std::size_t k = 0; exported.size() > 1 && k < exported.size(); ++k) {
+    const std::size_t unmoved = vertices_in_place(exported[k], given, kUnmoved * size_of(exported[k]));
+    if (unmoved > most) {
+      best = k;
+      most = unmoved;
+    }
+  }
+  return best;
+}
+
 Positions in_own_order(const Character& character, const TexturedSurface& exported, const TexturedSurface& given,
                        const std::filesystem::path& path) {
   const auto found = static_cast<std::size_t>(given.vertices.rows());
   if (given.vertices.rows() != exported.vertices.rows()) {
     throw Error(ErrorKind::mismatch, both_counts(character, path, found) + likely_cause(character, found));
   }
-  constexpr double kUnmoved = 1e-6;  // of the size: files round
   const std::vector<int> match = match_vertices(exported, given, kUnmoved * size_of(exported.vertices));
   Positions result = exported.vertices;
   const auto lost = static_cast<std::size_t>(std::count(match.begin(), match.end(), -1));
@@ -301,23 +311,24 @@ void write_frame_gltf(const Character& character, const SkinSurface& surface, co
   write_character(posed, surface, path);
 }
 
-std::vector<float> read_frame_mesh(const Character& character, const std::vector<double>& texture,
-                                   const Positions& exported, const std::filesystem::path& path) {
+FrameMesh read_frame_mesh(const Character& character, const std::vector<double>& texture,
+                          std::span<const Positions> exported, const std::filesystem::path& path) {
   TexturedSurface given;
   if (lower_case_extension(path) == ".obj") {
     ObjMesh mesh = parse_obj(path);
-    check_size(exported, mesh.positions, path);
-    if (mesh.positions.size() == 3 * std::size_t{character.output_count()} && has_its_faces(character, mesh)) {
-      return std::move(mesh.positions);
-    }
     given = surface_of(mesh);
+    check_size(exported.front(), given.vertices, path);
+    if (mesh.positions.size() == 3 * std::size_t{character.output_count()} && has_its_faces(character, mesh)) {
+      return {std::move(mesh.positions), made_of(exported, given.vertices)};
+    }
   } else {
     const Character read = read_character(path, 1);
-    check_size(exported, output_from_welded(read, read.vertices), path);
     given = {read.vertices, read.triangles, textured(read, read_texture_coordinates(path))};
+    check_size(exported.front(), given.vertices, path);
   }
-  const TexturedSurface own{exported, character.triangles, textured(character, texture)};
-  return output_from_welded(character, in_own_order(character, own, given, path));
+  const std::size_t of = made_of(exported, given.vertices);
+  const TexturedSurface own{exported[of], character.triangles, textured(character, texture)};
+  return {output_from_welded(character, in_own_order(character, own, given, path)), of};
 }
 
 }  // namespace bodyopt

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include "assets/character_write.h"
@@ -23,12 +24,18 @@ void write_frame_obj(const Character& character, const SkinSurface& surface, con
 void write_frame_gltf(const Character& character, const SkinSurface& surface, const Positions& skin, const Pose& pose,
                       const std::filesystem::path& path);
 
-// O x 3 from a mesh that was made of a frame (`exported`: V x 3, as it was written; `texture`: of its surface).
-// Vertices may stand in any order: in an OBJ of as many, whose faces are the character's, they are known by their
-// numbers, which sculpting programs keep (faces may have been left out, or joined to larger ones); otherwise as
-// match_vertices() tells. Throws Error(mismatch), with both counts and the likely cause, where the mesh is of other
-// vertices or faces; or is more than five times larger or smaller; Error(file) at what is malformed.
-std::vector<float> read_frame_mesh(const Character& character, const std::vector<double>& texture,
-                                   const Positions& exported, const std::filesystem::path& path);
+struct FrameMesh {
+  std::vector<float> positions;  // O x 3
+  std::size_t of = 0;            // the exported skin that it was made of
+};
+
+// A mesh that was made of one of the skins `exported` (one at least, V x 3 each, as they were written): of that which
+// most of its vertices lie on, the first of several alike. `texture`: of its surface. Vertices may stand in any order:
+// in an OBJ of as many, whose faces are the character's, they are known by their numbers, which sculpting programs keep
+// (faces may have been left out, or joined to larger ones); otherwise as match_vertices() tells. Throws
+// Error(mismatch), with both counts and the likely cause, where the mesh is of other vertices or faces; or is more than
+// five times larger or smaller; Error(file) at what is malformed.
+FrameMesh read_frame_mesh(const Character& character, const std::vector<double>& texture,
+                          std::span<const Positions> exported, const std::filesystem::path& path);
 
 }  // namespace bodyopt

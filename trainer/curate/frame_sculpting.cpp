@@ -21,22 +21,10 @@ const Modifier* modifier_of(const PoseDatabase& database, const std::string& nam
   return found == modifiers.end() ? nullptr : &*found;
 }
 
-// Why a stroke would not be seen as it is drawn; empty: it would.
-std::string hindrance(const PoseDatabase& database, const Modifier& modifier, std::size_t frame) {
-  if (modifier.type != "sculpt") return "is of the type " + modifier.type + ", not sculpt";
-  if (!modifier.enabled) return "is switched off";
-  if (modifier.strength != 1) return "has a strength below 1";
-  if (!modifier.mask.empty()) return "acts on a part of the skin alone";
-  if (!selected_frames(database, modifier.frames, "modifier '" + modifier.name + "'")[frame]) {
-    return "leaves this frame out";
-  }
-  return "";
-}
-
 SculptedFrames sculpts_of(const PoseDatabase& database, const std::string& name, std::size_t frame,
                           std::optional<double> spread) {
   const Modifier* modifier = modifier_of(database, name);
-  const std::string why = modifier ? hindrance(database, *modifier, frame) : "";
+  const std::string why = why_not_shown(database, name, frame);
   if (!why.empty()) {
     throw Error(ErrorKind::usage,
                 "the modifier '" + name + "' " + why +
@@ -57,6 +45,17 @@ Eigen::Vector3d point_on(const Positions& surface, const SkinPoint& at) {
 }
 
 }  // namespace
+
+std::string why_not_shown(const PoseDatabase& database, const std::string& name, std::size_t frame) {
+  const Modifier* modifier = modifier_of(database, name);
+  if (!modifier) return "";
+  if (modifier->type != "sculpt") return "is of the type " + modifier->type + ", not sculpt";
+  if (!modifier->enabled) return "is switched off";
+  if (modifier->strength != 1) return "has a strength below 1";
+  if (!modifier->mask.empty()) return "acts on a part of the skin alone";
+  if (!selected_frames(database, modifier->frames, "modifier '" + name + "'")[frame]) return "leaves this frame out";
+  return "";
+}
 
 FrameSculpting::FrameSculpting(std::shared_ptr<const ShapeStack> stack, std::size_t frame, std::string name,
                                std::optional<double> spread_degrees)

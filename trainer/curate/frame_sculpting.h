@@ -15,6 +15,10 @@
 
 namespace bodyopt {
 
+// Why the frame would not become what is sculpted in the modifier `name`: "is switched off". Empty: it would, or there
+// is no such modifier yet.
+std::string why_not_shown(const PoseDatabase& database, const std::string& name, std::size_t frame);
+
 class FrameSculpting {
  public:
   // On a frame as the stack leaves it, for the modifier `name`, which keep() makes where there is none. Spread: over

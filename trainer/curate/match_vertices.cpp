@@ -1,5 +1,6 @@
 #include "trainer/curate/match_vertices.h"
 
+#include <algorithm>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -132,6 +133,11 @@ bool grow(const Opposite& opposite, const Triangles& given, std::vector<int>& ma
 }
 
 }  // namespace
+
+std::size_t vertices_in_place(const Positions& known, const Positions& given, double tolerance) {
+  const std::vector<int> found = by_place(known, given, tolerance);
+  return static_cast<std::size_t>(std::ranges::count_if(found, [](int vertex) { return vertex >= 0; }));
+}
 
 std::vector<int> match_vertices(const TexturedSurface& known, const TexturedSurface& given, double tolerance) {
   std::vector<char> taken(static_cast<std::size_t>(known.vertices.rows()), false);

@@ -26,4 +26,7 @@ struct TexturedSurface {
 // has that, and what is left by the triangles between them, from neighbour to neighbour.
 std::vector<int> match_vertices(const TexturedSurface& known, const TexturedSurface& given, double tolerance);
 
+// How many vertices of `given` lie where one of `known` does (within `tolerance`, metres).
+std::size_t vertices_in_place(const Positions& known, const Positions& given, double tolerance);
+
 }  // namespace bodyopt

@@ -65,10 +65,19 @@ std::size_t PoseDatabase::find(const std::string& take, int frame, const std::st
   if (name == takes.end()) {
     throw Error(ErrorKind::mismatch, place + ": the dataset has no take '" + take + "'; it has " + list_names(takes));
   }
+  std::vector<int> below, above;
   for (std::size_t n = 0; n < frames.size(); ++n) {
-    if (frames[n].take == name - takes.begin() && frames[n].frame == frame) return n;
+    if (frames[n].take != name - takes.begin()) continue;
+    if (frames[n].frame == frame) return n;
+    (frames[n].frame < frame ? below : above).push_back(frames[n].frame);
   }
-  throw Error(ErrorKind::mismatch, place + ": take '" + take + "' has no solved frame " + std::to_string(frame));
+  std::string nearest;
+  if (!below.empty()) nearest = std::to_string(*std::ranges::max_element(below));
+  if (!above.empty()) {
+    nearest += (below.empty() ? "" : " and ") + std::to_string(*std::ranges::min_element(above));
+  }
+  throw Error(ErrorKind::mismatch, place + ": take '" + take + "' has no solved frame " + std::to_string(frame) +
+                                       (nearest.empty() ? "" : "; nearest to it: " + nearest));
 }
 
 PoseDatabase read_pose_database(const Dataset& dataset) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dataset/stack_history.h"
+#include "trainer/curate/exported_frames.h"
 
 namespace bodyopt {
 namespace {
@@ -45,8 +46,14 @@ PrunedFiles prune_modifiers(const fs::path& path, bool history) {
   PrunedFiles pruned;
   look_at_stacks(path, history, [&](const Dataset& dataset, const std::vector<std::vector<Modifier>>& stacks) {
     std::set<std::string> named;
-    for (const std::vector<Modifier>& stack : stacks) {
+    const auto add_stack = [&](const std::vector<Modifier>& stack) {
       for (const Modifier& modifier : stack) add_texts(modifier.parameters, named);
+    };
+    std::ranges::for_each(stacks, add_stack);
+    if (history) forget_exports(dataset);
+    for (const ExportRecord& record : read_export_records(dataset)) {
+      named.insert(record.skin);
+      add_stack(record.modifiers);
     }
     for (const fs::path& file : files_in(dataset.folder / "modifiers")) {
       if (!named.contains("modifiers/" + file.filename().string())) remove_file(file, pruned);
