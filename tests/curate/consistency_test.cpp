@@ -1,11 +1,14 @@
 // Shapes of like poses that disagree are found, and made to agree.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
+#include <functional>
 
 #include "runtime/core/error.h"
 #include "tests/curate/sweep_history.h"
 #include "trainer/curate/consistency_report.h"
+#include "trainer/curate/deviations.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/local_models.h"
 
@@ -80,6 +83,50 @@ TEST(Consistency, PartsAreComparedByTheNearestJointsThatTurn) {
   EXPECT_EQ(parts[1].joints, (std::vector<std::uint32_t>{1, 2, 3}));
   EXPECT_EQ(parts[3].joints, (std::vector<std::uint32_t>{1, 2, 3, 4}));
   EXPECT_EQ(parts[4].joints, (std::vector<std::uint32_t>{3, 4}));
+  EXPECT_EQ(parts[1].others, (std::vector<std::uint32_t>{4}));
+  EXPECT_EQ(parts[4].others, (std::vector<std::uint32_t>{1}));
+}
+
+// The thigh there and back, the shin otherwise on the way back.
+PoseDatabase there_and_back() {
+  PoseDatabase database = belly_and_leg();
+  database.frames.clear();
+  for (int k = 0; k < 40; ++k) {
+    const double thigh = 0.02 * (k < 20 ? k : 39 - k),
+                 shin = k < 20 ? 0.3 * std::sin(8 * thigh) : 0.3 * std::cos(5 * thigh);
+    DatabaseFrame& frame = database.frames.emplace_back();
+    frame.frame = k + 1;
+    frame.pose.joints.resize(5);
+    frame.pose.joints[3].rotation = axis_angle({1, 0, 0}, thigh);
+    frame.pose.joints[4].rotation = axis_angle({1, 0, 0}, shin);
+  }
+  return database;
+}
+
+// What is found of the belly, RMS over the frames. `belly`: metres.
+double found_of(const PoseDatabase& database,
+                const std::function<double(int frame, double thigh, double shin)>& belly) {
+  Displacements shapes = Displacements::Zero(40, 15);
+  for (int k = 0; k < 40; ++k) {
+    const std::vector<JointTransform>& joints = database.frames[static_cast<std::size_t>(k)].pose.joints;
+    shapes(k, 3) =
+        static_cast<float>(belly(k + 1, 2 * std::asin(joints[3].rotation[0]), 2 * std::asin(joints[4].rotation[0])));
+  }
+  const SkinPart belly_part = skin_parts(database)[1];
+  const std::vector<char> all(40, 1), none(40, 0);
+  const LocalModels models = local_models(database, belly_part, 20, all, none, shapes);
+  return part_deviations(shapes, belly_part, models).norm() / std::sqrt(40.0);
+}
+
+// A belly that a joint from afar moves, too, agrees with itself; one that is another on the way back does not.
+TEST(Consistency, WhatJointsFromAfarMoveIsNoHistory) {
+  const PoseDatabase database = there_and_back();
+  const auto moved = [](int, double thigh, double shin) { return 0.02 * thigh + 0.01 * shin + 0.02 * thigh * shin; };
+  EXPECT_LT(found_of(database, moved), 5e-5);
+  const auto history = [&](int frame, double thigh, double shin) {
+    return moved(frame, thigh, shin) + (frame > 20 ? 0.001 : -0.001);
+  };
+  EXPECT_GT(found_of(database, history), 5e-4);
 }
 
 TEST(Consistency, ItsCacheGivesTheSameShapes) {

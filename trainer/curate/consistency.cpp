@@ -1,6 +1,8 @@
 // consistency: takes from every frame what passes by its pose disagree in, smoothed over the skin and capped, several
-// times over. What changes with the pose is in all passes: bulges at the ends of the range keep their size. Frames held
-// out are neither moved nor asked: they judge.
+// times over, as long as less is left every time. What changes with the pose is in all passes: bulges at the ends of
+// the range keep their size. Frames held out are neither moved nor asked: they judge.
+#include <limits>
+
 #include "base/content_hash.h"
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -15,7 +17,7 @@ namespace {
 using Eigen::Index;
 
 // Raised whenever the same frames are made to agree in another way.
-constexpr std::uint64_t kVersion = 5;
+constexpr std::uint64_t kVersion = 6;
 
 class Consistency : public ShapeModifier {
  public:
@@ -92,8 +94,13 @@ Displacements made_consistent(const ModifierInput& input, const ConsistencySetti
   }
   const SkinSmoother smoother(database.character.vertices, database.character.triangles, settings.smooth);
   Displacements displacements = begun;
+  float left = std::numeric_limits<float>::infinity();
   for (int k = 0; k < settings.iterations; ++k) {
-    take_from(displacements, begun, deviations(displacements, parts, models), smoother, settings.cap, moves);
+    const Displacements deviation = deviations(displacements, parts, models);
+    // What does not come together is no history. Where not even the first step brings it nearer, all stays as it was.
+    if (!(deviation.norm() < left)) return k == 1 ? begun : displacements;
+    left = deviation.norm();
+    take_from(displacements, begun, deviation, smoother, settings.cap, moves);
     progress.advance();
   }
   return displacements;

@@ -18,17 +18,18 @@ using Eigen::Index;
 
 constexpr std::size_t kMostNeighbours = 48, kMostOfPass = 8;
 constexpr double kAnchor = 10;
-constexpr std::size_t kMostAsked = 64;  // frames whose neighbours say how much of what is history
+constexpr std::size_t kMostAsked = 32;  // frames whose neighbours say how much of what is history
 // The variances that are tried, in units of how much shapes vary with the pose, and the lengths, in units of the reach.
 constexpr std::array kLengths = {0.25, 0.5, 1.0, 2.0, 4.0, 8.0};
 constexpr std::array kPasses = {0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0};
 constexpr std::array kNoises = {1e-6, 1e-4, 1e-2};
+constexpr std::array kOthers = {0.0, 0.1, 1.0};              // how much joints from afar count
 constexpr double kTurned = 0.005;                            // the sine of half the angle
 constexpr double kLeastStep = 0.1 * std::numbers::pi / 180;  // radians: shorter ones have no direction of their own
 
 struct Neighbour {
   std::size_t frame = 0;
-  Eigen::VectorXd difference;  // as a part of the reach
+  Eigen::VectorXd difference, others;  // of the part's joints, and of the others, as a part of the reach
   double distance = 0;
   int pass = 0;
 };
@@ -76,9 +77,10 @@ std::vector<Neighbour> neighbours_of(const PoseDatabase& database, const SkinPar
                                      double reach, const std::vector<int>& stretches, const std::vector<char>& used) {
   std::vector<Neighbour> near;
   for (std::size_t n = 0; n < database.frames.size(); ++n) {
-    if (!used[n] || !is_near(database.frames[frame].pose, database.frames[n].pose, part.joints, 1.001 * reach))
-      continue;
-    Neighbour other{n, pose_difference(database.frames[frame].pose, database.frames[n].pose, part.joints) / reach};
+    const Pose &own = database.frames[frame].pose, &there = database.frames[n].pose;
+    if (!used[n] || !is_near(own, there, part.joints, 1.001 * reach)) continue;
+    Neighbour other{n, pose_difference(own, there, part.joints) / reach,
+                    turns_between(own, there, part.others) / reach};
     other.distance = other.difference.norm();
     if (other.distance < 1) near.push_back(std::move(other));
   }
@@ -95,11 +97,29 @@ void keep_nearest(std::vector<Neighbour>& near) {
 
 // How shapes near a pose vary: smoothly with the pose, by what a pass is off by, and from frame to frame.
 struct Variances {
-  double length = 1, pass = 0, noise = kNoises.front();
+  double length = 1, others = 0, pass = 0, noise = kNoises.front();
 };
 
+// How far the poses of neighbours are apart, squared, M x M: in the part's joints, and in the others.
+struct Apart {
+  Eigen::MatrixXd own, others;
+};
+
+Apart apart_of(const std::vector<Neighbour>& near) {
+  const Index count = static_cast<Index>(near.size());
+  Apart apart{Eigen::MatrixXd::Zero(count, count), Eigen::MatrixXd::Zero(count, count)};
+  for (Index k = 0; k < count; ++k) {
+    for (Index l = 0; l < count; ++l) {
+      const Neighbour &one = near[static_cast<std::size_t>(k)], &other = near[static_cast<std::size_t>(l)];
+      apart.own(k, l) = (one.difference - other.difference).squaredNorm();
+      apart.others(k, l) = (one.others - other.others).squaredNorm();
+    }
+  }
+  return apart;
+}
+
 // Of the neighbours' shapes, M x M. Passes with anchors are off by little. Those further away count less.
-Eigen::MatrixXd covariance(const std::vector<Neighbour>& near, const Variances& variances,
+Eigen::MatrixXd covariance(const std::vector<Neighbour>& near, const Apart& apart, const Variances& variances,
                            const std::vector<char>& anchors) {
   const Index count = static_cast<Index>(near.size());
   std::set<int> anchored;
@@ -111,8 +131,8 @@ Eigen::MatrixXd covariance(const std::vector<Neighbour>& near, const Variances& 
     const Neighbour& one = near[static_cast<std::size_t>(k)];
     for (Index l = 0; l < count; ++l) {
       const Neighbour& other = near[static_cast<std::size_t>(l)];
-      const double apart = (one.difference - other.difference).squaredNorm() / (variances.length * variances.length);
-      result(k, l) = std::exp(-0.5 * apart);
+      const double squared = apart.own(k, l) + variances.others * apart.others(k, l);
+      result(k, l) = std::exp(-0.5 * squared / (variances.length * variances.length));
       if (one.pass == other.pass) result(k, l) += variances.pass / (anchored.contains(one.pass) ? kAnchor : 1);
     }
     result(k, k) += variances.noise / std::max(nearness(one.distance), kLeastNearness);
@@ -153,12 +173,13 @@ Eigen::MatrixXd products(const std::vector<Neighbour>& near, const SkinPart& par
 
 struct Asked {
   std::vector<Neighbour> near;
+  Apart apart;
   Eigen::MatrixXd products;
 };
 
 // The logarithm of the restricted likelihood of what neighbours look like, per dimension of the shapes.
 double log_likelihood(const Asked& asked, const Variances& variances, const std::vector<char>& anchors) {
-  const Precision given = precision(covariance(asked.near, variances, anchors));
+  const Precision given = precision(covariance(asked.near, asked.apart, variances, anchors));
   const double rounding = 1e-14 * asked.products.trace();
   const double apart = std::max(given.matrix.cwiseProduct(asked.products).sum(), rounding);
   return -0.5 * (static_cast<double>(asked.near.size() - 1) * std::log(apart) + given.log_volume);
@@ -175,7 +196,7 @@ std::vector<Asked> asked_of(const std::vector<std::vector<Neighbour>>& near, con
   const std::size_t step = compared.size() / kMostAsked + 1;
   for (std::size_t k = 0; k < compared.size(); k += step) {
     const std::vector<Neighbour>& there = near[compared[k]];
-    asked.push_back({there, products(there, part, displacements)});
+    asked.push_back({there, apart_of(there), products(there, part, displacements)});
     if (!(asked.back().products.trace() > 0)) asked.pop_back();
   }
   return asked;
@@ -184,8 +205,10 @@ std::vector<Asked> asked_of(const std::vector<std::vector<Neighbour>>& near, con
 Variances likeliest(const std::vector<Asked>& asked, const std::vector<char>& anchors) {
   std::vector<Variances> all;
   for (const double pass : kPasses) {
-    for (const double length : kLengths) {
-      for (const double noise : kNoises) all.push_back({length, pass, noise});
+    for (const double others : kOthers) {
+      for (const double length : kLengths) {
+        for (const double noise : kNoises) all.push_back({length, others, pass, noise});
+      }
     }
   }
   std::vector<double> likelihoods(all.size(), 0.0);
@@ -198,11 +221,12 @@ Variances likeliest(const std::vector<Asked>& asked, const std::vector<char>& an
 // What of the shapes of the neighbours adds up to what their pass `own` is off by.
 std::vector<FrameShare> shares_of(const std::vector<Neighbour>& near, int own, const Variances& variances,
                                   const std::vector<char>& anchors) {
-  const Eigen::MatrixXd with = covariance(near, variances, anchors);
+  const Apart apart = apart_of(near);
+  const Eigen::MatrixXd with = covariance(near, apart, variances, anchors);
   Variances without = variances;
   without.pass = 0;
   const auto same = std::ranges::find(near, own, &Neighbour::pass) - near.begin();
-  const Eigen::VectorXd of_pass = with.col(same) - covariance(near, without, anchors).col(same);
+  const Eigen::VectorXd of_pass = with.col(same) - covariance(near, apart, without, anchors).col(same);
   const Eigen::VectorXd shares = precision(with).matrix * of_pass;
   std::vector<FrameShare> result;
   for (std::size_t k = 0; k < near.size(); ++k) result.push_back({near[k].frame, shares[static_cast<Index>(k)]});
@@ -247,6 +271,17 @@ std::vector<std::uint32_t> with_next(const Skeleton& skeleton, const std::vector
   return {all.begin(), all.end()};
 }
 
+// Those that turn and are not among the joints (by rising number).
+std::vector<std::uint32_t> others_than(const Skeleton& skeleton, const std::vector<char>& turns,
+                                       const std::vector<std::uint32_t>& joints) {
+  std::vector<std::uint32_t> others;
+  for (std::uint32_t j = 0; j < turns.size(); ++j) {
+    const bool is_root = skeleton.joints[j].parent < 0;
+    if (turns[j] && !is_root && !std::ranges::binary_search(joints, j)) others.push_back(j);
+  }
+  return others;
+}
+
 }  // namespace
 
 std::vector<SkinPart> skin_parts(const PoseDatabase& database) {
@@ -269,7 +304,9 @@ std::vector<SkinPart> skin_parts(const PoseDatabase& database) {
     if (region.vertices.empty()) continue;
     Eigen::VectorXd mask = Eigen::VectorXd::Zero(vertices);
     for (std::size_t k = 0; k < region.vertices.size(); ++k) mask[Index{region.vertices[k]}] = region.weights[k];
-    parts.push_back({std::move(region), with_next(character.skeleton, turns, joints_moving(character, mask))});
+    std::vector<std::uint32_t> joints = with_next(character.skeleton, turns, joints_moving(character, mask));
+    std::vector<std::uint32_t> others = others_than(character.skeleton, turns, joints);
+    parts.push_back({std::move(region), std::move(joints), std::move(others)});
   }
   return parts;
 }

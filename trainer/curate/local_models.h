@@ -1,11 +1,13 @@
 // What passes of the motion by a pose disagree in. Per part of the skin and frame, the shapes of the frames near in the
 // part's pose space are a mean, what varies smoothly with the pose, what each pass is off by, and noise,
-//   y_m = a + g(f_m) + o_pass(m) + e_m,   cov g = exp(-|f - f'|^2 / 2 l^2), var o = p, var e = s / w_m,
-// a mixed model (Henderson 1975; Sacks et al. 1989). l, p and s are what makes the shapes of all neighbourhoods of the
-// part likeliest (restricted likelihood, Patterson & Thompson 1971): where shapes vary with the pose alone, p is
-// nothing, and nothing is found. A pass is a stretch of a take in one direction: its frames share what they have of
-// history. What slopes and curves with the pose is in all passes and stays; o is what one alone has. Linear in the
-// shapes: o at a frame is sum_m s_m y_m.
+//   y_m = a + g(f_m, h_m) + o_pass(m) + e_m,   cov g = exp(-(|f - f'|^2 + r |h - h'|^2) / 2 l^2), var o = p, var e = s
+//   / w_m,
+// a mixed model (Henderson 1975; Sacks et al. 1989). f: how the joints turn that move the part, h: the others, which
+// count r times as much: soft tissue and coarse cages carry far. l, r, p and s are what makes the shapes of all
+// neighbourhoods of the part likeliest (restricted likelihood, Patterson & Thompson 1971): where shapes vary with the
+// pose alone, p is nothing, and nothing is found. A pass is a stretch of a take in one direction: its frames share what
+// they have of history. What slopes and curves with the pose is in all passes and stays; o is what one alone has.
+// Linear in the shapes: o at a frame is sum_m s_m y_m.
 #pragma once
 
 #include <vector>
@@ -28,6 +30,7 @@ struct FrameShare {
 struct SkinPart {
   RegionWeights region;               // welded vertices
   std::vector<std::uint32_t> joints;  // its pose space: those that move it, and the nearest beside them that turn
+  std::vector<std::uint32_t> others;  // that turn, too, and may move it from afar
 };
 
 // Painted regions, where they cover the skin; otherwise the joints' own skin weights. Weights sum to 1 at most.

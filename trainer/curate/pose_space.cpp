@@ -53,15 +53,21 @@ std::vector<std::uint32_t> joints_named(const Skeleton& skeleton, const std::vec
   return joints;
 }
 
-Eigen::VectorXd pose_difference(const Pose& from, const Pose& to, const std::vector<std::uint32_t>& joints) {
-  const auto turns = 3 * static_cast<Eigen::Index>(joints.size());
-  Eigen::VectorXd difference(turns + static_cast<Eigen::Index>(from.controls.size()));
+Eigen::VectorXd turns_between(const Pose& from, const Pose& to, const std::vector<std::uint32_t>& joints) {
+  Eigen::VectorXd turns(3 * static_cast<Eigen::Index>(joints.size()));
   for (std::size_t k = 0; k < joints.size(); ++k) {
-    difference.segment<3>(3 * static_cast<Eigen::Index>(k)) =
+    turns.segment<3>(3 * static_cast<Eigen::Index>(k)) =
         rotation_vector(from.joints[joints[k]].rotation, to.joints[joints[k]].rotation);
   }
+  return turns;
+}
+
+Eigen::VectorXd pose_difference(const Pose& from, const Pose& to, const std::vector<std::uint32_t>& joints) {
+  const Eigen::VectorXd turns = turns_between(from, to, joints);
+  Eigen::VectorXd difference(turns.size() + static_cast<Eigen::Index>(from.controls.size()));
+  difference.head(turns.size()) = turns;
   for (std::size_t c = 0; c < from.controls.size(); ++c) {
-    difference[turns + static_cast<Eigen::Index>(c)] = double{to.controls[c]} - double{from.controls[c]};
+    difference[turns.size() + static_cast<Eigen::Index>(c)] = double{to.controls[c]} - double{from.controls[c]};
   }
   return difference;
 }

@@ -16,8 +16,10 @@ std::vector<std::uint32_t> joints_moving(const Character& character, const Eigen
 std::vector<std::uint32_t> joints_named(const Skeleton& skeleton, const std::vector<std::string>& names,
                                         const std::string& place);
 
-// From one pose to another: three radians per joint (the rotation between both, as axis times angle, in its own axes),
-// and the controls, a unit of which counts as a radian.
+// From one pose to another: three radians per joint, the rotation between both, as axis times angle, in its own axes.
+Eigen::VectorXd turns_between(const Pose& from, const Pose& to, const std::vector<std::uint32_t>& joints);
+
+// The same, and the controls, a unit of which counts as a radian.
 Eigen::VectorXd pose_difference(const Pose& from, const Pose& to, const std::vector<std::uint32_t>& joints);
 
 // Whether that is shorter than `reach` radians; quickly.
