@@ -92,8 +92,8 @@ void raise(const std::string& from, const std::string& to, double above) {
   }
 }
 
-// What came below meanwhile stays, what was sculpted is added: the mesh is of what was exported. Its spread reaches three
-// steps of 6 degrees to either side, to and fro, in both takes.
+// What came below meanwhile stays, what was sculpted is added: the mesh is of what was exported. Its spread reaches
+// three steps of 6 degrees to either side, to and fro, in both takes.
 TEST_F(CurateProgram, ASculptIsOfTheFrameAsItWasExported) {
   const std::string frame = "--take one --frame 16 ", spread = " --name s --spread 20";
   ASSERT_EQ(curate("export-frame", frame + "--unposed --out " + at("frame.obj")).exit_code, 0);
