@@ -89,7 +89,7 @@ TEST(Program, RunsOnTheCpuWithoutVulkansLoader) {
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const Pc2Reader a(folder / "auto.pc2"), b(folder / "cpu.pc2");
   for (std::uint32_t k = 0; k < 4; ++k) EXPECT_EQ(a.sample(k), b.sample(k));
-  for (const std::string arguments : {" devices", " bench " + basis + " --seconds 0.01"}) {
+  for (const std::string& arguments : {std::string(" devices"), " bench " + basis + " --seconds 0.01"}) {
     result = run(arguments);
     EXPECT_EQ(result.exit_code, 0) << result.output;
     EXPECT_NE(result.output.find("cpu"), std::string::npos) << result.output;
