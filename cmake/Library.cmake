@@ -17,7 +17,7 @@ foreach(kind shared static)
   string(TOUPPER ${kind} KIND)
   add_library(bodyopt_${kind} ${KIND} ${objects})
   add_library(bodyopt::${kind} ALIAS bodyopt_${kind})
-  target_link_libraries(bodyopt_${kind} PRIVATE TBB::tbb hwy::hwy Vulkan::Vulkan ${XXHASH})
+  target_link_libraries(bodyopt_${kind} PRIVATE TBB::tbb hwy::hwy ${CMAKE_DL_LIBS} ${XXHASH})
   target_include_directories(bodyopt_${kind} INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
                                                        $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   set_target_properties(bodyopt_${kind} PROPERTIES OUTPUT_NAME bodyopt EXPORT_NAME ${kind} LINKER_LANGUAGE CXX)

@@ -9,7 +9,7 @@ build_packages=(
 )
 # What the program alone runs with: those of its libraries that no other of them brings along.
 worker_packages=(
-  libgomp1 libvulkan1 libnglib-6.2 libtinygltf2d libspdlog1.10 libpugixml1v5 libxxhash0 libhwy1 libtbb12 libstb0 libwebp7
+  libgomp1 libnglib-6.2 libtinygltf2d libspdlog1.10 libpugixml1v5 libxxhash0 libhwy1 libtbb12 libstb0 libwebp7
   libwebpmux3 libglfw3 libx11-6
 )
 run_packages=(mesa-vulkan-drivers fonts-dejavu-core)

@@ -127,8 +127,10 @@ const DeviceInfo* find_device(const std::vector<DeviceInfo>& devices, const std:
 }
 
 std::string listing(const std::vector<DeviceInfo>& devices) {
-  if (devices.empty())
+  if (!missing_functions().empty()) return missing_functions();
+  if (devices.empty()) {
     return "this machine has no Vulkan device (Debian package with a software one: mesa-vulkan-drivers)";
+  }
   std::string text = "devices here:";
   for (const DeviceInfo& device : devices) {
     text += " [" + std::to_string(device.index) + "] " + device.name + " (" + device.type + ")";

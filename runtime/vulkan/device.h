@@ -1,8 +1,6 @@
 // A Vulkan device: how it is listed, chosen and opened.
 #pragma once
 
-#include <vulkan/vulkan.h>
-
 #include <cstdint>
 #include <memory>
 #include <mutex>

@@ -87,6 +87,7 @@ std::vector<std::string> ValidationLog::messages() const {
 }
 
 Instance::Instance(bool validation, const std::vector<const char*>& wanted) : log_(std::make_shared<ValidationLog>()) {
+  if (!missing_functions().empty()) return;
   if (validation && !layer_installed()) {
     throw Error(ErrorKind::device, std::string("Vulkan validation was asked for, but the layer ") + kValidationLayer +
                                        " is not installed (Debian package: vulkan-validationlayers)");
@@ -135,7 +136,9 @@ Instance::Instance(bool validation, const std::vector<const char*>& wanted) : lo
   check(created, "vkCreateDebugUtilsMessengerEXT");
 }
 
-Instance::Instance(VkInstance host) : log_(std::make_shared<ValidationLog>()), handle_(host), is_ours_(false) {}
+Instance::Instance(VkInstance host) : log_(std::make_shared<ValidationLog>()), handle_(host), is_ours_(false) {
+  if (!missing_functions().empty()) throw Error(ErrorKind::device, missing_functions());
+}
 
 Instance::~Instance() {
   if (!is_ours_) return;

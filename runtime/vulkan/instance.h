@@ -1,12 +1,12 @@
 // The Vulkan instance, with the validation layers when asked for.
 #pragma once
 
-#include <vulkan/vulkan.h>
-
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
+
+#include "runtime/vulkan/functions.h"
 
 namespace bodyopt::vulkan {
 
@@ -41,10 +41,10 @@ class ValidationLog {
 class Instance {
  public:
   // With validation, turns on the Khronos layer and synchronization validation; throws Error(device) when the layer is
-  // not installed, or an extension is not offered. A machine without any Vulkan driver gives an instance without
-  // devices.
+  // not installed, or an extension is not offered. A machine without any Vulkan driver, or without
+  // Vulkan's loader, gives an instance without devices.
   explicit Instance(bool validation, const std::vector<const char*>& extensions = {});
-  // An instance of the host program, which must outlive it.
+  // An instance of the host program, which must outlive it. Throws Error(device) where Vulkan's loader is missing.
   explicit Instance(VkInstance host);
   ~Instance();
   Instance(const Instance&) = delete;

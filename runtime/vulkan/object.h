@@ -1,9 +1,9 @@
 // Vulkan's structures and objects in C++.
 #pragma once
 
-#include <vulkan/vulkan.h>
-
 #include <utility>
+
+#include "runtime/vulkan/functions.h"
 
 namespace bodyopt::vulkan {
 
@@ -16,7 +16,7 @@ Structure structure(VkStructureType type) {
 }
 
 // Owns one Vulkan object of a device and destroys it with the function named in its type.
-template <typename Handle, auto Destroy>
+template <typename Handle, auto& Destroy>
 class Owned {
  public:
   Owned() = default;

@@ -1,7 +1,7 @@
 // What of a frame is recorded for a host program: into its command buffer, to its buffers.
 #pragma once
 
-#include <vulkan/vulkan.h>
+#include "runtime/vulkan/functions.h"
 
 namespace bodyopt::vulkan {
 

@@ -6,6 +6,7 @@
 
 #include "assets/pc2.h"
 #include "runtime/basis/basis.h"
+#include "tests/support/no_vulkan_loader.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
@@ -72,6 +73,35 @@ TEST(Program, CompareMeasuresAndFailsAboveTheLimit) {
   const ProgramResult failed = run_bodyopt("compare " + caches + " --fail-above 2.9 --json -");
   EXPECT_EQ(failed.exit_code, 2);
   EXPECT_NE(failed.output.find("\"worst_vertex\": 1"), std::string::npos) << failed.output;
+}
+
+TEST(Program, RunsOnTheCpuWithoutVulkansLoader) {
+  const NoVulkanLoader without;
+  const TemporaryFolder folder;
+  const std::string files = kSourceFolder + "/tests/old_files/", basis = files + "hero.safetensors";
+  const std::string eval = " eval " + basis + " --clip " + files + "bend.glb --frames 1-4 --out ";
+  const auto run = [&](const std::string& arguments) {
+    return run_program(without.environment() + kProgram + arguments);
+  };
+  ProgramResult result = run(eval + (folder / "auto.pc2").string());
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  result = run_bodyopt(eval + (folder / "cpu.pc2").string() + " --device cpu");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const Pc2Reader a(folder / "auto.pc2"), b(folder / "cpu.pc2");
+  for (std::uint32_t k = 0; k < 4; ++k) EXPECT_EQ(a.sample(k), b.sample(k));
+  for (const std::string& arguments : {std::string(" devices"), " bench " + basis + " --seconds 0.01"}) {
+    result = run(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_NE(result.output.find("cpu"), std::string::npos) << result.output;
+  }
+
+  for (const std::string& arguments : {eval + (folder / "none.pc2").string() + " --device 0",
+                                       " view " + basis + " --headless -o " + (folder / "none.png").string()}) {
+    result = run(arguments);
+    EXPECT_EQ(result.exit_code, 5) << result.output;
+    EXPECT_NE(result.output.find("Debian package: libvulkan1"), std::string::npos) << result.output;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "none.pc2"));
 }
 
 TEST(Program, UntrainedBasisOfTheBuiltinArmEvaluatesOnTheCpu) {

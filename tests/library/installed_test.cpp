@@ -5,6 +5,7 @@
 
 #include "tests/library/c_api.h"
 #include "tests/support/gpu_fixture.h"
+#include "tests/support/no_vulkan_loader.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -116,6 +117,35 @@ TEST_F(Installed, PythonModuleGivesTheSameFrames) {
   expect_runs(python + kSourceFolder + "/examples/embedding/frame_error.py " + hero() + " 1 " +
               (*folder_ / "error.svg").string());
   EXPECT_GT(fs::file_size(*folder_ / "error.svg"), 1000u);
+#endif
+}
+
+TEST_F(Installed, RunsOnTheCpuWithoutVulkansLoader) {
+  const NoVulkanLoader without;
+  for (const std::string program : {"skin_frame", "skin_frame_static"}) {
+    const std::string with_it = *folder_ / "with.obj", without_it = *folder_ / "without.obj";
+    expect_runs(built() + "/" + program + " " + hero() + " 1 " + with_it);
+    expect_runs(without.environment() + built() + "/" + program + " " + hero() + " 1 " + without_it);
+    EXPECT_EQ(read_obj(without_it), read_obj(with_it));
+    EXPECT_FALSE(read_obj(without_it).empty());
+  }
+  EXPECT_EQ(run_program(without.environment() + built() + "/share_device " + hero()).exit_code,
+            127);  // is linked with it
+}
+
+TEST_F(Installed, ADeviceOfAMachineWithoutVulkansLoaderIsRefused) {
+#ifndef BODYOPT_PYTHON
+  GTEST_SKIP() << "built without Python";
+#else
+  const NoVulkanLoader without;
+  const std::string python = "PYTHONPATH=" + modules() + " " + BODYOPT_PYTHON + " ";
+  if (run_program(python + "-c 'import numpy'").exit_code != 0) GTEST_SKIP() << "without numpy";
+  const ProgramResult result =
+      run_program(without.environment() + python + "-c 'import bodyopt; bodyopt.open_device(\"0\")'");
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_NE(result.output.find("bodyopt.Error: no Vulkan device '0'"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("libvulkan.so.1"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("Debian package: libvulkan1"), std::string::npos) << result.output;
 #endif
 }
 

@@ -434,7 +434,9 @@ TEST_F(ViewportTest, PanelsAreDrawnOverTheScene) {
     clear.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT;
     clear.clearValue.color = {{0.5f, 0.25f, 1, 1}};
     const VkClearRect part{{{0, 0}, {10, kHeight}}, 0, 1};
-    vkCmdClearAttachments(commands, 1, &clear, 1, &part);
+    const auto clear_attachments = reinterpret_cast<PFN_vkCmdClearAttachments>(
+        vkGetInstanceProcAddr(device_->instance(), "vkCmdClearAttachments"));
+    clear_attachments(commands, 1, &clear, 1, &part);
   });
   EXPECT_TRUE(called);
   const Image image = viewport_->picture(), plain = draw(seen);
