@@ -8,53 +8,38 @@
 #include <string>
 
 // Those that Bodyopt calls, and Dear ImGui for it.
-#define BODYOPT_VULKAN_FUNCTIONS(each)                                                                                     \
-  each(vkAcquireNextImageKHR) each(vkAllocateCommandBuffers) each(vkAllocateDescriptorSets) each(                          \
-      vkAllocateMemory) each(vkBeginCommandBuffer) each(vkBindBufferMemory) each(vkBindImageMemory)                        \
-      each(vkCmdBeginRenderPass) each(vkCmdBindDescriptorSets) each(vkCmdBindIndexBuffer) each(vkCmdBindPipeline) each(    \
-          vkCmdBindVertexBuffers) each(vkCmdBlitImage) each(vkCmdCopyBuffer) each(vkCmdCopyBufferToImage)                  \
-          each(vkCmdCopyImageToBuffer) each(vkCmdDispatch) each(vkCmdDraw) each(vkCmdDrawIndexed) each(                    \
-              vkCmdEndRenderPass) each(vkCmdFillBuffer) each(vkCmdPipelineBarrier) each(vkCmdPushConstants)                \
-              each(vkCmdResetQueryPool) each(vkCmdSetScissor) each(vkCmdSetViewport) each(vkCmdUpdateBuffer) each(         \
-                  vkCmdWriteTimestamp) each(vkCreateBuffer) each(vkCreateCommandPool) each(vkCreateComputePipelines)       \
-                  each(vkCreateDescriptorPool) each(vkCreateDescriptorSetLayout) each(vkCreateDevice) each(                \
-                      vkCreateFence) each(vkCreateFramebuffer) each(vkCreateGraphicsPipelines) each(vkCreateImage)         \
-                      each(vkCreateImageView) each(vkCreateInstance) each(vkCreatePipelineCache) each(                     \
-                          vkCreatePipelineLayout) each(vkCreateQueryPool) each(vkCreateRenderPass)                         \
-                          each(vkCreateSampler) each(vkCreateSemaphore) each(vkCreateShaderModule) each(                   \
-                              vkCreateSwapchainKHR) each(vkDestroyBuffer) each(vkDestroyCommandPool)                       \
-                              each(vkDestroyDescriptorPool) each(vkDestroyDescriptorSetLayout) each(                       \
-                                  vkDestroyDevice) each(vkDestroyFence) each(vkDestroyFramebuffer)                         \
-                                  each(vkDestroyImage) each(vkDestroyImageView) each(vkDestroyInstance) each(              \
-                                      vkDestroyPipeline) each(vkDestroyPipelineCache) each(vkDestroyPipelineLayout)        \
-                                      each(vkDestroyQueryPool) each(vkDestroyRenderPass) each(vkDestroySampler) each(      \
-                                          vkDestroySemaphore) each(vkDestroyShaderModule) each(vkDestroySurfaceKHR)        \
-                                          each(vkDestroySwapchainKHR) each(vkDeviceWaitIdle) each(                         \
-                                              vkEndCommandBuffer) each(vkEnumerateDeviceExtensionProperties)               \
-                                              each(vkEnumerateInstanceExtensionProperties) each(                           \
-                                                  vkEnumerateInstanceLayerProperties) each(vkEnumeratePhysicalDevices)     \
-                                                  each(vkFlushMappedMemoryRanges) each(vkFreeCommandBuffers) each(         \
-                                                      vkFreeMemory) each(vkGetBufferMemoryRequirements)                    \
-                                                      each(vkGetDeviceQueue) each(vkGetImageMemoryRequirements) each(      \
-                                                          vkGetInstanceProcAddr) each(vkGetPhysicalDeviceMemoryProperties) \
-                                                          each(vkGetPhysicalDeviceProperties) each(                        \
-                                                              vkGetPhysicalDeviceProperties2)                              \
-                                                              each(vkGetPhysicalDeviceQueueFamilyProperties) each(         \
-                                                                  vkGetPhysicalDeviceSurfaceCapabilitiesKHR)               \
-                                                                  each(vkGetPhysicalDeviceSurfaceFormatsKHR) each(         \
-                                                                      vkGetPhysicalDeviceSurfacePresentModesKHR)           \
-                                                                      each(vkGetPhysicalDeviceSurfaceSupportKHR)           \
-                                                                          each(vkGetPipelineCacheData) each(               \
-                                                                              vkGetQueryPoolResults)                       \
-                                                                              each(vkGetSwapchainImagesKHR) each(          \
-                                                                                  vkMapMemory) each(vkQueuePresentKHR)     \
-                                                                                  each(vkQueueSubmit) each(                \
-                                                                                      vkResetCommandPool)                  \
-                                                                                      each(vkResetDescriptorPool) each(    \
-                                                                                          vkResetFences)                   \
-                                                                                          each(vkUnmapMemory) each(        \
-                                                                                              vkUpdateDescriptorSets)      \
-                                                                                              each(vkWaitForFences)
+// clang-format off
+#define BODYOPT_VULKAN_FUNCTIONS(each) \
+  each(vkAcquireNextImageKHR) each(vkAllocateCommandBuffers) each(vkAllocateDescriptorSets) each(vkAllocateMemory) \
+  each(vkBeginCommandBuffer) each(vkBindBufferMemory) each(vkBindImageMemory) each(vkCmdBeginRenderPass) \
+  each(vkCmdBindDescriptorSets) each(vkCmdBindIndexBuffer) each(vkCmdBindPipeline) each(vkCmdBindVertexBuffers) \
+  each(vkCmdBlitImage) each(vkCmdCopyBuffer) each(vkCmdCopyBufferToImage) each(vkCmdCopyImageToBuffer) \
+  each(vkCmdDispatch) each(vkCmdDraw) each(vkCmdDrawIndexed) each(vkCmdEndRenderPass) each(vkCmdFillBuffer) \
+  each(vkCmdPipelineBarrier) each(vkCmdPushConstants) each(vkCmdResetQueryPool) each(vkCmdSetScissor) \
+  each(vkCmdSetViewport) each(vkCmdUpdateBuffer) each(vkCmdWriteTimestamp) each(vkCreateBuffer) \
+  each(vkCreateCommandPool) each(vkCreateComputePipelines) each(vkCreateDescriptorPool) \
+  each(vkCreateDescriptorSetLayout) each(vkCreateDevice) each(vkCreateFence) each(vkCreateFramebuffer) \
+  each(vkCreateGraphicsPipelines) each(vkCreateImage) each(vkCreateImageView) each(vkCreateInstance) \
+  each(vkCreatePipelineCache) each(vkCreatePipelineLayout) each(vkCreateQueryPool) each(vkCreateRenderPass) \
+  each(vkCreateSampler) each(vkCreateSemaphore) each(vkCreateShaderModule) each(vkCreateSwapchainKHR) \
+  each(vkDestroyBuffer) each(vkDestroyCommandPool) each(vkDestroyDescriptorPool) \
+  each(vkDestroyDescriptorSetLayout) each(vkDestroyDevice) each(vkDestroyFence) each(vkDestroyFramebuffer) \
+  each(vkDestroyImage) each(vkDestroyImageView) each(vkDestroyInstance) each(vkDestroyPipeline) \
+  each(vkDestroyPipelineCache) each(vkDestroyPipelineLayout) each(vkDestroyQueryPool) each(vkDestroyRenderPass) \
+  each(vkDestroySampler) each(vkDestroySemaphore) each(vkDestroyShaderModule) each(vkDestroySurfaceKHR) \
+  each(vkDestroySwapchainKHR) each(vkDeviceWaitIdle) each(vkEndCommandBuffer) \
+  each(vkEnumerateDeviceExtensionProperties) each(vkEnumerateInstanceExtensionProperties) \
+  each(vkEnumerateInstanceLayerProperties) each(vkEnumeratePhysicalDevices) each(vkFlushMappedMemoryRanges) \
+  each(vkFreeCommandBuffers) each(vkFreeMemory) each(vkGetBufferMemoryRequirements) each(vkGetDeviceQueue) \
+  each(vkGetImageMemoryRequirements) each(vkGetInstanceProcAddr) each(vkGetPhysicalDeviceMemoryProperties) \
+  each(vkGetPhysicalDeviceProperties) each(vkGetPhysicalDeviceProperties2) \
+  each(vkGetPhysicalDeviceQueueFamilyProperties) each(vkGetPhysicalDeviceSurfaceCapabilitiesKHR) \
+  each(vkGetPhysicalDeviceSurfaceFormatsKHR) each(vkGetPhysicalDeviceSurfacePresentModesKHR) \
+  each(vkGetPhysicalDeviceSurfaceSupportKHR) each(vkGetPipelineCacheData) each(vkGetQueryPoolResults) \
+  each(vkGetSwapchainImagesKHR) each(vkMapMemory) each(vkQueuePresentKHR) each(vkQueueSubmit) \
+  each(vkResetCommandPool) each(vkResetDescriptorPool) each(vkResetFences) each(vkUnmapMemory) \
+  each(vkUpdateDescriptorSets) each(vkWaitForFences)
+// clang-format on
 
 namespace bodyopt {
 
