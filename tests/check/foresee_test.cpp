@@ -90,7 +90,7 @@ TEST(Foresee, WhatALatticeHoldsTogetherIsNamedByPlace) {
 
 // A body whose own skin is filled is not asked to be mended where a coarser skin cannot be.
 TEST(Foresee, ADraftThatIsALatticeIsToldOfTheFullSimulation) {
-  const auto file = testing::shared_data("characters/human_average.glb");
+  const auto file = shared_data("characters/human_average.glb");
   if (!file) GTEST_SKIP() << "needs the shared data";
   const CharacterForesight foresight = foresee(read_character(*file));
   ASSERT_EQ(foresight.verbs[0].fill, BodyFill::skin);
