@@ -1,6 +1,7 @@
 // What goes with a basis to another body: levels of detail and dynamics.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -152,6 +153,8 @@ TEST(TransferLevels, WhereTheyWouldLackAPartTheyAreOfTheTargetsOwnSkin) {
   const TransferPair pair(limb_basis(), beaked, {});
   std::vector<std::string> notes;
   const std::vector<Level> carried = transfer_levels(pair, beaked, limb_levels(), {}, notes);
+  EXPECT_TRUE(std::ranges::any_of(
+      notes, [](const std::string& note) { return note.find("made of its own skin") != std::string::npos; }));
   const ProxyReport told = read_proxy_report(carried.front().basis);
   ASSERT_EQ(told.levels.size(), carried.size());
   for (std::size_t k = 0; k < carried.size(); ++k) {
