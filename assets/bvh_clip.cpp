@@ -47,8 +47,11 @@ SourceMotion motion_of(const Bvh& bvh) {
 
 }  // namespace
 
-Clip read_bvh_clip(const std::filesystem::path& path, const Skeleton& skeleton, const ClipOptions& options) {
+Clip read_bvh_clip(const std::filesystem::path& path, const SkeletonChoice& choose, const ClipOptions& options) {
   const Bvh bvh = read_bvh(path);
+  std::set<std::string> names;
+  for (const BvhJoint& joint : bvh.joints) names.insert(joint.name);
+  const Skeleton skeleton = choose(names);
   Clip clip;
   clip.name = path.stem().string();
   clip.fps = options.fps;
@@ -57,11 +60,12 @@ Clip read_bvh_clip(const std::filesystem::path& path, const Skeleton& skeleton, 
   const SourceMotion motion = motion_of(bvh);
   std::vector<NamedJoint> joints;
   for (const SourceJoint& joint : motion.joints) joints.push_back(joint.joint);
-  const std::vector<int> match = match_joints(joints, skeleton, options.joint_map, "the clip " + path.string(), clip.notes);
+  const std::vector<int> match =
+      match_joints(joints, skeleton, options.joint_map, "the clip " + path.string(), clip.notes);
   if (std::all_of(match.begin(), match.end(), [](int b) { return b < 0; })) {
-    std::vector<std::string> names;
-    for (const NamedJoint& joint : joints) names.push_back(joint.name);
-    fail_unmatched(path.string(), skeleton, names);
+    std::vector<std::string> listed;
+    for (const NamedJoint& joint : joints) listed.push_back(joint.name);
+    fail_unmatched(path.string(), skeleton, listed);
   }
   note_unmatched(bvh, skeleton, match, clip.notes);
   const std::size_t frames =

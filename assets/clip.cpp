@@ -85,10 +85,10 @@ double clip_unit(const std::string& source, double character_unit) {
 
 namespace {
 
-Clip read_motion(const std::string& source, const Skeleton& skeleton, const ClipOptions& options) {
+Clip read_motion(const std::string& source, const SkeletonChoice& choose, const ClipOptions& options) {
   const ClipSource parts = split_source(source);
   const std::string extension = lower_case_extension(parts.path);
-  if (extension == ".glb" || extension == ".gltf") return read_gltf_clip(parts.path, parts.name, skeleton, options);
+  if (extension == ".glb" || extension == ".gltf") return read_gltf_clip(parts.path, parts.name, choose, options);
   if (extension != ".bvh") {
     throw Error(ErrorKind::file, source + ": not a clip; expected FILE.glb#name, FILE.glb, FILE.gltf or FILE.bvh");
   }
@@ -96,14 +96,19 @@ Clip read_motion(const std::string& source, const Skeleton& skeleton, const Clip
     throw Error(ErrorKind::file,
                 source + ": a .bvh file holds a single clip without a name; leave out '#" + parts.name + "'");
   }
-  return read_bvh_clip(parts.path, skeleton, options);
+  return read_bvh_clip(parts.path, choose, options);
 }
 
 }  // namespace
 
 Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOptions& options) {
+  return read_clip(
+      source, [&](const std::set<std::string>&) { return skeleton; }, options);
+}
+
+Clip read_clip(const std::string& source, const SkeletonChoice& choose, const ClipOptions& options) {
   check_options(options);
-  Clip clip = read_motion(source, skeleton, options);
+  Clip clip = read_motion(source, choose, options);
   if (!options.controls.empty()) read_controls(options.controls, clip);
   return clip;
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,6 +36,11 @@ double clip_unit(const std::string& source, double character_unit);
 // `source` is FILE.glb#name, FILE.glb (its only or first clip), or FILE.bvh. Joints are matched as match_joints() says;
 // a clip that matches no joint at all throws Error(mismatch) with both lists. Throws Error(file).
 Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOptions& options);
+
+// The skeleton that a clip moves, by the names of all that could be a joint in its file.
+using SkeletonChoice = std::function<Skeleton(const std::set<std::string>& names)>;
+// The same where the skeleton depends on the clip.
+Clip read_clip(const std::string& source, const SkeletonChoice& choose, const ClipOptions& options);
 
 // The names of the clips in a .glb, .gltf or .bvh (a BVH's is its file's). Throws Error(file).
 std::vector<std::string> clip_names(const std::filesystem::path& path);

@@ -118,6 +118,7 @@ Json foreseen(const CheckArguments& arguments, const Character& character, std::
   if (!picture.empty()) {
     std::vector<RestPlace> places = foresight.intersections;
     places.insert(places.end(), foresight.near_parts.begin(), foresight.near_parts.end());
+    places.insert(places.end(), foresight.glued.begin(), foresight.glued.end());
     draw_places(character, places, picture);
   }
   text += verbs_text(foresight.verbs);
@@ -128,10 +129,15 @@ Json foreseen(const CheckArguments& arguments, const Character& character, std::
     text += "parts of different joints nearly touch at rest (a lattice glues them):\n" +
             places_text(foresight.near_parts, true, foresight.intersections.size() + 1);
   }
+  if (!foresight.glued.empty()) {
+    text += "a cage holds skin of different joints together:\n" +
+            places_text(foresight.glued, true, foresight.intersections.size() + foresight.near_parts.size() + 1);
+  }
   for (const std::string& remark : foresight.remarks) text += "note: " + remark + "\n";
   return {{"foreseen", verbs_json(foresight.verbs)},
           {"self_intersections", places_json(foresight.intersections, false)},
           {"near_parts", places_json(foresight.near_parts, true)},
+          {"glued_parts", places_json(foresight.glued, true)},
           {"remarks", foresight.remarks}};
 }
 
@@ -280,7 +286,8 @@ void add_check(CLI::App& app) {
     verb.get_option(of_clip)->needs(&clip);
   }
   verb.add_option("--picture", arguments->picture,
-                  "Also draw where a character's skin passes through itself or nearly touches, numbered as listed")
+                  "Also draw where a character's skin passes through itself, nearly touches or is held together by a "
+                  "cage, numbered as listed")
       ->type_name("FILE.png")
       ->check(must_end_in(".png"));
   add_unit(verb, arguments->unit);

@@ -1,6 +1,7 @@
 // What goes with a basis to another body: levels of detail and dynamics.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +10,7 @@
 #include "tests/support/capsule_limb.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/transfer/refined_limb.h"
 #include "trainer/proxy/build_proxy.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/skinning/ddm_basis.h"
@@ -138,6 +140,31 @@ TEST(TransferLevels, AProxyAloneTakesAllOfItsLevelsAlong) {
     const Positions own = carried_skin(limb_levels()[k], bent);
     EXPECT_LT(off_by(carried_skin(carried[k], bent) - own), 0.2 * off_by(bare - own)) << k;
   }
+}
+
+// A long beak at the end of other triangles, which nothing of the source lies on: levels laid onto it would lack it.
+TEST(TransferLevels, WhereTheyWouldLackAPartTheyAreOfTheTargetsOwnSkin) {
+  Character beaked = refined_limb();
+  const double from = 0.9 * kLimbLength;
+  for (Eigen::Index v = 0; v < beaked.vertices.rows(); ++v) {
+    double& z = beaked.vertices(v, 2);
+    if (z > from) z += 6 * (z - from);
+  }
+  const TransferPair pair(limb_basis(), beaked, {});
+  std::vector<std::string> notes;
+  const std::vector<Level> carried = transfer_levels(pair, beaked, limb_levels(), {}, notes);
+  EXPECT_TRUE(std::ranges::any_of(
+      notes, [](const std::string& note) { return note.find("made of its own skin") != std::string::npos; }));
+  const ProxyReport told = read_proxy_report(carried.front().basis);
+  ASSERT_EQ(told.levels.size(), carried.size());
+  for (std::size_t k = 0; k < carried.size(); ++k) {
+    EXPECT_EQ(carried[k].carried.size(), beaked.output_count());
+    EXPECT_LT(told.levels[k].distance_rms, 2 * told.levels[k].error) << k;
+  }
+  const std::vector<float>& rest = carried.back().basis.mesh.rest;
+  double highest = 0;
+  for (std::size_t z = 2; z < rest.size(); z += 3) highest = std::max<double>(highest, rest[z]);
+  EXPECT_NEAR(highest, beaked.vertices.col(2).maxCoeff(), 0.02);
 }
 
 TEST(TransferLevels, RefusesAProxyOfAnotherCharacter) {

@@ -31,6 +31,7 @@ constexpr double kFacing = -0.3;                 // cosine of the normals of ski
 constexpr std::size_t kFewest = 3;               // vertices that make a part
 
 constexpr const char* kCloseIt = "close holes, join the pieces and separate what overlaps at rest";
+constexpr const char* kNoDraft = "leave out --draft: 'simulate' fills its own skin, with contact";
 constexpr const char* kMendFirst = "mend the skin: see why";
 constexpr const char* kMoreMotion = "simulate more motion: 'bodyopt rom' makes some that shows all a character can do";
 constexpr const char* kFewVertices = "none is needed: so few vertices are as fast as a proxy of them";
@@ -45,10 +46,10 @@ std::uint32_t in_file_order(const Character& character, std::uint32_t vertex) {
 }
 
 using JointPair = std::pair<std::uint32_t, std::uint32_t>;
+using VerticesOfJoints = std::map<JointPair, std::vector<std::uint32_t>>;
 
 // Places by the joints of their vertices, the largest first.
-std::vector<RestPlace> places_of(const Character& character,
-                                 const std::map<JointPair, std::vector<std::uint32_t>>& found, std::size_t fewest) {
+std::vector<RestPlace> places_of(const Character& character, const VerticesOfJoints& found, std::size_t fewest) {
   std::vector<RestPlace> places;
   for (const auto& [joints, vertices] : found) {
     if (vertices.size() < fewest) continue;
@@ -62,7 +63,7 @@ std::vector<RestPlace> places_of(const Character& character,
 }
 
 std::vector<RestPlace> intersections_of(const Character& character, const FillableSkin& fillable) {
-  std::map<JointPair, std::vector<std::uint32_t>> found;
+  VerticesOfJoints found;
   for (const std::uint32_t v : fillable.tangled) {
     const std::uint32_t joint = main_joint(character, v);
     found[{joint, joint}].push_back(v);
@@ -79,7 +80,7 @@ std::vector<RestPlace> near_parts_of(const Character& character) {
   if (!(near > 0)) return {};
   const PointGrid grid(character.vertices, all, near);
   const double side = enclosed_volume(character.vertices, character.triangles) < 0 ? -1 : 1;
-  std::map<JointPair, std::vector<std::uint32_t>> found;
+  VerticesOfJoints found;
   for (const int v : all) {
     const Eigen::RowVector3d place = character.vertices.row(v), normal = side * normals.row(v);
     const auto faces = [&](int other) {
@@ -105,7 +106,15 @@ VerbForesight refusal(const std::string& verb, const Error& error, const char* r
   return {verb, BodyFill::refused, 0, false, error.what(), remedy};
 }
 
-VerbForesight foresee_simulate(const Character& character, bool draft) {
+void add_glued(const Character& character, const Cage& cage, VerticesOfJoints& glued) {
+  for (const GluedVertex& at : cage.glued) {
+    std::vector<std::uint32_t>& vertices = glued[std::minmax(main_joint(character, at.vertex), at.joint)];
+    if (std::find(vertices.begin(), vertices.end(), at.vertex) == vertices.end()) vertices.push_back(at.vertex);
+  }
+}
+
+// glued: gets what its cage holds together.
+VerbForesight foresee_simulate(const Character& character, bool draft, VerticesOfJoints& glued) {
   const std::string verb = draft ? "simulate --draft" : "simulate";
   try {
     const BodyTets tets = choose_tets(character, {.draft = draft});
@@ -116,13 +125,14 @@ VerbForesight foresee_simulate(const Character& character, bool draft) {
     }
     const Cage& cage = *tets.cage;
     const Eigen::Index nodes = cage.mesh.nodes.rows();
-    const std::string glued = glued_parts(cage, character);
+    const std::string parts = glued_parts(cage, character);
+    add_glued(character, cage, glued);
     if (cage.is_lattice) {
       const std::string& why = cage.why_lattice.empty() ? tets.why_cage : cage.why_lattice;
-      return {verb, BodyFill::lattice, nodes, false, why, kCloseIt, glued};
+      return {verb, BodyFill::lattice, nodes, false, why, kCloseIt, parts};
     }
     const std::string& why = tets.why_cage.empty() ? cage.mending : tets.why_cage;
-    return {verb, BodyFill::coarser, nodes, true, why, draft ? "" : kMendFirst, glued};
+    return {verb, BodyFill::coarser, nodes, true, why, draft ? "" : kMendFirst, parts};
   } catch (const Error& error) {
     return refusal(verb, error);
   }
@@ -235,8 +245,14 @@ const char* name_of(BodyFill fill) {
 
 CharacterForesight foresee(const Character& character, const std::vector<Pose>& poses) {
   CharacterForesight result;
-  result.verbs = {foresee_simulate(character, false), foresee_simulate(character, true), foresee_dynamics(character),
-                  foresee_train(character), foresee_proxy(character, skinned_shapes(character, poses))};
+  VerticesOfJoints glued;
+  VerbForesight full = foresee_simulate(character, false, glued), draft = foresee_simulate(character, true, glued);
+  if (draft.fill == BodyFill::lattice && (full.fill == BodyFill::skin || full.fill == BodyFill::mended)) {
+    draft.remedy = kNoDraft;
+  }
+  result.verbs = {std::move(full), std::move(draft), foresee_dynamics(character), foresee_train(character),
+                  foresee_proxy(character, skinned_shapes(character, poses))};
+  result.glued = places_of(character, glued, kFewest);
   try {
     result.intersections =
         intersections_of(character, fillable_skin(character.vertices, character.triangles, character.weights));

@@ -3,10 +3,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <optional>
+#include <sstream>
+#include <vector>
 
 #include "geometry/closed_skin.h"
 #include "geometry/remesh.h"
+#include "geometry/self_intersections.h"
 #include "geometry/thickness.h"
 #include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
@@ -71,6 +75,16 @@ double relative_area(const FineSkin& fine) {
   return sum;
 }
 
+// Empty where it does not pass through itself.
+std::string where_it_passes_through_itself(const CoarseSkin& skin) {
+  const std::vector<TrianglePair> pairs = self_intersections(skin.vertices, skin.triangles);
+  if (pairs.empty()) return "";
+  const Eigen::RowVector3d place = skin.vertices.row(skin.triangles(pairs.front().first, 0));
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(3) << "; the coarser skin passes through itself at " << place << " m";
+  return text.str();
+}
+
 double share_of(const FillLimit& limit, const TetMesh& mesh) {
   return std::max(static_cast<double>(mesh.nodes.rows()) / static_cast<double>(limit.nodes),
                   static_cast<double>(mesh.tets.rows()) / static_cast<double>(limit.tets));
@@ -117,7 +131,7 @@ FilledSkin fill_coarser(const FineSkin& fine, FillLimit limit, const std::functi
       scale *= std::sqrt(share / (0.5 + 0.5 * kCloseEnough));
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::mismatch && error.kind() != ErrorKind::usage) throw;  // too fine, or not filled
-      refusal = error.what();
+      refusal = error.what() + where_it_passes_through_itself(skin);
       ++refused;
       scale *= kLittleFiner;
     }

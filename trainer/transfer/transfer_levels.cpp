@@ -4,15 +4,20 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "assets/notes.h"
 #include "runtime/core/error.h"
 #include "trainer/proxy/build_proxy.h"
 #include "trainer/proxy/skin_map.h"
 #include "trainer/train/skinning/mesh_table.h"
+#include "trainer/transfer/own_level_skins.h"
 #include "trainer/transfer/table_rows.h"
 #include "trainer/transfer/transfer_basis.h"
 
 namespace bodyopt {
 namespace {
+
+// How much further from the target's skin than from the source's, in its size, the finest level may lie.
+constexpr double kNearEnough = 3;
 
 // Lays skins of levels onto the target.
 class SkinLayer {
@@ -81,10 +86,31 @@ class SkinLayer {
   const NearestSkin on_source_, on_target_;
 };
 
-LevelReport carried_report(LevelReport report, double size, const Character& target, const Character& skin,
+// The levels laid onto the target; where the finest lies far off, the target's own skin simplified instead.
+std::vector<TargetSkin> skins_of_levels(const TransferPair& pair, const Character& target,
+                                        const std::vector<Level>& levels, const ProxyReport& of_source,
+                                        std::vector<std::string>& notes) {
+  const SkinLayer layer(pair, target);
+  const double size = pair.match.size;
+  std::vector<TargetSkin> skins;
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    const double error = k < of_source.levels.size() ? size * of_source.levels[k].error : 0;
+    skins.push_back({error, layer.lay(levels[k].basis.mesh)});
+  }
+  if (of_source.levels.empty()) return skins;
+  const double off = skin_distance(target, skins.front().skin).rms;
+  if (off <= kNearEnough * size * of_source.levels.front().distance_rms) return skins;
+  notes.push_back("the source's levels of detail lie " + rounded(off) +
+                  " mm off this body's skin (RMS): they are made of its own skin, simplified");
+  return own_level_skins(target, levels.size(), notes);
+}
+
+LevelReport carried_report(LevelReport report, double size, const Character& target, const TargetSkin& laid,
                            const Level& level) {
-  for (double* mm : {&report.error, &report.skin_rms, &report.rms, &report.p99, &report.max}) *mm *= size;
-  const SkinDistance distance = skin_distance(target, skin);
+  for (double* mm : {&report.skin_rms, &report.rms, &report.p99, &report.max}) *mm *= size;
+  const SkinDistance distance = skin_distance(target, laid.skin);
+  report.error = laid.error;
+  report.vertices = static_cast<std::uint32_t>(laid.skin.vertices.rows());
   report.distance_rms = distance.rms;
   report.distance_max = distance.max;
   report.bytes = static_cast<double>(total_bytes(level.basis));
@@ -98,20 +124,20 @@ std::vector<Level> transfer_levels(const TransferPair& pair, const Character& ta
                                    const TransferOptions& options, std::vector<std::string>& notes) {
   TransferOptions own = options;
   own.markers.clear();  // of the full skins
-  const SkinLayer layer(pair, target);
   ProxyReport report = read_proxy_report(levels.front().basis);
+  const std::vector<TargetSkin> skins = skins_of_levels(pair, target, levels, report, notes);
   report.full_vertices = static_cast<std::uint32_t>(target.vertices.rows());
   report.measured_on += " of the source";
+  if (!report.levels.empty()) report.levels.resize(skins.size());
   std::vector<Level> result;
-  for (std::size_t k = 0; k < levels.size(); ++k) {
-    const Character skin = layer.lay(levels[k].basis.mesh);
-    const TransferPair laid(levels[k].basis, skin, own);
+  for (std::size_t k = 0; k < skins.size(); ++k) {
+    const TransferPair laid(levels[k].basis, skins[k].skin, own);
     Level& level = result.emplace_back();
     std::vector<std::string> said_already;  // of the full basis, whose joints are the same
     level.basis = transfer_basis(laid, own, k == 0 ? notes : said_already);
     level.carried = map_skin(target, level.basis.mesh);
     if (k < report.levels.size()) {
-      report.levels[k] = carried_report(report.levels[k], pair.match.size, target, skin, level);
+      report.levels[k] = carried_report(report.levels[k], pair.match.size, target, skins[k], level);
     }
   }
   if (!report.levels.empty()) result.front().basis.metadata["levels"] = to_json(report).dump();

@@ -11,8 +11,11 @@ namespace bodyopt {
 
 // Each level's triangles are laid onto the target where the source's skin around their vertices lies on it, and hold
 // its skin weights; what the level learned is carried to that as transfer_basis() does, and it carries the target's
-// full skin. The errors told of the levels are the source's, in the target's size; distances at rest are measured.
-// `levels`: a proxy of the pair's source, or one whose first level that is. `target`: of the pair. Shows progress.
+// full skin. Where the finest, laid so, lies more than three times as far off the target's skin as off the source's, in
+// its size, as where a part of the target is nowhere on the source, the levels are the target's own (own_level_skins),
+// no more than the source has. The errors told of the levels are the source's, in the target's size; distances at rest
+// are measured. `levels`: a proxy of the pair's source, or one whose first level that is. `target`: of the pair. Shows
+// progress. Throws Error(usage) where the target's skin has too few vertices for a level of its own.
 std::vector<Level> transfer_levels(const TransferPair& pair, const Character& target, const std::vector<Level>& levels,
                                    const TransferOptions& options, std::vector<std::string>& notes);
 
