@@ -60,8 +60,8 @@ inline constexpr std::array kKernelTolerances = {
     KernelTolerance{"output_bound", 0},
     KernelTolerance{"output_separate", 0, 3e-6},  // m, as output_relax
     KernelTolerance{"output_normals", 0, 1e-6},   // a root and a quotient, of 1
-    // Of 1: what a root and a quotient leave, where a triangle's tangent is a tenth of what of it lies along the
-    // normal; of an angle as wide, a tenth of a radian.
+    // Of 1: roots and quotients, ten times as much where a triangle's tangent stands that near to the normal, and an
+    // angle, whose error is the cosine's over its sine.
     KernelTolerance{"output_tangents", 0, 1e-5},
     KernelTolerance{"output_place", 0},
 };
