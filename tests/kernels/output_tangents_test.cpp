@@ -224,6 +224,31 @@ TEST(OutputTangentsReference, PointToWhereTheTextureGrows) {
   }
 }
 
+// A square whose second triangle is mirrored, with vertices of its own that differ in one texture coordinate alone.
+TEST(OutputTangentsReference, SidesOfASeamHaveTheirOwn) {
+  MeshTable mesh;
+  mesh.rest = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+  mesh.output_vertex = {0, 1, 2, 0, 2, 3};
+  mesh.triangles = {0, 1, 2, 0, 2, 3};
+  mesh.output_triangles = {0, 1, 2, 3, 4, 5};
+  const std::vector<float> normals = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
+  for (const bool is_first : {true, false}) {
+    std::vector<float> texture;
+    for (std::size_t output = 0; output < 6; ++output) {
+      const float *x = &mesh.rest[3 * mesh.output_vertex[output]], u = x[0], v = x[1];
+      const bool is_mirrored = output >= 3;
+      texture.push_back(is_mirrored && is_first ? 5 - u : u);
+      texture.push_back(is_mirrored && !is_first ? 5 - v : v);
+    }
+    std::vector<float> tangents(24);
+    cpu::output_tangents(tangent_tables(mesh, texture), mesh.rest, normals, 0, tangents);
+    for (std::size_t output = 0; output < 6; ++output) {
+      EXPECT_EQ(tangents[4 * output], output >= 3 && is_first ? -1 : 1) << output;
+      EXPECT_EQ(tangents[4 * output + 3], output >= 3 ? -1 : 1) << output;
+    }
+  }
+}
+
 TEST(OutputTangentsReference, AnglesAreThoseOfTheirCosines) {
   for (int k = -1000; k <= 1000; ++k) {
     const float cosine = static_cast<float>(k) / 1000;
