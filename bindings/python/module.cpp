@@ -90,29 +90,36 @@ py::array_t<float> output(const py::object& given, const Shape& shape, const std
   return array;
 }
 
-// Frames x elements x 3, frames x elements, or frames.
+// Bytes from an array's first number to the end of its last; it has one.
+std::size_t extent_of(const py::array& array) {
+  py::ssize_t size = array.itemsize();
+  for (py::ssize_t d = 0; d < array.ndim(); ++d) size += (array.shape(d) - 1) * array.strides(d);
+  return static_cast<std::size_t>(size);
+}
+
+// Frames x elements x 3 (4 of tangents), frames x elements, or frames.
 bodyopt_floats floats_of(py::array_t<float>& array) {
   bodyopt_floats floats{};
   if (array.size() == 0) return floats;
   floats.data = array.mutable_data();
   floats.frame_stride = stride_of(array, 0);
   floats.element_stride = array.ndim() > 1 ? stride_of(array, 1) : 0;
-  py::ssize_t size = array.itemsize();
-  for (py::ssize_t d = 0; d < array.ndim(); ++d) size += (array.shape(d) - 1) * array.strides(d);
-  floats.size = static_cast<std::size_t>(size);
+  floats.size = extent_of(array);
   return floats;
 }
 
 struct Skin {
   py::array_t<float> positions, normals, strains, outside, fades;
   std::optional<py::array_t<float>> expected_errors;  // of a model that knows its error
+  std::optional<py::array_t<float>> tangents;         // of a model with texture coordinates
 };
 
 // Poses as they were given, and a skin to write: the arrays live as long as this, which stays where it is.
 struct Frames {
   // `frame_numbers`: none for the quasi-static skin.
   Frames(const bodyopt_description& description, const py::object& given_joints, const py::object& given_controls,
-         std::optional<std::vector<std::int32_t>> given_numbers, const py::object& positions, const py::object& normals)
+         std::optional<std::vector<std::int32_t>> given_numbers, const py::object& positions, const py::object& normals,
+         const py::object& tangents)
       : joints(as_given<double>(given_joints, {-1, -1, 10}, "joints")), frame_numbers(std::move(given_numbers)) {
     const py::ssize_t count = joints.shape(0), vertices = description.vertex_count;
     poses.frame_count = static_cast<std::uint32_t>(count);
@@ -138,6 +145,7 @@ struct Frames {
             py::array_t<float>(Shape{count, static_cast<py::ssize_t>(description.strain_count)}),
             py::array_t<float>(Shape{count}),
             py::array_t<float>(Shape{count}),
+            {},
             {}};
     wanted.positions = floats_of(skin.positions);
     wanted.normals = floats_of(skin.normals);
@@ -145,6 +153,11 @@ struct Frames {
     wanted.outside = floats_of(skin.outside);
     wanted.fades = floats_of(skin.fades);
     if (description.knows_error != 0) wanted.expected_errors = floats_of(skin.expected_errors.emplace(Shape{count}));
+    if (description.has_tangents != 0) {
+      wanted.tangents = floats_of(skin.tangents.emplace(output(tangents, {count, vertices, 4}, "tangents")));
+    } else if (!tangents.is_none()) {
+      throw py::value_error("tangents: the model was loaded without texture coordinates");
+    }
   }
   Frames(const Frames&) = delete;
   Frames& operator=(const Frames&) = delete;
@@ -202,15 +215,15 @@ class Instance {
   }
 
   Skin evaluate(const py::object& joints, const py::object& controls, const py::object& positions,
-                const py::object& normals) {
-    Frames frames(description_, joints, controls, std::nullopt, positions, normals);
+                const py::object& normals, const py::object& tangents) {
+    Frames frames(description_, joints, controls, std::nullopt, positions, normals, tangents);
     call([&] { return bodyopt_evaluate(handle_.get(), &frames.poses, &frames.wanted); });
     return std::move(frames.skin);
   }
 
   Skin jiggle(const py::object& joints, std::vector<std::int32_t> frame_numbers, const py::object& controls,
-              const py::object& positions, const py::object& normals) {
-    Frames frames(description_, joints, controls, std::move(frame_numbers), positions, normals);
+              const py::object& positions, const py::object& normals, const py::object& tangents) {
+    Frames frames(description_, joints, controls, std::move(frame_numbers), positions, normals, tangents);
     call([&] { return bodyopt_jiggle(handle_.get(), &frames.poses, &frames.wanted); });
     return std::move(frames.skin);
   }
@@ -260,10 +273,11 @@ class Instance {
 class Call {
  public:
   Call(Instance& instance, const py::object& joints, const py::object& controls,
-       std::optional<std::vector<std::int32_t>> frame_numbers, const py::object& positions, const py::object& normals)
+       std::optional<std::vector<std::int32_t>> frame_numbers, const py::object& positions, const py::object& normals,
+       const py::object& tangents)
       : instance_(instance),
         kept_(py::cast(&instance, py::return_value_policy::reference)),
-        frames_(instance.description_, joints, controls, std::move(frame_numbers), positions, normals) {}
+        frames_(instance.description_, joints, controls, std::move(frame_numbers), positions, normals, tangents) {}
 
   // None before it is evaluated, and where that failed.
   std::optional<Skin> skin() const {
@@ -304,10 +318,18 @@ class Call {
 
 class Model {
  public:
-  Model(const std::string& path, const std::optional<std::string>& dynamics, std::uint32_t level) {
+  Model(const std::string& path, const std::optional<std::string>& dynamics, std::uint32_t level,
+        const py::object& texture) {
     auto options = api::make<bodyopt_load_options>();
     options.dynamics = dynamics ? dynamics->c_str() : nullptr;
     options.level = level;
+    py::array_t<float> coordinates;
+    if (!texture.is_none()) {
+      coordinates = as_given<float>(texture, {-1, 2}, "texture");
+      options.texture = coordinates.data();
+      options.texture_stride = stride_of(coordinates, 0);
+      options.texture_size = extent_of(coordinates);
+    }
     bodyopt_model* loaded = nullptr;
     check_without_gil([&] { return bodyopt_load_model(path.c_str(), &options, &loaded); });
     handle.reset(loaded);
@@ -357,7 +379,8 @@ PYBIND11_MODULE(_runtime, module) {
       .def_readonly("strains", &Skin::strains)
       .def_readonly("outside", &Skin::outside)
       .def_readonly("fades", &Skin::fades)
-      .def_readonly("expected_errors", &Skin::expected_errors);
+      .def_readonly("expected_errors", &Skin::expected_errors)
+      .def_readonly("tangents", &Skin::tangents);
   py::class_<State>(module, "State");
   py::class_<Device>(module, "Device").def_property_readonly("name", [](const Device& device) {
     return bodyopt_device_name(device.handle.get());
@@ -365,9 +388,9 @@ PYBIND11_MODULE(_runtime, module) {
   const auto none = py::none();
   py::class_<Instance>(module, "Instance")
       .def("evaluate", &Instance::evaluate, py::arg("joints"), py::arg("controls") = none, py::kw_only(),
-           py::arg("positions") = none, py::arg("normals") = none)
+           py::arg("positions") = none, py::arg("normals") = none, py::arg("tangents") = none)
       .def("jiggle", &Instance::jiggle, py::arg("joints"), py::arg("frame_numbers"), py::arg("controls") = none,
-           py::kw_only(), py::arg("positions") = none, py::arg("normals") = none)
+           py::kw_only(), py::arg("positions") = none, py::arg("normals") = none, py::arg("tangents") = none)
       .def("set_weights", &Instance::set_weights, py::arg("correction") = 1, py::arg("jiggle") = 1)
       .def("state", &Instance::state)
       .def("set_state", &Instance::set_state, py::arg("state"))
@@ -375,14 +398,15 @@ PYBIND11_MODULE(_runtime, module) {
       .def("load_state", &Instance::load_state, py::arg("path"));
   py::class_<Call, std::shared_ptr<Call>>(module, "Call")
       .def(py::init<Instance&, const py::object&, const py::object&, std::optional<std::vector<std::int32_t>>,
-                    const py::object&, const py::object&>(),
+                    const py::object&, const py::object&, const py::object&>(),
            py::arg("instance"), py::arg("joints"), py::arg("controls") = none, py::arg("frame_numbers") = none,
-           py::kw_only(), py::arg("positions") = none, py::arg("normals") = none)
+           py::kw_only(), py::arg("positions") = none, py::arg("normals") = none, py::arg("tangents") = none)
       .def_property_readonly("skin", &Call::skin);
   module.def("evaluate_together", &Call::evaluate_together, py::arg("calls"));
   py::class_<Model>(module, "Model")
       .def_property_readonly("vertex_count", [](const Model& m) { return m.description.vertex_count; })
       .def_property_readonly("knows_error", [](const Model& m) { return m.description.knows_error != 0; })
+      .def_property_readonly("has_tangents", [](const Model& m) { return m.description.has_tangents != 0; })
       .def_property_readonly("has_dynamics", [](const Model& m) { return m.description.has_dynamics != 0; })
       .def_property_readonly("frames_per_second", [](const Model& m) { return m.description.frames_per_second; })
       .def_property_readonly("joint_names",
@@ -404,10 +428,9 @@ PYBIND11_MODULE(_runtime, module) {
           py::arg("gravity_change") = std::array<double, 3>{});
   module.def(
       "load",
-      [](const std::string& path, const std::optional<std::string>& dynamics, std::uint32_t level) {
-        return std::make_unique<Model>(path, dynamics, level);
-      },
-      py::arg("path"), py::arg("dynamics") = none, py::arg("level") = 0);
+      [](const std::string& path, const std::optional<std::string>& dynamics, std::uint32_t level,
+         const py::object& texture) { return std::make_unique<Model>(path, dynamics, level, texture); },
+      py::arg("path"), py::arg("dynamics") = none, py::arg("level") = 0, py::arg("texture") = none);
   module.def(
       "open_device",
       [](const std::optional<std::string>& name, bool validation, const std::optional<std::string>& pipeline_cache) {

@@ -66,9 +66,15 @@ typedef struct bodyopt_load_options {
   size_t struct_size;
   const char* dynamics; /* file of diffuse and jiggle; NULL: the skin is quasi-static */
   uint32_t level;       /* of detail, in a file of several; 0 is the finest */
+  /* Two texture coordinates of each vertex, in the vertex order of the character's file, for bodyopt_skin.tangents;
+   * read while the model is loaded. NULL: tangents cannot be asked for. */
+  const float* texture;
+  size_t texture_size;   /* bytes from `texture` on that can be read */
+  size_t texture_stride; /* bytes from one vertex to the next, a multiple of 4; 0: without gaps */
 } bodyopt_load_options;
 
-/* `path`: BASIS.safetensors, UTF-8. `options`: NULL for none. BODYOPT_FILE, BODYOPT_MISMATCH, BODYOPT_USAGE. */
+/* `path`: BASIS.safetensors, UTF-8. `options`: NULL for none. BODYOPT_FILE, BODYOPT_MISMATCH (texture coordinates that
+ * are not finite, too), BODYOPT_USAGE. */
 BODYOPT_API bodyopt_result bodyopt_load_model(const char* path, const bodyopt_load_options* options,
                                               bodyopt_model** model);
 BODYOPT_API void bodyopt_release_model(bodyopt_model* model);
@@ -80,6 +86,7 @@ typedef struct bodyopt_description {
   uint32_t has_dynamics;   /* 1: instances can jiggle */
   float frames_per_second; /* at which they do; 0 without dynamics */
   uint32_t knows_error;    /* 1: bodyopt_skin.expected_errors can be asked for */
+  uint32_t has_tangents;   /* 1: bodyopt_skin.tangents can be asked for */
 } bodyopt_description;
 
 BODYOPT_API bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description* description);
@@ -173,6 +180,11 @@ typedef struct bodyopt_skin {
   bodyopt_floats expected_errors; /* of each frame one number: how far off the skin is expected to be, by what training
                                      left and how far the pose is from what it saw; RMS over the skin, metres. Only of
                                      a model that knows_error, BODYOPT_MISMATCH of others */
+  /* Of each vertex four numbers, by the convention of MikkTSpace with the texture coordinates as they were given: the
+   * tangent, to where the first of them grows, a unit across the normal (zero where no triangle has an area on the
+   * texture), and the sign s of the bitangent, s times normal x tangent, to where the second grows. Only of a model
+   * that has_tangents, BODYOPT_USAGE of others. */
+  bodyopt_floats tangents;
 } bodyopt_skin;
 
 /* The quasi-static skin. BODYOPT_MISMATCH where a pose does not fit the model, is not finite or has a rotation of

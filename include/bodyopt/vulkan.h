@@ -32,7 +32,8 @@ typedef struct bodyopt_vulkan_device {
 /* A device of the host, which must outlive it and all instances on it. BODYOPT_DEVICE where the device does not do. */
 BODYOPT_API bodyopt_result bodyopt_share_device(const bodyopt_vulkan_device* host, bodyopt_device** device);
 
-/* Where three numbers of each vertex go, from `offset` on, in the vertex order of the character's file. */
+/* Where three numbers of each vertex (four of a tangent) go, from `offset` on, in the vertex order of the character's
+ * file. */
 typedef struct bodyopt_vulkan_output {
   VkBuffer buffer;             /* with VK_BUFFER_USAGE_STORAGE_BUFFER_BIT; VK_NULL_HANDLE: not wanted */
   VkDeviceSize size;           /* of the whole buffer, bytes */
@@ -44,6 +45,7 @@ typedef struct bodyopt_recording {
   size_t struct_size;
   VkCommandBuffer commands; /* in the recording state, outside of a render pass, of the device's queue family */
   bodyopt_vulkan_output positions, normals;
+  bodyopt_vulkan_output tangents; /* as bodyopt_skin.tangents */
 } bodyopt_recording;
 
 /* Records one frame (poses->frame_count is 1): of the jiggle where the instance was made with it, which then goes on

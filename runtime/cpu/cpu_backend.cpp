@@ -76,7 +76,7 @@ class CpuBackend final : public Backend {
 
   const BatchResult& run(const Batch& batch) override {
     Work work{batch, result_};
-    prepare(batch.frame_count, batch.wants_normals, work.result);
+    prepare(batch, work.result);
     const std::vector<Stage> stages = stages_of(basis_, batch);
     for_ranges(batch.frame_count, [&](FrameRange range) {
       for (const Stage stage : stages) run_frames(stage, work, range);
@@ -103,7 +103,8 @@ class CpuBackend final : public Backend {
     if (stage == Stage::jiggle) dynamics_->jiggle(work.batch, weights_.jiggle, result.strains, result.positions);
     if (stage == Stage::output) {
       finish(work);
-      if (work.batch.wants_normals) find_normals(work);
+      if (work.batch.wants_normals || work.batch.wants_tangents) find_normals(work);
+      if (work.batch.wants_tangents) find_tangents(work);
       return;
     }
     work.times.add_since(last, stage);
@@ -119,9 +120,11 @@ class CpuBackend final : public Backend {
     std::vector<float> frames;  // of all blocks of kFramesAtOnce frames; none without strains
   };
 
-  void prepare(std::size_t frames, bool wants_normals, BatchResult& result) {
+  void prepare(const Batch& batch, BatchResult& result) {
+    const std::size_t frames = batch.frame_count;
     result.positions.resize(frames * vertex_count() * 3);
-    result.normals.resize(wants_normals ? result.positions.size() : 0);
+    result.normals.resize(batch.wants_normals || batch.wants_tangents ? result.positions.size() : 0);
+    result.tangents.resize(batch.wants_tangents ? frames * basis_.mesh.output_count() * 4 : 0);
     result.posed.clear();
     result.stage_seconds.clear();
     result.strains.resize(frames * basis_.strain.fibre_count());
@@ -337,6 +340,17 @@ class CpuBackend final : public Backend {
                           of_frame(work.result.normals, range.begin + k, frames).subspan(3 * first, 3 * count));
         work.times.add_since(last, Stage::output);
       });
+    });
+  }
+
+  void find_tangents(Work& work) {
+    const std::size_t frames = work.batch.frame_count;
+    over_parts(frames, basis_.mesh.output_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
+      auto last = StageTimes::Clock::now();
+      cpu::output_tangents(model_->tangents, of_frame(work.result.positions, f, frames),
+                           of_frame(work.result.normals, f, frames), first,
+                           of_frame(work.result.tangents, f, frames).subspan(4 * first, 4 * count));
+      work.times.add_since(last, Stage::output);
     });
   }
 

@@ -10,6 +10,7 @@
 
 #include "runtime/basis/basis.h"
 #include "runtime/host/fold_tables.h"
+#include "runtime/host/tangent_tables.h"
 
 namespace bodyopt::cpu {
 
@@ -133,6 +134,14 @@ void part_normals(const MeshTable& mesh, std::span<const float> areas, std::size
                   std::span<float> normals);
 // That of one vertex, the same bits.
 void vertex_normal(const MeshTable& mesh, std::span<const float> positions, std::size_t vertex, float* normal);
+
+// Output stage: tangents of output vertices, those from first_output on, as many as tangents hold, of one frame: x, y,
+// z and the sign s of the bitangent, s times normal x tangent, by the convention of MikkTSpace
+// (shaders/include/tangent.h, runtime/host/tangent_tables.h). positions, normals V x 3 -> tangents x 4: across the
+// normal and of length 1; zero where no triangle around the vertex has an area on the texture, or their tangents
+// vanish.
+void output_tangents(const TangentTables& tables, std::span<const float> positions, std::span<const float> normals,
+                     std::size_t first_output, std::span<float> tangents);
 
 // Output stage: three numbers of each output vertex (positions or normals), at frame x frame_stride + output vertex x
 // element_stride of `placed`, bytes. values F x V x 3; what lies between is left.

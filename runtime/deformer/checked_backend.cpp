@@ -78,6 +78,7 @@ class CheckedBackend final : public Backend {
     Batch batch = given;
     batch.stays_on_device = false;
     batch.keeps_posed = true;
+    batch.wants_normals = given.wants_normals || given.wants_tangents;  // what tangents come of is compared, too
     const std::optional<NodeMotion> before = batch.jiggle.empty() ? std::nullopt : std::optional(cpu_->motion());
     try {
       return checked(batch, given.stays_on_device);
@@ -125,7 +126,8 @@ class CheckedBackend final : public Backend {
         return compare(vertices(tolerance_of(Stage::jiggle, "positions"), found.positions, expected.positions), frames);
       case Stage::output:
         compare(vertices(tolerance_of(Stage::output, "positions"), found.positions, expected.positions), frames);
-        return compare(vertices(tolerance_of(Stage::output, "normals"), found.normals, expected.normals), frames);
+        compare(vertices(tolerance_of(Stage::output, "normals"), found.normals, expected.normals), frames);
+        return compare(tangents(found.tangents, expected.tangents), frames);
     }
   }
 
@@ -153,6 +155,17 @@ class CheckedBackend final : public Backend {
               const std::vector<std::uint32_t>& output = model_->basis.mesh.output_vertex;
               return "vertex " + std::to_string(std::ranges::find(output, k) - output.begin());
             }};
+  }
+
+  StageOutput tangents(std::span<const float> device, std::span<const float> cpu) const {
+    const StageTolerance tolerance = tolerance_of(Stage::output, "tangents");
+    return {tolerance.stage,
+            device,
+            cpu,
+            4,
+            allowed(tolerance, cpu),
+            [](std::size_t k) {
+              return "vertex " + std::to_string(k); }};
   }
 
   // Of the last frame.

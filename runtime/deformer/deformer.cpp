@@ -165,6 +165,11 @@ void Deformer::require_one_batch(std::span<const Pose> poses) const {
                                     std::to_string(batch_limit()) + " that fit on '" + device_name() + "'");
 }
 
+void Deformer::require_tangents() const {
+  if (!model_->tangents.vertices.empty()) return;
+  throw Error(ErrorKind::usage, "tangents are asked for, and the character was loaded without texture coordinates");
+}
+
 JiggleState Deformer::state() const {
   JiggleState state = state_;
   if (jiggles_ && state.known > 0) state.motion = backend_->motion();
@@ -182,6 +187,8 @@ void Deformer::record(const Pose& pose, std::optional<int> frame, const vulkan::
   if (frame && !jiggles_) throw Error(ErrorKind::usage, "the character was loaded without dynamics: it cannot jiggle");
   Batch batch = make_batch(basis(), {&pose, 1});
   batch.wants_normals = recording.normals.buffer != VK_NULL_HANDLE;
+  batch.wants_tangents = recording.tangents.buffer != VK_NULL_HANDLE;
+  if (batch.wants_tangents) require_tangents();
   const JiggleState before = state_;
   try {
     if (frame) batch.jiggle = plan(batch, {&*frame, 1});

@@ -61,8 +61,8 @@ class Deformer {
   // Error(usage) without dynamics; the state is then that of before.
   Evaluation jiggle(std::span<const Pose> poses, std::span<const int> frames);
 
-  // As these two, with the same bits: positions and normals are written where the caller wants them, and are none of
-  // the result.
+  // As these two, with the same bits: positions, normals and tangents are written where the caller wants them, and are
+  // none of the result. Throws Error(usage), too, for tangents of a model without texture coordinates.
   Evaluation evaluate_into(const SkinPlace& place, std::span<const Pose> poses);
   Evaluation jiggle_into(const SkinPlace& place, std::span<const Pose> poses, std::span<const int> frames);
 
@@ -100,6 +100,8 @@ class Deformer {
            std::unique_ptr<Backend> backend);
   void set_rest();
   Evaluation run(const DeformerCall& call);
+  // Throws Error(usage) where no texture coordinates were given.
+  void require_tangents() const;
   std::vector<JiggleFrame> plan(const Batch& batch, std::span<const int> frames);
 
   std::shared_ptr<const CharacterModel> model_;

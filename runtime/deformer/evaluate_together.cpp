@@ -1,6 +1,7 @@
 #include "runtime/deformer/evaluate_together.h"
 
 #include <algorithm>
+#include <cstring>
 #include <map>
 #include <utility>
 
@@ -31,6 +32,16 @@ void place_output(const MeshTable& mesh, std::span<const float> values, const Pl
                   std::size_t begin) {
   if (place.data == nullptr || values.empty()) return;
   cpu::output_place(mesh, values, place.element_stride, place.frame_stride, place.data + begin * place.frame_stride);
+}
+
+// Four numbers of each output vertex into the caller's memory, frames `begin` and after.
+void place_tangents(std::span<const float> tangents, std::size_t outputs, const PlacedVertices& place,
+                    std::size_t begin) {
+  for (std::size_t at = 0; at < tangents.size(); at += 4) {
+    const std::size_t frame = begin + at / (4 * outputs), output = at / 4 % outputs;
+    std::memcpy(place.data + frame * place.frame_stride + output * place.element_stride, &tangents[at],
+                4 * sizeof(float));
+  }
 }
 
 // Of each of `frames` frames the feature that lies furthest outside its trained range.
@@ -103,6 +114,7 @@ class RunningCall {
 
   void check() {
     if (call_.stays_on_device) deformer_.require_one_batch(call_.poses);
+    if (wants_tangents()) deformer_.require_tangents();
     if (!call_.frames) return;
     if (!deformer_.jiggles_) {
       throw Error(ErrorKind::usage, "the character was loaded without dynamics: it cannot jiggle");
@@ -115,12 +127,15 @@ class RunningCall {
     before_ = is_several_ ? deformer_.state() : deformer_.state_;
   }
 
+  bool wants_tangents() const { return call_.place != nullptr && call_.place->tangents.data != nullptr; }
+
   vulkan::Commands* start_batch() {
     const std::size_t count = std::min<std::size_t>(std::max(1u, deformer_.batch_limit()), call_.poses.size() - begin_);
     const Stopwatch watch;
     batch_ = make_batch(deformer_.basis(), call_.poses.subspan(begin_, count));
     batch_.stays_on_device = call_.stays_on_device;
     batch_.wants_normals = call_.place != nullptr ? call_.place->normals.data != nullptr : deformer_.wants_normals_;
+    batch_.wants_tangents = wants_tangents();
     if (call_.frames) batch_.jiggle = deformer_.plan(batch_, call_.frames->subspan(begin_, count));
     outcome_.evaluation.stage_seconds[name_of(Stage::rig)] += watch.seconds();
     split_ = deformer_.backend_->split();
@@ -135,6 +150,7 @@ class RunningCall {
     if (call_.place != nullptr) {
       place_output(basis.mesh, result.positions, call_.place->positions, begin_);
       place_output(basis.mesh, result.normals, call_.place->normals, begin_);
+      place_tangents(result.tangents, basis.mesh.output_count(), call_.place->tangents, begin_);
     } else {
       append_output(basis.mesh, result.positions, evaluation.positions);
       append_output(basis.mesh, result.normals, evaluation.normals);

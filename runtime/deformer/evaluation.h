@@ -26,16 +26,18 @@ struct Evaluation {
   std::map<std::string, double> stage_seconds;  // by stage name, summed over the batch
 };
 
-// Memory of the caller for three numbers of each vertex: at data + frame x frame_stride + output vertex x
-// element_stride, bytes.
+// Memory of the caller for three numbers of each vertex, four of a tangent: at data + frame x frame_stride + output
+// vertex x element_stride, bytes.
 struct PlacedVertices {
   std::byte* data = nullptr;  // null: not wanted
   std::size_t element_stride = 0, frame_stride = 0;
 };
 
-// Where a skin is written instead of into an Evaluation; normals that are not wanted are not computed.
+// Where a skin is written instead of into an Evaluation; normals and tangents that are not wanted are not computed.
 struct SkinPlace {
   PlacedVertices positions, normals;
+  // x, y, z and the bitangent's sign, see cpu::output_tangents; of a model that texture coordinates were given for.
+  PlacedVertices tangents{};
 };
 
 }  // namespace bodyopt

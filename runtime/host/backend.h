@@ -49,6 +49,7 @@ struct Batch {
   std::vector<JiggleFrame> jiggle{};  // F; empty: the skin is quasi-static
   bool stays_on_device = false;       // positions and normals are wanted there, and not in the result
   bool wants_normals = true;          // or there are none in the result, and none on the device
+  bool wants_tangents = false;        // of a model with their tables; normals are computed for them
   bool keeps_posed = false;           // BatchResult::posed is wanted
 };
 
@@ -56,6 +57,7 @@ struct Batch {
 struct BatchResult {
   std::vector<float> positions;     // F x V x 3
   std::vector<float> normals;       // F x V x 3
+  std::vector<float> tangents;      // F x O x 4, output vertices, where Batch::wants_tangents
   std::vector<float> posed;         // F x V x 3 where Batch::keeps_posed: the skin of the pose stage
   std::vector<float> strains;       // F x S
   std::vector<float> excess;        // F x feature count: distance outside the trained range, in standard deviations

@@ -3,25 +3,31 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "runtime/basis/basis.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/host/fold_tables.h"
+#include "runtime/host/tangent_tables.h"
 
 namespace bodyopt {
 
 struct CharacterModel {
-  CharacterModel(Basis of, std::optional<Dynamics> jiggling)
-      : basis(std::move(of)), dynamics(std::move(jiggling)), folds(fold_tables(basis)) {}
+  CharacterModel(Basis of, std::optional<Dynamics> jiggling, std::span<const float> texture = {})
+      : basis(std::move(of)),
+        dynamics(std::move(jiggling)),
+        folds(fold_tables(basis)),
+        tangents(tangent_tables(basis.mesh, texture)) {}
 
   Basis basis;
   std::optional<Dynamics> dynamics;  // of the basis; none: nothing jiggles
   FoldTables folds;                  // of the basis
+  TangentTables tangents;            // of the basis, and texture coordinates for it
 };
 
-// Validates both. Throws Error(file).
-std::shared_ptr<const CharacterModel> make_character_model(Basis basis,
-                                                           std::optional<Dynamics> dynamics = std::nullopt);
+// Validates both. Throws Error(file). texture: O x 2, finite; empty: tangents cannot be asked for.
+std::shared_ptr<const CharacterModel> make_character_model(Basis basis, std::optional<Dynamics> dynamics = std::nullopt,
+                                                           std::span<const float> texture = {});
 
 }  // namespace bodyopt

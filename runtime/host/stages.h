@@ -28,7 +28,8 @@ inline constexpr std::array<StageDescription, 8> kStages = {{
     {Stage::pose, "pose", "always", "skinning, displacements", "positions"},
     {Stage::diffuse, "diffuse", "with dynamics", "positions", "nodes"},
     {Stage::jiggle, "jiggle", "with dynamics", "positions, nodes, strains, controls, motion", "positions, motion"},
-    {Stage::output, "output", "always", "positions, weights of modifiers", "positions, normals, output order"},
+    {Stage::output, "output", "always", "positions, weights of modifiers",
+     "positions, normals, tangents, output order"},
 }};
 
 template <typename Value>

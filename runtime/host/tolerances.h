@@ -60,6 +60,9 @@ inline constexpr std::array kKernelTolerances = {
     KernelTolerance{"output_bound", 0},
     KernelTolerance{"output_separate", 0, 3e-6},  // m, as output_relax
     KernelTolerance{"output_normals", 0, 1e-6},   // a root and a quotient, of 1
+    // Of 1: roots and quotients, ten times as much where a triangle's tangent stands that near to the normal, and an
+    // angle, whose error is the cosine's over its sine.
+    KernelTolerance{"output_tangents", 0, 1e-5},
     KernelTolerance{"output_place", 0},
 };
 
@@ -80,7 +83,8 @@ inline constexpr std::array kStageTolerances = {
     StageTolerance{Stage::pose, "posed", 0, kPlace}, StageTolerance{Stage::diffuse, "nodes", 0, kPlace},
     StageTolerance{Stage::jiggle, "displacement", 0, kPlace}, StageTolerance{Stage::jiggle, "positions", 0, kPlace},
     StageTolerance{Stage::output, "positions", 0, kPlace},
-    StageTolerance{Stage::output, "normals", 2e-2},  // a place's error over the edge of a small triangle
+    StageTolerance{Stage::output, "tangents", 2e-2},  // as normals
+    StageTolerance{Stage::output, "normals", 2e-2},   // a place's error over the edge of a small triangle
 };
 
 // Null where there is none.

@@ -6,6 +6,7 @@
 #include "runtime/basis/levels.h"
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
+#include "runtime/library/strides.h"
 
 namespace bodyopt {
 namespace {
@@ -60,12 +61,13 @@ bodyopt_result bodyopt_load_model(const char* path, const bodyopt_load_options* 
     required(model, "model");
     const std::string file = &required(path, "path");
     bodyopt_load_options options{};
-    if (given != nullptr) options = read_struct(given, sizeof(bodyopt_load_options), "options");
+    if (given != nullptr) options = read_struct(given, offsetof(bodyopt_load_options, texture), "options");
     Basis basis = load_level(file, options.level);
     std::optional<Dynamics> dynamics;
     if (options.dynamics != nullptr) dynamics = load_dynamics(options.dynamics, basis);
     auto loaded = std::make_unique<bodyopt_model>();
-    loaded->model = make_character_model(std::move(basis), std::move(dynamics));
+    const std::vector<float> texture = read_texture(options, basis);
+    loaded->model = make_character_model(std::move(basis), std::move(dynamics), texture);
     *model = loaded.release();
   });
 }
@@ -85,6 +87,7 @@ bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description*
     all.has_dynamics = character.dynamics ? 1 : 0;
     all.frames_per_second = character.dynamics ? character.dynamics->jiggle.step.frames_per_second : 0;
     all.knows_error = basis.coverage.empty() ? 0 : 1;
+    all.has_tangents = character.tangents.vertices.empty() ? 0 : 1;
     std::memcpy(description, &all, all.struct_size);
   });
 }

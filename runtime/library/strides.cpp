@@ -1,6 +1,7 @@
 #include "runtime/library/strides.h"
 
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -130,6 +131,25 @@ std::span<const int> GivenPoses::frame_numbers() const {
   return {&required(poses_.frame_numbers, "poses.frame_numbers"), count()};
 }
 
+std::vector<float> read_texture(const bodyopt_load_options& options, const Basis& basis) {
+  const std::size_t vertices = basis.mesh.output_count(), both = 2 * sizeof(float);
+  if (options.texture == nullptr || vertices == 0) return {};
+  require_aligned(options.texture, "options.texture");
+  const std::size_t stride = checked_stride(options.texture_stride, both, sizeof(float), "options.texture_stride");
+  const std::size_t needed = checked_size(vertices - 1, stride, both, "options.texture");
+  if (options.texture_size < needed) {
+    refuse("'options.texture' has " + std::to_string(options.texture_size) + " bytes, " + std::to_string(needed) +
+           " are needed for " + std::to_string(vertices) + " vertices");
+  }
+  std::vector<float> texture(2 * vertices);
+  for (std::size_t v = 0; v < vertices; ++v) {
+    std::memcpy(&texture[2 * v], reinterpret_cast<const std::byte*>(options.texture) + v * stride, both);
+    if (std::isfinite(texture[2 * v]) && std::isfinite(texture[2 * v + 1])) continue;
+    throw Error(ErrorKind::mismatch, "a texture coordinate of vertex " + std::to_string(v) + " is not finite");
+  }
+  return texture;
+}
+
 WantedSkin::WantedSkin(const bodyopt_skin* skin, const Basis& basis, std::size_t frames)
     : skin_(read_struct(skin, offsetof(bodyopt_skin, expected_errors), "skin")),
       vertices_(basis.mesh.output_count()),
@@ -140,6 +160,7 @@ WantedSkin::WantedSkin(const bodyopt_skin* skin, const Basis& basis, std::size_t
   check_output(skin_.outside, frames, 1, 1, "skin.outside");
   check_output(skin_.fades, frames, 1, 1, "skin.fades");
   check_output(skin_.expected_errors, frames, 1, 1, "skin.expected_errors");
+  check_output(skin_.tangents, frames, vertices_, 4, "skin.tangents");
 }
 
 SkinPlace WantedSkin::place(std::size_t begin) const {
@@ -148,7 +169,7 @@ SkinPlace WantedSkin::place(std::size_t begin) const {
     return PlacedVertices{reinterpret_cast<std::byte*>(output.data) + begin * output.frame_stride,
                           output.element_stride, output.frame_stride};
   };
-  return {of(skin_.positions), of(skin_.normals)};
+  return {of(skin_.positions), of(skin_.normals), of(skin_.tangents)};
 }
 
 void WantedSkin::write_expected_errors(const std::vector<float>& metres, std::size_t begin) const {

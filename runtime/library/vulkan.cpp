@@ -10,18 +10,22 @@ namespace bodyopt {
 namespace {
 
 // Throws Error(usage) for strides that are too small or a buffer that does not hold all vertices.
-vulkan::PlacedOutput placed_output(const bodyopt_vulkan_output& output, std::size_t vertices, const char* name) {
+vulkan::PlacedOutput placed_output(const bodyopt_vulkan_output& output, std::size_t vertices, std::size_t numbers,
+                                   const char* name) {
   if (output.buffer == VK_NULL_HANDLE || vertices == 0) return {};
-  constexpr VkDeviceSize kElement = 3 * sizeof(float), kMost = VkDeviceSize{1} << 34;  // words are counted in 32 bits
+  constexpr VkDeviceSize kMost = VkDeviceSize{1} << 34;  // words are counted in 32 bits
+  const VkDeviceSize element = numbers * sizeof(float);
   const auto refuse = [&](const std::string& what) {
     throw Error(ErrorKind::usage, std::string("'recording.") + name + "' " + what);
   };
-  const VkDeviceSize stride = output.element_stride == 0 ? kElement : output.element_stride;
-  if (stride < kElement)
-    refuse("has an element_stride of " + std::to_string(stride) + " bytes, at least 12 are needed");
+  const VkDeviceSize stride = output.element_stride == 0 ? element : output.element_stride;
+  if (stride < element) {
+    refuse("has an element_stride of " + std::to_string(stride) + " bytes, at least " + std::to_string(element) +
+           " are needed");
+  }
   if (stride % 4 != 0 || output.offset % 4 != 0) refuse("has a stride or an offset that is no multiple of 4 bytes");
   if (output.size > kMost || stride > kMost || output.offset > kMost) refuse("is larger than can be addressed");
-  const VkDeviceSize needed = output.offset + (vertices - 1) * stride + kElement;
+  const VkDeviceSize needed = output.offset + (vertices - 1) * stride + element;
   if (output.size < needed) {
     refuse("has " + std::to_string(output.size) + " bytes, " + std::to_string(needed) + " are needed");
   }
@@ -50,11 +54,12 @@ bodyopt_result bodyopt_record(bodyopt_instance* instance, const bodyopt_poses* p
     if (given.count() != 1) {
       throw Error(ErrorKind::usage, "'poses' has " + std::to_string(given.count()) + " frames; a recording is of one");
     }
-    const auto wanted = read_struct(recording, sizeof(bodyopt_recording), "recording");
+    const auto wanted = read_struct(recording, offsetof(bodyopt_recording, tangents), "recording");
     required(wanted.commands, "recording.commands");
     const std::size_t vertices = deformer.basis().mesh.output_count();
-    const vulkan::Recording into{wanted.commands, placed_output(wanted.positions, vertices, "positions"),
-                                 placed_output(wanted.normals, vertices, "normals")};
+    const vulkan::Recording into{wanted.commands, placed_output(wanted.positions, vertices, 3, "positions"),
+                                 placed_output(wanted.normals, vertices, 3, "normals"),
+                                 placed_output(wanted.tangents, vertices, 4, "tangents")};
     const std::vector<Pose> pose = given.read(0, 1);
     std::optional<int> frame;
     if (deformer.dynamics() != nullptr) frame = given.frame_numbers().front();

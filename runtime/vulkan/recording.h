@@ -5,7 +5,7 @@
 
 namespace bodyopt::vulkan {
 
-// Three numbers of each vertex, in output order, bytes; strides and offset are multiples of 4.
+// Three numbers of each vertex, four of a tangent, in output order, bytes; strides and offset are multiples of 4.
 struct PlacedOutput {
   VkBuffer buffer = VK_NULL_HANDLE;  // none: not wanted
   VkDeviceSize size = 0, offset = 0, element_stride = 0;
@@ -13,7 +13,7 @@ struct PlacedOutput {
 
 struct Recording {
   VkCommandBuffer commands = VK_NULL_HANDLE;
-  PlacedOutput positions, normals;
+  PlacedOutput positions, normals, tangents;
 };
 
 }  // namespace bodyopt::vulkan

@@ -33,6 +33,21 @@ struct DdmVertex {
 };
 BODYOPT_CHECK_SIZE(DdmVertex, 32)
 
+// An output vertex, as its tangent needs it: its vertex of the skin, its corners of triangles, and the tangent's sign.
+struct TangentVertex {
+  uint vertex, corner_begin, corner_end;
+  float sign;
+};
+BODYOPT_CHECK_SIZE(TangentVertex, 16)
+
+// A corner of a triangle there: the other two corners, vertices of the skin, and how much of the edges to them makes
+// the triangle's tangent.
+struct TangentCorner {
+  uint b, c;
+  float along_b, along_c;
+};
+BODYOPT_CHECK_SIZE(TangentCorner, 16)
+
 // A point of a fibre on the skin: barycentric over three entries of the strain table's vertex list.
 struct FibrePoint {
   uint a, b, c;
@@ -211,6 +226,10 @@ struct OutputSeparatePush {
 struct OutputPlacePush {
   uint output_count, vertex_count;
   uint first_word, element_words, frame_words;  // of what is placed
+};
+struct OutputTangentsPush {
+  uint output_count, vertex_count;
+  uint first_word, element_words, frame_words;  // of what is written
 };
 struct OutputNormalsPush {
   uint vertex_count;

@@ -88,6 +88,28 @@ struct Arrays {
   bodyopt_skin all;
 };
 
+// Texture coordinates of its output vertices: the skin at rest, seen from the front.
+inline std::vector<float> texture_of(const Basis& basis) {
+  std::vector<float> texture;
+  for (const std::uint32_t v : basis.mesh.output_vertex) {
+    const float* x = &basis.mesh.rest[3 * std::size_t{v}];
+    texture.insert(texture.end(), {x[0] + 0.3f * x[2], x[1] - 0.2f * x[2]});
+  }
+  return texture;
+}
+
+// The limb with these.
+inline api::Model load_textured(const std::string& dynamics = {}) {
+  const std::vector<float> texture = texture_of(load_basis(hero()));
+  auto options = api::make<bodyopt_load_options>();
+  if (!dynamics.empty()) options.dynamics = dynamics.c_str();
+  options.texture = texture.data();
+  options.texture_size = texture.size() * sizeof(float);
+  bodyopt_model* model = nullptr;
+  api::check(bodyopt_load_model(hero().c_str(), &options, &model));
+  return api::Model(model);
+}
+
 inline api::Instance make_instance(const api::Model& model, bool jiggles = false, const api::Device& device = {}) {
   auto options = api::make<bodyopt_instance_options>();
   options.jiggles = jiggles;

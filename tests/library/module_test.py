@@ -50,6 +50,23 @@ class Frames(unittest.TestCase):
         self.assertTrue(np.shares_memory(skin.positions, buffer))
         self.assertTrue((buffer[:, :, 6:] == -7).all())
 
+    def test_have_tangents_where_the_texture_is_known(self):
+        self.assertIsNone(self.instance.evaluate(JOINTS).tangents)
+        wide = np.random.default_rng(1).random((MODEL.vertex_count, 5), np.float32)
+        model = bodyopt.load(BASIS, DYNAMICS, texture=wide[:, 1:3])
+        self.assertTrue(model.has_tangents and not MODEL.has_tangents)
+        buffer = np.full((len(JOINTS), MODEL.vertex_count, 6), -7, np.float32)
+        instance = model.instance()
+        skin = instance.evaluate(JOINTS, tangents=buffer[:, :, :4])
+        np.testing.assert_array_equal(instance.evaluate(JOINTS).tangents, buffer[:, :, :4])
+        np.testing.assert_allclose(np.linalg.norm(skin.tangents[:, :, :3], axis=2), 1, atol=1e-5)
+        np.testing.assert_allclose((skin.tangents[:, :, :3] * skin.normals).sum(axis=2), 0, atol=1e-5)
+        np.testing.assert_array_equal(np.abs(skin.tangents[:, :, 3]), 1)
+        self.assertTrue((buffer[:, :, 4:] == -7).all())
+        call = bodyopt.Call(instance, JOINTS)
+        bodyopt.evaluate_together([call])
+        np.testing.assert_array_equal(call.skin.tangents, skin.tangents)
+
     def test_describe_the_character(self):
         self.assertEqual(MODEL.triangles.max(), MODEL.vertex_count - 1)
         self.assertEqual(MODEL.joint_parents[0], -1)
@@ -148,6 +165,9 @@ class Refused(unittest.TestCase):
         self.refuses(ValueError, "positions: expected the shape", lambda: evaluate(JOINTS, positions=SKIN[:1].copy()))
         self.refuses(TypeError, "positions", lambda: evaluate(JOINTS, positions=SKIN.astype(np.float64)))
         self.refuses(ValueError, "read-only", lambda: evaluate(JOINTS, positions=read_only))
+        self.refuses(ValueError, "without texture coordinates", lambda: evaluate(JOINTS, tangents=np.zeros((len(JOINTS), MODEL.vertex_count, 4), np.float32)))
+        self.refuses(ValueError, "texture: expected the shape any x 2", lambda: bodyopt.load(BASIS, texture=np.zeros((MODEL.vertex_count, 3), np.float32)))
+        self.refuses(bodyopt.Error, "are needed for", lambda: bodyopt.load(BASIS, texture=np.zeros((MODEL.vertex_count - 1, 2), np.float32)), 64)
         self.refuses(TypeError, "controls", lambda: evaluate(JOINTS, np.zeros((len(JOINTS), 1))))
         self.refuses(bodyopt.Error, "joints, the basis has", lambda: evaluate(JOINTS[:, :1]), 3)
         self.refuses(bodyopt.Error, "controls, the basis has", lambda: evaluate(JOINTS, np.zeros((len(JOINTS), 9), np.float32)), 3)

@@ -42,11 +42,11 @@ class LibraryVulkan : public GpuTest {
 TEST_F(LibraryVulkan, RecordsFramesIntoTheHostsBuffer) {
   const std::string dynamics = hero_dynamics();
   for (const bool jiggles : {false, true}) {
-    const api::Model model = api::load_model(hero(), dynamics);
+    const api::Model model = load_textured(dynamics);
     const api::Device device = share();
     const api::Instance recorder = instance(model, device, jiggles), runner = instance(model, device, jiggles);
     const std::vector<Pose> poses = turning_poses(load_basis(hero()), 2);
-    const std::size_t vertices = api::describe(model).vertex_count, frame = 8 * vertices, gap = 5;
+    const std::size_t vertices = api::describe(model).vertex_count, frame = 12 * vertices, gap = 5;
     const std::size_t bytes = (gap + 2 * frame) * sizeof(float);
     const vulkan::Buffer target(*device_, bytes, vulkan::Memory::device, "the host's vertices"),
         readback(*device_, bytes, vulkan::Memory::staging, "readback");
@@ -59,9 +59,10 @@ TEST_F(LibraryVulkan, RecordsFramesIntoTheHostsBuffer) {
       given.all.frame_numbers = given.numbers.data();
       auto recording = api::make<bodyopt_recording>();
       recording.commands = commands.handle();
-      const VkDeviceSize at = (gap + f * frame) * sizeof(float), stride = 8 * sizeof(float);
+      const VkDeviceSize at = (gap + f * frame) * sizeof(float), stride = 12 * sizeof(float);
       recording.positions = {target.handle(), bytes, at, stride};
       recording.normals = {target.handle(), bytes, at + 3 * sizeof(float), stride};
+      recording.tangents = {target.handle(), bytes, at + 6 * sizeof(float), stride};
       ASSERT_EQ(bodyopt_record(recorder.get(), &given.all, &recording), BODYOPT_OK) << bodyopt_last_error();
     }
     commands.copy(target, readback);
@@ -71,21 +72,23 @@ TEST_F(LibraryVulkan, RecordsFramesIntoTheHostsBuffer) {
     std::memcpy(found.data(), readback.mapped(), bytes);
 
     const PoseArrays given(poses);
-    std::vector<float> positions(6 * vertices), normals(positions.size());
+    std::vector<float> positions(6 * vertices), normals(positions.size()), tangents(8 * vertices);
     auto skin = api::make<bodyopt_skin>();
     skin.positions = floats_in(positions);
     skin.normals = floats_in(normals);
+    skin.tangents = floats_in(tangents);
     const auto run = jiggles ? bodyopt_jiggle : bodyopt_evaluate;
     ASSERT_EQ(run(runner.get(), &given.all, &skin), BODYOPT_OK) << bodyopt_last_error();
     for (std::size_t k = 0; k < gap; ++k) ASSERT_EQ(found[k], 0);
     for (std::size_t v = 0; v < 2 * vertices; ++v) {
-      const float* at = found.data() + gap + 8 * v;
+      const float* at = found.data() + gap + 12 * v;
       for (std::size_t i = 0; i < 3; ++i) {
         ASSERT_EQ(at[i], positions[3 * v + i]) << v;
         ASSERT_EQ(at[3 + i], normals[3 * v + i]) << v;
       }
-      ASSERT_EQ(at[6], 0);
-      ASSERT_EQ(at[7], 0);
+      for (std::size_t i = 0; i < 4; ++i) ASSERT_EQ(at[6 + i], tangents[4 * v + i]) << v;
+      ASSERT_EQ(at[10], 0);
+      ASSERT_EQ(at[11], 0);
     }
     EXPECT_EQ(run(recorder.get(), &given.all, &skin), BODYOPT_USAGE);
     EXPECT_NE(std::string(bodyopt_last_error()).find("records for the host program"), std::string::npos);

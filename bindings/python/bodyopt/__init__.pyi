@@ -17,6 +17,8 @@ class Skin:
     fades: how much is left of what was learned, 0 to 1.
     expected_errors: how far off the skin is expected to be, F, RMS over the skin, metres; None where the model was
     trained without shapes and does not know.
+    tangents: F x V x 4, the tangent and the bitangent's sign, by the convention of MikkTSpace; None where the model was
+    loaded without texture coordinates.
     """
 
     @property
@@ -31,6 +33,8 @@ class Skin:
     def fades(self) -> NDArray[np.float32]: ...
     @property
     def expected_errors(self) -> Optional[NDArray[np.float32]]: ...
+    @property
+    def tangents(self) -> Optional[NDArray[np.float32]]: ...
 
 class State:
     """The jiggle of an instance at one moment."""
@@ -49,8 +53,10 @@ class Instance:
         *,
         positions: Optional[NDArray[np.float32]] = None,
         normals: Optional[NDArray[np.float32]] = None,
+        tangents: Optional[NDArray[np.float32]] = None,
     ) -> Skin:
-        """The quasi-static skin. joints: F x J x 10, controls: F x C. Written to positions and normals where given."""
+        """The quasi-static skin. joints: F x J x 10, controls: F x C. Written to positions, normals and tangents where
+        given."""
     def jiggle(
         self,
         joints: NDArray[np.float64],
@@ -59,6 +65,7 @@ class Instance:
         *,
         positions: Optional[NDArray[np.float32]] = None,
         normals: Optional[NDArray[np.float32]] = None,
+        tangents: Optional[NDArray[np.float32]] = None,
     ) -> Skin:
         """The skin with jiggle; it goes on from the frames of earlier calls."""
     def set_weights(self, correction: float = 1, jiggle: float = 1) -> None:
@@ -84,6 +91,7 @@ class Call:
         *,
         positions: Optional[NDArray[np.float32]] = None,
         normals: Optional[NDArray[np.float32]] = None,
+        tangents: Optional[NDArray[np.float32]] = None,
     ) -> None: ...
     @property
     def skin(self) -> Optional[Skin]:
@@ -96,6 +104,9 @@ class Model:
     def vertex_count(self) -> int: ...
     @property
     def has_dynamics(self) -> bool: ...
+    @property
+    def has_tangents(self) -> bool:
+        """Whether skins have tangents."""
     @property
     def knows_error(self) -> bool:
         """Whether skins have expected_errors."""
@@ -131,7 +142,10 @@ def evaluate_together(calls: Sequence[Call]) -> None:
     Raises Error, which names those that failed by their number ("call 3: ..."); the others are right all the same.
     """
 
-def load(path: str, dynamics: Optional[str] = None, level: int = 0) -> Model: ...
+def load(
+    path: str, dynamics: Optional[str] = None, level: int = 0, texture: Optional[NDArray[np.float32]] = None
+) -> Model:
+    """A character. texture: V x 2 texture coordinates, for skins with tangents."""
 def open_device(
     name: Optional[str] = None, validation: bool = False, pipeline_cache: Optional[str] = None
 ) -> Device:

@@ -6,7 +6,12 @@ FoldBuffers::FoldBuffers(const Device& device, const FoldTables& tables, const D
     : triangles(upload_whole(device, tables.triangles, "the triangles", limits)),
       sides(upload_whole(device, tables.sides, "the folds' sides", limits)) {}
 
-SkinTables::SkinTables(const Device& device, const Basis& b, const FoldTables& fold_tables, const DeviceInfo& limits)
+TangentBuffers::TangentBuffers(const Device& device, const TangentTables& tables, const DeviceInfo& limits)
+    : vertices(upload_whole(device, tables.vertices, "the tangents' vertices", limits)),
+      corners(upload_whole(device, tables.corners, "the tangents' corners", limits)) {}
+
+SkinTables::SkinTables(const Device& device, const Basis& b, const FoldTables& fold_tables,
+                       const TangentTables& tangent_tables, const DeviceInfo& limits)
     : ddm(device, b.ddm, limits),
       blend(device, b.residual.blend_begin, b.residual.blend, limits),
       modifiers(device, b.modifiers.blend_begin, b.modifiers.blend, limits),
@@ -27,6 +32,7 @@ SkinTables::SkinTables(const Device& device, const Basis& b, const FoldTables& f
                         "the skin at rest", limits)),
       folds(device, fold_tables, limits),
       fans(device, b.mesh, limits),
+      tangents(device, tangent_tables, limits),
       output_vertex(upload_whole(device, b.mesh.output_vertex, "the output vertices", limits)) {}
 
 SkinKernels::SkinKernels(const Device& device)
@@ -43,6 +49,7 @@ SkinKernels::SkinKernels(const Device& device)
       output_bound(device),
       output_separate(device),
       output_normals(device),
+      output_tangents(device),
       output_place(device) {}
 
 DynamicsTables::DynamicsTables(const Device& device, const Dynamics& d, const DeviceInfo& limits)
@@ -79,8 +86,8 @@ DeviceModel::DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<c
     : device_(std::move(device)),
       model_(std::move(model)),
       limits_(limits),
-      counts_(model_->basis),
-      tables_(*device_, model_->basis, model_->folds, limits_),
+      counts_(model_->basis, model_->tangents),
+      tables_(*device_, model_->basis, model_->folds, model_->tangents, limits_),
       kernels_(*device_) {}
 
 const DeviceModel::Jiggling& DeviceModel::jiggling() const {

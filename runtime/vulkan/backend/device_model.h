@@ -8,6 +8,7 @@
 #include "runtime/host/character_model.h"
 #include "runtime/host/fold_tables.h"
 #include "runtime/host/output_steps.h"
+#include "runtime/host/tangent_tables.h"
 #include "runtime/vulkan/backend/block_solve.h"
 #include "runtime/vulkan/kernels/windows.h"
 
@@ -15,7 +16,7 @@ namespace bodyopt::vulkan {
 
 // Counts of a basis, in the units of a frame.
 struct FrameCounts {
-  explicit FrameCounts(const Basis& basis)
+  FrameCounts(const Basis& basis, const TangentTables& tangent_tables)
       : vertices(basis.mesh.vertex_count()),
         joints(static_cast<std::uint32_t>(basis.skeleton.size())),
         strain_vertices(static_cast<std::uint32_t>(basis.strain.vertices.size())),
@@ -30,13 +31,15 @@ struct FrameCounts {
         components(basis.modifiers.component_count()),
         turned_joints(basis.modifiers.turn_joints() ? joints : 0),
         finished(basis.modifiers.move_posed_skin() ? 3 * vertices : 0),
-        boxes(basis.modifiers.of_type(kPushOut.name) ? bound_push(basis).box_count : 0) {}
+        boxes(basis.modifiers.of_type(kPushOut.name) ? bound_push(basis).box_count : 0),
+        tangents(4 * static_cast<std::uint32_t>(tangent_tables.vertices.size())) {}
 
   std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
   std::uint32_t regions, coordinates, centres, coefficients, components;
   std::uint32_t turned_joints;  // all joints where modifiers turn some; 0 where none do
   std::uint32_t finished;       // numbers of a skin that modifiers move in the end; 0 where none do
   std::uint32_t boxes;          // of triangles; 0 without push-out
+  std::uint32_t tangents;       // numbers; 0 without texture coordinates
 };
 
 struct FoldBuffers {
@@ -45,8 +48,15 @@ struct FoldBuffers {
   Buffer triangles, sides;
 };
 
+struct TangentBuffers {
+  TangentBuffers(const Device& device, const TangentTables& tables, const DeviceInfo& limits);
+
+  Buffer vertices, corners;
+};
+
 struct SkinTables {
-  SkinTables(const Device& device, const Basis& basis, const FoldTables& fold_tables, const DeviceInfo& limits);
+  SkinTables(const Device& device, const Basis& basis, const FoldTables& fold_tables,
+             const TangentTables& tangent_tables, const DeviceInfo& limits);
 
   DdmBuffers ddm;
   BlendBuffers blend, modifiers;
@@ -55,6 +65,7 @@ struct SkinTables {
   Buffer coefficient_region, weights, rest;
   FoldBuffers folds;  // without push-out empty
   FanBuffers fans;
+  TangentBuffers tangents;  // without texture coordinates empty
   Buffer output_vertex;
 };
 
@@ -74,6 +85,7 @@ struct SkinKernels {
   OutputBound output_bound;
   OutputSeparate output_separate;
   OutputNormals output_normals;
+  OutputTangents output_tangents;
   OutputPlace output_place;
 };
 

@@ -55,8 +55,9 @@ struct BatchBuffers {
                  Values(device, frames, n.finished, "the finished skin")},
         boxes(device, frames, std::uint64_t{6} * n.boxes, "the boxes of triangles"),
         normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
+        tangents(device, frames, n.tangents, "the tangents"),
         staging_in(device, total(inputs()), Memory::staging, "staging"),
-        staging_out(device, total({&positions, &normals, &positions, &strains, &excess, &coefficients}),
+        staging_out(device, total({&positions, &normals, &tangents, &positions, &strains, &excess, &coefficients}),
                     Memory::staging, "staging") {}
 
   // What a batch brings, in this order.
@@ -84,6 +85,7 @@ struct BatchBuffers {
   std::array<Values, 3> finished;  // before a modifier, and by one of its steps and the next
   Values boxes;
   Values normals;
+  Values tangents;  // of output vertices
   Buffer staging_in, staging_out;
 };
 
@@ -108,9 +110,10 @@ class VulkanBackend final : public Backend, private SplitRun {
     const std::uint64_t skin = std::uint64_t{3} * n.vertices, skinning = std::uint64_t{12} * n.joints;
     const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
     const std::uint64_t largest =
-        std::max<std::uint64_t>({skin, skinning, strain, n.coordinates, n.centres, n.features});
-    const std::uint64_t all = 3 * skin + 3 * n.finished + 6 * n.boxes + n.components + 2 * skinning + strain +
-                              n.coordinates + n.centres + 3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0);
+        std::max<std::uint64_t>({skin, skinning, strain, n.tangents, n.coordinates, n.centres, n.features});
+    const std::uint64_t all = 3 * skin + n.tangents + 3 * n.finished + 6 * n.boxes + n.components + 2 * skinning +
+                              strain + n.coordinates + n.centres + 3 * n.features +
+                              (dynamics_ ? dynamics_->frame_floats() : 0);
     const std::uint64_t by_range =
         model_->limits().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
     const std::uint64_t by_memory =
@@ -157,6 +160,7 @@ class VulkanBackend final : public Backend, private SplitRun {
     record_stages(batch);
     record_place(*skin_, recording.positions);
     record_place(buffers_->normals.buffer, recording.normals);
+    record_tangents_into(recording.tangents);
     failed_ = false;
   }
 
@@ -181,7 +185,7 @@ class VulkanBackend final : public Backend, private SplitRun {
     failed_ = true;  // until this batch went well
     const bool recorded = recorded_ && buffers_->frames == batch.frame_count && batch.jiggle.empty() &&
                           batch.stays_on_device == stays_on_device_ && batch.keeps_posed == keeps_posed_ &&
-                          batch.wants_normals == wants_normals_ &&
+                          batch.wants_normals == wants_normals_ && batch.wants_tangents == wants_tangents_ &&
                           output_steps(model_->model().basis, batch) == output_steps_;
     if (!recorded) allocate(batch.frame_count);
     send(batch);  // first: recording runs what is long
@@ -202,6 +206,7 @@ class VulkanBackend final : public Backend, private SplitRun {
     stays_on_device_ = batch.stays_on_device;
     keeps_posed_ = batch.keeps_posed;
     wants_normals_ = batch.wants_normals;
+    wants_tangents_ = batch.wants_tangents;
     record_stages(batch);
     record_download();
     commands_->end();
@@ -253,12 +258,23 @@ class VulkanBackend final : public Backend, private SplitRun {
 
   void record_output(const Batch& batch) {
     record_finish(batch.frame_count);
-    if (batch.wants_normals) record_normals(batch.frame_count);
+    if (batch.wants_normals || batch.wants_tangents) record_normals(batch.frame_count);
+    if (batch.wants_tangents && !records_) record_tangents(batch.frame_count);
   }
 
   void record_normals(std::uint32_t frames) {
     record_output_normals(*commands_, kernels_.output_normals, {tables_.fans, *skin_, buffers_->normals.buffer},
                           counts_.vertices, frames);
+  }
+
+  void record_tangents(std::uint32_t frames) {
+    record_tangents(buffers_->tangents.buffer, {output_count(), counts_.vertices, 0, 4, 4 * output_count()}, frames);
+  }
+
+  void record_tangents(const BufferRange& to, const OutputTangentsPush& push, std::uint32_t frames) {
+    kernels_.output_tangents.record(
+        *commands_, {tables_.tangents.vertices, tables_.tangents.corners, *skin_, buffers_->normals.buffer, to}, push,
+        frames);
   }
 
   // What modifiers do that move the skin in the end.
@@ -299,6 +315,8 @@ class VulkanBackend final : public Backend, private SplitRun {
                                     separate_push(basis, step), frames);
   }
 
+  std::uint32_t output_count() const { return model_->model().basis.mesh.output_count(); }
+
   // From now on for the host, one frame at a time: what an earlier frame uses is never let go of.
   void become_recorder() {
     if (records_) return;
@@ -316,16 +334,29 @@ class VulkanBackend final : public Backend, private SplitRun {
     }
   }
 
-  // The host's buffer is bound from where the device can bind it.
-  void record_place(const Buffer& values, const PlacedOutput& to) {
-    if (to.buffer == VK_NULL_HANDLE) return;
+  // What of the host's buffer is bound, from where the device can bind it, and where in it an output begins.
+  struct HostRange {
+    BufferRange range;
+    std::uint32_t first_word, element_words;
+  };
+  HostRange host_range(const PlacedOutput& to, std::uint32_t numbers) const {
     const VkDeviceSize begin = to.offset / device_.info().storage_alignment * device_.info().storage_alignment;
     const auto word = [](VkDeviceSize bytes) { return static_cast<std::uint32_t>(bytes / sizeof(float)); };
-    const auto outputs = static_cast<std::uint32_t>(model_->model().basis.mesh.output_count());
-    const VkDeviceSize end = to.offset + (outputs - 1) * to.element_stride + 3 * sizeof(float);
-    kernels_.output_place.record(*commands_,
-                                 {tables_.output_vertex, values, BufferRange(to.buffer, begin, end - begin)},
-                                 {outputs, counts_.vertices, word(to.offset - begin), word(to.element_stride), 0}, 1);
+    const VkDeviceSize end = to.offset + (output_count() - 1) * to.element_stride + numbers * sizeof(float);
+    return {BufferRange(to.buffer, begin, end - begin), word(to.offset - begin), word(to.element_stride)};
+  }
+
+  void record_place(const Buffer& values, const PlacedOutput& to) {
+    if (to.buffer == VK_NULL_HANDLE) return;
+    const HostRange host = host_range(to, 3);
+    kernels_.output_place.record(*commands_, {tables_.output_vertex, values, host.range},
+                                 {output_count(), counts_.vertices, host.first_word, host.element_words, 0}, 1);
+  }
+
+  void record_tangents_into(const PlacedOutput& to) {
+    if (to.buffer == VK_NULL_HANDLE) return;
+    const HostRange host = host_range(to, 4);
+    record_tangents(host.range, {output_count(), counts_.vertices, host.first_word, host.element_words, 0}, 1);
   }
 
   void allocate(std::uint32_t frames) {
@@ -420,6 +451,7 @@ class VulkanBackend final : public Backend, private SplitRun {
     if (!stays_on_device_) {
       add(*skin_, b.positions, &BatchResult::positions);
       if (wants_normals_) add(b.normals.buffer, b.normals, &BatchResult::normals);
+      if (wants_tangents_) add(b.tangents.buffer, b.tangents, &BatchResult::tangents);
     }
     if (keeps_posed_) add(b.positions.buffer, b.positions, &BatchResult::posed);
     add(b.strains.buffer, b.strains, &BatchResult::strains);
@@ -448,7 +480,8 @@ class VulkanBackend final : public Backend, private SplitRun {
   }
 
   void receive() {
-    for (const auto skin : {&BatchResult::positions, &BatchResult::normals, &BatchResult::posed}) {
+    for (const auto skin :
+         {&BatchResult::positions, &BatchResult::normals, &BatchResult::tangents, &BatchResult::posed}) {
       (result_.*skin).clear();
     }
     const std::byte* from = buffers_->staging_out.mapped();
@@ -490,8 +523,9 @@ class VulkanBackend final : public Backend, private SplitRun {
   std::vector<OutputStep> output_steps_;  // recorded
   bool recorded_ = false;                 // the quasi-static skin, for as many frames as there are buffers
   Weights weights_;
-  const Buffer* skin_ = nullptr;                                               // of the last batch
-  bool stays_on_device_ = false, keeps_posed_ = false, wants_normals_ = true;  // as recorded
+  const Buffer* skin_ = nullptr;                        // of the last batch
+  bool stays_on_device_ = false, keeps_posed_ = false;  // as recorded
+  bool wants_normals_ = true, wants_tangents_ = false;
   bool failed_ = false;
   bool records_ = false;  // for the host program
 };
