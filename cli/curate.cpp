@@ -198,6 +198,26 @@ std::string draw_effect(const ShapeStack& stack, const ModifierEffect& effect, c
           list_names(names));
 }
 
+// What of the type consistency reaches its cap in many frames hardly takes history alone.
+std::vector<std::string> capped_notes(const std::vector<Modifier>& modifiers,
+                                      const std::vector<ModifierEffect>& effects) {
+  constexpr std::size_t kMany = 20;  // one frame of so many
+  std::vector<std::string> notes;
+  for (const ModifierEffect& effect : effects) {
+    const Modifier& modifier = *std::ranges::find(modifiers, effect.name, &Modifier::name);
+    if (modifier.type != "consistency") continue;
+    const double cap = modifier.parameters.value("cap_mm", kUsualCapMm) * modifier.strength;
+    const auto capped = static_cast<std::size_t>(
+        std::ranges::count_if(effect.frames, [&](const FrameEffect& frame) { return frame.max_mm > 0.99 * cap; }));
+    if (capped == 0 || capped * kMany < effect.frames.size()) continue;
+    notes.push_back(
+        format("'%s' moves %zu of %zu frames as far as cap_mm lets it (%.3g mm): passes seldom disagree by so "
+               "much; compare the held-out errors with it and without",
+               effect.name.c_str(), capped, effect.frames.size(), cap));
+  }
+  return notes;
+}
+
 void diff(const CurateArguments& arguments) {
   const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
   say(stack.notes());
@@ -215,6 +235,7 @@ void diff(const CurateArguments& arguments) {
     }
     list.push_back({{"name", effect.name}, {"rms_mm", effect.rms_mm}, {"max_mm", effect.max_mm}, {"frames", frames}});
   }
+  say(capped_notes(stack.database().dataset.modifiers, effects));
   if (!arguments.picture.empty()) text += draw_effect(stack, effects.front(), arguments.picture);
   arguments.json.emit({{"modifiers", list}}, text);
 }

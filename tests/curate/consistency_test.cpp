@@ -129,6 +129,28 @@ TEST(Consistency, WhatJointsFromAfarMoveIsNoHistory) {
   EXPECT_GT(found_of(database, history), 5e-4);
 }
 
+// What is found of the belly in the second of two frames, whose shapes are 2 mm apart; their joints by a part of 0.3.
+double found_of_two(double turn) {
+  PoseDatabase database = belly_and_leg();
+  for (const std::size_t j : {0, 1, 3, 4}) {
+    database.frames[1].pose.joints[j].rotation = axis_angle({1, 0, 0}, turn * 0.3);
+  }
+  database.frames[1].take = 1;
+  Displacements shapes = Displacements::Zero(2, 15);
+  shapes(1, 3) = 0.002f;
+  const SkinPart belly = skin_parts(belly_and_leg())[1];
+  const std::vector<char> all(2, 1), none(2, 0);
+  const LocalModels models = local_models(database, belly, 30, all, none, shapes);
+  EXPECT_EQ(models.others[0].size(), 1u) << "they are compared";
+  return part_deviations(shapes, belly, models)(1, 0);
+}
+
+// Two frames alone do not tell what varies with the pose: in the same pose they disagree, in like poses they may.
+TEST(Consistency, OfTwoFramesThePosesTell) {
+  EXPECT_NEAR(found_of_two(0), 0.001, 1e-4);
+  EXPECT_LT(std::abs(found_of_two(1)), 2e-5);
+}
+
 TEST(Consistency, ItsCacheGivesTheSameShapes) {
   const Character character = limb_character();
   const CuratedLimb limb(

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "dataset/stack_history.h"
-#include "tests/curate/curated_limb.h"
+#include "tests/curate/sweep_history.h"
 #include "tests/support/png_file.h"
 #include "tests/support/run_program.h"
 #include "trainer/curate/edit_stack.h"
@@ -59,6 +59,18 @@ TEST_F(CurateProgram, DiffDrawsNothingOfWhatMovesNothing) {
   EXPECT_EQ(of_all.exit_code, 64);
   EXPECT_NE(of_all.output.find("the stack has 'drop'"), std::string::npos) << of_all.output;
   EXPECT_FALSE(std::filesystem::exists(at("p.png")));
+}
+
+// Where most frames are moved as far as the cap lets, that is said.
+TEST_F(CurateProgram, DiffSaysThatConsistencyReachesItsCap) {
+  const Character character = limb_character();
+  const CuratedLimb limb(
+      [&](int take, int frame, const Positions& truth) { return with_history(character, take, frame, truth); });
+  add_modifier(limb.path(), {.type = "consistency", .parameters = {{"cap_mm", 1}}});
+  const std::string diff = "curate diff " + limb.folder().string();
+  EXPECT_NE(run_bodyopt(diff).output.find("as far as cap_mm lets it (1 mm)"), std::string::npos);
+  change_modifier(limb.path(), "consistency", {.parameters = {{"cap_mm", 20}}});
+  EXPECT_EQ(run_bodyopt(diff).output.find("cap_mm"), std::string::npos);
 }
 
 TEST_F(CurateProgram, AnExportedFrameComesBackAsItIs) {

@@ -17,7 +17,7 @@ namespace {
 using Eigen::Index;
 
 // Raised whenever the same frames are made to agree in another way.
-constexpr std::uint64_t kVersion = 6;
+constexpr std::uint64_t kVersion = 7;
 
 class Consistency : public ShapeModifier {
  public:
@@ -137,9 +137,10 @@ std::uint64_t key_of(const ModifierInput& input, const ConsistencySettings& sett
 }  // namespace
 
 std::unique_ptr<ShapeModifier> prepare_consistency(const ModifierInput& input) {
-  const ConsistencySettings settings{
-      parameter(input, "degrees", kAlikeDegrees, 0.1, 180), 1e-3 * parameter(input, "smooth_mm", 10, 0.01, 1000),
-      1e-3 * parameter(input, "cap_mm", 20, 0, 1000), static_cast<int>(parameter(input, "iterations", 10, 1, 20))};
+  const ConsistencySettings settings{parameter(input, "degrees", kAlikeDegrees, 0.1, 180),
+                                     1e-3 * parameter(input, "smooth_mm", 10, 0.01, 1000),
+                                     1e-3 * parameter(input, "cap_mm", kUsualCapMm, 0, 1000),
+                                     static_cast<int>(parameter(input, "iterations", 10, 1, 20))};
   const std::uint64_t key = key_of(input, settings);
   const PoseDatabase& database = input.database;
   Displacements changes(static_cast<Index>(database.frames.size()), 3 * database.character.vertices.rows());

@@ -24,6 +24,7 @@ constexpr std::array kLengths = {0.25, 0.5, 1.0, 2.0, 4.0, 8.0};
 constexpr std::array kPasses = {0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0};
 constexpr std::array kNoises = {1e-6, 1e-4, 1e-2};
 constexpr std::array kOthers = {0.0, 0.1, 1.0};              // how much joints from afar count
+constexpr double kChance = 1.92;                             // 95 of 100 likelihood ratios are smaller (Wilks 1938)
 constexpr double kTurned = 0.005;                            // the sine of half the angle
 constexpr double kLeastStep = 0.1 * std::numbers::pi / 180;  // radians: shorter ones have no direction of their own
 
@@ -97,8 +98,10 @@ void keep_nearest(std::vector<Neighbour>& near) {
 
 // How shapes near a pose vary: smoothly with the pose, by what a pass is off by, and from frame to frame.
 struct Variances {
-  double length = 1, others = 0, pass = 0, noise = kNoises.front();
+  double length = 1, others = 0, pass = 0, noise = 0;
 };
+// Of like poses hardly any of what shapes differ by is history, of the same pose nearly all.
+constexpr Variances kUsual = {1, 0.1, 1e-3, 1e-4};
 
 // How far the poses of neighbours are apart, squared, M x M: in the part's joints, and in the others.
 struct Apart {
@@ -202,8 +205,10 @@ std::vector<Asked> asked_of(const std::vector<std::vector<Neighbour>>& near, con
   return asked;
 }
 
+// Two frames alone say nothing of variances, however far they are apart: the usual ones stay where chance may as well
+// have made others likelier.
 Variances likeliest(const std::vector<Asked>& asked, const std::vector<char>& anchors) {
-  std::vector<Variances> all;
+  std::vector<Variances> all{kUsual};
   for (const double pass : kPasses) {
     for (const double others : kOthers) {
       for (const double length : kLengths) {
@@ -214,6 +219,7 @@ Variances likeliest(const std::vector<Asked>& asked, const std::vector<char>& an
   std::vector<double> likelihoods(all.size(), 0.0);
   parallel_for(all.size(), [&](std::size_t k) {
     for (const Asked& there : asked) likelihoods[k] += log_likelihood(there, all[k], anchors);
+    if (k > 0) likelihoods[k] -= kChance;
   });
   return all[static_cast<std::size_t>(std::ranges::max_element(likelihoods) - likelihoods.begin())];
 }

@@ -20,6 +20,8 @@ namespace bodyopt {
 
 // How far poses are that are alike, where nobody says.
 constexpr double kAlikeDegrees = 20;
+// How far consistency moves a vertex at most, where nobody says.
+constexpr double kUsualCapMm = 20;
 
 struct FrameShare {
   std::size_t frame = 0;
