@@ -1,6 +1,5 @@
 #include "trainer/transfer/own_level_skins.h"
 
-#include <algorithm>
 #include <numbers>
 
 #include "runtime/core/transform.h"

@@ -128,7 +128,7 @@ std::vector<Level> transfer_levels(const TransferPair& pair, const Character& ta
   const std::vector<TargetSkin> skins = skins_of_levels(pair, target, levels, report, notes);
   report.full_vertices = static_cast<std::uint32_t>(target.vertices.rows());
   report.measured_on += " of the source";
-  if (!report.levels.empty()) report.levels.resize(skins.size());
+  report.levels.resize(std::min(report.levels.size(), skins.size()));
   std::vector<Level> result;
   for (std::size_t k = 0; k < skins.size(); ++k) {
     const TransferPair laid(levels[k].basis, skins[k].skin, own);
