@@ -5,6 +5,7 @@
 #include <numeric>
 #include <span>
 
+#include "runtime/host/fold_joints.h"
 #include "shaders/include/fold.h"
 
 namespace bodyopt {
@@ -48,42 +49,12 @@ class TriangleBoxes {
   std::vector<std::uint32_t> order_;           // T
 };
 
-// J, metres: from joint to joint at rest, along the bones between them.
-std::vector<double> ways_along_bones(const Skeleton& skeleton, std::uint32_t joint) {
-  std::vector<double> ways(skeleton.size(), -1);
-  const auto bone = [&](std::size_t j) {
-    return length(bind_place(skeleton, j) - bind_place(skeleton, static_cast<std::size_t>(skeleton.joints[j].parent)));
-  };
-  double up = 0;
-  for (int at = static_cast<int>(joint); at >= 0; at = skeleton.joints[static_cast<std::size_t>(at)].parent) {
-    ways[static_cast<std::size_t>(at)] = up;
-    if (skeleton.joints[static_cast<std::size_t>(at)].parent >= 0) up += bone(static_cast<std::size_t>(at));
-  }
-  for (std::size_t j = 0; j < ways.size(); ++j) {  // parents stand before their children
-    if (ways[j] < 0 && skeleton.joints[j].parent >= 0) {
-      ways[j] = ways[static_cast<std::size_t>(skeleton.joints[j].parent)] + bone(j);
-    }
-  }
-  return ways;
-}
-
-// J: whose skin a fold may close on: the limb's that the joint bends, and what is as near along the bones. Not the
-// hands' in the groin's.
-std::vector<char> joints_near(const Skeleton& skeleton, std::uint32_t joint, double reach) {
-  const std::vector<double> ways = ways_along_bones(skeleton, joint);
-  std::vector<char> near(ways.size());
-  for (std::size_t j = 0; j < near.size(); ++j) {
-    near[j] = static_cast<int>(j) == skeleton.joints[joint].parent || (ways[j] >= 0 && ways[j] < reach);
-  }
-  return near;
-}
-
 std::vector<std::uint32_t> vertex_sides(const Basis& basis, const SkinModifier& modifier, std::size_t words) {
   std::vector<std::uint32_t> sides(2 * words * basis.mesh.vertex_count());
   for (std::size_t k = 0; k < modifier.joints.size(); ++k) {
     const std::vector<char> below = at_or_below(basis.skeleton, modifier.joints[k]);
     const float* fold = &modifier.numbers[kPushOut.numbers + k * kPushOut.joint_numbers];
-    const std::vector<char> near = joints_near(basis.skeleton, modifier.joints[k], double{fold[3]});
+    const std::vector<float> reaches = fold_reaches(basis.skeleton, modifier.joints[k], fold[3]);
     for (std::size_t v = 0; v < basis.mesh.vertex_count(); ++v) {
       float squared = 0;
       for (std::size_t i = 0; i < 3; ++i) {
@@ -93,7 +64,7 @@ std::vector<std::uint32_t> vertex_sides(const Basis& basis, const SkinModifier& 
       const std::uint32_t bit = 1u << k % 32;
       std::uint32_t* own = &sides[2 * words * v + k / 32];
       const std::uint32_t holder = basis.ddm.vertices[v].base_joint;
-      if (squared < fold[3] * fold[3] && near[holder]) own[0] |= bit;
+      if (squared < reaches[holder] * reaches[holder]) own[0] |= bit;
       if (below[holder]) own[words] |= bit;
     }
   }
@@ -133,15 +104,6 @@ void add_box_sides(std::size_t words, FoldTables& tables) {
       box[words + word] |= child[word];
     }
   }
-}
-
-std::vector<char> at_or_below(const Skeleton& skeleton, std::uint32_t joint) {
-  std::vector<char> found(skeleton.size());
-  for (std::size_t j = 0; j < found.size(); ++j) {
-    const int parent = skeleton.joints[j].parent;
-    found[j] = j == joint || (parent >= 0 && found[static_cast<std::size_t>(parent)]);
-  }
-  return found;
 }
 
 }  // namespace bodyopt

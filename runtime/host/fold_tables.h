@@ -24,7 +24,4 @@ FoldTables fold_tables(const Basis& basis);
 std::vector<std::uint32_t> boxed_triangles(const MeshTable& mesh);
 void add_box_sides(std::size_t words, FoldTables& tables);
 
-// J: of each joint whether it is `joint` or one below it.
-std::vector<char> at_or_below(const Skeleton& skeleton, std::uint32_t joint);
-
 }  // namespace bodyopt

@@ -1,7 +1,7 @@
 // Push-out: which joints fold skin, and which skin may lie in such a fold: what stands within two of the bone's lengths
 // around the joint. What crosses is found by the kernel (shaders/include/fold.h).
 #include "runtime/core/error.h"
-#include "runtime/host/fold_tables.h"
+#include "runtime/host/fold_joints.h"
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/bones.h"
 
