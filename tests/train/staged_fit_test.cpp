@@ -29,7 +29,6 @@ const SampleSet& samples() {
 }
 
 // Without some of the training frames.
-
 SampleSet without(std::initializer_list<std::size_t> frames) {
   SampleSet set = samples();
   for (const std::size_t frame : std::vector(std::rbegin(frames), std::rend(frames))) {
@@ -99,6 +98,21 @@ TEST(StagedFit, GoesOnWhereItStopped) {
   // What is kept is used: nothing else would notice that it was spoilt.
   spoil_region(folder, 1);
   EXPECT_EQ(testing::difference(trained_basis(samples(), keeping(folder)), from_the_start()), "residual");
+}
+
+// Whoever goes on from a basis knows the radius that its training chose.
+TEST(StagedFit, TheRadiusThatTrainingChoseIsNoOtherOption) {
+  const TemporaryFolder folder;
+  trained_basis(without({3, 17}), keeping(folder));
+  TrainOptions told = updating(folder);
+  told.smoothing_radius = TrainingStore(folder / "kept").layout()->smoothing_radius;
+  std::vector<std::string> notes;
+  trained_basis(samples(), told, &notes);
+  for (const std::string& note : notes) EXPECT_EQ(note.find("trained from the start"), std::string::npos) << note;
+  told.smoothing_radius *= 1.5;
+  notes.clear();
+  trained_basis(samples(), told, &notes);
+  EXPECT_EQ(notes.at(0), "the earlier training had another smoothing radius: trained from the start");
 }
 
 TEST(StagedFit, AnotherSizeIsMadeOfWhatIsKept) {

@@ -58,6 +58,9 @@ bool StagedFit::can_update() const {
                                       " keeps is of another character, other muscles or regions, or other options"
                                 : "there is nothing to update in " + options_.keep_in.string());
   }
+  if (options_.smoothing_radius > 0 && options_.smoothing_radius != earlier_->smoothing_radius) {
+    return refuse("the earlier training had another smoothing radius");
+  }
   const std::vector<std::uint64_t>& before = earlier_->from.frames;
   const std::set<int> still(earlier_frames_.begin(), earlier_frames_.end());
   const auto fresh = static_cast<std::size_t>(std::count(earlier_frames_.begin(), earlier_frames_.end(), -1));

@@ -42,9 +42,10 @@ void add(ContentHash& hash, const std::vector<Muscle>& muscles) {
   }
 }
 
-// All but what only the choice of entries depends on, and what changes no result.
+// All but what only the choice of entries depends on, what changes no result, and the smoothing radius: that is kept
+// beside it, whoever chose it.
 void add(ContentHash& hash, const TrainOptions& options) {
-  hash.add(options.smoothing_radius);
+  hash.add(0.0);  // for the radius, as earlier versions did where training chose it
   for (const int option :
        {options.smoothing_steps, options.components, options.centres, static_cast<int>(options.method.unposing),
         static_cast<int>(options.method.support), int{options.method.strains}, int{options.method.kernels}}) {
