@@ -15,6 +15,7 @@
 #include "cli/results/attachments.h"
 #include "cli/results/shot_caches.h"
 #include "cli/results/shot_folds.h"
+#include "cli/results/shot_moves.h"
 #include "cli/run_steps.h"
 #include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/posed_clip.h"
@@ -219,9 +220,12 @@ void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun
                      caches.log().text();
   const std::optional<ShotFolds> folds = measure_shot_folds(shot.deformer->basis(), shot.poses, shot.frames);
   if (folds) text += text_of(*folds);
+  const ShotMoves moves = measure_shot_moves(shot.deformer->basis(), shot.poses, shot.frames);
+  text += text_of(moves);
   for (const fs::path& file : outputs) text += "wrote " + file.string() + "\n";
   Json result = caches.log().result();
   if (folds) result["push_out"] = to_json(*folds);
+  if (!moves.moves.empty()) result["modifiers"] = to_json(moves);
   result["cache"] = arguments.cache.out;
   result["points"] = caches.points();
   result["device"] = shot.deformer->device_name();

@@ -21,7 +21,7 @@ struct BreathControls {
 
   BreathControls(const ModifierFrames& frames, std::size_t f) {
     const auto value = [&](Control control) { return static_cast<double>(frames.controls[control][f]); };
-    constexpr double kHardRate = 45, kHardDepth = 2.5, kHardChest = 0.7;  // an adult at full effort
+    constexpr double kHardRate = 45, kHardDepth = 2.6, kHardChest = 0.7;  // an adult at full effort
     const double effort = value(kExertion);
     rate = std::lerp(value(kRate), std::max(value(kRate), kHardRate), effort);
     depth = std::lerp(value(kDepth), std::max(value(kDepth), kHardDepth), effort);

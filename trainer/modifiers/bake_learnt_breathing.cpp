@@ -13,7 +13,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr double kUsualDepth = 0.58;  // of the control: at it a breath is as deep as the take's
+constexpr double kUsualDepth = 0.6;  // of the control: at it a breath is as deep as the take's
 
 // Of the database, in the order of the take's cache.
 std::vector<std::size_t> frames_of(const BakeInput& input, const PoseDatabase& database) {
