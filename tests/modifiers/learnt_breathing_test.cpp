@@ -119,7 +119,7 @@ TEST(LearntBreathing, GoesDeeperAndSwitchesOff) {
   Basis basis = BreathingLimb(kFrames).learnt();
   std::vector<Pose> usual(60, bind_pose(basis.skeleton)), deep = usual, off = usual;
   drive_modifiers(basis, {}, 24, usual);
-  basis.modifiers.stack[0].constants["depth"] = 1.16f;
+  basis.modifiers.stack[0].constants["depth"] = 1.2f;
   drive_modifiers(basis, {}, 24, deep);
   basis.modifiers.stack[0].constants["strength"] = 0;
   drive_modifiers(basis, {}, 24, off);
