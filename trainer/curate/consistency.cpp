@@ -17,7 +17,7 @@ namespace {
 using Eigen::Index;
 
 // Raised whenever the same frames are made to agree in another way.
-constexpr std::uint64_t kVersion = 7;
+constexpr std::uint64_t kVersion = 8;
 
 class Consistency : public ShapeModifier {
  public:

@@ -23,9 +23,9 @@ constexpr std::size_t kMostAsked = 32;  // frames whose neighbours say how much 
 constexpr std::array kLengths = {0.25, 0.5, 1.0, 2.0, 4.0, 8.0};
 constexpr std::array kPasses = {0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0};
 constexpr std::array kNoises = {1e-6, 1e-4, 1e-2};
-constexpr std::array kOthers = {0.0, 0.1, 1.0};              // how much joints from afar count
-constexpr double kChance = 1.92;                             // 95 of 100 likelihood ratios are smaller (Wilks 1938)
-constexpr double kTurned = 0.005;                            // the sine of half the angle
+constexpr std::array kOthers = {0.0, 0.1, 1.0};  // how much joints from afar count
+constexpr double kChance = 4.74;                 // of four variances; Wilks 1938: 95 of 100 ratios are smaller
+constexpr double kTurned = 0.005;                // the sine of half the angle
 constexpr double kLeastStep = 0.1 * std::numbers::pi / 180;  // radians: shorter ones have no direction of their own
 
 struct Neighbour {
@@ -205,6 +205,17 @@ std::vector<Asked> asked_of(const std::vector<std::vector<Neighbour>>& near, con
   return asked;
 }
 
+// Frames that pass by each other are asked of each other, again and again: they count once in all.
+double independent_share(const std::vector<Asked>& asked) {
+  std::set<std::size_t> frames;
+  std::size_t count = 0;
+  for (const Asked& there : asked) {
+    for (const Neighbour& other : there.near) frames.insert(other.frame);
+    count += there.near.size();
+  }
+  return static_cast<double>(frames.size()) / static_cast<double>(std::max<std::size_t>(count, 1));
+}
+
 // Two frames alone say nothing of variances, however far they are apart: the usual ones stay where chance may as well
 // have made others likelier.
 Variances likeliest(const std::vector<Asked>& asked, const std::vector<char>& anchors) {
@@ -216,9 +227,10 @@ Variances likeliest(const std::vector<Asked>& asked, const std::vector<char>& an
       }
     }
   }
+  const double independent = independent_share(asked);
   std::vector<double> likelihoods(all.size(), 0.0);
   parallel_for(all.size(), [&](std::size_t k) {
-    for (const Asked& there : asked) likelihoods[k] += log_likelihood(there, all[k], anchors);
+    for (const Asked& there : asked) likelihoods[k] += independent * log_likelihood(there, all[k], anchors);
     if (k > 0) likelihoods[k] -= kChance;
   });
   return all[static_cast<std::size_t>(std::ranges::max_element(likelihoods) - likelihoods.begin())];
