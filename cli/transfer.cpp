@@ -161,6 +161,7 @@ std::vector<Level> carried_levels(const TransferPair& pair, const Character& tar
     levels.push_back({transfer_basis(pair, options, notes), {}});
   } else {
     levels = transfer_levels(pair, target, source, options, notes);
+    if (levels.empty()) throw Error(ErrorKind::mismatch, target.name + ": " + notes.back());
   }
   for (Level& level : levels) keep_unit(level.basis, unit);
   return levels;
@@ -174,7 +175,7 @@ std::vector<std::string> carry_company(const Company& company, const TransferPai
   if (!company.levels.empty()) {
     std::vector<Level> levels = transfer_levels(pair, target, company.levels, options, notes);
     for (Level& level : levels) keep_unit(level.basis, unit);
-    save_levels(levels, written.emplace_back(proxy_beside(out)));
+    if (!levels.empty()) save_levels(levels, written.emplace_back(proxy_beside(out)));
   }
   if (company.dynamics) {
     const Dynamics dynamics = transfer_dynamics(pair, target, carried, *company.dynamics, company.muscles, notes);
