@@ -185,6 +185,13 @@ std::vector<std::string> carry_company(const Company& company, const TransferPai
 }
 
 void check_basis_arguments(const TransferArguments& arguments) {
+  const std::filesystem::path dataset = dataset_file(arguments.source);
+  if (dataset.extension() == ".json" && std::filesystem::exists(dataset)) {
+    throw Error(
+        ErrorKind::file,
+        arguments.source +
+            ": is a dataset, expected a trained basis (.safetensors): 'bodyopt transfer dataset' carries datasets");
+  }
   if (arguments.outs.size() != arguments.targets.size()) {
     throw Error(ErrorKind::usage, format("%zu targets and %zu --out: every target needs a basis to write",
                                          arguments.targets.size(), arguments.outs.size()));
