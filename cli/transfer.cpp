@@ -161,6 +161,7 @@ std::vector<Level> carried_levels(const TransferPair& pair, const Character& tar
     levels.push_back({transfer_basis(pair, options, notes), {}});
   } else {
     levels = transfer_levels(pair, target, source, options, notes);
+    if (levels.empty()) throw Error(ErrorKind::mismatch, target.name + ": " + notes.back());
   }
   for (Level& level : levels) keep_unit(level.basis, unit);
   return levels;
@@ -174,7 +175,7 @@ std::vector<std::string> carry_company(const Company& company, const TransferPai
   if (!company.levels.empty()) {
     std::vector<Level> levels = transfer_levels(pair, target, company.levels, options, notes);
     for (Level& level : levels) keep_unit(level.basis, unit);
-    save_levels(levels, written.emplace_back(proxy_beside(out)));
+    if (!levels.empty()) save_levels(levels, written.emplace_back(proxy_beside(out)));
   }
   if (company.dynamics) {
     const Dynamics dynamics = transfer_dynamics(pair, target, carried, *company.dynamics, company.muscles, notes);
@@ -184,6 +185,13 @@ std::vector<std::string> carry_company(const Company& company, const TransferPai
 }
 
 void check_basis_arguments(const TransferArguments& arguments) {
+  const std::filesystem::path dataset = dataset_file(arguments.source);
+  if (dataset.extension() == ".json" && std::filesystem::exists(dataset)) {
+    throw Error(
+        ErrorKind::file,
+        arguments.source +
+            ": is a dataset, expected a trained basis (.safetensors): 'bodyopt transfer dataset' carries datasets");
+  }
   if (arguments.outs.size() != arguments.targets.size()) {
     throw Error(ErrorKind::usage, format("%zu targets and %zu --out: every target needs a basis to write",
                                          arguments.targets.size(), arguments.outs.size()));

@@ -65,9 +65,13 @@ std::vector<std::string> Session::open(const std::string& file) {
   std::vector<std::string> notes;
   Actor& receiver = *scene.cast()[receiver_];
   if (is_dataset(file)) {
-    const std::string path = files_of_dataset(file).truth;
+    const std::string path = files_of_dataset(file).truth, before = receiver.files().clip;
     open_truth(receiver, path);
     receiver.open_clip(path);
+    if (!before.empty() && before != path) {
+      notes.push_back(fs::path(before).filename().string() + ": in its place play the frames of " + file +
+                      ", which have shapes to compare with");
+    }
     if (receiver_ == 0) play_clip();
   } else if (is_character(file)) {
     notes = add({.basis = file});

@@ -55,10 +55,24 @@ void add_frames(const Dataset& dataset, const DatasetTake& there, DatasetTake& t
   say_heldout(take, asked);
 }
 
+// A dataset that is there knows the unit of its character, which the arguments may lack.
+Character read_character_of(const SimulationArguments& arguments, const fs::path& dataset_path) {
+  try {
+    return read_character(arguments.character, arguments.unit);
+  } catch (const Error& error) {
+    if (arguments.unit != 0 || !fs::exists(dataset_path)) throw;
+    const double known = read_dataset(dataset_path).unit;
+    if (known == 0) throw;
+    throw Error(error.kind(), format("%s; %s was made with --unit %g", error.what(), dataset_path.c_str(), known));
+  }
+}
+
 }  // namespace
 
 std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments) {
-  const Character character = read_character(arguments.character, arguments.unit);
+  const fs::path folder = arguments.out;
+  const fs::path dataset_path = folder / "dataset.json";
+  const Character character = read_character_of(arguments, dataset_path);
   say(character.notes);
   std::vector<Muscle> muscles;
   if (!arguments.muscles.empty()) muscles = read_muscles(arguments.muscles, character.skeleton);
@@ -68,9 +82,7 @@ std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments) {
   std::vector<int> frames;
   const Clip clip = arguments.take.clip.read(character.skeleton, arguments.unit, frames);
 
-  const fs::path folder = arguments.out;
   make_folder(folder);
-  const fs::path dataset_path = folder / "dataset.json";
   DatasetTake take = new_take(arguments, frames, folder);
   const TakeLock lock(folder / take.shapes);  // until dataset.json names the frames that the shapes are of
   const Dataset asked = asked_dataset(arguments, folder);

@@ -12,6 +12,8 @@
 namespace bodyopt::cli {
 namespace {
 
+constexpr double kWorthTelling = 0.05;  // standard deviations beyond the trained range: less is written as 0.0
+
 // Frames worth a look, spread over the shot: those expected to be most wrong, or, where that is not known, that leave
 // what was trained furthest.
 Json worth_a_look(const Json& per_frame) {
@@ -173,7 +175,7 @@ std::string EvaluationLog::text() const {
     text += format("  %-8s %8.3f ms a frame\n", stage.name,
                    1e3 * found->second / static_cast<double>(std::max<std::size_t>(1, timed_frames_)));
   }
-  if (!outside_frames_.empty()) {
+  if (worst_outside_ >= kWorthTelling) {
     text +=
         format("%zu frames leave the trained range (most of all %s, by %.1f standard deviations) and were clamped: ",
                outside_frames_.size(), worst_feature_.c_str(), worst_outside_) +

@@ -117,6 +117,14 @@ TEST(Foresee, JointsThatNoClipTurnsAreRemarkedOn) {
   EXPECT_NE(remarks[0].find("'lower'"), std::string::npos) << remarks[0];
 }
 
+// Of a large character it takes minutes.
+TEST(Foresee, TellsHowFarItIs) {
+  ::testing::internal::CaptureStderr();
+  foresee(make_limb());
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("check: 100 % (7/7"), std::string::npos) << said;
+}
+
 // What is foreseen of a dataset is what train and proxy then do.
 TEST(Foresee, WhatTrainAndProxyDo) {
   SampleSet set = limb_samples(20, 4);

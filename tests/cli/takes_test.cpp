@@ -41,6 +41,17 @@ TEST(Takes, FramesAreAddedNotReplaced) {
   EXPECT_EQ(read_dataset(folder / "data/dataset.json").takes.size(), 2u);
 }
 
+TEST(Takes, SimulateTellsTheUnitThatADatasetWasMadeWith) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1000);
+  const std::string simulate =
+      "simulate " + files.character + " --clip " + files.motion + " --out " + (folder / "data").string() + " --draft";
+  ASSERT_EQ(run_bodyopt(simulate + " --unit 0.001 --frames 1").exit_code, 0);
+  const ProgramResult without = run_bodyopt(simulate + " --frames 2");
+  EXPECT_NE(without.exit_code, 0);
+  EXPECT_NE(without.output.find("data/dataset.json was made with --unit 0.001"), std::string::npos) << without.output;
+}
+
 // Before any work is done, and before anything is written.
 TEST(Takes, SimulateRefusesWhatWouldGoWrongAtItsEnd) {
   const TemporaryFolder folder;

@@ -7,6 +7,7 @@
 #include "proxy_viewer/describe_scene.h"
 #include "proxy_viewer/state/euler_angles.h"
 #include "runtime/core/error.h"
+#include "tests/curate/curated_limb.h"
 #include "tests/proxy_viewer/small_character.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/gpu_fixture.h"
@@ -386,6 +387,20 @@ TEST(SessionRates, JiggleOfAnotherRateIsLeftOutAndSaid) {
   run_command(session.controls, "jiggle off");
   EXPECT_EQ(kind_of([&] { run_command(session.controls, "jiggle on"); }), ErrorKind::usage);
   EXPECT_NO_THROW(run_command(session.controls, "tets on"));
+}
+
+// A dataset's shapes are of its own frames: it says so where those take the place of a clip.
+TEST(SessionDatasets, SayWhichClipTheirFramesReplace) {
+  const CuratedLimb limb;
+  ViewerOptions options;
+  options.files = {(limb.folder() / "limb.glb").string()};
+  Session session(open_test_device(), options);
+  session.open_first();
+  session.open((limb.folder() / "one.glb").string());
+  const std::vector<std::string> notes = session.open(limb.folder().string());
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_TRUE(notes[0].starts_with("one.glb: in its place play the frames of ")) << notes[0];
+  EXPECT_TRUE(session.open(limb.folder().string()).empty());
 }
 
 // By whatever they are turned: a command here.

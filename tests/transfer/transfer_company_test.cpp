@@ -12,6 +12,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/transfer/refined_limb.h"
 #include "trainer/proxy/build_proxy.h"
+#include "trainer/proxy/proxy_samples.h"
+#include "trainer/proxy/simplify_skin.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/skinning/ddm_basis.h"
 #include "trainer/transfer/transfer_basis.h"
@@ -66,6 +68,15 @@ class OtherJoints {
  private:
   TemporaryFolder folder_;
 };
+
+Character with_beak(Character limb) {
+  const double from = 0.9 * kLimbLength;
+  for (Eigen::Index v = 0; v < limb.vertices.rows(); ++v) {
+    double& z = limb.vertices(v, 2);
+    if (z > from) z += 6 * (z - from);
+  }
+  return limb;
+}
 
 Positions rows(const std::vector<float>& values) {
   return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
@@ -144,12 +155,7 @@ TEST(TransferLevels, AProxyAloneTakesAllOfItsLevelsAlong) {
 
 // A long beak at the end of other triangles, which nothing of the source lies on: levels laid onto it would lack it.
 TEST(TransferLevels, WhereTheyWouldLackAPartTheyAreOfTheTargetsOwnSkin) {
-  Character beaked = refined_limb();
-  const double from = 0.9 * kLimbLength;
-  for (Eigen::Index v = 0; v < beaked.vertices.rows(); ++v) {
-    double& z = beaked.vertices(v, 2);
-    if (z > from) z += 6 * (z - from);
-  }
+  const Character beaked = with_beak(refined_limb());
   const TransferPair pair(limb_basis(), beaked, {});
   std::vector<std::string> notes;
   const std::vector<Level> carried = transfer_levels(pair, beaked, limb_levels(), {}, notes);
@@ -165,6 +171,17 @@ TEST(TransferLevels, WhereTheyWouldLackAPartTheyAreOfTheTargetsOwnSkin) {
   double highest = 0;
   for (std::size_t z = 2; z < rest.size(); z += 3) highest = std::max<double>(highest, rest[z]);
   EXPECT_NEAR(highest, beaked.vertices.col(2).maxCoeff(), 0.02);
+}
+
+TEST(TransferLevels, ASkinTooCoarseForLevelsOfItsOwnGetsNone) {
+  const Character limb = limb_character();
+  const Character coarse = with_beak(proxy_character(limb, simplify_skin(limb, {limb.vertices}, 6e-3)));
+  ASSERT_LT(coarse.vertices.rows(), 100);
+  const TransferPair pair(limb_basis(), coarse, {});
+  std::vector<std::string> notes;
+  EXPECT_TRUE(transfer_levels(pair, coarse, limb_levels(), {}, notes).empty());
+  ASSERT_FALSE(notes.empty());
+  EXPECT_NE(notes.back().find("it gets no levels"), std::string::npos) << notes.back();
 }
 
 TEST(TransferLevels, RefusesAProxyOfAnotherCharacter) {

@@ -58,6 +58,17 @@ TEST_F(TransferProgram, WhatStandsBesideTheBasisGoesWithIt) {
   EXPECT_EQ(transfer(path("limb.glb") + " --alone --proxy x --out " + path("b.safetensors")).exit_code, 64);
 }
 
+TEST_F(TransferProgram, ADatasetInPlaceOfABasisIsCalledOne) {
+  testing::write_limb_dataset(folder_ / "source", 4);
+  for (const char* dataset : {"source", "source/dataset.json"}) {
+    const ProgramResult result =
+        run_bodyopt("transfer basis " + path(dataset) + " " + path("limb.glb") + " --out " + path("a.safetensors"));
+    EXPECT_EQ(result.exit_code, 4);
+    EXPECT_NE(result.output.find("is a dataset"), std::string::npos) << result.output;
+    EXPECT_NE(result.output.find("'bodyopt transfer dataset'"), std::string::npos) << result.output;
+  }
+}
+
 TEST_F(TransferProgram, AProxyIsASourceWithAllOfItsLevels) {
   const Basis source = load_basis(path("limb.safetensors"));
   save_levels({testing::twin(source), testing::twin(source)}, path("twins.safetensors"));

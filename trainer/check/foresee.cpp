@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "assets/notes.h"
+#include "base/progress.h"
 #include "geometry/closed_skin.h"
 #include "geometry/point_grid.h"
 #include "geometry/vertex_normals.h"
@@ -245,13 +246,21 @@ const char* name_of(BodyFill fill) {
 
 CharacterForesight foresee(const Character& character, const std::vector<Pose>& poses) {
   CharacterForesight result;
+  constexpr std::size_t kVerbs = 5;
+  Progress progress("check", kVerbs + 2);
+  const auto counted = [&](VerbForesight verb) {
+    progress.advance();
+    return verb;
+  };
   VerticesOfJoints glued;
-  VerbForesight full = foresee_simulate(character, false, glued), draft = foresee_simulate(character, true, glued);
+  VerbForesight full = counted(foresee_simulate(character, false, glued)),
+                draft = counted(foresee_simulate(character, true, glued));
   if (draft.fill == BodyFill::lattice && (full.fill == BodyFill::skin || full.fill == BodyFill::mended)) {
     draft.remedy = kNoDraft;
   }
-  result.verbs = {std::move(full), std::move(draft), foresee_dynamics(character), foresee_train(character),
-                  foresee_proxy(character, skinned_shapes(character, poses))};
+  result.verbs = {std::move(full), std::move(draft), counted(foresee_dynamics(character)),
+                  counted(foresee_train(character)),
+                  counted(foresee_proxy(character, skinned_shapes(character, poses)))};
   result.glued = places_of(character, glued, kFewest);
   try {
     result.intersections =
@@ -259,7 +268,9 @@ CharacterForesight foresee(const Character& character, const std::vector<Pose>& 
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;  // the verbs say why
   }
+  progress.advance();
   result.near_parts = near_parts_of(character);
+  progress.advance();
   result.remarks = remarks_on(character, poses);
   return result;
 }

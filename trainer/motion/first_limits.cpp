@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "assets/joints_with_skin.h"
 #include "assets/notes.h"
 #include "runtime/core/error.h"
 #include "trainer/motion/turns_from_bind.h"
@@ -20,7 +21,6 @@ constexpr double kTurns = 2;                     // degrees: less is no motion o
 constexpr double kWidening = 0.1, kWiderBy = 1;  // of a range in clips; degrees
 constexpr double kMost[] = {170, 90, 170};       // degrees of bend, side, twist: beyond, the three are ambiguous
 constexpr double kDeviation = 0.25;              // of a joint's widest range
-constexpr double kSharesSkin = 0.05;             // of a vertex: less is a trace
 
 // Degrees either way, of joints that no clip turns.
 struct Rule {
@@ -31,28 +31,12 @@ constexpr Rule kFork{15, 10, "rule for a joint at a fork, as of trunks and hands
 constexpr Rule kChain{30, 15, "rule for a joint in a chain, as of limbs, necks and tails; no clip turns it"};
 constexpr Rule kTip{10, 5, "rule for the tip of a chain; no clip turns it"};
 
-// Of every joint, how many joints that skin follows are at or below it.
-std::vector<int> joints_with_skin(const Character& character) {
-  const Skeleton& skeleton = character.skeleton;
-  std::vector<int> with_skin(skeleton.size(), 0);
-  for (const auto& weights : character.weights) {
-    for (const JointWeight& weight : weights) {
-      if (weight.weight > kSharesSkin) with_skin[weight.joint] = 1;
-    }
-  }
-  for (std::size_t j = skeleton.size(); j-- > 0;) {
-    const int parent = skeleton.joints[j].parent;
-    if (parent >= 0) with_skin[static_cast<std::size_t>(parent)] += with_skin[j];
-  }
-  return with_skin;
-}
-
 // Joints that move some of the skin against the rest of it. What moves all of it is a root, wherever it stands.
-std::vector<std::uint32_t> bending_joints(const Skeleton& skeleton, const std::vector<int>& with_skin) {
-  const int all = with_skin.empty() ? 0 : *std::max_element(with_skin.begin(), with_skin.end());
+std::vector<std::uint32_t> bending_joints(const Character& character, const std::vector<int>& with_skin) {
+  const std::vector<bool> of_all_skin = joints_of_all_skin(character);
   std::vector<std::uint32_t> joints;
-  for (std::uint32_t j = 0; j < skeleton.size(); ++j) {
-    if (skeleton.joints[j].parent >= 0 && with_skin[j] > 0 && with_skin[j] < all) joints.push_back(j);
+  for (std::uint32_t j = 0; j < with_skin.size(); ++j) {
+    if (character.skeleton.joints[j].parent >= 0 && with_skin[j] > 0 && !of_all_skin[j]) joints.push_back(j);
   }
   return joints;
 }
@@ -185,7 +169,7 @@ JointLimits first_limits(const Character& character, const std::vector<Pose>& po
       "first limits, to be edited: a joint's 'rest' of 0 is the bind pose; 'twist' is about its bone, 'bend' about "
       "what "
       "the clips turn it about most, or else nearly left-right, 'side' about the third";
-  for (const std::uint32_t j : bending_joints(skeleton, with_skin)) {
+  for (const std::uint32_t j : bending_joints(character, with_skin)) {
     const std::vector<Quat> turns = turns_from_bind(skeleton, poses, j);
     const Vector3d bone = bone_of(skeleton, j);
     const Matrix3d axes = axes_of(bend_of(turns, bone), bone);

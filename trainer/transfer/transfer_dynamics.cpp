@@ -48,8 +48,9 @@ JiggleSettings carried_settings(const JiggleSettings& source, const TransferPair
     if (region.flesh) *region.flesh *= pair.match.size;
   }
   if (!lost.empty()) {
-    notes.push_back("the jiggle's settings name what is not known of the target, and is left out: " + list_names(lost) +
-                    ". Of muscles --muscles knows; of painted regions 'transfer dataset', then 'dynamics' of that");
+    notes.push_back(
+        "the jiggle's settings name what the target is not known to have, which is left out: " + list_names(lost) +
+        ". Of muscles --muscles knows; of painted regions 'transfer dataset', then 'dynamics' of that");
   }
   return result;
 }

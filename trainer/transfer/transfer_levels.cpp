@@ -86,6 +86,22 @@ class SkinLayer {
   const NearestSkin on_source_, on_target_;
 };
 
+// The target's own skin simplified; none where it is too coarse for that.
+std::vector<TargetSkin> own_skins_of_levels(const Character& target, std::size_t most, const std::string& why,
+                                            std::vector<std::string>& notes) {
+  try {
+    std::vector<TargetSkin> skins = own_level_skins(target, most, notes);
+    notes.push_back(why + ": they are made of its own skin, simplified");
+    return skins;
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::usage) throw;
+    notes.push_back(why + ", and its own, of " +
+                    count_of(static_cast<std::size_t>(target.vertices.rows()), "vertex", "vertices") +
+                    ", is too coarse to be simplified: it gets no levels");
+    return {};
+  }
+}
+
 // The levels laid onto the target; where the finest lies far off, the target's own skin simplified instead.
 std::vector<TargetSkin> skins_of_levels(const TransferPair& pair, const Character& target,
                                         const std::vector<Level>& levels, const ProxyReport& of_source,
@@ -100,9 +116,8 @@ std::vector<TargetSkin> skins_of_levels(const TransferPair& pair, const Characte
   if (of_source.levels.empty()) return skins;
   const double off = skin_distance(target, skins.front().skin).rms;
   if (off <= kNearEnough * size * of_source.levels.front().distance_rms) return skins;
-  notes.push_back("the source's levels of detail lie " + rounded(off) +
-                  " mm off this body's skin (RMS): they are made of its own skin, simplified");
-  return own_level_skins(target, levels.size(), notes);
+  const std::string why = "the source's levels of detail lie " + rounded(off) + " mm off this body's skin (RMS)";
+  return own_skins_of_levels(target, levels.size(), why, notes);
 }
 
 LevelReport carried_report(LevelReport report, double size, const Character& target, const TargetSkin& laid,
@@ -126,6 +141,7 @@ std::vector<Level> transfer_levels(const TransferPair& pair, const Character& ta
   own.markers.clear();  // of the full skins
   ProxyReport report = read_proxy_report(levels.front().basis);
   const std::vector<TargetSkin> skins = skins_of_levels(pair, target, levels, report, notes);
+  if (skins.empty()) return {};
   report.full_vertices = static_cast<std::uint32_t>(target.vertices.rows());
   report.measured_on += " of the source";
   report.levels.resize(std::min(report.levels.size(), skins.size()));

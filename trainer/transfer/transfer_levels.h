@@ -15,7 +15,7 @@ namespace bodyopt {
 // its size, as where a part of the target is nowhere on the source, the levels are the target's own (own_level_skins),
 // no more than the source has. The errors told of the levels are the source's, in the target's size; distances at rest
 // are measured. `levels`: a proxy of the pair's source, or one whose first level that is. `target`: of the pair. Shows
-// progress. Throws Error(usage) where the target's skin has too few vertices for a level of its own.
+// progress. Empty where the target's skin has too few vertices for a level of its own: `notes` say so.
 std::vector<Level> transfer_levels(const TransferPair& pair, const Character& target, const std::vector<Level>& levels,
                                    const TransferOptions& options, std::vector<std::string>& notes);
 

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "runtime/host/rig.h"
+#include "trainer/train/features/learned_features.h"
 #include "trainer/train/features/strain.h"
 #include "trainer/train/pack/trade_off.h"
 #include "trainer/train/skinning/mesh_table.h"
@@ -20,6 +21,13 @@ std::vector<std::uint32_t> all_vertices(const Character& character) {
   std::vector<std::uint32_t> all(static_cast<std::size_t>(character.vertices.rows()));
   std::iota(all.begin(), all.end(), 0u);
   return all;
+}
+
+// In runtime order, its skeleton with the features that it is learned by.
+Character to_learn(const Character& character, const std::vector<std::uint32_t>& order) {
+  Character ordered = in_order(character, order);
+  ordered.skeleton.features = learned_features(character);
+  return ordered;
 }
 
 // Sum of the squared un-posed displacements of some training frames, spread evenly.
@@ -149,7 +157,7 @@ Groundwork::Groundwork(const SampleSet& set, const TrainOptions& options, const 
     : muscles(with_curves(set.muscles, curves)),
       curve_count(curves.size()),
       order(morton_order(set.character.vertices)),
-      ordered(in_order(set.character, order)),
+      ordered(to_learn(set.character, order)),
       base(base_with_fibres(set, ordered, order, options, muscles)),
       shapes(set, ordered, base.basis, order, options.method.unposing),
       features(features_of(set, base, earlier)) {}

@@ -11,6 +11,7 @@
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/error.h"
 #include "runtime/core/hexadecimal.h"
+#include "trainer/train/features/learned_features.h"
 #include "trainer/train/fit/surface_curves.h"
 
 namespace bodyopt {
@@ -334,6 +335,10 @@ TrainingKeys training_keys(const SampleSet& set, const TrainOptions& options) {
   add(subject, set.regions);
   for (const std::string& control : set.controls) subject.add(control);
   add(subject, options);
+  for (const JointFeatures& of : learned_features(set.character)) {  // of most characters none
+    subject.add(std::uint64_t{of.joint});
+    subject.add(std::uint64_t{of.above});
+  }
   TrainingKeys keys{subject.value(), std::vector<std::uint64_t>(set.train.size()), takes_key(set.train),
                     std::vector<std::uint64_t>(set.heldout.size())};
   Progress progress("train: looking at the frames", set.train.size() + set.heldout.size());

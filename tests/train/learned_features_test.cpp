@@ -1,0 +1,82 @@
+// A joint that all of the skin hangs under: it is no part of a pose to learn.
+#include "trainer/train/features/learned_features.h"
+
+#include <gtest/gtest.h>
+
+#include "runtime/coverage/expected_error.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/rig.h"
+#include "tests/support/capsule_limb.h"
+#include "tests/support/trained_basis.h"
+#include "trainer/train/features/features.h"
+
+namespace bodyopt {
+namespace {
+
+// The limb below one joint more, which moves no skin of its own: joint 0; the limb's root is joint 1.
+Character hung_limb() {
+  Character limb = limb_character();
+  for (Joint& joint : limb.skeleton.joints) ++joint.parent;
+  Joint above;
+  above.name = "world";
+  limb.skeleton.joints.insert(limb.skeleton.joints.begin(), above);
+  for (auto& weights : limb.weights) {
+    for (JointWeight& weight : weights) ++weight.joint;
+  }
+  return limb;
+}
+
+SampleSet hung_samples() {
+  SampleSet set = limb_samples(60, 10);
+  set.character = hung_limb();
+  for (Muscle& muscle : set.muscles) {
+    for (MusclePoint& point : muscle.path) ++point.joint;
+  }
+  for (std::vector<Sample>* samples : {&set.train, &set.heldout}) {
+    for (Sample& sample : *samples) sample.pose.joints.insert(sample.pose.joints.begin(), JointTransform{});
+  }
+  return set;
+}
+
+TEST(LearnedFeatures, AJointThatAllOfTheSkinHangsUnderCountsAsNotTurning) {
+  const std::vector<JointFeatures> expected = {{1, 1}, {2, 1}, {3, 2}};
+  EXPECT_EQ(learned_features(hung_limb()), expected);
+}
+
+TEST(LearnedFeatures, OfOtherCharactersAreTheUsualOnes) {
+  EXPECT_TRUE(learned_features(limb_character()).empty());
+  Character bent_below = hung_limb();  // some skin stays where it is
+  bent_below.weights.front() = {{0, 1}};
+  EXPECT_TRUE(learned_features(bent_below).empty());
+}
+
+TEST(LearnedFeatures, ABodyThatLeansIsInNoOtherPoseThanTrained) {
+  const SampleSet set = hung_samples();
+  const Basis basis = trained_basis(set, {.components = 16, .centres = 20});
+  const Pose& upright = set.heldout[7].pose;
+  Pose leaning = upright;
+  const Quat lean = axis_angle({1, 0, 0}, 0.9);
+  leaning.joints[1].rotation = lean * leaning.joints[1].rotation;
+  EXPECT_EQ(pose_rig(basis.skeleton, leaning).joint_features, pose_rig(basis.skeleton, upright).joint_features);
+
+  const ErrorExpectation expectation(basis);
+  const double expected_mm = expectation.of(upright, measure_strains(basis, upright)).rms_mm;
+  EXPECT_NEAR(expectation.of(leaning, measure_strains(basis, leaning)).rms_mm, expected_mm, 1e-3 * expected_mm);
+
+  Deformer deformer(basis, {.name = "cpu"});
+  const std::vector<float> stands = deformer.evaluate({&upright, 1}).positions,
+                           leans = deformer.evaluate({&leaning, 1}).positions;
+  const auto turn = rotation_matrix(lean);
+  double furthest = 0;
+  for (std::size_t v = 0; v < stands.size(); v += 3) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      double turned = 0;
+      for (std::size_t k = 0; k < 3; ++k) turned += turn[i][k] * double{stands[v + k]};
+      furthest = std::max(furthest, std::abs(turned - double{leans[v + i]}));
+    }
+  }
+  EXPECT_LT(furthest, 1e-5);
+}
+
+}  // namespace
+}  // namespace bodyopt
