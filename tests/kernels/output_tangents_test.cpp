@@ -224,6 +224,27 @@ TEST(OutputTangentsReference, PointToWhereTheTextureGrows) {
   }
 }
 
+// A square, turned on its texture, and a triangle of which two corners are one vertex of the skin: it changes no
+// tangent, and has none where it is alone.
+TEST(OutputTangentsReference, CollapsedTrianglesHaveNoPart) {
+  MeshTable mesh;
+  mesh.rest = {0, 0, 0, 2, 0, 0, 2, 1, 0, 0, 1, 0};
+  mesh.output_vertex = {0, 1, 2, 3, 1};
+  mesh.triangles = {0, 1, 2, 0, 2, 3};
+  const std::vector<float> normals = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, texture = {0, 0, 0, -2, 1, -2, 1, 0, 3, -4};
+  for (const std::array<std::uint32_t, 3>& collapsed : {std::array{0u, 1u, 4u}, {1u, 4u, 0u}, {4u, 0u, 1u}}) {
+    mesh.output_triangles = {0, 1, 2, 0, 2, 3};
+    mesh.output_triangles.insert(mesh.output_triangles.end(), collapsed.begin(), collapsed.end());
+    std::vector<float> tangents(20);
+    cpu::output_tangents(tangent_tables(mesh, texture), mesh.rest, normals, 0, tangents);
+    for (std::size_t output = 0; output < 5; ++output) {
+      const std::array<float, 3> expected = {0, output < 4 ? 1.0f : 0.0f, 0};
+      for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(tangents[4 * output + i], expected[i]) << output;
+      EXPECT_EQ(tangents[4 * output + 3], 1) << output;
+    }
+  }
+}
+
 // A square whose second triangle is mirrored, with vertices of its own that differ in one texture coordinate alone.
 TEST(OutputTangentsReference, SidesOfASeamHaveTheirOwn) {
   MeshTable mesh;
