@@ -84,7 +84,7 @@ TEST(CheckedBackend, GivesNoSkinThatStaysOnTheDevice) {
     const float* x = &basis.mesh.rest[3 * std::size_t{basis.mesh.output_vertex[v]}];
     texture.insert(texture.end(), {x[0], x[1]});
   }
-  const auto model = make_character_model(basis, {}, texture);
+  const auto model = std::make_shared<const CharacterModel>(basis, std::nullopt, texture);
   const auto checked = make_checked_backend(model, make_cpu_backend(model), make_cpu_backend(model));
   Batch batch = random_batch(basis, 3);
   batch.stays_on_device = batch.wants_tangents = true;
