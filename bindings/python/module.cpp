@@ -329,6 +329,7 @@ class Model {
       options.texture = coordinates.data();
       options.texture_stride = stride_of(coordinates, 0);
       options.texture_size = extent_of(coordinates);
+      options.texture_count = static_cast<std::size_t>(coordinates.shape(0));
     }
     bodyopt_model* loaded = nullptr;
     check_without_gil([&] { return bodyopt_load_model(path.c_str(), &options, &loaded); });

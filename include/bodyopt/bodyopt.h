@@ -66,15 +66,17 @@ typedef struct bodyopt_load_options {
   size_t struct_size;
   const char* dynamics; /* file of diffuse and jiggle; NULL: the skin is quasi-static */
   uint32_t level;       /* of detail, in a file of several; 0 is the finest */
-  /* Two texture coordinates of each vertex, in the vertex order of the character's file, for bodyopt_skin.tangents;
-   * read while the model is loaded. NULL: tangents cannot be asked for. */
+  /* Two texture coordinates of each vertex of this level, for bodyopt_skin.tangents; read while the model is loaded.
+   * Level 0 has the vertices of the character's file, in their order; coarser ones have vertices of their own, which
+   * bodyopt_get_triangles and the skin at rest tell. NULL: tangents cannot be asked for. */
   const float* texture;
   size_t texture_size;   /* bytes from `texture` on that can be read */
   size_t texture_stride; /* bytes from one vertex to the next, a multiple of 4; 0: without gaps */
+  size_t texture_count;  /* vertices that they are of: as many as the model has */
 } bodyopt_load_options;
 
-/* `path`: BASIS.safetensors, UTF-8. `options`: NULL for none. BODYOPT_FILE, BODYOPT_MISMATCH (texture coordinates that
- * are not finite, too), BODYOPT_USAGE. */
+/* `path`: BASIS.safetensors, UTF-8. `options`: NULL for none. BODYOPT_FILE, BODYOPT_MISMATCH (texture coordinates of
+ * another number of vertices or that are not finite, too), BODYOPT_USAGE. */
 BODYOPT_API bodyopt_result bodyopt_load_model(const char* path, const bodyopt_load_options* options,
                                               bodyopt_model** model);
 BODYOPT_API void bodyopt_release_model(bodyopt_model* model);

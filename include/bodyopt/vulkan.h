@@ -1,8 +1,10 @@
 /* Bodyopt on the host program's own Vulkan device: the skin is recorded into the host's command buffers and written to
  * the host's buffers. Nothing is copied to the CPU and nothing waits. See bodyopt.h for what holds everywhere.
  *
- * The library calls Vulkan's loader, as the host does; both must use the same one, as programs of one process do. It
- * needs Vulkan 1.2, no extension and no feature, and the queue given must compute.
+ * The library calls the loader that the system finds as libvulkan.so.1, and gives it the host's handles: these must be
+ * of that same loader. A host that brings a loader of its own, linked into it or under another path, opens a device by
+ * bodyopt_open_device instead. The library needs Vulkan 1.2, no extension and no feature, and the queue given must
+ * compute.
  *
  * Threads: a call that loads tables or evaluates on the CPU's behalf (bodyopt_create_instance, bodyopt_evaluate,
  * bodyopt_jiggle, bodyopt_evaluate_together, bodyopt_set_state, bodyopt_get_state) submits to the queue given; the host

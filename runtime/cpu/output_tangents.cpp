@@ -4,11 +4,12 @@
 namespace bodyopt::cpu {
 namespace {
 
-void tangent(const TangentTables& tables, const TangentVertex& vertex, std::span<const float> positions,
-             std::span<const float> normals, float (&sum)[3]) {
+void tangent_of(const TangentTables& tables, const TangentVertex& vertex, std::span<const float> positions,
+                std::span<const float> normals, float (&tangent)[3]) {
   const float* const a = &positions[3 * std::size_t{vertex.vertex}];
   const float* const n = &normals[3 * std::size_t{vertex.vertex}];
   const float normal[3] = {n[0], n[1], n[2]};
+  float sum[4] = {};
   for (std::uint32_t k = vertex.corner_begin; k < vertex.corner_end; ++k) {
     const TangentCorner& corner = tables.corners[k];
     const float* const b = &positions[3 * std::size_t{corner.b}];
@@ -16,7 +17,7 @@ void tangent(const TangentTables& tables, const TangentVertex& vertex, std::span
     const float to_b[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, to_c[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
     add_corner(corner, normal, to_b, to_c, sum);
   }
-  make_unit(sum);
+  vertex_tangent(sum, tangent);
 }
 
 }  // namespace
@@ -25,9 +26,9 @@ void output_tangents(const TangentTables& tables, std::span<const float> positio
                      std::size_t first_output, std::span<float> tangents) {
   for (std::size_t at = 0; at < tangents.size(); at += 4) {
     const TangentVertex& vertex = tables.vertices[first_output + at / 4];
-    float sum[3] = {};
-    tangent(tables, vertex, positions, normals, sum);
-    for (std::size_t i = 0; i < 3; ++i) tangents[at + i] = sum[i];
+    float tangent[3];
+    tangent_of(tables, vertex, positions, normals, tangent);
+    for (std::size_t i = 0; i < 3; ++i) tangents[at + i] = tangent[i];
     tangents[at + 3] = vertex.sign;
   }
 }

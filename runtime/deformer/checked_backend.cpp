@@ -98,7 +98,7 @@ class CheckedBackend final : public Backend {
     if (!batch.jiggle.empty()) cpu_->set_motion(device_motion_);
     if (!stays_on_device) return found;
     without_skin_ = found;
-    without_skin_.positions = without_skin_.normals = {};
+    without_skin_.positions = without_skin_.normals = without_skin_.tangents = {};
     return without_skin_;
   }
 

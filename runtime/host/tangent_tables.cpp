@@ -61,10 +61,17 @@ class Corners {
     const auto [u_b, v_b] = edge(triangle[0], triangle[1]);
     const auto [u_c, v_c] = edge(triangle[0], triangle[2]);
     const double area = u_b * v_c - u_c * v_b;
-    if (area == 0) return;
+    if (area == 0 || is_collapsed(triangle)) return;
     for (std::size_t k = 0; k < 3; ++k) {
       add_corner(triangle[k], triangle[(k + 1) % 3], triangle[(k + 2) % 3], area < 0);
     }
+  }
+
+  // Two of its corners are at one place at rest: an angle there is of an edge without a direction.
+  bool is_collapsed(const std::uint32_t* triangle) const {
+    const auto at = [&](std::size_t k) { return &mesh_.rest[3 * std::size_t{mesh_.output_vertex[triangle[k]]}]; };
+    return std::equal(at(0), at(0) + 3, at(1)) || std::equal(at(1), at(1) + 3, at(2)) ||
+           std::equal(at(2), at(2) + 3, at(0));
   }
 
   // On the texture.

@@ -134,6 +134,11 @@ std::span<const int> GivenPoses::frame_numbers() const {
 std::vector<float> read_texture(const bodyopt_load_options& options, const Basis& basis) {
   const std::size_t vertices = basis.mesh.output_count(), both = 2 * sizeof(float);
   if (options.texture == nullptr || vertices == 0) return {};
+  if (options.texture_count != vertices) {
+    throw Error(ErrorKind::mismatch, "the texture coordinates are of " + std::to_string(options.texture_count) +
+                                         " vertices, the model has " + std::to_string(vertices) +
+                                         " (each level of detail has its own)");
+  }
   require_aligned(options.texture, "options.texture");
   const std::size_t stride = checked_stride(options.texture_stride, both, sizeof(float), "options.texture_stride");
   const std::size_t needed = checked_size(vertices - 1, stride, both, "options.texture");

@@ -43,9 +43,10 @@ BODYOPT_FUNCTION void across_normal(BODYOPT_IN_ARRAY(n, 3), BODYOPT_IN_ARRAY(v, 
   make_unit(u);
 }
 
-// Adds the triangle's tangent across the vertex's normal n, times the triangle's angle there. to_b, to_c: its edges.
+// Adds the triangle's tangent across the vertex's normal n, times the triangle's angle there, and as the fourth the
+// angle itself. to_b, to_c: its edges.
 BODYOPT_FUNCTION void add_corner(TangentCorner corner, BODYOPT_IN_ARRAY(n, 3), BODYOPT_IN_ARRAY(to_b, 3),
-                                 BODYOPT_IN_ARRAY(to_c, 3), BODYOPT_INOUT_ARRAY(sum, 3)) {
+                                 BODYOPT_IN_ARRAY(to_c, 3), BODYOPT_INOUT_ARRAY(sum, 4)) {
   float tangent[3], b[3], c[3], of_triangle[3];
   for (int i = 0; i < 3; ++i) {
     BODYOPT_PRECISE float along = corner.along_b * to_b[i] + corner.along_c * to_c[i];
@@ -59,6 +60,21 @@ BODYOPT_FUNCTION void add_corner(TangentCorner corner, BODYOPT_IN_ARRAY(n, 3), B
     BODYOPT_PRECISE float more = sum[i] + angle * tangent[i];
     sum[i] = more;
   }
+  sum[3] += angle;
+}
+
+// What is left of the angles, at least, where triangles' tangents point to different sides; below, roundings, the
+// pose's too, would make up the direction.
+const float kLeastTangent = 1e-5f;
+
+// The tangent of a sum of corners, of length 1; 0 where their tangents vanish.
+BODYOPT_FUNCTION void vertex_tangent(BODYOPT_IN_ARRAY(sum, 4), BODYOPT_OUT_ARRAY(tangent, 3)) {
+  for (int i = 0; i < 3; ++i) tangent[i] = sum[i];
+  float least = kLeastTangent * sum[3];
+  if (dot_product(tangent, tangent) < least * least) {
+    for (int i = 0; i < 3; ++i) tangent[i] = 0.0f;
+  }
+  make_unit(tangent);
 }
 
 #ifdef __cplusplus

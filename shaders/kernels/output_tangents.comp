@@ -18,11 +18,8 @@ void main() {
   if (output_number >= push.output_count) return;
   TangentVertex vertex = vertices[output_number];
   uint x = 3 * push.vertex_count * frame, a = x + 3 * vertex.vertex;
-  float n[3], sum[3];
-  for (uint i = 0; i < 3; ++i) {
-    n[i] = normals[a + i];
-    sum[i] = 0.0;
-  }
+  float n[3], sum[4] = float[4](0.0, 0.0, 0.0, 0.0), tangent[3];
+  for (uint i = 0; i < 3; ++i) n[i] = normals[a + i];
   for (uint k = vertex.corner_begin; k < vertex.corner_end; ++k) {
     TangentCorner corner = corners[k];
     uint b = x + 3 * corner.b, c = x + 3 * corner.c;
@@ -33,8 +30,8 @@ void main() {
     }
     add_corner(corner, n, to_b, to_c, sum);
   }
-  make_unit(sum);
+  vertex_tangent(sum, tangent);
   uint to = push.first_word + frame * push.frame_words + output_number * push.element_words;
-  for (uint i = 0; i < 3; ++i) tangents[to + i] = sum[i];
+  for (uint i = 0; i < 3; ++i) tangents[to + i] = tangent[i];
   tangents[to + 3] = vertex.sign;
 }

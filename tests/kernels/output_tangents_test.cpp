@@ -224,6 +224,60 @@ TEST(OutputTangentsReference, PointToWhereTheTextureGrows) {
   }
 }
 
+// A square, turned on its texture, and a triangle of which two corners are one vertex of the skin: it changes no
+// tangent, and has none where it is alone.
+TEST(OutputTangentsReference, CollapsedTrianglesHaveNoPart) {
+  MeshTable mesh;
+  mesh.rest = {0, 0, 0, 2, 0, 0, 2, 1, 0, 0, 1, 0};
+  mesh.output_vertex = {0, 1, 2, 3, 1};
+  mesh.triangles = {0, 1, 2, 0, 2, 3};
+  const std::vector<float> normals = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, texture = {0, 0, 0, -2, 1, -2, 1, 0, 3, -4};
+  for (const std::array<std::uint32_t, 3>& collapsed : {std::array{0u, 1u, 4u}, {1u, 4u, 0u}, {4u, 0u, 1u}}) {
+    mesh.output_triangles = {0, 1, 2, 0, 2, 3};
+    mesh.output_triangles.insert(mesh.output_triangles.end(), collapsed.begin(), collapsed.end());
+    std::vector<float> tangents(20);
+    cpu::output_tangents(tangent_tables(mesh, texture), mesh.rest, normals, 0, tangents);
+    for (std::size_t output = 0; output < 5; ++output) {
+      const std::array<float, 3> expected = {0, output < 4 ? 1.0f : 0.0f, 0};
+      for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(tangents[4 * output + i], expected[i]) << output;
+      EXPECT_EQ(tangents[4 * output + 3], 1) << output;
+    }
+  }
+}
+
+// A regular fan whose centre has one coordinate on the texture, from which it grows in all directions alike: roundings
+// would make up a tangent, and those of a device another one.
+TEST(OutputTangentsReference, AreZeroWhereTheyCancelOut) {
+  constexpr std::uint32_t kSides = 7;
+  for (const double moved : {0.0, 1e-7, 1e-3}) {
+    MeshTable mesh;
+    mesh.rest = {0, 0, 0};
+    mesh.output_vertex = {0};
+    std::vector<float> texture = {0, 0}, normals = {0, 0, 1};
+    for (std::uint32_t k = 0; k < kSides; ++k) {
+      const double angle = 2 * M_PI * k / kSides, length = k == 2 ? 1 + moved : 1, turn = k == 3 ? moved : 0;
+      for (const double x : {length * std::cos(angle + turn), length * std::sin(angle + turn), 0.0}) {
+        mesh.rest.push_back(static_cast<float>(x));
+      }
+      normals.insert(normals.end(), {0, 0, 1});
+      mesh.output_triangles.insert(mesh.output_triangles.end(), {0, 2 * k + 1, 2 * k + 2});
+      mesh.output_vertex.insert(mesh.output_vertex.end(), {k + 1, (k + 1) % kSides + 1});
+      texture.insert(texture.end(), {1, 0, 1, 1});
+    }
+    std::vector<float> tangents(4 * mesh.output_vertex.size());
+    cpu::output_tangents(tangent_tables(mesh, texture), mesh.rest, normals, 0, tangents);
+    const float length = std::hypot(tangents[0], tangents[1], tangents[2]);
+    if (moved < 1e-6) {
+      EXPECT_EQ(length, 0) << moved;
+    } else {
+      EXPECT_NEAR(length, 1, 1e-6) << moved;
+    }
+    for (std::size_t k = 4; k < tangents.size(); k += 4) {
+      EXPECT_NEAR(std::hypot(tangents[k], tangents[k + 1], tangents[k + 2]), 1, 1e-6) << k / 4;
+    }
+  }
+}
+
 // A square whose second triangle is mirrored, with vertices of its own that differ in one texture coordinate alone.
 TEST(OutputTangentsReference, SidesOfASeamHaveTheirOwn) {
   MeshTable mesh;

@@ -105,6 +105,7 @@ inline api::Model load_textured(const std::string& dynamics = {}) {
   if (!dynamics.empty()) options.dynamics = dynamics.c_str();
   options.texture = texture.data();
   options.texture_size = texture.size() * sizeof(float);
+  options.texture_count = texture.size() / 2;
   bodyopt_model* model = nullptr;
   api::check(bodyopt_load_model(hero().c_str(), &options, &model));
   return api::Model(model);

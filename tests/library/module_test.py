@@ -167,7 +167,8 @@ class Refused(unittest.TestCase):
         self.refuses(ValueError, "read-only", lambda: evaluate(JOINTS, positions=read_only))
         self.refuses(ValueError, "without texture coordinates", lambda: evaluate(JOINTS, tangents=np.zeros((len(JOINTS), MODEL.vertex_count, 4), np.float32)))
         self.refuses(ValueError, "texture: expected the shape any x 2", lambda: bodyopt.load(BASIS, texture=np.zeros((MODEL.vertex_count, 3), np.float32)))
-        self.refuses(bodyopt.Error, "are needed for", lambda: bodyopt.load(BASIS, texture=np.zeros((MODEL.vertex_count - 1, 2), np.float32)), 64)
+        for count in (MODEL.vertex_count - 1, MODEL.vertex_count + 1):
+            self.refuses(bodyopt.Error, f"of {count} vertices, the model has {MODEL.vertex_count}", lambda: bodyopt.load(BASIS, texture=np.zeros((count, 2), np.float32)), 3)
         self.refuses(TypeError, "controls", lambda: evaluate(JOINTS, np.zeros((len(JOINTS), 1))))
         self.refuses(bodyopt.Error, "joints, the basis has", lambda: evaluate(JOINTS[:, :1]), 3)
         self.refuses(bodyopt.Error, "controls, the basis has", lambda: evaluate(JOINTS, np.zeros((len(JOINTS), 9), np.float32)), 3)

@@ -86,6 +86,7 @@ TEST(LibraryTangents, AreReadAndWrittenBetweenOtherNumbers) {
   options.texture = interleaved.data() + 3;
   options.texture_size = (interleaved.size() - 3) * sizeof(float);
   options.texture_stride = 5 * sizeof(float);
+  options.texture_count = vertices;
   bodyopt_model* loaded = nullptr;
   api::check(bodyopt_load_model(hero().c_str(), &options, &loaded));
   const api::Model model(loaded);
@@ -127,6 +128,7 @@ TEST(LibraryTangents, AreRefusedWithoutWhatTheyNeed) {
     auto options = api::make<bodyopt_load_options>();
     options.texture = texture.data();
     options.texture_size = texture.size() * sizeof(float);
+    options.texture_count = texture.size() / 2;
     spoil(options);
     bodyopt_model* model = nullptr;
     EXPECT_EQ(bodyopt_load_model(hero().c_str(), &options, &model), expected) << said;
@@ -137,6 +139,10 @@ TEST(LibraryTangents, AreRefusedWithoutWhatTheyNeed) {
           std::to_string(texture.size() * sizeof(float)) + " are needed");
   refuses([](auto& options) { options.texture_stride = 4; }, BODYOPT_USAGE, "at least 8");
   refuses([](auto& options) { options.texture_stride = 10; }, BODYOPT_USAGE, "no multiple of 4");
+  const std::string has = " vertices, the model has " + std::to_string(texture.size() / 2);
+  refuses([](auto& options) { options.texture_count -= 1; }, BODYOPT_MISMATCH, has);
+  refuses([](auto& options) { options.texture_count += 1; }, BODYOPT_MISMATCH, has);
+  refuses([](auto& options) { options.texture_count = 0; }, BODYOPT_MISMATCH, "of 0" + has);
   texture[7] = NAN;
   refuses([](auto&) {}, BODYOPT_MISMATCH, "of vertex 3 is not finite");
 

@@ -145,7 +145,10 @@ def evaluate_together(calls: Sequence[Call]) -> None:
 def load(
     path: str, dynamics: Optional[str] = None, level: int = 0, texture: Optional[NDArray[np.float32]] = None
 ) -> Model:
-    """A character. texture: V x 2 texture coordinates, for skins with tangents."""
+    """A character. texture: V x 2 texture coordinates, of the vertices of this level, for skins with tangents.
+
+    Raises Error(3), too, for texture coordinates of another number of vertices.
+    """
 def open_device(
     name: Optional[str] = None, validation: bool = False, pipeline_cache: Optional[str] = None
 ) -> Device:
