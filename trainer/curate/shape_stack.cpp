@@ -133,6 +133,7 @@ void ShapeStack::add_shape(std::size_t place, Layer layer, const ModifierType& t
   layer.shape = type.prepare({database_, *space_, parameters, layer.name, layer.selected, frozen, layer.mask,
                               [this, place](std::size_t frame) { return offsets(frame, place); },
                               [this, place](std::size_t frame) { return key(frame, place); }, cache_});
+  if (const std::string note = layer.shape->note(); !note.empty()) notes_.push_back(layer.name + " " + note);
   layers_.push_back(std::move(layer));
 }
 
