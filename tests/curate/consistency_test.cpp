@@ -33,6 +33,7 @@ TEST(Consistency, RemovesInjectedDisagreement) {
   const ConsistencyReport before = report_consistency(limb.stack(), 12, 10);
   ASSERT_FALSE(before.pairs.empty());
   EXPECT_GT(before.pairs.front().apart_mm, 3);
+  for (const DisagreeingPair& pair : before.pairs) EXPECT_GE(pair.most_mm, pair.apart_mm) << "RMS of the same";
   add_modifier(limb.path(), {.type = "consistency"});
   const double left = mean_rms_mm(limb.stack(), limb);
   EXPECT_LT(left, 0.05 * 3);
@@ -55,6 +56,7 @@ TEST(Consistency, OfCleanDataListsNoPairThatAgrees) {
     EXPECT_GT(pair.apart_mm, 0);
     EXPECT_LT(pair.apart_mm, 0.1);
     EXPECT_FALSE(pair.region.empty());
+    EXPECT_GE(pair.most_mm, pair.apart_mm) << "RMS of the same";
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "assets/character_hash.h"
+#include "assets/notes.h"
 #include "base/content_hash.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/hash_of.h"
@@ -88,7 +89,10 @@ void require_known_parameters(const Modifier& modifier, const ModifierType& type
   for (const auto& [key, value] : modifier.parameters.items()) {
     const bool known = std::any_of(type.parameters.begin(), type.parameters.end(),
                                    [&k = key](const char* there) { return k == there; });
-    if (!known) throw Error(ErrorKind::mismatch, name + " has no parameter '" + key + "': misspelt?");
+    if (known) continue;
+    const std::vector<std::string> names(type.parameters.begin(), type.parameters.end());
+    throw Error(ErrorKind::mismatch, name + " has no parameter '" + key + "': misspelt? " +
+                                         (names.empty() ? "Its type has none" : "Its type has " + list_names(names)));
   }
 }
 
