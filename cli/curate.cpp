@@ -16,6 +16,7 @@
 #include "trainer/curate/frame_files.h"
 #include "trainer/curate/frame_sculpting.h"
 #include "trainer/curate/local_models.h"
+#include "trainer/curate/modifier_scope.h"
 #include "trainer/curate/prune.h"
 #include "trainer/curate/sculpted_frames.h"
 #include "trainer/train/judge/heldout.h"
@@ -310,13 +311,15 @@ Positions exported_skin(const ShapeStack& stack, std::size_t frame, const Export
   return stack.space().frame(database.frames[frame].pose).shape(exported.skin - database.character.vertices);
 }
 
-// The frame can be looked at and sculpted all the same: it comes back as a sculpt of what the frame is then.
-void remember(const CurateArguments& arguments, const ShapeStack& stack, std::size_t frame,
-              const ExportedFrame& exported) {
+// Returns the export's mark. The frame can be looked at and sculpted without, too: it comes back as a sculpt of what
+// the frame is then.
+std::string remember(const CurateArguments& arguments, const ShapeStack& stack, std::size_t frame,
+                     const ExportedFrame& exported) {
   try {
-    keep_exported(path_of(arguments), stack, frame, exported);
+    return keep_exported(path_of(arguments), stack, frame, exported);
   } catch (const Error& error) {
     say({std::string("import-frame will not know what was exported, should the stack change: ") + error.what()});
+    return "";
   }
 }
 
@@ -330,14 +333,29 @@ void export_frame(const CurateArguments& arguments) {
   const Positions skin = arguments.unposed ? exported.skin : stack.shape(frame);
   const Pose& pose = stack.database().frames[frame].pose;
   const SkinSurface surface = frame_surface(stack.database());
+  const std::string mark = remember(arguments, stack, frame, exported);
   if (lower_case_extension(arguments.out) == ".glb") {
-    write_frame_gltf(character, surface, skin, arguments.unposed ? bind_pose(character.skeleton) : pose, arguments.out);
+    write_frame_gltf(character, surface, skin, arguments.unposed ? bind_pose(character.skeleton) : pose, arguments.out,
+                     mark);
   } else {
-    write_frame_obj(character, surface, output_from_welded(character, skin), arguments.out);
+    write_frame_obj(character, surface, output_from_welded(character, skin), arguments.out, mark);
   }
-  remember(arguments, stack, frame, exported);
   arguments.json.emit({{"mesh", arguments.out}, {"vertices", character.output_count()}},
                       format("wrote %s: %u vertices\n", arguments.out.c_str(), character.output_count()));
+}
+
+// Why two stacks make different shapes of a frame, but for what is sculpted in `name`.
+std::string what_differs(std::vector<Modifier> before, std::vector<Modifier> now, const std::string& name) {
+  const auto forget_sculpts = [&](std::vector<Modifier>& modifiers) {
+    const auto own = std::ranges::find(modifiers, name, &Modifier::name);
+    if (own != modifiers.end()) own->parameters = Json::object();
+    return own != modifiers.end();
+  };
+  const bool was_there = forget_sculpts(before), is_there = forget_sculpts(now);
+  if (was_there != is_there) std::erase(was_there ? before : now, Modifier{.name = name, .type = "sculpt"});
+  const std::vector<std::string> names = names_that_differ(before, now);
+  if (!names.empty()) return "modifiers " + list_names(names);
+  return before == now ? "its raw shape" : "the order of the modifiers";
 }
 
 // What the artist should know where the frame is another by now, but for what the modifier itself makes of it.
@@ -351,18 +369,16 @@ std::vector<std::string> changes_since(const ShapeStack& stack, std::size_t fram
   };
   const double most = (without(exported_now(stack, frame)) - without(exported)).rowwise().norm().maxCoeff();
   if (most < kChanged) return {};
-  std::vector<std::string> names = names_that_differ(exported.modifiers, modifiers);
-  std::erase(names, name);
-  return {
-      format("%s has changed by %.2f mm since the mesh was exported (%s): what was sculpted is added to what it is "
-             "now",
-             frame_text(database, frame).c_str(), 1e3 * most,
-             names.empty() ? "its raw shape" : ("modifiers " + list_names(names)).c_str())};
+  return {format(
+      "%s has changed by %.2f mm since the mesh was exported (%s): what was sculpted is added to what it is "
+      "now",
+      frame_text(database, frame).c_str(), 1e3 * most, what_differs(exported.modifiers, modifiers, name).c_str())};
 }
 
 // How far the sculpt of a frame reaches, now that it is in the stack; none where the modifier has no sculpt of it.
 struct SculptReach {
-  double most_mm = 0;
+  double most_mm = 0;      // by the modifier's strength and mask
+  double degrees = 0;      // of its spread
   std::size_t others = 0;  // frames that take of it
 };
 
@@ -373,7 +389,9 @@ std::optional<SculptReach> reach_of(const PoseDatabase& database, const std::str
                                 JsonObject(modifier->parameters, database.dataset.folder / "dataset.json", name), name);
   const auto own = std::ranges::find(sculpted.sculpts(), frame, &SculptedFrame::frame);
   if (own == sculpted.sculpts().end()) return std::nullopt;
-  SculptReach reach{1e3 * own->delta.rowwise().norm().maxCoeff()};
+  const Eigen::VectorXd mask = skin_mask(database, modifier->mask, name);
+  SculptReach reach{1e3 * modifier->strength * own->delta.rowwise().norm().cwiseProduct(mask).maxCoeff(),
+                    sculpted.spread()};
   const auto number = static_cast<std::size_t>(own - sculpted.sculpts().begin());
   for (std::size_t n = 0; n < database.frames.size(); ++n) {
     if (n != frame && sculpted.weights(n)[number] > 0) ++reach.others;
@@ -393,7 +411,7 @@ void emit_sculpt(const CurateArguments& arguments) {
     result["sculpt"] = {{"max_mm", reach->most_mm}, {"other_frames", reach->others}};
     text += format("the sculpt moves %s by %.2f mm at most, and %s within %g degrees by less\n",
                    frame_text(database, frame).c_str(), reach->most_mm,
-                   count_of(reach->others, "other frame", "other frames").c_str(), arguments.spread);
+                   count_of(reach->others, "other frame", "other frames").c_str(), reach->degrees);
   }
   const std::string hidden = why_not_shown(database, arguments.name, frame);
   if (!hidden.empty())
@@ -401,18 +419,34 @@ void emit_sculpt(const CurateArguments& arguments) {
   arguments.json.emit(result, text);
 }
 
+// Where the mesh alone does not tell what it was made of.
+std::string alike_note(const PoseDatabase& database, std::size_t frame, const ExportedFrame& taken,
+                       std::size_t others) {
+  std::vector<std::string> names;
+  for (const Modifier& modifier : taken.modifiers) names.push_back(modifier.name);
+  return format(
+      "the mesh does not say which export of %s it is of (its name is another), and lies on %s as well: taken is the "
+      "latest, which was made %s",
+      frame_text(database, frame).c_str(), count_of(others, "other", "others").c_str(),
+      names.empty() ? "without modifiers" : ("by the modifiers " + list_names(names)).c_str());
+}
+
 void import_frame(const CurateArguments& arguments) {
   const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
   const PoseDatabase& database = stack.database();
   const std::size_t frame = database.find(arguments.take, arguments.frame, "import-frame");
-  std::vector<ExportedFrame> exports = kept_exports(stack, frame);
+  require_sculpt(database.dataset.modifiers, arguments.name);
+  KeptExports kept = kept_exports(stack, frame, arguments.name);
+  say(kept.notes);
+  std::vector<ExportedFrame>& exports = kept.frames;
   exports.push_back(exported_now(stack, frame));
-  std::vector<Positions> skins;
+  std::vector<WrittenSkin> skins;
   for (const ExportedFrame& exported : exports) {
-    skins.push_back(exported_skin(stack, frame, exported, arguments.unposed));
+    skins.push_back({exported_skin(stack, frame, exported, arguments.unposed), exported.mark});
   }
   const FrameMesh mesh = read_frame_mesh(database.character, frame_surface(database).texture, skins, arguments.mesh);
   const ExportedFrame& exported = exports[mesh.of];
+  if (mesh.alike > 0) say({alike_note(database, frame, exported, mesh.alike)});
   say(changes_since(stack, frame, exported, arguments.name));
   say(add_sculpt(path_of(arguments), arguments.name, arguments.take, arguments.frame, exported, mesh.positions,
                  arguments.unposed, arguments.spread));
@@ -527,9 +561,11 @@ void add_curate(CLI::App& app) {
   add_edits(verb);
 
   const auto pruned = std::make_shared<CurateArguments>();
-  CLI::App& sub_prune =
-      subverb(verb, "prune", "Removes caches, and files that neither the stack nor its history names", pruned);
-  sub_prune.add_flag("--history", pruned->history, "The history, too: no edit before this can be undone");
+  CLI::App& sub_prune = subverb(
+      verb, "prune", "Removes caches, and files that neither the stack, its history nor exported frames name", pruned);
+  sub_prune.add_flag(
+      "--history", pruned->history,
+      "The history and what was exported, too: no edit before this can be undone, and a mesh is of its frame as it is");
   sub_prune.callback([pruned] { prune(*pruned); });
 
   const auto measured = std::make_shared<CurateArguments>();

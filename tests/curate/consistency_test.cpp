@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <random>
 
 #include "runtime/core/error.h"
 #include "tests/curate/sweep_history.h"
@@ -32,6 +33,7 @@ TEST(Consistency, RemovesInjectedDisagreement) {
   const ConsistencyReport before = report_consistency(limb.stack(), 12, 10);
   ASSERT_FALSE(before.pairs.empty());
   EXPECT_GT(before.pairs.front().apart_mm, 3);
+  for (const DisagreeingPair& pair : before.pairs) EXPECT_GE(pair.most_mm, pair.apart_mm) << "RMS of the same";
   add_modifier(limb.path(), {.type = "consistency"});
   const double left = mean_rms_mm(limb.stack(), limb);
   EXPECT_LT(left, 0.05 * 3);
@@ -54,6 +56,7 @@ TEST(Consistency, OfCleanDataListsNoPairThatAgrees) {
     EXPECT_GT(pair.apart_mm, 0);
     EXPECT_LT(pair.apart_mm, 0.1);
     EXPECT_FALSE(pair.region.empty());
+    EXPECT_GE(pair.most_mm, pair.apart_mm) << "RMS of the same";
   }
 }
 
@@ -149,6 +152,46 @@ double found_of_two(double turn) {
 TEST(Consistency, OfTwoFramesThePosesTell) {
   EXPECT_NEAR(found_of_two(0), 0.001, 1e-4);
   EXPECT_LT(std::abs(found_of_two(1)), 2e-5);
+}
+
+// What parts of a stack's shapes disagree in, by the models of the raw ones, RMS of all vertices, mm.
+double left_of(const ShapeStack& stack) {
+  const PoseDatabase& database = stack.database();
+  const auto at = [&](std::size_t count) {
+    return all_displacements(database, "the test", [&](std::size_t n) { return stack.offsets(n, count); });
+  };
+  const Displacements raw = at(0), made = at(database.dataset.modifiers.size());
+  const std::vector<char> all(database.frames.size(), 1), none(database.frames.size(), 0);
+  Displacements sum = Displacements::Zero(raw.rows(), raw.cols());
+  for (const SkinPart& part : skin_parts(database)) {
+    const Displacements own = part_deviations(made, part, local_models(database, part, kAlikeDegrees, all, none, raw));
+    for (std::size_t k = 0; k < part.region.vertices.size(); ++k) {
+      sum.middleCols<3>(3 * Eigen::Index{part.region.vertices[k]}) +=
+          static_cast<float>(part.region.weights[k]) * own.middleCols<3>(3 * static_cast<Eigen::Index>(k));
+    }
+  }
+  return 1e3 * double{sum.norm()} / std::sqrt(static_cast<double>(sum.size() / 3));
+}
+
+// Shapes that are noise have no slope: what is taken from one frame comes back in others, and steps soon leave more.
+TEST(Consistency, AStepThatLeavesMoreIsNotTaken) {
+  const CuratedLimb limb([&](int take, int frame, const Positions& truth) {
+    std::mt19937 random(static_cast<unsigned>(100 * take + frame));
+    Positions shape = truth;
+    shape.col(0).array() += std::uniform_real_distribution<>(-0.004, 0.004)(random);
+    return shape;
+  });
+  double left = left_of(limb.stack());
+  std::printf("%.5f", left);
+  add_modifier(limb.path(), {.type = "consistency"});
+  for (const int iterations : {1, 2, 3, 5, 10, 20}) {
+    change_modifier(limb.path(), "consistency", {.parameters = {{"iterations", iterations}}});
+    const double now = left_of(limb.stack());
+    std::printf(" %.5f", now);
+    EXPECT_LE(now, left * (1 + 1e-5)) << iterations;
+    left = now;
+  }
+  std::printf("\n");
 }
 
 TEST(Consistency, ItsCacheGivesTheSameShapes) {

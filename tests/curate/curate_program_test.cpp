@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "assets/json_file.h"
 #include "dataset/stack_history.h"
 #include "tests/curate/sweep_history.h"
 #include "tests/support/png_file.h"
@@ -143,6 +144,91 @@ TEST_F(CurateProgram, ASculptIsOfTheFrameAsItWasExported) {
   EXPECT_EQ(curate("import-frame", frame + "--unposed --mesh " + at("sculpt.obj") + spread).output.find("has changed"),
             std::string::npos)
       << "forgotten: of the frame as it is";
+}
+
+// A wide sculpt of an early export, whose bump it covers, is of that one and takes what came later along.
+TEST_F(CurateProgram, ASculptThatCoversWhatChangedIsOfItsOwnExport) {
+  const std::string frame = "--take one --frame 16 --unposed ";
+  ASSERT_EQ(curate("export-frame", frame + "--out " + at("first.obj")).exit_code, 0);
+  const double above = 0.5 * limb_.character().vertices.col(1).maxCoeff();
+  raise(at("first.obj"), at("narrow.obj"), above);
+  raise(at("first.obj"), at("wide.obj"), 0);
+  ASSERT_EQ(curate("import-frame", frame + "--mesh " + at("narrow.obj") + " --name narrow --spread 0").exit_code, 0);
+  ASSERT_EQ(curate("export-frame", frame + "--out " + at("look.obj")).exit_code, 0);
+  const Positions raw = limb_.stack().offsets(15, 0), below = limb_.stack().offsets(15, 1);
+  const std::string import = frame + "--mesh " + at("wide.obj") + " --name wide --spread 0";
+  const ProgramResult imported = curate("import-frame", import);
+  EXPECT_NE(imported.output.find("has changed by 5.00 mm"), std::string::npos) << imported.output;
+  const Positions sculpted = limb_.stack().offsets(15, 2) - below;
+  for (Eigen::Index v = 0; v < sculpted.rows(); ++v) {
+    const double moved = limb_.character().vertices(v, 1) + raw(v, 1) > 0 ? 0.005 : 0;
+    ASSERT_LT((sculpted.row(v) - Eigen::RowVector3d(0, moved, 0)).norm(), 1e-5) << "vertex " << v;
+  }
+}
+
+// Why a frame has changed, and what the sculpt moves by the modifier's strength and mask.
+TEST_F(CurateProgram, AnImportSaysWhatIsSo) {
+  const std::string frame = "--take one --frame 16 --unposed ", import = frame + "--name s --spread 20 --mesh ";
+  add_modifier(limb_.path(), {.type = "smooth"});
+  add_modifier(limb_.path(), {.type = "inflate",
+                              .mask = {{"joints", {limb_.character().skeleton.joints[1].name}}},
+                              .parameters = {{"distance_mm", 2}}});
+  ASSERT_EQ(curate("export-frame", frame + "--out " + at("frame.obj")).exit_code, 0);
+  raise(at("frame.obj"), at("sculpt.obj"), 0);
+  EXPECT_EQ(curate("import-frame", frame + "--name smooth --mesh " + at("frame.obj")).exit_code, 64);
+  move_modifier(limb_.path(), "smooth", 2);
+  const ProgramResult moved = curate("import-frame", import + at("sculpt.obj"));
+  EXPECT_NE(moved.output.find("(the order of the modifiers)"), std::string::npos) << moved.output;
+  change_modifier(limb_.path(), "s", {.strength = 0.5});
+  ASSERT_EQ(curate("export-frame", frame + "--out " + at("frame.obj")).exit_code, 0);
+  change_modifier(limb_.path(), "s", {.strength = 0.25});
+  const ProgramResult same = curate("import-frame", frame + "--name s --spread 3 --mesh " + at("frame.obj"));
+  EXPECT_NE(same.output.find("(modifiers 's')"), std::string::npos) << same.output;
+  EXPECT_NE(same.output.find("moves one 16 by 1.25 mm at most"), std::string::npos) << same.output;
+  EXPECT_NE(same.output.find("within 20 degrees"), std::string::npos) << same.output;
+}
+
+TEST_F(CurateProgram, AParameterThatATypeLacksIsRefusedWithThoseItHas) {
+  const ProgramResult refused = curate("add", "smooth --set radius=4");
+  EXPECT_NE(refused.exit_code, 0);
+  EXPECT_NE(refused.output.find("no parameter 'radius'"), std::string::npos) << refused.output;
+  EXPECT_NE(refused.output.find("Its type has 'radius_mm'"), std::string::npos) << refused.output;
+}
+
+// What was exported is a hint: where it is damaged, that is said, and the mesh is of the frame as it is.
+TEST_F(CurateProgram, ADamagedRecordOfExportsIsSaidAndLeftOut) {
+  const std::string frame = "--take one --frame 16 ";
+  ASSERT_EQ(curate("export-frame", frame + "--out " + at("frame.obj")).exit_code, 0);
+  raise(at("frame.obj"), at("sculpt.obj"), 0);
+  const std::string record = at("modifiers/exported.json");
+  std::vector<Json> records(7, Json::parse(std::ifstream(record)));
+  records[0]["frames"][0].erase("modifiers");
+  records[1]["schema"] = "bodyopt-exported-frames-2";
+  records[2] = Json::array();
+  records[3]["frames"][0] = 1;
+  records[4]["frames"][0]["skin"] = "modifiers/gone.pc2";
+  records[5]["frames"][0]["skin"] = "modifiers/short.pc2";
+  std::ofstream(at("modifiers/short.pc2")) << "POINTCACHE2";
+  const Json gone = {{"take", "one"}, {"frame", 16}, {"offsets", "modifiers/gone.pc2"}};
+  const Json sculpt = {{"name", "s"}, {"type", "sculpt"}, {"parameters", {{"sculpts", Json::array({gone})}}}};
+  records[6]["frames"][0]["modifiers"] = Json::array({sculpt});
+  for (const Json& text : records) {
+    std::ofstream(record) << text;
+    const ProgramResult imported = curate("import-frame", frame + "--mesh " + at("sculpt.obj") + " --name s");
+    EXPECT_EQ(imported.exit_code, 0) << text << imported.output;
+    EXPECT_NE(imported.output.find("an export is left out"), std::string::npos) << text << imported.output;
+    EXPECT_NE(imported.output.find("moves one 16 by 5.00 mm at most"), std::string::npos) << imported.output;
+    undo_modifiers(limb_.path());
+  }
+}
+
+// What could not be kept of an export is said; the mesh is written all the same.
+TEST_F(CurateProgram, AnExportThatCannotBeKeptIsSaid) {
+  std::ofstream(at("modifiers")) << "a file in the folder's way";
+  const ProgramResult exported = curate("export-frame", "--take one --frame 16 --out " + at("frame.obj"));
+  EXPECT_EQ(exported.exit_code, 0) << exported.output;
+  EXPECT_NE(exported.output.find("will not know what was exported"), std::string::npos) << exported.output;
+  EXPECT_TRUE(std::filesystem::exists(at("frame.obj")));
 }
 
 TEST_F(CurateProgram, AFrameThatIsNotSolvedIsRefusedWithTheNearest) {

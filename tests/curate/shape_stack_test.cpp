@@ -48,7 +48,8 @@ std::vector<float> sculpted(const CuratedLimb& limb, int frame) {
 
 std::vector<float> read_mesh(const Character& character, const std::vector<double>& texture, const Positions& exported,
                              const std::filesystem::path& path) {
-  return read_frame_mesh(character, texture, {&exported, 1}, path).positions;
+  const WrittenSkin written{exported};
+  return read_frame_mesh(character, texture, {&written, 1}, path).positions;
 }
 
 std::string bytes_of_file(const std::filesystem::path& path) {
@@ -446,17 +447,53 @@ TEST(FrameFiles, AMeshIsOfTheSkinThatMostOfItLiesOn) {
   const CuratedLimb limb;
   const auto path = limb.folder() / "frame.obj";
   const Positions frame = limb.truth(0, 5);
-  std::vector<Positions> exported(3, frame);
+  std::vector<WrittenSkin> exported(3, {frame});
   for (Eigen::Index v = 0; v < frame.rows(); ++v) {
-    exported[0].row(v) *= 1.001;
-    if (v % 2 == 0) exported[2].row(v) *= 1.001;
+    exported[0].skin.row(v) *= 1.001;
+    if (v % 2 == 0) exported[2].skin.row(v) *= 1.001;
   }
   std::ofstream(path) << shuffled(limb.character(), frame).obj;
   EXPECT_EQ(read_frame_mesh(limb.character(), {}, exported, path).of, 1u);
-  write_frame_obj(limb.character(), {}, output_from_welded(limb.character(), exported[2]), path);
+  write_frame_obj(limb.character(), {}, output_from_welded(limb.character(), exported[2].skin), path);
   EXPECT_EQ(read_frame_mesh(limb.character(), {}, exported, path).of, 2u);
   write_frame_obj(limb.character(), {}, output_from_welded(limb.character(), 1.01 * frame), path);
   EXPECT_EQ(read_frame_mesh(limb.character(), {}, exported, path).of, 0u) << "of none: the first";
+}
+
+// A sculpt that covers what differs between two exports lies on both alike: the mesh's name tells, whatever another
+// program adds to it; without it, how many more there are is told.
+TEST(FrameFiles, AMeshIsOfTheSkinWhoseMarkItHas) {
+  const CuratedLimb limb;
+  const Character& character = limb.character();
+  const Positions frame = limb.truth(0, 5);
+  const auto with_upper_half_moved = [&](double distance) {
+    Positions moved = frame;
+    for (Eigen::Index v = 0; v < moved.rows(); ++v) {
+      if (character.vertices(v, 1) > 0) moved(v, 0) += distance;
+    }
+    return moved;
+  };
+  std::vector<WrittenSkin> written;
+  for (const int k : {0, 1, 2}) {
+    written.push_back({with_upper_half_moved(0.003 * k), export_mark(static_cast<std::uint64_t>(k))});
+  }
+  const Positions sculpted = with_upper_half_moved(0.02);
+  for (const char* name : {"frame.obj", "frame.glb"}) {
+    const auto read_marked = [&, path = limb.folder() / name](const std::string& mark) {
+      if (path.extension() == ".obj") {
+        write_frame_obj(character, {}, output_from_welded(character, sculpted), path, mark);
+      } else {
+        write_frame_gltf(character, {}, sculpted, limb.pose(0, 5), path, mark);
+      }
+      return read_frame_mesh(character, {}, written, path);
+    };
+    const FrameMesh marked = read_marked("Body_" + written[1].mark + ".001"), unmarked = read_marked("");
+    EXPECT_EQ(marked.of, 1u) << name;
+    EXPECT_EQ(marked.alike, 0u) << name;
+    EXPECT_EQ(unmarked.of, 0u) << name;
+    EXPECT_EQ(unmarked.alike, 2u) << name;
+    EXPECT_EQ(read_marked(export_mark(7)).alike, 2u) << name << ": of an export that is not known any more";
+  }
 }
 
 // In centimetres, or in hundreds of metres: refused, whatever the order of its vertices.

@@ -35,7 +35,8 @@ std::vector<std::string> obj_seeds() {
   return {written("frame.obj", [&](const auto& path) { write_frame_obj(limb(), {}, points, path); })};
 }
 void read_obj_file(const std::string& bytes) {
-  require_finite(read_frame_mesh(limb(), {}, {&limb().vertices, 1}, as_file("frame.obj", bytes)).positions, "points");
+  const WrittenSkin written{limb().vertices};
+  require_finite(read_frame_mesh(limb(), {}, {&written, 1}, as_file("frame.obj", bytes)).positions, "points");
 }
 
 std::vector<std::string> markers_seeds() {

@@ -1,8 +1,6 @@
 // consistency: takes from every frame what passes by its pose disagree in, smoothed over the skin and capped, several
 // times over, as long as less is left every time. What changes with the pose is in all passes: bulges at the ends of
 // the range keep their size. Frames held out are neither moved nor asked: they judge.
-#include <limits>
-
 #include "base/content_hash.h"
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -28,6 +26,10 @@ class Consistency : public ShapeModifier {
   }
   void apply(const FrameInHand& frame, Positions& offsets) const override {
     offsets += change(frame.number).cast<double>();
+  }
+  std::string note() const override {
+    if (changes_.size() == 0 || !changes_.isZero(0)) return "";
+    return "moves no frame: no like poses disagree, or a first step would have left more than there is";
   }
 
  private:
@@ -93,17 +95,19 @@ Displacements made_consistent(const ModifierInput& input, const ConsistencySetti
     progress.advance();
   }
   const SkinSmoother smoother(database.character.vertices, database.character.triangles, settings.smooth);
-  Displacements displacements = begun;
-  float left = std::numeric_limits<float>::infinity();
+  Displacements best = begun;
+  Displacements deviation = deviations(best, parts, models);
   for (int k = 0; k < settings.iterations; ++k) {
-    const Displacements deviation = deviations(displacements, parts, models);
-    // What does not come together is no history. Where not even the first step brings it nearer, all stays as it was.
-    if (!(deviation.norm() < left)) return k == 1 ? begun : displacements;
-    left = deviation.norm();
-    take_from(displacements, begun, deviation, smoother, settings.cap, moves);
+    Displacements next = best;
+    take_from(next, begun, deviation, smoother, settings.cap, moves);
+    Displacements left = deviations(next, parts, models);
+    // What does not come together is no history: all stays as the step before left it.
+    if (!(left.norm() < deviation.norm())) break;
+    best = std::move(next);
+    deviation = std::move(left);
     progress.advance();
   }
-  return displacements;
+  return best;
 }
 
 // A hash of all that made_consistent() looks at.

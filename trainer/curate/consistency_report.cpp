@@ -25,6 +25,11 @@ double region_rms_mm(const RegionWeights& region, const Eigen::RowVectorXf& row)
   return weights > 0 ? 1e3 * std::sqrt(sum / weights) : 0;
 }
 
+// Of a row of vertices' vectors.
+double largest_mm(const Eigen::RowVectorXf& row) {
+  return 1e3 * double{Eigen::Map<const Eigen::Matrix3Xf>(row.data(), 3, row.size() / 3).colwise().norm().maxCoeff()};
+}
+
 RegionAgreement agreement(const SkinPart& part, const LocalModels& models, const Displacements& deviations) {
   RegionAgreement result;
   result.region = part.region.name;
@@ -52,13 +57,18 @@ void add_pairs(const PoseDatabase& database, const SkinPart& part, const LocalMo
   for (std::size_t n = 0; n < models.others.size(); ++n) {
     for (const std::size_t other : models.others[n]) {
       if (other <= n) continue;
-      const double apart =
-          region_rms_mm(part.region, deviations.row(static_cast<Index>(n)) - deviations.row(static_cast<Index>(other)));
+      const Eigen::RowVectorXf difference =
+          deviations.row(static_cast<Index>(n)) - deviations.row(static_cast<Index>(other));
+      const double apart = region_rms_mm(part.region, difference);
       if (!(apart > 0)) continue;
       DisagreeingPair& there = worst[{n, other}];
       if (apart <= there.apart_mm) continue;
-      there = {n, other, part.region.name, apart,
-               pose_distance(database.frames[n].pose, database.frames[other].pose, part.joints)};
+      there = {n,
+               other,
+               part.region.name,
+               apart,
+               pose_distance(database.frames[n].pose, database.frames[other].pose, part.joints),
+               largest_mm(difference)};
     }
   }
 }
@@ -81,18 +91,6 @@ std::vector<DisagreeingPair> ranked(const WorstOfPair& worst, std::size_t most) 
     if (!is_named) result.push_back(pair);
   }
   return result;
-}
-
-// Of shapes that displacements (N x 3V) pose.
-double most_apart_mm(const DisagreeingPair& pair, const SkinPart& part, const Displacements& displacements) {
-  double most = 0;
-  for (std::size_t k = 0; k < part.region.vertices.size(); ++k) {
-    const Index at = 3 * Index{part.region.vertices[k]};
-    const auto apart = displacements.row(static_cast<Index>(pair.first)).segment<3>(at) -
-                       displacements.row(static_cast<Index>(pair.second)).segment<3>(at);
-    most = std::max(most, part.region.weights[k] * double{apart.norm()});
-  }
-  return 1e3 * most;
 }
 
 }  // namespace
@@ -129,11 +127,6 @@ ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, st
     progress.advance();
   }
   report.pairs = ranked(worst, most);
-  for (DisagreeingPair& pair : report.pairs) {
-    const auto part =
-        std::ranges::find_if(parts, [&](const SkinPart& there) { return there.region.name == pair.region; });
-    pair.most_mm = most_apart_mm(pair, *part, displacements);
-  }
   for (const double square : of_frame)
     report.frame_mm.push_back(1e3 * std::sqrt(square / static_cast<double>(vertices)));
   for (const double square : of_vertex) report.vertex_mm.push_back(1e3 * std::sqrt(square));

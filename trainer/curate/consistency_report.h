@@ -13,7 +13,7 @@ struct DisagreeingPair {
   std::string region;
   double apart_mm = 0;      // RMS over the region, of what their local models do not explain
   double pose_degrees = 0;  // how far their poses are apart there
-  double most_mm = 0;       // how far a vertex is apart in one pose, by its weight in the region, at most
+  double most_mm = 0;       // the same of the vertex of the region where it is most
 };
 
 // Of a part of the skin: how well its poses are covered, and how well they agree.

@@ -194,15 +194,19 @@ void put_shapes_over(const fs::path& path, const std::string& name, const std::s
   });
 }
 
+void require_sculpt(const Modifiers& modifiers, const std::string& name) {
+  const auto found = std::ranges::find(modifiers, name, &Modifier::name);
+  if (found == modifiers.end() || found->type == "sculpt") return;
+  throw Error(ErrorKind::usage, "the modifier '" + name + "' is of the type " + found->type);
+}
+
 std::vector<std::string> put_sculpt(const PoseDatabase& database, Modifiers& modifiers, const std::string& name,
                                     std::size_t frame, const Positions& before, const Positions& after,
                                     double spread_degrees) {
   if (!after.allFinite()) throw Error(ErrorKind::mismatch, "the sculpt holds a number that is not finite");
+  require_sculpt(modifiers, name);
   if (!has_name(modifiers, name)) modifiers.push_back({.name = name, .type = "sculpt"});
   Modifier& modifier = *find_modifier(modifiers, name);
-  if (modifier.type != "sculpt") {
-    throw Error(ErrorKind::usage, "the modifier '" + name + "' is of the type " + modifier.type);
-  }
   const Character& character = database.character;
   const std::string offsets = keep_samples(database.dataset, name, 1,
                                            [&](std::size_t) { return output_from_welded(character, after - before); });

@@ -52,6 +52,9 @@ void put_shapes_over(const std::filesystem::path& path, const std::string& take,
 void put_shapes_over(const std::filesystem::path& path, const std::string& name, const std::string& take,
                      const std::vector<int>& frames, const std::function<std::vector<float>(std::size_t)>& shape);
 
+// Throws Error(usage) where the modifier `name` of a stack is there and is no sculpt.
+void require_sculpt(const std::vector<Modifier>& modifiers, const std::string& name);
+
 // The sculpt of a frame in the modifier `name` of a stack that is being edited becomes what two skins of it (V x 3,
 // un-posed, metres) differ by; the modifier is made where there is none. Returns what the artist should know: as
 // add_sculpt(). Throws Error(mismatch) at a number that is not finite, Error(usage) where the modifier is no sculpt.

@@ -3,8 +3,10 @@
 #include <algorithm>
 
 #include "assets/json_file.h"
+#include "base/content_hash.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_lock.h"
+#include "trainer/curate/frame_files.h"
 #include "trainer/curate/keep_samples.h"
 #include "trainer/curate/sculpted_frames.h"
 
@@ -30,6 +32,15 @@ void write_records(const std::vector<ExportRecord>& records, const Dataset& data
   write_json({{"schema", kSchema}, {"frames", frames}}, path_of(dataset));
 }
 
+std::string mark_of(const ExportRecord& record) {
+  ContentHash hash;
+  hash.add(record.take);
+  hash.add(static_cast<std::uint64_t>(record.frame));
+  hash.add(record.skin);
+  hash.add(to_json(record.modifiers).dump());
+  return export_mark(hash.value());
+}
+
 Positions read_skin(const Character& character, const fs::path& path) {
   const ShapeReader reader(path);
   if (reader.point_count() != character.output_count() || reader.sample_count() != 1) {
@@ -51,7 +62,8 @@ const Modifier* find(const Modifiers& modifiers, const std::string& name) {
 std::vector<ExportRecord> read_export_records(const Dataset& dataset) {
   std::vector<ExportRecord> records;
   const fs::path path = path_of(dataset);
-  if (!fs::exists(path)) return records;
+  std::error_code unreadable;
+  if (!fs::exists(path, unreadable)) return records;
   const Json json = read_json(path, kSchema);
   const JsonObject top(json, path, "the exported frames");
   top.allow({"schema", "frames"});
@@ -59,7 +71,7 @@ std::vector<ExportRecord> read_export_records(const Dataset& dataset) {
     const JsonObject record(entry, path, "an exported frame");
     record.allow({"take", "frame", "skin", "modifiers"});
     records.push_back({record.name("take"), record.integer("frame"), record.name("skin"),
-                       read_modifiers(entry.at("modifiers"), path)});
+                       read_modifiers(record.array("modifiers"), path)});
   }
   return records;
 }
@@ -70,7 +82,8 @@ ExportedFrame exported_now(const ShapeStack& stack, std::size_t frame) {
   return {database.character.vertices + stack.offsets(frame, modifiers.size()), modifiers};
 }
 
-void keep_exported(const fs::path& path, const ShapeStack& stack, std::size_t frame, const ExportedFrame& exported) {
+std::string keep_exported(const fs::path& path, const ShapeStack& stack, std::size_t frame,
+                          const ExportedFrame& exported) {
   const PoseDatabase& database = stack.database();
   const DatabaseFrame& of = database.frames[frame];
   const FileLock lock = lock_to_change(path);
@@ -84,22 +97,42 @@ void keep_exported(const fs::path& path, const ShapeStack& stack, std::size_t fr
   records.push_back(record);
   if (records.size() > kMost) records.erase(records.begin());
   write_records(records, database.dataset);
+  return mark_of(record);
 }
 
-std::vector<ExportedFrame> kept_exports(const ShapeStack& stack, std::size_t frame) {
+KeptExports kept_exports(const ShapeStack& stack, std::size_t frame, const std::string& name) {
   const PoseDatabase& database = stack.database();
   const DatabaseFrame& of = database.frames[frame];
-  std::vector<ExportedFrame> exports;
-  for (ExportRecord& record : read_export_records(database.dataset)) {
-    const fs::path skin = database.dataset.folder / record.skin;
+  KeptExports kept;
+  const auto unless_refused = [&](const auto& read) {
+    try {
+      read();
+    } catch (const Error& error) {
+      kept.notes.push_back(std::string("an export is left out of what the mesh may be of: ") + error.what());
+    }
+  };
+  std::vector<ExportRecord> records;
+  unless_refused([&] { records = read_export_records(database.dataset); });
+  for (const ExportRecord& record : records) {
     if (record.take != database.takes[static_cast<std::size_t>(of.take)] || record.frame != of.frame) continue;
-    if (fs::exists(skin)) exports.push_back({read_skin(database.character, skin), std::move(record.modifiers)});
+    unless_refused([&] {
+      const Positions skin = read_skin(database.character, database.dataset.folder / record.skin);
+      sculpted_by(database, record.modifiers, name, frame);  // refuses files that are gone
+      kept.frames.push_back({skin, record.modifiers, mark_of(record)});
+    });
   }
-  std::ranges::reverse(exports);
-  return exports;
+  std::ranges::reverse(kept.frames);
+  return kept;
 }
 
-void forget_exports(const Dataset& dataset) { fs::remove(path_of(dataset)); }
+void forget_exports(const Dataset& dataset) {
+  std::error_code failure;
+  fs::remove(path_of(dataset), failure);
+  if (failure) {
+    throw Error(ErrorKind::file,
+                path_of(dataset).string() + " cannot be removed (" + failure.message() + "): is the folder writable?");
+  }
+}
 
 Positions sculpted_by(const PoseDatabase& database, const Modifiers& modifiers, const std::string& name,
                       std::size_t frame) {

@@ -22,21 +22,28 @@ struct ExportRecord {
 struct ExportedFrame {
   Positions skin;  // V x 3, un-posed: the rest skin with the frame's displacements, metres
   std::vector<Modifier> modifiers;
+  std::string mark{};  // that its mesh is named by; empty: it was not written down
 };
 
 // The latest last; none where there is no file. Throws Error(file).
 std::vector<ExportRecord> read_export_records(const Dataset& dataset);
-// Takes the file away. The caller holds the dataset's lock.
+// Takes the file away. The caller holds the dataset's lock. Throws Error(file).
 void forget_exports(const Dataset& dataset);
 
 // A frame as the stack makes it now.
 ExportedFrame exported_now(const ShapeStack& stack, std::size_t frame);
-// Writes it down; the latest 200 of all frames stay. `path`: the dataset.json. Throws Error(file).
-void keep_exported(const std::filesystem::path& path, const ShapeStack& stack, std::size_t frame,
-                   const ExportedFrame& exported);
-// What was written down of a frame and still has its cache, the latest first. Throws Error(file), Error(mismatch) where
-// it is of another character.
-std::vector<ExportedFrame> kept_exports(const ShapeStack& stack, std::size_t frame);
+// Writes it down, and returns its mark; the latest 200 of all frames stay. `path`: the dataset.json. Throws
+// Error(file).
+std::string keep_exported(const std::filesystem::path& path, const ShapeStack& stack, std::size_t frame,
+                          const ExportedFrame& exported);
+// What was written down of a frame and can be used, the latest first. The file is a hint: what of it is damaged, of
+// another character, of a newer version, or names files that are gone is left out, and said in notes. `name`: the
+// modifier whose sculpts of then are needed, too.
+struct KeptExports {
+  std::vector<ExportedFrame> frames;
+  std::vector<std::string> notes;
+};
+KeptExports kept_exports(const ShapeStack& stack, std::size_t frame, const std::string& name);
 
 // V x 3: what the sculpts of the modifier `name` of a stack add to a frame; nothing where there is none, or it is off.
 Positions sculpted_by(const PoseDatabase& database, const std::vector<Modifier>& modifiers, const std::string& name,

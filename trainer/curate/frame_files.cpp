@@ -15,6 +15,7 @@
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "runtime/core/hexadecimal.h"
 #include "trainer/curate/local_models.h"
 #include "trainer/curate/match_vertices.h"
 
@@ -25,6 +26,14 @@ using Corner = std::uint32_t;
 
 constexpr std::uint64_t kLargestObj = std::uint64_t{1} << 30;  // bytes
 constexpr double kUnmoved = 1e-6;                              // of the size: files round
+constexpr const char* kMark = "exported-";                     // and 16 hexadecimal digits
+
+// The mark that is in a name; other programs add to names.
+std::string mark_in(const std::string& name) {
+  const std::string begun = kMark;
+  const std::size_t at = name.find(begun);
+  return at == std::string::npos ? "" : name.substr(at, begun.size() + 16);
+}
 
 std::string place_of(const std::filesystem::path& path, std::size_t line) {
   return path.string() + ", line " + std::to_string(line);
@@ -56,6 +65,7 @@ struct ObjMesh {
   std::vector<std::array<double, 2>> texture;
   std::vector<std::vector<Corner>> faces;
   std::vector<std::array<Corner, 2>> textured;  // vertices, and what of the texture corners give them
+  std::string mark;                             // of an object's or group's name; empty: none has one
 };
 
 // "3", "3/1/7", "3//7", "-1".
@@ -96,6 +106,8 @@ ObjMesh parse_obj(const std::filesystem::path& path) {
       std::vector<Corner> face;
       while (words >> word) face.push_back(read_corner(word, place_of(path, number), mesh));
       mesh.faces.push_back(std::move(face));
+    } else if ((word == "o" || word == "g") && mesh.mark.empty()) {
+      mesh.mark = mark_in(line);
     }
   }
   return mesh;
@@ -194,6 +206,9 @@ std::vector<std::size_t> heaviest_regions(const Character& character, const std:
   return heaviest;
 }
 
+// The mark is first: other programs cut long names.
+std::string marked_name(const Character& character, const std::string& mark) { return mark + " " + character.name; }
+
 std::string face_line(const Character& character, Eigen::Index triangle, bool has_texture) {
   std::string line = "f";
   for (int k = 0; k < 3; ++k) {
@@ -234,17 +249,23 @@ void check_size(const Positions& exported, const Positions& given, const std::fi
                                        "another character?");
 }
 
-// Which of the skins the mesh was made of.
-std::size_t made_of(std::span<const Positions> exported, const Positions& given) {
-  std::size_t best = 0, most = 0;
-  for (std::size_t k = 0; exported.size() > 1 && k < exported.size(); ++k) {
-    const std::size_t unmoved = vertices_in_place(exported[k], given, kUnmoved * size_of(exported[k]));
-    if (unmoved > most) {
-      best = k;
-      most = unmoved;
-    }
+// Which of the skins the mesh was made of; its positions stay empty.
+FrameMesh made_of(std::span<const WrittenSkin> written, const Positions& given, const std::string& mark) {
+  const auto marked = std::ranges::find(written, mark, &WrittenSkin::mark);
+  if (!mark.empty() && marked != written.end()) return {{}, static_cast<std::size_t>(marked - written.begin())};
+  if (written.size() == 1) return {};
+  std::vector<std::size_t> unmoved;
+  for (const WrittenSkin& one : written) {
+    unmoved.push_back(vertices_in_place(one.skin, given, kUnmoved * size_of(one.skin)));
   }
-  return best;
+  const std::size_t best = static_cast<std::size_t>(std::ranges::max_element(unmoved) - unmoved.begin());
+  const Positions& taken = written[best].skin;
+  FrameMesh mesh{{}, best};
+  for (std::size_t k = 0; k < written.size(); ++k) {
+    const double apart = (written[k].skin - taken).rowwise().norm().maxCoeff();
+    if (unmoved[k] == unmoved[best] && apart > kUnmoved * size_of(taken)) ++mesh.alike;
+  }
+  return mesh;
 }
 
 Positions in_own_order(const Character& character, const TexturedSurface& exported, const TexturedSurface& given,
@@ -281,9 +302,12 @@ SkinSurface frame_surface(const PoseDatabase& database) {
   return surface;
 }
 
+std::string export_mark(std::uint64_t hash) { return kMark + hexadecimal(hash); }
+
 void write_frame_obj(const Character& character, const SkinSurface& surface, const std::vector<float>& positions,
-                     const std::filesystem::path& path) {
+                     const std::filesystem::path& path, const std::string& mark) {
   std::string text = "# " + character.name + "\n";
+  if (!mark.empty()) text += "o " + marked_name(character, mark) + "\n";
   char line[96];
   for (std::size_t v = 0; v < positions.size(); v += 3) {
     std::snprintf(line, sizeof(line), "v %.9g %.9g %.9g\n", double{positions[v]}, double{positions[v + 1]},
@@ -299,8 +323,9 @@ void write_frame_obj(const Character& character, const SkinSurface& surface, con
 }
 
 void write_frame_gltf(const Character& character, const SkinSurface& surface, const Positions& skin, const Pose& pose,
-                      const std::filesystem::path& path) {
+                      const std::filesystem::path& path, const std::string& mark) {
   Character posed = character;
+  if (!mark.empty()) posed.name = marked_name(character, mark);
   posed.vertices = skin;
   const std::vector<Affine> joints = posed_joints(character.skeleton, pose.joints);
   for (std::size_t j = 0; j < joints.size(); ++j) {
@@ -312,23 +337,29 @@ void write_frame_gltf(const Character& character, const SkinSurface& surface, co
 }
 
 FrameMesh read_frame_mesh(const Character& character, const std::vector<double>& texture,
-                          std::span<const Positions> exported, const std::filesystem::path& path) {
+                          std::span<const WrittenSkin> written, const std::filesystem::path& path) {
   TexturedSurface given;
+  std::string mark;
   if (lower_case_extension(path) == ".obj") {
     ObjMesh mesh = parse_obj(path);
+    mark = mesh.mark;
     given = surface_of(mesh);
-    check_size(exported.front(), given.vertices, path);
+    check_size(written.front().skin, given.vertices, path);
     if (mesh.positions.size() == 3 * std::size_t{character.output_count()} && has_its_faces(character, mesh)) {
-      return {std::move(mesh.positions), made_of(exported, given.vertices)};
+      FrameMesh result = made_of(written, given.vertices, mark);
+      result.positions = std::move(mesh.positions);
+      return result;
     }
   } else {
     const Character read = read_character(path, 1);
+    mark = mark_in(read.name);
     given = {read.vertices, read.triangles, textured(read, read_texture_coordinates(path))};
-    check_size(exported.front(), given.vertices, path);
+    check_size(written.front().skin, given.vertices, path);
   }
-  const std::size_t of = made_of(exported, given.vertices);
-  const TexturedSurface own{exported[of], character.triangles, textured(character, texture)};
-  return {output_from_welded(character, in_own_order(character, own, given, path)), of};
+  FrameMesh result = made_of(written, given.vertices, mark);
+  const TexturedSurface own{written[result.of].skin, character.triangles, textured(character, texture)};
+  result.positions = output_from_welded(character, in_own_order(character, own, given, path));
+  return result;
 }
 
 }  // namespace bodyopt

@@ -20,7 +20,8 @@ std::string keep_samples(const Dataset& dataset, const std::string& of, std::siz
     size = own.size();
   }
   const std::string name = "modifiers/" + of + "-" + hexadecimal(hash.value()) + ".pc2";
-  std::filesystem::create_directories(dataset.folder / "modifiers");
+  std::error_code ignored;  // without the folder the writer refuses, naming the file
+  std::filesystem::create_directories(dataset.folder / "modifiers", ignored);
   Pc2Writer writer(dataset.folder / name, static_cast<std::uint32_t>(size / 3), static_cast<std::uint32_t>(count));
   for (std::size_t k = 0; k < count; ++k) writer.append(sample(k));
   writer.close();

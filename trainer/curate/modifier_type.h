@@ -32,6 +32,8 @@ class ShapeModifier {
   // A hash of all that apply() makes of a frame's pose and offsets depends on: what was worked out is known again by
   // it. None: it leaves the frame as it is. On any thread.
   virtual std::optional<std::uint64_t> cause(std::size_t frame) const = 0;
+  // What whoever reads the shapes should know, after the modifier's name; mostly nothing.
+  virtual std::string note() const { return ""; }
 };
 
 struct ModifierInput {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "assets/character_hash.h"
+#include "assets/notes.h"
 #include "base/content_hash.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/hash_of.h"
@@ -88,7 +89,10 @@ void require_known_parameters(const Modifier& modifier, const ModifierType& type
   for (const auto& [key, value] : modifier.parameters.items()) {
     const bool known = std::any_of(type.parameters.begin(), type.parameters.end(),
                                    [&k = key](const char* there) { return k == there; });
-    if (!known) throw Error(ErrorKind::mismatch, name + " has no parameter '" + key + "': misspelt?");
+    if (known) continue;
+    const std::vector<std::string> names(type.parameters.begin(), type.parameters.end());
+    throw Error(ErrorKind::mismatch, name + " has no parameter '" + key + "': misspelt? " +
+                                         (names.empty() ? "Its type has none" : "Its type has " + list_names(names)));
   }
 }
 
@@ -133,6 +137,7 @@ void ShapeStack::add_shape(std::size_t place, Layer layer, const ModifierType& t
   layer.shape = type.prepare({database_, *space_, parameters, layer.name, layer.selected, frozen, layer.mask,
                               [this, place](std::size_t frame) { return offsets(frame, place); },
                               [this, place](std::size_t frame) { return key(frame, place); }, cache_});
+  if (const std::string note = layer.shape->note(); !note.empty()) notes_.push_back(layer.name + " " + note);
   layers_.push_back(std::move(layer));
 }
 
