@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/pc2.h"
+#include "dataset/dataset.h"
 #include "runtime/basis/basis.h"
 #include "tests/support/no_vulkan_loader.h"
 #include "tests/support/run_program.h"
