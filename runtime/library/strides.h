@@ -28,7 +28,8 @@ class GivenPoses {
 };
 
 // O x 2: the texture coordinates of the options; empty where none were given. Throws Error(usage) for a stride that is
-// too small or memory that does not hold all, Error(mismatch) for another number of vertices and for one that is not finite.
+// too small or memory that does not hold all, Error(mismatch) for another number of vertices and for one that is not
+// finite.
 std::vector<float> read_texture(const bodyopt_load_options& options, const Basis& basis);
 
 // Where the caller wants a skin. Throws Error(usage) for strides that are too small or memory that does not hold all
