@@ -111,23 +111,25 @@ class CheckedBackend final : public Backend {
       case Stage::strain:
         return compare(fibres(tolerance_of(Stage::strain, "strains"), found.strains, expected.strains), frames);
       case Stage::residual:
-        compare(numbers(tolerance_of(Stage::residual, "excess"), "feature", found.excess, expected.excess), frames);
-        return compare(numbers(tolerance_of(Stage::residual, "coefficients"), "coefficient", found.coefficients,
+        compare(numbers(tolerance_of(Stage::residual, "excess"), "feature", 1, found.excess, expected.excess), frames);
+        return compare(numbers(tolerance_of(Stage::residual, "coefficients"), "coefficient", 1, found.coefficients,
                                expected.coefficients),
                        frames);
       case Stage::pose:
         return compare(vertices(tolerance_of(Stage::pose, "posed"), found.posed, expected.posed), frames);
       case Stage::diffuse:
-        return compare(nodes(tolerance_of(Stage::diffuse, "nodes"), device_motion_.nodes, cpu_->motion().nodes), 1);
+        return compare(
+            numbers(tolerance_of(Stage::diffuse, "nodes"), "node", 3, device_motion_.nodes, cpu_->motion().nodes), 1);
       case Stage::jiggle:
-        compare(nodes(tolerance_of(Stage::jiggle, "displacement"), device_motion_.displacement,
-                      cpu_->motion().displacement),
+        compare(numbers(tolerance_of(Stage::jiggle, "displacement"), "node", 3, device_motion_.displacement,
+                        cpu_->motion().displacement),
                 1);
         return compare(vertices(tolerance_of(Stage::jiggle, "positions"), found.positions, expected.positions), frames);
       case Stage::output:
         compare(vertices(tolerance_of(Stage::output, "positions"), found.positions, expected.positions), frames);
         compare(vertices(tolerance_of(Stage::output, "normals"), found.normals, expected.normals), frames);
-        return compare(tangents(found.tangents, expected.tangents), frames);
+        return compare(numbers(tolerance_of(Stage::output, "tangents"), "vertex", 4, found.tangents, expected.tangents),
+                       frames);
     }
   }
 
@@ -141,9 +143,10 @@ class CheckedBackend final : public Backend {
             }};
   }
 
-  StageOutput numbers(const StageTolerance& tolerance, const std::string& what, std::span<const float> device,
-                      std::span<const float> cpu) const {
-    return {tolerance.stage, device, cpu, 1, allowed(tolerance, cpu), [what](std::size_t k) {
+  // `size` of each: "node 3".
+  StageOutput numbers(const StageTolerance& tolerance, const std::string& what, std::size_t size,
+                      std::span<const float> device, std::span<const float> cpu) const {
+    return {tolerance.stage, device, cpu, size, allowed(tolerance, cpu), [what](std::size_t k) {
               return what + " " + std::to_string(k);
             }};
   }
@@ -155,28 +158,6 @@ class CheckedBackend final : public Backend {
               const std::vector<std::uint32_t>& output = model_->basis.mesh.output_vertex;
               return "vertex " + std::to_string(std::ranges::find(output, k) - output.begin());
             }};
-  }
-
-  StageOutput tangents(std::span<const float> device, std::span<const float> cpu) const {
-    const StageTolerance tolerance = tolerance_of(Stage::output, "tangents");
-    return {tolerance.stage,
-            device,
-            cpu,
-            4,
-            allowed(tolerance, cpu),
-            [](std::size_t k) {
-              return "vertex " + std::to_string(k); }};
-  }
-
-  // Of the last frame.
-  StageOutput nodes(const StageTolerance& tolerance, std::span<const float> device, std::span<const float> cpu) const {
-    return {tolerance.stage,
-            device,
-            cpu,
-            3,
-            allowed(tolerance, cpu),
-            [](std::size_t k) {
-              return "node " + std::to_string(k); }};
   }
 
   std::shared_ptr<const CharacterModel> model_;

@@ -240,7 +240,7 @@ TEST(Symmetry, AddsTheMirrorImageOfEveryFrame) {
 
 TEST(Symmetry, TurnsARealHumansOtherThumb) {
   const auto path = shared_data("characters/human_muscular.glb");
-  if (!path) GTEST_SKIP() << "shared data not present";
+  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
   const Character human = read_character(*path);
   const MirrorImage mirror(human, {});
   const auto left = static_cast<std::size_t>(human.skeleton.find("LThumb")),

@@ -13,7 +13,7 @@ namespace {
 TEST(HumanJiggle, NamesJointsOfTheRigAndHoldsBothSidesAlike) {
   const JiggleSettings settings = read_jiggle(kSourceFolder + "/rigs/human/jiggle.json");
   const auto path = shared_data("characters/human_average.glb");
-  if (!path) GTEST_SKIP() << "no shared data";
+  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
   const Skeleton skeleton = read_character(*path).skeleton;
   std::vector<std::string> held;
   for (const JiggleRegion& region : settings.regions) {

@@ -255,7 +255,7 @@ TEST(SetChannels, ReplacesWhatTheClipHas) {
 // The hero is 1.75 m tall. What it gains is measured on the skin that the runtime shows.
 TEST(BakeBreathing, AHumanBreathesWithinPublishedRanges) {
   const auto file = shared_data("characters/human_muscular.glb");
-  if (!file) GTEST_SKIP() << "no shared data";
+  if (!file) GTEST_SKIP() << "needs the shared data, which is not here";
   const TemporaryFolder folder;
   TrainOptions options;
   options.smoothing_steps = 4;  // quick; at rest it makes no difference

@@ -44,7 +44,7 @@ TEST(SimplifySkin, StaysClosedAndManifoldHoweverCoarse) {
 
 TEST(SimplifySkin, ARealHumanStaysClosedAndManifold) {
   const auto path = shared_data("characters/human_average.glb");
-  if (!path) GTEST_SKIP() << "skipped: no shared data";
+  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
   const Character human = read_character(*path);
   for (const double error : {2e-3, 1e-2}) {
     const SimplifiedSkin skin = simplify_skin(human, {human.vertices}, error);

@@ -151,7 +151,7 @@ TEST(CageBody, RealCharactersOfEveryKind) {
   for (const char* file :
        {"cesium_man.glb", "fox.glb", "simple_skin.gltf", "quaternius_man.glb", "quaternius_horse.glb"}) {
     const auto path = shared_data(std::string("characters/") + file);
-    if (!path) GTEST_SKIP() << "shared data not present";
+    if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
     const Character character = read_character(*path, std::string(file) == "fox.glb" ? 0.01 : 0);
     const QuasiStaticBody body = caged(character, {}, 800);
     Pose pose = bind_pose(character.skeleton);

@@ -240,7 +240,7 @@ TEST(Tissue, TheFirmBarrierHoldsUpTinyTets) {
 // Lamé parameters at rest are mu and lambda - mu.
 TEST(Tissue, AgreesWithAnIndependentLinearSolution) {
   const auto path = shared_data("reference/fem/bar-651_static.safetensors");
-  if (!path) GTEST_SKIP() << "shared data not present";
+  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
   std::ifstream stream(*path, std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
   std::uint64_t header_size = 0;

@@ -203,7 +203,7 @@ TEST(LatticeCage, EnclosesRealCharacters) {
   for (const char* file : {"cesium_man.glb", "fox.glb", "simple_skin.gltf", "quaternius_man.glb",
                            "quaternius_horse.glb", "greenman.glb", "human_muscular.glb"}) {
     const auto path = shared_data(std::string("characters/") + file);
-    if (!path) GTEST_SKIP() << "shared data not present";
+    if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
     double unit = 0;
     if (std::string(file) == "fox.glb") unit = 0.01;
     const Character character = read_character(*path, unit);

@@ -84,7 +84,7 @@ TEST(Tets, RefuseASkinThatIntersectsItself) {
 
 TEST(Tets, FillARealCharacter) {
   const auto path = shared_data("characters/cesium_man.glb");
-  if (!path) GTEST_SKIP() << "shared data not present";
+  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
   const Character man = read_character(*path);
   const TetMesh mesh = tetrahedralise(man.vertices, man.triangles, 0.1);
   EXPECT_NEAR(volume(mesh), std::abs(enclosed_volume(man.vertices, man.triangles)), 1e-9);

@@ -95,16 +95,17 @@ Displacements made_consistent(const ModifierInput& input, const ConsistencySetti
     progress.advance();
   }
   const SkinSmoother smoother(database.character.vertices, database.character.triangles, settings.smooth);
-  Displacements best = begun;
-  Displacements deviation = deviations(best, parts, models);
+  Displacements best = begun, deviation = deviations(best, parts, models);
+  float least = deviation.norm();
   for (int k = 0; k < settings.iterations; ++k) {
     Displacements next = best;
     take_from(next, begun, deviation, smoother, settings.cap, moves);
-    Displacements left = deviations(next, parts, models);
+    deviation.resize(0, 0);  // as large as all shapes: before the next is worked out
+    deviation = deviations(next, parts, models);
     // What does not come together is no history: all stays as the step before left it.
-    if (!(left.norm() < deviation.norm())) break;
+    if (!(deviation.norm() < least)) break;
+    least = deviation.norm();
     best = std::move(next);
-    deviation = std::move(left);
     progress.advance();
   }
   return best;
