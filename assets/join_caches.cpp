@@ -16,19 +16,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void fail(const fs::path& path, const std::string& what) {
+[[noreturn]] void refuse_part(const fs::path& path, const std::string& what) {
   throw Error(ErrorKind::mismatch, path.string() + ": " + what);
 }
 
 void require_apart(const fs::path& before, int last, const fs::path& after, int first) {
   if (first > last) return;
-  fail(after, "begins with frame " + std::to_string(first) + ", and " + before.string() + " ends with frame " +
-                  std::to_string(last) + ": parts of one shot have no frames in common");
+  refuse_part(after, "begins with frame " + std::to_string(first) + ", and " + before.string() + " ends with frame " +
+                         std::to_string(last) + ": parts of one shot have no frames in common");
 }
 
 int frame_number(const fs::path& path, double frame) {
   if (std::abs(frame) <= 1e7 && frame == std::floor(frame)) return static_cast<int>(frame);
-  fail(path, "its samples are not at whole frames: it is no part that 'bodyopt eval' wrote");
+  refuse_part(path, "its samples are not at whole frames: it is no part that 'bodyopt eval' wrote");
 }
 
 std::vector<int> frames_of(const Pc2Reader& part) {
@@ -48,9 +48,9 @@ void join_pc2(const std::vector<fs::path>& paths, const fs::path& out) {
   std::vector<int> frames;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     if (parts[k].point_count() != parts[0].point_count()) {
-      fail(parts[k].path(), "has " + std::to_string(parts[k].point_count()) + " points, and " +
-                                parts[0].path().string() + " has " + std::to_string(parts[0].point_count()) +
-                                ": caches of two meshes");
+      refuse_part(parts[k].path(), "has " + std::to_string(parts[k].point_count()) + " points, and " +
+                                       parts[0].path().string() + " has " + std::to_string(parts[0].point_count()) +
+                                       ": caches of two meshes");
     }
     const std::vector<int> more = frames_of(parts[k]);
     if (k > 0 && !frames.empty() && !more.empty()) {
@@ -77,7 +77,7 @@ void join_usda(const std::vector<fs::path>& paths, const fs::path& out) {
   std::size_t frames = 0;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     if (parts[k].head() != parts[0].head() || parts[k].between() != parts[0].between()) {
-      fail(parts[k].path(), "is of another mesh or frame rate than " + parts[0].path().string());
+      refuse_part(parts[k].path(), "is of another mesh or frame rate than " + parts[0].path().string());
     }
     if (k > 0) {
       require_apart(parts[k - 1].path(), parts[k - 1].frames().back(), parts[k].path(), parts[k].frames().front());
@@ -112,7 +112,7 @@ void join_caches(const std::vector<fs::path>& parts, const fs::path& out) {
   if (parts.empty()) throw Error(ErrorKind::usage, out.string() + ": there are no parts to join");
   for (const fs::path& part : parts) {
     if (part.extension() == out.extension()) continue;
-    fail(part, "and " + out.string() + " are of different formats: parts and whole are all .pc2 or all .usda");
+    refuse_part(part, "and " + out.string() + " are of different formats: parts and whole are all .pc2 or all .usda");
   }
   if (out.extension() == ".usda") {
     join_usda(parts, out);

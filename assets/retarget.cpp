@@ -164,13 +164,13 @@ double Retarget::fitted_unit() const {
 
 // Joints of the source that some frame turns away from rest.
 std::vector<bool> Retarget::turning_joints(std::size_t frames, double fps) const {
-  constexpr double kStill = 1e-6;  // 1 less the cosine of half the turn
+  constexpr double kNoTurn = 1e-6;  // 1 less the cosine of half the turn
   std::vector<bool> turns(motion_.joints.size(), false);
   for (std::size_t k = 0; k < frames; ++k) {
     const std::vector<JointTransform> locals = motion_.locals_at(static_cast<double>(k) / fps);
     for (std::size_t b = 0; b < turns.size(); ++b) {
       const Quat away = conjugate(motion_.joints[b].rest.rotation) * locals[b].rotation;
-      turns[b] = turns[b] || std::abs(away[3]) < 1 - kStill;
+      turns[b] = turns[b] || std::abs(away[3]) < 1 - kNoTurn;
     }
   }
   return turns;

@@ -70,7 +70,7 @@ void add_mappings(const RigArguments& arguments, const Skeleton& skeleton, std::
   for (const std::string& path : arguments.mappings) {
     const anatomy::CarriedMapping mapping = anatomy::carried_mapping(path, skeleton);
     const fs::path out = fs::path(arguments.out) / fs::path(path).filename();
-    files.push_back({out, text_of(mapping.json, out)});
+    files.push_back({out, bodyopt::text_of(mapping.json, out)});
     if (mapping.unknown.empty()) continue;
     spdlog::warn("{}: the character has no joint that is known to be {}: write its own in their place", out.string(),
                  list_names(mapping.unknown));
@@ -118,9 +118,9 @@ void run(const RigArguments& arguments) {
   const fs::path out = arguments.out;
   std::vector<RigFile> files;
   add_mappings(arguments, skeleton, files);
-  files.push_back({out / "limits.json", text_of(to_json(limits, skeleton), out / "limits.json")});
+  files.push_back({out / "limits.json", bodyopt::text_of(to_json(limits, skeleton), out / "limits.json")});
   files.push_back({out / "regions.json", regions_text(regions, character, kRegionSource)});
-  if (!jiggle.is_null()) files.push_back({out / "jiggle.json", text_of(jiggle, out / "jiggle.json")});
+  if (!jiggle.is_null()) files.push_back({out / "jiggle.json", bodyopt::text_of(jiggle, out / "jiggle.json")});
   require_distinct(files);
   make_folder(arguments.out);
   write_new(files);

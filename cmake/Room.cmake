@@ -35,11 +35,14 @@ function(bodyopt_room FOLDER)
   set_property(GLOBAL APPEND PROPERTY BODYOPT_ROOMS ${line})
 endfunction()
 
-# Several sources of each of these rooms are compiled at a time: half of a build is the same headers, parsed again.
+# How many sources are compiled at a time where that pays: half of a build is the same headers, parsed again.
+set(BODYOPT_SOURCES_TOGETHER 12)
+
+# The sources of each of these rooms are compiled several at a time.
 function(bodyopt_compile_together)
   foreach(folder ${ARGN})
     bodyopt_target(${folder} target)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${BODYOPT_SOURCES_TOGETHER})
   endforeach()
 endfunction()
 

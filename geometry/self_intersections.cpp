@@ -10,7 +10,7 @@ namespace bodyopt {
 namespace {
 
 using Eigen::Vector3d;
-using Corners = std::array<Vector3d, 3>;
+using CornerPoints = std::array<Vector3d, 3>;
 
 constexpr double kFlat = 1e-12;  // height over the length of an edge
 
@@ -18,7 +18,7 @@ double six_volumes(const Vector3d& a, const Vector3d& b, const Vector3d& c, cons
   return (b - a).cross(c - a).dot(d - a);
 }
 
-bool passes_through(const Vector3d& from, const Vector3d& to, const Corners& triangle) {
+bool passes_through(const Vector3d& from, const Vector3d& to, const CornerPoints& triangle) {
   const auto& [a, b, c] = triangle;
   const double start = six_volumes(a, b, c, from), end = six_volumes(a, b, c, to);
   // What lies in the plane but for rounding does not pass through it.
@@ -32,7 +32,7 @@ class Intersections {
  public:
   Intersections(const Positions& vertices, const Triangles& triangles) : vertices_(vertices), triangles_(triangles) {
     for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-      const Corners c = corners(t);
+      const CornerPoints c = corners(t);
       boxes_.push_back({t, c[0].cwiseMin(c[1]).cwiseMin(c[2]), c[0].cwiseMax(c[1]).cwiseMax(c[2])});
     }
   }
@@ -66,7 +66,7 @@ class Intersections {
     Eigen::Index triangle;
     Vector3d low, high;
   };
-  Corners corners(Eigen::Index t) const {
+  CornerPoints corners(Eigen::Index t) const {
     return {vertices_.row(triangles_(t, 0)), vertices_.row(triangles_(t, 1)), vertices_.row(triangles_(t, 2))};
   }
   bool has_corner(Eigen::Index t, std::uint32_t vertex) const { return (triangles_.row(t).array() == vertex).any(); }

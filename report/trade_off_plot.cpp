@@ -11,22 +11,22 @@ namespace {
 
 using Point = TradeOffPlot::Point;
 
-constexpr double kWidth = 960, kHeight = 400;
-constexpr FrameArea kArea{.left = 62, .right = 946, .top = 20, .bottom = 350};
+constexpr double kTradeOffWidth = 960, kTradeOffHeight = 400;
+constexpr FrameArea kTradeOffArea{.left = 62, .right = 946, .top = 20, .bottom = 350};
 constexpr const char *kCurveColour = "#62aee8", *kChosenColour = "#f2b866", *kHeldoutColour = "#e8837a";
 
-struct Scale {
+struct TradeOffScale {
   double first, last, low, high;
 
   double x(const Point& point) const {
-    return kArea.left + (point.bytes - first) / (last - first) * (kArea.right - kArea.left);
+    return kTradeOffArea.left + (point.bytes - first) / (last - first) * (kTradeOffArea.right - kTradeOffArea.left);
   }
   double y(const Point& point) const {
-    return kArea.bottom - log_position(point.mm, low, high) * (kArea.bottom - kArea.top);
+    return kTradeOffArea.bottom - log_position(point.mm, low, high) * (kTradeOffArea.bottom - kTradeOffArea.top);
   }
 };
 
-Scale make_scale(const TradeOffPlot& plot) {
+TradeOffScale make_scale(const TradeOffPlot& plot) {
   std::vector<Point> points = plot.curve;
   points.push_back(plot.chosen);
   if (plot.heldout) points.push_back(*plot.heldout);
@@ -39,15 +39,16 @@ Scale make_scale(const TradeOffPlot& plot) {
           1.25 * std::max(high->mm, 1e-9)};
 }
 
-std::string byte_ticks(const Scale& scale) {
+std::string byte_ticks(const TradeOffScale& scale) {
   const double step = round_up((scale.last - scale.first) / 10);
   std::string svg;
   for (double bytes = std::ceil(scale.first / step) * step; bytes <= scale.last; bytes += step) {
     const double x = scale.x({bytes, 0});
-    svg += line(x, kArea.bottom, x, kArea.bottom + 5, kTextColour);
-    svg += text_at(x, kArea.bottom + 19, "middle", kTextColour, number_text(bytes, 9));
+    svg += line(x, kTradeOffArea.bottom, x, kTradeOffArea.bottom + 5, kTextColour);
+    svg += text_at(x, kTradeOffArea.bottom + 19, "middle", kTextColour, number_text(bytes, 9));
   }
-  return svg + text_at((kArea.left + kArea.right) / 2, kHeight - 8, "middle", kTextColour, "bytes per vertex");
+  return svg + text_at((kTradeOffArea.left + kTradeOffArea.right) / 2, kTradeOffHeight - 8, "middle", kTextColour,
+                       "bytes per vertex");
 }
 
 std::string circle(double x, double y, double radius, const std::string& attributes) {
@@ -55,7 +56,7 @@ std::string circle(double x, double y, double radius, const std::string& attribu
          attributes + "/>\n";
 }
 
-std::string expected_curve(const TradeOffPlot& plot, const Scale& scale) {
+std::string expected_curve(const TradeOffPlot& plot, const TradeOffScale& scale) {
   std::string path, dots;
   for (const Point& point : plot.curve) {
     path += (path.empty() ? "M" : "L") + coordinate(scale.x(point)) + " " + coordinate(scale.y(point));
@@ -65,9 +66,10 @@ std::string expected_curve(const TradeOffPlot& plot, const Scale& scale) {
 }
 
 // A mark whose words stand beside it, where the curve is not: above to the right, or below to the left.
-std::string mark(const Scale& scale, const Point& point, const char* colour, const std::string& text, bool above) {
+std::string mark(const TradeOffScale& scale, const Point& point, const char* colour, const std::string& text,
+                 bool above) {
   const double x = scale.x(point), y = scale.y(point);
-  const bool left = above ? x > kArea.right - 300 : x > kArea.left + 300;
+  const bool left = above ? x > kTradeOffArea.right - 300 : x > kTradeOffArea.left + 300;
   const double text_y = above ? y - 14 : y + 24;
   return circle(x, y, 6.5, "fill=\"none\" stroke-width=\"2.5\" stroke=\"" + std::string(colour) + "\"") +
          text_at(left ? x + (above ? 8 : 0) : x - (above ? 8 : 0), text_y, left ? "end" : "start", colour, text);
@@ -76,9 +78,9 @@ std::string mark(const Scale& scale, const Point& point, const char* colour, con
 }  // namespace
 
 std::string trade_off_plot(const TradeOffPlot& plot) {
-  const Scale scale = make_scale(plot);
-  std::string svg = open_svg(kWidth, kHeight, "RMS error over bytes per vertex");
-  svg += draw_log_axis(kArea, scale.low, scale.high, "RMS error, mm") + byte_ticks(scale);
+  const TradeOffScale scale = make_scale(plot);
+  std::string svg = open_svg(kTradeOffWidth, kTradeOffHeight, "RMS error over bytes per vertex");
+  svg += draw_log_axis(kTradeOffArea, scale.low, scale.high, "RMS error, mm") + byte_ticks(scale);
   svg += expected_curve(plot, scale);
   const bool heldout_above = plot.heldout && plot.heldout->mm > plot.chosen.mm;
   svg += mark(scale, plot.chosen, kChosenColour, "this basis, expected: " + number_text(plot.chosen.mm) + " mm",

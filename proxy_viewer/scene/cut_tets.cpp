@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::array<float, 3> kSkin = kClayColour;
 // Fat, muscle, held.
-constexpr std::array<float, 3> kInside[] = {{0.78f, 0.56f, 0.20f}, {0.50f, 0.065f, 0.05f}, {0.80f, 0.78f, 0.70f}};
+constexpr std::array<float, 3> kTetColours[] = {{0.78f, 0.56f, 0.20f}, {0.50f, 0.065f, 0.05f}, {0.80f, 0.78f, 0.70f}};
 
 // Hz: what springs alone would swing faster than that is held. Those of bones are near 160 Hz, of what jiggle.json
 // holds 30 Hz; flesh swings at some 3 Hz.
@@ -93,7 +93,7 @@ CutFaces TetCutter::cut(std::span<const float> nodes, const Vec3& towards, doubl
   return faces;
 }
 
-std::array<float, 3> cut_colour(TetKind kind) { return kInside[static_cast<std::size_t>(kind)]; }
+std::array<float, 3> cut_colour(TetKind kind) { return kTetColours[static_cast<std::size_t>(kind)]; }
 
 CutTets::CutTets(const vulkan::Device& device, const Dynamics& dynamics)
     : device_(device), cutter_(dynamics.tets.tets, kinds_of(dynamics)) {}

@@ -25,7 +25,7 @@ constexpr std::uint32_t kMarked = 0xff5a40ff;
 constexpr std::array<std::uint32_t, 6> kPairColours{0xff4060ff, 0xff50d070, 0xffff9040,
                                                     0xff40d8ff, 0xffe060e0, 0xffd8d840};
 constexpr double kSpacing = 0.7;      // between characters, of their size
-constexpr double kInside = 0.3;       // of its size: nearer to another, a character would begin inside it
+constexpr double kOverlap = 0.3;      // of its size: nearer to another, a character would begin inside it
 constexpr double kSkinAround = 0.12;  // of joints, of the character's size
 constexpr float kSkinOverTets = 0.12f;
 constexpr double kSphere = 0.75;  // around the joints, of the character's size
@@ -158,7 +158,7 @@ void Scene::forget_look() {
 std::array<float, 3> Scene::free_place(std::size_t index) const {
   const auto begins_inside = [&](const std::unique_ptr<Actor>& other) {
     const Vec3 apart = cast_[index]->start() - other->start();
-    return std::hypot(apart[0], apart[2]) < kInside * cast_[index]->size();
+    return std::hypot(apart[0], apart[2]) < kOverlap * cast_[index]->size();
   };
   if (std::none_of(cast_.begin(), cast_.begin() + static_cast<std::ptrdiff_t>(index), begins_inside)) return {0, 0, 0};
   const double step = kSpacing * cast_[index]->size();

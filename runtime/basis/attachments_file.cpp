@@ -9,7 +9,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr const char* kSchema = "bodyopt-attached-1";
+constexpr const char* kAttachmentsSchema = "bodyopt-attached-1";
 
 // Applies `visit(name, array, values to a row)` to every array of mesh k.
 template <typename Mesh, typename Visit>
@@ -63,7 +63,7 @@ void save_attachments(const Attachments& attachments, const std::filesystem::pat
       file.tensors[name] = tensor_from(values, width);
     });
   }
-  file.metadata["schema"] = kSchema;
+  file.metadata["schema"] = kAttachmentsSchema;
   file.metadata["meshes"] = list_text(attachments, path);
   file.metadata["checksum"] = content_checksum(file);
   write_safetensors(file, path);
@@ -72,7 +72,7 @@ void save_attachments(const Attachments& attachments, const std::filesystem::pat
 Attachments load_attachments(const std::filesystem::path& path) {
   const Safetensors file = read_safetensors(path);
   TableReader reader(file, path, "attached geometry");
-  reader.require_schema(kSchema);
+  reader.require_schema(kAttachmentsSchema);
   Attachments attachments;
   attachments.meshes = named_meshes(reader, path);
   for (std::size_t k = 0; k < attachments.meshes.size(); ++k) {

@@ -7,7 +7,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr const char* kSchema = "bodyopt-dynamics-1";
+constexpr const char* kDynamicsSchema = "bodyopt-dynamics-1";
 constexpr const char* kSkinLimit = "tets.skin_limit";
 
 template <typename Inverse, typename Visit>
@@ -22,7 +22,7 @@ void for_each_array_of(Inverse& inverse, const std::string& table, Visit visit) 
 
 // Applies `visit(name, array, values to a row)` to every array of the tables.
 template <typename DynamicsType, typename Visit>
-void for_each_array(DynamicsType& dynamics, Visit visit) {
+void for_each_dynamics_array(DynamicsType& dynamics, Visit visit) {
   auto& tets = dynamics.tets;
   visit("tets.nodes", tets.nodes, 3);
   visit("tets.tets", tets.tets, 4);
@@ -73,7 +73,7 @@ JiggleStep read_step(TableReader& reader) {
 Safetensors container(const Dynamics& dynamics) {
   Safetensors file;
   file.metadata = dynamics.metadata;
-  for_each_array(dynamics, [&](const std::string& name, const auto& values, std::uint64_t width) {
+  for_each_dynamics_array(dynamics, [&](const std::string& name, const auto& values, std::uint64_t width) {
     file.tensors[name] = tensor_from(values, width);
   });
   // As files of earlier versions are, so that a state that belongs to one still does.
@@ -81,7 +81,7 @@ Safetensors container(const Dynamics& dynamics) {
     file.tensors.erase(kSkinLimit);
   }
   file.tensors["jiggle.step"] = tensor_from(step_numbers(dynamics.jiggle.step), 4);
-  file.metadata["schema"] = kSchema;
+  file.metadata["schema"] = kDynamicsSchema;
   return file;
 }
 
@@ -107,9 +107,9 @@ std::string checksum(const Dynamics& dynamics) { return content_checksum(contain
 Dynamics load_dynamics(const std::filesystem::path& path, const Basis& basis) {
   const Safetensors file = read_safetensors(path);
   TableReader reader(file, path, "dynamics");
-  reader.require_schema(kSchema);
+  reader.require_schema(kDynamicsSchema);
   Dynamics dynamics;
-  for_each_array(dynamics, [&](const std::string& name, auto& values, std::uint64_t width) {
+  for_each_dynamics_array(dynamics, [&](const std::string& name, auto& values, std::uint64_t width) {
     if (name != kSkinLimit || file.tensors.contains(name)) reader.read(name, values, width);
   });
   if (!file.tensors.contains(kSkinLimit)) dynamics.tets.skin_limit.assign(dynamics.tets.skin.size(), kNoLimit);
@@ -125,7 +125,7 @@ Dynamics load_dynamics(const std::filesystem::path& path, const Basis& basis) {
 
 std::map<std::string, std::size_t> table_bytes(const Dynamics& dynamics) {
   std::map<std::string, std::size_t> bytes = {{"diffuse", 0}, {"jiggle", 0}};
-  for_each_array(dynamics, [&](const std::string& name, const auto& values, std::uint64_t) {
+  for_each_dynamics_array(dynamics, [&](const std::string& name, const auto& values, std::uint64_t) {
     bytes[name.starts_with("jiggle.") ? "jiggle" : "diffuse"] += values.size() * sizeof(values[0]);
   });
   return bytes;

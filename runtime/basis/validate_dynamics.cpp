@@ -149,9 +149,9 @@ class InverseValidator : TableChecks {
   std::size_t first_, unknowns_;
 };
 
-class Validator : TableChecks {
+class DynamicsValidator : TableChecks {
  public:
-  Validator(const Dynamics& dynamics, const Basis& basis, const std::string& origin)
+  DynamicsValidator(const Dynamics& dynamics, const Basis& basis, const std::string& origin)
       : TableChecks(origin),
         dynamics_(dynamics),
         basis_(basis),
@@ -348,7 +348,7 @@ class Validator : TableChecks {
 }  // namespace
 
 void validate(const Dynamics& dynamics, const Basis& basis, const std::string& origin) {
-  Validator(dynamics, basis, origin).run();
+  DynamicsValidator(dynamics, basis, origin).run();
 }
 
 }  // namespace bodyopt

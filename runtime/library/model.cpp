@@ -11,8 +11,6 @@
 namespace bodyopt {
 namespace {
 
-constexpr std::size_t kJointNumbers = 10;
-
 Basis load_level(const std::string& path, std::uint32_t level) {
   std::vector<Level> levels = load_levels(path);
   if (level >= levels.size()) {

@@ -12,8 +12,6 @@
 namespace bodyopt {
 namespace {
 
-constexpr std::size_t kJointNumbers = 10;
-
 void refuse(const std::string& what) { throw Error(ErrorKind::usage, what); }
 
 // `stride`, or `packed` where it is 0. Throws Error(usage) unless it has room for an element and keeps its alignment.

@@ -10,6 +10,8 @@
 
 namespace bodyopt {
 
+constexpr std::size_t kJointNumbers = 10;  // of a joint: translation, quaternion, scale
+
 // The poses as a caller gives them, looked at once and read frame by frame. Throws Error(usage) for strides that are
 // too small, Error(mismatch) for another number of joints or controls than the basis has.
 class GivenPoses {

@@ -11,7 +11,7 @@
 namespace bodyopt {
 namespace {
 
-class HumanLimits : public testing::Test {
+class HumanLimits : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto path = shared_data("characters/human_muscular.glb");

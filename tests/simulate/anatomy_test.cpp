@@ -16,7 +16,7 @@
 namespace bodyopt {
 namespace {
 
-class Anatomy : public testing::Test {
+class Anatomy : public ::testing::Test {
  protected:
   Anatomy()
       : limb_(make_limb()),

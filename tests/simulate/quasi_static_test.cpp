@@ -17,7 +17,7 @@
 namespace bodyopt {
 namespace {
 
-class QuasiStatic : public testing::Test {
+class QuasiStatic : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     limb_ = new Character(make_limb());

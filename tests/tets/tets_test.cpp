@@ -43,11 +43,11 @@ TEST(Tets, AreTheSameEveryTime) {
 
 TEST(Tets, SayNothingOnStandardOutput) {
   const Character limb = make_limb();
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   tetrahedralise(limb.vertices, limb.triangles, 0.05);
   std::puts("after");  // and standard output works again
   std::fflush(stdout);
-  EXPECT_EQ(testing::internal::GetCapturedStdout(), "after\n");
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "after\n");
 }
 
 TEST(Tets, FillASkinThatWindsInwards) {
