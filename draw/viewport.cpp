@@ -132,33 +132,33 @@ PipelineInfo surface_info(VkSampleCountFlagBits samples, bool ghost) {
           .culls_back = ghost};
 }
 
-// What draws the scene with so many samples a pixel.
-struct Scene {
-  Scene(const vulkan::Device& device, VkSampleCountFlagBits samples_)
-      : samples(samples_),
-        pass(make_scene_pass(device, samples)),
-        ground(device, pass.get(),
-               {.vertex = view_ground_vert_spv,
-                .fragment = view_ground_frag_spv,
-                .samples_image = true,
-                .push_bytes = sizeof(GroundPush),
-                .samples = samples,
-                .depth_test = false,
-                .depth_write = false}),
-        surface(device, pass.get(), surface_info(samples, false)),
-        ghost(device, pass.get(), surface_info(samples, true)),
-        line(device, pass.get(), line_info(view_line_vert_spv, 1, sizeof(LinePush), samples, true)),
-        line_on_top(device, pass.get(), line_info(view_line_vert_spv, 1, sizeof(LinePush), samples, false)),
-        fibre(device, pass.get(), line_info(view_fibre_vert_spv, 5, sizeof(FibrePush), samples, true)) {}
-
-  VkSampleCountFlagBits samples;
-  RenderPass pass;
-  GraphicsPipeline ground, surface, ghost, line, line_on_top, fibre;
-};
-
 }  // namespace
 
 struct Viewport::Impl {
+  // What draws the scene with so many samples a pixel.
+  struct Scene {
+    Scene(const vulkan::Device& device, VkSampleCountFlagBits samples_)
+        : samples(samples_),
+          pass(make_scene_pass(device, samples)),
+          ground(device, pass.get(),
+                 {.vertex = view_ground_vert_spv,
+                  .fragment = view_ground_frag_spv,
+                  .samples_image = true,
+                  .push_bytes = sizeof(GroundPush),
+                  .samples = samples,
+                  .depth_test = false,
+                  .depth_write = false}),
+          surface(device, pass.get(), surface_info(samples, false)),
+          ghost(device, pass.get(), surface_info(samples, true)),
+          line(device, pass.get(), line_info(view_line_vert_spv, 1, sizeof(LinePush), samples, true)),
+          line_on_top(device, pass.get(), line_info(view_line_vert_spv, 1, sizeof(LinePush), samples, false)),
+          fibre(device, pass.get(), line_info(view_fibre_vert_spv, 5, sizeof(FibrePush), samples, true)) {}
+
+    VkSampleCountFlagBits samples;
+    RenderPass pass;
+    GraphicsPipeline ground, surface, ghost, line, line_on_top, fibre;
+  };
+
   explicit Impl(const vulkan::Device& d)
       : device(d),
         panel_pass(make_panel_pass(device)),

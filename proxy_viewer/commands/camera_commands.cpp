@@ -11,7 +11,7 @@ namespace {
 constexpr double kTurn = std::numbers::pi / 36;  // 5 degrees
 constexpr double kMostPan = 100;
 
-const Command kCommands[] = {
+const Command kCameraCommands[] = {
     {"frame-selection", "", "F", "Camera", "see all of the character, or of the joint that is selected",
      [](Controls& c, const std::string&) { c.requests.frame_selection = true; }},
     {"front", "", "1", "Camera", "from the front",
@@ -78,6 +78,6 @@ const Command kCommands[] = {
 
 }  // namespace
 
-std::span<const Command> camera_commands() { return kCommands; }
+std::span<const Command> camera_commands() { return kCameraCommands; }
 
 }  // namespace bodyopt

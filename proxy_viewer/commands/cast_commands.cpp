@@ -7,7 +7,7 @@
 namespace bodyopt {
 namespace {
 
-const Command kCommands[] = {
+const Command kCastCommands[] = {
     {"ghosts", "BEFORE AFTER", "", "Look", "frames before and after, see-through",
      [](Controls& c, const std::string& a) {
        const auto w = words(a, 2, "two counts");
@@ -85,6 +85,6 @@ const Command kCommands[] = {
 
 }  // namespace
 
-std::span<const Command> cast_commands() { return kCommands; }
+std::span<const Command> cast_commands() { return kCastCommands; }
 
 }  // namespace bodyopt

@@ -18,7 +18,7 @@ void go_to_pair(Controls& controls, int pair) {
   controls.playback.scrub(listed.first);
 }
 
-const Command kCommands[] = {
+const Command kCompareCommands[] = {
     {"compare", "none|lbs|ddm|linear|full|jiggle|truth|proxy", "", "Compare", "with what",
      [](Controls& c, const std::string& a) {
        choose(c.settings.compare.with, a, kComparisonNames);
@@ -155,6 +155,6 @@ const Command kCommands[] = {
 
 }  // namespace
 
-std::span<const Command> compare_commands() { return kCommands; }
+std::span<const Command> compare_commands() { return kCompareCommands; }
 
 }  // namespace bodyopt

@@ -7,7 +7,7 @@
 namespace bodyopt {
 namespace {
 
-const Command kCommands[] = {
+const Command kFileCommands[] = {
     {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",
      [](Controls& c, const std::string& a) { c.requests.screenshot = a; }},
     {"turntable", "FILE.####.png", "", "File", "once around, 72 pictures",
@@ -77,6 +77,6 @@ const Command kCommands[] = {
 
 }  // namespace
 
-std::span<const Command> file_commands() { return kCommands; }
+std::span<const Command> file_commands() { return kFileCommands; }
 
 }  // namespace bodyopt

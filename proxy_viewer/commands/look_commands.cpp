@@ -6,7 +6,7 @@
 namespace bodyopt {
 namespace {
 
-const Command kCommands[] = {
+const Command kLookCommands[] = {
     {"style", "clay|matcap|flat|normals", "", "Look", "how skin looks",
      [](Controls& c, const std::string& a) { choose(c.settings.look.style, a, kStyleNames); },
      [](const Controls& c) { return name_of(c.settings.look.style, kStyleNames); }},
@@ -44,6 +44,6 @@ const Command kCommands[] = {
 
 }  // namespace
 
-std::span<const Command> look_commands() { return kCommands; }
+std::span<const Command> look_commands() { return kLookCommands; }
 
 }  // namespace bodyopt

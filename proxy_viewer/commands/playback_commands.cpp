@@ -9,7 +9,7 @@
 namespace bodyopt {
 namespace {
 
-const Command kCommands[] = {
+const Command kPlaybackCommands[] = {
     {"play", "", "Space", "Playback", "play or pause", [](Controls& c, const std::string&) { c.playback.toggle(); },
      [](const Controls& c) { return name_of(c.playback.playing()); }},
     {"step", "[FRAMES]", "Right", "Playback", "one frame on",
@@ -84,6 +84,6 @@ const Command kCommands[] = {
 
 }  // namespace
 
-std::span<const Command> playback_commands() { return kCommands; }
+std::span<const Command> playback_commands() { return kPlaybackCommands; }
 
 }  // namespace bodyopt

@@ -11,7 +11,7 @@
 namespace bodyopt {
 namespace {
 
-const Command kCommands[] = {
+const Command kPoseCommands[] = {
     {"select", "[JOINT]", "", "Pose", "a joint; nothing: none",
      [](Controls& c, const std::string& a) { c.joint = a.empty() ? a : known(a, c.joint_names, "joint"); }},
     {"turn", "JOINT X Y Z", "", "Pose", "a joint on top of the clip, degrees",
@@ -122,6 +122,6 @@ const Command kCommands[] = {
 
 }  // namespace
 
-std::span<const Command> pose_commands() { return kCommands; }
+std::span<const Command> pose_commands() { return kPoseCommands; }
 
 }  // namespace bodyopt

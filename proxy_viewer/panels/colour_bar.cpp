@@ -11,7 +11,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kWidth = 14, kHeight = 176, kMargin = 16, kPadding = 8;
+constexpr float kBarWidth = 14, kBarHeight = 176, kBarMargin = 16, kBarPadding = 8;
 constexpr ImU32 kBehind = IM_COL32(20, 20, 22, 150);  // text over a bright character
 constexpr int kLabels = 5, kSteps = 44;
 
@@ -64,25 +64,25 @@ float colour_bar_width(const Snapshot& snapshot, const Controls& controls) {
   // Not that of the frame: the camera would be framed again from frame to frame.
   static const std::string kUsualLargest = "largest 88.8 mm";
   const std::optional<Heat> heat = heat_of(snapshot, controls);
-  return heat && controls.settings.hud.legend ? kMargin + widest_text(*heat, kUsualLargest) + kPadding : 0;
+  return heat && controls.settings.hud.legend ? kBarMargin + widest_text(*heat, kUsualLargest) + kBarPadding : 0;
 }
 
 void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
   const float line = ImGui::GetTextLineHeight();
   if (controls.settings.compare.coverage && !snapshot.knows_coverage) {
-    draw_text(*ImGui::GetBackgroundDrawList(), layout.right() - kMargin, layout.bottom() - kMargin - 0.5f * line,
+    draw_text(*ImGui::GetBackgroundDrawList(), layout.right() - kBarMargin, layout.bottom() - kBarMargin - 0.5f * line,
               kAccent, "no expected error: the basis was trained without shapes");
   }
   const std::optional<Heat> heat = heat_of(snapshot, controls);
   if (!heat) return;
-  const float height = std::min(kHeight, layout.bottom() - layout.menu - 4 * line - 2 * kMargin);
+  const float height = std::min(kBarHeight, layout.bottom() - layout.menu - 4 * line - 2 * kBarMargin);
   if (height < 40) return;
-  const float right = layout.right() - kMargin, bottom = layout.bottom() - kMargin - 0.5f * line;
-  const float left = right - kWidth, top = bottom - height;
+  const float right = layout.right() - kBarMargin, bottom = layout.bottom() - kBarMargin - 0.5f * line;
+  const float left = right - kBarWidth, top = bottom - height;
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const std::string largest = describe_largest(*heat);
-  list.AddRectFilled({right - widest_text(*heat, largest) - kPadding, top - 3.1f * line}, {right + 12, bottom + line},
-                     kBehind, 6);
+  list.AddRectFilled({right - widest_text(*heat, largest) - kBarPadding, top - 3.1f * line},
+                     {right + 12, bottom + line}, kBehind, 6);
   for (int k = 0; k < kSteps; ++k) {
     const float low = static_cast<float>(k) / kSteps, high = static_cast<float>(k + 1) / kSteps;
     const ImU32 a = opaque(heat_colour(low)), b = opaque(heat_colour(high));

@@ -13,8 +13,8 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kMargin = 14, kPadding = 8, kGap = 7, kBarWidth = 120, kSquare = 11;
-constexpr int kSteps = 40;
+constexpr float kKeyMargin = 14, kKeyPadding = 8, kGap = 7, kKeyBarWidth = 120, kSquare = 11;
+constexpr int kKeySteps = 40;
 
 // Words and colours in a line, from the left; a line without room is left out.
 class KeyLine {
@@ -32,19 +32,21 @@ class KeyLine {
     x_ += kSquare + kGap;
   }
   void add_strains() {
-    const auto colour_at = [](int k) { return strain_colour(kFullStrain * (2 * static_cast<float>(k) / kSteps - 1)); };
-    constexpr float kStep = kBarWidth / kSteps;
-    for (int k = 0; k < kSteps; ++k) {
+    const auto colour_at = [](int k) {
+      return strain_colour(kFullStrain * (2 * static_cast<float>(k) / kKeySteps - 1));
+    };
+    constexpr float kStep = kKeyBarWidth / kKeySteps;
+    for (int k = 0; k < kKeySteps; ++k) {
       fields_.push_back({x_ + static_cast<float>(k) * kStep, kStep, colour_at(k), colour_at(k + 1)});
     }
-    x_ += kBarWidth + kGap;
+    x_ += kKeyBarWidth + kGap;
   }
 
   void draw() const {
     const float end = x_ - kGap, half = 0.5f * ImGui::GetTextLineHeight();
-    if (end + kPadding > right_) return;
+    if (end + kKeyPadding > right_) return;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    list.AddRectFilled({kMargin - kPadding, middle_ - half - 3}, {end + kPadding, middle_ + half + 3},
+    list.AddRectFilled({kKeyMargin - kKeyPadding, middle_ - half - 3}, {end + kKeyPadding, middle_ + half + 3},
                        IM_COL32(20, 20, 22, 170), 4);
     for (const Field& f : fields_) {
       list.AddRectFilledMultiColor({f.left, middle_ - 0.5f * kSquare}, {f.left + f.width, middle_ + 0.5f * kSquare},
@@ -61,7 +63,7 @@ class KeyLine {
     ImU32 from, to;
   };
 
-  float middle_, right_, x_ = kMargin;
+  float middle_, right_, x_ = kKeyMargin;
   std::vector<Field> fields_;
   std::vector<std::pair<float, std::string>> texts_;
 };
@@ -98,7 +100,7 @@ void draw_colour_keys(const Snapshot& snapshot, const Controls& controls, const 
   if (snapshot.cast.empty()) return;
   const ViewSettings::Look& look = controls.settings.look;
   const float line = ImGui::GetTextLineHeight() + 10;
-  float middle = layout.bottom() - kMargin - 0.5f * ImGui::GetTextLineHeight();
+  float middle = layout.bottom() - kKeyMargin - 0.5f * ImGui::GetTextLineHeight();
   if (look.fibres && !snapshot.fibres.empty()) {
     draw_fibre_key(middle, layout.right());
     middle -= line;

@@ -12,7 +12,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kDot = 3, kMargin = 8;
+constexpr float kDot = 3, kMapMargin = 8;
 constexpr double kWidestSlide = 500;  // mm
 constexpr ImU32 kMapBackground = IM_COL32(26, 26, 28, 255);
 
@@ -21,7 +21,7 @@ struct MapFrame {
   ImVec2 corner;
   float side;
   ImVec2 at(const PoseDot& dot) const {
-    const float half = 0.5f * side - kMargin;
+    const float half = 0.5f * side - kMapMargin;
     return {corner.x + 0.5f * side + half * dot.x, corner.y + 0.5f * side - half * dot.y};
   }
 };

@@ -7,7 +7,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kWidth = 460, kHeight = 380;
+constexpr float kDialogWidth = 460, kDialogHeight = 380;
 
 void run_with_file(Controls& controls) {
   const std::string line = controls.dialog->command + " " + controls.dialog->file();
@@ -45,8 +45,8 @@ Choice draw_entries(FileDialog& dialog) {
 void draw_file_dialog(Controls& controls, const PanelLayout& layout) {
   FileDialog& dialog = *controls.dialog;
   ImGui::SetNextWindowPos({0.5f * layout.width, 0.5f * layout.height}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize(
-      {std::max(80.0f, std::min(kWidth, layout.width - 16)), std::max(80.0f, std::min(kHeight, layout.height - 16))});
+  ImGui::SetNextWindowSize({std::max(80.0f, std::min(kDialogWidth, layout.width - 16)),
+                            std::max(80.0f, std::min(kDialogHeight, layout.height - 16))});
   ImGui::Begin("File", nullptr, kOverWindow);
   const Command& command = *find_command(dialog.command);
   ImGui::Text("%s", label_of(command).c_str());

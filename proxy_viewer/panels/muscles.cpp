@@ -11,7 +11,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kRow = 18, kMostRows = 12;
+constexpr float kMuscleRow = 18, kMostRows = 12;
 
 void draw_row(const std::string& name, float strain) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -19,17 +19,18 @@ void draw_row(const std::string& name, float strain) {
   const float half = 0.21f * width;
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const float end = middle + half * std::clamp(strain / kFullStrain, -1.0f, 1.0f);
-  list.AddRectFilled({middle - half, at.y + 3}, {middle + half, at.y + kRow - 3}, ImGui::GetColorU32(ImGuiCol_FrameBg));
-  list.AddRectFilled({std::min(middle, end), at.y + 3}, {std::max(middle, end), at.y + kRow - 3},
+  list.AddRectFilled({middle - half, at.y + 3}, {middle + half, at.y + kMuscleRow - 3},
+                     ImGui::GetColorU32(ImGuiCol_FrameBg));
+  list.AddRectFilled({std::min(middle, end), at.y + 3}, {std::max(middle, end), at.y + kMuscleRow - 3},
                      strain_colour(strain));
-  list.PushClipRect(at, {middle - half - 48, at.y + kRow}, true);
+  list.PushClipRect(at, {middle - half - 48, at.y + kMuscleRow}, true);
   list.AddText({at.x, at.y + 1}, ImGui::GetColorU32(ImGuiCol_Text), name.c_str());
   list.PopClipRect();
   char percent[16];
   std::snprintf(percent, sizeof(percent), "%+.0f %%", 100 * static_cast<double>(strain));
   const float text = ImGui::CalcTextSize(percent).x;
   list.AddText({middle - half - 6 - text, at.y + 1}, kQuiet, percent);
-  ImGui::Dummy({width, kRow});
+  ImGui::Dummy({width, kMuscleRow});
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s: %+.1f %%", name.c_str(), 100 * static_cast<double>(strain));
 }
 
@@ -52,9 +53,9 @@ void draw_muscles(const Snapshot& snapshot, Controls& controls) {
   std::vector<std::size_t>& order = controls.typed.fibre_order;
   if (order.size() != count || !controls.playback.playing()) order = by_strain(snapshot.strains, count);
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
-  ImGui::BeginChild("strains", {0, kRow * std::min(kMostRows, static_cast<float>(count))});
+  ImGui::BeginChild("strains", {0, kMuscleRow * std::min(kMostRows, static_cast<float>(count))});
   ImGuiListClipper clipper;
-  clipper.Begin(static_cast<int>(count), kRow);
+  clipper.Begin(static_cast<int>(count), kMuscleRow);
   while (clipper.Step()) {
     for (int k = clipper.DisplayStart; k < clipper.DisplayEnd; ++k) {
       const std::size_t fibre = order[static_cast<std::size_t>(k)];

@@ -10,7 +10,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kWidth = 520;
+constexpr float kPromptWidth = 520;
 constexpr int kMostHints = 8;
 
 // What was typed before the field hears: it does so from the picture after it was asked to.
@@ -54,7 +54,7 @@ void draw_hints(std::string& text) {
     ImGui::Text("%s", command.name);
     ImGui::SameLine();
     ImGui::TextDisabled("%s", command.argument);
-    ImGui::SameLine(0.55f * kWidth);
+    ImGui::SameLine(0.55f * kPromptWidth);
     ImGui::TextDisabled("%s", command.help);
     ImGui::PopID();
   }
@@ -63,7 +63,7 @@ void draw_hints(std::string& text) {
 }  // namespace
 
 void draw_prompt(Controls& controls, const PanelLayout& layout) {
-  const float width = std::min(kWidth, layout.width - 16);
+  const float width = std::min(kPromptWidth, layout.width - 16);
   ImGui::SetNextWindowPos({0.5f * layout.right(), layout.menu + 24}, ImGuiCond_Always, {0.5f, 0});
   ImGui::SetNextWindowSize({std::max(80.0f, width), 0});
   ImGui::Begin("Prompt", nullptr, kOverWindow | ImGuiWindowFlags_NoScrollbar);

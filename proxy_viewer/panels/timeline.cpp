@@ -14,7 +14,7 @@ namespace bodyopt {
 namespace {
 
 constexpr ImU32 kBar = IM_COL32(38, 38, 41, 255), kRange = IM_COL32(62, 62, 66, 255);
-constexpr ImU32 kTick = IM_COL32(110, 110, 116, 255), kKey = IM_COL32(120, 170, 220, 255);
+constexpr ImU32 kTick = IM_COL32(110, 110, 116, 255), kKeyColour = IM_COL32(120, 170, 220, 255);
 
 struct Bar {
   ImVec2 at, size;
@@ -105,7 +105,7 @@ void draw_frames(const Snapshot& snapshot, Controls& controls, const Bar& bar) {
   list.AddRectFilled(bar.at, end, kBar, 3);
   list.AddRectFilled({bar.x(playback.in()), bar.at.y}, {bar.x(playback.out()), end.y}, kRange, 3);
   draw_ticks(list, bar);
-  for (const int key : playback.keys()) list.AddCircleFilled({bar.x(key), bar.at.y + 6}, 3, kKey, 4);
+  for (const int key : playback.keys()) list.AddCircleFilled({bar.x(key), bar.at.y + 6}, 3, kKeyColour, 4);
   for (const auto& [frame, key] : controls.settings.pose.keys) {
     list.AddCircleFilled({bar.x(frame), bar.at.y + 14}, 4, kAccent, 4);
   }
