@@ -1,10 +1,10 @@
 /* Bodyopt on the host program's own Vulkan device: the skin is recorded into the host's command buffers and written to
  * the host's buffers. Nothing is copied to the CPU and nothing waits. See bodyopt.h for what holds everywhere.
  *
- * The library calls the loader that the system finds as libvulkan.so.1, and gives it the host's handles: these must be
- * of that same loader. A host that brings a loader of its own, linked into it or under another path, opens a device by
- * bodyopt_open_device instead. The library needs Vulkan 1.2, no extension and no feature, and the queue given must
- * compute.
+ * The library calls the loader that the system finds as libvulkan.so.1, unless the host gives the vkGetInstanceProcAddr
+ * of a loader of its own, linked into it or under another path: the host's handles must be of the loader that is
+ * called. A process has one: the first device that is listed, opened or shared decides, and a device of another loader
+ * is refused. The library needs Vulkan 1.2, no extension and no feature, and the queue given must compute.
  *
  * Threads: a call that loads tables or evaluates on the CPU's behalf (bodyopt_create_instance, bodyopt_evaluate,
  * bodyopt_jiggle, bodyopt_evaluate_together, bodyopt_set_state, bodyopt_get_state) submits to the queue given; the host
@@ -29,9 +29,11 @@ typedef struct bodyopt_vulkan_device {
   VkQueue queue;
   uint32_t queue_family;
   VkPipelineCache pipeline_cache; /* of the host, which keeps it; internally synchronized; VK_NULL_HANDLE: none */
+  PFN_vkGetInstanceProcAddr get_instance_proc_addr; /* of the loader that the handles are of; NULL: libvulkan.so.1 */
 } bodyopt_vulkan_device;
 
-/* A device of the host, which must outlive it and all instances on it. BODYOPT_DEVICE where the device does not do. */
+/* A device of the host, which must outlive it and all instances on it. BODYOPT_DEVICE where the device or the loader
+ * does not do. */
 BODYOPT_API bodyopt_result bodyopt_share_device(const bodyopt_vulkan_device* host, bodyopt_device** device);
 
 /* Where three numbers of each vertex (four of a tangent) go, from `offset` on, in the vertex order of the character's

@@ -41,8 +41,9 @@ bodyopt_result bodyopt_share_device(const bodyopt_vulkan_device* host, bodyopt_d
   return guarded([&] {
     required(device, "device");
     const auto given = read_struct(host, offsetof(bodyopt_vulkan_device, pipeline_cache), "host");
-    *device = new bodyopt_device{std::make_shared<const vulkan::Device>(vulkan::HostDevice{
-        given.instance, given.physical_device, given.device, given.queue, given.queue_family, given.pipeline_cache})};
+    *device = new bodyopt_device{std::make_shared<const vulkan::Device>(
+        vulkan::HostDevice{given.instance, given.physical_device, given.device, given.queue, given.queue_family,
+                           given.pipeline_cache, given.get_instance_proc_addr})};
   });
 }
 

@@ -127,7 +127,7 @@ const DeviceInfo* find_device(const std::vector<DeviceInfo>& devices, const std:
 }
 
 std::string listing(const std::vector<DeviceInfo>& devices) {
-  if (!missing_functions().empty()) return missing_functions();
+  if (const std::string missing = missing_functions(); !missing.empty()) return missing;
   if (devices.empty()) {
     return "this machine has no Vulkan device (Debian package with a software one: mesa-vulkan-drivers)";
   }
@@ -177,6 +177,11 @@ void find_unfit(VkPhysicalDevice physical, const DeviceUse& use, DeviceInfo& dev
   }
 }
 
+const HostDevice& with_handles(const HostDevice& host) {
+  if (host.instance && host.physical && host.device && host.queue) return host;
+  throw Error(ErrorKind::usage, "the instance, physical device, device or queue of the host's Vulkan is a null handle");
+}
+
 }  // namespace
 
 std::vector<DeviceInfo> list_devices() { return describe_all(Instance(false).physical_devices()); }
@@ -210,17 +215,13 @@ Device::Device(const DeviceChoice& choice, const DeviceUse& use)
 }
 
 Device::Device(const HostDevice& host)
-    : instance_(host.instance),
+    : instance_(with_handles(host).instance, host.get_instance_proc_addr),
       is_ours_(false),
       queue_family_(host.queue_family),
       physical_(host.physical),
       device_(host.device),
       queue_(host.queue),
       pipeline_cache_(host.pipeline_cache) {
-  if (!host.instance || !physical_ || !device_ || !queue_) {
-    throw Error(ErrorKind::usage,
-                "the instance, physical device, device or queue of the host's Vulkan is a null handle");
-  }
   info_ = describe(physical_, 0);
   if (!info_.problem.empty()) {
     throw Error(ErrorKind::device, "the host's Vulkan device '" + info_.name + "' " + info_.problem);

@@ -47,7 +47,8 @@ struct HostDevice {
   VkDevice device;
   VkQueue queue;
   std::uint32_t queue_family;
-  VkPipelineCache pipeline_cache = VK_NULL_HANDLE;  // none, or the host keeps it
+  VkPipelineCache pipeline_cache = VK_NULL_HANDLE;             // none, or the host keeps it
+  PFN_vkGetInstanceProcAddr get_instance_proc_addr = nullptr;  // of the host's loader; null: the system's
 };
 
 // An open device with one queue that computes, and draws where the device can.
@@ -55,8 +56,8 @@ class Device {
  public:
   // Throws Error(device) when there is no such device, or none for this use.
   explicit Device(const DeviceChoice& choice, const DeviceUse& use = {});
-  // The host's, which must outlive it. Throws Error(usage) for null handles, Error(device) where the device or the
-  // queue does not do.
+  // The host's, which must outlive it. Throws Error(usage) for null handles, Error(device) where the device, the queue
+  // or the loader does not do.
   explicit Device(const HostDevice& host);
   ~Device();
   Device(const Device&) = delete;

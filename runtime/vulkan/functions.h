@@ -43,16 +43,19 @@
 
 namespace bodyopt {
 
-// Null until vulkan::missing_functions() was called.
+// Null until vulkan::missing_functions() or vulkan::find_functions() was called. A process has those of one loader.
 #define BODYOPT_DECLARE(function) extern PFN_##function function;
 BODYOPT_VULKAN_FUNCTIONS(BODYOPT_DECLARE)
 #undef BODYOPT_DECLARE
 
 namespace vulkan {
 
-// Finds the functions, the first time it is called; from any thread. Gives why there are none on this machine, and
-// what brings them; empty: they are there.
-const std::string& missing_functions();
+// Finds the functions by the system's loader, unless they are there; from any thread. Gives why there are none on this
+// machine, and what brings them; empty: they are there.
+std::string missing_functions();
+// Finds them by a host program's own loader, whose instance this is, unless they are there; from any thread. Throws
+// Error(device) where they are those of another loader, or `find` does not have one that computing needs.
+void find_functions(VkInstance instance, PFN_vkGetInstanceProcAddr find);
 
 }  // namespace vulkan
 }  // namespace bodyopt

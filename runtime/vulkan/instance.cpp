@@ -136,8 +136,11 @@ Instance::Instance(bool validation, const std::vector<const char*>& wanted) : lo
   check(created, "vkCreateDebugUtilsMessengerEXT");
 }
 
-Instance::Instance(VkInstance host) : log_(std::make_shared<ValidationLog>()), handle_(host), is_ours_(false) {
-  if (!missing_functions().empty()) throw Error(ErrorKind::device, missing_functions());
+Instance::Instance(VkInstance host, PFN_vkGetInstanceProcAddr find)
+    : log_(std::make_shared<ValidationLog>()), handle_(host), is_ours_(false) {
+  if (find != nullptr) return find_functions(host, find);
+  const std::string missing = missing_functions();
+  if (!missing.empty()) throw Error(ErrorKind::device, missing);
 }
 
 Instance::~Instance() {

@@ -44,8 +44,9 @@ class Instance {
   // not installed, or an extension is not offered. A machine without any Vulkan driver, or without
   // Vulkan's loader, gives an instance without devices.
   explicit Instance(bool validation, const std::vector<const char*>& extensions = {});
-  // An instance of the host program, which must outlive it. Throws Error(device) where Vulkan's loader is missing.
-  explicit Instance(VkInstance host);
+  // An instance of the host program, which must outlive it, and of the loader that `find` is of; null: the system's.
+  // Throws Error(device) where that loader is missing, or another one is in use.
+  Instance(VkInstance host, PFN_vkGetInstanceProcAddr find);
   ~Instance();
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;

@@ -1,7 +1,13 @@
 // vulkan.h on a device that the test opened: recorded frames are those that the library runs itself, bit for bit.
 #include "include/bodyopt/vulkan.h"
 
+#include <dlfcn.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <stdexcept>
 
 #include "runtime/vulkan/commands.h"
 #include "tests/library/c_api.h"
@@ -112,6 +118,98 @@ TEST_F(LibraryVulkan, TakesTheHostsPipelineCache) {
   vkDestroyPipelineCache(device_->handle(), cache, nullptr);  // not looked at any more
   host.struct_size = offsetof(bodyopt_vulkan_device, pipeline_cache);
   expect_shared(host);
+}
+
+// A loader of the host's own: the same library, a second time, which knows nothing of the first one's handles.
+struct HostLoader {
+  HostLoader()
+      : get(reinterpret_cast<PFN_vkGetInstanceProcAddr>(
+            dlsym(dlmopen(LM_ID_NEWLM, "libvulkan.so.1", RTLD_NOW | RTLD_LOCAL), "vkGetInstanceProcAddr"))) {}
+
+  template <typename Function>
+  Function find(VkInstance instance, const char* name) const {
+    return reinterpret_cast<Function>(get(instance, name));
+  }
+
+  PFN_vkGetInstanceProcAddr get;
+};
+
+// The first device of a host with a loader of its own, opened by that.
+bodyopt_vulkan_device open_by(const HostLoader& loader) {
+  auto host = api::make<bodyopt_vulkan_device>();
+  host.get_instance_proc_addr = loader.get;
+  auto application = vulkan::structure<VkApplicationInfo>(VK_STRUCTURE_TYPE_APPLICATION_INFO);
+  application.apiVersion = VK_API_VERSION_1_2;
+  auto instance = vulkan::structure<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
+  instance.pApplicationInfo = &application;
+  vulkan::check(
+      loader.find<PFN_vkCreateInstance>(VK_NULL_HANDLE, "vkCreateInstance")(&instance, nullptr, &host.instance),
+      "vkCreateInstance");
+  std::uint32_t count = 1;
+  loader.find<PFN_vkEnumeratePhysicalDevices>(host.instance, "vkEnumeratePhysicalDevices")(host.instance, &count,
+                                                                                           &host.physical_device);
+  const float priority = 1;
+  auto queue = vulkan::structure<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
+  queue.queueCount = 1;
+  queue.pQueuePriorities = &priority;
+  auto device = vulkan::structure<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
+  device.queueCreateInfoCount = 1;
+  device.pQueueCreateInfos = &queue;
+  vulkan::check(loader.find<PFN_vkCreateDevice>(host.instance, "vkCreateDevice")(host.physical_device, &device, nullptr,
+                                                                                 &host.device),
+                "vkCreateDevice");
+  loader.find<PFN_vkGetDeviceQueue>(host.instance, "vkGetDeviceQueue")(host.device, 0, 0, &host.queue);
+  return host;
+}
+
+std::vector<float> bind_skin(const api::Model& model, bodyopt_device* device) {
+  auto options = api::make<bodyopt_instance_options>();
+  options.device = device;
+  const api::Instance instance = api::create_instance(model, options);
+  const PoseArrays poses(turning_poses(load_basis(hero()), 1));
+  std::vector<float> positions(3 * std::size_t{api::describe(model).vertex_count});
+  auto skin = api::make<bodyopt_skin>();
+  skin.positions = floats_in(positions);
+  api::check(bodyopt_evaluate(instance.get(), &poses.all, &skin));
+  return positions;
+}
+
+void use_the_hosts_loader() {
+  test_device();
+  const api::Model model = api::load_model(hero());
+  const bodyopt_vulkan_device host = open_by(HostLoader());
+  bodyopt_device* device = nullptr;
+  api::check(bodyopt_share_device(&host, &device));
+  const api::Device shared(device);
+  const std::vector<float> found = bind_skin(model, device), expected = bind_skin(model, nullptr);
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (!(std::abs(found[k] - expected[k]) < 1e-5f)) throw std::runtime_error("another skin");
+  }
+  std::fputs("the host's loader was called\n", stderr);
+}
+
+// In a process of its own, as the functions of one loader are those of a process.
+TEST(LibraryVulkanDeathTest, CallsTheHostsLoader) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(
+      {
+        use_the_hosts_loader();
+        std::_Exit(0);
+      },
+      ::testing::ExitedWithCode(0), "the host's loader was called");
+}
+
+TEST_F(LibraryVulkan, RefusesASecondLoader) {
+  bodyopt_vulkan_device host = handles();
+  host.get_instance_proc_addr = vkGetInstanceProcAddr;  // that of the first
+  bodyopt_device* shared = nullptr;
+  ASSERT_EQ(bodyopt_share_device(&host, &shared), BODYOPT_OK) << bodyopt_last_error();
+  bodyopt_release_device(shared);
+  shared = nullptr;
+  host.get_instance_proc_addr = HostLoader().get;
+  EXPECT_EQ(bodyopt_share_device(&host, &shared), BODYOPT_DEVICE);
+  EXPECT_NE(std::string(bodyopt_last_error()).find("another loader"), std::string::npos) << bodyopt_last_error();
+  EXPECT_EQ(shared, nullptr);
 }
 
 TEST_F(LibraryVulkan, KeepsPipelinesWhereTold) {

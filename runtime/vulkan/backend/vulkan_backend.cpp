@@ -32,7 +32,9 @@ struct Values {
 };
 
 struct BatchBuffers {
-  BatchBuffers(const Device& device, const FrameCounts& n, std::uint32_t frames_)
+  // `records`: for the host program, whose command buffer brings what a batch brings, and whose buffers take the
+  // result.
+  BatchBuffers(const Device& device, const FrameCounts& n, std::uint32_t frames_, bool records)
       : frames(frames_),
         skinning(device, frames, std::uint64_t{12} * n.joints, "the skinning matrices"),
         origins(device, frames, 4, "the origins"),
@@ -55,10 +57,9 @@ struct BatchBuffers {
                  Values(device, frames, n.finished, "the finished skin")},
         boxes(device, frames, std::uint64_t{6} * n.boxes, "the boxes of triangles"),
         normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
-        tangents(device, frames, n.tangents, "the tangents"),
-        staging_in(device, total(inputs()), Memory::staging, "staging"),
-        staging_out(device, total({&positions, &normals, &tangents, &positions, &strains, &excess, &coefficients}),
-                    Memory::staging, "staging") {}
+        tangents(device, frames, records ? 0 : n.tangents, "the tangents"),
+        staging_in(device, records ? 0 : total(inputs()), Memory::staging, "staging"),
+        staging_out(device, records ? 0 : total(outputs()), Memory::staging, "staging") {}
 
   // What a batch brings, in this order.
   std::vector<const Values*> inputs() const {
@@ -66,6 +67,10 @@ struct BatchBuffers {
   }
   static std::vector<std::span<const float>> inputs_of(const Batch& b) {
     return {b.skinning, b.origins, b.joint_features, b.controls, b.fades, b.modifiers, b.learned_skinning};
+  }
+  // What a batch gives at most.
+  std::vector<const Values*> outputs() const {
+    return {&positions, &normals, &tangents, &positions, &strains, &excess, &coefficients};
   }
   // Of the pose before modifiers turned joints.
   const Buffer& skinning_of_strains() const {
@@ -85,7 +90,7 @@ struct BatchBuffers {
   std::array<Values, 3> finished;  // before a modifier, and by one of its steps and the next
   Values boxes;
   Values normals;
-  Values tangents;  // of output vertices
+  Values tangents;  // of output vertices; none where they are recorded into the host's buffer
   Buffer staging_in, staging_out;
 };
 
@@ -363,7 +368,7 @@ class VulkanBackend final : public Backend, private SplitRun {
     recorded_ = false;
     if (buffers_ && buffers_->frames == frames) return;
     buffers_.reset();  // before the next ones are allocated
-    buffers_ = std::make_unique<BatchBuffers>(device_, counts_, frames);
+    buffers_ = std::make_unique<BatchBuffers>(device_, counts_, frames, records_);
   }
 
   VulkanDynamics::Inputs dynamics_inputs() const {
