@@ -68,6 +68,7 @@ class CpuBackend final : public Backend {
   }
 
   std::string name() const override { return "cpu"; }
+  Executor& threads() const override { return *executor_; }
   std::uint32_t batch_limit() const override { return 64; }
   void set_rest_coefficients(std::span<const float> c) override { rest_coefficients_.assign(c.begin(), c.end()); }
   void set_weights(const Weights& weights) override { weights_ = weights; }
@@ -208,26 +209,37 @@ class CpuBackend final : public Backend {
   }
 
   void find_coefficients(Work& work, FrameRange range) {
-    const ResidualTable& table = basis_.residual;
     const Batch& batch = work.batch;
-    BatchResult& result = work.result;
     over_frames(range, [&](std::size_t f) {
       auto last = StageTimes::Clock::now();
       const auto frame = [&](auto& values) { return of_frame(values, f, batch.frame_count); };
-      const auto features = frame(scratch_.features), coordinates = frame(scratch_.coordinates),
-                 kernels = frame(scratch_.kernels);
-      cpu::residual_features(table.features, frame(batch.joint_features), frame(result.strains), frame(batch.controls),
-                             1, features, frame(result.excess));
-      cpu::residual_project(table, features, 1, coordinates);
-      if (weights_.kernels) {
-        cpu::residual_kernels(table, coordinates, 1, kernels);
-      } else {
-        std::fill(kernels.begin(), kernels.end(), 0.0f);
-      }
-      cpu::residual_coefficients(table, coordinates, kernels, rest_coefficients_, frame(batch.fades), 1,
-                                 frame(result.coefficients));
+      cpu::residual_features(basis_.residual.features, frame(batch.joint_features), frame(work.result.strains),
+                             frame(batch.controls), 1, frame(scratch_.features), frame(work.result.excess));
       work.times.add_since(last, Stage::residual);
     });
+    const std::size_t regions = basis_.residual.regions.size();
+    parallel_for(*executor_, range.count() * regions, 1, [&](std::size_t begin, std::size_t end) {
+      auto last = StageTimes::Clock::now();
+      for (std::size_t k = begin; k < end; ++k) find_coefficients(work, range.begin + k / regions, k % regions);
+      work.times.add_since(last, Stage::residual);
+    });
+  }
+
+  // Of frame f and a region.
+  void find_coefficients(Work& work, std::size_t f, std::size_t region) {
+    const ResidualTable& table = basis_.residual;
+    const auto frame = [&](auto& values) { return of_frame(values, f, work.batch.frame_count).data(); };
+    const std::span<float> kernels = of_frame(scratch_.kernels, f, work.batch.frame_count);
+    float* const coordinates = frame(scratch_.coordinates);
+    cpu::region_coordinates(table, region, frame(scratch_.features), coordinates);
+    if (weights_.kernels) {
+      cpu::region_kernels(table, region, coordinates, kernels.data());
+    } else {
+      const Region& own = table.regions[region];
+      std::ranges::fill(kernels.subspan(own.centre_begin, own.centre_count), 0.0f);
+    }
+    cpu::region_coefficients(table, region, coordinates, kernels.data(), rest_coefficients_,
+                             frame(work.batch.fades)[region], frame(work.result.coefficients));
   }
 
   // What stages do part by part, one after the other while a part is in the nearest cache.

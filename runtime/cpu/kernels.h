@@ -36,16 +36,24 @@ void residual_features(std::span<const FeatureRange> ranges, std::span<const flo
 // Residual stage: p_r = P_r f_r. features -> coordinates F x coordinate_count.
 void residual_project(const ResidualTable& residual, std::span<const float> features, std::uint32_t frame_count,
                       std::span<float> coordinates);
+// The same of one frame and one region.
+void region_coordinates(const ResidualTable& residual, std::size_t region, const float* features, float* coordinates);
 
 // Residual stage: phi = exp(-|p_r - centre|^2 inverse_width2). coordinates -> kernels F x centre_count.
 void residual_kernels(const ResidualTable& residual, std::span<const float> coordinates, std::uint32_t frame_count,
                       std::span<float> kernels);
+// The same of one frame and one region.
+void region_kernels(const ResidualTable& residual, std::size_t region, const float* coordinates, float* kernels);
 
 // Residual stage: c_r = fade_r (W_r [1, p_r, phi_r] - c_r at rest). fades: F x regions.
 // -> coefficients F x coefficient_count.
 void residual_coefficients(const ResidualTable& residual, std::span<const float> coordinates,
                            std::span<const float> kernels, std::span<const float> rest_coefficients,
                            std::span<const float> fades, std::uint32_t frame_count, std::span<float> coefficients);
+// The same of one frame and one region.
+void region_coefficients(const ResidualTable& residual, std::size_t region, const float* coordinates,
+                         const float* kernels, std::span<const float> rest_coefficients, float fade,
+                         float* coefficients);
 
 // Residual stage: weight x un-posed displacement of every vertex. coefficients -> displacements F x V x 3, metres.
 void residual_blend(const ResidualTable& residual, std::span<const float> coefficients, std::uint32_t frame_count,
@@ -143,9 +151,9 @@ void vertex_normal(const MeshTable& mesh, std::span<const float> positions, std:
 void output_tangents(const TangentTables& tables, std::span<const float> positions, std::span<const float> normals,
                      std::size_t first_output, std::span<float> tangents);
 
-// Output stage: three numbers of each output vertex (positions or normals), at frame x frame_stride + output vertex x
-// element_stride of `placed`, bytes. values F x V x 3; what lies between is left.
-void output_place(const MeshTable& mesh, std::span<const float> values, std::size_t element_stride,
-                  std::size_t frame_stride, std::byte* placed);
+// Output stage: three numbers of each of these output vertices (positions or normals of a frame, V x 3), element_stride
+// bytes from one to the next. What lies between is left.
+void output_place(std::span<const std::uint32_t> output_vertex, std::span<const float> values,
+                  std::size_t element_stride, std::byte* placed);
 
 }  // namespace bodyopt::cpu

@@ -10,8 +10,8 @@ HWY_BEFORE_NAMESPACE();
 namespace bodyopt::cpu::HWY_NAMESPACE {
 
 // The coefficients of a region; coordinates, kernels, coefficients: of the frame.
-void coefficients_of_region(const ResidualTable& residual, const Region& region, const float* coordinates,
-                            const float* kernels, const float* rest_coefficients, float fade, float* coefficients) {
+void coefficient_lanes(const ResidualTable& residual, const Region& region, const float* coordinates,
+                       const float* kernels, const float* rest_coefficients, float fade, float* coefficients) {
   const float* first_row = residual.weights.data() + region.weight_values;
   const float* coordinate = coordinates + region.coordinate_begin;
   const float* phi = kernels + region.centre_begin;
@@ -34,7 +34,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace bodyopt::cpu {
 
-HWY_EXPORT(coefficients_of_region);
+HWY_EXPORT(coefficient_lanes);
+
+void region_coefficients(const ResidualTable& residual, std::size_t region, const float* coordinates,
+                         const float* kernels, std::span<const float> rest_coefficients, float fade,
+                         float* coefficients) {
+  HWY_DYNAMIC_DISPATCH(coefficient_lanes)
+  (residual, residual.regions[region], coordinates, kernels, rest_coefficients.data(), fade, coefficients);
+}
 
 void residual_coefficients(const ResidualTable& residual, std::span<const float> coordinates,
                            std::span<const float> kernels, std::span<const float> rest_coefficients,
@@ -42,10 +49,9 @@ void residual_coefficients(const ResidualTable& residual, std::span<const float>
   const std::size_t regions = residual.regions.size();
   for (std::size_t f = 0; f < frame_count; ++f) {
     for (std::size_t r = 0; r < regions; ++r) {
-      HWY_DYNAMIC_DISPATCH(coefficients_of_region)
-      (residual, residual.regions[r], coordinates.data() + f * residual.coordinate_count(),
-       kernels.data() + f * residual.centre_count(), rest_coefficients.data(), fades[f * regions + r],
-       coefficients.data() + f * residual.coefficient_count());
+      region_coefficients(residual, r, coordinates.data() + f * residual.coordinate_count(),
+                          kernels.data() + f * residual.centre_count(), rest_coefficients, fades[f * regions + r],
+                          coefficients.data() + f * residual.coefficient_count());
     }
   }
 }

@@ -26,7 +26,7 @@ HWY_INLINE Lanes exp_of_negative(Lanes x) {
 }
 
 // The kernels of a region; coordinates, kernels: of the frame.
-void kernels_of_region(const ResidualTable& residual, const Region& region, const float* coordinates, float* kernels) {
+void kernel_lanes(const ResidualTable& residual, const Region& region, const float* coordinates, float* kernels) {
   const float* coordinate = coordinates + region.coordinate_begin;
   const std::uint32_t* first_row = residual.centres.data() + region.centre_values;
   for (std::uint32_t m = 0; m < region.centre_count; m += kLaneCount) {
@@ -51,15 +51,18 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace bodyopt::cpu {
 
-HWY_EXPORT(kernels_of_region);
+HWY_EXPORT(kernel_lanes);
+
+void region_kernels(const ResidualTable& residual, std::size_t region, const float* coordinates, float* kernels) {
+  HWY_DYNAMIC_DISPATCH(kernel_lanes)(residual, residual.regions[region], coordinates, kernels);
+}
 
 void residual_kernels(const ResidualTable& residual, std::span<const float> coordinates, std::uint32_t frame_count,
                       std::span<float> kernels) {
   for (std::size_t f = 0; f < frame_count; ++f) {
-    for (const Region& region : residual.regions) {
-      HWY_DYNAMIC_DISPATCH(kernels_of_region)
-      (residual, region, coordinates.data() + f * residual.coordinate_count(),
-       kernels.data() + f * residual.centre_count());
+    for (std::size_t r = 0; r < residual.regions.size(); ++r) {
+      region_kernels(residual, r, coordinates.data() + f * residual.coordinate_count(),
+                     kernels.data() + f * residual.centre_count());
     }
   }
 }

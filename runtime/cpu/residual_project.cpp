@@ -10,7 +10,7 @@ HWY_BEFORE_NAMESPACE();
 namespace bodyopt::cpu::HWY_NAMESPACE {
 
 // The coordinates of a region; features, coordinates: of the frame.
-void project_region(const ResidualTable& residual, const Region& region, const float* features, float* coordinates) {
+void project_lanes(const ResidualTable& residual, const Region& region, const float* features, float* coordinates) {
   const std::uint32_t* index = residual.region_features.data() + region.feature_begin;
   const std::uint32_t* first_row = residual.projections.data() + region.projection_values;
   for (std::uint32_t c = 0; c < region.coordinate_count; c += kLaneCount) {
@@ -31,15 +31,18 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace bodyopt::cpu {
 
-HWY_EXPORT(project_region);
+HWY_EXPORT(project_lanes);
+
+void region_coordinates(const ResidualTable& residual, std::size_t region, const float* features, float* coordinates) {
+  HWY_DYNAMIC_DISPATCH(project_lanes)(residual, residual.regions[region], features, coordinates);
+}
 
 void residual_project(const ResidualTable& residual, std::span<const float> features, std::uint32_t frame_count,
                       std::span<float> coordinates) {
   for (std::size_t f = 0; f < frame_count; ++f) {
-    for (const Region& region : residual.regions) {
-      HWY_DYNAMIC_DISPATCH(project_region)
-      (residual, region, features.data() + f * residual.feature_count(),
-       coordinates.data() + f * residual.coordinate_count());
+    for (std::size_t r = 0; r < residual.regions.size(); ++r) {
+      region_coordinates(residual, r, features.data() + f * residual.feature_count(),
+                         coordinates.data() + f * residual.coordinate_count());
     }
   }
 }

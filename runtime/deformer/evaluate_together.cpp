@@ -18,30 +18,54 @@
 namespace bodyopt {
 namespace {
 
-// Frame-major V x 3 in runtime order to O x 3 in output order, appended.
-void append_output(const MeshTable& mesh, std::span<const float> values, std::vector<float>& out) {
+// Output vertices that a thread places at a time.
+constexpr std::size_t kPartOutputs = 1024;
+
+// function(frame, first, count) of all parts of the output vertices of all frames.
+template <typename Function>
+void over_outputs(Executor& threads, std::size_t frames, std::size_t outputs, const Function& function) {
+  const std::size_t parts = (outputs + kPartOutputs - 1) / kPartOutputs;
+  parallel_for(threads, frames * parts, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::size_t first = k % parts * kPartOutputs;
+      function(k / parts, first, std::min(kPartOutputs, outputs - first));
+    }
+  });
+}
+
+// F x V x 3 in runtime order into the caller's memory in output order, frames `begin` and after.
+void place_output(Executor& threads, const MeshTable& mesh, std::span<const float> values, const PlacedVertices& place,
+                  std::size_t begin) {
+  if (place.data == nullptr || values.empty()) return;
+  const std::size_t numbers = 3 * std::size_t{mesh.vertex_count()};
+  over_outputs(threads, values.size() / numbers, mesh.output_count(),
+               [&](std::size_t f, std::size_t first, std::size_t count) {
+                 cpu::output_place(std::span(mesh.output_vertex).subspan(first, count),
+                                   values.subspan(f * numbers, numbers), place.element_stride,
+                                   place.data + (begin + f) * place.frame_stride + first * place.element_stride);
+               });
+}
+
+// The same, appended: F x O x 3.
+void append_output(Executor& threads, const MeshTable& mesh, std::span<const float> values, std::vector<float>& out) {
   if (values.empty()) return;
   const std::size_t at = out.size(), numbers = 3 * std::size_t{mesh.output_count()};
   out.resize(at + numbers * (values.size() / (3 * std::size_t{mesh.vertex_count()})));
-  cpu::output_place(mesh, values, 3 * sizeof(float), numbers * sizeof(float),
-                    reinterpret_cast<std::byte*>(out.data() + at));
+  place_output(threads, mesh, values,
+               {reinterpret_cast<std::byte*>(out.data() + at), 3 * sizeof(float), numbers * sizeof(float)}, 0);
 }
 
-// The same into the caller's memory, frames `begin` and after.
-void place_output(const MeshTable& mesh, std::span<const float> values, const PlacedVertices& place,
-                  std::size_t begin) {
-  if (place.data == nullptr || values.empty()) return;
-  cpu::output_place(mesh, values, place.element_stride, place.frame_stride, place.data + begin * place.frame_stride);
-}
-
-// Four numbers of each output vertex into the caller's memory, frames `begin` and after.
-void place_tangents(std::span<const float> tangents, std::size_t outputs, const PlacedVertices& place,
-                    std::size_t begin) {
-  for (std::size_t at = 0; at < tangents.size(); at += 4) {
-    const std::size_t frame = begin + at / (4 * outputs), output = at / 4 % outputs;
-    std::memcpy(place.data + frame * place.frame_stride + output * place.element_stride, &tangents[at],
-                4 * sizeof(float));
-  }
+// F x O x 4 into the caller's memory, frames `begin` and after.
+void place_tangents(Executor& threads, std::span<const float> tangents, std::size_t outputs,
+                    const PlacedVertices& place, std::size_t begin) {
+  if (tangents.empty()) return;
+  over_outputs(threads, tangents.size() / (4 * outputs), outputs,
+               [&](std::size_t f, std::size_t first, std::size_t count) {
+                 std::byte* to = place.data + (begin + f) * place.frame_stride + first * place.element_stride;
+                 for (std::size_t o = first; o < first + count; ++o, to += place.element_stride) {
+                   std::memcpy(to, &tangents[4 * (f * outputs + o)], 4 * sizeof(float));
+                 }
+               });
 }
 
 // Of each of `frames` frames the feature that lies furthest outside its trained range.
@@ -147,13 +171,14 @@ class RunningCall {
   void take(const BatchResult& result) {
     const Basis& basis = deformer_.basis();
     Evaluation& evaluation = outcome_.evaluation;
+    Executor& threads = deformer_.backend_->threads();
     if (call_.place != nullptr) {
-      place_output(basis.mesh, result.positions, call_.place->positions, begin_);
-      place_output(basis.mesh, result.normals, call_.place->normals, begin_);
-      place_tangents(result.tangents, basis.mesh.output_count(), call_.place->tangents, begin_);
+      place_output(threads, basis.mesh, result.positions, call_.place->positions, begin_);
+      place_output(threads, basis.mesh, result.normals, call_.place->normals, begin_);
+      place_tangents(threads, result.tangents, basis.mesh.output_count(), call_.place->tangents, begin_);
     } else {
-      append_output(basis.mesh, result.positions, evaluation.positions);
-      append_output(basis.mesh, result.normals, evaluation.normals);
+      append_output(threads, basis.mesh, result.positions, evaluation.positions);
+      append_output(threads, basis.mesh, result.normals, evaluation.normals);
     }
     evaluation.strains.insert(evaluation.strains.end(), result.strains.begin(), result.strains.end());
     append_outside(result, batch_.frame_count, evaluation);

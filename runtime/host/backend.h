@@ -10,6 +10,7 @@
 
 #include "runtime/basis/basis.h"
 #include "runtime/core/error.h"
+#include "runtime/core/executor.h"
 #include "runtime/host/jiggle.h"
 
 namespace bodyopt {
@@ -80,6 +81,7 @@ class Backend {
  public:
   virtual ~Backend() = default;
   virtual std::string name() const = 0;
+  virtual Executor& threads() const { return calling_thread(); }  // for what is done with its results
   // Most frames of one batch.
   virtual std::uint32_t batch_limit() const = 0;
   // The result is the backend's until the next batch, whose memory it is, too. Where it throws the motion is that of

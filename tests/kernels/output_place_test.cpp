@@ -22,8 +22,12 @@ struct Case {
     frame = layout.element * mesh.output_count() + layout.frame_gap;
     before = random.floats(layout.first + std::size_t{frame} * frames, -1, 1);
     placed = before;
-    cpu::output_place(mesh, values, layout.element * sizeof(float), frame * sizeof(float),
-                      reinterpret_cast<std::byte*>(placed.data() + layout.first));
+    for (std::size_t f = 0; f < frames; ++f) {
+      const std::size_t numbers = std::size_t{3} * vertices;
+      cpu::output_place(mesh.output_vertex, std::span(values).subspan(f * numbers, numbers),
+                        layout.element * sizeof(float),
+                        reinterpret_cast<std::byte*>(placed.data() + layout.first + f * frame));
+    }
   }
 
   Random random;

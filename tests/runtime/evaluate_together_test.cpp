@@ -1,8 +1,12 @@
 // Calls of several deformers at once, of more frames than a batch has.
 #include "runtime/deformer/evaluate_together.h"
 
+#include <algorithm>
+#include <span>
+
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
+#include "tests/support/cut_executor.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/small_basis.h"
 
@@ -44,6 +48,60 @@ TEST(EvaluateTogether, OfOneDeformerTwiceIsRefused) {
   const DeformerCall call{.deformer = &deformer, .poses = poses};
   const DeformerCall twice[] = {call, call};
   EXPECT_EQ(kind_of([&] { evaluate_together(twice); }), ErrorKind::usage);
+}
+
+// The small basis with each output vertex `copies` times, on threads; a vertex has 14 numbers, between frames are 5.
+struct Copies {
+  explicit Copies(std::size_t copies) : basis(small_basis()) {
+    const std::vector<std::uint32_t> once = basis.mesh.output_vertex;
+    const std::vector<float> texture_of_one = Random(1).floats(2 * once.size(), 0, 1);
+    basis.mesh.output_vertex.clear();
+    std::vector<float> texture;
+    for (std::size_t k = 0; k < copies; ++k) {
+      basis.mesh.output_vertex.insert(basis.mesh.output_vertex.end(), once.begin(), once.end());
+      texture.insert(texture.end(), texture_of_one.begin(), texture_of_one.end());
+    }
+    const std::vector<Pose> poses = bending(basis, kFrames);
+    Deformer deformer(make_character_model(basis, std::nullopt, texture), std::nullopt,
+                      {.name = "cpu", .executor = std::make_shared<CutExecutor>()});
+    const std::size_t frame = kVertex * basis.mesh.output_count() + 5;
+    placed.assign(kFrames * frame, 7.0f);
+    const auto from = [&](std::size_t first) {
+      return PlacedVertices{reinterpret_cast<std::byte*>(&placed[first]), kVertex * sizeof(float),
+                            frame * sizeof(float)};
+    };
+    deformer.evaluate_into({.positions = from(1), .normals = from(4), .tangents = from(7)}, poses);
+    const Evaluation whole = deformer.evaluate(poses);
+    positions = whole.positions;
+    normals = whole.normals;
+  }
+
+  std::span<const float> vertex(std::size_t f, std::size_t output) const {
+    const std::size_t frame = kVertex * basis.mesh.output_count() + 5;
+    return std::span(placed).subspan(f * frame + kVertex * output, kVertex);
+  }
+
+  static constexpr std::size_t kFrames = 3, kVertex = 14;
+  Basis basis;
+  std::vector<float> placed, positions, normals;
+};
+
+// More of them than a thread places at a time.
+TEST(EvaluateTogether, PlacesManyVerticesAsFew) {
+  constexpr std::size_t kCopies = 12;
+  const Copies few(1), many(kCopies);
+  const std::size_t outputs = few.basis.mesh.output_count();
+  for (std::size_t f = 0; f < Copies::kFrames; ++f) {
+    for (std::size_t o = 0; o < kCopies * outputs; ++o) {
+      ASSERT_TRUE(std::ranges::equal(many.vertex(f, o), few.vertex(f, o % outputs))) << f << ' ' << o;
+      const std::size_t at = 3 * (f * kCopies * outputs + o);
+      ASSERT_TRUE(std::ranges::equal(std::span(many.positions).subspan(at, 3), many.vertex(f, o).subspan(1, 3)));
+      ASSERT_TRUE(std::ranges::equal(std::span(many.normals).subspan(at, 3), many.vertex(f, o).subspan(4, 3)));
+    }
+  }
+  EXPECT_FALSE(std::ranges::equal(few.vertex(0, 0), few.vertex(2, 0)));
+  EXPECT_FALSE(std::ranges::equal(few.vertex(0, 0), few.vertex(0, 1)));
+  for (const std::size_t between : {0, 11, 12, 13}) EXPECT_EQ(many.vertex(2, outputs)[between], 7);
 }
 
 }  // namespace evaluate_together_test
