@@ -134,10 +134,26 @@ struct HostLoader {
   PFN_vkGetInstanceProcAddr get;
 };
 
+// What the host gives of it, to see that it is called.
+const HostLoader* hosts_loader = nullptr;
+PFN_vkQueueSubmit hosts_submit = nullptr;
+int submissions = 0;
+
+VKAPI_ATTR VkResult VKAPI_CALL count_submission(VkQueue queue, std::uint32_t count, const VkSubmitInfo* submits,
+                                                VkFence fence) {
+  ++submissions;
+  return hosts_submit(queue, count, submits, fence);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL find_by_host(VkInstance instance, const char* name) {
+  if (std::strcmp(name, "vkQueueSubmit") != 0) return hosts_loader->get(instance, name);
+  hosts_submit = hosts_loader->find<PFN_vkQueueSubmit>(instance, name);
+  return reinterpret_cast<PFN_vkVoidFunction>(count_submission);
+}
+
 // The first device of a host with a loader of its own, opened by that.
 bodyopt_vulkan_device open_by(const HostLoader& loader) {
   auto host = api::make<bodyopt_vulkan_device>();
-  host.get_instance_proc_addr = loader.get;
   auto application = vulkan::structure<VkApplicationInfo>(VK_STRUCTURE_TYPE_APPLICATION_INFO);
   application.apiVersion = VK_API_VERSION_1_2;
   auto instance = vulkan::structure<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
@@ -177,7 +193,10 @@ std::vector<float> bind_skin(const api::Model& model, bodyopt_device* device) {
 void use_the_hosts_loader() {
   test_device();
   const api::Model model = api::load_model(hero());
-  const bodyopt_vulkan_device host = open_by(HostLoader());
+  const HostLoader loader;
+  hosts_loader = &loader;
+  bodyopt_vulkan_device host = open_by(loader);
+  host.get_instance_proc_addr = find_by_host;
   bodyopt_device* device = nullptr;
   api::check(bodyopt_share_device(&host, &device));
   const api::Device shared(device);
@@ -185,7 +204,7 @@ void use_the_hosts_loader() {
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (!(std::abs(found[k] - expected[k]) < 1e-5f)) throw std::runtime_error("another skin");
   }
-  std::fputs("the host's loader was called\n", stderr);
+  if (submissions > 0) std::fputs("the host's loader was called\n", stderr);
 }
 
 // In a process of its own, as the functions of one loader are those of a process.
