@@ -2,6 +2,7 @@
 #include "runtime/deformer/evaluate_together.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "runtime/core/error.h"
@@ -97,6 +98,7 @@ TEST(EvaluateTogether, PlacesManyVerticesAsFew) {
       const std::size_t at = 3 * (f * kCopies * outputs + o);
       ASSERT_TRUE(std::ranges::equal(std::span(many.positions).subspan(at, 3), many.vertex(f, o).subspan(1, 3)));
       ASSERT_TRUE(std::ranges::equal(std::span(many.normals).subspan(at, 3), many.vertex(f, o).subspan(4, 3)));
+      ASSERT_EQ(std::abs(many.vertex(f, o)[10]), 1) << f << ' ' << o;  // the bitangent's sign
     }
   }
   for (const std::size_t first : {1, 4, 7}) {  // frames differ in each
