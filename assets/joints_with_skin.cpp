@@ -36,4 +36,13 @@ std::vector<bool> joints_of_all_skin(const Character& character) {
   return result;
 }
 
+std::vector<std::uint32_t> joints_that_bend(const Character& character) {
+  const std::vector<bool> of_all_skin = joints_of_all_skin(character);
+  std::vector<std::uint32_t> bending;
+  for (std::uint32_t j = 0; j < of_all_skin.size(); ++j) {
+    if (character.skeleton.joints[j].parent >= 0 && !of_all_skin[j]) bending.push_back(j);
+  }
+  return bending;
+}
+
 }  // namespace bodyopt

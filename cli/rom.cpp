@@ -103,7 +103,7 @@ void run(const RomArguments& arguments) {
   const std::vector<Pose> wanted = wanted_poses(character, limits, options);
   text += describe_wanted(arguments, wanted.size());
   Json per_joint = Json::array();
-  for (const JointCoverage& joint : coverage(clip.poses, wanted, skeleton)) {
+  for (const JointCoverage& joint : coverage(clip.poses, wanted, character)) {
     if (wanted.empty()) break;
     text += format("  %-20s mean %5.1f  largest %5.1f\n", joint.joint.c_str(), joint.mean, joint.largest);
     per_joint.push_back({{"joint", joint.joint}, {"mean_degrees", joint.mean}, {"largest_degrees", joint.largest}});

@@ -349,6 +349,21 @@ SampleSet unrefined_samples(Dataset dataset, const std::set<std::string>& carrie
   return read_samples(dataset);
 }
 
+// Frames held out of carried takes stay as they were carried.
+std::size_t say_carried_judge(const SampleSet& set, const std::set<std::string>& carried) {
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(set.heldout, [&](const Sample& sample) {
+    return carried.contains(set.takes[static_cast<std::size_t>(sample.take)]);
+  }));
+  if (count > 0) {
+    say({format(
+        "%zu of the %zu frames held out are carried from the source: errors that 'train' and 'test' measure on "
+        "them tell how near to the source's shapes the basis is, not to this body's; hold out frames of its own "
+        "(simulate --heldout)",
+        count, set.heldout.size())});
+  }
+  return count;
+}
+
 void run_refine(const RefineArguments& arguments) {
   arguments.json.require_writable();
   const Stopwatch watch;
@@ -359,6 +374,7 @@ void run_refine(const RefineArguments& arguments) {
   const std::set<std::string> carried(arguments.carried.begin(), arguments.carried.end());
   const SampleSet set = unrefined_samples(dataset, carried);
   say(set.notes);
+  const std::size_t carried_judge = say_carried_judge(set, carried);
   RefinedShapes refined(set, carried, arguments.options);
   std::size_t count = 0;
   for (const std::string& take : carried) {
@@ -377,6 +393,7 @@ void run_refine(const RefineArguments& arguments) {
       {{"dataset", path.string()},
        {"carried_frames", count},
        {"own_frames", set.train.size() - count},
+       {"carried_heldout_frames", carried_judge},
        {"difference_mm", refined.difference_mm()},
        {"seconds", watch.seconds()}},
       format("%zu carried frames moved to what %zu own frames show, which were %.2f mm RMS off them, in "

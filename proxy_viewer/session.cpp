@@ -15,6 +15,7 @@
 #include "proxy_viewer/scene/pinned_joints.h"
 #include "proxy_viewer/scene/truth_times.h"
 #include "runtime/core/error.h"
+#include "runtime/deformer/outside.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/transfer/markers_file.h"
 
@@ -586,7 +587,8 @@ void Session::describe_picture() {
   const Evaluation* evaluation = scene.lead_evaluation();
   if (!evaluation || evaluation->outside.empty()) return;
   snapshot.strains = evaluation->strains;
-  snapshot.outside = evaluation->outside[0];
+  const float outside = evaluation->outside[0];
+  snapshot.outside = outside < kOutsideWorthTelling ? 0 : outside;
   snapshot.outside_feature =
       snapshot.outside > 0 ? feature_name(scene.lead().basis(), evaluation->outside_feature[0]) : "";
 }

@@ -5,14 +5,13 @@
 
 #include "assets/frame_range.h"
 #include "assets/notes.h"
+#include "runtime/deformer/outside.h"
 #include "runtime/host/stages.h"
 #include "trainer/dynamics/measure_jiggle.h"
 #include "trainer/train/coverage/coverage.h"
 
 namespace bodyopt::cli {
 namespace {
-
-constexpr double kWorthTelling = 0.05;  // standard deviations beyond the trained range: less is written as 0.0
 
 // Frames worth a look, spread over the shot: those expected to be most wrong, or, where that is not known, that leave
 // what was trained furthest.
@@ -175,7 +174,7 @@ std::string EvaluationLog::text() const {
     text += format("  %-8s %8.3f ms a frame\n", stage.name,
                    1e3 * found->second / static_cast<double>(std::max<std::size_t>(1, timed_frames_)));
   }
-  if (worst_outside_ >= kWorthTelling) {
+  if (worst_outside_ >= kOutsideWorthTelling) {
     text +=
         format("%zu frames leave the trained range (most of all %s, by %.1f standard deviations) and were clamped: ",
                outside_frames_.size(), worst_feature_.c_str(), worst_outside_) +

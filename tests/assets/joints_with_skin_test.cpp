@@ -28,5 +28,12 @@ TEST(JointsWithSkin, OfTwoTreesNoneIsAboveAll) {
   EXPECT_EQ(joints_of_all_skin(limb), (std::vector<bool>{false, false, false}));
 }
 
+TEST(JointsWithSkin, ThoseThatBendAreNeitherRootsNorAboveAll) {
+  Character limb = limb_character();
+  EXPECT_EQ(joints_that_bend(limb), (std::vector<std::uint32_t>{1, 2}));
+  for (std::size_t v = 0; v < limb.weights.size(); ++v) limb.weights[v] = {{v % 2 == 0 ? 1u : 2u, 1.0}};
+  EXPECT_EQ(joints_that_bend(limb), (std::vector<std::uint32_t>{2}));
+}
+
 }  // namespace
 }  // namespace bodyopt

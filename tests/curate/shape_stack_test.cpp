@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -22,6 +23,7 @@
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/frame_files.h"
 #include "trainer/curate/mirror_image.h"
+#include "trainer/curate/modifier_scope.h"
 #include "trainer/curate/pose_space.h"
 #include "trainer/curate/prune.h"
 
@@ -625,6 +627,19 @@ TEST(Bake, WritesWhatTheStackMakes) {
   EXPECT_EQ(baked.takes[0].frames.front(), 4);
   EXPECT_LT(rms_mm(again.shape(0), stack.shape(3)), 1e-3);
   EXPECT_TRUE(baked.modifiers.empty());
+}
+
+// A joint that all of the skin hangs under turns the body and bends none of it: poses are no further apart for it.
+TEST(ModifierScope, PosesAreToldByJointsThatBendSkin) {
+  const CuratedLimb limb;
+  PoseDatabase database = read_pose_database(read_dataset(limb.path()));
+  const Json near = {{{"near", {{"take", "one"}, {"frame", 1}, {"degrees", 1}}}}};
+  const std::vector<char> told_by_the_elbow = selected_frames(database, near, "a test");
+  EXPECT_EQ(std::count(told_by_the_elbow.begin(), told_by_the_elbow.end(), true), 2);
+  for (auto& weights : database.character.weights) weights = {{2, 1.0}};
+  const std::vector<char> told_by_none = selected_frames(database, near, "a test");
+  EXPECT_EQ(std::count(told_by_none.begin(), told_by_none.end(), true), 2 * kSweepFrames);
+  EXPECT_TRUE(joints_moving(database.character, Eigen::VectorXd::Ones(database.character.vertices.rows())).empty());
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "base/progress.h"
 #include "runtime/core/error.h"
 #include "tests/builtin/shared_arm.h"
+#include "tests/support/capsule_limb.h"
 #include "trainer/motion/blend_clips.h"
 #include "trainer/motion/body_spheres.h"
 #include "trainer/motion/explore.h"
@@ -156,8 +157,8 @@ TEST(RangeOfMotion, CoversNearlyAsMuchAsPosesThatAreNotConnected) {
   while (plain.postures.size() < motion().random_frames) plain.postures.push_back({random_angles(limits(), random)});
   const SelfOverlap overlap = overlap_of_limits(arm().character, limits());
   const std::vector<Pose> wanted = random_poses(limits(), skeleton(), overlap, 1000, 5);
-  const auto ours = coverage(clip_of(motion(), limits(), skeleton()).poses, wanted, skeleton());
-  const auto theirs = coverage(clip_of(plain, limits(), skeleton()).poses, wanted, skeleton());
+  const auto ours = coverage(clip_of(motion(), limits(), skeleton()).poses, wanted, arm().character);
+  const auto theirs = coverage(clip_of(plain, limits(), skeleton()).poses, wanted, arm().character);
   ASSERT_EQ(ours.size(), theirs.size());
   for (std::size_t j = 0; j < ours.size(); ++j) {
     SCOPED_TRACE(ours[j].joint);
@@ -168,6 +169,16 @@ TEST(RangeOfMotion, CoversNearlyAsMuchAsPosesThatAreNotConnected) {
     EXPECT_LT(ours[j].largest, 1.3 * theirs[j].largest);
     EXPECT_LT(ours[j].mean, 1.2 * theirs[j].mean);
   }
+}
+
+// A joint that all of the skin hangs under is as the root: training learns nothing of how it turns.
+TEST(JointCoverage, LeavesOutWhatMovesAllOfTheSkin) {
+  Character limb = limb_character();
+  for (std::size_t v = 0; v < limb.weights.size(); ++v) limb.weights[v] = {{v % 2 == 0 ? 1u : 2u, 1.0}};
+  const std::vector<Pose> wanted = {limb_pose(limb.skeleton, 1, 0, 1)};
+  const std::vector<JointCoverage> covered = coverage({bind_pose(limb.skeleton)}, wanted, limb);
+  ASSERT_EQ(covered.size(), 1u);
+  EXPECT_EQ(covered.front().joint, "joint2");
 }
 
 TEST(RangeOfMotion, RandomPosesOverlapNoMoreThanTheSweeps) {
@@ -212,7 +223,7 @@ TEST(RangeOfMotion, StaysWithTheExamplesBeyondTheLimits) {
   for (std::size_t k = made.postures.size(); k < 400; ++k) {
     EXPECT_LE(largest_turn(clip.poses[k - 1], clip.poses[k]), made.largest_step + 1e-9) << "frame " << k + 1;
   }
-  for (const JointCoverage& covered : coverage(clip.poses, examples, skeleton())) EXPECT_LT(covered.largest, 3);
+  for (const JointCoverage& covered : coverage(clip.poses, examples, arm().character)) EXPECT_LT(covered.largest, 3);
   double turned = 0;  // joints deviate from examples, too
   for (const Pose& pose : range_of_motion(arm().character, limits(), {400, 3, examples}).blends) {
     const Quat bound = skeleton().joints[joint("fingers")].bind.rotation;

@@ -127,5 +127,20 @@ TEST_F(TransferDatasetProgram, WhatIsCarriedAgainIsNotCoveredByWhatWasRefinedBef
   EXPECT_TRUE(refinement().enabled);
 }
 
+// Held-out frames of what was carried are the source's: they judge how near to it the basis is.
+TEST_F(TransferDatasetProgram, RefiningSaysOfHeldOutFramesThatTheyAreCarried) {
+  Dataset source = read_dataset(path("source/dataset.json"));
+  source.takes.front().heldout = {3, 4, 5};
+  write_dataset(source, path("source/dataset.json"));
+  expect_runs("transfer dataset " + path("source") + " " + path("source/limb.glb") + " --out " + path("copy"));
+  testing::write_limb_take(folder_ / "source", "own", 15, false);
+  expect_runs("dataset add " + path("copy") + " --clip " + path("source/own.glb") +
+              " --name own --heldout 7 --shapes " + path("source/own.pc2"));
+  const ProgramResult refined = run_bodyopt("transfer refine " + path("copy") + " --carried bend");
+  EXPECT_EQ(refined.exit_code, 0) << refined.output;
+  EXPECT_NE(refined.output.find("3 of the 4 frames held out are carried from the source"), std::string::npos)
+      << refined.output;
+}
+
 }  // namespace
 }  // namespace bodyopt

@@ -5,9 +5,9 @@
 #include <set>
 
 #include "assets/frame_range.h"
+#include "assets/joints_with_skin.h"
 #include "assets/notes.h"
 #include "runtime/core/error.h"
-#include "runtime/host/rig.h"
 #include "trainer/curate/pose_space.h"
 
 namespace bodyopt {
@@ -73,7 +73,7 @@ class Selector {
     const double reach = near.number("degrees", 0, 1e4);
     const std::vector<std::string> names = names_in(near, "joints");
     const std::vector<std::uint32_t> joints =
-        names.empty() ? feature_joints(skeleton) : joints_named(skeleton, names, place_);
+        names.empty() ? joints_that_bend(database_.character) : joints_named(skeleton, names, place_);
     for (std::size_t n = 0; n < selected_.size(); ++n) {
       const double distance = pose_distance(database_.frames[centre].pose, database_.frames[n].pose, joints);
       if (distance <= reach) selected_[n] = true;

@@ -11,9 +11,9 @@
 namespace bodyopt {
 
 // Of every frame of the database, whether a list of selections names it; an empty list names all. A selection is
-// {"take", "frames"}, either of them alone, {"near": {"take", "frame", "degrees", "joints"}} (joints: all, where not
-// named), or {"list"} of the dataset's "selections". Throws Error(mismatch), naming `place`, at an unknown take, joint
-// or list, one that names itself, and where no frame is left; Error(file) at what is malformed.
+// {"take", "frames"}, either of them alone, {"near": {"take", "frame", "degrees", "joints"}} (joints: all that bend
+// skin, where not named), or {"list"} of the dataset's "selections". Throws Error(mismatch), naming `place`, at an
+// unknown take, joint or list, one that names itself, and where no frame is left; Error(file) at what is malformed.
 std::vector<char> selected_frames(const PoseDatabase& database, const Json& selections, const std::string& place);
 
 // V, of welded vertices, from 0 to 1: the largest of what "joints" (their skin weights), "regions" (painted ones, of

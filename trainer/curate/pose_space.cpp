@@ -1,8 +1,11 @@
 #include "trainer/curate/pose_space.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
+#include "assets/joints_with_skin.h"
 #include "assets/notes.h"
 #include "runtime/core/error.h"
 
@@ -28,12 +31,10 @@ std::vector<std::uint32_t> joints_moving(const Character& character, const Eigen
       share[weight.joint] += weight.weight * mask[static_cast<Eigen::Index>(v)];
     }
   }
-  std::vector<std::uint32_t> moving, all;
-  for (std::uint32_t j = 0; j < share.size(); ++j) {
-    if (character.skeleton.joints[j].parent < 0) continue;
-    all.push_back(j);
-    if (share[j] >= kLeastShare * mask.sum()) moving.push_back(j);
-  }
+  const std::vector<std::uint32_t> all = joints_that_bend(character);
+  std::vector<std::uint32_t> moving;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(moving),
+               [&](std::uint32_t j) { return share[j] >= kLeastShare * mask.sum(); });
   return moving.empty() ? all : moving;
 }
 

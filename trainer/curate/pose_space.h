@@ -9,7 +9,7 @@
 
 namespace bodyopt {
 
-// Joints, but for the roots, with 5 % of the skin of a mask (V) or more; where there are none, all but the roots.
+// Of the joints that bend skin those with 5 % of the skin of a mask (V) or more; where there are none, all of them.
 std::vector<std::uint32_t> joints_moving(const Character& character, const Eigen::VectorXd& mask);
 
 // Indices of joints. Throws Error(mismatch) at an unknown name, with those nearest to it.

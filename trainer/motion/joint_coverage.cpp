@@ -6,7 +6,7 @@
 #include <optional>
 #include <set>
 
-#include "runtime/host/rig.h"
+#include "assets/joints_with_skin.h"
 #include "trainer/motion/explore.h"
 
 namespace bodyopt {
@@ -56,9 +56,10 @@ std::optional<Pose> clear_pose(const JointLimits& limits, const Skeleton& skelet
 }  // namespace
 
 std::vector<JointCoverage> coverage(const std::vector<Pose>& frames, const std::vector<Pose>& wanted,
-                                    const Skeleton& skeleton) {
+                                    const Character& character) {
+  const Skeleton& skeleton = character.skeleton;
   std::vector<JointCoverage> result;
-  for (const std::uint32_t joint : feature_joints(skeleton)) {
+  for (const std::uint32_t joint : joints_that_bend(character)) {
     const Quat bind = normalized(skeleton.joints[joint].bind.rotation);
     const std::vector<Quat> shown = rotations(frames, joint), asked = rotations(wanted, joint);
     const auto moves = [&](const Quat& q) { return angle_between(q, bind) > kMoves; };

@@ -15,10 +15,10 @@ struct JointCoverage {
   double mean, largest;
 };
 
-// For every joint that leaves the bind pose in a wanted pose or a frame, in joint order; the root is left out. Not a
-// number where no poses are wanted.
+// For every joint that leaves the bind pose in a wanted pose or a frame, in joint order; the root and joints of all
+// skin are left out, as training learns nothing of how they turn. Not a number where no poses are wanted.
 std::vector<JointCoverage> coverage(const std::vector<Pose>& frames, const std::vector<Pose>& wanted,
-                                    const Skeleton& skeleton);
+                                    const Character& character);
 
 // Random poses within the limits in which no limbs overlap (those that would are drawn anew, limb by limb): `count`, or
 // fewer where such poses are rare.
