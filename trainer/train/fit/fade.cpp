@@ -6,13 +6,11 @@
 #include "runtime/host/rig.h"
 #include "trainer/train/features/joint_manifold.h"
 #include "trainer/train/features/strain.h"
+#include "trainer/train/fit/fade_strength.h"
 
 namespace bodyopt {
 namespace {
 
-// A correction that rests on joints which stand as far off as they ever turned is as likely wrong as right; four times
-// that, because a wrong one is worse than none: measured on limits that couple joints.
-constexpr double kStrength = 4;
 constexpr double kSkinShare = 0.3;    // in what a region minds; the rest is what its features explain
 constexpr double kLeastTurn = 0.05;   // radians, root mean square: less counts as this
 constexpr double kNegligible = 0.03;  // share of a joint
@@ -101,10 +99,15 @@ FadeTable fade_table(const Groundwork& ground, const std::vector<RegionModel>& r
       const double share = shares[static_cast<Eigen::Index>(j)];
       if (share < kNegligible) continue;
       table.region_joints.push_back(static_cast<std::uint32_t>(j));
-      table.region_weights.push_back(
-          static_cast<float>(kStrength * share / std::max(turns[j], kLeastTurn * kLeastTurn)));
+      table.region_weights.push_back(static_cast<float>(share / std::max(turns[j], kLeastTurn * kLeastTurn)));
     }
     table.region_begin.push_back(static_cast<std::uint32_t>(table.region_joints.size()));
+  }
+  const std::vector<double> strengths = fade_strengths(ground, regions, folds, table);
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    for (std::uint32_t k = table.region_begin[r]; k < table.region_begin[r + 1]; ++k) {
+      table.region_weights[k] *= static_cast<float>(strengths[r]);
+    }
   }
   return table;
 }

@@ -11,7 +11,7 @@ namespace bodyopt {
 
 // The joints' manifold, and how much every region of the model minds that a joint stands off it: in proportion to the
 // joint's part in what the region's features explain, and in its skin, per mean square that the joint turned in
-// training.
+// training, as strongly as fade_strengths() says.
 FadeTable fade_table(const Groundwork& ground, const std::vector<RegionModel>& regions, const std::vector<int>& folds);
 
 // That of some of its regions, ascending.

@@ -1,0 +1,22 @@
+// How strongly what was learned fades where joints stand off what training showed.
+#pragma once
+
+#include <vector>
+
+#include "runtime/basis/basis.h"
+#include "trainer/train/fit/groundwork.h"
+#include "trainer/train/pack/residual.h"
+
+namespace bodyopt {
+
+// What the weights of each region in a fade table are to be multiplied by: 4, or as much less as frames ask for that
+// are as far off as those of another shot. Fifths of the frames, one after the other, are left out; the others say what
+// was shown, and what fits of them predict of the fifth is faded by it. The strongest fade stays that leaves a
+// hundredth more than the best: where nothing tells, as in a range of motion that shows all that it holds out, that
+// is 4. A correction that rests on joints which stand as far off as they ever turned is as likely wrong as right; four
+// times that, because a wrong one is worse than none: measured on limits that couple joints. `regions`: components
+// scaled, as fitted; `folds`: as RegressionData has them; `table`: its region weights for a strength of 1.
+std::vector<double> fade_strengths(const Groundwork& ground, const std::vector<RegionModel>& regions,
+                                   const std::vector<int>& folds, const FadeTable& table);
+
+}  // namespace bodyopt
