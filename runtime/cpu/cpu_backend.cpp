@@ -342,13 +342,13 @@ class CpuBackend final : public Backend {
       const std::span<float> areas(scratch_.areas);
       over_parts(range.count(), triangles, [&](std::size_t k, std::size_t first, std::size_t count) {
         auto last = StageTimes::Clock::now();
-        cpu::area_vectors(basis_.mesh, of_frame(work.result.positions, range.begin + k, frames), first,
+        cpu::area_vectors(model_->near.triangles, of_frame(work.result.positions, range.begin + k, frames), first,
                           areas.subspan(k * numbers + cpu::kAreaNumbers * first, cpu::kAreaNumbers * count));
         work.times.add_since(last, Stage::output);
       });
       over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
         auto last = StageTimes::Clock::now();
-        cpu::part_normals(basis_.mesh, areas.subspan(k * numbers, numbers), first,
+        cpu::part_normals(basis_.mesh, model_->near.vertex_triangles, areas.subspan(k * numbers, numbers), first,
                           of_frame(work.result.normals, range.begin + k, frames).subspan(3 * first, 3 * count));
         work.times.add_since(last, Stage::output);
       });

@@ -133,13 +133,14 @@ bool separate_part(const MeshTable& mesh, const FoldTables& tables, const Output
 // positions F x V x 3 -> normals F x V x 3; zero where the sum's length is not above 1e-20.
 void output_normals(const MeshTable& mesh, std::span<const float> positions, std::span<float> normals);
 // Its halves, of one frame. Twice the areas' vectors of some triangles, those from first_triangle on, as many as areas
-// hold; of each x, y, z and 0, which a register holds at once. positions V x 3.
+// hold; of each x, y, z and 0, which a register holds at once. positions V x 3. The triangles and those of each vertex
+// are the mesh's, or those of near_triangles().
 inline constexpr std::size_t kAreaNumbers = 4;
-void area_vectors(const MeshTable& mesh, std::span<const float> positions, std::size_t first_triangle,
-                  std::span<float> areas);
+void area_vectors(std::span<const std::uint32_t> triangles, std::span<const float> positions,
+                  std::size_t first_triangle, std::span<float> areas);
 // The normals of some vertices, those from first_vertex on, as many as normals hold. areas: of all triangles.
-void part_normals(const MeshTable& mesh, std::span<const float> areas, std::size_t first_vertex,
-                  std::span<float> normals);
+void part_normals(const MeshTable& mesh, std::span<const std::uint32_t> vertex_triangles, std::span<const float> areas,
+                  std::size_t first_vertex, std::span<float> normals);
 // That of one vertex, the same bits.
 void vertex_normal(const MeshTable& mesh, std::span<const float> positions, std::size_t vertex, float* normal);
 

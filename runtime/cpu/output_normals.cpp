@@ -25,21 +25,21 @@ void normalise(const float* sum, float* normal) {
 
 }  // namespace
 
-void area_vectors(const MeshTable& mesh, std::span<const float> positions, std::size_t first_triangle,
-                  std::span<float> areas) {
+void area_vectors(std::span<const std::uint32_t> triangles, std::span<const float> positions,
+                  std::size_t first_triangle, std::span<float> areas) {
   for (std::size_t at = 0; at < areas.size(); at += kAreaNumbers) {
-    area_vector(positions.data(), &mesh.triangles[3 * (first_triangle + at / kAreaNumbers)], &areas[at]);
+    area_vector(positions.data(), &triangles[3 * (first_triangle + at / kAreaNumbers)], &areas[at]);
     areas[at + 3] = 0;
   }
 }
 
-void part_normals(const MeshTable& mesh, std::span<const float> areas, std::size_t first_vertex,
-                  std::span<float> normals) {
+void part_normals(const MeshTable& mesh, std::span<const std::uint32_t> vertex_triangles, std::span<const float> areas,
+                  std::size_t first_vertex, std::span<float> normals) {
   for (std::size_t at = 0; at < normals.size(); at += 3) {
     const std::size_t v = first_vertex + at / 3;
     float sum[kAreaNumbers] = {};
     for (std::uint32_t k = mesh.vertex_triangle_begin[v]; k < mesh.vertex_triangle_begin[v + 1]; ++k) {
-      const float* area = areas.data() + kAreaNumbers * mesh.vertex_triangles[k];
+      const float* area = areas.data() + kAreaNumbers * vertex_triangles[k];
       for (std::size_t i = 0; i < kAreaNumbers; ++i) sum[i] += area[i];
     }
     normalise(sum, &normals[at]);
@@ -60,8 +60,8 @@ void output_normals(const MeshTable& mesh, std::span<const float> positions, std
   const std::size_t numbers = std::size_t{3} * mesh.vertex_count();
   std::vector<float> areas(kAreaNumbers * mesh.triangles.size() / 3);
   for (std::size_t at = 0; at < positions.size(); at += numbers) {
-    area_vectors(mesh, positions.subspan(at, numbers), 0, areas);
-    part_normals(mesh, areas, 0, normals.subspan(at, numbers));
+    area_vectors(mesh.triangles, positions.subspan(at, numbers), 0, areas);
+    part_normals(mesh, mesh.vertex_triangles, areas, 0, normals.subspan(at, numbers));
   }
 }
 

@@ -9,6 +9,7 @@
 #include "runtime/basis/basis.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/host/fold_tables.h"
+#include "runtime/host/near_triangles.h"
 #include "runtime/host/tangent_tables.h"
 
 namespace bodyopt {
@@ -18,11 +19,13 @@ struct CharacterModel {
       : basis(std::move(of)),
         dynamics(std::move(jiggling)),
         folds(fold_tables(basis)),
+        near(near_triangles(basis.mesh)),
         tangents(tangent_tables(basis.mesh, texture)) {}
 
   Basis basis;
   std::optional<Dynamics> dynamics;  // of the basis; none: nothing jiggles
   FoldTables folds;                  // of the basis
+  NearTriangles near;                // of the basis
   TangentTables tangents;            // of the basis, and texture coordinates for it
 };
 
