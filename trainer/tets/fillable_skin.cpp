@@ -306,10 +306,6 @@ std::string counted(Eigen::Index count, const char* one, const char* many) {
 
 }  // namespace
 
-bool FillableSkin::is_as_it_was() const {
-  return intersections == 0 && turned == 0 && filled == 0 && merged == 0 && doubled == 0 && riders.empty();
-}
-
 std::string FillableSkin::mending() const {
   std::string text;
   const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
