@@ -103,17 +103,6 @@ SkinModifiers bake_stack(const std::filesystem::path& path, const Basis& basis, 
   return stack;
 }
 
-Positions rest_positions(const Basis& basis) {
-  return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(basis.mesh.rest.data(),
-                                                                                    basis.mesh.vertex_count(), 3)
-      .cast<double>();
-}
-
-Triangles rest_triangles(const Basis& basis) {
-  return Eigen::Map<const Triangles>(basis.mesh.triangles.data(),
-                                     static_cast<Eigen::Index>(basis.mesh.triangles.size() / 3), 3);
-}
-
 Positions read_modifier_shape(const BakeInput& input, const char* key) {
   const std::filesystem::path path = input.folder / input.parameters.name(key);
   std::vector<float> points;

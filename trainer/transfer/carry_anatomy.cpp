@@ -4,10 +4,10 @@
 #include <algorithm>
 
 #include "assets/notes.h"
+#include "geometry/table_rows.h"
 #include "runtime/host/rig.h"
 #include "trainer/transfer/joint_warp.h"
 #include "trainer/transfer/sure_places.h"
-#include "trainer/transfer/table_rows.h"
 
 namespace bodyopt {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "geometry/laplacian.h"
+#include "geometry/table_rows.h"
 #include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/ddm_frames.h"
@@ -13,7 +14,6 @@
 #include "trainer/transfer/joint_shares.h"
 #include "trainer/transfer/joint_warp.h"
 #include "trainer/transfer/register_skin.h"
-#include "trainer/transfer/table_rows.h"
 
 namespace bodyopt {
 namespace {

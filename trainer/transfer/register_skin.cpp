@@ -6,9 +6,9 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "geometry/laplacian.h"
+#include "geometry/table_rows.h"
 #include "geometry/vertex_normals.h"
 #include "trainer/transfer/joint_warp.h"
-#include "trainer/transfer/table_rows.h"
 
 namespace bodyopt {
 namespace {

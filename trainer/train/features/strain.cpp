@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "geometry/nearest_skin.h"
+#include "geometry/table_rows.h"
 #include "trainer/train/features/features.h"
 
 namespace bodyopt {
@@ -143,12 +144,8 @@ class TableBuilder {
 
 StrainTable make_strain_table(const Basis& basis, const std::vector<Muscle>& muscles) {
   TableBuilder builder;
-  const auto rows = [](std::size_t size) { return static_cast<Eigen::Index>(size / 3); };
-  const Positions rest = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-                             basis.mesh.rest.data(), rows(basis.mesh.rest.size()), 3)
-                             .cast<double>();
-  const Triangles triangles =
-      Eigen::Map<const Triangles>(basis.mesh.triangles.data(), rows(basis.mesh.triangles.size()), 3);
+  const Positions rest = rows_of(basis.mesh.rest);
+  const Triangles triangles = rows_of(basis.mesh.triangles);
   if (triangles.rows() == 0) return builder.take();
   const NearestSkin nearest(rest, triangles);
   for (const Muscle& muscle : muscles) {

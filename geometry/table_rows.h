@@ -1,10 +1,15 @@
 // Tables of a basis as matrices.
 #pragma once
 
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
 #include "geometry/mesh.h"
 
 namespace bodyopt {
 
+// Points, #V x 3.
 inline Positions rows_of(const std::vector<float>& values) {
   return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
              values.data(), static_cast<Eigen::Index>(values.size() / 3), 3)
