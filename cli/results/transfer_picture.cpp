@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "draw/heat_colour.h"
+#include "geometry/extent.h"
 #include "geometry/table_rows.h"
 #include "runtime/cpu/kernels.h"
 #include "trainer/transfer/match_colours.h"
@@ -49,7 +50,7 @@ Image transfer_picture(const TransferPair& pair) {
   const Correspondence& correspondence = pair.correspondence;
   const Positions colours = place_colours(rest);
   const auto width_of = [](const Positions& p) {
-    const Eigen::RowVector3d extent = p.colwise().maxCoeff() - p.colwise().minCoeff();
+    const Eigen::RowVector3d extent = box_sides(p);
     return extent[0] / std::max(extent.maxCoeff(), 1e-9);
   };
   const double step = 0.1 + std::max(width_of(rest), width_of(correspondence.target));

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "assets/character.h"
+#include "geometry/extent.h"
 #include "runtime/host/rig.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/support/shared_data.h"
@@ -407,8 +408,8 @@ TEST(Clip, RealClipsReadAndRoundTrip) {
     for (const Pose& pose : {clip.poses.front(), clip.poses.back()}) {
       const Positions posed = skinned(c, pose);
       ASSERT_TRUE(posed.allFinite());
-      const double size = (posed.colwise().maxCoeff() - posed.colwise().minCoeff()).norm();
-      const double rest = (c.vertices.colwise().maxCoeff() - c.vertices.colwise().minCoeff()).norm();
+      const double size = box_diagonal(posed);
+      const double rest = box_diagonal(c.vertices);
       EXPECT_GT(size, 0.5 * rest);
       EXPECT_LT(size, 2 * rest);
     }

@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "geometry/extent.h"
 #include "geometry/table_rows.h"
 #include "geometry/vertex_normals.h"
 
@@ -12,7 +13,7 @@ RestSkin::RestSkin(const Basis& basis)
       ddm_(basis.ddm),
       vertices_(rows_of(basis.mesh.rest)),
       triangles_(rows_of(basis.mesh.triangles)),
-      diagonal_((vertices_.colwise().maxCoeff() - vertices_.colwise().minCoeff()).norm()),
+      diagonal_(box_diagonal(vertices_)),
       search_(vertices_, triangles_) {
   normals_ = vertex_normals(vertices_, triangles_);
   normals_.rowwise().normalize();

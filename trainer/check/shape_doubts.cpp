@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "assets/notes.h"
+#include "geometry/extent.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/data/stray_vertices.h"
 #include "trainer/train/data/unposed_shapes.h"

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "assets/notes.h"
+#include "geometry/extent.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/block_inverse.h"
 #include "trainer/train/skinning/mesh_table.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "assets/notes.h"
+#include "geometry/extent.h"
 #include "geometry/thickness.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/diffuse.h"

@@ -1,5 +1,6 @@
 // Push-out: which joints fold skin, and which skin may lie in such a fold: what stands within two of the bone's lengths
 // around the joint. What crosses is found by the kernel (shaders/include/fold.h).
+#include "geometry/extent.h"
 #include "geometry/table_rows.h"
 #include "runtime/core/error.h"
 #include "runtime/host/fold_joints.h"
@@ -31,7 +32,7 @@ bool has_both_sides(const Basis& basis, std::uint32_t joint, const Vec3& place, 
 BakedModifier bake_push_out(const BakeInput& input) {
   const Basis& basis = input.basis;
   const Positions rest = rows_of(basis.mesh.rest);
-  const double body = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
+  const double body = longest_extent(rest);
   BakedModifier baked;
   baked.numbers.push_back(static_cast<float>(1e-3 * bake_number(input, "limit_mm", 80, 0, 1000)));
   for (std::uint32_t joint = 0; joint < basis.skeleton.size(); ++joint) {

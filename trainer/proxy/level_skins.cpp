@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "assets/notes.h"
+#include "geometry/extent.h"
 #include "runtime/core/error.h"
 #include "trainer/proxy/level_errors.h"
 #include "trainer/train/skinning/mesh_table.h"

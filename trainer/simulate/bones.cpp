@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "geometry/extent.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/thickness.h"
 
@@ -196,7 +197,7 @@ std::vector<BonePoint> find_bones(const Cage& cage, const Character& character, 
   Eigen::VectorXd core_depth = Eigen::VectorXd::Zero(weights.cols());
   for (const JointSample& sample : samples) core_depth[sample.joint] = std::max(core_depth[sample.joint], sample.depth);
   const Positions& skin = character.vertices;
-  const double digit = kDigit * (skin.colwise().maxCoeff() - skin.colwise().minCoeff()).maxCoeff();
+  const double digit = kDigit * longest_extent(skin);
   std::vector<BonePoint> points;
   std::vector<bool> has_bone(static_cast<std::size_t>(weights.cols()), false);
   const auto add = [&](std::size_t k) {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "geometry/closed_skin.h"
+#include "geometry/extent.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "runtime/host/rig.h"
@@ -260,7 +261,7 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
     force_floor_ += std::pow(kStrainFloor * tets[t].mu * area, 2);
   }
   force_floor_ = std::sqrt(force_floor_);
-  max_move_ = kMaxMove * (mesh_.nodes.colwise().maxCoeff() - mesh_.nodes.colwise().minCoeff()).maxCoeff();
+  max_move_ = kMaxMove * longest_extent(mesh_.nodes);
   hash_ = body_hash(character, muscles, materials, mesh_, cage != nullptr);
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/single_threaded_products.h"
+#include "geometry/extent.h"
 #include "geometry/laplacian.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/vertex_normals.h"
