@@ -76,12 +76,6 @@ std::vector<MethodReport> with_radius(std::vector<MethodReport> methods, const B
   return methods;
 }
 
-std::vector<Pose> training_poses(const SampleSet& set) {
-  std::vector<Pose> poses;
-  for (const Sample& sample : set.train) poses.push_back(sample.pose);
-  return poses;
-}
-
 // `path`: the dataset.json.
 void report(const TrainArguments& arguments, const Dataset& dataset, const std::filesystem::path& path,
             const SampleSet& set, const Training& training) {

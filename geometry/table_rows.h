@@ -1,4 +1,4 @@
-// Tables of a basis as matrices.
+// Tables of a basis as matrices, and back.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,5 +19,8 @@ inline Positions rows_of(const std::vector<float>& values) {
 inline Triangles rows_of(const std::vector<std::uint32_t>& corners) {
   return Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
 }
+
+// 3 V.
+inline std::vector<float> floats_of(const Positions& points) { return {points.data(), points.data() + points.size()}; }
 
 }  // namespace bodyopt

@@ -11,9 +11,6 @@
 
 namespace bodyopt::cli {
 
-// hero.safetensors: hero.attached.safetensors.
-std::filesystem::path attachments_beside(const std::filesystem::path& basis);
-
 // Those of a file, or none yet where it is not there. Throws as load_attachments, of which see `basis_name`.
 Attachments attachments_in(const std::filesystem::path& path, const Basis& basis, const std::string& basis_name);
 
