@@ -156,15 +156,12 @@ StrainTable make_strain_table(const Basis& basis, const std::vector<Muscle>& mus
       if (length_of(fibre) > kShortest) builder.add(muscle.name + "/" + std::to_string(k + 1), fibre);
     }
   }
-  Basis measured;
-  measured.skeleton = basis.skeleton;
-  measured.ddm = basis.ddm;
-  measured.strain = builder.take();
+  StrainTable table = builder.take();
   // With a rest length of 1 m the strain is the length less one.
-  for (std::size_t k = 0; const float strain : measure_strains(measured, bind_pose(basis.skeleton))) {
-    measured.strain.rest_length[k++] = 1 + strain;
+  for (std::size_t k = 0; const float strain : measure_strains(basis, table, bind_pose(basis.skeleton))) {
+    table.rest_length[k++] = 1 + strain;
   }
-  return measured.strain;
+  return table;
 }
 
 StrainTable keep_fibres(const StrainTable& strain, const std::vector<std::uint32_t>& kept) {
