@@ -8,16 +8,10 @@
 
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
+#include "runtime/core/lower_case.h"
 
 namespace bodyopt {
 namespace {
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
-}
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
 

@@ -1,10 +1,10 @@
 #include "assets/character_write.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 
 #include "assets/gltf_write.h"
+#include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -12,13 +12,7 @@ namespace {
 
 // Area-weighted normals, O x 3; straight up where a vertex has no area around it.
 std::vector<float> normals(const Character& character) {
-  Positions sums = Positions::Zero(character.vertices.rows(), 3);
-  for (Eigen::Index t = 0; t < character.triangles.rows(); ++t) {
-    const Eigen::RowVector3d a = character.vertices.row(character.triangles(t, 0));
-    const Eigen::RowVector3d b = character.vertices.row(character.triangles(t, 1));
-    const Eigen::RowVector3d c = character.vertices.row(character.triangles(t, 2));
-    for (int k = 0; k < 3; ++k) sums.row(character.triangles(t, k)) += (b - a).cross(c - a);
-  }
+  Positions sums = vertex_normals(character.vertices, character.triangles);
   for (Eigen::Index v = 0; v < sums.rows(); ++v) {
     const double n = sums.row(v).norm();
     if (n > 1e-30) {

@@ -11,8 +11,9 @@
 #include "assets/controls.h"
 #include "assets/gltf_clip.h"
 #include "assets/gltf_file.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
+#include "runtime/core/lower_case.h"
 
 namespace bodyopt {
 namespace {
@@ -38,12 +39,7 @@ ClipSource split_source(const std::string& source) {
   return {source.substr(0, hash), source.substr(hash + 1)};
 }
 
-std::string lower_case_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
+std::string lower_case_extension(const std::filesystem::path& path) { return lower_case(path.extension().string()); }
 
 std::size_t frame_count(const std::string& file, double duration, std::size_t joints, const ClipOptions& options) {
   // Times are rounded (single precision; "Frame Time: .0083333"): the last frame may seem to lie beyond the end.

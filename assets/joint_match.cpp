@@ -1,14 +1,14 @@
 #include "assets/joint_match.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
 
 #include "assets/joint_map.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
+#include "runtime/core/lower_case.h"
 
 namespace bodyopt {
 namespace {
@@ -20,12 +20,6 @@ std::vector<std::string> names_of(std::span<const NamedJoint> joints) {
   std::vector<std::string> names;
   for (const NamedJoint& joint : joints) names.push_back(joint.name);
   return names;
-}
-
-std::string in_small_letters(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
 }
 
 // The joints of a part from the lowest up.
@@ -149,8 +143,8 @@ class Matcher {
 
   bool names_of_fewer_are_among_more(const std::vector<std::size_t>& s, const std::vector<std::size_t>& t) const {
     std::set<std::string> of_source, of_target;
-    for (const std::size_t j : s) of_source.insert(in_small_letters(source_[j].name));
-    for (const std::size_t j : t) of_target.insert(in_small_letters(target_[j].name));
+    for (const std::size_t j : s) of_source.insert(lower_case(source_[j].name));
+    for (const std::size_t j : t) of_target.insert(lower_case(target_[j].name));
     const auto &fewer = s.size() < t.size() ? of_source : of_target,
                &more = s.size() < t.size() ? of_target : of_source;
     return std::includes(more.begin(), more.end(), fewer.begin(), fewer.end());
@@ -170,7 +164,7 @@ std::vector<int> match_joints(std::span<const NamedJoint> source, const Skeleton
   Matcher matcher(source, skeleton);
   if (!joint_map.empty()) matcher.match_by_map(joint_map, whose);
   matcher.match_by_name([](const std::string& name) { return name; });
-  const std::vector<std::string> loosely = matcher.match_by_name(in_small_letters);
+  const std::vector<std::string> loosely = matcher.match_by_name(lower_case);
   if (!loosely.empty()) notes.push_back("Matched without regard to case: " + list_names(loosely) + ".");
   const std::vector<std::string> by_role = matcher.match_by_role();
   if (!by_role.empty()) notes.push_back("Matched by naming convention: " + list_names(by_role, 40) + ".");

@@ -9,7 +9,6 @@
 #include <cstring>
 #include <limits>
 #include <string>
-#include <utility>
 
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
@@ -99,23 +98,15 @@ struct Pc2Reader::File {
   }
 };
 
-Pc2Reader::Pc2Reader(const std::filesystem::path& path) : file_(new File) {
+Pc2Reader::Pc2Reader(const std::filesystem::path& path) : file_(std::make_unique<File>()) {
   file_->path = path;
-  try {
-    file_->open_file();
-    file_->check();
-  } catch (...) {
-    delete file_;
-    throw;
-  }
+  file_->open_file();
+  file_->check();
 }
 
-Pc2Reader::~Pc2Reader() { delete file_; }
-Pc2Reader::Pc2Reader(Pc2Reader&& other) noexcept : file_(std::exchange(other.file_, nullptr)) {}
-Pc2Reader& Pc2Reader::operator=(Pc2Reader&& other) noexcept {
-  std::swap(file_, other.file_);
-  return *this;
-}
+Pc2Reader::~Pc2Reader() = default;
+Pc2Reader::Pc2Reader(Pc2Reader&&) noexcept = default;
+Pc2Reader& Pc2Reader::operator=(Pc2Reader&&) noexcept = default;
 
 const std::filesystem::path& Pc2Reader::path() const { return file_->path; }
 std::uint32_t Pc2Reader::point_count() const { return static_cast<std::uint32_t>(file_->header.points); }
@@ -175,8 +166,8 @@ std::vector<float> in_space(std::span<const float> points, const CacheSpace& spa
 
 Pc2Writer::Pc2Writer(const std::filesystem::path& path, std::uint32_t point_count, std::uint32_t sample_count,
                      float start_frame, float sample_rate, const CacheSpace& space)
-    : file_(new File(path, checked_count(path, point_count, 1, "points"),
-                     checked_count(path, sample_count, 0, "samples"), space)) {
+    : file_(std::make_unique<File>(path, checked_count(path, point_count, 1, "points"),
+                                   checked_count(path, sample_count, 0, "samples"), space)) {
   Pc2Header header{};
   std::memcpy(header.magic, kMagic, sizeof(kMagic));
   header.version = 1;
@@ -184,15 +175,10 @@ Pc2Writer::Pc2Writer(const std::filesystem::path& path, std::uint32_t point_coun
   header.samples = static_cast<std::int32_t>(sample_count);
   header.start_frame = start_frame;
   header.sample_rate = sample_rate;
-  try {
-    file_->out.write(std::as_bytes(std::span(&header, 1)));
-  } catch (...) {
-    delete file_;
-    throw;
-  }
+  file_->out.write(std::as_bytes(std::span(&header, 1)));
 }
 
-Pc2Writer::~Pc2Writer() { delete file_; }
+Pc2Writer::~Pc2Writer() = default;
 
 void Pc2Writer::append(std::span<const float> sample) {
   if (sample.size() != file_->stride) {

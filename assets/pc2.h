@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -29,7 +30,7 @@ class Pc2Reader {
 
  private:
   struct File;
-  File* file_;
+  std::unique_ptr<File> file_;
 };
 
 // How the points of a cache are written; here they are metres, Y up.
@@ -59,7 +60,7 @@ class Pc2Writer {
 
  private:
   struct File;
-  File* file_;
+  std::unique_ptr<File> file_;
 };
 
 // The sample rate of a cache of these frames: frames from one sample to the next; 1 where they are not evenly spaced.

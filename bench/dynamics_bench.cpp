@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "bench/refine_tets.h"
+#include "geometry/table_rows.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/host/jiggle_stages.h"
 #include "runtime/threads/tbb_executor.h"
@@ -29,9 +30,7 @@ namespace {
 struct Body {
   explicit Body(std::int64_t tets) : arm(ordered_arm()), basis(build_ddm_basis(arm, {})) {
     dynamics = tets > kMostFilled ? refined(tets / 8) : filled(tets);
-    nodes = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(dynamics.tets.nodes.data(),
-                                                                                       dynamics.tets.node_count(), 3)
-                .cast<double>();
+    nodes = rows_of(dynamics.tets.nodes);
     matrix = jiggle_matrix();
     right_side = Eigen::VectorXf::Random(matrix.rows());
   }

@@ -6,9 +6,10 @@
 #include <filesystem>
 #include <span>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/example_poses.h"
+#include "geometry/extent.h"
 #include "report/region_picture.h"
 #include "runtime/core/error.h"
 #include "trainer/check/foresee.h"
@@ -143,7 +144,7 @@ Json foreseen(const CheckArguments& arguments, const Character& character, std::
 
 void check_character(const CheckArguments& arguments) {
   const Character character = read_character(arguments.path, arguments.unit);
-  const auto box = (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).eval();
+  const Eigen::RowVector3d box = box_sides(character.vertices);
   const std::string surface = describe_surface(character);
   std::string text =
       format("%s: %u vertices, %td after welding seams, %zu joints, %.3f x %.3f x %.3f m\nsurface: %s\n",

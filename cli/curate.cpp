@@ -3,10 +3,11 @@
 #include <filesystem>
 
 #include "assets/clip_source.h"
-#include "assets/notes.h"
 #include "assets/pc2.h"
+#include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "dataset/stack_history.h"
+#include "geometry/table_rows.h"
 #include "report/pictures.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/bake.h"
@@ -142,14 +143,12 @@ Json frame_json(const PoseDatabase& database, std::size_t n) {
   return {{"take", database.takes[static_cast<std::size_t>(frame.take)]}, {"frame", frame.frame}};
 }
 
-std::vector<float> flat(const Positions& positions) { return {positions.data(), positions.data() + positions.size()}; }
-
 // Two shapes in one pose, and the second in the colours of how far it is from the first. Returns where these are
 // hottest, mm.
 double draw_apart(const Character& character, const Positions& before, const Positions& after,
                   const std::string& path) {
   constexpr std::uint32_t kWidth = 500, kHeight = 700;
-  const std::vector<float> first = flat(before), second = flat(after);
+  const std::vector<float> first = floats_of(before), second = floats_of(after);
   const PosePair drawn{
       {character.triangles.data(), static_cast<std::size_t>(character.triangles.size())}, first, second};
   const double largest = 1e3 * (after - before).rowwise().norm().maxCoeff();

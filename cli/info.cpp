@@ -12,6 +12,7 @@
 #include "cli/results/info_text.h"
 #include "cli/results/level_table.h"
 #include "dataset/dataset.h"
+#include "geometry/extent.h"
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/error.h"
 #include "runtime/modifiers/drive_modifiers.h"
@@ -70,7 +71,7 @@ Json skinless_info(const std::string& path) {
 
 Json character_info(const std::string& path, double unit) {
   const Character character = read_character(path, unit);
-  const auto box = (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).eval();
+  const Eigen::RowVector3d box = box_sides(character.vertices);
   return {{"kind", "character"},
           {"vertices", character.output_count()},
           {"welded_vertices", character.vertices.rows()},

@@ -136,7 +136,7 @@ class ShowChecker {
   }
 
   std::vector<std::string> attached(const ShowElement& element, const Basis& basis) {
-    const fs::path beside = fs::path(element.basis).replace_extension(".attached.safetensors");
+    const fs::path beside = attachments_beside(element.basis);
     const std::string file = element.option("attached", fs::exists(beside) ? beside.string() : "");
     if (file.empty()) return {};
     return attached_.get(file + '\0' + element.basis, [&] {

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "geometry/closed_skin.h"
+#include "geometry/extent.h"
 #include "geometry/vertex_normals.h"
 
 namespace bodyopt {
@@ -87,7 +88,7 @@ Eigen::VectorXd thickness(const Positions& vertices, const Triangles& triangles,
   const double inwards = enclosed_volume(vertices, triangles) < 0 ? 1 : -1;
   const Positions normals = vertex_normals(vertices, triangles);
   const RayTarget target(vertices, triangles);
-  const double extent = (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).maxCoeff();
+  const double extent = longest_extent(vertices);
   const Eigen::Index stride = (vertices.rows() + kMostRays - 1) / kMostRays;
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(vertices.rows()), count = Eigen::VectorXd::Zero(vertices.rows());
   parallel_for(static_cast<std::size_t>((vertices.rows() + stride - 1) / stride), [&](std::size_t n) {

@@ -23,10 +23,6 @@ fs::path numbered(const fs::path& stem, std::size_t k) { return fs::path(stem) +
 
 }  // namespace
 
-fs::path attachments_beside(const fs::path& basis) {
-  return fs::path(basis).replace_extension(".attached.safetensors");
-}
-
 Attachments attachments_in(const fs::path& path, const Basis& basis, const std::string& basis_name) {
   if (fs::exists(path)) return load_attachments(path, basis, basis_name);
   Attachments none;

@@ -11,9 +11,6 @@
 
 namespace bodyopt::cli {
 
-// hero.safetensors: hero.attached.safetensors.
-std::filesystem::path attachments_beside(const std::filesystem::path& basis);
-
 // Those of a file, or none yet where it is not there. Throws as load_attachments, of which see `basis_name`.
 Attachments attachments_in(const std::filesystem::path& path, const Basis& basis, const std::string& basis_name);
 
@@ -47,7 +44,8 @@ class AttachedCaches {
             const CacheSpace& space);
   void append(std::span<const float> skin, const Pose& pose);
   void close();
-  Json written() const;  // per mesh: name, points, cache
+  Json written() const;                                             // per mesh: name, points, cache
+  const std::vector<std::string>& paths() const { return paths_; }  // of the caches
 
   // As CacheWriter, with files of all meshes.
   void put_aside(const std::filesystem::path& stem);

@@ -51,12 +51,6 @@ Skins jiggle(const Character& character, const Clip& clip, Deformer& deformer, J
   return skins;
 }
 
-std::vector<Pose> training_poses(const SampleSet& set) {
-  std::vector<Pose> poses;
-  for (const Sample& sample : set.train) poses.push_back(sample.pose);
-  return poses;
-}
-
 void describe_tables(const Dynamics& dynamics, JiggleReport& report) {
   const std::map<std::string, std::size_t> bytes = table_bytes(dynamics);
   report.tets = dynamics.tets.tet_count();

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "assets/frame_range.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/deformer/outside.h"
 #include "runtime/host/stages.h"
 #include "trainer/dynamics/measure_jiggle.h"
@@ -40,13 +41,14 @@ std::vector<int> frame_numbers(const Json& list) {
 // The joint that stands nearest to a vertex at rest.
 std::string nearest_joint(const Basis& basis, std::uint32_t vertex) {
   const float* x = &basis.mesh.rest[std::size_t{3} * vertex];
-  const auto squared_distance = [&](const Joint& joint) {
-    const Affine bind = inverse(joint.inverse_bind);
+  const auto squared_distance = [&](std::size_t joint) {
+    const Vec3 place = bind_place(basis.skeleton, joint);
     double sum = 0;
-    for (std::size_t i = 0; i < 3; ++i) sum += std::pow(static_cast<double>(x[i]) - bind.m[i][3], 2);
+    for (std::size_t i = 0; i < 3; ++i) sum += std::pow(static_cast<double>(x[i]) - place[i], 2);
     return sum;
   };
-  return std::ranges::min_element(basis.skeleton.joints, {}, squared_distance)->name;
+  const auto joints = std::views::iota(std::size_t{0}, basis.skeleton.size());
+  return basis.skeleton.joints[*std::ranges::min_element(joints, {}, squared_distance)].name;
 }
 
 }  // namespace

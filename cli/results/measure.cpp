@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cli/results/report_pictures.h"
+#include "geometry/extent.h"
 #include "runtime/core/stopwatch.h"
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/train/judge/ablation.h"
@@ -44,7 +45,7 @@ FrameAxis heldout_axis(const SampleSet& set) {
 
 void describe_character(const SampleSet& set, ReportData& report) {
   const Character& character = set.character;
-  const auto box = (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).eval();
+  const Eigen::RowVector3d box = box_sides(character.vertices);
   report.character.name = character.name;
   report.character.vertices = static_cast<std::uint32_t>(character.vertices.rows());
   report.character.joints = static_cast<std::uint32_t>(character.skeleton.size());

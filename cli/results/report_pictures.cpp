@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "geometry/table_rows.h"
 #include "report/pictures.h"
 #include "report/plots.h"
 #include "report/region_picture.h"
@@ -12,10 +13,6 @@ namespace bodyopt::cli {
 namespace {
 
 constexpr std::uint32_t kSkinWidth = 780, kSkinHeight = 900;  // of a panel
-
-std::vector<float> to_float(const Positions& positions) {
-  return {positions.data(), positions.data() + positions.size()};
-}
 
 }  // namespace
 
@@ -31,7 +28,7 @@ double ReportPictures::heat_scale_mm() const { return std::max(0.5, std::ceil(4 
 
 PictureReport ReportPictures::frame(const std::string& kind, std::size_t sample, const std::string& caption) {
   constexpr std::uint32_t kWidth = 520, kHeight = 600;
-  const std::vector<float> truth = to_float(set_.heldout[sample].shape.read()), result = to_float(shapes_[sample]);
+  const std::vector<float> truth = floats_of(set_.heldout[sample].shape.read()), result = floats_of(shapes_[sample]);
   const PosePair pose{triangles_, truth, result};
   PictureReport picture;
   picture.kind = kind;
@@ -53,7 +50,7 @@ std::vector<PictureReport> ReportPictures::worst_and_median() {
 }
 
 MeanErrorReport ReportPictures::mean_error(const VertexErrors& errors) {
-  const std::vector<float> skin = to_float(set_.character.vertices);
+  const std::vector<float> skin = floats_of(set_.character.vertices);
   MeanErrorReport report;
   report.largest_mm = errors.mean.maxCoeff();
   report.heat_scale_mm = heat_scale(report.largest_mm);
@@ -64,7 +61,7 @@ MeanErrorReport ReportPictures::mean_error(const VertexErrors& errors) {
 }
 
 Image ReportPictures::regions(const std::vector<RegionWeights>& regions) {
-  const std::vector<float> skin = to_float(set_.character.vertices);
+  const std::vector<float> skin = floats_of(set_.character.vertices);
   std::vector<DrawnRegion> drawn;
   for (const RegionWeights& region : regions) drawn.push_back({region.vertices, region.weights});
   return region_picture(renderer_, skin, triangles_, drawn, region_colours(drawn, skin.size() / 3), kSkinWidth,

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "draw/heat_colour.h"
+#include "geometry/extent.h"
+#include "geometry/table_rows.h"
 #include "runtime/cpu/kernels.h"
 #include "trainer/transfer/match_colours.h"
 
@@ -43,13 +45,12 @@ Positions confidence_colours(const Correspondence& correspondence) {
 }  // namespace
 
 Image transfer_picture(const TransferPair& pair) {
-  using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
   const MeshTable &from = pair.source.mesh, &to = pair.target.mesh;
-  const Positions rest = Eigen::Map<const FloatRows>(from.rest.data(), from.vertex_count(), 3).cast<double>();
+  const Positions rest = rows_of(from.rest);
   const Correspondence& correspondence = pair.correspondence;
   const Positions colours = place_colours(rest);
   const auto width_of = [](const Positions& p) {
-    const Eigen::RowVector3d extent = p.colwise().maxCoeff() - p.colwise().minCoeff();
+    const Eigen::RowVector3d extent = box_sides(p);
     return extent[0] / std::max(extent.maxCoeff(), 1e-9);
   };
   const double step = 0.1 + std::max(width_of(rest), width_of(correspondence.target));

@@ -1,20 +1,15 @@
 // The pose on top of the clip: a list of joints, three angles of the one that is selected, controls of the basis.
 #include <algorithm>
-#include <cctype>
 
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
+#include "runtime/core/lower_case.h"
 
 namespace bodyopt {
 namespace {
 
 constexpr float kListHeight = 132, kIndent = 9;
 constexpr int kDeepest = 8;  // of what is indented
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 bool is_turned(const Controls& controls, const std::string& joint) {
   const auto found = controls.settings.pose.joints.find(joint);
@@ -45,10 +40,10 @@ void scroll_to_selected(const std::vector<const JointRow*>& rows, Controls& cont
 void draw_list(const Snapshot& snapshot, Controls& controls) {
   ImGui::SetNextItemWidth(-1);
   ImGui::InputTextWithHint("##filter", "find a joint", &controls.typed.joint_filter);
-  const std::string wanted = lower(controls.typed.joint_filter);
+  const std::string wanted = lower_case(controls.typed.joint_filter);
   std::vector<const JointRow*> rows;
   for (const JointRow& row : snapshot.joints) {
-    if (lower(row.name).find(wanted) != std::string::npos) rows.push_back(&row);
+    if (lower_case(row.name).find(wanted) != std::string::npos) rows.push_back(&row);
   }
   ImGui::PushStyleColor(ImGuiCol_ChildBg, ImGui::GetColorU32(ImGuiCol_FrameBg, 0.5f));
   ImGui::BeginChild("joints", {0, kListHeight});

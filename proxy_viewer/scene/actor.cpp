@@ -52,7 +52,7 @@ Clip bind_clip(const Basis& basis) {
 
 fs::path ActorFiles::dynamics() const { return dynamics_beside(basis); }
 
-fs::path ActorFiles::attached() const { return fs::path(basis).replace_extension(".attached.safetensors"); }
+fs::path ActorFiles::attached() const { return attachments_beside(basis); }
 
 fs::path ActorFiles::levels() const { return proxy.empty() && is_basis(basis) ? proxy_beside(basis) : fs::path(proxy); }
 

@@ -62,7 +62,6 @@ class Actor {
   // The coarsest whose skin at rest is no further than that from the full one, RMS, metres.
   std::size_t level_within(double metres) const;
   void set_level(std::size_t level) { level_ = std::min(level, details_.size() - 1); }
-  bool has_proxy() const { return details_.size() > 1; }
   const Clip& clip() const { return clip_; }              // one frame, the bind pose, where there is no file
   const std::vector<int>& keys() const { return keys_; }  // frames; see clip_keys()
   bool has(SkinMethod method) const;

@@ -23,8 +23,6 @@ double height_at_target(const OrbitView& view) {
   return 2 * view.distance * std::tan(0.5 * static_cast<double>(kVerticalAngle));
 }
 
-double distance_of(const Camera& camera) { return length(to_double(camera.eye) - to_double(camera.target)); }
-
 // The points moved along `back` into the plane of the origin: without depth, perspective and orthographic cameras see
 // the same.
 std::vector<float> without_depth(std::span<const float> points, const Vec3& back) {
@@ -80,7 +78,7 @@ void OrbitCamera::frame(std::span<const float> points, float aspect, double shar
   const Camera seen = frame_points(points, to_float(back), aspect);
   view_.target = to_double(seen.target);
   const double distance =
-      distance_of(view_.orthographic ? frame_points(without_depth(points, back), to_float(back), aspect) : seen);
+      distance_to_target(view_.orthographic ? frame_points(without_depth(points, back), to_float(back), aspect) : seen);
   view_.distance = std::clamp(distance / share, kNearest, kFarthest);
 }
 

@@ -55,4 +55,7 @@ Attachments load_attachments(const std::filesystem::path& path);
 Attachments load_attachments(const std::filesystem::path& path, const Basis& basis,
                              const std::string& basis_name = "this basis");
 
+// Where the attached geometry of a basis is looked for: hero.attached.safetensors beside hero.safetensors.
+std::filesystem::path attachments_beside(std::filesystem::path basis);
+
 }  // namespace bodyopt

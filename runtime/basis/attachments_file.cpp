@@ -93,4 +93,8 @@ Attachments load_attachments(const std::filesystem::path& path, const Basis& bas
   return attachments;
 }
 
+std::filesystem::path attachments_beside(std::filesystem::path basis) {
+  return basis.replace_extension(".attached.safetensors");
+}
+
 }  // namespace bodyopt

@@ -141,18 +141,6 @@ Evaluation Deformer::jiggle(std::span<const Pose> poses, std::span<const int> fr
   return run({.deformer = this, .poses = poses, .frames = frames});
 }
 
-Evaluation Deformer::jiggle_on_device(std::span<const Pose> poses, std::span<const int> frames) {
-  return run({.deformer = this, .poses = poses, .frames = frames, .stays_on_device = true});
-}
-
-Evaluation Deformer::evaluate_into(const SkinPlace& place, std::span<const Pose> poses) {
-  return run({.deformer = this, .poses = poses, .place = &place});
-}
-
-Evaluation Deformer::jiggle_into(const SkinPlace& place, std::span<const Pose> poses, std::span<const int> frames) {
-  return run({.deformer = this, .poses = poses, .frames = frames, .place = &place});
-}
-
 Evaluation Deformer::run(const DeformerCall& call) {
   CallOutcome outcome = std::move(evaluate_together({&call, 1}).front());
   if (outcome.error) std::rethrow_exception(outcome.error);

@@ -61,20 +61,14 @@ class Deformer {
   // Error(usage) without dynamics; the state is then that of before.
   Evaluation jiggle(std::span<const Pose> poses, std::span<const int> frames);
 
-  // As these two, with the same bits: positions, normals and tangents are written where the caller wants them, and are
-  // none of the result. Throws Error(usage), too, for tangents of a model without texture coordinates.
-  Evaluation evaluate_into(const SkinPlace& place, std::span<const Pose> poses);
-  Evaluation jiggle_into(const SkinPlace& place, std::span<const Pose> poses, std::span<const int> frames);
-
-  // As these two, with the same bits, for a deformer on a device of others: positions and normals stay there and are
+  // As evaluate(), with the same bits, for a deformer on a device of others: positions and normals stay there and are
   // none of the result. One batch: throws Error(usage) for more than batch_limit() poses.
   Evaluation evaluate_on_device(std::span<const Pose> poses);
-  Evaluation jiggle_on_device(std::span<const Pose> poses, std::span<const int> frames);
   // Records a frame into a command buffer of the host program; see Backend::record. `frame`: its number where it
   // jiggles.
   void record(const Pose& pose, std::optional<int> frame, const vulkan::Recording& recording);
   void forget_recorded_buffers() { backend_->forget_recorded_buffers(); }
-  // Of the last batch of any of the four; its buffers live until the next call of one.
+  // Of the last batch; its buffers live until the next call that evaluates.
   DeviceSkin device_skin() const { return backend_->device_skin(); }
   std::uint32_t batch_limit() const { return backend_->batch_limit(); }
   // Throws Error(usage) for more poses than that.

@@ -19,7 +19,9 @@ struct DeformerCall {
   std::span<const Pose> poses;
   std::optional<std::span<const int>> frames{};  // a number of each pose: the skin jiggles; none: it is quasi-static
   bool stays_on_device = false;                  // see Deformer::evaluate_on_device
-  const SkinPlace* place = nullptr;              // see Deformer::evaluate_into
+  // Where positions, normals and tangents are written, which are then none of the result. Error(usage) for tangents of
+  // a model without texture coordinates.
+  const SkinPlace* place = nullptr;
 };
 
 struct CallOutcome {

@@ -1,10 +1,10 @@
 #include "runtime/vulkan/device.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 
 #include "runtime/core/error.h"
+#include "runtime/core/lower_case.h"
 #include "runtime/vulkan/object.h"
 
 namespace bodyopt::vulkan {
@@ -105,11 +105,6 @@ std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& physic
   return devices;
 }
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 const DeviceInfo* find_device(const std::vector<DeviceInfo>& devices, const std::string& name) {
   const DeviceInfo* found = nullptr;
   const bool is_index =
@@ -120,7 +115,7 @@ const DeviceInfo* find_device(const std::vector<DeviceInfo>& devices, const std:
     } else if (!found && is_index) {
       if (std::to_string(device.index) == name) found = &device;
     } else if (!found && !name.empty()) {
-      if (lower(device.name).find(lower(name)) != std::string::npos) found = &device;
+      if (lower_case(device.name).find(lower_case(name)) != std::string::npos) found = &device;
     }
   }
   return found;

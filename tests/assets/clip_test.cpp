@@ -7,8 +7,10 @@
 #include <numbers>
 
 #include "assets/character.h"
+#include "geometry/extent.h"
 #include "runtime/host/rig.h"
 #include "tests/assets/gltf_blob.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/shared_data.h"
 
 namespace bodyopt {
@@ -314,7 +316,7 @@ TEST(Clip, OnlyWhatVariesIsWritten) {
   clip.poses.assign(3, bind_pose(skeleton));
   const auto channels = [&] {
     write_clip(clip, skeleton, folder / "w.glb");
-    const std::string bytes = bytes_of(folder / "w.glb");
+    const std::string bytes = testing::read_bytes(folder / "w.glb");
     std::uint32_t length = 0;
     std::memcpy(&length, bytes.data() + 12, 4);
     return nlohmann::json::parse(bytes.substr(20, length))["animations"][0]["channels"].size();
@@ -351,8 +353,8 @@ TEST(Clip, WritingOneTouchesNothingBesideIt) {
   std::filesystem::create_symlink(folder / "precious", folder / "x.glb.tmp");
   write_clip(clip, skeleton, folder / "w.glb");
   write_clip(clip, skeleton, folder / "x.glb");
-  EXPECT_EQ(bytes_of(folder / "w.glb.tmp"), "a user's");
-  EXPECT_EQ(bytes_of(folder / "precious"), "another's");
+  EXPECT_EQ(testing::read_bytes(folder / "w.glb.tmp"), "a user's");
+  EXPECT_EQ(testing::read_bytes(folder / "precious"), "another's");
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "x.glb.tmp"));
   ASSERT_EQ(mkfifo((folder / "pipe.glb").c_str(), 0600), 0);
   error_of(ErrorKind::file, [&] { write_clip(clip, skeleton, folder / "pipe.glb"); });
@@ -407,8 +409,8 @@ TEST(Clip, RealClipsReadAndRoundTrip) {
     for (const Pose& pose : {clip.poses.front(), clip.poses.back()}) {
       const Positions posed = skinned(c, pose);
       ASSERT_TRUE(posed.allFinite());
-      const double size = (posed.colwise().maxCoeff() - posed.colwise().minCoeff()).norm();
-      const double rest = (c.vertices.colwise().maxCoeff() - c.vertices.colwise().minCoeff()).norm();
+      const double size = box_diagonal(posed);
+      const double rest = box_diagonal(c.vertices);
       EXPECT_GT(size, 0.5 * rest);
       EXPECT_LT(size, 2 * rest);
     }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/extent.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/train/skinning/mesh_table.h"
 

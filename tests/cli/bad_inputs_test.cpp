@@ -3,13 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <iterator>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "assets/pc2.h"
 #include "tests/cli/limb_files.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/run_program.h"
 #include "tests/support/small_basis.h"
 
@@ -17,11 +16,6 @@ namespace bodyopt {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string bytes_of_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 void put(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
 
@@ -39,7 +33,7 @@ void write_inputs(const TemporaryFolder& folder) {
   }
   for (const auto& [whole, cut] :
        {std::pair("limb.glb", "cut.glb"), {"two.pc2", "cut.pc2"}, {"hero.safetensors", "cut.safetensors"}}) {
-    const std::string bytes = bytes_of_file(folder / whole);
+    const std::string bytes = testing::read_bytes(folder / whole);
     put(folder / cut, bytes.substr(0, bytes.size() / 2));
   }
   put(folder / "cut.bvh", "HIERARCHY\nROOT Hips\n{\n  OFFSET 0 0 0\n");

@@ -11,16 +11,12 @@
 #include "dataset/compare.h"
 #include "dataset/dataset.h"
 #include "tests/support/decoded_animation.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
 namespace {
-
-std::string read_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 // A row of the ablation in a report.
 const nlohmann::json& method(const nlohmann::json& report, const std::string& name) {
@@ -81,12 +77,12 @@ void expect_jiggle(const std::filesystem::path& demo, const nlohmann::json& repo
   EXPECT_GT(jiggle["tets"], 10000);
   EXPECT_GT(jiggle["worst_quality"], 0);
 
-  const std::string animation = read_bytes(demo / "stop.webp");
+  const std::string animation = testing::read_bytes(demo / "stop.webp");
   const DecodedAnimation decoded = decode_animation({animation.begin(), animation.end()});
   ASSERT_FALSE(decoded.ends.empty());
   EXPECT_EQ(decoded.ends.back(), std::lround(1000.0 * static_cast<double>(largest.size()) / 24));
   EXPECT_GT(decoded.ends.size(), stops - moves_after);
-  const std::string slow = read_bytes(demo / "stop_slow.webp");
+  const std::string slow = testing::read_bytes(demo / "stop_slow.webp");
   EXPECT_EQ(decode_animation({slow.begin(), slow.end()}).ends.back(),
             std::lround(2000.0 * static_cast<double>(largest.size()) / 24));
 }

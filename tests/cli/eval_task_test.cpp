@@ -12,17 +12,13 @@
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
 #include "tests/support/background_program.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/run_program.h"
 #include "tests/support/small_basis.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
 namespace {
-
-std::string content(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 class EvalTask : public ::testing::Test {
  protected:
@@ -71,12 +67,12 @@ TEST_F(EvalTask, AListIsMadeAsEachOfItWouldBe) {
   const ProgramResult made = run("");
   ASSERT_EQ(made.exit_code, 0) << made.output;
   ASSERT_EQ(eval("--frames 5-7", "alone.pc2").exit_code, 0);
-  EXPECT_EQ(content(path("b.pc2")), content(path("alone.pc2")));
+  EXPECT_EQ(testing::read_bytes(path("b.pc2")), testing::read_bytes(path("alone.pc2")));
   std::filesystem::remove(path("b.pc2"));
   const ProgramResult again = run("");
   ASSERT_EQ(again.exit_code, 0) << again.output;
   EXPECT_NE(again.output.find("already done: " + path("a.pc2")), std::string::npos) << again.output;
-  EXPECT_EQ(content(path("b.pc2")), content(path("alone.pc2")));
+  EXPECT_EQ(testing::read_bytes(path("b.pc2")), testing::read_bytes(path("alone.pc2")));
   for (const char* more : {" --out c.pc2", " hero.safetensors", " --jiggle"}) EXPECT_EQ(run(more).exit_code, 64);
 }
 
@@ -89,7 +85,7 @@ TEST_F(EvalTask, ACheckRunsTheCpuBesideTheDevice) {
   ASSERT_EQ(on_device("", "a.pc2").exit_code, 0);
   const ProgramResult checked = on_device(" --check", "b.pc2");
   ASSERT_EQ(checked.exit_code, 0) << checked.output;
-  EXPECT_EQ(content(path("a.pc2")), content(path("b.pc2")));
+  EXPECT_EQ(testing::read_bytes(path("a.pc2")), testing::read_bytes(path("b.pc2")));
   const ProgramResult nothing_to_compare = eval("--frames 1-5 --check", "c.pc2");
   EXPECT_EQ(nothing_to_compare.exit_code, 5);
   EXPECT_NE(nothing_to_compare.output.find("name a device"), std::string::npos) << nothing_to_compare.output;
@@ -98,19 +94,19 @@ TEST_F(EvalTask, ACheckRunsTheCpuBesideTheDevice) {
 
 TEST_F(EvalTask, WhatIsDoneIsSkippedAndWhatIsStaleIsDoneAgain) {
   ASSERT_EQ(eval("--frames 1-20 --resume", "a.pc2").exit_code, 0);
-  const std::string first = content(path("a.pc2"));
+  const std::string first = testing::read_bytes(path("a.pc2"));
   EXPECT_NE(eval("--frames 1-20 --resume", "a.pc2").output.find("already done"), std::string::npos);
   EXPECT_EQ(eval("--frames 1-21 --resume", "a.pc2").output.find("already done"), std::string::npos);
   EXPECT_EQ(Pc2Reader(path("a.pc2")).sample_count(), 21u);
   EXPECT_EQ(eval("--frames 1-20 --resume", "a.pc2").output.find("already done"), std::string::npos);
   std::ofstream(path("a.pc2"), std::ios::in | std::ios::binary).seekp(100) << "rot!";
   EXPECT_EQ(eval("--frames 1-20 --resume", "a.pc2").output.find("already done"), std::string::npos);
-  EXPECT_EQ(content(path("a.pc2")), first);
+  EXPECT_EQ(testing::read_bytes(path("a.pc2")), first);
   write_motion(2000, 2);
   EXPECT_NE(eval("--frames 1-20 --resume --pretend", "a.pc2").output.find("would evaluate"), std::string::npos);
-  EXPECT_EQ(content(path("a.pc2")), first);
+  EXPECT_EQ(testing::read_bytes(path("a.pc2")), first);
   EXPECT_EQ(eval("--frames 1-20 --resume", "a.pc2").exit_code, 0);
-  EXPECT_NE(content(path("a.pc2")), first);
+  EXPECT_NE(testing::read_bytes(path("a.pc2")), first);
 }
 
 TEST_F(EvalTask, AnInterruptedRunGoesOnToTheSameBytes) {
@@ -126,7 +122,7 @@ TEST_F(EvalTask, AnInterruptedRunGoesOnToTheSameBytes) {
       EXPECT_TRUE(std::filesystem::exists(path("parts" + ending + ".checkpoint"))) << program.output();
     }
     ASSERT_EQ(eval("--resume", "parts" + ending).exit_code, 0);
-    EXPECT_EQ(content(path("parts" + ending)), content(path("whole" + ending)));
+    EXPECT_EQ(testing::read_bytes(path("parts" + ending)), testing::read_bytes(path("whole" + ending)));
     EXPECT_FALSE(std::filesystem::exists(path("parts" + ending + ".checkpoint")));
   }
 }
@@ -144,7 +140,7 @@ TEST_F(EvalTask, JoinedPartsAreTheWhole) {
       return run_bodyopt("join" + names + " --out " + path("joined" + ending));
     };
     ASSERT_EQ(join("cab").exit_code, 0);
-    EXPECT_EQ(content(path("joined" + ending)), content(path("whole" + ending)));
+    EXPECT_EQ(testing::read_bytes(path("joined" + ending)), testing::read_bytes(path("whole" + ending)));
     const ProgramResult twice = join("abb");
     EXPECT_EQ(twice.exit_code, 3) << twice.output;
     EXPECT_NE(twice.output.find("no frames in common"), std::string::npos) << twice.output;
@@ -213,7 +209,7 @@ TEST_F(EvalTask, APlannedShowIsDoneWholeAndOnlyOnce) {
       nlohmann::json::parse(run_program(kProgram + " farm status " + plan + " --json - 2>/dev/null").output);
   EXPECT_EQ(told.at("elements"), (nlohmann::json{{"done", 2}}));
   ASSERT_EQ(eval("--frames 1-120", "whole.pc2").exit_code, 0);
-  EXPECT_EQ(content(folder_ / "out" / "long" / "hero.pc2"), content(path("whole.pc2")));
+  EXPECT_EQ(testing::read_bytes(folder_ / "out" / "long" / "hero.pc2"), testing::read_bytes(path("whole.pc2")));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / "a $(touch hit) 'b' \"c\"\nd;" / "hero.pc2"));
   EXPECT_EQ(run_bodyopt("farm run " + plan).output.find("wrote"), std::string::npos);
   std::filesystem::remove(folder_ / "out" / "long" / "hero.pc2");
@@ -237,10 +233,10 @@ TEST_F(EvalTask, AReportIsOnePageWithPicturesOfTheCaches) {
   const ProgramResult ran =
       run_bodyopt("farm report " + plan + " --out " + path("show.html") + " --json " + path("r.json"));
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
-  const auto told = nlohmann::json::parse(content(path("r.json")));
+  const auto told = nlohmann::json::parse(testing::read_bytes(path("r.json")));
   EXPECT_EQ(told.at("elements").at(2).at("state"), "missing");
   ASSERT_EQ(told.at("worth_a_look").size(), 6u);
-  const std::string page = content(path("show.html"));
+  const std::string page = testing::read_bytes(path("show.html"));
   EXPECT_NE(page.find("a&lt;b&gt;$(touch hit) c"), std::string::npos);
   EXPECT_EQ(page.find("<b>$"), std::string::npos);
   EXPECT_EQ(page.find("src=\"http"), std::string::npos);

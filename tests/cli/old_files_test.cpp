@@ -15,6 +15,7 @@
 #include <string>
 
 #include "assets/pc2.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -32,10 +33,7 @@ class OldFiles : public ::testing::Test {
     EXPECT_EQ(result.exit_code, 0) << arguments << "\n" << result.output;
   }
 
-  std::string bytes_of(const std::string& file) {
-    std::ifstream stream(folder_ / file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
+  std::string bytes_of(const std::string& file) { return testing::read_bytes(folder_ / file); }
 
   void expect_same(const std::string& now, const std::string& then) {
     EXPECT_FALSE(bytes_of(then).empty()) << then;

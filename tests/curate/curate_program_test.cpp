@@ -8,6 +8,7 @@
 #include "dataset/stack_history.h"
 #include "tests/curate/sweep_history.h"
 #include "tests/support/png_file.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/run_program.h"
 #include "trainer/curate/edit_stack.h"
 
@@ -77,9 +78,8 @@ TEST_F(CurateProgram, DiffSaysThatConsistencyReachesItsCap) {
 TEST_F(CurateProgram, AnExportedFrameComesBackAsItIs) {
   const std::string frame = "--take one --frame 5 ";
   ASSERT_EQ(curate("export-frame", frame + "--out " + at("frame.obj")).exit_code, 0);
-  std::stringstream text;
-  text << std::ifstream(at("frame.obj")).rdbuf();
-  EXPECT_NE(text.str().find("usemtl " + limb_.character().skeleton.joints[1].name), std::string::npos);
+  EXPECT_NE(testing::read_bytes(at("frame.obj")).find("usemtl " + limb_.character().skeleton.joints[1].name),
+            std::string::npos);
   const ProgramResult back = curate("import-frame", frame + "--mesh " + at("frame.obj") + " --name s");
   ASSERT_EQ(back.exit_code, 0) << back.output;
   EXPECT_NE(back.output.find("nothing is changed"), std::string::npos) << back.output;

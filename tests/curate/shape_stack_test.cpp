@@ -18,6 +18,7 @@
 #include "runtime/core/error.h"
 #include "tests/curate/curated_limb.h"
 #include "tests/support/error_kind.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/shared_data.h"
 #include "trainer/curate/bake.h"
 #include "trainer/curate/edit_stack.h"
@@ -52,11 +53,6 @@ std::vector<float> read_mesh(const Character& character, const std::vector<doubl
                              const std::filesystem::path& path) {
   const WrittenSkin written{exported};
   return read_frame_mesh(character, texture, {&written, 1}, path).positions;
-}
-
-std::string bytes_of_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 TEST(ShapeStack, AnEmptyStackGivesTheRawShapesBitForBit) {
@@ -261,25 +257,25 @@ TEST(Symmetry, TurnsARealHumansOtherThumb) {
 
 TEST(Curate, UndoneEditsAndRawCachesAreByteForByte) {
   const CuratedLimb limb;
-  const std::string raw = bytes_of_file(limb.folder() / "one.pc2"), begun = bytes_of_file(limb.path());
+  const std::string raw = testing::read_bytes(limb.folder() / "one.pc2"), begun = testing::read_bytes(limb.path());
   add_modifier(limb.path(), {.name = "a", .type = "smooth"});
   add_modifier(limb.path(), {.name = "b", .type = "relax"});
   move_modifier(limb.path(), "b", 1);
   enable_modifier(limb.path(), "a", false);
   remove_modifier(limb.path(), "b");
-  const std::string last = bytes_of_file(limb.path());
+  const std::string last = testing::read_bytes(limb.path());
   for (int k = 0; k < 5; ++k) undo_modifiers(limb.path());
-  EXPECT_EQ(bytes_of_file(limb.path()), begun);
+  EXPECT_EQ(testing::read_bytes(limb.path()), begun);
   EXPECT_THROW(undo_modifiers(limb.path()), Error);
   for (int k = 0; k < 5; ++k) redo_modifiers(limb.path());
-  EXPECT_EQ(bytes_of_file(limb.path()), last);
-  EXPECT_EQ(bytes_of_file(limb.folder() / "one.pc2"), raw);
+  EXPECT_EQ(testing::read_bytes(limb.path()), last);
+  EXPECT_EQ(testing::read_bytes(limb.folder() / "one.pc2"), raw);
 }
 
 TEST(Curate, AHistoryThatAKilledProcessWroteAloneDoesNoHarm) {
   const CuratedLimb limb;
   add_modifier(limb.path(), {.name = "a", .type = "smooth"});
-  const std::string before = bytes_of_file(limb.path());
+  const std::string before = testing::read_bytes(limb.path());
   add_modifier(limb.path(), {.name = "b", .type = "relax"});
   std::ofstream(limb.path(), std::ios::binary) << before;  // as if killed between the two files
   EXPECT_EQ(undo_modifiers(limb.path()).modifiers.size(), 0u);
@@ -288,7 +284,7 @@ TEST(Curate, AHistoryThatAKilledProcessWroteAloneDoesNoHarm) {
 
 TEST(Curate, RandomEditsLeaveTheRawShapesAndCanAllBeUndone) {
   const CuratedLimb limb;
-  const std::string raw = bytes_of_file(limb.folder() / "two.pc2"), begun = bytes_of_file(limb.path());
+  const std::string raw = testing::read_bytes(limb.folder() / "two.pc2"), begun = testing::read_bytes(limb.path());
   std::mt19937 random(7);
   std::vector<std::string> states{begun};
   for (int k = 0; k < 40; ++k) {
@@ -300,14 +296,14 @@ TEST(Curate, RandomEditsLeaveTheRawShapesAndCanAllBeUndone) {
     if (choice == 2) move_modifier(limb.path(), name, 1 + random() % stack.size());
     if (choice == 3) remove_modifier(limb.path(), name);
     if (choice == 4) change_modifier(limb.path(), name, {.strength = 0.01 * static_cast<double>(random() % 100)});
-    const std::string now = bytes_of_file(limb.path());
+    const std::string now = testing::read_bytes(limb.path());
     if (now != states.back()) states.push_back(now);
   }
   for (std::size_t k = states.size() - 1; k-- > 0;) {
     undo_modifiers(limb.path());
-    ASSERT_EQ(bytes_of_file(limb.path()), states[k]) << k;
+    ASSERT_EQ(testing::read_bytes(limb.path()), states[k]) << k;
   }
-  EXPECT_EQ(bytes_of_file(limb.folder() / "two.pc2"), raw);
+  EXPECT_EQ(testing::read_bytes(limb.folder() / "two.pc2"), raw);
 }
 
 TEST(Curate, PruneLeavesWhatUndoLeadsTo) {
@@ -347,7 +343,7 @@ TEST(Curate, CachesAreBoundedTheOldestFirst) {
 
 TEST(Curate, RefusesWhatDoesNotFit) {
   const CuratedLimb limb;
-  const std::string begun = bytes_of_file(limb.path());
+  const std::string begun = testing::read_bytes(limb.path());
   const auto kind = [&](const Modifier& modifier) { return kind_of([&] { add_modifier(limb.path(), modifier); }); };
   EXPECT_EQ(kind({.type = "sharpen"}), ErrorKind::usage);
   EXPECT_EQ(kind({.type = "smooth", .mask = {{"joints", {"elbow"}}}}), ErrorKind::mismatch);
@@ -365,12 +361,12 @@ TEST(Curate, RefusesWhatDoesNotFit) {
   undo_modifiers(limb.path());
   exploded[7] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(kind_of([&] { sculpt_frame(limb, "s", "one", 3, exploded, true, 10); }), ErrorKind::mismatch);
-  EXPECT_EQ(bytes_of_file(limb.path()), begun);
+  EXPECT_EQ(testing::read_bytes(limb.path()), begun);
 }
 
 TEST(Curate, ATypeOfANewerVersionIsKeptAndNotApplied) {
   const CuratedLimb limb;
-  Json json = Json::parse(bytes_of_file(limb.path()));
+  Json json = Json::parse(testing::read_bytes(limb.path()));
   json["modifiers"] = {{{"name", "n"}, {"type", "sharpen"}, {"strength", 1.0}, {"since", 7}}};
   std::ofstream(limb.path()) << json.dump();
   const ShapeStack stack = limb.stack();
@@ -378,12 +374,12 @@ TEST(Curate, ATypeOfANewerVersionIsKeptAndNotApplied) {
   EXPECT_NE(stack.notes()[0].find("sharpen"), std::string::npos);
   EXPECT_EQ(stack.shape(3), stack.database().raw_shape(3));
   add_modifier(limb.path(), {.type = "smooth"});
-  EXPECT_EQ(Json::parse(bytes_of_file(limb.path()))["modifiers"][0]["since"], 7);
+  EXPECT_EQ(Json::parse(testing::read_bytes(limb.path()))["modifiers"][0]["since"], 7);
 }
 
 TEST(Curate, SelectionsThatNameThemselvesAreRefused) {
   const CuratedLimb limb;
-  Json json = Json::parse(bytes_of_file(limb.path()));
+  Json json = Json::parse(testing::read_bytes(limb.path()));
   json["selections"] = {{"a", {{{"list", "b"}}}}, {"b", {{{"list", "a"}}}}};
   std::ofstream(limb.path()) << json.dump();
   EXPECT_EQ(kind_of([&] {
@@ -574,7 +570,7 @@ TEST(FrameFiles, AnObjHasATextureAndAMaterialForEveryRegion) {
 
 // The JSON of a .glb.
 Json json_of_glb(const std::filesystem::path& path) {
-  const std::string bytes = bytes_of_file(path);
+  const std::string bytes = testing::read_bytes(path);
   std::uint32_t size = 0;
   std::memcpy(&size, bytes.data() + 12, sizeof(size));
   return Json::parse(bytes.substr(20, size));

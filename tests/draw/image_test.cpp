@@ -10,7 +10,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <limits>
 #include <random>
@@ -19,6 +18,7 @@
 #include "draw/renderer.h"
 #include "draw/srgb.h"
 #include "runtime/core/error.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
@@ -53,8 +53,7 @@ TEST(Png, FileIsThereWholeOrNotAtAll) {
   const TemporaryFolder folder;
   const Image image = noise(8, 8);
   write_png(image, folder / "image.png");
-  std::ifstream file(folder / "image.png", std::ios::binary);
-  expect_decodes_to({std::istreambuf_iterator<char>(file), {}}, image);
+  expect_decodes_to(testing::read_bytes(folder / "image.png"), image);
   EXPECT_THROW(write_png(image, folder / "missing" / "image.png"), Error);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/table_rows.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/fem_reference.h"
@@ -25,8 +26,7 @@ Eigen::MatrixXd carried(const DiffuseTable& table, Eigen::Index nodes, const Eig
     }
   }
   cpu::block_solve(table.inverse, right, 3, 3, scratch, values);
-  return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(values.data(), nodes, 3)
-      .cast<double>();
+  return rows_of(values);
 }
 
 TEST(Diffuse, SphereHasTheReferencesFieldsInside) {

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "geometry/extent.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/simulate/limb.h"
@@ -38,7 +39,7 @@ struct LimbJiggle {
 TEST(Jiggle, BodiesOfAnySizeSwingAlike) {
   const LimbJiggle person;
   TetMesh giant = person.mesh;
-  const double extent = (giant.nodes.colwise().maxCoeff() - giant.nodes.colwise().minCoeff()).maxCoeff();
+  const double extent = longest_extent(giant.nodes);
   giant.nodes *= 9 / extent;
   std::vector<std::string> notes;
   const JiggleSystem system =

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include "geometry/table_rows.h"
 #include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/limb_dynamics.h"
@@ -20,10 +21,7 @@ std::vector<Positions> bent_skins() {
   std::vector<Positions> skins;
   for (const double elbow : {-2.6, 1.0, 2.2, 2.8}) {
     const Pose pose = limb_pose({{}, 0.3, elbow});
-    const Evaluation frame = deformer.evaluate({&pose, 1});
-    skins.push_back(Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-                        frame.positions.data(), static_cast<Eigen::Index>(frame.positions.size() / 3), 3)
-                        .cast<double>());
+    skins.push_back(rows_of(deformer.evaluate({&pose, 1}).positions));
   }
   return skins;
 }

@@ -5,7 +5,7 @@
 namespace bodyopt::fuzz {
 namespace {
 
-std::vector<std::string> seeds() { return {bytes_of_file(given_file("capsule.attached.safetensors"))}; }
+std::vector<std::string> seeds() { return {testing::read_bytes(given_file("capsule.attached.safetensors"))}; }
 
 void read(const std::string& bytes) {
   static const Basis basis = load_basis(given_file("capsule.safetensors"));

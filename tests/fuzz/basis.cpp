@@ -15,7 +15,7 @@ std::vector<std::string> seeds() {
   const auto bytes_of = [](const Basis& of) {
     return written("basis.safetensors", [&](const auto& path) { save_basis(of, path); });
   };
-  return {bytes_of_file(given_file("tet.safetensors")), bytes_of(basis), bytes_of(carried)};
+  return {testing::read_bytes(given_file("tet.safetensors")), bytes_of(basis), bytes_of(carried)};
 }
 
 void read(const std::string& bytes) {

@@ -5,7 +5,7 @@
 namespace bodyopt::fuzz {
 namespace {
 
-std::vector<std::string> seeds() { return {bytes_of_file(given_file("tet.dynamics.safetensors"))}; }
+std::vector<std::string> seeds() { return {testing::read_bytes(given_file("tet.dynamics.safetensors"))}; }
 
 void read(const std::string& bytes) {
   const Dynamics dynamics = load_dynamics(as_file("dynamics.safetensors", with_checksum(bytes)), tet_basis());

@@ -48,7 +48,7 @@ FarmPlan small_plan(const std::string& out) {
 std::vector<std::string> plan_seeds() {
   const std::filesystem::path path = as_file("plan.json", "");
   write_plan(small_plan("a.pc2"), path.parent_path());
-  return {bytes_of_file(path)};
+  return {testing::read_bytes(path)};
 }
 void read_plan_file(const std::string& bytes) {
   const FarmPlan plan = read_plan(as_file("plan.json", bytes).parent_path());
@@ -65,7 +65,7 @@ std::vector<std::string> record_seeds() {
   TaskRun(step.out, "1", {step.arguments.begin() + 1, step.arguments.end()}, {step.out})
       .finish({step.out}, Json::parse(R"({"seconds": 2.5, "peak_memory_mib": 100, "worst_outside": 1.5, "device": "CPU",
         "outside_frames": "2-3", "worth_a_look": [{"frame": 3, "expected_rms_mm": 2.5, "outside": 0.5}]})"));
-  return {bytes_of_file(done_beside(step.out))};
+  return {testing::read_bytes(done_beside(step.out))};
 }
 void read_record_file(const std::string& bytes) {
   const FarmStep step = recorded_step();
@@ -80,7 +80,7 @@ std::vector<std::string> failure_seeds() {
   const FarmStep step = recorded_step();
   TaskRun(step.out, "1", {step.arguments.begin() + 1, step.arguments.end()}, {step.out})
       .fail(Error(ErrorKind::mismatch, "no"));
-  return {bytes_of_file(failed_beside(step.out))};
+  return {testing::read_bytes(failed_beside(step.out))};
 }
 void read_failure_file(const std::string& bytes) {
   const FarmStep step = recorded_step();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "runtime/basis/safetensors.h"
+#include "tests/support/read_bytes.h"
 
 namespace bodyopt::fuzz {
 
@@ -27,14 +28,13 @@ inline bool add_target(FuzzTarget target) {
 
 // A file with these bytes, in a folder of this process.
 std::filesystem::path as_file(const std::string& name, const std::string& bytes);
-std::string bytes_of_file(const std::filesystem::path& path);
 // The bytes that `write` leaves at the path it is given.
 template <typename Write>
 std::string written(const std::string& name, Write write) {
   const std::filesystem::path path = as_file(name, "");
   std::filesystem::remove(path);
   write(path);
-  return bytes_of_file(path);
+  return testing::read_bytes(path);
 }
 
 // The file with the checksum that its content has: the bytes behind it would never be read else. As it is where it is

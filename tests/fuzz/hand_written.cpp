@@ -45,7 +45,7 @@ Seeds joint_map_seeds() {
 }
 void read_joint_map_file(const std::string& bytes) { read_joint_map(as_file("joint_map.json", bytes)); }
 
-Seeds materials_seeds() { return {bytes_of_file(kSourceFolder + "/rigs/materials.json")}; }
+Seeds materials_seeds() { return {testing::read_bytes(kSourceFolder + "/rigs/materials.json")}; }
 void read_materials_file(const std::string& bytes) {
   const Materials m = read_materials(as_file("materials.json", bytes));
   require_finite(std::array{m.fat.mu, m.fat.lambda, m.muscle.mu, m.muscle.lambda, m.muscle_bulk, m.active_fibre,
@@ -53,7 +53,7 @@ void read_materials_file(const std::string& bytes) {
                  "a material");
 }
 
-Seeds jiggle_seeds() { return {bytes_of_file(kSourceFolder + "/rigs/human/jiggle.json")}; }
+Seeds jiggle_seeds() { return {testing::read_bytes(kSourceFolder + "/rigs/human/jiggle.json")}; }
 void read_jiggle_file(const std::string& bytes) {
   const JiggleSettings s = read_jiggle(as_file("jiggle.json", bytes));
   require_possible(s);
@@ -71,7 +71,9 @@ void read_limits_file(const std::string& bytes) {
   for (const DegreeOfFreedom& dof : limits.dofs) require_finite(std::array{dof.rest, dof.min, dof.max}, "a limit");
 }
 
-Seeds mapping_seeds() { return {attack::kLimbMapping, bytes_of_file(kSourceFolder + "/rigs/human/myo_arm.json")}; }
+Seeds mapping_seeds() {
+  return {attack::kLimbMapping, testing::read_bytes(kSourceFolder + "/rigs/human/myo_arm.json")};
+}
 void read_mapping_file(const std::string& bytes) { anatomy::read_mapping(as_file("mapping.json", bytes)); }
 
 Seeds regions_seeds() {

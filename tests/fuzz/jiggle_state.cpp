@@ -6,7 +6,7 @@
 namespace bodyopt::fuzz {
 namespace {
 
-std::vector<std::string> seeds() { return {bytes_of_file(given_file("tet.state"))}; }
+std::vector<std::string> seeds() { return {testing::read_bytes(given_file("tet.state"))}; }
 
 void read(const std::string& bytes) {
   static Deformer deformer(tet_basis(), tet_dynamics(), {}, {.name = "cpu"});

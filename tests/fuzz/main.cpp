@@ -110,11 +110,6 @@ fs::path as_file(const std::string& name, const std::string& bytes) {
   return path;
 }
 
-std::string bytes_of_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 std::string with_checksum(const std::string& bytes) {
   const std::string key = "\"checksum\":\"", other_key = "\"checkszz\":\"";
   const std::size_t at = bytes.find(key);

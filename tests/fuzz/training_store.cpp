@@ -43,7 +43,7 @@ template <typename Keep>
 std::vector<std::string> seed_of(const char* name, Keep keep) {
   const TemporaryFolder folder;
   keep(TrainingStore(folder.path()));
-  return {bytes_of_file(folder / name)};
+  return {testing::read_bytes(folder / name)};
 }
 
 std::vector<std::string> layout_seeds() {

@@ -11,6 +11,7 @@
 #include "assets/pc2.h"
 #include "assets/shot_modifiers.h"
 #include "geometry/closed_skin.h"
+#include "geometry/table_rows.h"
 #include "runtime/deformer/deformer.h"
 #include "tests/modifiers/driven_small_basis.h"
 #include "tests/support/error_kind.h"
@@ -277,13 +278,13 @@ TEST(BakeBreathing, AHumanBreathesWithinPublishedRanges) {
   cpu.name = "cpu";
   const auto volume = [&](const Pose& p) {
     const std::vector<float> skin = Deformer(basis, cpu).evaluate({&p, 1}).positions;
-    Positions points = rest_positions(basis);
+    Positions points = rows_of(basis.mesh.rest);
     for (std::size_t o = 0; o < basis.mesh.output_vertex.size(); ++o) {
       for (std::size_t i = 0; i < 3; ++i) {
         points(basis.mesh.output_vertex[o], static_cast<Eigen::Index>(i)) = static_cast<double>(skin[3 * o + i]);
       }
     }
-    return enclosed_volume(points, rest_triangles(basis));
+    return enclosed_volume(points, rows_of(basis.mesh.triangles));
   };
   EXPECT_NEAR(1e3 * (volume(pose) - volume(bind_pose(basis.skeleton))), 0.5, 0.02);
   // Hands and feet stay.

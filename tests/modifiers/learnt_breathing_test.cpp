@@ -6,6 +6,7 @@
 #include "assets/clip.h"
 #include "assets/pc2.h"
 #include "dataset/dataset.h"
+#include "geometry/table_rows.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/error_kind.h"
@@ -96,7 +97,7 @@ struct Place {
 
 TEST(LearntBreathing, IsThatOfTheTake) {
   const Basis basis = BreathingLimb(kFrames).learnt();
-  const Positions rest = rest_positions(basis);
+  const Positions rest = rows_of(basis.mesh.rest);
   std::vector<Pose> poses(100, bind_pose(basis.skeleton));
   drive_modifiers(basis, {}, 24, poses);
   const std::vector<Positions> shown = EvaluatedSkin(basis)(poses);

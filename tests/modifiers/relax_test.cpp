@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <fstream>
 
+#include "geometry/table_rows.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "tests/support/capsule_limb.h"
@@ -43,8 +44,8 @@ class Relax : public ::testing::Test {
   // Of the triangles that the bend compresses to less than four fifths of their area: the standard deviation of the
   // logarithm of what they have left.
   static double unevenness(const Positions& skin) {
-    const Positions rest = rest_positions(*basis_), bend = shown(bent(), 0);
-    const Triangles triangles = rest_triangles(*basis_);
+    const Positions rest = rows_of(basis_->mesh.rest), bend = shown(bent(), 0);
+    const Triangles triangles = rows_of(basis_->mesh.triangles);
     const auto area = [&](const Positions& points, Eigen::Index t) {
       const Eigen::RowVector3d a = points.row(triangles(t, 0)), b = points.row(triangles(t, 1)),
                                c = points.row(triangles(t, 2));
@@ -67,7 +68,7 @@ TEST_F(Relax, LeavesAloneWhatIsNot) {
   const Pose rest = bind_pose(basis_->skeleton);
   EXPECT_EQ(shown(rest, 1), shown(rest, 0));
   const Positions moved = shown(bent(), 1) - shown(bent(), 0);
-  const Positions where = rest_positions(*basis_);
+  const Positions where = rows_of(basis_->mesh.rest);
   for (Eigen::Index v = 0; v < moved.rows(); ++v) {
     const bool far = std::abs(where(v, 2) - 0.3) > 0.2;
     ASSERT_TRUE(!far || moved.row(v).norm() == 0) << "vertex " << v;

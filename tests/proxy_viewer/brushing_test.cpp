@@ -2,13 +2,13 @@
 #include "proxy_viewer/brushing.h"
 
 #include <chrono>
-#include <fstream>
 
 #include "dataset/stack_history.h"
 #include "runtime/core/file_lock.h"
 #include "tests/curate/curated_limb.h"
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/support/error_kind.h"
+#include "tests/support/read_bytes.h"
 #include "trainer/curate/edit_stack.h"
 
 namespace bodyopt::testing {
@@ -38,10 +38,7 @@ class BrushingTest : public PlayedTest {
     const ShapeStack stack = limb_.stack();
     return 1e3 * (stack.shape(5) - stack.database().raw_shape(5)).rowwise().norm().maxCoeff();
   }
-  std::string bytes() const {
-    std::ifstream file(limb_.path(), std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string bytes() const { return read_bytes(limb_.path()); }
 
   CuratedLimb limb_;
 };

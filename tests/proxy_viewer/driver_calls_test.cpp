@@ -1,8 +1,8 @@
 // What programs ask of the driver, as the layer of tests/support sees it.
-#include <sstream>
 
 #include "runtime/vulkan/pipeline_cache.h"
 #include "tests/proxy_viewer/window_fixture.h"
+#include "tests/support/read_bytes.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -17,12 +17,6 @@ class DriverCallsTest : public WindowTest {
     const int few = of_pictures(4), many = of_pictures(kClipFrames);
     EXPECT_EQ((many - few) % (kClipFrames - 4), 0);
     return (many - few) / (kClipFrames - 4);
-  }
-
-  static std::string bytes_of(const std::filesystem::path& file) {
-    std::ostringstream bytes;
-    bytes << std::ifstream(file, std::ios::binary).rdbuf();
-    return bytes.str();
   }
 };
 
@@ -48,12 +42,12 @@ TEST_F(DriverCallsTest, PipelinesThatWereKeptReachTheDriver) {
                     (folder_ / "out.pc2").string());
     EXPECT_EQ(result.exit_code, 0) << result.output;
     EXPECT_TRUE(std::filesystem::exists(given));
-    return bytes_of(given);
+    return read_bytes(given);
   };
   EXPECT_EQ(evaluate(), "");
   const std::filesystem::directory_iterator kept(caches / "bodyopt");
   ASSERT_NE(kept, std::filesystem::directory_iterator());
-  const std::string file = bytes_of(kept->path());
+  const std::string file = read_bytes(kept->path());
   ASSERT_GT(file.size(), sizeof(vulkan::PipelineCacheHeader));
   EXPECT_EQ(evaluate(), file.substr(sizeof(vulkan::PipelineCacheHeader)));
 }

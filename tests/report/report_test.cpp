@@ -17,15 +17,11 @@
 #include "report/svg.h"
 #include "report/trade_off_plot.h"
 #include "runtime/core/error.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
 namespace {
-
-std::string read(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -142,7 +138,7 @@ ReportData example() {
 TEST(Report, JsonHoldsEveryFigure) {
   const TemporaryFolder folder;
   write_report(example(), folder / "made" / "here");
-  const auto json = nlohmann::ordered_json::parse(read(folder / "made" / "here" / "report.json"));
+  const auto json = nlohmann::ordered_json::parse(testing::read_bytes(folder / "made" / "here" / "report.json"));
   EXPECT_EQ(json.at("character").at("vertices"), 6123);
   EXPECT_EQ(json.at("character").at("joints"), 9);
   EXPECT_EQ(json.at("character").at("muscles"), 14);
@@ -202,7 +198,7 @@ TEST(Report, JsonHoldsEveryFigure) {
 TEST(Report, JsonHoldsWhatWasLearnedAndHowToRepeatIt) {
   const TemporaryFolder folder;
   write_report(example(), folder.path());
-  const auto json = nlohmann::ordered_json::parse(read(folder / "report.json"));
+  const auto json = nlohmann::ordered_json::parse(testing::read_bytes(folder / "report.json"));
   ASSERT_EQ(json.at("regions").size(), 3u);
   EXPECT_EQ(json.at("regions")[0].at("name"), "hip");
   EXPECT_EQ(json.at("regions")[0].at("moves_rms_mm"), 12);
@@ -233,7 +229,7 @@ TEST(Report, TakesAreToldByAreaAndPart) {
   const TemporaryFolder folder;
   ReportData data = example();
   write_report(data, folder.path());
-  const auto json = nlohmann::ordered_json::parse(read(folder / "report.json"));
+  const auto json = nlohmann::ordered_json::parse(testing::read_bytes(folder / "report.json"));
   const auto& shot = json.at("takes")[1];
   EXPECT_EQ(shot.at("take"), "shot");
   EXPECT_EQ(shot.at("foreign"), true);
@@ -244,7 +240,7 @@ TEST(Report, TakesAreToldByAreaAndPart) {
   EXPECT_EQ(shot.at("parts")[1].at("part"), "knee");
   EXPECT_EQ(shot.at("parts")[1].at("full_mm"), 0.75);
   EXPECT_TRUE(json.at("takes")[0].at("rank_correlation").is_null());
-  std::string page = read(folder / "report.html");
+  std::string page = testing::read_bytes(folder / "report.html");
   EXPECT_TRUE(contains(page, "On motion that shares nothing with what was trained on"));
   EXPECT_TRUE(contains(page, "rom (between trained frames)"));
   const std::size_t take = page.find("<th scope=\"row\">shot</th>"), knee = page.find("knee</th>", take),
@@ -255,14 +251,14 @@ TEST(Report, TakesAreToldByAreaAndPart) {
 
   data.takes.resize(1);
   write_report(data, folder.path());
-  page = read(folder / "report.html");
+  page = testing::read_bytes(folder / "report.html");
   EXPECT_TRUE(contains(page, "not how a shot will look"));
 }
 
 TEST(Report, PageSaysWhatWouldHelp) {
   const TemporaryFolder folder;
   write_report(example(), folder.path());
-  const std::string page = read(folder / "report.html");
+  const std::string page = testing::read_bytes(folder / "report.html");
   EXPECT_TRUE(contains(page, "The skin at hip moves 12 mm, of which nothing explains 2 mm: a muscle there may help."));
   EXPECT_FALSE(contains(page, "The skin at knee"));
   EXPECT_FALSE(contains(page, "The skin at toe"));  // much of its motion, but less than the whole skin keeps
@@ -289,13 +285,13 @@ TEST(Report, NeedsNoHeldOutFrames) {
   data.jiggle.reset();
   data.demo.reset();
   write_report(data, folder.path());
-  const std::string page = read(folder / "report.html");
+  const std::string page = testing::read_bytes(folder / "report.html");
   EXPECT_TRUE(contains(page, "holds out no frames"));
   EXPECT_TRUE(contains(page, "The skin at hip"));
   EXPECT_TRUE(contains(page, "this basis, expected: 0.6 mm"));
   EXPECT_FALSE(contains(page, "held out: "));
   EXPECT_FALSE(contains(page, "need a Vulkan device"));
-  EXPECT_EQ(nlohmann::json::parse(read(folder / "report.json")).at("methods").size(), 0u);
+  EXPECT_EQ(nlohmann::json::parse(testing::read_bytes(folder / "report.json")).at("methods").size(), 0u);
 }
 
 TEST(Report, WithoutADeviceThePageSaysSo) {
@@ -306,7 +302,7 @@ TEST(Report, WithoutADeviceThePageSaysSo) {
   data.region_picture.reset();
   data.jiggle->pictures.reset();
   write_report(data, folder.path());
-  const std::string page = read(folder / "report.html");
+  const std::string page = testing::read_bytes(folder / "report.html");
   EXPECT_TRUE(contains(page, "need a Vulkan device"));
   EXPECT_EQ(count(page, "src=\""), 0u);
 }
@@ -316,7 +312,7 @@ TEST(Report, SaysHowFleshSwings) {
   const TemporaryFolder folder;
   ReportData data = example();
   write_report(data, folder.path());
-  const auto json = nlohmann::json::parse(read(folder / "report.json")).at("jiggle");
+  const auto json = nlohmann::json::parse(testing::read_bytes(folder / "report.json")).at("jiggle");
   EXPECT_EQ(json.at("tets"), 20000);
   EXPECT_EQ(json.at("nodes"), 6000);
   EXPECT_EQ(json.at("worst_quality"), 0.25);
@@ -332,7 +328,7 @@ TEST(Report, SaysHowFleshSwings) {
   EXPECT_EQ(json.at("diffuse_ms"), 0.5);
   EXPECT_EQ(json.at("jiggle_ms"), 6.25);
   EXPECT_EQ(json.at("device"), "A device");
-  std::string page = read(folder / "report.html");
+  std::string page = testing::read_bytes(folder / "report.html");
   EXPECT_TRUE(
       contains(page, "up to 8 mm from where it would be at rest in its pose, in frame 3; from frame 6 on, 0.12 s"));
   EXPECT_TRUE(contains(page, "A frame on A device: diffuse 0.5 ms, jiggle 6.2"));
@@ -344,7 +340,7 @@ TEST(Report, SaysHowFleshSwings) {
   data.jiggle->diffuse_ms = data.jiggle->jiggle_ms = 0;
   data.jiggle->max_mm.back() = 3;
   write_report(data, folder.path());
-  page = read(folder / "report.html");
+  page = testing::read_bytes(folder / "report.html");
   EXPECT_TRUE(contains(page, "it is still moving when the clip ends"));
   EXPECT_TRUE(contains(page, "Computed on A device, which tells no times."));
   EXPECT_TRUE(contains(page, "None of them is turned inside out."));
@@ -352,7 +348,7 @@ TEST(Report, SaysHowFleshSwings) {
   EXPECT_THROW(write_report(data, folder.path()), Error);
   data.jiggle.reset();
   write_report(data, folder.path());
-  EXPECT_FALSE(contains(read(folder / "report.html"), "Jiggle"));
+  EXPECT_FALSE(contains(testing::read_bytes(folder / "report.html"), "Jiggle"));
 }
 
 // What was not simulated here has no draft to tell of.
@@ -360,21 +356,21 @@ TEST(Report, DraftIsToldWithTheSimulationAlone) {
   const TemporaryFolder folder;
   ReportData data = example();
   write_report(data, folder.path());
-  std::string page = read(folder / "report.html");
+  std::string page = testing::read_bytes(folder / "report.html");
   EXPECT_TRUE(contains(page,
                        "<th scope=\"row\">draft of the held-out motion</th><td>in 7 s, 3.5 mm RMS from the "
                        "simulation, 20 mm at most</td>"));
   data.demo.reset();
   write_report(data, folder.path());
-  page = read(folder / "report.html");
+  page = testing::read_bytes(folder / "report.html");
   EXPECT_FALSE(contains(page, "draft"));
-  EXPECT_FALSE(nlohmann::json::parse(read(folder / "report.json")).contains("simulation"));
+  EXPECT_FALSE(nlohmann::json::parse(testing::read_bytes(folder / "report.json")).contains("simulation"));
 }
 
 TEST(Report, PageIsSelfContainedAndEscaped) {
   const TemporaryFolder folder;
   write_report(example(), folder.path());
-  const std::string page = read(folder / "report.html");
+  const std::string page = testing::read_bytes(folder / "report.html");
   EXPECT_FALSE(contains(page, "<b>Tom"));
   EXPECT_TRUE(contains(page, "&lt;b&gt;Tom &amp; &quot;Jerry&quot;&lt;/b&gt;"));
   EXPECT_TRUE(contains(page, "1 &lt; 2"));
@@ -400,13 +396,13 @@ TEST(Report, PageSaysWhatIsHeldOutAndComparesHonestly) {
   const TemporaryFolder folder;
   ReportData data = example();
   write_report(data, folder.path());
-  std::string page = read(folder / "report.html");
+  std::string page = testing::read_bytes(folder / "report.html");
   EXPECT_TRUE(contains(page, "5 held-out frames"));
   EXPECT_TRUE(contains(page, "<b>8</b><i>times</i><span>smaller RMS error than DDM alone (4 mm)"));
   EXPECT_TRUE(contains(page, "<b>2</b><i>times</i><span>smaller RMS error than linear"));
   data.methods.back() = method("full", 2, 351);
   write_report(data, folder.path());
-  page = read(folder / "report.html");
+  page = testing::read_bytes(folder / "report.html");
   EXPECT_TRUE(contains(page, "<b>2</b><i>times</i><span>larger RMS error than linear"));
 }
 
@@ -433,7 +429,7 @@ TEST(Report, NamesThatAreNoUtf8AreWritten) {
   ReportData data = example();
   data.character.name = "a\xff\xc3";
   write_report(data, folder.path());
-  EXPECT_TRUE(nlohmann::json::accept(read(folder / "report.json")));
+  EXPECT_TRUE(nlohmann::json::accept(testing::read_bytes(folder / "report.json")));
 }
 
 TEST(Plots, BreaksTheLineWhereFramesAreMissing) {

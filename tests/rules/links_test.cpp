@@ -3,14 +3,13 @@
 
 #include <cctype>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "tests/support/paths.h"
+#include "tests/support/read_bytes.h"
 
 namespace {
 
@@ -23,11 +22,6 @@ std::vector<fs::path> pages() {
     if (entry.path().extension() == ".md") pages.push_back(entry.path());
   }
   return pages;
-}
-
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 // A heading's anchor, as code hosts make it: lower case, spaces as hyphens, punctuation left out.
@@ -52,13 +46,14 @@ TEST(Links, LeadToFilesAndHeadings) {
   static const std::regex link(R"(\]\(([^)#]*)(#([^)]*))?\))");
   int checked = 0;
   for (const fs::path& page : pages()) {
-    const std::string text = text_of(page);
+    const std::string text = bodyopt::testing::read_bytes(page);
     for (std::sregex_iterator found(text.begin(), text.end(), link), end; found != end; ++found) {
       const std::string file = (*found)[1], anchor = (*found)[3];
       if (file.starts_with("http")) continue;
       const fs::path target = file.empty() ? page : page.parent_path() / file;
       EXPECT_TRUE(fs::exists(target)) << page << " links to " << file;
-      EXPECT_TRUE(anchor.empty() || has_heading(text_of(target), anchor)) << page << ": " << file << "#" << anchor;
+      EXPECT_TRUE(anchor.empty() || has_heading(bodyopt::testing::read_bytes(target), anchor))
+          << page << ": " << file << "#" << anchor;
       ++checked;
     }
   }
@@ -67,7 +62,7 @@ TEST(Links, LeadToFilesAndHeadings) {
 
 TEST(Links, TheReadmeLeadsToEveryPageOfTheManual) {
   const fs::path source = bodyopt::kSourceFolder;
-  const std::string readme = text_of(source / "README.md");
+  const std::string readme = bodyopt::testing::read_bytes(source / "README.md");
   for (const auto& entry : fs::directory_iterator(source / "docs")) {
     if (entry.path().extension() != ".md") continue;
     EXPECT_NE(readme.find("(docs/" + entry.path().filename().string() + ")"), std::string::npos) << entry.path();

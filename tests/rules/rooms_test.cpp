@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/support/paths.h"
+#include "tests/support/read_bytes.h"
 
 namespace {
 
@@ -146,8 +147,7 @@ std::string drawing() {
 }
 
 TEST(Rooms, AreThoseOfTheDrawingInReadme) {
-  std::ifstream file(fs::path(bodyopt::kSourceFolder) / "README.md");
-  const std::string readme(std::istreambuf_iterator<char>(file), {});
+  const std::string readme = bodyopt::testing::read_bytes(fs::path(bodyopt::kSourceFolder) / "README.md");
   EXPECT_NE(readme.find("```\n" + drawing() + "```\n"), std::string::npos) << "README.md should draw:\n" << drawing();
 }
 

@@ -71,7 +71,9 @@ struct Copies {
       return PlacedVertices{reinterpret_cast<std::byte*>(&placed[first]), kVertex * sizeof(float),
                             frame * sizeof(float)};
     };
-    deformer.evaluate_into({.positions = from(1), .normals = from(4), .tangents = from(7)}, poses);
+    const SkinPlace place{.positions = from(1), .normals = from(4), .tangents = from(7)};
+    const DeformerCall call{.deformer = &deformer, .poses = poses, .place = &place};
+    evaluate_together({&call, 1});
     const Evaluation whole = deformer.evaluate(poses);
     positions = whole.positions;
     normals = whole.normals;

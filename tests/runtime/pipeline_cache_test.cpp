@@ -1,12 +1,12 @@
 #include "runtime/vulkan/pipeline_cache.h"
 
 #include <fstream>
-#include <sstream>
 #include <thread>
 
 #include "runtime/core/atomic_file.h"
 #include "runtime/vulkan/kernels/kernels.h"
 #include "tests/support/gpu_fixture.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt::testing {
@@ -73,12 +73,6 @@ class PipelineCache : public ::testing::Test {
     EXPECT_EQ(log->messages(), std::vector<std::string>());
   }
 
-  static std::string bytes_of(const fs::path& file) {
-    std::ostringstream bytes;
-    bytes << std::ifstream(file, std::ios::binary).rdbuf();
-    return bytes.str();
-  }
-
   std::vector<fs::path> files() const {
     std::vector<fs::path> found;
     for (const auto& entry : fs::directory_iterator(kept())) found.push_back(entry.path());
@@ -95,7 +89,8 @@ class PipelineCache : public ::testing::Test {
       return {};
     }
     const vulkan::Device device(test_device());
-    EXPECT_NE(vulkan::unpack_pipelines(vulkan::pipeline_cache_header(device.physical()), bytes_of(found.front())), "");
+    EXPECT_NE(vulkan::unpack_pipelines(vulkan::pipeline_cache_header(device.physical()), read_bytes(found.front())),
+              "");
     return found.front();
   }
 
@@ -117,7 +112,7 @@ TEST_F(PipelineCache, IsNotKeptWithoutAFolder) {
 TEST_F(PipelineCache, ReplacesWhatDoesNotFit) {
   use(kept());
   const fs::path file = expect_sound();
-  const std::string sound = bytes_of(file);
+  const std::string sound = read_bytes(file);
   PipelineCacheHeader other = some_driver();
   for (const std::string& bad : {std::string(), std::string("noise"), sound.substr(0, sound.size() - 1),
                                  vulkan::pack_pipelines(other, sound.substr(sizeof(other)))}) {
@@ -132,7 +127,7 @@ TEST_F(PipelineCache, AFolderThatCannotBeWrittenIsNoError) {
   std::ofstream(folder_ / "file") << "in the way";
   use(folder_ / "file");
   use(folder_ / "file/below");
-  EXPECT_EQ(bytes_of(folder_ / "file"), "in the way");
+  EXPECT_EQ(read_bytes(folder_ / "file"), "in the way");
   use(kept());
   const fs::path file = expect_sound();
   fs::remove(file);

@@ -4,22 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "runtime/cpu/cpu_backend.h"
 #include "tests/support/paths.h"
 #include "tests/support/random_basis.h"
+#include "tests/support/read_bytes.h"
 
 namespace bodyopt::testing {
 namespace stages_test {
 
 namespace fs = std::filesystem;
 
-std::string page(const std::string& path) {
-  std::ifstream file(fs::path(kSourceFolder) / path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+std::string page(const std::string& path) { return read_bytes(fs::path(kSourceFolder) / path); }
 
 std::vector<std::string> names(const std::vector<Stage>& stages) {
   std::vector<std::string> names;

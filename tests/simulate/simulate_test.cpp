@@ -16,6 +16,7 @@
 #include "base/progress.h"
 #include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/simulate/partial_shapes.h"
 
@@ -23,11 +24,6 @@ namespace bodyopt {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
 
 void write_bytes(const fs::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -57,7 +53,7 @@ Outcome run(const TemporaryFolder& folder, const Clip& clip, const std::vector<i
   Outcome result;
   result.status = simulate(limb, {make_flexor()}, clip, frames, folder / "take.pc2", folder / "take.json",
                            SimulateOptions{0.05, threads});
-  result.cache = bytes_of(folder / "take.pc2");
+  result.cache = testing::read_bytes(folder / "take.pc2");
   return result;
 }
 
@@ -145,7 +141,7 @@ TEST(Simulate, AKilledRunContinuesToTheSameCache) {
   const int end = run_in_child(folder, clip, 24 + 2 * record_bytes() + record_bytes() / 2, [](pid_t) {});
   EXPECT_EQ(end, -SIGXFSZ);
   EXPECT_FALSE(fs::exists(folder / "take.pc2"));
-  const std::string before = bytes_of(partial);
+  const std::string before = testing::read_bytes(partial);
   ASSERT_GE(before.size(), 24 + 2 * record_bytes());
   write_bytes(partial, before.substr(0, before.size() - 5));  // as if killed while writing
   EXPECT_EQ(run(folder, clip, all_frames(clip), 2).cache, run(reference, clip, all_frames(clip), 1).cache);
@@ -167,7 +163,7 @@ TEST(Simulate, AFinishedTakeIsNotSolvedAgain) {
   EXPECT_EQ(more.cache.substr(32 + 2 * size, size), first.cache.substr(32, size));
 
   const auto passive = simulate(make_limb(), {}, clip, {11, 13}, folder / "take.pc2", folder / "take.json", {0.05, 1});
-  EXPECT_NE(bytes_of(folder / "take.pc2").substr(32 + size, size), first.cache.substr(32 + 2 * size, size));
+  EXPECT_NE(testing::read_bytes(folder / "take.pc2").substr(32 + size, size), first.cache.substr(32 + 2 * size, size));
   EXPECT_NE(passive[1].inputs, more.status[1].inputs);
 }
 
@@ -280,7 +276,7 @@ TEST(Simulate, KeepsTheFinishedFramesOfTheSameInputsOnly) {
     partial.append(7, status, values);
     partial.append(8, status, values);
   }
-  const std::string whole = bytes_of(path);
+  const std::string whole = testing::read_bytes(path);
   for (std::size_t size = 0; size < whole.size(); ++size) {
     write_bytes(path, whole.substr(0, size));
     const PartialShapes partial(path, 42, 3, warn);
@@ -310,7 +306,7 @@ TEST(Simulate, KeepsTheFinishedFramesOfTheSameInputsOnly) {
   EXPECT_FALSE(PartialShapes(path, 43, 3, warn).has(7));
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("p.old"), std::string::npos);
-  EXPECT_EQ(bytes_of(folder / "p.old"), whole);
+  EXPECT_EQ(testing::read_bytes(folder / "p.old"), whole);
 }
 
 // No equilibrium without inverted tets: the frame is flagged, its numbers are finite, and it can be read back.

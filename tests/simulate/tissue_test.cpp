@@ -6,13 +6,13 @@
 #include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <set>
 
 #include "tests/simulate/limb.h"
 #include "tests/simulate/tet_block.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/shared_data.h"
 #include "trainer/simulate/lbfgs.h"
 
@@ -241,8 +241,7 @@ TEST(Tissue, TheFirmBarrierHoldsUpTinyTets) {
 TEST(Tissue, AgreesWithAnIndependentLinearSolution) {
   const auto path = shared_data("reference/fem/bar-651_static.safetensors");
   if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
-  std::ifstream stream(*path, std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  const std::string bytes = testing::read_bytes(*path);
   std::uint64_t header_size = 0;
   std::memcpy(&header_size, bytes.data(), 8);
   const auto header = nlohmann::json::parse(bytes.substr(8, header_size));

@@ -8,12 +8,12 @@
 
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <optional>
 #include <string>
 #include <thread>
+
+#include "tests/support/read_bytes.h"
 
 namespace bodyopt {
 
@@ -56,10 +56,7 @@ class BackgroundProgram {
     comes_true([this] { return ended(); }, seconds);
     return exit_code_;
   }
-  std::string output() const {
-    std::ifstream file(output_);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string output() const { return testing::read_bytes(output_); }
 
  private:
   bool ended() {

@@ -6,18 +6,13 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <random>
 #include <string>
 
 #include "runtime/core/error.h"
+#include "tests/support/read_bytes.h"
 
 namespace bodyopt::testing {
-
-inline std::string read_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 // Removed first: cutting a file to nothing makes some file systems wait for the disk.
 inline void write_bytes(const std::filesystem::path& path, const std::string& bytes) {

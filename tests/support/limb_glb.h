@@ -3,13 +3,14 @@
 
 #include "tests/assets/gltf_blob.h"
 #include "tests/support/attached_limb.h"
+#include "tests/support/read_bytes.h"
 
 namespace bodyopt {
 
 struct LimbGlb : GltfBlob {
   explicit LimbGlb(const std::filesystem::path& scratch) {
     write_character(limb_character(), scratch);
-    const std::string bytes = bytes_of(scratch);
+    const std::string bytes = testing::read_bytes(scratch);
     const auto word = [&](std::size_t at) {
       std::uint32_t value;
       std::memcpy(&value, bytes.data() + at, 4);

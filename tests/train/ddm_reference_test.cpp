@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 
+#include "geometry/extent.h"
 #include "runtime/cpu/kernels.h"
 #include "tests/support/reference_tensors.h"
 #include "tests/support/shared_data.h"
@@ -29,7 +30,7 @@ struct Reference {
     for (std::size_t k = 0; k < dense.size(); ++k) {
       if (dense[k] > 0) weights[k / joints].push_back({static_cast<std::uint32_t>(k % joints), dense[k]});
     }
-    box = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
+    box = box_diagonal(rest);
   }
   Positions rest;
   Triangles triangles;

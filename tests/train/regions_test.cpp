@@ -7,6 +7,7 @@
 #include <set>
 
 #include "geometry/nearest_skin.h"
+#include "geometry/table_rows.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/rig.h"
 #include "tests/support/capsule_limb.h"
@@ -274,10 +275,7 @@ TEST(Unpose, GivesBackWhatWasPosed) {
   for (std::size_t k = 0; k < delta.size(); ++k) delta[k] = 0.003f * std::sin(static_cast<float>(k));
   const float origin[] = {rig.origin[0], rig.origin[1], rig.origin[2], 0};
   cpu::pose_skin(basis.ddm, 3, rig.skinning, origin, delta, posed);
-  const Positions shape = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-                              posed.data(), basis.mesh.vertex_count(), 3)
-                              .cast<double>();
-  const Positions unposed = unpose_ddm(basis, pose, shape);
+  const Positions unposed = unpose_ddm(basis, pose, rows_of(posed));
   for (std::size_t k = 0; k < delta.size(); ++k) EXPECT_NEAR(unposed.data()[k], delta[k], 2e-6);
   // Linear blend skinning un-posed is the rest skin.
   const Positions skinned = skin_linear(limb().ordered, pose);

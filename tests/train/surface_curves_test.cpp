@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "geometry/extent.h"
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"

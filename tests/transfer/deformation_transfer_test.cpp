@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "geometry/extent.h"
 #include "geometry/laplacian.h"
 
 namespace bodyopt {
@@ -62,10 +63,6 @@ Eigen::Matrix3d gradient_of(const Positions& vertices, const Eigen::RowVector3<s
   return inside - inside.transpose() * edges.col(2) * edges.col(2).transpose();
 }
 
-double extent(const Positions& vertices) {
-  return (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).maxCoeff();
-}
-
 }  // namespace
 
 TEST(DeformationTransfer, EqualsADenseLeastSquaresProblem) {
@@ -79,7 +76,7 @@ TEST(DeformationTransfer, EqualsADenseLeastSquaresProblem) {
   const Eigen::Index count = source.vertices.rows(), triangles = source.triangles.rows();
   const Eigen::VectorXd source_areas = lumped_areas(source.vertices, source.triangles),
                         areas = lumped_areas(target.vertices, source.triangles);
-  const double reach = 0.1 * extent(target.vertices);
+  const double reach = 0.1 * longest_extent(target.vertices);
   const Eigen::VectorXd sizes =
       smoothed(target.vertices, source.triangles, (areas.array() / source_areas.array()).sqrt(), 0.1 * reach);
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(2 * triangles + count, count);

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "geometry/laplacian.h"
+#include "geometry/table_rows.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/train/skinning/ddm_basis.h"
-#include "trainer/transfer/table_rows.h"
 
 namespace bodyopt {
 namespace {

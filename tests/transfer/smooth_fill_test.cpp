@@ -6,11 +6,11 @@
 #include <Eigen/Dense>
 
 #include "geometry/laplacian.h"
+#include "geometry/table_rows.h"
 #include "tests/transfer/refined_limb.h"
 #include "trainer/train/skinning/ddm_basis.h"
 #include "trainer/transfer/carry_anatomy.h"
 #include "trainer/transfer/sure_places.h"
-#include "trainer/transfer/table_rows.h"
 
 namespace bodyopt {
 namespace {

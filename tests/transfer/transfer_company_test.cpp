@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "geometry/table_rows.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/carry_skin.h"
 #include "tests/support/capsule_limb.h"
@@ -78,19 +79,13 @@ Character with_beak(Character limb) {
   return limb;
 }
 
-Positions rows(const std::vector<float>& values) {
-  return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-             values.data(), static_cast<Eigen::Index>(values.size() / 3), 3)
-      .cast<double>();
-}
-
 double off_by(const Positions& difference) {
   return std::sqrt(difference.squaredNorm() / static_cast<double>(difference.rows()));
 }
 
 Positions evaluated(const Basis& basis, const Pose& pose) {
   Deformer deformer(basis, {.name = "cpu"});
-  return rows(deformer.evaluate({&pose, 1}).positions);
+  return rows_of(deformer.evaluate({&pose, 1}).positions);
 }
 
 // The full skin that the level carries.
@@ -98,7 +93,7 @@ Positions carried_skin(const Level& level, const Pose& pose) {
   Deformer deformer(level.basis, {.name = "cpu"});
   deformer.set_normals(true);
   const Evaluation frame = deformer.evaluate({&pose, 1});
-  return rows(carry_skin(level.basis.mesh, level.carried, frame.positions, frame.normals));
+  return rows_of(carry_skin(level.basis.mesh, level.carried, frame.positions, frame.normals));
 }
 
 }  // namespace

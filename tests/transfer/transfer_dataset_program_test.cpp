@@ -4,6 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "geometry/table_rows.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/transfer/limb_dataset.h"
@@ -22,10 +23,7 @@ class TransferDatasetProgram : public ::testing::Test {
   }
   Positions first_shape(const std::string& dataset) const {
     const Pc2Reader reader(path(dataset + "/bend.pc2"));
-    const std::vector<float> points = reader.sample(reader.sample_count() / 2);
-    return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-               points.data(), static_cast<Eigen::Index>(points.size() / 3), 3)
-        .cast<double>();
+    return rows_of(reader.sample(reader.sample_count() / 2));
   }
 
   TemporaryFolder folder_;

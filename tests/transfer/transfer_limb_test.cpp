@@ -6,6 +6,8 @@
 #include "assets/matched_joints.h"
 #include "assets/pc2.h"
 #include "dataset/dataset.h"
+#include "geometry/extent.h"
+#include "geometry/table_rows.h"
 #include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/error_kind.h"
@@ -20,7 +22,6 @@
 #include "trainer/transfer/carried_features.h"
 #include "trainer/transfer/carry_modifiers.h"
 #include "trainer/transfer/match_colours.h"
-#include "trainer/transfer/table_rows.h"
 #include "trainer/transfer/transfer_basis.h"
 #include "trainer/transfer/transfer_dataset.h"
 
@@ -57,10 +58,7 @@ Character moved_limb(const Affine& map) {
 
 Positions evaluate(const Basis& basis, const Pose& pose) {
   Deformer deformer(basis, {.name = "cpu"});
-  const Evaluation result = deformer.evaluate({&pose, 1});
-  return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-             result.positions.data(), static_cast<Eigen::Index>(result.positions.size() / 3), 3)
-      .cast<double>();
+  return rows_of(deformer.evaluate({&pose, 1}).positions);
 }
 
 double rms(const Positions& difference) {

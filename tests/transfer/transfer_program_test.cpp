@@ -10,6 +10,7 @@
 #include "tests/proxy_viewer/twin_level.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/hostile_bytes.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/transfer/limb_dataset.h"
@@ -132,8 +133,7 @@ TEST_F(TransferProgram, ATrainedBasisKnowsOnAnotherBodyWhatItDoesNotKnow) {
   for (const auto& pose : told.at("poses")) EXPECT_GT(pose.at("expected_rms_mm").get<double>(), 0) << pose;
   const std::string frames = told.at("worth_simulating").get<std::string>();
   EXPECT_FALSE(frames.empty());
-  std::ifstream file(path("r.html"));
-  const std::string page(std::istreambuf_iterator<char>(file), {});
+  const std::string page = testing::read_bytes(path("r.html"));
   EXPECT_NE(page.find("--frames " + frames), std::string::npos);
   EXPECT_NE(page.find("expected error"), std::string::npos);
   EXPECT_NE(page.find("thick.glb"), std::string::npos);

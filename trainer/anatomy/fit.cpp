@@ -30,11 +30,6 @@ constexpr double kShortest = 1e-3;         // metres
 // Of the radius, at u from origin (0) to insertion (1): the simulation's bellies have the same shape.
 double belly_profile(double u) { return std::sqrt(std::max(std::sin(std::numbers::pi * u), 0.0)); }
 
-Vector3d joint_position(const Character& character, int joint) {
-  const Vec3 p = inverse(character.skeleton.joints[static_cast<std::size_t>(joint)].inverse_bind) * Vec3{0, 0, 0};
-  return {p[0], p[1], p[2]};
-}
-
 struct FittedSegment {
   Alignment alignment;  // model world, default pose, to character
   int joint = -1;       // -1: the mapping does not name the segment
@@ -124,7 +119,8 @@ class SideFit {
     for (const auto& [segment_name, joint_name] : map.centres) {
       const auto segment = static_cast<std::size_t>(find_segment(segment_name));
       from.push_back(mirror_ * (pose_.segments[segment] * model_.segments[segment].centre));
-      to.push_back(joint_position(character_, find_joint(joint_name)));
+      const auto joint = static_cast<std::size_t>(find_joint(joint_name));
+      to.emplace_back(bind_place(character_.skeleton, joint).data());
     }
     if (!((from[1] - from[0]).norm() > kShortest && (to[1] - to[0]).norm() > kShortest)) {
       mismatch(mapping_.file + ": the first two centres of '" + map.segments[0] + "' are at the same place");

@@ -6,8 +6,9 @@
 #include <map>
 #include <numeric>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "base/parallel.h"
+#include "geometry/extent.h"
 #include "geometry/surface_pieces.h"
 #include "geometry/vertex_normals.h"
 #include "geometry/weld.h"
@@ -79,7 +80,7 @@ class MeshBinder {
       triangles_.row(static_cast<Eigen::Index>(t)) << welded_of_[a], welded_of_[b], welded_of_[c];
     }
     normals_ = vertex_normals(vertices_, triangles_);
-    size_ = (vertices_.colwise().maxCoeff() - vertices_.colwise().minCoeff()).norm();
+    size_ = box_diagonal(vertices_);
   }
 
   // Has it a size that goes with the character's? Metres.

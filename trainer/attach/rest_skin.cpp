@@ -2,26 +2,18 @@
 
 #include <bit>
 
+#include "geometry/extent.h"
+#include "geometry/table_rows.h"
 #include "geometry/vertex_normals.h"
 
 namespace bodyopt {
-namespace {
-
-template <typename Matrix, typename Scalar>
-Matrix rows_of_three(const std::vector<Scalar>& values) {
-  using Source = Eigen::Matrix<Scalar, Eigen::Dynamic, 3, Eigen::RowMajor>;
-  return Eigen::Map<const Source>(values.data(), static_cast<Eigen::Index>(values.size() / 3), 3)
-      .template cast<typename Matrix::Scalar>();
-}
-
-}  // namespace
 
 RestSkin::RestSkin(const Basis& basis)
     : skeleton_(basis.skeleton),
       ddm_(basis.ddm),
-      vertices_(rows_of_three<Positions>(basis.mesh.rest)),
-      triangles_(rows_of_three<Triangles>(basis.mesh.triangles)),
-      diagonal_((vertices_.colwise().maxCoeff() - vertices_.colwise().minCoeff()).norm()),
+      vertices_(rows_of(basis.mesh.rest)),
+      triangles_(rows_of(basis.mesh.triangles)),
+      diagonal_(box_diagonal(vertices_)),
       search_(vertices_, triangles_) {
   normals_ = vertex_normals(vertices_, triangles_);
   normals_.rowwise().normalize();

@@ -9,6 +9,7 @@
 
 #include "assets/shape_reader.h"
 #include "dataset/regions_file.h"
+#include "geometry/extent.h"
 #include "geometry/surface_pieces.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
@@ -22,10 +23,6 @@ namespace {
 
 // A shape further than this share of the character's size from its skinned rest cannot be a simulation of it.
 constexpr double kBelongs = 0.04;
-
-double size_of(const Positions& vertices) {
-  return (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm();
-}
 
 double rms_distance(const Positions& a, const Positions& b) {
   return std::sqrt((a - b).rowwise().squaredNorm().mean());
@@ -197,7 +194,7 @@ class TakeChecker {
     result_.rest_fit_mm = 1e3 * rms_distance(shape(nearest), skinned(take_.frames[nearest]));
     const double found = fit(same, 0);
     result_.fit_mm = 1e3 * found;
-    const double limit = kBelongs * size_of(character_.vertices);
+    const double limit = kBelongs * box_diagonal(character_.vertices);
     if (found <= limit) return;
 
     std::string cause = "the shapes are of another motion, or their vertices stand in another order";

@@ -6,9 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "base/progress.h"
 #include "geometry/closed_skin.h"
+#include "geometry/extent.h"
 #include "geometry/point_grid.h"
 #include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
@@ -210,7 +211,7 @@ std::string still_joints(const Skeleton& skeleton, const std::vector<bool>& move
 
 std::vector<std::string> remarks_on(const Character& character, const std::vector<Pose>& poses) {
   std::vector<std::string> remarks;
-  const double extent = (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).maxCoeff();
+  const double extent = longest_extent(character.vertices);
   if (extent > kTallest || extent < kSmallest) {
     remarks.push_back("it measures " + rounded(extent) + " m at its longest: if it is not so " +
                       (extent > kTallest ? "large" : "small") + ", say what a unit of its file is (--unit " +

@@ -4,8 +4,9 @@
 #include <cmath>
 
 #include "assets/frame_range.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "dataset/stack_history.h"
+#include "geometry/extent.h"
 #include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/keep_samples.h"
@@ -63,14 +64,10 @@ void name_sculpt(Modifier& modifier, const std::string& take, int frame, const s
   modifier.parameters["spread_degrees"] = spread;
 }
 
-double size_of(const Character& character) {
-  return (character.vertices.colwise().maxCoeff() - character.vertices.colwise().minCoeff()).norm();
-}
-
 std::vector<std::string> sculpt_notes(const Character& character, const Positions& before, const Positions& after) {
   std::vector<std::string> notes;
   const Positions was = vertex_normals(before, character.triangles), is = vertex_normals(after, character.triangles);
-  const double size = size_of(character);
+  const double size = box_diagonal(character.vertices);
   Index far = 0, turned = 0, far_vertex = 0, turned_vertex = 0;
   for (Index v = 0; v < before.rows(); ++v) {
     if ((after.row(v) - before.row(v)).norm() > kTooFar * size && far++ == 0) far_vertex = v;
@@ -233,7 +230,7 @@ std::vector<std::string> add_sculpt(const fs::path& path, const std::string& nam
     const Positions given = welded_from_output(character, mesh.data());
     const UnposedSpace::Frame space = stack.space().frame(database.frames[number].pose);
     const Positions after = unposed ? given : Positions(character.vertices + space.offsets(given));
-    if ((after - exported.skin).rowwise().norm().maxCoeff() < kAsItIs * size_of(character)) {
+    if ((after - exported.skin).rowwise().norm().maxCoeff() < kAsItIs * box_diagonal(character.vertices)) {
       notes = {"the mesh is the frame as it was exported: nothing is changed"};
       return;
     }

@@ -11,7 +11,8 @@
 
 #include "assets/clip_source.h"
 #include "assets/gltf_skin.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
+#include "geometry/extent.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
@@ -230,15 +231,11 @@ std::string face_lines(const Character& character, const SkinSurface& surface) {
   return text;
 }
 
-double size_of(const Positions& positions) {
-  return (positions.colwise().maxCoeff() - positions.colwise().minCoeff()).norm();
-}
-
 // A mesh of another unit is no sculpt, whatever order its vertices have.
 void check_size(const Positions& exported, const Positions& given, const std::filesystem::path& path) {
   constexpr double kLargest = 5;
   if (given.rows() == 0) return;
-  const double own = size_of(exported), found = size_of(given);
+  const double own = box_diagonal(exported), found = box_diagonal(given);
   if (found < kLargest * own && own < kLargest * found) return;
   char text[160];
   std::snprintf(text, sizeof(text),
@@ -256,14 +253,14 @@ FrameMesh made_of(std::span<const WrittenSkin> written, const Positions& given, 
   if (written.size() == 1) return {};
   std::vector<std::size_t> unmoved;
   for (const WrittenSkin& one : written) {
-    unmoved.push_back(vertices_in_place(one.skin, given, kUnmoved * size_of(one.skin)));
+    unmoved.push_back(vertices_in_place(one.skin, given, kUnmoved * box_diagonal(one.skin)));
   }
   const std::size_t best = static_cast<std::size_t>(std::ranges::max_element(unmoved) - unmoved.begin());
   const Positions& taken = written[best].skin;
   FrameMesh mesh{{}, best};
   for (std::size_t k = 0; k < written.size(); ++k) {
     const double apart = (written[k].skin - taken).rowwise().norm().maxCoeff();
-    if (unmoved[k] == unmoved[best] && apart > kUnmoved * size_of(taken)) ++mesh.alike;
+    if (unmoved[k] == unmoved[best] && apart > kUnmoved * box_diagonal(taken)) ++mesh.alike;
   }
   return mesh;
 }
@@ -274,7 +271,7 @@ Positions in_own_order(const Character& character, const TexturedSurface& export
   if (given.vertices.rows() != exported.vertices.rows()) {
     throw Error(ErrorKind::mismatch, both_counts(character, path, found) + likely_cause(character, found));
   }
-  const std::vector<int> match = match_vertices(exported, given, kUnmoved * size_of(exported.vertices));
+  const std::vector<int> match = match_vertices(exported, given, kUnmoved * box_diagonal(exported.vertices));
   Positions result = exported.vertices;
   const auto lost = static_cast<std::size_t>(std::count(match.begin(), match.end(), -1));
   if (lost > 0) {

@@ -26,22 +26,15 @@ std::vector<std::size_t> name_counterparts(const std::vector<std::string>& names
   return counterparts;
 }
 
-std::vector<Vec3> bind_positions(const Skeleton& skeleton) {
-  std::vector<Vec3> positions;
-  for (const Joint& joint : skeleton.joints) positions.push_back(inverse(joint.inverse_bind) * Vec3{0, 0, 0});
-  return positions;
-}
-
 // The joint of the other side's name, or itself; both must lie where the mirror has them.
 std::vector<std::size_t> joint_counterparts(const Skeleton& skeleton, double middle, double size) {
-  const std::vector<Vec3> positions = bind_positions(skeleton);
   std::vector<std::string> names;
   for (const Joint& joint : skeleton.joints) names.push_back(joint.name);
   std::vector<std::size_t> counterparts = name_counterparts(names);
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
     const std::size_t other = counterparts[j];
-    const Vec3 image{2 * middle - positions[j][0], positions[j][1], positions[j][2]};
-    const double apart = length(positions[other] - image);
+    const Vec3 own = bind_place(skeleton, j), image{2 * middle - own[0], own[1], own[2]};
+    const double apart = length(bind_place(skeleton, other) - image);
     if (apart > kJointTolerance * size) {
       throw Error(ErrorKind::mismatch,
                   "symmetry: the mirror image of joint '" + skeleton.joints[j].name + "' is " +

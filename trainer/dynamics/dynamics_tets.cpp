@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "geometry/closed_skin.h"
+#include "geometry/extent.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/tet_quality.h"
 #include "trainer/tets/skin_cage.h"
@@ -58,7 +59,7 @@ void bring_near(std::vector<EmbeddedPoint>& skin) {
 // Nodes of the mended surface that are not where the skin is do not lie on it: they are put among those inside.
 void keep_on_skin(const Positions& vertices, DynamicsTets& tets) {
   TetMesh& mesh = tets.cage.mesh;
-  const double near = kOnSkin * (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).maxCoeff();
+  const double near = kOnSkin * longest_extent(vertices);
   std::vector<int> on, off;
   for (int n = 0; n < mesh.nodes.rows(); ++n) {
     bool is_on = static_cast<std::size_t>(n) < tets.surface.size();

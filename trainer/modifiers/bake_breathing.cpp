@@ -12,6 +12,7 @@
 
 #include "geometry/closed_skin.h"
 #include "geometry/laplacian.h"
+#include "geometry/table_rows.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 #include "trainer/modifiers/bake_modifier.h"
@@ -107,7 +108,7 @@ Eigen::Vector3d belly_motion(const Torso& torso, const TorsoSlices& slices, cons
 template <typename Motion>
 Positions litre_of(const BakeInput& input, const Positions& rest, const Torso& torso, const SkinSmoother& smoother,
                    const Motion& motion) {
-  const Triangles triangles = rest_triangles(input.basis);
+  const Triangles triangles = rows_of(input.basis.mesh.triangles);
   Positions field(rest.rows(), 3);
   for (Eigen::Index v = 0; v < rest.rows(); ++v) {
     field.row(v) = torso.share[v] * motion(rest.row(v).transpose()).transpose();
@@ -143,9 +144,9 @@ void add_shoulders(const Basis& basis, const Torso& torso, double litres, BakedM
 BakedModifier bake_breathing(const BakeInput& input) {
   if (input.parameters.has("dataset") || input.parameters.has("take")) return bake_learnt_breathing(input);
   const Torso torso = find_torso(input.basis, input.place);
-  const Positions rest = rest_positions(input.basis);
+  const Positions rest = rows_of(input.basis.mesh.rest);
   const TorsoSlices slices(rest, torso);
-  const SkinSmoother smoother(rest, rest_triangles(input.basis), 0.03 * torso.length);
+  const SkinSmoother smoother(rest, rows_of(input.basis.mesh.triangles), 0.03 * torso.length);
   const double litres = std::pow(torso.length / kManTorso, 3);
   BakedModifier baked;
   baked.components.push_back(

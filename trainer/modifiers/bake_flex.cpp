@@ -6,8 +6,9 @@
 #include <numbers>
 
 #include "assets/muscles.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "geometry/laplacian.h"
+#include "geometry/table_rows.h"
 #include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
 #include "trainer/modifiers/bake_modifier.h"
@@ -55,8 +56,8 @@ BakedModifier bake_flex(const BakeInput& input) {
   if (!wanted.empty() && std::ranges::find(names, wanted) == names.end()) {
     input.parameters.refuse("flexes the muscle '" + wanted + "'; " + path.string() + " has " + list_names(names));
   }
-  const Positions rest = rest_positions(input.basis);
-  const Triangles triangles = rest_triangles(input.basis);
+  const Positions rest = rows_of(input.basis.mesh.rest);
+  const Triangles triangles = rows_of(input.basis.mesh.triangles);
   const Positions normals = vertex_normals(rest, triangles).rowwise().normalized();
   Eigen::VectorXd out = Eigen::VectorXd::Zero(rest.rows());
   double radius = 0;

@@ -3,6 +3,7 @@
 
 #include "assets/character.h"
 #include "dataset/dataset.h"
+#include "geometry/table_rows.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/shape_stack.h"
 #include "trainer/modifiers/bake_modifier.h"
@@ -43,7 +44,7 @@ BakedModifier bake_learnt_breathing(const BakeInput& input) {
     offsets.push_back(unpose_ddm(input.basis, pose, shape) - unpose_ddm(input.basis, pose, skin({&pose, 1})[0]));
   }
   const LearntBreath breath =
-      learn_breath(rest_positions(input.basis), rest_triangles(input.basis), offsets, input.place);
+      learn_breath(rows_of(input.basis.mesh.rest), rows_of(input.basis.mesh.triangles), offsets, input.place);
   char text[64];
   std::snprintf(text, sizeof text, "%zu frames: %.2f litres a breath", offsets.size(), breath.litres);
   input.notes.push_back(input.place + " is learnt of " + text);

@@ -38,10 +38,6 @@ BakedModifier bake_sag(const BakeInput& input);
 BakedModifier bake_relax(const BakeInput& input);
 BakedModifier bake_push_out(const BakeInput& input);
 
-// V x 3, in runtime order, of V welded vertices.
-Positions rest_positions(const Basis& basis);
-Triangles rest_triangles(const Basis& basis);
-
 // An artist's mesh: a PC2 cache of one sample, or a glTF character, with the vertices of the basis' character. V x 3,
 // metres. Throws Error(file), and Error(mismatch) for another topology.
 Positions read_modifier_shape(const BakeInput& input, const char* key);

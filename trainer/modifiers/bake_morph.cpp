@@ -1,5 +1,6 @@
 // Morph: what a morph target, or a mesh at rest, moves. At rest un-posed space is rest space.
 #include "assets/gltf_skin.h"
+#include "geometry/table_rows.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
 #include "trainer/modifiers/bake_modifier.h"
@@ -33,7 +34,7 @@ BakedModifier bake_morph(const BakeInput& input) {
   }
   BakedModifier baked;
   const bool of_mesh = input.parameters.has("mesh");
-  baked.components.push_back(of_mesh ? Positions(read_modifier_shape(input, "mesh") - rest_positions(input.basis))
+  baked.components.push_back(of_mesh ? Positions(read_modifier_shape(input, "mesh") - rows_of(input.basis.mesh.rest))
                                      : target_motion(input));
   return baked;
 }

@@ -1,5 +1,7 @@
 // Push-out: which joints fold skin, and which skin may lie in such a fold: what stands within two of the bone's lengths
 // around the joint. What crosses is found by the kernel (shaders/include/fold.h).
+#include "geometry/extent.h"
+#include "geometry/table_rows.h"
 #include "runtime/core/error.h"
 #include "runtime/host/fold_joints.h"
 #include "trainer/modifiers/bake_modifier.h"
@@ -17,7 +19,7 @@ constexpr double kShortestBone = 0.05;
 bool has_both_sides(const Basis& basis, std::uint32_t joint, const Vec3& place, double reach) {
   const std::vector<char> below = at_or_below(basis.skeleton, joint);
   bool sides[2] = {false, false};
-  const Positions rest = rest_positions(basis);
+  const Positions rest = rows_of(basis.mesh.rest);
   for (Eigen::Index v = 0; v < rest.rows(); ++v) {
     const Vec3 way = Vec3{rest(v, 0), rest(v, 1), rest(v, 2)} - place;
     if (length(way) < reach) sides[below[basis.ddm.vertices[static_cast<std::size_t>(v)].base_joint] ? 1 : 0] = true;
@@ -29,8 +31,8 @@ bool has_both_sides(const Basis& basis, std::uint32_t joint, const Vec3& place, 
 
 BakedModifier bake_push_out(const BakeInput& input) {
   const Basis& basis = input.basis;
-  const Positions rest = rest_positions(basis);
-  const double body = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
+  const Positions rest = rows_of(basis.mesh.rest);
+  const double body = longest_extent(rest);
   BakedModifier baked;
   baked.numbers.push_back(static_cast<float>(1e-3 * bake_number(input, "limit_mm", 80, 0, 1000)));
   for (std::uint32_t joint = 0; joint < basis.skeleton.size(); ++joint) {

@@ -1,6 +1,7 @@
 // Sag: how far soft parts hang by the dynamics' tables, for a difference of gravity along each axis of every joint.
 #include <algorithm>
 
+#include "geometry/table_rows.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
@@ -46,10 +47,7 @@ Positions hanging_skin(const Basis& basis, Dynamics& dynamics, int axis, bool& s
   std::ranges::fill(dynamics.tets.skin_limit, kNoLimit);
   std::vector<float> moved(basis.mesh.rest.size());
   cpu::jiggle_skin(dynamics.tets, basis.mesh.rest, hanging(dynamics, axis, settled), 1, moved);
-  const auto rows = static_cast<Eigen::Index>(basis.mesh.vertex_count());
-  return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(moved.data(), rows, 3)
-             .cast<double>() -
-         rest_positions(basis);
+  return rows_of(moved) - rows_of(basis.mesh.rest);
 }
 
 }  // namespace

@@ -4,9 +4,9 @@
 #include <set>
 
 #include "assets/character.h"
-#include "assets/notes.h"
 #include "assets/shape_reader.h"
 #include "assets/shot_modifiers.h"
+#include "assets/wording.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
 #include "trainer/modifiers/bake_modifier.h"
@@ -101,17 +101,6 @@ SkinModifiers bake_stack(const std::filesystem::path& path, const Basis& basis, 
   if (stack.stack.empty()) top.refuse("has no modifiers");
   pack_components(components, basis.mesh.vertex_count(), stack);
   return stack;
-}
-
-Positions rest_positions(const Basis& basis) {
-  return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(basis.mesh.rest.data(),
-                                                                                    basis.mesh.vertex_count(), 3)
-      .cast<double>();
-}
-
-Triangles rest_triangles(const Basis& basis) {
-  return Eigen::Map<const Triangles>(basis.mesh.triangles.data(),
-                                     static_cast<Eigen::Index>(basis.mesh.triangles.size() / 3), 3);
 }
 
 Positions read_modifier_shape(const BakeInput& input, const char* key) {

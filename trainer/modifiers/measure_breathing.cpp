@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/closed_skin.h"
+#include "geometry/table_rows.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/modifiers/bake_modifier.h"
@@ -63,9 +64,7 @@ Positions breathed_in(const Basis& basis, const SkinModifier& modifier, double c
   weights.at(modifier.first_component + 1) = static_cast<float>(belly);
   std::vector<float> offsets(3 * std::size_t{basis.mesh.vertex_count()});
   cpu::modify_blend(basis.modifiers, weights, 1, offsets);
-  return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(offsets.data(),
-                                                                                    basis.mesh.vertex_count(), 3)
-      .cast<double>();
+  return rows_of(offsets);
 }
 
 // The weights of chest and belly at the top of the deepest breath of a minute.
@@ -85,8 +84,8 @@ std::array<double, 2> deepest_breath(const Basis& basis, const SkinModifier& mod
 
 std::vector<BreathMeasure> measure_breathing(const Basis& basis, const SkinModifier& modifier) {
   const Torso torso = find_torso(basis, "the modifier '" + modifier.name + "'");
-  const Positions rest = rest_positions(basis);
-  const Triangles triangles = rest_triangles(basis);
+  const Positions rest = rows_of(basis.mesh.rest);
+  const Triangles triangles = rows_of(basis.mesh.triangles);
   std::vector<BreathMeasure> measures;
   for (const auto& [name, exertion] : {std::pair("quiet", 0.0f), std::pair("deep", 1.0f)}) {
     const auto [chest, belly] = deepest_breath(basis, modifier, exertion);

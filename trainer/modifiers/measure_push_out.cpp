@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "geometry/skin_in_skin.h"
+#include "geometry/table_rows.h"
 #include "geometry/thickness.h"
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/drive_modifiers.h"
@@ -36,7 +37,7 @@ std::optional<Pose> bent_pose(const Skeleton& skeleton, std::uint32_t joint) {
 
 // J: is the bone longer than the skin that goes with it is thick? A neck's or a spine's does not fold, it is crushed.
 std::vector<char> slender_joints(const Basis& basis) {
-  const Eigen::VectorXd thick = thickness(rest_positions(basis), rest_triangles(basis));
+  const Eigen::VectorXd thick = thickness(rows_of(basis.mesh.rest), rows_of(basis.mesh.triangles));
   std::vector<double> sum(basis.skeleton.size(), 0), count(sum);
   for (std::uint32_t v = 0; v < basis.mesh.vertex_count(); ++v) {
     sum[basis.ddm.vertices[v].base_joint] += thick[v];
@@ -59,8 +60,8 @@ void FoldMeasure::add(const FoldMeasure& other) {
 }
 
 FoldJudge::FoldJudge(const Basis& basis)
-    : basis_(basis), triangles_(rest_triangles(basis)), shown_(basis), kept_(basis.mesh.vertex_count(), 0) {
-  for (const BuriedVertex& buried : skin_in_skin(rest_positions(basis), triangles_)) kept_[buried.vertex] = 1;
+    : basis_(basis), triangles_(rows_of(basis.mesh.triangles)), shown_(basis), kept_(basis.mesh.vertex_count(), 0) {
+  for (const BuriedVertex& buried : skin_in_skin(rows_of(basis.mesh.rest), triangles_)) kept_[buried.vertex] = 1;
 }
 
 std::vector<FoldMeasure> FoldJudge::operator()(std::span<const Pose> poses) {

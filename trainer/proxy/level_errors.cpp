@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "base/parallel.h"
+#include "geometry/table_rows.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/carry_skin.h"
 #include "runtime/threads/tbb_executor.h"
@@ -11,14 +12,6 @@
 #include "trainer/train/data/unposed_shapes.h"
 
 namespace bodyopt {
-namespace {
-
-std::vector<float> to_float(const Positions& positions) {
-  return {positions.data(), positions.data() + positions.size()};
-}
-
-}  // namespace
-
 double carried_rms_mm(const Level& level, const Character& full, const std::vector<Sample>& samples,
                       const std::vector<Sample>& proxy) {
   const MeshTable& mesh = level.basis.mesh;
@@ -48,7 +41,7 @@ ErrorStatistics level_errors(const Level& level, const Character& full, const st
     const Evaluation frame = deformer.evaluate({&sample.pose, 1});
     const std::vector<float> carried =
         carry_skin(level.basis.mesh, level.carried, frame.positions, frame.normals, *threads);
-    errors.add(sample.frame, to_float(welded_from_output(full, carried.data())), to_float(sample.shape.read()));
+    errors.add(sample.frame, floats_of(welded_from_output(full, carried.data())), floats_of(sample.shape.read()));
   }
   return errors.finish();
 }

@@ -7,22 +7,13 @@
 
 #include "base/parallel.h"
 #include "geometry/nearest_skin.h"
+#include "geometry/table_rows.h"
 #include "geometry/vertex_normals.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/carry_skin.h"
 
 namespace bodyopt {
 namespace {
-
-Positions rows_of(const std::vector<float>& values) {
-  return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-             values.data(), static_cast<Eigen::Index>(values.size() / 3), 3)
-      .cast<double>();
-}
-
-Triangles rows_of(const std::vector<std::uint32_t>& corners) {
-  return Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
-}
 
 std::vector<float> in_output_order(const MeshTable& mesh, std::span<const float> values) {
   std::vector<float> result;

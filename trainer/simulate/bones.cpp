@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "geometry/extent.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/thickness.h"
 
@@ -62,11 +63,6 @@ bool inside(const Capsule& capsule, const Eigen::Vector3d& point) {
   return (capsule.head + u * axis - point).squaredNorm() < radius * radius;
 }
 
-Eigen::Vector3d bind_position(const Joint& joint) {
-  const Affine bind = inverse(joint.inverse_bind);
-  return {bind.m[0][3], bind.m[1][3], bind.m[2][3]};
-}
-
 // The end of a joint without children: along the mean of the skin it carries.
 Eigen::Vector3d end_position(const Character& character, std::uint32_t joint, const Eigen::Vector3d& head) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -93,17 +89,18 @@ std::vector<std::vector<Capsule>> make_capsules(const Character& character) {
   const double shortest = 1e-4;  // metres: joints in one place have no bone between them
   std::vector<std::vector<Capsule>> capsules(joints.size());
   std::vector<bool> has_child(joints.size(), false);
-  for (const Joint& joint : joints) {
-    if (joint.parent < 0) continue;
-    const auto parent = static_cast<std::size_t>(joint.parent);
+  const auto place = [&](std::size_t joint) { return Eigen::Vector3d(bind_place(character.skeleton, joint).data()); };
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (joints[j].parent < 0) continue;
+    const auto parent = static_cast<std::size_t>(joints[j].parent);
     has_child[parent] = true;
-    const Eigen::Vector3d head = bind_position(joints[parent]), tail = bind_position(joint);
+    const Eigen::Vector3d head = place(parent), tail = place(j);
     if ((tail - head).norm() < shortest) continue;
     capsules[parent].push_back(make_capsule(character.vertices, head, tail, joints[parent].parent >= 0, true));
   }
   for (std::size_t j = 0; j < joints.size(); ++j) {
     if (has_child[j]) continue;
-    const Eigen::Vector3d head = bind_position(joints[j]);
+    const Eigen::Vector3d head = place(j);
     const Eigen::Vector3d tail = end_position(character, static_cast<std::uint32_t>(j), head);
     if ((tail - head).norm() < shortest) continue;
     capsules[j].push_back(make_capsule(character.vertices, head, tail, joints[j].parent >= 0, false));
@@ -196,7 +193,7 @@ std::vector<BonePoint> find_bones(const Cage& cage, const Character& character, 
   Eigen::VectorXd core_depth = Eigen::VectorXd::Zero(weights.cols());
   for (const JointSample& sample : samples) core_depth[sample.joint] = std::max(core_depth[sample.joint], sample.depth);
   const Positions& skin = character.vertices;
-  const double digit = kDigit * (skin.colwise().maxCoeff() - skin.colwise().minCoeff()).maxCoeff();
+  const double digit = kDigit * longest_extent(skin);
   std::vector<BonePoint> points;
   std::vector<bool> has_bone(static_cast<std::size_t>(weights.cols()), false);
   const auto add = [&](std::size_t k) {

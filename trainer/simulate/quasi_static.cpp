@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "geometry/closed_skin.h"
+#include "geometry/extent.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "runtime/host/rig.h"
@@ -260,7 +261,7 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
     force_floor_ += std::pow(kStrainFloor * tets[t].mu * area, 2);
   }
   force_floor_ = std::sqrt(force_floor_);
-  max_move_ = kMaxMove * (mesh_.nodes.colwise().maxCoeff() - mesh_.nodes.colwise().minCoeff()).maxCoeff();
+  max_move_ = kMaxMove * longest_extent(mesh_.nodes);
   hash_ = body_hash(character, muscles, materials, mesh_, cage != nullptr);
 }
 
@@ -373,6 +374,22 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
   return solved;
 }
 
+// Where tets stay inverted, a firmer barrier turns them, if it can.
+void QuasiStaticBody::settle_upright(const Target& at, const Tissue::BarrierShape& barrier, SolvedPose& solved) const {
+  MinimiseResult result = settle(at, barrier, solved.nodes);
+  solved.status.iterations += result.iterations;
+  if (result.residual < kTolerance && tissue_->inverted(solved.nodes).tets > 0) {
+    Positions upright = solved.nodes;
+    const MinimiseResult again = settle(at, Tissue::kFirmBarrier, upright);
+    solved.status.iterations += again.iterations;
+    if (again.residual < kTolerance && tissue_->inverted(upright).tets == 0) {
+      result = again;
+      solved.nodes = std::move(upright);
+    }
+  }
+  solved.status.residual = result.residual;
+}
+
 // step_size: of the largest steps allowed.
 SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const double> flex, double step_size,
                                     const Tissue::BarrierShape& barrier) const {
@@ -407,18 +424,7 @@ SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const 
       if (next < 1 || !last) {
         solved.status.iterations += follow(there, barrier, nodes);
       } else {
-        MinimiseResult result = settle(there, barrier, nodes);
-        solved.status.iterations += result.iterations;
-        if (result.residual < kTolerance && tissue_->inverted(nodes).tets > 0) {
-          Positions upright = nodes;
-          const MinimiseResult again = settle(there, Tissue::kFirmBarrier, upright);
-          solved.status.iterations += again.iterations;
-          if (again.residual < kTolerance && tissue_->inverted(upright).tets == 0) {
-            result = again;
-            nodes = std::move(upright);
-          }
-        }
-        solved.status.residual = result.residual;
+        settle_upright(there, barrier, solved);
       }
       here = std::move(there);
       at = next;

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "geometry/closed_skin.h"
+#include "geometry/extent.h"
 #include "geometry/fill_holes.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/self_intersections.h"
@@ -79,7 +80,7 @@ std::vector<std::uint32_t> merge_open_edges(const Positions& vertices, const Tri
     places.push_back({vertices(v, 0), vertices(v, 1), vertices(v, 2)});
   }
   if (open.empty()) return first;
-  const double diagonal = (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm();
+  const double diagonal = box_diagonal(vertices);
   const SkinWeights any(open.size());  // whatever their joints
   const std::optional<Weld> weld = weld_vertices(places, any, kMergeDistance * diagonal);
   if (!weld) return first;
@@ -305,10 +306,6 @@ std::string counted(Eigen::Index count, const char* one, const char* many) {
 }
 
 }  // namespace
-
-bool FillableSkin::is_as_it_was() const {
-  return intersections == 0 && turned == 0 && filled == 0 && merged == 0 && doubled == 0 && riders.empty();
-}
 
 std::string FillableSkin::mending() const {
   std::string text;

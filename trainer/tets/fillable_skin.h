@@ -23,7 +23,6 @@ struct FillableSkin {
   std::vector<std::uint32_t> riders;     // a vertex of every piece that rides
   double farthest = 0;                   // that a vertex was moved, metres
 
-  bool is_as_it_was() const;
   // One sentence of what was done; empty: nothing.
   std::string mending() const;
 };

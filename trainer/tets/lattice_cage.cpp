@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "geometry/extent.h"
 #include "runtime/core/error.h"
 #include "trainer/tets/voxels.h"
 
@@ -278,7 +279,7 @@ class CageMaker {
 };
 
 double voxel_count(const Positions& vertices, double cell) {
-  const Eigen::RowVector3d box = vertices.colwise().maxCoeff() - vertices.colwise().minCoeff();
+  const Eigen::RowVector3d box = box_sides(vertices);
   return (box.array() / cell + 1).prod() * std::pow(kSubdivision, 3);
 }
 
@@ -296,8 +297,7 @@ Cage lattice_cage(const Positions& vertices, const Triangles& triangles, Eigen::
   require_mesh(vertices, triangles);
   constexpr int kAttempts = 12;
   constexpr double kCloseEnough = 0.97, kPower = 1.0 / 2.4;  // nodes fall about with the power -2.4 of the cell
-  const Eigen::RowVector3d box = vertices.colwise().maxCoeff() - vertices.colwise().minCoeff();
-  double cell = box.norm() / 20, coarsest_too_fine = 0;
+  double cell = box_diagonal(vertices) / 20, coarsest_too_fine = 0;
   std::optional<double> best;
   for (int attempt = 0; attempt < kAttempts || !best; ++attempt) {
     if (voxel_count(vertices, cell) > kMostVoxels) {

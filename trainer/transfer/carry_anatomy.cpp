@@ -3,11 +3,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
+#include "geometry/table_rows.h"
 #include "runtime/host/rig.h"
 #include "trainer/transfer/joint_warp.h"
 #include "trainer/transfer/sure_places.h"
-#include "trainer/transfer/table_rows.h"
 
 namespace bodyopt {
 namespace {

@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "geometry/extent.h"
 #include "geometry/laplacian.h"
+#include "geometry/table_rows.h"
 #include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/ddm_frames.h"
@@ -13,7 +15,6 @@
 #include "trainer/transfer/joint_shares.h"
 #include "trainer/transfer/joint_warp.h"
 #include "trainer/transfer/register_skin.h"
-#include "trainer/transfer/table_rows.h"
 
 namespace bodyopt {
 namespace {
@@ -44,10 +45,6 @@ bool have_same_output(const MeshTable& a, const MeshTable& b) {
   return a.output_count() == b.output_count() && a.output_triangles == b.output_triangles;
 }
 
-double largest_extent(const Positions& skin) {
-  return (skin.colwise().maxCoeff() - skin.colwise().minCoeff()).maxCoeff();
-}
-
 void require_marker(std::uint32_t number, const MeshTable& mesh, const char* whose) {
   if (number < mesh.output_count()) return;
   throw Error(ErrorKind::mismatch, "a marker names vertex " + std::to_string(number) + " of the " + whose +
@@ -58,7 +55,7 @@ void require_marker(std::uint32_t number, const MeshTable& mesh, const char* who
 // Clicks on the vertex of that number, or beside it, say nothing new.
 bool agree_with_numbers(const std::vector<SkinMarker>& markers, const Basis& target, const Positions& skin) {
   const auto place = [&](std::uint32_t number) { return skin.row(target.mesh.output_vertex[number]); };
-  const double near = kNear * largest_extent(skin);
+  const double near = kNear * longest_extent(skin);
   return std::ranges::all_of(
       markers, [&](const SkinMarker& marker) { return (place(marker.source) - place(marker.target)).norm() <= near; });
 }
@@ -149,7 +146,7 @@ void match_by_place(const Basis& source, const Basis& target, const JointShares&
     const Eigen::RowVector3d nearest = result.at[static_cast<std::size_t>(v)].position.transpose();
     result.distance[v] = (nearest - result.target.row(v)).norm();
   }
-  const double near = kNear * largest_extent(result.target);
+  const double near = kNear * longest_extent(result.target);
   result.confidence = result.alike.array() * (-(result.distance / near).array().square()).exp();
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "geometry/extent.h"
 #include "geometry/laplacian.h"
 
 namespace bodyopt {
@@ -11,15 +12,11 @@ namespace {
 // 0.5, 1 and 3 this left the least between two builds of one human (docs/benchmarks.md).
 constexpr double kReach = 0.1;
 
-double extent_of(const Positions& vertices) {
-  return vertices.rows() == 0 ? 0 : (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).maxCoeff();
-}
-
 // Lengths of the target over those of the source, around every vertex, smoothed over a tenth of the reach.
 Eigen::VectorXd local_sizes(const Positions& source, const Positions& target, const Triangles& triangles) {
   const Eigen::VectorXd ratios =
       (lumped_areas(target, triangles).array() / lumped_areas(source, triangles).array()).sqrt();
-  return smoothed(target, triangles, ratios, 0.1 * kReach * extent_of(target));
+  return smoothed(target, triangles, ratios, 0.1 * kReach * longest_extent(target));
 }
 
 Eigen::SparseMatrix<double> stiffness(const std::vector<HatGradients>& gradients, const Triangles& triangles,
@@ -45,7 +42,7 @@ Eigen::SparseMatrix<double> stiffness(const std::vector<HatGradients>& gradients
 DeformationTransfer::DeformationTransfer(const Positions& source, const Positions& target, const Triangles& triangles,
                                          TransferSize size)
     : triangles_(triangles) {
-  const double reach = kReach * extent_of(target);
+  const double reach = kReach * longest_extent(target);
   const Eigen::VectorXd sizes = local_sizes(source, target, triangles);
   sizes_ = size == TransferSize::local ? sizes : Eigen::VectorXd::Ones(target.rows());
   anchors_ = lumped_areas(target, triangles) / (reach * reach);

@@ -1,8 +1,8 @@
 #include "trainer/transfer/joint_warp.h"
 
+#include "geometry/table_rows.h"
 #include "runtime/host/rig.h"
 #include "trainer/transfer/joint_shares.h"
-#include "trainer/transfer/table_rows.h"
 
 namespace bodyopt {
 namespace {

@@ -2,9 +2,9 @@
 
 #include "assets/frame_range.h"
 #include "geometry/closed_skin.h"
+#include "geometry/table_rows.h"
 #include "runtime/basis/output_order.h"
 #include "trainer/train/coverage/coverage.h"
-#include "trainer/transfer/table_rows.h"
 
 namespace bodyopt {
 namespace {

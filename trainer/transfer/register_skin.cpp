@@ -5,10 +5,11 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "geometry/extent.h"
 #include "geometry/laplacian.h"
+#include "geometry/table_rows.h"
 #include "geometry/vertex_normals.h"
 #include "trainer/transfer/joint_warp.h"
-#include "trainer/transfer/table_rows.h"
 
 namespace bodyopt {
 namespace {
@@ -33,7 +34,7 @@ class NonRigidFit {
         areas_(lumped_areas(start_, triangles_)),
         goal_normals_(vertex_normals(goal, goal_triangles_)),
         nearest_(goal_, goal_triangles_),
-        extent_((goal.colwise().maxCoeff() - goal.colwise().minCoeff()).maxCoeff()),
+        extent_(longest_extent(goal)),
         pulls_(Eigen::VectorXd::Zero(start_.rows())),
         places_(start_) {}
 

@@ -1,6 +1,6 @@
 #include "trainer/transfer/skin_transfer.h"
 
-#include "trainer/transfer/table_rows.h"
+#include "geometry/table_rows.h"
 
 namespace bodyopt {
 

@@ -1,7 +1,7 @@
 #include "trainer/transfer/sure_places.h"
 
+#include "geometry/table_rows.h"
 #include "trainer/transfer/joint_warp.h"
-#include "trainer/transfer/table_rows.h"
 
 namespace bodyopt {
 

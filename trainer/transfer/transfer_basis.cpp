@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/matched_joints.h"
+#include "geometry/table_rows.h"
 #include "trainer/train/features/features.h"
 #include "trainer/transfer/carried_features.h"
 #include "trainer/transfer/sure_places.h"
-#include "trainer/transfer/table_rows.h"
 #include "trainer/transfer/transfer_columns.h"
 
 namespace bodyopt {

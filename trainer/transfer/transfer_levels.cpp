@@ -4,13 +4,13 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
+#include "geometry/table_rows.h"
 #include "runtime/core/error.h"
 #include "trainer/proxy/build_proxy.h"
 #include "trainer/proxy/skin_map.h"
 #include "trainer/train/skinning/mesh_table.h"
 #include "trainer/transfer/own_level_skins.h"
-#include "trainer/transfer/table_rows.h"
 #include "trainer/transfer/transfer_basis.h"
 
 namespace bodyopt {

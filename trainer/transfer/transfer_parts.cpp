@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "geometry/laplacian.h"
+#include "geometry/table_rows.h"
 #include "trainer/transfer/joint_shares.h"
-#include "trainer/transfer/table_rows.h"
 
 namespace bodyopt {
 namespace {

@@ -60,6 +60,12 @@ SampleSet read_samples(const Dataset& dataset) {
   return set;
 }
 
+std::vector<Pose> training_poses(const SampleSet& set) {
+  std::vector<Pose> poses;
+  for (const Sample& sample : set.train) poses.push_back(sample.pose);
+  return poses;
+}
+
 void check_samples(const SampleSet& set) {
   if (set.train.size() < kFewestFrames) {
     throw Error(ErrorKind::mismatch, "training needs " + std::to_string(kFewestFrames) +

@@ -39,6 +39,9 @@ struct SampleSet {
 };
 SampleSet read_samples(const Dataset& dataset);
 
+// Poses of the training frames.
+std::vector<Pose> training_poses(const SampleSet& set);
+
 // "frame 12 of take 'rom'".
 std::string frame_name(const SampleSet& set, const Sample& sample);
 

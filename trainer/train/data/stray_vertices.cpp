@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "geometry/extent.h"
 #include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {

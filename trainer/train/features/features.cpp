@@ -15,11 +15,11 @@ namespace {
 // but its leaving the trained range must show.
 constexpr double kLeastDeviation = 1e-3;
 
-std::vector<float> strains_of(const Basis& basis, const RigFrame& rig) {
-  std::vector<float> positions(3 * basis.strain.vertices.size()), strains(basis.strain.fibre_count());
-  cpu::strain_skin(basis.ddm, basis.strain, static_cast<std::uint32_t>(basis.skeleton.size()), rig.learned_skinning,
+std::vector<float> strains_of(const Basis& basis, const StrainTable& fibres, const RigFrame& rig) {
+  std::vector<float> positions(3 * fibres.vertices.size()), strains(fibres.fibre_count());
+  cpu::strain_skin(basis.ddm, fibres, static_cast<std::uint32_t>(basis.skeleton.size()), rig.learned_skinning,
                    positions);
-  cpu::strain_measure(basis.strain, positions, strains);
+  cpu::strain_measure(fibres, positions, strains);
   return strains;
 }
 
@@ -27,7 +27,7 @@ std::vector<float> strains_of(const Basis& basis, const RigFrame& rig) {
 std::vector<float> raw_features(const Basis& basis, const Pose& pose, std::size_t control_count) {
   const RigFrame rig = pose_rig(basis.skeleton, pose);
   std::vector<float> raw = rig.joint_features;
-  const std::vector<float> strains = strains_of(basis, rig);
+  const std::vector<float> strains = strains_of(basis, basis.strain, rig);
   raw.insert(raw.end(), strains.begin(), strains.end());
   raw.insert(raw.end(), pose.controls.begin(), pose.controls.end());
   raw.resize(rig.joint_features.size() + strains.size() + control_count, 0.0f);
@@ -59,7 +59,11 @@ std::vector<std::uint32_t> varying_features(const Eigen::MatrixXd& features, std
 }
 
 std::vector<float> measure_strains(const Basis& basis, const Pose& pose) {
-  return strains_of(basis, pose_rig(basis.skeleton, pose));
+  return measure_strains(basis, basis.strain, pose);
+}
+
+std::vector<float> measure_strains(const Basis& basis, const StrainTable& fibres, const Pose& pose) {
+  return strains_of(basis, fibres, pose_rig(basis.skeleton, pose));
 }
 
 FeatureSamples measure_features(const Basis& basis, std::span<const Pose* const> poses, const KnownFeatures& known) {

@@ -34,7 +34,8 @@ FeatureSamples measure_features(const Basis& basis, std::span<const Pose* const>
 // Those of `count` standardised features (N x F) from `begin` on that vary by more than noise, ascending.
 std::vector<std::uint32_t> varying_features(const Eigen::MatrixXd& features, std::uint32_t begin, std::uint32_t count);
 
-// Strains of one pose, S.
+// Strains of one pose, S: of the basis' fibres, or of others on its skin, for which it needs skeleton and ddm alone.
 std::vector<float> measure_strains(const Basis& basis, const Pose& pose);
+std::vector<float> measure_strains(const Basis& basis, const StrainTable& fibres, const Pose& pose);
 
 }  // namespace bodyopt

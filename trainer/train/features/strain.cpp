@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "geometry/nearest_skin.h"
+#include "geometry/table_rows.h"
 #include "trainer/train/features/features.h"
 
 namespace bodyopt {
@@ -143,12 +144,8 @@ class TableBuilder {
 
 StrainTable make_strain_table(const Basis& basis, const std::vector<Muscle>& muscles) {
   TableBuilder builder;
-  const auto rows = [](std::size_t size) { return static_cast<Eigen::Index>(size / 3); };
-  const Positions rest = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-                             basis.mesh.rest.data(), rows(basis.mesh.rest.size()), 3)
-                             .cast<double>();
-  const Triangles triangles =
-      Eigen::Map<const Triangles>(basis.mesh.triangles.data(), rows(basis.mesh.triangles.size()), 3);
+  const Positions rest = rows_of(basis.mesh.rest);
+  const Triangles triangles = rows_of(basis.mesh.triangles);
   if (triangles.rows() == 0) return builder.take();
   const NearestSkin nearest(rest, triangles);
   for (const Muscle& muscle : muscles) {
@@ -159,15 +156,12 @@ StrainTable make_strain_table(const Basis& basis, const std::vector<Muscle>& mus
       if (length_of(fibre) > kShortest) builder.add(muscle.name + "/" + std::to_string(k + 1), fibre);
     }
   }
-  Basis measured;
-  measured.skeleton = basis.skeleton;
-  measured.ddm = basis.ddm;
-  measured.strain = builder.take();
+  StrainTable table = builder.take();
   // With a rest length of 1 m the strain is the length less one.
-  for (std::size_t k = 0; const float strain : measure_strains(measured, bind_pose(basis.skeleton))) {
-    measured.strain.rest_length[k++] = 1 + strain;
+  for (std::size_t k = 0; const float strain : measure_strains(basis, table, bind_pose(basis.skeleton))) {
+    table.rest_length[k++] = 1 + strain;
   }
-  return measured.strain;
+  return table;
 }
 
 StrainTable keep_fibres(const StrainTable& strain, const std::vector<std::uint32_t>& kept) {

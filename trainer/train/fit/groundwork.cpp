@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "geometry/extent.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/features/learned_features.h"
 #include "trainer/train/features/strain.h"

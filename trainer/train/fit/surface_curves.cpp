@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/single_threaded_products.h"
+#include "geometry/extent.h"
 #include "geometry/laplacian.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/vertex_normals.h"
@@ -57,10 +58,7 @@ LeftMotion left_by_linear_map(const SampleSet& set, const Groundwork& ground) {
 
 // The direction of the bone that begins at a joint, or ends there; zero for a joint alone.
 Eigen::Vector3d bone_direction(const Skeleton& skeleton, std::uint32_t joint) {
-  const auto place = [&](std::size_t j) {
-    const Affine bind = inverse(skeleton.joints[j].inverse_bind);
-    return Eigen::Vector3d(bind.m[0][3], bind.m[1][3], bind.m[2][3]);
-  };
+  const auto place = [&](std::size_t j) { return Eigen::Vector3d(bind_place(skeleton, j).data()); };
   Eigen::Vector3d longest = Eigen::Vector3d::Zero();
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
     if (skeleton.joints[j].parent != static_cast<int>(joint)) continue;

@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 
+#include "geometry/table_rows.h"
 #include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
@@ -56,17 +57,13 @@ std::vector<int> sample_numbers(const std::vector<Sample>& samples) {
   return numbers;
 }
 
-std::vector<float> to_float(const Positions& positions) {
-  return {positions.data(), positions.data() + positions.size()};
-}
-
 }  // namespace
 
 ErrorStatistics heldout_errors(const SampleSet& set, const std::vector<Positions>& shapes) {
   ErrorAccumulator accumulator(static_cast<std::uint32_t>(set.character.vertices.rows()));
   const std::vector<int> numbers = sample_numbers(set.heldout);
   for (std::size_t k = 0; k < shapes.size(); ++k) {
-    accumulator.add(numbers[k], to_float(shapes[k]), to_float(set.heldout[k].shape.read()));
+    accumulator.add(numbers[k], floats_of(shapes[k]), floats_of(set.heldout[k].shape.read()));
   }
   return accumulator.finish();
 }

@@ -114,11 +114,6 @@ Positions fibre_points(const Basis& basis, std::uint32_t fibre) {
   return points;
 }
 
-Eigen::RowVector3d joint_position(const Joint& joint) {
-  const Affine bind = inverse(joint.inverse_bind);
-  return {bind.m[0][3], bind.m[1][3], bind.m[2][3]};
-}
-
 // How the joints move the skin: their smoothed weights.
 std::vector<FeatureGroup> joint_groups(const Skeleton& skeleton, const std::vector<VertexMoments>& moments,
                                        const MatrixXd& features) {
@@ -126,7 +121,7 @@ std::vector<FeatureGroup> joint_groups(const Skeleton& skeleton, const std::vect
   for (const std::uint32_t joint : feature_joints(skeleton)) {
     FeatureGroup group;
     group.features = varying_features(features, 9 * static_cast<std::uint32_t>(groups.size()), 9);
-    group.points = joint_position(skeleton.joints[joint]);
+    group.points = Eigen::RowVector3d(bind_place(skeleton, joint).data());
     group.influence = Eigen::VectorXd::Zero(static_cast<Index>(moments.size()));
     for (std::size_t v = 0; v < moments.size(); ++v) {
       for (const JointMoments& m : moments[v].joints) {

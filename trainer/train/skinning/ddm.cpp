@@ -6,6 +6,7 @@
 #include <bit>
 #include <string>
 
+#include "geometry/extent.h"
 #include "geometry/laplacian.h"
 #include "runtime/core/error.h"
 #include "runtime/core/half.h"
@@ -148,7 +149,7 @@ std::vector<VertexMoments> ddm_moments(const Positions& rest, const Triangles& t
   // Around the middle of the skin, for the sake of the second moments' digits.
   const Eigen::RowVector3d middle = rest.colwise().mean();
   const Positions local = rest.rowwise() - middle;
-  const double extent = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
+  const double extent = longest_extent(rest);
   const std::vector<std::vector<RawMoments>> raw = smooth_moments(local, triangles, weights, options);
   std::vector<VertexMoments> moments;
   for (std::size_t v = 0; v < raw.size(); ++v) {
@@ -198,7 +199,7 @@ DdmTable pack_ddm(const std::vector<VertexMoments>& moments) {
 
 double default_smoothing_radius(const Positions& rest) {
   if (rest.rows() == 0) return 0.02;
-  return std::max(0.02, 0.025 * (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff());
+  return std::max(0.02, 0.025 * longest_extent(rest));
 }
 
 }  // namespace bodyopt

@@ -35,11 +35,6 @@ std::vector<std::uint32_t> morton_order(const Positions& vertices) {
   return order;
 }
 
-double longest_extent(const Positions& vertices) {
-  if (vertices.rows() == 0) return 0;
-  return (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).maxCoeff();
-}
-
 Positions in_order(const Positions& welded, const std::vector<std::uint32_t>& order) {
   Positions result(welded.rows(), 3);
   for (std::size_t v = 0; v < order.size(); ++v) result.row(static_cast<Eigen::Index>(v)) = welded.row(order[v]);

@@ -12,9 +12,6 @@ namespace bodyopt {
 // Welded vertex of each runtime vertex: the Morton order of the rest positions, ties in welded order.
 std::vector<std::uint32_t> morton_order(const Positions& vertices);
 
-// Longest side of the bounding box, metres.
-double longest_extent(const Positions& vertices);
-
 // Rows of `welded` (V x 3) in runtime order.
 Positions in_order(const Positions& welded, const std::vector<std::uint32_t>& order);
 
