@@ -9,6 +9,7 @@
 #include "assets/json_file.h"
 #include "tests/assets/character_checks.h"
 #include "tests/support/hostile_bytes.h"
+#include "tests/support/read_bytes.h"
 
 namespace bodyopt {
 namespace {
@@ -111,7 +112,7 @@ TEST_F(RegionsFile, WhatIsWrittenReadsBackBitForBit) {
     EXPECT_EQ(loaded[r].vertices, written[r].vertices);
     EXPECT_EQ(loaded[r].weights, written[r].weights);
   }
-  const std::string text = bytes_of(folder / "r.json");
+  const std::string text = read_bytes(folder / "r.json");
   EXPECT_NE(text.find("\"vertices\": [0,1,2,4],\n"), std::string::npos) << text;  // both vertices of the seam, a line
 }
 

@@ -53,7 +53,8 @@ TEST(Png, FileIsThereWholeOrNotAtAll) {
   const TemporaryFolder folder;
   const Image image = noise(8, 8);
   write_png(image, folder / "image.png");
-  expect_decodes_to(testing::read_bytes(folder / "image.png"), image);
+  const std::string file = testing::read_bytes(folder / "image.png");
+  expect_decodes_to({file.begin(), file.end()}, image);
   EXPECT_THROW(write_png(image, folder / "missing" / "image.png"), Error);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
