@@ -12,7 +12,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr double kWidth = 960, kRight = 936, kTop = 24, kBelow = 100;
+constexpr double kRight = 936, kTop = 24, kBelow = 100;
 constexpr std::size_t kMostColumns = 700;  // about a pixel each
 constexpr std::size_t kWholeRows = 2;      // the whole skin's row is twice as high as a region's
 
@@ -81,7 +81,7 @@ std::string heat_strip(const HeatStrip& strip) {
   const double pixels = static_cast<double>(cells.rows + kWholeRows - 1);
   const FrameArea area{24 + kCharacterWidth * static_cast<double>(longest), kRight, kTop, kTop + row * pixels};
 
-  std::string svg = open_svg(kWidth, area.bottom + kBelow, "expected error of every frame and region");
+  std::string svg = open_svg(kPlotWidth, area.bottom + kBelow, "expected error of every frame and region");
   svg += "<image x=\"" + coordinate(area.left) + "\" y=\"" + coordinate(area.top) + "\" width=\"" +
          coordinate(area.right - area.left) + "\" height=\"" + coordinate(area.bottom - area.top) +
          "\" preserveAspectRatio=\"none\" xlink:href=\"data:image/png;base64," +

@@ -13,7 +13,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr double kWidth = 960, kHeight = 340;
+constexpr double kHeight = 340;
 constexpr FrameArea kArea{.left = 62, .right = 946, .top = 46, .bottom = 294};
 
 struct Scale {
@@ -89,7 +89,7 @@ std::string draw_log_axis(const FrameArea& area, double low, double high, const 
 
 std::string line_plot(const LinePlot& plot) {
   const Scale scale = make_scale(plot);
-  std::string svg = open_svg(kWidth, kHeight, plot.y_label + " over " + plot.x_label);
+  std::string svg = open_svg(kPlotWidth, kHeight, plot.y_label + " over " + plot.x_label);
   svg += draw_log_axis(kArea, scale.low, scale.high, plot.y_label) + draw_frame_axis(plot.x, kArea) + legend(plot);
   svg += text_at((kArea.left + kArea.right) / 2, kHeight - 6, "middle", kTextColour, plot.x_label);
   for (const PlotSeries& series : plot.series) svg += curve(plot.x, scale, series);
@@ -103,10 +103,10 @@ std::string bar_chart(std::span<const Bar> bars) {
     longest = std::max(longest, bar.value);
     label_width = std::max(label_width, kCharacterWidth * static_cast<double>(bar.label.size()) + 16);
   }
-  std::string svg = open_svg(kWidth, kRow * static_cast<double>(bars.size()) + 4, "bars");
+  std::string svg = open_svg(kPlotWidth, kRow * static_cast<double>(bars.size()) + 4, "bars");
   double y = 2;
   for (const Bar& bar : bars) {
-    const double length = longest > 0 ? std::max(2.0, bar.value / longest * (kWidth - label_width - kValue)) : 2;
+    const double length = longest > 0 ? std::max(2.0, bar.value / longest * (kPlotWidth - label_width - kValue)) : 2;
     svg += text_at(label_width - 12, y + 21, "end", kStrongTextColour, bar.label);
     svg += rectangle(label_width, y + 5, length, kRow - 10, bar.colour);
     svg += text_at(label_width + length + 10, y + 21, "start", kStrongTextColour, bar.text);

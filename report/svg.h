@@ -10,6 +10,7 @@ constexpr const char* kGridColour = "#33373f";
 constexpr const char* kTextColour = "#a4a9b3";
 constexpr const char* kStrongTextColour = "#e6e8ec";
 constexpr double kCharacterWidth = 7.2;  // of a text in the usual size, about
+constexpr double kPlotWidth = 960;       // of what is as wide as the page
 
 std::string coordinate(double value);
 

@@ -5,7 +5,7 @@
 namespace bodyopt::cli {
 namespace {
 
-constexpr std::size_t kMostFrames = 8;  // a fold takes a tenth of a second to measure
+constexpr std::size_t kMostFoldFrames = 8;  // a fold takes a tenth of a second to measure
 
 bool may_close(const Pose& pose, const SkinModifier& push_out) {
   const auto weights = std::span(pose.modifiers).subspan(push_out.first_component, push_out.component_count);
@@ -31,7 +31,7 @@ std::optional<ShotFolds> measure_shot_folds(const Basis& basis, std::span<const 
   }
   if (closing.empty()) return std::nullopt;
   ShotFolds folds;
-  folds.frames = std::min(kMostFrames, closing.size());
+  folds.frames = std::min(kMostFoldFrames, closing.size());
   std::vector<Pose> chosen;
   std::vector<int> numbers;
   for (std::size_t k = 0; k < folds.frames; ++k) {

@@ -5,14 +5,14 @@
 namespace bodyopt::cli {
 namespace {
 
-constexpr std::size_t kMostFrames = 16;
+constexpr std::size_t kMostMoveFrames = 16;
 
 }  // namespace
 
 ShotMoves measure_shot_moves(const Basis& basis, std::span<const Pose> poses, std::span<const int> frames) {
   ShotMoves shot;
   if (std::ranges::none_of(basis.modifiers.stack, &SkinModifier::on) || poses.empty()) return shot;
-  shot.frames = std::min(kMostFrames, poses.size());
+  shot.frames = std::min(kMostMoveFrames, poses.size());
   std::vector<Pose> chosen;
   std::vector<int> numbers;
   for (std::size_t k = 0; k < shot.frames; ++k) {

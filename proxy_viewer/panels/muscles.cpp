@@ -11,7 +11,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kMuscleRow = 18, kMostRows = 12;
+constexpr float kMuscleRow = 18, kMostMuscleRows = 12;
 
 void draw_row(const std::string& name, float strain) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -53,7 +53,7 @@ void draw_muscles(const Snapshot& snapshot, Controls& controls) {
   std::vector<std::size_t>& order = controls.typed.fibre_order;
   if (order.size() != count || !controls.playback.playing()) order = by_strain(snapshot.strains, count);
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
-  ImGui::BeginChild("strains", {0, kMuscleRow * std::min(kMostRows, static_cast<float>(count))});
+  ImGui::BeginChild("strains", {0, kMuscleRow * std::min(kMostMuscleRows, static_cast<float>(count))});
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(count), kMuscleRow);
   while (clipper.Step()) {

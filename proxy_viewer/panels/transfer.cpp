@@ -8,7 +8,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kMostRows = 16;
+constexpr float kMostPartRows = 16;
 
 void draw_number(const char* format, double value) {
   ImGui::TableNextColumn();
@@ -33,7 +33,7 @@ void draw_part(const MatchedPartRow& part, Controls& controls) {
 
 void draw_parts(const std::vector<MatchedPartRow>& parts, Controls& controls) {
   const float height =
-      ImGui::GetTextLineHeightWithSpacing() * std::min(kMostRows, static_cast<float>(parts.size() + 1));
+      ImGui::GetTextLineHeightWithSpacing() * std::min(kMostPartRows, static_cast<float>(parts.size() + 1));
   constexpr ImGuiTableFlags kFlags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit;
   if (!ImGui::BeginTable("parts", 4, kFlags, {0, height})) return;
   ImGui::TableSetupScrollFreeze(0, 1);

@@ -16,6 +16,8 @@ class TableChecks {
   // Products and sums of numbers up to this size stay finite in every kernel's single precision.
   static constexpr double kLargest = 1e9;
   static constexpr float kWeightTolerance = 1e-4f;  // of a sum of barycentric weights
+  // Of the basis' extent: what lies on the skin stands no further from where the rest skin carries it.
+  static constexpr double kSamePlace = 1e-4;
 
   // Throws Error(file) whose text starts with `origin`.
   explicit TableChecks(const std::string& origin) : origin_(origin) {}

@@ -11,8 +11,6 @@ namespace bodyopt {
 namespace {
 
 constexpr std::size_t kMostVertices = std::size_t{1} << 26;  // of one mesh
-// Of the basis' extent: an anchor stands no further from where the rest skin carries it.
-constexpr double kSamePlace = 1e-4;
 
 [[noreturn]] void refuse_owner(const std::string& origin, const std::string& basis_name, const std::string& what) {
   throw Error(ErrorKind::mismatch, origin + ": is not attached to " + basis_name + ": " + what +

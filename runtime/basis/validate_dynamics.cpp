@@ -9,8 +9,6 @@ namespace bodyopt {
 namespace {
 
 constexpr std::size_t kMostNodes = std::size_t{1} << 24;
-// Of the basis' extent: a node on the skin stands no further from where the rest skin carries it.
-constexpr double kSamePlace = 1e-4;
 
 struct InverseName {
   const char *levels, *slots, *children, *up, *down, *values;

@@ -12,7 +12,7 @@
 #include "trainer/transfer/motion_of_target.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace crowd_test {
 
 constexpr Rectangle kArea = {0, 0, 320, 200};
 
@@ -344,5 +344,5 @@ TEST_F(PlayedCrowdTest, ASessionKeepsHowEachStandsAndPlays) {
   EXPECT_EQ(viewport->controls().standings, (std::vector<Standing>{second, {}}));
 }
 
-}  // namespace
+}  // namespace crowd_test
 }  // namespace bodyopt::testing

@@ -11,7 +11,7 @@
 #include "runtime/core/error.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace orbit_camera_test {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kHeight = 600;  // pixels of the picture
@@ -188,5 +188,5 @@ TEST(OrbitCamera, TakesViewsFromOutsideWithinItsLimits) {
   }
 }
 
-}  // namespace
+}  // namespace orbit_camera_test
 }  // namespace bodyopt::testing

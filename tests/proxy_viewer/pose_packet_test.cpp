@@ -11,7 +11,7 @@
 #include "tests/proxy_viewer/pose_packet_bytes.h"
 
 namespace bodyopt::testing {
-namespace {
+namespace pose_packet_test {
 
 constexpr std::uint16_t kJoints = 3, kControls = 2;
 
@@ -109,5 +109,5 @@ TEST(PosePacket, NothingElseGetsIn) {
   EXPECT_LT(accepted, 19000);
 }
 
-}  // namespace
+}  // namespace pose_packet_test
 }  // namespace bodyopt::testing

@@ -14,7 +14,7 @@
 #include "trainer/train/judge/heldout.h"
 
 namespace bodyopt {
-namespace {
+namespace test_errors_test {
 
 const SampleSet& samples() {
   static const SampleSet set = limb_samples(160, 60);
@@ -100,5 +100,5 @@ TEST(TestErrors, ABasisOfAnotherCharacterIsRefused) {
   EXPECT_THROW(test_errors(basis(), other), Error);
 }
 
-}  // namespace
+}  // namespace test_errors_test
 }  // namespace bodyopt

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Index;
 
 // Raised whenever the same frames are made to agree in another way.
-constexpr std::uint64_t kVersion = 9;
+constexpr std::uint64_t kConsistencyVersion = 9;
 
 class Consistency : public ShapeModifier {
  public:
@@ -117,7 +117,7 @@ std::uint64_t key_of(const ModifierInput& input, const ConsistencySettings& sett
   std::vector<std::uint64_t> below(database.frames.size());
   parallel_for(below.size(), [&](std::size_t n) { below[n] = input.key_below(n); });
   ContentHash hash;
-  hash.add(kVersion);
+  hash.add(kConsistencyVersion);
   for (const double setting :
        {settings.degrees, settings.smooth, settings.cap, static_cast<double>(settings.iterations)}) {
     hash.add(setting);

@@ -28,13 +28,13 @@ struct ShapeStack::Layer {
 namespace {
 
 // Raised whenever a modifier, or un-posing, makes something else of the same shape.
-constexpr std::uint64_t kVersion = 1;
+constexpr std::uint64_t kStackVersion = 1;
 
 using KeptOffsets = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;  // V x 3, metres
 
 std::uint64_t identity_of(const Character& character) {
   ContentHash hash;
-  hash.add(kVersion);
+  hash.add(kStackVersion);
   add(hash, character);
   return hash.value();
 }
