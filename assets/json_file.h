@@ -1,4 +1,4 @@
-// JSON files of the dataset: read and checked key by key, written whole or not at all.
+// JSON files: read and checked key by key, written whole or not at all.
 #pragma once
 
 #include <filesystem>
