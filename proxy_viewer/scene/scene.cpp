@@ -58,6 +58,20 @@ SurfaceStyle surface_style(LookStyle style) {
   }
 }
 
+SkinDraw draw_of(const Actor& character, const DeviceSkin& shown, const Controls& controls) {
+  const ViewSettings::Look& look = controls.settings.look;
+  SkinDraw skin;
+  skin.triangles = &character.shown().triangles();
+  skin.triangle_count = static_cast<std::uint32_t>(character.basis().mesh.triangles.size() / 3);
+  skin.positions = shown.positions;
+  skin.normals = shown.normals;
+  skin.style = surface_style(look.style);
+  skin.wire = look.wire;
+  skin.shadow = look.shadow;
+  skin.heat_range = static_cast<float>(1e-3 * controls.heat_mm());
+  return skin;
+}
+
 // Heat is of a character's skin alone: what else is drawn of it keeps its colour.
 SkinDraw without_heat(SkinDraw draw) {
   draw.reference = draw.distances = draw.colours = nullptr;
@@ -401,16 +415,8 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   const bool is_measured = other != SkinMethod::truth || character.has_sample_at(frame);
   if (other && !is_missing) compared = evaluate(character, *other, poses, controls);
 
-  SkinDraw skin;
-  skin.triangles = &character.shown().triangles();
-  skin.triangle_count = static_cast<std::uint32_t>(character.basis().mesh.triangles.size() / 3);
-  skin.positions = shown.skin.positions;
-  skin.normals = shown.skin.normals;
+  SkinDraw skin = draw_of(character, shown.skin, controls);
   skin.offset = place(index, controls);
-  skin.style = surface_style(s.look.style);
-  skin.wire = s.look.wire;
-  skin.shadow = s.look.shadow;
-  skin.heat_range = static_cast<float>(1e-3 * controls.heat_mm());
   SkinDraw second = skin;
   if (compared) {
     second.positions = compared->skin.positions;
@@ -451,9 +457,15 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     if (s.look.skeleton && &character == &lead()) add_rings(controls, skin.offset, view);
     if (s.look.fibres) add_fibres(character, shown, skin.offset, view);
   }
-  if (poses.size() == 1) return;
-  // Ghosts and copies are quasi-static: they have no past.
-  const Shown others = method == SkinMethod::full ? shown : evaluate(character, SkinMethod::full, poses, controls);
+  if (poses.size() > 1) add_copies_and_ghosts(character, poses, shown, skin, controls, views);
+}
+
+// They are quasi-static: they have no past.
+void Scene::add_copies_and_ghosts(Actor& character, std::span<const Pose> poses, const Shown& shown,
+                                  const SkinDraw& skin, const Controls& controls, std::vector<View>& views) {
+  const ViewSettings& s = controls.settings;
+  const Shown others =
+      shown.method == SkinMethod::full ? shown : evaluate(character, SkinMethod::full, poses, controls);
   const std::span<const WornMesh> worn = s.look.worn ? character.worn(SkinMethod::full) : std::span<const WornMesh>();
   SkinDraw extra = without_heat(skin);
   extra.positions = others.skin.positions;

@@ -90,6 +90,9 @@ class Scene {
   // The sphere of all that is seen, and that of the smallest of them.
   void surround(const Controls& controls, View& view) const;
   void add_character(std::size_t index, const Controls& controls, std::vector<View>& views);
+  // `poses`: the frame's, those of the ghosts, those of the copies; `shown`, `skin`: of the frame.
+  void add_copies_and_ghosts(Actor& character, std::span<const Pose> poses, const Shown& shown, const SkinDraw& skin,
+                             const Controls& controls, std::vector<View>& views);
   void add_skeleton(const Actor& character, const Pose& pose, const std::array<float, 3>& offset,
                     const Controls& controls, View& view);
   void add_rings(const Controls& controls, const std::array<float, 3>& offset, View& view);

@@ -374,6 +374,22 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
   return solved;
 }
 
+// Where tets stay inverted, a firmer barrier turns them, if it can.
+void QuasiStaticBody::settle_upright(const Target& at, const Tissue::BarrierShape& barrier, SolvedPose& solved) const {
+  MinimiseResult result = settle(at, barrier, solved.nodes);
+  solved.status.iterations += result.iterations;
+  if (result.residual < kTolerance && tissue_->inverted(solved.nodes).tets > 0) {
+    Positions upright = solved.nodes;
+    const MinimiseResult again = settle(at, Tissue::kFirmBarrier, upright);
+    solved.status.iterations += again.iterations;
+    if (again.residual < kTolerance && tissue_->inverted(upright).tets == 0) {
+      result = again;
+      solved.nodes = std::move(upright);
+    }
+  }
+  solved.status.residual = result.residual;
+}
+
 // step_size: of the largest steps allowed.
 SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const double> flex, double step_size,
                                     const Tissue::BarrierShape& barrier) const {
@@ -408,18 +424,7 @@ SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const 
       if (next < 1 || !last) {
         solved.status.iterations += follow(there, barrier, nodes);
       } else {
-        MinimiseResult result = settle(there, barrier, nodes);
-        solved.status.iterations += result.iterations;
-        if (result.residual < kTolerance && tissue_->inverted(nodes).tets > 0) {
-          Positions upright = nodes;
-          const MinimiseResult again = settle(there, Tissue::kFirmBarrier, upright);
-          solved.status.iterations += again.iterations;
-          if (again.residual < kTolerance && tissue_->inverted(upright).tets == 0) {
-            result = again;
-            nodes = std::move(upright);
-          }
-        }
-        solved.status.residual = result.residual;
+        settle_upright(there, barrier, solved);
       }
       here = std::move(there);
       at = next;

@@ -106,6 +106,8 @@ class QuasiStaticBody {
   int follow(const Target& at, const Tissue::BarrierShape& barrier, Positions& nodes) const;
   // To equilibrium, or as near as it gets.
   MinimiseResult settle(const Target& at, const Tissue::BarrierShape& barrier, Positions& nodes) const;
+  // The same, upright: sets the nodes, iterations and residual of `solved`.
+  void settle_upright(const Target& at, const Tissue::BarrierShape& barrier, SolvedPose& solved) const;
 
   Skeleton skeleton_;
   std::vector<Muscle> muscles_;
