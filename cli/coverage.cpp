@@ -56,12 +56,15 @@ HeatStrip strip(const std::vector<int>& frames, const std::vector<std::string>& 
   return strip;
 }
 
-// The region with the largest error; none where there are no regions.
-Json worst_region(const std::vector<std::string>& regions, const ExpectedError& error) {
-  if (regions.empty()) return {{"region", ""}, {"region_expected_mm", 0}};
+struct RegionError {
+  std::string region;  // empty: there are no regions
+  double mm = 0;
+};
+
+RegionError worst_region(const std::vector<std::string>& regions, const ExpectedError& error) {
+  if (regions.empty()) return {};
   const auto worst = std::max_element(error.region_mm.begin(), error.region_mm.end());
-  return {{"region", regions[static_cast<std::size_t>(worst - error.region_mm.begin())]},
-          {"region_expected_mm", *worst}};
+  return {regions[static_cast<std::size_t>(worst - error.region_mm.begin())], *worst};
 }
 
 // That move the region's skin.
@@ -74,12 +77,80 @@ std::vector<std::string> joint_names(const Basis& basis, std::size_t region) {
   return names;
 }
 
+// What is expected of a clip's frames.
+struct ClipCoverage {
+  std::vector<int> frames;
+  std::vector<ExpectedError> errors;   // of each frame
+  std::vector<RegionError> worst;      // of each frame, its region with the largest error
+  std::vector<double> rms_mm;          // of each frame
+  std::vector<std::size_t> simulated;  // places of those worth simulating next, the worst first
+};
+
+ClipCoverage coverage_of(const Basis& basis, std::vector<int> frames, const std::vector<Pose>& poses,
+                         std::size_t listed) {
+  ClipCoverage coverage{std::move(frames), expected_errors(basis, poses), {}, {}, {}};
+  for (const ExpectedError& error : coverage.errors) {
+    coverage.worst.push_back(worst_region(basis.coverage.names, error));
+    coverage.rms_mm.push_back(error.rms_mm);
+  }
+  coverage.simulated = worth_simulating(coverage.rms_mm, listed, spreading_gap(coverage.frames.size(), listed));
+  return coverage;
+}
+
+std::string next_frames(const ClipCoverage& coverage) {
+  std::vector<int> next;
+  for (const std::size_t k : coverage.simulated) next.push_back(coverage.frames[k]);
+  std::sort(next.begin(), next.end());
+  return format_frame_range(next);
+}
+
+Json result_of(const ClipCoverage& coverage, const Basis& basis) {
+  Json per_frame = Json::array(), per_region = Json::array();
+  for (std::size_t k = 0; k < coverage.frames.size(); ++k) {
+    per_frame.push_back({{"frame", coverage.frames[k]},
+                         {"expected_rms_mm", coverage.rms_mm[k]},
+                         {"region", coverage.worst[k].region},
+                         {"region_expected_mm", coverage.worst[k].mm}});
+  }
+  const std::vector<std::string>& regions = basis.coverage.names;
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    std::vector<double> of_region;
+    for (const ExpectedError& error : coverage.errors) of_region.push_back(error.region_mm[r]);
+    per_region.push_back(
+        {{"region", regions[r]}, {"joints", joint_names(basis, r)}, {"expected_rms_mm", root_mean_square(of_region)}});
+  }
+  return {{"frames", coverage.frames.size()},
+          {"expected_rms_mm", root_mean_square(coverage.rms_mm)},
+          {"worth_simulating", next_frames(coverage)},
+          {"regions", per_region},
+          {"per_frame", per_frame}};
+}
+
+std::string text_of(const ClipCoverage& coverage) {
+  std::string text = format("%8s %14s   %s\n", "frame", "expected mm", "most of all");
+  for (const std::size_t k : coverage.simulated) {
+    text += format("%8d %14.3f   %s, %.3f mm\n", coverage.frames[k], coverage.rms_mm[k],
+                   coverage.worst[k].region.c_str(), coverage.worst[k].mm);
+  }
+  text += format("expected over %zu frames: %.3f mm RMS\n", coverage.frames.size(), root_mean_square(coverage.rms_mm));
+  return text + "worth simulating next: --frames " + next_frames(coverage) + "\n";
+}
+
+// Adds them to the result; returns what there is to say of them.
+std::string compare_with_truth(const std::vector<double>& expected, const std::vector<double>& measured, Json& result) {
+  const double correlation = rank_correlation(expected, measured);
+  for (std::size_t k = 0; k < measured.size(); ++k) result["per_frame"][k]["true_rms_mm"] = measured[k];
+  result["rank_correlation"] = correlation;
+  result["true_rms_mm"] = root_mean_square(measured);
+  return format("true: %.3f mm RMS; the frames' expected and true errors rank alike with Spearman's rho %.3f\n",
+                root_mean_square(measured), correlation);
+}
+
 void run(const CoverageArguments& arguments) {
   arguments.json.require_writable();
   if (!arguments.picture.empty()) require_writable(arguments.picture);
   const Basis basis = load_basis(arguments.basis);
   ErrorExpectation{basis};  // refuses a basis without coverage before the clip is read
-  const std::vector<std::string>& regions = basis.coverage.names;
   std::vector<int> frames;
   const double unit = arguments.unit > 0 ? arguments.unit : kept_unit(basis);
   Clip clip = arguments.clip.read(basis, unit, frames);
@@ -87,50 +158,15 @@ void run(const CoverageArguments& arguments) {
     spdlog::warn("control '{}' is none that the basis was trained with: it has no effect", name);
   }
   const std::vector<Pose> poses = poses_of(clip, frames);
+  const ClipCoverage coverage = coverage_of(basis, std::move(frames), poses, static_cast<std::size_t>(arguments.worst));
 
-  const std::vector<ExpectedError> errors = expected_errors(basis, poses);
-  std::vector<double> expected;
-  for (const ExpectedError& error : errors) expected.push_back(error.rms_mm);
-
-  Json per_frame = Json::array(), per_region = Json::array();
-  for (std::size_t k = 0; k < frames.size(); ++k) {
-    per_frame.push_back({{"frame", frames[k]}, {"expected_rms_mm", expected[k]}});
-    per_frame.back().update(worst_region(regions, errors[k]));
-  }
-  for (std::size_t r = 0; r < regions.size(); ++r) {
-    std::vector<double> of_region;
-    for (const ExpectedError& error : errors) of_region.push_back(error.region_mm[r]);
-    per_region.push_back(
-        {{"region", regions[r]}, {"joints", joint_names(basis, r)}, {"expected_rms_mm", root_mean_square(of_region)}});
-  }
-  const auto worst = static_cast<std::size_t>(arguments.worst);
-  std::vector<int> next;
-  std::string text = format("%8s %14s   %s\n", "frame", "expected mm", "most of all");
-  for (const std::size_t k : worth_simulating(expected, worst, spreading_gap(frames.size(), worst))) {
-    next.push_back(frames[k]);
-    text += format("%8d %14.3f   %s, %.3f mm\n", frames[k], expected[k],
-                   per_frame[k]["region"].get<std::string>().c_str(), per_frame[k]["region_expected_mm"].get<double>());
-  }
-  std::sort(next.begin(), next.end());
-  const double rms = root_mean_square(expected);
-  text += format("expected over %zu frames: %.3f mm RMS\n", frames.size(), rms);
-  text += "worth simulating next: --frames " + format_frame_range(next) + "\n";
-  Json result = {{"frames", frames.size()},
-                 {"expected_rms_mm", rms},
-                 {"worth_simulating", format_frame_range(next)},
-                 {"regions", per_region},
-                 {"per_frame", per_frame}};
+  Json result = result_of(coverage, basis);
+  std::string text = text_of(coverage);
   if (!arguments.truth.empty()) {
-    const std::vector<double> measured = true_errors(basis, poses, arguments.truth);
-    const double correlation = rank_correlation(expected, measured);
-    for (std::size_t k = 0; k < measured.size(); ++k) result["per_frame"][k]["true_rms_mm"] = measured[k];
-    result["rank_correlation"] = correlation;
-    result["true_rms_mm"] = root_mean_square(measured);
-    text += format("true: %.3f mm RMS; the frames' expected and true errors rank alike with Spearman's rho %.3f\n",
-                   root_mean_square(measured), correlation);
+    text += compare_with_truth(coverage.rms_mm, true_errors(basis, poses, arguments.truth), result);
   }
   if (!arguments.picture.empty()) {
-    const std::string svg = svg_file(heat_strip(strip(frames, regions, errors)));
+    const std::string svg = svg_file(heat_strip(strip(coverage.frames, basis.coverage.names, coverage.errors)));
     write_file_atomically(arguments.picture, std::as_bytes(std::span(svg)));
     text += "wrote " + arguments.picture + "\n";
   }

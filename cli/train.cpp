@@ -69,11 +69,43 @@ Json ablation(const std::vector<MethodReport>& methods) {
   return list;
 }
 
+Json result_of(const TrainArguments& arguments, const SampleSet& set, const Training& training,
+               const std::vector<AttachedMesh>& attached, double seconds) {
+  Json result = {{"basis", arguments.out},
+                 {"train_frames", set.train.size()},
+                 {"heldout_frames", set.heldout.size()},
+                 {"unconverged_frames", set.unconverged},
+                 {"bytes_per_vertex", bytes_per_vertex(training.result.basis)},
+                 {"expected_rms_mm", training.result.expected_mm},
+                 {"warnings", training.result.warnings},
+                 {"unposing_residual_mm", {{"lbs", training.unposing.lbs}, {"ddm", training.unposing.ddm}}},
+                 {"attached", to_json(attached)},
+                 {"seconds", seconds}};
+  if (set.heldout.empty()) return result;
+  result["errors_mm"] = {{"lbs", errors_of(training.methods[0])},
+                         {"ddm", errors_of(training.methods[1])},
+                         {"full", errors_of(training.methods.back())}};
+  if (arguments.ablate) result["ablation"] = ablation(training.methods);
+  return result;
+}
+
 // The line of Direct Delta Mush says how far it smooths.
-std::vector<MethodReport> with_radius(std::vector<MethodReport> methods, const Basis& basis) {
-  const double radius = Json::parse(basis.metadata.at("provenance")).at("smoothing_radius_m");
-  methods[1].name += format(", smoothing radius %.0f mm", 1e3 * radius);
-  return methods;
+std::string heldout_table(const Training& training) {
+  std::vector<MethodReport> methods = training.methods;
+  methods[1].name += format(", smoothing radius %.0f mm", 1e3 * training.result.smoothing_radius);
+  return method_table(methods);
+}
+
+std::string train_text(const SampleSet& set, const Training& training, double seconds) {
+  std::string text = format(
+      "trained on %zu frames (%d unconverged left out) in %.1f s: %.0f bytes per vertex, %.3f mm RMS expected\n",
+      set.train.size(), set.unconverged, seconds, bytes_per_vertex(training.result.basis), training.result.expected_mm);
+  text += format("left to learn after un-posing: LBS %.3f mm, DDM %.3f mm RMS\n", training.unposing.lbs,
+                 training.unposing.ddm);
+  if (!set.heldout.empty()) {
+    text += format("held out, %zu frames:\n", set.heldout.size()) + heldout_table(training);
+  }
+  return text;
 }
 
 // `path`: the dataset.json.
@@ -112,25 +144,20 @@ int surface_curves_for(const TrainArguments& arguments, const SampleSet& set) {
   return pairs;
 }
 
-void run(TrainArguments arguments) {
-  if (arguments.dataset.empty() == arguments.ddm_only.empty()) {
-    throw Error(ErrorKind::usage, "train takes either a DATASET or --ddm-only CHARACTER");
-  }
-  require_writable(arguments.out);
-  arguments.json.require_writable();
-  if (!arguments.ddm_only.empty()) return run_ddm_only(arguments);
-  if (!arguments.report.empty()) make_folder(arguments.report);
-  arguments.options.keep_in = std::filesystem::path(arguments.out).replace_extension(".training");
-
-  const Stopwatch watch;
-  const std::filesystem::path path = dataset_file(arguments.dataset);
+// `path`: the dataset.json. Throws Error(mismatch) where its files do not belong together.
+Dataset checked_dataset(const TrainArguments& arguments, const std::filesystem::path& path) {
   Dataset dataset = read_dataset(path);
   spdlog::info("checking that shapes, clips and character belong together");
   const std::string mismatch = first_problem(check_dataset(dataset), path);
   if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
   if (arguments.heldout_every > 0) hold_out_blocks(dataset, arguments.heldout_every);
+  return dataset;
+}
+
+// Says what the user should know of them.
+SampleSet samples_of(const TrainArguments& arguments, const Dataset& dataset) {
   spdlog::info("reading the shapes");
-  const SampleSet set = read_samples(dataset);
+  SampleSet set = read_samples(dataset);
   say(set.notes);
   if (arguments.ablate && set.heldout.empty()) {
     throw Error(ErrorKind::usage,
@@ -145,56 +172,57 @@ void run(TrainArguments arguments) {
                  arguments.heldout_every, 10 * arguments.heldout_every - 9);
   }
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
+  return set;
+}
 
+void warn_of_no_gain(const Training& training) {
+  if (training.methods.back().rms < training.methods[1].rms) return;
+  spdlog::warn(
+      "what was learned is no better than Direct Delta Mush on the held-out frames: the training frames are "
+      "too few, or too unlike them");
+}
+
+void require_tolerance(const TrainArguments& arguments, double expected) {
+  const double tolerance = arguments.options.tolerance_mm;
+  if (!(tolerance > 0 && expected > tolerance)) return;
+  throw Error(ErrorKind::quality, format("%s: %.3g mm RMS were asked for, and %.3f are to be expected of the best "
+                                         "basis that these frames give, which was written: more frames, or muscles "
+                                         "that the skin lacks, may lower that",
+                                         arguments.out.c_str(), tolerance, expected));
+}
+
+void run(TrainArguments arguments) {
+  if (arguments.dataset.empty() == arguments.ddm_only.empty()) {
+    throw Error(ErrorKind::usage, "train takes either a DATASET or --ddm-only CHARACTER");
+  }
+  require_writable(arguments.out);
+  arguments.json.require_writable();
+  if (!arguments.ddm_only.empty()) return run_ddm_only(arguments);
+  if (!arguments.report.empty()) make_folder(arguments.report);
+  arguments.options.keep_in = std::filesystem::path(arguments.out).replace_extension(".training");
+
+  const Stopwatch watch;
+  const std::filesystem::path path = dataset_file(arguments.dataset);
+  const Dataset dataset = checked_dataset(arguments, path);
+  const SampleSet set = samples_of(arguments, dataset);
   arguments.options.surface_curves = surface_curves_for(arguments, set);
   const double preparing = watch.seconds();
   const Training training = train_and_measure(set, arguments.options, arguments.ablate, dataset.unit, arguments.out);
-  const Basis& basis = training.result.basis;
-  const std::vector<AttachedMesh> attached = attach_own_meshes(dataset.folder / dataset.character, dataset.unit,
-                                                               set.character.output_count(), basis, arguments.out);
+  const std::vector<AttachedMesh> attached =
+      attach_own_meshes(dataset.folder / dataset.character, dataset.unit, set.character.output_count(),
+                        training.result.basis, arguments.out);
   const double seconds = preparing + training.seconds;
 
-  const double per_vertex = bytes_per_vertex(basis);
-  const double expected = training.result.expected_mm;
-  Json result = {{"basis", arguments.out},
-                 {"train_frames", set.train.size()},
-                 {"heldout_frames", set.heldout.size()},
-                 {"unconverged_frames", set.unconverged},
-                 {"bytes_per_vertex", per_vertex},
-                 {"expected_rms_mm", expected},
-                 {"warnings", training.result.warnings},
-                 {"unposing_residual_mm", {{"lbs", training.unposing.lbs}, {"ddm", training.unposing.ddm}}},
-                 {"attached", to_json(attached)},
-                 {"seconds", seconds}};
-  std::string text =
-      format("trained on %zu frames (%d unconverged left out) in %.1f s: %.0f bytes per vertex, %.3f mm RMS expected\n",
-             set.train.size(), set.unconverged, seconds, per_vertex, expected);
-  text += format("left to learn after un-posing: LBS %.3f mm, DDM %.3f mm RMS\n", training.unposing.lbs,
-                 training.unposing.ddm);
-  if (!set.heldout.empty()) {
-    const MethodReport &ddm = training.methods[1], &full = training.methods.back();
-    result["errors_mm"] = {{"lbs", errors_of(training.methods[0])}, {"ddm", errors_of(ddm)}, {"full", errors_of(full)}};
-    if (arguments.ablate) result["ablation"] = ablation(training.methods);
-    text += format("held out, %zu frames:\n", set.heldout.size()) + method_table(with_radius(training.methods, basis));
-    if (full.rms >= ddm.rms) {
-      spdlog::warn(
-          "what was learned is no better than Direct Delta Mush on the held-out frames: the training frames are "
-          "too few, or too unlike them");
-    }
-  }
+  const Json result = result_of(arguments, set, training, attached, seconds);
+  std::string text = train_text(set, training, seconds);
+  if (!set.heldout.empty()) warn_of_no_gain(training);
   if (!arguments.report.empty()) {
     report(arguments, dataset, path, set, training);
     text += "wrote " + (std::filesystem::path(arguments.report) / "report.html").string() + "\n";
   }
   text += describe(attached) + "wrote " + arguments.out + "\n";
   arguments.json.emit(result, text);
-  const double tolerance = arguments.options.tolerance_mm;
-  if (tolerance > 0 && expected > tolerance) {
-    throw Error(ErrorKind::quality, format("%s: %.3g mm RMS were asked for, and %.3f are to be expected of the best "
-                                           "basis that these frames give, which was written: more frames, or muscles "
-                                           "that the skin lacks, may lower that",
-                                           arguments.out.c_str(), tolerance, expected));
-  }
+  require_tolerance(arguments, training.result.expected_mm);
 }
 
 }  // namespace

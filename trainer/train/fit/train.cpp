@@ -145,6 +145,7 @@ TrainingResult packed_result(const SampleSet& set, const TrainOptions& options, 
   result.fits = region_fits(ground.ordered, model);
   result.muscles = muscle_shares(bare.strain, ground.muscles, model, joint_feature_count(bare.skeleton));
   result.expected_mm = 1e3 * expected_error(model, selection);
+  result.smoothing_radius = ground.base.radius;
   result.warnings = warnings_of(set, ground, model);
   result.basis.coverage = region_coverage(ground.ordered, model, packed.regions, ground.features, selection);
   result.basis.metadata["curve"] = curve_text(result.curve);
