@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
 
@@ -310,12 +309,9 @@ void run(DemoArguments arguments) {
   const Dataset draft = simulate_draft(folder, size);
   demo.seconds.draft = drafting.seconds();
   const ReportData report = measure(arguments, folder, dataset, draft, demo);
-  write_report(report, folder);
+  const Json written = write_report(report, folder);
   const std::string carried = demo_transfer(folder, report.device != "cpu");
-
-  std::ifstream json(folder / "report.json");
-  arguments.json.emit(Json::parse(json),
-                      summary(report) + carried + "wrote " + (folder / "report.html").string() + "\n");
+  arguments.json.emit(written, summary(report) + carried + "wrote " + (folder / "report.html").string() + "\n");
 }
 
 }  // namespace

@@ -190,10 +190,10 @@ std::vector<std::string> evaluate_frames(const EvalArguments& arguments, Evaluat
   return states;
 }
 
-std::vector<fs::path> outputs_of(const EvalArguments& arguments, const Json& attached,
+std::vector<fs::path> outputs_of(const EvalArguments& arguments, const ShotCaches& caches,
                                  const std::vector<std::string>& states) {
   std::vector<fs::path> outputs{arguments.cache.out};
-  for (const Json& cache : attached) outputs.emplace_back(cache.at("cache").get<std::string>());
+  for (const std::string& cache : caches.attached_paths()) outputs.emplace_back(cache);
   for (const std::string& state : states) outputs.emplace_back(state);
   return outputs;
 }
@@ -209,8 +209,7 @@ void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun
   if (const auto file = arguments.jiggle.write_last_state(*shot.deformer)) states.push_back(*file);
   const double seconds = watch.seconds();
 
-  const Json attached = caches.attached();
-  const std::vector<fs::path> outputs = outputs_of(arguments, attached, states);
+  const std::vector<fs::path> outputs = outputs_of(arguments, caches, states);
   Json summary = caches.log().summary();
   summary["seconds"] = seconds;
   summary["device"] = shot.deformer->device_name();
@@ -232,7 +231,7 @@ void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun
   result["seconds"] = seconds;
   result["jiggle"] = arguments.jiggle.jiggle;
   result["states"] = states;
-  result["attached"] = attached;
+  result["attached"] = caches.attached();
   arguments.json.emit(result, text);
 }
 

@@ -239,14 +239,17 @@ class BasisTransfer {
     facts["vertices"] = basis.mesh.vertex_count();
     facts["levels"] = carried.size();
     facts["bytes_per_vertex"] = static_cast<double>(total_bytes(basis)) / basis.mesh.vertex_count();
-    facts["seconds"] = watch.seconds();
-    facts["beside"] = carry_company(company_, pair, character, basis, out, arguments_.unit, options_, notes);
+    const double seconds = watch.seconds();
+    facts["seconds"] = seconds;
+    const std::vector<std::string> beside =
+        carry_company(company_, pair, character, basis, out, arguments_.unit, options_, notes);
+    facts["beside"] = beside;
     facts["seconds_with_what_is_beside"] = watch.seconds();
     say_of(target, notes);
     if (!arguments_.report.empty()) report(pair, alike, basis, target, facts, page);
     std::string text = format("wrote %s: %u vertices, %s, %.1f s\n", out.c_str(), basis.mesh.vertex_count(),
-                              describe(pair).c_str(), facts["seconds"].get<double>());
-    for (const Json& file : facts["beside"]) text += "wrote " + file.get<std::string>() + "\n";
+                              describe(pair).c_str(), seconds);
+    for (const std::string& file : beside) text += "wrote " + file + "\n";
     arguments_.json.print(text);
     return facts;
   }

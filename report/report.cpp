@@ -51,10 +51,10 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
 
 }  // namespace
 
-void write_report(const ReportData& data, const std::filesystem::path& folder) {
+Json write_report(const ReportData& data, const std::filesystem::path& folder) {
   require_curves(data);
   if (data.jiggle) require_jiggle(*data.jiggle);
-  const Json json = report_json(data);
+  Json json = report_json(data);
   require_finite(json, "");
   // A name may hold bytes that are no UTF-8: they are replaced, not refused.
   const std::string json_text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -66,6 +66,7 @@ void write_report(const ReportData& data, const std::filesystem::path& folder) {
   }
   write_text(folder / "report.json", json_text);
   write_text(folder / "report.html", page);
+  return json;
 }
 
 }  // namespace bodyopt

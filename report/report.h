@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -173,8 +174,8 @@ struct ReportData {
   std::optional<DemoReport> demo;
 };
 
-// Writes report.json and report.html into `folder`, which is made if need be. Throws Error(mismatch) when a number is
-// not finite or a curve has another length than the frames, Error(file).
-void write_report(const ReportData& data, const std::filesystem::path& folder);
+// Writes report.json, which it returns, and report.html into `folder`, which is made if need be. Throws Error(mismatch)
+// when a number is not finite or a curve has another length than the frames, Error(file).
+nlohmann::ordered_json write_report(const ReportData& data, const std::filesystem::path& folder);
 
 }  // namespace bodyopt

@@ -44,7 +44,8 @@ class AttachedCaches {
             const CacheSpace& space);
   void append(std::span<const float> skin, const Pose& pose);
   void close();
-  Json written() const;  // per mesh: name, points, cache
+  Json written() const;                                             // per mesh: name, points, cache
+  const std::vector<std::string>& paths() const { return paths_; }  // of the caches
 
   // As CacheWriter, with files of all meshes.
   void put_aside(const std::filesystem::path& stem);

@@ -47,6 +47,7 @@ class ShotCaches {
   std::uint32_t points() const { return points_; }
   const EvaluationLog& log() const { return log_; }
   Json attached() const { return attached_.written(); }
+  const std::vector<std::string>& attached_paths() const { return attached_.paths(); }
 
  private:
   const ShotCacheOptions& options_;
