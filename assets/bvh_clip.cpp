@@ -6,8 +6,8 @@
 #include "assets/bvh.h"
 #include "assets/clip_common.h"
 #include "assets/joint_match.h"
-#include "assets/notes.h"
 #include "assets/retarget.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

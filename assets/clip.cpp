@@ -11,7 +11,7 @@
 #include "assets/controls.h"
 #include "assets/gltf_clip.h"
 #include "assets/gltf_file.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/lower_case.h"
 

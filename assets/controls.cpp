@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "assets/json_file.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/core/transform.h"
 
 namespace bodyopt {

@@ -9,8 +9,8 @@
 #include "assets/gltf_nodes.h"
 #include "assets/gltf_rest.h"
 #include "assets/joint_match.h"
-#include "assets/notes.h"
 #include "assets/retarget.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

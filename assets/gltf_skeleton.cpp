@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 
 namespace bodyopt {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "assets/gltf_nodes.h"
 #include "assets/gltf_skeleton.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 
 namespace bodyopt {
 namespace {

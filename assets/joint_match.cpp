@@ -6,7 +6,7 @@
 #include <set>
 
 #include "assets/joint_map.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/lower_case.h"
 

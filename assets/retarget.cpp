@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "assets/axis_turns.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "geometry/nearest_rotation.h"
 #include "runtime/host/rig.h"
 

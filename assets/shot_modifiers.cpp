@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "assets/controls.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "runtime/modifiers/skin_modifier_type.h"

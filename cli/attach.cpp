@@ -1,7 +1,7 @@
 // bodyopt attach: meshes that ride on the skin of a basis.
 #include <algorithm>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "cli/results/attachments.h"
 #include "runtime/core/error.h"

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <span>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/example_poses.h"
 #include "geometry/extent.h"

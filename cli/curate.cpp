@@ -3,8 +3,8 @@
 #include <filesystem>
 
 #include "assets/clip_source.h"
-#include "assets/notes.h"
 #include "assets/pc2.h"
+#include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "dataset/stack_history.h"
 #include "geometry/table_rows.h"

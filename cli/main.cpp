@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "base/progress.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/exit_code.h"

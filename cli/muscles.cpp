@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <set>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "report/muscle_picture.h"
 #include "runtime/core/error.h"

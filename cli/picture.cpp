@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assets/notes.h"
 #include "assets/shape_reader.h"
+#include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "geometry/embedding.h"
 #include "report/pictures.h"

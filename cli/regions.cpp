@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "dataset/regions_file.h"
 #include "report/region_picture.h"

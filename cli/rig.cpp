@@ -8,7 +8,7 @@
 
 #include "assets/joint_regions.h"
 #include "assets/json_file.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/example_poses.h"
 #include "dataset/regions_file.h"

@@ -8,7 +8,7 @@
 
 #include "assets/gltf_skin.h"
 #include "assets/json_file.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 

@@ -5,7 +5,7 @@
 #include <ranges>
 
 #include "assets/frame_range.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/deformer/outside.h"
 #include "runtime/host/stages.h"
 #include "trainer/dynamics/measure_jiggle.h"

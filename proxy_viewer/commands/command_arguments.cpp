@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "proxy_viewer/commands/command_arguments.h"
 #include "proxy_viewer/commands/command_tables.h"
 #include "runtime/core/error.h"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "assets/json_file.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/core/transform.h"
 
 namespace bodyopt {

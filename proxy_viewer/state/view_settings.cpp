@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "proxy_viewer/state/json_fields.h"
 #include "proxy_viewer/state/sections.h"
 #include "proxy_viewer/state/setting_fields.h"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <set>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "trainer/anatomy/xml_file.h"
 

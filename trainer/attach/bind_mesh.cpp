@@ -6,7 +6,7 @@
 #include <map>
 #include <numeric>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "base/parallel.h"
 #include "geometry/extent.h"
 #include "geometry/surface_pieces.h"

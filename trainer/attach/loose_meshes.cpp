@@ -6,7 +6,7 @@
 
 #include "assets/gltf_skeleton.h"
 #include "assets/gltf_skin.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/basis/attachments.h"
 #include "runtime/core/error.h"
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "base/progress.h"
 #include "geometry/closed_skin.h"
 #include "geometry/extent.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "geometry/extent.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/data/stray_vertices.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "assets/frame_range.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "dataset/stack_history.h"
 #include "geometry/extent.h"
 #include "geometry/vertex_normals.h"

@@ -11,7 +11,7 @@
 
 #include "assets/clip_source.h"
 #include "assets/gltf_skin.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "geometry/extent.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"

@@ -6,7 +6,7 @@
 
 #include "assets/frame_range.h"
 #include "assets/joints_with_skin.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/pose_space.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

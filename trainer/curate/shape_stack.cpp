@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "assets/character_hash.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "base/content_hash.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/hash_of.h"

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "geometry/extent.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/block_inverse.h"

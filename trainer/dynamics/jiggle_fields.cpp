@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "geometry/extent.h"
 #include "geometry/thickness.h"
 #include "runtime/core/error.h"

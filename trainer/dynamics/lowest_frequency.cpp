@@ -5,7 +5,7 @@
 #include <map>
 #include <numbers>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "assets/muscles.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "geometry/laplacian.h"
 #include "geometry/table_rows.h"
 #include "geometry/vertex_normals.h"

@@ -4,7 +4,7 @@
 
 #include "assets/character.h"
 #include "assets/clip.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
 #include "trainer/modifiers/bake_modifier.h"

@@ -4,9 +4,9 @@
 #include <set>
 
 #include "assets/character.h"
-#include "assets/notes.h"
 #include "assets/shape_reader.h"
 #include "assets/shot_modifiers.h"
+#include "assets/wording.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
 #include "trainer/modifiers/bake_modifier.h"

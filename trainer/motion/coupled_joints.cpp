@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "geometry/nearest_rotation.h"
 
 namespace bodyopt {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "assets/joints_with_skin.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "trainer/motion/turns_from_bind.h"
 

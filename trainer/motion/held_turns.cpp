@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/host/rig.h"
 #include "trainer/motion/limited_pose.h"
 #include "trainer/motion/turns_from_bind.h"

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/strict_json.h"
 #include "trainer/proxy/level_errors.h"

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "geometry/extent.h"
 #include "runtime/core/error.h"
 #include "trainer/proxy/level_errors.h"

@@ -1,6 +1,6 @@
 #include "trainer/simulate/check_muscles.h"
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "geometry/skin_depth.h"
 #include "runtime/core/error.h"
 

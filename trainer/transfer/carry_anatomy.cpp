@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "geometry/table_rows.h"
 #include "runtime/host/rig.h"
 #include "trainer/transfer/joint_warp.h"

@@ -10,7 +10,7 @@
 #include "assets/joint_match.h"
 #include "assets/json_file.h"
 #include "assets/matched_joints.h"
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "geometry/nearest_rotation.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "base/progress.h"
 #include "runtime/core/error.h"
 #include "trainer/train/fit/train.h"

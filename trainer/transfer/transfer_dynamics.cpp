@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "trainer/simulate/muscle_fibres.h"
 #include "trainer/transfer/carry_anatomy.h"
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "geometry/table_rows.h"
 #include "runtime/core/error.h"
 #include "trainer/proxy/build_proxy.h"

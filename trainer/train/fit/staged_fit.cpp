@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "assets/notes.h"
+#include "assets/wording.h"
 #include "trainer/train/fit/surface_curves.h"
 #include "trainer/train/pack/trade_off.h"
 #include "trainer/train/skinning/ddm_basis.h"

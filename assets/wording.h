@@ -1,4 +1,4 @@
-// Wording shared by the notes and messages of the readers.
+// Names, counts and numbers as messages word them.
 #pragma once
 
 #include <cstddef>

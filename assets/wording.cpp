@@ -1,4 +1,4 @@
-#include "assets/notes.h"
+#include "assets/wording.h"
 
 #include <algorithm>
 #include <cctype>
