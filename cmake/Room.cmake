@@ -38,7 +38,8 @@ endfunction()
 # How many sources are compiled at a time where that pays: half of a build is the same headers, parsed again.
 set(BODYOPT_SOURCES_TOGETHER 12)
 
-# The sources of each of these rooms are compiled several at a time.
+# The sources of each of these rooms are compiled several at a time; no two define one local name, which
+# tests/rules/unique_names_test.cpp sees to.
 function(bodyopt_compile_together)
   foreach(folder ${ARGN})
     bodyopt_target(${folder} target)
