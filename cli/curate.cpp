@@ -143,30 +143,29 @@ Json frame_json(const PoseDatabase& database, std::size_t n) {
   return {{"take", database.takes[static_cast<std::size_t>(frame.take)]}, {"frame", frame.frame}};
 }
 
-// Two shapes in one pose, and the second in the colours of how far it is from the first. Returns where these are
-// hottest, mm.
-double draw_apart(const Character& character, const Positions& before, const Positions& after,
-                  const std::string& path) {
+constexpr double kFinestScale = 0.1;  // mm: of less nothing is to be seen
+
+// Two shapes in one pose, and the second in the colours of how far it is from the first (hottest at scale_mm), from the
+// side where that is most.
+void draw_apart(const Character& character, const Positions& before, const Positions& after, double scale_mm,
+                const std::string& path) {
   constexpr std::uint32_t kWidth = 500, kHeight = 700;
   const std::vector<float> first = floats_of(before), second = floats_of(after);
   const PosePair drawn{
       {character.triangles.data(), static_cast<std::size_t>(character.triangles.size())}, first, second};
-  const double largest = 1e3 * (after - before).rowwise().norm().maxCoeff();
-  const double scale = std::max(0.1, largest);  // mm; under a tenth nothing is to be seen of it
   Renderer renderer;
-  write_png(
-      triptych(renderer, drawn, scale, frame_pose(drawn, {0.3f, 0.2f, 1.0f}, float{kWidth} / kHeight), kWidth, kHeight),
-      path);
-  return scale;
+  const Camera camera = frame_pose(drawn, towards_worst(drawn), float{kWidth} / kHeight);
+  write_png(triptych(renderer, drawn, scale_mm, camera, kWidth, kHeight), path);
 }
 
 // The worst pair in one pose, and in colour how far apart the shapes are in its region.
 std::string draw_pair(const ShapeStack& stack, const DisagreeingPair& pair, const std::string& path) {
   const PairInOnePose shapes = in_one_pose(stack, pair);
-  const double scale = draw_apart(stack.database().character, shapes.first, shapes.second, path);
+  const double scale = std::max(kFinestScale, pair.most_mm);
+  draw_apart(stack.database().character, shapes.first, shapes.second, scale, path);
   return format(
-      "wrote %s: %s; %s, whose pose is %.1f degrees off, brought into that of the first; how far they are apart in the "
-      "region %s, darkest at %.2f mm\n",
+      "wrote %s: %s; the same with what %s, whose pose is %.1f degrees off, has in the region %s that poses do not "
+      "explain; how far that is, darkest at %.2f mm\n",
       path.c_str(), frame_text(stack.database(), pair.first).c_str(), frame_text(stack.database(), pair.second).c_str(),
       pair.pose_degrees, pair.region.c_str(), scale);
 }
@@ -183,7 +182,9 @@ std::string draw_effect(const ShapeStack& stack, const ModifierEffect& effect, c
       static_cast<std::size_t>(std::ranges::find(modifiers, effect.name, &Modifier::name) - modifiers.begin());
   const UnposedSpace::Frame space = stack.space().frame(stack.database().frames[effect.worst].pose);
   const auto left_by = [&](std::size_t count) { return space.shape(stack.offsets(effect.worst, count)); };
-  const double scale = draw_apart(stack.database().character, left_by(place), left_by(place + 1), path);
+  const Positions before = left_by(place), after = left_by(place + 1);
+  const double scale = std::max(kFinestScale, 1e3 * (after - before).rowwise().norm().maxCoeff());
+  draw_apart(stack.database().character, before, after, scale, path);
   return format("wrote %s: %s before '%s' and after; how far that is, darkest at %.2f mm\n", path.c_str(),
                 frame_text(stack.database(), effect.worst).c_str(), effect.name.c_str(), scale);
 }
@@ -281,14 +282,23 @@ void report(const CurateArguments& arguments) {
                      {"most_mm", pair.most_mm},
                      {"pose_degrees", pair.pose_degrees}});
   }
-  text += format("\n%-24s %11s %9s %12s\n", "region", "neighbours", "alone", "deviation mm");
+  text += format("\n%-24s %11s %9s %10s %12s\n", "region", "neighbours", "alone", "same pose", "deviation mm");
   for (const RegionAgreement& region : found.regions) {
-    text += format("%-24s %11.0f %8.0f%% %12.3f\n", region.region.c_str(), region.neighbours, 100 * region.single,
-                   region.deviation_mm);
+    text += format("%-24s %11.0f %8.0f%% %9.0f%% %12.3f\n", region.region.c_str(), region.neighbours,
+                   100 * region.single, 100 * region.same_pose, region.deviation_mm);
     regions.push_back({{"region", region.region},
                        {"neighbours", region.neighbours},
                        {"alone", region.single},
+                       {"same_pose", region.same_pose},
                        {"deviation_mm", region.deviation_mm}});
+  }
+  const auto untold = static_cast<std::size_t>(
+      std::ranges::count_if(found.regions, [](const RegionAgreement& region) { return region.same_pose == 0; }));
+  if (untold > 0) {
+    text += format(
+        "%s no frame in the same pose as one of another motion: too few neighbours to tell whether shapes "
+        "disagree there\n",
+        count_of(untold, "region has", "regions have").c_str());
   }
   if (found.pairs.empty()) {
     text += "no like poses have shapes that differ by more than their poses do: there is no pair to draw\n";
@@ -445,6 +455,11 @@ void import_frame(const CurateArguments& arguments) {
   }
   const FrameMesh mesh = read_frame_mesh(database.character, frame_surface(database).texture, skins, arguments.mesh);
   const ExportedFrame& exported = exports[mesh.of];
+  if (mesh.was_turned) {
+    say(
+        {"the mesh lies turned, as programs write it whose up is another axis (Z, in Blender): it was turned back to "
+         "where it was exported"});
+  }
   if (mesh.alike > 0) say({alike_note(database, frame, exported, mesh.alike)});
   say(changes_since(stack, frame, exported, arguments.name));
   say(add_sculpt(path_of(arguments), arguments.name, arguments.take, arguments.frame, exported, mesh.positions,

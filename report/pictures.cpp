@@ -118,6 +118,21 @@ Image heat_on_skin(Renderer& renderer, std::span<const float> skin, std::span<co
   return side_by_side(panels);
 }
 
+std::array<float, 3> towards_worst(const PosePair& pose) {
+  check_pair(pose);
+  std::size_t worst = 0;
+  float furthest = -1;
+  for (std::size_t v = 0; v < pose.truth.size(); v += 3) {
+    const float apart = std::hypot(pose.result[v] - pose.truth[v], pose.result[v + 1] - pose.truth[v + 1],
+                                   pose.result[v + 2] - pose.truth[v + 2]);
+    if (apart <= furthest) continue;
+    furthest = apart;
+    worst = v;
+  }
+  const std::vector<float> normals = smooth_normals(pose.triangles, pose.truth);
+  return {normals[worst], normals[worst + 1], normals[worst + 2]};
+}
+
 Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect) {
   check_pair(pose);
   std::vector<float> points(pose.truth.begin(), pose.truth.end());

@@ -33,6 +33,10 @@ Image heat_on_skin(Renderer& renderer, std::span<const float> skin, std::span<co
 // A camera that sees both shapes whole, from a direction (world, towards the camera); aspect of one panel.
 Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect);
 
+// The direction (world, towards the camera) from which the vertex is seen that is furthest from the truth: along its
+// normal; zero where the triangles around it have no area.
+std::array<float, 3> towards_worst(const PosePair& pose);
+
 // V x 3: unit normals of a mesh (V x 3), each the direction of the summed areas around its vertex; zero where they
 // cancel.
 std::vector<float> smooth_normals(std::span<const std::uint32_t> triangles, std::span<const float> positions);

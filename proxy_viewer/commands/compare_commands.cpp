@@ -16,6 +16,7 @@ void go_to_pair(Controls& controls, int pair) {
   const ListedPair& listed = controls.curating.pairs[static_cast<std::size_t>(pair)];
   controls.curating.region = listed.region;
   controls.playback.scrub(listed.first);
+  controls.requests.frame_selection = true;  // motion capture goes far, and stretches its arms
 }
 
 const Command kCompareCommands[] = {

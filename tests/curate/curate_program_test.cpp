@@ -6,11 +6,13 @@
 
 #include "assets/json_file.h"
 #include "dataset/stack_history.h"
+#include "runtime/basis/read_file.h"
 #include "tests/curate/sweep_history.h"
 #include "tests/support/png_file.h"
 #include "tests/support/read_bytes.h"
 #include "tests/support/run_program.h"
 #include "trainer/curate/edit_stack.h"
+#include "trainer/curate/exported_frames.h"
 
 namespace bodyopt {
 namespace {
@@ -200,18 +202,18 @@ TEST_F(CurateProgram, ADamagedRecordOfExportsIsSaidAndLeftOut) {
   const std::string frame = "--take one --frame 16 ";
   ASSERT_EQ(curate("export-frame", frame + "--out " + at("frame.obj")).exit_code, 0);
   raise(at("frame.obj"), at("sculpt.obj"), 0);
-  const std::string record = at("modifiers/exported.json");
+  const std::string record = export_files(read_dataset(limb_.path())).at(0);
   std::vector<Json> records(7, Json::parse(std::ifstream(record)));
-  records[0]["frames"][0].erase("modifiers");
-  records[1]["schema"] = "bodyopt-exported-frames-2";
+  records[0].erase("modifiers");
+  records[1]["schema"] = "bodyopt-exported-frame-2";
   records[2] = Json::array();
-  records[3]["frames"][0] = 1;
-  records[4]["frames"][0]["skin"] = "modifiers/gone.pc2";
-  records[5]["frames"][0]["skin"] = "modifiers/short.pc2";
+  records[3]["frame"] = "1";
+  records[4]["skin"] = "modifiers/gone.pc2";
+  records[5]["skin"] = "modifiers/short.pc2";
   std::ofstream(at("modifiers/short.pc2")) << "POINTCACHE2";
   const Json gone = {{"take", "one"}, {"frame", 16}, {"offsets", "modifiers/gone.pc2"}};
   const Json sculpt = {{"name", "s"}, {"type", "sculpt"}, {"parameters", {{"sculpts", Json::array({gone})}}}};
-  records[6]["frames"][0]["modifiers"] = Json::array({sculpt});
+  records[6]["modifiers"] = Json::array({sculpt});
   for (const Json& text : records) {
     std::ofstream(record) << text;
     const ProgramResult imported = curate("import-frame", frame + "--mesh " + at("sculpt.obj") + " --name s");
@@ -220,6 +222,71 @@ TEST_F(CurateProgram, ADamagedRecordOfExportsIsSaidAndLeftOut) {
     EXPECT_NE(imported.output.find("moves one 16 by 5.00 mm at most"), std::string::npos) << imported.output;
     undo_modifiers(limb_.path());
   }
+}
+
+// Exports of an earlier version, all in one file, still say what a mesh is of, and are forgotten with the others.
+TEST_F(CurateProgram, ExportsOfAnEarlierVersionAreKnown) {
+  const std::string frame = "--take one --frame 16 --unposed ", import = frame + "--name s --spread 0 --mesh ";
+  ASSERT_EQ(curate("export-frame", frame + "--out " + at("frame.obj")).exit_code, 0);
+  raise(at("frame.obj"), at("sculpt.obj"), 0);
+  const std::filesystem::path record = export_files(read_dataset(limb_.path())).at(0);
+  Json entry = Json::parse(std::ifstream(record));
+  entry.erase("schema");
+  std::filesystem::remove(record);
+  std::ofstream(at("modifiers/exported.json"))
+      << Json{{"schema", "bodyopt-exported-frames-1"}, {"frames", Json::array({entry})}};
+  add_modifier(limb_.path(), {.type = "inflate", .parameters = {{"distance_mm", 2}}});
+  ASSERT_EQ(curate("prune", "").exit_code, 0);
+  EXPECT_NE(curate("import-frame", import + at("sculpt.obj")).output.find("has changed by 2.00 mm"), std::string::npos);
+  ASSERT_EQ(curate("prune", "--history").exit_code, 0);
+  EXPECT_TRUE(export_files(read_dataset(limb_.path())).empty());
+}
+
+// Two artists who export do not write into one file: what both wrote is there when their folders are put together.
+TEST_F(CurateProgram, ExportsOfTwoArtistsMerge) {
+  const auto files_of = [&] { return export_files(read_dataset(limb_.path())); };
+  ASSERT_EQ(curate("export-frame", "--take one --frame 3 --out " + at("common.obj")).exit_code, 0);
+  const std::filesystem::path other = limb_.folder() / "other";
+  std::filesystem::copy(limb_.folder() / "modifiers", other, std::filesystem::copy_options::recursive);
+  ASSERT_EQ(curate("export-frame", "--take one --frame 16 --out " + at("one.obj")).exit_code, 0);
+  std::filesystem::rename(limb_.folder() / "modifiers", limb_.folder() / "first");
+  std::filesystem::rename(other, limb_.folder() / "modifiers");
+  ASSERT_EQ(curate("export-frame", "--take two --frame 7 --out " + at("two.obj")).exit_code, 0);
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(limb_.folder() / "first")) {
+    const std::filesystem::path merged =
+        limb_.folder() / "modifiers" / std::filesystem::relative(entry.path(), limb_.folder() / "first");
+    if (!entry.is_regular_file()) continue;
+    if (std::filesystem::exists(merged)) {
+      EXPECT_EQ(read_file(entry.path(), 1 << 20, "a file"), read_file(merged, 1 << 20, "a file")) << merged;
+    } else {
+      std::filesystem::copy_file(entry.path(), merged);
+    }
+  }
+  EXPECT_EQ(files_of().size(), 3u);
+  EXPECT_EQ(kept_exports(limb_.stack(), 15, "s").frames.size(), 1u);
+  EXPECT_EQ(kept_exports(limb_.stack(), kSweepFrames + 6, "s").frames.size(), 1u);
+}
+
+// An export that is made again is the latest, and is written down once; of all the latest 200 stay.
+TEST_F(CurateProgram, TheLatestExportsAreKept) {
+  const ShapeStack stack = limb_.stack();
+  const Dataset dataset = read_dataset(limb_.path());
+  const auto keep = [&](std::size_t frame) {
+    return keep_exported(limb_.path(), stack, frame, exported_now(stack, frame));
+  };
+  const std::string first = keep(0);
+  keep(1);
+  EXPECT_EQ(keep(0), first);
+  ASSERT_EQ(export_files(dataset).size(), 2u);
+  EXPECT_EQ(export_files(dataset).back().stem().string(), "000003-" + first);
+  ExportedFrame exported = exported_now(stack, 2);
+  for (int k = 0; k < 205; ++k) {
+    exported.skin(0, 0) += 0.001;
+    keep_exported(limb_.path(), stack, 2, exported);
+  }
+  EXPECT_EQ(export_files(dataset).size(), 200u);
+  EXPECT_EQ(kept_exports(stack, 2, "s").frames.size(), 200u);
+  EXPECT_NEAR(kept_exports(stack, 2, "s").frames.front().skin(0, 0), exported.skin(0, 0), 1e-6) << "the latest first";
 }
 
 // What could not be kept of an export is said; the mesh is written all the same.

@@ -494,6 +494,38 @@ TEST(FrameFiles, AMeshIsOfTheSkinWhoseMarkItHas) {
   }
 }
 
+// Written with Z up: turned back, in its own order and in another. Where all of it was moved nothing tells how it lay.
+TEST(FrameFiles, AMeshWithAnotherAxisUpIsTurnedBackOrRefused) {
+  const CuratedLimb limb;
+  const Character& character = limb.character();
+  const auto path = limb.folder() / "frame.obj";
+  const Positions frame = limb.truth(0, 5), sculpt = frame + bulge(character);
+  const auto z_up = [](const Positions& shape) {
+    Positions turned(shape.rows(), 3);
+    turned << shape.col(0), -shape.col(2), shape.col(1);
+    return turned;
+  };
+  const WrittenSkin written{frame};
+  write_frame_obj(character, {}, output_from_welded(character, z_up(sculpt)), path);
+  const FrameMesh in_order = read_frame_mesh(character, {}, {&written, 1}, path);
+  EXPECT_TRUE(in_order.was_turned);
+  EXPECT_LT(rms_mm(welded_from_output(character, in_order.positions.data()), sculpt), 1e-4);
+  write_frame_gltf(character, {}, z_up(sculpt), limb.pose(0, 5), limb.folder() / "frame.glb");
+  const FrameMesh any = read_frame_mesh(character, {}, {&written, 1}, limb.folder() / "frame.glb");
+  EXPECT_TRUE(any.was_turned);
+  EXPECT_LT(rms_mm(welded_from_output(character, any.positions.data()), sculpt), 1e-4);
+  write_frame_obj(character, {}, output_from_welded(character, sculpt), path);
+  EXPECT_FALSE(read_frame_mesh(character, {}, {&written, 1}, path).was_turned);
+  write_frame_obj(character, {}, output_from_welded(character, z_up(1.01 * frame)), path);
+  try {
+    read_frame_mesh(character, {}, {&written, 1}, path);
+    ADD_FAILURE() << "nothing tells how it lay, and it was read";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::mismatch) << error.what();
+    EXPECT_NE(std::string(error.what()).find("another axis up"), std::string::npos) << error.what();
+  }
+}
+
 // In centimetres, or in hundreds of metres: refused, whatever the order of its vertices.
 TEST(FrameFiles, AMeshOfAnotherUnitIsRefused) {
   const CuratedLimb limb;

@@ -280,5 +280,28 @@ TEST_F(RendererTest, TriptychShowsTruthResultAndDistance) {
   EXPECT_EQ(kind_of([&] { triptych(*renderer_, unlike, 1, camera, 8, 8); }), ErrorKind::mismatch);
 }
 
+// A dent at the back is not to be seen from the front: the camera goes to its side.
+TEST_F(RendererTest, ThePictureIsOfTheSideWhereTheShapesAreFurthestApart) {
+  const Sphere sphere(0.8f);
+  std::vector<float> dented = sphere.positions;
+  for (std::size_t v = 0; v < dented.size(); v += 3) {
+    const float depth = std::max(0.0f, -sphere.positions[v + 2] - 0.7f);
+    dented[v + 2] += depth;
+    dented[v] += 0.001f;
+  }
+  const PosePair pose{sphere.triangles, sphere.positions, dented};
+  const std::array<float, 3> direction = towards_worst(pose);
+  EXPECT_LT(direction[2], -0.95f);
+  const auto hottest = [&](const std::array<float, 3>& from) {
+    const Image image = triptych(*renderer_, pose, 100, frame_pose(pose, from, 1), 64, 64);
+    int most = -255;
+    for (std::uint32_t y = 0; y < 64; ++y) {
+      for (std::uint32_t x = 128; x < 192; ++x) most = std::max(most, pixel(image, x, y)[0] - pixel(image, x, y)[2]);
+    }
+    return most;
+  };
+  EXPECT_GT(hottest(direction), hottest(kFront) + 60);
+}
+
 }  // namespace
 }  // namespace bodyopt::testing

@@ -1,9 +1,11 @@
-// What artists and their programs write for curation and transfer: the history of a stack, sculpted frames, markers.
+// What artists and their programs write for curation and transfer: the history of a stack, frames that were given out,
+// sculpted ones, markers.
 #include <fstream>
 
 #include "dataset/stack_history.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/small_limb.h"
+#include "trainer/curate/export_records.h"
 #include "trainer/curate/frame_files.h"
 #include "trainer/transfer/markers_file.h"
 
@@ -27,6 +29,20 @@ void read_history_file(const std::string& bytes) {
   undo_modifiers(path);
 }
 
+constexpr const char* kExport =
+    R"("take": "rom", "frame": 7, "skin": "modifiers/exported-0123456789abcdef.pc2", "modifiers": [{"name": "smooth",
+ "type": "smooth", "enabled": true, "strength": 0.5, "frames": [], "mask": {}, "parameters": {"radius_mm": 3}}]})";
+
+std::vector<std::string> export_seeds() {
+  return {R"({"schema": "bodyopt-exported-frame-1", )" + std::string(kExport)};
+}
+void read_export(const std::string& bytes) { read_export_file(as_file("000001-exported.json", bytes)); }
+
+std::vector<std::string> exports_seeds() {
+  return {R"({"schema": "bodyopt-exported-frames-1", "frames": [{)" + std::string(kExport) + "]}"};
+}
+void read_exports(const std::string& bytes) { read_export_file(as_file("exported.json", bytes)); }
+
 std::vector<std::string> obj_seeds() {
   std::vector<float> points;
   for (const std::uint32_t v : limb().output_vertex) {
@@ -44,9 +60,10 @@ std::vector<std::string> markers_seeds() {
 }
 void read_markers_file(const std::string& bytes) { read_markers(as_file("markers.json", bytes)); }
 
-const bool added = add_target({"modifier_history", history_seeds, read_history_file}) &&
-                   add_target({"obj", obj_seeds, read_obj_file}) &&
-                   add_target({"markers", markers_seeds, read_markers_file});
+const bool added =
+    add_target({"modifier_history", history_seeds, read_history_file}) &&
+    add_target({"export", export_seeds, read_export}) && add_target({"exports", exports_seeds, read_exports}) &&
+    add_target({"obj", obj_seeds, read_obj_file}) && add_target({"markers", markers_seeds, read_markers_file});
 
 }  // namespace
 }  // namespace bodyopt::fuzz

@@ -288,7 +288,11 @@ const std::map<std::string, Case>& cases() {
       {"undo-edit", {"", [](C, C c) { return c.requests.step_back == true; }, {"twice"}}},
       {"redo-edit", {"", [](C, C c) { return c.requests.step_back == false; }, {"twice"}}},
       {"contradictions", {"", [](C, C c) { return c.requests.contradictions; }, {"all"}}},
-      {"pair", {"2", [](C, C c) { return c.playback.frame() == 7 && c.curating.region == "upper arm"; }, {"", "0", "3", "two"}}},
+      {"pair", {"2",
+        [](C, C c) {
+          return c.playback.frame() == 7 && c.curating.region == "upper arm" && c.requests.frame_selection;
+        },
+        {"", "0", "3", "two"}}},
       {"next-pair", {"", [](C, C c) { return c.curating.pair == 0 && c.playback.frame() == 5; }, {"back"}}},
       {"other-of-pair", {"", [](C, C c) { return c.playback.frame() == 7; }, {"first"}}},
       {"quit", {"", [](C, C c) { return c.requests.quit; }, {"now"}}},

@@ -403,6 +403,29 @@ TEST(SessionDatasets, SayWhichClipTheirFramesReplace) {
   EXPECT_TRUE(session.open(limb.folder().string()).empty());
 }
 
+// Frames of a dataset's takes follow each other, and those of motion capture lie far from the others: the camera goes to
+// where the character is in the frame that is chosen, whatever take is beside it.
+TEST(SessionDatasets, TheCameraGoesToTheFrameThatIsChosen) {
+  const CuratedLimb limb;
+  Dataset dataset = read_dataset(limb.path());
+  Clip away = read_clip((limb.folder() / "two.glb").string(), limb.character().skeleton, {});
+  for (Pose& pose : away.poses) pose.joints[0].translation[0] += 10;
+  write_clip(away, limb.character().skeleton, limb.folder() / "two.glb");
+  ViewerOptions options;
+  options.files = {limb.folder().string()};
+  Session session(open_test_device(), options);
+  session.open_first();
+  session.play_clip();
+  const int last = kSweepFrames;  // of the first take
+  EXPECT_NEAR(session.scene.whereabouts(last)[0], 0, 1e-6);
+  EXPECT_NEAR(session.scene.whereabouts(last + 1)[0], 10, 1e-6);
+  session.follow();
+  const double before = session.controls.camera.view().target[0];
+  session.controls.playback.scrub(last + 1);
+  session.follow();
+  EXPECT_NEAR(session.controls.camera.view().target[0] - before, 10, 1e-6);
+}
+
 // By whatever they are turned: a command here.
 TEST(SessionLimits, HoldTheJointsThatAreTurned) {
   const TemporaryFolder folder;

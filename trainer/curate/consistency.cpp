@@ -15,13 +15,14 @@ namespace {
 using Eigen::Index;
 
 // Raised whenever the same frames are made to agree in another way.
-constexpr std::uint64_t kConsistencyVersion = 9;
+constexpr std::uint64_t kConsistencyVersion = 10;
 
 class Consistency : public ShapeModifier {
  public:
   // `changes`: N x 3V, what is added to every frame.
   explicit Consistency(Displacements changes) : changes_(std::move(changes)) {}
   std::optional<std::uint64_t> cause(std::size_t frame) const override {
+    if (change(frame).isZero(0)) return std::nullopt;
     return hash_of(Positions(change(frame).cast<double>()));
   }
   void apply(const FrameInHand& frame, Positions& offsets) const override {
@@ -29,7 +30,9 @@ class Consistency : public ShapeModifier {
   }
   std::string note() const override {
     if (changes_.size() == 0 || !changes_.isZero(0)) return "";
-    return "moves no frame: no like poses disagree, or a first step would have left more than there is";
+    return "moves no frame: no like poses disagree, none are near enough to tell ('curate report' says where), or a "
+           "first "
+           "step would have left more than there is";
   }
 
  private:

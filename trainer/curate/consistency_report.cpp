@@ -25,9 +25,14 @@ double region_rms_mm(const RegionWeights& region, const Eigen::RowVectorXf& row)
   return weights > 0 ? 1e3 * std::sqrt(sum / weights) : 0;
 }
 
-// Of a row of vertices' vectors.
-double largest_mm(const Eigen::RowVectorXf& row) {
-  return 1e3 * double{Eigen::Map<const Eigen::Matrix3Xf>(row.data(), 3, row.size() / 3).colwise().norm().maxCoeff()};
+// Of a row of the vectors of a region's vertices, as far as the region has them.
+double largest_mm(const RegionWeights& region, const Eigen::RowVectorXf& row) {
+  double largest = 0;
+  for (std::size_t k = 0; k < region.vertices.size(); ++k) {
+    const double size{row.segment<3>(3 * static_cast<Index>(k)).norm()};
+    largest = std::max(largest, region.weights[k] * size);
+  }
+  return 1e3 * largest;
 }
 
 RegionAgreement agreement(const SkinPart& part, const LocalModels& models, const Displacements& deviations) {
@@ -46,6 +51,7 @@ RegionAgreement agreement(const SkinPart& part, const LocalModels& models, const
   }
   result.single =
       1 - static_cast<double>(compared) / static_cast<double>(std::max<std::size_t>(models.shares.size(), 1));
+  if (compared > 0) result.same_pose = static_cast<double>(models.same_pose) / static_cast<double>(compared);
   result.deviation_mm = compared > 0 ? std::sqrt(sum / static_cast<double>(compared)) : 0;
   return result;
 }
@@ -57,18 +63,16 @@ void add_pairs(const PoseDatabase& database, const SkinPart& part, const LocalMo
   for (std::size_t n = 0; n < models.others.size(); ++n) {
     for (const std::size_t other : models.others[n]) {
       if (other <= n) continue;
-      const Eigen::RowVectorXf difference =
-          deviations.row(static_cast<Index>(n)) - deviations.row(static_cast<Index>(other));
-      const double apart = region_rms_mm(part.region, difference);
+      const double apart =
+          region_rms_mm(part.region, deviations.row(static_cast<Index>(other)) - deviations.row(static_cast<Index>(n)));
       if (!(apart > 0)) continue;
       DisagreeingPair& there = worst[{n, other}];
       if (apart <= there.apart_mm) continue;
-      there = {n,
-               other,
-               part.region.name,
-               apart,
-               pose_distance(database.frames[n].pose, database.frames[other].pose, part.joints),
-               largest_mm(difference)};
+      there = {.first = n,
+               .second = other,
+               .region = part.region.name,
+               .apart_mm = apart,
+               .pose_degrees = pose_distance(database.frames[n].pose, database.frames[other].pose, part.joints)};
     }
   }
 }
@@ -113,8 +117,10 @@ ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, st
                   of_vertex = Eigen::VectorXd::Zero(vertices);
   const std::vector<SkinPart> parts = skin_parts(database);
   Progress progress("curate: comparing like poses", parts.size());
+  std::vector<LocalModels> all_models;
   for (const SkinPart& part : parts) {
-    const LocalModels models = local_models(database, part, degrees, used, anchors, displacements);
+    const LocalModels& models =
+        all_models.emplace_back(local_models(database, part, degrees, used, anchors, displacements));
     const Displacements deviations = part_deviations(displacements, part, models);
     report.regions.push_back(agreement(part, models, deviations));
     add_pairs(database, part, models, deviations, worst);
@@ -127,6 +133,14 @@ ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, st
     progress.advance();
   }
   report.pairs = ranked(worst, most);
+  for (DisagreeingPair& pair : report.pairs) {
+    const auto part =
+        std::ranges::find(parts, pair.region, [](const SkinPart& p) -> const std::string& { return p.region.name; });
+    const LocalModels& models = all_models[static_cast<std::size_t>(part - parts.begin())];
+    pair.difference = frame_deviation(displacements, *part, models.shares[pair.second]) -
+                      frame_deviation(displacements, *part, models.shares[pair.first]);
+    pair.most_mm = largest_mm(part->region, pair.difference);
+  }
   for (const double square : of_frame)
     report.frame_mm.push_back(1e3 * std::sqrt(square / static_cast<double>(vertices)));
   for (const double square : of_vertex) report.vertex_mm.push_back(1e3 * std::sqrt(square));
@@ -135,14 +149,13 @@ ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, st
 
 PairInOnePose in_one_pose(const ShapeStack& stack, const DisagreeingPair& pair) {
   const PoseDatabase& database = stack.database();
-  const std::size_t count = database.dataset.modifiers.size();
-  const Positions first = stack.offsets(pair.first, count), other = stack.offsets(pair.second, count);
+  const Positions first = stack.offsets(pair.first, database.dataset.modifiers.size());
   Positions second = first;
   for (const SkinPart& part : skin_parts(database)) {
     if (part.region.name != pair.region) continue;
     for (std::size_t k = 0; k < part.region.vertices.size(); ++k) {
-      const auto v = Index{part.region.vertices[k]};
-      second.row(v) += part.region.weights[k] * (other.row(v) - first.row(v));
+      second.row(Index{part.region.vertices[k]}) +=
+          part.region.weights[k] * pair.difference.segment<3>(3 * static_cast<Index>(k)).cast<double>();
     }
   }
   const UnposedSpace::Frame pose = stack.space().frame(database.frames[pair.first].pose);

@@ -1,6 +1,7 @@
 // Where a dataset's shapes of like poses disagree.
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -13,14 +14,20 @@ struct DisagreeingPair {
   std::string region;
   double apart_mm = 0;      // RMS over the region, of what their local models do not explain
   double pose_degrees = 0;  // how far their poses are apart there
-  double most_mm = 0;       // the same of the vertex of the region where it is most
+  // The same of the vertex of the region where it is most, at the border of the region as far as that has it: what
+  // in_one_pose() shows.
+  double most_mm = 0;
+  Eigen::RowVectorXf difference{};  // 3 per vertex of the region, metres, un-posed: the second less the first
 };
 
 // Of a part of the skin: how well its poses are covered, and how well they agree.
 struct RegionAgreement {
   std::string region;
-  double neighbours = 0;    // frames near a frame, the median
-  double single = 0;        // the share of frames that no other motion passes by: nothing to compare them with
+  double neighbours = 0;  // frames near a frame, the median
+  double single = 0;      // the share of frames that no other motion passes by: nothing to compare them with
+  // The share of the other frames that have one of another motion in the same pose. Where none has, nothing tells
+  // whether shapes disagree, or are others in other poses.
+  double same_pose = 0;
   double deviation_mm = 0;  // RMS over its skin and the other frames, from their local models
 };
 
@@ -35,7 +42,8 @@ struct ConsistencyReport {
 // frames.
 ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, std::size_t most);
 
-// V x 3 each, metres: the shape of the first frame, and what the second makes of the pair's region in the first's pose.
+// V x 3 each, metres: the shape of the first frame, and what it would be in the pair's region if it had what the second
+// has that poses do not explain.
 struct PairInOnePose {
   Positions first, second;
 };

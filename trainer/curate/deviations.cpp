@@ -7,18 +7,24 @@ namespace bodyopt {
 
 using Eigen::Index;
 
-Displacements part_deviations(const Displacements& displacements, const SkinPart& part, const LocalModels& models) {
+Eigen::RowVectorXf frame_deviation(const Displacements& displacements, const SkinPart& part,
+                                   const std::vector<FrameShare>& shares) {
   const std::vector<std::uint32_t>& vertices = part.region.vertices;
-  Displacements result = Displacements::Zero(displacements.rows(), 3 * static_cast<Index>(vertices.size()));
-  parallel_for(models.shares.size(), [&](std::size_t n) {
-    if (models.shares[n].empty()) return;
-    for (const FrameShare& other : models.shares[n]) {
-      const float share = static_cast<float>(other.share);
-      for (std::size_t k = 0; k < vertices.size(); ++k) {
-        result.row(static_cast<Index>(n)).segment<3>(3 * static_cast<Index>(k)) +=
-            share * displacements.row(static_cast<Index>(other.frame)).segment<3>(3 * Index{vertices[k]});
-      }
+  Eigen::RowVectorXf result = Eigen::RowVectorXf::Zero(3 * static_cast<Index>(vertices.size()));
+  for (const FrameShare& other : shares) {
+    const float share = static_cast<float>(other.share);
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+      result.segment<3>(3 * static_cast<Index>(k)) +=
+          share * displacements.row(static_cast<Index>(other.frame)).segment<3>(3 * Index{vertices[k]});
     }
+  }
+  return result;
+}
+
+Displacements part_deviations(const Displacements& displacements, const SkinPart& part, const LocalModels& models) {
+  Displacements result = Displacements::Zero(displacements.rows(), 3 * static_cast<Index>(part.region.vertices.size()));
+  parallel_for(models.shares.size(), [&](std::size_t n) {
+    result.row(static_cast<Index>(n)) = frame_deviation(displacements, part, models.shares[n]);
   });
   return result;
 }

@@ -1,12 +1,12 @@
 #include "trainer/curate/exported_frames.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "assets/json_file.h"
-#include "base/content_hash.h"
+#include "assets/shape_reader.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_lock.h"
-#include "trainer/curate/frame_files.h"
 #include "trainer/curate/keep_samples.h"
 #include "trainer/curate/sculpted_frames.h"
 
@@ -15,31 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Modifiers = std::vector<Modifier>;
-
-constexpr const char* kSchema = "bodyopt-exported-frames-1";
-constexpr std::size_t kMost = 200;
-
-fs::path path_of(const Dataset& dataset) { return dataset.folder / "modifiers" / "exported.json"; }
-
-void write_records(const std::vector<ExportRecord>& records, const Dataset& dataset) {
-  Json frames = Json::array();
-  for (const ExportRecord& record : records) {
-    frames.push_back({{"take", record.take},
-                      {"frame", record.frame},
-                      {"skin", record.skin},
-                      {"modifiers", to_json(record.modifiers)}});
-  }
-  write_json({{"schema", kSchema}, {"frames", frames}}, path_of(dataset));
-}
-
-std::string mark_of(const ExportRecord& record) {
-  ContentHash hash;
-  hash.add(record.take);
-  hash.add(static_cast<std::uint64_t>(record.frame));
-  hash.add(record.skin);
-  hash.add(to_json(record.modifiers).dump());
-  return export_mark(hash.value());
-}
 
 Positions read_skin(const Character& character, const fs::path& path) {
   const ShapeReader reader(path);
@@ -59,23 +34,6 @@ const Modifier* find(const Modifiers& modifiers, const std::string& name) {
 
 }  // namespace
 
-std::vector<ExportRecord> read_export_records(const Dataset& dataset) {
-  std::vector<ExportRecord> records;
-  const fs::path path = path_of(dataset);
-  std::error_code unreadable;
-  if (!fs::exists(path, unreadable)) return records;
-  const Json json = read_json(path, kSchema);
-  const JsonObject top(json, path, "the exported frames");
-  top.allow({"schema", "frames"});
-  for (const Json& entry : top.array("frames")) {
-    const JsonObject record(entry, path, "an exported frame");
-    record.allow({"take", "frame", "skin", "modifiers"});
-    records.push_back({record.name("take"), record.integer("frame"), record.name("skin"),
-                       read_modifiers(record.array("modifiers"), path)});
-  }
-  return records;
-}
-
 ExportedFrame exported_now(const ShapeStack& stack, std::size_t frame) {
   const PoseDatabase& database = stack.database();
   const Modifiers& modifiers = database.dataset.modifiers;
@@ -92,11 +50,7 @@ std::string keep_exported(const fs::path& path, const ShapeStack& stack, std::si
       keep_samples(database.dataset, "exported", 1,
                    [&](std::size_t) { return output_from_welded(database.character, exported.skin); }),
       exported.modifiers};
-  std::vector<ExportRecord> records = read_export_records(database.dataset);
-  std::erase(records, record);
-  records.push_back(record);
-  if (records.size() > kMost) records.erase(records.begin());
-  write_records(records, database.dataset);
+  write_export(record, database.dataset);
   return mark_of(record);
 }
 
@@ -112,7 +66,9 @@ KeptExports kept_exports(const ShapeStack& stack, std::size_t frame, const std::
     }
   };
   std::vector<ExportRecord> records;
-  unless_refused([&] { records = read_export_records(database.dataset); });
+  for (const fs::path& file : export_files(database.dataset)) {
+    unless_refused([&] { std::ranges::copy(read_export_file(file), std::back_inserter(records)); });
+  }
   for (const ExportRecord& record : records) {
     if (record.take != database.takes[static_cast<std::size_t>(of.take)] || record.frame != of.frame) continue;
     unless_refused([&] {
@@ -123,15 +79,6 @@ KeptExports kept_exports(const ShapeStack& stack, std::size_t frame, const std::
   }
   std::ranges::reverse(kept.frames);
   return kept;
-}
-
-void forget_exports(const Dataset& dataset) {
-  std::error_code failure;
-  fs::remove(path_of(dataset), failure);
-  if (failure) {
-    throw Error(ErrorKind::file,
-                path_of(dataset).string() + " cannot be removed (" + failure.message() + "): is the folder writable?");
-  }
 }
 
 Positions sculpted_by(const PoseDatabase& database, const Modifiers& modifiers, const std::string& name,

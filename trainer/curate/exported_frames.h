@@ -1,23 +1,15 @@
-// modifiers/exported.json: frames as they were when they were given out to be sculpted. What comes back is a sculpt of
-// what was given out, whatever the stack has become meanwhile.
+// Frames that are given out to be sculpted. What comes back is a sculpt of what was given out, whatever the stack has
+// become meanwhile.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "trainer/curate/export_records.h"
 #include "trainer/curate/shape_stack.h"
 
 namespace bodyopt {
-
-// As the file has it.
-struct ExportRecord {
-  std::string take;
-  int frame = 0;
-  std::string skin;                 // a PC2 cache of one sample, un-posed, relative to the dataset's folder
-  std::vector<Modifier> modifiers;  // the stack that made it
-  bool operator==(const ExportRecord&) const = default;
-};
 
 struct ExportedFrame {
   Positions skin;  // V x 3, un-posed: the rest skin with the frame's displacements, metres
@@ -25,18 +17,13 @@ struct ExportedFrame {
   std::string mark{};  // that its mesh is named by; empty: it was not written down
 };
 
-// The latest last; none where there is no file. Throws Error(file).
-std::vector<ExportRecord> read_export_records(const Dataset& dataset);
-// Takes the file away. The caller holds the dataset's lock. Throws Error(file).
-void forget_exports(const Dataset& dataset);
-
 // A frame as the stack makes it now.
 ExportedFrame exported_now(const ShapeStack& stack, std::size_t frame);
 // Writes it down, and returns its mark; the latest 200 of all frames stay. `path`: the dataset.json. Throws
 // Error(file).
 std::string keep_exported(const std::filesystem::path& path, const ShapeStack& stack, std::size_t frame,
                           const ExportedFrame& exported);
-// What was written down of a frame and can be used, the latest first. The file is a hint: what of it is damaged, of
+// What was written down of a frame and can be used, the latest first. The files are hints: what of them is damaged, of
 // another character, of a newer version, or names files that are gone is left out, and said in notes. `name`: the
 // modifier whose sculpts of then are needed, too.
 struct KeptExports {

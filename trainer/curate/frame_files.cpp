@@ -19,6 +19,7 @@
 #include "runtime/core/hexadecimal.h"
 #include "trainer/curate/local_models.h"
 #include "trainer/curate/match_vertices.h"
+#include "trainer/curate/turned_mesh.h"
 
 namespace bodyopt {
 namespace {
@@ -253,14 +254,14 @@ FrameMesh made_of(std::span<const WrittenSkin> written, const Positions& given, 
   if (written.size() == 1) return {};
   std::vector<std::size_t> unmoved;
   for (const WrittenSkin& one : written) {
-    unmoved.push_back(vertices_in_place(one.skin, given, kUnmoved * box_diagonal(one.skin)));
+    unmoved.push_back(vertices_in_place(one.skin, given, unmoved_distance(one.skin)));
   }
   const std::size_t best = static_cast<std::size_t>(std::ranges::max_element(unmoved) - unmoved.begin());
   const Positions& taken = written[best].skin;
   FrameMesh mesh{{}, best};
   for (std::size_t k = 0; k < written.size(); ++k) {
     const double apart = (written[k].skin - taken).rowwise().norm().maxCoeff();
-    if (unmoved[k] == unmoved[best] && apart > kUnmoved * box_diagonal(taken)) ++mesh.alike;
+    if (unmoved[k] == unmoved[best] && apart > unmoved_distance(taken)) ++mesh.alike;
   }
   return mesh;
 }
@@ -271,7 +272,7 @@ Positions in_own_order(const Character& character, const TexturedSurface& export
   if (given.vertices.rows() != exported.vertices.rows()) {
     throw Error(ErrorKind::mismatch, both_counts(character, path, found) + likely_cause(character, found));
   }
-  const std::vector<int> match = match_vertices(exported, given, kUnmoved * box_diagonal(exported.vertices));
+  const std::vector<int> match = match_vertices(exported, given, unmoved_distance(exported.vertices));
   Positions result = exported.vertices;
   const auto lost = static_cast<std::size_t>(std::count(match.begin(), match.end(), -1));
   if (lost > 0) {
@@ -298,6 +299,8 @@ SkinSurface frame_surface(const PoseDatabase& database) {
   surface.material_of = heaviest_regions(database.character, regions);
   return surface;
 }
+
+double unmoved_distance(const Positions& skin) { return kUnmoved * box_diagonal(skin); }
 
 std::string export_mark(std::uint64_t hash) { return kMark + hexadecimal(hash); }
 
@@ -337,23 +340,30 @@ FrameMesh read_frame_mesh(const Character& character, const std::vector<double>&
                           std::span<const WrittenSkin> written, const std::filesystem::path& path) {
   TexturedSurface given;
   std::string mark;
+  std::vector<float> in_order;  // O x 3, of a mesh that kept its numbers
   if (lower_case_extension(path) == ".obj") {
     ObjMesh mesh = parse_obj(path);
     mark = mesh.mark;
     given = surface_of(mesh);
-    check_size(written.front().skin, given.vertices, path);
-    if (mesh.positions.size() == 3 * std::size_t{character.output_count()} && has_its_faces(character, mesh)) {
-      FrameMesh result = made_of(written, given.vertices, mark);
-      result.positions = std::move(mesh.positions);
-      return result;
-    }
+    const bool kept = mesh.positions.size() == 3 * std::size_t{character.output_count()};
+    if (kept && has_its_faces(character, mesh)) in_order = std::move(mesh.positions);
   } else {
     const Character read = read_character(path, 1);
     mark = mark_in(read.name);
     given = {read.vertices, read.triangles, textured(read, read_texture_coordinates(path))};
-    check_size(written.front().skin, given.vertices, path);
   }
+  check_size(written.front().skin, given.vertices, path);
+  const Eigen::Matrix3d turn = turn_back(written, given.vertices, path);
+  given.vertices *= turn.transpose();
   FrameMesh result = made_of(written, given.vertices, mark);
+  result.was_turned = !turn.isIdentity();
+  if (!in_order.empty()) {
+    Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>> points(
+        in_order.data(), static_cast<Eigen::Index>(in_order.size() / 3), 3);
+    points *= turn.transpose().cast<float>();
+    result.positions = std::move(in_order);
+    return result;
+  }
   const TexturedSurface own{written[result.of].skin, character.triangles, textured(character, texture)};
   result.positions = output_from_welded(character, in_own_order(character, own, given, path));
   return result;

@@ -38,14 +38,19 @@ struct FrameMesh {
   std::vector<float> positions;  // O x 3
   std::size_t of = 0;            // the written skin that it was made of
   std::size_t alike = 0;         // others, of another shape, that it may be of as well
+  bool was_turned = false;       // came with another axis up, and was turned back
 };
+
+// Of vertices of a skin (V x 3): how far those move at most that nobody moved, as files round.
+double unmoved_distance(const Positions& skin);
 
 // A mesh that was made of one of the skins `written` (one at least): of that whose mark it still has; without one of
 // that which most of its vertices lie on, the first of several alike. `texture`: of its surface. Vertices may stand in
 // any order: in an OBJ of as many, whose faces are the character's, they are known by their numbers, which sculpting
-// programs keep (faces may have been left out, or joined to larger ones); otherwise as match_vertices() tells. Throws
-// Error(mismatch), with both counts and the likely cause, where the mesh is of other vertices or faces; or is more than
-// five times larger or smaller; Error(file) at what is malformed.
+// programs keep (faces may have been left out, or joined to larger ones); otherwise as match_vertices() tells. A mesh
+// that came with another axis up is turned back, as turn_back() tells. Throws Error(mismatch), with both counts and the
+// likely cause, where the mesh is of other vertices or faces, or is more than five times larger or smaller; and what
+// turn_back() says; Error(file) at what is malformed.
 FrameMesh read_frame_mesh(const Character& character, const std::vector<double>& texture,
                           std::span<const WrittenSkin> written, const std::filesystem::path& path);
 

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <set>
 
 #include "base/parallel.h"
@@ -25,7 +27,10 @@ constexpr std::array kPasses = {0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10
 constexpr std::array kNoises = {1e-6, 1e-4, 1e-2};
 constexpr std::array kOthers = {0.0, 0.1, 1.0};  // how much joints from afar count
 constexpr double kChance = 4.74;                 // of four variances; Wilks 1938: 95 of 100 ratios are smaller
-constexpr double kTurned = 0.005;                // the sine of half the angle
+// Frames in the same pose, of all joints: so far apart at most, as a part of the reach.
+constexpr double kSamePose = 0.2;
+constexpr double kHalfStep = 3.2;  // half the step between the variances that are tried: what is as good as equal
+constexpr double kTurned = 0.005;  // the sine of half the angle
 constexpr double kLeastStep = 0.1 * std::numbers::pi / 180;  // radians: shorter ones have no direction of their own
 
 struct Neighbour {
@@ -159,8 +164,9 @@ Precision precision(const Eigen::MatrixXd& covariance) {
   return result;
 }
 
-// Inner products of the neighbours' displacements over a part of the skin, M x M.
-Eigen::MatrixXd products(const std::vector<Neighbour>& near, const SkinPart& part, const Displacements& displacements) {
+// The displacements of neighbours over a part of the skin, weighted, M x 3 part vertices.
+Eigen::MatrixXd shapes_of(const std::vector<Neighbour>& near, const SkinPart& part,
+                          const Displacements& displacements) {
   const std::vector<std::uint32_t>& vertices = part.region.vertices;
   Eigen::MatrixXd rows(static_cast<Index>(near.size()), 3 * static_cast<Index>(vertices.size()));
   for (Index k = 0; k < rows.rows(); ++k) {
@@ -170,8 +176,92 @@ Eigen::MatrixXd products(const std::vector<Neighbour>& near, const SkinPart& par
           std::sqrt(part.region.weights[v]) * shape.segment<3>(3 * Index{vertices[v]}).cast<double>();
     }
   }
+  return rows;
+}
+
+// Inner products of the neighbours' displacements over a part of the skin, M x M.
+Eigen::MatrixXd products(const std::vector<Neighbour>& near, const SkinPart& part, const Displacements& displacements) {
+  Eigen::MatrixXd rows = shapes_of(near, part, displacements);
   rows.rowwise() -= rows.colwise().mean().eval();
   return rows * rows.transpose();
+}
+
+// What shapes of one pose differ by from motion to motion, as a variogram's nugget tells it (Matheron 1963): what is a
+// function of the pose, be it bent as sharply as where skin touches skin, differs less and less as poses come nearer;
+// what is history stays.
+struct Nugget {
+  double variance = 0;     // of what a pass is off by, summed over the part of the skin
+  std::size_t pairs = 0;   // of frames in the same pose, of other passes: none tell nothing
+  std::size_t frames = 0;  // that are in such pairs
+};
+
+// How far whole poses are apart, squared, as a part of the reach: what touches what depends on every joint.
+double whole_distance(const Neighbour& other) { return other.difference.squaredNorm() + other.others.squaredNorm(); }
+
+// Squared distances between the shapes of a frame and others over a part of the skin, weighted.
+Eigen::VectorXd differences(const Neighbour& frame, const std::vector<Neighbour>& others, const SkinPart& part,
+                            const Displacements& displacements) {
+  const Eigen::MatrixXd own = shapes_of({frame}, part, displacements);
+  return (shapes_of(others, part, displacements).rowwise() - own.row(0)).rowwise().squaredNorm();
+}
+
+// How much shapes change with the pose where a motion goes on by a distance or further: the most of all squared
+// differences by squared distances. None: it has no frame as far; in the very same pose nothing changes.
+std::optional<double> steepest(const std::vector<Neighbour>& motion, const Eigen::VectorXd& differences,
+                               double distance) {
+  constexpr double kVerySame = 1e-12;
+  std::optional<double> slope;
+  if (distance <= kVerySame) slope = 0;
+  for (std::size_t k = 0; k < motion.size(); ++k) {
+    const double gone = whole_distance(motion[k]);
+    if (!(gone > 0) || gone < distance) continue;
+    slope = std::max(slope.value_or(0), differences[static_cast<Index>(k)] / gone);
+  }
+  return slope;
+}
+
+// Of the pairs of the frame `own`, which is among its neighbours: half of what their shapes differ by beyond what poses
+// so far apart explain.
+Nugget nugget_at(const std::vector<Neighbour>& near, std::size_t own, const SkinPart& part,
+                 const Displacements& displacements) {
+  const Neighbour self = *std::ranges::find(near, own, &Neighbour::frame);
+  std::vector<Neighbour> motion, others;
+  for (const Neighbour& other : near) {
+    if (other.pass == self.pass) {
+      motion.push_back(other);
+    } else if (whole_distance(other) <= kSamePose * kSamePose) {
+      others.push_back(other);
+    }
+  }
+  Nugget nugget;
+  if (others.empty()) return nugget;
+  const Eigen::VectorXd along = differences(self, motion, part, displacements),
+                        apart = differences(self, others, part, displacements);
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    const double distance = whole_distance(others[k]);
+    const std::optional<double> slope = steepest(motion, along, distance);
+    if (!slope) continue;
+    nugget.variance += 0.5 * (apart[static_cast<Index>(k)] - *slope * distance);
+    ++nugget.pairs;
+  }
+  nugget.frames = nugget.pairs > 0 ? 1 : 0;
+  return nugget;
+}
+
+Nugget nugget_of(const std::vector<std::vector<Neighbour>>& near, const SkinPart& part,
+                 const Displacements& displacements) {
+  std::vector<Nugget> of_frames(near.size());
+  parallel_for(near.size(), [&](std::size_t n) {
+    if (!near[n].empty()) of_frames[n] = nugget_at(near[n], n, part, displacements);
+  });
+  Nugget nugget;
+  for (const Nugget& of_frame : of_frames) {
+    nugget.variance += of_frame.variance;
+    nugget.pairs += of_frame.pairs;
+    nugget.frames += of_frame.frames;
+  }
+  if (nugget.pairs > 0) nugget.variance = std::max(0.0, nugget.variance / static_cast<double>(nugget.pairs));
+  return nugget;
 }
 
 struct Asked {
@@ -180,12 +270,18 @@ struct Asked {
   Eigen::MatrixXd products;
 };
 
-// The logarithm of the restricted likelihood of what neighbours look like, per dimension of the shapes.
-double log_likelihood(const Asked& asked, const Variances& variances, const std::vector<char>& anchors) {
+// How well variances go with what neighbours look like.
+struct Fit {
+  double log_likelihood = 0;  // restricted, per dimension of the shapes
+  double scale = 0;           // what the variances are in units of, summed over the part of the skin
+};
+
+Fit fit_of(const Asked& asked, const Variances& variances, const std::vector<char>& anchors) {
   const Precision given = precision(covariance(asked.near, asked.apart, variances, anchors));
   const double rounding = 1e-14 * asked.products.trace();
   const double apart = std::max(given.matrix.cwiseProduct(asked.products).sum(), rounding);
-  return -0.5 * (static_cast<double>(asked.near.size() - 1) * std::log(apart) + given.log_volume);
+  const auto freedom = static_cast<double>(asked.near.size() - 1);
+  return {-0.5 * (freedom * std::log(apart) + given.log_volume), apart / freedom};
 }
 
 // Of some of the frames that others pass by.
@@ -217,8 +313,9 @@ double independent_share(const std::vector<Asked>& asked) {
 }
 
 // Two frames alone say nothing of variances, however far they are apart: the usual ones stay where chance may as well
-// have made others likelier.
-Variances likeliest(const std::vector<Asked>& asked, const std::vector<char>& anchors) {
+// have made others likelier. What passes are off by is no more than the nugget: smooth functions do not bend as shapes
+// do where skin touches skin, and what they leave looks like history.
+Variances likeliest(const std::vector<Asked>& asked, const std::vector<char>& anchors, const Nugget& nugget) {
   std::vector<Variances> all{kUsual};
   for (const double pass : kPasses) {
     for (const double others : kOthers) {
@@ -230,8 +327,14 @@ Variances likeliest(const std::vector<Asked>& asked, const std::vector<char>& an
   const double independent = independent_share(asked);
   std::vector<double> likelihoods(all.size(), 0.0);
   parallel_for(all.size(), [&](std::size_t k) {
-    for (const Asked& there : asked) likelihoods[k] += independent * log_likelihood(there, all[k], anchors);
+    double scale = 0;
+    for (const Asked& there : asked) {
+      const Fit fit = fit_of(there, all[k], anchors);
+      likelihoods[k] += independent * fit.log_likelihood;
+      scale += fit.scale / static_cast<double>(asked.size());
+    }
     if (k > 0) likelihoods[k] -= kChance;
+    if (all[k].pass * scale > kHalfStep * nugget.variance) likelihoods[k] = -std::numeric_limits<double>::infinity();
   });
   return all[static_cast<std::size_t>(std::ranges::max_element(likelihoods) - likelihoods.begin())];
 }
@@ -352,7 +455,9 @@ LocalModels local_models(const PoseDatabase& database, const SkinPart& part, dou
     }
     if (!models.others[n].empty()) near[n] = std::move(all);
   });
-  const Variances variances = likeliest(asked_of(near, part, displacements), anchors);
+  const Nugget nugget = nugget_of(near, part, displacements);
+  models.same_pose = nugget.frames;
+  const Variances variances = likeliest(asked_of(near, part, displacements), anchors, nugget);
   parallel_for(near.size(), [&](std::size_t n) {
     if (!near[n].empty()) models.shares[n] = shares_of(near[n], own[n], variances, anchors);
   });

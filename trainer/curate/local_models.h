@@ -5,9 +5,10 @@
 // a mixed model (Henderson 1975; Sacks et al. 1989). f: how the joints turn that move the part, h: the others, which
 // count r times as much: soft tissue and coarse cages carry far. l, r, p and s are what makes the shapes of all
 // neighbourhoods of the part likeliest (restricted likelihood, Patterson & Thompson 1971): where shapes vary with the
-// pose alone, p is nothing, and nothing is found. A pass is a stretch of a take in one direction: its frames share what
-// they have of history. What slopes and curves with the pose is in all passes and stays; o is what one alone has.
-// Linear in the shapes: o at a frame is sum_m s_m y_m.
+// pose alone, p is nothing, and nothing is found. p is no more than a variogram's nugget (Matheron 1963), which frames
+// in the same pose tell: smooth functions do not bend as shapes do where skin touches skin. A pass is a stretch of a
+// take in one direction: its frames share what they have of history. What slopes and curves with the pose is in all
+// passes and stays; o is what one alone has. Linear in the shapes: o at a frame is sum_m s_m y_m.
 #pragma once
 
 #include <vector>
@@ -43,6 +44,9 @@ struct LocalModels {
   std::vector<std::vector<FrameShare>> shares;
   std::vector<std::vector<std::size_t>> others;  // of every frame: those of other passes near it, the nearest first
   std::vector<int> neighbours;                   // how many frames are near
+  // How many frames have one of another pass in the same pose. None: nothing tells history from what is another in
+  // another pose, and all shares are 0.
+  std::size_t same_pose = 0;
 };
 
 // `degrees`: how far frames are that say nothing. Frames that are not `used` are left out; the effects of passes with

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "dataset/stack_history.h"
-#include "trainer/curate/exported_frames.h"
+#include "trainer/curate/export_records.h"
 
 namespace bodyopt {
 namespace {
@@ -51,9 +51,11 @@ PrunedFiles prune_modifiers(const fs::path& path, bool history) {
     };
     std::ranges::for_each(stacks, add_stack);
     if (history) forget_exports(dataset);
-    for (const ExportRecord& record : read_export_records(dataset)) {
-      named.insert(record.skin);
-      add_stack(record.modifiers);
+    for (const fs::path& file : export_files(dataset)) {
+      for (const ExportRecord& record : read_export_file(file)) {
+        named.insert(record.skin);
+        add_stack(record.modifiers);
+      }
     }
     for (const fs::path& file : files_in(dataset.folder / "modifiers")) {
       if (!named.contains("modifiers/" + file.filename().string())) remove_file(file, pruned);

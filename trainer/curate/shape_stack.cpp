@@ -198,12 +198,13 @@ Positions ShapeStack::offsets(std::size_t frame, std::size_t count) const {
   return through(layers_of(frame, count), {frame, in});
 }
 
-// Those of the first modifiers that may change a frame.
+// Those of the first modifiers that change a frame.
 std::vector<const ShapeStack::Layer*> ShapeStack::layers_of(std::size_t frame, std::size_t count) const {
   const bool stays = !freezes_.empty() && frozen_part(frame).minCoeff() >= 1;
   std::vector<const Layer*> layers;
   for (const Layer& layer : layers_) {
-    if (layer.place < count && layer.selected[frame] && !(stays && layer.automatic)) layers.push_back(&layer);
+    const bool acts = layer.place < count && layer.selected[frame] && !(stays && layer.automatic);
+    if (acts && layer.shape->cause(frame)) layers.push_back(&layer);
   }
   return layers;
 }

@@ -1,0 +1,129 @@
+#include "trainer/curate/export_records.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "assets/json_file.h"
+#include "base/content_hash.h"
+#include "runtime/core/error.h"
+#include "trainer/curate/frame_files.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSchema = "bodyopt-exported-frame-1";
+constexpr const char* kOldSchema = "bodyopt-exported-frames-1";
+constexpr std::size_t kMost = 200;
+constexpr std::size_t kDigits = 6;  // of the numbers that files are sorted by
+
+fs::path folder_of(const Dataset& dataset) { return dataset.folder / "modifiers" / "exported"; }
+// All in one file, as they were written before: it does not merge.
+fs::path old_path_of(const Dataset& dataset) { return dataset.folder / "modifiers" / "exported.json"; }
+
+ExportRecord read_record(const JsonObject& record, const fs::path& path) {
+  return {record.name("take"), record.integer("frame"), record.name("skin"),
+          read_modifiers(record.array("modifiers"), path)};
+}
+
+// A file each, so that exports of two artists merge: "000007-exported-0123456789abcdef.json". The oldest first.
+std::vector<fs::path> record_files(const Dataset& dataset) {
+  std::vector<fs::path> files;
+  std::error_code none;
+  for (fs::directory_iterator entry(folder_of(dataset), none), end; !none && entry != end; entry.increment(none)) {
+    if (entry->path().extension() == ".json") files.push_back(entry->path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+int number_of(const fs::path& file) {
+  const std::string name = file.filename();
+  int number = 0;
+  std::from_chars(name.data(), name.data() + std::min(name.size(), kDigits), number);
+  return number;
+}
+
+std::string name_of(int number, const std::string& mark) {
+  const std::string digits = std::to_string(number);
+  return std::string(kDigits - std::min(kDigits, digits.size()), '0') + digits + "-" + mark + ".json";
+}
+
+void write_record(const ExportRecord& record, const fs::path& path) {
+  std::error_code ignored;  // without the folder the writer refuses, naming the file
+  fs::create_directories(path.parent_path(), ignored);
+  write_json({{"schema", kSchema},
+              {"take", record.take},
+              {"frame", record.frame},
+              {"skin", record.skin},
+              {"modifiers", to_json(record.modifiers)}},
+             path);
+}
+
+// Of files that were there before one with the mark was written: those of the same export, and the oldest of too many.
+void forget_older(const std::vector<fs::path>& before, const std::string& mark) {
+  const std::size_t too_many = before.size() + 1 > kMost ? before.size() + 1 - kMost : 0;
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    const bool is_same = before[k].stem().string().ends_with(mark);
+    std::error_code ignored;  // one more does no harm
+    if (is_same || k < too_many) fs::remove(before[k], ignored);
+  }
+}
+
+}  // namespace
+
+std::string mark_of(const ExportRecord& record) {
+  ContentHash hash;
+  hash.add(record.take);
+  hash.add(static_cast<std::uint64_t>(record.frame));
+  hash.add(record.skin);
+  hash.add(to_json(record.modifiers).dump());
+  return export_mark(hash.value());
+}
+
+std::vector<fs::path> export_files(const Dataset& dataset) {
+  std::vector<fs::path> files = record_files(dataset);
+  std::error_code unreadable;
+  if (fs::exists(old_path_of(dataset), unreadable)) files.insert(files.begin(), old_path_of(dataset));
+  return files;
+}
+
+std::vector<ExportRecord> read_export_file(const fs::path& path) {
+  std::vector<ExportRecord> records;
+  if (path.filename() == "exported.json") {
+    const Json json = read_json(path, kOldSchema);
+    const JsonObject top(json, path, "the exported frames");
+    top.allow({"schema", "frames"});
+    for (const Json& entry : top.array("frames")) {
+      const JsonObject record(entry, path, "an exported frame");
+      record.allow({"take", "frame", "skin", "modifiers"});
+      records.push_back(read_record(record, path));
+    }
+    return records;
+  }
+  const Json json = read_json(path, kSchema);
+  const JsonObject record(json, path, "the exported frame");
+  record.allow({"schema", "take", "frame", "skin", "modifiers"});
+  return {read_record(record, path)};
+}
+
+void write_export(const ExportRecord& record, const Dataset& dataset) {
+  const std::string mark = mark_of(record);
+  const std::vector<fs::path> before = record_files(dataset);
+  write_record(record, folder_of(dataset) / name_of(before.empty() ? 1 : number_of(before.back()) + 1, mark));
+  forget_older(before, mark);
+}
+
+void forget_exports(const Dataset& dataset) {
+  for (const fs::path& file : export_files(dataset)) {
+    std::error_code failure;
+    fs::remove(file, failure);
+    if (failure) {
+      throw Error(ErrorKind::file,
+                  file.string() + " cannot be removed (" + failure.message() + "): is the folder writable?");
+    }
+  }
+}
+
+}  // namespace bodyopt
