@@ -54,30 +54,32 @@ TEST(Consistency, LeavesCleanDataAlone) {
   std::printf("clean shapes were moved by %.4f mm\n", moved);
 }
 
-// What skin touches pushes: nothing before, and then all at once. `turned`: how far the forearm is twisted, degrees.
-Positions with_contact(const Character& character, double turned, const Positions& truth) {
-  const double depth = 0.015 * std::clamp(turned / 2, 0.0, 1.0);
-  Positions touched = truth;
+// What skin touches pushes: nothing before, and then all at once, by 15 mm where the share is 1.
+Positions pushed(const Character& character, double share, const Positions& truth) {
+  const double depth = 0.015 * std::clamp(share, 0.0, 1.0);
+  Positions result = truth;
   for (Eigen::Index v = 0; v < truth.rows(); ++v) {
     const double along = (character.vertices(v, 2) - 0.4) / 0.06, side = character.vertices(v, 1) / kLimbRadius;
-    if (side < 0) touched.row(v).x() += depth * side * side * std::exp(-along * along);
+    if (side < 0) result.row(v).x() += depth * side * side * std::exp(-along * along);
   }
-  return touched;
+  return result;
 }
 
-constexpr std::array<double, 2> kTwist = {-6, 6};  // of the takes' forearms where the elbow is bent by a right angle
-
-Positions in_contact(const Character& character, int take, int frame, const Positions& truth) {
-  const double turned = kTwist[static_cast<std::size_t>(take)] * std::sin(kDegree * sweep_angle(frame));
-  return with_contact(character, turned, truth);
+// How far the forearm of a frame is twisted, degrees. `twist`: of the takes, where the elbow is bent by a right angle.
+double turned(const std::array<double, 2>& twist, int take, int frame) {
+  return twist[static_cast<std::size_t>(take)] * std::sin(kDegree * sweep_angle(frame));
 }
 
 // Two motions pass by each other some degrees apart, and one touches where the other does not: that is a function of
 // the pose, however sharply it bends, and no history.
 TEST(Consistency, LeavesContactAlone) {
   const Character character = limb_character();
+  const std::array<double, 2> twist = {-6, 6};
   const CuratedLimb limb(
-      [&](int take, int frame, const Positions& truth) { return in_contact(character, take, frame, truth); }, kTwist);
+      [&](int take, int frame, const Positions& truth) {
+        return pushed(character, turned(twist, take, frame) / 2, truth);
+      },
+      twist);
   const ShapeStack raw = limb.stack();
   add_modifier(limb.path(), {.type = "consistency", .frames = {{{"frames", "5-19"}}}});
   const ShapeStack made = limb.stack();
@@ -92,16 +94,17 @@ TEST(Consistency, LeavesContactAlone) {
   }
 }
 
-// The same with history on top, to and fro: that goes.
+// The same with history on top: that goes, and contact, which one motion makes sooner than the other, stays.
 TEST(Consistency, OfShapesInContactTakesTheHistoryAlone) {
   const Character character = limb_character();
-  const CuratedLimb clean(
-      [&](int take, int frame, const Positions&truth) { return in_contact(character, take, frame, truth); }, kTwist),
-      limb(
-          [&](int take, int frame, const Positions&truth) {
-            return with_history(character, take, frame, in_contact(character, take, frame, truth));
-          },
-          kTwist);
+  const std::array<double, 2> twist = {0, 8};
+  const auto contact = [&](int take, int frame, const Positions& truth) {
+    return pushed(character, (sweep_angle(frame) + 3 * turned(twist, take, frame) - 70) / 20, truth);
+  };
+  const auto history = [&](int take, int frame, const Positions& truth) {
+    return with_history(character, take, frame, contact(take, frame, truth));
+  };
+  const CuratedLimb clean(contact, twist), limb(history, twist);
   add_modifier(limb.path(), {.type = "consistency"});
   const ShapeStack raw = clean.stack(), made = limb.stack();
   double sum = 0;

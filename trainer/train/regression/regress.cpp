@@ -17,7 +17,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 // Multiples of the median distance between centres, and the penalties tried.
-constexpr double kWidths[] = {1, 2, 4};
+constexpr double kWidths[] = {1, 2, 4, 0.5};
 constexpr double kLinearPenalties[] = {1e-4, 1e-3, 1e-2, 1e-1, 1};
 constexpr double kKernelPenalties[] = {1e-5, 1e-4, 1e-3, 1e-2, 1e-1};
 
