@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "assets/gltf_shapes.h"
 #include "assets/pc2.h"
 #include "assets/usda.h"
 
@@ -32,9 +33,12 @@ class Pc2Cache final : public CacheWriter {
 }  // namespace
 
 std::unique_ptr<CacheWriter> write_cache(const fs::path& path, CacheLayout layout) {
+  if (path.extension() == ".glb") return std::make_unique<GltfShapesWriter>(path, std::move(layout));
   if (path.extension() == ".usda") return std::make_unique<UsdaWriter>(path, std::move(layout));
   return std::make_unique<Pc2Cache>(path, layout);
 }
+
+bool holds_triangles(const fs::path& path) { return path.extension() == ".usda" || path.extension() == ".glb"; }
 
 bool holds_normals(const fs::path& path) { return path.extension() == ".usda"; }
 

@@ -14,12 +14,12 @@ namespace bodyopt {
 
 // What is the same in all frames of a cache.
 struct CacheLayout {
-  std::string name;                        // of the prim in a .usda; any text
+  std::string name;                        // of the prim in a .usda, the mesh in a .glb; any text
   std::uint32_t points = 0;                // 1 or more
-  std::span<const std::uint32_t> corners;  // T x 3, of the triangles: only .usda holds them
+  std::span<const std::uint32_t> corners;  // T x 3, of the triangles: a .pc2 does not hold them
   std::vector<int> frames;                 // the number of every frame that will be appended, rising
   double fps = 24;
-  CacheSpace space{};  // PC2's; USD is in metres, Y up, and says so
+  CacheSpace space{};  // PC2's; the others are in metres, Y up
 };
 
 // Writes under a temporary name. Numbers that are not finite are refused: Error(file).
@@ -27,7 +27,7 @@ class CacheWriter {
  public:
   virtual ~CacheWriter() = default;
   // The next frame. positions: points x 3, metres, world. normals: points x 3, or empty where the cache has none (then
-  // in every frame); PC2 does not hold them.
+  // in every frame); only USD text holds them.
   virtual void append(std::span<const float> positions, std::span<const float> normals) = 0;
   // Renames into place. Throws Error(file) where frames are missing.
   virtual void close() = 0;
@@ -40,10 +40,12 @@ class CacheWriter {
   virtual std::vector<std::filesystem::path> aside(const std::filesystem::path& stem) const = 0;
 };
 
-// `.usda`: USD text, see usda.h; anything else: PC2. Throws Error(file).
+// `.usda`: USD text, see usda.h; `.glb`: glTF with morph targets, see gltf_shapes.h; anything else: PC2. Throws
+// Error(file), Error(usage).
 std::unique_ptr<CacheWriter> write_cache(const std::filesystem::path& path, CacheLayout layout);
 
-// Whether caches of that name hold normals.
+// Whether caches of that name hold the triangles of the skin, in metres, Y up; and the normals that they are given.
+bool holds_triangles(const std::filesystem::path& path);
 bool holds_normals(const std::filesystem::path& path);
 
 }  // namespace bodyopt

@@ -48,7 +48,9 @@ std::vector<fs::path> inputs_of(const EvalArguments& arguments) {
   std::vector<fs::path> inputs{arguments.cache.basis};
   const std::string& source = arguments.clip.source;
   const fs::path clip = fs::exists(source) ? source : source.substr(0, source.rfind('#'));
-  for (const fs::path& file : gltf_files(clip)) inputs.push_back(file);
+  if (!clip.empty()) {
+    for (const fs::path& file : gltf_files(clip)) inputs.push_back(file);
+  }
   for (const std::string& file :
        {arguments.clip.options.controls, arguments.clip.options.joint_map, arguments.jiggle.file(arguments.cache.basis),
         arguments.jiggle.state_in, arguments.modifiers.file, arguments.session, arguments.posed.files.limits}) {
@@ -91,11 +93,6 @@ void take_session(EvalArguments& arguments) {
     throw Error(ErrorKind::usage, arguments.session + ": its lead is '" + files.basis +
                                       "', expected a trained basis (.safetensors): 'bodyopt train' makes one");
   }
-  if (files.clip.empty()) {
-    throw Error(ErrorKind::usage, arguments.session +
-                                      ": its lead plays no clip: open one in the viewport, and save "
-                                      "the session again");
-  }
   arguments.cache.basis = files.basis;
   arguments.clip.source = files.clip;
   arguments.clip.options.fps = session.clip.fps;
@@ -122,22 +119,31 @@ Clip as_posed(const SessionCharacter& posed, Clip clip, const Skeleton& skeleton
   return posed_clip(std::move(clip), skeleton, limits, posed.pose);
 }
 
+// Of a session whose lead plays no clip, that which the viewport poses in its place.
+Clip read_shot_clip(const EvalArguments& arguments, const Basis& basis, std::vector<int>& frames) {
+  if (arguments.clip.source.empty()) {
+    return arguments.clip.choose_frames(still_clip(basis.skeleton, arguments.clip.options), frames);
+  }
+  return arguments.clip.read(basis, arguments.unit > 0 ? arguments.unit : kept_unit(basis), frames);
+}
+
 EvaluatedShot read_shot(const EvalArguments& arguments) {
   EvaluatedShot shot;
   Level level = chosen_level(arguments);
-  if (holds_normals(arguments.cache.out) && !(arguments.cache.space == CacheSpace())) {
-    throw Error(ErrorKind::usage, "--unit-out and --axis are for .pc2: a .usda says itself that it is in metres, Y up");
-  }
-  if (arguments.cache.full_skin && holds_normals(arguments.cache.out)) {
+  if (holds_triangles(arguments.cache.out) && !(arguments.cache.space == CacheSpace())) {
     throw Error(ErrorKind::usage,
-                "--full-skin writes .pc2: the topology of the full skin, which .usda holds, is not "
+                "--unit-out and --axis are for .pc2: a .usda or .glb says itself that it is in metres, Y up");
+  }
+  if (arguments.cache.full_skin && holds_triangles(arguments.cache.out)) {
+    throw Error(ErrorKind::usage,
+                "--full-skin writes .pc2: the topology of the full skin, which .usda and .glb hold, is not "
                 "in a proxy");
   }
   shot.carried = std::move(level.carried);
   arguments.modifiers.choose(level.basis);
   shot.deformer = arguments.jiggle.deformer(std::move(level.basis), arguments.cache.basis, arguments.device.choice);
   const Basis& basis = shot.deformer->basis();
-  shot.clip = arguments.clip.read(basis, arguments.unit > 0 ? arguments.unit : kept_unit(basis), shot.frames);
+  shot.clip = read_shot_clip(arguments, basis, shot.frames);
   keep_range(arguments, shot.frames);
   if (!arguments.session.empty()) shot.clip = as_posed(arguments.posed, std::move(shot.clip), basis.skeleton);
   arguments.modifiers.apply(basis, shot.clip);
@@ -245,7 +251,8 @@ void pretend(const EvalArguments& arguments, const EvaluatedShot& shot, const Ta
   }
   std::string text =
       format("%s frames %s of '%s' on %s, to %s\n", doing.c_str(), format_frame_range(shot.frames).c_str(),
-             arguments.clip.source.c_str(), shot.deformer->device_name().c_str(), arguments.cache.out.c_str());
+             (arguments.clip.source.empty() ? shot.clip.name : arguments.clip.source).c_str(),
+             shot.deformer->device_name().c_str(), arguments.cache.out.c_str());
   if (kept > 0) text += format("an interrupted run left %zu of them\n", kept);
   arguments.json.emit({{"pretended", true},
                        {"done", doing == "is done already:"},
@@ -340,18 +347,20 @@ void add_eval(CLI::App& app) {
                   "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(above_zero);
   verb.add_option("--out", arguments->cache.out,
-                  "Cache to write, a PC2 point cache or USD text; '####' in its name is the first frame")
+                  "Cache to write, a PC2 point cache, USD text or glTF with morph targets; '####' in its name is the "
+                  "first frame")
       ->required()
-      ->type_name("FILE.pc2|.usda")
+      ->type_name("FILE.pc2|.usda|.glb")
       ->check([](const std::string& name) {
-        return must_end_in(".pc2")(name).empty()    ? std::string()
-               : must_end_in(".usda")(name).empty() ? ""
-                                                    : "'" + name + "' does not end in .pc2 or .usda";
+        for (const char* ending : {".pc2", ".usda", ".glb"}) {
+          if (must_end_in(ending)(name).empty()) return std::string();
+        }
+        return "'" + name + "' does not end in .pc2, .usda or .glb";
       });
   add_cache_space(verb, arguments->cache.space);
   verb.add_option("--attached", arguments->cache.attached,
                   "Geometry that rides on the skin (default: BASIS.attached.safetensors beside the basis, where it is "
-                  "there); each mesh is written as FILE.<mesh>.pc2 or .usda")
+                  "there); each mesh is written as FILE.<mesh>.pc2, .usda or .glb")
       ->type_name("FILE")
       ->check(refuse_empty);
   arguments->jiggle.add(verb);

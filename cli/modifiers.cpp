@@ -1,4 +1,6 @@
 // bodyopt modifiers: breathing, morphs, sculpts, flexed muscles, sag, relax and push-out for a basis.
+#include <optional>
+
 #include "assets/shot_modifiers.h"
 #include "cli/arguments/common.h"
 #include "cli/results/shot_folds.h"
@@ -6,12 +8,13 @@
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/modifiers/bake_stack.h"
 #include "trainer/modifiers/measure_breathing.h"
+#include "trainer/motion/joint_limits.h"
 
 namespace bodyopt::cli {
 namespace {
 
 struct ModifiersArguments {
-  std::string basis, stack, out;
+  std::string basis, stack, limits, out;
   JsonOption json;
 };
 
@@ -42,6 +45,8 @@ void run(const ModifiersArguments& arguments) {
   require_writable(arguments.out);
   arguments.json.require_writable();
   std::vector<Level> levels = load_levels(arguments.basis);
+  std::optional<JointLimits> limits;
+  if (!arguments.limits.empty()) limits = read_joint_limits(arguments.limits, levels.front().basis.skeleton);
   std::vector<std::string> notes;
   for (Level& level : levels) level.basis.modifiers = bake_stack(arguments.stack, level.basis, notes);
   save_levels(levels, arguments.out);
@@ -60,8 +65,8 @@ void run(const ModifiersArguments& arguments) {
       list.back()["breaths"] = json_of_breaths(breaths);
     }
     if (modifier.type == kPushOut.name) {
-      const std::vector<BentJoint> folds = measure_push_out(basis);
-      text += text_of(folds);
+      const std::vector<BentJoint> folds = limits ? measure_push_out(basis, *limits) : measure_push_out(basis);
+      text += text_of(folds, limits ? "to its limit, degrees" : "by 130 degrees");
       list.back()["folds"] = to_json(folds);
     }
   }
@@ -81,6 +86,11 @@ void add_modifiers(CLI::App& app) {
       "modifiers", "Give a basis modifiers: breathing, morphs, sculpts, flexed muscles, sag, relax, push-out");
   verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
   verb.add_option("stack", arguments->stack, "The stack to make (modifiers.json)")->required()->type_name("STACK");
+  verb.add_option(
+          "--limits", arguments->limits,
+          "Joint limits (limits.json): push-out is measured where joints are bent to them, in place of 130 degrees")
+      ->type_name("FILE")
+      ->check(refuse_empty);
   add_output(verb, arguments->out, ".safetensors", "Basis to write, with the modifiers in place of those it had");
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

@@ -167,6 +167,7 @@ void Application::draw_if_needed(bool moves, double passed) {
   painter_.draw({width, height}, edges, std::max(passed, now_ - last_picture_));
   last_picture_ = now_;
   painter_.show();
+  if (painter_.hides_window()) pending_pictures_ = std::max(pending_pictures_, 1);
   if (edges == Edges::quick) pending_pictures_ = std::max(pending_pictures_, was_busy_ ? 0 : 1);
   fulfil();
 }
@@ -180,14 +181,17 @@ void Application::go_on_with_pictures(double passed) {
   pictures_.show_progress();
 }
 
-// Up to Enter: the prompt that it opens or ends is drawn before more is heard, however fast somebody types.
+// Up to Enter: the prompt that it opens or ends is drawn before more is heard, however fast somebody types. And up to a
+// button that goes down: a picture has it where the mouse was, however far it goes meanwhile.
 void Application::hear_some() {
   while (!unheard_.empty()) {
     const WindowEvent event = std::move(unheard_.front());
     unheard_.pop_front();
     hear(event);
     const auto* key = std::get_if<KeyEvent>(&event);
+    const auto* button = std::get_if<ButtonEvent>(&event);
     if (key && key->name == "Enter" && key->action == KeyAction::pressed) return;
+    if (button && button->down) return;
   }
 }
 

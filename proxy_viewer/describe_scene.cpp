@@ -89,8 +89,8 @@ void add_modifiers(const SkinModifiers& modifiers, Snapshot& snapshot) {
     const auto add = [&](const std::string& channel, const SkinModifierControl& control) {
       const auto constant = modifier.constants.find(control.name);
       const double usual = static_cast<double>(constant == modifier.constants.end() ? control.usual : constant->second);
-      snapshot.controls.push_back(
-          {channel, static_cast<double>(control.low), static_cast<double>(control.high), usual, modifier.name});
+      snapshot.controls.push_back({channel, static_cast<double>(control.low), static_cast<double>(control.high), usual,
+                                   modifier.name, control.what});
     };
     add(modifier.name, kModifierStrength);
     const SkinModifierType* type = find_skin_modifier_type(modifier.type);

@@ -57,6 +57,7 @@ void pick(Scene& scene, const Rectangle& area, Controls& controls) {
   if (controls.joint.empty()) return;
   skeleton = true;
   controls.settings.hud.panels["pose"] = true;  // which turns it
+  controls.typed.revealed_section = "pose";
 }
 
 std::array<double, 2> mouse_pixel() {

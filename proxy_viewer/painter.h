@@ -48,6 +48,7 @@ class Painter {
   // Pictures are being written one after the other: nothing else changes them.
   void set_series(bool goes_on) { makes_series_ = goes_on; }
   void forget_heat() { heat_ = {}; }
+  bool hides_window() const { return gui_.hides_window(); }
   bool is_busy() const;  // playing, or the mouse holds something
 
  private:

@@ -29,6 +29,24 @@ bool has_extension(const std::string& file, std::initializer_list<const char*> e
   return std::any_of(extensions.begin(), extensions.end(), [&](const char* e) { return own == e; });
 }
 
+// The end of the limb that a joint is of: a finger's is the hand, whose bone is much longer than those of fingers.
+std::string end_of_limb(const Skeleton& skeleton, const std::string& joint) {
+  constexpr double kMuchLonger = 1.5;
+  const auto bone = [&](int j) {
+    const int above = skeleton.joints[static_cast<std::size_t>(j)].parent;
+    return length(bind_place(skeleton, static_cast<std::size_t>(j)) -
+                  bind_place(skeleton, static_cast<std::size_t>(above)));
+  };
+  int end = skeleton.find(joint);
+  while (true) {
+    const int above = skeleton.joints[static_cast<std::size_t>(end)].parent;
+    if (above < 0 || !ends_a_limb(skeleton, skeleton.joints[static_cast<std::size_t>(above)].name)) break;
+    if (bone(above) < kMuchLonger * bone(end)) break;
+    end = above;
+  }
+  return skeleton.joints[static_cast<std::size_t>(end)].name;
+}
+
 }  // namespace
 
 Session::Session(std::shared_ptr<const vulkan::Device> device, const ViewerOptions& options)
@@ -141,8 +159,16 @@ void Session::pin(const PinRequest& request) {
         ErrorKind::usage,
         request.joint + ": has no two joints above it that could reach for a pin: hands and " + "feet are pinned");
   }
-  const auto index = static_cast<std::size_t>(skeleton.find(request.joint));
-  controls.settings.pose.pins[request.joint] = request.at ? *request.at : scene.joint_centres(controls)[index];
+  if (request.at) {
+    controls.settings.pose.pins[request.joint] = *request.at;
+    return;
+  }
+  const std::string end = end_of_limb(skeleton, request.joint);
+  if (end != request.joint) {
+    controls.say(end + " is pinned, the end of the limb that " + request.joint + " is of; a point pins any joint");
+    controls.joint = end;
+  }
+  controls.settings.pose.pins[end] = scene.joint_centres(controls)[static_cast<std::size_t>(skeleton.find(end))];
 }
 
 void Session::keep_strokes() {

@@ -66,7 +66,7 @@ class Session {
   void keep_strokes();
   void find_contradictions();
   // The range as it is posed and keyed, before modifiers: .glb or .bvh; its controls as FILE.controls.json beside it,
-  // where there are any. The lead's skin over the range, quasi-static: .pc2 or .usda. Throw Error(file).
+  // where there are any. The lead's skin over the range, quasi-static: .pc2, .usda or .glb. Throw Error(file).
   void export_clip(const std::string& file);
   void export_skin(const std::string& file);
 

@@ -83,8 +83,9 @@ Clip ClipArguments::choose_frames(Clip clip, std::vector<int>& frame_numbers) co
   }
   for (const int frame : frame_numbers) {
     if (frame < clip.first_frame || frame > clip.last_frame()) {
-      throw Error(ErrorKind::usage, format("--frames asks for frame %d; '%s' has frames %d to %d at %g frames a second",
-                                           frame, source.c_str(), clip.first_frame, clip.last_frame(), clip.fps));
+      throw Error(ErrorKind::usage,
+                  format("--frames asks for frame %d; '%s' has frames %d to %d at %g frames a second", frame,
+                         (source.empty() ? clip.name : source).c_str(), clip.first_frame, clip.last_frame(), clip.fps));
     }
   }
   return clip;

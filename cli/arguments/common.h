@@ -42,9 +42,10 @@ struct ClipArguments {
   // `unit`: that of the character.
   Clip read(const Skeleton& skeleton, double unit, std::vector<int>& frame_numbers) const;
   Clip read(const Basis& basis, double unit, std::vector<int>& frame_numbers) const;
+  // The same of a clip that is there.
+  Clip choose_frames(Clip clip, std::vector<int>& frame_numbers) const;
 
  private:
-  Clip choose_frames(Clip clip, std::vector<int>& frame_numbers) const;
   ClipOptions in_unit(double unit) const;
 };
 

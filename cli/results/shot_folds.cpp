@@ -74,12 +74,12 @@ Json to_json(const std::vector<BentJoint>& folds) {
   return list;
 }
 
-std::string text_of(const std::vector<BentJoint>& folds) {
-  if (folds.empty()) return "no elbow, knee or finger crosses skin where it is bent by 130 degrees\n";
-  std::string text =
-      format("%-20s %9s %9s %10s %13s\n", "bent by 130 degrees", "deep mm", "left mm", "taken out", "elsewhere mm");
+std::string text_of(const std::vector<BentJoint>& folds, const std::string& how_far) {
+  if (folds.empty()) return "no skin crosses skin where a joint is bent " + how_far + "\n";
+  std::string text = format("%-30s %9s %9s %10s %13s\n", ("bent " + how_far).c_str(), "deep mm", "left mm", "taken out",
+                            "elsewhere mm");
   for (const BentJoint& fold : folds) {
-    text += format("%-20s %9.1f %9.1f %8.1f %% %13.4f\n", fold.joint.c_str(), 1e3 * fold.measure.deepest,
+    text += format("%-30s %9.1f %9.1f %8.1f %% %13.4f\n", fold.joint.c_str(), 1e3 * fold.measure.deepest,
                    1e3 * fold.measure.deepest_left, 100 * fold.measure.removed(), 1e3 * fold.measure.elsewhere);
   }
   return text;

@@ -28,6 +28,6 @@ std::string text_of(const ShotFolds& folds);
 
 Json to_json(const std::vector<BentJoint>& folds);
 // A table for people.
-std::string text_of(const std::vector<BentJoint>& folds);
+std::string text_of(const std::vector<BentJoint>& folds, const std::string& how_far);
 
 }  // namespace bodyopt::cli

@@ -51,11 +51,6 @@ const Command kCastCommands[] = {
        if (c.marking.pairs.empty()) throw Error(ErrorKind::usage, "there is no marker");
        c.marking.pairs.pop_back();
      }},
-    {"save-markers", "FILE.json", "", "File", "for bodyopt transfer --markers",
-     [](Controls& c, const std::string& a) {
-       if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
-       c.requests.save_markers = a;
-     }},
 
     {"place", "NUMBER X Y Z|auto", "", "Look", "where one of the cast begins, metres; auto: where there is room",
      [](Controls& c, const std::string& a) {

@@ -41,8 +41,15 @@ ViewSettings::Posing Controls::posing_at(int frame) const {
   return frame == playback.frame() ? settings.pose : keyed_posing(settings.pose, frame);
 }
 
+bool Controls::is_unkeyed() const {
+  const ViewSettings::PoseKey& in_hand = settings.pose;
+  return keyed_frame && !settings.pose.keys.empty() && in_hand != between_keys(settings.pose.keys, *keyed_frame);
+}
+
 void Controls::follow_keys() {
   if (keyed_frame == playback.frame()) return;
+  if (is_unkeyed())
+    say("the pose of frame " + std::to_string(*keyed_frame) + " had no key, and is gone: set one first");
   keyed_frame = playback.frame();
   if (settings.pose.keys.empty()) return;
   settings.pose = keyed_posing(settings.pose, playback.frame());

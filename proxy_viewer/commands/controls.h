@@ -114,9 +114,10 @@ struct Marker {
 struct PanelState {
   bool entered = false;  // the prompt's text, before its field hears
   std::string prompt, joint_filter, camera, open;
-  std::string screenshot = "bodyopt.png", sequence = "bodyopt.####.png", turntable = "turntable.####.png";
-  std::string session = "session.json", state = "view.json", clip = "posed.glb", skin = "posed.pc2";
+  std::string screenshot = "picture.png", sequence = "movie.webp", turntable = "turntable.####.png";
+  std::string session = "session.json", state = "view.json", clip = "motion.glb", skin = "skin.glb";
   std::string listed_joint;              // to which the list of joints was last scrolled
+  std::string revealed_section;          // to which the side panel is to be scrolled
   std::vector<std::size_t> fibre_order;  // of the list of muscles
   std::string dragged_modifier;          // whose strength is being dragged
   std::optional<double> dragged_strength{};
@@ -167,6 +168,8 @@ struct Controls {
   ViewSettings::Posing posing_at(int frame) const;
   // Where there are keys, what is in hand becomes what they say of the frame that is shown, once it is another.
   void follow_keys();
+  // Whether there are keys, and what is in hand is not as they say: it goes with the frame.
+  bool is_unkeyed() const;
 
   // In the layout "hold", whether what is compared with is shown: while the key is down. With a brush in hand that is
   // what is brushed, and the key shows the other.

@@ -8,44 +8,53 @@ namespace bodyopt {
 namespace {
 
 const Command kFileCommands[] = {
-    {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",
-     [](Controls& c, const std::string& a) { c.requests.screenshot = a; }},
-    {"turntable", "FILE.####.png", "", "File", "once around, 72 pictures",
-     [](Controls& c, const std::string& a) { c.requests.turntable = a; }},
-    {"sequence", "FILE.####.png", "", "File", "a picture of every frame of the range; .webp: one that moves",
-     [](Controls& c, const std::string& a) { c.requests.sequence = a; }},
-    {"export-clip", "FILE.glb|.bvh", "", "File", "the motion of the range, as it is posed and keyed",
-     [](Controls& c, const std::string& a) {
-       if (!a.ends_with(".glb") && !a.ends_with(".bvh")) refuse(a, "a file that ends in .glb or .bvh");
-       c.requests.export_clip = a;
-     }},
-    {"export-skin", "FILE.pc2|.usda", "", "File", "the lead's skin over the range, without jiggle",
-     [](Controls& c, const std::string& a) {
-       if (!a.ends_with(".pc2") && !a.ends_with(".usda")) refuse(a, "a file that ends in .pc2 or .usda");
-       c.requests.export_skin = a;
-     }},
+    {"open", "FILE", "", "File", "a basis, character, clip, point cache, dataset or session",
+     [](Controls& c, const std::string& a) { c.requests.open.push_back(a); }},
     {"save", "FILE.json", "", "File", "the session: files, poses, keys, cameras and settings; open and eval read it",
      [](Controls& c, const std::string& a) {
        if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
        c.requests.save = a;
      }},
-    {"browse", "open|save|save-state|load-state|export-clip|export-skin|screenshot|sequence|turntable", "", "File",
-     "chooses the file of a command from the list of a folder",
+    {"export-clip", "FILE.glb|.bvh", "", "File", "the motion of the range, as it is posed and keyed",
      [](Controls& c, const std::string& a) {
-       c.dialog = browse_folder(known(a, browsed_commands(), "command that takes a file"), ".");
+       if (!a.ends_with(".glb") && !a.ends_with(".bvh")) refuse(a, "a file that ends in .glb or .bvh");
+       c.requests.export_clip = a;
      }},
-    {"open", "FILE", "", "File", "a basis, character, clip, point cache, dataset or session",
-     [](Controls& c, const std::string& a) { c.requests.open.push_back(a); }},
+    {"export-skin", "FILE.pc2|.usda|.glb", "", "File", "the lead's skin over the range, without jiggle",
+     [](Controls& c, const std::string& a) {
+       const auto ends = [&](const char* ending) { return a.ends_with(ending); };
+       if (!ends(".pc2") && !ends(".usda") && !ends(".glb")) refuse(a, "a file that ends in .pc2, .usda or .glb");
+       c.requests.export_skin = a;
+     }},
+    {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",
+     [](Controls& c, const std::string& a) { c.requests.screenshot = a; }},
+    {"sequence", "FILE.####.png", "", "File", "a picture of every frame of the range; .webp: one that moves",
+     [](Controls& c, const std::string& a) { c.requests.sequence = a; }},
+    {"turntable", "FILE.####.png", "", "File", "once around, 72 pictures",
+     [](Controls& c, const std::string& a) { c.requests.turntable = a; }},
+    {"save-state", "FILE.json", "", "File", "cameras and settings",
+     [](Controls& c, const std::string& a) { c.requests.save_state = a; }},
+    {"load-state", "FILE.json", "", "File", "cameras and settings",
+     [](Controls& c, const std::string& a) { c.requests.load_state = a; }},
+    {"save-markers", "FILE.json", "", "File", "for bodyopt transfer --markers",
+     [](Controls& c, const std::string& a) {
+       if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
+       c.requests.save_markers = a;
+     }},
     {"lead", "NUMBER", "", "File", "the character of whom panels speak, and to whom clips and caches go",
      [](Controls& c, const std::string& a) { c.requests.lead = integer(a); }},
     {"remove", "NUMBER", "", "File", "a character of the cast; its files stay",
      [](Controls& c, const std::string& a) { c.requests.remove = integer(a); }},
     {"reload", "", "F5", "File", "read all files again",
      [](Controls& c, const std::string&) { c.requests.reload = true; }},
-    {"save-state", "FILE.json", "", "File", "cameras and settings",
-     [](Controls& c, const std::string& a) { c.requests.save_state = a; }},
-    {"load-state", "FILE.json", "", "File", "cameras and settings",
-     [](Controls& c, const std::string& a) { c.requests.load_state = a; }},
+    {"browse", "open|save|save-state|load-state|export-clip|export-skin|screenshot|sequence|turntable", "", "File",
+     "chooses the file of a command from the list of a folder",
+     [](Controls& c, const std::string& a) {
+       const std::string command = known(a, browsed_commands(), "command that takes a file");
+       c.dialog = browse_folder(command, ".", proposed_name(command, "."));
+     }},
+    {"quit", "", "Ctrl+Q", "File", "close the viewport",
+     [](Controls& c, const std::string&) { c.requests.quit = true; }},
     {"panels", "[on|off]", "Tab", "View", "panels, or the picture alone",
      [](Controls& c, const std::string& a) { toggle(c.panels, a); },
      [](const Controls& c) { return name_of(c.panels); }},
@@ -71,8 +80,6 @@ const Command kFileCommands[] = {
      [](Controls& c, const std::string& a) {
        open_section(c.settings, known(a, section_names(), "section of the side panel"));
      }},
-    {"quit", "", "Ctrl+Q", "File", "close the viewport",
-     [](Controls& c, const std::string&) { c.requests.quit = true; }},
 };
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kDialogWidth = 460, kDialogHeight = 380;
+constexpr float kDialogWidth = 600, kDialogHeight = 380;
 
 void run_with_file(Controls& controls) {
   const std::string line = controls.dialog->command + " " + controls.dialog->file();
@@ -23,7 +23,7 @@ struct Choice {
 
 Choice draw_entries(FileDialog& dialog) {
   Choice choice;
-  ImGui::BeginChild("entries", {0, -2.4f * ImGui::GetFrameHeightWithSpacing()});
+  ImGui::BeginChild("entries", {0, -2.9f * ImGui::GetFrameHeightWithSpacing()});
   for (const FolderEntry& entry : dialog.entries) {
     ImGui::PushID(&entry);
     const bool clicked = ImGui::Selectable("##entry", entry.name == dialog.name, ImGuiSelectableFlags_AllowDoubleClick);
@@ -53,6 +53,7 @@ void draw_file_dialog(Controls& controls, const PanelLayout& layout) {
   ImGui::SameLine();
   ImGui::TextDisabled("%s", dialog.folder.string().c_str());
   const Choice choice = draw_entries(dialog);
+  ImGui::TextDisabled("%s: %s", command.argument, command.help);
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
   bool done =
@@ -60,9 +61,7 @@ void draw_file_dialog(Controls& controls, const PanelLayout& layout) {
       choice.done;
   const float width = share_of_line(2);
   ImGui::BeginDisabled(dialog.name.empty());
-  done |= ImGui::Button(dialog.replaces() && dialog.command != "open" && dialog.command != "load-state"
-                            ? "Replace"
-                            : label_of(command).c_str(),
+  done |= ImGui::Button(dialog.replaces() && writes_file(dialog.command) ? "Replace" : label_of(command).c_str(),
                         {width, 0});
   ImGui::EndDisabled();
   ImGui::SameLine();

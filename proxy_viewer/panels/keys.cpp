@@ -68,7 +68,7 @@ void draw_row(const std::string& name, const std::set<int>& frames, Controls& co
 
 void draw_keys(const Snapshot&, Controls& controls) {
   if (controls.settings.pose.keys.empty()) {
-    ImGui::TextDisabled("no keys: pose a frame, then Alt+K");
+    ImGui::TextDisabled("no keys: pose a frame, then Set key below (Alt+K)");
     return;
   }
   std::map<std::string, std::set<int>> rows;

@@ -25,12 +25,12 @@ void draw_choices(const Command& command, const std::vector<std::string>& choice
 void draw_item(const Command& command, Controls& controls) {
   const std::vector<std::string> choices = choices_of(command);
   if (!choices.empty()) return draw_choices(command, choices, controls);
-  const bool types = needs_argument(command);
+  const std::vector<std::string> browsed = browsed_commands();
+  const bool browses = std::ranges::find(browsed, command.name) != browsed.end(), types = needs_argument(command);
   const bool on = command.value && command.value(controls) == "on";
-  const std::string label = label_of(command) + (types ? "\xe2\x80\xa6" : "");
+  const std::string label = label_of(command) + (browses || types ? "\xe2\x80\xa6" : "");
   if (ImGui::MenuItem(label.c_str(), command.key, on)) {
-    const std::vector<std::string> browsed = browsed_commands();
-    if (std::ranges::find(browsed, command.name) != browsed.end()) {
+    if (browses) {
       attempt(controls, std::string("browse ") + command.name);
     } else if (types) {
       controls.typed.prompt = std::string(command.name) + " ";
@@ -61,6 +61,7 @@ void draw_menu_bar(const Snapshot& snapshot, Controls& controls) {
     for (const Command& command : commands()) {
       if (std::string(menu) == command.menu) draw_item(command, controls);
     }
+    if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) ImGui::CloseCurrentPopup();
     ImGui::EndMenu();
   }
   draw_title(snapshot);

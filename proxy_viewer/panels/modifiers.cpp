@@ -10,9 +10,14 @@ double value_of(const ControlRow& row, const Controls& controls) {
   return found == controls.settings.pose.controls.end() ? row.usual : found->second;
 }
 
+// Within its modifier, whose name stands above it.
+std::string own_name(const ControlRow& row) {
+  return row.name == row.modifier ? "strength" : row.name.substr(row.modifier.size() + 1);
+}
+
 void draw_row(const ControlRow& row, Controls& controls) {
   double value = value_of(row, controls);
-  if (slide(row.name.c_str(), value, row.low, row.high, "%.2f", find_command("control")->help)) {
+  if (slide(own_name(row).c_str(), value, row.low, row.high, "%.2f", row.what.c_str())) {
     controls.settings.pose.controls[row.name] = value;
   }
 }
@@ -32,11 +37,13 @@ void draw_switch(const ControlRow& strength, const std::string& type, Controls& 
 void draw_modifiers(const Snapshot& snapshot, Controls& controls) {
   if (snapshot.modifiers.empty()) ImGui::TextDisabled("none: 'bodyopt modifiers' gives a basis some");
   for (const ModifierRow& modifier : snapshot.modifiers) {
+    ImGui::PushID(modifier.name.c_str());
     for (const ControlRow& row : snapshot.controls) {
       if (row.modifier != modifier.name) continue;
       if (row.name == modifier.name) draw_switch(row, modifier.type, controls);
       draw_row(row, controls);
     }
+    ImGui::PopID();
   }
 }
 

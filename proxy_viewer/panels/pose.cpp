@@ -19,7 +19,10 @@ bool is_turned(const Controls& controls, const std::string& joint) {
 void draw_row(const JointRow& row, bool indented, Controls& controls) {
   ImGui::PushID(&row);
   const bool selected = row.name == controls.joint;
-  if (ImGui::Selectable("##row", selected)) controls.joint = selected ? "" : row.name;
+  ImGui::PushStyleColor(ImGuiCol_Header, ImGui::GetColorU32(ImGuiCol_ButtonActive));
+  const bool clicked = ImGui::Selectable("##row", selected);
+  ImGui::PopStyleColor();
+  if (clicked) controls.joint = selected ? "" : row.name;
   ImGui::SameLine(6 + (indented ? kIndent * static_cast<float>(std::min(row.depth, kDeepest)) : 0));
   ImGui::PushStyleColor(ImGuiCol_Text, is_turned(controls, row.name) ? kAccent : ImGui::GetColorU32(ImGuiCol_Text));
   ImGui::TextUnformatted(row.name.c_str());
@@ -75,6 +78,12 @@ void draw_angles(const JointRow& row, Controls& controls) {
   if (moved) turned[row.name] = angles;
 }
 
+// "left_elbow_flexion": "left elbow flexion".
+std::string words_of(std::string name) {
+  std::ranges::replace(name, '_', ' ');
+  return name;
+}
+
 // Of the joint that is selected, by the names of its limits.
 void draw_axes(const Snapshot& snapshot, Controls& controls) {
   std::map<std::string, double>& axes = controls.settings.pose.axes;
@@ -82,28 +91,33 @@ void draw_axes(const Snapshot& snapshot, Controls& controls) {
     if (row.joint != controls.joint) continue;
     const auto found = axes.find(row.name);
     double angle = found == axes.end() ? 0 : found->second;
-    if (slide(row.name.c_str(), angle, row.low, row.high, "%.1f\xc2\xb0", find_command("axis")->help)) {
+    if (slide(words_of(row.name).c_str(), angle, row.low, row.high, "%.1f\xc2\xb0", find_command("axis")->help)) {
       axes[row.name] = angle;
     }
   }
 }
 
-void draw_joint(const Snapshot& snapshot, Controls& controls) {
-  const auto row = std::ranges::find(snapshot.joints, controls.joint, &JointRow::name);
-  if (row == snapshot.joints.end()) {
-    ImGui::TextDisabled("select a joint, here or in the picture");
-  } else {
-    draw_axes(snapshot, controls);
-    draw_angles(*row, controls);
-  }
+// Where they stay, whatever joint is selected.
+void draw_joint_buttons(Controls& controls) {
   const float width = share_of_line(3);
-  ImGui::BeginDisabled(row == snapshot.joints.end());
+  ImGui::BeginDisabled(controls.joint.empty());
   command_button(controls, "mirror", nullptr, width);
   ImGui::SameLine();
   command_button(controls, "reset-joint", "Reset", width);
   ImGui::EndDisabled();
   ImGui::SameLine();
   command_button(controls, "reset-pose", "Reset all", width);
+}
+
+void draw_joint(const Snapshot& snapshot, Controls& controls) {
+  const auto row = std::ranges::find(snapshot.joints, controls.joint, &JointRow::name);
+  if (row == snapshot.joints.end()) {
+    ImGui::TextDisabled("select a joint, here or in the picture");
+    return;
+  }
+  ImGui::TextUnformatted(row->name.c_str());
+  draw_axes(snapshot, controls);
+  draw_angles(*row, controls);
 }
 
 void draw_controls(const Snapshot& snapshot, Controls& controls) {
@@ -132,23 +146,14 @@ void draw_pin(Controls& controls) {
   ImGui::EndDisabled();
 }
 
-void draw_key_buttons(Controls& controls) {
-  const float width = share_of_line(2);
-  command_button(controls, "key", "Key", width);
-  ImGui::SameLine();
-  ImGui::BeginDisabled(!controls.settings.pose.keys.contains(controls.playback.frame()));
-  command_button(controls, "unkey", "Remove key", width);
-  ImGui::EndDisabled();
-}
-
 }  // namespace
 
 void draw_pose(const Snapshot& snapshot, Controls& controls) {
   draw_list(snapshot, controls);
+  draw_joint_buttons(controls);
+  draw_pin(controls);
   draw_joint(snapshot, controls);
   draw_controls(snapshot, controls);
-  draw_pin(controls);
-  draw_key_buttons(controls);
   slide("Learned", controls.settings.pose.correction, 0, 1, "%.2f", find_command("correction")->help);
 }
 

@@ -29,6 +29,10 @@ void draw_side_panel(const Snapshot& snapshot, Controls& controls, const PanelLa
     const bool was_open = is_open(controls.settings, section);
     ImGui::SetNextItemOpen(was_open, ImGuiCond_Always);
     const bool open = ImGui::CollapsingHeader(section.title);
+    if (controls.typed.revealed_section == section.name) {
+      ImGui::SetScrollHereY(0);
+      controls.typed.revealed_section.clear();
+    }
     if (open != was_open) controls.settings.hud.panels[section.name] = open;
     if (!open) continue;
     ImGui::PushID(section.name);

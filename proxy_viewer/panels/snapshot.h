@@ -25,6 +25,7 @@ struct ControlRow {
   double low = 0, high = 1;  // in training
   double usual = 0;          // where nothing sets it
   std::string modifier{};    // whose it is; empty: trained
+  std::string what{};        // a line
 };
 
 // A pin that its limb does not reach.

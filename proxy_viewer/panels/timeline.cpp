@@ -15,6 +15,7 @@ namespace {
 
 constexpr ImU32 kBar = IM_COL32(38, 38, 41, 255), kRange = IM_COL32(62, 62, 66, 255);
 constexpr ImU32 kTick = IM_COL32(110, 110, 116, 255), kKeyColour = IM_COL32(120, 170, 220, 255);
+constexpr ImU32 kUnkeyed = IM_COL32(150, 92, 30, 255);
 
 struct Bar {
   ImVec2 at, size;
@@ -228,10 +229,26 @@ void draw_frame_number(const Snapshot& snapshot, Controls& controls) {
   ImGui::EndGroup();
 }
 
+// Of the pose that is shown.
+void draw_key_buttons(Controls& controls) {
+  constexpr float kWidth = 104;
+  const bool has_key = controls.settings.pose.keys.contains(controls.playback.frame());
+  ImGui::BeginGroup();
+  const bool is_unkeyed = controls.is_unkeyed();
+  ImGui::PushStyleColor(ImGuiCol_Button, is_unkeyed ? kUnkeyed : ImGui::GetColorU32(ImGuiCol_Button));
+  command_button(controls, "key", is_unkeyed ? "Key this pose" : nullptr, kWidth);
+  ImGui::PopStyleColor();
+  ImGui::BeginDisabled(!has_key);
+  command_button(controls, "unkey", nullptr, kWidth);
+  ImGui::EndDisabled();
+  ImGui::EndGroup();
+}
+
 }  // namespace
 
 void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout) {
-  constexpr float kNumberWidth = 480, kButtonsWidth = 330;  // windows below have no room for the number, the buttons
+  constexpr float kNumberWidth = 640,
+                  kButtonsWidth = 330;  // windows below have no room for number and keys, the buttons
   ImGui::SetNextWindowPos({0, layout.bottom()});
   ImGui::SetNextWindowSize({layout.width, layout.timeline});
   ImGui::Begin("Timeline", nullptr, kFixedWindow | ImGuiWindowFlags_NoScrollbar);
@@ -241,6 +258,8 @@ void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayo
   }
   if (layout.width >= kNumberWidth) {
     draw_frame_number(snapshot, controls);
+    ImGui::SameLine(0, 14);
+    draw_key_buttons(controls);
     ImGui::SameLine(0, 14);
   }
   ImGui::SetCursorPosY(14);

@@ -1,6 +1,7 @@
 #include "proxy_viewer/panels/widgets.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "draw/srgb.h"
 
@@ -8,6 +9,26 @@ namespace bodyopt {
 namespace {
 
 constexpr float kLabelShare = 0.36f;  // of a line
+
+// What commands are called on buttons and in menus, where that is not their name.
+constexpr std::pair<const char*, const char*> kCommandLabels[] = {{"step", "One frame on"},
+                                                                  {"step-back", "One frame back"},
+                                                                  {"first", "To the first frame"},
+                                                                  {"last", "To the last frame"},
+                                                                  {"frame", "Go to frame"},
+                                                                  {"in", "Range begins here"},
+                                                                  {"out", "Range ends here"},
+                                                                  {"key", "Set key"},
+                                                                  {"unkey", "Remove key"},
+                                                                  {"save", "Save session"},
+                                                                  {"export-clip", "Export motion"},
+                                                                  {"screenshot", "Picture"},
+                                                                  {"sequence", "Movie or pictures"},
+                                                                  {"save-state", "Save camera and look"},
+                                                                  {"load-state", "Load camera and look"},
+                                                                  {"reload", "Read files again"},
+                                                                  {"lead", "Make another the lead"},
+                                                                  {"remove", "Remove a character"}};
 
 // After it the item before is hovered for long enough to be asked about.
 void show_tooltip(const std::string& text) {
@@ -27,6 +48,9 @@ ImU32 opaque(const std::array<float, 3>& linear) {
 }
 
 std::string label_of(const Command& command) {
+  for (const auto& [name, label] : kCommandLabels) {
+    if (std::string(name) == command.name) return label;
+  }
   std::string text = command.name;
   std::replace(text.begin(), text.end(), '-', ' ');
   text[0] = static_cast<char>(text[0] - 'a' + 'A');

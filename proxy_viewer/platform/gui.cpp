@@ -3,6 +3,7 @@
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_vulkan.h>
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <utility>
@@ -232,6 +233,13 @@ void Gui::begin(std::uint32_t width, std::uint32_t height, double seconds, float
 void Gui::end() {
   ImGui::Render();
   if (window_) shape_cursor();
+}
+
+bool Gui::hides_window() const {
+  return std::ranges::any_of(context_->Windows, [](const ImGuiWindow* window) {
+    const bool is_inside = (window->Flags & ImGuiWindowFlags_ChildWindow) && !(window->Flags & ImGuiWindowFlags_Popup);
+    return window->Active && window->Hidden && !is_inside;
+  });
 }
 
 void Gui::record(VkCommandBuffer commands) const { ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands); }

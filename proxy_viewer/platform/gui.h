@@ -37,6 +37,8 @@ class Gui {
   // Panels, and where the mouse is to them, are in points.
   void begin(std::uint32_t width, std::uint32_t height, double seconds, float scale = 1);
   void end();
+  // Is there a window whose size was only measured in this picture, as of a menu that was just opened?
+  bool hides_window() const;
   void record(VkCommandBuffer commands) const;
 
  private:

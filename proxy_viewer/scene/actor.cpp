@@ -41,13 +41,6 @@ std::vector<Pose> frame_poses(const NamedShapes& shapes) {
   return poses;
 }
 
-Clip bind_clip(const Basis& basis) {
-  Clip clip;
-  clip.name = "bind pose";
-  clip.poses = {bind_pose(basis.skeleton)};
-  return clip;
-}
-
 }  // namespace
 
 fs::path ActorFiles::dynamics() const { return dynamics_beside(basis); }
@@ -92,7 +85,7 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
     limits_ = read_joint_limits(files.limits, skeleton);
     ranges_ = joint_ranges(limits_, skeleton);
   }
-  take_clip(opened.clip ? std::move(*opened.clip) : bind_clip(finest().basis()));
+  take_clip(opened.clip ? std::move(*opened.clip) : still_clip(finest().basis().skeleton, options));
   measure_size();
   if (!files.truth.empty()) open_truth(files.truth);
   if (files.clip.empty()) {

@@ -62,7 +62,7 @@ class Actor {
   // The coarsest whose skin at rest is no further than that from the full one, RMS, metres.
   std::size_t level_within(double metres) const;
   void set_level(std::size_t level) { level_ = std::min(level, details_.size() - 1); }
-  const Clip& clip() const { return clip_; }              // one frame, the bind pose, where there is no file
+  const Clip& clip() const { return clip_; }              // still_clip() where there is no file
   const std::vector<int>& keys() const { return keys_; }  // frames; see clip_keys()
   bool has(SkinMethod method) const;
   bool has_at_finest(SkinMethod method) const;  // whatever level is shown

@@ -23,6 +23,16 @@ Quat turn_about_rest_axis(const Skeleton& skeleton, const JointTurn& turn, doubl
 
 }  // namespace
 
+Clip still_clip(const Skeleton& skeleton, const ClipOptions& options) {
+  constexpr double kSeconds = 10;
+  Clip clip;
+  clip.name = "bind pose";
+  clip.fps = options.fps;
+  clip.first_frame = options.first_frame;
+  clip.poses.assign(std::max<std::size_t>(1, static_cast<std::size_t>(kSeconds * options.fps)), bind_pose(skeleton));
+  return clip;
+}
+
 Pose posed(const Skeleton& skeleton, const JointLimits& limits, const std::vector<std::optional<JointRange>>& ranges,
            Pose pose, const ViewSettings::PoseKey& posing) {
   for (const DegreeOfFreedom& dof : limits.dofs) {

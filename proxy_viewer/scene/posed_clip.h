@@ -1,4 +1,4 @@
-// What an animator set on top of a clip, as poses before modifiers.
+// What an animator set on top of a clip, or of the bind pose, as poses before modifiers.
 #pragma once
 
 #include <optional>
@@ -10,6 +10,9 @@
 #include "proxy_viewer/state/view_settings.h"
 
 namespace bodyopt {
+
+// Where there is no clip to pose: the bind pose for ten seconds.
+Clip still_clip(const Skeleton& skeleton, const ClipOptions& options);
 
 // Joints of the pose turned about the axes of the limits, then by their own angles, as far as their ranges let them;
 // then limbs reach for where their ends are pinned. `ranges`: of every joint, or empty: as far as they are turned.

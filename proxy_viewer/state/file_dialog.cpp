@@ -13,19 +13,33 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// By command, the endings of its files.
-const std::map<std::string, std::vector<std::string>>& kinds() {
-  static const std::map<std::string, std::vector<std::string>> all = {
-      {"open", {".safetensors", ".glb", ".gltf", ".bvh", ".pc2", ".json"}},
-      {"save", {".json"}},
-      {"save-state", {".json"}},
-      {"load-state", {".json"}},
-      {"export-clip", {".glb", ".bvh"}},
-      {"export-skin", {".pc2", ".usda"}},
-      {"screenshot", {".png"}},
-      {"sequence", {".png", ".webp"}},
-      {"turntable", {".png", ".webp"}}};
+struct FileKind {
+  std::vector<std::string> endings;
+  std::string proposed;  // a name, where the command writes
+};
+
+// By command.
+const std::map<std::string, FileKind>& kinds() {
+  static const std::map<std::string, FileKind> all = {
+      {"open", {{".safetensors", ".glb", ".gltf", ".bvh", ".pc2", ".json"}, ""}},
+      {"save", {{".json"}, "session.json"}},
+      {"save-state", {{".json"}, "view.json"}},
+      {"load-state", {{".json"}, ""}},
+      {"export-clip", {{".glb", ".bvh"}, "motion.glb"}},
+      {"export-skin", {{".glb", ".pc2", ".usda"}, "skin.glb"}},
+      {"screenshot", {{".png"}, "picture.png"}},
+      {"sequence", {{".webp", ".png"}, "movie.webp"}},
+      {"turntable", {{".png"}, "turntable.####.png"}}};
   return all;
+}
+
+// The name, or the first with a number that no file of the folder has.
+std::string free_name(const fs::path& folder, const fs::path& name) {
+  std::string free = name.string();
+  for (int k = 2; fs::exists(folder / free); ++k) {
+    free = name.stem().string() + "_" + std::to_string(k) + name.extension().string();
+  }
+  return free;
 }
 
 bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
@@ -36,9 +50,16 @@ bool FileDialog::replaces() const { return std::ranges::find(entries, FolderEntr
 
 std::vector<std::string> browsed_commands() {
   std::vector<std::string> names;
-  for (const auto& [name, endings] : kinds()) names.push_back(name);
+  for (const auto& [name, kind] : kinds()) names.push_back(name);
   return names;
 }
+
+std::string proposed_name(const std::string& command, const fs::path& folder) {
+  const std::string& name = kinds().at(command).proposed;
+  return name.empty() ? name : free_name(folder, name);
+}
+
+bool writes_file(const std::string& command) { return !kinds().at(command).proposed.empty(); }
 
 FileDialog browse_folder(const std::string& command, const fs::path& folder, std::string name) {
   const auto kind = kinds().find(command);
@@ -56,7 +77,8 @@ FileDialog browse_folder(const std::string& command, const fs::path& folder, std
     if (is_hidden(path)) continue;
     std::error_code gone;
     const bool is_folder = fs::is_directory(path, gone);
-    const bool is_known = std::ranges::find(kind->second, lower_case_extension(path)) != kind->second.end();
+    const bool is_known =
+        std::ranges::find(kind->second.endings, lower_case_extension(path)) != kind->second.endings.end();
     if (is_folder || is_known) dialog.entries.push_back({path.filename().string(), is_folder});
   }
   std::ranges::sort(dialog.entries, {}, [](const FolderEntry& e) { return std::tuple(!e.is_folder, e.name); });

@@ -27,6 +27,10 @@ struct FileDialog {
 // Commands that a file can be chosen for: one of these names.
 std::vector<std::string> browsed_commands();
 
+// A name for what one of them writes, which no file of the folder has; empty for one that reads.
+std::string proposed_name(const std::string& command, const std::filesystem::path& folder);
+bool writes_file(const std::string& command);
+
 // What a command could take of a folder: ".." and its other folders, then files of the kinds that the command knows; by
 // name, nothing hidden. Throws Error(file) where it cannot be read, Error(usage) at another command.
 FileDialog browse_folder(const std::string& command, const std::filesystem::path& folder, std::string name = "");

@@ -79,12 +79,13 @@ std::vector<float> fold_reaches(const Skeleton& skeleton, std::uint32_t joint, f
   const std::vector<double> ways = ways_along_bones(skeleton, joint);
   const std::vector<char> trunk = trunk_joints(skeleton);
   const float of_trunk = way_to_trunk(ways, trunk) < kFromTrunk * double{reach} ? kTrunkReach * reach : 0.0f;
+  const std::vector<char> below = at_or_below(skeleton, joint);
   std::vector<float> reaches;
   for (std::size_t j = 0; j < ways.size(); ++j) {
     const bool bent = static_cast<int>(j) == skeleton.joints[joint].parent;
     const bool near = bent || (ways[j] >= 0 && ways[j] < double{reach});
-    const bool limb_on_trunk = trunk[j] && !trunk[joint] && !bent;
-    reaches.push_back(limb_on_trunk ? of_trunk : near ? reach : 0.0f);
+    const bool limb_on_trunk = trunk[j] && !trunk[joint] && !bent, beyond = below[j] && j != joint && of_trunk > 0;
+    reaches.push_back(limb_on_trunk || (beyond && near) ? of_trunk : near ? reach : 0.0f);
   }
   return reaches;
 }

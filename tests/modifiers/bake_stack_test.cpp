@@ -297,5 +297,22 @@ TEST(BakeBreathing, AHumanBreathesWithinPublishedRanges) {
   EXPECT_LT(feet, 1e-3f);
 }
 
+// Its trunk is long and slender: by the trunk's length alone the belly would come out by 44 mm.
+TEST(BakeBreathing, ASlenderBellyStaysWithinItsRange) {
+  const auto file = shared_data("characters/human_163_joints.glb");
+  if (!file) GTEST_SKIP() << "needs the shared data, which is not here";
+  const TemporaryFolder folder;
+  TrainOptions options;
+  options.smoothing_steps = 4;
+  const Basis basis =
+      baked(folder, build_ddm_basis(read_character(*file), options), R"({"name": "breath", "type": "breathing"})");
+  const std::vector<BreathMeasure> breaths = measure_breathing(basis, basis.modifiers.stack[0]);
+  EXPECT_GE(breaths[0].belly_mm, 10);
+  EXPECT_LE(breaths[1].belly_mm, 40);
+  EXPECT_GE(breaths[0].litres, 0.4);
+  EXPECT_LE(breaths[0].litres, 0.605);
+  EXPECT_GE(breaths[1].litres, 2);
+}
+
 }  // namespace bake_stack_test
 }  // namespace bodyopt::testing

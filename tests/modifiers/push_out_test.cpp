@@ -17,6 +17,7 @@
 namespace bodyopt::testing {
 namespace push_out_test {
 
+// Of one modifier or more.
 Basis limb_with(const std::string& push_out) {
   const TemporaryFolder folder;
   std::ofstream(folder / "stack.json") << R"({"schema": "bodyopt-modifiers-1", "modifiers": [)" + push_out + "]}";
@@ -73,6 +74,36 @@ TEST_F(PushOut, TellsHowDeepAFoldWas) {
   EXPECT_EQ(folds[0].elsewhere, 0);
   // The axes of the limb's halves come as near as twice its radius at rest; what is nearer lies in skin.
   EXPECT_LT(folds[1].deepest, 2 * kLimbRadius);
+}
+
+// Skin that is evened out after push-out goes further from where push-out moved some of it.
+TEST_F(PushOut, IsNotBlamedForWhatFollowsIt) {
+  const Basis followed =
+      limb_with(R"({"name": "folds", "type": "push_out"}, {"name": "even", "type": "relax", "strength": 3})");
+  const Pose pose = driven(followed, kDeep);
+  const FoldMeasure fold = FoldJudge(followed)({&pose, 1})[0];
+  EXPECT_GT(fold.sum, 0);
+  EXPECT_LT(fold.elsewhere, 1e-5);
+  Pose without = pose;
+  std::fill_n(without.modifiers.begin(), followed.modifiers.stack[0].component_count, 0.0f);
+  EvaluatedSkin skin(followed);
+  const Eigen::VectorXd moved = (skin({&pose, 1})[0] - skin({&without, 1})[0]).rowwise().norm();
+  const Pose own = driven(*basis_, kDeep);
+  const FoldMeasure alone = FoldJudge(*basis_)({&own, 1})[0];
+  EXPECT_NE(fold.sum_left, alone.sum_left) << "what is left is that of the skin that is shown";
+  EXPECT_GT((moved.array() > 1e-5).count(), 0);
+}
+
+TEST_F(PushOut, IsMeasuredAtTheLimitsOfTheJoints) {
+  JointLimits limits;
+  limits.dofs = {{"bend", 0, -10, 149, {{1, {1, 0, 0}, 1}}}};
+  const std::vector<BentJoint> folds = measure_push_out(*basis_, limits);
+  ASSERT_EQ(folds.size(), 1u);
+  EXPECT_EQ(folds[0].joint, "bend 149");
+  const Pose pose = driven(*basis_, kDeep);  // 148.97 degrees
+  EXPECT_NEAR(folds[0].measure.deepest, FoldJudge(*basis_)({&pose, 1})[0].deepest, 2e-4);
+  limits.dofs[0].max = 40;
+  EXPECT_TRUE(measure_push_out(*basis_, limits).empty());
 }
 
 TEST_F(PushOut, WithoutStrengthNotABitChanges) {

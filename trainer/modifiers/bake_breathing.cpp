@@ -24,6 +24,8 @@ namespace {
 constexpr double kManTorso = 0.566;     // metres, hips' joint to neck's of a body 1.75 m tall
 constexpr double kShoulderTurn = 0.06;  // radians that the clavicles rise per litre of the chest
 constexpr double kLitre = 1e-3;         // cubic metres
+constexpr double kDeepBelly = 0.78;     // litres of a man's deepest breath that push the belly's wall (drive_breathing)
+constexpr double kMostBelly = 0.0385;   // metres that the wall of a man's belly comes forward in it
 constexpr std::size_t kSlices = 24;
 
 // A smooth hump of heights: 1 in the middle, 0 from the ends on.
@@ -124,6 +126,13 @@ Positions litre_of(const BakeInput& input, const Positions& rest, const Torso& t
   return field * (kLitre / volume);
 }
 
+// Of this body for one of a man's: by the cube of the trunk's length, but less where a slender belly would come out too
+// far.
+double litres_of(const Torso& torso, const Positions& belly) {
+  const double size = torso.length / kManTorso, wall = kDeepBelly * belly.rowwise().norm().maxCoeff();
+  return std::min(std::pow(size, 3), kMostBelly * size / wall);
+}
+
 void add_shoulders(const Basis& basis, const Torso& torso, double litres, BakedModifier& baked) {
   const std::vector<Quat> bind = bind_rotations(basis.skeleton);
   for (std::size_t side = 0; side < 2; ++side) {
@@ -147,12 +156,12 @@ BakedModifier bake_breathing(const BakeInput& input) {
   const Positions rest = rows_of(input.basis.mesh.rest);
   const TorsoSlices slices(rest, torso);
   const SkinSmoother smoother(rest, rows_of(input.basis.mesh.triangles), 0.03 * torso.length);
-  const double litres = std::pow(torso.length / kManTorso, 3);
   BakedModifier baked;
   baked.components.push_back(
       litre_of(input, rest, torso, smoother, [&](const Eigen::Vector3d& p) { return chest_motion(torso, slices, p); }));
   baked.components.push_back(
       litre_of(input, rest, torso, smoother, [&](const Eigen::Vector3d& p) { return belly_motion(torso, slices, p); }));
+  const double litres = litres_of(torso, baked.components.back());
   add_shoulders(input.basis, torso, litres, baked);
   baked.numbers = {static_cast<float>(litres)};
   return baked;

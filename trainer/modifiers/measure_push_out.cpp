@@ -5,6 +5,7 @@
 #include <functional>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "geometry/skin_in_skin.h"
 #include "geometry/table_rows.h"
@@ -13,6 +14,7 @@
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/bones.h"
+#include "trainer/motion/limited_pose.h"
 
 namespace bodyopt {
 namespace {
@@ -49,6 +51,39 @@ std::vector<char> slender_joints(const Basis& basis) {
   return slender;
 }
 
+// What acts on the posed skin: push-out, then what follows it.
+std::vector<SkinModifier> from_push_out_on(const std::vector<SkinModifier>& stack) {
+  std::vector<SkinModifier> acting;
+  for (const SkinModifier& modifier : stack) {
+    if (modifier.type == kPushOut.name || (!acting.empty() && posed_skin_type(modifier.type)))
+      acting.push_back(modifier);
+  }
+  return acting;
+}
+
+std::vector<Pose> switched_off(std::span<const Pose> poses, std::span<const SkinModifier> modifiers) {
+  std::vector<Pose> without(poses.begin(), poses.end());
+  for (Pose& pose : without) {
+    if (pose.modifiers.empty()) continue;
+    for (const SkinModifier& modifier : modifiers) {
+      std::fill_n(pose.modifiers.begin() + modifier.first_component, modifier.component_count, 0.0f);
+    }
+  }
+  return without;
+}
+
+std::vector<BentJoint> measure_folds(Basis basis, const std::vector<std::string>& names, std::vector<Pose> poses) {
+  for (SkinModifier& modifier : basis.modifiers.stack) modifier.on = modifier.type == kPushOut.name;
+  drive_modifiers(basis, {}, 1, poses);
+  const std::vector<FoldMeasure> measures = FoldJudge(basis)(poses);
+  std::vector<BentJoint> folds;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (measures[k].sum > 0) folds.push_back({names[k], measures[k]});
+  }
+  std::ranges::sort(folds, std::greater(), [](const BentJoint& fold) { return fold.measure.deepest; });
+  return folds;
+}
+
 }  // namespace
 
 void FoldMeasure::add(const FoldMeasure& other) {
@@ -65,23 +100,22 @@ FoldJudge::FoldJudge(const Basis& basis)
 }
 
 std::vector<FoldMeasure> FoldJudge::operator()(std::span<const Pose> poses) {
-  const SkinModifier& push_out = *basis_.modifiers.of_type(kPushOut.name);
-  std::vector<Pose> without(poses.begin(), poses.end());
-  for (Pose& pose : without) {
-    if (pose.modifiers.empty()) continue;
-    std::fill_n(pose.modifiers.begin() + push_out.first_component, push_out.component_count, 0.0f);
-  }
-  const std::vector<Positions> before = shown_(without), after = shown_(poses);
+  const std::vector<SkinModifier> acting = from_push_out_on(basis_.modifiers.stack);
+  const std::span<const SkinModifier> later = std::span(acting).subspan(1);
+  const std::vector<Positions> before = shown_(switched_off(poses, std::span(acting).first(1))), after = shown_(poses),
+                               own_before = later.empty() ? before : shown_(switched_off(poses, acting)),
+                               own_after = later.empty() ? after : shown_(switched_off(poses, later));
   std::vector<FoldMeasure> measures;
-  for (std::size_t k = 0; k < poses.size(); ++k) measures.push_back(measure(before[k], after[k]));
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    measures.push_back(measure(before[k], after[k]));
+    measures.back().elsewhere = elsewhere(own_before[k], own_after[k]);
+  }
   return measures;
 }
 
 FoldMeasure FoldJudge::measure(const Positions& before, const Positions& after) const {
   FoldMeasure measure;
-  std::vector<char> in_skin(kept_.size(), 0);
   for (const BuriedVertex& buried : skin_in_skin(before, triangles_)) {
-    in_skin[buried.vertex] = 1;
     if (kept_[buried.vertex]) continue;
     measure.deepest = std::max(measure.deepest, buried.depth);
     measure.sum += buried.depth;
@@ -91,31 +125,41 @@ FoldMeasure FoldJudge::measure(const Positions& before, const Positions& after) 
     measure.deepest_left = std::max(measure.deepest_left, buried.depth);
     measure.sum_left += buried.depth;
   }
-  const Eigen::VectorXd moved = (after - before).rowwise().norm();
-  for (Eigen::Index v = 0; v < moved.size(); ++v) {
-    if (!in_skin[static_cast<std::size_t>(v)]) measure.elsewhere = std::max(measure.elsewhere, moved[v]);
-  }
   return measure;
 }
 
-std::vector<BentJoint> measure_push_out(const Basis& given) {
-  Basis basis = given;
-  for (SkinModifier& modifier : basis.modifiers.stack) modifier.on = modifier.type == kPushOut.name;
+double FoldJudge::elsewhere(const Positions& before, const Positions& after) const {
+  Eigen::VectorXd moved = (after - before).rowwise().norm();
+  for (const BuriedVertex& buried : skin_in_skin(before, triangles_)) moved[buried.vertex] = 0;
+  return moved.maxCoeff();
+}
+
+std::vector<BentJoint> measure_push_out(const Basis& basis) {
   const std::vector<char> slender = slender_joints(basis);
-  std::vector<BentJoint> folds;
+  std::vector<std::string> names;
   std::vector<Pose> poses;
   for (const std::uint32_t joint : basis.modifiers.of_type(kPushOut.name)->joints) {
     const std::optional<Pose> bent = bent_pose(basis.skeleton, joint);
     if (!bent || !slender[joint]) continue;
-    folds.push_back({basis.skeleton.joints[joint].name, {}});
+    names.push_back(basis.skeleton.joints[joint].name);
     poses.push_back(*bent);
   }
-  drive_modifiers(basis, {}, 1, poses);
-  const std::vector<FoldMeasure> measures = FoldJudge(basis)(poses);
-  for (std::size_t k = 0; k < folds.size(); ++k) folds[k].measure = measures[k];
-  std::erase_if(folds, [](const BentJoint& fold) { return !(fold.measure.sum > 0); });
-  std::ranges::sort(folds, std::greater(), [](const BentJoint& fold) { return fold.measure.deepest; });
-  return folds;
+  return measure_folds(basis, names, std::move(poses));
+}
+
+std::vector<BentJoint> measure_push_out(const Basis& basis, const JointLimits& limits) {
+  std::vector<std::string> names;
+  std::vector<Pose> poses;
+  for (std::size_t k = 0; k < limits.dofs.size(); ++k) {
+    const DegreeOfFreedom& dof = limits.dofs[k];
+    for (const double end : {dof.min, dof.max}) {
+      Posture posture{rest_angles(limits)};
+      posture.angles[k] = end;
+      names.push_back(dof.name + " " + std::to_string(std::lround(end)));
+      poses.push_back(limited_pose(basis.skeleton, limits, posture));
+    }
+  }
+  return measure_folds(basis, names, std::move(poses));
 }
 
 }  // namespace bodyopt

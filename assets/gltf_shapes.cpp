@@ -1,0 +1,167 @@
+#include "assets/gltf_shapes.h"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <utility>
+
+#include "assets/gltf_write.h"
+#include "geometry/vertex_normals.h"
+#include "runtime/basis/read_file.h"
+#include "runtime/core/atomic_file.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+constexpr std::uint64_t kMostGlbBytes = 0xFFFFFFFFu;  // of a .glb
+
+fs::path shapes_aside(const fs::path& stem) { return fs::path(stem) += ".points"; }
+
+// Normals over vertices that are one where they lie on one another in a shape.
+class SmoothNormals {
+ public:
+  SmoothNormals(std::span<const float> shape, std::span<const std::uint32_t> corners) {
+    std::map<std::array<float, 3>, std::uint32_t> places;
+    for (std::size_t k = 0; k < shape.size(); k += 3) {
+      const auto next = static_cast<std::uint32_t>(places.size());
+      place_of_.push_back(places.try_emplace({shape[k], shape[k + 1], shape[k + 2]}, next).first->second);
+    }
+    places_.resize(static_cast<Eigen::Index>(places.size()), 3);
+    triangles_.resize(static_cast<Eigen::Index>(corners.size() / 3), 3);
+    for (std::size_t k = 0; k < corners.size(); ++k) triangles_.data()[k] = place_of_[corners[k]];
+  }
+
+  // points x 3; up where a vertex has no area around it.
+  std::vector<float> operator()(std::span<const float> shape) {
+    for (std::size_t v = 0; v < place_of_.size(); ++v) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        places_(place_of_[v], static_cast<Eigen::Index>(i)) = static_cast<double>(shape[3 * v + i]);
+      }
+    }
+    Positions all = vertex_normals(places_, triangles_);
+    for (Eigen::Index p = 0; p < all.rows(); ++p) {
+      const double size = all.row(p).norm();
+      all.row(p) = size > 1e-30 ? Eigen::RowVector3d(all.row(p) / size) : Eigen::RowVector3d(0, 1, 0);
+    }
+    std::vector<float> normals;
+    for (const std::uint32_t place : place_of_) {
+      for (Eigen::Index i = 0; i < 3; ++i) normals.push_back(static_cast<float>(all(place, i)));
+    }
+    return normals;
+  }
+
+ private:
+  std::vector<std::uint32_t> place_of_;
+  Positions places_;
+  Triangles triangles_;
+};
+
+std::vector<float> difference(std::span<const float> a, std::span<const float> b) {
+  std::vector<float> apart;
+  for (std::size_t k = 0; k < a.size(); ++k) apart.push_back(a[k] - b[k]);
+  return apart;
+}
+
+// Of the shape of each frame alone, at its time.
+void add_animation(const CacheLayout& layout, std::size_t node, GlbWriter& glb) {
+  const std::size_t targets = layout.frames.size() - 1;
+  std::vector<float> times, weights(layout.frames.size() * targets, 0.0f);
+  for (std::size_t k = 0; k < layout.frames.size(); ++k) {
+    times.push_back(static_cast<float>((layout.frames[k] - layout.frames.front()) / layout.fps));
+    if (k > 0) weights[k * targets + k - 1] = 1;
+  }
+  const std::size_t input = glb.add(times, "SCALAR", GlbTarget::none),
+                    output = glb.add(weights, "SCALAR", GlbTarget::none);
+  glb.root["animations"].push_back(
+      {{"name", layout.name},
+       {"samplers", ordered_json::array({{{"input", input}, {"output", output}, {"interpolation", "LINEAR"}}})},
+       {"channels", ordered_json::array({{{"sampler", 0}, {"target", {{"node", node}, {"path", "weights"}}}}})}});
+}
+
+}  // namespace
+
+GltfShapesWriter::GltfShapesWriter(const fs::path& path, CacheLayout layout)
+    : path_(path), layout_(std::move(layout)), corners_(layout_.corners.begin(), layout_.corners.end()) {
+  const std::uint64_t bytes = 24 * std::uint64_t{layout_.points} * layout_.frames.size();  // positions and normals
+  if (bytes <= kMostGlbBytes) return;
+  throw Error(ErrorKind::usage,
+              path.string() + ": " + std::to_string(layout_.frames.size()) + " frames of " +
+                  std::to_string(layout_.points) +
+                  " points take more than the 4 GiB that a .glb can hold: write fewer frames, or .pc2");
+}
+
+std::span<const float> GltfShapesWriter::frame(std::size_t k) const {
+  const std::size_t size = 3 * std::size_t{layout_.points};
+  return std::span(positions_).subspan(k * size, size);
+}
+
+void GltfShapesWriter::append(std::span<const float> positions, std::span<const float> /*normals*/) {
+  const std::size_t size = 3 * std::size_t{layout_.points}, done = positions_.size() / size;
+  if (positions.size() != size || done == layout_.frames.size()) {
+    throw Error(ErrorKind::mismatch, path_.string() + ": a sample of " + std::to_string(positions.size() / 3) +
+                                         " points was given after " + std::to_string(done) + " frames to one of " +
+                                         std::to_string(layout_.points) + " points and " +
+                                         std::to_string(layout_.frames.size()) + " frames");
+  }
+  for (std::size_t k = 0; k < size; ++k) {
+    if (std::isfinite(positions[k])) continue;
+    throw Error(ErrorKind::file, path_.string() + ": frame " + std::to_string(layout_.frames[done]) + ", point " +
+                                     std::to_string(k / 3) +
+                                     " is not a finite number: did a simulation, or what it began from, blow up?");
+  }
+  positions_.insert(positions_.end(), positions.begin(), positions.end());
+}
+
+void GltfShapesWriter::close() {
+  const std::size_t count = layout_.frames.size(), done = positions_.size() / (3 * std::size_t{layout_.points});
+  if (done != count || count == 0) {
+    throw Error(ErrorKind::file, path_.string() + ": " + std::to_string(done) + " of " + std::to_string(count) +
+                                     " frames were given; nothing is written");
+  }
+  GlbWriter glb;
+  SmoothNormals smooth(frame(0), corners_);
+  const std::vector<float> normals = smooth(frame(0));
+  ordered_json drawn = {{"attributes",
+                         {{"POSITION", glb.add(frame(0), "VEC3", GlbTarget::vertices)},
+                          {"NORMAL", glb.add(normals, "VEC3", GlbTarget::vertices)}}},
+                        {"indices", glb.add(std::span<const std::uint32_t>(corners_), "SCALAR", GlbTarget::indices)},
+                        {"mode", 4}};
+  ordered_json names = ordered_json::array();
+  for (std::size_t k = 1; k < count; ++k) {
+    drawn["targets"].push_back(
+        {{"POSITION", glb.add(difference(frame(k), frame(0)), "VEC3", GlbTarget::vertices)},
+         {"NORMAL", glb.add(difference(smooth(frame(k)), normals), "VEC3", GlbTarget::vertices)}});
+    names.push_back("frame " + std::to_string(layout_.frames[k]));
+  }
+  glb.root["meshes"].push_back({{"name", layout_.name}, {"primitives", ordered_json::array({drawn})}});
+  glb.root["nodes"].push_back({{"name", layout_.name}, {"mesh", 0}});
+  glb.root["scenes"][0]["nodes"].push_back(0);
+  if (count > 1) {
+    glb.root["meshes"][0]["weights"] = std::vector<float>(count - 1, 0.0f);
+    glb.root["meshes"][0]["extras"]["targetNames"] = names;
+    add_animation(layout_, 0, glb);
+  }
+  glb.write(path_);
+}
+
+void GltfShapesWriter::put_aside(const fs::path& stem) {
+  write_file_atomically(shapes_aside(stem), std::as_bytes(std::span(positions_)));
+}
+
+void GltfShapesWriter::take_up(const fs::path& stem, std::size_t frames) {
+  const std::string bytes = read_file(shapes_aside(stem), kMostGlbBytes, "points that were put aside");
+  positions_.resize(bytes.size() / sizeof(float));
+  std::memcpy(positions_.data(), bytes.data(), positions_.size() * sizeof(float));
+  if (positions_.size() == 3 * frames * layout_.points) return;
+  throw Error(ErrorKind::file, shapes_aside(stem).string() + ": does not hold the " + std::to_string(frames) +
+                                   " frames that were put aside: damaged, or of another run?");
+}
+
+std::vector<fs::path> GltfShapesWriter::aside(const fs::path& stem) const { return {shapes_aside(stem)}; }
+
+}  // namespace bodyopt

@@ -1,0 +1,36 @@
+// Shapes of a clip as glTF: one mesh, a morph target for each frame after the first, and an animation that goes from
+// one to the next. Metres, Y up.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "assets/cache_writer.h"
+
+namespace bodyopt {
+
+// Holds all frames in memory until close(). Normals are of the shapes, smooth over vertices that lie on one another in
+// the first: seams.
+class GltfShapesWriter final : public CacheWriter {
+ public:
+  // Throws Error(usage) where a .glb, which holds 4 GiB at most, has no room for so many frames.
+  GltfShapesWriter(const std::filesystem::path& path, CacheLayout layout);
+
+  void append(std::span<const float> positions, std::span<const float> normals) override;
+  void close() override;
+  void put_aside(const std::filesystem::path& stem) override;
+  void take_up(const std::filesystem::path& stem, std::size_t frames) override;
+  std::vector<std::filesystem::path> aside(const std::filesystem::path& stem) const override;
+
+ private:
+  std::span<const float> frame(std::size_t k) const;
+
+  std::filesystem::path path_;
+  CacheLayout layout_;
+  std::vector<std::uint32_t> corners_;
+  std::vector<float> positions_;  // frames x points x 3
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,181 @@
+// What an animator does by the mouse alone: poses without a clip, sets keys, saves what is on the stage.
+#include <imgui_internal.h>
+
+#include "proxy_viewer/commands/commands.h"
+#include "proxy_viewer/state/pose_keys.h"
+#include "tests/proxy_viewer/played_viewport.h"
+#include "tests/support/paths.h"
+#include "tests/support/run_program.h"
+#include "tests/support/shared_data.h"
+
+namespace bodyopt::testing {
+namespace animator_test {
+
+class AnimatorTest : public PlayedTest {
+ protected:
+  // Without a clip, in a window that has room for panels.
+  std::unique_ptr<PlayedViewport> open_still(const std::string& script = "hud off") const {
+    ViewerOptions options = small();
+    options.files = {small_.basis};
+    auto viewport = open(options, script);
+    viewport->resize(1280, 800);
+    viewport->click_messages_away();
+    return viewport;
+  }
+  static ImRect window(const char* name) { return ImGui::FindWindowByName(name)->Rect(); }
+  static bool is_shown(const char* name) {
+    const ImGuiWindow* found = ImGui::FindWindowByName(name);
+    return found && found->Active && !found->Hidden;
+  }
+  // Of the commands of a menu that is open, the middle of its line.
+  static std::array<double, 2> item(const std::string& menu, const std::string& command) {
+    std::vector<std::string> names;
+    for (const Command& each : commands()) {
+      if (each.menu == menu) names.emplace_back(each.name);
+    }
+    const auto at = static_cast<double>(std::ranges::find(names, command) - names.begin());
+    const ImRect popup = window("##Menu_00");
+    const double border = 7, line = (static_cast<double>(popup.GetHeight()) - 2 * border) / std::ssize(names);
+    return {static_cast<double>(popup.Min.x) + 30, static_cast<double>(popup.Min.y) + border + (at + 0.5) * line};
+  }
+  // The upper of the two buttons beside the frame's number, the lower.
+  static std::array<double, 2> key_button(bool upper) {
+    const ImRect timeline = window("Timeline");
+    return {440, static_cast<double>(timeline.Min.y) + (upper ? 20 : 44)};
+  }
+  static void click(PlayedViewport& viewport, const std::array<double, 2>& at) {
+    viewport.click(at[0], at[1]);
+    viewport.play({viewport.at(300, 100)});
+  }
+};
+
+TEST_F(AnimatorTest, WithoutAClipTenSecondsAreThereToPose) {
+  const auto viewport = open_still();
+  EXPECT_EQ(viewport->controls().playback.first(), 1);
+  EXPECT_EQ(viewport->controls().playback.last(), 240);
+  viewport->prompt("turn upper 20 0 0");
+  viewport->prompt("key");
+  viewport->prompt("frame 200");
+  viewport->prompt("turn upper 0 35 0");
+  viewport->prompt("key");
+  viewport->prompt("in 190");
+  viewport->prompt("out 205");
+  viewport->prompt("export-skin seen.pc2");
+  viewport->prompt("save shot.json");
+  const ProgramResult result = run_program("cd " + folder_.path().string() + " && " + kProgram +
+                                           " eval --session shot.json --device cpu --out evaluated.pc2");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const Pc2Reader seen("seen.pc2"), evaluated("evaluated.pc2");
+  ASSERT_EQ(evaluated.sample_count(), 16u);
+  EXPECT_EQ(evaluated.start_frame(), seen.start_frame());
+  for (const std::uint32_t k : {0u, 15u}) {
+    const std::vector<float> a = seen.sample(k), b = evaluated.sample(k);
+    for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 2e-6f);
+  }
+  EXPECT_NE(seen.sample(0), seen.sample(15));
+}
+
+TEST_F(AnimatorTest, KeysAreSetAndRemovedBesideTheFrame) {
+  const auto viewport = open_still("hud off; turn upper 20 0 0");
+  click(*viewport, key_button(true));
+  ASSERT_TRUE(viewport->controls().settings.pose.keys.contains(1));
+  click(*viewport, key_button(false));
+  EXPECT_TRUE(viewport->controls().settings.pose.keys.empty());
+}
+
+TEST_F(AnimatorTest, IsToldWhatGoesWithTheFrame) {
+  const auto viewport = open_still("hud off; turn upper 20 0 0; key; frame 100; turn upper 0 30 0");
+  EXPECT_TRUE(viewport->controls().is_unkeyed());
+  EXPECT_TRUE(viewport->controls().messages.empty());
+  viewport->prompt("frame 120");
+  ASSERT_FALSE(viewport->controls().messages.empty());
+  EXPECT_NE(viewport->controls().messages.back().text.find("frame 100 had no key"), std::string::npos);
+  const std::size_t said = viewport->controls().messages.size();
+  viewport->prompt("frame 130");
+  viewport->prompt("turn upper 0 10 0");
+  viewport->prompt("key");
+  viewport->prompt("frame 1");
+  EXPECT_LE(viewport->controls().messages.size(), said) << "what has a key is not lost";
+}
+
+TEST_F(AnimatorTest, APickBringsThePoseIntoView) {
+  const auto viewport = open_still();
+  viewport->resize(1280, 560);
+  const ImRect side = window("Side");
+  viewport->click(0.5 * static_cast<double>(side.Min.x), 0.4 * 560);
+  EXPECT_NE(viewport->controls().joint, "");
+  EXPECT_GT(ImGui::FindWindowByName("Side")->Scroll.y, 100);
+  EXPECT_TRUE(viewport->controls().typed.revealed_section.empty());
+}
+
+// One event at a time, as from a mouse that stands still between.
+TEST_F(AnimatorTest, MenusOpenUnderAMouseThatStandsStillAndCloseByEscape) {
+  const auto viewport = open_still();
+  viewport->click(20, 10);
+  EXPECT_TRUE(is_shown("##Menu_00"));
+  viewport->key("Escape");
+  EXPECT_FALSE(is_shown("##Menu_00"));
+  viewport->click(20, 10);
+  const float of_file = window("##Menu_00").Min.x;
+  viewport->play({viewport->at(75, 10)});  // Playback
+  EXPECT_TRUE(is_shown("##Menu_00"));
+  EXPECT_GT(window("##Menu_00").Min.x, of_file);
+}
+
+// A mouse that is gone before the next picture, as on a slow device.
+TEST_F(AnimatorTest, APressIsWhereItWasMade) {
+  const auto quick = open(), slow = open();
+  quick->drag(0, {160, 60}, {{205, 60}});
+  slow->play({slow->at(160, 60), ButtonEvent{0, true}, slow->at(205, 60)});
+  slow->play({ButtonEvent{0, false}});
+  const double turned = quick->controls().camera.view().azimuth;
+  EXPECT_NE(turned, open()->controls().camera.view().azimuth);
+  EXPECT_NEAR(slow->controls().camera.view().azimuth, turned, 1e-9);
+}
+
+// Its hand holds a finger; a joint that ends no longer bone is pinned itself.
+TEST_F(AnimatorTest, AFingersPinIsTheHands) {
+  const auto file = shared_data("characters/human_average.glb");
+  if (!file) GTEST_SKIP() << "needs the shared data, which is not here";
+  ViewerOptions options = small();
+  options.files = {*file};
+  const auto viewport = open(options, kBarePicture + "; pin LeftHandFinger1; pin RightFoot; pin LThumb 0.5 1 0");
+  const std::map<std::string, Vec3>& pins = viewport->controls().settings.pose.pins;
+  EXPECT_EQ(viewport->controls().joint, "LeftHand");
+  EXPECT_TRUE(pins.contains("LeftHand"));
+  EXPECT_TRUE(pins.contains("RightFoot"));
+  EXPECT_TRUE(pins.contains("LThumb")) << "a point pins any joint";
+  EXPECT_EQ(pins.size(), 3u);
+}
+
+TEST_F(AnimatorTest, ASessionIsSavedByTheMenuAndTheList) {
+  const auto viewport = open_still("hud off; turn upper 20 0 0; key");
+  viewport->click(20, 10);
+  click(*viewport, item("File", "save"));
+  ASSERT_TRUE(viewport->controls().dialog);
+  EXPECT_EQ(viewport->controls().dialog->command, "save");
+  EXPECT_EQ(viewport->controls().dialog->name, "session.json");
+  const ImRect dialog = window("File");
+  click(*viewport, {static_cast<double>(dialog.Min.x) + 100, static_cast<double>(dialog.Max.y) - 20});
+  EXPECT_FALSE(viewport->controls().dialog);
+  EXPECT_TRUE(std::filesystem::exists("session.json"));
+}
+
+TEST_F(AnimatorTest, NamesThatAreProposedAreFreeAndTaken) {
+  Controls controls;
+  std::ofstream("motion.glb") << "x";
+  for (const std::string& command : browsed_commands()) {
+    run_command(controls, "browse " + command);
+    const std::string name = controls.dialog->name;
+    EXPECT_EQ(name == "motion_2.glb", command == "export-clip") << name;
+    if (command == "open" || command == "load-state") {
+      EXPECT_EQ(name, "") << command;
+    } else {
+      EXPECT_FALSE(controls.dialog->replaces()) << name;
+      EXPECT_NO_THROW(run_command(controls, command + " " + name)) << name;
+    }
+  }
+}
+
+}  // namespace animator_test
+}  // namespace bodyopt::testing
