@@ -3,7 +3,9 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <map>
+#include <string>
 #include <utility>
 
 #include "assets/gltf_write.h"
@@ -19,6 +21,7 @@ namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
 constexpr std::uint64_t kMostGlbBytes = 0xFFFFFFFFu;  // of a .glb
+constexpr const char* kGenerator = "bodyopt, shapes of a clip";
 
 fs::path shapes_aside(const fs::path& stem) { return fs::path(stem) += ".points"; }
 
@@ -83,10 +86,24 @@ void add_animation(const CacheLayout& layout, std::size_t node, GlbWriter& glb) 
        {"channels", ordered_json::array({{{"sampler", 0}, {"target", {{"node", node}, {"path", "weights"}}}}})}});
 }
 
+// A character is a .glb, too: what stands there under the name of a result is written over only where it is a result.
+// The generator stands at the beginning of what GlbWriter writes.
+void refuse_other_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return;
+  std::string head(256, '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  if (head.find(kGenerator) != std::string::npos) return;
+  throw Error(ErrorKind::usage, path.string() +
+                                    " is there already, and holds no shapes that bodyopt wrote: is it a character or a "
+                                    "clip? Choose another name, or remove it");
+}
+
 }  // namespace
 
 GltfShapesWriter::GltfShapesWriter(const fs::path& path, CacheLayout layout)
     : path_(path), layout_(std::move(layout)), corners_(layout_.corners.begin(), layout_.corners.end()) {
+  refuse_other_file(path_);
   const std::uint64_t bytes = 24 * std::uint64_t{layout_.points} * layout_.frames.size();  // positions and normals
   if (bytes <= kMostGlbBytes) return;
   throw Error(ErrorKind::usage,
@@ -124,6 +141,7 @@ void GltfShapesWriter::close() {
                                      " frames were given; nothing is written");
   }
   GlbWriter glb;
+  glb.root["asset"]["generator"] = kGenerator;
   SmoothNormals smooth(frame(0), corners_);
   const std::vector<float> normals = smooth(frame(0));
   ordered_json drawn = {{"attributes",

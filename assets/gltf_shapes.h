@@ -15,7 +15,8 @@ namespace bodyopt {
 // the first: seams.
 class GltfShapesWriter final : public CacheWriter {
  public:
-  // Throws Error(usage) where a .glb, which holds 4 GiB at most, has no room for so many frames.
+  // Throws Error(usage) where a .glb, which holds 4 GiB at most, has no room for so many frames, and where another
+  // .glb than shapes of a clip has that name.
   GltfShapesWriter(const std::filesystem::path& path, CacheLayout layout);
 
   void append(std::span<const float> positions, std::span<const float> normals) override;

@@ -247,8 +247,8 @@ void draw_key_buttons(Controls& controls) {
 }  // namespace
 
 void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout) {
-  constexpr float kNumberWidth = 640,
-                  kButtonsWidth = 330;  // windows below have no room for number and keys, the buttons
+  // Windows below have no room for the keys' buttons, the number, the buttons of playback.
+  constexpr float kKeysWidth = 640, kNumberWidth = 480, kButtonsWidth = 330;
   ImGui::SetNextWindowPos({0, layout.bottom()});
   ImGui::SetNextWindowSize({layout.width, layout.timeline});
   ImGui::Begin("Timeline", nullptr, kFixedWindow | ImGuiWindowFlags_NoScrollbar);
@@ -259,6 +259,8 @@ void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayo
   if (layout.width >= kNumberWidth) {
     draw_frame_number(snapshot, controls);
     ImGui::SameLine(0, 14);
+  }
+  if (layout.width >= kKeysWidth) {
     draw_key_buttons(controls);
     ImGui::SameLine(0, 14);
   }
