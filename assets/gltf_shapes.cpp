@@ -104,7 +104,9 @@ void refuse_other_file(const fs::path& path) {
 GltfShapesWriter::GltfShapesWriter(const fs::path& path, CacheLayout layout)
     : path_(path), layout_(std::move(layout)), corners_(layout_.corners.begin(), layout_.corners.end()) {
   refuse_other_file(path_);
-  const std::uint64_t bytes = 24 * std::uint64_t{layout_.points} * layout_.frames.size();  // positions and normals
+  const std::uint64_t frames = layout_.frames.size();
+  // Positions and normals, and of every frame a weight of each target.
+  const std::uint64_t bytes = 24 * layout_.points * frames + 4 * (frames * frames + corners_.size());
   if (bytes <= kMostGlbBytes) return;
   throw Error(ErrorKind::usage,
               path.string() + ": " + std::to_string(layout_.frames.size()) + " frames of " +

@@ -114,6 +114,11 @@ void join_caches(const std::vector<fs::path>& parts, const fs::path& out) {
     if (part.extension() == out.extension()) continue;
     refuse_part(part, "and " + out.string() + " are of different formats: parts and whole are all .pc2 or all .usda");
   }
+  if (out.extension() == ".glb") {
+    throw Error(ErrorKind::usage, out.string() +
+                                      ": parts of glTF cannot be joined: evaluate the whole shot to one .glb, or "
+                                      "its parts to .pc2 or .usda");
+  }
   if (out.extension() == ".usda") {
     join_usda(parts, out);
   } else {

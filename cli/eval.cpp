@@ -103,11 +103,12 @@ void take_session(EvalArguments& arguments) {
 }
 
 // Frames of a clip that its session does not play are left out.
-void keep_range(const EvalArguments& arguments, std::vector<int>& frames) {
+void keep_range(const EvalArguments& arguments, const Clip& clip, std::vector<int>& frames) {
   std::erase_if(
       frames, [&](int frame) { return frame < arguments.in.value_or(frame) || frame > arguments.out.value_or(frame); });
   if (frames.empty()) {
-    throw Error(ErrorKind::usage, arguments.session + ": '" + arguments.clip.source +
+    throw Error(ErrorKind::usage, arguments.session + ": '" +
+                                      (arguments.clip.source.empty() ? clip.name : arguments.clip.source) +
                                       "' has no frame of the range that it plays: was the clip replaced? --frames "
                                       "chooses others");
   }
@@ -144,7 +145,7 @@ EvaluatedShot read_shot(const EvalArguments& arguments) {
   shot.deformer = arguments.jiggle.deformer(std::move(level.basis), arguments.cache.basis, arguments.device.choice);
   const Basis& basis = shot.deformer->basis();
   shot.clip = read_shot_clip(arguments, basis, shot.frames);
-  keep_range(arguments, shot.frames);
+  keep_range(arguments, shot.clip, shot.frames);
   if (!arguments.session.empty()) shot.clip = as_posed(arguments.posed, std::move(shot.clip), basis.skeleton);
   arguments.modifiers.apply(basis, shot.clip);
   shot.poses = poses_of(shot.clip, shot.frames);

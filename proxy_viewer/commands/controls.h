@@ -114,8 +114,8 @@ struct Marker {
 struct PanelState {
   bool entered = false;  // the prompt's text, before its field hears
   std::string prompt, joint_filter, camera, open;
-  std::string screenshot = "picture.png", sequence = "movie.webp", turntable = "turntable.####.png";
-  std::string session = "session.json", state = "view.json", clip = "motion.glb", skin = "skin.glb";
+  std::string screenshot = "bodyopt.png", sequence = "bodyopt.####.png", turntable = "turntable.####.png";
+  std::string session = "session.json", state = "view.json", clip = "posed.glb", skin = "posed.pc2";
   std::string listed_joint;              // to which the list of joints was last scrolled
   std::string revealed_section;          // to which the side panel is to be scrolled
   std::vector<std::size_t> fibre_order;  // of the list of muscles

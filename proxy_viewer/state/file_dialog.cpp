@@ -33,12 +33,27 @@ const std::map<std::string, FileKind>& kinds() {
   return all;
 }
 
-// The name, or the first with a number that no file of the folder has.
-std::string free_name(const fs::path& folder, const fs::path& name) {
-  std::string free = name.string();
-  for (int k = 2; fs::exists(folder / free); ++k) {
-    free = name.stem().string() + "_" + std::to_string(k) + name.extension().string();
+// Whether a file is of that name, in which each '#' is a digit of a picture's number.
+bool is_named(const std::string& file, const std::string& name) {
+  return std::ranges::equal(name, file, [](char in_name, char in_file) {
+    return in_name == '#' ? in_file >= '0' && in_file <= '9' : in_name == in_file;
+  });
+}
+
+bool is_taken(const fs::path& folder, const std::string& name) {
+  std::error_code unreadable;
+  for (fs::directory_iterator entry(folder, unreadable), end; !unreadable && entry != end;
+       entry.increment(unreadable)) {
+    if (is_named(entry->path().filename().string(), name)) return true;
   }
+  return false;
+}
+
+// The name, or the first with a number before its first dot that no file of the folder has.
+std::string free_name(const fs::path& folder, const std::string& name) {
+  const std::size_t dot = name.find('.');
+  std::string free = name;
+  for (int k = 2; is_taken(folder, free); ++k) free = name.substr(0, dot) + "_" + std::to_string(k) + name.substr(dot);
   return free;
 }
 
@@ -46,7 +61,9 @@ bool is_hidden(const fs::path& path) { return path.filename().string().starts_wi
 
 }  // namespace
 
-bool FileDialog::replaces() const { return std::ranges::find(entries, FolderEntry{name, false}) != entries.end(); }
+bool FileDialog::replaces() const {
+  return std::ranges::any_of(entries, [&](const FolderEntry& e) { return !e.is_folder && is_named(e.name, name); });
+}
 
 std::vector<std::string> browsed_commands() {
   std::vector<std::string> names;

@@ -37,6 +37,11 @@ std::string find_in_system() {
   return {};
 }
 
+PFN_vkGetInstanceProcAddr finder_in_system() {
+  void* const loader = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+  return loader ? reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(loader, "vkGetInstanceProcAddr")) : nullptr;
+}
+
 // Those that are called before there is an instance are not found by way of one; those of a window are there where the
 // host has one.
 PFN_vkVoidFunction find_by(PFN_vkGetInstanceProcAddr find, VkInstance instance, const char* name) {
@@ -74,12 +79,13 @@ std::string missing_functions() {
 void find_functions(VkInstance instance, PFN_vkGetInstanceProcAddr find) {
   const std::lock_guard lock(functions_mutex);
   if (has_functions) {
-    if (is_same_loader(find, vkGetInstanceProcAddr)) return;
+    const PFN_vkGetInstanceProcAddr asked = find ? find : finder_in_system();
+    if (asked && is_same_loader(asked, vkGetInstanceProcAddr)) return;
     throw Error(ErrorKind::device,
                 "the host's get_instance_proc_addr is of another loader of Vulkan than the one in use, of which a "
                 "process has one: share the device before any other is listed, opened or shared");
   }
-  const std::string missing = find_in_host(instance, find);
+  const std::string missing = find ? find_in_host(instance, find) : find_in_system();
   if (!missing.empty()) throw Error(ErrorKind::device, missing);
   has_functions = true;
 }

@@ -138,11 +138,7 @@ Instance::Instance(bool validation, const std::vector<const char*>& wanted) : lo
 
 Instance::Instance(VkInstance host, PFN_vkGetInstanceProcAddr find)
     : log_(std::make_shared<ValidationLog>()), handle_(host), is_ours_(false) {
-  if (find != nullptr) {
-    find_functions(host, find);
-  } else if (const std::string missing = missing_functions(); !missing.empty()) {
-    throw Error(ErrorKind::device, missing);
-  }
+  find_functions(host, find);
 }
 
 Instance::~Instance() {

@@ -204,6 +204,9 @@ void use_the_hosts_loader() {
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (!(std::abs(found[k] - expected[k]) < 1e-5f)) throw std::runtime_error("another skin");
   }
+  bodyopt_device* of_the_system = nullptr;
+  host.get_instance_proc_addr = nullptr;  // whose functions are not those in use
+  if (bodyopt_share_device(&host, &of_the_system) != BODYOPT_DEVICE) throw std::runtime_error("a second loader");
   if (submissions > 0) std::fputs("the host's loader was called\n", stderr);
 }
 

@@ -291,7 +291,7 @@ TEST_F(ActorTest, WatchesWhatLiesBesideTheBasisEvenBeforeItIsThere) {
 
 TEST_F(ActorTest, WithoutAClipItStandsInTheBindPose) {
   Actor character(device_, {small_->basis, {}, {}}, {}, pool_);
-  EXPECT_EQ(character.clip().poses.size(), 1u);
+  EXPECT_EQ(character.clip().poses.size(), 240u);  // ten seconds, to be posed
   EXPECT_FALSE(character.has(SkinMethod::truth));
   EXPECT_FALSE(character.has(SkinMethod::jiggle));
   // A cylinder of 1 m between caps 5 cm out.

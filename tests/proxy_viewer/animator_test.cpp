@@ -164,10 +164,12 @@ TEST_F(AnimatorTest, ASessionIsSavedByTheMenuAndTheList) {
 TEST_F(AnimatorTest, NamesThatAreProposedAreFreeAndTaken) {
   Controls controls;
   std::ofstream("motion.glb") << "x";
+  std::ofstream("turntable.0001.png") << "x";
   for (const std::string& command : browsed_commands()) {
     run_command(controls, "browse " + command);
     const std::string name = controls.dialog->name;
     EXPECT_EQ(name == "motion_2.glb", command == "export-clip") << name;
+    EXPECT_EQ(name == "turntable_2.####.png", command == "turntable") << name;
     if (command == "open" || command == "load-state") {
       EXPECT_EQ(name, "") << command;
     } else {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <regex>
 
 #include "assets/json_file.h"
 #include "base/content_hash.h"
@@ -27,12 +28,18 @@ ExportRecord read_record(const JsonObject& record, const fs::path& path) {
           read_modifiers(record.array("modifiers"), path)};
 }
 
+// Other files, a copy of one or a conflict's, are none of ours.
+bool is_record(const std::string& name) {
+  static const std::regex form("[0-9]{6,}-exported-[0-9a-f]{16}\\.json");
+  return std::regex_match(name, form);
+}
+
 // A file each, so that exports of two artists merge: "000007-exported-0123456789abcdef.json". The oldest first.
 std::vector<fs::path> record_files(const Dataset& dataset) {
   std::vector<fs::path> files;
   std::error_code none;
   for (fs::directory_iterator entry(folder_of(dataset), none), end; !none && entry != end; entry.increment(none)) {
-    if (entry->path().extension() == ".json") files.push_back(entry->path());
+    if (is_record(entry->path().filename().string())) files.push_back(entry->path());
   }
   std::ranges::sort(files);
   return files;
@@ -63,11 +70,16 @@ void write_record(const ExportRecord& record, const fs::path& path) {
 
 // Of files that were there before one with the mark was written: those of the same export, and the oldest of too many.
 void forget_older(const std::vector<fs::path>& before, const std::string& mark) {
-  const std::size_t too_many = before.size() + 1 > kMost ? before.size() + 1 - kMost : 0;
-  for (std::size_t k = 0; k < before.size(); ++k) {
-    const bool is_same = before[k].stem().string().ends_with(mark);
+  std::vector<fs::path> others = before;
+  std::erase_if(others, [&](const fs::path& file) {
+    const bool is_same = file.stem().string().ends_with(mark);
     std::error_code ignored;  // one more does no harm
-    if (is_same || k < too_many) fs::remove(before[k], ignored);
+    if (is_same) fs::remove(file, ignored);
+    return is_same;
+  });
+  for (std::size_t k = 0; k + kMost < others.size() + 1; ++k) {
+    std::error_code ignored;
+    fs::remove(others[k], ignored);
   }
 }
 

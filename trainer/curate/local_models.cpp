@@ -94,8 +94,11 @@ std::vector<Neighbour> neighbours_of(const PoseDatabase& database, const SkinPar
   return near;
 }
 
-// The nearest, of every pass a few. `near`: by rising distance.
-void keep_nearest(std::vector<Neighbour>& near) {
+// The nearest, of every pass a few, and the frame itself, which others of its pose may stand before. `near`: by rising
+// distance.
+void keep_nearest(std::size_t own, std::vector<Neighbour>& near) {
+  const auto self = std::ranges::find(near, own, &Neighbour::frame);
+  std::rotate(near.begin(), self, self + 1);
   std::map<int, std::size_t> kept;
   std::erase_if(near, [&](const Neighbour& other) { return ++kept[other.pass] > kMostOfPass; });
   if (near.size() > kMostNeighbours) near.resize(kMostNeighbours);
@@ -449,7 +452,7 @@ LocalModels local_models(const PoseDatabase& database, const SkinPart& part, dou
     models.neighbours[n] = static_cast<int>(all.size());
     own[n] = std::ranges::find(all, n, &Neighbour::frame)->pass;
     std::ranges::stable_sort(all, {}, &Neighbour::distance);
-    keep_nearest(all);
+    keep_nearest(n, all);
     for (const Neighbour& other : all) {
       if (other.pass != own[n]) models.others[n].push_back(other.frame);
     }

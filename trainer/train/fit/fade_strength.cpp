@@ -91,7 +91,7 @@ std::array<double, kStrengths.size()> left_of(const Groundwork& ground, const Re
 double strongest_of_the_best(const std::array<double, kStrengths.size()>& left) {
   const double most = kAsGood * kAsGood * *std::min_element(left.begin(), left.end());
   const auto strongest = std::find_if(left.begin(), left.end(), [&](double squares) { return squares <= most; });
-  return kStrengths[static_cast<std::size_t>(strongest - left.begin())];
+  return strongest == left.end() ? kStrengths.front() : kStrengths[static_cast<std::size_t>(strongest - left.begin())];
 }
 
 }  // namespace
