@@ -29,22 +29,21 @@ bool has_extension(const std::string& file, std::initializer_list<const char*> e
   return std::any_of(extensions.begin(), extensions.end(), [&](const char* e) { return own == e; });
 }
 
-// The end of the limb that a joint is of: a finger's is the hand, whose bone is much longer than those of fingers.
+// The end of the limb that a joint is of: of a finger the hand, as bones of fingers are short beside those of an arm.
 std::string end_of_limb(const Skeleton& skeleton, const std::string& joint) {
-  constexpr double kMuchLonger = 1.5;
-  const auto bone = [&](int j) {
-    const int above = skeleton.joints[static_cast<std::size_t>(j)].parent;
-    return length(bind_place(skeleton, static_cast<std::size_t>(j)) -
-                  bind_place(skeleton, static_cast<std::size_t>(above)));
-  };
-  int end = skeleton.find(joint);
-  while (true) {
-    const int above = skeleton.joints[static_cast<std::size_t>(end)].parent;
-    if (above < 0 || !ends_a_limb(skeleton, skeleton.joints[static_cast<std::size_t>(above)].name)) break;
-    if (bone(above) < kMuchLonger * bone(end)) break;
-    end = above;
+  constexpr double kLong = 0.6;     // of the longest
+  constexpr std::size_t kLimb = 5;  // joints from the one that is asked for upwards
+  std::vector<std::size_t> ends;    // each with the two above it that reach
+  std::vector<double> bones;        // metres
+  for (std::string at = joint; ends.size() < kLimb && ends_a_limb(skeleton, at);) {
+    ends.push_back(static_cast<std::size_t>(skeleton.find(at)));
+    const auto above = static_cast<std::size_t>(skeleton.joints[ends.back()].parent);
+    bones.push_back(length(bind_place(skeleton, ends.back()) - bind_place(skeleton, above)));
+    at = skeleton.joints[above].name;
   }
-  return skeleton.joints[static_cast<std::size_t>(end)].name;
+  const double longest = std::ranges::max(bones);
+  const auto end = std::ranges::find_if(bones, [&](double bone) { return bone >= kLong * longest; }) - bones.begin();
+  return skeleton.joints[ends[static_cast<std::size_t>(end)]].name;
 }
 
 }  // namespace

@@ -85,7 +85,13 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
     limits_ = read_joint_limits(files.limits, skeleton);
     ranges_ = joint_ranges(limits_, skeleton);
   }
-  take_clip(opened.clip ? std::move(*opened.clip) : still_clip(finest().basis().skeleton, options));
+  if (opened.clip) {
+    take_clip(std::move(*opened.clip));
+  } else {
+    ClipOptions still = options;
+    if (has_dynamics()) still.fps = finest().jiggle_rate();  // a pose has no rate of its own
+    take_clip(still_clip(finest().basis().skeleton, still));
+  }
   measure_size();
   if (!files.truth.empty()) open_truth(files.truth);
   if (files.clip.empty()) {

@@ -84,7 +84,8 @@ std::vector<float> fold_reaches(const Skeleton& skeleton, std::uint32_t joint, f
   for (std::size_t j = 0; j < ways.size(); ++j) {
     const bool bent = static_cast<int>(j) == skeleton.joints[joint].parent;
     const bool near = bent || (ways[j] >= 0 && ways[j] < double{reach});
-    const bool limb_on_trunk = trunk[j] && !trunk[joint] && !bent, beyond = below[j] && j != joint && of_trunk > 0;
+    const bool limb_on_trunk = trunk[j] && !trunk[joint] && !bent,
+               beyond = below[j] && j != joint && !trunk[joint] && of_trunk > 0;
     reaches.push_back(limb_on_trunk || (beyond && near) ? of_trunk : near ? reach : 0.0f);
   }
   return reaches;

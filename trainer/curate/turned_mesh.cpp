@@ -11,7 +11,7 @@ namespace bodyopt {
 namespace {
 
 constexpr double kOtherExtent = 0.1;  // of the size: how far a sculpt hardly moves the skin's extent
-constexpr double kTurned = 0.25;      // of that as it is: what turning leaves of it where the mesh is turned
+constexpr double kTurnedBack = 0.25;  // of that as it is: what turning leaves of it where the mesh is turned
 
 // 3 x 3, of ones and zeros.
 Eigen::Matrix3d matrix_of(const Quat& turn) {
@@ -57,7 +57,7 @@ Eigen::Matrix3d turn_back(std::span<const WrittenSkin> written, const Positions&
   for (const Quat& turn : axis_turns()) {
     const Eigen::Matrix3d matrix = matrix_of(turn);
     const Positions turned = given * matrix.transpose();
-    if (extents_apart(written, turned) > kTurned * as_it_is) continue;
+    if (extents_apart(written, turned) > kTurnedBack * as_it_is) continue;
     if (lies_on_one(written, turned)) return matrix;
     may_be_turned = true;
   }
