@@ -30,7 +30,8 @@ const Command kPoseCommands[] = {
        c.settings.pose.axes[known(name, c.axis_names, "axis of the joint limits")] =
            number_within(angle, -kMostTurn, kMostTurn);
      }},
-    {"pin", "JOINT [X Y Z]", "", "Pose", "the end of a limb where it is, or a joint there, metres: the limb reaches for it",
+    {"pin", "JOINT [X Y Z]", "", "Pose",
+     "the end of a limb where it is, or a joint there, metres: the limb reaches for it",
      [](Controls& c, const std::string& a) {
        if (std::ranges::find(c.joint_names, a) != c.joint_names.end()) {
          c.requests.pin = PinRequest{a};

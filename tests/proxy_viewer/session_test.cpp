@@ -403,8 +403,8 @@ TEST(SessionDatasets, SayWhichClipTheirFramesReplace) {
   EXPECT_TRUE(session.open(limb.folder().string()).empty());
 }
 
-// Frames of a dataset's takes follow each other, and those of motion capture lie far from the others: the camera goes to
-// where the character is in the frame that is chosen, whatever take is beside it.
+// Frames of a dataset's takes follow each other, and those of motion capture lie far from the others: the camera goes
+// to where the character is in the frame that is chosen, whatever take is beside it.
 TEST(SessionDatasets, TheCameraGoesToTheFrameThatIsChosen) {
   const CuratedLimb limb;
   Dataset dataset = read_dataset(limb.path());
