@@ -61,7 +61,8 @@ std::vector<SurfacePlace> SurfaceDistance::around(const Positions& positions, co
     arrive(corner, (positions.row(corner).transpose() - from.position).norm());
   }
   while (!front.empty()) {
-    const auto [way, v] = front.top();
+    const double way = front.top().first;  // no binding: clang lets no lambda take one
+    const std::uint32_t v = front.top().second;
     front.pop();
     if (way > distance[v]) continue;
     const Point at = positions.row(v);
