@@ -62,9 +62,8 @@ std::string describe_fading(const TakeErrors& take) {
   const auto most =
       std::max_element(joints.begin(), joints.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   return format(
-      "  %zu of %zu frames hold poses that training did not show, most of all of %s: there it fades to Direct "
-      "Delta Mush\n",
-      count, take.frames.size(), most->first.c_str());
+      "  %zu of %zu frames %s that training did not show, most of all of %s: there it fades to Direct Delta Mush\n",
+      count, take.frames.size(), count == 1 ? "holds a pose" : "hold poses", most->first.c_str());
 }
 
 std::string lines_of(const TakeErrors& take) {

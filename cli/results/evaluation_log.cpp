@@ -178,8 +178,9 @@ std::string EvaluationLog::text() const {
   }
   if (worst_outside_ >= kOutsideWorthTelling) {
     text +=
-        format("%zu frames leave the trained range (most of all %s, by %.1f standard deviations) and were clamped: ",
-               outside_frames_.size(), worst_feature_.c_str(), worst_outside_) +
+        count_of(outside_frames_.size(), "frame leaves", "frames leave") +
+        format(" the trained range (most of all %s, by %.1f standard deviations), clamped: ", worst_feature_.c_str(),
+               worst_outside_) +
         format_frame_range(outside_frames_) + "\n";
   }
   text += fades_.text();
@@ -197,8 +198,8 @@ std::string EvaluationLog::text() const {
             "there ('limit' of jiggle.json), and is held short of it: " + format_frame_range(limited_frames_) + "\n";
   }
   if (!inverted_frames_.empty()) {
-    text += format("%zu frames have tetrahedra that are inside out before they jiggle, %u of %u at most: ",
-                   inverted_frames_.size(), most_inverted_, tets_) +
+    text += count_of(inverted_frames_.size(), "frame has", "frames have") +
+            format(" tetrahedra that are inside out before they jiggle, %u of %u at most: ", most_inverted_, tets_) +
             format_frame_range(inverted_frames_) + "\n";
   }
   for (const std::string& note : notes()) text += note + "\n";

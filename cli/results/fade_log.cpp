@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "assets/frame_range.h"
+#include "assets/wording.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -33,10 +34,11 @@ std::string FadeLog::text() const {
   if (frames_.empty()) return "";
   const auto most = std::max_element(joints_.begin(), joints_.end(),
                                      [](const auto& a, const auto& b) { return a.second < b.second; });
-  return format(
-      "%zu frames hold poses that training did not show (most of all of %s); there the correction fades, to %.0f %% "
-      "at the least: %s\n",
-      frames_.size(), most->first.c_str(), 100 * least_, format_frame_range(frames_).c_str());
+  return count_of(frames_.size(), "frame holds a pose", "frames hold poses") +
+         format(
+             " that training did not show (most of all of %s); there the correction fades, to %.0f %% at the least: "
+             "%s\n",
+             most->first.c_str(), 100 * least_, format_frame_range(frames_).c_str());
 }
 
 }  // namespace bodyopt::cli

@@ -6,17 +6,31 @@
 namespace bodyopt::cli {
 namespace {
 
-std::string eval_text(double outside) {
+std::string eval_text(double outside, double fade = 1, int frames = 1) {
   EvaluationLog log;
-  const Json frame = {
-      {"frame", 1}, {"outside", outside}, {"outside_feature", "joint hip"}, {"fade", 1.0}, {"fading_joint", ""}};
-  log.take_up({{"per_frame", {frame}}, {"starts", Json::array()}, {"tets", 0}});
+  Json per_frame = Json::array();
+  for (int number = 1; number <= frames; ++number) {
+    per_frame.push_back({{"frame", number},
+                         {"outside", outside},
+                         {"outside_feature", "joint hip"},
+                         {"fade", fade},
+                         {"fading_joint", "hip"}});
+  }
+  log.take_up({{"per_frame", per_frame}, {"starts", Json::array()}, {"tets", 0}});
   return log.text();
 }
 
 TEST(EvaluationLog, SaysNothingOfDeviationsThatAreWrittenAsZero) {
-  EXPECT_EQ(eval_text(0.04).find("leave the trained range"), std::string::npos);
+  EXPECT_EQ(eval_text(0.04).find("the trained range"), std::string::npos);
   EXPECT_NE(eval_text(0.06).find("(most of all joint hip, by 0.1 standard deviations)"), std::string::npos);
+}
+
+TEST(EvaluationLog, OneFrameIsOne) {
+  const std::string one = eval_text(1, 0.5), two = eval_text(1, 0.5, 2);
+  EXPECT_NE(one.find("1 frame leaves the trained range"), std::string::npos) << one;
+  EXPECT_NE(one.find("1 frame holds a pose that training did not show"), std::string::npos) << one;
+  EXPECT_NE(two.find("2 frames leave the trained range"), std::string::npos) << two;
+  EXPECT_NE(two.find("2 frames hold poses that training did not show"), std::string::npos) << two;
 }
 
 }  // namespace
