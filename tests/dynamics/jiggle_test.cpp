@@ -63,6 +63,47 @@ TEST(Jiggle, ThinTissueHasItsOwnFleshAndLimit) {
   }
 }
 
+// A limb whose last tenth follows a joint of its own, as a hand.
+Character limb_with_hand() {
+  Character limb = make_limb();
+  Joint hand = limb.skeleton.joints[1];
+  const double wrist = 0.9 * kTubeLength;
+  hand.name = "hand";
+  hand.parent = 1;
+  hand.bind.translation = {wrist - kTubeLength / 2, 0, 0};
+  hand.inverse_bind.m[0][3] = -wrist;
+  hand.default_local = hand.bind;
+  limb.skeleton.joints.push_back(hand);
+  for (Eigen::Index v = 0; v < limb.vertices.rows(); ++v) {
+    if (limb.vertices(v, 0) > wrist) limb.weights[static_cast<std::size_t>(v)] = {{2, 1.0f}};
+  }
+  return limb;
+}
+
+// Half of a limb that no joint comes after is flesh still; a hand at its end is skin over bone, unless somebody says
+// otherwise.
+TEST(Jiggle, WhereALimbEndsSkinLiesOnBone) {
+  const Character limb = limb_with_hand();
+  const DynamicsTets tets = make_dynamics_tets(limb.vertices, limb.triangles, limb.weights, 25000);
+  const JiggleAnatomy anatomy = find_anatomy(limb, {}, tets.cage, {});
+  EXPECT_EQ(anatomy.is_end, (std::vector<bool>{false, false, true}));
+  EXPECT_EQ(LimbJiggle().anatomy.is_end, (std::vector<bool>{false, false}));
+
+  const JiggleFields open = spread_settings({}, limb, {}, {}, tets, anatomy);
+  const auto mean = [&](int joint) {
+    const Eigen::VectorXd share = anatomy.joint_share.col(joint);
+    return share.dot(open.flesh) / share.sum();
+  };
+  EXPECT_LT(mean(2), 0.3 * mean(0));
+  const JiggleSettings chosen = chosen_settings({}, open, limb, anatomy);
+  EXPECT_EQ(chosen.regions.back().name, "hand");
+  EXPECT_NE(chosen.regions.back().comment.find("a limb ends there"), std::string::npos);
+
+  JiggleSettings given;
+  given.flesh = 0.02;
+  EXPECT_NEAR(spread_settings(given, limb, {}, {}, tets, anatomy).flesh.minCoeff(), 0.02, 1e-12);
+}
+
 // `values` on x, y and z.
 SparseMatrix on_axes(const SparseMatrix& values) {
   std::vector<Eigen::Triplet<double>> entries;

@@ -14,6 +14,7 @@ struct JiggleAnatomy {
   std::vector<BonePoint> bones;
   SparseMatrix bone_springs;           // N x N, N/m
   NodeWeights joint_share;             // N x J, rows sum to 1
+  std::vector<bool> is_end;            // J: a limb ends with this joint (a head, hand, foot, tip of a tail)
   std::vector<double> muscle_of_tets;  // T: the share that is muscle
   Eigen::MatrixXd muscle_share;        // N x M: the part of a node's tissue that each muscle is
 };

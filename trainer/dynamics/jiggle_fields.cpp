@@ -145,13 +145,18 @@ class ShareFinder {
 };
 
 Eigen::VectorXd default_flesh(const JiggleSettings& settings, const Character& character, const DynamicsTets& tets,
-                              const Eigen::VectorXd& thick) {
+                              const JiggleAnatomy& anatomy, const Eigen::VectorXd& thick) {
   if (settings.flesh > 0) return Eigen::VectorXd::Constant(tets.cage.mesh.nodes.rows(), settings.flesh);
   const double of_size = kFleshOfSize * longest_extent(character.vertices);
   // Between the skin's least and largest, whatever the Laplacian of bad tets overshoots by.
-  return (kFleshOfThickness * carried_inwards(tets, thick))
-      .cwiseMax(kFleshOfThickness * thick.minCoeff())
-      .cwiseMin(of_size);
+  const Eigen::VectorXd flesh = (kFleshOfThickness * carried_inwards(tets, thick))
+                                    .cwiseMax(kFleshOfThickness * thick.minCoeff())
+                                    .cwiseMin(of_size);
+  Eigen::ArrayXd of_ends = Eigen::ArrayXd::Zero(flesh.size());
+  for (std::size_t j = 0; j < anatomy.is_end.size(); ++j) {
+    if (anatomy.is_end[j]) of_ends += anatomy.joint_share.col(static_cast<Eigen::Index>(j)).array();
+  }
+  return flesh.array() * (std::log(kFleshOfEnds) * of_ends.max(0).min(1)).exp();
 }
 
 void blend(Eigen::VectorXd& values, double value, const Eigen::VectorXd& share) {
@@ -184,7 +189,7 @@ JiggleFields spread_settings(const JiggleSettings& settings, const Character& ch
   const Eigen::Index nodes = tets.cage.mesh.nodes.rows();
   Eigen::VectorXd log_softness = Eigen::VectorXd::Constant(nodes, std::log(settings.softness));
   const Eigen::VectorXd thick = thickness(character.vertices, character.triangles, kNearby);
-  Eigen::VectorXd log_flesh = default_flesh(settings, character, tets, thick).array().log();
+  Eigen::VectorXd log_flesh = default_flesh(settings, character, tets, anatomy, thick).array().log();
   Eigen::VectorXd skin_amount = Eigen::VectorXd::Constant(character.vertices.rows(), settings.amount);
   JiggleFields fields;
   fields.damping = Eigen::VectorXd::Constant(nodes, settings.damping);
@@ -223,7 +228,8 @@ JiggleSettings chosen_settings(const JiggleSettings& settings, const JiggleField
     const double mean = share.dot(fields.flesh) / share.sum();
     if (!(mean < kThin * chosen.flesh)) continue;
     JiggleRegion region{.name = character.skeleton.joints[j].name, .flesh = mean};
-    region.comment = "a quarter of the thickness there";
+    region.comment =
+        anatomy.is_end[j] ? "a limb ends there: little lies between skin and bone" : "a quarter of the thickness there";
     thin.push_back(region);
   }
   chosen.regions.insert(chosen.regions.begin(), thin.begin(), thin.end());

@@ -22,13 +22,15 @@ struct JiggleRegion {
 constexpr double kFleshOfSize = 0.028;
 // Of the body's thickness there: the inner half of ears, snouts, tails, toes and fingers is held as bone is.
 constexpr double kFleshOfThickness = 0.25;
+// Of what it would be otherwise, where a limb ends (heads, hands, feet): little lies between skin and bone there.
+constexpr double kFleshOfEnds = 0.1;
 
 struct JiggleSettings {
   double softness = 1;   // divides the stiffness of tissue
   double damping = 0.2;  // damping ratio at 3 Hz
   double amount = 1;     // what the skin takes of the motion; 0: held still
   // Metres under the skin that move; what is deeper is held. 0: kFleshOfSize x the body, kFleshOfThickness x what is
-  // thin.
+  // thin, kFleshOfEnds of that where a limb ends.
   double flesh = 0;
   double lowest_frequency = 4;  // Hz over the root of the softness: no part swings slower
   double limit = 1.0 / 3;       // of the body's thickness where it is: no displacement of the skin reaches it
