@@ -155,7 +155,7 @@ void draw_apart(const Character& character, const Positions& before, const Posit
       {character.triangles.data(), static_cast<std::size_t>(character.triangles.size())}, first, second};
   Renderer renderer;
   const Camera camera = frame_pose(drawn, towards_worst(drawn), float{kWidth} / kHeight);
-  write_png(triptych(renderer, drawn, scale_mm, camera, kWidth, kHeight), path);
+  write_png(comparison(renderer, drawn, scale_mm, camera, kWidth, kHeight), path);
 }
 
 // The worst pair in one pose, and in colour how far apart the shapes are in its region.

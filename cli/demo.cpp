@@ -199,9 +199,9 @@ std::size_t frame_of_largest(const SampleSet& set, const char* joint, int axis, 
 }
 
 // Two poses that show what the arm can do.
-void add_chosen_pictures(const SampleSet& set, const std::vector<Positions>& shapes, const std::string& device,
-                         ReportData& report) {
-  ReportPictures pictures(set, shapes, report.methods.back(), device);
+void add_chosen_pictures(const SampleSet& set, const std::vector<Positions>& shapes, const Basis& basis,
+                         const std::string& device, ReportData& report) {
+  ReportPictures pictures(set, shapes, report.methods.back(), basis, device);
   const std::vector<std::size_t> order = by_error(report.methods.back());
   const std::size_t worst = order.back(), median = order[order.size() / 2];
   const std::size_t highest = frame_of_largest(set, "wrist", 1, {worst, median});
@@ -232,10 +232,11 @@ void describe_simulation(const Dataset& dataset, DemoReport& report) {
 ErrorStatistics draft_errors(const SampleSet& set, const Dataset& draft) {
   std::map<int, Positions> skins;
   for (const Sample& sample : read_samples(draft).heldout) skins[sample.frame] = sample.shape.read();
-  SampleSet both = set;
-  std::erase_if(both.heldout, [&](const Sample& sample) { return !skins.contains(sample.frame); });
+  std::vector<Sample> both = set.heldout;
+  std::erase_if(both, [&](const Sample& sample) { return !skins.contains(sample.frame); });
   std::vector<Positions> shapes;
-  for (const Sample& sample : both.heldout) shapes.push_back(skins.at(sample.frame));
+  for (const Sample& sample : both) shapes.push_back(skins.at(sample.frame));
+  if (shapes.empty()) return {};
   return heldout_errors(both, shapes);
 }
 
@@ -267,7 +268,7 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
   const std::vector<Positions> shapes = welded_shapes(set, evaluated);
   const std::string pictures_on = has_pictures ? arguments.device.choice.name : "";
   ReportData report = report_of(set, training, shapes, pictures_on);
-  if (has_pictures) add_chosen_pictures(set, shapes, pictures_on, report);
+  if (has_pictures) add_chosen_pictures(set, shapes, training.result.basis, pictures_on, report);
   report.jiggle = demo_jiggle(set, training.result.basis, arguments.device.choice, pictures_on, folder);
   report.character.name = "built-in arm";
   report.device = device.device_name();

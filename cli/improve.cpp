@@ -138,10 +138,10 @@ void simulate_chosen(const Dataset& dataset, const std::vector<Shot>& shots, con
   }
 }
 
-// Of the held-out frames of the shots, all takes together.
-MethodErrors errors_on(const Basis& basis, const SampleSet& set) {
+// Of these frames of the set, all takes together.
+MethodErrors errors_on(const Basis& basis, const SampleSet& set, const std::vector<Sample>& samples) {
   double ddm = 0, full = 0, expected = 0, frames = 0;
-  for (const TakeErrors& take : test_errors(basis, set)) {
+  for (const TakeErrors& take : test_errors(basis, set, samples)) {
     const auto count = static_cast<double>(take.frames.size());
     ddm += count * take.errors.ddm * take.errors.ddm;
     full += count * take.errors.full * take.errors.full;
@@ -153,13 +153,13 @@ MethodErrors errors_on(const Basis& basis, const SampleSet& set) {
 }
 
 // Held-out frames of these shots only.
-SampleSet tested(SampleSet set, const std::vector<Shot>& shots) {
+std::vector<Sample> tested(const SampleSet& set, const std::vector<Shot>& shots) {
   std::set<std::string> names;
   for (const Shot& shot : shots) names.insert(shot.take.take_name());
-  std::erase_if(set.heldout, [&](const Sample& sample) {
-    return !names.contains(set.takes[static_cast<std::size_t>(sample.take)]);
-  });
-  return set;
+  std::vector<Sample> samples = set.heldout;
+  std::erase_if(
+      samples, [&](const Sample& sample) { return !names.contains(set.takes[static_cast<std::size_t>(sample.take)]); });
+  return samples;
 }
 
 // As the basis was trained, with what is new.
@@ -205,14 +205,15 @@ void run(const ImproveArguments& arguments) {
     left -= static_cast<int>(chosen.size());
     simulate_chosen(dataset, shots, chosen);
     const Dataset grown = read_dataset(path);
-    const SampleSet set = read_samples(grown), test = tested(set, shots);
-    const MethodErrors before = errors_on(basis, test);
+    const SampleSet set = read_samples(grown);
+    const std::vector<Sample> test = tested(set, shots), &measured = test.empty() ? set.train : test;
+    const MethodErrors before = errors_on(basis, set, measured);
     basis = train_and_measure(set, options, false, grown.unit, arguments.basis).result.basis;
     attach_own_meshes(grown.folder / grown.character, grown.unit, set.character.output_count(), basis, arguments.basis);
-    const MethodErrors after = errors_on(basis, test);
+    const MethodErrors after = errors_on(basis, set, measured);
     const double rest_before = root_mean_square(expected), rest_after = root_mean_square(expected_of(basis, shots));
     rounds.push_back({{"frames", chosen.size()},
-                      {"heldout_frames", test.heldout.size()},
+                      {"heldout_frames", test.size()},
                       {"ddm_mm", before.ddm},
                       {"before_mm", before.full},
                       {"after_mm", after.full},
@@ -221,8 +222,8 @@ void run(const ImproveArguments& arguments) {
     text += format(
         "%zu frames more: on the %zu that are held out %.3f -> %.3f mm RMS (DDM %.3f); expected of the rest "
         "%.3f -> %.3f mm\n",
-        chosen.size(), test.heldout.size(), before.full, after.full, before.ddm, rest_before, rest_after);
-    if (test.heldout.empty() || after.full <= (1 - kWorthIt) * before.full) continue;
+        chosen.size(), test.size(), before.full, after.full, before.ddm, rest_before, rest_after);
+    if (test.empty() || after.full <= (1 - kWorthIt) * before.full) continue;
     text += "more frames of these shots gain nothing\n";
     break;
   }

@@ -11,6 +11,7 @@
 #include "cli/results/attachments.h"
 #include "cli/results/measure.h"
 #include "cli/results/provenance.h"
+#include "report/report_json.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "runtime/core/strict_json.h"
@@ -53,18 +54,12 @@ void run_ddm_only(const TrainArguments& arguments) {
                                                   arguments.out.c_str(), basis.mesh.vertex_count(), per_vertex));
 }
 
-Json errors_of(const MethodReport& method) {
-  return {{"rms", method.rms}, {"p99", method.p99}, {"max", method.max}, {"jitter", method.jitter}};
-}
-
 Json ablation(const std::vector<MethodReport>& methods) {
   Json list = Json::array();
   for (const MethodReport& method : methods) {
-    list.push_back({{"method", method.name},
-                    {"errors_mm", errors_of(method)},
-                    {"bytes_per_vertex", method.bytes_per_vertex},
-                    {"coefficients", method.coefficients},
-                    {"seconds", method.seconds}});
+    Json entry = {{"method", method.name}};
+    entry.update(figures_json(method));
+    list.push_back(entry);
   }
   return list;
 }
@@ -82,9 +77,9 @@ Json result_of(const TrainArguments& arguments, const SampleSet& set, const Trai
                  {"attached", to_json(attached)},
                  {"seconds", seconds}};
   if (set.heldout.empty()) return result;
-  result["errors_mm"] = {{"lbs", errors_of(training.methods[0])},
-                         {"ddm", errors_of(training.methods[1])},
-                         {"full", errors_of(training.methods.back())}};
+  result["errors_mm"] = {{"lbs", errors_json(training.methods[0])},
+                         {"ddm", errors_json(training.methods[1])},
+                         {"full", errors_json(training.methods.back())}};
   if (arguments.ablate) result["ablation"] = ablation(training.methods);
   return result;
 }

@@ -104,15 +104,16 @@ void add_summary(const ReportData& data, Page& page) {
 
 void add_pictures(const ReportData& data, Page& page) {
   if (data.methods.empty()) return;
-  page.heading("Held-out poses: truth, result, and where they differ");
+  page.heading("Held-out poses: truth, Direct Delta Mush, result, and where it differs");
   if (data.pictures.empty()) {
     page.paragraph("There are no pictures: they need a Vulkan device, and none was found (or the CPU was asked for).");
     return;
   }
   page.paragraph(
-      "Left the true shape, in the middle the learned skin, right the learned skin coloured by its distance from the "
-      "truth: clay where they agree, dark magenta where they are as far apart as the colour bar says or more.");
-  const std::string labels[] = {"truth", "Bodyopt (result)", "distance"};
+      "From left to right: the true shape, Direct Delta Mush alone, the learned skin, and the learned skin coloured by "
+      "its distance from the truth: clay where they agree, dark magenta where they are as far apart as the colour bar "
+      "says or more.");
+  const std::string labels[] = {"truth", "Direct Delta Mush", "Bodyopt (result)", "distance"};
   for (const PictureReport& picture : data.pictures) {
     const std::string title = picture.kind == "worst"    ? "The worst: held-out frame "
                               : picture.kind == "median" ? "The median: held-out frame "

@@ -102,6 +102,24 @@ void add_muscles(const ReportData& data, Page& page) {
   }
 }
 
+void add_flexed(const ReportData& data, Page& page) {
+  if (!data.flexed) return;
+  constexpr std::size_t kNamed = 6;
+  const FlexReport& flexed = *data.flexed;
+  page.heading("What flexing does");
+  std::vector<std::string> controls;
+  for (const auto& [name, value] : flexed.controls) {
+    if (controls.size() < kNamed) controls.push_back(name + " " + number_text(value, 2));
+  }
+  const std::size_t more = flexed.controls.size() - controls.size();
+  const std::string labels[] = {"at rest", "flexed", "what flexing moves"};
+  page.picture(flexed.image, labels,
+               "The most that is flexed: frame " + std::to_string(flexed.frame) + " of take '" + flexed.take + "'",
+               "The learned skin in one pose, seen from where flexing moves it most, by " + millimetres(flexed.max_mm) +
+                   ": " + joined(controls) + (more > 0 ? " and " + plural(more, "control") + " more." : "."),
+               colour_bar(flexed.heat_scale_mm));
+}
+
 void add_unposing(const ReportData& data, Page& page) {
   page.heading("What is left to learn");
   const Bar bars[] = {

@@ -5,18 +5,22 @@
 #include <vector>
 
 #include "draw/heat_colour.h"
+#include "geometry/table_rows.h"
+#include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {
 
 void check_pair(const PosePair& pose) {
-  if (pose.truth.empty() || pose.truth.size() != pose.result.size() || pose.truth.size() % 3 != 0 ||
+  const bool skinned_alike = pose.skinning.empty() || pose.skinning.size() == pose.truth.size();
+  if (pose.truth.empty() || pose.truth.size() != pose.result.size() || !skinned_alike || pose.truth.size() % 3 != 0 ||
       pose.triangles.size() % 3 != 0) {
-    throw Error(ErrorKind::mismatch, "picture: truth and result hold " + std::to_string(pose.truth.size()) + " and " +
+    throw Error(ErrorKind::mismatch, "picture: truth, skinning and result hold " + std::to_string(pose.truth.size()) +
+                                         ", " + std::to_string(pose.skinning.size()) + " and " +
                                          std::to_string(pose.result.size()) + " numbers, the triangles " +
                                          std::to_string(pose.triangles.size()) +
-                                         " corners; expected three per vertex, the same in both, and three corners");
+                                         " corners; expected three per vertex, the same in all, and three corners");
   }
   const std::size_t vertices = pose.truth.size() / 3;
   if (std::any_of(pose.triangles.begin(), pose.triangles.end(), [&](std::uint32_t v) { return v >= vertices; })) {
@@ -43,30 +47,12 @@ std::vector<float> heat_map(const PosePair& pose, double scale_mm) {
 }
 
 std::vector<float> smooth_normals(std::span<const std::uint32_t> triangles, std::span<const float> positions) {
-  std::vector<double> sums(positions.size(), 0.0);
-  for (std::size_t t = 0; t < triangles.size(); t += 3) {
-    const std::size_t a = 3 * std::size_t{triangles[t]};
-    double edge[2][3];
-    for (std::size_t e = 0; e < 2; ++e) {
-      const std::size_t b = 3 * std::size_t{triangles[t + 1 + e]};
-      for (std::size_t i = 0; i < 3; ++i) {
-        edge[e][i] = static_cast<double>(positions[b + i]) - static_cast<double>(positions[a + i]);
-      }
-    }
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-      const double area = edge[0][j] * edge[1][k] - edge[0][k] * edge[1][j];
-      for (std::size_t corner = 0; corner < 3; ++corner) sums[3 * std::size_t{triangles[t + corner]} + i] += area;
-    }
-  }
-  std::vector<float> normals(sums.size());
-  for (std::size_t v = 0; v < sums.size(); v += 3) {
-    const double length = std::hypot(sums[v], sums[v + 1], sums[v + 2]);
-    for (std::size_t i = 0; i < 3; ++i) {
-      normals[v + i] = length > 0 ? static_cast<float>(sums[v + i] / length) : 0.0f;
-    }
-  }
-  return normals;
+  using Points = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+  const Eigen::Map<const Points> points(positions.data(), static_cast<Eigen::Index>(positions.size() / 3), 3);
+  const Eigen::Map<const Triangles> corners(triangles.data(), static_cast<Eigen::Index>(triangles.size() / 3), 3);
+  Positions normals = vertex_normals(points.cast<double>(), corners);
+  for (auto normal : normals.rowwise()) normal.normalize();  // zero stays zero
+  return floats_of(normals);
 }
 
 Image side_by_side(std::span<const Image> panels) {
@@ -83,21 +69,21 @@ Image side_by_side(std::span<const Image> panels) {
   return whole;
 }
 
-Image triptych(Renderer& renderer, const PosePair& pose, double scale_mm, const Camera& camera,
-               std::uint32_t panel_width, std::uint32_t panel_height) {
+Image comparison(Renderer& renderer, const PosePair& pose, double scale_mm, const Camera& camera,
+                 std::uint32_t panel_width, std::uint32_t panel_height) {
   check_pair(pose);
   if (!(scale_mm > 0)) throw Error(ErrorKind::usage, "picture: the scale of the heat map must be above 0 mm");
-  const std::vector<float> truth_normals = smooth_normals(pose.triangles, pose.truth);
-  const std::vector<float> result_normals = smooth_normals(pose.triangles, pose.result);
-  const std::vector<float> colours = heat_map(pose, scale_mm);
-  const DrawMesh panels[3] = {{pose.truth, truth_normals, pose.triangles, {}},
-                              {pose.result, result_normals, pose.triangles, {}},
-                              {pose.result, result_normals, pose.triangles, colours}};
-  std::vector<Image> drawn;
-  for (const DrawMesh& panel : panels) {
-    drawn.push_back(renderer.draw(std::span(&panel, 1), camera, panel_width, panel_height));
-  }
-  return side_by_side(drawn);
+  std::vector<Image> panels;
+  const auto draw = [&](std::span<const float> skin, std::span<const float> colours) {
+    const std::vector<float> normals = smooth_normals(pose.triangles, skin);
+    const DrawMesh mesh{skin, normals, pose.triangles, colours};
+    panels.push_back(renderer.draw(std::span(&mesh, 1), camera, panel_width, panel_height));
+  };
+  draw(pose.truth, {});
+  if (!pose.skinning.empty()) draw(pose.skinning, {});
+  draw(pose.result, {});
+  draw(pose.result, heat_map(pose, scale_mm));
+  return side_by_side(panels);
 }
 
 Image heat_on_skin(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,

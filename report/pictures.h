@@ -10,20 +10,22 @@
 
 namespace bodyopt {
 
-// One pose, twice. Pass welded vertices: normals are made from the triangles, and a seam would show as an edge.
+// One pose, twice, or a third time by skinning that learns nothing. Pass welded vertices: normals are made from the
+// triangles, and a seam would show as an edge.
 struct PosePair {
   std::span<const std::uint32_t> triangles;  // T x 3
   std::span<const float> truth, result;      // V x 3, metres, posed
+  std::span<const float> skinning = {};      // as many; empty: not to be shown
 };
 
 // V x 3, linear RGB: how far the result is from the truth, heat_colour() from 0 to scale_mm (> 0).
 std::vector<float> heat_map(const PosePair& pose, double scale_mm);
 
-// Three pictures side by side, 3 panel_width x panel_height: truth in clay, result in clay, and the result coloured by
-// its distance from the truth, heat_colour() from 0 to scale_mm (> 0). Throws Error(mismatch) when the arrays do not
-// fit, and what Renderer::draw throws.
-Image triptych(Renderer& renderer, const PosePair& pose, double scale_mm, const Camera& camera,
-               std::uint32_t panel_width, std::uint32_t panel_height);
+// Pictures side by side, each panel_width x panel_height: truth, skinning where it is given, and result in clay, and
+// the result coloured by its distance from the truth, heat_colour() from 0 to scale_mm (> 0). Throws Error(mismatch)
+// when the arrays do not fit, and what Renderer::draw throws.
+Image comparison(Renderer& renderer, const PosePair& pose, double scale_mm, const Camera& camera,
+                 std::uint32_t panel_width, std::uint32_t panel_height);
 
 // The skin (V x 3, T x 3) from the front (+z) and from behind, side by side, 2 panel_width x panel_height: coloured by
 // heat_colour() of a number from 0 to 1 per vertex (larger ones as 1). Throws what Renderer::draw throws.

@@ -32,7 +32,7 @@ struct PictureReport {
   double rms_mm = 0, max_mm = 0;
   double heat_scale_mm = 1;  // error of the hottest colour
   std::string caption;       // a phrase on the pose, without a full stop; may be empty
-  Image image;               // a triptych
+  Image image;               // truth, Direct Delta Mush, result, distance
 };
 
 // The mean error of every vertex over the held-out frames, painted on the rest skin from the front and from behind.
@@ -40,6 +40,16 @@ struct MeanErrorReport {
   double heat_scale_mm = 1;
   double largest_mm = 0;
   Image image;
+};
+
+// What flexing does to the skin: a frame of a take with controls, by what was learned, at rest and flexed.
+struct FlexReport {
+  std::string take;
+  int frame = 0;
+  std::vector<std::pair<std::string, double>> controls;  // those above 0, falling
+  double max_mm = 0;                                     // that flexing moves the skin by
+  double heat_scale_mm = 1;
+  Image image;  // at rest, flexed, and how far flexing moves the skin
 };
 
 struct RegionReport {
@@ -169,6 +179,7 @@ struct ReportData {
   double train_seconds = 0, peak_memory_mib = 0;
   std::vector<PictureReport> pictures;  // in the order in which they are shown; none without a Vulkan device
   std::optional<MeanErrorReport> mean_error;
+  std::optional<FlexReport> flexed;  // none where no control was learned
   ProvenanceReport provenance;
   std::optional<JiggleReport> jiggle;
   std::optional<DemoReport> demo;

@@ -11,14 +11,11 @@ Json optional_number(const std::optional<double>& value) { return value ? Json(*
 Json methods(const ReportData& data) {
   Json list = Json::array();
   for (const MethodReport& method : data.methods) {
-    list.push_back(
-        {{"name", method.name},
-         {"errors_mm", {{"rms", method.rms}, {"p99", method.p99}, {"max", method.max}, {"jitter", method.jitter}}},
-         {"bytes_per_vertex", method.bytes_per_vertex},
-         {"coefficients", method.coefficients},
-         {"seconds", method.seconds},
-         {"frame_rms_mm", method.frame_rms},
-         {"frame_max_mm", method.frame_max}});
+    Json entry = {{"name", method.name}};
+    entry.update(figures_json(method));
+    entry["frame_rms_mm"] = method.frame_rms;
+    entry["frame_max_mm"] = method.frame_max;
+    list.push_back(entry);
   }
   return list;
 }
@@ -111,6 +108,14 @@ Json pairs(const auto& entries) {
   return json;
 }
 
+Json flexed(const FlexReport& flexed) {
+  return {{"take", flexed.take},
+          {"frame", flexed.frame},
+          {"controls", pairs(flexed.controls)},
+          {"max_mm", flexed.max_mm},
+          {"heat_scale_mm", flexed.heat_scale_mm}};
+}
+
 Json provenance(const ProvenanceReport& provenance) {
   Json files = Json::array(), takes = Json::array();
   for (const auto& file : provenance.files) {
@@ -166,6 +171,17 @@ void add_demo(const DemoReport& demo, Json& json) {
 
 }  // namespace
 
+Json errors_json(const MethodReport& method) {
+  return {{"rms", method.rms}, {"p99", method.p99}, {"max", method.max}, {"jitter", method.jitter}};
+}
+
+Json figures_json(const MethodReport& method) {
+  return {{"errors_mm", errors_json(method)},
+          {"bytes_per_vertex", method.bytes_per_vertex},
+          {"coefficients", method.coefficients},
+          {"seconds", method.seconds}};
+}
+
 Json report_json(const ReportData& data) {
   Json json;
   json["character"] = {{"name", data.character.name},
@@ -196,6 +212,7 @@ Json report_json(const ReportData& data) {
     json["mean_error"] = {{"largest_mm", data.mean_error->largest_mm},
                           {"heat_scale_mm", data.mean_error->heat_scale_mm}};
   }
+  if (data.flexed) json["flexed"] = flexed(*data.flexed);
   if (data.jiggle) json["jiggle"] = jiggle(*data.jiggle);
   json["provenance"] = provenance(data.provenance);
   if (data.demo) add_demo(*data.demo, json);

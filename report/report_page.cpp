@@ -26,6 +26,7 @@ std::string report_page(const ReportData& data) {
   add_jiggle(data, page);
   add_regions(data, page);
   add_muscles(data, page);
+  add_flexed(data, page);
   add_coverage(data, page);
   add_trade_off(data, page);
   add_unposing(data, page);

@@ -16,6 +16,7 @@ void add_takes(const ReportData& data, Page& page);
 // learning_sections.cpp
 void add_regions(const ReportData& data, Page& page);
 void add_muscles(const ReportData& data, Page& page);
+void add_flexed(const ReportData& data, Page& page);
 void add_unposing(const ReportData& data, Page& page);
 void add_trade_off(const ReportData& data, Page& page);
 // coverage_section.cpp

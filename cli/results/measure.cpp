@@ -185,9 +185,10 @@ ReportData report_of(const SampleSet& set, const Training& training, const std::
     const std::vector<RegionWeights>& regions = training.result.regions;
     add_heldout_errors(regions, errors, report);
     if (!pictures_on.empty()) {
-      ReportPictures pictures(set, shapes, training.methods.back(), pictures_on);
+      ReportPictures pictures(set, shapes, training.methods.back(), training.result.basis, pictures_on);
       report.pictures = pictures.worst_and_median();
       report.mean_error = pictures.mean_error(errors);
+      report.flexed = pictures.flexed();
       report.region_picture = pictures.regions(regions);
     }
   }

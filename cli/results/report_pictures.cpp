@@ -1,6 +1,7 @@
 #include "cli/results/report_pictures.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -14,11 +15,47 @@ namespace {
 
 constexpr std::uint32_t kSkinWidth = 780, kSkinHeight = 900;  // of a panel
 
+// Welded. `controls`: in place of the pose's own.
+Positions skin_of(const Character& character, Deformer& deformer, Pose pose, const std::vector<float>& controls) {
+  pose.controls = controls;
+  return welded_from_output(character, deformer.evaluate({&pose, 1}).positions.data());
+}
+
+float flexing(const Sample& sample) {
+  return std::accumulate(sample.pose.controls.begin(), sample.pose.controls.end(), 0.0f);
+}
+
+// The frame, trained on or not, of which most is flexed; null where nothing ever is.
+const Sample* most_flexed(const SampleSet& set) {
+  const Sample* most = nullptr;
+  for (const std::vector<Sample>* samples : {&set.train, &set.heldout}) {
+    for (const Sample& sample : *samples) {
+      if (flexing(sample) > (most == nullptr ? 0 : flexing(*most))) most = &sample;
+    }
+  }
+  return most;
+}
+
+// Those above 0, falling.
+std::vector<std::pair<std::string, double>> flexed_controls(const SampleSet& set, const Sample& sample) {
+  std::vector<std::pair<std::string, double>> flexed;
+  for (std::size_t c = 0; c < sample.pose.controls.size(); ++c) {
+    if (sample.pose.controls[c] > 0) flexed.emplace_back(set.controls[c], sample.pose.controls[c]);
+  }
+  std::stable_sort(flexed.begin(), flexed.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  return flexed;
+}
+
 }  // namespace
 
 ReportPictures::ReportPictures(const SampleSet& set, const std::vector<Positions>& shapes, const MethodReport& method,
-                               const std::string& device)
-    : set_(set), shapes_(shapes), method_(method), renderer_(device) {
+                               const Basis& basis, const std::string& device)
+    : set_(set),
+      shapes_(shapes),
+      method_(method),
+      basis_(basis),
+      skinning_(without_residual(basis), {.name = "cpu"}),
+      renderer_(device) {
   const auto* data = set.character.triangles.data();
   triangles_.assign(data, data + set.character.triangles.size());
 }
@@ -29,7 +66,8 @@ double ReportPictures::heat_scale_mm() const { return std::max(0.5, std::ceil(4 
 PictureReport ReportPictures::frame(const std::string& kind, std::size_t sample, const std::string& caption) {
   constexpr std::uint32_t kWidth = 520, kHeight = 600;
   const std::vector<float> truth = floats_of(set_.heldout[sample].shape.read()), result = floats_of(shapes_[sample]);
-  const PosePair pose{triangles_, truth, result};
+  const std::vector<float> skinning = floats_of(skin_of(set_.character, skinning_, set_.heldout[sample].pose, {}));
+  const PosePair pose{triangles_, truth, result, skinning};
   PictureReport picture;
   picture.kind = kind;
   picture.take = set_.takes[static_cast<std::size_t>(set_.heldout[sample].take)];
@@ -39,7 +77,7 @@ PictureReport ReportPictures::frame(const std::string& kind, std::size_t sample,
   picture.heat_scale_mm = heat_scale_mm();
   picture.caption = caption;
   const Camera camera = frame_pose(pose, {-0.75f, 0.2f, 1.0f}, static_cast<float>(kWidth) / kHeight);
-  picture.image = triptych(renderer_, pose, picture.heat_scale_mm, camera, kWidth, kHeight);
+  picture.image = comparison(renderer_, pose, picture.heat_scale_mm, camera, kWidth, kHeight);
   return picture;
 }
 
@@ -57,6 +95,29 @@ MeanErrorReport ReportPictures::mean_error(const VertexErrors& errors) {
   std::vector<double> scaled;
   for (const double mm : errors.mean) scaled.push_back(mm / report.heat_scale_mm);
   report.image = heat_on_skin(renderer_, skin, triangles_, scaled, kSkinWidth, kSkinHeight);
+  return report;
+}
+
+std::optional<FlexReport> ReportPictures::flexed() {
+  constexpr std::uint32_t kWidth = 520, kHeight = 600;
+  const Sample* sample = most_flexed(set_);
+  if (sample == nullptr || basis_.residual.controls.empty()) return {};
+  Deformer full(basis_, {.name = "cpu"});
+  const std::vector<float> none(sample->pose.controls.size(), 0.0f);
+  const Positions relaxed = skin_of(set_.character, full, sample->pose, none);
+  const Positions tense = skin_of(set_.character, full, sample->pose, sample->pose.controls);
+  FlexReport report;
+  report.take = set_.takes[static_cast<std::size_t>(sample->take)];
+  report.frame = sample->frame;
+  report.controls = flexed_controls(set_, *sample);
+  report.max_mm = 1000 * (tense - relaxed).rowwise().norm().maxCoeff();
+  report.heat_scale_mm = heat_scale(report.max_mm);
+  const std::vector<float> before = floats_of(relaxed), after = floats_of(tense);
+  const PosePair pose{triangles_, before, after};
+  std::array<float, 3> direction = towards_worst(pose);
+  direction[1] = std::clamp(direction[1], -0.2f, 0.4f);  // nobody looks at a character from below
+  const Camera camera = frame_pose(pose, direction, static_cast<float>(kWidth) / kHeight);
+  report.image = comparison(renderer_, pose, report.heat_scale_mm, camera, kWidth, kHeight);
   return report;
 }
 

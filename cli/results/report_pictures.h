@@ -1,6 +1,7 @@
 // Pictures of held-out frames for a report.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,14 +12,17 @@ namespace bodyopt::cli {
 
 class ReportPictures {
  public:
-  // `shapes` of the held-out frames, one at least, and their errors. All must outlive this. Throws Error(device).
+  // `shapes` of the held-out frames, one at least, by the basis, and their errors. All must outlive this. Throws
+  // Error(device).
   ReportPictures(const SampleSet& set, const std::vector<Positions>& shapes, const MethodReport& method,
-                 const std::string& device);
+                 const Basis& basis, const std::string& device);
 
-  // A held-out frame: truth, result, distance. `kind`, `caption`: as PictureReport.
+  // A held-out frame: truth, Direct Delta Mush, result, distance. `kind`, `caption`: as PictureReport.
   PictureReport frame(const std::string& kind, std::size_t sample, const std::string& caption);
   std::vector<PictureReport> worst_and_median();
   MeanErrorReport mean_error(const VertexErrors& errors);
+  // None where no frame is flexed, or the basis has learned nothing of it.
+  std::optional<FlexReport> flexed();
   // Their numbers count from 1.
   Image regions(const std::vector<RegionWeights>& regions);
 
@@ -28,6 +32,8 @@ class ReportPictures {
   const SampleSet& set_;
   const std::vector<Positions>& shapes_;
   const MethodReport& method_;
+  const Basis& basis_;
+  Deformer skinning_;  // Direct Delta Mush alone
   Renderer renderer_;
   std::vector<std::uint32_t> triangles_;
 };

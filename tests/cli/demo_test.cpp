@@ -145,6 +145,10 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
     EXPECT_LE(method(report, linear)["bytes_per_vertex"], method(report, full)["bytes_per_vertex"]) << linear;
     EXPECT_NE(demo.output.find(linear), std::string::npos) << demo.output;
   }
+  EXPECT_EQ(report["flexed"]["take"], "flexed");
+  EXPECT_EQ(report["flexed"]["controls"].size(), 1u) << report["flexed"];  // the groups flex in turns
+  EXPECT_GT(report["flexed"]["max_mm"], 1);
+  EXPECT_LT(report["flexed"]["max_mm"], 50);  // twice what it is
   EXPECT_EQ(report["trade_off"][0]["coefficients"], 0);
   EXPECT_GT(report["trade_off"].size(), 10u);
 

@@ -252,7 +252,7 @@ TEST_F(RendererTest, RefusesWhatItCannotDraw) {
   EXPECT_EQ(kind_of([] { Renderer unknown("no such device"); }), ErrorKind::device);
 }
 
-TEST_F(RendererTest, TriptychShowsTruthResultAndDistance) {
+TEST_F(RendererTest, ComparisonShowsTruthResultAndDistance) {
   const Sphere sphere(0.8f);
   std::vector<float> moved = sphere.positions;
   for (std::size_t v = 0; v < moved.size(); v += 3) {
@@ -260,7 +260,7 @@ TEST_F(RendererTest, TriptychShowsTruthResultAndDistance) {
   }
   const PosePair pose{sphere.triangles, sphere.positions, moved};
   const Camera camera = frame_pose(pose, kFront, 1);
-  const Image image = triptych(*renderer_, pose, 10, camera, 64, 64);
+  const Image image = comparison(*renderer_, pose, 10, camera, 64, 64);
   ASSERT_EQ(image.width, 192u);
   ASSERT_EQ(image.height, 64u);
   const DrawMesh truth = sphere.mesh();
@@ -275,9 +275,27 @@ TEST_F(RendererTest, TriptychShowsTruthResultAndDistance) {
   const auto same = pixel(image, 128 + 32 - 12, 32), hot = pixel(image, 128 + 32 + 12, 32);
   EXPECT_LT(std::abs(same[0] - same[2]), 50);
   EXPECT_GT(hot[0], hot[1] + 60);
-  EXPECT_EQ(kind_of([&] { triptych(*renderer_, pose, 0, camera, 8, 8); }), ErrorKind::usage);
+  EXPECT_EQ(kind_of([&] { comparison(*renderer_, pose, 0, camera, 8, 8); }), ErrorKind::usage);
   const PosePair unlike{sphere.triangles, sphere.positions, std::span(moved).first(3)};
-  EXPECT_EQ(kind_of([&] { triptych(*renderer_, unlike, 1, camera, 8, 8); }), ErrorKind::mismatch);
+  EXPECT_EQ(kind_of([&] { comparison(*renderer_, unlike, 1, camera, 8, 8); }), ErrorKind::mismatch);
+}
+
+TEST_F(RendererTest, ComparisonShowsSkinningBetweenTruthAndResult) {
+  const Sphere sphere(0.8f), thin(0.4f);
+  PosePair pose{sphere.triangles, sphere.positions, sphere.positions, thin.positions};
+  const Camera camera = frame_pose(pose, kFront, 1);
+  const Image image = comparison(*renderer_, pose, 10, camera, 64, 64);
+  ASSERT_EQ(image.width, 256u);
+  const auto rows_covered = [&](std::uint32_t panel) {
+    int rows = 0;
+    for (std::uint32_t y = 0; y < 64; ++y) rows += covered(image, 64 * panel + 32, y) ? 1 : 0;
+    return rows;
+  };
+  EXPECT_NEAR(rows_covered(1), 0.5 * rows_covered(0), 3);
+  EXPECT_EQ(rows_covered(2), rows_covered(0));
+  EXPECT_EQ(rows_covered(3), rows_covered(0));
+  pose.skinning = std::span(thin.positions).first(3);
+  EXPECT_EQ(kind_of([&] { comparison(*renderer_, pose, 10, camera, 8, 8); }), ErrorKind::mismatch);
 }
 
 // A dent at the back is not to be seen from the front: the camera goes to its side.
@@ -293,7 +311,7 @@ TEST_F(RendererTest, ThePictureIsOfTheSideWhereTheShapesAreFurthestApart) {
   const std::array<float, 3> direction = towards_worst(pose);
   EXPECT_LT(direction[2], -0.95f);
   const auto hottest = [&](const std::array<float, 3>& from) {
-    const Image image = triptych(*renderer_, pose, 100, frame_pose(pose, from, 1), 64, 64);
+    const Image image = comparison(*renderer_, pose, 100, frame_pose(pose, from, 1), 64, 64);
     int most = -255;
     for (std::uint32_t y = 0; y < 64; ++y) {
       for (std::uint32_t x = 128; x < 192; ++x) most = std::max(most, pixel(image, x, y)[0] - pixel(image, x, y)[2]);

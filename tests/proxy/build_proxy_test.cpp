@@ -59,7 +59,7 @@ TEST(BuildProxy, LevelsAreSmallerAndNearTheFullSkin) {
   EXPECT_LT(total_bytes(coarse.basis), total_bytes(fine.basis));
   // Without anything learned the full skin is 3 mm off.
   Deformer bare(build_ddm_basis(samples().character, {}), {.name = "cpu"});
-  const double ddm = heldout_errors(samples(), heldout_by_basis(samples(), bare)).rms;
+  const double ddm = heldout_errors(samples().heldout, heldout_by_basis(samples(), bare)).rms;
   EXPECT_LT(carried_error(fine, "cpu"), 0.3 * ddm);
   EXPECT_LT(carried_error(coarse, "cpu"), 0.6 * ddm);
   EXPECT_LT(carried_error(fine, "cpu"), carried_error(coarse, "cpu"));

@@ -37,7 +37,7 @@ const TrainingResult& clean_result() {
 
 double heldout_rms(const SampleSet& set, const Basis& basis) {
   Deformer deformer(basis, {.name = "cpu"});
-  return heldout_errors(set, heldout_by_basis(set, deformer)).rms;
+  return heldout_errors(set.heldout, heldout_by_basis(set, deformer)).rms;
 }
 
 // What the shapes do is known exactly: displacements of every frame, in runtime order.

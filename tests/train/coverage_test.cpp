@@ -34,7 +34,7 @@ std::vector<Pose> heldout_poses() {
 
 TEST(Coverage, ExpectsAboutTheErrorThatIsMeasured) {
   Deformer deformer(basis(), {.name = "cpu"});
-  const double measured = heldout_errors(samples(), heldout_by_basis(samples(), deformer)).rms;
+  const double measured = heldout_errors(samples().heldout, heldout_by_basis(samples(), deformer)).rms;
   double sum = 0;
   for (const ExpectedError& error : expected_errors(basis(), heldout_poses())) {
     sum += error.rms_mm * error.rms_mm;
@@ -162,7 +162,7 @@ TEST(Coverage, TrueErrorsOfRegionsAreThoseOfTheirVertices) {
     skin.vertices.push_back(static_cast<std::uint32_t>(v));
     skin.weights.push_back(1);
   }
-  EXPECT_NEAR(region_rms(errors, skin), heldout_errors(samples(), shapes).rms, 1e-5);
+  EXPECT_NEAR(region_rms(errors, skin), heldout_errors(samples().heldout, shapes).rms, 1e-5);
 }
 
 TEST(Coverage, ABasisThatDoesNotKnowItsErrorIsRefused) {

@@ -56,7 +56,7 @@ const Basis& from_the_start() {
 
 double heldout_rms(const Basis& basis) {
   Deformer deformer(basis, {.name = "cpu"});
-  return heldout_errors(samples(), heldout_by_basis(samples(), deformer)).rms;
+  return heldout_errors(samples().heldout, heldout_by_basis(samples(), deformer)).rms;
 }
 
 // What no pose tells, so that what is left of the motion does not depend on single frames.

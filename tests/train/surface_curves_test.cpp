@@ -106,7 +106,7 @@ TEST(SurfaceCurves, TellWhatMusclesWouldHave) {
   const auto rms = [&](int count) {
     Deformer deformer(trained_basis(set, {.components = 8, .method = {.kernels = false}, .surface_curves = count}),
                       {.name = "cpu"});
-    return heldout_errors(set, heldout_by_basis(set, deformer)).rms;
+    return heldout_errors(set.heldout, heldout_by_basis(set, deformer)).rms;
   };
   const double before = rms(0), after = rms(6);
   RecordProperty("mm", std::to_string(before) + " without, " + std::to_string(after) + " with");
@@ -121,7 +121,7 @@ TEST(SurfaceCurves, StrainsTellMoreThanJoints) {
   const auto rms = [&](bool strains) {
     Deformer deformer(trained_basis(set, {.components = 8, .centres = 40, .method = {.strains = strains}}),
                       {.name = "cpu"});
-    return heldout_errors(set, heldout_by_basis(set, deformer)).rms;
+    return heldout_errors(set.heldout, heldout_by_basis(set, deformer)).rms;
   };
   const double joints = rms(false), strains = rms(true);
   RecordProperty("mm", std::to_string(joints) + " joints, " + std::to_string(strains) + " strains");

@@ -38,7 +38,7 @@ double expected_mm(const Basis& basis) {
 
 double heldout_rms(const Basis& basis) {
   Deformer deformer(basis, {.name = "cpu"});
-  return heldout_errors(samples(), heldout_by_basis(samples(), deformer)).rms;
+  return heldout_errors(samples().heldout, heldout_by_basis(samples(), deformer)).rms;
 }
 
 std::string refusal(double budget) {

@@ -63,7 +63,7 @@ std::vector<Positions> heldout_by_corrected_lbs(const SampleSet& set, const Basi
 
 AblationRow row_of(const std::string& name, const SampleSet& set, const Basis& basis, double seconds) {
   Deformer deformer(basis, {.name = "cpu"});
-  return {name, heldout_errors(set, heldout_by_basis(set, deformer)), bytes_per_vertex(basis),
+  return {name, heldout_errors(set.heldout, heldout_by_basis(set, deformer)), bytes_per_vertex(basis),
           basis.residual.coefficient_count(), seconds};
 }
 
@@ -81,7 +81,7 @@ AblationRow row_of(const NamedMethod& named, const SampleSet& set, TrainOptions 
   if (named.method.unposing == Unposing::ddm) return row_of(named.name, set, basis, seconds);
   const auto tables = table_bytes(basis);
   const auto learned = static_cast<double>(tables.at("strain") + tables.at("residual"));
-  return {named.name, heldout_errors(set, heldout_by_corrected_lbs(set, basis)),
+  return {named.name, heldout_errors(set.heldout, heldout_by_corrected_lbs(set, basis)),
           lbs_bytes_per_vertex(set.character) + learned / basis.mesh.vertex_count(), basis.residual.coefficient_count(),
           seconds};
 }
@@ -89,7 +89,7 @@ AblationRow row_of(const NamedMethod& named, const SampleSet& set, TrainOptions 
 }  // namespace
 
 std::vector<AblationRow> compare_with_skinning(const SampleSet& set, const Basis& full, double seconds) {
-  return {{"LBS", heldout_errors(set, heldout_by_lbs(set)), lbs_bytes_per_vertex(set.character), 0, 0},
+  return {{"LBS", heldout_errors(set.heldout, heldout_by_lbs(set)), lbs_bytes_per_vertex(set.character), 0, 0},
           row_of("DDM", set, without_residual(full), 0),
           row_of("full: DDM + strains, kernels, dynamic", set, full, seconds)};
 }

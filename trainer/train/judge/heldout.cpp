@@ -59,11 +59,11 @@ std::vector<int> sample_numbers(const std::vector<Sample>& samples) {
 
 }  // namespace
 
-ErrorStatistics heldout_errors(const SampleSet& set, const std::vector<Positions>& shapes) {
-  ErrorAccumulator accumulator(static_cast<std::uint32_t>(set.character.vertices.rows()));
-  const std::vector<int> numbers = sample_numbers(set.heldout);
+ErrorStatistics heldout_errors(const std::vector<Sample>& heldout, const std::vector<Positions>& shapes) {
+  ErrorAccumulator accumulator(static_cast<std::uint32_t>(shapes.front().rows()));
+  const std::vector<int> numbers = sample_numbers(heldout);
   for (std::size_t k = 0; k < shapes.size(); ++k) {
-    accumulator.add(numbers[k], floats_of(shapes[k]), floats_of(set.heldout[k].shape.read()));
+    accumulator.add(numbers[k], floats_of(shapes[k]), floats_of(heldout[k].shape.read()));
   }
   return accumulator.finish();
 }

@@ -136,9 +136,12 @@ class TakeSums {
 }  // namespace
 
 std::vector<TakeErrors> test_errors(const Basis& basis, const SampleSet& set) {
+  return test_errors(basis, set, set.heldout.empty() ? set.train : set.heldout);
+}
+
+std::vector<TakeErrors> test_errors(const Basis& basis, const SampleSet& set, const std::vector<Sample>& samples) {
   const Character ordered = in_order(set.character, morton_order(set.character.vertices));
   require_same_character(make_mesh_table(ordered), ordered.skeleton, basis);
-  const std::vector<Sample>& samples = set.heldout.empty() ? set.train : set.heldout;
   const Eigen::SparseMatrix<double> skin = skin_of_joints(set.character);
   Tester tester(basis, set);
   std::vector<TakeSums> sums(set.takes.size(), TakeSums(skin));

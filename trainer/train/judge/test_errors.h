@@ -40,6 +40,8 @@ struct TakeErrors {
 // Of every take that has frames held out those frames; of sets without any held out all of them. Shows progress.
 // Throws Error(mismatch) where the basis is of another character.
 std::vector<TakeErrors> test_errors(const Basis& basis, const SampleSet& set);
+// The same of these frames of the set.
+std::vector<TakeErrors> test_errors(const Basis& basis, const SampleSet& set, const std::vector<Sample>& samples);
 
 // Parts on which what was learned does worse than Direct Delta Mush by more than this share of it.
 std::vector<PartErrors> harmed_parts(const TakeErrors& take, double share);
