@@ -249,7 +249,7 @@ TEST(MappingFile, HostileBytesAreRefusedAndWhatIsWrongNamed) {
 // The shipped mappings: every muscle of the models on the shared human, under its skin, on the right side.
 TEST(HumanMappings, GiveTheHumanItsMuscles) {
   const auto human = shared_data("characters/human_muscular.glb");
-  if (!human) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!human) GTEST_SKIP() << kNeedsRealBodies;
   const Character character = read_character(*human);
   const SkinDepth depth(character.vertices, character.triangles);
   const std::string rigs = kSourceFolder + "/rigs/human/";

@@ -62,7 +62,7 @@ Differences against_reference(const Model& model, const std::filesystem::path& c
 void expect_lengths(const char* file, const char* csv, std::size_t muscles, int unwrapped) {
   const auto path = shared_data(file);
   const auto reference = shared_data(csv);
-  if (!path || !reference) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!path || !reference) GTEST_SKIP() << kNeedsReferences;
   const Model model = read_model(*path);
   ASSERT_EQ(model.muscles.size(), muscles);
   const Differences differences = against_reference(model, *reference);
@@ -94,7 +94,7 @@ TEST(MujocoReference, LegTendonLengths) {
 TEST(OpenSimReference, ElbowAgreesWithItsMujocoTwin) {
   const auto path = shared_data("muscles/opensim/arm26.osim");
   const auto reference = shared_data("muscles/mujoco_reference/myoelbow_2dof6muscles.csv");
-  if (!path || !reference) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!path || !reference) GTEST_SKIP() << kNeedsReferences;
   const Model model = read_model(*path);
   ASSERT_EQ(model.muscles.size(), 6u);
   const auto rows = read_csv(*reference);

@@ -304,7 +304,7 @@ TEST(Bvh, OtherRestPosesAreAligned) {
 TEST(Bvh, RealMotionMovesTheRealHuman) {
   const auto human = shared_data("characters/human_muscular.glb");
   const auto matching = shared_data("motion/01_01.bvh"), other = shared_data("motion/131_01.bvh");
-  if (!human || !matching || !other) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!human || !matching || !other) GTEST_SKIP() << kNeedsRealMotion;
   const Skeleton skeleton = read_character(*human).skeleton;
   const Clip clip = read_clip(matching->string(), skeleton, {.fps = 30});
   EXPECT_EQ(clip.poses.size(), 688u);
@@ -343,7 +343,7 @@ TEST(Bvh, RealMotionMovesTheRealHuman) {
 // Other names, and arms that hang at rest: the whole body moves.
 TEST(Bvh, RealMotionOfOtherNamesMovesTheRealHuman) {
   const auto human = shared_data("characters/human_muscular.glb"), motion = shared_data("motion/131_01.bvh");
-  if (!human || !motion) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!human || !motion) GTEST_SKIP() << kNeedsRealMotion;
   const Skeleton skeleton = read_character(*human).skeleton;
   const Clip clip = read_clip(motion->string(), skeleton, {.fps = 30});
   EXPECT_TRUE(mentions(clip.notes, "'LeftCollar' moves 'LeftShoulder', 'LeftShoulder' moves 'LeftArm'"));

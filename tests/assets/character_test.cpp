@@ -308,7 +308,7 @@ void PrintTo(const RealCharacter& character, std::ostream* out) { *out << charac
 
 TEST_P(RealCharacters, ReadAndRoundTrip) {
   const auto path = shared_data(std::string("characters/") + GetParam().file);
-  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!path) GTEST_SKIP() << kNeedsOtherWriters;
   const Character c = read_character(*path, GetParam().unit);
   expect_valid(c);
   EXPECT_LT(bind_error(c.skeleton), 1e-5);

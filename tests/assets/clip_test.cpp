@@ -377,7 +377,7 @@ Positions skinned(const Character& c, const Pose& pose) {
 
 TEST(Clip, RealHumanStandsInItsOwnClip) {
   const auto path = shared_data("characters/human_muscular.glb");
-  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!path) GTEST_SKIP() << kNeedsOtherWriters;
   const Character c = read_character(*path);
   const Clip clip = read_clip(path->string() + "#cmu_01_01", c.skeleton, {.fps = 30});
   EXPECT_EQ(clip.poses.size(), 688u);
@@ -402,7 +402,7 @@ TEST(Clip, RealClipsReadAndRoundTrip) {
                                  "quaternius_man.glb#Run", "human_163_joints.glb#tpose", "simple_skin.gltf"}) {
     SCOPED_TRACE(name);
     const auto path = shared_data("characters/" + name.substr(0, name.find('#')));
-    if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
+    if (!path) GTEST_SKIP() << kNeedsOtherWriters;
     const Character c = read_character(*path);
     const Clip clip = read_clip((path->parent_path() / name).string(), c.skeleton, {});
     ASSERT_GT(clip.poses.size(), 1u);
@@ -424,7 +424,7 @@ TEST(Clip, RealClipsReadAndRoundTrip) {
 // cesium_man rests Z up; its nodes turn it to glTF's Y up.
 TEST(Clip, RealCesiumManWalksUpright) {
   const auto path = shared_data("characters/cesium_man.glb");
-  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!path) GTEST_SKIP() << kNeedsOtherWriters;
   const Character c = read_character(*path);
   const Clip clip = read_clip(path->string(), c.skeleton, {});
   const Positions posed = skinned(c, clip.poses[10]);

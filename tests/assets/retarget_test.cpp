@@ -447,7 +447,7 @@ TEST(Retarget, HowACharacterFacesAtBindIsNoMatterOfTheMotion) {
 TEST(Retarget, RealClipsMoveOtherRealCharacters) {
   const auto human = shared_data("characters/human_muscular.glb"), heavy = shared_data("characters/human_heavy.glb"),
              man = shared_data("characters/quaternius_man.glb");
-  if (!human || !heavy || !man) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!human || !heavy || !man) GTEST_SKIP() << kNeedsOtherWriters;
   const Skeleton skeleton = read_character(*human).skeleton;
   const auto expect_alike = [&](const Skeleton& own, const std::string& source, std::size_t frame) {
     const Pose a = read_clip(source, own, {.fps = 30}).poses[frame];

@@ -75,7 +75,7 @@ TEST(Foresee, NearPartsAreNamedByTheirJoints) {
 // together is named by place: the neck, under the chin.
 TEST(Foresee, ADraftThatIsALatticeIsToldOfTheFullSimulation) {
   const auto file = shared_data("characters/human_average.glb");
-  if (!file) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!file) GTEST_SKIP() << kNeedsRealBodies;
   const CharacterForesight foresight = foresee(read_character(*file));
   ASSERT_EQ(foresight.verbs[0].fill, BodyFill::skin);
   ASSERT_EQ(foresight.verbs[1].fill, BodyFill::lattice);

@@ -38,7 +38,7 @@ TEST(ExportedGltf, CharactersReadFromElsewhereAreValidWhenWritten) {
   const TemporaryFolder folder;
   for (const char* name : {"human_163_joints", "cesium_man", "greenman"}) {
     const auto path = shared_data(std::string("characters/") + name + ".glb");
-    if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
+    if (!path) GTEST_SKIP() << kNeedsOtherWriters;
     write_character(read_character(*path), folder / (std::string(name) + ".glb"));
   }
   expect_valid(folder.path());

@@ -19,7 +19,7 @@
 #include "tests/curate/curated_limb.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/read_bytes.h"
-#include "tests/support/shared_data.h"
+#include "tests/support/stand_in_human.h"
 #include "trainer/curate/bake.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/frame_files.h"
@@ -236,23 +236,22 @@ TEST(Symmetry, AddsTheMirrorImageOfEveryFrame) {
   EXPECT_LT(rms_mm(mirrored, true_image), 0.05);
 }
 
-TEST(Symmetry, TurnsARealHumansOtherThumb) {
-  const auto path = shared_data("characters/human_muscular.glb");
-  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
-  const Character human = read_character(*path);
-  const MirrorImage mirror(human, {});
-  const auto left = static_cast<std::size_t>(human.skeleton.find("LThumb")),
-             right = static_cast<std::size_t>(human.skeleton.find("RThumb"));
-  const Pose rest = bind_pose(human.skeleton);
-  Pose pose = rest;
-  pose.joints[left].rotation = normalized(pose.joints[left].rotation * Quat{0.2, -0.1, 0.3, 0.9});
-  const Pose image = mirror.pose(pose), again = mirror.pose(image);
-  const auto apart = [](const Pose& a, const Pose& b, std::size_t j) {
-    return pose_distance(a, b, {std::uint32_t(j)});
-  };
-  EXPECT_NEAR(apart(image, rest, left), 0, 1e-3);
-  EXPECT_NEAR(apart(image, rest, right), apart(pose, rest, left), 1e-3);
-  for (std::size_t j = 0; j < human.skeleton.size(); ++j) EXPECT_NEAR(apart(again, pose, j), 0, 1e-3) << j;
+TEST(Symmetry, TurnsAHumansOtherThumb) {
+  for (const Character& human : humans("characters/human_muscular.glb")) {
+    const MirrorImage mirror(human, {});
+    const auto left = static_cast<std::size_t>(human.skeleton.find("LThumb")),
+               right = static_cast<std::size_t>(human.skeleton.find("RThumb"));
+    const Pose rest = bind_pose(human.skeleton);
+    Pose pose = rest;
+    pose.joints[left].rotation = normalized(pose.joints[left].rotation * Quat{0.2, -0.1, 0.3, 0.9});
+    const Pose image = mirror.pose(pose), again = mirror.pose(image);
+    const auto apart = [](const Pose& a, const Pose& b, std::size_t j) {
+      return pose_distance(a, b, {std::uint32_t(j)});
+    };
+    EXPECT_NEAR(apart(image, rest, left), 0, 1e-3);
+    EXPECT_NEAR(apart(image, rest, right), apart(pose, rest, left), 1e-3);
+    for (std::size_t j = 0; j < human.skeleton.size(); ++j) EXPECT_NEAR(apart(again, pose, j), 0, 1e-3) << j;
+  }
 }
 
 TEST(Curate, UndoneEditsAndRawCachesAreByteForByte) {

@@ -31,7 +31,7 @@ Eigen::MatrixXd carried(const DiffuseTable& table, Eigen::Index nodes, const Eig
 
 TEST(Diffuse, SphereHasTheReferencesFieldsInside) {
   const auto path = shared_data("reference/fem/laplace_sphere.safetensors");
-  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!path) GTEST_SKIP() << kNeedsReferences;
   const Tensors file(*path);
   const TetMesh given = reference_mesh(file);
   // Surface nodes first, as the tables want them.

@@ -62,7 +62,7 @@ Eigen::VectorXd frequencies(const Eigen::MatrixXd& stiffness, const Eigen::Matri
 
 TEST(Elasticity, BarBendsAsAnotherProgramSays) {
   const auto path = shared_data("reference/fem/bar-651_static.safetensors");
-  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!path) GTEST_SKIP() << kNeedsReferences;
   const Tensors file(*path);
   const Bar bar(file);
   Eigen::VectorXd force = Eigen::VectorXd::Zero(bar.stiffness.rows());
@@ -87,7 +87,7 @@ TEST(Elasticity, BarBendsAsAnotherProgramSays) {
 // turns this bar, one or two tets thick, about its axis.
 TEST(Elasticity, FrequenciesAreThoseOfTheConsistentMassAndNearlyOfTheLumpedOne) {
   const auto path = shared_data("reference/fem/bar-651_static.safetensors");
-  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!path) GTEST_SKIP() << kNeedsReferences;
   const Tensors file(*path);
   const Bar bar(file);
   const auto expected = file.get<double>("frequency_hz_consistent_mass");

@@ -187,7 +187,7 @@ double step_error(Bar bar, const Bar::Modes& modes, std::uint32_t substeps) {
 
 TEST(JiggleReference, BarFallsAsItsModesSayToSecondOrder) {
   const auto path = shared_data("reference/fem/bar-651_transient.safetensors");
-  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!path) GTEST_SKIP() << kNeedsReferences;
   const Tensors file(*path);
   const Bar bar = ReferenceBar(file).bar(1e9);
   const Bar::Modes modes(bar, 2);  // of 1.5 and 2 Hz
@@ -200,7 +200,7 @@ TEST(JiggleReference, BarFallsAsItsModesSayToSecondOrder) {
 // The file's masses are consistent ones, ours lumped: near, not equal.
 TEST(JiggleReference, BarFallsNearlyAsWithConsistentMasses) {
   const auto path = shared_data("reference/fem/bar-651_transient.safetensors");
-  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!path) GTEST_SKIP() << kNeedsReferences;
   const Tensors file(*path);
   Bar bar = ReferenceBar(file).bar(1e9);
   const std::vector<double> expected = file.get<double>("displacement");

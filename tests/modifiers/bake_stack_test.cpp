@@ -256,7 +256,7 @@ TEST(SetChannels, ReplacesWhatTheClipHas) {
 // The hero is 1.75 m tall. What it gains is measured on the skin that the runtime shows.
 TEST(BakeBreathing, AHumanBreathesWithinPublishedRanges) {
   const auto file = shared_data("characters/human_muscular.glb");
-  if (!file) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!file) GTEST_SKIP() << kNeedsRealBodies;
   const TemporaryFolder folder;
   TrainOptions options;
   options.smoothing_steps = 4;  // quick; at rest it makes no difference
@@ -300,7 +300,7 @@ TEST(BakeBreathing, AHumanBreathesWithinPublishedRanges) {
 // Its trunk is long and slender: by the trunk's length alone the belly would come out by 44 mm.
 TEST(BakeBreathing, ASlenderBellyStaysWithinItsRange) {
   const auto file = shared_data("characters/human_163_joints.glb");
-  if (!file) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!file) GTEST_SKIP() << kNeedsRealBodies;
   const TemporaryFolder folder;
   TrainOptions options;
   options.smoothing_steps = 4;

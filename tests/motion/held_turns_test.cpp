@@ -142,7 +142,7 @@ TEST(HeldTurns, JointsWithoutLimitsAreNamedNotJudged) {
 // A performance that was retargeted badly, and the same read from its BVH.
 TEST(HeldTurns, TheBadRealClipIsFoundAndTheGoodOneHardly) {
   const auto human = shared_data("characters/human_muscular.glb"), good = shared_data("motion/01_01.bvh");
-  if (!human || !good) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!human || !good) GTEST_SKIP() << kNeedsRealMotion;
   const Skeleton skeleton = read_character(*human).skeleton;
   const JointLimits limits = read_joint_limits(kSourceFolder + "/rigs/human/limits.json", skeleton);
   const auto names = [&](const std::string& source) {

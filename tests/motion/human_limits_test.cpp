@@ -15,7 +15,7 @@ class HumanLimits : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto path = shared_data("characters/human_muscular.glb");
-    if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
+    if (!path) GTEST_SKIP() << kNeedsRealBodies;
     skeleton_ = read_character(*path).skeleton;
     limits_ = read_joint_limits(kSourceFolder + "/rigs/human/limits.json", skeleton_);
   }

@@ -6,7 +6,7 @@
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_program.h"
-#include "tests/support/shared_data.h"
+#include "tests/support/stand_in_human.h"
 
 namespace bodyopt::testing {
 namespace animator_test {
@@ -135,10 +135,9 @@ TEST_F(AnimatorTest, APressIsWhereItWasMade) {
 
 // Its hand holds a finger; a joint that ends no longer bone is pinned itself.
 TEST_F(AnimatorTest, AFingersPinIsTheHands) {
-  const auto file = shared_data("characters/human_average.glb");
-  if (!file) GTEST_SKIP() << "needs the shared data, which is not here";
+  write_character(stand_in_human(), "human.glb");
   ViewerOptions options = small();
-  options.files = {*file};
+  options.files = {"human.glb"};
   const auto viewport = open(options, kBarePicture + "; pin LeftHandFinger1; pin RightFoot; pin LThumb 0.5 1 0");
   const std::map<std::string, Vec3>& pins = viewport->controls().settings.pose.pins;
   EXPECT_EQ(viewport->controls().joint, "LeftHand");

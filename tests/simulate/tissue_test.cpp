@@ -240,7 +240,7 @@ TEST(Tissue, TheFirmBarrierHoldsUpTinyTets) {
 // Lamé parameters at rest are mu and lambda - mu.
 TEST(Tissue, AgreesWithAnIndependentLinearSolution) {
   const auto path = shared_data("reference/fem/bar-651_static.safetensors");
-  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!path) GTEST_SKIP() << kNeedsReferences;
   const std::string bytes = testing::read_bytes(*path);
   std::uint64_t header_size = 0;
   std::memcpy(&header_size, bytes.data(), 8);

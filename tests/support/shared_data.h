@@ -1,4 +1,5 @@
-// Real characters and motion for tests, kept beside the checkout; tests that need them say "skipped" without.
+// Real characters and motion for tests, kept beside the checkout. What can do with a body of ours takes
+// stand_in_human.h; the others are skipped without the files, and say why they need them.
 #pragma once
 
 #include <cstdlib>
@@ -18,5 +19,13 @@ inline std::optional<std::filesystem::path> shared_data(const std::string& file)
   if (!std::filesystem::exists(path)) return std::nullopt;
   return path;
 }
+
+inline constexpr const char *kNeedsOtherWriters =
+                                "needs files that other programs wrote: the shared data, which is not here",
+                            *kNeedsRealBodies =
+                                "needs the proportions of real bodies: the shared data, which is not here",
+                            *kNeedsRealMotion = "needs recorded motion: the shared data, which is not here",
+                            *kNeedsReferences =
+                                "needs what other programs computed: the shared data, which is not here";
 
 }  // namespace bodyopt

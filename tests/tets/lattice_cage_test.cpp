@@ -9,7 +9,7 @@
 #include "runtime/core/error.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"
-#include "tests/support/shared_data.h"
+#include "tests/support/stand_in_human.h"
 
 namespace bodyopt {
 namespace {
@@ -199,11 +199,18 @@ TEST(LatticeCage, EmbeddingFollowsAffineMotion) {
   EXPECT_EQ(embed(cage.skin, cage.mesh.tets, moved(cage.mesh.nodes)), skin);
 }
 
+TEST(LatticeCage, EnclosesAHuman) {
+  const Character human = stand_in_human();
+  const Cage cage = lattice_cage(human.vertices, human.triangles, 1500);
+  EXPECT_LE(cage.mesh.nodes.rows(), 1500);
+  expect_sound(cage, skin_of(human), "stand-in");
+}
+
 TEST(LatticeCage, EnclosesRealCharacters) {
   for (const char* file : {"cesium_man.glb", "fox.glb", "simple_skin.gltf", "quaternius_man.glb",
                            "quaternius_horse.glb", "greenman.glb", "human_muscular.glb"}) {
     const auto path = shared_data(std::string("characters/") + file);
-    if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
+    if (!path) GTEST_SKIP() << kNeedsOtherWriters;
     double unit = 0;
     if (std::string(file) == "fox.glb") unit = 0.01;
     const Character character = read_character(*path, unit);

@@ -90,7 +90,7 @@ Distances distances(const Reference& reference, double prune) {
 
 TEST(DdmReference, CesiumMan) {
   const auto path = shared_data("reference/ddm/cesium_man.safetensors");
-  if (!path) GTEST_SKIP() << "needs the shared data, which is not here";
+  if (!path) GTEST_SKIP() << kNeedsReferences;
   const Reference reference{Tensors(*path)};
   const Distances exact = distances(reference, 0), pruned = distances(reference, DdmOptions{}.prune);
   EXPECT_LT(exact.unpacked, 1e-9);
