@@ -21,13 +21,6 @@
 namespace bodyopt::cli {
 namespace {
 
-Json json_of_point(const TradeOffPoint& point) {
-  return {{"bytes_per_vertex", point.bytes_per_vertex},
-          {"expected_rms_mm", point.expected_mm},
-          {"coefficients", point.coefficients},
-          {"microseconds", point.microseconds}};
-}
-
 Json joint_names(const Skeleton& skeleton) {
   Json names = Json::array();
   for (const Joint& joint : skeleton.joints) names.push_back(joint.name);
@@ -118,7 +111,7 @@ Json basis_info(const std::string& path) {
                  {"joints", joint_names(basis.skeleton)},
                  {"metadata", metadata}};
   if (const Json table = levels_info(levels); !table.empty()) result["levels"] = table;
-  for (const TradeOffPoint& point : read_curve(basis)) result["curve"].push_back(json_of_point(point));
+  for (const TradeOffPoint& point : read_curve(basis)) result["curve"].push_back(bodyopt::to_json(point));
   if (const std::filesystem::path beside = attachments_beside(path); std::filesystem::exists(beside)) {
     result["attached"] = to_json(load_attachments(beside, basis, path).meshes);
   }

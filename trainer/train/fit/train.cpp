@@ -22,6 +22,7 @@
 #include "trainer/train/pack/selection_error.h"
 #include "trainer/train/pack/trade_off.h"
 #include "trainer/train/regions/regions.h"
+#include "trainer/train/skinning/ddm_basis.h"
 #include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
@@ -125,13 +126,6 @@ std::vector<std::string> warnings_of(const SampleSet& set, const Groundwork& gro
   return warnings;
 }
 
-// A training from the start of the same data and options makes another basis.
-void say_updated(Basis& basis) {
-  nlohmann::json provenance = nlohmann::json::parse(basis.metadata.at("provenance"));
-  provenance["updated"] = true;
-  basis.metadata["provenance"] = provenance.dump();
-}
-
 // What is worth its bytes, and all that the basis says of itself.
 TrainingResult packed_result(const SampleSet& set, const TrainOptions& options, Groundwork& ground,
                              const ResidualModel& model) {
@@ -178,7 +172,10 @@ TrainingResult train(const SampleSet& set, const TrainOptions& options) {
   std::vector<std::string> notes;
   TrainingResult result = prepared(set, options, notes, [&](StagedFit& fit, Groundwork& ground) {
     const Layout layout = fit.layout(ground);
-    if (fit.is_update(ground)) say_updated(ground.base.basis);
+    if (fit.is_update(ground)) {
+      ground.base.basis.metadata["provenance"] =
+          provenance_text(set.character, ground.base.radius, fit.options(), true);
+    }
     ResidualModel model{set.controls, ground.features.ranges, fit.regions(ground, layout), ground.shapes.vertex_count(),
                         training_folds(set)};
     model.fade = fade_table(ground, model.regions, model.folds);

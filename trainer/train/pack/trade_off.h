@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct TradeOffPoint {
   double microseconds = 0;      // of a frame, see docs/train.md
   std::uint32_t coefficients = 0;
 };
+nlohmann::ordered_json to_json(const TradeOffPoint& point);
 std::string curve_text(const std::vector<TradeOffPoint>& curve);
 // Of a basis' metadata; none where it was trained without shapes. Throws Error(file) where it is damaged.
 std::vector<TradeOffPoint> read_curve(const Basis& basis);

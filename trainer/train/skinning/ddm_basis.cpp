@@ -7,6 +7,21 @@
 
 namespace bodyopt {
 
+std::string provenance_text(const Character& character, double radius, const TrainOptions& options, bool updated) {
+  nlohmann::json provenance = {{"program", "bodyopt " BODYOPT_VERSION},
+                               {"character", character.name},
+                               {"smoothing_radius_m", radius},
+                               {"smoothing_steps", options.smoothing_steps},
+                               {"components", options.components},
+                               {"centres", options.centres},
+                               {"budget", options.budget},
+                               {"tolerance_mm", options.tolerance_mm},
+                               {"surface_curves", options.surface_curves},
+                               {"seed", options.seed}};
+  if (updated) provenance["updated"] = true;
+  return provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 DdmBase make_ddm_base(const Character& ordered, double radius, const TrainOptions& options) {
   DdmBase base{{},
                ddm_moments(ordered.vertices, ordered.triangles, ordered.weights,
@@ -21,17 +36,7 @@ DdmBase make_ddm_base(const Character& ordered, double radius, const TrainOption
   basis.metadata["units"] = "metres";
   basis.metadata["topology_hash"] = hexadecimal(topology_hash(basis.mesh));
   basis.metadata["skeleton_hash"] = hexadecimal(skeleton_hash(basis.skeleton));
-  const nlohmann::json provenance = {{"program", "bodyopt " BODYOPT_VERSION},
-                                     {"character", ordered.name},
-                                     {"smoothing_radius_m", radius},
-                                     {"smoothing_steps", options.smoothing_steps},
-                                     {"components", options.components},
-                                     {"centres", options.centres},
-                                     {"budget", options.budget},
-                                     {"tolerance_mm", options.tolerance_mm},
-                                     {"surface_curves", options.surface_curves},
-                                     {"seed", options.seed}};
-  basis.metadata["provenance"] = provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  basis.metadata["provenance"] = provenance_text(ordered, radius, options, false);
   return base;
 }
 

@@ -1,6 +1,7 @@
 // A basis of Direct Delta Mush and nothing else, which takes no shapes.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "assets/character.h"
@@ -16,6 +17,10 @@ struct DdmBase {
   std::vector<VertexMoments> moments;
   double radius = 0;  // sigma, metres
 };
+
+// What a basis' metadata say of how it was made: JSON. `updated`: it was brought on from an earlier training; one from
+// the start, of the same data and options, is another.
+std::string provenance_text(const Character& character, double radius, const TrainOptions& options, bool updated);
 
 // `ordered`: a character in runtime order.
 DdmBase make_ddm_base(const Character& ordered, double radius, const TrainOptions& options);
