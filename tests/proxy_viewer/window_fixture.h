@@ -92,9 +92,13 @@ class WindowTest : public ::testing::Test {
   }
   // How many submissions the program makes, start and all: how they are batched is its own affair.
   int submissions_of(const std::string& arguments) const {
+    return count_submissions([&](const std::string& counting) { return run_program(command(arguments, counting)); });
+  }
+  // `run` runs a program with this before its command.
+  template <typename Run>
+  int count_submissions(const Run& run) const {
     const std::filesystem::path file = folder_ / "submissions.txt";
-    const std::string counting = misbehaving_device("COUNT_SUBMISSIONS=" + file.string());
-    const ProgramResult result = run_program(command(arguments, counting));
+    const ProgramResult result = run(misbehaving_device("COUNT_SUBMISSIONS=" + file.string()));
     EXPECT_EQ(result.exit_code, 0) << result.output;
     int count = 0;
     std::ifstream(file) >> count;
