@@ -30,7 +30,7 @@ function(bodyopt_describe_kernel SHADER DECLARATION BINDING_COUNT)
   if(NOT push OR NOT threads)
     message(FATAL_ERROR "${SHADER}: expected 'uniform Constants { <Name>Push push; }' and a line '// Threads: <how many>'")
   endif()
-  string(REGEX MATCHALL "binding = [0-9]+\\)[a-z ]* buffer B[0-9]+ { [A-Za-z]+ [a-z_]+" buffers "${text}")
+  string(REGEX MATCHALL "binding = [0-9]+\\)[a-z ]* buffer B[0-9]+ { [A-Za-z0-9]+ [a-z_]+" buffers "${text}")
   set(names "")
   set(written 0)  # bits
   foreach(buffer ${buffers})
@@ -48,6 +48,10 @@ function(bodyopt_describe_kernel SHADER DECLARATION BINDING_COUNT)
   list(JOIN names ", " fields)
   list(TRANSFORM names PREPEND "buffers.")
   list(JOIN names ", " ranges)
+  set(takes_frames false)
+  if(text MATCHES "constant_id = 0\\) const uint kFrames = 1;")
+    set(takes_frames true)
+  endif()
   set(class "")
   string(REPLACE "_" ";" words ${kernel})
   foreach(word ${words})
@@ -65,6 +69,7 @@ struct ${class}Shader {
   };
   static std::array<BufferRange, ${count}> ranges(const Buffers& buffers) { return {${ranges}}; }
   static constexpr std::uint32_t written = ${written};
+  static constexpr bool takes_frames = ${takes_frames};
   static std::uint32_t threads([[maybe_unused]] const Push& push) { return ${threads}; }
   static std::span<const std::uint32_t> spirv();
 };

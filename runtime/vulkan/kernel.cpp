@@ -20,7 +20,7 @@ std::uint32_t count_bindings(std::span<const std::uint32_t> spirv) {
 }  // namespace
 
 Kernel::Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t written,
-               std::uint32_t push_bytes)
+               std::uint32_t push_bytes, std::uint32_t frames)
     : binding_count_(count_bindings(spirv)), written_(written) {
   const VkDevice handle = device.handle();
   std::vector<VkDescriptorSetLayoutBinding> bindings(binding_count_);
@@ -33,6 +33,9 @@ Kernel::Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::
 
   auto info = structure<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
   info.stage = shader_stage(VK_SHADER_STAGE_COMPUTE_BIT, shader);
+  const VkSpecializationMapEntry constant{0, 0, sizeof(frames)};
+  const VkSpecializationInfo constants{1, &constant, sizeof(frames), &frames};
+  info.stage.pSpecializationInfo = &constants;
   info.layout = layout_.get();
   VkPipeline pipeline = VK_NULL_HANDLE;
   check(vkCreateComputePipelines(handle, device.pipeline_cache(), 1, &info, nullptr, &pipeline),

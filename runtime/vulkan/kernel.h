@@ -11,8 +11,9 @@ namespace bodyopt::vulkan {
 class Kernel {
  public:
   // The bindings are those that the shader declares; `written`: a bit for each, of those that it writes, and the others
-  // it reads. Throws Error(device).
-  Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t written, std::uint32_t push_bytes);
+  // it reads. `frames`: what its constant 0 is, where it has one. Throws Error(device).
+  Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t written, std::uint32_t push_bytes,
+         std::uint32_t frames = 1);
 
   VkPipeline pipeline() const { return pipeline_.get(); }
   VkPipelineLayout layout() const { return layout_.get(); }

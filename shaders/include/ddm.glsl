@@ -1,5 +1,6 @@
 // What strain_skin and pose_skin share: Direct Delta Mush of one vertex in the centred form, in the order of
-// runtime/cpu/lane_ddm.h. The including kernel declares push, block_begin, block_joints, moments, vertices and skinning.
+// runtime/cpu/lane_ddm.h. The including kernel declares kFrames, push, block_begin, block_joints, moments, vertices and
+// skinning: a vec4 for each row of a joint's matrix, which a software device fetches quicker than four numbers.
 //
 // Values are `precise`: a multiply and an add stay two roundings, so that a joint that moves as the base joint cancels
 // exactly.
@@ -7,22 +8,25 @@
 
 void transform_point(uint m, float p[3], out float result[3]) {
   for (uint i = 0; i < 3; ++i) {
-    uint row = m + 4 * i;
-    precise float value =
-        skinning[row] * p[0] + skinning[row + 1] * p[1] + skinning[row + 2] * p[2] + skinning[row + 3];
+    vec4 row = skinning[m + i];
+    precise float value = row.x * p[0] + row.y * p[1] + row.z * p[2] + row.w;
     result[i] = value;
   }
 }
 
-// Posed position relative to the frame's origin. frame_skinning: offset of the frame's matrices.
-void ddm_position(uint vertex, uint frame_skinning, float delta[3], out float position[3]) {
-  uint block = vertex / kBlockSize, lane = vertex % kBlockSize;
+// Posed positions of kFrames frames relative to their origins.
+void ddm_positions(uint vertex, uint first_frame, float delta[kFrames][3], out float position[kFrames][3]) {
+  uint block = vertex / kBlockSize, lane = vertex % kBlockSize, rows = 3 * push.joint_count;
   DdmVertex v = vertices[vertex - push.first_vertex];
   float centre[3] = float[3](v.centre_x, v.centre_y, v.centre_z);
-  float base[3];
-  transform_point(frame_skinning + 12 * v.base_joint, centre, base);
-  precise float q[9] = float[9](0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-  precise float offset[3] = float[3](0.0, 0.0, 0.0);
+  float base[kFrames][3];
+  precise float q[kFrames][9];
+  precise float offset[kFrames][3];
+  for (uint f = 0; f < kFrames; ++f) {
+    transform_point((first_frame + f) * rows + 3 * v.base_joint, centre, base[f]);
+    for (int i = 0; i < 9; ++i) q[f][i] = 0.0;
+    for (int i = 0; i < 3; ++i) offset[f][i] = 0.0;
+  }
   for (uint e = block_begin[block]; e < block_begin[block + 1]; ++e) {
     uint words = (e - push.first_entry) * kMomentWords * kBlockSize + lane;
     vec2 xx_xy = unpackHalf2x16(moments[words]);
@@ -32,23 +36,28 @@ void ddm_position(uint vertex, uint frame_skinning, float delta[3], out float po
     float sy = uintBitsToFloat(moments[words + 4 * kBlockSize]);
     float sz = uintBitsToFloat(moments[words + 5 * kBlockSize]);
     float omega = uintBitsToFloat(moments[words + 6 * kBlockSize]);
-    uint m = frame_skinning + 12 * block_joints[e];
-    float image[3];
-    transform_point(m, centre, image);
-    for (int i = 0; i < 3; ++i) {
-      float rx = skinning[m + 4 * i], ry = skinning[m + 4 * i + 1], rz = skinning[m + 4 * i + 2];
-      precise float a = image[i] - base[i];
-      q[3 * i] += rx * xx_xy.x + ry * xx_xy.y + rz * xz_yy.x + a * sx;
-      q[3 * i + 1] += rx * xx_xy.y + ry * xz_yy.y + rz * yz_zz.x + a * sy;
-      q[3 * i + 2] += rx * xz_yy.x + ry * yz_zz.x + rz * yz_zz.y + a * sz;
-      offset[i] += omega * a + v.radius2 * (rx * sx + ry * sy + rz * sz);
+    uint joint = 3 * block_joints[e];
+    for (uint f = 0; f < kFrames; ++f) {
+      uint m = (first_frame + f) * rows + joint;
+      float image[3];
+      transform_point(m, centre, image);
+      for (int i = 0; i < 3; ++i) {
+        vec3 row = skinning[m + i].xyz;
+        precise float a = image[i] - base[f][i];
+        q[f][3 * i] += row.x * xx_xy.x + row.y * xx_xy.y + row.z * xz_yy.x + a * sx;
+        q[f][3 * i + 1] += row.x * xx_xy.y + row.y * xz_yy.y + row.z * yz_zz.x + a * sy;
+        q[f][3 * i + 2] += row.x * xz_yy.x + row.y * yz_zz.x + row.z * yz_zz.y + a * sz;
+        offset[f][i] += omega * a + v.radius2 * (row.x * sx + row.y * sy + row.z * sz);
+      }
     }
   }
-  float r[9];
-  rot(q, r);
-  precise float d[3] = float[3](v.offset_x + delta[0], v.offset_y + delta[1], v.offset_z + delta[2]);
-  for (int i = 0; i < 3; ++i) {
-    precise float x = base[i] + offset[i] + (r[3 * i] * d[0] + r[3 * i + 1] * d[1] + r[3 * i + 2] * d[2]);
-    position[i] = x;
+  for (uint f = 0; f < kFrames; ++f) {
+    float r[9];
+    rot(q[f], r);
+    precise float d[3] = float[3](v.offset_x + delta[f][0], v.offset_y + delta[f][1], v.offset_z + delta[f][2]);
+    for (int i = 0; i < 3; ++i) {
+      precise float x = base[f][i] + offset[f][i] + (r[3 * i] * d[0] + r[3 * i + 1] * d[1] + r[3 * i + 2] * d[2]);
+      position[f][i] = x;
+    }
   }
 }

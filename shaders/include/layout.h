@@ -14,6 +14,9 @@ using uint = std::uint32_t;
 
 const uint kWorkgroupSize = 64u;
 
+// Frames that an invocation of a kernel with kFrames takes, where there are as many: it reads the tables once for them.
+const uint kFramesTogether = 4u;
+
 // Vertices stand in blocks of 16 in Morton order; the vertices of a block share one list of joints.
 const uint kBlockSize = 16u;
 
@@ -176,6 +179,7 @@ struct StrainSkinPush {
   uint strain_vertex_count, joint_count;  // strain_vertex_count: length of the strain table's vertex list
   uint first_vertex, end_vertex;          // the window of the DDM table bound; others are left to other dispatches
   uint first_entry;                       // entry at which the bound moments begin
+  uint first_frame;                       // of the dispatch
 };
 struct StrainMeasurePush {
   uint fibre_count, strain_vertex_count;
@@ -197,16 +201,19 @@ struct ResidualBlendPush {
   float weight;                   // of the displacement; 1: as trained
   uint first_vertex, end_vertex;  // the window of the blend bound
   uint first_entry;               // entry at which it begins
+  uint first_frame;               // of the dispatch
 };
 struct ModifyBlendPush {
   uint vertex_count, component_count;
   uint first_vertex, end_vertex;  // the window of the blend bound
   uint first_entry;               // entry at which it begins
+  uint first_frame;               // of the dispatch
 };
 struct PoseSkinPush {
   uint vertex_count, joint_count;
   uint first_vertex, end_vertex;  // the window of the DDM table bound; vertices run from first_vertex
   uint first_entry;               // entry at which the bound moments begin
+  uint first_frame;               // of the dispatch
 };
 struct OutputRelaxPush {
   uint vertex_count, component_count, component;  // the last: whose weight says how much is shown

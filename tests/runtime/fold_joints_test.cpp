@@ -53,7 +53,8 @@ TEST(FoldJoints, AnElbowDoesNotCloseOnTheTrunk) {
   const std::vector<float> reaches = fold_reaches(body.skeleton, body.forearm, 0.6f);
   EXPECT_EQ(reaches[body.arm], 0.6f);
   EXPECT_EQ(reaches[body.collar], 0.6f);
-  EXPECT_EQ(reaches[body.chest], 0);  // 0.5 along the bones
+  EXPECT_EQ(reaches[body.hand], 0.6f);  // which is near, and away from the trunk
+  EXPECT_EQ(reaches[body.chest], 0);    // 0.5 along the bones
   EXPECT_EQ(reaches[body.left_thigh], 0);
 }
 

@@ -16,7 +16,7 @@
 namespace bodyopt::testing {
 
 inline constexpr std::array<std::uint32_t, 6> kSizes = {0, 1, 63, 64, 65, 1237};
-inline constexpr std::array<std::uint32_t, 3> kFrames = {1, 2, 5};
+inline constexpr std::array<std::uint32_t, 3> kFrames = {1, 2, 9};  // two groups of kFramesTogether, and one more
 
 class Random {
  public:

@@ -3,12 +3,16 @@
 // as one ShaderKernel for each: PoseSkin for pose_skin.comp.
 #pragma once
 
+#include <optional>
+
 #include "runtime/vulkan/commands.h"
+#include "shaders/include/layout.h"
 
 namespace bodyopt::vulkan {
 
 // `Shader`: Buffers (a BufferRange for each binding, by its name in the shader), Push, threads(push), ranges(buffers),
-// written (a bit for each binding that is written) and spirv().
+// written (a bit for each binding that is written), takes_frames (an invocation takes kFrames of them, a constant of
+// the shader, from push.first_frame on) and spirv().
 template <typename Shader>
 class ShaderKernel {
  public:
@@ -16,14 +20,27 @@ class ShaderKernel {
   using Push = typename Shader::Push;
 
   // Throws Error(device).
-  explicit ShaderKernel(const Device& device) : kernel_(device, Shader::spirv(), Shader::written, sizeof(Push)) {}
+  explicit ShaderKernel(const Device& device) : kernel_(device, Shader::spirv(), Shader::written, sizeof(Push)) {
+    if constexpr (Shader::takes_frames) {
+      together_.emplace(device, Shader::spirv(), Shader::written, sizeof(Push), kFramesTogether);
+    }
+  }
 
-  void record(Commands& commands, const Buffers& buffers, const Push& push, std::uint32_t frames = 1) const {
+  // push.first_frame is set here.
+  void record(Commands& commands, const Buffers& buffers, Push push, std::uint32_t frames = 1) const {
+    if constexpr (Shader::takes_frames) {
+      const std::uint32_t groups = frames / kFramesTogether;
+      push.first_frame = 0;
+      commands.dispatch(*together_, Shader::ranges(buffers), push, Shader::threads(push), groups);
+      push.first_frame = groups * kFramesTogether;
+      frames -= push.first_frame;
+    }
     commands.dispatch(kernel_, Shader::ranges(buffers), push, Shader::threads(push), frames);
   }
 
  private:
   Kernel kernel_;
+  std::optional<Kernel> together_;  // of kFramesTogether
 };
 
 }  // namespace bodyopt::vulkan

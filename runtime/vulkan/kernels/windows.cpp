@@ -9,7 +9,7 @@ void record_pose_skin(Commands& commands, const PoseSkin& kernel, const PoseSkin
     kernel.record(commands,
                   {ddm.block_begin, ddm.block_joints, ddm.moments_of(window), ddm.vertices_of(window), buffers.skinning,
                    buffers.origins, buffers.displacements, buffers.positions},
-                  {vertex_count, joint_count, window.first_vertex, window.end_vertex, window.first_entry}, frames);
+                  {vertex_count, joint_count, window.first_vertex, window.end_vertex, window.first_entry, 0}, frames);
   }
 }
 
@@ -20,7 +20,7 @@ void record_strain_skin(Commands& commands, const StrainSkin& kernel, const Stra
     kernel.record(commands,
                   {ddm.block_begin, ddm.block_joints, ddm.moments_of(window), ddm.vertices_of(window), buffers.skinning,
                    buffers.strain_vertices, buffers.positions},
-                  {strain_vertex_count, joint_count, window.first_vertex, window.end_vertex, window.first_entry},
+                  {strain_vertex_count, joint_count, window.first_vertex, window.end_vertex, window.first_entry, 0},
                   frames);
   }
 }
@@ -30,9 +30,10 @@ void record_residual_blend(Commands& commands, const ResidualBlend& kernel, cons
                            std::uint32_t frames) {
   const BlendBuffers& blend = buffers.blend;
   for (const BlockWindow& window : blend.windows) {
-    kernel.record(commands, {blend.block_begin, blend.entries_of(window), buffers.coefficients, buffers.displacements},
-                  {vertex_count, coefficient_count, weight, window.first_vertex, window.end_vertex, window.first_entry},
-                  frames);
+    kernel.record(
+        commands, {blend.block_begin, blend.entries_of(window), buffers.coefficients, buffers.displacements},
+        {vertex_count, coefficient_count, weight, window.first_vertex, window.end_vertex, window.first_entry, 0},
+        frames);
   }
 }
 
@@ -41,7 +42,8 @@ void record_modify_blend(Commands& commands, const ModifyBlend& kernel, const Mo
   const BlendBuffers& blend = buffers.blend;
   for (const BlockWindow& window : blend.windows) {
     kernel.record(commands, {blend.block_begin, blend.entries_of(window), buffers.coefficients, buffers.displacements},
-                  {vertex_count, component_count, window.first_vertex, window.end_vertex, window.first_entry}, frames);
+                  {vertex_count, component_count, window.first_vertex, window.end_vertex, window.first_entry, 0},
+                  frames);
   }
 }
 
