@@ -236,7 +236,6 @@ ErrorStatistics draft_errors(const SampleSet& set, const Dataset& draft) {
   std::erase_if(both, [&](const Sample& sample) { return !skins.contains(sample.frame); });
   std::vector<Positions> shapes;
   for (const Sample& sample : both) shapes.push_back(skins.at(sample.frame));
-  if (shapes.empty()) return {};
   return heldout_errors(both, shapes);
 }
 

@@ -60,6 +60,7 @@ std::vector<int> sample_numbers(const std::vector<Sample>& samples) {
 }  // namespace
 
 ErrorStatistics heldout_errors(const std::vector<Sample>& heldout, const std::vector<Positions>& shapes) {
+  if (shapes.empty()) return {};
   ErrorAccumulator accumulator(static_cast<std::uint32_t>(shapes.front().rows()));
   const std::vector<int> numbers = sample_numbers(heldout);
   for (std::size_t k = 0; k < shapes.size(); ++k) {

@@ -16,8 +16,8 @@ void hold_out_blocks(Dataset& dataset, int every);
 std::vector<Positions> heldout_by_lbs(const SampleSet& set);
 std::vector<Positions> heldout_by_basis(const SampleSet& set, Deformer& deformer);
 
-// Errors of such shapes against the simulation of these frames, one at least. Jitter is over consecutive frames of a
-// take.
+// Errors of such shapes against the simulation of these frames; of none, all are 0. Jitter is over consecutive frames
+// of a take.
 ErrorStatistics heldout_errors(const std::vector<Sample>& heldout, const std::vector<Positions>& shapes);
 
 // Errors of such shapes at every vertex over the held-out frames: mean distance (mm), and mean squared distance (mm^2).
