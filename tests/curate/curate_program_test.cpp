@@ -242,6 +242,23 @@ TEST_F(CurateProgram, ExportsOfAnEarlierVersionAreKnown) {
   EXPECT_TRUE(export_files(read_dataset(limb_.path())).empty());
 }
 
+// A copy of a record, or what a conflict left of it, is none.
+TEST_F(CurateProgram, OtherFilesBesideExportsAreNone) {
+  const auto count = [&] { return export_files(read_dataset(limb_.path())).size(); };
+  ASSERT_EQ(curate("export-frame", "--take one --frame 16 --out " + at("frame.obj")).exit_code, 0);
+  const std::filesystem::path record = export_files(read_dataset(limb_.path())).at(0);
+  const std::string name = record.filename(), hash = name.substr(name.size() - 21, 16);
+  for (const std::string& other :
+       {name + "~", "copy of " + name, "00001-exported-" + hash + ".json", "000001-imported-" + hash + ".json",
+        "000001-exported-" + hash + "0.json", "000001-exported-G" + hash.substr(1) + ".json",
+        "000001-exported-" + hash + ".jsom", std::string("000001"), std::string("-exported-")}) {
+    std::filesystem::copy_file(record, record.parent_path() / other);
+    EXPECT_EQ(count(), 1) << other;
+  }
+  std::filesystem::copy_file(record, record.parent_path() / ("1000001-exported-" + hash + ".json"));
+  EXPECT_EQ(count(), 2);
+}
+
 // Two artists who export do not write into one file: what both wrote is there when their folders are put together.
 TEST_F(CurateProgram, ExportsOfTwoArtistsMerge) {
   const auto files_of = [&] { return export_files(read_dataset(limb_.path())); };

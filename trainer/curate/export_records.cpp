@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
-#include <regex>
+#include <string_view>
 
 #include "assets/json_file.h"
 #include "base/content_hash.h"
@@ -29,9 +29,14 @@ ExportRecord read_record(const JsonObject& record, const fs::path& path) {
 }
 
 // Other files, a copy of one or a conflict's, are none of ours.
-bool is_record(const std::string& name) {
-  static const std::regex form("[0-9]{6,}-exported-[0-9a-f]{16}\\.json");
-  return std::regex_match(name, form);
+bool is_record(std::string_view name) {
+  constexpr std::string_view kBefore = "-exported-", kAfter = ".json";
+  constexpr std::size_t kHash = 16;
+  const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
+  const std::string_view rest = name.substr(digits);
+  return digits >= kDigits && rest.size() == kBefore.size() + kHash + kAfter.size() && rest.starts_with(kBefore) &&
+         rest.ends_with(kAfter) &&
+         rest.substr(kBefore.size(), kHash).find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
 // A file each, so that exports of two artists merge: "000007-exported-0123456789abcdef.json". The oldest first.
