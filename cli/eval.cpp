@@ -212,8 +212,8 @@ void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun
                              arguments.device.choice.check);
   std::vector<std::string> states = evaluate_frames(arguments, shot, caches, task);
   if (task != nullptr) task->require_same_inputs();
-  caches.close();
   if (const auto file = arguments.jiggle.write_last_state(*shot.deformer)) states.push_back(*file);
+  caches.close();  // last: where the cache is in place, its state is, too, and none of an earlier run stands beside it
   const double seconds = watch.seconds();
 
   const std::vector<fs::path> outputs = outputs_of(arguments, caches, states);
